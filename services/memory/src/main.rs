@@ -1,0 +1,3 @@
+//! Owns the perceptual memory and answers teach, correct and forget.
+
+fn main() {}

@@ -1,0 +1,3 @@
+//! The frame loop, the track table and the object actors.
+
+fn main() {}

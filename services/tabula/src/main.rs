@@ -1,0 +1,3 @@
+//! The command line: starts the daemon, shows its objects, teaches and asks.
+
+fn main() {}

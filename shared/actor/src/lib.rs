@@ -1,0 +1,1 @@
+//! Mailbox, life cycle, worker pool and supervision.

@@ -1,0 +1,1 @@
+//! File formats: PCD, PLY, RGB-D sequences and fakenect folders.

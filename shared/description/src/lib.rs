@@ -1,0 +1,1 @@
+//! Object descriptors: GOOD and the frame it is computed in.

@@ -1,0 +1,1 @@
+//! Finds objects: table plane, prism above it, clusters, candidates.

@@ -1,0 +1,1 @@
+//! libfreenect, loaded at run time: raw bindings and the safe wrapper.

@@ -1,0 +1,61 @@
+//! The oriented box.
+
+use nalgebra::{Isometry3, Point3, Vector3};
+
+/// A box with its own frame: centred at `pose`'s origin, sides along its axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OrientedBox {
+    /// Frame of the box in the frame it is given in: `frame_from_box`.
+    pub frame_from_box: Isometry3<f64>,
+    /// Half of each side, metres, all >= 0.
+    pub half_sides_m: Vector3<f64>,
+}
+
+impl OrientedBox {
+    /// Centre, in the frame the box is given in.
+    pub fn centre(&self) -> Point3<f64> {
+        self.frame_from_box.translation.vector.into()
+    }
+
+    /// Full length of each side, metres.
+    pub fn sides_m(&self) -> Vector3<f64> {
+        2.0 * self.half_sides_m
+    }
+
+    /// Volume, cubic metres.
+    pub fn volume_m3(&self) -> f64 {
+        self.sides_m().product()
+    }
+
+    /// Whether a point lies in the box grown by `margin_m` on every side.
+    #[inline]
+    pub fn contains(&self, point: &Point3<f64>, margin_m: f64) -> bool {
+        let p = self.frame_from_box.inverse_transform_point(point);
+        (0..3).all(|i| p[i].abs() <= self.half_sides_m[i] + margin_m)
+    }
+
+    /// The same box in another frame.
+    pub fn transformed(&self, target_from_frame: &Isometry3<f64>) -> Self {
+        Self { frame_from_box: target_from_frame * self.frame_from_box, ..*self }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_box_keeps_its_content_when_it_moves() {
+        let small = OrientedBox {
+            frame_from_box: Isometry3::new(Vector3::new(1.0, 2.0, 3.0), Vector3::new(0.1, 0.5, 1.0)),
+            half_sides_m: Vector3::new(0.1, 0.2, 0.3),
+        };
+        let inside = small.frame_from_box * Point3::new(0.09, -0.19, 0.29);
+        let outside = small.frame_from_box * Point3::new(0.11, 0.0, 0.0);
+        let motion = Isometry3::new(Vector3::new(-4.0, 0.0, 0.2), Vector3::new(2.0, 0.0, 0.3));
+        let moved = small.transformed(&motion);
+        assert!(small.contains(&inside, 0.0) && moved.contains(&(motion * inside), 1e-9));
+        assert!(!small.contains(&outside, 0.0) && small.contains(&outside, 0.02));
+        assert!((moved.volume_m3() - 0.2 * 0.4 * 0.6).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,137 @@
+//! The pinhole camera without distortion.
+
+use nalgebra::{Point2, Point3, Vector3};
+use std::fmt;
+
+/// Intrinsics of a pinhole camera; x right, y down, z forward.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PinholeCamera {
+    /// Focal length along the image's rows, pixels.
+    pub fx_px: f64,
+    /// Focal length along the image's columns, pixels.
+    pub fy_px: f64,
+    /// Principal point, column, pixels from the centre of the first pixel.
+    pub cx_px: f64,
+    /// Principal point, row, pixels from the centre of the first pixel.
+    pub cy_px: f64,
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+}
+
+/// Why a set of intrinsics can not be those of a camera.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InvalidIntrinsics {
+    camera: PinholeCamera,
+    rule: &'static str,
+}
+
+impl fmt::Display for InvalidIntrinsics {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let c = &self.camera;
+        write!(
+            f,
+            "the camera intrinsics fx {} fy {} cx {} cy {} for an image of {}x{} are wrong: {}",
+            c.fx_px, c.fy_px, c.cx_px, c.cy_px, c.width, c.height, self.rule
+        )
+    }
+}
+
+impl std::error::Error for InvalidIntrinsics {}
+
+impl PinholeCamera {
+    /// The depth camera of a Kinect v1 by its nominal values (Burrus 2010).
+    pub const KINECT_V1: Self =
+        Self { fx_px: 585.0, fy_px: 585.0, cx_px: 319.5, cy_px: 239.5, width: 640, height: 480 };
+
+    /// Checks that the values can belong to a camera.
+    ///
+    /// # Errors
+    /// Says which rule is broken: sizes from 1 to 8192 pixels, focal lengths
+    /// finite and between a tenth and a hundred times the image's longer side,
+    /// principal point within the image widened by its own size on each side.
+    pub fn validated(self) -> Result<Self, InvalidIntrinsics> {
+        let wrong = |rule| Err(InvalidIntrinsics { camera: self, rule });
+        if !(1..=8192).contains(&self.width) || !(1..=8192).contains(&self.height) {
+            return wrong("the image size must lie between 1 and 8192 pixels a side");
+        }
+        let (width, height) = (f64::from(self.width), f64::from(self.height));
+        let focal_range = 0.1 * width.max(height)..=100.0 * width.max(height);
+        if !focal_range.contains(&self.fx_px) || !focal_range.contains(&self.fy_px) {
+            return wrong("focal lengths must lie between 0.1 and 100 times the longer image side");
+        }
+        if !(-width..=2.0 * width).contains(&self.cx_px)
+            || !(-height..=2.0 * height).contains(&self.cy_px)
+        {
+            return wrong("the principal point must lie near the image");
+        }
+        Ok(self)
+    }
+
+    /// The point at depth `z_m` seen in the pixel's centre, camera frame.
+    #[inline]
+    pub fn back_project(&self, column: f64, row: f64, z_m: f64) -> Point3<f64> {
+        Point3::from(self.ray(column, row) * z_m)
+    }
+
+    /// The viewing ray of a pixel, scaled to z = 1, camera frame.
+    #[inline]
+    pub fn ray(&self, column: f64, row: f64) -> Vector3<f64> {
+        Vector3::new((column - self.cx_px) / self.fx_px, (row - self.cy_px) / self.fy_px, 1.0)
+    }
+
+    /// Pixel coordinates (column, row) of a point, `None` at or behind the camera.
+    /// The result may lie outside the image.
+    #[inline]
+    pub fn project(&self, point_in_camera: &Point3<f64>) -> Option<Point2<f64>> {
+        (point_in_camera.z > 0.0).then(|| {
+            Point2::new(
+                self.fx_px * point_in_camera.x / point_in_camera.z + self.cx_px,
+                self.fy_px * point_in_camera.y / point_in_camera.z + self.cy_px,
+            )
+        })
+    }
+
+    /// Number of pixels.
+    pub fn n_pixels(&self) -> usize {
+        self.width as usize * self.height as usize
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn projection_inverts_back_projection() {
+        let camera = PinholeCamera::KINECT_V1;
+        for (column, row, z) in [(0.0, 0.0, 0.5), (319.5, 239.5, 1.0), (639.0, 12.5, 3.0)] {
+            let pixel = camera.project(&camera.back_project(column, row, z)).unwrap();
+            assert!((pixel.x - column).abs() < 1e-9 && (pixel.y - row).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn nothing_behind_the_camera_is_seen() {
+        assert_eq!(PinholeCamera::KINECT_V1.project(&Point3::new(0.1, 0.1, -1.0)), None);
+        assert_eq!(PinholeCamera::KINECT_V1.project(&Point3::origin()), None);
+    }
+
+    #[test]
+    fn impossible_intrinsics_are_refused_with_their_rule() {
+        let good = PinholeCamera::KINECT_V1;
+        assert!(good.validated().is_ok());
+        for bad in [
+            PinholeCamera { fx_px: f64::NAN, ..good },
+            PinholeCamera { fy_px: -585.0, ..good },
+            PinholeCamera { cx_px: f64::INFINITY, ..good },
+            PinholeCamera { cy_px: 1e9, ..good },
+            PinholeCamera { width: 0, ..good },
+            PinholeCamera { height: 1 << 20, ..good },
+        ] {
+            let error = bad.validated().unwrap_err().to_string();
+            assert!(error.contains("must lie"), "{error}");
+        }
+    }
+}

@@ -1,0 +1,1 @@
+//! Categories and instance-based recognition with unknowns.

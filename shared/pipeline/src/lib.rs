@@ -1,0 +1,1 @@
+//! One frame's step as pure functions over explicit state.

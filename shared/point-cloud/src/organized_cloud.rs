@@ -1,0 +1,83 @@
+//! A cloud on the image grid.
+
+use crate::Point;
+use std::fmt;
+
+/// Borrowed points in rows of an image: `width x height`, row-major.
+#[derive(Debug, Clone, Copy)]
+pub struct OrganizedCloud<'a> {
+    points: &'a [Point],
+    width: usize,
+}
+
+/// The number of points does not fill the grid.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SizeMismatch {
+    n_points: usize,
+    width: usize,
+    height: usize,
+}
+
+impl fmt::Display for SizeMismatch {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { n_points, width, height } = self;
+        write!(f, "{n_points} points do not fill a grid of {width}x{height}")
+    }
+}
+
+impl std::error::Error for SizeMismatch {}
+
+impl<'a> OrganizedCloud<'a> {
+    /// Views a slice as an image of points.
+    ///
+    /// # Errors
+    /// When the slice's length is not `width * height`, or a side is zero.
+    pub fn new(points: &'a [Point], width: usize, height: usize) -> Result<Self, SizeMismatch> {
+        if width == 0 || height == 0 || width.checked_mul(height) != Some(points.len()) {
+            return Err(SizeMismatch { n_points: points.len(), width, height });
+        }
+        Ok(Self { points, width })
+    }
+
+    /// All points, row by row.
+    #[inline]
+    pub fn points(&self) -> &'a [Point] {
+        self.points
+    }
+
+    /// Columns.
+    #[inline]
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Rows.
+    #[inline]
+    pub fn height(&self) -> usize {
+        self.points.len() / self.width
+    }
+
+    /// One row of points.
+    ///
+    /// # Panics
+    /// When `row` is outside the image.
+    #[inline]
+    pub fn row(&self, row: usize) -> &'a [Point] {
+        &self.points[row * self.width..(row + 1) * self.width]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_grid_must_be_filled_exactly() {
+        let points = [Point::default(); 12];
+        let cloud = OrganizedCloud::new(&points, 4, 3).unwrap();
+        assert_eq!((cloud.width(), cloud.height(), cloud.row(2).len()), (4, 3, 4));
+        for (width, height) in [(4, 4), (0, 0), (0, 12), (12, 0), (usize::MAX, 2)] {
+            assert!(OrganizedCloud::new(&points, width, height).is_err());
+        }
+    }
+}

@@ -1,0 +1,1 @@
+//! What every process shares: arguments, configuration, tracing, signals, readiness, health.

@@ -1,0 +1,1 @@
+//! Perceptual memory over rusty-leveldb with a durable environment.

@@ -1,0 +1,1 @@
+//! Motion filter, association and key-view rule.

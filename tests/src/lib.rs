@@ -1,0 +1,1 @@
+//! Integration tests of the whole daemon; see the modules in `tests/`.
