@@ -1,1 +1,24 @@
 //! File formats: PCD, PLY, RGB-D sequences and fakenect folders.
+//!
+//! Each format is a pure function over the bytes of a file, with a thin
+//! wrapper that reads the file. What a file says about its size is compared
+//! with the bytes that are there before any memory is reserved, so that a
+//! hostile file costs a sentence.
+//!
+//! This crate never panics on any input, never reserves memory that the input
+//! does not account for, never writes to a file outside the folder or path it
+//! was given, and knows nothing about channels, sensors or services.
+
+mod bounded_file;
+mod lzf;
+mod natural_order;
+mod number;
+pub mod ply;
+
+#[cfg(test)]
+mod hostile;
+
+pub mod pcd;
+
+pub use bounded_file::FileError;
+pub use natural_order::natural_order;

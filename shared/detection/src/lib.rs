@@ -1,1 +1,33 @@
-//! Finds objects: table plane, prism above it, clusters, candidates.
+//! Finds the objects on a table in one organised cloud.
+//!
+//! [`detect`] searches the table plane, keeps the points in the prism above
+//! the table's polygon, joins them to clusters on the image grid, and returns
+//! each cluster that can be an object as a [`Candidate`] with an oriented box.
+//!
+//! Invariants: this crate never does I/O, never reads a clock, keeps no state
+//! between frames but buffers, draws randomness only from the seed it is
+//! given, accepts any bit pattern in the points, and knows nothing of tracks.
+
+mod axis;
+mod candidate;
+mod clusters;
+mod config;
+mod detect;
+mod error;
+mod footprint;
+mod plane_search;
+mod prism;
+mod random;
+mod samples;
+mod sensor_noise;
+mod support;
+mod table_plane;
+mod table_region;
+mod table_slabs;
+
+pub use candidate::{Candidate, Support};
+pub use config::{Config, InvalidConfig, RawConfig};
+pub use detect::{Detection, Frame, Workspace, detect};
+pub use error::Error;
+pub use sensor_noise::kinect_depth_sigma_m;
+pub use table_plane::Table;

@@ -1,1 +1,64 @@
 //! libfreenect, loaded at run time: raw bindings and the safe wrapper.
+//!
+//! The C library is looked for when a camera is opened, never when the daemon is
+//! built, so that everything builds and runs on machines without it. Debian's
+//! package `libfreenect0.5` holds two libraries with the same functions: the real
+//! one, and fakenect, which plays a recorded folder. Which one is used is a value
+//! chosen at start ([`LibraryKind`]); all code behind that choice is the same.
+//!
+//! ```no_run
+//! use freenect::{Calibration, CloudBuilder, Kinect, Library, LibraryKind, Selector};
+//! use point_cloud::Point;
+//! use std::{sync::Arc, time::Duration};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let library = Arc::new(Library::load(LibraryKind::Real)?);
+//! let mut kinect = Kinect::open(library, &Selector::Index(0))?;
+//! let builder = CloudBuilder::new(&Calibration::nominal())?;
+//! let mut cloud = vec![Point::default(); freenect::N_PIXELS];
+//! while let Some(frame) = kinect.next_frame(Duration::from_millis(500))? {
+//!     builder.fill(frame.depth.pixels, frame.video.pixels, &mut cloud)?;
+//! }
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! What this crate never does: it links nothing at build time, starts no thread,
+//! sets no environment variable, logs nothing (what the C library says is kept
+//! for the caller), and hands fakenect no folder it has not checked, because
+//! fakenect ends the process over a missing file and reads past short ones.
+//!
+//! `unsafe` is confined to `raw`, `library`, `messages`, `frame_buffer`,
+//! `callbacks` and `session`; everything else is safe code over them.
+
+mod acceleration;
+mod calibration;
+mod callbacks;
+mod depth;
+mod device;
+mod error;
+mod frame_buffer;
+mod library;
+mod mapped_file;
+mod messages;
+mod pairing;
+mod presence;
+mod raw;
+mod recording;
+mod registration;
+mod restart;
+mod session;
+
+pub use acceleration::Acceleration;
+pub use calibration::{Calibration, InvalidCalibration};
+pub use depth::{DepthFormula, DepthTable, MAX_DEPTH_M, NO_DEPTH};
+pub use device::{Frame, Image, Kinect, Selector, Statistics};
+pub use error::Error;
+pub use library::{Library, LibraryKind};
+pub use messages::{Level, Message};
+pub use pairing::{CLOCK_HZ, PAIRING_WINDOW_TICKS};
+pub use presence::{Access, Presence, UsbPart, UsbPartKind};
+pub use raw::{HEIGHT, N_PIXELS, WIDTH};
+pub use recording::{MAX_PAUSE, RecordingError, RecordingSummary, check_recording};
+pub use registration::{CloudBuilder, FillSummary, NEUTRAL_GREY, WrongSize};
+pub use restart::{FOLDER_VARIABLE, restart_with_recording};

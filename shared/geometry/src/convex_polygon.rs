@@ -51,7 +51,9 @@ impl ConvexPolygon {
 
     /// Area, square metres.
     pub fn area_m2(&self) -> f64 {
-        self.edges().map(|(a, b)| 0.5 * (a.x * b.y - b.x * a.y)).sum()
+        self.edges()
+            .map(|(a, b)| 0.5 * (a.x * b.y - b.x * a.y))
+            .sum()
     }
 
     fn edges(&self) -> impl Iterator<Item = (&Point2<f64>, &Point2<f64>)> {
@@ -68,7 +70,11 @@ fn grow_chain<'a>(
 ) {
     for point in points {
         while corners.len() >= from + 2
-            && cross(&corners[corners.len() - 2], &corners[corners.len() - 1], point) <= 0.0
+            && cross(
+                &corners[corners.len() - 2],
+                &corners[corners.len() - 1],
+                point,
+            ) <= 0.0
         {
             corners.pop();
         }
@@ -88,7 +94,10 @@ mod tests {
     use proptest::prelude::*;
 
     fn points(max: usize) -> impl Strategy<Value = Vec<Point2<f64>>> {
-        prop::collection::vec((-3.0..3.0, -3.0..3.0).prop_map(|(x, y)| Point2::new(x, y)), 0..max)
+        prop::collection::vec(
+            (-3.0..3.0, -3.0..3.0).prop_map(|(x, y)| Point2::new(x, y)),
+            0..max,
+        )
     }
 
     proptest! {
@@ -113,7 +122,13 @@ mod tests {
     #[test]
     fn a_square_knows_its_area_and_border() {
         let at = |x: f64, y: f64| Point2::new(x, y);
-        let mut cloud = [at(0.0, 0.0), at(2.0, 0.0), at(1.0, 1.0), at(2.0, 2.0), at(0.0, 2.0)];
+        let mut cloud = [
+            at(0.0, 0.0),
+            at(2.0, 0.0),
+            at(1.0, 1.0),
+            at(2.0, 2.0),
+            at(0.0, 2.0),
+        ];
         let square = ConvexPolygon::hull_of(&mut cloud);
         assert_eq!(square.corners().len(), 4);
         assert!((square.area_m2() - 4.0).abs() < 1e-12);

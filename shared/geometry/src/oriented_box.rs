@@ -36,7 +36,10 @@ impl OrientedBox {
 
     /// The same box in another frame.
     pub fn transformed(&self, target_from_frame: &Isometry3<f64>) -> Self {
-        Self { frame_from_box: target_from_frame * self.frame_from_box, ..*self }
+        Self {
+            frame_from_box: target_from_frame * self.frame_from_box,
+            ..*self
+        }
     }
 }
 
@@ -47,7 +50,10 @@ mod tests {
     #[test]
     fn a_box_keeps_its_content_when_it_moves() {
         let small = OrientedBox {
-            frame_from_box: Isometry3::new(Vector3::new(1.0, 2.0, 3.0), Vector3::new(0.1, 0.5, 1.0)),
+            frame_from_box: Isometry3::new(
+                Vector3::new(1.0, 2.0, 3.0),
+                Vector3::new(0.1, 0.5, 1.0),
+            ),
             half_sides_m: Vector3::new(0.1, 0.2, 0.3),
         };
         let inside = small.frame_from_box * Point3::new(0.09, -0.19, 0.29);

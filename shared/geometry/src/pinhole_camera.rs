@@ -42,8 +42,14 @@ impl std::error::Error for InvalidIntrinsics {}
 
 impl PinholeCamera {
     /// The depth camera of a Kinect v1 by its nominal values (Burrus 2010).
-    pub const KINECT_V1: Self =
-        Self { fx_px: 585.0, fy_px: 585.0, cx_px: 319.5, cy_px: 239.5, width: 640, height: 480 };
+    pub const KINECT_V1: Self = Self {
+        fx_px: 585.0,
+        fy_px: 585.0,
+        cx_px: 319.5,
+        cy_px: 239.5,
+        width: 640,
+        height: 480,
+    };
 
     /// Checks that the values can belong to a camera.
     ///
@@ -78,7 +84,11 @@ impl PinholeCamera {
     /// The viewing ray of a pixel, scaled to z = 1, camera frame.
     #[inline]
     pub fn ray(&self, column: f64, row: f64) -> Vector3<f64> {
-        Vector3::new((column - self.cx_px) / self.fx_px, (row - self.cy_px) / self.fy_px, 1.0)
+        Vector3::new(
+            (column - self.cx_px) / self.fx_px,
+            (row - self.cy_px) / self.fy_px,
+            1.0,
+        )
     }
 
     /// Pixel coordinates (column, row) of a point, `None` at or behind the camera.
@@ -107,14 +117,19 @@ mod tests {
     fn projection_inverts_back_projection() {
         let camera = PinholeCamera::KINECT_V1;
         for (column, row, z) in [(0.0, 0.0, 0.5), (319.5, 239.5, 1.0), (639.0, 12.5, 3.0)] {
-            let pixel = camera.project(&camera.back_project(column, row, z)).unwrap();
+            let pixel = camera
+                .project(&camera.back_project(column, row, z))
+                .unwrap();
             assert!((pixel.x - column).abs() < 1e-9 && (pixel.y - row).abs() < 1e-9);
         }
     }
 
     #[test]
     fn nothing_behind_the_camera_is_seen() {
-        assert_eq!(PinholeCamera::KINECT_V1.project(&Point3::new(0.1, 0.1, -1.0)), None);
+        assert_eq!(
+            PinholeCamera::KINECT_V1.project(&Point3::new(0.1, 0.1, -1.0)),
+            None
+        );
         assert_eq!(PinholeCamera::KINECT_V1.project(&Point3::origin()), None);
     }
 
@@ -123,12 +138,24 @@ mod tests {
         let good = PinholeCamera::KINECT_V1;
         assert!(good.validated().is_ok());
         for bad in [
-            PinholeCamera { fx_px: f64::NAN, ..good },
-            PinholeCamera { fy_px: -585.0, ..good },
-            PinholeCamera { cx_px: f64::INFINITY, ..good },
+            PinholeCamera {
+                fx_px: f64::NAN,
+                ..good
+            },
+            PinholeCamera {
+                fy_px: -585.0,
+                ..good
+            },
+            PinholeCamera {
+                cx_px: f64::INFINITY,
+                ..good
+            },
             PinholeCamera { cy_px: 1e9, ..good },
             PinholeCamera { width: 0, ..good },
-            PinholeCamera { height: 1 << 20, ..good },
+            PinholeCamera {
+                height: 1 << 20,
+                ..good
+            },
         ] {
             let error = bad.validated().unwrap_err().to_string();
             assert!(error.contains("must lie"), "{error}");

@@ -14,7 +14,10 @@ pub struct Plane {
 impl Plane {
     /// The plane through a point.
     pub fn through(point: &Point3<f64>, normal: Unit<Vector3<f64>>) -> Self {
-        Self { normal, offset_m: -normal.dot(&point.coords) }
+        Self {
+            normal,
+            offset_m: -normal.dot(&point.coords),
+        }
     }
 
     /// The plane through three points; `None` when they lie almost on a line
@@ -33,7 +36,10 @@ impl Plane {
     /// The same plane with the side of `point` positive.
     pub fn facing(self, point: &Point3<f64>) -> Self {
         if self.height_m(point) < 0.0 {
-            Self { normal: -self.normal, offset_m: -self.offset_m }
+            Self {
+                normal: -self.normal,
+                offset_m: -self.offset_m,
+            }
         } else {
             self
         }
@@ -87,7 +93,9 @@ mod tests {
             Isometry3::new(Vector3::new(0.4, -1.0, 2.0), Vector3::new(0.3, 1.1, -0.2));
         let p = Point3::new(0.3, -0.4, 1.5);
         let before = slanted().height_m(&p);
-        let after = slanted().transformed(&target_from_source).height_m(&(target_from_source * p));
+        let after = slanted()
+            .transformed(&target_from_source)
+            .height_m(&(target_from_source * p));
         assert!((before - after).abs() < 1e-12);
     }
 

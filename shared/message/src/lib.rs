@@ -1,1 +1,36 @@
 //! What crosses a process border: data-plane and control-plane types.
+//!
+//! *Data plane*: `repr(C)` plain numbers in shared memory. Any bit pattern is a
+//! valid value of the type, so a torn or hostile message can never be undefined
+//! behaviour; what the numbers mean is checked on receipt (`checked`). Sizes are
+//! asserted at compile time, type names are explicit and carry the schema
+//! version, so that two versions of tabula refuse each other loudly.
+//!
+//! *Control plane*: serde types with a protocol version, see [`control`].
+//!
+//! This crate does no I/O; only iceoryx2's marker trait is used here.
+
+pub mod control;
+mod counted;
+mod frame;
+mod health;
+mod memory_change;
+mod object;
+mod pose;
+mod scene;
+pub mod service_name;
+mod text;
+
+pub use counted::{Counted, PlainHeader};
+pub use frame::{CheckedFrame, CloudPoint, FrameDone, FrameHeader, InvalidFrame, SegmentLocation};
+pub use frame::{frame_flag, points};
+pub use health::{Health, ProcessKind, ProcessState};
+pub use memory_change::MemoryChange;
+pub use object::{ObjectCloudHeader, ObjectViewHeader};
+pub use pose::{WirePose, WireTransform};
+pub use scene::{MAX_SCENE_OBJECTS, SceneObject, SceneSummary, StageStamps, TrackState};
+pub use text::Text;
+
+/// Version of every type in this crate; part of each type's name in shared
+/// memory and of each control request.
+pub const SCHEMA_VERSION: u32 = 1;

@@ -20,8 +20,15 @@ pub struct SizeMismatch {
 
 impl fmt::Display for SizeMismatch {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { n_points, width, height } = self;
-        write!(f, "{n_points} points do not fill a grid of {width}x{height}")
+        let Self {
+            n_points,
+            width,
+            height,
+        } = self;
+        write!(
+            f,
+            "{n_points} points do not fill a grid of {width}x{height}"
+        )
     }
 }
 
@@ -34,7 +41,11 @@ impl<'a> OrganizedCloud<'a> {
     /// When the slice's length is not `width * height`, or a side is zero.
     pub fn new(points: &'a [Point], width: usize, height: usize) -> Result<Self, SizeMismatch> {
         if width == 0 || height == 0 || width.checked_mul(height) != Some(points.len()) {
-            return Err(SizeMismatch { n_points: points.len(), width, height });
+            return Err(SizeMismatch {
+                n_points: points.len(),
+                width,
+                height,
+            });
         }
         Ok(Self { points, width })
     }
@@ -75,7 +86,10 @@ mod tests {
     fn a_grid_must_be_filled_exactly() {
         let points = [Point::default(); 12];
         let cloud = OrganizedCloud::new(&points, 4, 3).unwrap();
-        assert_eq!((cloud.width(), cloud.height(), cloud.row(2).len()), (4, 3, 4));
+        assert_eq!(
+            (cloud.width(), cloud.height(), cloud.row(2).len()),
+            (4, 3, 4)
+        );
         for (width, height) in [(4, 4), (0, 0), (0, 12), (12, 0), (usize::MAX, 2)] {
             assert!(OrganizedCloud::new(&points, width, height).is_err());
         }

@@ -44,7 +44,12 @@ pub struct Point {
 impl Point {
     /// A pixel without depth.
     pub const fn without_depth(color: Rgba) -> Self {
-        Self { x: f32::NAN, y: f32::NAN, z: f32::NAN, color }
+        Self {
+            x: f32::NAN,
+            y: f32::NAN,
+            z: f32::NAN,
+            color,
+        }
     }
 
     /// Whether all three coordinates are finite.

@@ -87,7 +87,11 @@ mod tests {
         let mut moments = Moments::default();
         for i in 0..1000 {
             let t = f64::from(i);
-            let p = Vector3::new(0.30 * (t * 0.7).sin(), 0.1 * (t * 1.3).sin(), 0.02 * (t * 2.9).cos());
+            let p = Vector3::new(
+                0.30 * (t * 0.7).sin(),
+                0.1 * (t * 1.3).sin(),
+                0.02 * (t * 2.9).cos(),
+            );
             moments.add(&Point3::from(rotation * p + shift));
         }
         let axes = moments.principal_axes().unwrap();

@@ -1,0 +1,104 @@
+//! What a supervisor reports.
+
+use std::fmt;
+use std::sync::Arc;
+use std::time::Duration;
+
+use crate::mailbox::{KeepLatest, Receiver};
+use crate::worker_pool::JobLost;
+
+/// The reports of a supervisor, oldest first. Bounded: a reader too slow loses
+/// the oldest, which [`dropped`](Receiver::dropped) counts. Ends after the
+/// supervisor and all its actors are gone.
+pub type Events<I> = Receiver<Event<I>, KeepLatest>;
+
+/// One thing that happened to an actor, or to all.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub enum Event<I> {
+    /// It is ready for messages, for the first time or again.
+    Started {
+        /// Which actor.
+        id: I,
+    },
+    /// Its life ended and another begins after the back-off.
+    Restarting {
+        /// Which actor.
+        id: I,
+        /// Why its life ended.
+        cause: Cause,
+        /// The tag of the message at work, which is lost; `None` outside `handle`.
+        tag: Option<u64>,
+        /// The back-off.
+        after: Duration,
+    },
+    /// It ended and does not come back.
+    Stopped {
+        /// Which actor.
+        id: I,
+        /// Why.
+        reason: StopReason,
+    },
+    /// It did not stop within the shutdown time and was left behind.
+    Abandoned {
+        /// Which actor.
+        id: I,
+    },
+    /// Restarts exceeded the policy: all actors were stopped, no more can be
+    /// spawned. The last event.
+    Escalated {
+        /// Whose failure was one too many.
+        id: I,
+        /// What that failure was.
+        cause: Cause,
+        /// The tag of the message at work; `None` outside `handle`.
+        tag: Option<u64>,
+        /// The limit that was exceeded.
+        max_restarts: u32,
+        /// Within which time.
+        window: Duration,
+    },
+}
+
+/// Why an actor's life ended.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub enum Cause {
+    /// It panicked with this message.
+    Panicked(String),
+    /// It returned this error.
+    Failed(Arc<dyn std::error::Error + Send + Sync>),
+    /// The worker pool lost it: stalled, or the pool is exhausted.
+    Lost(JobLost),
+    /// It ended by itself, but is one that always runs.
+    Finished,
+}
+
+/// Why an actor does not come back.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub enum StopReason {
+    /// It was told to stop, or all were.
+    Asked,
+    /// It ended by itself.
+    Finished,
+    /// It failed, and is not one that is restarted, or was stopping, or
+    /// exceeded the policy.
+    Failed {
+        /// Why.
+        cause: Cause,
+        /// The tag of the message at work; `None` outside `handle`.
+        tag: Option<u64>,
+    },
+}
+
+impl fmt::Display for Cause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Panicked(message) => write!(f, "it panicked: {message}"),
+            Self::Failed(error) => write!(f, "it failed: {error}"),
+            Self::Lost(lost) => write!(f, "its work was lost: {lost}"),
+            Self::Finished => f.write_str("it ended by itself"),
+        }
+    }
+}

@@ -1,0 +1,116 @@
+//! How often and how fast something is restarted: pure, over passed-in instants.
+//!
+//! Used for actors inside a process and for the processes of a run alike.
+
+use std::collections::VecDeque;
+use std::time::{Duration, Instant};
+
+use crate::error::Error;
+
+/// At most so many restarts within a window, each after a growing back-off.
+///
+/// A back-off maximum above `window / max_restarts` makes the limit unreachable
+/// for one child that fails at once each time; it then goes on trying slowly.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RestartPolicy {
+    max_restarts: u32,
+    window: Duration,
+    backoff_min: Duration,
+    backoff_max: Duration,
+}
+
+/// What to do about a failure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// Start again after this time.
+    Restart {
+        /// The back-off.
+        after: Duration,
+    },
+    /// The limit is exceeded: escalate.
+    GiveUp,
+}
+
+impl RestartPolicy {
+    /// A policy of at most `max_restarts` (0 = never restart) within any
+    /// `window`, the first after `backoff_min`, each further one within the
+    /// window after twice the time, up to `backoff_max`.
+    ///
+    /// # Errors
+    /// [`Error::InvalidRestartPolicy`] for an empty window or a minimum above
+    /// the maximum.
+    pub fn new(
+        max_restarts: u32,
+        window: Duration,
+        backoff_min: Duration,
+        backoff_max: Duration,
+    ) -> Result<Self, Error> {
+        if window.is_zero() {
+            return Err(Error::InvalidRestartPolicy { rule: "the window must not be empty" });
+        }
+        if backoff_min > backoff_max {
+            return Err(Error::InvalidRestartPolicy {
+                rule: "the shortest back-off must not exceed the longest",
+            });
+        }
+        Ok(Self { max_restarts, window, backoff_min, backoff_max })
+    }
+
+    /// The number of restarts allowed within the window.
+    pub fn max_restarts(&self) -> u32 {
+        self.max_restarts
+    }
+
+    /// The time a restart is remembered.
+    pub fn window(&self) -> Duration {
+        self.window
+    }
+
+    /// The back-off when `n_recent` restarts are remembered:
+    /// `min(backoff_min * 2^n_recent, backoff_max)`.
+    pub fn backoff(&self, n_recent: usize) -> Duration {
+        // 64 doublings of a nanosecond are centuries.
+        (0..n_recent.min(64)).fold(self.backoff_min, |grown, _| {
+            grown.saturating_mul(2).min(self.backoff_max)
+        })
+    }
+}
+
+/// The recent restarts of one child, or of all children of one supervisor.
+/// Holds at most `max_restarts` instants, and allocates at the first failure.
+#[derive(Debug, Clone)]
+pub struct RestartHistory {
+    policy: RestartPolicy,
+    restarts: VecDeque<Instant>,
+}
+
+impl RestartHistory {
+    /// No restarts yet.
+    pub fn new(policy: RestartPolicy) -> Self {
+        Self { policy, restarts: VecDeque::new() }
+    }
+
+    /// The policy it follows.
+    pub fn policy(&self) -> &RestartPolicy {
+        &self.policy
+    }
+
+    /// Judges a failure at `now` and remembers the restart it allows. A restart
+    /// exactly one window ago is forgotten. An instant before the previous one
+    /// counts as the same moment.
+    pub fn on_failure(&mut self, now: Instant) -> Verdict {
+        let window = self.policy.window;
+        while self.restarts.front().is_some_and(|t| now.saturating_duration_since(*t) >= window) {
+            self.restarts.pop_front();
+        }
+        let n_recent = self.restarts.len();
+        if n_recent >= self.policy.max_restarts as usize {
+            return Verdict::GiveUp;
+        }
+        self.restarts.push_back(now);
+        Verdict::Restart { after: self.policy.backoff(n_recent) }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,101 @@
+//! Asking the daemon through its control socket.
+
+use super::{CallError, codec};
+use crate::domain_folder::{DomainName, RunFolder};
+use message::control::{Command, MAX_MESSAGE_BYTES, Reply, Request};
+use std::io::{self, Read, Write};
+use std::os::unix::net::UnixStream;
+use std::time::Duration;
+
+/// A connection to a daemon, blocking: for tools.
+#[derive(Debug)]
+pub struct SocketClient {
+    stream: UnixStream,
+    deadline: Duration,
+}
+
+impl SocketClient {
+    /// Connects to the daemon of a domain, looking into the folders in order.
+    ///
+    /// # Errors
+    /// When no daemon answers there, or this user may not ask it.
+    pub fn connect(
+        domain: &DomainName,
+        folders: &[RunFolder],
+        deadline: Duration,
+    ) -> Result<Self, CallError> {
+        let mut denied = None;
+        for folder in folders {
+            match UnixStream::connect(folder.control_socket(domain)) {
+                Ok(stream) => return Self::over(stream, deadline),
+                Err(error) if error.kind() == io::ErrorKind::PermissionDenied => {
+                    denied = Some(folder.control_socket(domain));
+                }
+                Err(_) => {}
+            }
+        }
+        Err(match denied {
+            Some(path) => CallError::Refused(format!(
+                "this user may not use {}; ask for membership in the group tabula",
+                path.display()
+            )),
+            None => CallError::NoDaemon {
+                domain: domain.to_string(),
+            },
+        })
+    }
+
+    fn over(stream: UnixStream, deadline: Duration) -> Result<Self, CallError> {
+        let failed = |source| CallError::Carrier {
+            attempt: "set up the connection to",
+            source,
+        };
+        stream.set_read_timeout(Some(deadline)).map_err(failed)?;
+        stream.set_write_timeout(Some(deadline)).map_err(failed)?;
+        Ok(Self { stream, deadline })
+    }
+
+    /// Asks and waits for the reply.
+    ///
+    /// # Errors
+    /// When the daemon goes away, or does not answer in time.
+    pub fn call(&mut self, command: Command) -> Result<Reply, CallError> {
+        let bytes = codec::encode(&Request::from(command)).ok_or_else(|| {
+            CallError::Refused(format!(
+                "a request may have at most {MAX_MESSAGE_BYTES} bytes"
+            ))
+        })?;
+        let mut message = (bytes.len() as u32).to_le_bytes().to_vec();
+        message.extend(bytes);
+        self.stream
+            .write_all(&message)
+            .map_err(|e| self.lost("ask", e))?;
+        let mut length = [0; 4];
+        self.stream
+            .read_exact(&mut length)
+            .map_err(|e| self.lost("hear", e))?;
+        let length = u32::from_le_bytes(length) as usize;
+        if length > MAX_MESSAGE_BYTES {
+            return Err(CallError::Refused(
+                "the daemon's answer is not understood".into(),
+            ));
+        }
+        let mut reply = vec![0; length];
+        self.stream
+            .read_exact(&mut reply)
+            .map_err(|e| self.lost("hear", e))?;
+        Ok(codec::decode_reply(&reply))
+    }
+
+    fn lost(&self, attempt: &'static str, source: io::Error) -> CallError {
+        match source.kind() {
+            io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut => CallError::TimedOut {
+                after: self.deadline,
+            },
+            io::ErrorKind::UnexpectedEof
+            | io::ErrorKind::ConnectionReset
+            | io::ErrorKind::BrokenPipe => CallError::NotThere { process: "memory" },
+            _ => CallError::Carrier { attempt, source },
+        }
+    }
+}

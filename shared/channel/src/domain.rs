@@ -1,0 +1,216 @@
+//! Membership in a domain.
+
+use crate::domain_folder::{DomainName, RunFolder};
+use crate::lock_file::LockFile;
+use crate::shared_memory::{SharedMemory, remove_leftovers};
+use crate::{Error, log_bridge};
+use iceoryx2::prelude::{
+    Config, FileName, Node, NodeBuilder, Path as IoxPath, SemanticString, SignalHandlingMode,
+    ipc_threadsafe,
+};
+use std::os::unix::fs::{DirBuilderExt, PermissionsExt};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+pub(crate) type Service = ipc_threadsafe::Service;
+
+/// What a process is in its domain.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role<'a> {
+    /// The only process of this name: `tabula-camera`.
+    Only(&'a str),
+    /// One of any number of guests: tools and tests.
+    Guest,
+}
+
+/// Membership of this process in a domain; ports keep it alive.
+///
+/// The first member removes what a dead domain has left, the last one removes
+/// everything. Both know that they are alone by a file lock, which the kernel
+/// releases even after `kill -9`.
+#[derive(Debug, Clone)]
+pub struct Domain(Arc<Membership>);
+
+#[derive(Debug)]
+struct Membership {
+    name: DomainName,
+    folder: PathBuf,
+    run_folder: RunFolder,
+    /// `None` only while the membership is being dropped.
+    node: Option<Node<Service>>,
+    /// Held for as long as the process has the role.
+    _role: Option<LockFile>,
+    presence: LockFile,
+}
+
+impl Domain {
+    /// Joins a domain, and makes it when nobody is there.
+    ///
+    /// # Errors
+    /// When the run folder can not be written, the role is taken, the domain's
+    /// limits do not fit into the free shared memory, or iceoryx2 fails.
+    pub fn join(name: &DomainName, run_folder: &RunFolder, role: Role<'_>) -> Result<Self, Error> {
+        log_bridge::install();
+        let folder = run_folder.of_domain(name);
+        make_folder(run_folder.path(), 0o755)?;
+        make_folder(&folder, 0o750)?;
+        share_with_group(&folder);
+        let role = take_role(name, &folder, role)?;
+        let presence = enter(name, &folder)?;
+        check_shared_memory(name)?;
+        let node = Some(make_node(name, &folder)?);
+        Ok(Self(Arc::new(Membership {
+            name: name.clone(),
+            folder,
+            run_folder: run_folder.clone(),
+            node,
+            _role: role,
+            presence,
+        })))
+    }
+
+    /// The domain's name.
+    pub fn name(&self) -> &DomainName {
+        &self.0.name
+    }
+
+    /// The domain's run folder.
+    pub fn folder(&self) -> &Path {
+        &self.0.folder
+    }
+
+    /// The domain's control socket.
+    pub fn control_socket(&self) -> PathBuf {
+        self.0.run_folder.control_socket(&self.0.name)
+    }
+
+    /// Cleans up after processes that have died without a word; nobody notices
+    /// their death unless somebody looks. To be called about once a second.
+    pub fn sweep_dead_nodes(&self) {
+        let state = self.node().try_cleanup_dead_nodes();
+        if state.cleanups > 0 {
+            tracing::info!("cleaned up after {} dead process(es)", state.cleanups);
+        }
+    }
+
+    #[expect(clippy::expect_used, reason = "the node is taken out only by drop")]
+    pub(crate) fn node(&self) -> &Node<Service> {
+        self.0
+            .node
+            .as_ref()
+            .expect("a living membership has its node")
+    }
+}
+
+impl Drop for Membership {
+    fn drop(&mut self) {
+        self.node = None;
+        if self.presence.become_exclusive() {
+            remove_leftovers(&self.name, &self.folder);
+            let _ = std::fs::remove_dir_all(&self.folder);
+            // Succeeds only when no other domain is there.
+            if self.run_folder.path().starts_with("/dev/shm") {
+                let _ = std::fs::remove_dir(self.run_folder.path());
+            }
+        }
+    }
+}
+
+fn make_folder(path: &Path, mode: u32) -> Result<(), Error> {
+    let made = std::fs::DirBuilder::new()
+        .recursive(true)
+        .mode(mode)
+        .create(path);
+    made.map_err(|source| Error::RunFolder {
+        attempt: "make the run folder",
+        path: path.to_owned(),
+        source,
+    })
+}
+
+/// Members of the group tabula reach the control socket inside the folder.
+/// Without that group, or without the right to give a folder to it, only the
+/// same user does.
+pub(crate) fn share_with_group(path: &Path) {
+    if let Some(group) = tabula_group() {
+        let _ = std::os::unix::fs::chown(path, None, Some(group));
+    }
+}
+
+fn tabula_group() -> Option<u32> {
+    let groups = std::fs::read_to_string("/etc/group").ok()?;
+    let line = groups.lines().find(|line| line.starts_with("tabula:"))?;
+    line.split(':').nth(2)?.parse().ok()
+}
+
+fn take_role(name: &DomainName, folder: &Path, role: Role<'_>) -> Result<Option<LockFile>, Error> {
+    let Role::Only(role) = role else {
+        return Ok(None);
+    };
+    let path = folder.join(format!("{role}.lock"));
+    match LockFile::try_exclusive(&path)? {
+        Some(mut lock) => {
+            lock.write_pid()?;
+            Ok(Some(lock))
+        }
+        None => Err(Error::RoleTaken {
+            role: role.to_owned(),
+            domain: name.to_string(),
+            pid: LockFile::read_pid(&path),
+        }),
+    }
+}
+
+/// Takes part in the domain's lock; whoever finds it free cleans up first.
+fn enter(name: &DomainName, folder: &Path) -> Result<LockFile, Error> {
+    let path = folder.join("domain.lock");
+    let Some(lock) = LockFile::try_exclusive(&path)? else {
+        return LockFile::shared(&path);
+    };
+    let n_files = remove_leftovers(name, folder);
+    if n_files > 0 {
+        tracing::info!("removed {n_files} shared memory files of an earlier run that had crashed");
+    }
+    lock.share()?;
+    Ok(lock)
+}
+
+fn check_shared_memory(name: &DomainName) -> Result<(), Error> {
+    match SharedMemory::of_domain(name) {
+        Some(state) if !state.is_enough() => Err(Error::SharedMemory {
+            needed: state.needed,
+            available: state.available(),
+        }),
+        _ => Ok(()),
+    }
+}
+
+fn make_node(name: &DomainName, folder: &Path) -> Result<Node<Service>, Error> {
+    let root = folder.join("iox2");
+    make_folder(&root, 0o700)?;
+    // iceoryx2 wants its folders writable by their owner only, whatever the umask.
+    let _ = std::fs::set_permissions(&root, PermissionsExt::from_mode(0o700));
+    let failed = |cause: &dyn std::fmt::Debug| Error::transport("join", "the domain", cause);
+    let root = IoxPath::new(root.as_os_str().as_encoded_bytes()).map_err(|e| failed(&e))?;
+    let mut config = Config::default();
+    config.global.set_root_path(&root);
+    config.global.prefix = FileName::new(name.prefix().as_bytes()).map_err(|e| failed(&e))?;
+    // A held service costs 0.5 MB of heap at the default of 128.
+    config
+        .defaults
+        .publish_subscribe
+        .subscriber_expired_connection_buffer = 4;
+    config
+        .defaults
+        .request_response
+        .client_expired_connection_buffer = 4;
+    config
+        .defaults
+        .request_response
+        .server_expired_connection_buffer = 4;
+    NodeBuilder::new()
+        .config(&config)
+        .signal_handling_mode(SignalHandlingMode::Disabled)
+        .create::<Service>()
+        .map_err(|e| failed(&e))
+}

@@ -1,0 +1,77 @@
+//! Which shared memory an address belongs to.
+
+use message::SegmentLocation;
+use std::ops::Range;
+
+/// Remembers the mappings of this process, so that an address is looked up in
+/// the kernel's table only once per segment.
+#[derive(Debug, Default)]
+pub(crate) struct SegmentMap {
+    mappings: Vec<Mapping>,
+}
+
+#[derive(Debug, PartialEq, Eq)]
+struct Mapping {
+    addresses: Range<usize>,
+    file_offset: u64,
+    inode: u64,
+}
+
+impl SegmentMap {
+    /// Location of an address; the default when it is in no file's mapping.
+    pub(crate) fn locate(&mut self, address: usize) -> SegmentLocation {
+        if let Some(location) = self.find(address) {
+            return location;
+        }
+        let table = std::fs::read_to_string("/proc/self/maps").unwrap_or_default();
+        self.mappings = table.lines().filter_map(parse).collect();
+        self.find(address).unwrap_or_default()
+    }
+
+    fn find(&self, address: usize) -> Option<SegmentLocation> {
+        let mapping = self
+            .mappings
+            .iter()
+            .find(|mapping| mapping.addresses.contains(&address))?;
+        let offset = (address - mapping.addresses.start) as u64;
+        Some(SegmentLocation {
+            inode: mapping.inode,
+            offset_bytes: mapping.file_offset + offset,
+        })
+    }
+}
+
+/// A line of the kernel's table that maps a file of /dev/shm.
+fn parse(line: &str) -> Option<Mapping> {
+    let mut words = line.split_ascii_whitespace();
+    let (start, end) = words.next()?.split_once('-')?;
+    let file_offset = words.nth(1)?;
+    let inode = words.nth(1)?;
+    words.next()?.starts_with("/dev/shm/").then_some(())?;
+    Some(Mapping {
+        addresses: usize::from_str_radix(start, 16).ok()?..usize::from_str_radix(end, 16).ok()?,
+        file_offset: u64::from_str_radix(file_offset, 16).ok()?,
+        inode: inode.parse().ok()?,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_mappings_of_shared_memory_are_kept() {
+        let shared = "7f0000000000-7f0000100000 rw-s 00002000 00:19 77   /dev/shm/tabula_x.data";
+        let expected = Mapping {
+            addresses: 0x7f00_0000_0000..0x7f00_0010_0000,
+            file_offset: 0x2000,
+            inode: 77,
+        };
+        assert_eq!(parse(shared), Some(expected));
+        assert_eq!(
+            parse("7f0000000000-7f0000100000 rw-p 00000000 00:00 0 [heap]"),
+            None
+        );
+        assert_eq!(parse("rubbish"), None);
+    }
+}

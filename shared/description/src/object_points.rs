@@ -1,0 +1,81 @@
+//! The points of one object within a larger cloud.
+
+use crate::Error;
+use point_cloud::Point;
+
+/// Borrowed points of one object: a whole cloud, or a choice of a frame's points
+/// by index. Nothing is copied.
+#[derive(Debug, Clone, Copy)]
+pub struct ObjectPoints<'a> {
+    cloud: &'a [Point],
+    indices: Option<&'a [u32]>,
+}
+
+impl<'a> ObjectPoints<'a> {
+    /// All points of a cloud.
+    pub fn all(cloud: &'a [Point]) -> Self {
+        Self { cloud, indices: None }
+    }
+
+    /// The points of `cloud` at `indices`, in the order of the indices.
+    ///
+    /// # Errors
+    /// When an index lies outside the cloud.
+    pub fn selected(cloud: &'a [Point], indices: &'a [u32]) -> Result<Self, Error> {
+        match indices.iter().max() {
+            Some(&index) if index as usize >= cloud.len() => {
+                Err(Error::IndexOutsideCloud { index, n_points: cloud.len() })
+            }
+            _ => Ok(Self { cloud, indices: Some(indices) }),
+        }
+    }
+
+    /// Number of points, those without depth included.
+    pub fn len(&self) -> usize {
+        self.indices.map_or(self.cloud.len(), <[u32]>::len)
+    }
+
+    /// Whether there is no point.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Visits the points in order. The choice between the two kinds of objects is
+    /// made once, so that each has a loop of its own.
+    #[inline]
+    pub fn for_each(&self, mut visit: impl FnMut(&Point)) {
+        match self.indices {
+            None => self.cloud.iter().for_each(visit),
+            Some(indices) => indices.iter().for_each(|&i| visit(&self.cloud[i as usize])),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use point_cloud::Rgba;
+
+    #[test]
+    fn a_selection_visits_its_points_in_order() {
+        let cloud: Vec<Point> =
+            (0..9).map(|i| Point { x: i as f32, color: Rgba(i), ..Point::default() }).collect();
+        let seen = |points: ObjectPoints<'_>| {
+            let mut seen = Vec::new();
+            points.for_each(|p| seen.push(p.color.0));
+            seen
+        };
+        let selection = ObjectPoints::selected(&cloud, &[8, 0, 3, 3]).unwrap();
+        assert_eq!(seen(selection), [8, 0, 3, 3]);
+        assert_eq!(selection.len(), 4);
+        assert_eq!(seen(ObjectPoints::all(&cloud)).len(), 9);
+        assert!(ObjectPoints::selected(&[], &[]).unwrap().is_empty());
+    }
+
+    #[test]
+    fn an_index_behind_the_cloud_is_refused_by_a_sentence() {
+        let cloud = [Point::default(); 3];
+        let error = ObjectPoints::selected(&cloud, &[0, 7, 3]).unwrap_err();
+        assert!(error.to_string().contains("index 7, but its cloud has 3 points"), "{error}");
+    }
+}

@@ -1,0 +1,114 @@
+//! The smallest upright box around points over a table.
+
+use nalgebra::Vector2;
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// Directions in which the outermost point is kept. A rectangle keeps its
+/// corners with four of them, a circle loses 1 % of its radius with 24.
+const N_DIRECTIONS: usize = 24;
+
+/// Steps of the search for the yaw: one degree.
+const N_YAWS: usize = 90;
+
+/// The outermost points of a set in the plane.
+#[derive(Debug, Clone)]
+pub(crate) struct Footprint {
+    directions: [[f32; 2]; N_DIRECTIONS],
+    farthest: [f32; N_DIRECTIONS],
+    corners: [[f32; 2]; N_DIRECTIONS],
+}
+
+/// A rectangle in the plane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Rectangle {
+    pub(crate) centre: Vector2<f64>,
+    /// Half of the longer and of the shorter side, metres.
+    pub(crate) half_sides_m: Vector2<f64>,
+    /// Direction of the longer side, radians in [-pi/2, pi/2).
+    pub(crate) yaw_rad: f64,
+}
+
+impl Footprint {
+    pub(crate) fn new() -> Self {
+        let directions = std::array::from_fn(|i| {
+            let (sin, cos) = (TAU * (i as f64 + 0.5) / N_DIRECTIONS as f64).sin_cos();
+            [cos as f32, sin as f32]
+        });
+        Self {
+            directions,
+            farthest: [f32::NEG_INFINITY; N_DIRECTIONS],
+            corners: [[0.0; 2]; N_DIRECTIONS],
+        }
+    }
+
+    /// Adds a finite point.
+    #[inline]
+    pub(crate) fn add(&mut self, u: f32, v: f32) {
+        for i in 0..N_DIRECTIONS {
+            let along = self.directions[i][0] * u + self.directions[i][1] * v;
+            if along > self.farthest[i] {
+                self.farthest[i] = along;
+                self.corners[i] = [u, v];
+            }
+        }
+    }
+
+    /// The rectangle of least area; `None` without points.
+    pub(crate) fn smallest_rectangle(&self) -> Option<Rectangle> {
+        if self.farthest[0] == f32::NEG_INFINITY {
+            return None;
+        }
+        let rectangle = |step: usize| self.rectangle_at(FRAC_PI_2 * step as f64 / N_YAWS as f64);
+        let area = |rectangle: &Rectangle| rectangle.half_sides_m.product();
+        (0..N_YAWS).map(rectangle).min_by(|a, b| area(a).total_cmp(&area(b)))
+    }
+
+    fn rectangle_at(&self, yaw_rad: f64) -> Rectangle {
+        let (sin, cos) = yaw_rad.sin_cos();
+        let (mut low, mut high) = (Vector2::repeat(f64::MAX), Vector2::repeat(f64::MIN));
+        for corner in &self.corners {
+            let (u, v) = (f64::from(corner[0]), f64::from(corner[1]));
+            let turned = Vector2::new(cos * u + sin * v, cos * v - sin * u);
+            (low, high) = (low.inf(&turned), high.sup(&turned));
+        }
+        let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+        let centre = Vector2::new(cos * middle.x - sin * middle.y, sin * middle.x + cos * middle.y);
+        if half.x >= half.y {
+            Rectangle { centre, half_sides_m: half, yaw_rad }
+        } else {
+            Rectangle { centre, half_sides_m: half.yx(), yaw_rad: yaw_rad - FRAC_PI_2 }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn a_turned_rectangle_is_found_again(
+            yaw in -1.57..1.57_f64, long in 0.1..0.3_f64, share in 0.2..0.8_f64, shift in -1.0..1.0_f64,
+        ) {
+            let mut footprint = Footprint::new();
+            for i in 0..=20 {
+                for j in 0..=20 {
+                    let (a, b) = (long * (f64::from(i) / 10.0 - 1.0), share * long * (f64::from(j) / 10.0 - 1.0));
+                    let (sin, cos) = yaw.sin_cos();
+                    footprint.add((cos * a - sin * b + shift) as f32, (sin * a + cos * b) as f32);
+                }
+            }
+            let found = footprint.smallest_rectangle().unwrap();
+            let turn = (found.yaw_rad - yaw).sin().abs();
+            prop_assert!(turn < 0.02, "yaw {} for {}", found.yaw_rad, yaw);
+            prop_assert!((found.centre - Vector2::new(shift, 0.0)).norm() < 5e-3);
+            prop_assert!((found.half_sides_m - Vector2::new(long, share * long)).norm() < 0.02 * long + 1e-3);
+        }
+    }
+
+    #[test]
+    fn no_points_have_no_rectangle() {
+        assert_eq!(Footprint::new().smallest_rectangle(), None);
+    }
+}

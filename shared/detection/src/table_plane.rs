@@ -1,0 +1,178 @@
+//! Which plane is the table.
+
+use crate::RawConfig;
+use crate::axis::Axis;
+use crate::plane_search::{NormalLimit, SearchBuffers, largest_plane};
+use crate::random::Random;
+use crate::samples::Samples;
+use crate::table_region::{RegionBuffers, find_region, region_moments, region_polygon};
+use geometry::{ConvexPolygon, Plane, RigidTransform};
+use nalgebra::{Point3, Unit, Vector3};
+
+/// Planes looked at in one image, at most.
+const N_PLANES_MAX: usize = 5;
+
+/// A plane needs this share of the image's samples.
+const SHARE_MIN: f64 = 0.02;
+
+/// A table with this share of the samples in range ends the search.
+const SHARE_CLEAR: f64 = 0.5;
+
+/// A plane this far under another one, seen by the same camera, is the floor
+/// under the table, metres; the tops of objects are nearer to their table.
+const FLOOR_GAP_M: f64 = 0.35;
+
+/// The upper of two parallel planes is a table, and no object's top, when it
+/// has this share of the lower one's samples.
+const TABLE_SHARE_OF_FLOOR: f64 = 0.2;
+
+/// Without known up: least component of a table's normal against the image's
+/// downward axis. A camera that looks down sees walls with a component of zero
+/// or less, a table with the cosine of its pitch.
+const UPWARD_MIN: f64 = 0.2;
+
+/// Without known up: greatest component of a table's normal along the image's
+/// rows; what is steeper is a wall at the side of a camera held aslant.
+const SIDEWARD_MAX: f64 = 0.6;
+
+/// Without known up: a plane whose normal comes this straight at the camera
+/// may be a table seen from above.
+const FROM_ABOVE_MIN: f64 = 0.9;
+
+/// A table found in an image.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Table {
+    /// The plane, camera frame; its positive side holds the camera.
+    pub plane: Plane,
+    /// The frame of the table: z along the normal, heights over the table.
+    pub table_from_camera: RigidTransform,
+    /// Convex hull of the part of the table that is seen, in the table's frame.
+    pub polygon: ConvexPolygon,
+    /// Number of samples of the thinned image on the table.
+    pub n_samples: usize,
+}
+
+/// Buffers of the search.
+#[derive(Debug, Default)]
+pub(crate) struct TableBuffers {
+    pub(crate) search: SearchBuffers,
+    pub(crate) region: RegionBuffers,
+    found: Vec<FoundPlane>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct FoundPlane {
+    plane: Plane,
+    n_samples: usize,
+    likeness: Likeness,
+}
+
+/// How much a plane's direction resembles that of a table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Likeness {
+    /// A wall, a ceiling, a side of furniture.
+    None,
+    /// A table from above, or a wall in front of a level camera.
+    Possible,
+    /// A table seen by a camera that looks down at it.
+    Likely,
+}
+
+/// The table of an image: among the largest planes the one that most resembles
+/// a table, by its direction, its place over a floor and its size.
+/// `None` when no plane is large enough and directed like a table.
+///
+/// `samples` are used up and then freed again.
+pub(crate) fn find_table(
+    samples: &mut Samples,
+    up_in_camera: Option<Unit<Vector3<f64>>>,
+    config: &RawConfig,
+    random: &mut Random,
+    buffers: &mut TableBuffers,
+) -> Option<Table> {
+    let limit = up_in_camera
+        .map(|up| NormalLimit { up, cos_min: config.table_tilt_max_rad.cos() });
+    let n_min = ((samples.len() as f64 * SHARE_MIN) as usize).max(8);
+    let n_clear = ((0..samples.len()).filter(|&i| samples.is_free(i)).count() as f64 * SHARE_CLEAR) as usize;
+    buffers.found.clear();
+    for _ in 0..N_PLANES_MAX {
+        let Some(plane) = largest_plane(samples, limit.as_ref(), n_min, random, &mut buffers.search)
+        else {
+            break;
+        };
+        let found = connected(samples, plane, up_in_camera, &mut buffers.region);
+        samples.take_inliers(&Axis::from(&plane));
+        buffers.found.push(found);
+        if found.likeness == Likeness::Likely && found.n_samples >= n_clear {
+            break;
+        }
+    }
+    samples.free_all(config);
+    let chosen = choose(&buffers.found, n_min)?;
+    outlined(samples, chosen.plane, &mut buffers.region)
+}
+
+/// The plane through its own largest connected part.
+fn connected(
+    samples: &Samples,
+    plane: Plane,
+    up_in_camera: Option<Unit<Vector3<f64>>>,
+    region: &mut RegionBuffers,
+) -> FoundPlane {
+    let n_samples = find_region(samples, &plane, &plane.plane_from_source(), region);
+    let plane = region_plane(samples, region).unwrap_or(plane);
+    FoundPlane { plane, n_samples, likeness: likeness(&plane, up_in_camera) }
+}
+
+fn region_plane(samples: &Samples, region: &RegionBuffers) -> Option<Plane> {
+    let axes = region_moments(samples, region).principal_axes()?;
+    let normal = Unit::try_new(axes.axes.column(2).into_owned(), 0.5)?;
+    Some(Plane::through(&axes.centroid, normal).facing(&Point3::origin()))
+}
+
+fn likeness(plane: &Plane, up_in_camera: Option<Unit<Vector3<f64>>>) -> Likeness {
+    let n = &plane.normal;
+    match up_in_camera {
+        Some(up) if n.dot(&up) > 0.0 => Likeness::Likely,
+        Some(_) => Likeness::None,
+        None if -n.y >= UPWARD_MIN && n.x.abs() <= SIDEWARD_MAX => Likeness::Likely,
+        None if -n.z >= FROM_ABOVE_MIN => Likeness::Possible,
+        None => Likeness::None,
+    }
+}
+
+/// The most table-like of the planes; of several, the largest, unless a fairly
+/// large one lies over it as a table over a floor.
+fn choose(found: &[FoundPlane], n_min: usize) -> Option<FoundPlane> {
+    let large = || found.iter().filter(|plane| plane.n_samples >= n_min);
+    let likeness = large().map(|plane| plane.likeness).max()?;
+    if likeness == Likeness::None {
+        return None;
+    }
+    let tables = || large().filter(|plane| plane.likeness == likeness);
+    let mut chosen = *tables().max_by_key(|plane| plane.n_samples)?;
+    while let Some(upper) = tables()
+        .filter(|plane| lies_over(plane, &chosen))
+        .max_by_key(|plane| plane.n_samples)
+    {
+        chosen = *upper;
+    }
+    Some(chosen)
+}
+
+fn lies_over(upper: &FoundPlane, lower: &FoundPlane) -> bool {
+    let gap_m = lower.plane.offset_m - upper.plane.offset_m;
+    gap_m >= FLOOR_GAP_M
+        && upper.plane.normal.dot(&lower.plane.normal) > 0.94
+        && upper.n_samples as f64 >= TABLE_SHARE_OF_FLOOR * lower.n_samples as f64
+}
+
+/// The plane refined over its region once more, with its polygon.
+fn outlined(samples: &Samples, plane: Plane, region: &mut RegionBuffers) -> Option<Table> {
+    find_region(samples, &plane, &plane.plane_from_source(), region);
+    let plane = region_plane(samples, region)?;
+    let table_from_camera = plane.plane_from_source();
+    let n_samples = find_region(samples, &plane, &table_from_camera, region);
+    let polygon = region_polygon(samples, region);
+    (polygon.corners().len() >= 3).then_some(Table { plane, table_from_camera, polygon, n_samples })
+}

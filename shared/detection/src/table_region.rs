@@ -1,0 +1,162 @@
+//! The connected part of a plane's inliers, and the polygon around it.
+
+use crate::axis::Axis;
+use crate::samples::Samples;
+use geometry::{ConvexPolygon, Plane, RigidTransform};
+use nalgebra::Point2;
+use point_cloud::Moments;
+
+/// Side of a cell of the map of the plane, metres.
+const CELL_M: f32 = 0.04;
+
+/// Most cells a side; a larger plane gets larger cells.
+const CELLS_MAX: usize = 256;
+
+/// A cell is part of the table when it holds this many samples.
+const CELL_SAMPLES_MIN: u32 = 2;
+
+/// Table is continuous across this many empty cells: what stands on it hides
+/// parts of it.
+const GAP_CELLS: isize = 3;
+
+/// Buffers, and the region found last.
+#[derive(Debug, Default)]
+pub(crate) struct RegionBuffers {
+    inliers: Vec<Inlier>,
+    n_in_cell: Vec<u32>,
+    region_of_cell: Vec<u32>,
+    stack: Vec<usize>,
+    outline: Vec<Point2<f64>>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Inlier {
+    sample: u32,
+    u: f32,
+    v: f32,
+}
+
+/// The cells that cover a set of inliers.
+#[derive(Debug, Clone, Copy)]
+struct CellGrid {
+    u_min: f32,
+    v_min: f32,
+    cell_m: f32,
+    width: usize,
+    height: usize,
+}
+
+impl CellGrid {
+    fn around(inliers: &[Inlier]) -> Self {
+        let (mut low, mut high) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
+        for inlier in inliers {
+            low = [low[0].min(inlier.u), low[1].min(inlier.v)];
+            high = [high[0].max(inlier.u), high[1].max(inlier.v)];
+        }
+        let extent_m = (high[0] - low[0]).max(high[1] - low[1]);
+        let cell_m = CELL_M.max(extent_m / (CELLS_MAX - 1) as f32);
+        let n_cells = |i: usize| (((high[i] - low[i]) / cell_m) as usize + 1).min(CELLS_MAX);
+        Self { u_min: low[0], v_min: low[1], cell_m, width: n_cells(0), height: n_cells(1) }
+    }
+
+    #[inline]
+    fn cell_of(&self, inlier: &Inlier) -> usize {
+        let column = ((inlier.u - self.u_min) / self.cell_m) as usize;
+        let row = ((inlier.v - self.v_min) / self.cell_m) as usize;
+        row.min(self.height - 1) * self.width + column.min(self.width - 1)
+    }
+}
+
+/// Keeps the largest connected part of a plane's inliers in `buffers`.
+/// Returns its number of samples.
+pub(crate) fn find_region(
+    samples: &Samples,
+    plane: &Plane,
+    plane_from_camera: &RigidTransform,
+    buffers: &mut RegionBuffers,
+) -> usize {
+    let height = Axis::from(plane);
+    let [u, v, _] = Axis::of_transform(plane_from_camera);
+    buffers.inliers.clear();
+    buffers.inliers.extend((0..samples.len()).filter(|&i| samples.is_inlier(i, &height)).map(|i| {
+        Inlier { sample: i as u32, u: samples.along(&u, i), v: samples.along(&v, i) }
+    }));
+    if buffers.inliers.is_empty() {
+        return 0;
+    }
+    let grid = CellGrid::around(&buffers.inliers);
+    buffers.n_in_cell.clear();
+    buffers.n_in_cell.resize(grid.width * grid.height, 0);
+    for inlier in &buffers.inliers {
+        buffers.n_in_cell[grid.cell_of(inlier)] += 1;
+    }
+    let largest = largest_region(&grid, buffers);
+    let regions = &buffers.region_of_cell;
+    buffers.inliers.retain(|inlier| regions[grid.cell_of(inlier)] == largest);
+    buffers.inliers.len()
+}
+
+/// The number of the region with the most samples; regions count from 1.
+fn largest_region(grid: &CellGrid, buffers: &mut RegionBuffers) -> u32 {
+    buffers.region_of_cell.clear();
+    buffers.region_of_cell.resize(buffers.n_in_cell.len(), 0);
+    let (mut n_regions, mut largest, mut n_largest) = (0, u32::MAX, 0);
+    for start in 0..buffers.n_in_cell.len() {
+        if buffers.n_in_cell[start] >= CELL_SAMPLES_MIN && buffers.region_of_cell[start] == 0 {
+            n_regions += 1;
+            let n_samples = flood(grid, start, n_regions, buffers);
+            if n_samples > n_largest {
+                (largest, n_largest) = (n_regions, n_samples);
+            }
+        }
+    }
+    largest
+}
+
+/// Marks the cells connected with `start`; returns their number of samples.
+fn flood(grid: &CellGrid, start: usize, region: u32, buffers: &mut RegionBuffers) -> u32 {
+    let mut n_samples = 0;
+    buffers.stack.clear();
+    buffers.stack.push(start);
+    buffers.region_of_cell[start] = region;
+    while let Some(cell) = buffers.stack.pop() {
+        n_samples += buffers.n_in_cell[cell];
+        let (column, row) = ((cell % grid.width) as isize, (cell / grid.width) as isize);
+        let rows = (row - GAP_CELLS).max(0)..=(row + GAP_CELLS).min(grid.height as isize - 1);
+        for row in rows {
+            let from = (column - GAP_CELLS).max(0);
+            let to = (column + GAP_CELLS).min(grid.width as isize - 1);
+            for column in from..=to {
+                let near = row as usize * grid.width + column as usize;
+                if buffers.region_of_cell[near] == 0 && buffers.n_in_cell[near] >= CELL_SAMPLES_MIN {
+                    buffers.region_of_cell[near] = region;
+                    buffers.stack.push(near);
+                }
+            }
+        }
+    }
+    n_samples
+}
+
+/// Sums over the region found last.
+pub(crate) fn region_moments(samples: &Samples, buffers: &RegionBuffers) -> Moments {
+    let mut moments = Moments::default();
+    for inlier in &buffers.inliers {
+        moments.add(&samples.position(inlier.sample as usize));
+    }
+    moments
+}
+
+/// Convex hull of the region found last, coordinates of the plane's frame.
+///
+/// The hull of the first and last sample of each image row is the hull of all:
+/// a plane is seen through a homography, which keeps what lies between.
+pub(crate) fn region_polygon(samples: &Samples, buffers: &mut RegionBuffers) -> ConvexPolygon {
+    let corner = |inlier: &Inlier| Point2::new(f64::from(inlier.u), f64::from(inlier.v));
+    let row_of = |inlier: &Inlier| inlier.sample as usize / samples.width();
+    buffers.outline.clear();
+    for row in buffers.inliers.chunk_by(|a, b| row_of(a) == row_of(b)) {
+        buffers.outline.extend([corner(&row[0]), corner(&row[row.len() - 1])]);
+    }
+    ConvexPolygon::hull_of(&mut buffers.outline)
+}

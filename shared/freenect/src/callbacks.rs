@@ -1,0 +1,213 @@
+//! Frames as the library announces them.
+//!
+//! The library calls back with a device pointer, the pixels' address and a
+//! stamp, always from inside one of its own functions and so on the thread that
+//! owns the camera. A table of that thread leads from the device pointer to the
+//! camera's [`Sink`]. No address of ours is ever stored in the library, except
+//! the image buffers themselves: a callback that comes too late finds no entry
+//! and does nothing.
+//!
+//! Nothing here panics; if it did, the process would abort rather than unwind
+//! into C, which is what `extern "C"` promises.
+
+#![expect(unsafe_code, reason = "buffers are handed to C and images read back")]
+
+use crate::device::{Frame, Image};
+use crate::frame_buffer::FrameBuffer;
+use crate::pairing::{Counts, N_FRAMES, Pair, Pairing, Stamped};
+use crate::raw::{Api, Device, N_PIXELS};
+use std::cell::RefCell;
+use std::ffi::c_void;
+use std::mem;
+use std::rc::Rc;
+use std::time::Instant;
+
+/// A camera that takes frames on this thread.
+type Entry = (*mut Device, Rc<RefCell<Sink>>);
+
+thread_local! {
+    static SINKS: RefCell<Vec<Entry>> = const { RefCell::new(Vec::new()) };
+}
+
+/// Where one camera's frames go: owner of all its image memory.
+pub(crate) struct Sink {
+    api: Api,
+    depth_filling: FrameBuffer<u16>,
+    video_filling: FrameBuffer<u8>,
+    pairing: Pairing<FrameBuffer<u16>, FrameBuffer<u8>>,
+    misplaced: bool,
+}
+
+/// A pair the library no longer writes to.
+pub(crate) struct Shown(Pair<FrameBuffer<u16>, FrameBuffer<u8>>);
+
+/// Keeps a sink in its thread's table.
+pub(crate) struct Registration {
+    device: *mut Device,
+}
+
+impl Registration {
+    /// Frames of `device` go to `sink` until this is dropped.
+    pub(crate) fn new(device: *mut Device, sink: Rc<RefCell<Sink>>) -> Self {
+        SINKS.with_borrow_mut(|sinks| sinks.push((device, sink)));
+        Self { device }
+    }
+}
+
+impl Drop for Registration {
+    fn drop(&mut self) {
+        // At the thread's end the table may be gone already, and with it the entry.
+        let _ = SINKS.try_with(|sinks| {
+            if let Ok(mut sinks) = sinks.try_borrow_mut() {
+                sinks.retain(|(device, _)| *device != self.device);
+            }
+        });
+    }
+}
+
+/// The library's depth callback.
+pub(crate) extern "C" fn on_depth(device: *mut Device, pixels: *mut c_void, stamp_ticks: u32) {
+    let arrived = Instant::now();
+    with_sink(device, |sink| sink.depth_arrived(device, pixels, stamp_ticks, arrived));
+}
+
+/// The library's colour callback.
+pub(crate) extern "C" fn on_video(device: *mut Device, pixels: *mut c_void, stamp_ticks: u32) {
+    let arrived = Instant::now();
+    with_sink(device, |sink| sink.video_arrived(device, pixels, stamp_ticks, arrived));
+}
+
+fn with_sink(device: *mut Device, act: impl FnOnce(&mut Sink)) {
+    let sink = SINKS.try_with(|sinks| {
+        let sinks = sinks.try_borrow().ok()?;
+        sinks.iter().find(|(known, _)| *known == device).map(|(_, sink)| Rc::clone(sink))
+    });
+    if let Ok(Some(sink)) = sink
+        && let Ok(mut sink) = sink.try_borrow_mut()
+    {
+        act(&mut sink);
+    }
+}
+
+impl Sink {
+    /// All image memory of one camera, about 9 MB.
+    pub(crate) fn new(api: &Api) -> Self {
+        let depth = || FrameBuffer::new(N_PIXELS);
+        let video = || FrameBuffer::new(3 * N_PIXELS);
+        Self {
+            api: *api,
+            depth_filling: depth(),
+            video_filling: video(),
+            pairing: Pairing::new(
+                (1..N_FRAMES).map(|_| depth()).collect(),
+                (1..N_FRAMES).map(|_| video()).collect(),
+            ),
+            misplaced: false,
+        }
+    }
+
+    /// Hands the first buffers to the library; false when it refuses one.
+    pub(crate) fn hand_over_first_buffers(&self, device: *mut Device) -> bool {
+        self.hand_over_depth(device, &self.depth_filling)
+            && self.hand_over_video(device, &self.video_filling)
+    }
+
+    fn depth_arrived(
+        &mut self,
+        device: *mut Device,
+        pixels: *mut c_void,
+        stamp_ticks: u32,
+        arrived: Instant,
+    ) {
+        if pixels != self.depth_filling.address() {
+            self.misplaced = true;
+            return;
+        }
+        // There always is one; without, this frame would be written over.
+        let Some(next) = self.pairing.spare_depth() else { return };
+        if !self.hand_over_depth(device, &next) {
+            self.misplaced = true;
+            self.pairing.keep_depth(next);
+            return;
+        }
+        let frame = mem::replace(&mut self.depth_filling, next);
+        self.pairing.depth_arrived(Stamped { stamp_ticks, arrived, frame });
+    }
+
+    fn video_arrived(
+        &mut self,
+        device: *mut Device,
+        pixels: *mut c_void,
+        stamp_ticks: u32,
+        arrived: Instant,
+    ) {
+        if pixels != self.video_filling.address() {
+            self.misplaced = true;
+            return;
+        }
+        let Some(next) = self.pairing.spare_video() else { return };
+        if !self.hand_over_video(device, &next) {
+            self.misplaced = true;
+            self.pairing.keep_video(next);
+            return;
+        }
+        let frame = mem::replace(&mut self.video_filling, next);
+        self.pairing.video_arrived(Stamped { stamp_ticks, arrived, frame });
+    }
+
+    fn hand_over_depth(&self, device: *mut Device, buffer: &FrameBuffer<u16>) -> bool {
+        let set_depth_buffer = self.api.set_depth_buffer;
+        // SAFETY: the device is open; the buffer holds one 640x480 frame of the
+        // chosen mode and outlives the device; the library calls nothing back.
+        let code = unsafe { set_depth_buffer(device, buffer.address()) };
+        code >= 0
+    }
+
+    fn hand_over_video(&self, device: *mut Device, buffer: &FrameBuffer<u8>) -> bool {
+        let set_video_buffer = self.api.set_video_buffer;
+        // SAFETY: as for depth, with three bytes a pixel.
+        let code = unsafe { set_video_buffer(device, buffer.address()) };
+        code >= 0
+    }
+
+    /// The newest pair, once.
+    pub(crate) fn take_ready(&mut self) -> Option<Shown> {
+        self.pairing.take_ready().map(Shown)
+    }
+
+    /// Frees a pair for the library's use.
+    pub(crate) fn give_back(&mut self, shown: Shown) {
+        self.pairing.give_back(shown.0);
+    }
+
+    /// Whether the library wrote elsewhere than asked, or refused a buffer.
+    pub(crate) fn is_misplaced(&self) -> bool {
+        self.misplaced
+    }
+
+    pub(crate) fn counts(&self) -> Counts {
+        self.pairing.counts()
+    }
+}
+
+impl Shown {
+    /// The pair as borrowed images.
+    pub(crate) fn frame(&self) -> Frame<'_> {
+        let Pair { depth, video } = &self.0;
+        Frame {
+            depth: Image {
+                // SAFETY: the library got another buffer before this one was paired,
+                // and gets it again only after `give_back` took this value.
+                pixels: unsafe { depth.frame.pixels() },
+                stamp_ticks: depth.stamp_ticks,
+                arrived: depth.arrived,
+            },
+            video: Image {
+                // SAFETY: as for depth.
+                pixels: unsafe { video.frame.pixels() },
+                stamp_ticks: video.stamp_ticks,
+                arrived: video.arrived,
+            },
+        }
+    }
+}

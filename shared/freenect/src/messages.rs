@@ -1,0 +1,104 @@
+//! What the C library says, kept for the caller instead of printed.
+//!
+//! The library's log callback carries no pointer of ours. It is only called from
+//! inside a call of the library, on the calling thread, and a [`crate::Kinect`]
+//! never leaves its thread: so the messages wait in a queue of that thread.
+
+#![expect(unsafe_code, reason = "text arrives from C as a pointer")]
+
+use crate::raw::Context;
+use std::cell::RefCell;
+use std::collections::VecDeque;
+use std::ffi::{CStr, c_char, c_int};
+
+/// Messages kept; older ones are forgotten first, since a stream in trouble can
+/// complain about every packet.
+const MAX_MESSAGES: usize = 64;
+
+thread_local! {
+    static MESSAGES: RefCell<VecDeque<Message>> = const { RefCell::new(VecDeque::new()) };
+}
+
+/// How serious the library finds it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Level {
+    /// The library can not do what was asked (levels fatal and error).
+    Error,
+    /// The library goes on, with a loss.
+    Warning,
+}
+
+/// One line the library wanted to print.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Message {
+    /// How serious it is.
+    pub level: Level,
+    /// The text, without the line's end.
+    pub text: String,
+}
+
+/// The library's log callback. Contains nothing that panics; if it did, the
+/// process would abort rather than unwind into C.
+pub(crate) extern "C" fn on_message(_context: *mut Context, level: c_int, text: *const c_char) {
+    if text.is_null() {
+        return;
+    }
+    // SAFETY: the library passes a null-terminated buffer that lives during the call.
+    let text = unsafe { CStr::from_ptr(text) };
+    let level = if level <= 1 { Level::Error } else { Level::Warning };
+    let text = text.to_string_lossy().trim_end().to_owned();
+    // A message during the thread's end has no reader.
+    let _ = MESSAGES.try_with(|messages| {
+        if let Ok(mut messages) = messages.try_borrow_mut() {
+            if messages.len() == MAX_MESSAGES {
+                messages.pop_front();
+            }
+            messages.push_back(Message { level, text });
+        }
+    });
+}
+
+/// Takes all messages of this thread, oldest first.
+pub(crate) fn take() -> Vec<Message> {
+    MESSAGES.with_borrow_mut(|messages| messages.drain(..).collect())
+}
+
+/// Takes all messages of this thread as one clause for an error.
+pub(crate) fn take_as_clause() -> String {
+    let texts: Vec<String> = take().into_iter().map(|message| message.text).collect();
+    texts.join("; ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn say(level: c_int, text: &CStr) {
+        on_message(std::ptr::null_mut(), level, text.as_ptr());
+    }
+
+    #[test]
+    fn messages_are_kept_in_order_and_taken_once() {
+        say(1, c"Could not open camera: -3\n");
+        say(2, c"Lost packets\n");
+        let expected = [(Level::Error, "Could not open camera: -3"), (Level::Warning, "Lost packets")];
+        let taken = take();
+        assert_eq!(taken.len(), 2);
+        for (message, (level, text)) in taken.iter().zip(expected) {
+            assert_eq!((message.level, message.text.as_str()), (level, text));
+        }
+        assert!(take().is_empty());
+    }
+
+    #[test]
+    fn a_flood_keeps_the_newest() {
+        for _ in 0..MAX_MESSAGES {
+            say(2, c"old");
+        }
+        say(2, c"\xff new");
+        on_message(std::ptr::null_mut(), 0, std::ptr::null());
+        let taken = take();
+        assert_eq!(taken.len(), MAX_MESSAGES);
+        assert_eq!(taken[MAX_MESSAGES - 1].text, "\u{fffd} new");
+    }
+}

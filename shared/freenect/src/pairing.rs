@@ -1,0 +1,187 @@
+//! Which colour image belongs to which depth image.
+//!
+//! The Kinect stamps both streams with one 60 MHz counter of 32 bits, which
+//! wraps about every 71.6 seconds. Frames of a stream are a thirtieth of a
+//! second apart, 2 000 000 ticks. A depth and a colour image belong together when
+//! their stamps differ by less than half of that: at most one image of a
+//! stream lies that near, so it is the nearest, and waiting for a better one
+//! would only add delay.
+//!
+//! Pure: frames and their arrival times come from the caller.
+
+use std::collections::VecDeque;
+use std::time::Instant;
+
+/// Ticks a second of the Kinect's clock.
+pub const CLOCK_HZ: u32 = 60_000_000;
+/// Stamps of a pair differ by less than this many ticks: half a frame's period.
+pub const PAIRING_WINDOW_TICKS: u32 = CLOCK_HZ / 30 / 2;
+
+/// Frames of one stream that may wait for their partner. Two, because the
+/// streams may lag behind each other by more than one period but never by two.
+const MAX_WAITING: usize = 2;
+
+/// Frames of one stream that exist at the same time: one is being written, two
+/// wait, one more has just arrived, one is in the pair not yet taken and one in
+/// the pair the caller looks at.
+pub(crate) const N_FRAMES: usize = MAX_WAITING + 4;
+
+/// A frame with its times.
+#[derive(Debug)]
+pub(crate) struct Stamped<T> {
+    /// Device stamp, ticks of [`CLOCK_HZ`].
+    pub(crate) stamp_ticks: u32,
+    /// When it arrived.
+    pub(crate) arrived: Instant,
+    /// The image.
+    pub(crate) frame: T,
+}
+
+/// Images of the same moment.
+#[derive(Debug)]
+pub(crate) struct Pair<D, V> {
+    pub(crate) depth: Stamped<D>,
+    pub(crate) video: Stamped<V>,
+}
+
+/// One stream's frames without a partner, and those free for use.
+#[derive(Debug)]
+struct Waiting<T> {
+    frames: VecDeque<Stamped<T>>,
+    spare: Vec<T>,
+    n_unpaired: u64,
+}
+
+/// Pairs frames as they arrive, keeps the newest pair and counts what was lost.
+#[derive(Debug)]
+pub(crate) struct Pairing<D, V> {
+    depth: Waiting<D>,
+    video: Waiting<V>,
+    ready: Option<Pair<D, V>>,
+    n_pairs: u64,
+    n_superseded: u64,
+}
+
+/// What became of all frames so far.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct Counts {
+    pub(crate) n_pairs: u64,
+    pub(crate) n_superseded: u64,
+    pub(crate) n_unpaired_depth: u64,
+    pub(crate) n_unpaired_video: u64,
+}
+
+/// Whether two stamps are of the same moment, across the counter's wrap.
+fn within_window(a: u32, b: u32) -> bool {
+    (a.wrapping_sub(b) as i32).unsigned_abs() < PAIRING_WINDOW_TICKS
+}
+
+impl<T> Waiting<T> {
+    fn new(spare: Vec<T>) -> Self {
+        Self { frames: VecDeque::with_capacity(MAX_WAITING + 1), spare, n_unpaired: 0 }
+    }
+
+    /// Takes the frame of that moment. Frames before it stay alone for ever,
+    /// since the other stream, too, only moves on.
+    fn take_partner(&mut self, stamp_ticks: u32) -> Option<Stamped<T>> {
+        let position =
+            self.frames.iter().position(|frame| within_window(frame.stamp_ticks, stamp_ticks))?;
+        self.give_up(position);
+        self.frames.pop_front()
+    }
+
+    /// Frees the oldest `n` frames as unpaired.
+    fn give_up(&mut self, n: usize) {
+        for lone in self.frames.drain(..n.min(self.frames.len())) {
+            self.spare.push(lone.frame);
+            self.n_unpaired += 1;
+        }
+    }
+
+    fn wait(&mut self, frame: Stamped<T>) {
+        self.frames.push_back(frame);
+        self.give_up(self.frames.len().saturating_sub(MAX_WAITING));
+    }
+}
+
+impl<D, V> Pairing<D, V> {
+    /// Starts with the frames to use, [`N_FRAMES`] less the one being written.
+    pub(crate) fn new(spare_depth: Vec<D>, spare_video: Vec<V>) -> Self {
+        let (depth, video) = (Waiting::new(spare_depth), Waiting::new(spare_video));
+        Self { depth, video, ready: None, n_pairs: 0, n_superseded: 0 }
+    }
+
+    /// A free depth frame to be written next.
+    pub(crate) fn spare_depth(&mut self) -> Option<D> {
+        self.depth.spare.pop()
+    }
+
+    /// A free colour frame to be written next.
+    pub(crate) fn spare_video(&mut self) -> Option<V> {
+        self.video.spare.pop()
+    }
+
+    /// A spare depth frame is not needed after all.
+    pub(crate) fn keep_depth(&mut self, frame: D) {
+        self.depth.spare.push(frame);
+    }
+
+    /// A spare colour frame is not needed after all.
+    pub(crate) fn keep_video(&mut self, frame: V) {
+        self.video.spare.push(frame);
+    }
+
+    /// A depth frame is complete.
+    pub(crate) fn depth_arrived(&mut self, depth: Stamped<D>) {
+        match self.video.take_partner(depth.stamp_ticks) {
+            Some(video) => {
+                self.depth.give_up(MAX_WAITING);
+                self.pair_up(Pair { depth, video });
+            }
+            None => self.depth.wait(depth),
+        }
+    }
+
+    /// A colour frame is complete.
+    pub(crate) fn video_arrived(&mut self, video: Stamped<V>) {
+        match self.depth.take_partner(video.stamp_ticks) {
+            Some(depth) => {
+                self.video.give_up(MAX_WAITING);
+                self.pair_up(Pair { depth, video });
+            }
+            None => self.video.wait(video),
+        }
+    }
+
+    /// The newest pair, once.
+    pub(crate) fn take_ready(&mut self) -> Option<Pair<D, V>> {
+        self.ready.take()
+    }
+
+    /// Frees a pair nobody looks at any more.
+    pub(crate) fn give_back(&mut self, pair: Pair<D, V>) {
+        self.keep_depth(pair.depth.frame);
+        self.keep_video(pair.video.frame);
+    }
+
+    /// What became of all frames so far.
+    pub(crate) fn counts(&self) -> Counts {
+        Counts {
+            n_pairs: self.n_pairs,
+            n_superseded: self.n_superseded,
+            n_unpaired_depth: self.depth.n_unpaired,
+            n_unpaired_video: self.video.n_unpaired,
+        }
+    }
+
+    fn pair_up(&mut self, pair: Pair<D, V>) {
+        self.n_pairs += 1;
+        if let Some(older) = self.ready.replace(pair) {
+            self.n_superseded += 1;
+            self.give_back(older);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

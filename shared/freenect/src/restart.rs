@@ -1,0 +1,100 @@
+//! Starting this process again with a recording's folder in its environment.
+//!
+//! Fakenect finds its folder only through an environment variable. Changing the
+//! environment of a running process is unsafe, since any thread may be reading
+//! it. Starting the same program again with the variable set is safe, so the
+//! camera process does that: before it starts any thread, it asks here whether a
+//! restart is needed and hands itself over.
+//!
+//! ```no_run
+//! use std::os::unix::process::CommandExt as _;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let folder = std::path::Path::new("recording");
+//! if let Some(mut command) = freenect::restart_with_recording(folder)? {
+//!     // Only returns when the program could not be started.
+//!     return Err(command.exec().into());
+//! }
+//! // From here on the environment names the folder.
+//! # Ok(())
+//! # }
+//! ```
+
+use crate::RecordingError;
+use std::ffi::{OsStr, OsString};
+use std::path::Path;
+use std::process::Command;
+use std::{env, io};
+
+/// The environment variable in which fakenect looks for its folder.
+pub const FOLDER_VARIABLE: &str = "FAKENECT_PATH";
+
+/// The command that starts this program again to play `folder`, or `None` when
+/// the environment names it already.
+///
+/// To be called, and the command's `exec` after it, before any thread starts:
+/// `exec` ends all others wherever they are. The process keeps its id, so
+/// systemd and parents notice nothing. The folder's links are resolved, so that
+/// the second start sees the same name and goes on.
+///
+/// # Errors
+/// When there is no such folder, or this program's own file is not known.
+pub fn restart_with_recording(folder: &Path) -> Result<Option<Command>, RecordingError> {
+    let no_folder = |_: io::Error| RecordingError::NoFolder { folder: folder.to_owned() };
+    let folder = folder.canonicalize().map_err(no_folder)?;
+    if is_named(&folder, env::var_os(FOLDER_VARIABLE).as_deref()) {
+        return Ok(None);
+    }
+    let program = env::current_exe().map_err(|source| RecordingError::Unreadable {
+        file: Path::new("/proc/self/exe").to_owned(),
+        source,
+    })?;
+    Ok(Some(restart(&program, env::args_os(), &folder)))
+}
+
+fn is_named(folder: &Path, current: Option<&OsStr>) -> bool {
+    current == Some(folder.as_os_str())
+}
+
+fn restart(
+    program: &Path,
+    mut arguments: impl Iterator<Item = OsString>,
+    folder: &Path,
+) -> Command {
+    use std::os::unix::process::CommandExt as _;
+    let mut command = Command::new(program);
+    if let Some(name) = arguments.next() {
+        command.arg0(name);
+    }
+    command.args(arguments).env(FOLDER_VARIABLE, folder);
+    command
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_second_start_goes_on() {
+        let folder = Path::new("/srv/recording");
+        assert!(!is_named(folder, None));
+        assert!(!is_named(folder, Some(OsStr::new("/srv/other"))));
+        assert!(is_named(folder, Some(folder.as_os_str())));
+    }
+
+    #[test]
+    fn the_command_keeps_the_arguments_and_adds_the_folder() {
+        let arguments = ["tabula-camera", "--config", "a b.toml"].map(OsString::from);
+        let command = restart(Path::new("/usr/bin/tabula-camera"), arguments.into_iter(), Path::new("/r"));
+        assert_eq!(command.get_program(), "/usr/bin/tabula-camera");
+        assert_eq!(command.get_args().collect::<Vec<_>>(), ["--config", "a b.toml"]);
+        let variables: Vec<_> = command.get_envs().collect();
+        assert_eq!(variables, [(OsStr::new(FOLDER_VARIABLE), Some(OsStr::new("/r")))]);
+    }
+
+    #[test]
+    fn a_missing_folder_is_refused_before_the_restart() {
+        let error = restart_with_recording(Path::new("/nonexistent/recording")).unwrap_err();
+        assert!(error.to_string().contains("/nonexistent/recording"), "{error}");
+    }
+}

@@ -1,0 +1,160 @@
+//! The control plane: what people, scripts and processes ask of each other.
+//!
+//! One request, one reply, CBOR on the wire; the carriers (shared memory
+//! between the daemon's own processes, a Unix socket for everyone else) are in
+//! `channel`. All reports are what `--json` prints: `snake_case`, SI units.
+
+mod learning;
+mod refusal;
+mod report;
+
+pub use learning::{
+    ChangesPage, LearnedChange, LearnedView, MutationId, SnapshotPage, StoredView, ViewId,
+};
+pub use refusal::{Refusal, RefusalKind};
+pub use report::{CategoryReport, LearningReport, ObjectReport, ObjectsReport, ProcessReport};
+
+use crate::ProcessKind;
+use serde::{Deserialize, Serialize};
+
+/// Version of the requests and replies.
+pub const PROTOCOL_VERSION: u32 = 1;
+
+/// Longest encoded request or reply, bytes; longer answers come in pages.
+pub const MAX_MESSAGE_BYTES: usize = 512 * 1024;
+
+/// A command with the version of its writer.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Request {
+    /// [`PROTOCOL_VERSION`] of the writer.
+    pub protocol: u32,
+    /// What is asked.
+    pub command: Command,
+}
+
+impl From<Command> for Request {
+    fn from(command: Command) -> Self {
+        Self {
+            protocol: PROTOCOL_VERSION,
+            command,
+        }
+    }
+}
+
+/// What can be asked.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Command {
+    /// All tracked objects.
+    Objects,
+    /// One tracked object.
+    Ask {
+        /// The track.
+        track_id: u64,
+    },
+    /// The processes' health.
+    Health,
+    /// Label a track that carries no other label.
+    Teach(Labelling),
+    /// Label a track, whatever label it carries.
+    Correct(Labelling),
+    /// Forget a category; its views stay, without a label.
+    Forget {
+        /// Identity of this mutation.
+        id: MutationId,
+        /// Who asks.
+        author: String,
+        /// The category.
+        category: String,
+    },
+    /// What has been learned.
+    Categories,
+    /// A block of track-ids that nobody else will ever get.
+    LeaseTrackIds {
+        /// How many.
+        count: u32,
+    },
+    /// Store key views durably.
+    StoreViews {
+        /// The views.
+        views: Vec<StoredView>,
+    },
+    /// One page of all labelled views.
+    Snapshot {
+        /// Where the last page ended; `None` for the first page.
+        after: Option<ViewId>,
+    },
+    /// What has been learned since a history sequence.
+    Changes {
+        /// The store whose sequence `since` is.
+        #[serde(with = "learning::hex_id")]
+        store_id: u128,
+        /// The sequence the reader holds.
+        since: u64,
+    },
+}
+
+/// A label for a track.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Labelling {
+    /// Identity of this mutation: the same id again gets the first answer.
+    pub id: MutationId,
+    /// Who teaches.
+    pub author: String,
+    /// The track.
+    pub track_id: u64,
+    /// The category.
+    pub category: String,
+}
+
+/// The answer to a command.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Reply {
+    /// To [`Command::Objects`].
+    Objects(ObjectsReport),
+    /// To [`Command::Ask`].
+    Object(ObjectReport),
+    /// To [`Command::Health`].
+    Health(Vec<ProcessReport>),
+    /// To teach, correct and forget: on disk.
+    Learned(LearningReport),
+    /// To [`Command::Categories`].
+    Categories(Vec<CategoryReport>),
+    /// To [`Command::LeaseTrackIds`]: the first id of the block.
+    TrackIds {
+        /// The first id; the others follow it.
+        first: u64,
+    },
+    /// To [`Command::StoreViews`]: on disk.
+    Stored,
+    /// To [`Command::Snapshot`].
+    Snapshot(SnapshotPage),
+    /// To [`Command::Changes`].
+    Changes(ChangesPage),
+    /// The command was not carried out, nothing was changed.
+    Refused(Refusal),
+}
+
+impl Command {
+    /// The process that answers the command.
+    pub fn owner(&self) -> ProcessKind {
+        match self {
+            Self::Objects | Self::Ask { .. } => ProcessKind::Perception,
+            _ => ProcessKind::Memory,
+        }
+    }
+
+    /// Whether only the daemon's own processes may send it.
+    pub fn is_internal(&self) -> bool {
+        matches!(
+            self,
+            Self::LeaseTrackIds { .. }
+                | Self::StoreViews { .. }
+                | Self::Snapshot { .. }
+                | Self::Changes { .. }
+        )
+    }
+}

@@ -1,0 +1,44 @@
+//! Counting the messages of a port, so that a receiver sees what it lost.
+
+use crate::{FrameHeader, ObjectCloudHeader, ObjectViewHeader, SceneSummary};
+use iceoryx2::prelude::ZeroCopySend;
+
+/// A header that counts the messages of its port from 1.
+pub trait Counted {
+    /// The number of this message.
+    fn sent(&self) -> u64;
+    /// Writes the number.
+    fn set_sent(&mut self, sent: u64);
+}
+
+/// The header of messages that need no other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ZeroCopySend)]
+#[type_name("tabula.PlainHeader.v1")]
+#[repr(C)]
+pub struct PlainHeader {
+    /// Counts the messages of the port.
+    pub sent: u64,
+}
+
+const _: () = assert!(size_of::<PlainHeader>() == 8);
+
+macro_rules! counted {
+    ($($header:ty),*) => {$(
+        impl Counted for $header {
+            fn sent(&self) -> u64 {
+                self.sent
+            }
+            fn set_sent(&mut self, sent: u64) {
+                self.sent = sent;
+            }
+        }
+    )*};
+}
+
+counted!(
+    PlainHeader,
+    FrameHeader,
+    SceneSummary,
+    ObjectViewHeader,
+    ObjectCloudHeader
+);

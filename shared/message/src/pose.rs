@@ -1,0 +1,136 @@
+//! Poses as plain numbers.
+
+use geometry::RigidTransform;
+use iceoryx2::prelude::ZeroCopySend;
+use nalgebra::{Matrix3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3};
+
+/// A rigid transform as a 3x4 matrix, row-major, metres: `target_from_source`.
+#[derive(Debug, Clone, Copy, PartialEq, ZeroCopySend)]
+#[type_name("tabula.Transform.v1")]
+#[repr(C)]
+pub struct WireTransform {
+    /// Rows of [R | t].
+    pub rows: [[f64; 4]; 3],
+}
+
+/// A pose as position and unit quaternion: `frame_from_object`.
+#[derive(Debug, Clone, Copy, PartialEq, Default, ZeroCopySend)]
+#[type_name("tabula.Pose.v1")]
+#[repr(C)]
+pub struct WirePose {
+    /// Position, metres.
+    pub position_m: [f64; 3],
+    /// Orientation x, y, z, w.
+    pub orientation_xyzw: [f64; 4],
+}
+
+const _: () = assert!(size_of::<WireTransform>() == 96 && size_of::<WirePose>() == 56);
+
+/// How far a received rotation may be from orthonormal.
+const ROTATION_TOLERANCE: f64 = 1e-3;
+
+impl WireTransform {
+    /// The identity.
+    pub const IDENTITY: Self = Self {
+        rows: [
+            [1.0, 0.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0, 0.0],
+            [0.0, 0.0, 1.0, 0.0],
+        ],
+    };
+
+    /// The rigid transform; `None` when the numbers are not one: not finite, or
+    /// the rotation farther than 1e-3 from orthonormal, or a reflection.
+    pub fn checked(&self) -> Option<RigidTransform> {
+        let rotation = Matrix3::from_fn(|r, c| self.rows[r][c]);
+        let translation = Vector3::from_fn(|r, _| self.rows[r][3]);
+        if !rotation
+            .iter()
+            .chain(translation.iter())
+            .all(|v| v.is_finite())
+        {
+            return None;
+        }
+        let drift = (rotation.transpose() * rotation - Matrix3::identity())
+            .abs()
+            .max();
+        if drift > ROTATION_TOLERANCE || rotation.determinant() <= 0.0 {
+            return None;
+        }
+        // Exactly the numbers of the message, so that a replay is bit-identical.
+        let rotation =
+            UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(rotation));
+        Some(RigidTransform::from_parts(
+            Translation3::from(translation),
+            rotation,
+        ))
+    }
+}
+
+impl From<&RigidTransform> for WireTransform {
+    fn from(transform: &RigidTransform) -> Self {
+        let matrix = transform.to_homogeneous();
+        Self {
+            rows: std::array::from_fn(|r| std::array::from_fn(|c| matrix[(r, c)])),
+        }
+    }
+}
+
+impl WirePose {
+    /// The pose; `None` when the numbers are not one.
+    pub fn checked(&self) -> Option<RigidTransform> {
+        let [x, y, z, w] = self.orientation_xyzw;
+        let orientation = Quaternion::new(w, x, y, z);
+        let finite = self
+            .position_m
+            .iter()
+            .chain(&self.orientation_xyzw)
+            .all(|v| v.is_finite());
+        let is_unit = (orientation.norm() - 1.0).abs() <= ROTATION_TOLERANCE;
+        (finite && is_unit).then(|| {
+            RigidTransform::from_parts(
+                Translation3::from(Vector3::from(self.position_m)),
+                UnitQuaternion::from_quaternion(orientation),
+            )
+        })
+    }
+}
+
+impl From<&RigidTransform> for WirePose {
+    fn from(pose: &RigidTransform) -> Self {
+        Self {
+            position_m: pose.translation.vector.into(),
+            orientation_xyzw: pose.rotation.coords.into(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn transforms_survive_the_border() {
+        let pose = RigidTransform::new(Vector3::new(1.0, -2.0, 3.0), Vector3::new(0.3, 2.0, -1.0));
+        let matrix = WireTransform::from(&pose).checked().unwrap();
+        let parts = WirePose::from(&pose).checked().unwrap();
+        for back in [matrix, parts] {
+            assert!((back.inverse() * pose).translation.vector.norm() < 1e-12);
+            assert!((back.inverse() * pose).rotation.angle() < 1e-7);
+        }
+    }
+
+    #[test]
+    fn what_is_no_rigid_transform_is_refused() {
+        let mut scaled = WireTransform::IDENTITY;
+        scaled.rows[0][0] = 1.1;
+        let mut mirrored = WireTransform::IDENTITY;
+        mirrored.rows[2][2] = -1.0;
+        let mut unknown = WireTransform::IDENTITY;
+        unknown.rows[1][3] = f64::NAN;
+        for wrong in [scaled, mirrored, unknown] {
+            assert_eq!(wrong.checked(), None);
+        }
+        assert_eq!(WirePose::default().checked(), None);
+    }
+}

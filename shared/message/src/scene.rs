@@ -1,0 +1,205 @@
+//! The live world model.
+
+use crate::pose::WirePose;
+use crate::{SCHEMA_VERSION, Text};
+use iceoryx2::prelude::ZeroCopySend;
+
+/// Most objects in one summary.
+pub const MAX_SCENE_OBJECTS: usize = 64;
+
+/// The state of a track, as a number in [`SceneObject::state`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TrackState {
+    /// Seen too briefly to be believed.
+    Tentative,
+    /// Seen in this frame.
+    Tracked,
+    /// Not seen in this frame, expected to come back.
+    Missing,
+}
+
+impl TrackState {
+    const ALL: [Self; 3] = [Self::Tentative, Self::Tracked, Self::Missing];
+
+    /// The number on the wire.
+    pub fn code(self) -> u32 {
+        self as u32
+    }
+
+    /// The state of a number; `None` for any other number.
+    pub fn from_code(code: u32) -> Option<Self> {
+        Self::ALL.into_iter().find(|state| state.code() == code)
+    }
+
+    /// The word for people and scripts.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Tentative => "tentative",
+            Self::Tracked => "tracked",
+            Self::Missing => "missing",
+        }
+    }
+}
+
+/// When a frame passed the stages, monotonic clock.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ZeroCopySend)]
+#[type_name("tabula.StageStamps.v1")]
+#[repr(C)]
+pub struct StageStamps {
+    /// When the light was captured (see `FrameHeader::capture_stamp_ns`).
+    pub capture_ns: u64,
+    /// When the camera should have published.
+    pub scheduled_ns: u64,
+    /// When the camera published.
+    pub camera_published_ns: u64,
+    /// When perception took the frame.
+    pub received_ns: u64,
+    /// When detection had finished.
+    pub detected_ns: u64,
+    /// When the last actor had answered or its time was over.
+    pub recognised_ns: u64,
+    /// When this summary was published.
+    pub published_ns: u64,
+}
+
+/// One object of the summary.
+#[derive(Debug, Clone, Copy, PartialEq, ZeroCopySend)]
+#[type_name("tabula.SceneObject.v1")]
+#[repr(C)]
+pub struct SceneObject {
+    /// The track-id; never used twice.
+    pub track_id: u64,
+    /// Number of a [`TrackState`].
+    pub state: u32,
+    /// 1 when the image border cuts the object.
+    pub cut_by_image: u32,
+    /// Capture stamp of the first frame with this track.
+    pub first_seen_ns: u64,
+    /// Capture stamp of the last frame with a measurement.
+    pub last_seen_ns: u64,
+    /// Pose of the box's centre: `world_from_object`.
+    pub pose: WirePose,
+    /// Full lengths of the box's sides, metres.
+    pub size_m: [f32; 3],
+    /// Measured points.
+    pub n_points: u32,
+    /// Views described so far.
+    pub n_views: u32,
+    /// Mean colour, packed as in `CloudPoint::argb`.
+    pub mean_argb: u32,
+    /// Dissimilarity to the nearest stored view; NaN when nothing is stored.
+    pub distance: f32,
+    /// 1 when `label` is a learned category, 0 when the object is unknown.
+    pub is_labelled: u32,
+    /// The category, when labelled.
+    pub label: Text,
+    /// Zero.
+    pub reserved: u32,
+    /// History sequence of the memory this label was made with.
+    pub memory_sequence: u64,
+}
+
+/// The world after one frame; the payload beside it is the objects, by track-id.
+#[derive(Debug, Clone, Copy, PartialEq, ZeroCopySend)]
+#[type_name("tabula.SceneSummary.v1")]
+#[repr(C)]
+pub struct SceneSummary {
+    /// [`SCHEMA_VERSION`] of the writer.
+    pub schema_version: u32,
+    /// Flags of the frame, see [`frame_flag`](crate::frame_flag).
+    pub frame_flags: u32,
+    /// Session of the camera.
+    pub session: u64,
+    /// Sequence of the frame.
+    pub sequence: u64,
+    /// Frames of the session that perception has not processed.
+    pub frames_dropped: u64,
+    /// Stamps of this frame.
+    pub stamps: StageStamps,
+    /// 1 when a table was found.
+    pub has_table: u32,
+    /// How many objects there are; more than come with the summary when they do not fit.
+    pub n_objects_total: u32,
+    /// Object actors that had not answered in time and were predicted.
+    pub n_late: u32,
+    /// Candidates of this frame that started no track and continued none.
+    pub n_rejected: u32,
+    /// The table's plane in the world: normal and offset, metres.
+    pub table_plane: [f64; 4],
+    /// Name of the source or file of the frame.
+    pub source_name: Text,
+    /// Zero.
+    pub reserved: u32,
+    /// Counts the messages of the port.
+    pub sent: u64,
+}
+
+const _: () = assert!(size_of::<StageStamps>() == 56 && size_of::<SceneObject>() == 264);
+const _: () = assert!(size_of::<SceneSummary>() == 280);
+
+impl Default for SceneObject {
+    fn default() -> Self {
+        Self {
+            track_id: 0,
+            state: 0,
+            cut_by_image: 0,
+            first_seen_ns: 0,
+            last_seen_ns: 0,
+            pose: WirePose::default(),
+            size_m: [0.0; 3],
+            n_points: 0,
+            n_views: 0,
+            mean_argb: 0,
+            distance: f32::NAN,
+            is_labelled: 0,
+            label: Text::default(),
+            reserved: 0,
+            memory_sequence: 0,
+        }
+    }
+}
+
+impl Default for SceneSummary {
+    fn default() -> Self {
+        Self {
+            schema_version: SCHEMA_VERSION,
+            frame_flags: 0,
+            session: 0,
+            sequence: 0,
+            frames_dropped: 0,
+            stamps: StageStamps::default(),
+            has_table: 0,
+            n_objects_total: 0,
+            n_late: 0,
+            n_rejected: 0,
+            table_plane: [0.0; 4],
+            source_name: Text::default(),
+            reserved: 0,
+            sent: 0,
+        }
+    }
+}
+
+impl SceneObject {
+    /// The learned category; `None` for an unknown object.
+    pub fn label(&self) -> Option<&str> {
+        if self.is_labelled == 1 {
+            self.label.as_str()
+        } else {
+            None
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn states_survive_the_border_and_others_are_none() {
+        for state in TrackState::ALL {
+            assert_eq!(TrackState::from_code(state.code()), Some(state));
+        }
+        assert_eq!(TrackState::from_code(77), None);
+    }
+}

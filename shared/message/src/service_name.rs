@@ -1,0 +1,22 @@
+//! The names of the services of one domain.
+
+/// Organised clouds from the camera: [`FrameHeader`](crate::FrameHeader) and points.
+pub const CAMERA_CLOUD: &str = "camera/cloud";
+/// Reports of the followers of a lockstep source: [`FrameDone`](crate::FrameDone).
+pub const FRAME_DONE: &str = "frame/done";
+/// The live world model: [`SceneSummary`](crate::SceneSummary).
+pub const SCENE: &str = "scene";
+/// One described view of one object: [`ObjectViewHeader`](crate::ObjectViewHeader)
+/// and the descriptor.
+pub const OBJECT_VIEW: &str = "object/view";
+/// The points of one object, only while someone subscribes:
+/// [`ObjectCloudHeader`](crate::ObjectCloudHeader) and points.
+pub const OBJECT_CLOUD: &str = "object/cloud";
+/// New history sequences of the memory: [`MemoryChange`](crate::MemoryChange).
+pub const MEMORY_CHANGE: &str = "memory/change";
+/// State and counters of each process: [`Health`](crate::Health).
+pub const HEALTH: &str = "health";
+/// Requests to the memory process.
+pub const CONTROL_MEMORY: &str = "control/memory";
+/// Requests to the perception process.
+pub const CONTROL_PERCEPTION: &str = "control/perception";

@@ -1,0 +1,223 @@
+//! What can go wrong with the store, in sentences.
+
+use std::fmt;
+use std::io;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use learning::CategoryName;
+
+use crate::env_health::Failure;
+use crate::view::ViewKey;
+
+/// Why the store did not do what it was asked. Cloned when one failed commit
+/// answers many callers.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub enum Error {
+    /// The request cannot be granted; the store is well and nothing changed.
+    Refused(Refusal),
+    /// The operating system refused something, such as room on the disk.
+    Io {
+        /// What was being done.
+        doing: &'static str,
+        /// To which file or folder.
+        path: PathBuf,
+        /// What the system said.
+        source: Arc<io::Error>,
+    },
+    /// Another process has the store open.
+    InUse {
+        /// The store's folder.
+        folder: PathBuf,
+    },
+    /// The store was written by a newer version of this program.
+    NewerSchema {
+        /// The schema found.
+        found: u32,
+        /// The newest schema this version knows.
+        known: u32,
+    },
+    /// Something on disk is not what was written; open the store again to rebuild it.
+    Damaged {
+        /// What was found, in words.
+        what: String,
+    },
+    /// An earlier change could not be written; open the store again.
+    Failed {
+        /// That earlier error.
+        source: Arc<Error>,
+    },
+    /// More requests are waiting than the queue holds.
+    QueueFull {
+        /// How many it holds.
+        capacity: usize,
+    },
+    /// The store's thread has stopped.
+    Stopped,
+}
+
+/// Why a request cannot be granted.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Refusal {
+    /// Nothing was stored of the track that should get a name.
+    NoViews {
+        /// The track.
+        track_id: u64,
+    },
+    /// The track to be taught has a name already.
+    LabelledOtherwise {
+        /// The track.
+        track_id: u64,
+        /// The name it has.
+        present: CategoryName,
+        /// The name it should have got.
+        asked: CategoryName,
+    },
+    /// There is nothing to forget.
+    UnknownCategory {
+        /// The name that no view has.
+        category: CategoryName,
+    },
+    /// A view with this id, but with another content, is stored.
+    ViewDiffers {
+        /// The view.
+        view: ViewKey,
+    },
+    /// A view, or the batch it came in, cannot be stored.
+    InvalidView {
+        /// The view.
+        view: ViewKey,
+        /// What is wrong with it.
+        reason: &'static str,
+    },
+    /// A mutation carries a list of views that is empty or too long.
+    BatchSize {
+        /// Number of views in it.
+        n_views: usize,
+        /// Most views that one mutation may carry.
+        most: usize,
+    },
+    /// The author's name is too long.
+    AuthorTooLong {
+        /// Its length, bytes.
+        n_bytes: usize,
+        /// The longest allowed, bytes.
+        most: usize,
+    },
+    /// A lease of no track-ids, or of too many.
+    LeaseSize {
+        /// Number asked for.
+        count: u64,
+        /// Most that one lease gives.
+        most: u64,
+    },
+}
+
+impl From<Refusal> for Error {
+    fn from(refusal: Refusal) -> Self {
+        Self::Refused(refusal)
+    }
+}
+
+impl From<Failure> for Error {
+    fn from(failure: Failure) -> Self {
+        Self::Io { doing: failure.doing, path: failure.path, source: failure.source }
+    }
+}
+
+impl Error {
+    /// For use with `map_err` on a call about `path`.
+    pub(crate) fn io(doing: &'static str, path: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
+        let path = path.into();
+        move |source| Self::Io { doing, path, source: Arc::new(source) }
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Refused(refusal) => write!(f, "{refusal}"),
+            Self::Io { doing, path, source } => write!(
+                f,
+                "{doing} {} failed: {source}; see that the disk has room and the folder belongs \
+                 to the daemon's user",
+                path.display()
+            ),
+            Self::InUse { folder } => write!(
+                f,
+                "the store {} is open in another process; stop that process, or choose another \
+                 folder",
+                folder.display()
+            ),
+            Self::NewerSchema { found, known } => write!(
+                f,
+                "the store has schema {found}, and this program knows only up to {known}; update \
+                 the program, or choose another folder"
+            ),
+            Self::Damaged { what } => {
+                write!(f, "the store is damaged ({what}); open it again to rebuild it")
+            }
+            Self::Failed { source } => write!(
+                f,
+                "the store takes no more requests since an earlier one failed ({source}); send \
+                 it again after the store was opened again"
+            ),
+            Self::QueueFull { capacity } => write!(
+                f,
+                "{capacity} requests are waiting for the store already; send this one again later"
+            ),
+            Self::Stopped => write!(f, "the store has stopped; start it and send this again"),
+        }
+    }
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoViews { track_id } => write!(
+                f,
+                "track {track_id} has no stored view yet; let it stand still in view for a moment \
+                 and teach it again"
+            ),
+            Self::LabelledOtherwise { track_id, present, asked } => write!(
+                f,
+                "track {track_id} is already called {present}; use correct to call it {asked}"
+            ),
+            Self::UnknownCategory { category } => {
+                write!(f, "no stored view is called {category}; list the categories to see which are")
+            }
+            Self::ViewDiffers { view } => write!(
+                f,
+                "{view} is stored already, with another content; give a new view a new id"
+            ),
+            Self::InvalidView { view, reason } => {
+                write!(f, "{view} cannot be stored because {reason}; send it again corrected")
+            }
+            Self::BatchSize { n_views, most } => write!(
+                f,
+                "{n_views} views were sent to be stored at once; send between 1 and {most}"
+            ),
+            Self::AuthorTooLong { n_bytes, most } => {
+                write!(f, "the author's name has {n_bytes} bytes; use at most {most}")
+            }
+            Self::LeaseSize { count, most } => {
+                write!(f, "{count} track-ids were asked for at once; ask for 1 to {most}")
+            }
+        }
+    }
+}
+
+impl std::error::Error for Error {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::Refused(refusal) => Some(refusal),
+            Self::Io { source, .. } => Some(source.as_ref()),
+            Self::Failed { source } => Some(source.as_ref()),
+            _ => None,
+        }
+    }
+}
+
+impl std::error::Error for Refusal {}

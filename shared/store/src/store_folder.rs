@@ -1,0 +1,118 @@
+//! The store's folder: what lies where, who holds it, and how a database is set aside.
+//!
+//! ```text
+//! lock                  held while the store is open
+//! acknowledged          the watermark
+//! database/             rusty-leveldb
+//! database.damaged-1/   set aside, never touched again
+//! database.rebuilding/  half a copy; removed when the store is opened
+//! database.rebuilt/     a whole copy that is about to take the database's place
+//! ```
+
+use std::fs::{self, File, TryLockError};
+use std::path::{Path, PathBuf};
+
+use crate::durable_env::sync_folder;
+use crate::error::Error;
+
+/// The folder, held against other processes until it is dropped.
+pub(crate) struct StoreFolder {
+    path: PathBuf,
+    /// The kernel lets go of it when the process ends, however it ends.
+    _lock: File,
+}
+
+impl StoreFolder {
+    /// Creates the folder if it is not there, and takes hold of it.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InUse`] when another process, or another part of this one, has it.
+    pub(crate) fn hold(path: &Path) -> Result<Self, Error> {
+        fs::create_dir_all(path).map_err(Error::io("creating", path))?;
+        // Absolute, so that changing the working folder later changes nothing.
+        let path = path.canonicalize().map_err(Error::io("finding", path))?;
+        if let Some(parent) = path.parent() {
+            sync_folder(parent).map_err(Error::io("syncing the folder", parent))?;
+        }
+        let lock_path = path.join("lock");
+        let lock = File::create(&lock_path).map_err(Error::io("creating", &lock_path))?;
+        match lock.try_lock() {
+            Ok(()) => Ok(Self { path, _lock: lock }),
+            Err(TryLockError::WouldBlock) => Err(Error::InUse { folder: path }),
+            Err(TryLockError::Error(error)) => Err(Error::io("locking", lock_path)(error)),
+        }
+    }
+
+    pub(crate) fn watermark(&self) -> PathBuf {
+        self.path.join("acknowledged")
+    }
+
+    pub(crate) fn database(&self) -> PathBuf {
+        self.path.join("database")
+    }
+
+    pub(crate) fn rebuilding(&self) -> PathBuf {
+        self.path.join("database.rebuilding")
+    }
+
+    fn rebuilt(&self) -> PathBuf {
+        self.path.join("database.rebuilt")
+    }
+
+    /// Removes half a copy, and puts a whole one in place that an earlier process
+    /// did not come to.
+    pub(crate) fn finish_interrupted_rebuild(&self) -> Result<(), Error> {
+        let half = self.rebuilding();
+        if half.exists() {
+            fs::remove_dir_all(&half).map_err(Error::io("removing", half))?;
+        }
+        if self.rebuilt().exists() {
+            self.put_rebuilt_in_place()?;
+        }
+        Ok(())
+    }
+
+    /// Puts the closed copy in the database's place; returns where that now is.
+    pub(crate) fn replace_by_rebuilding(&self) -> Result<Option<PathBuf>, Error> {
+        self.rename(&self.rebuilding(), &self.rebuilt())?;
+        self.put_rebuilt_in_place()
+    }
+
+    fn put_rebuilt_in_place(&self) -> Result<Option<PathBuf>, Error> {
+        let damaged = if self.database().exists() { Some(self.set_aside()?) } else { None };
+        self.rename(&self.rebuilt(), &self.database())?;
+        Ok(damaged)
+    }
+
+    /// Renames the database to the first free `database.damaged-<n>`; returns that.
+    pub(crate) fn set_aside(&self) -> Result<PathBuf, Error> {
+        let mut n = 1;
+        let aside = loop {
+            let path = self.path.join(format!("database.damaged-{n}"));
+            if !path.exists() {
+                break path;
+            }
+            n += 1;
+        };
+        self.rename(&self.database(), &aside)?;
+        Ok(aside)
+    }
+
+    /// Whether the database has data but not the file that says how it hangs
+    /// together; rusty-leveldb would begin a new one over it and delete it.
+    pub(crate) fn database_is_headless(&self) -> Result<bool, Error> {
+        let database = self.database();
+        if !database.exists() || database.join("CURRENT").exists() {
+            return Ok(false);
+        }
+        let entries = fs::read_dir(&database).map_err(Error::io("listing", &database))?;
+        let is_data = |path: PathBuf| path.extension().is_some_and(|e| e == "ldb" || e == "log");
+        Ok(entries.flatten().any(|entry| is_data(entry.path())))
+    }
+
+    fn rename(&self, from: &Path, to: &Path) -> Result<(), Error> {
+        fs::rename(from, to).map_err(Error::io("renaming", from))?;
+        sync_folder(&self.path).map_err(Error::io("syncing the folder", &self.path))
+    }
+}

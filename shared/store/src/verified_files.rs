@@ -1,0 +1,169 @@
+//! Checks LevelDB's files as they are read, and says what is wrong with them.
+//!
+//! rusty-leveldb answers a damaged block with "no such key", or with an older
+//! value of it, and a damaged log record with the end of the log. Both would be
+//! taken for truth. Here every block is checked before it is handed over, and a
+//! log is walked to its real end.
+//!
+//! Formats: LevelDB's `doc/table_format.md` and `doc/log_format.md`.
+
+use std::fs::File;
+use std::io;
+use std::os::unix::fs::FileExt;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use rusty_leveldb::env::RandomAccess;
+
+use crate::crc32c::{crc32c, unmask};
+use crate::env_health::EnvHealth;
+
+/// A table's last bytes: two block handles, padding, and the magic number.
+const FOOTER_BYTES: usize = 48;
+const FOOTER_MAGIC: [u8; 8] = 0xdb47_7524_8b80_fb57_u64.to_le_bytes();
+/// After each block: one byte of compression type, four of checksum.
+const TRAILER_BYTES: usize = 5;
+
+/// Logs are cut into blocks; no record header crosses a block's end.
+const LOG_BLOCK_BYTES: usize = 32 * 1024;
+const LOG_HEADER_BYTES: usize = 7;
+/// Record types that begin a record.
+const LOG_FULL: u8 = 1;
+const LOG_FIRST: u8 = 2;
+const LOG_LAST: u8 = 4;
+
+/// A table file that checks what is read from it.
+pub(crate) struct VerifiedTable {
+    file: File,
+    path: PathBuf,
+    n_bytes: u64,
+    health: Arc<EnvHealth>,
+}
+
+impl VerifiedTable {
+    pub(crate) fn open(path: &Path, health: Arc<EnvHealth>) -> io::Result<Self> {
+        let file = File::open(path)?;
+        let n_bytes = file.metadata()?.len();
+        Ok(Self { file, path: path.to_owned(), n_bytes, health })
+    }
+
+    /// Reads `bytes` and returns what is wrong with them, if anything.
+    fn read(&self, offset: u64, bytes: &mut [u8]) -> io::Result<Option<&'static str>> {
+        self.file.read_exact_at(bytes, offset)?;
+        if offset + bytes.len() as u64 == self.n_bytes && bytes.len() == FOOTER_BYTES {
+            return Ok(check_footer(bytes, self.n_bytes));
+        }
+        if has_valid_trailer(bytes) {
+            return Ok(None);
+        }
+        // The filter block is read without its trailer.
+        let mut trailer = [0; TRAILER_BYTES];
+        self.file.read_exact_at(&mut trailer, offset + bytes.len() as u64)?;
+        let expected = unmask(le_u32(&trailer[1..]));
+        let is_valid = crc32c(&[bytes, &trailer[..1]]) == expected;
+        Ok((!is_valid).then_some("the checksum of a block is wrong"))
+    }
+}
+
+impl RandomAccess for VerifiedTable {
+    fn read_at(&self, offset: usize, bytes: &mut [u8]) -> rusty_leveldb::Result<usize> {
+        let wrong = match self.read(offset as u64, bytes) {
+            Ok(None) => return Ok(bytes.len()),
+            Ok(Some(wrong)) => wrong.to_owned(),
+            Err(error) => error.to_string(),
+        };
+        let what = format!("{} at byte {offset}: {wrong}", self.path.display());
+        self.health.note_damage(what.clone());
+        Err(io::Error::new(io::ErrorKind::InvalidData, what).into())
+    }
+}
+
+fn le_u32(bytes: &[u8]) -> u32 {
+    bytes.first_chunk().map_or(0, |four| u32::from_le_bytes(*four))
+}
+
+/// Whether the last four bytes are the checksum of those before.
+fn has_valid_trailer(bytes: &[u8]) -> bool {
+    match bytes.split_last_chunk::<4>() {
+        Some((block, checksum)) => crc32c(&[block]) == unmask(u32::from_le_bytes(*checksum)),
+        None => false,
+    }
+}
+
+/// The footer has no checksum, and rusty-leveldb allocates whatever size it names.
+fn check_footer(footer: &[u8], n_file_bytes: u64) -> Option<&'static str> {
+    if !footer.ends_with(&FOOTER_MAGIC) {
+        return Some("the footer does not end with the magic number of a table");
+    }
+    let mut rest = footer;
+    for _ in 0..2 {
+        let (Some(offset), Some(size)) = (take_varint(&mut rest), take_varint(&mut rest)) else {
+            return Some("the footer's block handle cannot be read");
+        };
+        let end = offset.checked_add(size).and_then(|end| end.checked_add(TRAILER_BYTES as u64));
+        if end.is_none_or(|end| end > n_file_bytes) {
+            return Some("the footer names a block beyond the end of the file");
+        }
+    }
+    None
+}
+
+/// Seven bits a byte, lowest first, the top bit saying that more follow.
+fn take_varint(bytes: &mut &[u8]) -> Option<u64> {
+    let mut value = 0;
+    for shift in (0..63).step_by(7) {
+        let (&byte, rest) = bytes.split_first()?;
+        *bytes = rest;
+        value |= ((byte & 0x7f) as u64) << shift;
+        if byte < 0x80 {
+            return Some(value);
+        }
+    }
+    None
+}
+
+/// What is wrong with a log or manifest, or `None` when every record up to its
+/// end is whole.
+///
+/// A record cut off at the end is not damage: a process killed while it wrote
+/// leaves one, and nobody was told that it was written. It is damage when a
+/// record begins after it, since one is begun only when those before are on disk.
+pub(crate) fn check_log(log: &[u8]) -> Option<String> {
+    let mut first_bad = None;
+    for (block_idx, block) in log.chunks(LOG_BLOCK_BYTES).enumerate() {
+        let mut rest = block;
+        while rest.len() >= LOG_HEADER_BYTES {
+            let offset = block_idx * LOG_BLOCK_BYTES + block.len() - rest.len();
+            let Some((kind, n_bytes)) = whole_log_record(rest) else {
+                first_bad = first_bad.or(Some(offset));
+                // Its length may be what is damaged, so the next one may begin anywhere.
+                rest = &rest[1..];
+                continue;
+            };
+            if let Some(bad) = first_bad
+                && (kind == LOG_FULL || kind == LOG_FIRST)
+            {
+                return Some(format!(
+                    "the record at byte {bad} is damaged, and a whole one follows at byte {offset}"
+                ));
+            }
+            rest = &rest[n_bytes..];
+        }
+    }
+    None
+}
+
+/// Type and length with header of the record at the beginning of `rest`, when
+/// its checksum holds.
+fn whole_log_record(rest: &[u8]) -> Option<(u8, usize)> {
+    let kind = *rest.get(6)?;
+    if !(LOG_FULL..=LOG_LAST).contains(&kind) {
+        return None;
+    }
+    let n_bytes = LOG_HEADER_BYTES + u16::from_le_bytes([rest[4], rest[5]]) as usize;
+    let type_and_data = rest.get(6..n_bytes)?;
+    (crc32c(&[type_and_data]) == unmask(le_u32(rest))).then_some((kind, n_bytes))
+}
+
+#[cfg(test)]
+mod tests;
