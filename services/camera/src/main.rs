@@ -1,3 +1,27 @@
-//! The sensor: a Kinect, a fakenect folder, a recorded sequence, a folder of scenes or a synthetic table.
+//! `tabula-camera`: publishes the clouds of one sensor.
 
-fn main() {}
+use camera::{Arguments, Config, PlayAgain};
+use clap::Parser;
+use message::ProcessKind;
+use service::{ConfigFile, CountingAllocator};
+use std::process::ExitCode;
+
+#[global_allocator]
+static ALLOCATOR: CountingAllocator = CountingAllocator;
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let check_only = arguments.process.check_config;
+    let check = |file: &ConfigFile| {
+        let config = Config::new(&arguments, file)?;
+        if check_only {
+            camera::check_source(&config)?;
+        } else {
+            camera::enter_recording(&config)?;
+        }
+        Ok(config)
+    };
+    let again = PlayAgain::default();
+    let run = |context, config| camera::run(context, config, again.clone());
+    again.or(service::run(ProcessKind::Camera, &arguments.process, check, run))
+}

@@ -1,3 +1,45 @@
-//! The command line: starts the daemon, shows its objects, teaches and asks.
+//! `tabula`: starts the daemon, shows its objects, teaches and asks.
 
-fn main() {}
+mod arguments;
+mod child;
+mod daemon;
+mod doctor;
+mod learn;
+mod objects;
+mod output;
+mod stop_signal;
+mod table;
+
+use arguments::{Arguments, Verb};
+use clap::Parser;
+use output::Output;
+use service::Failure;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let output = Output::new(arguments.json);
+    match execute(&arguments, &output) {
+        Ok(code) => code,
+        Err(failure) => {
+            output.failure(&failure);
+            ExitCode::from(failure.code)
+        }
+    }
+}
+
+fn execute(arguments: &Arguments, output: &Output) -> Result<ExitCode, Failure> {
+    match &arguments.verb {
+        Verb::Run(run) => daemon::run(&arguments.common, run, output),
+        Verb::Doctor => doctor::run(&arguments.common, output),
+        Verb::Objects { watch } => objects::objects(&arguments.common, *watch, output),
+        Verb::Ask { track_id } => objects::ask(&arguments.common, *track_id, output),
+        Verb::Status => objects::status(&arguments.common, output),
+        Verb::Teach(label) => learn::teach(&arguments.common, label, output),
+        Verb::Correct(label) => learn::correct(&arguments.common, label, output),
+        Verb::Forget { category, author } => {
+            learn::forget(&arguments.common, category, author.as_deref(), output)
+        }
+        Verb::Categories => learn::categories(&arguments.common, output),
+    }
+}

@@ -1,1 +1,216 @@
-fn main(){}
+//! What an actor costs beside a bare tokio task that does the same.
+//!
+//! Each figure is for one round over all actors of the argument; divan's
+//! item throughput is actors (or messages) a second. `bare` is a task that owns
+//! the state and answers through a oneshot channel; `inline` and `pool` are
+//! supervised actors. Ours also keeps a committed copy of the state, catches
+//! panics, and can be found by id.
+
+use std::convert::Infallible;
+use std::num::NonZeroUsize;
+use std::sync::Arc;
+use std::time::Duration;
+
+use actor::{
+    Actor, Address, Config, Flow, KeepLatest, Placement, PoolConfig, Progress, Restart,
+    RestartPolicy, Supervisor, WorkerPool,
+};
+use divan::Bencher;
+use divan::counter::ItemsCount;
+use tokio::runtime::{Builder, Runtime};
+use tokio::sync::{mpsc, oneshot};
+
+const N_ACTORS: [usize; 3] = [1, 100, 10_000];
+const MAILBOX: usize = 4;
+
+fn main() {
+    divan::main();
+}
+
+/// One reactor thread, so that the figures are costs, not the luck of waking.
+fn runtime() -> Runtime {
+    Builder::new_current_thread()
+        .enable_time()
+        .build()
+        .expect("a runtime")
+}
+
+fn count(n: usize) -> NonZeroUsize {
+    NonZeroUsize::new(n).expect("at least one")
+}
+
+struct Adder(u64);
+
+impl Actor for Adder {
+    type Message = u64;
+    type Reply = u64;
+    type Checkpoint = u64;
+    type Context = ();
+    type Error = Infallible;
+    type Overflow = KeepLatest;
+
+    fn start(_: &Arc<()>, total: u64) -> Result<Self, Infallible> {
+        Ok(Self(total))
+    }
+
+    fn handle(&mut self, n: u64, _: &Progress) -> Result<Flow<u64>, Infallible> {
+        self.0 += n;
+        Ok(Flow::Continue(self.0))
+    }
+
+    fn checkpoint(&self) -> u64 {
+        self.0
+    }
+}
+
+fn supervisor(runtime: &Runtime, placement: Placement) -> Supervisor<u64, Adder> {
+    let config = Config {
+        restart: Restart::Permanent,
+        policy: RestartPolicy::new(
+            30,
+            Duration::from_secs(60),
+            Duration::from_millis(50),
+            Duration::from_secs(2),
+        )
+        .expect("a valid policy"),
+        placement,
+        mailbox_capacity: count(MAILBOX),
+        shutdown: Duration::from_secs(5),
+        event_capacity: count(64),
+    };
+    Supervisor::new(config, Arc::new(()), runtime.handle().clone()).0
+}
+
+fn pool() -> Placement {
+    let config = PoolConfig {
+        name: "bench".to_owned(),
+        n_workers: count(2),
+        stall_after: Duration::from_secs(60),
+        max_abandoned: count(1),
+    };
+    Placement::Pool(WorkerPool::start(config).expect("threads"))
+}
+
+type Question = (u64, oneshot::Sender<u64>);
+
+/// The bare task: what one would write without this crate.
+async fn bare(mut mailbox: mpsc::Receiver<Question>) {
+    let mut total = 0;
+    while let Some((n, reply)) = mailbox.recv().await {
+        total += n;
+        let _ = reply.send(total);
+    }
+}
+
+fn spawn_bare() -> (mpsc::Sender<Question>, tokio::task::JoinHandle<()>) {
+    let (sender, receiver) = mpsc::channel(MAILBOX);
+    (sender, tokio::spawn(bare(receiver)))
+}
+
+/// Asks all, then awaits all: the frame loop's way.
+async fn round_bare(tasks: &[mpsc::Sender<Question>], answers: &mut Vec<oneshot::Receiver<u64>>) {
+    for task in tasks {
+        let (reply, answer) = oneshot::channel();
+        task.try_send((1, reply)).expect("there is room");
+        answers.push(answer);
+    }
+    for answer in answers.drain(..) {
+        divan::black_box(answer.await.expect("it answers"));
+    }
+}
+
+async fn round(actors: &[Address<Adder>], answers: &mut Vec<actor::Answer<u64>>) {
+    for actor in actors {
+        answers.push(actor.ask(0, 1).expect("it lives"));
+    }
+    for answer in answers.drain(..) {
+        divan::black_box(answer.await.expect("it answers"));
+    }
+}
+
+mod steady_message {
+    use super::{
+        Bencher, ItemsCount, N_ACTORS, Placement, round, round_bare, runtime, spawn_bare,
+        supervisor,
+    };
+
+    #[divan::bench(args = N_ACTORS)]
+    fn bare(bencher: Bencher, n: usize) {
+        let runtime = runtime();
+        let tasks: Vec<_> = runtime.block_on(async { (0..n).map(|_| spawn_bare().0).collect() });
+        let mut answers = Vec::with_capacity(n);
+        bencher
+            .counter(ItemsCount::new(n))
+            .bench_local(|| runtime.block_on(round_bare(&tasks, &mut answers)));
+    }
+
+    fn ours(bencher: Bencher, n: usize, placement: Placement) {
+        let runtime = runtime();
+        let supervisor = supervisor(&runtime, placement);
+        let actors: Vec<_> = (0..n as u64)
+            .map(|id| supervisor.spawn(id, 0).expect("a new id"))
+            .collect();
+        let mut answers = Vec::with_capacity(n);
+        bencher
+            .counter(ItemsCount::new(n))
+            .bench_local(|| runtime.block_on(round(&actors, &mut answers)));
+    }
+
+    #[divan::bench(args = N_ACTORS)]
+    fn inline(bencher: Bencher, n: usize) {
+        ours(bencher, n, Placement::Inline);
+    }
+
+    #[divan::bench(args = N_ACTORS)]
+    fn pool(bencher: Bencher, n: usize) {
+        ours(bencher, n, super::pool());
+    }
+}
+
+mod spawn_message_stop {
+    use super::{
+        Bencher, ItemsCount, N_ACTORS, Placement, round, round_bare, runtime, spawn_bare,
+        supervisor,
+    };
+
+    #[divan::bench(args = N_ACTORS)]
+    fn bare(bencher: Bencher, n: usize) {
+        let runtime = runtime();
+        let mut answers = Vec::with_capacity(n);
+        bencher.counter(ItemsCount::new(n)).bench_local(|| {
+            runtime.block_on(async {
+                let (tasks, ends): (Vec<_>, Vec<_>) = (0..n).map(|_| spawn_bare()).unzip();
+                round_bare(&tasks, &mut answers).await;
+                drop(tasks);
+                for end in ends {
+                    end.await.expect("it ends");
+                }
+            });
+        });
+    }
+
+    fn ours(bencher: Bencher, n: usize, placement: &Placement) {
+        let runtime = runtime();
+        let mut answers = Vec::with_capacity(n);
+        bencher.counter(ItemsCount::new(n)).bench_local(|| {
+            let supervisor = supervisor(&runtime, placement.clone());
+            runtime.block_on(async {
+                let actors: Vec<_> = (0..n as u64)
+                    .map(|id| supervisor.spawn(id, 0).expect("a new id"))
+                    .collect();
+                round(&actors, &mut answers).await;
+                assert_eq!(supervisor.stop_all().await, 0);
+            });
+        });
+    }
+
+    #[divan::bench(args = N_ACTORS)]
+    fn inline(bencher: Bencher, n: usize) {
+        ours(bencher, n, &Placement::Inline);
+    }
+
+    #[divan::bench(args = N_ACTORS)]
+    fn pool(bencher: Bencher, n: usize) {
+        ours(bencher, n, &super::pool());
+    }
+}

@@ -44,8 +44,10 @@ pub trait Actor: Sized + Send + 'static {
     /// # Errors
     /// Whatever makes this state unusable; counts as a failure like one in
     /// [`handle`](Self::handle).
-    fn start(context: &Arc<Self::Context>, checkpoint: Self::Checkpoint)
-    -> Result<Self, Self::Error>;
+    fn start(
+        context: &Arc<Self::Context>,
+        checkpoint: Self::Checkpoint,
+    ) -> Result<Self, Self::Error>;
 
     /// Handles one message. The answer is sent after the state was committed.
     ///

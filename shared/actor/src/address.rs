@@ -47,7 +47,13 @@ impl<A: Actor, P: Immediate> Address<A, P> {
     /// # Errors
     /// [`SendError`] when the mailbox refuses or the actor has stopped.
     pub fn tell(&self, tag: u64, message: A::Message) -> Result<(), SendError<A::Message>> {
-        self.0.send(Envelope { message, tag, reply: None }).map_err(returned)
+        self.0
+            .send(Envelope {
+                message,
+                tag,
+                reply: None,
+            })
+            .map_err(returned)
     }
 
     /// Sends a message and promises its answer.
@@ -60,7 +66,13 @@ impl<A: Actor, P: Immediate> Address<A, P> {
         message: A::Message,
     ) -> Result<Answer<A::Reply>, SendError<A::Message>> {
         let (reply, answer) = answer();
-        self.0.send(Envelope { message, tag, reply: Some(reply) }).map_err(returned)?;
+        self.0
+            .send(Envelope {
+                message,
+                tag,
+                reply: Some(reply),
+            })
+            .map_err(returned)?;
         Ok(answer)
     }
 }
@@ -71,7 +83,14 @@ impl<A: Actor> Address<A, Block> {
     /// # Errors
     /// [`SendError::Closed`] when the actor has stopped.
     pub async fn tell(&self, tag: u64, message: A::Message) -> Result<(), SendError<A::Message>> {
-        self.0.send(Envelope { message, tag, reply: None }).await.map_err(returned)
+        self.0
+            .send(Envelope {
+                message,
+                tag,
+                reply: None,
+            })
+            .await
+            .map_err(returned)
     }
 
     /// Sends a message, once there is room, and promises its answer.
@@ -84,7 +103,14 @@ impl<A: Actor> Address<A, Block> {
         message: A::Message,
     ) -> Result<Answer<A::Reply>, SendError<A::Message>> {
         let (reply, answer) = answer();
-        self.0.send(Envelope { message, tag, reply: Some(reply) }).await.map_err(returned)?;
+        self.0
+            .send(Envelope {
+                message,
+                tag,
+                reply: Some(reply),
+            })
+            .await
+            .map_err(returned)?;
         Ok(answer)
     }
 }
@@ -101,6 +127,8 @@ impl<A: Actor, P> Clone for Address<A, P> {
 
 impl<A: Actor, P> fmt::Debug for Address<A, P> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Address").field("dropped", &self.dropped()).finish_non_exhaustive()
+        f.debug_struct("Address")
+            .field("dropped", &self.dropped())
+            .finish_non_exhaustive()
     }
 }

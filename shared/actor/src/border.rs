@@ -48,8 +48,14 @@ mod tests {
             }
         }
         assert_eq!(guarded(|| 7), Ok(7));
-        assert_eq!(guarded(|| panic!("plain")), Err::<(), _>("plain".to_owned()));
-        assert_eq!(guarded(|| panic!("frame {}", 3)), Err::<(), _>("frame 3".to_owned()));
+        assert_eq!(
+            guarded(|| panic!("plain")),
+            Err::<(), _>("plain".to_owned())
+        );
+        assert_eq!(
+            guarded(|| panic!("frame {}", 3)),
+            Err::<(), _>("frame 3".to_owned())
+        );
         assert_eq!(
             guarded(|| std::panic::panic_any(Bomb)),
             Err::<(), _>("a panic without a text".to_owned())

@@ -40,7 +40,10 @@ impl fmt::Display for Error {
                  allow the process more threads or configure fewer workers."
             ),
             Self::InvalidRestartPolicy { rule } => {
-                write!(f, "The restart policy is refused: {rule}; correct the configuration.")
+                write!(
+                    f,
+                    "The restart policy is refused: {rule}; correct the configuration."
+                )
             }
             Self::AlreadyRunning { id } => write!(
                 f,

@@ -92,6 +92,75 @@ pub enum StopReason {
     },
 }
 
+/// One sentence for the owner's log.
+impl<I: fmt::Debug> fmt::Display for Event<I> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Started { id } => write!(f, "Actor {id:?} has started."),
+            Self::Restarting {
+                id,
+                cause,
+                tag,
+                after,
+            } => {
+                write!(
+                    f,
+                    "Actor {id:?} starts again after {} ms, because ",
+                    after.as_millis()
+                )?;
+                write_failure(f, cause, *tag)
+            }
+            Self::Stopped {
+                id,
+                reason: StopReason::Asked,
+            } => {
+                write!(f, "Actor {id:?} has stopped, as it was told.")
+            }
+            Self::Stopped {
+                id,
+                reason: StopReason::Finished,
+            } => {
+                write!(f, "Actor {id:?} has stopped by itself.")
+            }
+            Self::Stopped {
+                id,
+                reason: StopReason::Failed { cause, tag },
+            } => {
+                write!(f, "Actor {id:?} has stopped for good, because ")?;
+                write_failure(f, cause, *tag)
+            }
+            Self::Abandoned { id } => {
+                write!(
+                    f,
+                    "Actor {id:?} did not stop within the shutdown time and was left behind."
+                )
+            }
+            Self::Escalated {
+                id,
+                cause,
+                tag,
+                max_restarts,
+                window,
+            } => {
+                write!(
+                    f,
+                    "All actors were stopped, because more than {max_restarts} restarts within \
+                     {} s were needed, the last by actor {id:?}: ",
+                    window.as_secs_f64()
+                )?;
+                write_failure(f, cause, *tag)
+            }
+        }
+    }
+}
+
+fn write_failure(f: &mut fmt::Formatter<'_>, cause: &Cause, tag: Option<u64>) -> fmt::Result {
+    match tag {
+        Some(tag) => write!(f, "{cause} (at message {tag}, which is lost)."),
+        None => write!(f, "{cause}."),
+    }
+}
+
 impl fmt::Display for Cause {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -58,12 +58,12 @@ pub(crate) struct Job<F, T>(Mutex<State<F, T>>);
 enum State<F, T> {
     Queued(F, Option<Waker>),
     Running(Option<Waker>),
-    /// Nobody awaits it; it may be running.
-    Cancelled,
+    /// Running, and nobody awaits it any more.
+    Unwanted,
     Ended(Result<T, JobLost>),
     Lost(JobLost),
-    /// The result was handed out.
-    Taken,
+    /// Nothing is left to do: the result was handed out or nobody wanted it.
+    Over,
 }
 
 impl<F, T> Job<F, T>
@@ -82,7 +82,7 @@ where
 
     fn take_work(&self) -> Option<F> {
         let mut state = self.lock();
-        match std::mem::replace(&mut *state, State::Taken) {
+        match std::mem::replace(&mut *state, State::Over) {
             State::Queued(work, waker) => {
                 *state = State::Running(waker);
                 Some(work)
@@ -97,18 +97,28 @@ where
     /// Hands over the result; false when the job had been declared lost.
     fn settle(&self, result: Result<T, JobLost>) -> bool {
         let mut state = self.lock();
-        let (next, waker, unwanted) = match std::mem::replace(&mut *state, State::Taken) {
-            State::Running(waker) => (State::Ended(result), waker, None),
-            other => (other, None, Some(result)),
-        };
-        *state = next;
-        let is_kept = !matches!(*state, State::Lost(_));
-        drop(state);
-        if let Some(waker) = waker {
-            waker.wake();
+        match std::mem::replace(&mut *state, State::Over) {
+            State::Running(waker) => {
+                *state = State::Ended(result);
+                drop(state);
+                if let Some(waker) = waker {
+                    waker.wake();
+                }
+                true
+            }
+            State::Lost(reason) => {
+                *state = State::Lost(reason);
+                drop(state);
+                discard(result);
+                false
+            }
+            // Only an unwanted job is left: a worker settles what it runs, once.
+            _ => {
+                drop(state);
+                discard(result);
+                true
+            }
         }
-        discard(unwanted);
-        is_kept
     }
 
     fn poll_result(&self, context: &Context<'_>) -> Poll<Result<T, JobLost>> {
@@ -119,12 +129,12 @@ where
                 Poll::Pending
             }
             State::Lost(reason) => Poll::Ready(Err(reason.clone())),
-            // A future is not polled after it was ready or dropped.
-            State::Cancelled | State::Taken => Poll::Pending,
-            State::Ended(_) => match std::mem::replace(&mut *state, State::Taken) {
+            State::Ended(_) => match std::mem::replace(&mut *state, State::Over) {
                 State::Ended(result) => Poll::Ready(result),
                 _ => Poll::Pending,
             },
+            // A future is not polled after it was ready or dropped.
+            State::Unwanted | State::Over => Poll::Pending,
         }
     }
 
@@ -132,10 +142,12 @@ where
     /// fetched are dropped here.
     fn cancel(&self) {
         let mut state = self.lock();
-        if matches!(*state, State::Lost(_)) {
-            return;
-        }
-        let previous = std::mem::replace(&mut *state, State::Cancelled);
+        let next = match &*state {
+            State::Running(_) => State::Unwanted,
+            State::Queued(..) | State::Ended(_) => State::Over,
+            State::Unwanted | State::Lost(_) | State::Over => return,
+        };
+        let previous = std::mem::replace(&mut *state, next);
         drop(state);
         discard(previous);
     }
@@ -155,7 +167,7 @@ where
 
     fn lose(&self, reason: JobLost) -> bool {
         let mut state = self.lock();
-        if matches!(*state, State::Ended(_) | State::Lost(_) | State::Taken) {
+        if matches!(*state, State::Ended(_) | State::Lost(_) | State::Over) {
             return false;
         }
         let previous = std::mem::replace(&mut *state, State::Lost(reason));
@@ -193,5 +205,79 @@ where
 {
     fn drop(&mut self) {
         self.0.cancel();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::task::Waker;
+
+    use super::*;
+
+    type Work = Box<dyn FnOnce(&Progress) -> u8 + Send>;
+
+    fn poll_now(result: &mut JobResult<Work, u8>) -> Poll<Result<u8, JobLost>> {
+        Pin::new(result).poll(&mut Context::from_waker(Waker::noop()))
+    }
+
+    fn job(work: impl FnOnce(&Progress) -> u8 + Send + 'static) -> Arc<Job<Work, u8>> {
+        Arc::new(Job::new(Box::new(work)))
+    }
+
+    #[test]
+    fn what_has_ended_cannot_be_lost() {
+        let job = job(|_| 7);
+        let mut result = JobResult(Arc::clone(&job));
+        assert!(job.run(&Progress::default()));
+        assert!(!job.lose(JobLost::Stalled));
+        assert_eq!(poll_now(&mut result), Poll::Ready(Ok(7)));
+        drop(result);
+        assert!(!job.lose(JobLost::Stalled), "fetched and dropped");
+    }
+
+    #[test]
+    fn what_was_dropped_before_it_began_neither_runs_nor_is_lost() {
+        let job = job(|_| unreachable!("nobody wants it"));
+        drop(JobResult(Arc::clone(&job)));
+        assert!(!job.lose(JobLost::Stalled));
+        assert!(job.run(&Progress::default()));
+    }
+
+    /// Runs a job in whose middle `event` happens to it.
+    fn run_with(event: impl FnOnce(JobResult<Work, u8>) + Send + 'static) -> (bool, bool) {
+        let slot: Arc<Mutex<Option<JobResult<Work, u8>>>> = Arc::default();
+        let inside = Arc::clone(&slot);
+        let job = job(move |_| {
+            event(inside.lock().unwrap().take().unwrap());
+            1
+        });
+        *slot.lock().unwrap() = Some(JobResult(Arc::clone(&job)));
+        let is_kept = job.run(&Progress::default());
+        (is_kept, job.lose(JobLost::Stalled))
+    }
+
+    #[test]
+    fn who_runs_a_job_that_nobody_awaits_any_more_keeps_the_post() {
+        assert_eq!(run_with(drop), (true, false));
+    }
+
+    #[test]
+    fn who_runs_a_job_declared_lost_has_been_replaced() {
+        let lose = |mut result: JobResult<Work, u8>| {
+            assert!(result.0.lose(JobLost::Stalled));
+            assert!(!result.0.lose(JobLost::Stalled), "only once");
+            assert_eq!(poll_now(&mut result), Poll::Ready(Err(JobLost::Stalled)));
+        };
+        assert_eq!(run_with(lose), (false, false));
+    }
+
+    #[test]
+    fn a_job_that_hangs_is_lost_whether_awaited_or_not() {
+        let lose_unwanted = |result: JobResult<Work, u8>| {
+            let job = Arc::clone(&result.0);
+            drop(result);
+            assert!(job.lose(JobLost::Stalled));
+        };
+        assert_eq!(run_with(lose_unwanted), (false, false));
     }
 }

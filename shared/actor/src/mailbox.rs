@@ -84,7 +84,11 @@ pub struct Receiver<T, P> {
 /// is then reused, so that an idle mailbox stays small.
 pub fn mailbox<T, P: Overflow>(capacity: NonZeroUsize) -> (Sender<T, P>, Receiver<T, P>) {
     let capacity = capacity.get().min(Semaphore::MAX_PERMITS);
-    let queue = Queue { messages: VecDeque::new(), reader: None, state: State::Open };
+    let queue = Queue {
+        messages: VecDeque::new(),
+        reader: None,
+        state: State::Open,
+    };
     let shared = Arc::new(Shared {
         queue: Mutex::new(queue),
         room: Semaphore::new(if P::SENDERS_WAIT { capacity } else { 0 }),
@@ -92,8 +96,17 @@ pub fn mailbox<T, P: Overflow>(capacity: NonZeroUsize) -> (Sender<T, P>, Receive
         n_dropped: AtomicU64::new(0),
         n_senders: AtomicUsize::new(1),
     });
-    let receiver = Receiver { shared: Arc::clone(&shared), policy: PhantomData };
-    (Sender { shared, policy: PhantomData }, receiver)
+    let receiver = Receiver {
+        shared: Arc::clone(&shared),
+        policy: PhantomData,
+    };
+    (
+        Sender {
+            shared,
+            policy: PhantomData,
+        },
+        receiver,
+    )
 }
 
 impl<T, P> Sender<T, P> {
@@ -122,7 +135,11 @@ impl<T, P> Sender<T, P> {
         if is_full && full == Full::Refuses {
             return Err(SendError::Full(message));
         }
-        let displaced = if is_full { queue.messages.pop_front() } else { None };
+        let displaced = if is_full {
+            queue.messages.pop_front()
+        } else {
+            None
+        };
         queue.messages.push_back(message);
         let reader = queue.reader.take();
         drop(queue);
@@ -151,7 +168,14 @@ impl<T, P: Immediate> Sender<T, P> {
     /// [`SendError::Full`] under [`Refuse`]; [`SendError::Closed`] when the
     /// receiver is gone.
     pub fn send(&self, message: T) -> Result<(), SendError<T>> {
-        self.push(message, if P::DISPLACES { Full::Displaces } else { Full::Refuses })
+        self.push(
+            message,
+            if P::DISPLACES {
+                Full::Displaces
+            } else {
+                Full::Refuses
+            },
+        )
     }
 }
 
@@ -174,7 +198,10 @@ impl<T> Sender<T, Block> {
 impl<T, P> Clone for Sender<T, P> {
     fn clone(&self) -> Self {
         self.shared.n_senders.fetch_add(1, Ordering::Relaxed);
-        Self { shared: Arc::clone(&self.shared), policy: PhantomData }
+        Self {
+            shared: Arc::clone(&self.shared),
+            policy: PhantomData,
+        }
     }
 }
 
@@ -263,13 +290,17 @@ impl<T, P> Drop for Receiver<T, P> {
 
 impl<T, P> fmt::Debug for Sender<T, P> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Sender").field("dropped", &self.dropped()).finish_non_exhaustive()
+        f.debug_struct("Sender")
+            .field("dropped", &self.dropped())
+            .finish_non_exhaustive()
     }
 }
 
 impl<T, P> fmt::Debug for Receiver<T, P> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Receiver").field("dropped", &self.dropped()).finish_non_exhaustive()
+        f.debug_struct("Receiver")
+            .field("dropped", &self.dropped())
+            .finish_non_exhaustive()
     }
 }
 

@@ -31,7 +31,9 @@ impl<R> Future for Answer<R> {
     type Output = Result<R, Lost>;
 
     fn poll(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Self::Output> {
-        Pin::new(&mut self.0).poll(context).map(|answer| answer.map_err(|_| Lost))
+        Pin::new(&mut self.0)
+            .poll(context)
+            .map(|answer| answer.map_err(|_| Lost))
     }
 }
 

@@ -46,14 +46,21 @@ impl RestartPolicy {
         backoff_max: Duration,
     ) -> Result<Self, Error> {
         if window.is_zero() {
-            return Err(Error::InvalidRestartPolicy { rule: "the window must not be empty" });
+            return Err(Error::InvalidRestartPolicy {
+                rule: "the window must not be empty",
+            });
         }
         if backoff_min > backoff_max {
             return Err(Error::InvalidRestartPolicy {
                 rule: "the shortest back-off must not exceed the longest",
             });
         }
-        Ok(Self { max_restarts, window, backoff_min, backoff_max })
+        Ok(Self {
+            max_restarts,
+            window,
+            backoff_min,
+            backoff_max,
+        })
     }
 
     /// The number of restarts allowed within the window.
@@ -87,12 +94,10 @@ pub struct RestartHistory {
 impl RestartHistory {
     /// No restarts yet.
     pub fn new(policy: RestartPolicy) -> Self {
-        Self { policy, restarts: VecDeque::new() }
-    }
-
-    /// The policy it follows.
-    pub fn policy(&self) -> &RestartPolicy {
-        &self.policy
+        Self {
+            policy,
+            restarts: VecDeque::new(),
+        }
     }
 
     /// Judges a failure at `now` and remembers the restart it allows. A restart
@@ -100,7 +105,11 @@ impl RestartHistory {
     /// counts as the same moment.
     pub fn on_failure(&mut self, now: Instant) -> Verdict {
         let window = self.policy.window;
-        while self.restarts.front().is_some_and(|t| now.saturating_duration_since(*t) >= window) {
+        while self
+            .restarts
+            .front()
+            .is_some_and(|t| now.saturating_duration_since(*t) >= window)
+        {
             self.restarts.pop_front();
         }
         let n_recent = self.restarts.len();
@@ -108,7 +117,9 @@ impl RestartHistory {
             return Verdict::GiveUp;
         }
         self.restarts.push_back(now);
-        Verdict::Restart { after: self.policy.backoff(n_recent) }
+        Verdict::Restart {
+            after: self.policy.backoff(n_recent),
+        }
     }
 }
 

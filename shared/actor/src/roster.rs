@@ -5,7 +5,6 @@
 //! its mailbox and its task.
 
 use std::collections::BTreeMap;
-use std::num::NonZeroUsize;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -63,8 +62,22 @@ impl<I: Identity, A: Actor> Roster<I, A> {
     ) -> (Self, Events<I>) {
         let (events, reader) = mailbox(config.event_capacity);
         let history = RestartHistory::new(config.policy);
-        let table = Table { entries: BTreeMap::new(), history, n_spawned: 0, has_ended: false };
-        (Self { config, context, runtime, events, table: Mutex::new(table) }, reader)
+        let table = Table {
+            entries: BTreeMap::new(),
+            history,
+            n_spawned: 0,
+            has_ended: false,
+        };
+        (
+            Self {
+                config,
+                context,
+                runtime,
+                events,
+                table: Mutex::new(table),
+            },
+            reader,
+        )
     }
 
     /// No foreign code but `Ord` and `Clone` of ids runs under the lock, and it
@@ -83,7 +96,10 @@ impl<I: Identity, A: Actor> Roster<I, A> {
     }
 
     pub(crate) fn address(&self, id: &I) -> Option<Address<A>> {
-        self.lock().entries.get(id).map(|entry| entry.address.clone())
+        self.lock()
+            .entries
+            .get(id)
+            .map(|entry| entry.address.clone())
     }
 }
 
@@ -94,10 +110,14 @@ impl<I: Identity, A: Actor> Roster<I, A> {
         let address = Address::new(sender);
         let mut table = self.lock();
         if table.has_ended {
-            return Err(Error::SupervisorEnded { id: format!("{id:?}") });
+            return Err(Error::SupervisorEnded {
+                id: format!("{id:?}"),
+            });
         }
         if table.entries.contains_key(&id) {
-            return Err(Error::AlreadyRunning { id: format!("{id:?}") });
+            return Err(Error::AlreadyRunning {
+                id: format!("{id:?}"),
+            });
         }
         table.n_spawned += 1;
         let entry = Entry {
@@ -109,8 +129,17 @@ impl<I: Identity, A: Actor> Roster<I, A> {
         let serial = entry.serial;
         table.entries.insert(id.clone(), entry);
         drop(table);
-        let membership = Membership { roster: Arc::clone(self), id, serial, last_word: None };
-        Ok(Newcomer { membership, mailbox, address })
+        let membership = Membership {
+            roster: Arc::clone(self),
+            id,
+            serial,
+            last_word: None,
+        };
+        Ok(Newcomer {
+            membership,
+            mailbox,
+            address,
+        })
     }
 
     /// Takes an actor out and reports its end; false when it was out already,
@@ -118,7 +147,11 @@ impl<I: Identity, A: Actor> Roster<I, A> {
     fn leave(&self, id: &I, serial: u64, last_word: Event<I>) -> bool {
         let entry = {
             let mut table = self.lock();
-            if table.entries.get(id).is_none_or(|entry| entry.serial != serial) {
+            if table
+                .entries
+                .get(id)
+                .is_none_or(|entry| entry.serial != serial)
+            {
                 return false;
             }
             table.entries.remove(id)
@@ -187,7 +220,9 @@ impl<I: Identity, A: Actor> Roster<I, A> {
         cause: &Cause,
         tag: Option<u64>,
     ) -> Option<Duration> {
-        match self.lock().judge(id, Instant::now().into_std())? {
+        // A statement of its own, so that the lock is released before the match.
+        let verdict = self.lock().judge(id, Instant::now().into_std())?;
+        match verdict {
             Verdict::Restart { after } => Some(after),
             Verdict::GiveUp => {
                 self.escalate(Event::Escalated {
@@ -234,7 +269,11 @@ impl<A: Actor> Entry<A> {
     fn leaving<I: Clone>(&mut self, id: &I) -> Leaving<I> {
         let (waiter, ended) = oneshot::channel();
         self.waiters.push(waiter);
-        Leaving { id: id.clone(), serial: self.serial, ended }
+        Leaving {
+            id: id.clone(),
+            serial: self.serial,
+            ended,
+        }
     }
 }
 
@@ -256,14 +295,19 @@ pub(crate) struct Membership<I: Identity, A: Actor> {
 
 impl<I: Identity, A: Actor> Membership<I, A> {
     pub(crate) fn stopped(&mut self, reason: StopReason) {
-        self.last_word = Some(Event::Stopped { id: self.id.clone(), reason });
+        self.last_word = Some(Event::Stopped {
+            id: self.id.clone(),
+            reason,
+        });
     }
 }
 
 impl<I: Identity, A: Actor> Drop for Membership<I, A> {
     fn drop(&mut self) {
         let last_word = self.last_word.take();
-        let last_word = last_word.unwrap_or_else(|| Event::Abandoned { id: self.id.clone() });
+        let last_word = last_word.unwrap_or_else(|| Event::Abandoned {
+            id: self.id.clone(),
+        });
         self.roster.leave(&self.id, self.serial, last_word);
     }
 }

@@ -33,7 +33,11 @@ impl<I: Identity, A: Actor> Supervisor<I, A> {
     /// [`Error::AlreadyRunning`] while an actor with this id has not ended;
     /// [`Error::SupervisorEnded`] after an escalation or [`stop_all`](Self::stop_all).
     pub fn spawn(&self, id: I, checkpoint: A::Checkpoint) -> Result<Address<A>, Error> {
-        let Newcomer { membership, mailbox, address } = self.0.enter(id)?;
+        let Newcomer {
+            membership,
+            mailbox,
+            address,
+        } = self.0.enter(id)?;
         let child = Child::new(membership, mailbox, checkpoint);
         self.0.runtime.spawn(child.run());
         Ok(address)
@@ -82,6 +86,8 @@ impl<I: Identity, A: Actor> Drop for Supervisor<I, A> {
 
 impl<I: Identity, A: Actor> fmt::Debug for Supervisor<I, A> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Supervisor").field("n_actors", &self.n_actors()).finish_non_exhaustive()
+        f.debug_struct("Supervisor")
+            .field("n_actors", &self.n_actors())
+            .finish_non_exhaustive()
     }
 }

@@ -24,6 +24,9 @@ pub use crate::job::JobLost;
 /// The watchdog looks this often within one stall time.
 const CHECKS_PER_STALL: u32 = 4;
 
+/// It never spins, however impatient the configuration.
+const SHORTEST_PERIOD: Duration = Duration::from_millis(1);
+
 /// How many workers, and how patient the pool is with them.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PoolConfig {
@@ -81,8 +84,12 @@ impl WorkerPool {
     /// [`Error::ThreadNotStarted`]; threads already started end again.
     pub fn start(config: PoolConfig) -> Result<Self, Error> {
         let (sender, receiver) = channel::unbounded();
-        let mut crew =
-            Crew { posts: Vec::new(), queue: receiver, n_started: 0, checked_at: None };
+        let mut crew = Crew {
+            posts: Vec::new(),
+            queue: receiver,
+            n_started: 0,
+            checked_at: None,
+        };
         for _ in 0..config.n_workers.get() {
             crew.start_worker(&config.name, Instant::now())?;
         }
@@ -101,7 +108,7 @@ impl WorkerPool {
     /// # Errors
     /// [`Error::ThreadNotStarted`].
     pub fn start_watchdog(&self) -> Result<(), Error> {
-        let period = self.0.config.stall_after / CHECKS_PER_STALL;
+        let period = (self.0.config.stall_after / CHECKS_PER_STALL).max(SHORTEST_PERIOD);
         let pool = Arc::downgrade(&self.0);
         start_thread(format!("{}-dog", self.0.config.name), move || {
             loop {
@@ -189,9 +196,15 @@ impl Crew {
     fn start_worker(&mut self, name: &str, now: Instant) -> Result<(), Error> {
         let worker = Arc::new(Worker::default());
         let (at_post, queue) = (Arc::clone(&worker), self.queue.clone());
-        start_thread(format!("{name}-{}", self.n_started), move || at_post.work(&queue))?;
+        start_thread(format!("{name}-{}", self.n_started), move || {
+            at_post.work(&queue);
+        })?;
         self.n_started += 1;
-        self.posts.push(Post { worker, seen_count: 0, silent_since: now });
+        self.posts.push(Post {
+            worker,
+            seen_count: 0,
+            silent_since: now,
+        });
         Ok(())
     }
 
@@ -206,7 +219,9 @@ impl Crew {
             !stalled.is_some_and(|(task, _)| task.lose(JobLost::Stalled))
         });
         if !was_watched {
-            self.posts.iter_mut().for_each(|post| post.silent_since = now);
+            self.posts
+                .iter_mut()
+                .for_each(|post| post.silent_since = now);
         }
         n_before - self.posts.len()
     }

@@ -1,5 +1,6 @@
 //! The services of a domain: types, limits and overflow policy in one place.
 
+use bytemuck::AnyBitPattern;
 use iceoryx2::prelude::ZeroCopySend;
 use message::{
     CloudPoint, Counted, FrameDone, FrameHeader, Health, MAX_SCENE_OBJECTS, MemoryChange,
@@ -53,9 +54,9 @@ pub struct Limits {
 /// A publish-subscribe service: a header and a slice of items.
 pub trait Topic: Debug + Send + Sync + 'static {
     /// Header beside the items.
-    type Header: Debug + Copy + Default + Counted + ZeroCopySend + Send + Sync;
-    /// One item of the payload.
-    type Item: Debug + Copy + Default + ZeroCopySend + Send + Sync;
+    type Header: Debug + Copy + Default + Counted + AnyBitPattern + ZeroCopySend + Send + Sync;
+    /// One item of the payload: plain numbers, any bit pattern valid.
+    type Item: Debug + Copy + Default + AnyBitPattern + ZeroCopySend + Send + Sync;
     /// Overflow policy.
     type Overflow: Overflow;
     /// Name within the domain.

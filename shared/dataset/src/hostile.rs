@@ -44,15 +44,27 @@ pub(crate) fn damage() -> impl Strategy<Value = Damage> {
     let text = prop::sample::select(b"0123456789 \n-.e#".to_vec());
     let replaced = prop::collection::vec((any::<Index>(), prop_oneof![text, any::<u8>()]), 0..4);
     let piece = || prop::option::weighted(0.2, any::<(Index, Index)>());
-    (replaced, piece(), piece(), prop::option::weighted(0.3, any::<Index>())).prop_map(
-        |(replaced, removed, repeated, cut)| Damage { replaced, removed, repeated, cut },
+    (
+        replaced,
+        piece(),
+        piece(),
+        prop::option::weighted(0.3, any::<Index>()),
     )
+        .prop_map(|(replaced, removed, repeated, cut)| Damage {
+            replaced,
+            removed,
+            repeated,
+            cut,
+        })
 }
 
 /// An error must tell a person something, on one line, in printable characters.
 #[track_caller]
 pub(crate) fn assert_sentence(error: &dyn std::error::Error) {
     let text = error.to_string();
-    assert!(text.contains(' ') && text.len() > 20 && text.len() < 500, "{text:?}");
+    assert!(
+        text.contains(' ') && text.len() > 20 && text.len() < 500,
+        "{text:?}"
+    );
     assert!(!text.contains(char::is_control), "{text:?}");
 }

@@ -13,12 +13,17 @@ mod bounded_file;
 mod lzf;
 mod natural_order;
 mod number;
-pub mod ply;
 
 #[cfg(test)]
 mod hostile;
 
+pub mod fakenect_folder;
 pub mod pcd;
+pub mod ply;
+pub mod recording_kind;
+pub mod rgbd_sequence;
+pub mod scene_folder;
 
 pub use bounded_file::FileError;
 pub use natural_order::natural_order;
+pub use recording_kind::{RecordingKind, detect_kind};

@@ -81,12 +81,20 @@ pub(crate) fn decompress(input: &[u8], n_bytes: usize, scratch: &mut Vec<u8>) ->
             (from, to) = (from + n_read, to + length);
         }
     }
-    if to == n_bytes { Ok(()) } else { Err(Error::TooShort) }
+    if to == n_bytes {
+        Ok(())
+    } else {
+        Err(Error::TooShort)
+    }
 }
 
 #[inline]
 fn check_room(to: usize, length: usize, n_bytes: usize) -> Result<(), Error> {
-    if length <= n_bytes - to { Ok(()) } else { Err(Error::TooLong) }
+    if length <= n_bytes - to {
+        Ok(())
+    } else {
+        Err(Error::TooLong)
+    }
 }
 
 /// Length and offset of a repeated run, and how many bytes after the control
@@ -95,12 +103,16 @@ fn check_room(to: usize, length: usize, n_bytes: usize) -> Result<(), Error> {
 fn read_match(control: u8, input: &[u8]) -> Result<(usize, usize, usize), Error> {
     let offset_high = usize::from(control & 0x1f) << 8;
     match (control >> 5, input) {
-        (7, [more, offset_low, ..]) => {
-            Ok((usize::from(*more) + 9, (offset_high | usize::from(*offset_low)) + 1, 2))
-        }
-        (length @ 1..=6, [offset_low, ..]) => {
-            Ok((usize::from(length) + 2, (offset_high | usize::from(*offset_low)) + 1, 1))
-        }
+        (7, [more, offset_low, ..]) => Ok((
+            usize::from(*more) + 9,
+            (offset_high | usize::from(*offset_low)) + 1,
+            2,
+        )),
+        (length @ 1..=6, [offset_low, ..]) => Ok((
+            usize::from(length) + 2,
+            (offset_high | usize::from(*offset_low)) + 1,
+            1,
+        )),
         _ => Err(Error::Truncated),
     }
 }
@@ -119,23 +131,48 @@ fn copy_literals(input: &[u8], length: usize, out: &mut [u8]) -> Result<(), Erro
 }
 
 /// Repeats the bytes at the start of `out` so that `length` more follow the
-/// first `offset`; spills over by less than `SLACK`.
+/// first `offset`; spills over by less than a block.
 #[inline]
 fn repeat(out: &mut [u8], offset: usize, length: usize) {
-    // A distance of a block or more allows copying in blocks. A nearer run has
-    // a period: after some repetitions one by one, a multiple of it is far
-    // enough.
-    let distance = if offset >= BLOCK { offset } else { offset * BLOCK.div_ceil(offset) };
-    let n_single = (distance - offset).min(length);
-    for at in offset..offset + n_single {
-        out[at] = out[at - offset];
+    let end = offset + length;
+    let mut at = offset;
+    if offset >= BLOCK {
+        while at < end {
+            let (before, after) = out.split_at_mut(at);
+            copy_block(&before[at - offset..], after);
+            at += BLOCK;
+        }
+        return;
     }
-    let mut at = offset + n_single;
-    while at < offset + length {
-        let mut block = [0; BLOCK];
-        block.copy_from_slice(&out[at - distance..at - distance + BLOCK]);
-        out[at..at + BLOCK].copy_from_slice(&block);
-        at += BLOCK;
+    // A nearer run is written block by block from a register, since its bytes
+    // would be read before they are there.
+    let (pattern, step) = pattern(out, offset);
+    while at < end {
+        copy_block(&pattern, &mut out[at..]);
+        at += step;
+    }
+}
+
+/// A block that begins with the first `period` bytes again and again, and the
+/// largest multiple of the period in it.
+#[inline]
+fn pattern(bytes: &[u8], period: usize) -> ([u8; BLOCK], usize) {
+    let mut block = [0; BLOCK];
+    copy_block(bytes, &mut block);
+    let mut pattern = u128::from_le_bytes(block) & !(u128::MAX << (8 * period));
+    let mut width = period;
+    while width < BLOCK {
+        pattern |= pattern << (8 * width);
+        width *= 2;
+    }
+    (pattern.to_le_bytes(), BLOCK - BLOCK % period)
+}
+
+/// Copies a block; its constant length makes it one instruction each way.
+#[inline]
+fn copy_block(from: &[u8], to: &mut [u8]) {
+    if let (Some(from), Some(to)) = (from.first_chunk::<BLOCK>(), to.first_chunk_mut::<BLOCK>()) {
+        *to = *from;
     }
 }
 
@@ -231,7 +268,10 @@ mod tests {
     fn repetitive() -> impl Strategy<Value = Vec<u8>> {
         let piece = (prop::collection::vec(0_u8..4, 1..40), 1_usize..60);
         prop::collection::vec(piece, 0..30).prop_map(|pieces| {
-            pieces.into_iter().flat_map(|(bytes, times)| bytes.repeat(times)).collect()
+            pieces
+                .into_iter()
+                .flat_map(|(bytes, times)| bytes.repeat(times))
+                .collect()
         })
     }
 

@@ -11,7 +11,9 @@ use std::cmp::Ordering;
 /// *Complexity*: linear in the shorter name, no allocation; a run of digits
 /// may have any length.
 pub fn natural_order(left: &str, right: &str) -> Ordering {
-    Tokens(left.as_bytes()).cmp(Tokens(right.as_bytes())).then_with(|| left.cmp(right))
+    Tokens(left.as_bytes())
+        .cmp(Tokens(right.as_bytes()))
+        .then_with(|| left.cmp(right))
 }
 
 /// One digit run without leading zeros, or one other byte.
@@ -61,7 +63,9 @@ impl<'a> Iterator for Tokens<'a> {
             return Some(Token::Byte(first));
         }
         let is_other = |byte: &u8| !byte.is_ascii_digit();
-        let (digits, rest) = self.0.split_at(self.0.iter().position(is_other).unwrap_or(self.0.len()));
+        let (digits, rest) = self
+            .0
+            .split_at(self.0.iter().position(is_other).unwrap_or(self.0.len()));
         self.0 = rest;
         let n_zeros = digits.iter().take_while(|&&digit| digit == b'0').count();
         Some(Token::Number(&digits[n_zeros..]))
@@ -84,7 +88,10 @@ mod tests {
             ("a7b2", "a007b10"),
             ("007", "7"),
             ("", "0"),
-            ("x99999999999999999999999999999998", "x99999999999999999999999999999999"),
+            (
+                "x99999999999999999999999999999998",
+                "x99999999999999999999999999999999",
+            ),
         ] {
             assert_eq!(natural_order(left, right), Less, "{left} {right}");
             assert_eq!(natural_order(right, left), Greater, "{right} {left}");
@@ -93,8 +100,11 @@ mod tests {
 
     /// Names over few characters, so that runs of digits meet often.
     fn name() -> impl Strategy<Value = String> {
-        prop::collection::vec(prop::sample::select(vec!['0', '1', '9', 'a', '/', ':', 'ä']), 0..7)
-            .prop_map(|characters| characters.into_iter().collect())
+        prop::collection::vec(
+            prop::sample::select(vec!['0', '1', '9', 'a', '/', ':', 'ä']),
+            0..7,
+        )
+        .prop_map(|characters| characters.into_iter().collect())
     }
 
     proptest! {

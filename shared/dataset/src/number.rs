@@ -94,7 +94,11 @@ pub(crate) fn as_u32(value: f64) -> Option<u32> {
 /// A few characters of text from a file, safe to print.
 pub(crate) fn excerpt(text: &str) -> String {
     const MAX_CHARACTERS: usize = 40;
-    let mut shown: String = text.chars().take(MAX_CHARACTERS).flat_map(char::escape_debug).collect();
+    let mut shown: String = text
+        .chars()
+        .take(MAX_CHARACTERS)
+        .flat_map(char::escape_debug)
+        .collect();
     if text.chars().nth(MAX_CHARACTERS).is_some() {
         shown.push('…');
     }

@@ -28,7 +28,9 @@ impl From<&RigidTransform> for DescriptorFrame {
     fn from(object_from_source: &RigidTransform) -> Self {
         let matrix = object_from_source.to_homogeneous();
         let row = |i: usize| std::array::from_fn(|j| matrix[(i, j)] as f32);
-        Self { object_from_source: [row(0), row(1), row(2)] }
+        Self {
+            object_from_source: [row(0), row(1), row(2)],
+        }
     }
 }
 
@@ -41,7 +43,12 @@ mod tests {
     fn a_frame_moves_points_as_its_transform_does() {
         let object_from_source =
             RigidTransform::new(Vector3::new(0.5, -1.0, 2.0), Vector3::new(0.3, 1.0, -0.4));
-        let point = Point { x: 0.2, y: -0.7, z: 1.3, ..Point::default() };
+        let point = Point {
+            x: 0.2,
+            y: -0.7,
+            z: 1.3,
+            ..Point::default()
+        };
         let expected = object_from_source * point.position();
         let got = DescriptorFrame::from(&object_from_source).apply(&point);
         for i in 0..3 {

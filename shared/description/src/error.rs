@@ -27,7 +27,10 @@ impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::BinCount(n) => {
-                write!(f, "GOOD can not have {n} bins a side: choose from 2 to 64, 5 or 15 usually")
+                write!(
+                    f,
+                    "GOOD can not have {n} bins a side: choose from 2 to 64, 5 or 15 usually"
+                )
             }
             Self::SignThreshold(t) => write!(
                 f,

@@ -89,7 +89,9 @@ fn with_stable_signs(
     viewpoint: &Point3<f64>,
 ) -> Matrix3<f64> {
     let axes = &principal.axes;
-    let to_viewer = (viewpoint - principal.centroid).try_normalize(0.0).unwrap_or_default();
+    let to_viewer = (viewpoint - principal.centroid)
+        .try_normalize(0.0)
+        .unwrap_or_default();
     let view_cosine = axes.transpose() * to_viewer;
     let z_sign = first_decided(&[
         (view_cosine.z, MIN_VIEW_COSINE),

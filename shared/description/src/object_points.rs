@@ -14,7 +14,10 @@ pub struct ObjectPoints<'a> {
 impl<'a> ObjectPoints<'a> {
     /// All points of a cloud.
     pub fn all(cloud: &'a [Point]) -> Self {
-        Self { cloud, indices: None }
+        Self {
+            cloud,
+            indices: None,
+        }
     }
 
     /// The points of `cloud` at `indices`, in the order of the indices.
@@ -23,10 +26,14 @@ impl<'a> ObjectPoints<'a> {
     /// When an index lies outside the cloud.
     pub fn selected(cloud: &'a [Point], indices: &'a [u32]) -> Result<Self, Error> {
         match indices.iter().max() {
-            Some(&index) if index as usize >= cloud.len() => {
-                Err(Error::IndexOutsideCloud { index, n_points: cloud.len() })
-            }
-            _ => Ok(Self { cloud, indices: Some(indices) }),
+            Some(&index) if index as usize >= cloud.len() => Err(Error::IndexOutsideCloud {
+                index,
+                n_points: cloud.len(),
+            }),
+            _ => Ok(Self {
+                cloud,
+                indices: Some(indices),
+            }),
         }
     }
 
@@ -58,8 +65,13 @@ mod tests {
 
     #[test]
     fn a_selection_visits_its_points_in_order() {
-        let cloud: Vec<Point> =
-            (0..9).map(|i| Point { x: i as f32, color: Rgba(i), ..Point::default() }).collect();
+        let cloud: Vec<Point> = (0..9)
+            .map(|i| Point {
+                x: i as f32,
+                color: Rgba(i),
+                ..Point::default()
+            })
+            .collect();
         let seen = |points: ObjectPoints<'_>| {
             let mut seen = Vec::new();
             points.for_each(|p| seen.push(p.color.0));
@@ -76,6 +88,11 @@ mod tests {
     fn an_index_behind_the_cloud_is_refused_by_a_sentence() {
         let cloud = [Point::default(); 3];
         let error = ObjectPoints::selected(&cloud, &[0, 7, 3]).unwrap_err();
-        assert!(error.to_string().contains("index 7, but its cloud has 3 points"), "{error}");
+        assert!(
+            error
+                .to_string()
+                .contains("index 7, but its cloud has 3 points"),
+            "{error}"
+        );
     }
 }

@@ -23,7 +23,9 @@ pub fn reference_frame(points: ObjectPoints<'_>) -> Option<DescriptorFrame> {
     let y = eigen.vectors[1];
     let z = cross(x, y);
     let row = |axis: [f32; 3]| [axis[0], axis[1], axis[2], -dot(axis, centroid)];
-    Some(DescriptorFrame { object_from_source: [row(x), row(y), row(z)] })
+    Some(DescriptorFrame {
+        object_from_source: [row(x), row(y), row(z)],
+    })
 }
 
 /// Mean and number of the finite points.
@@ -42,7 +44,10 @@ fn covariance(points: ObjectPoints<'_>, c: [f32; 3], n: f32) -> Matrix {
     let mut sums = [0.0_f32; 6];
     for_each_finite(points, |p| {
         let [x, y, z] = [p[0] - c[0], p[1] - c[1], p[2] - c[2]];
-        for (sum, product) in sums.iter_mut().zip([x * x, y * x, z * x, y * y, y * z, z * z]) {
+        for (sum, product) in sums
+            .iter_mut()
+            .zip([x * x, y * x, z * x, y * y, y * z, z * z])
+        {
             *sum += product;
         }
     });
@@ -60,11 +65,16 @@ fn for_each_finite(points: ObjectPoints<'_>, mut visit: impl FnMut([f32; 3])) {
 }
 
 fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
 }
 
+/// In the order of the reference's additions.
 fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    a[0] * b[0] + (a[1] * b[1] + a[2] * b[2])
 }
 
 #[cfg(test)]
@@ -76,7 +86,10 @@ mod tests {
         assert_eq!(reference_frame(ObjectPoints::all(&[])), None);
         let hole = [Point::without_depth(point_cloud::Rgba(0)); 4];
         assert_eq!(reference_frame(ObjectPoints::all(&hole)), None);
-        let huge = [Point { x: f32::MAX, ..Point::default() }; 4];
+        let huge = [Point {
+            x: f32::MAX,
+            ..Point::default()
+        }; 4];
         assert_eq!(reference_frame(ObjectPoints::all(&huge)), None);
     }
 
@@ -85,7 +98,12 @@ mod tests {
         let mut cloud: Vec<Point> = (0..300_u16)
             .map(|i| {
                 let t = f32::from(i);
-                Point { x: (t * 0.7).sin(), y: 0.3 * (t * 1.9).cos(), z: 0.1 * t.sin(), ..Point::default() }
+                Point {
+                    x: (t * 0.7).sin(),
+                    y: 0.3 * (t * 1.9).cos(),
+                    z: 0.1 * t.sin(),
+                    ..Point::default()
+                }
             })
             .collect();
         let whole = reference_frame(ObjectPoints::all(&cloud)).unwrap();

@@ -49,7 +49,10 @@ pub(crate) fn symmetric_eigen(matrix: &Matrix) -> Option<Eigen> {
     let mut t = tridiagonalise(&matrix.map(|row| row.map(|v| v / scale)));
     diagonalise(&mut t)?;
     sort_ascending(&mut t);
-    Some(Eigen { values: t.diagonal.map(|v| v * scale), vectors: t.columns })
+    Some(Eigen {
+        values: t.diagonal.map(|v| v * scale),
+        vectors: t.columns,
+    })
 }
 
 fn tridiagonalise(a: &Matrix) -> Tridiagonal {
@@ -155,10 +158,16 @@ fn hypotenuse(a: f32, b: f32) -> f32 {
 /// The rotation that brings `(x, z)` to `(r, 0)`.
 fn givens(x: f32, z: f32) -> Givens {
     if z == 0.0 {
-        return Givens { c: if x < 0.0 { -1.0 } else { 1.0 }, s: 0.0 };
+        return Givens {
+            c: if x < 0.0 { -1.0 } else { 1.0 },
+            s: 0.0,
+        };
     }
     if x == 0.0 {
-        return Givens { c: 0.0, s: if z < 0.0 { 1.0 } else { -1.0 } };
+        return Givens {
+            c: 0.0,
+            s: if z < 0.0 { 1.0 } else { -1.0 },
+        };
     }
     if x.abs() > z.abs() {
         let t = z / x;
@@ -204,7 +213,10 @@ mod tests {
 
     fn check(matrix: &Matrix) -> Result<(), TestCaseError> {
         let eigen = symmetric_eigen(matrix).unwrap();
-        let size = matrix.iter().flatten().fold(1e-6_f32, |m, v| m.max(v.abs()));
+        let size = matrix
+            .iter()
+            .flatten()
+            .fold(1e-6_f32, |m, v| m.max(v.abs()));
         prop_assert!(eigen.values.is_sorted());
         for (value, vector) in eigen.values.iter().zip(&eigen.vectors) {
             let norm: f32 = vector.iter().map(|v| v * v).sum();

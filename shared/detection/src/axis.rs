@@ -15,7 +15,12 @@ pub(crate) struct Axis {
 impl From<&Plane> for Axis {
     fn from(plane: &Plane) -> Self {
         let n = plane.normal.map(|value| value as f32);
-        Self { x: n.x, y: n.y, z: n.z, offset: plane.offset_m as f32 }
+        Self {
+            x: n.x,
+            y: n.y,
+            z: n.z,
+            offset: plane.offset_m as f32,
+        }
     }
 }
 
@@ -45,11 +50,15 @@ mod tests {
 
     #[test]
     fn coordinates_agree_with_the_transform_and_the_plane() {
-        let transform = RigidTransform::new(Vector3::new(0.2, -1.0, 0.7), Vector3::new(1.0, 0.3, -0.4));
+        let transform =
+            RigidTransform::new(Vector3::new(0.2, -1.0, 0.7), Vector3::new(1.0, 0.3, -0.4));
         let plane = Plane::through(&Point3::new(0.1, 0.2, 1.3), Vector3::y_axis());
         let p = Point3::new(0.3, -0.2, 1.1);
         let [x, y, z] = [p.x as f32, p.y as f32, p.z as f32];
-        for (axis, expected) in Axis::of_transform(&transform).iter().zip(&(transform * p).coords) {
+        for (axis, expected) in Axis::of_transform(&transform)
+            .iter()
+            .zip(&(transform * p).coords)
+        {
             assert!((f64::from(axis.at(x, y, z)) - expected).abs() < 1e-6);
         }
         assert!((f64::from(Axis::from(&plane).at(x, y, z)) - plane.height_m(&p)).abs() < 1e-6);

@@ -2,9 +2,8 @@
 
 use crate::RawConfig;
 use crate::axis::Axis;
-use crate::footprint::Footprint;
+use crate::footprint::{Footprint, Rectangle};
 use crate::prism::SeenRectangle;
-use crate::table_plane::Table;
 use geometry::{OrientedBox, RigidTransform};
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 use point_cloud::{OrganizedCloud, Point};
@@ -54,6 +53,16 @@ impl Candidate {
     }
 }
 
+/// A cluster that may be an object, while it is being judged.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Body {
+    pub(crate) cluster: u32,
+    pub(crate) summary: Summary,
+    pub(crate) upright_box: UprightBox,
+    /// `None` as long as nothing is known to carry it.
+    pub(crate) support: Option<Support>,
+}
+
 /// Sums over a cluster.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Summary {
@@ -74,14 +83,18 @@ impl Summary {
     ) -> Self {
         let mut position = Vector3::<f64>::zeros();
         let (mut rgb, mut n_low) = ([0_u64; 3], 0_u32);
-        let (mut seen, mut height_m) = (SeenRectangle::default(), [f32::INFINITY, f32::NEG_INFINITY]);
+        let (mut seen, mut height_m) =
+            (SeenRectangle::default(), [f32::INFINITY, f32::NEG_INFINITY]);
         for &pixel in pixels {
             let point = &cloud.points()[pixel as usize];
             position += point.position().coords;
             for (sum, value) in rgb.iter_mut().zip(point.color.rgb()) {
                 *sum += u64::from(value);
             }
-            seen.add(pixel as usize % cloud.width(), pixel as usize / cloud.width());
+            seen.add(
+                pixel as usize % cloud.width(),
+                pixel as usize / cloud.width(),
+            );
             let h = height.at(point.x, point.y, point.z);
             height_m = [height_m[0].min(h), height_m[1].max(h)];
             n_low += u32::from(h <= config.standing_gap_max_m as f32);
@@ -97,33 +110,69 @@ impl Summary {
     }
 }
 
-/// The smallest upright box around points; `None` without points.
-pub(crate) fn upright_box(
-    pixels: &[u32],
-    points: &[Point],
-    table: &Table,
+/// A box that stands upright on the table, in the table's frame.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct UprightBox {
+    footprint: Rectangle,
+    /// Lowest and highest point over the table.
     height_m: [f64; 2],
-) -> Option<OrientedBox> {
-    let [u, v, _] = Axis::of_transform(&table.table_from_camera);
-    let mut footprint = Footprint::new();
-    for &pixel in pixels.iter().step_by(pixels.len().div_ceil(N_FOOTPRINT_MAX).max(1)) {
-        let point = &points[pixel as usize];
-        footprint.add(u.at(point.x, point.y, point.z), v.at(point.x, point.y, point.z));
+}
+
+impl UprightBox {
+    /// The smallest one around points; `None` without points.
+    pub(crate) fn around(
+        pixels: &[u32],
+        points: &[Point],
+        table_axes: &[Axis; 3],
+        height_m: [f64; 2],
+    ) -> Option<Self> {
+        let [u, v, _] = table_axes;
+        let mut footprint = Footprint::new();
+        for &pixel in pixels
+            .iter()
+            .step_by(pixels.len().div_ceil(N_FOOTPRINT_MAX).max(1))
+        {
+            let point = &points[pixel as usize];
+            footprint.add(
+                u.at(point.x, point.y, point.z),
+                v.at(point.x, point.y, point.z),
+            );
+        }
+        Some(Self {
+            footprint: footprint.smallest_rectangle()?,
+            height_m,
+        })
     }
-    let rectangle = footprint.smallest_rectangle()?;
-    let centre = Translation3::new(
-        rectangle.centre.x,
-        rectangle.centre.y,
-        0.5 * (height_m[0] + height_m[1]),
-    );
-    let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), rectangle.yaw_rad);
-    let table_from_box = RigidTransform::from_parts(centre, yaw);
-    Some(OrientedBox {
-        frame_from_box: table.table_from_camera.inverse() * table_from_box,
-        half_sides_m: Vector3::new(
-            rectangle.half_sides_m.x,
-            rectangle.half_sides_m.y,
-            0.5 * (height_m[1] - height_m[0]),
-        ),
-    })
+
+    /// Length of the longest side, metres.
+    pub(crate) fn longest_side_m(&self) -> f64 {
+        (2.0 * self.footprint.half_sides_m.x).max(self.height_m[1] - self.height_m[0])
+    }
+
+    /// Whether two boxes come within a distance of each other.
+    pub(crate) fn touches(&self, other: &Self, distance_m: f64) -> bool {
+        self.height_m[0] <= other.height_m[1] + distance_m
+            && other.height_m[0] <= self.height_m[1] + distance_m
+            && self.footprint.overlaps(&other.footprint, distance_m)
+    }
+
+    /// The box in the camera's frame.
+    pub(crate) fn in_camera(&self, table_from_camera: &RigidTransform) -> OrientedBox {
+        let Self {
+            footprint,
+            height_m: [low, high],
+        } = self;
+        let centre = Translation3::new(footprint.centre.x, footprint.centre.y, 0.5 * (low + high));
+        let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), footprint.yaw_rad);
+        let half_sides_m = Vector3::new(
+            footprint.half_sides_m.x,
+            footprint.half_sides_m.y,
+            0.5 * (high - low),
+        );
+        let table_from_box = RigidTransform::from_parts(centre, yaw);
+        OrientedBox {
+            frame_from_box: table_from_camera.inverse() * table_from_box,
+            half_sides_m,
+        }
+    }
 }

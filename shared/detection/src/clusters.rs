@@ -38,7 +38,6 @@ impl Clusters {
         &self.pixels[self.starts[cluster] as usize..self.starts[cluster + 1] as usize]
     }
 
-
     /// Joins the pixels that `cluster_of` marks as [`OVER_TABLE`] to clusters
     /// of neighbours near in space, numbered by their first pixel; those with
     /// fewer than `n_min` pixels are marked [`OUTSIDE`].
@@ -76,7 +75,11 @@ impl Clusters {
                 && squared_distance(point, &points[neighbour]) <= squared_max;
             if linked {
                 let other = self.cluster_of[neighbour];
-                own = if own == OUTSIDE || own == other { other } else { unite(&mut self.parents, own, other) };
+                own = if own == OUTSIDE || own == other {
+                    other
+                } else {
+                    unite(&mut self.parents, own, other)
+                };
             }
             linked
         };

@@ -66,8 +66,16 @@ pub struct InvalidConfig {
 
 impl fmt::Display for InvalidConfig {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { name, value, min, max } = self;
-        write!(f, "the detection setting {name} is {value} but must lie between {min} and {max}")
+        let Self {
+            name,
+            value,
+            min,
+            max,
+        } = self;
+        write!(
+            f,
+            "the detection setting {name} is {value} but must lie between {min} and {max}"
+        )
     }
 }
 
@@ -92,7 +100,12 @@ impl Config {
             ("standing_gap_max_m", raw.standing_gap_max_m, 0.001, 0.5),
         ] {
             if !(min..=max).contains(&value) {
-                return Err(InvalidConfig { name, value, min, max });
+                return Err(InvalidConfig {
+                    name,
+                    value,
+                    min,
+                    max,
+                });
             }
         }
         Ok(Self { raw })
@@ -106,7 +119,9 @@ impl Config {
 
 impl Default for Config {
     fn default() -> Self {
-        Self { raw: RawConfig::default() }
+        Self {
+            raw: RawConfig::default(),
+        }
     }
 }
 
@@ -123,11 +138,41 @@ mod tests {
     fn a_setting_out_of_range_is_named() {
         let good = RawConfig::default();
         for (bad, name) in [
-            (RawConfig { range_min_m: f64::NAN, ..good.clone() }, "range_min_m"),
-            (RawConfig { range_max_m: 0.2, ..good.clone() }, "range_max_m"),
-            (RawConfig { height_max_m: f64::INFINITY, ..good.clone() }, "height_max_m"),
-            (RawConfig { points_min_at_1m: 0.0, ..good.clone() }, "points_min_at_1m"),
-            (RawConfig { side_max_m: -1.0, ..good.clone() }, "side_max_m"),
+            (
+                RawConfig {
+                    range_min_m: f64::NAN,
+                    ..good.clone()
+                },
+                "range_min_m",
+            ),
+            (
+                RawConfig {
+                    range_max_m: 0.2,
+                    ..good.clone()
+                },
+                "range_max_m",
+            ),
+            (
+                RawConfig {
+                    height_max_m: f64::INFINITY,
+                    ..good.clone()
+                },
+                "height_max_m",
+            ),
+            (
+                RawConfig {
+                    points_min_at_1m: 0.0,
+                    ..good.clone()
+                },
+                "points_min_at_1m",
+            ),
+            (
+                RawConfig {
+                    side_max_m: -1.0,
+                    ..good.clone()
+                },
+                "side_max_m",
+            ),
         ] {
             let message = Config::new(bad).unwrap_err().to_string();
             assert!(message.contains(name), "{message}");

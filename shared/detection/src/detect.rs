@@ -1,15 +1,15 @@
 //! One frame, from cloud to candidates.
 
-use crate::candidate::{Candidate, Summary, Support, upright_box};
+use crate::axis::Axis;
+use crate::candidate::{Body, Candidate, Summary, Support, UprightBox};
 use crate::clusters::Clusters;
 use crate::prism::{Prism, SeenRectangle};
 use crate::random::Random;
 use crate::samples::Samples;
-use crate::support::{SupportBuffers, find_supports};
+use crate::support::find_supports;
 use crate::table_plane::{Table, TableBuffers, find_table};
 use crate::table_slabs::TableSlabs;
 use crate::{Config, Error, RawConfig};
-use crate::axis::Axis;
 use nalgebra::{Unit, Vector3};
 use point_cloud::OrganizedCloud;
 
@@ -56,9 +56,7 @@ pub struct Workspace {
     table: TableBuffers,
     slabs: TableSlabs,
     clusters: Clusters,
-    summaries: Vec<Summary>,
-    support: SupportBuffers,
-    order: Vec<u32>,
+    bodies: Vec<Body>,
 }
 
 /// Searches a frame for a table and the objects on it.
@@ -81,7 +79,13 @@ pub fn detect(
     detection.point_indices.clear();
     check_grid(&frame.cloud)?;
     let config = config.get();
-    let Workspace { samples, table: buffers, slabs, clusters, .. } = workspace;
+    let Workspace {
+        samples,
+        table: buffers,
+        slabs,
+        clusters,
+        ..
+    } = workspace;
     samples.refill(&frame.cloud, config);
     let mut random = Random::from_seed(frame.seed);
     let found = find_table(samples, frame.up_in_camera, config, &mut random, buffers);
@@ -89,8 +93,8 @@ pub fn detect(
     let seen = Prism::over(&table, config, slabs).mark(&frame.cloud, &mut clusters.cluster_of);
     let n_min = config.points_min_at_1m / (config.range_max_m * config.range_max_m);
     clusters.join(&frame.cloud, n_min as u32);
-    summarise(&frame.cloud, &table, config, workspace);
-    collect(&frame.cloud, &table, seen, (config, workspace), detection);
+    find_bodies(&frame.cloud, &table, config, workspace);
+    write(&table, seen, workspace, detection);
     detection.table = Some(table);
     Ok(())
 }
@@ -106,61 +110,77 @@ fn check_grid(cloud: &OrganizedCloud<'_>) -> Result<(), Error> {
     Ok(())
 }
 
-/// Sums over each cluster, and what carries it.
-fn summarise(
+/// The clusters that can be objects by their size and by what carries them,
+/// nearest first.
+fn find_bodies(
     cloud: &OrganizedCloud<'_>,
     table: &Table,
     config: &RawConfig,
     workspace: &mut Workspace,
 ) {
-    let Workspace { clusters, summaries, support, .. } = workspace;
-    let height = Axis::from(&table.plane);
-    summaries.clear();
-    summaries.extend(
-        (0..clusters.len()).map(|i| Summary::of(clusters.pixels(i), cloud, &height, config)),
+    let Workspace {
+        clusters, bodies, ..
+    } = workspace;
+    let table_axes = Axis::of_transform(&table.table_from_camera);
+    bodies.clear();
+    bodies.extend(
+        (0..clusters.len() as u32)
+            .filter_map(|cluster| body_of(cluster, clusters, cloud, &table_axes, config)),
     );
-    support.support_of.clear();
-    support.support_of.extend(summaries.iter().map(|s| s.stands.then_some(Support::Table)));
-    let centroid = |cluster: usize| summaries[cluster].centroid;
-    find_supports(cloud, clusters, centroid, &table.plane.normal, support);
+    find_supports(cloud, clusters, &table.plane.normal, bodies);
+    bodies.retain(|body| body.support.is_some());
+    let distance = |body: &Body| body.summary.centroid.coords.norm_squared();
+    bodies.sort_unstable_by(|a, b| {
+        distance(a)
+            .total_cmp(&distance(b))
+            .then(a.cluster.cmp(&b.cluster))
+    });
 }
 
-/// Writes the clusters that can be objects, nearest first.
-fn collect(
+/// A cluster as a body; `None` when it is too small or too large.
+fn body_of(
+    cluster: u32,
+    clusters: &Clusters,
     cloud: &OrganizedCloud<'_>,
-    table: &Table,
-    seen: SeenRectangle,
-    (config, workspace): (&RawConfig, &mut Workspace),
-    detection: &mut Detection,
-) {
-    let Workspace { clusters, summaries, support, order, .. } = workspace;
-    order.clear();
-    order.extend(0..clusters.len() as u32);
-    let distance = |&cluster: &u32| summaries[cluster as usize].centroid.coords.norm_squared();
-    order.sort_unstable_by(|a, b| distance(a).total_cmp(&distance(b)).then(a.cmp(b)));
-    for &cluster in order.iter() {
-        let (summary, pixels) = (&summaries[cluster as usize], clusters.pixels(cluster as usize));
-        let Some(support) = support.support_of[cluster as usize] else { continue };
-        if (pixels.len() as f64) < config.points_min_at_1m / summary.centroid.z.powi(2) {
-            continue;
-        }
-        let lowest_m = if support == Support::Table { 0.0 } else { f64::from(summary.height_m[0]) };
-        let heights = [lowest_m, f64::from(summary.height_m[1])];
-        let Some(oriented_box) = upright_box(pixels, cloud.points(), table, heights) else {
+    table_axes: &[Axis; 3],
+    config: &RawConfig,
+) -> Option<Body> {
+    let pixels = clusters.pixels(cluster as usize);
+    let summary = Summary::of(pixels, cloud, &table_axes[2], config);
+    if (pixels.len() as f64) < config.points_min_at_1m / summary.centroid.z.powi(2) {
+        return None;
+    }
+    let [lowest_m, highest_m] = summary.height_m.map(f64::from);
+    let heights_m = [if summary.stands { 0.0 } else { lowest_m }, highest_m];
+    let upright_box = UprightBox::around(pixels, cloud.points(), table_axes, heights_m)?;
+    let sides = config.side_min_m..=config.side_max_m;
+    let support = summary.stands.then_some(Support::Table);
+    sides
+        .contains(&upright_box.longest_side_m())
+        .then_some(Body {
+            cluster,
+            summary,
+            upright_box,
+            support,
+        })
+}
+
+/// Writes the bodies as candidates.
+fn write(table: &Table, seen: SeenRectangle, workspace: &Workspace, detection: &mut Detection) {
+    for body in &workspace.bodies {
+        let Some(support) = body.support else {
             continue;
         };
-        if !(config.side_min_m..=config.side_max_m).contains(&oriented_box.sides_m().max()) {
-            continue;
-        }
         let first = detection.point_indices.len();
+        let pixels = workspace.clusters.pixels(body.cluster as usize);
         detection.point_indices.extend_from_slice(pixels);
         detection.candidates.push(Candidate {
             range: first..detection.point_indices.len(),
-            centroid: summary.centroid,
-            oriented_box,
-            mean_rgb: summary.mean_rgb,
+            centroid: body.summary.centroid,
+            oriented_box: body.upright_box.in_camera(&table.table_from_camera),
+            mean_rgb: body.summary.mean_rgb,
             support,
-            touches_image_border: seen.is_reached_by(&summary.seen, BORDER_PX),
+            touches_image_border: seen.is_reached_by(&body.summary.seen, BORDER_PX),
         });
     }
 }

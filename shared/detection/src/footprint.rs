@@ -28,6 +28,30 @@ pub(crate) struct Rectangle {
     pub(crate) yaw_rad: f64,
 }
 
+impl Rectangle {
+    /// Whether two rectangles come within a distance of each other along the
+    /// sides of both (separating axes; near corners count a little early).
+    pub(crate) fn overlaps(&self, other: &Self, distance_m: f64) -> bool {
+        let between = other.centre - self.centre;
+        self.sides().into_iter().chain(other.sides()).all(|side| {
+            between.dot(&side).abs() <= self.reach_m(&side) + other.reach_m(&side) + distance_m
+        })
+    }
+
+    /// Directions of the longer and the shorter side.
+    fn sides(&self) -> [Vector2<f64>; 2] {
+        let (sin, cos) = self.yaw_rad.sin_cos();
+        [Vector2::new(cos, sin), Vector2::new(-sin, cos)]
+    }
+
+    /// How far it reaches from its centre along a direction.
+    fn reach_m(&self, direction: &Vector2<f64>) -> f64 {
+        let [long, short] = self.sides();
+        self.half_sides_m.x * long.dot(direction).abs()
+            + self.half_sides_m.y * short.dot(direction).abs()
+    }
+}
+
 impl Footprint {
     pub(crate) fn new() -> Self {
         let directions = std::array::from_fn(|i| {
@@ -60,7 +84,9 @@ impl Footprint {
         }
         let rectangle = |step: usize| self.rectangle_at(FRAC_PI_2 * step as f64 / N_YAWS as f64);
         let area = |rectangle: &Rectangle| rectangle.half_sides_m.product();
-        (0..N_YAWS).map(rectangle).min_by(|a, b| area(a).total_cmp(&area(b)))
+        (0..N_YAWS)
+            .map(rectangle)
+            .min_by(|a, b| area(a).total_cmp(&area(b)))
     }
 
     fn rectangle_at(&self, yaw_rad: f64) -> Rectangle {
@@ -72,11 +98,22 @@ impl Footprint {
             (low, high) = (low.inf(&turned), high.sup(&turned));
         }
         let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
-        let centre = Vector2::new(cos * middle.x - sin * middle.y, sin * middle.x + cos * middle.y);
+        let centre = Vector2::new(
+            cos * middle.x - sin * middle.y,
+            sin * middle.x + cos * middle.y,
+        );
         if half.x >= half.y {
-            Rectangle { centre, half_sides_m: half, yaw_rad }
+            Rectangle {
+                centre,
+                half_sides_m: half,
+                yaw_rad,
+            }
         } else {
-            Rectangle { centre, half_sides_m: half.yx(), yaw_rad: yaw_rad - FRAC_PI_2 }
+            Rectangle {
+                centre,
+                half_sides_m: half.yx(),
+                yaw_rad: yaw_rad - FRAC_PI_2,
+            }
         }
     }
 }
@@ -105,6 +142,20 @@ mod tests {
             prop_assert!((found.centre - Vector2::new(shift, 0.0)).norm() < 5e-3);
             prop_assert!((found.half_sides_m - Vector2::new(long, share * long)).norm() < 0.02 * long + 1e-3);
         }
+    }
+
+    #[test]
+    fn rectangles_touch_across_their_sides() {
+        let at = |x: f64, yaw_rad: f64| Rectangle {
+            centre: Vector2::new(x, 0.0),
+            half_sides_m: Vector2::new(0.2, 0.1),
+            yaw_rad,
+        };
+        let origin = at(0.0, 0.0);
+        assert!(origin.overlaps(&at(0.39, 0.0), 0.0) && !origin.overlaps(&at(0.41, 0.0), 0.0));
+        assert!(origin.overlaps(&at(0.41, 0.0), 0.02));
+        assert!(!origin.overlaps(&at(0.31, FRAC_PI_2), 0.0));
+        assert!(origin.overlaps(&at(0.29, FRAC_PI_2), 0.0));
     }
 
     #[test]

@@ -63,7 +63,9 @@ pub(crate) fn largest_plane(
 ) -> Option<Plane> {
     let allowed = |plane: &Plane| limit.is_none_or(|limit| limit.allows(plane));
     buffers.free.clear();
-    buffers.free.extend((0..samples.len() as u32).filter(|&i| samples.is_free(i as usize)));
+    buffers
+        .free
+        .extend((0..samples.len() as u32).filter(|&i| samples.is_free(i as usize)));
     if buffers.free.len() < n_min.max(3) {
         return None;
     }
@@ -123,7 +125,9 @@ fn optimised(
     allowed: &impl Fn(&Plane) -> bool,
 ) -> (Plane, u32) {
     for _ in 0..3 {
-        let Some(fitted) = fitted(counted, &plane).filter(allowed) else { break };
+        let Some(fitted) = fitted(counted, &plane).filter(allowed) else {
+            break;
+        };
         let n_fitted = counted.count_inliers(&Axis::from(&fitted));
         if n_fitted <= n_inliers {
             break;
@@ -147,7 +151,9 @@ fn refined(samples: &Samples, mut plane: Plane, allowed: &impl Fn(&Plane) -> boo
 
 /// The least-squares plane of the inliers of another plane.
 fn fitted(samples: &Samples, plane: &Plane) -> Option<Plane> {
-    let axes = samples.inlier_moments(&Axis::from(plane)).principal_axes()?;
+    let axes = samples
+        .inlier_moments(&Axis::from(plane))
+        .principal_axes()?;
     let normal = Unit::try_new(axes.axes.column(2).into_owned(), 0.5)?;
     Some(Plane::through(&axes.centroid, normal))
 }
@@ -156,5 +162,7 @@ fn fitted(samples: &Samples, plane: &Plane) -> Option<Plane> {
 /// of inliers.
 fn rounds_needed(n_inliers: u32, n: usize) -> usize {
     let hit = (NEIGHBOURS_AGREE * f64::from(n_inliers) / n as f64).clamp(1e-6, 0.99);
-    (MISS_CHANCE.ln() / (1.0 - hit).ln()).ceil().min(N_HYPOTHESES_MAX as f64) as usize
+    (MISS_CHANCE.ln() / (1.0 - hit).ln())
+        .ceil()
+        .min(N_HYPOTHESES_MAX as f64) as usize
 }

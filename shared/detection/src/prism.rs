@@ -31,7 +31,10 @@ pub(crate) struct SeenRectangle {
 }
 
 impl SeenRectangle {
-    const NOTHING: Self = Self { columns: [usize::MAX, 0], rows: [usize::MAX, 0] };
+    const NOTHING: Self = Self {
+        columns: [usize::MAX, 0],
+        rows: [usize::MAX, 0],
+    };
 
     #[inline]
     pub(crate) fn add(&mut self, column: usize, row: usize) {
@@ -101,7 +104,11 @@ impl<'a> Prism<'a> {
         let mut seen = SeenRectangle::default();
         marks.clear();
         marks.extend(cloud.points().iter().map(|point| {
-            if self.contains(point) { OVER_TABLE } else { OUTSIDE }
+            if self.contains(point) {
+                OVER_TABLE
+            } else {
+                OUTSIDE
+            }
         }));
         for row in 0..cloud.height() {
             let points = cloud.row(row);

@@ -63,11 +63,19 @@ impl Samples {
     #[inline]
     fn push(&mut self, point: &Point, config: &RawConfig) {
         let usable = is_in_range(point, config.range_min_m as f32, config.range_max_m as f32);
-        let [x, y, z] = if usable { [point.x, point.y, point.z] } else { [0.0; 3] };
+        let [x, y, z] = if usable {
+            [point.x, point.y, point.z]
+        } else {
+            [0.0; 3]
+        };
         self.x.push(x);
         self.y.push(y);
         self.z.push(z);
-        self.band.push(if usable { plane_band_m(z, config) } else { NO_BAND });
+        self.band.push(if usable {
+            plane_band_m(z, config)
+        } else {
+            NO_BAND
+        });
     }
 
     /// Columns of the thinned image.
@@ -109,7 +117,9 @@ impl Samples {
     pub(crate) fn count_inliers(&self, plane: &Axis) -> u32 {
         let n = self.len();
         let (x, y, z, band) = (&self.x[..n], &self.y[..n], &self.z[..n], &self.band[..n]);
-        (0..n).map(|i| u32::from(plane.at(x[i], y[i], z[i]).abs() <= band[i])).sum()
+        (0..n)
+            .map(|i| u32::from(plane.at(x[i], y[i], z[i]).abs() <= band[i]))
+            .sum()
     }
 
     /// Sums over the inliers.
@@ -152,7 +162,11 @@ impl Samples {
     /// Makes all samples in range free again.
     pub(crate) fn free_all(&mut self, config: &RawConfig) {
         for (band, &z) in self.band.iter_mut().zip(&self.z) {
-            *band = if z > 0.0 { plane_band_m(z, config) } else { NO_BAND };
+            *band = if z > 0.0 {
+                plane_band_m(z, config)
+            } else {
+                NO_BAND
+            };
         }
     }
 
@@ -191,14 +205,25 @@ mod tests {
             })
             .collect();
         let mut samples = Samples::default();
-        samples.refill(&OrganizedCloud::new(&points, 640, 480).unwrap(), &RawConfig::default());
-        assert_eq!((samples.width(), samples.height(), samples.len()), (160, 120, 19_200));
+        samples.refill(
+            &OrganizedCloud::new(&points, 640, 480).unwrap(),
+            &RawConfig::default(),
+        );
+        assert_eq!(
+            (samples.width(), samples.height(), samples.len()),
+            (160, 120, 19_200)
+        );
         assert!((samples.position(161) - Point3::new(0.006, 0.006, 1.0)).norm() < 1e-6);
     }
 
     #[test]
     fn only_points_in_range_take_part() {
-        let value = |x: f32, z: f32| Point { x, y: 0.0, z, color: Rgba::default() };
+        let value = |x: f32, z: f32| Point {
+            x,
+            y: 0.0,
+            z,
+            color: Rgba::default(),
+        };
         let points = [
             value(0.0, f32::NAN),
             value(f32::INFINITY, 1.0),
@@ -208,7 +233,10 @@ mod tests {
             value(f32::NAN, 1.0),
         ];
         let mut samples = Samples::default();
-        samples.refill(&OrganizedCloud::new(&points, 3, 2).unwrap(), &RawConfig::default());
+        samples.refill(
+            &OrganizedCloud::new(&points, 3, 2).unwrap(),
+            &RawConfig::default(),
+        );
         let free: Vec<usize> = (0..samples.len()).filter(|&i| samples.is_free(i)).collect();
         assert_eq!(free, [4]);
     }

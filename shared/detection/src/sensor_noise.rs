@@ -7,7 +7,11 @@
 /// the noise at 10 m, so that the result is always positive and finite.
 #[inline]
 pub fn kinect_depth_sigma_m(z_m: f64) -> f64 {
-    let beyond_m = if z_m.is_finite() { (z_m - 0.4).clamp(0.0, 9.6) } else { 9.6 };
+    let beyond_m = if z_m.is_finite() {
+        (z_m - 0.4).clamp(0.0, 9.6)
+    } else {
+        9.6
+    };
     0.0012 + 0.0019 * beyond_m * beyond_m
 }
 
@@ -32,7 +36,9 @@ mod tests {
             assert!(kinect_depth_sigma_m(z) > 0.0 && kinect_depth_sigma_m(z) < 1.0);
         }
         for z in [0.35_f32, 1.0, 2.0] {
-            assert!((kinect_depth_sigma_m(f64::from(z)) - f64::from(depth_sigma_m(z))).abs() < 1e-8);
+            assert!(
+                (kinect_depth_sigma_m(f64::from(z)) - f64::from(depth_sigma_m(z))).abs() < 1e-8
+            );
         }
     }
 }

@@ -1,13 +1,13 @@
 //! What carries a cluster.
 
-use crate::candidate::Support;
-use crate::clusters::{Clusters, squared_distance};
-use crate::prism::OUTSIDE;
+use crate::candidate::{Body, Support};
+use crate::clusters::Clusters;
 use nalgebra::{Point3, Vector3};
 use point_cloud::OrganizedCloud;
 
-/// Points this near across the border of two clusters touch, metres.
-const TOUCH_M: f32 = 0.025;
+/// Boxes this near touch, metres: the side of the lower object that the upper
+/// one rests on is often hidden.
+const TOUCH_M: f64 = 0.03;
 
 /// What is nearer by more hides what is behind it, metres.
 const HIDE_M: f32 = 0.02;
@@ -15,99 +15,85 @@ const HIDE_M: f32 = 0.02;
 /// How far below its lower border a cluster's neighbour is looked for, pixels.
 const LOOK_PX: [f64; 3] = [2.0, 4.0, 8.0];
 
-/// Share of the lower border that must rest on or be hidden by something.
-const SHARE_MIN: f64 = 0.3;
-
-/// What lies under the lower border of a cluster, in pixels of the border.
-#[derive(Debug, Default)]
-struct Below {
-    n: u32,
-    n_hidden: u32,
-    n_touching: u32,
-}
-
-/// Buffers.
-#[derive(Debug, Default)]
-pub(crate) struct SupportBuffers {
-    /// Per cluster, `None` while it hangs in the air.
-    pub(crate) support_of: Vec<Option<Support>>,
-}
+/// Share of the lower border that must be hidden by something.
+const HIDDEN_SHARE_MIN: f64 = 0.3;
 
 /// Finds what carries each cluster that does not stand on the table itself: a
-/// carried cluster it touches from above, or, unseen, whatever hides its lower
-/// border. `buffers.support_of` holds the standing ones on entry.
+/// carried cluster that its box touches, or, unseen, whatever hides its lower
+/// border. Without either it hangs in the air and keeps `None`.
 pub(crate) fn find_supports(
     cloud: &OrganizedCloud<'_>,
     clusters: &Clusters,
-    centroids: impl Fn(usize) -> Point3<f64>,
-    up: &Vector3<f64>,
-    buffers: &mut SupportBuffers,
+    up_in_camera: &Vector3<f64>,
+    bodies: &mut [Body],
 ) {
-    // Each pass carries support one object higher; a pass without news ends it.
-    for _ in 0..clusters.len() {
-        let mut news = false;
-        for cluster in 0..clusters.len() {
-            if buffers.support_of[cluster].is_none() {
-                let step = downwards(&centroids(cluster), up);
-                let below = look_below(cloud, clusters, cluster, step, &buffers.support_of);
-                buffers.support_of[cluster] = judge(&below);
-                news |= buffers.support_of[cluster].is_some();
-            }
-        }
-        if !news {
-            break;
+    for body in bodies.iter_mut().filter(|body| body.support.is_none()) {
+        let step = downwards(&body.summary.centroid, up_in_camera);
+        if hidden_share(cloud, clusters, body.cluster, step) >= HIDDEN_SHARE_MIN {
+            body.support = Some(Support::Hidden);
         }
     }
+    // Each pass carries support one object higher; a pass without news ends it.
+    while rest_on_others(bodies) {}
 }
 
-fn judge(below: &Below) -> Option<Support> {
-    let share = |n: u32| f64::from(n) / f64::from(below.n.max(1));
-    if share(below.n_touching) >= SHARE_MIN {
-        Some(Support::Object)
-    } else if share(below.n_touching + below.n_hidden) >= SHARE_MIN {
-        Some(Support::Hidden)
-    } else {
-        None
+/// Whether another cluster was found to rest on a carried one.
+fn rest_on_others(bodies: &mut [Body]) -> bool {
+    let mut news = false;
+    for i in 0..bodies.len() {
+        let upright_box = bodies[i].upright_box;
+        let carries = |other: &Body| {
+            other.support.is_some() && upright_box.touches(&other.upright_box, TOUCH_M)
+        };
+        if bodies[i].support.is_none() && bodies.iter().any(carries) {
+            bodies[i].support = Some(Support::Object);
+            news = true;
+        }
     }
+    news
 }
 
 /// The image direction towards the table at a point, columns and rows, length 1.
 fn downwards(at: &Point3<f64>, up: &Vector3<f64>) -> [f64; 2] {
     let (columns, rows) = (at.x * up.z - up.x * at.z, at.y * up.z - up.y * at.z);
     let length = columns.hypot(rows);
-    if length > 1e-9 { [columns / length, rows / length] } else { [0.0, 1.0] }
+    if length > 1e-9 {
+        [columns / length, rows / length]
+    } else {
+        [0.0, 1.0]
+    }
 }
 
-fn look_below(
+/// Share of a cluster's lower border behind which something nearer is seen.
+fn hidden_share(
     cloud: &OrganizedCloud<'_>,
     clusters: &Clusters,
-    cluster: usize,
+    cluster: u32,
     step: [f64; 2],
-    support_of: &[Option<Support>],
-) -> Below {
+) -> f64 {
     let (points, width) = (cloud.points(), cloud.width());
-    let mut below = Below::default();
-    for &pixel in clusters.pixels(cluster) {
+    let steps = LOOK_PX.map(|px| step.map(|part| (part * px).round() as isize));
+    let (mut n_border, mut n_hidden) = (0_u32, 0_u32);
+    for &pixel in clusters.pixels(cluster as usize) {
         let pixel = pixel as usize;
-        let neighbour_at = |distance: f64| {
-            let column = (pixel % width).checked_add_signed((step[0] * distance).round() as isize)?;
-            let row = (pixel / width).checked_add_signed((step[1] * distance).round() as isize)?;
+        let below = steps.map(|[columns, rows]| {
+            let column = (pixel % width).checked_add_signed(columns)?;
+            let row = (pixel / width).checked_add_signed(rows)?;
             (column < width && row < cloud.height()).then_some(row * width + column)
-        };
-        let own = |&neighbour: &usize| clusters.cluster_of[neighbour] == cluster as u32;
-        if LOOK_PX.iter().filter_map(|&d| neighbour_at(d)).any(|n| own(&n)) {
+        });
+        if below
+            .iter()
+            .flatten()
+            .any(|&other| clusters.cluster_of[other] == cluster)
+        {
             continue;
         }
-        below.n += 1;
-        let seen = LOOK_PX.iter().filter_map(|&d| neighbour_at(d)).find(|&n| points[n].is_finite());
-        let Some(neighbour) = seen else { continue };
-        let other = clusters.cluster_of[neighbour];
-        let carried = other != OUTSIDE && support_of[other as usize].is_some();
-        if carried && squared_distance(&points[pixel], &points[neighbour]) <= TOUCH_M * TOUCH_M {
-            below.n_touching += 1;
-        } else if points[neighbour].z < points[pixel].z - HIDE_M {
-            below.n_hidden += 1;
-        }
+        n_border += 1;
+        let seen = below
+            .iter()
+            .flatten()
+            .find(|&&other| points[other].is_finite());
+        n_hidden += u32::from(seen.is_some_and(|&i| points[i].z < points[pixel].z - HIDE_M));
     }
-    below
+    f64::from(n_hidden) / f64::from(n_border.max(1))
 }

@@ -90,13 +90,17 @@ pub(crate) fn find_table(
     random: &mut Random,
     buffers: &mut TableBuffers,
 ) -> Option<Table> {
-    let limit = up_in_camera
-        .map(|up| NormalLimit { up, cos_min: config.table_tilt_max_rad.cos() });
+    let limit = up_in_camera.map(|up| NormalLimit {
+        up,
+        cos_min: config.table_tilt_max_rad.cos(),
+    });
     let n_min = ((samples.len() as f64 * SHARE_MIN) as usize).max(8);
-    let n_clear = ((0..samples.len()).filter(|&i| samples.is_free(i)).count() as f64 * SHARE_CLEAR) as usize;
+    let n_clear =
+        ((0..samples.len()).filter(|&i| samples.is_free(i)).count() as f64 * SHARE_CLEAR) as usize;
     buffers.found.clear();
     for _ in 0..N_PLANES_MAX {
-        let Some(plane) = largest_plane(samples, limit.as_ref(), n_min, random, &mut buffers.search)
+        let Some(plane) =
+            largest_plane(samples, limit.as_ref(), n_min, random, &mut buffers.search)
         else {
             break;
         };
@@ -121,7 +125,11 @@ fn connected(
 ) -> FoundPlane {
     let n_samples = find_region(samples, &plane, &plane.plane_from_source(), region);
     let plane = region_plane(samples, region).unwrap_or(plane);
-    FoundPlane { plane, n_samples, likeness: likeness(&plane, up_in_camera) }
+    FoundPlane {
+        plane,
+        n_samples,
+        likeness: likeness(&plane, up_in_camera),
+    }
 }
 
 fn region_plane(samples: &Samples, region: &RegionBuffers) -> Option<Plane> {
@@ -174,5 +182,10 @@ fn outlined(samples: &Samples, plane: Plane, region: &mut RegionBuffers) -> Opti
     let table_from_camera = plane.plane_from_source();
     let n_samples = find_region(samples, &plane, &table_from_camera, region);
     let polygon = region_polygon(samples, region);
-    (polygon.corners().len() >= 3).then_some(Table { plane, table_from_camera, polygon, n_samples })
+    (polygon.corners().len() >= 3).then_some(Table {
+        plane,
+        table_from_camera,
+        polygon,
+        n_samples,
+    })
 }

@@ -12,7 +12,7 @@ const CELL_M: f32 = 0.04;
 /// Most cells a side; a larger plane gets larger cells.
 const CELLS_MAX: usize = 256;
 
-/// A cell is part of the table when it holds this many samples.
+/// A cell is covered when it holds this many samples.
 const CELL_SAMPLES_MIN: u32 = 2;
 
 /// Table is continuous across this many empty cells: what stands on it hides
@@ -24,6 +24,7 @@ const GAP_CELLS: isize = 3;
 pub(crate) struct RegionBuffers {
     inliers: Vec<Inlier>,
     n_in_cell: Vec<u32>,
+    is_table: Vec<bool>,
     region_of_cell: Vec<u32>,
     stack: Vec<usize>,
     outline: Vec<Point2<f64>>,
@@ -56,7 +57,13 @@ impl CellGrid {
         let extent_m = (high[0] - low[0]).max(high[1] - low[1]);
         let cell_m = CELL_M.max(extent_m / (CELLS_MAX - 1) as f32);
         let n_cells = |i: usize| (((high[i] - low[i]) / cell_m) as usize + 1).min(CELLS_MAX);
-        Self { u_min: low[0], v_min: low[1], cell_m, width: n_cells(0), height: n_cells(1) }
+        Self {
+            u_min: low[0],
+            v_min: low[1],
+            cell_m,
+            width: n_cells(0),
+            height: n_cells(1),
+        }
     }
 
     #[inline]
@@ -78,9 +85,15 @@ pub(crate) fn find_region(
     let height = Axis::from(plane);
     let [u, v, _] = Axis::of_transform(plane_from_camera);
     buffers.inliers.clear();
-    buffers.inliers.extend((0..samples.len()).filter(|&i| samples.is_inlier(i, &height)).map(|i| {
-        Inlier { sample: i as u32, u: samples.along(&u, i), v: samples.along(&v, i) }
-    }));
+    buffers.inliers.extend(
+        (0..samples.len())
+            .filter(|&i| samples.is_inlier(i, &height))
+            .map(|i| Inlier {
+                sample: i as u32,
+                u: samples.along(&u, i),
+                v: samples.along(&v, i),
+            }),
+    );
     if buffers.inliers.is_empty() {
         return 0;
     }
@@ -90,10 +103,39 @@ pub(crate) fn find_region(
     for inlier in &buffers.inliers {
         buffers.n_in_cell[grid.cell_of(inlier)] += 1;
     }
+    keep_wide_parts(&grid, buffers);
     let largest = largest_region(&grid, buffers);
     let regions = &buffers.region_of_cell;
-    buffers.inliers.retain(|inlier| regions[grid.cell_of(inlier)] == largest);
+    buffers
+        .inliers
+        .retain(|inlier| regions[grid.cell_of(inlier)] == largest);
     buffers.inliers.len()
+}
+
+/// Marks the cells of squares of three by three covered cells, and the cells
+/// around those: a plane cuts through chairs and walls too, but only in strips.
+fn keep_wide_parts(grid: &CellGrid, buffers: &mut RegionBuffers) {
+    let RegionBuffers { n_in_cell, is_table, .. } = buffers;
+    is_table.clear();
+    is_table.resize(n_in_cell.len(), false);
+    let around = |cell: usize, reach: isize| {
+        let steps = -reach..=reach;
+        steps.clone().flat_map(move |rows| {
+            steps.clone().map(move |columns| {
+                cell.wrapping_add_signed(rows * grid.width as isize + columns)
+            })
+        })
+    };
+    for row in 1..grid.height.saturating_sub(1) {
+        for column in 1..grid.width.saturating_sub(1) {
+            let cell = row * grid.width + column;
+            if around(cell, 1).all(|near| n_in_cell[near] >= CELL_SAMPLES_MIN) {
+                let inner = (2..grid.height - 2).contains(&row) && (2..grid.width - 2).contains(&column);
+                let reach = if inner { 2 } else { 1 };
+                around(cell, reach).for_each(|near| is_table[near] |= n_in_cell[near] > 0);
+            }
+        }
+    }
 }
 
 /// The number of the region with the most samples; regions count from 1.
@@ -102,7 +144,7 @@ fn largest_region(grid: &CellGrid, buffers: &mut RegionBuffers) -> u32 {
     buffers.region_of_cell.resize(buffers.n_in_cell.len(), 0);
     let (mut n_regions, mut largest, mut n_largest) = (0, u32::MAX, 0);
     for start in 0..buffers.n_in_cell.len() {
-        if buffers.n_in_cell[start] >= CELL_SAMPLES_MIN && buffers.region_of_cell[start] == 0 {
+        if buffers.is_table[start] && buffers.region_of_cell[start] == 0 {
             n_regions += 1;
             let n_samples = flood(grid, start, n_regions, buffers);
             if n_samples > n_largest {
@@ -128,7 +170,8 @@ fn flood(grid: &CellGrid, start: usize, region: u32, buffers: &mut RegionBuffers
             let to = (column + GAP_CELLS).min(grid.width as isize - 1);
             for column in from..=to {
                 let near = row as usize * grid.width + column as usize;
-                if buffers.region_of_cell[near] == 0 && buffers.n_in_cell[near] >= CELL_SAMPLES_MIN {
+                if buffers.region_of_cell[near] == 0 && buffers.n_in_cell[near] >= CELL_SAMPLES_MIN
+                {
                     buffers.region_of_cell[near] = region;
                     buffers.stack.push(near);
                 }
@@ -156,7 +199,9 @@ pub(crate) fn region_polygon(samples: &Samples, buffers: &mut RegionBuffers) -> 
     let row_of = |inlier: &Inlier| inlier.sample as usize / samples.width();
     buffers.outline.clear();
     for row in buffers.inliers.chunk_by(|a, b| row_of(a) == row_of(b)) {
-        buffers.outline.extend([corner(&row[0]), corner(&row[row.len() - 1])]);
+        buffers
+            .outline
+            .extend([corner(&row[0]), corner(&row[row.len() - 1])]);
     }
     ConvexPolygon::hull_of(&mut buffers.outline)
 }

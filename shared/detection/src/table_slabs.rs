@@ -19,7 +19,11 @@ pub(crate) struct TableSlabs {
 
 impl Default for TableSlabs {
     fn default() -> Self {
-        Self { u_min: 0.0, slabs_per_m: 0.0, cuts: vec![[1.0, 0.0]; N_SLABS + 1] }
+        Self {
+            u_min: 0.0,
+            slabs_per_m: 0.0,
+            cuts: vec![[1.0, 0.0]; N_SLABS + 1],
+        }
     }
 }
 
@@ -70,7 +74,11 @@ fn cut_at(corners: &[Point2<f64>], u: f64, margin_m: f64) -> [f32; 2] {
             return [1.0, 0.0];
         }
     }
-    if low <= high { [low as f32, high as f32] } else { [1.0, 0.0] }
+    if low <= high {
+        [low as f32, high as f32]
+    } else {
+        [1.0, 0.0]
+    }
 }
 
 #[cfg(test)]

@@ -34,8 +34,16 @@ fn segments(detection: &Detection, n_points: usize) -> Vec<u32> {
 fn print(name: &str, s: &Score) {
     println!(
         "{name:10} WOv {:5.1} UOv {:5.1} Fos {:5.1} Fus {:5.1} P50 {:5.1} R50 {:5.1} F50 {:5.1} f75 {:5.1} {}/{}",
-        100.0 * s.wov, 100.0 * s.uov, 100.0 * s.fos, 100.0 * s.fus, 100.0 * s.p50,
-        100.0 * s.r50, 100.0 * s.f50, 100.0 * s.f75, s.n_segments, s.n_objects
+        100.0 * s.wov,
+        100.0 * s.uov,
+        100.0 * s.fos,
+        100.0 * s.fus,
+        100.0 * s.p50,
+        100.0 * s.r50,
+        100.0 * s.f50,
+        100.0 * s.f75,
+        s.n_segments,
+        s.n_objects
     );
 }
 
@@ -64,7 +72,11 @@ fn objects_of_labelled_scenes_are_found() {
     for path in scenes() {
         let scene = pcd::open(&path).unwrap();
         let cloud = OrganizedCloud::new(&scene.points, scene.width, scene.height).unwrap();
-        let frame = Frame { cloud, up_in_camera: None, seed: 1 };
+        let frame = Frame {
+            cloud,
+            up_in_camera: None,
+            seed: 1,
+        };
         detect(&frame, &Config::default(), &mut workspace, &mut detection).unwrap();
         let found = segments(&detection, scene.points.len());
         if let Some(score) = score(&found, &scene.labels.unwrap()) {

@@ -28,8 +28,16 @@ impl Acceleration {
     /// `None` for the all-zero state the library holds before the first reading:
     /// a sensor standing on the earth never measures zero.
     pub(crate) fn of_tilt_state(state: &TiltState) -> Option<Self> {
-        let counts = [state.accelerometer_x, state.accelerometer_y, state.accelerometer_z];
+        let counts = [
+            state.accelerometer_x,
+            state.accelerometer_y,
+            state.accelerometer_z,
+        ];
         let [x_mps2, y_mps2, z_mps2] = counts.map(|count| f64::from(count) / COUNTS_PER_G * G_MPS2);
-        (counts != [0; 3]).then_some(Self { x_mps2, y_mps2, z_mps2 })
+        (counts != [0; 3]).then_some(Self {
+            x_mps2,
+            y_mps2,
+            z_mps2,
+        })
     }
 }

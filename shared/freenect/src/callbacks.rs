@@ -14,7 +14,7 @@
 
 use crate::device::{Frame, Image};
 use crate::frame_buffer::FrameBuffer;
-use crate::pairing::{Counts, N_FRAMES, Pair, Pairing, Stamped};
+use crate::pairing::{N_FRAMES, Pair, Pairing, Stamped, Statistics};
 use crate::raw::{Api, Device, N_PIXELS};
 use std::cell::RefCell;
 use std::ffi::c_void;
@@ -68,19 +68,26 @@ impl Drop for Registration {
 /// The library's depth callback.
 pub(crate) extern "C" fn on_depth(device: *mut Device, pixels: *mut c_void, stamp_ticks: u32) {
     let arrived = Instant::now();
-    with_sink(device, |sink| sink.depth_arrived(device, pixels, stamp_ticks, arrived));
+    with_sink(device, |sink| {
+        sink.depth_arrived(device, pixels, stamp_ticks, arrived);
+    });
 }
 
 /// The library's colour callback.
 pub(crate) extern "C" fn on_video(device: *mut Device, pixels: *mut c_void, stamp_ticks: u32) {
     let arrived = Instant::now();
-    with_sink(device, |sink| sink.video_arrived(device, pixels, stamp_ticks, arrived));
+    with_sink(device, |sink| {
+        sink.video_arrived(device, pixels, stamp_ticks, arrived);
+    });
 }
 
 fn with_sink(device: *mut Device, act: impl FnOnce(&mut Sink)) {
     let sink = SINKS.try_with(|sinks| {
         let sinks = sinks.try_borrow().ok()?;
-        sinks.iter().find(|(known, _)| *known == device).map(|(_, sink)| Rc::clone(sink))
+        sinks
+            .iter()
+            .find(|(known, _)| *known == device)
+            .map(|(_, sink)| Rc::clone(sink))
     });
     if let Ok(Some(sink)) = sink
         && let Ok(mut sink) = sink.try_borrow_mut()
@@ -124,14 +131,20 @@ impl Sink {
             return;
         }
         // There always is one; without, this frame would be written over.
-        let Some(next) = self.pairing.spare_depth() else { return };
+        let Some(next) = self.pairing.spare_depth() else {
+            return;
+        };
         if !self.hand_over_depth(device, &next) {
             self.misplaced = true;
             self.pairing.keep_depth(next);
             return;
         }
         let frame = mem::replace(&mut self.depth_filling, next);
-        self.pairing.depth_arrived(Stamped { stamp_ticks, arrived, frame });
+        self.pairing.depth_arrived(Stamped {
+            stamp_ticks,
+            arrived,
+            frame,
+        });
     }
 
     fn video_arrived(
@@ -145,14 +158,20 @@ impl Sink {
             self.misplaced = true;
             return;
         }
-        let Some(next) = self.pairing.spare_video() else { return };
+        let Some(next) = self.pairing.spare_video() else {
+            return;
+        };
         if !self.hand_over_video(device, &next) {
             self.misplaced = true;
             self.pairing.keep_video(next);
             return;
         }
         let frame = mem::replace(&mut self.video_filling, next);
-        self.pairing.video_arrived(Stamped { stamp_ticks, arrived, frame });
+        self.pairing.video_arrived(Stamped {
+            stamp_ticks,
+            arrived,
+            frame,
+        });
     }
 
     fn hand_over_depth(&self, device: *mut Device, buffer: &FrameBuffer<u16>) -> bool {
@@ -185,8 +204,8 @@ impl Sink {
         self.misplaced
     }
 
-    pub(crate) fn counts(&self) -> Counts {
-        self.pairing.counts()
+    pub(crate) fn statistics(&self) -> Statistics {
+        self.pairing.statistics()
     }
 }
 

@@ -5,7 +5,7 @@ use crate::messages::{self, Message};
 use crate::recording::check_recording;
 use crate::restart::FOLDER_VARIABLE;
 use crate::session::{Context, Device};
-use crate::{Acceleration, Error, Library, LibraryKind, Presence, raw};
+use crate::{Acceleration, Error, Library, LibraryKind, Presence, Statistics, raw};
 use std::cell::RefCell;
 use std::path::Path;
 use std::rc::Rc;
@@ -56,19 +56,6 @@ pub struct Frame<'a> {
     pub video: Image<'a, u8>,
 }
 
-/// What became of the frames since the camera was opened.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Statistics {
-    /// Pairs made.
-    pub n_pairs: u64,
-    /// Pairs replaced by a newer one before they were asked for.
-    pub n_superseded: u64,
-    /// Depth images for which no colour image came.
-    pub n_unpaired_depth: u64,
-    /// Colour images for which no depth image came.
-    pub n_unpaired_video: u64,
-}
-
 /// An open, streaming Kinect, or fakenect playing a recording.
 ///
 /// It stays on the thread that opened it, because libfreenect calls back on
@@ -88,7 +75,9 @@ pub struct Kinect {
 
 impl fmt::Debug for Kinect {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Kinect").field("statistics", &self.statistics()).finish_non_exhaustive()
+        f.debug_struct("Kinect")
+            .field("statistics", &self.statistics())
+            .finish_non_exhaustive()
     }
 }
 
@@ -110,7 +99,9 @@ impl Kinect {
     /// When there is none, it can not be opened or started, or the recording is
     /// faulty; each says what to check.
     pub fn open(library: Arc<Library>, selector: &Selector) -> Result<Self, Error> {
-        let playing = (library.kind() == LibraryKind::Fake).then(Playing::start).transpose()?;
+        let playing = (library.kind() == LibraryKind::Fake)
+            .then(Playing::start)
+            .transpose()?;
         // What was said before belongs to another camera.
         messages::take();
         let device = open_device(library, selector)?;
@@ -169,7 +160,11 @@ impl Kinect {
     /// # Errors
     /// When the exchange fails.
     pub fn acceleration(&mut self) -> Result<Option<Acceleration>, Error> {
-        Ok(self.device.tilt_state()?.as_ref().and_then(Acceleration::of_tilt_state))
+        Ok(self
+            .device
+            .tilt_state()?
+            .as_ref()
+            .and_then(Acceleration::of_tilt_state))
     }
 
     /// Switches the camera's automatic exposure and white balance on or off, so
@@ -190,13 +185,7 @@ impl Kinect {
 
     /// What became of the frames so far.
     pub fn statistics(&self) -> Statistics {
-        let counts = self.sink.borrow().counts();
-        Statistics {
-            n_pairs: counts.n_pairs,
-            n_superseded: counts.n_superseded,
-            n_unpaired_depth: counts.n_unpaired_depth,
-            n_unpaired_video: counts.n_unpaired_video,
-        }
+        self.sink.borrow().statistics()
     }
 
     /// What the library said since the last call, oldest first, at most 64 lines;
@@ -213,7 +202,10 @@ impl Kinect {
         } else if code != 0 && code != INTERRUPTED {
             self.end = Some(match self.device.library().kind() {
                 LibraryKind::Fake => End::Ended,
-                LibraryKind::Real => End::Gone { code, said: messages::take_as_clause() },
+                LibraryKind::Real => End::Gone {
+                    code,
+                    said: messages::take_as_clause(),
+                },
             });
         }
     }
@@ -221,7 +213,9 @@ impl Kinect {
     /// Shows the newest pair, if there is one, and frees the one shown before.
     fn show_ready(&mut self) -> bool {
         let mut sink = self.sink.borrow_mut();
-        let Some(ready) = sink.take_ready() else { return false };
+        let Some(ready) = sink.take_ready() else {
+            return false;
+        };
         if let Some(old) = self.shown.replace(ready) {
             sink.give_back(old);
         }
@@ -242,15 +236,19 @@ impl End {
 fn open_device(library: Arc<Library>, selector: &Selector) -> Result<Device, Error> {
     let context = Context::new(library)?;
     if context.n_devices()? == 0 {
-        return Err(Error::NoKinect { advice: Presence::scan().to_string() });
+        return Err(Error::NoKinect {
+            advice: Presence::scan().to_string(),
+        });
     }
-    context.open(selector).map_err(|(context, code)| Error::CannotOpen {
-        wanted: selector.to_string(),
-        code,
-        said: messages::take_as_clause(),
-        serials: context.serials(),
-        advice: Presence::scan().to_string(),
-    })
+    context
+        .open(selector)
+        .map_err(|(context, code)| Error::CannotOpen {
+            wanted: selector.to_string(),
+            code,
+            said: messages::take_as_clause(),
+            serials: context.serials(),
+            advice: Presence::scan().to_string(),
+        })
 }
 
 /// The right to play a recording. Fakenect keeps its state in plain variables

@@ -83,15 +83,23 @@ impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::LibraryMissing { kind, tried } => {
-                write!(f, "{kind} is not on this machine; install the Debian package ")?;
-                write!(f, "libfreenect0.5 (sudo apt-get install libfreenect0.5). Tried")?;
+                write!(
+                    f,
+                    "{kind} is not on this machine; install the Debian package "
+                )?;
+                write!(
+                    f,
+                    "libfreenect0.5 (sudo apt-get install libfreenect0.5). Tried"
+                )?;
                 for (index, (place, answer)) in tried.iter().enumerate() {
                     let separator = if index == 0 { ": " } else { "; " };
                     write!(f, "{separator}{} ({answer})", place.display())?;
                 }
                 Ok(())
             }
-            Self::SymbolMissing { library, symbol, .. } => write!(
+            Self::SymbolMissing {
+                library, symbol, ..
+            } => write!(
                 f,
                 "{} is not libfreenect 0.5: it has no function {symbol}; install the Debian \
                  package libfreenect0.5",
@@ -131,7 +139,13 @@ impl Error {
                  that this user may read it"
             ),
             Self::NoKinect { advice } => write!(f, "no Kinect found: {advice}"),
-            Self::CannotOpen { wanted, code, said, serials, advice } => {
+            Self::CannotOpen {
+                wanted,
+                code,
+                said,
+                serials,
+                advice,
+            } => {
                 write!(f, "the Kinect with {wanted} can not be opened (code {code}")?;
                 said_clause(f, said)?;
                 f.write_str(")")?;
@@ -140,7 +154,11 @@ impl Error {
                 }
                 write!(f, "; {advice}")
             }
-            Self::CallFailed { function, code, said } => {
+            Self::CallFailed {
+                function,
+                code,
+                said,
+            } => {
                 write!(f, "{function} failed (code {code}")?;
                 said_clause(f, said)?;
                 f.write_str("); unplug the Kinect and plug it in again")
@@ -157,7 +175,11 @@ impl Error {
 
 /// Appends what the library said, if anything.
 fn said_clause(f: &mut fmt::Formatter<'_>, said: &str) -> fmt::Result {
-    if said.is_empty() { Ok(()) } else { write!(f, ", it says: {said}") }
+    if said.is_empty() {
+        Ok(())
+    } else {
+        write!(f, ", it says: {said}")
+    }
 }
 
 impl std::error::Error for Error {

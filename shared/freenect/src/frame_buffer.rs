@@ -1,6 +1,9 @@
 //! Memory the C library writes images into.
 
-#![expect(unsafe_code, reason = "memory that C writes is owned through a raw pointer")]
+#![expect(
+    unsafe_code,
+    reason = "memory that C writes is owned through a raw pointer"
+)]
 
 use std::ffi::c_void;
 use std::ptr::NonNull;
@@ -18,7 +21,9 @@ impl<T: Copy + Default> FrameBuffer<T> {
     /// Zeroed memory for `n` values.
     pub(crate) fn new(n: usize) -> Self {
         let pixels = Box::leak(vec![T::default(); n].into_boxed_slice());
-        Self { pixels: NonNull::from(pixels) }
+        Self {
+            pixels: NonNull::from(pixels),
+        }
     }
 
     /// The address to hand to the library.

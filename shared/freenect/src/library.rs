@@ -21,6 +21,12 @@ pub enum LibraryKind {
     Real,
     /// Fakenect: plays the folder named by the environment variable
     /// `FAKENECT_PATH` (see [`crate::restart_with_recording`]).
+    ///
+    /// It waits between entries as recorded, but never makes up for being late:
+    /// a recording of 30 Hz plays about two per cent slow. At the end it stays
+    /// at the end, also for a camera opened anew, until the last user of the
+    /// library drops it; loaded again, it plays from the start, having lost one
+    /// file descriptor (it never closes `INDEX.txt`).
     Fake,
 }
 
@@ -85,9 +91,10 @@ impl Library {
     pub unsafe fn load_from(file: &Path, kind: LibraryKind) -> Result<Self, Error> {
         // SAFETY: the caller vouches for the file.
         unsafe { Self::load_file(file, kind) }.map_err(|error| match error {
-            LoadError::NotLoaded(error) => {
-                Error::LibraryMissing { kind, tried: vec![(file.to_owned(), error.to_string())] }
-            }
+            LoadError::NotLoaded(error) => Error::LibraryMissing {
+                kind,
+                tried: vec![(file.to_owned(), error.to_string())],
+            },
             LoadError::Unusable(error) => error,
         })
     }
@@ -100,10 +107,19 @@ impl Library {
         // SAFETY: the caller vouches for the signatures.
         let api = unsafe { Api::look_up(&loaded) }.map_err(|(symbol, source)| {
             let library = file.to_owned();
-            LoadError::Unusable(Error::SymbolMissing { library, symbol, source })
+            LoadError::Unusable(Error::SymbolMissing {
+                library,
+                symbol,
+                source,
+            })
         })?;
         let mapped = mapped_file(api.init as *const () as usize);
-        Ok(Self { api, kind, file: mapped, _loaded: loaded })
+        Ok(Self {
+            api,
+            kind,
+            file: mapped,
+            _loaded: loaded,
+        })
     }
 
     /// Which of the two it is.
@@ -119,7 +135,11 @@ impl Library {
     /// The version, as far as the file's name tells: `0.5.3` for Debian's.
     /// The library itself has no function for it.
     pub fn version(&self) -> Option<&str> {
-        self.file()?.file_name()?.to_str()?.split_once(".so.").map(|(_, version)| version)
+        self.file()?
+            .file_name()?
+            .to_str()?
+            .split_once(".so.")
+            .map(|(_, version)| version)
     }
 
     /// Optional functions and whether this library has them.
@@ -134,13 +154,20 @@ impl Library {
     /// Both libraries have the same name, so a search path in the environment, or
     /// fakenect loaded before, can make the linker hand out the wrong one.
     fn is_of_its_kind(&self) -> bool {
-        let is_fake = |file: &Path| file.parent().is_some_and(|folder| folder.ends_with(FAKE_FOLDER));
-        self.file().is_none_or(|file| is_fake(file) == (self.kind == LibraryKind::Fake))
+        let is_fake = |file: &Path| {
+            file.parent()
+                .is_some_and(|folder| folder.ends_with(FAKE_FOLDER))
+        };
+        self.file()
+            .is_none_or(|file| is_fake(file) == (self.kind == LibraryKind::Fake))
     }
 
     fn mismatch(&self) -> String {
         let file = self.file.as_deref().unwrap_or(Path::new("?"));
-        format!("the linker gave {} instead; is LD_LIBRARY_PATH set?", file.display())
+        format!(
+            "the linker gave {} instead; is LD_LIBRARY_PATH set?",
+            file.display()
+        )
     }
 }
 
@@ -155,12 +182,18 @@ enum LoadError {
 /// Where to look, in order.
 fn candidates(kind: LibraryKind, folders: &[PathBuf]) -> Vec<PathBuf> {
     let in_folders = |sub: &'static str| {
-        folders
-            .iter()
-            .flat_map(move |folder| FILE_NAMES.iter().map(move |name| folder.join(sub).join(name)))
+        folders.iter().flat_map(move |folder| {
+            FILE_NAMES
+                .iter()
+                .map(move |name| folder.join(sub).join(name))
+        })
     };
     match kind {
-        LibraryKind::Real => FILE_NAMES.iter().map(PathBuf::from).chain(in_folders("")).collect(),
+        LibraryKind::Real => FILE_NAMES
+            .iter()
+            .map(PathBuf::from)
+            .chain(in_folders(""))
+            .collect(),
         LibraryKind::Fake => in_folders(FAKE_FOLDER).collect(),
     }
 }
@@ -194,7 +227,10 @@ mod tests {
         let folders = [PathBuf::from("/usr/lib/x86_64-linux-gnu")];
         let places = candidates(LibraryKind::Real, &folders);
         assert_eq!(places[0], Path::new("libfreenect.so.0.5"));
-        assert_eq!(places[3], Path::new("/usr/lib/x86_64-linux-gnu/libfreenect.so.0.5"));
+        assert_eq!(
+            places[3],
+            Path::new("/usr/lib/x86_64-linux-gnu/libfreenect.so.0.5")
+        );
     }
 
     #[test]
@@ -202,7 +238,11 @@ mod tests {
         let folders = [PathBuf::from("/usr/lib"), PathBuf::from("/usr/local/lib")];
         let places = candidates(LibraryKind::Fake, &folders);
         assert_eq!(places.len(), 6);
-        assert!(places.iter().all(|place| place.parent().unwrap().ends_with("fakenect")));
+        assert!(
+            places
+                .iter()
+                .all(|place| place.parent().unwrap().ends_with("fakenect"))
+        );
     }
 
     #[test]
@@ -211,7 +251,11 @@ mod tests {
         let result =
             unsafe { Library::load_from(Path::new("/nonexistent/libx.so"), LibraryKind::Fake) };
         let sentence = result.unwrap_err().to_string();
-        for part in ["fakenect", "/nonexistent/libx.so", "install the Debian package libfreenect0.5"] {
+        for part in [
+            "fakenect",
+            "/nonexistent/libx.so",
+            "install the Debian package libfreenect0.5",
+        ] {
             assert!(sentence.contains(part), "{sentence}");
         }
     }
@@ -221,7 +265,10 @@ mod tests {
         // SAFETY: the C library is loaded anyway; none of its functions is called.
         let result = unsafe { Library::load_from(Path::new("libc.so.6"), LibraryKind::Real) };
         let sentence = result.unwrap_err().to_string();
-        assert!(sentence.contains("libc.so.6 is not libfreenect 0.5"), "{sentence}");
+        assert!(
+            sentence.contains("libc.so.6 is not libfreenect 0.5"),
+            "{sentence}"
+        );
         assert!(sentence.contains("freenect_init"), "{sentence}");
     }
 }

@@ -12,7 +12,9 @@ pub(crate) fn mapped_file(address: usize) -> Option<PathBuf> {
 /// Finds the mapping of `address` in the text of `/proc/self/maps`, whose lines
 /// read `from-to rights offset device inode   path`.
 fn find_in_maps(maps: &str, address: usize) -> Option<PathBuf> {
-    let line = maps.lines().find(|line| range_contains(line, address) == Some(true))?;
+    let line = maps
+        .lines()
+        .find(|line| range_contains(line, address) == Some(true))?;
     let path = line.splitn(6, ' ').nth(5)?.trim_start();
     path.starts_with('/').then(|| PathBuf::from(path))
 }
@@ -37,7 +39,10 @@ mod tests {
     #[test]
     fn an_address_leads_to_its_file() {
         let check = |address, expected: Option<&str>| {
-            assert_eq!(find_in_maps(MAPS, address).as_deref(), expected.map(Path::new));
+            assert_eq!(
+                find_in_maps(MAPS, address).as_deref(),
+                expected.map(Path::new)
+            );
         };
         check(0x5581, Some("/usr/bin/a name with spaces"));
         check(0x7f1f, Some("/usr/lib/fakenect/libfreenect.so.0.5.3"));
@@ -55,6 +60,9 @@ mod tests {
     #[test]
     fn a_function_of_this_program_is_in_this_program() {
         let address = mapped_file as *const () as usize;
-        assert_eq!(mapped_file(address), std::env::current_exe().unwrap().canonicalize().ok());
+        assert_eq!(
+            mapped_file(address),
+            std::env::current_exe().unwrap().canonicalize().ok()
+        );
     }
 }

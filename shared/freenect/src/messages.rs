@@ -45,7 +45,11 @@ pub(crate) extern "C" fn on_message(_context: *mut Context, level: c_int, text: 
     }
     // SAFETY: the library passes a null-terminated buffer that lives during the call.
     let text = unsafe { CStr::from_ptr(text) };
-    let level = if level <= 1 { Level::Error } else { Level::Warning };
+    let level = if level <= 1 {
+        Level::Error
+    } else {
+        Level::Warning
+    };
     let text = text.to_string_lossy().trim_end().to_owned();
     // A message during the thread's end has no reader.
     let _ = MESSAGES.try_with(|messages| {
@@ -81,7 +85,10 @@ mod tests {
     fn messages_are_kept_in_order_and_taken_once() {
         say(1, c"Could not open camera: -3\n");
         say(2, c"Lost packets\n");
-        let expected = [(Level::Error, "Could not open camera: -3"), (Level::Warning, "Lost packets")];
+        let expected = [
+            (Level::Error, "Could not open camera: -3"),
+            (Level::Warning, "Lost packets"),
+        ];
         let taken = take();
         assert_eq!(taken.len(), 2);
         for (message, (level, text)) in taken.iter().zip(expected) {

@@ -62,13 +62,17 @@ pub(crate) struct Pairing<D, V> {
     n_superseded: u64,
 }
 
-/// What became of all frames so far.
+/// What became of the frames since the camera was opened.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(crate) struct Counts {
-    pub(crate) n_pairs: u64,
-    pub(crate) n_superseded: u64,
-    pub(crate) n_unpaired_depth: u64,
-    pub(crate) n_unpaired_video: u64,
+pub struct Statistics {
+    /// Pairs made.
+    pub n_pairs: u64,
+    /// Pairs replaced by a newer one before they were asked for.
+    pub n_superseded: u64,
+    /// Depth images for which no colour image came.
+    pub n_unpaired_depth: u64,
+    /// Colour images for which no depth image came.
+    pub n_unpaired_video: u64,
 }
 
 /// Whether two stamps are of the same moment, across the counter's wrap.
@@ -78,14 +82,20 @@ fn within_window(a: u32, b: u32) -> bool {
 
 impl<T> Waiting<T> {
     fn new(spare: Vec<T>) -> Self {
-        Self { frames: VecDeque::with_capacity(MAX_WAITING + 1), spare, n_unpaired: 0 }
+        Self {
+            frames: VecDeque::with_capacity(MAX_WAITING + 1),
+            spare,
+            n_unpaired: 0,
+        }
     }
 
     /// Takes the frame of that moment. Frames before it stay alone for ever,
     /// since the other stream, too, only moves on.
     fn take_partner(&mut self, stamp_ticks: u32) -> Option<Stamped<T>> {
-        let position =
-            self.frames.iter().position(|frame| within_window(frame.stamp_ticks, stamp_ticks))?;
+        let position = self
+            .frames
+            .iter()
+            .position(|frame| within_window(frame.stamp_ticks, stamp_ticks))?;
         self.give_up(position);
         self.frames.pop_front()
     }
@@ -108,7 +118,13 @@ impl<D, V> Pairing<D, V> {
     /// Starts with the frames to use, [`N_FRAMES`] less the one being written.
     pub(crate) fn new(spare_depth: Vec<D>, spare_video: Vec<V>) -> Self {
         let (depth, video) = (Waiting::new(spare_depth), Waiting::new(spare_video));
-        Self { depth, video, ready: None, n_pairs: 0, n_superseded: 0 }
+        Self {
+            depth,
+            video,
+            ready: None,
+            n_pairs: 0,
+            n_superseded: 0,
+        }
     }
 
     /// A free depth frame to be written next.
@@ -165,8 +181,8 @@ impl<D, V> Pairing<D, V> {
     }
 
     /// What became of all frames so far.
-    pub(crate) fn counts(&self) -> Counts {
-        Counts {
+    pub(crate) fn statistics(&self) -> Statistics {
+        Statistics {
             n_pairs: self.n_pairs,
             n_superseded: self.n_superseded,
             n_unpaired_depth: self.depth.n_unpaired,

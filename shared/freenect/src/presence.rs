@@ -80,12 +80,20 @@ impl Presence {
     /// Looks at the kernel's table and the nodes in the given folders.
     fn scan_in(table: &Path, nodes: &Path) -> Self {
         let Ok(entries) = fs::read_dir(table) else {
-            return Self { parts: Vec::new(), bus_is_visible: false };
+            return Self {
+                parts: Vec::new(),
+                bus_is_visible: false,
+            };
         };
-        let mut parts: Vec<UsbPart> =
-            entries.flatten().filter_map(|entry| part_of(&entry.path(), nodes)).collect();
+        let mut parts: Vec<UsbPart> = entries
+            .flatten()
+            .filter_map(|entry| part_of(&entry.path(), nodes))
+            .collect();
         parts.sort_by(|a, b| a.node.cmp(&b.node));
-        Self { parts, bus_is_visible: true }
+        Self {
+            parts,
+            bus_is_visible: true,
+        }
     }
 
     /// The devices found, by their place on the bus.
@@ -95,7 +103,8 @@ impl Presence {
 
     /// Whether a camera is there and may be opened.
     pub fn is_usable(&self) -> bool {
-        self.of_kind(UsbPartKind::Camera).any(|part| part.access == Access::Granted)
+        self.of_kind(UsbPartKind::Camera)
+            .any(|part| part.access == Access::Granted)
     }
 
     fn of_kind(&self, kind: UsbPartKind) -> impl Iterator<Item = &UsbPart> {
@@ -110,9 +119,18 @@ fn part_of(entry: &Path, nodes: &Path) -> Option<UsbPart> {
     let decimal = |name| read(name)?.trim().parse::<u16>().ok();
     let product = hexadecimal("idProduct").filter(|_| hexadecimal("idVendor") == Some(VENDOR))?;
     let kind = UsbPartKind::of_product(product)?;
-    let node = nodes.join(format!("{:03}/{:03}", decimal("busnum")?, decimal("devnum")?));
+    let node = nodes.join(format!(
+        "{:03}/{:03}",
+        decimal("busnum")?,
+        decimal("devnum")?
+    ));
     let access = access_to(&node);
-    Some(UsbPart { kind, product, node, access })
+    Some(UsbPart {
+        kind,
+        product,
+        node,
+        access,
+    })
 }
 
 fn access_to(node: &Path) -> Access {
@@ -173,9 +191,9 @@ fn rights_sentence(part: &UsbPart) -> Option<String> {
              into the group plugdev (sudo usermod -aG plugdev NAME), and log in again",
             part.product
         )),
-        Access::Failed if needed => {
-            Some(format!("{node} can not be opened: unplug the Kinect and plug it in again"))
-        }
+        Access::Failed if needed => Some(format!(
+            "{node} can not be opened: unplug the Kinect and plug it in again"
+        )),
         _ => None,
     }
 }

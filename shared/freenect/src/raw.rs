@@ -4,7 +4,10 @@
 //! integers here, because a value the library invents must not be undefined
 //! behaviour on our side.
 
-#![expect(unsafe_code, reason = "function pointers of a C library are looked up by name")]
+#![expect(
+    unsafe_code,
+    reason = "function pointers of a C library are looked up by name"
+)]
 
 use std::ffi::{c_char, c_int, c_long, c_void};
 

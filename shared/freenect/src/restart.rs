@@ -40,7 +40,9 @@ pub const FOLDER_VARIABLE: &str = "FAKENECT_PATH";
 /// # Errors
 /// When there is no such folder, or this program's own file is not known.
 pub fn restart_with_recording(folder: &Path) -> Result<Option<Command>, RecordingError> {
-    let no_folder = |_: io::Error| RecordingError::NoFolder { folder: folder.to_owned() };
+    let no_folder = |_: io::Error| RecordingError::NoFolder {
+        folder: folder.to_owned(),
+    };
     let folder = folder.canonicalize().map_err(no_folder)?;
     if is_named(&folder, env::var_os(FOLDER_VARIABLE).as_deref()) {
         return Ok(None);
@@ -85,16 +87,29 @@ mod tests {
     #[test]
     fn the_command_keeps_the_arguments_and_adds_the_folder() {
         let arguments = ["tabula-camera", "--config", "a b.toml"].map(OsString::from);
-        let command = restart(Path::new("/usr/bin/tabula-camera"), arguments.into_iter(), Path::new("/r"));
+        let command = restart(
+            Path::new("/usr/bin/tabula-camera"),
+            arguments.into_iter(),
+            Path::new("/r"),
+        );
         assert_eq!(command.get_program(), "/usr/bin/tabula-camera");
-        assert_eq!(command.get_args().collect::<Vec<_>>(), ["--config", "a b.toml"]);
+        assert_eq!(
+            command.get_args().collect::<Vec<_>>(),
+            ["--config", "a b.toml"]
+        );
         let variables: Vec<_> = command.get_envs().collect();
-        assert_eq!(variables, [(OsStr::new(FOLDER_VARIABLE), Some(OsStr::new("/r")))]);
+        assert_eq!(
+            variables,
+            [(OsStr::new(FOLDER_VARIABLE), Some(OsStr::new("/r")))]
+        );
     }
 
     #[test]
     fn a_missing_folder_is_refused_before_the_restart() {
         let error = restart_with_recording(Path::new("/nonexistent/recording")).unwrap_err();
-        assert!(error.to_string().contains("/nonexistent/recording"), "{error}");
+        assert!(
+            error.to_string().contains("/nonexistent/recording"),
+            "{error}"
+        );
     }
 }

@@ -29,7 +29,11 @@ pub(crate) struct Device {
 fn checked(function: &'static str, code: c_int) -> Result<c_int, Error> {
     if code < 0 {
         let said = messages::take_as_clause();
-        return Err(Error::CallFailed { function, code, said });
+        return Err(Error::CallFailed {
+            function,
+            code,
+            said,
+        });
     }
     Ok(code)
 }
@@ -54,7 +58,9 @@ impl Context {
 
     pub(crate) fn n_devices(&self) -> Result<c_int, Error> {
         // SAFETY: the context is open.
-        checked("freenect_num_devices", unsafe { (self.api().num_devices)(self.pointer) })
+        checked("freenect_num_devices", unsafe {
+            (self.api().num_devices)(self.pointer)
+        })
     }
 
     /// Opens the Kinect asked for, with its accelerometer when it has one.
@@ -69,7 +75,12 @@ impl Context {
             // SAFETY: the context is open.
             unsafe { (self.api().select_subdevices)(self.pointer, parts) };
             match self.open_parts(selector) {
-                Ok(pointer) => return Ok(Device { context: self, pointer }),
+                Ok(pointer) => {
+                    return Ok(Device {
+                        context: self,
+                        pointer,
+                    });
+                }
                 Err(code) => last_code = code,
             }
         }
@@ -92,7 +103,11 @@ impl Context {
                 unsafe { open(self.pointer, &raw mut device, serial.as_ptr()) }
             }
         };
-        if code < 0 || device.is_null() { Err(code) } else { Ok(device) }
+        if code < 0 || device.is_null() {
+            Err(code)
+        } else {
+            Ok(device)
+        }
     }
 
     /// Serials of all cameras that can be read; empty when the library can not tell.
@@ -105,7 +120,11 @@ impl Context {
         let mut first: *mut DeviceAttributes = ptr::null_mut();
         // SAFETY: the context is open and `first` may be written.
         let code = unsafe { list(self.pointer, &raw mut first) };
-        let serials = if code < 0 { Vec::new() } else { serials_of(first) };
+        let serials = if code < 0 {
+            Vec::new()
+        } else {
+            serials_of(first)
+        };
         if !first.is_null() {
             // SAFETY: the list came from this library and is freed once.
             unsafe { free(first) };
@@ -158,7 +177,11 @@ impl Device {
         // SAFETY: as above.
         let video = unsafe { (api.find_video_mode)(raw::RESOLUTION_MEDIUM, raw::VIDEO_RGB) };
         let fitting = |stream, mode: FrameMode, n_bytes| {
-            if mode.fills(n_bytes) { Ok(mode) } else { Err(Error::ModeMissing { stream }) }
+            if mode.fills(n_bytes) {
+                Ok(mode)
+            } else {
+                Err(Error::ModeMissing { stream })
+            }
         };
         let depth = fitting("depth", depth, raw::DEPTH_BYTES)?;
         let video = fitting("video", video, raw::VIDEO_BYTES)?;
@@ -181,9 +204,13 @@ impl Device {
 
     pub(crate) fn start_streams(&self) -> Result<(), Error> {
         // SAFETY: the device is open, its mode is chosen, its buffer outlives the stream.
-        checked("freenect_start_depth", unsafe { (self.api().start_depth)(self.pointer) })?;
+        checked("freenect_start_depth", unsafe {
+            (self.api().start_depth)(self.pointer)
+        })?;
         // SAFETY: as above.
-        checked("freenect_start_video", unsafe { (self.api().start_video)(self.pointer) })?;
+        checked("freenect_start_video", unsafe {
+            (self.api().start_video)(self.pointer)
+        })?;
         Ok(())
     }
 

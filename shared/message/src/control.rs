@@ -77,6 +77,8 @@ pub enum Command {
     },
     /// Store key views durably.
     StoreViews {
+        /// Identity of this mutation.
+        id: MutationId,
         /// The views.
         views: Vec<StoredView>,
     },

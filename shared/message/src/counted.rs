@@ -1,6 +1,7 @@
 //! Counting the messages of a port, so that a receiver sees what it lost.
 
 use crate::{FrameHeader, ObjectCloudHeader, ObjectViewHeader, SceneSummary};
+use bytemuck::AnyBitPattern;
 use iceoryx2::prelude::ZeroCopySend;
 
 /// A header that counts the messages of its port from 1.
@@ -12,7 +13,7 @@ pub trait Counted {
 }
 
 /// The header of messages that need no other.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ZeroCopySend)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, AnyBitPattern, ZeroCopySend)]
 #[type_name("tabula.PlainHeader.v1")]
 #[repr(C)]
 pub struct PlainHeader {

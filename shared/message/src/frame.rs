@@ -2,7 +2,7 @@
 
 use crate::pose::WireTransform;
 use crate::{SCHEMA_VERSION, Text};
-use bytemuck::{Pod, Zeroable};
+use bytemuck::{AnyBitPattern, Pod, Zeroable};
 use geometry::{InvalidIntrinsics, PinholeCamera, RigidTransform};
 use iceoryx2::prelude::ZeroCopySend;
 use nalgebra::{Unit, Vector3};
@@ -30,6 +30,11 @@ pub fn points(cloud: &[CloudPoint]) -> &[point_cloud::Point] {
     bytemuck::cast_slice(cloud)
 }
 
+/// Points of a message to be filled by the kernels, without a copy.
+pub fn points_mut(cloud: &mut [CloudPoint]) -> &mut [point_cloud::Point] {
+    bytemuck::cast_slice_mut(cloud)
+}
+
 /// Bits of [`FrameHeader::flags`].
 pub mod frame_flag {
     /// The source waits for the followers' [`FrameDone`](crate::FrameDone).
@@ -44,7 +49,7 @@ pub mod frame_flag {
 
 /// Where bytes lie in a shared memory segment, the same for every process that
 /// maps it. Zero inode: not known.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ZeroCopySend)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, AnyBitPattern, ZeroCopySend)]
 #[type_name("tabula.SegmentLocation.v1")]
 #[repr(C)]
 pub struct SegmentLocation {
@@ -55,7 +60,7 @@ pub struct SegmentLocation {
 }
 
 /// What the camera says about a frame.
-#[derive(Debug, Clone, Copy, PartialEq, ZeroCopySend)]
+#[derive(Debug, Clone, Copy, PartialEq, AnyBitPattern, ZeroCopySend)]
 #[type_name("tabula.FrameHeader.v1")]
 #[repr(C)]
 pub struct FrameHeader {
@@ -99,7 +104,7 @@ pub struct FrameHeader {
 const _: () = assert!(size_of::<FrameHeader>() == 384);
 
 /// A follower of a lockstep source has finished a frame.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ZeroCopySend)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, AnyBitPattern, ZeroCopySend)]
 #[type_name("tabula.FrameDone.v1")]
 #[repr(C)]
 pub struct FrameDone {

@@ -1,6 +1,7 @@
 //! How a process says that it is well.
 
 use crate::{SCHEMA_VERSION, Text};
+use bytemuck::AnyBitPattern;
 use iceoryx2::prelude::ZeroCopySend;
 
 /// The processes of the daemon, as a number in [`Health::process`].
@@ -90,7 +91,7 @@ impl ProcessState {
 }
 
 /// State and counters of one process, about once a second.
-#[derive(Debug, Clone, Copy, PartialEq, ZeroCopySend)]
+#[derive(Debug, Clone, Copy, PartialEq, AnyBitPattern, ZeroCopySend)]
 #[type_name("tabula.Health.v1")]
 #[repr(C)]
 pub struct Health {

@@ -23,7 +23,7 @@ mod text;
 
 pub use counted::{Counted, PlainHeader};
 pub use frame::{CheckedFrame, CloudPoint, FrameDone, FrameHeader, InvalidFrame, SegmentLocation};
-pub use frame::{frame_flag, points};
+pub use frame::{frame_flag, points, points_mut};
 pub use health::{Health, ProcessKind, ProcessState};
 pub use memory_change::MemoryChange;
 pub use object::{ObjectCloudHeader, ObjectViewHeader};

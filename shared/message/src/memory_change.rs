@@ -1,10 +1,11 @@
 //! The memory's announcement that its history has grown.
 
+use bytemuck::AnyBitPattern;
 use iceoryx2::prelude::ZeroCopySend;
 
 /// Sent after each durable change of what was learned. It is a hint: readers ask
 /// for the changes since the sequence they hold, so a lost one costs nothing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ZeroCopySend)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, AnyBitPattern, ZeroCopySend)]
 #[type_name("tabula.MemoryChange.v1")]
 #[repr(C)]
 pub struct MemoryChange {

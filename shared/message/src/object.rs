@@ -2,10 +2,11 @@
 
 use crate::SegmentLocation;
 use crate::pose::WirePose;
+use bytemuck::AnyBitPattern;
 use iceoryx2::prelude::ZeroCopySend;
 
 /// One described view; the payload beside it is the descriptor, `f32` values.
-#[derive(Debug, Clone, Copy, PartialEq, Default, ZeroCopySend)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, AnyBitPattern, ZeroCopySend)]
 #[type_name("tabula.ObjectViewHeader.v1")]
 #[repr(C)]
 pub struct ObjectViewHeader {
@@ -44,7 +45,7 @@ pub struct ObjectViewHeader {
 const _: () = assert!(size_of::<ObjectViewHeader>() == 168);
 
 /// The points of one object; the payload beside it is the points, camera frame.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ZeroCopySend)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, AnyBitPattern, ZeroCopySend)]
 #[type_name("tabula.ObjectCloudHeader.v1")]
 #[repr(C)]
 pub struct ObjectCloudHeader {

@@ -1,11 +1,12 @@
 //! Poses as plain numbers.
 
+use bytemuck::AnyBitPattern;
 use geometry::RigidTransform;
 use iceoryx2::prelude::ZeroCopySend;
 use nalgebra::{Matrix3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3};
 
 /// A rigid transform as a 3x4 matrix, row-major, metres: `target_from_source`.
-#[derive(Debug, Clone, Copy, PartialEq, ZeroCopySend)]
+#[derive(Debug, Clone, Copy, PartialEq, AnyBitPattern, ZeroCopySend)]
 #[type_name("tabula.Transform.v1")]
 #[repr(C)]
 pub struct WireTransform {
@@ -14,7 +15,7 @@ pub struct WireTransform {
 }
 
 /// A pose as position and unit quaternion: `frame_from_object`.
-#[derive(Debug, Clone, Copy, PartialEq, Default, ZeroCopySend)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, AnyBitPattern, ZeroCopySend)]
 #[type_name("tabula.Pose.v1")]
 #[repr(C)]
 pub struct WirePose {

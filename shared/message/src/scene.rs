@@ -2,6 +2,7 @@
 
 use crate::pose::WirePose;
 use crate::{SCHEMA_VERSION, Text};
+use bytemuck::AnyBitPattern;
 use iceoryx2::prelude::ZeroCopySend;
 
 /// Most objects in one summary.
@@ -42,7 +43,7 @@ impl TrackState {
 }
 
 /// When a frame passed the stages, monotonic clock.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ZeroCopySend)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, AnyBitPattern, ZeroCopySend)]
 #[type_name("tabula.StageStamps.v1")]
 #[repr(C)]
 pub struct StageStamps {
@@ -63,7 +64,7 @@ pub struct StageStamps {
 }
 
 /// One object of the summary.
-#[derive(Debug, Clone, Copy, PartialEq, ZeroCopySend)]
+#[derive(Debug, Clone, Copy, PartialEq, AnyBitPattern, ZeroCopySend)]
 #[type_name("tabula.SceneObject.v1")]
 #[repr(C)]
 pub struct SceneObject {
@@ -100,7 +101,7 @@ pub struct SceneObject {
 }
 
 /// The world after one frame; the payload beside it is the objects, by track-id.
-#[derive(Debug, Clone, Copy, PartialEq, ZeroCopySend)]
+#[derive(Debug, Clone, Copy, PartialEq, AnyBitPattern, ZeroCopySend)]
 #[type_name("tabula.SceneSummary.v1")]
 #[repr(C)]
 pub struct SceneSummary {

@@ -1,13 +1,14 @@
 //! Short text in a message of fixed size.
 
+use bytemuck::AnyBitPattern;
 use iceoryx2::prelude::ZeroCopySend;
 
 /// UTF-8 text of at most 128 bytes; bytes behind `len` are zero.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ZeroCopySend)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, AnyBitPattern, ZeroCopySend)]
 #[type_name("tabula.Text.v1")]
 #[repr(C)]
 pub struct Text {
-    bytes: [u8; Self::CAPACITY],
+    bytes: [u8; Text::CAPACITY],
     len: u32,
 }
 

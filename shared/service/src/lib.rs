@@ -1,1 +1,31 @@
-//! What every process shares: arguments, configuration, tracing, signals, readiness, health.
+//! What every process shares: arguments, configuration, tracing, signals,
+//! readiness, watchdog, health.
+//!
+//! A process is `main.rs` (parse the arguments, call [`run`]) and a function
+//! that is given a [`Context`] and returns when `context.shutdown` asks it to.
+//! Each process has one owner of its signals, its log and its readiness: this
+//! crate. It knows nothing of perception, learning or cameras.
+
+mod allocation_count;
+mod arguments;
+mod clock;
+mod config_file;
+mod context;
+mod exit;
+mod health_board;
+mod health_report;
+mod home;
+mod log;
+mod run;
+mod shutdown;
+
+pub use allocation_count::CountingAllocator;
+pub use arguments::{CommonArguments, ProcessArguments};
+pub use clock::{monotonic_ns, wall_clock_ns, wall_clock_offset_ns};
+pub use config_file::{ConfigError, ConfigFile};
+pub use context::Context;
+pub use exit::{Failure, exit_code};
+pub use health_board::HealthBoard;
+pub use home::Home;
+pub use run::run;
+pub use shutdown::Shutdown;

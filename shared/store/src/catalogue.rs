@@ -4,20 +4,39 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
-use learning::CategoryName;
+use learning::{CategoryName, ViewId, ViewRecord};
 
 use crate::mutation::MutationId;
-use crate::view::ViewKey;
+use crate::view::{Facts};
 
 /// What is kept of each view.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Entry {
-    /// Bytes of its descriptor and cloud on disk.
-    pub(crate) n_bytes: u64,
+    /// Bytes of its descriptor on disk.
+    pub(crate) n_descriptor_bytes: u32,
+    /// Bytes of its cloud on disk.
+    n_points_bytes: u32,
     /// Of its content, to tell whether another view with its id is the same.
     pub(crate) fingerprint: u64,
     /// Its name and when that was given.
     pub(crate) label: Option<(CategoryName, u64)>,
+}
+
+impl Entry {
+    /// For a view without a name, by its small record, which names the checksums
+    /// of the large ones.
+    pub(crate) fn of(record: &[u8], facts: &Facts) -> Self {
+        Self {
+            n_descriptor_bytes: facts.descriptor.n_bytes,
+            n_points_bytes: facts.points.map_or(0, |extent| extent.n_bytes),
+            fingerprint: (crc32fast::hash(record) as u64) << 32 | facts.descriptor.crc32 as u64,
+            label: None,
+        }
+    }
+
+    fn n_bytes(&self) -> u64 {
+        self.n_descriptor_bytes as u64 + self.n_points_bytes as u64
+    }
 }
 
 /// A category and what is stored of it.
@@ -36,13 +55,13 @@ pub struct CategorySummary {
 /// The index.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(crate) struct Catalogue {
-    views: BTreeMap<ViewKey, Entry>,
-    categories: BTreeMap<CategoryName, BTreeSet<ViewKey>>,
+    views: BTreeMap<ViewId, Entry>,
+    categories: BTreeMap<CategoryName, BTreeSet<ViewId>>,
     pub(crate) answered: HashSet<MutationId>,
 }
 
 impl Catalogue {
-    pub(crate) fn get(&self, view: ViewKey) -> Option<&Entry> {
+    pub(crate) fn get(&self, view: ViewId) -> Option<&Entry> {
         self.views.get(&view)
     }
 
@@ -58,26 +77,38 @@ impl Catalogue {
         self.categories.values().map(BTreeSet::len).sum()
     }
 
-    /// All views, in order.
-    pub(crate) fn views(&self) -> impl Iterator<Item = (ViewKey, &Entry)> {
-        self.views.iter().map(|(view, entry)| (*view, entry))
-    }
-
     /// The views from `from` on, in order.
-    pub(crate) fn views_from(&self, from: ViewKey) -> impl Iterator<Item = (ViewKey, &Entry)> {
+    pub(crate) fn views_from(&self, from: ViewId) -> impl Iterator<Item = (ViewId, &Entry)> {
         self.views.range(from..).map(|(view, entry)| (*view, entry))
     }
 
     /// The views of a track, in order.
-    pub(crate) fn track(&self, track_id: u64) -> impl Iterator<Item = (ViewKey, &Entry)> {
-        let first = ViewKey { track_id, view_id: 0 };
-        let last = ViewKey { track_id, view_id: u32::MAX };
+    pub(crate) fn track(&self, track_id: u64) -> impl Iterator<Item = (ViewId, &Entry)> + Clone {
+        let first = ViewId { track_id, view_id: 0 };
+        let last = ViewId { track_id, view_id: u32::MAX };
         self.views.range(first..=last).map(|(view, entry)| (*view, entry))
     }
 
-    /// The views called `name`, in order.
-    pub(crate) fn category(&self, name: &CategoryName) -> impl Iterator<Item = ViewKey> {
-        self.categories.get(name).into_iter().flatten().copied()
+    /// The views of a track as the rules of teaching want them.
+    pub(crate) fn records_of_track(
+        &self,
+        track_id: u64,
+    ) -> impl Iterator<Item = ViewRecord<'_>> + Clone {
+        self.track(track_id).map(|(id, entry)| {
+            let category = entry.label.as_ref().map(|(name, _)| name);
+            ViewRecord { id, category }
+        })
+    }
+
+    /// The views called `name` as the rules of teaching want them.
+    pub(crate) fn records_of_category(
+        &self,
+        name: &CategoryName,
+    ) -> impl Iterator<Item = ViewRecord<'_>> {
+        let views = self.categories.get_key_value(name).into_iter();
+        views.flat_map(|(name, views)| {
+            views.iter().map(move |&id| ViewRecord { id, category: Some(name) })
+        })
     }
 
     /// The greatest track-id of any view.
@@ -85,12 +116,12 @@ impl Catalogue {
         self.views.last_key_value().map(|(view, _)| view.track_id)
     }
 
-    pub(crate) fn insert(&mut self, view: ViewKey, n_bytes: u64, fingerprint: u64) {
-        self.views.insert(view, Entry { n_bytes, fingerprint, label: None });
+    pub(crate) fn insert(&mut self, view: ViewId, entry: Entry) {
+        self.views.insert(view, entry);
     }
 
     /// Gives a view a name, or takes it away; a view that is not there is left out.
-    pub(crate) fn relabel(&mut self, view: ViewKey, label: Option<(CategoryName, u64)>) {
+    pub(crate) fn relabel(&mut self, view: ViewId, label: Option<(CategoryName, u64)>) {
         let Some(entry) = self.views.get_mut(&view) else {
             return;
         };
@@ -110,13 +141,13 @@ impl Catalogue {
 
     /// Every category that a view carries, by name.
     pub(crate) fn summaries(&self) -> Vec<CategorySummary> {
-        let summary = |(name, views): (&CategoryName, &BTreeSet<ViewKey>)| {
+        let summary = |(name, views): (&CategoryName, &BTreeSet<ViewId>)| {
             let entries = || views.iter().filter_map(|view| self.views.get(view));
             let taught_ns = |entry: &Entry| entry.label.as_ref().map(|(_, wall_ns)| *wall_ns);
             CategorySummary {
                 name: name.clone(),
                 n_views: views.len() as u64,
-                n_bytes: entries().map(|entry| entry.n_bytes).sum(),
+                n_bytes: entries().map(Entry::n_bytes).sum(),
                 last_taught_ns: entries().filter_map(taught_ns).max().unwrap_or(0),
             }
         };

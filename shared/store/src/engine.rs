@@ -13,7 +13,7 @@ use std::sync::Arc;
 use rusty_leveldb::{DB, DBIterator, LdbIterator, Options, StatusCode, WriteBatch};
 
 use crate::durable_env::DurableEnv;
-use crate::env_health::EnvHealth;
+use crate::env_health::{Change, EnvHealth};
 use crate::error::Error;
 
 /// Table files kept open; twice two megabytes a file is more than a robot learns.
@@ -58,12 +58,13 @@ impl Engine {
     /// on any damage stops all changes.
     pub(crate) fn accept(&mut self) -> Result<(), Error> {
         for path in self.health.release_deletions() {
-            match std::fs::remove_file(&path) {
-                Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                    return Err(Error::io("deleting", path)(error));
-                }
-                _ => {}
-            }
+            let change = Change::Delete(&path);
+            let delete = || match std::fs::remove_file(&path) {
+                Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
+                deleted => deleted,
+            };
+            let deleted = self.health.change("deleting", &path, &change, delete);
+            deleted.map_err(Error::io("deleting", &path))?;
         }
         Ok(())
     }

@@ -5,10 +5,9 @@ use std::io;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use learning::CategoryName;
+use learning::ViewId;
 
 use crate::env_health::Failure;
-use crate::view::ViewKey;
 
 /// Why the store did not do what it was asked. Cloned when one failed commit
 /// answers many callers.
@@ -61,34 +60,17 @@ pub enum Error {
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Refusal {
-    /// Nothing was stored of the track that should get a name.
-    NoViews {
-        /// The track.
-        track_id: u64,
-    },
-    /// The track to be taught has a name already.
-    LabelledOtherwise {
-        /// The track.
-        track_id: u64,
-        /// The name it has.
-        present: CategoryName,
-        /// The name it should have got.
-        asked: CategoryName,
-    },
-    /// There is nothing to forget.
-    UnknownCategory {
-        /// The name that no view has.
-        category: CategoryName,
-    },
+    /// The rules of teaching forbid it.
+    Lesson(learning::Refusal),
     /// A view with this id, but with another content, is stored.
     ViewDiffers {
         /// The view.
-        view: ViewKey,
+        view: ViewId,
     },
     /// A view, or the batch it came in, cannot be stored.
     InvalidView {
         /// The view.
-        view: ViewKey,
+        view: ViewId,
         /// What is wrong with it.
         reason: &'static str,
     },
@@ -121,6 +103,12 @@ impl From<Refusal> for Error {
     }
 }
 
+impl From<learning::Refusal> for Error {
+    fn from(refusal: learning::Refusal) -> Self {
+        Self::Refused(Refusal::Lesson(refusal))
+    }
+}
+
 impl From<Failure> for Error {
     fn from(failure: Failure) -> Self {
         Self::Io { doing: failure.doing, path: failure.path, source: failure.source }
@@ -132,6 +120,13 @@ impl Error {
     pub(crate) fn io(doing: &'static str, path: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
         let path = path.into();
         move |source| Self::Io { doing, path, source: Arc::new(source) }
+    }
+}
+
+impl Error {
+    /// A record that is not what was written.
+    pub(crate) fn record(key: &[u8], wrong: &str) -> Self {
+        Self::Damaged { what: format!("the record {}: {wrong}", key.escape_ascii()) }
     }
 }
 
@@ -176,23 +171,14 @@ impl fmt::Display for Error {
 impl fmt::Display for Refusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NoViews { track_id } => write!(
-                f,
-                "track {track_id} has no stored view yet; let it stand still in view for a moment \
-                 and teach it again"
-            ),
-            Self::LabelledOtherwise { track_id, present, asked } => write!(
-                f,
-                "track {track_id} is already called {present}; use correct to call it {asked}"
-            ),
-            Self::UnknownCategory { category } => {
-                write!(f, "no stored view is called {category}; list the categories to see which are")
-            }
+            Self::Lesson(refusal) => write!(f, "{refusal}"),
             Self::ViewDiffers { view } => write!(
                 f,
-                "{view} is stored already, with another content; give a new view a new id"
+                "{} is stored already, with another content; give a new view a new id",
+                in_words(*view)
             ),
             Self::InvalidView { view, reason } => {
+                let view = in_words(*view);
                 write!(f, "{view} cannot be stored because {reason}; send it again corrected")
             }
             Self::BatchSize { n_views, most } => write!(
@@ -220,4 +206,16 @@ impl std::error::Error for Error {
     }
 }
 
-impl std::error::Error for Refusal {}
+impl std::error::Error for Refusal {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::Lesson(refusal) => Some(refusal),
+            _ => None,
+        }
+    }
+}
+
+/// A view as people call it.
+pub(crate) fn in_words(view: ViewId) -> String {
+    format!("view {} of track {}", view.view_id, view.track_id)
+}

@@ -1,15 +1,15 @@
 //! Reads the whole index of a database just opened, and checks it against itself.
 
-use learning::CategoryName;
+use learning::{CategoryName, ViewId};
 
-use crate::catalogue::Catalogue;
+use crate::catalogue::{Catalogue, Entry};
 use crate::engine::{Engine, Reader};
-use crate::error::Error;
+use crate::error::{Error, in_words};
 use crate::history::PackedEntry;
 use crate::keys;
 use crate::meta::{Meta, SCHEMA};
 use crate::record::unseal;
-use crate::view::{Facts, PackedLabel, ViewKey};
+use crate::view::{Facts, PackedLabel};
 use crate::watermark::Mark;
 
 /// What a database holds, and what is wrong with it.
@@ -32,11 +32,6 @@ impl Examination {
             && self.catalogue.n_views() == 0
             && self.findings.is_empty()
     }
-}
-
-/// Identifies a view's content by its small record and its descriptor's checksum.
-pub(crate) fn fingerprint(record: &[u8], facts: &Facts) -> u64 {
-    (crc32fast::hash(record) as u64) << 32 | facts.descriptor.crc32 as u64
 }
 
 /// The name in a label's record, when it is one.
@@ -94,9 +89,9 @@ fn read_views(reader: &mut Reader, found: &mut Examination) -> Result<(), Error>
     reader.scan_prefix(&[keys::VIEW], |key, record| {
         match (keys::view_of(key), unseal::<Facts>(key, record)) {
             (Some(view), Ok(facts)) => {
-                found.catalogue.insert(view, facts.n_bytes(), fingerprint(record, &facts));
+                found.catalogue.insert(view, Entry::of(record, &facts));
             }
-            (Some(view), Err(wrong)) => found.findings.push(format!("{view}: {wrong}")),
+            (Some(view), Err(wrong)) => found.findings.push(format!("{}: {wrong}", in_words(view))),
             (None, _) => found.findings.push(format!("a view's key is none: {key:?}")),
         }
     })
@@ -108,12 +103,12 @@ fn read_labels(reader: &mut Reader, found: &mut Examination) -> Result<(), Error
             .and_then(|label| Ok((category_of(&label)?, label.wall_ns)));
         match (keys::view_of(key), label) {
             (Some(view), Ok(_)) if found.catalogue.get(view).is_none() => {
-                found.findings.push(format!("{view} is missing, though it has a label"));
+                found.findings.push(format!("{} is missing, though it has a label", in_words(view)));
             }
             (Some(view), Ok((category, wall_ns))) => {
                 found.catalogue.relabel(view, category.map(|name| (name, wall_ns)));
             }
-            (Some(view), Err(wrong)) => found.findings.push(format!("label of {view}: {wrong}")),
+            (Some(view), Err(wrong)) => found.findings.push(format!("label of {}: {wrong}", in_words(view))),
             (None, _) => found.findings.push(format!("a label's key is none: {key:?}")),
         }
     })
@@ -143,7 +138,7 @@ fn index_entry_is_right(key: &[u8], catalogue: &Catalogue) -> bool {
     let Some(view) = key.last_chunk::<12>().and_then(|numbers| {
         let (track_id, view_id) = (numbers.first_chunk()?, numbers.last_chunk()?);
         let (track_id, view_id) = (u64::from_be_bytes(*track_id), u32::from_be_bytes(*view_id));
-        Some(ViewKey { track_id, view_id })
+        Some(ViewId { track_id, view_id })
     }) else {
         return false;
     };
@@ -163,9 +158,10 @@ fn read_history(reader: &mut Reader, found: &mut Examination) -> Result<(), Erro
             found.findings.push(format!("history entries {expected} to {last} are missing"));
         }
         expected = sequence.wrapping_add(1);
-        match unseal::<PackedEntry>(key, record) {
-            Ok(entry) if entry.unpack(sequence).is_some() => found.n_history += 1,
-            Ok(_) => found.findings.push(format!("history entry {sequence}: a name is none")),
+        let entry = unseal::<PackedEntry>(key, record)
+            .and_then(|entry| entry.unpack(sequence).ok_or("a name in it is none"));
+        match entry {
+            Ok(_) => found.n_history += 1,
             Err(wrong) => found.findings.push(format!("history entry {sequence}: {wrong}")),
         }
     })

@@ -1,10 +1,9 @@
 //! The keys of the database: one letter for the table, then big-endian numbers,
 //! so that the order of the bytes is the order of what they mean.
 
-use learning::CategoryName;
+use learning::{CategoryName, ViewId};
 
 use crate::mutation::MutationId;
-use crate::view::ViewKey;
 
 /// Category to view: `c`, length and bytes of the name, track, view.
 pub(crate) const CATEGORY_INDEX: u8 = b'c';
@@ -24,7 +23,7 @@ pub(crate) const POINTS: u8 = b'p';
 pub(crate) const VIEW: u8 = b'v';
 
 /// A key of the tables that hold something of a view.
-pub(crate) fn view_key(table: u8, view: ViewKey) -> [u8; 13] {
+pub(crate) fn view_key(table: u8, view: ViewId) -> [u8; 13] {
     let mut key = [table; 13];
     key[1..9].copy_from_slice(&view.track_id.to_be_bytes());
     key[9..].copy_from_slice(&view.view_id.to_be_bytes());
@@ -32,9 +31,9 @@ pub(crate) fn view_key(table: u8, view: ViewKey) -> [u8; 13] {
 }
 
 /// The view a key of such a table is about.
-pub(crate) fn view_of(key: &[u8]) -> Option<ViewKey> {
+pub(crate) fn view_of(key: &[u8]) -> Option<ViewId> {
     let key: &[u8; 13] = key.try_into().ok()?;
-    Some(ViewKey {
+    Some(ViewId {
         track_id: u64::from_be_bytes(*key[1..].first_chunk()?),
         view_id: u32::from_be_bytes(*key[9..].first_chunk()?),
     })
@@ -68,7 +67,7 @@ pub(crate) fn mutation_of(key: &[u8]) -> Option<MutationId> {
 
 /// Key of an entry in the category index. The name's length comes first, so
 /// that no name can run into the numbers behind it.
-pub(crate) fn category_key(category: &CategoryName, view: ViewKey) -> Vec<u8> {
+pub(crate) fn category_key(category: &CategoryName, view: ViewId) -> Vec<u8> {
     let name = category.as_str().as_bytes();
     let mut key = Vec::with_capacity(3 + name.len() + 12);
     key.push(CATEGORY_INDEX);
@@ -83,8 +82,8 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn views() -> impl Strategy<Value = ViewKey> {
-        (any::<u64>(), any::<u32>()).prop_map(|(track_id, view_id)| ViewKey { track_id, view_id })
+    fn views() -> impl Strategy<Value = ViewId> {
+        (any::<u64>(), any::<u32>()).prop_map(|(track_id, view_id)| ViewId { track_id, view_id })
     }
 
     proptest! {

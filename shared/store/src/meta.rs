@@ -31,7 +31,8 @@ impl Meta {
     pub(crate) fn new(next_track_id: u64) -> Result<Self, Error> {
         let mut store_id = [0; 16];
         getrandom::fill(&mut store_id)
-            .map_err(|error| Error::io("drawing a store id from", "the kernel")(error.into()))?;
+            .map_err(|error| std::io::Error::other(error.to_string()))
+            .map_err(Error::io("drawing a store id from", "the kernel"))?;
         Ok(Self {
             schema: SCHEMA,
             store_id,

@@ -4,21 +4,19 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 use std::sync::Arc;
 
-use learning::CategoryName;
+use learning::{CategoryName, ViewChange, ViewId};
 
-use crate::catalogue::Catalogue;
+use crate::catalogue::{Catalogue, Entry};
 use crate::engine::{Engine, Reader};
 use crate::error::{Error, Refusal};
-use crate::examination::fingerprint;
-use crate::history::{HistoryEntry, Operation, PackedEntry, ViewChange};
+use crate::history::{HistoryEntry, Operation, PackedEntry};
 use crate::keys;
 use crate::meta::{Meta, StoreId};
 use crate::mutation::{Answer, Change, Mutation, MutationId};
 use crate::opening::{self, OpenReport};
-use crate::plan;
 use crate::record::{seal, unseal};
 use crate::store_folder::StoreFolder;
-use crate::view::{Extent, Facts, PackedDescriptor, PackedLabel, PackedPoints, View, ViewKey};
+use crate::view::{Extent, Facts, PackedDescriptor, PackedLabel, View};
 use crate::watermark::Watermark;
 use crate::writes::Writes;
 
@@ -138,19 +136,32 @@ impl PerceptualMemory {
             return self.first_answer(mutation.id);
         }
         mutation.check()?;
-        let (operation, changes) = match &mutation.change {
-            Change::StoreViews(views) => (Operation::StoreViews, self.stage_views(views)?),
+        let catalogue = &self.catalogue;
+        let (operation, stored, changes) = match &mutation.change {
+            Change::StoreViews(views) => (Operation::StoreViews, self.stage_views(views)?, vec![]),
             Change::Teach { track_id, category } => {
-                (Operation::Teach, plan::teach(&self.catalogue, *track_id, category)?)
+                let records = catalogue.records_of_track(*track_id);
+                (Operation::Teach, vec![], learning::teach(records, *track_id, category)?)
             }
             Change::Correct { track_id, category } => {
-                (Operation::Correct, plan::correct(&self.catalogue, *track_id, category)?)
+                let records = catalogue.records_of_track(*track_id);
+                (Operation::Correct, vec![], learning::correct(records, *track_id, category)?)
             }
             Change::Forget { category } => {
-                (Operation::Forget, plan::forget(&self.catalogue, category)?)
+                let records = catalogue.records_of_category(category);
+                (Operation::Forget, vec![], learning::forget(records, category)?)
             }
         };
-        Ok(self.stage_history(mutation, operation, changes))
+        let entry = HistoryEntry {
+            sequence: self.meta.sequence + 1,
+            wall_ns: mutation.wall_ns,
+            author: mutation.author.clone(),
+            operation,
+            mutation: Some(mutation.id),
+            stored,
+            changes,
+        };
+        Ok(self.stage_history(mutation.id, &entry))
     }
 
     /// Makes a lease; [`Self::commit`] makes it on disk.
@@ -210,106 +221,82 @@ impl PerceptualMemory {
         }
         let key = keys::answer_key(id);
         self.read(|reader| {
-            let record = reader.get(&key)?.ok_or("an answer is missing");
-            Ok(record.and_then(|record| unseal(&key, &record)))
+            let record = reader.get(&key)?.ok_or("it is missing");
+            let answer = record.and_then(|record| unseal(&key, &record));
+            answer.map_err(|wrong| Error::record(&key, wrong))
         })
     }
 
-    /// Reads something; that a record is not what was written fails the store.
+    /// Reads something; an error makes the store unusable until it is opened again.
     pub(crate) fn read<T>(
         &mut self,
-        read: impl FnOnce(&mut Reader) -> Result<Result<T, &'static str>, Error>,
+        read: impl FnOnce(&mut Reader) -> Result<T, Error>,
     ) -> Result<T, Error> {
         self.usable()?;
-        let found = match self.engine.reader().and_then(|mut reader| read(&mut reader)) {
-            Ok(Ok(value)) => return Ok(value),
-            Ok(Err(wrong)) => Error::Damaged { what: wrong.to_owned() },
-            Err(error) => error,
-        };
-        Err(self.fail(found))
+        let found = self.engine.reader().and_then(|mut reader| read(&mut reader));
+        found.map_err(|error| self.fail(error))
     }
 
     /// Stages those of the views that are new, or refuses all.
-    fn stage_views(&mut self, views: &[View]) -> Result<Vec<ViewChange>, Refusal> {
+    fn stage_views(&mut self, views: &[View]) -> Result<Vec<ViewId>, Refusal> {
         let mut new = BTreeMap::new();
         for view in views {
             let packed = PackedView::of(view);
-            let known = self.catalogue.get(view.key).map(|entry| entry.fingerprint);
-            let known = known.or_else(|| new.get(&view.key).map(|p: &PackedView| p.fingerprint));
+            let known = self.catalogue.get(view.id);
+            let known = known.or(new.get(&view.id).map(|packed: &PackedView| &packed.entry));
             match known {
                 None => {
-                    new.insert(view.key, packed);
+                    new.insert(view.id, packed);
                 }
-                Some(known) if known == packed.fingerprint => {}
-                Some(_) => return Err(Refusal::ViewDiffers { view: view.key }),
+                Some(known) if known.fingerprint == packed.entry.fingerprint => {}
+                Some(_) => return Err(Refusal::ViewDiffers { view: view.id }),
             }
         }
-        let changes = new.keys().map(|&view| ViewChange { view, before: None, after: None });
-        let changes = changes.collect();
-        for (key, packed) in new {
+        let stored = new.keys().copied().collect();
+        for (id, packed) in new {
             packed.stage(&mut self.staged.writes);
-            self.catalogue.insert(key, packed.n_bytes, packed.fingerprint);
+            self.catalogue.insert(id, packed.entry);
             self.meta.n_views += 1;
             // A view may come with an id this store never leased: that of a lost one.
-            self.meta.next_track_id = self.meta.next_track_id.max(key.track_id + 1);
+            self.meta.next_track_id = self.meta.next_track_id.max(id.track_id + 1);
         }
-        Ok(changes)
+        Ok(stored)
     }
 
-    /// Stages the history's entry with everything it says, and the answer.
-    fn stage_history(
-        &mut self,
-        mutation: &Mutation,
-        operation: Operation,
-        views: Vec<ViewChange>,
-    ) -> Answer {
-        let n_views = views.len() as u64;
+    /// Stages an entry of the history with the labels it changes, unless it
+    /// changes nothing, and the answer.
+    fn stage_history(&mut self, id: MutationId, entry: &HistoryEntry) -> Answer {
+        let n_views = (entry.stored.len() + entry.changes.len()) as u64;
         if n_views > 0 {
-            self.meta.sequence += 1;
-            for change in &views {
-                self.stage_label(mutation, change);
+            self.meta.sequence = entry.sequence;
+            for change in &entry.changes {
+                self.stage_label(entry, change);
             }
-            let entry = HistoryEntry {
-                sequence: self.meta.sequence,
-                wall_ns: mutation.wall_ns,
-                author: mutation.author.clone(),
-                operation,
-                mutation: Some(mutation.id),
-                views,
-            };
             let key = keys::history_key(entry.sequence);
-            self.staged.writes.put(&key, &PackedEntry::of(&entry));
+            self.staged.writes.put(&key, &PackedEntry::of(entry));
         }
         let answer = Answer { sequence: self.meta.sequence, n_views };
-        self.staged.writes.put(&keys::answer_key(mutation.id), &answer);
-        self.staged.answers.insert(mutation.id, answer);
-        self.catalogue.answered.insert(mutation.id);
+        self.staged.writes.put(&keys::answer_key(id), &answer);
+        self.staged.answers.insert(id, answer);
+        self.catalogue.answered.insert(id);
         answer
     }
 
-    fn stage_label(&mut self, mutation: &Mutation, change: &ViewChange) {
-        if change.before == change.after {
-            return;
-        }
-        let label = PackedLabel {
-            category: change.after.as_ref().map(|name| name.as_str().to_owned()),
-            author: mutation.author.clone(),
-            wall_ns: mutation.wall_ns,
-            sequence: self.meta.sequence,
-        };
-        put_label(&mut self.staged.writes, change.view, &label, change.after.as_ref());
+    fn stage_label(&mut self, entry: &HistoryEntry, change: &ViewChange) {
+        let label = PackedLabel::given_by(entry, change);
+        put_label(&mut self.staged.writes, change.id, &label, change.after.as_ref());
         if let Some(before) = &change.before {
-            self.staged.writes.delete(&keys::category_key(before, change.view));
+            self.staged.writes.delete(&keys::category_key(before, change.id));
         }
-        let label = change.after.clone().map(|name| (name, mutation.wall_ns));
-        self.catalogue.relabel(change.view, label);
+        let label = change.after.clone().map(|name| (name, entry.wall_ns));
+        self.catalogue.relabel(change.id, label);
     }
 }
 
 /// Writes a label, and its entry in the category index.
 pub(crate) fn put_label(
     writes: &mut Writes,
-    view: ViewKey,
+    view: ViewId,
     label: &PackedLabel,
     category: Option<&CategoryName>,
 ) {
@@ -323,29 +310,28 @@ pub(crate) fn put_label(
 struct PackedView {
     /// Key and record of facts, descriptor and cloud.
     records: Vec<([u8; 13], Vec<u8>)>,
-    n_bytes: u64,
-    fingerprint: u64,
+    entry: Entry,
 }
 
 impl PackedView {
     fn of(view: &View) -> Self {
-        let key = keys::view_key(keys::DESCRIPTOR, view.key);
+        let key = keys::view_key(keys::DESCRIPTOR, view.id);
         let descriptor = seal(&key, &PackedDescriptor::from(&view.descriptor));
         let descriptor_extent = Extent::of(&descriptor);
         let mut records = vec![(key, descriptor)];
         let mut points_extent = None;
         if let Some(points) = &view.points {
-            let key = keys::view_key(keys::POINTS, view.key);
-            let record = seal(&key, &PackedPoints(points.clone()));
+            let key = keys::view_key(keys::POINTS, view.id);
+            let record = seal(&key, &serde_bytes::Bytes::new(points));
             points_extent = Some(Extent::of(&record));
             records.push((key, record));
         }
         let facts = Facts::of(view, descriptor_extent, points_extent);
-        let key = keys::view_key(keys::VIEW, view.key);
+        let key = keys::view_key(keys::VIEW, view.id);
         let record = seal(&key, &facts);
-        let fingerprint = fingerprint(&record, &facts);
+        let entry = Entry::of(&record, &facts);
         records.push((key, record));
-        Self { records, n_bytes: facts.n_bytes(), fingerprint }
+        Self { records, entry }
     }
 
     fn stage(&self, writes: &mut Writes) {

@@ -19,7 +19,15 @@ use crate::error::Error;
 pub(crate) struct StoreFolder {
     path: PathBuf,
     /// The kernel lets go of it when the process ends, however it ends.
-    _lock: File,
+    lock: File,
+}
+
+impl Drop for StoreFolder {
+    /// Closing is not enough: a child just being started may have the file too.
+    fn drop(&mut self) {
+        // When it fails, closing follows.
+        let _ = self.lock.unlock();
+    }
 }
 
 impl StoreFolder {
@@ -38,7 +46,7 @@ impl StoreFolder {
         let lock_path = path.join("lock");
         let lock = File::create(&lock_path).map_err(Error::io("creating", &lock_path))?;
         match lock.try_lock() {
-            Ok(()) => Ok(Self { path, _lock: lock }),
+            Ok(()) => Ok(Self { path, lock }),
             Err(TryLockError::WouldBlock) => Err(Error::InUse { folder: path }),
             Err(TryLockError::Error(error)) => Err(Error::io("locking", lock_path)(error)),
         }

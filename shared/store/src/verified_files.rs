@@ -166,4 +166,86 @@ fn whole_log_record(rest: &[u8]) -> Option<(u8, usize)> {
 }
 
 #[cfg(test)]
-mod tests;
+mod tests {
+    use super::*;
+
+    /// Where each record begins, and the log they make.
+    fn log(records: &[usize]) -> (Vec<usize>, Vec<u8>) {
+        let (mut starts, mut log) = (Vec::new(), Vec::<u8>::new());
+        for (i, &n_bytes) in records.iter().enumerate() {
+            let data = vec![i as u8 + 0x50; n_bytes];
+            let mut rest = &data[..];
+            let mut is_first = true;
+            loop {
+                let mut room = LOG_BLOCK_BYTES - log.len() % LOG_BLOCK_BYTES;
+                if room < LOG_HEADER_BYTES {
+                    log.extend(std::iter::repeat_n(0, room));
+                    room = LOG_BLOCK_BYTES;
+                }
+                if is_first {
+                    starts.push(log.len());
+                }
+                let (part, later) = rest.split_at(rest.len().min(room - LOG_HEADER_BYTES));
+                let kind = match (is_first, later.is_empty()) {
+                    (true, true) => LOG_FULL,
+                    (true, false) => LOG_FIRST,
+                    (false, false) => 3,
+                    (false, true) => LOG_LAST,
+                };
+                let crc = crc32c(&[&[kind], part]);
+                let masked = crc.rotate_right(15).wrapping_add(0xa282_ead8);
+                log.extend(masked.to_le_bytes());
+                log.extend((part.len() as u16).to_le_bytes());
+                log.push(kind);
+                log.extend(part);
+                (rest, is_first) = (later, false);
+                if rest.is_empty() {
+                    break;
+                }
+            }
+        }
+        (starts, log)
+    }
+
+    #[test]
+    fn a_cut_log_is_no_damage() {
+        let (_, log) = log(&[10, 300, 32_000, 1, 70_000, 40]);
+        for cut in (0..=log.len()).step_by(61).chain(log.len() - 60..=log.len()) {
+            assert_eq!(check_log(&log[..cut]), None, "cut at {cut}");
+            // As a file system may leave it: longer, but never written.
+            let mut padded = log[..cut].to_vec();
+            padded.resize(cut + 5000, 0);
+            assert_eq!(check_log(&padded), None, "cut at {cut} and padded");
+        }
+    }
+
+    #[test]
+    fn a_damaged_record_before_a_whole_one_is_damage() {
+        let (starts, log) = log(&[10, 300, 32_000, 1, 70_000, 40]);
+        let last = *starts.last().unwrap();
+        for at in (0..log.len()).step_by(17) {
+            let mut damaged = log.clone();
+            damaged[at] ^= 0x08;
+            assert_eq!(check_log(&damaged).is_some(), at < last, "byte {at} of {}", log.len());
+        }
+    }
+
+    #[test]
+    fn a_footer_that_names_what_is_not_there_is_damage() {
+        let footer = |handles: &[u8]| {
+            let mut footer = [0; FOOTER_BYTES];
+            footer[..handles.len()].copy_from_slice(handles);
+            footer[FOOTER_BYTES - 8..].copy_from_slice(&FOOTER_MAGIC);
+            footer
+        };
+        // Blocks at 0 and 95 of 90 and 200 bytes, in a file of 400.
+        let whole = footer(&[0, 90, 95, 0xc8, 1]);
+        assert_eq!(check_footer(&whole, 400), None);
+        assert!(check_footer(&whole, 299).is_some());
+        assert!(check_footer(&footer(&[0xff; 40]), 400).is_some());
+        assert!(check_footer(&footer(&[0, 90, 95, 0xff, 0xff, 0xff, 0xff, 0x7f]), 400).is_some());
+        let mut no_table = whole;
+        no_table[47] ^= 1;
+        assert!(check_footer(&no_table, 400).is_some());
+    }
+}

@@ -1,13 +1,12 @@
 //! Stored views: what is known of a track at one moment it was seen.
 
-use std::fmt;
-
 use geometry::OrientedBox;
-use learning::CategoryName;
+use learning::{CategoryName, ViewChange, ViewId};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
 use crate::error::Refusal;
+use crate::history::HistoryEntry;
 
 /// Longest descriptor, numbers; GOOD with fifty bins a side has 7 500.
 pub const MAX_DESCRIPTOR_VALUES: usize = 65_536;
@@ -18,21 +17,6 @@ pub const MAX_NAME_BYTES: usize = 256;
 
 /// How far a rotation's norm may be from one.
 const UNIT_TOLERANCE: f64 = 1e-6;
-
-/// Which view: the track it is of, and its number in that track.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-pub struct ViewKey {
-    /// Track-id, below `u64::MAX`.
-    pub track_id: u64,
-    /// Number of the view within the track.
-    pub view_id: u32,
-}
-
-impl fmt::Display for ViewKey {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "view {} of track {}", self.view_id, self.track_id)
-    }
-}
 
 /// A shape descriptor with the name of how it was computed.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,8 +31,8 @@ pub struct Descriptor {
 /// A view to be stored, or as it was stored; it never changes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct View {
-    /// Which view.
-    pub key: ViewKey,
+    /// Which view; its track-id is below `u64::MAX`.
+    pub id: ViewId,
     /// Its descriptor.
     pub descriptor: Descriptor,
     /// The object's box in the world frame, metres.
@@ -94,7 +78,7 @@ impl View {
         let values = &self.descriptor.values;
         let too_long = |name: &str| name.len() > MAX_NAME_BYTES;
         let wrong = [
-            (self.key.track_id == u64::MAX, "that track-id is never leased"),
+            (self.id.track_id == u64::MAX, "that track-id is never leased"),
             (values.is_empty(), "its descriptor is empty"),
             (values.len() > MAX_DESCRIPTOR_VALUES, "its descriptor is too long"),
             (!values.iter().all(|v| v.is_finite()), "its descriptor has a value that is not finite"),
@@ -116,7 +100,7 @@ impl View {
             ),
         ];
         match wrong.into_iter().find(|(is_wrong, _)| *is_wrong) {
-            Some((_, reason)) => Err(Refusal::InvalidView { view: self.key, reason }),
+            Some((_, reason)) => Err(Refusal::InvalidView { view: self.id, reason }),
             None => Ok(()),
         }
     }
@@ -157,10 +141,6 @@ pub(crate) struct PackedDescriptor {
     values: Vec<u8>,
 }
 
-/// A cloud as it is stored.
-#[derive(Serialize, Deserialize)]
-pub(crate) struct PackedPoints(#[serde(with = "serde_bytes")] pub(crate) Vec<u8>);
-
 /// A label as it is stored; a view that lost its name keeps the record without one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PackedLabel {
@@ -168,6 +148,18 @@ pub(crate) struct PackedLabel {
     pub(crate) author: String,
     pub(crate) wall_ns: u64,
     pub(crate) sequence: u64,
+}
+
+impl PackedLabel {
+    /// What an entry of the history makes of a view's label.
+    pub(crate) fn given_by(entry: &HistoryEntry, change: &ViewChange) -> Self {
+        Self {
+            category: change.after.as_ref().map(|name| name.as_str().to_owned()),
+            author: entry.author.clone(),
+            wall_ns: entry.wall_ns,
+            sequence: entry.sequence,
+        }
+    }
 }
 
 impl Facts {
@@ -187,16 +179,10 @@ impl Facts {
         }
     }
 
-    /// Bytes of the view's large parts on disk.
-    pub(crate) fn n_bytes(&self) -> u64 {
-        let points = self.points.map_or(0, |extent| extent.n_bytes);
-        self.descriptor.n_bytes as u64 + points as u64
-    }
-
     /// The view these facts and its large parts make.
     pub(crate) fn into_view(
         self,
-        key: ViewKey,
+        id: ViewId,
         descriptor: Descriptor,
         points: Option<Vec<u8>>,
     ) -> View {
@@ -204,7 +190,7 @@ impl Facts {
         // Unchecked, so that the very bits come back; they were checked when stored.
         let rotation = UnitQuaternion::new_unchecked(Quaternion::new(qw, qx, qy, qz));
         View {
-            key,
+            id,
             descriptor,
             box_in_world: OrientedBox {
                 frame_from_box: Isometry3::from_parts(Translation3::new(cx, cy, cz), rotation),

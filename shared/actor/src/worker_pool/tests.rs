@@ -1,0 +1,237 @@
+use std::sync::mpsc;
+
+use tokio::runtime::{Builder, Runtime};
+use tokio::time::timeout;
+
+use super::*;
+
+const STALL: Duration = Duration::from_secs(1);
+/// Far beyond any healthy run.
+const WATCHDOG: Duration = Duration::from_secs(60);
+
+fn pool(n_workers: usize, max_abandoned: usize) -> WorkerPool {
+    WorkerPool::start(PoolConfig {
+        name: "test".to_owned(),
+        n_workers: NonZeroUsize::new(n_workers).unwrap(),
+        stall_after: STALL,
+        max_abandoned: NonZeroUsize::new(max_abandoned).unwrap(),
+    })
+    .unwrap()
+}
+
+fn runtime() -> Runtime {
+    Builder::new_current_thread().enable_time().build().unwrap()
+}
+
+fn wait<T>(future: impl Future<Output = T>) -> T {
+    runtime().block_on(async {
+        timeout(WATCHDOG, future)
+            .await
+            .expect("the watchdog barked")
+    })
+}
+
+/// A job that has begun and hangs until its gate is dropped or told to tick.
+struct Hung<F> {
+    result: F,
+    gate: mpsc::Sender<()>,
+    ticked: mpsc::Receiver<()>,
+    /// Shared with the job: how long it holds its resource.
+    resource: Arc<()>,
+}
+
+fn hang(pool: &WorkerPool) -> Hung<impl Future<Output = Result<&'static str, JobLost>> + use<>> {
+    let (gate, ticks) = mpsc::channel::<()>();
+    let (tell, ticked) = mpsc::channel();
+    let resource = Arc::new(());
+    let held = Arc::clone(&resource);
+    let result = pool.run(move |progress| {
+        tell.send(()).unwrap();
+        while ticks.recv().is_ok() {
+            progress.tick();
+            tell.send(()).unwrap();
+        }
+        drop(held);
+        "late"
+    });
+    ticked.recv_timeout(WATCHDOG).unwrap();
+    Hung {
+        result,
+        gate,
+        ticked,
+        resource,
+    }
+}
+
+impl<F> Hung<F> {
+    fn tick(&self) {
+        self.gate.send(()).unwrap();
+        self.ticked.recv_timeout(WATCHDOG).unwrap();
+    }
+}
+
+#[test]
+fn a_job_runs_on_a_named_thread_and_its_result_comes_back() {
+    let pool = pool(1, 1);
+    let name = wait(pool.run(|_| thread::current().name().map(str::to_owned)));
+    assert_eq!(name, Ok(Some("test-0".to_owned())));
+}
+
+#[test]
+fn a_panic_is_the_jobs_own_affair() {
+    let pool = pool(1, 1);
+    let lost = wait(pool.run(|_| panic!("voxel {}", 7)));
+    assert_eq!(lost, Err::<(), _>(JobLost::Panicked("voxel 7".to_owned())));
+    assert_eq!(wait(pool.run(|_| "still here")), Ok("still here"));
+    assert_eq!(pool.abandoned(), 0);
+}
+
+#[test]
+fn a_job_nobody_awaits_is_not_begun() {
+    let pool = pool(1, 1);
+    let busy = hang(&pool);
+    let resource = Arc::new(());
+    let held = Arc::clone(&resource);
+    let unwanted = pool.run(move |_| drop(held));
+    drop(unwanted);
+    assert_eq!(
+        Arc::strong_count(&resource),
+        1,
+        "returned before the worker is free"
+    );
+    drop(busy.gate);
+    assert_eq!(wait(busy.result), Ok("late"));
+}
+
+#[test]
+fn stalled_is_abandoned_is_replaced_until_exhausted() {
+    let pool = pool(1, 2);
+    let start = Instant::now();
+    pool.check(start);
+
+    let first = hang(&pool);
+    assert_eq!(pool.check(start + STALL / 2), 0, "beginning was progress");
+    assert_eq!(pool.check(start + STALL), 0);
+    assert_eq!(pool.check(start + STALL * 3 / 2), 1);
+    assert_eq!(wait(first.result), Err(JobLost::Stalled));
+    assert_eq!((pool.abandoned(), pool.is_exhausted()), (1, false));
+    let successor = wait(pool.run(|_| thread::current().name().map(str::to_owned)));
+    assert_eq!(successor, Ok(Some("test-1".to_owned())));
+
+    let second = hang(&pool);
+    let queued = pool.run(|_| "never");
+    for quarter in 6..12 {
+        pool.check(start + STALL * quarter / 4);
+    }
+    assert_eq!(wait(second.result), Err(JobLost::Stalled));
+    assert_eq!(wait(queued), Err(JobLost::Exhausted));
+    wait(pool.exhausted());
+    assert_eq!((pool.abandoned(), pool.is_exhausted()), (2, true));
+    assert_eq!(wait(pool.run(|_| "never")), Err(JobLost::Exhausted));
+}
+
+#[test]
+fn a_slow_worker_that_ticks_is_left_alone() {
+    let pool = pool(1, 1);
+    let slow = hang(&pool);
+    let start = Instant::now();
+    for half in 0..40 {
+        slow.tick();
+        assert_eq!(pool.check(start + STALL * half / 2), 0);
+    }
+    drop(slow.gate);
+    assert_eq!(wait(slow.result), Ok("late"));
+}
+
+#[test]
+fn an_idle_worker_is_never_stalled() {
+    let pool = pool(2, 1);
+    assert_eq!(wait(pool.run(|_| ())), Ok(()));
+    let start = Instant::now();
+    let n_stalled: usize = (0..40)
+        .map(|half| pool.check(start + STALL * half / 2))
+        .sum();
+    assert_eq!(n_stalled, 0);
+}
+
+#[test]
+fn a_gap_between_checks_proves_nothing() {
+    let pool = pool(1, 1);
+    let hung = hang(&pool);
+    let start = Instant::now();
+    assert_eq!(pool.check(start), 0);
+    assert_eq!(
+        pool.check(start + 100 * STALL),
+        0,
+        "the process may have been stopped"
+    );
+    assert_eq!(pool.check(start + 101 * STALL), 1);
+    assert_eq!(wait(hung.result), Err(JobLost::Stalled));
+}
+
+#[test]
+fn an_abandoned_thread_that_moves_again_returns_what_it_held_and_ends() {
+    let pool = pool(1, 3);
+    let hung = hang(&pool);
+    let start = Instant::now();
+    pool.check(start);
+    assert_eq!(pool.check(start + STALL), 1);
+    assert_eq!(wait(hung.result), Err(JobLost::Stalled));
+    assert_eq!(Arc::strong_count(&hung.resource), 2);
+    drop(hung.gate);
+    // Its end of this channel is dropped with the job.
+    assert!(hung.ticked.recv_timeout(WATCHDOG).is_err());
+    assert_eq!(Arc::strong_count(&hung.resource), 1);
+    assert_eq!(pool.check(start + STALL * 3 / 2), 0);
+    for _ in 0..20 {
+        let name = wait(pool.run(|_| thread::current().name().map(str::to_owned)));
+        assert_eq!(name, Ok(Some("test-1".to_owned())), "it takes no more jobs");
+    }
+}
+
+#[test]
+fn a_result_that_panics_when_nobody_wants_it_spares_the_worker() {
+    struct Bomb;
+    impl Drop for Bomb {
+        fn drop(&mut self) {
+            panic!("unwanted");
+        }
+    }
+    let pool = pool(1, 1);
+    let (gate, opened) = mpsc::channel::<()>();
+    let (tell, begun) = mpsc::channel();
+    let unwanted = pool.run(move |_| {
+        tell.send(()).unwrap();
+        let _ = opened.recv();
+        Bomb
+    });
+    begun.recv_timeout(WATCHDOG).unwrap();
+    drop(unwanted);
+    drop(gate);
+    assert_eq!(wait(pool.run(|_| "still here")), Ok("still here"));
+}
+
+#[test]
+fn the_watchdog_thread_finds_a_stalled_worker_by_itself() {
+    let pool = WorkerPool::start(PoolConfig {
+        name: "watched".to_owned(),
+        n_workers: NonZeroUsize::MIN,
+        stall_after: Duration::from_millis(40),
+        max_abandoned: NonZeroUsize::MIN,
+    })
+    .unwrap();
+    pool.start_watchdog().unwrap();
+    let hung = hang(&pool);
+    assert_eq!(wait(hung.result), Err(JobLost::Stalled));
+    wait(pool.exhausted());
+}
+
+#[test]
+fn the_last_handle_lets_queued_jobs_finish() {
+    let pool = pool(1, 1);
+    let results: Vec<_> = (0..20).map(|n| pool.run(move |_| n)).collect();
+    drop(pool);
+    for (n, result) in results.into_iter().enumerate() {
+        assert_eq!(wait(result), Ok(n));
+    }
+}

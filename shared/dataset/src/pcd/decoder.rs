@@ -62,12 +62,23 @@ impl Decoder {
         let n_bytes = header.n_binary_bytes();
         lzf::decompress(header.compressed(data)?, n_bytes, &mut self.expanded)
             .map_err(Error::Compression)?;
-        Ok(Planes { data: &self.expanded[..n_bytes], spacing: Spacing::Planar(header.n_points()) })
+        Ok(Planes {
+            data: &self.expanded[..n_bytes],
+            spacing: Spacing::Planar(header.n_points()),
+        })
     }
 }
 
 fn check_length(what: &'static str, given: usize, needed: usize) -> Result<(), Error> {
-    if given == needed { Ok(()) } else { Err(Error::SizeMismatch { what, given, needed }) }
+    if given == needed {
+        Ok(())
+    } else {
+        Err(Error::SizeMismatch {
+            what,
+            given,
+            needed,
+        })
+    }
 }
 
 /// The points' bytes, and how the values of one channel are spaced in them.
@@ -87,14 +98,23 @@ enum Spacing {
 impl<'a> Planes<'a> {
     fn interleaved(data: &'a [u8], header: &Header) -> Result<Self, Error> {
         let (needed, present) = (header.n_binary_bytes(), data.len());
-        let data = data.get(..needed).ok_or(Error::Truncated { needed, present })?;
-        Ok(Self { data, spacing: Spacing::Interleaved(header.layout.point_bytes) })
+        let data = data
+            .get(..needed)
+            .ok_or(Error::Truncated { needed, present })?;
+        Ok(Self {
+            data,
+            spacing: Spacing::Interleaved(header.layout.point_bytes),
+        })
     }
 
     fn fill_points(&self, layout: &Layout, points: &mut [Point]) {
         let [x, y, z] = layout.xyz.map(|channel| self.floats(channel));
         let color = layout.color.and_then(|color| self.words(color.channel));
-        let opaque = if layout.color.is_some_and(|color| color.has_alpha) { 0 } else { OPAQUE };
+        let opaque = if layout.color.is_some_and(|color| color.has_alpha) {
+            0
+        } else {
+            OPAQUE
+        };
         match (x, y, z, color) {
             (Some(x), Some(y), Some(z), Some(color)) => {
                 let values = x.iter().zip(y).zip(z).zip(color);
@@ -109,7 +129,9 @@ impl<'a> Planes<'a> {
 
     fn fill_any_points(&self, layout: &Layout, points: &mut [Point]) {
         for (point_idx, point) in points.iter_mut().enumerate() {
-            let [x, y, z] = layout.xyz.map(|channel| self.number(channel, point_idx) as f32);
+            let [x, y, z] = layout
+                .xyz
+                .map(|channel| self.number(channel, point_idx) as f32);
             let color = match layout.color {
                 Some(color) => packed(color, self.bits(color.channel, point_idx) as u32),
                 None => NEUTRAL_GREY,
@@ -128,12 +150,16 @@ impl<'a> Planes<'a> {
 
     /// All values of a planar channel of single-precision floats.
     fn floats(&self, channel: Channel) -> Option<&'a [[u8; 4]]> {
-        (channel.number == NumberType::F32).then(|| self.words(channel)).flatten()
+        (channel.number == NumberType::F32)
+            .then(|| self.words(channel))
+            .flatten()
     }
 
     /// All values of a planar channel of four bytes.
     fn words(&self, channel: Channel) -> Option<&'a [[u8; 4]]> {
-        let Spacing::Planar(n_points) = self.spacing else { return None };
+        let Spacing::Planar(n_points) = self.spacing else {
+            return None;
+        };
         let start = channel.byte_offset * n_points;
         Some(self.data.get(start..start + 4 * n_points)?.as_chunks().0)
     }
@@ -142,7 +168,10 @@ impl<'a> Planes<'a> {
     fn number(&self, channel: Channel, point_idx: usize) -> f64 {
         let start = self.start(channel, point_idx);
         // A layout never reaches beyond its points.
-        channel.number.read(&self.data[start..], ByteOrder::Little).unwrap_or(f64::NAN)
+        channel
+            .number
+            .read(&self.data[start..], ByteOrder::Little)
+            .unwrap_or(f64::NAN)
     }
 
     #[inline]
@@ -174,5 +203,9 @@ pub(super) fn packed(color: Color, bits: u32) -> Rgba {
 #[inline]
 pub(super) fn measured(x: f32, y: f32, z: f32, color: Rgba) -> Point {
     let point = Point { x, y, z, color };
-    if point.is_finite() { point } else { Point::without_depth(color) }
+    if point.is_finite() {
+        point
+    } else {
+        Point::without_depth(color)
+    }
 }

@@ -49,7 +49,10 @@ impl Header {
         let (lines, encoding, data_offset) = Lines::split(bytes)?;
         lines.require("VERSION")?.one_of(&["0.7", ".7"])?;
         let layout = Layout::parse(&lines)?;
-        let (width, height) = (lines.require("WIDTH")?.count()?, lines.require("HEIGHT")?.count()?);
+        let (width, height) = (
+            lines.require("WIDTH")?.count()?,
+            lines.require("HEIGHT")?.count()?,
+        );
         let points = lines.require("POINTS")?;
         if width.checked_mul(height) != Some(points.count()?) {
             return Err(points.error("the number of points is not WIDTH times HEIGHT"));
@@ -58,7 +61,14 @@ impl Header {
             Some(line) => viewpoint(line)?,
             None => RigidTransform::identity(),
         };
-        let header = Self { layout, encoding, data_offset, width, height, viewpoint };
+        let header = Self {
+            layout,
+            encoding,
+            data_offset,
+            width,
+            height,
+            viewpoint,
+        };
         header.check_size(&bytes[data_offset..])?;
         Ok(header)
     }
@@ -105,7 +115,10 @@ impl Header {
 
     /// The compressed bytes behind their two sizes.
     pub(super) fn compressed<'a>(&self, data: &'a [u8]) -> Result<&'a [u8], Error> {
-        let truncated = |needed| Error::Truncated { needed, present: data.len() };
+        let truncated = |needed| Error::Truncated {
+            needed,
+            present: data.len(),
+        };
         let (sizes, rest) = data.split_first_chunk::<8>().ok_or(truncated(8))?;
         let [a, b, c, d, e, f, g, h] = *sizes;
         let n_compressed = u32::from_le_bytes([a, b, c, d]) as usize;
@@ -114,7 +127,8 @@ impl Header {
         if announced != needed {
             return Err(Error::CompressedSize { announced, needed });
         }
-        rest.get(..n_compressed).ok_or(truncated(n_compressed.saturating_add(8)))
+        rest.get(..n_compressed)
+            .ok_or(truncated(n_compressed.saturating_add(8)))
     }
 
     fn check_size(&self, data: &[u8]) -> Result<(), Error> {
@@ -127,15 +141,20 @@ impl Header {
         let (needed, present) = match self.encoding {
             Encoding::Binary => (self.n_binary_bytes(), data.len()),
             // A digit and a separator for each value; the last needs none.
-            Encoding::Ascii => {
-                (2 * self.n_points() * self.layout.point_values, data.len().saturating_add(1))
-            }
+            Encoding::Ascii => (
+                2 * self.n_points() * self.layout.point_values,
+                data.len().saturating_add(1),
+            ),
             Encoding::BinaryCompressed => {
                 let present = self.compressed(data)?.len();
                 (self.n_binary_bytes().div_ceil(lzf::MAX_EXPANSION), present)
             }
         };
-        if needed > present { Err(Error::Truncated { needed, present }) } else { Ok(()) }
+        if needed > present {
+            Err(Error::Truncated { needed, present })
+        } else {
+            Ok(())
+        }
     }
 }
 
@@ -183,7 +202,9 @@ impl Layout {
         for (idx, name) in names.words.iter().enumerate() {
             let count = counts.map_or(Ok(1), |line| line.number(idx))?;
             let number = number_type(sizes, types, idx)?;
-            fields.push(name, number, count).ok_or_else(|| names.error("a field is too large"))?;
+            fields
+                .push(name, number, count)
+                .ok_or_else(|| names.error("a field is too large"))?;
         }
         fields.finish()
     }
@@ -204,7 +225,15 @@ impl<'a> Fields<'a> {
         self.point_bytes = number.size().checked_mul(count)?.checked_add(byte_offset)?;
         self.point_values = count.checked_add(value_idx)?;
         if matches!(name, "x" | "y" | "z" | "rgb" | "rgba" | "label") {
-            self.known.push((name, Channel { number, byte_offset, value_idx }, count));
+            self.known.push((
+                name,
+                Channel {
+                    number,
+                    byte_offset,
+                    value_idx,
+                },
+                count,
+            ));
         }
         (self.point_bytes as u64 <= MAX_BYTES).then_some(())
     }
@@ -214,26 +243,40 @@ impl<'a> Fields<'a> {
         match (found.next(), found.next()) {
             (None, _) => Ok(None),
             (Some((_, channel, 1)), None) => Ok(Some(*channel)),
-            _ => Err(Error::Fields("x, y, z, rgb, rgba and label must be there once, with COUNT 1")),
+            _ => Err(Error::Fields(
+                "x, y, z, rgb, rgba and label must be there once, with COUNT 1",
+            )),
         }
     }
 
     fn coordinate(&self, name: &str) -> Result<Channel, Error> {
         match self.find(name)? {
             Some(channel) if !channel.number.is_integer() => Ok(channel),
-            _ => Err(Error::Fields("x, y and z must be there, with TYPE F and SIZE 4 or 8")),
+            _ => Err(Error::Fields(
+                "x, y and z must be there, with TYPE F and SIZE 4 or 8",
+            )),
         }
     }
 
     fn finish(self) -> Result<Layout, Error> {
-        let rgba = self.find("rgba")?.map(|channel| Color { channel, has_alpha: true });
-        let rgb = self.find("rgb")?.map(|channel| Color { channel, has_alpha: false });
+        let rgba = self.find("rgba")?.map(|channel| Color {
+            channel,
+            has_alpha: true,
+        });
+        let rgb = self.find("rgb")?.map(|channel| Color {
+            channel,
+            has_alpha: false,
+        });
         let color = rgba.or(rgb);
         if color.is_some_and(|color| color.channel.number.size() != 4) {
             return Err(Error::Fields("rgb and rgba must have SIZE 4"));
         }
         Ok(Layout {
-            xyz: [self.coordinate("x")?, self.coordinate("y")?, self.coordinate("z")?],
+            xyz: [
+                self.coordinate("x")?,
+                self.coordinate("y")?,
+                self.coordinate("z")?,
+            ],
             color,
             label: self.find("label")?,
             point_bytes: self.point_bytes,
@@ -270,11 +313,23 @@ fn viewpoint(line: &Line<'_>) -> Result<RigidTransform, Error> {
         return Err(line.error("its quaternion must have length 1"));
     }
     let rotation = UnitQuaternion::from_quaternion(quaternion);
-    Ok(RigidTransform::from_parts(Translation3::new(*tx, *ty, *tz), rotation))
+    Ok(RigidTransform::from_parts(
+        Translation3::new(*tx, *ty, *tz),
+        rotation,
+    ))
 }
 
-const KEYS: [&str; 9] =
-    ["VERSION", "FIELDS", "SIZE", "TYPE", "COUNT", "WIDTH", "HEIGHT", "VIEWPOINT", "POINTS"];
+const KEYS: [&str; 9] = [
+    "VERSION",
+    "FIELDS",
+    "SIZE",
+    "TYPE",
+    "COUNT",
+    "WIDTH",
+    "HEIGHT",
+    "VIEWPOINT",
+    "POINTS",
+];
 
 /// One line of the header: its number, its first word and the others.
 struct Line<'a> {
@@ -286,7 +341,10 @@ struct Line<'a> {
 impl Line<'_> {
     fn error(&self, problem: &str) -> Error {
         let problem = format!("\"{} …\": {problem}", self.key);
-        Error::HeaderLine { line: self.number, problem }
+        Error::HeaderLine {
+            line: self.number,
+            problem,
+        }
     }
 
     fn one_of(&self, allowed: &[&str]) -> Result<(), Error> {
@@ -298,12 +356,17 @@ impl Line<'_> {
 
     /// The line's only word as a number.
     fn count(&self) -> Result<usize, Error> {
-        if self.words.len() == 1 { self.number(0) } else { Err(self.error("it must be a number")) }
+        if self.words.len() == 1 {
+            self.number(0)
+        } else {
+            Err(self.error("it must be a number"))
+        }
     }
 
     fn number(&self, idx: usize) -> Result<usize, Error> {
         let word = self.words[idx];
-        word.parse().map_err(|_| self.error(&format!("\"{}\" is not a count", excerpt(word))))
+        word.parse()
+            .map_err(|_| self.error(&format!("\"{}\" is not a count", excerpt(word))))
     }
 }
 
@@ -317,7 +380,10 @@ impl<'a> Lines<'a> {
         let mut number = 0;
         loop {
             number += 1;
-            let end = rest.iter().position(|&byte| byte == b'\n').ok_or(Error::NoData)?;
+            let end = rest
+                .iter()
+                .position(|&byte| byte == b'\n')
+                .ok_or(Error::NoData)?;
             let (line, after) = (&rest[..end], &rest[end + 1..]);
             let text = std::str::from_utf8(line).map_err(|_| Error::NoData)?;
             let data_offset = bytes.len().min(MAX_HEADER_BYTES) - after.len();
@@ -361,7 +427,10 @@ fn push_line<'a>(
 ) -> Result<(), Error> {
     let Some(&key) = KEYS.iter().find(|known| **known == key) else {
         let problem = format!("\"{}\" is no word of a PCD header", excerpt(key));
-        return Err(Error::HeaderLine { line: number, problem });
+        return Err(Error::HeaderLine {
+            line: number,
+            problem,
+        });
     };
     let line = Line { number, key, words };
     if lines.iter().any(|earlier| earlier.key == key) {

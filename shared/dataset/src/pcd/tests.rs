@@ -3,7 +3,11 @@ use crate::hostile::{assert_sentence, damage};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 
-const ENCODINGS: [Encoding; 3] = [Encoding::Ascii, Encoding::Binary, Encoding::BinaryCompressed];
+const ENCODINGS: [Encoding; 3] = [
+    Encoding::Ascii,
+    Encoding::Binary,
+    Encoding::BinaryCompressed,
+];
 
 /// Coordinates of any bits, often alike as in a real image.
 fn coordinate() -> impl Strategy<Value = f32> {
@@ -21,13 +25,25 @@ fn cloud() -> impl Strategy<Value = PcdCloud> {
         RigidTransform::from_parts(Translation3::from(t), UnitQuaternion::from_scaled_axis(r))
     });
     (0_usize..9, 0_usize..9, any::<bool>(), pose).prop_flat_map(|(width, height, labels, pose)| {
-        let point = (coordinate(), coordinate(), coordinate(), any::<u32>())
-            .prop_map(|(x, y, z, color)| Point { x, y, z, color: Rgba(color) });
+        let point = (coordinate(), coordinate(), coordinate(), any::<u32>()).prop_map(
+            |(x, y, z, color)| Point {
+                x,
+                y,
+                z,
+                color: Rgba(color),
+            },
+        );
         let n_points = width * height;
         let points = prop::collection::vec(point, n_points);
         (points, prop::collection::vec(any::<u32>(), n_points)).prop_map(move |(points, all)| {
             let labels = labels.then_some(all);
-            PcdCloud { points, labels, width, height, viewpoint: pose }
+            PcdCloud {
+                points,
+                labels,
+                width,
+                height,
+                viewpoint: pose,
+            }
         })
     })
 }
@@ -100,8 +116,12 @@ fn header(fields: &str, sizes: &str, types: &str, rest: &str) -> String {
 
 /// Two points whose values come in all types, between fields to be skipped.
 fn foreign(encoding: &str) -> Vec<u8> {
-    let text = header("normal_x label y _ x z rgb", "4 2 8 1 4 8 4", "F I F U F F F", "")
-        + &format!("COUNT 1 1 1 3 1 1 1\nPOINTS 2\n# a comment\n\nDATA {encoding}\r\n");
+    let text = header(
+        "normal_x label y _ x z rgb",
+        "4 2 8 1 4 8 4",
+        "F I F U F F F",
+        "",
+    ) + &format!("COUNT 1 1 1 3 1 1 1\nPOINTS 2\n# a comment\n\nDATA {encoding}\r\n");
     let columns: [[Vec<u8>; 2]; 7] = [
         [9_f32, 9.0].map(|v| v.to_le_bytes().to_vec()),
         [7_i16, 0].map(|v| v.to_le_bytes().to_vec()),
@@ -113,15 +133,14 @@ fn foreign(encoding: &str) -> Vec<u8> {
     ];
     let rows = (0..2).flat_map(|row| columns.iter().flat_map(move |column| column[row].clone()));
     let mut file = text.into_bytes();
-    match encoding {
-        "binary" => file.extend(rows),
-        _ => {
-            let planes: Vec<u8> = columns.iter().flatten().flatten().copied().collect();
-            let compressed = crate::lzf::compress(&planes);
-            file.extend((compressed.len() as u32).to_le_bytes());
-            file.extend((planes.len() as u32).to_le_bytes());
-            file.extend(compressed);
-        }
+    if encoding == "binary" {
+        file.extend(rows);
+    } else {
+        let planes: Vec<u8> = columns.iter().flatten().flatten().copied().collect();
+        let compressed = crate::lzf::compress(&planes);
+        file.extend((compressed.len() as u32).to_le_bytes());
+        file.extend((planes.len() as u32).to_le_bytes());
+        file.extend(compressed);
     }
     file
 }
@@ -131,7 +150,12 @@ fn check_foreign(file: &[u8]) {
     assert_eq!(cloud.labels, Some(vec![7, 0]));
     let red = Rgba::opaque(0xff, 0, 0);
     let expected = [
-        Point { x: 1.0, y: 2.0, z: 3.0, color: Rgba::opaque(0x10, 0x20, 0x30) },
+        Point {
+            x: 1.0,
+            y: 2.0,
+            z: 3.0,
+            color: Rgba::opaque(0x10, 0x20, 0x30),
+        },
         Point::without_depth(red),
     ];
     assert_eq!(cloud.points[0], expected[0]);
@@ -157,8 +181,12 @@ fn bytes_behind_binary_data_are_ignored() {
 
 #[test]
 fn foreign_fields_are_skipped_in_text() {
-    let text = header("normal_x label y _ x z rgb", "4 2 8 1 4 8 4", "F I F U F F F", "")
-        + "COUNT 1 1 1 3 1 1 1\nPOINTS 2\nDATA ascii\n";
+    let text = header(
+        "normal_x label y _ x z rgb",
+        "4 2 8 1 4 8 4",
+        "F I F U F F F",
+        "",
+    ) + "COUNT 1 1 1 3 1 1 1\nPOINTS 2\nDATA ascii\n";
     // 0x00102030 and 0x00ff0000 as the floats of these bits.
     let packed = [0x0010_2030, 0x00ff_0000].map(f32::from_bits);
     let points = format!(
@@ -170,9 +198,22 @@ fn foreign_fields_are_skipped_in_text() {
 
 #[test]
 fn points_without_colour_are_grey() {
-    let text = header("x y z", "4 4 4", "F F F", "POINTS 2\nDATA ascii\n1 2 3\nnan 2 3");
+    let text = header(
+        "x y z",
+        "4 4 4",
+        "F F F",
+        "POINTS 2\nDATA ascii\n1 2 3\nnan 2 3",
+    );
     let cloud = read(text.as_bytes()).unwrap();
-    assert_eq!(cloud.points[0], Point { x: 1.0, y: 2.0, z: 3.0, color: NEUTRAL_GREY });
+    assert_eq!(
+        cloud.points[0],
+        Point {
+            x: 1.0,
+            y: 2.0,
+            z: 3.0,
+            color: NEUTRAL_GREY
+        }
+    );
     assert!(cloud.points[1].y.is_nan());
     assert_eq!(cloud.labels, None);
 }
@@ -206,12 +247,21 @@ fn a_wrong_header_is_refused_with_its_reason() {
         (xyz("").replace("1 2 3\n", "1 2 3 4\n"), "3 values"),
         (xyz("") + "1 2 3\n", "more points"),
         (xyz("").replace("1 2 3\n1", "1.0000\n"), "3 values"),
-        (xyz("").replace("1 2 3\n1 2 3\n", "1 2 3.0000000\n"), "after 1 of 2"),
+        (
+            xyz("").replace("1 2 3\n1 2 3\n", "1 2 3.0000000\n"),
+            "after 1 of 2",
+        ),
         (xyz("").replace("1 2 3\n1", "1 2 z\n1"), "\"z\""),
         (large.clone() + &huge("16777217", "1"), "16777216 points"),
         (large.clone() + &huge("16000000", "4"), "bytes"),
-        (large.clone() + &huge("1", "18446744073709551615"), "too large"),
-        (large.clone() + &huge("18446744073709551615", "1"), "16777216 points"),
+        (
+            large.clone() + &huge("1", "18446744073709551615"),
+            "too large",
+        ),
+        (
+            large.clone() + &huge("18446744073709551615", "1"),
+            "16777216 points",
+        ),
         (large + &huge("18446744073709551616", "1"), "not a count"),
         (header("x y z rgb", "4 4 4 8", "F F F F", end), "SIZE 4"),
         ("solid stl".to_owned(), "not a PCD file"),
@@ -228,7 +278,10 @@ fn labels_must_be_whole_numbers() {
         let end = format!("POINTS 2\nDATA ascii\n0 0 0 1\n0 0 0 {label}\n");
         let file = header("x y z label", "4 4 4 8", "F F F F", &end);
         let error = read(file.as_bytes()).unwrap_err();
-        assert!(matches!(error, Error::Label { point_idx: 1, .. }), "{error}");
+        assert!(
+            matches!(error, Error::Label { point_idx: 1, .. }),
+            "{error}"
+        );
     }
 }
 
@@ -248,9 +301,19 @@ fn slices_of_the_wrong_length_are_refused() {
     let mut decoder = Decoder::new();
     let mut points = [Point::default(); 3];
     let few = decoder.decode_into(&file, &header, &mut points[..1], None);
-    assert!(matches!(few, Err(Error::SizeMismatch { what: "points", given: 1, needed: 2 })));
+    assert!(matches!(
+        few,
+        Err(Error::SizeMismatch {
+            what: "points",
+            given: 1,
+            needed: 2
+        })
+    ));
     let labels = decoder.decode_into(&file, &header, &mut points[..2], Some(&mut [0; 3]));
-    assert!(matches!(labels, Err(Error::SizeMismatch { what: "labels", .. })));
+    assert!(matches!(
+        labels,
+        Err(Error::SizeMismatch { what: "labels", .. })
+    ));
 }
 
 #[test]
@@ -267,9 +330,18 @@ fn a_view_that_does_not_fill_its_grid_is_not_written() {
     assert!(write(view, Encoding::Binary).is_ok());
     for wrong in [
         PcdView { width: 4, ..view },
-        PcdView { width: usize::MAX, ..view },
-        PcdView { labels: Some(&[0; 5]), ..view },
-        PcdView { viewpoint: nowhere, ..view },
+        PcdView {
+            width: usize::MAX,
+            ..view
+        },
+        PcdView {
+            labels: Some(&[0; 5]),
+            ..view
+        },
+        PcdView {
+            viewpoint: nowhere,
+            ..view
+        },
     ] {
         assert_sentence(&write(wrong, Encoding::Binary).unwrap_err());
     }

@@ -19,7 +19,10 @@ pub(super) fn decode(
     let mut words = Vec::new();
     for bytes in data.split(|&byte| byte == b'\n') {
         n_lines += 1;
-        let error = |problem| Error::PointLine { line: n_lines, problem };
+        let error = |problem| Error::PointLine {
+            line: n_lines,
+            problem,
+        };
         let text = std::str::from_utf8(bytes).map_err(|_| error("it is not text".to_owned()))?;
         words.clear();
         words.extend(text.split_ascii_whitespace().take(layout.point_values + 1));
@@ -27,18 +30,26 @@ pub(super) fn decode(
             continue;
         }
         let Some(target) = points.get_mut(n_read) else {
-            return Err(error("there are more points than the header announces".to_owned()));
+            return Err(error(
+                "there are more points than the header announces".to_owned(),
+            ));
         };
         *target = point(&words, layout).map_err(error)?;
         if let (Some(labels), Some(channel)) = (labels.as_deref_mut(), layout.label) {
             let value = number(&words, channel).map_err(error)?;
-            labels[n_read] = as_u32(value).ok_or(Error::Label { point_idx: n_read, value })?;
+            labels[n_read] = as_u32(value).ok_or(Error::Label {
+                point_idx: n_read,
+                value,
+            })?;
         }
         n_read += 1;
     }
     if n_read < points.len() {
         let problem = format!("the data ends after {n_read} of {} points", points.len());
-        return Err(Error::PointLine { line: n_lines, problem });
+        return Err(Error::PointLine {
+            line: n_lines,
+            problem,
+        });
     }
     Ok(())
 }
@@ -48,16 +59,20 @@ fn point(words: &[&str], layout: &Layout) -> Result<Point, String> {
         return Err(format!("it does not have {} values", layout.point_values));
     }
     let [x, y, z] = layout.xyz.map(|channel| number(words, channel));
-    let color = layout.color.map_or(Ok(NEUTRAL_GREY), |channel| color(words, channel))?;
+    let color = layout
+        .color
+        .map_or(Ok(NEUTRAL_GREY), |channel| color(words, channel))?;
     Ok(measured(x? as f32, y? as f32, z? as f32, color))
 }
 
 fn number(words: &[&str], channel: Channel) -> Result<f64, String> {
     let word = words[channel.value_idx];
-    channel
-        .number
-        .parse(word)
-        .ok_or_else(|| format!("\"{}\" is not a number of the announced type", excerpt(word)))
+    channel.number.parse(word).ok_or_else(|| {
+        format!(
+            "\"{}\" is not a number of the announced type",
+            excerpt(word)
+        )
+    })
 }
 
 /// A packed colour, written as the integer or as the float of the same bits.

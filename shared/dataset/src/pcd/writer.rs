@@ -1,8 +1,8 @@
 //! Writing PCD files.
 
+use super::MAX_POINTS;
 use super::error::Error;
 use super::header::Encoding;
-use super::MAX_POINTS;
 use crate::lzf;
 use geometry::RigidTransform;
 use point_cloud::Point;
@@ -41,18 +41,31 @@ pub fn write(cloud: PcdView<'_>, encoding: Encoding) -> Result<Vec<u8>, Error> {
 }
 
 fn check(cloud: &PcdView<'_>) -> Result<(), Error> {
-    let needed = cloud.width.checked_mul(cloud.height).ok_or(Error::TooLarge)?;
+    let needed = cloud
+        .width
+        .checked_mul(cloud.height)
+        .ok_or(Error::TooLarge)?;
     if needed > MAX_POINTS {
         return Err(Error::TooLarge);
     }
     let n_labels = cloud.labels.map_or(needed, <[u32]>::len);
     for (what, given) in [("points", cloud.points.len()), ("labels", n_labels)] {
         if given != needed {
-            return Err(Error::SizeMismatch { what, given, needed });
+            return Err(Error::SizeMismatch {
+                what,
+                given,
+                needed,
+            });
         }
     }
     let pose = cloud.viewpoint;
-    if !pose.translation.vector.iter().chain(pose.rotation.coords.iter()).all(|v| v.is_finite()) {
+    if !pose
+        .translation
+        .vector
+        .iter()
+        .chain(pose.rotation.coords.iter())
+        .all(|v| v.is_finite())
+    {
         return Err(Error::Fields("the viewpoint must be finite"));
     }
     Ok(())
@@ -90,7 +103,11 @@ fn write_text(cloud: &PcdView<'_>, file: &mut Vec<u8>) {
     for (point_idx, point) in cloud.points.iter().enumerate() {
         for coordinate in [point.x, point.y, point.z] {
             // PCL writes and reads not-a-number in lower case.
-            let text = if coordinate.is_nan() { "nan".to_owned() } else { coordinate.to_string() };
+            let text = if coordinate.is_nan() {
+                "nan".to_owned()
+            } else {
+                coordinate.to_string()
+            };
             file.extend_from_slice(text.as_bytes());
             file.push(b' ');
         }
@@ -120,8 +137,19 @@ fn write_compressed(cloud: &PcdView<'_>, file: &mut Vec<u8>) {
     planes.extend(cloud.points.iter().flat_map(|point| point.x.to_le_bytes()));
     planes.extend(cloud.points.iter().flat_map(|point| point.y.to_le_bytes()));
     planes.extend(cloud.points.iter().flat_map(|point| point.z.to_le_bytes()));
-    planes.extend(cloud.points.iter().flat_map(|point| point.color.0.to_le_bytes()));
-    planes.extend(cloud.labels.unwrap_or_default().iter().flat_map(|label| label.to_le_bytes()));
+    planes.extend(
+        cloud
+            .points
+            .iter()
+            .flat_map(|point| point.color.0.to_le_bytes()),
+    );
+    planes.extend(
+        cloud
+            .labels
+            .unwrap_or_default()
+            .iter()
+            .flat_map(|label| label.to_le_bytes()),
+    );
     let compressed = lzf::compress(&planes);
     // At most 20 bytes for each of MAX_POINTS: both sizes fit.
     file.extend_from_slice(&(compressed.len() as u32).to_le_bytes());

@@ -64,8 +64,15 @@ impl fmt::Display for Error {
                 f,
                 "the PLY file ends before its element \"{element}\" is complete; copy it again"
             ),
-            Self::Row { element, row, problem } => {
-                write!(f, "row {row} of element \"{element}\" in the PLY file is wrong: {problem}")
+            Self::Row {
+                element,
+                row,
+                problem,
+            } => {
+                write!(
+                    f,
+                    "row {row} of element \"{element}\" in the PLY file is wrong: {problem}"
+                )
             }
             Self::TrailingData => f.write_str(
                 "the PLY file goes on behind its last element; its header announces too little",

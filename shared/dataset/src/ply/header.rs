@@ -39,7 +39,11 @@ pub(super) enum Kind {
 
 impl<'a> Header<'a> {
     pub(super) fn parse(bytes: &'a [u8]) -> Result<Self, Error> {
-        let mut lines = Lines { rest: bytes, n_bytes: 0, number: 0 };
+        let mut lines = Lines {
+            rest: bytes,
+            n_bytes: 0,
+            number: 0,
+        };
         if lines.next()? != "ply" {
             return Err(Error::NoHeader);
         }
@@ -55,12 +59,22 @@ impl<'a> Header<'a> {
                 }
                 ["element", name, n_rows] => push_element(&mut elements, name, n_rows),
                 ["property", ..] => push_property(&mut elements, &words[1..]),
-                _ => Err(format!("\"{}\" is no line of a PLY header of version 1.0", excerpt(line))),
+                _ => Err(format!(
+                    "\"{}\" is no line of a PLY header of version 1.0",
+                    excerpt(line)
+                )),
             };
-            parsed.map_err(|problem| Error::HeaderLine { line: lines.number, problem })?;
+            parsed.map_err(|problem| Error::HeaderLine {
+                line: lines.number,
+                problem,
+            })?;
         }
         let encoding = encoding.ok_or(Error::Elements("the line \"format …\" is missing"))?;
-        Ok(Self { encoding, elements, data_offset: lines.n_bytes })
+        Ok(Self {
+            encoding,
+            elements,
+            data_offset: lines.n_bytes,
+        })
     }
 }
 
@@ -73,7 +87,10 @@ struct Lines<'a> {
 impl<'a> Lines<'a> {
     fn next(&mut self) -> Result<&'a str, Error> {
         let window = &self.rest[..self.rest.len().min(MAX_HEADER_BYTES - self.n_bytes)];
-        let end = window.iter().position(|&byte| byte == b'\n').ok_or(Error::NoHeader)?;
+        let end = window
+            .iter()
+            .position(|&byte| byte == b'\n')
+            .ok_or(Error::NoHeader)?;
         let line = std::str::from_utf8(&window[..end]).map_err(|_| Error::NoHeader)?;
         self.rest = &self.rest[end + 1..];
         self.n_bytes += end + 1;
@@ -99,21 +116,37 @@ fn push_element<'a>(
     if elements.iter().any(|element| element.name == name) {
         return Err(format!("the element \"{}\" is there twice", excerpt(name)));
     }
-    let n_rows = n_rows.parse().map_err(|_| format!("\"{}\" is not a count", excerpt(n_rows)))?;
-    elements.push(Element { name, n_rows, properties: Vec::new() });
+    let n_rows = n_rows
+        .parse()
+        .map_err(|_| format!("\"{}\" is not a count", excerpt(n_rows)))?;
+    elements.push(Element {
+        name,
+        n_rows,
+        properties: Vec::new(),
+    });
     Ok(())
 }
 
 fn push_property<'a>(elements: &mut [Element<'a>], words: &[&'a str]) -> Result<(), String> {
-    let element = elements.last_mut().ok_or("a property comes before the first element")?;
+    let element = elements
+        .last_mut()
+        .ok_or("a property comes before the first element")?;
     let (name, kind) = match *words {
-        ["list", count, item, name] => {
-            (name, Kind::List { count: list_count(count)?, item: number_type(item)? })
-        }
+        ["list", count, item, name] => (
+            name,
+            Kind::List {
+                count: list_count(count)?,
+                item: number_type(item)?,
+            },
+        ),
         [number, name] => (name, Kind::Number(number_type(number)?)),
         _ => return Err("a property is a type and a name, or a list".to_owned()),
     };
-    if element.properties.iter().any(|property| property.name == name) {
+    if element
+        .properties
+        .iter()
+        .any(|property| property.name == name)
+    {
         return Err(format!("the property \"{}\" is there twice", excerpt(name)));
     }
     element.properties.push(Property { name, kind });
@@ -122,7 +155,10 @@ fn push_property<'a>(elements: &mut [Element<'a>], words: &[&'a str]) -> Result<
 
 fn list_count(name: &str) -> Result<NumberType, String> {
     let number = number_type(name)?;
-    number.is_integer().then_some(number).ok_or("a list is counted by an integer".to_owned())
+    number
+        .is_integer()
+        .then_some(number)
+        .ok_or("a list is counted by an integer".to_owned())
 }
 
 fn number_type(name: &str) -> Result<NumberType, String> {

@@ -58,7 +58,10 @@ pub struct Mesh {
 impl Mesh {
     /// Borrows the content for writing.
     pub fn view(&self) -> MeshView<'_> {
-        MeshView { vertices: &self.vertices, triangles: &self.triangles }
+        MeshView {
+            vertices: &self.vertices,
+            triangles: &self.triangles,
+        }
     }
 }
 

@@ -30,16 +30,25 @@ pub fn read(bytes: &[u8]) -> Result<Mesh, Error> {
 }
 
 fn read_elements(header: &Header<'_>, mut values: impl Values) -> Result<Mesh, Error> {
-    let vertex = header.elements.iter().find(|element| element.name == "vertex");
+    let vertex = header
+        .elements
+        .iter()
+        .find(|element| element.name == "vertex");
     let vertex = vertex.ok_or(Error::Elements("the element \"vertex\" is missing"))?;
     let columns = VertexColumns::find(vertex)?;
     if vertex.n_rows > MAX_VERTICES {
         return Err(Error::TooLarge);
     }
     let mut mesh = Mesh::default();
-    for element in header.elements.iter().filter(|element| !element.properties.is_empty()) {
+    for element in header
+        .elements
+        .iter()
+        .filter(|element| !element.properties.is_empty())
+    {
         if !values.may_hold(element) {
-            return Err(Error::Truncated { element: excerpt(element.name) });
+            return Err(Error::Truncated {
+                element: excerpt(element.name),
+            });
         }
         match element.name {
             "vertex" => read_vertices(element, &columns, &mut values, &mut mesh.vertices)?,
@@ -47,7 +56,11 @@ fn read_elements(header: &Header<'_>, mut values: impl Values) -> Result<Mesh, E
             _ => skip_rows(element, &mut values)?,
         }
     }
-    if values.at_end() { Ok(mesh) } else { Err(Error::TrailingData) }
+    if values.at_end() {
+        Ok(mesh)
+    } else {
+        Err(Error::TrailingData)
+    }
 }
 
 /// Which properties of a vertex are its coordinates and its colour.
@@ -66,7 +79,10 @@ impl VertexColumns {
         let (Some(x), Some(y), Some(z)) = (position("x"), position("y"), position("z")) else {
             return Err(Error::Elements("a vertex needs the properties x, y and z"));
         };
-        if ![x, y, z].iter().all(|&idx| has(idx, &[NumberType::F32, NumberType::F64])) {
+        if ![x, y, z]
+            .iter()
+            .all(|&idx| has(idx, &[NumberType::F32, NumberType::F64]))
+        {
             return Err(Error::Elements("x, y and z must be float or double"));
         }
         let rgb = match (position("red"), position("green"), position("blue")) {
@@ -77,7 +93,10 @@ impl VertexColumns {
         if rgb.is_some_and(|rgb| !rgb.iter().all(|&idx| has(idx, &[NumberType::U8]))) {
             return Err(Error::Elements("red, green and blue must be uchar"));
         }
-        Ok(Self { xyz: [x, y, z], rgb })
+        Ok(Self {
+            xyz: [x, y, z],
+            rgb,
+        })
     }
 
     fn point(&self, row: &[f64]) -> Option<Point> {
@@ -118,9 +137,14 @@ fn read_faces(
     triangles: &mut Vec<[u32; 3]>,
 ) -> Result<(), Error> {
     let is_polygon = |name: &str| matches!(name, "vertex_indices" | "vertex_index");
-    let mut polygons = element.properties.iter().filter(|property| is_polygon(property.name));
+    let mut polygons = element
+        .properties
+        .iter()
+        .filter(|property| is_polygon(property.name));
     let (Some(Kind::List { .. }), None) = (polygons.next().map(|p| p.kind), polygons.next()) else {
-        return Err(Error::Elements("a face needs one list vertex_indices or vertex_index"));
+        return Err(Error::Elements(
+            "a face needs one list vertex_indices or vertex_index",
+        ));
     };
     for_each_row(element, values, |values| {
         for property in &element.properties {
@@ -147,7 +171,9 @@ fn read_polygon(
 ) -> Result<(), Missing> {
     let n_corners = list_length(values, count)?;
     if n_corners < 3 {
-        return Err(Missing::Wrong("a polygon needs at least three vertices".to_owned()));
+        return Err(Missing::Wrong(
+            "a polygon needs at least three vertices".to_owned(),
+        ));
     }
     let mut corner = || {
         let value = values.next(item)?;
@@ -158,7 +184,9 @@ fn read_polygon(
     for _ in 2..n_corners {
         let current = corner()?;
         if triangles.len() == MAX_TRIANGLES {
-            return Err(Missing::Wrong(format!("there are more than {MAX_TRIANGLES} triangles")));
+            return Err(Missing::Wrong(format!(
+                "there are more than {MAX_TRIANGLES} triangles"
+            )));
         }
         triangles.push([first, previous, current]);
         previous = current;
@@ -180,11 +208,7 @@ fn skip_rows(element: &Element<'_>, values: &mut impl Values) -> Result<(), Erro
     })
 }
 
-fn skip_list(
-    values: &mut impl Values,
-    count: NumberType,
-    item: NumberType,
-) -> Result<(), Missing> {
+fn skip_list(values: &mut impl Values, count: NumberType, item: NumberType) -> Result<(), Missing> {
     for _ in 0..list_length(values, count)? {
         values.next(item)?;
     }
@@ -208,10 +232,14 @@ fn for_each_row<V: Values>(
             .and_then(|()| read_row(values))
             .and_then(|()| values.end_row())
             .map_err(|missing| match missing {
-                Missing::End => Error::Truncated { element: excerpt(element.name) },
-                Missing::Wrong(problem) => {
-                    Error::Row { element: excerpt(element.name), row, problem }
-                }
+                Missing::End => Error::Truncated {
+                    element: excerpt(element.name),
+                },
+                Missing::Wrong(problem) => Error::Row {
+                    element: excerpt(element.name),
+                    row,
+                    problem,
+                },
             })?;
     }
     Ok(())

@@ -2,20 +2,31 @@ use super::*;
 use crate::hostile::{assert_sentence, damage};
 use proptest::prelude::*;
 
-const ENCODINGS: [Encoding; 3] =
-    [Encoding::Ascii, Encoding::BinaryLittleEndian, Encoding::BinaryBigEndian];
+const ENCODINGS: [Encoding; 3] = [
+    Encoding::Ascii,
+    Encoding::BinaryLittleEndian,
+    Encoding::BinaryBigEndian,
+];
 
 fn mesh() -> impl Strategy<Value = Mesh> {
     let finite = || any::<f32>().prop_filter("finite", |value| value.is_finite());
-    let vertex = (finite(), finite(), finite(), any::<[u8; 3]>()).prop_map(|(x, y, z, [r, g, b])| {
-        Point { x, y, z, color: Rgba::opaque(r, g, b) }
-    });
+    let vertex =
+        (finite(), finite(), finite(), any::<[u8; 3]>()).prop_map(|(x, y, z, [r, g, b])| Point {
+            x,
+            y,
+            z,
+            color: Rgba::opaque(r, g, b),
+        });
     prop::collection::vec(vertex, 0..20).prop_flat_map(|vertices| {
         let n_vertices = vertices.len() as u32;
         let index = || 0..n_vertices.max(1);
         let n_triangles = if vertices.is_empty() { 0..1 } else { 0..20 };
-        prop::collection::vec([index(), index(), index()], n_triangles)
-            .prop_map(move |triangles| Mesh { vertices: vertices.clone(), triangles })
+        prop::collection::vec([index(), index(), index()], n_triangles).prop_map(move |triangles| {
+            Mesh {
+                vertices: vertices.clone(),
+                triangles,
+            }
+        })
     })
 }
 
@@ -100,12 +111,29 @@ fn foreign_elements_are_skipped_and_polygons_cut() {
     let mesh = read(FOREIGN.as_bytes()).unwrap();
     let xs: Vec<f32> = mesh.vertices.iter().map(|vertex| vertex.x).collect();
     assert_eq!(xs, [3.0, 4.0, 5.0, 6.0, 7.0]);
-    assert_eq!(mesh.vertices[0], Point { x: 3.0, y: 2.0, z: 1.0, color: NEUTRAL_GREY });
+    assert_eq!(
+        mesh.vertices[0],
+        Point {
+            x: 3.0,
+            y: 2.0,
+            z: 1.0,
+            color: NEUTRAL_GREY
+        }
+    );
     assert_eq!(mesh.triangles, [[0, 1, 2], [4, 3, 2], [4, 2, 1], [4, 1, 0]]);
 }
 
+/// Reads the foreign file with one change.
+#[track_caller]
+fn check_refusal(from: &str, to: &str, reason: &str) {
+    assert!(FOREIGN.contains(from), "{from}");
+    let error = read(FOREIGN.replacen(from, to, 1).as_bytes()).unwrap_err();
+    assert_sentence(&error);
+    assert!(error.to_string().contains(reason), "{error} / {reason}");
+}
+
 #[test]
-fn a_wrong_file_is_refused_with_its_reason() {
+fn a_wrong_header_is_refused_with_its_reason() {
     for (from, to, reason) in [
         ("ply\r", "plyx", "not a PLY file"),
         ("end_header", "end_head", "no line of a PLY header"),
@@ -116,19 +144,55 @@ fn a_wrong_file_is_refused_with_its_reason() {
         ("property float x", "property float y", "twice"),
         ("property float x", "property float w", "x, y and z"),
         ("property float x", "property int x", "float or double"),
-        ("property uint8 alpha", "property uint8 red", "red, green and blue"),
+        (
+            "property uint8 alpha",
+            "property uint8 red",
+            "red, green and blue",
+        ),
         ("int id", "integer id", "no type of number"),
-        ("list uchar float shine", "list float float shine", "counted by an integer"),
+        (
+            "list uchar float shine",
+            "list float float shine",
+            "counted by an integer",
+        ),
         ("vertex_index", "vertices", "needs one list"),
         ("texcoord", "vertex_indices", "needs one list"),
         ("element vertex 5", "element vertex -5", "not a count"),
-        ("element vertex 5", "element vertex 6", "row 5 of element \"vertex\""),
-        ("element vertex 5", "element vertex 4", "row 0 of element \"face\""),
-        ("element vertex 5", "element vertex 99999999", "16777216 vertices"),
-        ("element edge 0", "element edge 99999999999999999999", "not a count"),
-        ("element edge 0", "element edge 18446744073709551615", "\"edge\" is complete"),
+        (
+            "element vertex 5",
+            "element vertex 6",
+            "row 5 of element \"vertex\"",
+        ),
+        (
+            "element vertex 5",
+            "element vertex 4",
+            "row 0 of element \"face\"",
+        ),
+        (
+            "element vertex 5",
+            "element vertex 99999999",
+            "16777216 vertices",
+        ),
+        (
+            "element edge 0",
+            "element edge 99999999999999999999",
+            "not a count",
+        ),
+        (
+            "element edge 0",
+            "element edge 18446744073709551615",
+            "\"edge\" is complete",
+        ),
         ("element edge 0", "element edge 1", "\"edge\" is complete"),
         ("element face 2", "element face 1", "goes on behind"),
+    ] {
+        check_refusal(from, to, reason);
+    }
+}
+
+#[test]
+fn a_wrong_row_is_refused_with_its_reason() {
+    for (from, to, reason) in [
         ("5 4 3 2 1 0", "5 5 3 2 1 0", "no vertex 5"),
         ("5 4 3 2 1 0", "6 4 3 2 1 0", "row 1 of element \"face\""),
         ("3 0 1 2", "2 0 1", "at least three"),
@@ -137,10 +201,7 @@ fn a_wrong_file_is_refused_with_its_reason() {
         ("1 0 2 0 4 255", "1 0 2 0 4 256", "\"256\""),
         ("2 0.5 0.25 7", "-2 0.5 0.25 7", "\"-2\""),
     ] {
-        assert!(FOREIGN.contains(from), "{from}");
-        let error = read(FOREIGN.replacen(from, to, 1).as_bytes()).unwrap_err();
-        assert_sentence(&error);
-        assert!(error.to_string().contains(reason), "{error} / {reason}");
+        check_refusal(from, to, reason);
     }
 }
 
@@ -155,8 +216,14 @@ fn rows_without_properties_do_not_cost_time() {
 fn what_can_not_be_read_again_is_not_written() {
     let vertices = [Point::default(); 3];
     for mesh in [
-        MeshView { vertices: &vertices, triangles: &[[0, 1, 3]] },
-        MeshView { vertices: &[Point::without_depth(NEUTRAL_GREY)], triangles: &[] },
+        MeshView {
+            vertices: &vertices,
+            triangles: &[[0, 1, 3]],
+        },
+        MeshView {
+            vertices: &[Point::without_depth(NEUTRAL_GREY)],
+            triangles: &[],
+        },
     ] {
         assert_sentence(&write(mesh, Encoding::Ascii).unwrap_err());
     }

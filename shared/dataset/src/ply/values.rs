@@ -35,10 +35,13 @@ pub(super) struct BinaryValues<'a> {
 
 impl Values for BinaryValues<'_> {
     fn may_hold(&self, element: &Element<'_>) -> bool {
-        let row_bytes = element.properties.iter().map(|property| match property.kind {
-            Kind::Number(number) => number.size(),
-            Kind::List { count, .. } => count.size(),
-        });
+        let row_bytes = element
+            .properties
+            .iter()
+            .map(|property| match property.kind {
+                Kind::Number(number) => number.size(),
+                Kind::List { count, .. } => count.size(),
+            });
         let needed = row_bytes.sum::<usize>().checked_mul(element.n_rows);
         needed.is_some_and(|needed| needed <= self.rest.len())
     }
@@ -71,7 +74,10 @@ pub(super) struct TextValues<'a> {
 
 impl<'a> TextValues<'a> {
     pub(super) fn new(text: &'a str) -> Self {
-        Self { rest: text, line: "".split_ascii_whitespace() }
+        Self {
+            rest: text,
+            line: "".split_ascii_whitespace(),
+        }
     }
 }
 
@@ -93,9 +99,15 @@ impl Values for TextValues<'_> {
     }
 
     fn next(&mut self, number: NumberType) -> Result<f64, Missing> {
-        let word = self.line.next().ok_or(Missing::Wrong("a number is missing".to_owned()))?;
+        let word = self
+            .line
+            .next()
+            .ok_or(Missing::Wrong("a number is missing".to_owned()))?;
         number.parse(word).ok_or_else(|| {
-            Missing::Wrong(format!("\"{}\" is not a number of the announced type", excerpt(word)))
+            Missing::Wrong(format!(
+                "\"{}\" is not a number of the announced type",
+                excerpt(word)
+            ))
         })
     }
 

@@ -52,7 +52,9 @@ fn check(mesh: MeshView<'_>) -> Result<(), Error> {
     }
     let is_there = |&index: &u32| (index as usize) < mesh.vertices.len();
     if !mesh.triangles.as_flattened().iter().all(is_there) {
-        return Err(Error::Elements("a triangle names a vertex that is not there"));
+        return Err(Error::Elements(
+            "a triangle names a vertex that is not there",
+        ));
     }
     Ok(())
 }

@@ -15,12 +15,19 @@ pub(super) fn order_of_parts(parts: [&[f32]; 3]) -> [usize; 3] {
         1 => (0, 2),
         _ => (0, 1),
     };
-    if index_variance(parts[a]) <= index_variance(parts[b]) { [first, a, b] } else { [first, b, a] }
+    if index_variance(parts[a]) <= index_variance(parts[b]) {
+        [first, a, b]
+    } else {
+        [first, b, a]
+    }
 }
 
 /// Shannon's entropy of a distribution.
 fn entropy_bits(shares: &[f32]) -> f32 {
-    shares.iter().filter(|&&share| share != 0.0).fold(0.0, |sum, share| sum - share * share.log2())
+    shares
+        .iter()
+        .filter(|&&share| share != 0.0)
+        .fold(0.0, |sum, share| sum - share * share.log2())
 }
 
 /// Variance of the bin's index in the flattened histogram, counted from 1.

@@ -34,7 +34,12 @@ impl ProjectedPoints {
         if self.x.is_empty() {
             return None;
         }
-        Some([&self.x, &self.y, &self.z].map(|axis| extent(axis)).into_iter().fold(0.0, f32::max))
+        Some(
+            [&self.x, &self.y, &self.z]
+                .map(|axis| extent(axis))
+                .into_iter()
+                .fold(0.0, f32::max),
+        )
     }
 }
 
@@ -48,11 +53,21 @@ fn extent(values: &[f32]) -> f32 {
     for chunk in &mut chunks {
         for i in 0..LANES {
             low[i] = if chunk[i] < low[i] { chunk[i] } else { low[i] };
-            high[i] = if chunk[i] > high[i] { chunk[i] } else { high[i] };
+            high[i] = if chunk[i] > high[i] {
+                chunk[i]
+            } else {
+                high[i]
+            };
         }
     }
     let rest = chunks.remainder().iter().copied();
-    let lowest = low.into_iter().chain(rest.clone()).fold(f32::INFINITY, f32::min);
-    let highest = high.into_iter().chain(rest).fold(f32::NEG_INFINITY, f32::max);
+    let lowest = low
+        .into_iter()
+        .chain(rest.clone())
+        .fold(f32::INFINITY, f32::min);
+    let highest = high
+        .into_iter()
+        .chain(rest)
+        .fold(f32::NEG_INFINITY, f32::max);
     highest - lowest
 }

@@ -35,7 +35,11 @@ impl Projections {
     /// Empty histograms of `n_bins` a side.
     pub(super) fn new(n_bins: usize) -> Self {
         let n_cells = 3 * n_bins * n_bins;
-        Self { n_bins, counts: vec![0; n_cells], shares: vec![0.0; n_cells] }
+        Self {
+            n_bins,
+            counts: vec![0; n_cells],
+            shares: vec![0.0; n_cells],
+        }
     }
 
     /// Counts the points in a cube of `support_m` a side around the origin; x and y
@@ -43,8 +47,10 @@ impl Projections {
     pub(super) fn fill(&mut self, points: &ProjectedPoints, sign: f32, support_m: f64) {
         self.count(points, sign, support_m);
         let n_cells = self.n_bins * self.n_bins;
-        for (counts, shares) in
-            self.counts.chunks_exact(n_cells).zip(self.shares.chunks_exact_mut(n_cells))
+        for (counts, shares) in self
+            .counts
+            .chunks_exact(n_cells)
+            .zip(self.shares.chunks_exact_mut(n_cells))
         {
             let counted = counts.iter().sum::<u32>().max(1) as f32;
             for (share, &count) in shares.iter_mut().zip(counts) {
@@ -63,8 +69,11 @@ impl Projections {
 
     fn count(&mut self, points: &ProjectedPoints, sign: f32, support_m: f64) {
         let n = self.n_bins as u32;
-        let bins =
-            Bins { n, half_support_m: support_m / 2.0, width_m: support_m / f64::from(n) };
+        let bins = Bins {
+            n,
+            half_support_m: support_m / 2.0,
+            width_m: support_m / f64::from(n),
+        };
         self.counts.fill(0);
         let n_cells = self.n_bins * self.n_bins;
         let (yz, rest) = self.counts.split_at_mut(n_cells);
@@ -91,10 +100,21 @@ mod tests {
 
     #[test]
     fn bins_are_half_open_and_the_first_reaches_back() {
-        let bins = Bins { n: 4, half_support_m: 2.0, width_m: 1.0 };
-        for (coordinate, bin) in
-            [(-2.0, 0), (-1.001, 0), (-1.0, 1), (1.999, 3), (2.0, 4), (-2.999, 0), (-3.0, 4), (99.0, 4)]
-        {
+        let bins = Bins {
+            n: 4,
+            half_support_m: 2.0,
+            width_m: 1.0,
+        };
+        for (coordinate, bin) in [
+            (-2.0, 0),
+            (-1.001, 0),
+            (-1.0, 1),
+            (1.999, 3),
+            (2.0, 4),
+            (-2.999, 0),
+            (-3.0, 4),
+            (99.0, 4),
+        ] {
             assert_eq!(bins.of(coordinate), bin, "{coordinate}");
         }
     }

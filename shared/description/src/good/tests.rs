@@ -6,7 +6,11 @@ use point_cloud::{Point, Rgba};
 use proptest::prelude::*;
 
 const IDENTITY: DescriptorFrame = DescriptorFrame {
-    object_from_source: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]],
+    object_from_source: [
+        [1.0, 0.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0, 0.0],
+        [0.0, 0.0, 1.0, 0.0],
+    ],
 };
 
 /// Points on a lopsided, curved sheet about a metre in front of the camera.
@@ -16,7 +20,12 @@ fn sheet(n_points: u32) -> Vec<Point> {
             let t = f64::from(i);
             let (u, v) = ((t * 0.618_034).fract(), (t * 0.754_878).fract());
             let (x, y) = (0.2 * u * u, 0.08 * (v - 0.5) * (1.0 - u));
-            Point { x: x as f32, y: y as f32, z: (0.9 + 3.0 * y * y) as f32, color: Rgba(0) }
+            Point {
+                x: x as f32,
+                y: y as f32,
+                z: (0.9 + 3.0 * y * y) as f32,
+                color: Rgba(0),
+            }
         })
         .collect()
 }
@@ -32,7 +41,12 @@ fn describe(good: &mut Good, cloud: &[Point], viewpoint: &Point3<f64>) -> Vec<f3
 fn moved(cloud: &[Point], motion: &RigidTransform) -> Vec<Point> {
     let place = |p: &Point| {
         let q = motion * p.position();
-        Point { x: q.x as f32, y: q.y as f32, z: q.z as f32, ..*p }
+        Point {
+            x: q.x as f32,
+            y: q.y as f32,
+            z: q.z as f32,
+            ..*p
+        }
     };
     cloud.iter().map(place).collect()
 }
@@ -95,22 +109,41 @@ fn a_selection_is_described_like_a_copy() {
     let (mut of_selection, mut of_copy) = (Vec::new(), Vec::new());
     let selection = ObjectPoints::selected(&cloud, &indices).unwrap();
     let frame = object_frame(selection, &Point3::origin()).unwrap();
-    assert_eq!(object_frame(ObjectPoints::all(&copy), &Point3::origin()), Some(frame));
+    assert_eq!(
+        object_frame(ObjectPoints::all(&copy), &Point3::origin()),
+        Some(frame)
+    );
     let frame = frame.descriptor_frame();
     good.compute(selection, &frame, &mut of_selection).unwrap();
-    good.compute(ObjectPoints::all(&copy), &frame, &mut of_copy).unwrap();
+    good.compute(ObjectPoints::all(&copy), &frame, &mut of_copy)
+        .unwrap();
     assert_eq!(of_selection, of_copy);
 }
 
 #[test]
 fn four_points_fall_where_they_should() {
     // Support 0.1 + 0.02 m, so bins of 0.06 m: each coordinate falls left or right.
-    let at = |x: f32, y: f32, z: f32| Point { x, y, z, color: Rgba(0) };
-    let cloud = [at(-0.05, 0.0, 0.02), at(0.05, 0.0, 0.02), at(0.05, 0.0, -0.02), at(0.05, 0.01, 0.02)];
+    let at = |x: f32, y: f32, z: f32| Point {
+        x,
+        y,
+        z,
+        color: Rgba(0),
+    };
+    let cloud = [
+        at(-0.05, 0.0, 0.02),
+        at(0.05, 0.0, 0.02),
+        at(0.05, 0.0, -0.02),
+        at(0.05, 0.01, 0.02),
+    ];
     let mut good = Good::new(2, 0.0015).unwrap();
     let mut out = Vec::new();
-    good.compute(ObjectPoints::all(&cloud), &IDENTITY, &mut out).unwrap();
-    let (yz, xz, xy) = ([0.0, 0.0, 0.25, 0.75], [0.0, 0.25, 0.25, 0.5], [0.0, 0.25, 0.0, 0.75]);
+    good.compute(ObjectPoints::all(&cloud), &IDENTITY, &mut out)
+        .unwrap();
+    let (yz, xz, xy) = (
+        [0.0, 0.0, 0.25, 0.75],
+        [0.0, 0.25, 0.25, 0.5],
+        [0.0, 0.25, 0.0, 0.75],
+    );
     assert_eq!(out, [xz, yz, xy].concat());
 }
 
@@ -123,10 +156,12 @@ fn nothing_is_allocated_once_the_largest_object_was_seen() {
         let p = &good.points;
         [&p.x, &p.y, &p.z, out].map(|buffer| (buffer.as_ptr(), buffer.capacity()))
     };
-    good.compute(ObjectPoints::all(&cloud), &IDENTITY, &mut out).unwrap();
+    good.compute(ObjectPoints::all(&cloud), &IDENTITY, &mut out)
+        .unwrap();
     let before = memory(&good, &out);
     for n in [10, 5000, 1, 4999] {
-        good.compute(ObjectPoints::all(&cloud[..n]), &IDENTITY, &mut out).unwrap();
+        good.compute(ObjectPoints::all(&cloud[..n]), &IDENTITY, &mut out)
+            .unwrap();
     }
     assert_eq!(memory(&good, &out), before);
 }
@@ -136,9 +171,11 @@ fn points_without_depth_are_left_out() {
     let mut cloud = sheet(1000);
     let mut good = Good::new(5, 0.0015).unwrap();
     let (mut whole, mut with_holes) = (Vec::new(), Vec::new());
-    good.compute(ObjectPoints::all(&cloud), &IDENTITY, &mut whole).unwrap();
+    good.compute(ObjectPoints::all(&cloud), &IDENTITY, &mut whole)
+        .unwrap();
     cloud.insert(17, Point::without_depth(Rgba(0)));
-    good.compute(ObjectPoints::all(&cloud), &IDENTITY, &mut with_holes).unwrap();
+    good.compute(ObjectPoints::all(&cloud), &IDENTITY, &mut with_holes)
+        .unwrap();
     assert_eq!(whole, with_holes);
     let hole = [Point::without_depth(Rgba(0)); 3];
     assert_eq!(
@@ -151,9 +188,15 @@ fn points_without_depth_are_left_out() {
 #[test]
 fn impossible_parameters_are_refused() {
     for n_bins in [0, 1, 65, usize::MAX] {
-        assert_eq!(Good::new(n_bins, 0.0015).unwrap_err(), Error::BinCount(n_bins));
+        assert_eq!(
+            Good::new(n_bins, 0.0015).unwrap_err(),
+            Error::BinCount(n_bins)
+        );
     }
     for threshold in [-0.001, f32::NAN, f32::INFINITY] {
-        assert!(matches!(Good::new(15, threshold), Err(Error::SignThreshold(_))));
+        assert!(matches!(
+            Good::new(15, threshold),
+            Err(Error::SignThreshold(_))
+        ));
     }
 }

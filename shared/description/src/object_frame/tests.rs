@@ -10,7 +10,11 @@ fn lopsided(n_points: u16) -> Vec<Point3<f64>> {
             let t = f64::from(i);
             let (u, v) = ((t * 0.618_034).fract(), (t * 0.754_878).fract());
             let x = 0.2 * u * u;
-            Point3::new(x - 0.07, 0.05 * (v - 0.5) * (1.0 - 3.0 * x), 0.9 + 0.04 * v * v)
+            Point3::new(
+                x - 0.07,
+                0.05 * (v - 0.5) * (1.0 - 3.0 * x),
+                0.9 + 0.04 * v * v,
+            )
         })
         .collect()
 }
@@ -18,7 +22,12 @@ fn lopsided(n_points: u16) -> Vec<Point3<f64>> {
 fn cloud(points: &[Point3<f64>]) -> Vec<Point> {
     points
         .iter()
-        .map(|p| Point { x: p.x as f32, y: p.y as f32, z: p.z as f32, color: Rgba(0) })
+        .map(|p| Point {
+            x: p.x as f32,
+            y: p.y as f32,
+            z: p.z as f32,
+            color: Rgba(0),
+        })
         .collect()
 }
 
@@ -128,8 +137,14 @@ fn seen_along_the_edge_the_longer_tail_decides_z() {
 #[test]
 fn too_few_points_have_no_frame() {
     let hole = Point::without_depth(Rgba(0));
-    let point = Point { x: 1.0, ..Point::default() };
+    let point = Point {
+        x: 1.0,
+        ..Point::default()
+    };
     for cloud in [&[][..], &[point, point], &[point, hole, point, hole]] {
-        assert_eq!(object_frame(ObjectPoints::all(cloud), &Point3::origin()), None);
+        assert_eq!(
+            object_frame(ObjectPoints::all(cloud), &Point3::origin()),
+            None
+        );
     }
 }

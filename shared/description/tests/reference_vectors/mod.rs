@@ -6,32 +6,35 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 /// One run of the published implementation.
-pub struct ReferenceVector {
+pub(crate) struct ReferenceVector {
     /// Name of the file.
-    pub name: String,
+    pub(crate) name: String,
     /// The points described.
-    pub cloud: Vec<Point>,
+    pub(crate) cloud: Vec<Point>,
     /// Bins a side.
-    pub n_bins: usize,
+    pub(crate) n_bins: usize,
     /// Sign threshold, metres.
-    pub sign_threshold_m: f32,
+    pub(crate) sign_threshold_m: f32,
     /// The frame it found.
-    pub frame: DescriptorFrame,
+    pub(crate) frame: DescriptorFrame,
     /// The descriptor it computed.
-    pub descriptor: Vec<f32>,
+    pub(crate) descriptor: Vec<f32>,
 }
 
 /// All runs of the published variant, in the order of their names.
-pub fn all_published() -> Vec<ReferenceVector> {
+pub(crate) fn all_published() -> Vec<ReferenceVector> {
     let folder = reference_folder();
     let mut clouds = HashMap::new();
     let mut files: Vec<PathBuf> = std::fs::read_dir(folder.join("vectors"))
         .expect("the golden vectors lie under TABULA_DATA/../reference")
-        .map(|entry| entry.unwrap().path())
+        .map(|entry| entry.expect("the folder can be read").path())
         .filter(|path| is_published(path))
         .collect();
     files.sort();
-    files.iter().map(|path| read_vector(&folder, path, &mut clouds)).collect()
+    files
+        .iter()
+        .map(|path| read_vector(&folder, path, &mut clouds))
+        .collect()
 }
 
 fn reference_folder() -> PathBuf {
@@ -43,7 +46,10 @@ fn reference_folder() -> PathBuf {
 }
 
 fn is_published(path: &Path) -> bool {
-    let name = path.file_name().unwrap().to_string_lossy();
+    let name = path
+        .file_name()
+        .expect("a file has a name")
+        .to_string_lossy();
     !name.starts_with("ws_") && name.contains("_bins") && name.contains("_thr")
 }
 
@@ -52,29 +58,46 @@ fn read_vector(
     path: &Path,
     clouds: &mut HashMap<String, Vec<Point>>,
 ) -> ReferenceVector {
-    let text = std::fs::read_to_string(path).unwrap();
+    let text = std::fs::read_to_string(path).expect("a golden vector is text");
     let rows: HashMap<&str, &str> = text.lines().filter_map(|row| row.split_once(',')).collect();
     let numbers = |key: &str| -> Vec<f32> {
-        rows[key].split(',').filter(|v| !v.is_empty()).map(|v| v.parse().unwrap()).collect()
+        rows[key]
+            .split(',')
+            .filter(|v| !v.is_empty())
+            .map(|v| v.parse().expect("a value is a number"))
+            .collect()
     };
     let transform = numbers("transform_rowmajor_4x4");
     let row = |i: usize| std::array::from_fn(|j| transform[4 * i + j]);
     let cloud = rows["cloud"].to_owned();
     ReferenceVector {
-        name: path.file_stem().unwrap().to_string_lossy().into_owned(),
-        n_bins: rows["bins"].parse().unwrap(),
+        name: path
+            .file_stem()
+            .expect("a file has a name")
+            .to_string_lossy()
+            .into_owned(),
+        n_bins: rows["bins"].parse().expect("bins is a number"),
         sign_threshold_m: numbers("threshold")[0],
-        frame: DescriptorFrame { object_from_source: [row(0), row(1), row(2)] },
+        frame: DescriptorFrame {
+            object_from_source: [row(0), row(1), row(2)],
+        },
         descriptor: numbers("descriptor"),
-        cloud: clouds.entry(cloud).or_insert_with_key(|name| read_cloud(folder, name)).clone(),
+        cloud: clouds
+            .entry(cloud)
+            .or_insert_with_key(|name| read_cloud(folder, name))
+            .clone(),
     }
 }
 
 fn read_cloud(folder: &Path, name: &str) -> Vec<Point> {
     let file = |extension: &str| folder.join("clouds").join(format!("{name}.{extension}"));
     if file("pcd").exists() {
-        dataset::pcd::open(&file("pcd")).unwrap().points
+        dataset::pcd::open(&file("pcd"))
+            .expect("the cloud is valid")
+            .points
     } else {
-        dataset::ply::open(&file("ply")).unwrap().points
+        dataset::ply::open(&file("ply"))
+            .expect("the cloud is valid")
+            .vertices
     }
 }

@@ -39,13 +39,20 @@ struct Overlaps {
 /// Scores `segment_of` (0: none) against `label_of` (0: invalid, below 10:
 /// table). `None` for a scene without objects.
 pub fn score(segment_of: &[u32], label_of: &[u32]) -> Option<Score> {
-    let Overlaps { of_object, of_segment, shared } = overlaps(segment_of, label_of);
+    let Overlaps {
+        of_object,
+        of_segment,
+        shared,
+    } = overlaps(segment_of, label_of);
     let total: usize = of_object.iter().sum();
     if of_object.is_empty() {
         return None;
     }
-    let mut score =
-        Score { n_objects: of_object.len(), n_segments: of_segment.len(), ..Score::default() };
+    let mut score = Score {
+        n_objects: of_object.len(),
+        n_segments: of_segment.len(),
+        ..Score::default()
+    };
     let (mut n_hits, mut n_fine) = (0, 0);
     for (object, row) in shared.iter().enumerate() {
         let size = of_object[object];
@@ -55,7 +62,9 @@ pub fn score(segment_of: &[u32], label_of: &[u32]) -> Option<Score> {
         let weight = size as f64 / total as f64;
         score.wov += weight * best_overlap;
         score.uov += best_overlap / of_object.len() as f64;
-        n_hits += (0..row.len()).filter(|&segment| ratio(segment) > 0.5).count();
+        n_hits += (0..row.len())
+            .filter(|&segment| ratio(segment) > 0.5)
+            .count();
         // F = 2 IoU / (1 + IoU); above 2/3 at most one segment matches an object.
         n_fine += usize::from(2.0 * best_overlap / (1.0 + best_overlap) >= 0.75);
         let best = (0..row.len()).rev().max_by_key(|&segment| row[segment]);
@@ -65,7 +74,11 @@ pub fn score(segment_of: &[u32], label_of: &[u32]) -> Option<Score> {
         }
     }
     score.fos += 1.0;
-    score.p50 = if of_segment.is_empty() { 1.0 } else { f64::from(n_hits as u32) / of_segment.len() as f64 };
+    score.p50 = if of_segment.is_empty() {
+        1.0
+    } else {
+        f64::from(n_hits as u32) / of_segment.len() as f64
+    };
     score.r50 = n_hits as f64 / of_object.len() as f64;
     score.f50 = 2.0 * n_hits as f64 / (of_segment.len() + of_object.len()) as f64;
     score.f75 = n_fine as f64 / of_object.len() as f64;
@@ -73,9 +86,20 @@ pub fn score(segment_of: &[u32], label_of: &[u32]) -> Option<Score> {
 }
 
 fn overlaps(segment_of: &[u32], label_of: &[u32]) -> Overlaps {
-    let valid = || segment_of.iter().zip(label_of).filter(|&(_, &label)| label != 0);
-    let mut objects: Vec<u32> = valid().map(|(_, &label)| label).filter(|&l| l >= 10).collect();
-    let mut segments: Vec<u32> = valid().map(|(&segment, _)| segment).filter(|&s| s > 0).collect();
+    let valid = || {
+        segment_of
+            .iter()
+            .zip(label_of)
+            .filter(|&(_, &label)| label != 0)
+    };
+    let mut objects: Vec<u32> = valid()
+        .map(|(_, &label)| label)
+        .filter(|&l| l >= 10)
+        .collect();
+    let mut segments: Vec<u32> = valid()
+        .map(|(&segment, _)| segment)
+        .filter(|&s| s > 0)
+        .collect();
     let distinct = |values: &mut Vec<u32>| {
         values.sort_unstable();
         values.dedup();

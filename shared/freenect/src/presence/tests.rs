@@ -9,9 +9,12 @@ fn machine(products: &[&str]) -> tempfile::TempDir {
         let entry = root.path().join(format!("table/1-{index}"));
         fs::create_dir(&entry).unwrap();
         let device = (index + 1).to_string();
-        for (name, text) in
-            [("idVendor", "045e"), ("idProduct", product), ("busnum", "1"), ("devnum", &device)]
-        {
+        for (name, text) in [
+            ("idVendor", "045e"),
+            ("idProduct", product),
+            ("busnum", "1"),
+            ("devnum", &device),
+        ] {
             fs::write(entry.join(name), format!("{text}\n")).unwrap();
         }
         fs::write(root.path().join(format!("nodes/001/{:03}", index + 1)), "").unwrap();
@@ -26,7 +29,11 @@ fn scan(root: &Path) -> Presence {
 #[test]
 fn each_state_of_a_machine_has_its_sentence() {
     for (products, usable, part) in [
-        (vec!["02ae", "02b0", "02ad"], true, "1 Kinect camera(s) on USB"),
+        (
+            vec!["02ae", "02b0", "02ad"],
+            true,
+            "1 Kinect camera(s) on USB",
+        ),
         (vec!["02bf"], true, "1 Kinect camera(s) on USB"),
         (vec!["02b0"], false, "power supply"),
         (vec![], false, "no Kinect on USB"),
@@ -55,7 +62,10 @@ fn a_camera_without_its_node_can_not_be_used() {
     fs::remove_file(root.path().join("nodes/001/001")).unwrap();
     let presence = scan(root.path());
     assert!(!presence.is_usable());
-    assert!(presence.to_string().contains("can not be opened"), "{presence}");
+    assert!(
+        presence.to_string().contains("can not be opened"),
+        "{presence}"
+    );
 }
 
 #[test]
@@ -70,7 +80,13 @@ fn missing_rights_are_told_with_the_group() {
     for expected in ["/dev/bus/usb/001/007", "plugdev", "045e:02ae"] {
         assert!(sentence.contains(expected), "{sentence}");
     }
-    assert_eq!(rights_sentence(&UsbPart { kind: UsbPartKind::Audio, ..part }), None);
+    assert_eq!(
+        rights_sentence(&UsbPart {
+            kind: UsbPartKind::Audio,
+            ..part
+        }),
+        None
+    );
 }
 
 #[test]

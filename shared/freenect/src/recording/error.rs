@@ -41,7 +41,11 @@ impl fmt::Display for RecordingError {
         f.write_str("the recording can not be played: ")?;
         match self {
             Self::NoFolder { folder } => {
-                write!(f, "there is no folder {}; give the folder of a recording", folder.display())
+                write!(
+                    f,
+                    "there is no folder {}; give the folder of a recording",
+                    folder.display()
+                )
             }
             Self::Unreadable { file, source } => write!(
                 f,
@@ -49,8 +53,16 @@ impl fmt::Display for RecordingError {
                  of INDEX.txt",
                 file.display()
             ),
-            Self::WrongLine { index, line_number, rule } => {
-                write!(f, "line {line_number} of {}: {rule}; correct the line", index.display())
+            Self::WrongLine {
+                index,
+                line_number,
+                rule,
+            } => {
+                write!(
+                    f,
+                    "line {line_number} of {}: {rule}; correct the line",
+                    index.display()
+                )
             }
             Self::WrongFile { file, rule } => write!(
                 f,

@@ -5,10 +5,13 @@ use std::fmt::Write as _;
 /// A folder with one file of each kind.
 fn good_folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
-    let depth = [b"P5 640 480 65535\n".as_slice(), &[0; DEPTH_BYTES]].concat();
-    let video = [b"P6 640 480 255\n".as_slice(), &[0; VIDEO_BYTES]].concat();
-    let files: [(&str, &[u8]); 3] =
-        [("a-10.0-7.dump", &[0; 12]), ("d-10.5-8.pgm", &depth), ("r-11.0-9.ppm", &video)];
+    let depth = [b"P5 640 480 65535\n".as_slice(), &vec![0; DEPTH_BYTES]].concat();
+    let video = [b"P6 640 480 255\n".as_slice(), &vec![0; VIDEO_BYTES]].concat();
+    let files: [(&str, &[u8]); 3] = [
+        ("a-10.0-7.dump", &[0; 12]),
+        ("d-10.5-8.pgm", &depth),
+        ("r-11.0-9.ppm", &video),
+    ];
     let mut index = String::new();
     for (name, bytes) in files {
         fs::write(folder.path().join(name), bytes).unwrap();
@@ -32,24 +35,38 @@ fn a_good_folder_is_counted() {
     let duration = Duration::from_secs(1);
     assert_eq!(
         summary,
-        RecordingSummary { n_depth: 1, n_video: 1, n_acceleration: 1, duration }
+        RecordingSummary {
+            n_depth: 1,
+            n_video: 1,
+            n_acceleration: 1,
+            duration
+        }
     );
 }
 
 #[test]
 fn what_would_end_the_process_is_refused() {
-    check_refused(|folder| fs::remove_file(folder.join("INDEX.txt")).unwrap(), "INDEX.txt");
-    check_refused(|folder| fs::remove_file(folder.join("d-10.5-8.pgm")).unwrap(), "d-10.5-8.pgm");
-    check_refused(|folder| fs::remove_dir_all(folder).unwrap(), "there is no folder");
     check_refused(
-        |folder| fs::write(folder.join("d-10.5-8.pgm"), [0; 700_000]).unwrap(),
+        |folder| fs::remove_file(folder.join("INDEX.txt")).unwrap(),
+        "INDEX.txt",
+    );
+    check_refused(
+        |folder| fs::remove_file(folder.join("d-10.5-8.pgm")).unwrap(),
+        "d-10.5-8.pgm",
+    );
+    check_refused(
+        |folder| fs::remove_dir_all(folder).unwrap(),
+        "there is no folder",
+    );
+    check_refused(
+        |folder| fs::write(folder.join("d-10.5-8.pgm"), vec![0; 700_000]).unwrap(),
         "614400 bytes",
     );
 }
 
 #[test]
 fn what_would_be_read_past_its_end_is_refused() {
-    let shorten = |name: &str, by: u64| {
+    let shorten = |name: &'static str, by: u64| {
         move |folder: &Path| {
             let file = File::options().write(true).open(folder.join(name)).unwrap();
             file.set_len(file.metadata().unwrap().len() - by).unwrap();
@@ -63,7 +80,9 @@ fn what_would_be_read_past_its_end_is_refused() {
 
 #[test]
 fn what_would_keep_it_waiting_is_refused() {
-    let index = |text: &'static str| move |folder: &Path| fs::write(folder.join("INDEX.txt"), text).unwrap();
+    let index = |text: &'static str| {
+        move |folder: &Path| fs::write(folder.join("INDEX.txt"), text).unwrap()
+    };
     check_refused(index("a-10.0-7.dump\n\nd-10.5-8.pgm\n"), "line 2");
     check_refused(index(""), "empty line");
     check_refused(

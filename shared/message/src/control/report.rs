@@ -62,8 +62,6 @@ pub struct LearningReport {
     pub category: String,
     /// How many views changed their category.
     pub n_views_changed: u64,
-    /// The category that lost the views, if any did.
-    pub previous_category: Option<String>,
 }
 
 /// One learned category.

@@ -1,0 +1,46 @@
+//! The command line.
+
+use crate::source::SourceSpec;
+use clap::{Args, Parser};
+use service::ProcessArguments;
+
+/// Publishes the clouds of one camera into the daemon's shared memory.
+#[derive(Debug, Clone, Parser)]
+#[command(name = "tabula-camera", version)]
+pub struct Arguments {
+    /// Which daemon.
+    #[command(flatten)]
+    pub process: ProcessArguments,
+
+    /// Which camera.
+    #[command(flatten)]
+    pub source: SourceArguments,
+}
+
+/// Which camera, and how a recording is played; they win over the configuration.
+#[derive(Debug, Clone, Default, Args)]
+pub struct SourceArguments {
+    /// synthetic[:N], kinect, fakenect:FOLDER, or a folder of PCD scenes or of an RGB-D sequence
+    #[arg(long, value_name = "SOURCE")]
+    pub source: Option<SourceSpec>,
+
+    /// Frames per second of a recording or the synthetic table [default: 30]
+    #[arg(long, value_name = "HZ")]
+    pub rate: Option<f64>,
+
+    /// Begin again when the recording ends
+    #[arg(long = "loop")]
+    pub looped: bool,
+
+    /// First frame of the recording, in natural name order, counted from 0
+    #[arg(long, value_name = "N")]
+    pub from: Option<usize>,
+
+    /// Frame before which the recording ends
+    #[arg(long, value_name = "M")]
+    pub to: Option<usize>,
+
+    /// Send a frame only when perception and memory have finished the one before
+    #[arg(long)]
+    pub lockstep: bool,
+}

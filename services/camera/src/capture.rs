@@ -1,0 +1,240 @@
+//! The capture loop: loan, fill, wait for the instant, send.
+
+use crate::config::Config;
+use crate::lockstep::{Lockstep, Waited};
+use crate::schedule::Schedule;
+use crate::source::{FrameInfo, FrameSize, Source, SourceError};
+use channel::topic::CameraCloud;
+use channel::{Loan, Publisher};
+use message::{FrameHeader, ProcessState, Text, WireTransform, frame_flag, points_mut};
+use service::{Context, Failure, exit_code, monotonic_ns, wall_clock_offset_ns};
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+use tokio::runtime::Handle;
+
+/// How often a device that is not there is looked for.
+const LOOK_AGAIN: Duration = Duration::from_secs(1);
+/// Longest sleep without looking whether to stop.
+const NAP: Duration = Duration::from_millis(50);
+/// In lockstep capture time is the recording's own and begins here.
+const LOCKSTEP_START_NS: u64 = 1_000_000_000;
+
+/// Why the loop ended without a failure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum End {
+    /// The process is asked to stop.
+    Stopped,
+    /// The recording has come to its end.
+    Ended,
+}
+
+/// One run of a source.
+pub(crate) struct Capture {
+    source: Box<dyn Source>,
+    publisher: Publisher<CameraCloud>,
+    schedule: Option<Schedule>,
+    lockstep: Option<Lockstep>,
+    session: u64,
+    sequence: u64,
+    is_gone: bool,
+    context: Context,
+    runtime: Handle,
+}
+
+impl Capture {
+    pub(crate) fn new(
+        context: Context,
+        config: &Config,
+        source: Box<dyn Source>,
+        runtime: Handle,
+    ) -> Result<Self, Failure> {
+        let publisher = Publisher::new(&context.domain)?;
+        context
+            .health
+            .shared_memory_bytes
+            .store(publisher.reservation().bytes(), Ordering::Relaxed);
+        let start_ns = if config.lockstep { LOCKSTEP_START_NS } else { monotonic_ns() };
+        let entered = runtime.enter();
+        let lockstep = config.lockstep.then(|| Lockstep::new(&context.domain)).transpose()?;
+        drop(entered);
+        Ok(Self {
+            schedule: source.rate_hz().map(|rate_hz| Schedule::new(start_ns, rate_hz)),
+            source,
+            publisher,
+            lockstep,
+            session: random_session(),
+            sequence: 0,
+            is_gone: false,
+            context,
+            runtime,
+        })
+    }
+
+    /// Plays until the end, the request to stop, or a failure.
+    pub(crate) fn run(mut self) -> Result<End, Failure> {
+        if self.lockstep.is_some() {
+            self.wait_for_subscriber();
+        }
+        self.context.health.set_state(ProcessState::Ready, "");
+        while !self.context.shutdown.is_requested() {
+            self.context.health.tick();
+            match self.one_frame() {
+                Ok(true) => self.recovered(),
+                Ok(false) | Err(SourceError::Ended) => return Ok(End::Ended),
+                Err(SourceError::Unusable(sentence)) => {
+                    return Err(Failure::new(exit_code::USAGE, sentence));
+                }
+                Err(error @ SourceError::Frame { .. }) => {
+                    tracing::warn!("{error}");
+                    self.context.health.frames_dropped.fetch_add(1, Ordering::Relaxed);
+                }
+                Err(SourceError::Gone(sentence)) => self.gone(&sentence),
+            }
+        }
+        Ok(End::Stopped)
+    }
+
+    /// Sends the next frame; false at the end of the recording.
+    fn one_frame(&mut self) -> Result<bool, SourceError> {
+        let Some(size) = self.source.prepare()? else { return Ok(false) };
+        let (loan, info) = self.filled(size)?;
+        if self.lockstep.is_some() {
+            self.send_in_lockstep(loan, &info)?;
+        } else {
+            self.wait_until_due();
+            self.send(loan, &info)?;
+        }
+        self.sequence += 1;
+        Ok(true)
+    }
+
+    fn filled(&mut self, size: FrameSize) -> Result<(Loan<CameraCloud>, FrameInfo), SourceError> {
+        let mut loan = self.publisher.loan(size.n_points()).map_err(unusable)?;
+        let info = self.source.fill(points_mut(loan.items_mut()))?;
+        Ok((loan, info))
+    }
+
+    fn send(&mut self, mut loan: Loan<CameraCloud>, info: &FrameInfo) -> Result<(), SourceError> {
+        let now_ns = monotonic_ns();
+        let due_ns = self.schedule.map(|schedule| schedule.due_ns());
+        let location = self.publisher.location(&loan);
+        *loan.header_mut() = FrameHeader {
+            session: self.session,
+            sequence: self.sequence,
+            capture_stamp_ns: info.captured_ns.or(due_ns).unwrap_or(now_ns),
+            scheduled_stamp_ns: due_ns.or(info.captured_ns).unwrap_or(now_ns),
+            published_stamp_ns: now_ns,
+            location,
+            ..header(info, self.source.name(), self.lockstep.is_some())
+        };
+        self.publisher.send(loan).map_err(unusable)?;
+        // In lockstep there is no lateness: the followers set the pace.
+        let released_ns = due_ns.filter(|_| self.lockstep.is_some()).unwrap_or(now_ns);
+        let was_late = self.schedule.as_mut().is_some_and(|schedule| schedule.release(released_ns));
+        let health = &self.context.health;
+        health.frames.fetch_add(1, Ordering::Relaxed);
+        if was_late {
+            health.frames_late.fetch_add(1, Ordering::Relaxed);
+        }
+        Ok(())
+    }
+
+    /// Sends the frame until all followers have finished it. A repeated frame is
+    /// the same to the bit, so that repeating it changes no result.
+    fn send_in_lockstep(
+        &mut self,
+        loan: Loan<CameraCloud>,
+        info: &FrameInfo,
+    ) -> Result<(), SourceError> {
+        let mut loan = loan;
+        let copy = loan.items_mut().to_vec();
+        let schedule = self.schedule;
+        loop {
+            self.send(loan, info)?;
+            let Some(lockstep) = &mut self.lockstep else { return Ok(()) };
+            let finished = lockstep.finished(self.session, self.sequence, &self.context.shutdown);
+            match self.runtime.block_on(finished).map_err(unusable)? {
+                Waited::Finished | Waited::Stop => return Ok(()),
+                Waited::Silence => {
+                    tracing::warn!("no report on frame {}; sending it again", self.sequence);
+                }
+            }
+            self.context.health.tick();
+            self.schedule = schedule;
+            loan = self.publisher.loan(copy.len()).map_err(unusable)?;
+            loan.items_mut().copy_from_slice(&copy);
+        }
+    }
+
+    fn wait_until_due(&self) {
+        let Some(schedule) = self.schedule else { return };
+        while !self.context.shutdown.is_requested() {
+            let left = Duration::from_nanos(schedule.due_ns().saturating_sub(monotonic_ns()));
+            if left.is_zero() {
+                return;
+            }
+            std::thread::sleep(left.min(NAP));
+            self.context.health.tick();
+        }
+    }
+
+    fn wait_for_subscriber(&self) {
+        while !self.publisher.has_subscribers() && !self.context.shutdown.is_requested() {
+            std::thread::sleep(NAP);
+            self.context.health.tick();
+        }
+    }
+
+    /// Says once that the device is not there, and lets a while pass.
+    fn gone(&mut self, sentence: &str) {
+        if !self.is_gone {
+            tracing::warn!("{sentence}; looking for it every second from now on");
+            self.context.health.set_state(ProcessState::Degraded, sentence);
+            self.is_gone = true;
+        }
+        let until_ns = monotonic_ns() + LOOK_AGAIN.as_nanos() as u64;
+        while monotonic_ns() < until_ns && !self.context.shutdown.is_requested() {
+            std::thread::sleep(NAP);
+        }
+    }
+
+    fn recovered(&mut self) {
+        if self.is_gone {
+            tracing::info!("{} is there", self.source.name());
+            self.context.health.set_state(ProcessState::Ready, "");
+            self.is_gone = false;
+        }
+    }
+}
+
+fn unusable(error: channel::Error) -> SourceError {
+    SourceError::Unusable(error.to_string())
+}
+
+/// The part of the header that the frame itself determines.
+fn header(info: &FrameInfo, source_name: &str, is_lockstep: bool) -> FrameHeader {
+    let flag = |is_set: bool, bit: u32| if is_set { bit } else { 0 };
+    let mut header = FrameHeader {
+        flags: flag(is_lockstep, frame_flag::LOCKSTEP)
+            | flag(info.world_from_camera.is_some(), frame_flag::HAS_WORLD_POSE)
+            | flag(info.up_in_camera.is_some(), frame_flag::HAS_UP)
+            | flag(info.is_calibrated, frame_flag::CALIBRATED),
+        source_frame: info.source_frame as u64,
+        wall_clock_offset_ns: wall_clock_offset_ns(),
+        source_name: Text::truncated(source_name),
+        ..FrameHeader::default()
+    };
+    header.set_camera(&info.camera);
+    if let Some(pose) = &info.world_from_camera {
+        header.world_from_camera = WireTransform::from(pose);
+    }
+    if let Some(up) = info.up_in_camera {
+        header.up_in_camera = up.into_inner().into();
+    }
+    header
+}
+
+/// Sessions must differ between runs; without randomness the clock must do.
+fn random_session() -> u64 {
+    getrandom::u64().unwrap_or_else(|_| monotonic_ns())
+}

@@ -1,0 +1,130 @@
+//! The configuration, checked.
+
+use crate::arguments::Arguments;
+use crate::source::{Playback, SourceSpec};
+use serde::Deserialize;
+use service::{ConfigFile, Failure, exit_code};
+
+/// Rates that can be asked for.
+const RATES_HZ: std::ops::RangeInclusive<f64> = 0.01..=1000.0;
+
+/// The section `[camera]` as written.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct RawConfig {
+    source: Option<String>,
+    rate_hz: Option<f64>,
+    #[serde(rename = "loop")]
+    looped: bool,
+    from_frame: Option<usize>,
+    to_frame: Option<usize>,
+    lockstep: bool,
+}
+
+/// What the camera does.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Config {
+    /// The source.
+    pub(crate) source: SourceSpec,
+    /// How it is played.
+    pub(crate) playback: Playback,
+    /// Whether frames wait for their followers.
+    pub(crate) lockstep: bool,
+}
+
+impl Config {
+    /// The section `[camera]` of the file, overruled by the arguments.
+    ///
+    /// # Errors
+    /// A usage failure that names the value and its rule.
+    pub fn new(arguments: &Arguments, file: &ConfigFile) -> Result<Self, Failure> {
+        let raw: RawConfig = file.section("camera")?;
+        let given = &arguments.source;
+        let written = raw.source.as_deref().map(str::parse::<SourceSpec>).transpose();
+        let written = written.map_err(|rule| file.wrong(format!("[camera] source: {rule}")))?;
+        let config = Self {
+            source: given.source.clone().or(written).unwrap_or(SourceSpec::Synthetic(0)),
+            playback: Playback {
+                rate_hz: given.rate.or(raw.rate_hz),
+                looped: given.looped || raw.looped,
+                from: given.from.or(raw.from_frame),
+                to: given.to.or(raw.to_frame),
+            },
+            lockstep: given.lockstep || raw.lockstep,
+        };
+        config.check().map_err(|rule| Failure::new(exit_code::USAGE, rule))?;
+        Ok(config)
+    }
+
+    fn check(&self) -> Result<(), String> {
+        let Playback { rate_hz, from, to, .. } = self.playback;
+        if let Some(rate) = rate_hz
+            && !RATES_HZ.contains(&rate)
+        {
+            return Err(format!("--rate must lie between 0.01 and 1000 frames per second, not {rate}"));
+        }
+        if let (from, Some(to)) = (from.unwrap_or(0), to)
+            && from >= to
+        {
+            return Err(format!("--from {from} --to {to} plays nothing; --to must be the larger"));
+        }
+        self.check_live()
+    }
+
+    /// A Kinect, real or played by fakenect, has its own rate and no frame numbers.
+    fn check_live(&self) -> Result<(), String> {
+        let Playback { rate_hz, looped, from, to } = self.playback;
+        let name = match self.source {
+            SourceSpec::Kinect => "kinect",
+            SourceSpec::Fakenect(_) => "fakenect",
+            _ => return Ok(()),
+        };
+        let refused = [
+            ("--rate", rate_hz.is_some()),
+            ("--from", from.is_some()),
+            ("--to", to.is_some()),
+            ("--lockstep", self.lockstep),
+            ("--loop", looped && name == "kinect"),
+        ];
+        match refused.iter().find(|(_, is_given)| *is_given) {
+            None => Ok(()),
+            Some((option, _)) => Err(format!(
+                "{option} can not be used with --source {name}: libfreenect plays at the sensor's own pace"
+            )),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    fn config(words: &str) -> Result<Config, String> {
+        let words = std::iter::once("tabula-camera").chain(words.split_ascii_whitespace());
+        let arguments = Arguments::try_parse_from(words).map_err(|e| e.to_string())?;
+        Config::new(&arguments, &ConfigFile::default()).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn the_default_opens_no_hardware() {
+        assert_eq!(config("").unwrap().source, SourceSpec::Synthetic(0));
+    }
+
+    #[test]
+    fn impossible_playback_is_refused_with_its_rule() {
+        let check = |words: &str, word: &str| {
+            let sentence = config(words).unwrap_err();
+            assert!(sentence.contains(word), "{sentence}");
+        };
+        check("--rate 0", "--rate");
+        check("--rate NaN", "--rate");
+        check("--from 5 --to 5", "plays nothing");
+        check("--source kinect --loop", "--loop");
+        check("--source fakenect:x --rate 5", "--rate");
+        check("--source fakenect:x --from 1", "--from");
+        check("--source fakenect:x --to 1", "--to");
+        check("--source synthetic:x", "synthetic");
+        assert!(config("--source fakenect:x --loop").is_ok());
+    }
+}

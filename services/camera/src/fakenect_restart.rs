@@ -1,0 +1,36 @@
+//! Starting the process again for fakenect.
+
+use crate::config::Config;
+use crate::source::SourceSpec;
+use service::{Failure, exit_code};
+use std::os::unix::process::CommandExt;
+use std::process::Command;
+
+/// Fakenect finds its folder through the environment, which only a new start can
+/// set. Must be called before any thread starts; does not return when the
+/// process was started anew.
+///
+/// # Errors
+/// When the folder is no complete recording, or the program can not be started.
+pub fn enter_recording(config: &Config) -> Result<(), Failure> {
+    let SourceSpec::Fakenect(folder) = &config.source else { return Ok(()) };
+    let failed = |error: &dyn std::fmt::Display| Failure::new(exit_code::FAILURE, error);
+    freenect::check_recording(folder).map_err(|e| failed(&e))?;
+    match freenect::restart_with_recording(folder).map_err(|e| failed(&e))? {
+        None => Ok(()),
+        Some(mut command) => Err(failed(&format!(
+            "could not start again to play {}: {}",
+            folder.display(),
+            command.exec()
+        ))),
+    }
+}
+
+/// Plays the recording from its beginning: fakenect does not rewind, so the
+/// process starts anew. Returns only on failure.
+pub(crate) fn play_again() -> Failure {
+    let started = std::env::current_exe()
+        .map(|program| Command::new(program).args(std::env::args_os().skip(1)).exec());
+    let (Ok(error) | Err(error)) = started;
+    Failure::new(exit_code::FAILURE, format!("could not start again to play on: {error}"))
+}

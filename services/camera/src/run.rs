@@ -1,0 +1,98 @@
+//! The process: a capture thread beside the runtime.
+
+use crate::capture::{Capture, End};
+use crate::config::Config;
+use crate::fakenect_restart;
+use crate::source::{self, SourceSpec};
+use message::ProcessState;
+use service::{Context, Failure, exit_code};
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+use tokio::runtime::Handle;
+use tokio::sync::oneshot;
+
+/// Whether the program is to begin again when it has stopped in good order.
+#[derive(Debug, Clone, Default)]
+pub struct PlayAgain(Arc<AtomicBool>);
+
+impl PlayAgain {
+    /// Starts the program again if that was asked for, which does not return;
+    /// otherwise passes the exit code on.
+    pub fn or(&self, code: ExitCode) -> ExitCode {
+        if !self.0.load(Ordering::Relaxed) {
+            return code;
+        }
+        let failure = fakenect_restart::play_again();
+        tracing::error!("{failure}");
+        ExitCode::from(failure.code)
+    }
+}
+
+/// Publishes frames until shutdown; at the end of a recording it stays, idle.
+///
+/// # Errors
+/// When the source can not be used.
+pub async fn run(context: Context, config: Config, again: PlayAgain) -> Result<(), Failure> {
+    let shutdown = context.shutdown.clone();
+    let health = context.health.clone();
+    match capture(context, &config).await? {
+        End::Stopped => return Ok(()),
+        End::Ended if config.playback.looped => {
+            again.0.store(matches!(config.source, SourceSpec::Fakenect(_)), Ordering::Relaxed);
+            return Ok(());
+        }
+        End::Ended => {}
+    }
+    let n_frames = health.frames.load(Ordering::Relaxed);
+    tracing::info!("the recording has ended after {n_frames} frames");
+    health.set_state(ProcessState::Idle, "the recording has ended");
+    loop {
+        health.tick();
+        tokio::select! {
+            () = shutdown.requested() => return Ok(()),
+            () = tokio::time::sleep(Duration::from_millis(500)) => {}
+        }
+    }
+}
+
+/// Whether the source is there and can be played, without playing it.
+///
+/// # Errors
+/// When it can not; a device may come later and is not looked for.
+pub fn check_source(config: &Config) -> Result<(), Failure> {
+    let checked = match &config.source {
+        SourceSpec::Fakenect(folder) => {
+            freenect::check_recording(folder).map(drop).map_err(|error| error.to_string())
+        }
+        SourceSpec::Kinect => Ok(()),
+        _ => source::open(&config.source, &config.playback).map(drop).map_err(|e| e.to_string()),
+    };
+    checked.map_err(|sentence| Failure::new(exit_code::USAGE, sentence))
+}
+
+/// Captures on a thread of its own: devices block, and a Kinect stays on the
+/// thread that opened it.
+async fn capture(context: Context, config: &Config) -> Result<End, Failure> {
+    let (sender, ended) = oneshot::channel();
+    let (config, runtime) = (config.clone(), Handle::current());
+    let spawned = std::thread::Builder::new().name("capture".into()).spawn(move || {
+        let _ = sender.send(play(context, &config, runtime));
+    });
+    let failed = |sentence: String| Failure::new(exit_code::FAILURE, sentence);
+    spawned.map_err(|error| failed(format!("could not start the capture thread: {error}")))?;
+    ended.await.map_err(|_| failed("the capture thread has panicked".into()))?
+}
+
+fn play(context: Context, config: &Config, runtime: Handle) -> Result<End, Failure> {
+    let opened = source::open(&config.source, &config.playback);
+    let source = opened.map_err(|error| Failure::new(exit_code::USAGE, error))?;
+    let rate = match source.rate_hz() {
+        _ if config.lockstep => "in lockstep".into(),
+        Some(rate_hz) => format!("at {rate_hz} Hz"),
+        None => "at its own rate".into(),
+    };
+    tracing::info!("playing {} {rate}", source.name());
+    Capture::new(context, config, source, runtime)?.run()
+}

@@ -1,0 +1,168 @@
+//! Sources behind one trait.
+
+mod error;
+mod kinect;
+mod rgbd;
+mod scenes;
+mod spec;
+mod synthetic_table;
+
+pub use error::SourceError;
+pub use spec::SourceSpec;
+
+use geometry::{PinholeCamera, RigidTransform};
+use nalgebra::{Unit, Vector3};
+use point_cloud::Point;
+
+/// How a source is played.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Playback {
+    /// Frames per second; `None` for the source's own.
+    pub rate_hz: Option<f64>,
+    /// Whether it begins again at its end.
+    pub looped: bool,
+    /// First frame; `None` for the first there is.
+    pub from: Option<usize>,
+    /// Frame before which it ends; `None` for the end there is.
+    pub to: Option<usize>,
+}
+
+/// Columns and rows of a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FrameSize {
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+}
+
+impl FrameSize {
+    /// Number of points.
+    pub fn n_points(self) -> usize {
+        self.width * self.height
+    }
+}
+
+/// What a source says about a frame it has filled.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FrameInfo {
+    /// Intrinsics and size.
+    pub camera: PinholeCamera,
+    /// Whether the intrinsics belong to this camera or are nominal.
+    pub is_calibrated: bool,
+    /// Pose of the camera, when known.
+    pub world_from_camera: Option<RigidTransform>,
+    /// Direction against gravity, when known.
+    pub up_in_camera: Option<Unit<Vector3<f64>>>,
+    /// Number of the frame in its recording.
+    pub source_frame: usize,
+    /// When a live sensor captured the frame, monotonic; `None` for recordings.
+    pub captured_ns: Option<u64>,
+}
+
+/// A camera, live or recorded.
+pub trait Source {
+    /// What people call it.
+    fn name(&self) -> &str;
+
+    /// Frames per second it wants to be played at; `None` for a live sensor,
+    /// whose frames are sent as they come.
+    fn rate_hz(&self) -> Option<f64>;
+
+    /// Gets the next frame ready and says how large it is; `None` at the end.
+    ///
+    /// # Errors
+    /// When a frame can not be used (the next call goes on behind it), or the
+    /// device is gone.
+    fn prepare(&mut self) -> Result<Option<FrameSize>, SourceError>;
+
+    /// Writes the prepared frame, every point of it; `points` has the prepared size.
+    ///
+    /// # Errors
+    /// As [`prepare`](Self::prepare).
+    fn fill(&mut self, points: &mut [Point]) -> Result<FrameInfo, SourceError>;
+}
+
+/// Opens a source.
+///
+/// # Errors
+/// When the folder is not there or holds nothing usable, or the device can not
+/// be opened.
+pub(crate) fn open(spec: &SourceSpec, playback: &Playback) -> Result<Box<dyn Source>, SourceError> {
+    match spec {
+        SourceSpec::Synthetic(arrangement) => {
+            Ok(Box::new(synthetic_table::Synthetic::new(*arrangement, playback)))
+        }
+        SourceSpec::Kinect => Ok(Box::new(kinect::KinectSource::real()?)),
+        SourceSpec::Fakenect(folder) => Ok(Box::new(kinect::KinectSource::fake(folder)?)),
+        SourceSpec::Folder(folder) => match dataset::detect_kind(folder) {
+            Ok(dataset::RecordingKind::PcdScenes) => Ok(Box::new(scenes::Scenes::open(folder, playback)?)),
+            Ok(dataset::RecordingKind::RgbdSequence) => {
+                Ok(Box::new(rgbd::Sequence::open(folder, playback)?))
+            }
+            Ok(dataset::RecordingKind::Fakenect) => Err(SourceError::Unusable(format!(
+                "{0} is a recording of libfreenect; play it with --source fakenect:{0}",
+                folder.display()
+            ))),
+            Err(error) => Err(SourceError::Unusable(error.to_string())),
+        },
+    }
+}
+
+/// The frames of a recording that are played, in turn.
+#[derive(Debug, Clone)]
+struct Frames {
+    from: usize,
+    to: usize,
+    next: usize,
+    looped: bool,
+}
+
+impl Frames {
+    /// The frames of `playback` among the `n_frames` there are.
+    fn new(n_frames: usize, playback: &Playback) -> Result<Self, SourceError> {
+        let from = playback.from.unwrap_or(0);
+        let to = playback.to.unwrap_or(n_frames).min(n_frames);
+        if from >= to {
+            return Err(SourceError::Unusable(format!(
+                "there is no frame from {from} on: the recording has {n_frames} frames, 0 to {}",
+                n_frames.saturating_sub(1)
+            )));
+        }
+        Ok(Self { from, to, next: from, looped: playback.looped })
+    }
+
+    fn advance(&mut self) -> Option<usize> {
+        if self.next == self.to && self.looped {
+            self.next = self.from;
+        }
+        let frame = self.next;
+        (frame < self.to).then(|| {
+            self.next += 1;
+            frame
+        })
+    }
+
+    fn len(&self) -> usize {
+        self.to - self.from
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_are_played_from_inclusive_to_exclusive() {
+        let played = |playback: Playback, n| -> Vec<usize> {
+            let mut frames = Frames::new(5, &playback).unwrap();
+            std::iter::from_fn(|| frames.advance()).take(n).collect()
+        };
+        let part = Playback { from: Some(1), to: Some(3), ..Playback::default() };
+        assert_eq!(played(part, 9), [1, 2]);
+        assert_eq!(played(Playback { looped: true, ..part }, 5), [1, 2, 1, 2, 1]);
+        assert_eq!(played(Playback::default(), 9), [0, 1, 2, 3, 4]);
+        assert!(Frames::new(5, &Playback { from: Some(5), ..part }).is_err());
+        assert!(Frames::new(0, &Playback::default()).is_err());
+    }
+}

@@ -1,0 +1,111 @@
+//! A Kinect, real or played by fakenect, as a source.
+
+use super::{FrameInfo, FrameSize, Source, SourceError};
+use freenect::{Calibration, CloudBuilder, Error, Kinect, Library, LibraryKind, Selector};
+use point_cloud::Point;
+use service::monotonic_ns;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// A sensor that sends nothing for this long is taken as gone.
+const SILENCE: Duration = Duration::from_secs(3);
+
+/// The device, opened again whenever it has gone away.
+pub(super) struct KinectSource {
+    name: String,
+    library: Arc<Library>,
+    kinect: Option<Kinect>,
+    builder: CloudBuilder,
+    calibration: Calibration,
+    n_frames: usize,
+}
+
+impl KinectSource {
+    pub(super) fn real() -> Result<Self, SourceError> {
+        Self::new("kinect".into(), LibraryKind::Real)
+    }
+
+    /// The folder is known to the library by the process's environment.
+    pub(super) fn fake(folder: &Path) -> Result<Self, SourceError> {
+        Self::new(format!("fakenect:{}", folder.display()), LibraryKind::Fake)
+    }
+
+    fn new(name: String, kind: LibraryKind) -> Result<Self, SourceError> {
+        let unusable = |error: &dyn std::error::Error| SourceError::Unusable(error.to_string());
+        let calibration = Calibration::nominal();
+        Ok(Self {
+            name,
+            library: Arc::new(Library::load(kind).map_err(|e| unusable(&e))?),
+            kinect: None,
+            builder: CloudBuilder::new(&calibration).map_err(|e| unusable(&e))?,
+            calibration,
+            n_frames: 0,
+        })
+    }
+
+    /// The sensor's error as the source's; whatever it was, the device is closed.
+    fn closed(&mut self, error: &Error) -> SourceError {
+        self.kinect = None;
+        match error {
+            Error::NoKinect { .. }
+            | Error::CannotOpen { .. }
+            | Error::CallFailed { .. }
+            | Error::Gone { .. }
+            | Error::UsbUnavailable { .. } => SourceError::Gone(error.to_string()),
+            _ => SourceError::Unusable(error.to_string()),
+        }
+    }
+
+    fn open(&mut self) -> Result<(), SourceError> {
+        if self.kinect.is_none() {
+            let opened = Kinect::open(self.library.clone(), &Selector::Index(0));
+            self.kinect = Some(opened.map_err(|error| self.closed(&error))?);
+        }
+        Ok(())
+    }
+}
+
+impl Source for KinectSource {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn rate_hz(&self) -> Option<f64> {
+        None
+    }
+
+    fn prepare(&mut self) -> Result<Option<FrameSize>, SourceError> {
+        self.open()?;
+        Ok(Some(FrameSize { width: freenect::WIDTH, height: freenect::HEIGHT }))
+    }
+
+    fn fill(&mut self, points: &mut [Point]) -> Result<FrameInfo, SourceError> {
+        let Self { kinect, builder, .. } = self;
+        let Some(kinect) = kinect else {
+            return Err(SourceError::Gone("the Kinect is not open".into()));
+        };
+        let filled = match kinect.next_frame(SILENCE) {
+            Ok(Some(frame)) => builder
+                .fill(frame.depth.pixels, frame.video.pixels, points)
+                .map(|_| frame.depth.arrived.elapsed())
+                .map_err(|error| SourceError::Unusable(error.to_string())),
+            Ok(None) => Err(SourceError::Gone(
+                "the Kinect sends no images; check its power supply and its USB port".into(),
+            )),
+            Err(Error::Ended) => return Err(SourceError::Ended),
+            Err(error) => return Err(self.closed(&error)),
+        };
+        let since_arrival = filled.inspect_err(|_| self.kinect = None)?;
+        let source_frame = self.n_frames;
+        self.n_frames += 1;
+        Ok(FrameInfo {
+            camera: self.calibration.depth_camera,
+            is_calibrated: false,
+            world_from_camera: None,
+            up_in_camera: None,
+            source_frame,
+            captured_ns: Some(monotonic_ns().saturating_sub(since_arrival.as_nanos() as u64)),
+        })
+    }
+}

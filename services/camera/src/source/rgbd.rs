@@ -1,0 +1,90 @@
+//! An RGB-D sequence as a source.
+
+use super::{FrameInfo, FrameSize, Frames, Playback, Source, SourceError};
+use dataset::rgbd_sequence::{RgbdSequence, Scratch};
+use point_cloud::Point;
+use std::path::Path;
+
+const DEFAULT_RATE_HZ: f64 = 30.0;
+
+/// Plays the frames of a sequence with their camera poses.
+pub(super) struct Sequence {
+    sequence: RgbdSequence,
+    name: String,
+    rate_hz: f64,
+    frames: Frames,
+    scratch: Scratch,
+    prepared: usize,
+    n_refused_in_a_row: usize,
+}
+
+impl Sequence {
+    pub(super) fn open(folder: &Path, playback: &Playback) -> Result<Self, SourceError> {
+        let sequence =
+            RgbdSequence::open(folder).map_err(|e| SourceError::Unusable(e.to_string()))?;
+        let n_points = sequence.camera().n_pixels();
+        let max = channel::topic::MAX_FRAME_POINTS;
+        if n_points > max {
+            let sentence =
+                format!("the frames of {} have {n_points} points, and at most {max} can be sent", folder.display());
+            return Err(SourceError::Unusable(sentence));
+        }
+        Ok(Self {
+            frames: Frames::new(sequence.n_frames(), playback)?,
+            sequence,
+            name: folder.display().to_string(),
+            rate_hz: playback.rate_hz.unwrap_or(DEFAULT_RATE_HZ),
+            scratch: Scratch::default(),
+            prepared: 0,
+            n_refused_in_a_row: 0,
+        })
+    }
+
+    fn refuse(&mut self, cause: String) -> SourceError {
+        self.n_refused_in_a_row += 1;
+        let name = self.sequence.name(self.prepared).unwrap_or_default();
+        if self.n_refused_in_a_row < self.frames.len() {
+            return SourceError::Frame { frame: name.to_owned(), cause };
+        }
+        SourceError::Unusable(format!(
+            "none of the {} frames of {} can be played; the last one, {name}: {cause}",
+            self.frames.len(),
+            self.name
+        ))
+    }
+}
+
+impl Source for Sequence {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn rate_hz(&self) -> Option<f64> {
+        Some(self.rate_hz)
+    }
+
+    fn prepare(&mut self) -> Result<Option<FrameSize>, SourceError> {
+        let Some(frame) = self.frames.advance() else { return Ok(None) };
+        self.prepared = frame;
+        let camera = self.sequence.camera();
+        Ok(Some(FrameSize { width: camera.width as usize, height: camera.height as usize }))
+    }
+
+    fn fill(&mut self, points: &mut [Point]) -> Result<FrameInfo, SourceError> {
+        let filled = self.sequence.fill(self.prepared, &mut self.scratch, points);
+        let world_from_camera = filled.map_err(|error| self.refuse(error.to_string()))?;
+        self.n_refused_in_a_row = 0;
+        let down_in_world = self.sequence.gravity_in_world();
+        let up_in_camera = world_from_camera
+            .zip(down_in_world)
+            .map(|(world_from_camera, down)| world_from_camera.rotation.inverse() * -down);
+        Ok(FrameInfo {
+            camera: *self.sequence.camera(),
+            is_calibrated: true,
+            world_from_camera,
+            up_in_camera,
+            source_frame: self.prepared,
+            captured_ns: None,
+        })
+    }
+}

@@ -1,0 +1,56 @@
+//! What is written behind `--source`.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+/// A source as named on the command line.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum SourceSpec {
+    /// The synthetic table with an arrangement's number.
+    Synthetic(u32),
+    /// A Kinect.
+    Kinect,
+    /// A recording played by fakenect.
+    Fakenect(PathBuf),
+    /// A folder of scenes or of an RGB-D sequence.
+    Folder(PathBuf),
+}
+
+impl FromStr for SourceSpec {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match (text, text.split_once(':')) {
+            ("", _) => Err("the source is empty; say synthetic, kinect, fakenect:FOLDER or a folder".into()),
+            ("synthetic", _) => Ok(Self::Synthetic(0)),
+            ("kinect", _) => Ok(Self::Kinect),
+            (_, Some(("synthetic", number))) => match number.parse() {
+                Ok(arrangement) => Ok(Self::Synthetic(arrangement)),
+                Err(_) => Err(format!("synthetic:{number} needs a number, for example synthetic:1")),
+            },
+            (_, Some(("fakenect", ""))) | ("fakenect", _) => {
+                Err("fakenect needs the folder of a recording: fakenect:FOLDER".into())
+            }
+            (_, Some(("fakenect", folder))) => Ok(Self::Fakenect(folder.into())),
+            _ => Ok(Self::Folder(text.into())),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_kind_of_source_has_its_word() {
+        let parse = str::parse::<SourceSpec>;
+        assert_eq!(parse("synthetic"), Ok(SourceSpec::Synthetic(0)));
+        assert_eq!(parse("synthetic:3"), Ok(SourceSpec::Synthetic(3)));
+        assert_eq!(parse("kinect"), Ok(SourceSpec::Kinect));
+        assert_eq!(parse("fakenect:a/b"), Ok(SourceSpec::Fakenect("a/b".into())));
+        assert_eq!(parse("./kinect"), Ok(SourceSpec::Folder("./kinect".into())));
+        for wrong in ["", "synthetic:", "synthetic:-1", "fakenect", "fakenect:"] {
+            assert!(parse(wrong).is_err(), "{wrong}");
+        }
+    }
+}

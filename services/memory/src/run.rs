@@ -1,0 +1,85 @@
+//! The process.
+
+use crate::announcer::Announcer;
+use crate::answer::Answerer;
+use crate::config::Config;
+use crate::control;
+use crate::process_table::ProcessTable;
+use crate::scene_follower::SceneFollower;
+use channel::control::Client;
+use message::{ProcessKind, ProcessState};
+use service::{Context, Failure, HealthBoard, exit_code, wall_clock_ns};
+use std::sync::Arc;
+use std::time::Duration;
+use store::{OpenReport, StoreConfig, StoreHandle, StoreThread};
+use tokio::sync::watch;
+
+/// How often the store is asked whether it still answers.
+const PROBE: Duration = Duration::from_millis(500);
+
+/// Answers until shutdown.
+///
+/// # Errors
+/// When the store can not be opened or shared memory fails.
+pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure> {
+    let failed = |error: store::Error| Failure::new(exit_code::FAILURE, error);
+    let folder = context.home.perceptual_memory();
+    let (thread, store, report) = StoreThread::start(StoreConfig {
+        folder,
+        queue_capacity: config.queue_requests,
+        wall_clock: || wall_clock_ns().max(0) as u64,
+        on_reopened: Box::new({
+            let health = context.health.clone();
+            move |opened| match opened {
+                Ok(report) => tell(&health, report),
+                Err(error) => tracing::error!("the memory could not be opened again: {error}"),
+            }
+        }),
+    })
+    .map_err(failed)?;
+    tell(&context.health, &report);
+    let position = store.read_and_wait(|memory| Ok(memory.position())).map_err(failed)?;
+    let (position, positions) = watch::channel(position);
+    let domain = &context.domain;
+    let processes = Arc::new(ProcessTable::new(domain)?);
+    let answerer = Answerer {
+        store: store.clone(),
+        perception: Client::new(domain, ProcessKind::Perception)?,
+        processes: processes.clone(),
+        position,
+    };
+    let announcer = Announcer::new(domain, positions)?;
+    let follower = SceneFollower::new(domain, context.health.clone())?;
+    tokio::select! {
+        served = control::serve(domain, answerer) => served?,
+        () = announcer.run() => {}
+        () = follower.run() => {}
+        () = probe(&store, &context.health, &processes) => {}
+        () = context.shutdown.requested() => {}
+    }
+    thread.stop().map_err(failed)
+}
+
+/// Says what was found when the store was opened, loudly when something is lost.
+fn tell(health: &HealthBoard, report: &OpenReport) {
+    if report.is_loss() {
+        tracing::error!("{report}");
+        health.set_state(ProcessState::Degraded, &report.to_string());
+    } else {
+        tracing::info!("{report}");
+        health.set_state(ProcessState::Ready, "");
+    }
+}
+
+/// Makes progress visible: a round trip through the store's queue.
+async fn probe(store: &StoreHandle, health: &HealthBoard, processes: &ProcessTable) {
+    loop {
+        let (sender, answered) = tokio::sync::oneshot::channel();
+        store.read(|memory| Ok(memory.sequence()), move |answer| drop(sender.send(answer)));
+        if answered.await.is_ok() {
+            health.tick();
+        }
+        processes.refresh();
+        tokio::time::sleep(PROBE).await;
+    }
+}

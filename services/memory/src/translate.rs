@@ -1,0 +1,158 @@
+//! Between the control protocol's types and the store's.
+
+use geometry::OrientedBox;
+use learning::CategoryName;
+use message::WirePose;
+use message::control::{
+    CategoryReport, ChangesPage, LearnedChange, LearnedView, Refusal, RefusalKind, SnapshotPage,
+    StoredView, ViewId,
+};
+use nalgebra::Vector3;
+use store::{Change, Changes, Descriptor, Error, LabelledView, NameChange, View, ViewKey};
+
+/// A category's name as people write it.
+pub(crate) fn category(name: &str) -> Result<CategoryName, Refusal> {
+    CategoryName::new(name).map_err(|error| Refusal::new(RefusalKind::Invalid, error.to_string()))
+}
+
+/// The change that stores key views.
+pub(crate) fn store_views(views: Vec<StoredView>) -> Result<Change, Refusal> {
+    views.into_iter().map(view).collect::<Result<_, _>>().map(Change::StoreViews)
+}
+
+fn view(view: StoredView) -> Result<View, Refusal> {
+    let refused = |rule: &str| {
+        let ViewId { track_id, view_id } = view.id;
+        let sentence = format!("view {view_id} of track {track_id} can not be stored: {rule}");
+        Refusal::new(RefusalKind::Invalid, sentence)
+    };
+    let pose = WirePose { position_m: view.position_m, orientation_xyzw: view.orientation_xyzw };
+    let frame_from_box = pose.checked().ok_or_else(|| refused("its pose is not a pose"))?;
+    let values = f32_values(&view.descriptor)
+        .ok_or_else(|| refused("its descriptor is not a list of 32-bit numbers"))?;
+    Ok(View {
+        key: ViewKey { track_id: view.id.track_id, view_id: view.id.view_id },
+        descriptor: Descriptor { kind: view.descriptor_kind, values },
+        box_in_world: OrientedBox {
+            frame_from_box,
+            half_sides_m: Vector3::from(view.size_m) / 2.0,
+        },
+        captured_ns: view.captured_ns.max(0) as u64,
+        frame_sequence: view.frame_sequence,
+        source: view.source_name,
+        points: None,
+    })
+}
+
+fn f32_values(bytes: &[u8]) -> Option<Vec<f32>> {
+    let (values, rest) = bytes.as_chunks::<4>();
+    rest.is_empty().then(|| values.iter().map(|value| f32::from_le_bytes(*value)).collect())
+}
+
+fn learned(view: LabelledView) -> LearnedView {
+    LearnedView {
+        id: view_id(view.view),
+        category: view.category.as_str().to_owned(),
+        descriptor_kind: view.descriptor.kind,
+        descriptor: view.descriptor.values.iter().flat_map(|value| value.to_le_bytes()).collect(),
+    }
+}
+
+fn view_id(key: ViewKey) -> ViewId {
+    ViewId { track_id: key.track_id, view_id: key.view_id }
+}
+
+/// A page of labelled views.
+pub(crate) fn snapshot(page: store::SnapshotPage) -> SnapshotPage {
+    SnapshotPage {
+        store_id: page.position.store_id.0,
+        sequence: page.position.sequence,
+        views: page.views.into_iter().map(learned).collect(),
+        next: page.next.map(view_id),
+    }
+}
+
+/// A page of changes since `since`.
+pub(crate) fn changes(since: u64, changes: Changes) -> ChangesPage {
+    let Changes::Entries { entries, last_sequence } = changes else { return ChangesPage::Reload };
+    let up_to = entries.last().map_or(since, |entry| entry.sequence);
+    let change = |change| match change {
+        NameChange::Assigned(view) => LearnedChange::Assigned(learned(view)),
+        NameChange::Unassigned(key) => LearnedChange::Unassigned(view_id(key)),
+    };
+    let changes = entries.into_iter().flat_map(|entry| entry.names).map(change).collect();
+    ChangesPage::Changes { up_to, changes, more: up_to < last_sequence }
+}
+
+/// A category's size.
+pub(crate) fn category_report(summary: &store::CategorySummary) -> CategoryReport {
+    CategoryReport {
+        category: summary.name.as_str().to_owned(),
+        n_views: summary.n_views,
+        bytes: summary.n_bytes,
+        last_taught_ns: summary.last_taught_ns as i64,
+    }
+}
+
+/// The store's refusal or failure, for the one who asked.
+pub(crate) fn refusal(error: &Error) -> Refusal {
+    use store::Refusal as Reason;
+    let kind = match error {
+        Error::Refused(Reason::NoViews { .. } | Reason::UnknownCategory { .. }) => {
+            RefusalKind::NotFound
+        }
+        Error::Refused(Reason::LabelledOtherwise { .. } | Reason::ViewDiffers { .. }) => {
+            RefusalKind::Conflict
+        }
+        Error::Refused(_) => RefusalKind::Invalid,
+        Error::QueueFull { .. } | Error::Failed { .. } | Error::Stopped => RefusalKind::Unavailable,
+        _ => RefusalKind::Internal,
+    };
+    Refusal::new(kind, error.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sent() -> StoredView {
+        StoredView {
+            id: ViewId { track_id: 7, view_id: 2 },
+            descriptor_kind: "good".into(),
+            descriptor: [1.0f32, 0.25].iter().flat_map(|v| v.to_le_bytes()).collect(),
+            position_m: [0.1, 0.2, 0.3],
+            orientation_xyzw: [0.0, 0.0, 0.0, 1.0],
+            size_m: [0.1, 0.1, 0.2],
+            captured_ns: 5,
+            frame_sequence: 9,
+            source_name: "test".into(),
+        }
+    }
+
+    #[test]
+    fn a_view_keeps_its_numbers() {
+        let view = view(sent()).unwrap();
+        assert_eq!(view.descriptor.values, [1.0, 0.25]);
+        assert!((view.box_in_world.half_sides_m.z - 0.1).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_view_of_wrong_numbers_is_refused_with_its_name() {
+        for wrong in [
+            StoredView { descriptor: vec![1, 2, 3], ..sent() },
+            StoredView { orientation_xyzw: [0.0; 4], ..sent() },
+            StoredView { position_m: [f64::NAN; 3], ..sent() },
+        ] {
+            let refusal = view(wrong).unwrap_err();
+            assert!(refusal.sentence.contains("track 7"), "{refusal}");
+        }
+    }
+
+    #[test]
+    fn labels_people_should_not_use_are_refused() {
+        for wrong in ["", "  ", "mu\u{7}g", &"x".repeat(300)] {
+            assert_eq!(category(wrong).unwrap_err().kind, RefusalKind::Invalid);
+        }
+        assert!(category("coffee mug").is_ok());
+    }
+}

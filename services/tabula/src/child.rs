@@ -1,0 +1,177 @@
+//! One process of the daemon as a child.
+
+use actor::{RestartHistory, RestartPolicy, Verdict};
+use message::ProcessKind;
+use rustix::process::{Pid, Signal, kill_process};
+use service::{CommonArguments, Failure, exit_code};
+use std::os::fd::AsFd;
+use std::os::unix::process::CommandExt;
+use std::path::PathBuf;
+use std::process::{Child as OsChild, Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+
+/// Restarts of one process: from 50 ms on, at most 30 in a minute.
+const MAX_RESTARTS: u32 = 30;
+const WINDOW: Duration = Duration::from_secs(60);
+const FIRST_BACKOFF: Duration = Duration::from_millis(50);
+const LONGEST_BACKOFF: Duration = Duration::from_secs(1);
+
+/// A child that is started again when it ends.
+pub(crate) struct Child {
+    process: ProcessKind,
+    arguments: Vec<String>,
+    state: State,
+    history: RestartHistory,
+}
+
+enum State {
+    Running(OsChild),
+    Waiting { until: Instant },
+}
+
+impl Child {
+    /// Starts a process.
+    pub(crate) fn start(process: ProcessKind, arguments: Vec<String>) -> Result<Self, Failure> {
+        let policy =
+            RestartPolicy::new(MAX_RESTARTS, WINDOW, FIRST_BACKOFF, LONGEST_BACKOFF)
+                .map_err(|error| Failure::new(exit_code::FAILURE, error))?;
+        let state = State::Running(spawn(process, &arguments)?);
+        Ok(Self { process, arguments, state, history: RestartHistory::new(policy) })
+    }
+
+    /// Process id, while it runs.
+    pub(crate) fn pid(&self) -> Option<u32> {
+        match &self.state {
+            State::Running(child) => Some(child.id()),
+            State::Waiting { .. } => None,
+        }
+    }
+
+    /// Looks after the process: starts it again when it has ended.
+    ///
+    /// # Errors
+    /// When it can not go on: wrong arguments, or too many restarts.
+    pub(crate) fn look_after(&mut self, say: impl Fn(&str)) -> Result<(), Failure> {
+        match &mut self.state {
+            State::Running(child) => match child.try_wait() {
+                Ok(Some(status)) => self.ended(status, say),
+                _ => Ok(()),
+            },
+            State::Waiting { until } if *until <= Instant::now() => {
+                self.state = State::Running(spawn(self.process, &self.arguments)?);
+                say(&format!("{} was started again", self.process.program()));
+                Ok(())
+            }
+            State::Waiting { .. } => Ok(()),
+        }
+    }
+
+    fn ended(&mut self, status: ExitStatus, say: impl Fn(&str)) -> Result<(), Failure> {
+        let program = self.process.program();
+        if let Some(code @ (exit_code::USAGE | exit_code::ALREADY_RUNNING)) =
+            status.code().and_then(|code| u8::try_from(code).ok())
+        {
+            return Err(Failure::new(code, format!("{program} can not run, see its message above")));
+        }
+        match self.history.on_failure(Instant::now()) {
+            Verdict::Restart { after } => {
+                say(&format!("{program} has ended ({status}); starting it again in {after:?}"));
+                self.state = State::Waiting { until: Instant::now() + after };
+                Ok(())
+            }
+            Verdict::GiveUp => Err(Failure::new(
+                exit_code::FAILURE,
+                format!(
+                    "{program} has ended more than {MAX_RESTARTS} times within {} s ({status}); \
+                     see its messages above, and try: tabula doctor",
+                    WINDOW.as_secs()
+                ),
+            )),
+        }
+    }
+
+    /// Asks the process to stop.
+    pub(crate) fn ask_to_stop(&self) {
+        if let State::Running(child) = &self.state
+            && let Some(pid) = Pid::from_raw(child.id().cast_signed())
+        {
+            let _ = kill_process(pid, Signal::TERM);
+        }
+    }
+
+    /// Whether the process has ended.
+    pub(crate) fn has_ended(&mut self) -> bool {
+        match &mut self.state {
+            State::Running(child) => !matches!(child.try_wait(), Ok(None)),
+            State::Waiting { .. } => true,
+        }
+    }
+
+    /// Ends the process without asking.
+    pub(crate) fn kill(&mut self) {
+        if let State::Running(child) = &mut self.state {
+            let _ = child.kill();
+            let _ = child.wait();
+        }
+    }
+}
+
+/// Arguments that all processes of one daemon share.
+pub(crate) fn common_arguments(common: &CommonArguments) -> Vec<String> {
+    let mut arguments = vec![format!("--domain={}", common.domain)];
+    arguments.push(format!("--home={}", common.home().path().display()));
+    if let Some(config) = &common.config {
+        arguments.push(format!("--config={}", config.display()));
+    }
+    arguments
+}
+
+/// Runs a process with `--check-config` to its end.
+pub(crate) fn check(process: ProcessKind, arguments: &[String]) -> Result<(), Failure> {
+    let status = command(process)?.args(arguments).arg("--check-config").status();
+    match status.map_err(|error| not_startable(process, &error))? {
+        status if status.success() => Ok(()),
+        status => Err(Failure::new(
+            status.code().and_then(|code| u8::try_from(code).ok()).unwrap_or(exit_code::FAILURE),
+            format!("{} can not run, see its message above", process.program()),
+        )),
+    }
+}
+
+fn spawn(process: ProcessKind, arguments: &[String]) -> Result<OsChild, Failure> {
+    let mut command = command(process)?;
+    command.args(arguments).arg("--follow-parent");
+    // A group of its own: Ctrl-C reaches the parent only, which stops all in order.
+    command.process_group(0);
+    command.spawn().map_err(|error| not_startable(process, &error))
+}
+
+/// The program beside this one. What it prints belongs to the log.
+fn command(process: ProcessKind) -> Result<Command, Failure> {
+    let mut command = Command::new(program(process)?);
+    command.stdin(Stdio::null());
+    if let Ok(log) = std::io::stderr().as_fd().try_clone_to_owned() {
+        command.stdout(log);
+    }
+    Ok(command)
+}
+
+fn program(process: ProcessKind) -> Result<PathBuf, Failure> {
+    let own = std::env::current_exe().map_err(|error| not_startable(process, &error))?;
+    let program = own.with_file_name(process.program());
+    if program.exists() {
+        return Ok(program);
+    }
+    Err(Failure::new(
+        exit_code::FAILURE,
+        format!(
+            "{} is not there; build all programs with: cargo build --release --workspace --bins",
+            program.display()
+        ),
+    ))
+}
+
+fn not_startable(process: ProcessKind, error: &std::io::Error) -> Failure {
+    let sentence = format!("{} could not be started: {error}", process.program());
+    Failure::new(exit_code::FAILURE, sentence)
+}

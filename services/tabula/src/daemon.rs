@@ -1,0 +1,164 @@
+//! `tabula run`: the whole daemon as children of one process.
+
+use crate::arguments::RunArguments;
+use crate::child::{self, Child};
+use crate::objects::{call, connect};
+use crate::output::Output;
+use crate::stop_signal::StopSignal;
+use channel::{Domain, Role, RunFolder};
+use message::ProcessKind;
+use message::control::{Command, Reply};
+use serde::Serialize;
+use service::{CommonArguments, Failure};
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+/// How often the children are looked after.
+const LOOK: Duration = Duration::from_millis(20);
+/// How often it is asked whether the daemon is ready.
+const ASK_READY: Duration = Duration::from_millis(200);
+/// Time the children get to stop; what is left to the promised 5 s is for their end.
+const STOP_TIME: Duration = Duration::from_secs(4);
+
+/// What was started, for scripts.
+#[derive(Serialize)]
+struct StartedDocument {
+    domain: String,
+    home: String,
+    run_folder: String,
+    processes: Vec<StartedProcess>,
+}
+
+#[derive(Serialize)]
+struct StartedProcess {
+    process: &'static str,
+    pid: Option<u32>,
+}
+
+/// Runs the daemon until it is asked to stop or can not go on.
+pub(crate) fn run(
+    common: &CommonArguments,
+    run: &RunArguments,
+    output: &Output,
+) -> Result<ExitCode, Failure> {
+    let arguments = |process| {
+        let mut all = child::common_arguments(common);
+        if process == ProcessKind::Camera {
+            all.extend(run.for_camera());
+        }
+        all
+    };
+    for process in ProcessKind::ALL {
+        child::check(process, &arguments(process))?;
+    }
+    if run.check_config {
+        output.say("the configuration and the arguments are in order");
+        return Ok(ExitCode::SUCCESS);
+    }
+    let stop = StopSignal::install()?;
+    // Membership until all children have gone: then nothing is left, even of
+    // those that were killed.
+    let domain = Domain::join(&common.domain, &RunFolder::of_user(), Role::Guest)?;
+    let mut children = Vec::new();
+    let outcome = start_all(&mut children, arguments)
+        .and_then(|()| keep_running(&mut children, common, &domain, &stop, output));
+    output.say("stopping");
+    stop_all(&mut children);
+    outcome.map(|()| ExitCode::SUCCESS)
+}
+
+fn start_all(
+    children: &mut Vec<Child>,
+    arguments: impl Fn(ProcessKind) -> Vec<String>,
+) -> Result<(), Failure> {
+    for process in ProcessKind::ALL {
+        children.push(Child::start(process, arguments(process))?);
+    }
+    Ok(())
+}
+
+fn keep_running(
+    children: &mut [Child],
+    common: &CommonArguments,
+    domain: &Domain,
+    stop: &StopSignal,
+    output: &Output,
+) -> Result<(), Failure> {
+    let mut is_announced = false;
+    let mut next_question = Instant::now();
+    while !stop.is_raised() {
+        for child in &mut *children {
+            child.look_after(|text| output.say(text))?;
+        }
+        if !is_announced && next_question <= Instant::now() {
+            is_announced = is_ready(common);
+            next_question = Instant::now() + ASK_READY;
+            if is_announced {
+                announce(children, common, domain, output);
+            }
+        }
+        stop.sleep(LOOK);
+    }
+    Ok(())
+}
+
+/// Whether every process has said that it works.
+fn is_ready(common: &CommonArguments) -> bool {
+    let health = connect(common).and_then(|mut client| call(&mut client, Command::Health));
+    let Ok(Reply::Health(processes)) = health else { return false };
+    let works = |process: &ProcessKind| {
+        processes.iter().any(|report| {
+            report.process == process.name() && !["starting", "stopping"].contains(&&*report.state)
+        })
+    };
+    ProcessKind::ALL.iter().all(works)
+}
+
+fn announce(children: &[Child], common: &CommonArguments, domain: &Domain, output: &Output) {
+    let home = common.home();
+    let document = StartedDocument {
+        domain: domain.name().to_string(),
+        home: home.path().display().to_string(),
+        run_folder: domain.folder().display().to_string(),
+        processes: ProcessKind::ALL
+            .into_iter()
+            .zip(children)
+            .map(|(process, child)| StartedProcess { process: process.name(), pid: child.pid() })
+            .collect(),
+    };
+    output.answer(&document, || announcement(&document));
+}
+
+fn announcement(document: &StartedDocument) -> String {
+    let StartedDocument { domain, home, run_folder, processes } = document;
+    let started: Vec<String> = processes
+        .iter()
+        .map(|StartedProcess { process, pid }| {
+            format!("tabula-{process} ({})", pid.map_or("-".into(), |pid| pid.to_string()))
+        })
+        .collect();
+    let option = if domain == "default" { String::new() } else { format!(" --domain {domain}") };
+    format!(
+        "tabula is running: {started}\n\
+         domain {domain}, data in {home}, run folder {run_folder}\n\
+         In a second terminal try:\n\
+         \x20 tabula{option} objects --watch     see the tracked objects live\n\
+         \x20 tabula{option} teach 3 mug         teach the name of track 3\n\
+         \x20 tabula{option} ask 3               ask what track 3 is\n\
+         \x20 tabula{option} doctor              check this machine\n\
+         Ctrl-C stops everything.",
+        started = started.join(", ")
+    )
+}
+
+/// Stops the sensor first, then what works on its frames.
+fn stop_all(children: &mut [Child]) {
+    for child in children.iter().rev() {
+        child.ask_to_stop();
+    }
+    let deadline = Instant::now() + STOP_TIME;
+    while Instant::now() < deadline && !children.iter_mut().all(Child::has_ended) {
+        std::thread::sleep(LOOK);
+    }
+    children.iter_mut().for_each(Child::kill);
+}

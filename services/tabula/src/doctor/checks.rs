@@ -1,0 +1,190 @@
+//! The checks.
+
+use super::{Finding, Verdict};
+use channel::control::SocketClient;
+use channel::{DomainState, RunFolder, SharedMemory, domain_reservation};
+use freenect::{Library, LibraryKind, Presence};
+use message::ProcessKind;
+use message::control::{Command, Reply};
+use rustix::process::{Resource, getrlimit};
+use service::CommonArguments;
+use std::path::Path;
+use std::time::Duration;
+
+/// Descriptors of the hungriest process: about seven for each service it holds.
+const DESCRIPTORS_NEEDED: u64 = 256;
+/// Free bytes in the data folder below which a warning is due.
+const FEW_BYTES: u64 = 100_000_000;
+
+/// Everything, in the order in which a new user meets it.
+pub(crate) fn all(common: &CommonArguments) -> Vec<Finding> {
+    let run_folder = RunFolder::of_user();
+    let state = DomainState::of(&common.domain, &run_folder);
+    vec![
+        shared_memory(common),
+        reservations(),
+        descriptors(),
+        domain(common, &run_folder, &state),
+        crashed_run(&state),
+        control_socket(common, &state),
+        data_folder(common.home().path()),
+        ports(),
+        library("libfreenect", LibraryKind::Real),
+        library("fakenect", LibraryKind::Fake),
+        kinect(),
+    ]
+}
+
+fn megabytes(bytes: u64) -> u64 {
+    bytes.div_ceil(1_000_000)
+}
+
+fn shared_memory(common: &CommonArguments) -> Finding {
+    let name = "shared memory";
+    let Some(state) = SharedMemory::of_domain(&common.domain) else {
+        let sentence = "/dev/shm is not there; mount a tmpfs at /dev/shm";
+        return Finding::new(name, Verdict::Failure, sentence);
+    };
+    let (needed, available) = (megabytes(state.needed), state.available() / 1_000_000);
+    let total = megabytes(state.total_bytes);
+    if state.is_enough() {
+        let sentence = format!(
+            "the services will reserve up to {needed} MB; {available} MB of {total} MB are free for them"
+        );
+        return Finding::new(name, Verdict::Ok, sentence);
+    }
+    let sentence = format!(
+        "the services will reserve up to {needed} MB and only {available} MB of {total} MB are free; \
+         enlarge it (mount -o remount,size=512M /dev/shm; in a container --shm-size=512m)"
+    );
+    Finding::new(name, Verdict::Failure, sentence)
+}
+
+fn reservations() -> Finding {
+    let mut all = domain_reservation();
+    all.sort_by_key(|reservation| std::cmp::Reverse(reservation.bytes()));
+    let largest: Vec<String> = all
+        .iter()
+        .take(4)
+        .map(|r| format!("{} {} x {:.2} MB", r.service, r.slots, r.slot_bytes as f64 / 1e6))
+        .collect();
+    Finding::new("largest services", Verdict::Ok, largest.join(", "))
+}
+
+fn descriptors() -> Finding {
+    let limit = getrlimit(Resource::Nofile);
+    match limit.maximum {
+        Some(most) if most < DESCRIPTORS_NEEDED => Finding::new(
+            "open files",
+            Verdict::Failure,
+            format!("the hard limit is {most} and {DESCRIPTORS_NEEDED} are needed; raise it (ulimit -Hn)"),
+        ),
+        most => Finding::new(
+            "open files",
+            Verdict::Ok,
+            format!(
+                "the hard limit is {}; the processes raise their own soft limit to it",
+                most.map_or("none".into(), |most| most.to_string())
+            ),
+        ),
+    }
+}
+
+fn domain(common: &CommonArguments, run_folder: &RunFolder, state: &DomainState) -> Finding {
+    let folder = run_folder.of_domain(&common.domain);
+    let sentence = match state.running.as_slice() {
+        [] => format!("nothing runs in the domain {} ({})", common.domain, folder.display()),
+        running => {
+            let names: Vec<String> = running
+                .iter()
+                .map(|(role, pid)| pid.map_or(role.clone(), |pid| format!("{role} ({pid})")))
+                .collect();
+            format!("in the domain {} run {}", common.domain, names.join(", "))
+        }
+    };
+    Finding::new("domain", Verdict::Ok, sentence)
+}
+
+fn crashed_run(state: &DomainState) -> Finding {
+    let name = "stale nodes";
+    match state {
+        DomainState { is_alive: false, n_files, .. } if *n_files > 0 => Finding::new(
+            name,
+            Verdict::Warning,
+            format!("a crashed run has left {n_files} files in /dev/shm; the next start removes them"),
+        ),
+        _ => Finding::new(name, Verdict::Ok, "nothing is left of a crashed run"),
+    }
+}
+
+fn control_socket(common: &CommonArguments, state: &DomainState) -> Finding {
+    let name = "control socket";
+    let folders = RunFolder::candidates();
+    let connected = SocketClient::connect(&common.domain, &folders, Duration::from_secs(2));
+    match connected {
+        Ok(mut client) => match client.call(Command::Health) {
+            Ok(Reply::Health(processes)) => all_processes(name, processes.len()),
+            Ok(other) => Finding::new(name, Verdict::Failure, format!("it answers {other:?}")),
+            Err(error) => Finding::new(name, Verdict::Failure, error.to_string()),
+        },
+        Err(error) if state.is_alive => Finding::new(name, Verdict::Warning, error.to_string()),
+        Err(_) => Finding::new(name, Verdict::Ok, "no daemon runs, so there is none"),
+    }
+}
+
+fn all_processes(name: &'static str, n_processes: usize) -> Finding {
+    let n_expected = ProcessKind::ALL.len();
+    let verdict = if n_processes == n_expected { Verdict::Ok } else { Verdict::Warning };
+    let sentence = format!("the daemon answers; {n_processes} of {n_expected} processes report");
+    Finding::new(name, verdict, sentence)
+}
+
+fn data_folder(folder: &Path) -> Finding {
+    let name = "data folder";
+    // The folder is made at the first start: what counts is where it will be.
+    let Some(existing) = folder.ancestors().find(|path| path.exists()) else {
+        let sentence = format!("{} has no existing parent", folder.display());
+        return Finding::new(name, Verdict::Failure, sentence);
+    };
+    if rustix::fs::access(existing, rustix::fs::Access::WRITE_OK).is_err() {
+        let sentence = format!(
+            "{} can not be written by this user; choose another one with --home DIR",
+            existing.display()
+        );
+        return Finding::new(name, Verdict::Failure, sentence);
+    }
+    let free = rustix::fs::statvfs(existing).map_or(0, |fs| fs.f_bavail * fs.f_frsize);
+    let sentence = format!("{}, {} MB free", folder.display(), free / 1_000_000);
+    let verdict = if free < FEW_BYTES { Verdict::Warning } else { Verdict::Ok };
+    Finding::new(name, verdict, sentence)
+}
+
+fn ports() -> Finding {
+    Finding::new("ports", Verdict::Ok, "the daemon listens on no network port, only on its socket")
+}
+
+fn library(name: &'static str, kind: LibraryKind) -> Finding {
+    match Library::load(kind) {
+        Ok(library) => {
+            let version = library.version().unwrap_or("unknown version");
+            let missing: Vec<&str> = library
+                .optional_symbols()
+                .into_iter()
+                .filter_map(|(symbol, is_there)| (!is_there).then_some(symbol))
+                .collect();
+            let without = match missing.as_slice() {
+                [] => String::new(),
+                missing => format!(", without {}", missing.join(", ")),
+            };
+            let file = library.file().map_or("?".into(), |file| file.display().to_string());
+            Finding::new(name, Verdict::Ok, format!("{file}, {version}{without}"))
+        }
+        Err(error) => Finding::new(name, Verdict::Warning, error.to_string()),
+    }
+}
+
+fn kinect() -> Finding {
+    let presence = Presence::scan();
+    let verdict = if presence.is_usable() { Verdict::Ok } else { Verdict::Warning };
+    Finding::new("kinect", verdict, presence.to_string())
+}

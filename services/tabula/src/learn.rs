@@ -1,0 +1,118 @@
+//! Teaching, correcting, forgetting.
+
+use crate::arguments::LabelArguments;
+use crate::objects::{call, connect, unexpected};
+use crate::output::Output;
+use crate::table::table;
+use message::control::{
+    CategoryReport, Command, Labelling, LearningReport, MutationId, Reply,
+};
+use serde::Serialize;
+use service::{CommonArguments, Failure, exit_code};
+use std::process::ExitCode;
+
+/// `tabula teach`
+pub(crate) fn teach(
+    common: &CommonArguments,
+    label: &LabelArguments,
+    output: &Output,
+) -> Result<ExitCode, Failure> {
+    let report = learn(common, Command::Teach(labelling(label)?))?;
+    output.answer(&report, || learned_text(label.track_id, &report));
+    Ok(ExitCode::SUCCESS)
+}
+
+/// `tabula correct`
+pub(crate) fn correct(
+    common: &CommonArguments,
+    label: &LabelArguments,
+    output: &Output,
+) -> Result<ExitCode, Failure> {
+    let report = learn(common, Command::Correct(labelling(label)?))?;
+    output.answer(&report, || learned_text(label.track_id, &report));
+    Ok(ExitCode::SUCCESS)
+}
+
+/// `tabula forget`
+pub(crate) fn forget(
+    common: &CommonArguments,
+    category: &str,
+    author: Option<&str>,
+    output: &Output,
+) -> Result<ExitCode, Failure> {
+    let command = Command::Forget {
+        id: mutation_id()?,
+        author: author_or_user(author),
+        category: category.to_owned(),
+    };
+    let report = learn(common, command)?;
+    output.answer(&report, || {
+        format!("forgot {}: {} view(s) have no name now", report.category, report.n_views_changed)
+    });
+    Ok(ExitCode::SUCCESS)
+}
+
+#[derive(Serialize)]
+struct CategoriesDocument {
+    categories: Vec<CategoryReport>,
+}
+
+/// `tabula categories`
+pub(crate) fn categories(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure> {
+    let categories = match call(&mut connect(common)?, Command::Categories)? {
+        Reply::Categories(categories) => categories,
+        other => return Err(unexpected(&other)),
+    };
+    let document = CategoriesDocument { categories };
+    output.answer(&document, || categories_text(&document.categories));
+    Ok(ExitCode::SUCCESS)
+}
+
+fn categories_text(categories: &[CategoryReport]) -> String {
+    if categories.is_empty() {
+        return "nothing has been taught yet; teach with: tabula teach TRACK NAME".into();
+    }
+    let row = |report: &CategoryReport| {
+        vec![report.category.clone(), report.n_views.to_string(), report.bytes.to_string()]
+    };
+    let rows: Vec<_> = categories.iter().map(row).collect();
+    table(&["category", "views", "bytes"], &rows)
+}
+
+fn learn(common: &CommonArguments, command: Command) -> Result<LearningReport, Failure> {
+    match call(&mut connect(common)?, command)? {
+        Reply::Learned(report) => Ok(report),
+        other => Err(unexpected(&other)),
+    }
+}
+
+fn learned_text(track_id: u64, report: &LearningReport) -> String {
+    let LearningReport { category, n_views_changed, sequence } = report;
+    match n_views_changed {
+        0 => format!("track {track_id} was known as {category} already"),
+        n => format!("track {track_id} is {category} now: {n} view(s), history {sequence}, on disk"),
+    }
+}
+
+fn labelling(label: &LabelArguments) -> Result<Labelling, Failure> {
+    Ok(Labelling {
+        id: mutation_id()?,
+        author: author_or_user(label.author.as_deref()),
+        track_id: label.track_id,
+        category: label.category.clone(),
+    })
+}
+
+fn author_or_user(author: Option<&str>) -> String {
+    let user = || std::env::var("USER").ok().filter(|name| !name.is_empty());
+    let uid = || format!("uid {}", rustix::process::getuid().as_raw());
+    author.map(str::to_owned).or_else(user).unwrap_or_else(uid)
+}
+
+fn mutation_id() -> Result<MutationId, Failure> {
+    let mut bytes = [0; 16];
+    getrandom::fill(&mut bytes).map_err(|error| {
+        Failure::new(exit_code::FAILURE, format!("this machine gives no random numbers: {error}"))
+    })?;
+    Ok(MutationId(u128::from_le_bytes(bytes)))
+}

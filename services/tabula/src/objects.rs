@@ -1,0 +1,204 @@
+//! Showing what the daemon sees and how it is.
+
+use crate::output::Output;
+use crate::stop_signal::StopSignal;
+use crate::table::table;
+use channel::control::{CallError, SocketClient};
+use channel::RunFolder;
+use message::control::{Command, ObjectReport, ObjectsReport, RefusalKind, Reply};
+use serde::Serialize;
+use service::{CommonArguments, Failure, exit_code};
+use std::process::ExitCode;
+use std::time::Duration;
+
+/// How long the daemon may take to answer.
+const DEADLINE: Duration = Duration::from_secs(5);
+/// How often a watched table is drawn.
+const REDRAW: Duration = Duration::from_millis(200);
+
+/// Connects to the daemon's control socket.
+pub(crate) fn connect(common: &CommonArguments) -> Result<SocketClient, Failure> {
+    let connected = SocketClient::connect(&common.domain, &RunFolder::candidates(), DEADLINE);
+    connected.map_err(|error| call_failed(&error))
+}
+
+/// Asks, and turns a refusal into a failure.
+pub(crate) fn call(client: &mut SocketClient, command: Command) -> Result<Reply, Failure> {
+    match client.call(command).map_err(|error| call_failed(&error))? {
+        Reply::Refused(refusal) => {
+            let code = match refusal.kind {
+                RefusalKind::Unavailable => exit_code::NO_DAEMON,
+                RefusalKind::Internal | RefusalKind::Version => exit_code::FAILURE,
+                _ => exit_code::REFUSED,
+            };
+            Err(Failure::new(code, refusal))
+        }
+        reply => Ok(reply),
+    }
+}
+
+fn call_failed(error: &CallError) -> Failure {
+    let code = match error {
+        CallError::NoDaemon { .. } | CallError::NotThere { .. } => exit_code::NO_DAEMON,
+        CallError::TimedOut { .. } => exit_code::TIMED_OUT,
+        _ => exit_code::FAILURE,
+    };
+    Failure::new(code, error)
+}
+
+/// A reply that does not fit its command.
+pub(crate) fn unexpected(reply: &Reply) -> Failure {
+    Failure::new(exit_code::FAILURE, format!("the daemon answered something else: {reply:?}"))
+}
+
+/// `tabula objects`
+pub(crate) fn objects(
+    common: &CommonArguments,
+    watch: bool,
+    output: &Output,
+) -> Result<ExitCode, Failure> {
+    if watch {
+        return self::watch(common, output);
+    }
+    let mut client = connect(common)?;
+    let report = ask_objects(&mut client)?;
+    output.answer(&report, || objects_text(&report));
+    Ok(ExitCode::SUCCESS)
+}
+
+fn ask_objects(client: &mut SocketClient) -> Result<ObjectsReport, Failure> {
+    match call(client, Command::Objects)? {
+        Reply::Objects(report) => Ok(report),
+        other => Err(unexpected(&other)),
+    }
+}
+
+/// Draws the table again and again; with `--json` prints a document a line. A
+/// daemon that restarts is waited for.
+fn watch(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure> {
+    let stop = StopSignal::install()?;
+    let mut client = Some(connect(common)?);
+    while !stop.is_raised() {
+        let report = match &mut client {
+            Some(connected) => ask_objects(connected),
+            None => connect(common).and_then(|mut fresh| {
+                let report = ask_objects(&mut fresh);
+                client = Some(fresh);
+                report
+            }),
+        };
+        match report {
+            Ok(report) if output.is_json() => output.answer(&report, String::new),
+            Ok(report) => output.redraw(&objects_text(&report)),
+            Err(failure) => {
+                client = None;
+                if !output.is_json() {
+                    output.redraw(&format!("{failure}"));
+                }
+            }
+        }
+        stop.sleep(REDRAW);
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+const HEADING: [&str; 8] =
+    ["id", "label", "distance", "position m", "size m", "age s", "points", "state"];
+
+fn objects_text(report: &ObjectsReport) -> String {
+    let rows: Vec<_> = report.objects.iter().map(row).collect();
+    let frame = if report.has_world_pose { "world" } else { "camera frame" };
+    let mut text = table(&HEADING, &rows);
+    if rows.is_empty() {
+        let why = if report.has_table { "the table is empty" } else { "no table is seen" };
+        text = format!("no objects: {why}");
+    }
+    if report.n_more > 0 {
+        text.push_str(&format!("\nand {} more", report.n_more));
+    }
+    text.push_str(&format!(
+        "\nframe {} of {}, positions in the {frame}",
+        report.frame_sequence, report.source_name
+    ));
+    text
+}
+
+fn row(object: &ObjectReport) -> Vec<String> {
+    let metres = |values: [f64; 3]| values.map(|value| format!("{value:.3}")).join(" ");
+    vec![
+        object.track_id.to_string(),
+        object.label.clone().unwrap_or_else(|| "unknown".into()),
+        object.distance.map_or_else(|| "-".into(), |distance| format!("{distance:.3}")),
+        metres(object.position_m),
+        metres(object.size_m),
+        format!("{:.1}", object.age_s),
+        object.n_points.to_string(),
+        object.state.clone(),
+    ]
+}
+
+/// `tabula ask`
+pub(crate) fn ask(
+    common: &CommonArguments,
+    track_id: u64,
+    output: &Output,
+) -> Result<ExitCode, Failure> {
+    match call(&mut connect(common)?, Command::Ask { track_id })? {
+        Reply::Object(object) => {
+            output.answer(&object, || answer_text(&object));
+            Ok(ExitCode::SUCCESS)
+        }
+        other => Err(unexpected(&other)),
+    }
+}
+
+fn answer_text(object: &ObjectReport) -> String {
+    let ObjectReport { track_id, label, distance, .. } = object;
+    match (label, distance) {
+        (Some(label), Some(distance)) => format!("track {track_id} is {label} (distance {distance:.3})"),
+        (Some(label), None) => format!("track {track_id} is {label}"),
+        (None, Some(distance)) => {
+            format!("track {track_id} is unknown (the nearest stored view is at {distance:.3})")
+        }
+        (None, None) => format!("track {track_id} is unknown; nothing has been taught yet"),
+    }
+}
+
+#[derive(Serialize)]
+struct StatusDocument {
+    processes: Vec<message::control::ProcessReport>,
+}
+
+/// `tabula status`
+pub(crate) fn status(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure> {
+    let processes = match call(&mut connect(common)?, Command::Health)? {
+        Reply::Health(processes) => processes,
+        other => return Err(unexpected(&other)),
+    };
+    let document = StatusDocument { processes };
+    output.answer(&document, || status_text(&document));
+    Ok(ExitCode::SUCCESS)
+}
+
+fn status_text(document: &StatusDocument) -> String {
+    let heading =
+        ["process", "pid", "state", "uptime s", "frames", "dropped", "late", "resident MB", "note"];
+    let rows: Vec<Vec<String>> = document
+        .processes
+        .iter()
+        .map(|process| {
+            vec![
+                process.process.clone(),
+                process.pid.to_string(),
+                process.state.clone(),
+                format!("{:.1}", process.uptime_s),
+                process.frames.to_string(),
+                process.frames_dropped.to_string(),
+                process.frames_late.to_string(),
+                (process.resident_bytes / 1_000_000).to_string(),
+                process.note.clone(),
+            ]
+        })
+        .collect();
+    table(&heading, &rows)
+}

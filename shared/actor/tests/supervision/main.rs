@@ -1,0 +1,6 @@
+//! Supervised actors, seen from outside.
+
+mod escalation;
+mod life_cycle;
+mod on_the_pool;
+mod support;

@@ -1,0 +1,286 @@
+//! Actors whose handlers run on the worker pool, on real threads in real time.
+
+use std::sync::atomic::Ordering;
+use std::sync::{Arc, mpsc};
+use std::time::{Duration, Instant};
+
+use crate::support::{Adder, Order, Shared, WATCHDOG, config, count, lines, next, soon};
+use actor::{
+    Cause, Event, Events, JobLost, Lost, Placement, PoolConfig, Restart, StopReason, Supervisor,
+    WorkerPool,
+};
+use tokio::runtime::Handle;
+
+const STALL: Duration = Duration::from_secs(3600);
+
+/// Stalls only when a test says so: an hour passes in [`let_stall`].
+fn pool(n_workers: usize, max_abandoned: usize) -> WorkerPool {
+    WorkerPool::start(PoolConfig {
+        name: "test".to_owned(),
+        n_workers: count(n_workers),
+        stall_after: STALL,
+        max_abandoned: count(max_abandoned),
+    })
+    .expect("threads are there")
+}
+
+/// Returns the number of workers abandoned.
+fn let_stall(pool: &WorkerPool) -> usize {
+    let now = Instant::now();
+    pool.check(now) + pool.check(now + STALL)
+}
+
+type Adders = Supervisor<u64, Adder>;
+
+fn supervise(pool: &WorkerPool, shutdown: Duration) -> (Adders, Events<u64>, Arc<Shared>) {
+    let shared = Arc::new(Shared::default());
+    let mut config = config(Restart::Permanent, Placement::Pool(pool.clone()));
+    config.shutdown = shutdown;
+    let (supervisor, events) = Supervisor::new(config, Arc::clone(&shared), Handle::current());
+    (supervisor, events, shared)
+}
+
+/// An order that hangs; waits for its begin with the first, ends with the second.
+fn hang() -> (Order, mpsc::Receiver<()>, mpsc::Sender<()>) {
+    let (tell, begun) = mpsc::channel();
+    let (gate, opened) = mpsc::channel();
+    (Order::Hang(tell, opened), begun, gate)
+}
+
+/// Waits without blocking the thread the actors' tasks need.
+async fn begun(signal: mpsc::Receiver<()>) {
+    let waiting = tokio::task::spawn_blocking(move || signal.recv_timeout(WATCHDOG));
+    waiting
+        .await
+        .expect("it does not panic")
+        .expect("the watchdog barked");
+}
+
+#[tokio::test]
+async fn a_panic_on_the_pool_stays_inside_its_actor() {
+    let pool = pool(2, 1);
+    let (supervisor, mut events, _) = supervise(&pool, WATCHDOG);
+    let victim = supervisor.spawn(1, 0).unwrap();
+    assert_eq!(soon(victim.ask(1, Order::Add(5)).unwrap()).await, Ok(5));
+    let neighbour = supervisor.spawn(2, 0).unwrap();
+    assert_eq!(
+        soon(victim.ask(2, Order::Panic(7)).unwrap()).await,
+        Err(Lost)
+    );
+    assert_eq!(soon(neighbour.ask(3, Order::Add(1)).unwrap()).await, Ok(1));
+    assert_eq!(soon(victim.ask(4, Order::Add(1)).unwrap()).await, Ok(6));
+    assert_eq!(pool.abandoned(), 0);
+    let reports = lines(&mut events, 4).await;
+    let restart = "Actor 1 starts again after 50 ms, because it panicked: at 12 \
+                   (at message 2, which is lost)."
+        .to_owned();
+    assert!(reports.contains(&restart), "{reports:?}");
+}
+
+#[tokio::test]
+async fn a_stalled_handler_costs_one_message_and_one_thread() {
+    let pool = pool(1, 2);
+    let (supervisor, mut events, _) = supervise(&pool, WATCHDOG);
+    let adder = supervisor.spawn(1, 10).unwrap();
+    let (order, signal, gate) = hang();
+    let lost = adder.ask(1, order).unwrap();
+    begun(signal).await;
+    assert_eq!(let_stall(&pool), 1);
+    assert_eq!(soon(lost).await, Err(Lost));
+    assert_eq!(soon(adder.ask(2, Order::Add(1)).unwrap()).await, Ok(11));
+    next(&mut events).await;
+    assert!(matches!(
+        next(&mut events).await,
+        Some(Event::Restarting {
+            cause: Cause::Lost(JobLost::Stalled),
+            tag: Some(1),
+            ..
+        })
+    ));
+    drop(gate);
+}
+
+#[tokio::test]
+async fn an_exhausted_pool_leaves_nobody_waiting() {
+    let pool = pool(1, 1);
+    let (supervisor, mut events, _) = supervise(&pool, WATCHDOG);
+    let stuck = supervisor.spawn(1, 0).unwrap();
+    let other = supervisor.spawn(2, 0).unwrap();
+    assert_eq!(soon(other.ask(0, Order::Add(1)).unwrap()).await, Ok(1));
+    let (order, signal, gate) = hang();
+    let lost = stuck.ask(1, order).unwrap();
+    begun(signal).await;
+    let queued = other.ask(2, Order::Add(1)).unwrap();
+    assert_eq!(let_stall(&pool), 1);
+    soon(pool.exhausted()).await;
+    assert_eq!(soon(lost).await, Err(Lost));
+    assert_eq!(soon(queued).await, Err(Lost));
+    // Both go on failing until the policy ends it.
+    while let Some(event) = next(&mut events).await {
+        if let Event::Restarting {
+            cause: Cause::Lost(JobLost::Exhausted),
+            ..
+        } = event
+        {
+            break;
+        }
+    }
+    assert_eq!(soon(supervisor.stop_all()).await, 0);
+    drop(gate);
+}
+
+#[tokio::test]
+async fn stop_lets_the_message_at_work_finish() {
+    let pool = pool(1, 1);
+    let (supervisor, mut events, shared) = supervise(&pool, WATCHDOG);
+    let adder = supervisor.spawn(1, 0).unwrap();
+    let (order, signal, gate) = hang();
+    let at_work = adder.ask(1, order).unwrap();
+    let frame = Arc::new(());
+    let waiting = adder
+        .ask(2, Order::AddHolding(1, Arc::clone(&frame)))
+        .unwrap();
+    begun(signal).await;
+    assert!(supervisor.dismiss(&1));
+    assert_eq!(Arc::strong_count(&frame), 1);
+    assert_eq!(soon(waiting).await, Err(Lost));
+    drop(gate);
+    assert_eq!(soon(at_work).await, Ok(1));
+    assert!(soon(supervisor.stop(&1)).await);
+    assert_eq!(shared.stopped.load(Ordering::Relaxed), 1);
+    assert_eq!(
+        lines(&mut events, 2).await,
+        [
+            "Actor 1 has started.",
+            "Actor 1 has stopped, as it was told."
+        ]
+    );
+}
+
+#[tokio::test]
+async fn stop_all_leaves_a_hanging_handler_behind_after_the_shutdown_time() {
+    let pool = pool(2, 1);
+    let (supervisor, mut events, shared) = supervise(&pool, Duration::from_millis(50));
+    let stuck = supervisor.spawn(1, 0).unwrap();
+    let healthy = supervisor.spawn(2, 0).unwrap();
+    assert_eq!(soon(healthy.ask(0, Order::Add(1)).unwrap()).await, Ok(1));
+    let (order, signal, gate) = hang();
+    let lost = stuck.ask(1, order).unwrap();
+    begun(signal).await;
+    soon(supervisor.stop_all()).await;
+    assert_eq!(soon(lost).await, Err(Lost));
+    assert_eq!(supervisor.n_actors(), 0);
+    assert_eq!(shared.stopped.load(Ordering::Relaxed), 1, "the healthy one");
+    drop(supervisor);
+    let mut ends = Vec::new();
+    while let Some(event) = next(&mut events).await {
+        if !matches!(event, Event::Started { .. }) {
+            ends.push(event.to_string());
+        }
+    }
+    ends.sort();
+    assert_eq!(
+        ends,
+        [
+            "Actor 1 did not stop within the shutdown time and was left behind.",
+            "Actor 2 has stopped, as it was told."
+        ],
+        "each end once"
+    );
+    drop(gate);
+}
+
+#[tokio::test]
+async fn dismiss_alone_leaves_a_hanging_handler_behind() {
+    let pool = pool(1, 1);
+    let (supervisor, mut events, _) = supervise(&pool, Duration::from_millis(50));
+    let stuck = supervisor.spawn(1, 0).unwrap();
+    let (order, signal, gate) = hang();
+    let lost = stuck.ask(1, order).unwrap();
+    begun(signal).await;
+    supervisor.dismiss(&1);
+    assert_eq!(soon(lost).await, Err(Lost));
+    assert_eq!(
+        lines(&mut events, 2).await,
+        [
+            "Actor 1 has started.",
+            "Actor 1 did not stop within the shutdown time and was left behind."
+        ]
+    );
+    drop(gate);
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_handler_that_hangs_inline_does_not_hold_up_stop_all() {
+    let shared = Arc::new(Shared::default());
+    let mut config = config(Restart::Permanent, Placement::Inline);
+    config.shutdown = Duration::from_millis(50);
+    let (supervisor, mut events): (Adders, _) =
+        Supervisor::new(config, Arc::clone(&shared), Handle::current());
+    let stuck = supervisor.spawn(1, 0).unwrap();
+    let (order, signal, gate) = hang();
+    let answer = stuck.ask(1, order).unwrap();
+    begun(signal).await;
+    assert_eq!(soon(supervisor.stop_all()).await, 1);
+    drop(gate);
+    assert_eq!(soon(answer).await, Ok(1), "late, but not lost");
+    drop(supervisor);
+    assert_eq!(
+        lines(&mut events, 2).await,
+        [
+            "Actor 1 has started.",
+            "Actor 1 did not stop within the shutdown time and was left behind."
+        ]
+    );
+    assert!(
+        next(&mut events).await.is_none(),
+        "its end is reported once"
+    );
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn sixty_four_actors_answer_every_frame_in_lockstep() {
+    const N_FRAMES: u64 = 250;
+    let pool = pool(3, 1);
+    let (supervisor, mut events, _) = supervise(&pool, WATCHDOG);
+    let actors: Vec<_> = (0..64).map(|id| supervisor.spawn(id, 0).unwrap()).collect();
+    let mut totals = [0_u64; 64];
+    for frame in 1..=N_FRAMES {
+        let fails = |id: u64| id % 16 == 3 && frame % 100 == 0;
+        let asked = actors.iter().zip(0_u64..).map(|(actor, id)| {
+            let order = if fails(id) {
+                Order::Panic(frame)
+            } else {
+                Order::Add(frame)
+            };
+            (id, actor.ask(frame, order).unwrap())
+        });
+        let asked: Vec<_> = asked.collect();
+        for (id, answer) in asked {
+            let total = &mut totals[id as usize];
+            let expected = if fails(id) {
+                Err(Lost)
+            } else {
+                Ok(*total + frame)
+            };
+            assert_eq!(soon(answer).await, expected, "actor {id}, frame {frame}");
+            *total = expected.unwrap_or(*total);
+        }
+    }
+    assert_eq!(soon(supervisor.stop_all()).await, 0);
+    drop(supervisor);
+    let (mut n_restarts, mut n_stops) = (0, 0);
+    while let Some(event) = next(&mut events).await {
+        n_restarts += usize::from(matches!(event, Event::Restarting { .. }));
+        let stop = matches!(
+            event,
+            Event::Stopped {
+                reason: StopReason::Asked,
+                ..
+            }
+        );
+        n_stops += usize::from(stop);
+    }
+    assert_eq!((n_restarts, n_stops), (8, 64));
+    assert!(actors.iter().all(|actor| actor.dropped() == 0));
+}

@@ -1,0 +1,93 @@
+//! Writes small valid files of each format for the fuzzer to begin with. An
+//! RGB-D sequence given as the second argument adds real images.
+
+use dataset::{pcd, ply};
+use geometry::RigidTransform;
+use point_cloud::{Point, Rgba};
+use std::error::Error;
+use std::path::{Path, PathBuf};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut arguments = std::env::args_os().skip(1).map(PathBuf::from);
+    let corpus = arguments.next().unwrap_or_else(|| PathBuf::from("corpus"));
+    for target in ["pcd", "ply", "rgbd_sequence", "fakenect_index"] {
+        std::fs::create_dir_all(corpus.join(target))?;
+    }
+    let points: Vec<Point> = (0..12_u8)
+        .map(|idx| Point {
+            x: 0.25,
+            y: f32::from(idx),
+            z: 1.5,
+            color: Rgba::opaque(idx, 2, 3),
+        })
+        .collect();
+    write_clouds(&corpus.join("pcd"), &points)?;
+    write_meshes(&corpus.join("ply"), &points)?;
+    let index = "a-1290000000.000000-7.dump\nd-1290000000.033000-9.pgm\nr-1290000000.05-9.ppm\n";
+    std::fs::write(corpus.join("fakenect_index/recorded"), index)?;
+    write_matrices(&corpus.join("rgbd_sequence"))?;
+    arguments
+        .next()
+        .map_or(Ok(()), |sequence| copy_images(&sequence, &corpus))
+}
+
+fn write_clouds(folder: &Path, points: &[Point]) -> Result<(), Box<dyn Error>> {
+    use pcd::Encoding::{Ascii, Binary, BinaryCompressed};
+    let labels: Vec<u32> = (0..points.len() as u32).collect();
+    let viewpoint = RigidTransform::translation(1.0, 2.0, 3.0);
+    for (name, encoding) in [
+        ("ascii", Ascii),
+        ("binary", Binary),
+        ("packed", BinaryCompressed),
+    ] {
+        let labels = Some(&labels[..]);
+        let view = pcd::PcdView {
+            points,
+            labels,
+            width: 4,
+            height: 3,
+            viewpoint,
+        };
+        std::fs::write(folder.join(name), pcd::write(view, encoding)?)?;
+    }
+    Ok(())
+}
+
+fn write_meshes(folder: &Path, vertices: &[Point]) -> Result<(), Box<dyn Error>> {
+    use ply::Encoding::{Ascii, BinaryBigEndian, BinaryLittleEndian};
+    let view = ply::MeshView {
+        vertices,
+        triangles: &[[0, 1, 2], [3, 4, 11]],
+    };
+    for (name, encoding) in [
+        ("ascii", Ascii),
+        ("little", BinaryLittleEndian),
+        ("big", BinaryBigEndian),
+    ] {
+        std::fs::write(folder.join(name), ply::write(view, encoding)?)?;
+    }
+    Ok(())
+}
+
+/// The first byte tells the target which file it is.
+fn write_matrices(folder: &Path) -> Result<(), Box<dyn Error>> {
+    std::fs::write(
+        folder.join("pose"),
+        b"\x020 -1 0 1\n1 0 0 2\n0 0 1 3\n0 0 0 1\n",
+    )?;
+    std::fs::write(
+        folder.join("intrinsics"),
+        b"\x03585 0 320\n0 585 240\n0 0 1\n",
+    )?;
+    std::fs::write(folder.join("gravity"), b"\x040 0.6 0.8\n")?;
+    Ok(())
+}
+
+fn copy_images(sequence: &Path, corpus: &Path) -> Result<(), Box<dyn Error>> {
+    for (kind, name) in [(0, "frame-000000.depth.png"), (1, "frame-000000.color.jpg")] {
+        let mut seed = vec![kind];
+        seed.extend(std::fs::read(sequence.join(name))?);
+        std::fs::write(corpus.join("rgbd_sequence").join(name), seed)?;
+    }
+    Ok(())
+}

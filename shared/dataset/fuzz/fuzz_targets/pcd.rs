@@ -1,0 +1,27 @@
+//! Any bytes as a PCD file; what is read is written and read again.
+#![no_main]
+
+use dataset::pcd::{self, Encoding};
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| {
+    let cloud = match pcd::read(bytes) {
+        Ok(cloud) => cloud,
+        Err(error) => return assert!(error.to_string().contains(' ')),
+    };
+    assert_eq!(cloud.points.len(), cloud.width * cloud.height);
+    for encoding in [
+        Encoding::Ascii,
+        Encoding::Binary,
+        Encoding::BinaryCompressed,
+    ] {
+        let file = pcd::write(cloud.view(), encoding).expect("what was read can be written");
+        let again = pcd::read(&file).expect("what was written can be read");
+        assert_eq!(again.labels, cloud.labels);
+        for (left, right) in again.points.iter().zip(&cloud.points) {
+            assert_eq!(left.is_finite(), right.is_finite());
+            assert_eq!(left.color, right.color);
+            assert!(!left.is_finite() || left == right);
+        }
+    }
+});

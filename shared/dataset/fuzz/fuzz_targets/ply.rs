@@ -1,0 +1,23 @@
+//! Any bytes as a PLY file; what is read is written and read again.
+#![no_main]
+
+use dataset::ply::{self, Encoding};
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| {
+    let mesh = match ply::read(bytes) {
+        Ok(mesh) => mesh,
+        Err(error) => return assert!(error.to_string().contains(' ')),
+    };
+    for encoding in [
+        Encoding::Ascii,
+        Encoding::BinaryLittleEndian,
+        Encoding::BinaryBigEndian,
+    ] {
+        let file = ply::write(mesh.view(), encoding).expect("what was read can be written");
+        assert_eq!(
+            ply::read(&file).expect("what was written can be read"),
+            mesh
+        );
+    }
+});

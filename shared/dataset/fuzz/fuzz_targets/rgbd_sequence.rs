@@ -1,0 +1,36 @@
+//! Any bytes as one of the files of an RGB-D sequence; the first byte says
+//! which.
+#![no_main]
+
+use dataset::rgbd_sequence::{
+    ContentError, decode_color, decode_depth, depth_image_size, parse_gravity, parse_intrinsics,
+    parse_pose,
+};
+use libfuzzer_sys::fuzz_target;
+
+/// The size of the seeds' colour images.
+const COLOR_SIZE: (u32, u32) = (640, 480);
+
+fuzz_target!(|bytes: &[u8]| {
+    let Some((kind, file)) = bytes.split_first() else {
+        return;
+    };
+    let result = match kind % 5 {
+        0 => depth(file),
+        1 => decode_color(file, COLOR_SIZE).map(|color| assert_eq!(color.len(), 640 * 480 * 3)),
+        2 => parse_pose(file).map(|pose| assert!(pose.rotation.coords.norm() > 0.99)),
+        3 => parse_intrinsics(file, COLOR_SIZE).map(|camera| assert!(camera.fx_px > 0.0)),
+        _ => parse_gravity(file).map(|down| assert!((down.norm() - 1.0).abs() < 1e-9)),
+    };
+    if let Err(error) = result {
+        assert!(error.to_string().contains(' '));
+    }
+});
+
+fn depth(file: &[u8]) -> Result<(), ContentError> {
+    let size = depth_image_size(file)?;
+    let mut depth_mm = Vec::new();
+    decode_depth(file, size, &mut depth_mm)?;
+    assert_eq!(depth_mm.len(), size.0 as usize * size.1 as usize);
+    Ok(())
+}

@@ -1,0 +1,119 @@
+//! The list of a recording's frames.
+
+use super::error::Error;
+use crate::number::excerpt;
+use std::time::Duration;
+
+/// Longest pause between two frames. The player sleeps through it.
+pub(super) const MAX_PAUSE: Duration = Duration::from_secs(60);
+
+/// What a frame shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FrameKind {
+    /// Raw 11-bit depth, 640 x 480.
+    Depth,
+    /// Red, green and blue, 640 x 480.
+    Color,
+    /// Accelerometer and tilt motor.
+    Tilt,
+}
+
+/// One line of the index.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Entry {
+    /// What the frame shows.
+    pub kind: FrameKind,
+    /// When the frame arrived, since 1970.
+    pub unix_time: Duration,
+    /// The Kinect's own clock, about 60 MHz; it wraps around.
+    pub stamp: u32,
+    /// The name of the frame's file within the folder.
+    pub file_name: String,
+}
+
+impl FrameKind {
+    pub(super) const fn letter_and_extension(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Depth => ("d", "pgm"),
+            Self::Color => ("r", "ppm"),
+            Self::Tilt => ("a", "dump"),
+        }
+    }
+}
+
+/// The name of a frame's file, as the recorder of libfreenect makes it.
+pub(super) fn file_name(kind: FrameKind, unix_time: Duration, stamp: u32) -> String {
+    let (letter, extension) = kind.letter_and_extension();
+    let (seconds, micros) = (unix_time.as_secs(), unix_time.subsec_micros());
+    format!("{letter}-{seconds}.{micros:06}-{stamp}.{extension}")
+}
+
+/// Reads the bytes of an `INDEX.txt`.
+///
+/// A name can not lead out of the folder, since it has no other characters than
+/// the pattern of names allows. Times may go backwards, as clocks do.
+///
+/// # Errors
+/// When a line is not the name of a frame (the player takes a blank line for
+/// the end), or a frame comes more than a minute after the one before.
+pub fn parse_index(bytes: &[u8]) -> Result<Vec<Entry>, Error> {
+    let mut entries: Vec<Entry> = Vec::new();
+    let bytes = bytes.strip_suffix(b"\n").unwrap_or(bytes);
+    for (idx, line) in bytes.split(|&byte| byte == b'\n').enumerate() {
+        let error = |problem| Error::IndexLine {
+            line: idx + 1,
+            problem,
+        };
+        let name = std::str::from_utf8(line).map_err(|_| error("it is not text".to_owned()))?;
+        let entry = parse_name(name).ok_or_else(|| {
+            error(format!(
+                "\"{}\" is no name like d-1290000000.5-123456.pgm",
+                excerpt(name)
+            ))
+        })?;
+        let latest = entries
+            .last()
+            .map_or(entry.unix_time, |last| last.unix_time + MAX_PAUSE);
+        if entry.unix_time > latest {
+            return Err(error(
+                "it comes more than a minute after the one before".to_owned(),
+            ));
+        }
+        entries.push(entry);
+    }
+    Ok(entries)
+}
+
+fn parse_name(name: &str) -> Option<Entry> {
+    let (rest, extension) = name.rsplit_once('.')?;
+    let mut parts = rest.split('-');
+    let (letter, time, stamp) = (parts.next()?, parts.next()?, parts.next()?);
+    let kinds = [FrameKind::Depth, FrameKind::Color, FrameKind::Tilt];
+    let kind = kinds
+        .into_iter()
+        .find(|k| k.letter_and_extension() == (letter, extension))?;
+    if parts.next().is_some() || !is_number(stamp) {
+        return None;
+    }
+    Some(Entry {
+        kind,
+        unix_time: parse_time(time)?,
+        stamp: stamp.parse().ok()?,
+        file_name: name.to_owned(),
+    })
+}
+
+/// Seconds with up to nine decimals.
+fn parse_time(text: &str) -> Option<Duration> {
+    let (seconds, decimals) = text.split_once('.').unwrap_or((text, "0"));
+    if !is_number(seconds) || !is_number(decimals) || decimals.len() > 9 {
+        return None;
+    }
+    let scale = 10_u32.pow(9 - decimals.len() as u32);
+    let nanos: u32 = decimals.parse().ok()?;
+    Some(Duration::new(seconds.parse().ok()?, nanos * scale))
+}
+
+fn is_number(text: &str) -> bool {
+    !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit())
+}

@@ -1,0 +1,183 @@
+//! Telling what a folder holds by the names of its files.
+
+use crate::bounded_file::{FileError, file_names};
+use crate::{fakenect_folder, rgbd_sequence, scene_folder};
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// What a camera can play from a folder.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RecordingKind {
+    /// PCD files, see [`crate::scene_folder`].
+    PcdScenes,
+    /// Depth and colour images, see [`crate::rgbd_sequence`].
+    RgbdSequence,
+    /// A Kinect's raw frames, see [`crate::fakenect_folder`].
+    Fakenect,
+}
+
+impl fmt::Display for RecordingKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::PcdScenes => "PCD scenes (*.pcd)",
+            Self::RgbdSequence => "an RGB-D sequence (frame-*.depth.png)",
+            Self::Fakenect => "a fakenect recording (INDEX.txt)",
+        })
+    }
+}
+
+/// Why it is not clear what a folder holds.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum Error {
+    /// The folder could not be listed.
+    File(FileError),
+    /// The path leads to something else than a folder.
+    NotAFolder(PathBuf),
+    /// The folder holds nothing at all.
+    Empty(PathBuf),
+    /// No file is of a known recording.
+    Unknown(PathBuf),
+    /// There are files of more than one kind.
+    Mixed {
+        /// The folder.
+        path: PathBuf,
+        /// Two of the kinds.
+        kinds: [RecordingKind; 2],
+    },
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File(error) => error.fmt(f),
+            Self::NotAFolder(path) => write!(
+                f,
+                "{} is not a folder; name the folder that holds the recording",
+                path.display()
+            ),
+            Self::Empty(path) => {
+                write!(
+                    f,
+                    "the folder {} is empty; name one with a recording",
+                    path.display()
+                )
+            }
+            Self::Unknown(path) => write!(
+                f,
+                "the folder {} holds no recording; a recording is {}, {} or {}",
+                path.display(),
+                RecordingKind::PcdScenes,
+                RecordingKind::RgbdSequence,
+                RecordingKind::Fakenect
+            ),
+            Self::Mixed {
+                path,
+                kinds: [first, second],
+            } => write!(
+                f,
+                "the folder {} holds both {first} and {second}; give each its own folder",
+                path.display()
+            ),
+        }
+    }
+}
+
+impl std::error::Error for Error {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::File(error) => Some(error),
+            _ => None,
+        }
+    }
+}
+
+impl From<FileError> for Error {
+    fn from(error: FileError) -> Self {
+        Self::File(error)
+    }
+}
+
+/// Says what kind of recording a folder holds, by the names of its files; none
+/// is opened.
+///
+/// # Errors
+/// When the folder is missing, empty, holds no recording or several kinds.
+pub fn detect_kind(folder: &Path) -> Result<RecordingKind, Error> {
+    if folder.exists() && !folder.is_dir() {
+        return Err(Error::NotAFolder(folder.to_owned()));
+    }
+    let names = file_names(folder, |_| true)?;
+    let has = |is_wanted: fn(&str) -> bool| names.iter().any(|name| is_wanted(name));
+    let found = [
+        has(scene_folder::is_scene_name).then_some(RecordingKind::PcdScenes),
+        has(rgbd_sequence::is_depth_name).then_some(RecordingKind::RgbdSequence),
+        has(|name| name == fakenect_folder::INDEX_NAME).then_some(RecordingKind::Fakenect),
+    ];
+    let mut found = found.into_iter().flatten();
+    match (found.next(), found.next()) {
+        (Some(kind), None) => Ok(kind),
+        (Some(first), Some(second)) => Err(Error::Mixed {
+            path: folder.to_owned(),
+            kinds: [first, second],
+        }),
+        (None, _) if names.is_empty() => Err(Error::Empty(folder.to_owned())),
+        (None, _) => Err(Error::Unknown(folder.to_owned())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hostile::assert_sentence;
+
+    fn detect(names: &[&str]) -> Result<RecordingKind, Error> {
+        let folder = tempfile::tempdir().unwrap();
+        for name in names {
+            std::fs::write(folder.path().join(name), []).unwrap();
+        }
+        detect_kind(folder.path())
+    }
+
+    #[test]
+    fn each_kind_is_told_by_its_files() {
+        for (names, kind) in [
+            (["learn1.pcd", "notes.txt"], RecordingKind::PcdScenes),
+            (
+                ["frame-000000.depth.png", "camera-intrinsics.txt"],
+                RecordingKind::RgbdSequence,
+            ),
+            (["INDEX.txt", "d-1.0-1.pgm"], RecordingKind::Fakenect),
+        ] {
+            assert_eq!(detect(&names).unwrap(), kind);
+        }
+    }
+
+    #[test]
+    fn anything_else_is_explained() {
+        let folder = tempfile::tempdir().unwrap();
+        let missing = detect_kind(&folder.path().join("missing")).unwrap_err();
+        let file = folder.path().join("file");
+        std::fs::write(&file, []).unwrap();
+        for (error, reason) in [
+            (missing, "could not list"),
+            (detect_kind(&file).unwrap_err(), "not a folder"),
+            (detect(&[]).unwrap_err(), "is empty"),
+            (
+                detect(&["scan.ply", "index.txt"]).unwrap_err(),
+                "holds no recording",
+            ),
+            (
+                detect(&["a.pcd", "INDEX.txt"]).unwrap_err(),
+                "holds both PCD",
+            ),
+            (
+                detect(&["frame-1.depth.png", "INDEX.txt"]).unwrap_err(),
+                "holds both an RGB-D",
+            ),
+        ] {
+            assert_sentence(&error);
+            assert!(error.to_string().contains(reason), "{error} / {reason}");
+        }
+    }
+}

@@ -1,0 +1,160 @@
+//! A folder of PCD files, one scene each.
+
+use crate::bounded_file::{FileError, file_names, read_file};
+use crate::pcd;
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// The scenes of a folder, in the natural order of their names.
+#[derive(Debug, Clone)]
+pub struct SceneFolder {
+    folder: PathBuf,
+    names: Vec<String>,
+}
+
+/// Why a folder of scenes could not be read.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum Error {
+    /// A file or the folder could not be read.
+    File(FileError),
+    /// The folder has no PCD files.
+    NoScenes(PathBuf),
+    /// There are not as many scenes.
+    NoSuchScene {
+        /// The scene that was asked for, from 0.
+        index: usize,
+        /// How many there are.
+        n_scenes: usize,
+    },
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File(error) => error.fmt(f),
+            Self::NoScenes(folder) => write!(
+                f,
+                "the folder {} holds no scenes; their names end in .pcd",
+                folder.display()
+            ),
+            Self::NoSuchScene { index, n_scenes } => {
+                write!(
+                    f,
+                    "there is no scene {index}; the folder's {n_scenes} scenes count from 0"
+                )
+            }
+        }
+    }
+}
+
+impl std::error::Error for Error {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::File(error) => Some(error),
+            _ => None,
+        }
+    }
+}
+
+impl From<FileError> for Error {
+    fn from(error: FileError) -> Self {
+        Self::File(error)
+    }
+}
+
+#[expect(
+    clippy::len_without_is_empty,
+    reason = "a folder without scenes can not be opened"
+)]
+impl SceneFolder {
+    /// Lists the PCD files of a folder. They are not opened.
+    ///
+    /// # Errors
+    /// When the folder can not be read or has no PCD files.
+    pub fn open(folder: &Path) -> Result<Self, Error> {
+        let names = file_names(folder, is_scene_name)?;
+        if names.is_empty() {
+            return Err(Error::NoScenes(folder.to_owned()));
+        }
+        Ok(Self {
+            folder: folder.to_owned(),
+            names,
+        })
+    }
+
+    /// Number of scenes, at least 1.
+    pub fn len(&self) -> usize {
+        self.names.len()
+    }
+
+    /// The file name of a scene; `None` behind the last.
+    pub fn name(&self, index: usize) -> Option<&str> {
+        self.names.get(index).map(String::as_str)
+    }
+
+    /// Replaces the buffer's content by the bytes of a scene, for
+    /// [`pcd::Header::parse`]. The buffer's memory is reused.
+    ///
+    /// # Errors
+    /// When there is no such scene, or its file can not be read or is larger
+    /// than [`pcd::MAX_BYTES`].
+    pub fn read_bytes(&self, index: usize, buffer: &mut Vec<u8>) -> Result<(), Error> {
+        let n_scenes = self.names.len();
+        let name = self
+            .names
+            .get(index)
+            .ok_or(Error::NoSuchScene { index, n_scenes })?;
+        Ok(read_file(&self.folder.join(name), pcd::MAX_BYTES, buffer)?)
+    }
+}
+
+/// Whether a file is a scene by its name.
+pub(crate) fn is_scene_name(name: &str) -> bool {
+    name.strip_suffix(".pcd")
+        .is_some_and(|stem| !stem.is_empty())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scenes_come_in_natural_order() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["learn10.pcd", "learn2.pcd", "learn2.txt", ".pcd"] {
+            std::fs::write(folder.path().join(name), name).unwrap();
+        }
+        let scenes = SceneFolder::open(folder.path()).unwrap();
+        assert_eq!(scenes.len(), 2);
+        let mut bytes = Vec::new();
+        for (index, name) in ["learn2.pcd", "learn10.pcd"].into_iter().enumerate() {
+            assert_eq!(scenes.name(index), Some(name));
+            scenes.read_bytes(index, &mut bytes).unwrap();
+            assert_eq!(bytes, name.as_bytes());
+        }
+        let error = scenes.read_bytes(2, &mut bytes).unwrap_err();
+        assert!(
+            matches!(
+                error,
+                Error::NoSuchScene {
+                    index: 2,
+                    n_scenes: 2
+                }
+            ),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn a_folder_without_scenes_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let error = SceneFolder::open(folder.path()).unwrap_err().to_string();
+        assert!(
+            error.contains(&folder.path().display().to_string()),
+            "{error}"
+        );
+        let error = SceneFolder::open(&folder.path().join("missing")).unwrap_err();
+        assert!(matches!(error, Error::File(_)), "{error}");
+    }
+}

@@ -1,0 +1,256 @@
+//! The taught views, ready to be compared with.
+
+use crate::metric::MAX_VALUE;
+use crate::nearest_categories::{Candidate, NearestCategories};
+use crate::{CategoryName, Error, Metric, Neighbour, Recognition, ViewId};
+use std::collections::{BTreeMap, HashMap};
+
+/// Taught views with their categories and descriptors.
+///
+/// Changes of single views can be applied again, in the same order, over a newer
+/// state: a view that is there is replaced, one that is not there is not missed,
+/// and the last change of each view decides. Only the removal of a category must
+/// not be replayed over views that came to it later.
+///
+/// *Shape*: the descriptors lie in one piece of memory, a row for each view.
+#[derive(Debug, Clone)]
+pub struct CategoryIndex {
+    metric: Metric,
+    dimension: usize,
+    descriptors: Vec<f32>,
+    views: Vec<IndexedView>,
+    rows: HashMap<ViewId, usize>,
+    categories: BTreeMap<CategoryName, Category>,
+    next_category: u64,
+}
+
+/// What is known of the view whose descriptor is in the same row.
+#[derive(Debug, Clone)]
+struct IndexedView {
+    id: ViewId,
+    name: CategoryName,
+    category: u64,
+}
+
+/// A category with at least one view.
+#[derive(Debug, Clone, Copy)]
+struct Category {
+    /// Never used again when the category is gone.
+    number: u64,
+    n_views: usize,
+}
+
+impl CategoryIndex {
+    /// An index for descriptors of `dimension` values.
+    pub fn new(dimension: usize, metric: Metric) -> Self {
+        Self {
+            metric,
+            dimension,
+            descriptors: Vec::new(),
+            views: Vec::new(),
+            rows: HashMap::new(),
+            categories: BTreeMap::new(),
+            next_category: 0,
+        }
+    }
+
+    /// Adds a view to a category. A view with the same id is replaced.
+    ///
+    /// # Errors
+    /// When the descriptor has another length, or a value that is not finite or not
+    /// in 0 to 1e6; the index is unchanged then.
+    pub fn insert(
+        &mut self,
+        id: ViewId,
+        category: &CategoryName,
+        descriptor: &[f32],
+    ) -> Result<(), Error> {
+        self.check(descriptor)?;
+        if let Some(&row) = self.rows.get(&id) {
+            self.descriptors[row * self.dimension..][..self.dimension].copy_from_slice(descriptor);
+            self.assign(row, category);
+        } else {
+            let number = self.enter(category);
+            self.rows.insert(id, self.views.len());
+            self.views.push(IndexedView {
+                id,
+                name: category.clone(),
+                category: number,
+            });
+            self.descriptors.extend_from_slice(descriptor);
+        }
+        Ok(())
+    }
+
+    /// Moves a view to another category; says whether the view was there.
+    pub fn move_view(&mut self, id: ViewId, category: &CategoryName) -> bool {
+        let row = self.rows.get(&id).copied();
+        if let Some(row) = row {
+            self.assign(row, category);
+        }
+        row.is_some()
+    }
+
+    /// Removes a view; says whether it was there.
+    pub fn remove_view(&mut self, id: ViewId) -> bool {
+        let Some(row) = self.rows.remove(&id) else {
+            return false;
+        };
+        let removed = self.views.swap_remove(row);
+        self.leave(&removed.name);
+        let last = self.views.len() * self.dimension;
+        self.descriptors.copy_within(last.., row * self.dimension);
+        self.descriptors.truncate(last);
+        if let Some(moved) = self.views.get(row) {
+            self.rows.insert(moved.id, row);
+        }
+        true
+    }
+
+    /// Removes a category with all its views; says how many there were.
+    pub fn remove_category(&mut self, category: &CategoryName) -> usize {
+        let of_category = |view: &&IndexedView| view.name == *category;
+        let ids: Vec<ViewId> = self
+            .views
+            .iter()
+            .filter(of_category)
+            .map(|view| view.id)
+            .collect();
+        ids.into_iter().filter(|&id| self.remove_view(id)).count()
+    }
+
+    /// Removes everything.
+    pub fn clear(&mut self) {
+        self.descriptors.clear();
+        self.views.clear();
+        self.rows.clear();
+        self.categories.clear();
+    }
+
+    /// The metric of the distances.
+    pub fn metric(&self) -> Metric {
+        self.metric
+    }
+
+    /// Number of values of a descriptor.
+    pub fn dimension(&self) -> usize {
+        self.dimension
+    }
+
+    /// Number of views.
+    pub fn n_views(&self) -> usize {
+        self.views.len()
+    }
+
+    /// The categories with their numbers of views, in the order of their names.
+    pub fn categories(&self) -> impl ExactSizeIterator<Item = (&CategoryName, usize)> {
+        self.categories
+            .iter()
+            .map(|(name, category)| (name, category.n_views))
+    }
+
+    /// Finds the category of a descriptor: that of the nearest of all views if its
+    /// distance is at most `threshold`, else none. Of equally near views the one
+    /// with the smaller id counts, so the order of teaching has no say.
+    ///
+    /// A category with a single view can win, and a view that was taught is found at
+    /// distance 0.
+    ///
+    /// *Complexity*: linear in the views; a comparison ends as soon as the view can
+    /// not belong to the nearest categories. No allocation.
+    ///
+    /// # Errors
+    /// As for [`insert`](Self::insert).
+    pub fn recognise(&self, descriptor: &[f32], threshold: f32) -> Result<Recognition, Error> {
+        self.check(descriptor)?;
+        let mut found = NearestCategories::default();
+        let rows = self.descriptors.chunks_exact(self.dimension.max(1));
+        for (row, (view, stored)) in self.views.iter().zip(rows).enumerate() {
+            let bound = found.bound(view.category);
+            if let Some(sum) = self.metric.sum(descriptor, stored, bound) {
+                found.offer(Candidate {
+                    sum,
+                    view: view.id,
+                    category: view.category,
+                    row,
+                });
+            }
+        }
+        Ok(self.answer(found, threshold))
+    }
+
+    fn answer(&self, found: NearestCategories, threshold: f32) -> Recognition {
+        let nearest = found.candidates().map(|candidate| {
+            candidate.map(|Candidate { sum, view, row, .. }| Neighbour {
+                view,
+                category: self.views[row].name.clone(),
+                distance: self.metric.distance_from_sum(sum),
+            })
+        });
+        let distance = nearest[0]
+            .as_ref()
+            .map_or(f32::INFINITY, |first| first.distance);
+        let is_known = distance <= threshold;
+        let winner = nearest[0].as_ref().filter(|_| is_known);
+        Recognition {
+            label: winner.map(|first| first.category.clone()),
+            distance,
+            nearest,
+        }
+    }
+
+    fn check(&self, descriptor: &[f32]) -> Result<(), Error> {
+        if descriptor.len() != self.dimension {
+            return Err(Error::Dimension {
+                expected: self.dimension,
+                found: descriptor.len(),
+            });
+        }
+        let is_wrong = |value: &f32| !(0.0..=MAX_VALUE).contains(value);
+        match descriptor.iter().position(is_wrong) {
+            Some(position) => Err(Error::Value {
+                position,
+                value: descriptor[position],
+            }),
+            None => Ok(()),
+        }
+    }
+
+    fn assign(&mut self, row: usize, category: &CategoryName) {
+        if self.views[row].name == *category {
+            return;
+        }
+        let number = self.enter(category);
+        let view = &mut self.views[row];
+        view.category = number;
+        let left = std::mem::replace(&mut view.name, category.clone());
+        self.leave(&left);
+    }
+
+    /// Counts one more view of a category and returns its number.
+    fn enter(&mut self, category: &CategoryName) -> u64 {
+        let next = &mut self.next_category;
+        let entry = self.categories.entry(category.clone()).or_insert_with(|| {
+            *next += 1;
+            Category {
+                number: *next,
+                n_views: 0,
+            }
+        });
+        entry.n_views += 1;
+        entry.number
+    }
+
+    /// Counts one view less of a category and forgets it with the last one.
+    fn leave(&mut self, category: &CategoryName) {
+        if let Some(entry) = self.categories.get_mut(category) {
+            entry.n_views -= 1;
+            if entry.n_views == 0 {
+                self.categories.remove(category);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

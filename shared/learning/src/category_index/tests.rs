@@ -1,0 +1,265 @@
+use super::*;
+use crate::recognition::N_NEAREST;
+use proptest::prelude::*;
+
+const DIMENSION: usize = 150;
+
+/// A change of what was taught; categories and descriptors by number.
+#[derive(Debug, Clone)]
+enum Change {
+    Insert(ViewId, u8, u8),
+    Move(ViewId, u8),
+    RemoveView(ViewId),
+    RemoveCategory(u8),
+}
+
+fn name(number: u8) -> CategoryName {
+    CategoryName::new(&format!("category {number}")).unwrap()
+}
+
+/// One of 40 sparse histograms: few enough that equal ones and ties happen.
+fn descriptor(number: u8) -> Vec<f32> {
+    let mut values = vec![0.0; DIMENSION];
+    for i in 0..30_usize {
+        values[(usize::from(number % 40) * 7 + i * i) % DIMENSION] += (i % 5) as f32 / 60.0;
+    }
+    values
+}
+
+fn view() -> impl Strategy<Value = ViewId> {
+    (0_u64..6, 0_u32..6).prop_map(|(track_id, view_id)| ViewId { track_id, view_id })
+}
+
+fn change() -> impl Strategy<Value = Change> {
+    prop_oneof![
+        6 => (view(), 0_u8..6, any::<u8>()).prop_map(|(v, c, d)| Change::Insert(v, c, d)),
+        2 => (view(), 0_u8..6).prop_map(|(v, c)| Change::Move(v, c)),
+        2 => view().prop_map(Change::RemoveView),
+        1 => (0_u8..6).prop_map(Change::RemoveCategory),
+    ]
+}
+
+fn apply(index: &mut CategoryIndex, change: &Change) {
+    match *change {
+        Change::Insert(id, category, number) => {
+            index
+                .insert(id, &name(category), &descriptor(number))
+                .unwrap();
+        }
+        Change::Move(id, category) => drop(index.move_view(id, &name(category))),
+        Change::RemoveView(id) => drop(index.remove_view(id)),
+        Change::RemoveCategory(category) => drop(index.remove_category(&name(category))),
+    }
+}
+
+/// The same rules on a map.
+type Model = BTreeMap<ViewId, (CategoryName, Vec<f32>)>;
+
+fn apply_to_model(model: &mut Model, change: &Change) {
+    match *change {
+        Change::Insert(id, category, number) => {
+            model.insert(id, (name(category), descriptor(number)));
+        }
+        Change::Move(id, category) => {
+            if let Some((present, _)) = model.get_mut(&id) {
+                *present = name(category);
+            }
+        }
+        Change::RemoveView(id) => drop(model.remove(&id)),
+        Change::RemoveCategory(category) => {
+            model.retain(|_, (present, _)| *present != name(category));
+        }
+    }
+}
+
+/// All views sorted by sum, then id; the first of each category.
+fn brute_force(model: &Model, metric: Metric, query: &[f32]) -> Vec<Neighbour> {
+    let mut all: Vec<(f32, ViewId, &CategoryName)> = model
+        .iter()
+        .map(|(id, (name, stored))| (metric.sum(query, stored, f32::INFINITY).unwrap(), *id, name))
+        .collect();
+    all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let mut nearest: Vec<Neighbour> = Vec::new();
+    for (sum, view, category) in all {
+        if nearest.len() < N_NEAREST && nearest.iter().all(|n| n.category != *category) {
+            let distance = metric.distance_from_sum(sum);
+            nearest.push(Neighbour {
+                view,
+                category: category.clone(),
+                distance,
+            });
+        }
+    }
+    nearest
+}
+
+fn filled(changes: &[Change], metric: Metric) -> (CategoryIndex, Model) {
+    let (mut index, mut model) = (CategoryIndex::new(DIMENSION, metric), Model::new());
+    for change in changes {
+        apply(&mut index, change);
+        apply_to_model(&mut model, change);
+    }
+    (index, model)
+}
+
+fn answers(index: &CategoryIndex) -> Vec<Recognition> {
+    (0..40)
+        .map(|i| index.recognise(&descriptor(i), 0.3).unwrap())
+        .collect()
+}
+
+proptest! {
+    #[test]
+    fn answers_equal_those_of_brute_force(
+        changes in prop::collection::vec(change(), 0..120),
+        query in any::<u8>(),
+        threshold in 0.0_f32..2.0,
+    ) {
+        for metric in [Metric::HalfChiSquaredRoot, Metric::Manhattan] {
+            let (index, model) = filled(&changes, metric);
+            let expected = brute_force(&model, metric, &descriptor(query));
+            let answer = index.recognise(&descriptor(query), threshold).unwrap();
+            let nearest: Vec<_> = answer.nearest.iter().flatten().cloned().collect();
+            prop_assert_eq!(&nearest, &expected);
+            let known = expected.first().filter(|first| first.distance <= threshold);
+            prop_assert_eq!(answer.label, known.map(|first| first.category.clone()));
+            prop_assert_eq!(answer.distance, expected.first().map_or(f32::INFINITY, |n| n.distance));
+        }
+    }
+
+    #[test]
+    fn counts_are_those_of_the_model(changes in prop::collection::vec(change(), 0..120)) {
+        let (index, model) = filled(&changes, Metric::default());
+        let mut counts: BTreeMap<&CategoryName, usize> = BTreeMap::new();
+        for (category, _) in model.values() {
+            *counts.entry(category).or_default() += 1;
+        }
+        prop_assert_eq!(index.n_views(), model.len());
+        prop_assert!(index.categories().eq(counts));
+    }
+
+    #[test]
+    fn changes_of_single_views_may_be_replayed_over_a_newer_state(
+        changes in prop::collection::vec(
+            change().prop_filter("of one view", |c| !matches!(c, Change::RemoveCategory(_))),
+            0..60,
+        ),
+        from in 0_usize..60,
+    ) {
+        let (mut index, _) = filled(&changes, Metric::default());
+        let expected = answers(&index);
+        for change in changes.iter().skip(from) {
+            apply(&mut index, change);
+        }
+        prop_assert_eq!(answers(&index), expected);
+    }
+
+    #[test]
+    fn a_change_applied_twice_is_applied_once(
+        changes in prop::collection::vec(change(), 0..60),
+        twice in change(),
+    ) {
+        let (mut index, _) = filled(&changes, Metric::default());
+        apply(&mut index, &twice);
+        let expected = answers(&index);
+        apply(&mut index, &twice);
+        prop_assert_eq!(answers(&index), expected);
+    }
+
+    #[test]
+    fn the_order_of_teaching_has_no_say(
+        (taught, shuffled) in prop::collection::btree_map(view(), (0_u8..6, any::<u8>()), 0..36)
+            .prop_map(|views| {
+                views.into_iter().map(|(v, (c, d))| Change::Insert(v, c, d)).collect::<Vec<_>>()
+            })
+            .prop_flat_map(|inserts| (Just(inserts.clone()), Just(inserts).prop_shuffle())),
+    ) {
+        let (one, _) = filled(&taught, Metric::default());
+        let (other, _) = filled(&shuffled, Metric::default());
+        prop_assert_eq!(answers(&one), answers(&other));
+    }
+}
+
+#[test]
+fn a_single_view_wins_and_a_duplicate_is_found_at_zero() {
+    let mut index = CategoryIndex::new(DIMENSION, Metric::default());
+    let id = ViewId {
+        track_id: 1,
+        view_id: 0,
+    };
+    index.insert(id, &name(1), &descriptor(3)).unwrap();
+    let answer = index.recognise(&descriptor(3), 0.0).unwrap();
+    assert_eq!((answer.label, answer.distance), (Some(name(1)), 0.0));
+    assert_eq!(answer.nearest[0].as_ref().map(|n| n.view), Some(id));
+    assert_eq!(answer.nearest[1], None);
+}
+
+#[test]
+fn what_is_too_different_is_unknown_but_named_as_neighbour() {
+    let mut index = CategoryIndex::new(DIMENSION, Metric::default());
+    assert_eq!(
+        index.recognise(&descriptor(0), 9.0).unwrap().distance,
+        f32::INFINITY
+    );
+    index
+        .insert(
+            ViewId {
+                track_id: 1,
+                view_id: 0,
+            },
+            &name(1),
+            &descriptor(3),
+        )
+        .unwrap();
+    let distance = index
+        .recognise(&descriptor(4), f32::INFINITY)
+        .unwrap()
+        .distance;
+    for (threshold, label) in [
+        (distance, Some(name(1))),
+        (0.99 * distance, None),
+        (f32::NAN, None),
+    ] {
+        let answer = index.recognise(&descriptor(4), threshold).unwrap();
+        assert_eq!(answer.label, label);
+        assert_eq!(
+            answer.nearest[0].as_ref().map(|n| &n.category),
+            Some(&name(1))
+        );
+    }
+}
+
+#[test]
+fn unfit_descriptors_are_refused_and_change_nothing() {
+    let mut index = CategoryIndex::new(3, Metric::default());
+    let id = ViewId {
+        track_id: 1,
+        view_id: 0,
+    };
+    index.insert(id, &name(1), &[0.0, 1.0, 0.0]).unwrap();
+    for wrong in [f32::NAN, f32::INFINITY, -1e-9, 2e6] {
+        let error = index.insert(id, &name(2), &[0.0, wrong, 0.0]).unwrap_err();
+        assert!(matches!(error, Error::Value { position: 1, .. }));
+        assert!(index.recognise(&[wrong, 0.0, 0.0], 1.0).is_err());
+    }
+    let error = index
+        .insert(id, &name(2), &[0.5; 4])
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("descriptor of 4 values"), "{error}");
+    assert!(index.categories().eq([(&name(1), 1)]));
+}
+
+#[test]
+fn a_cleared_index_starts_anew() {
+    let mut index = CategoryIndex::new(DIMENSION, Metric::default());
+    let id = ViewId {
+        track_id: 1,
+        view_id: 0,
+    };
+    index.insert(id, &name(1), &descriptor(3)).unwrap();
+    index.clear();
+    assert_eq!((index.n_views(), index.categories().len()), (0, 0));
+    assert_eq!(index.recognise(&descriptor(3), 1.0).unwrap().label, None);
+    assert!(!index.move_view(id, &name(2)) && !index.remove_view(id));
+}

@@ -1,0 +1,54 @@
+//! Arguments that every process and tool understands.
+
+use crate::Home;
+use channel::DomainName;
+use clap::Args;
+use std::path::PathBuf;
+
+/// Which daemon, and with which configuration.
+#[derive(Debug, Clone, Args)]
+pub struct CommonArguments {
+    /// Domain: several daemons with different names live side by side
+    #[arg(
+        long,
+        env = "TABULA_DOMAIN",
+        default_value = "default",
+        value_name = "NAME",
+        global = true
+    )]
+    pub domain: DomainName,
+
+    /// Folder of the daemon's data [default: the user's data folder, by domain]
+    #[arg(long, env = "TABULA_HOME", value_name = "DIR", global = true)]
+    pub home: Option<PathBuf>,
+
+    /// Configuration file [default: tabula.toml in the home folder, /etc/tabula/tabula.toml]
+    #[arg(long, value_name = "FILE", global = true)]
+    pub config: Option<PathBuf>,
+}
+
+/// What one process of the daemon understands besides.
+#[derive(Debug, Clone, Args)]
+pub struct ProcessArguments {
+    /// Which daemon.
+    #[command(flatten)]
+    pub common: CommonArguments,
+
+    /// Check the configuration and the arguments, and do nothing else
+    #[arg(long)]
+    pub check_config: bool,
+
+    /// Stop when the process that started this one ends
+    #[arg(long)]
+    pub follow_parent: bool,
+}
+
+impl CommonArguments {
+    /// The home folder of these arguments.
+    pub fn home(&self) -> Home {
+        match &self.home {
+            Some(folder) => Home::at(folder.clone()),
+            None => Home::of_user(&self.domain),
+        }
+    }
+}

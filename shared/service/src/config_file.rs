@@ -1,0 +1,199 @@
+//! The configuration file.
+
+use serde::de::DeserializeOwned;
+use std::path::{Path, PathBuf};
+use std::{fmt, io};
+
+/// Sections of the file: one for each process.
+const SECTIONS: [&str; 3] = ["camera", "perception", "memory"];
+
+/// The largest file that is read.
+const MAX_BYTES: u64 = 1 << 20;
+
+/// One `tabula.toml` for all processes, each with a section of its own.
+#[derive(Debug, Clone, Default)]
+pub struct ConfigFile {
+    path: Option<PathBuf>,
+    text: String,
+}
+
+/// A configuration that can not be used.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum ConfigError {
+    /// The file can not be read.
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        source: io::Error,
+    },
+    /// The file is not what it should be.
+    Wrong {
+        /// The file.
+        path: PathBuf,
+        /// Where and why.
+        cause: String,
+    },
+}
+
+impl fmt::Display for ConfigError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unreadable { path, source } => {
+                write!(
+                    f,
+                    "could not read the configuration {}: {source}",
+                    path.display()
+                )
+            }
+            Self::Wrong { path, cause } => {
+                write!(
+                    f,
+                    "the configuration {} is wrong: {}",
+                    path.display(),
+                    cause.trim_end()
+                )
+            }
+        }
+    }
+}
+
+impl std::error::Error for ConfigError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::Unreadable { source, .. } => Some(source),
+            Self::Wrong { .. } => None,
+        }
+    }
+}
+
+impl ConfigFile {
+    /// Reads the given file, or else the first that is there: `tabula.toml` in
+    /// the home folder, `/etc/tabula/tabula.toml`. Without any, all defaults.
+    ///
+    /// # Errors
+    /// When the file can not be read, is no TOML, or has an unknown section.
+    pub fn find(given: Option<&Path>, home: &Path) -> Result<Self, ConfigError> {
+        let places = [
+            home.join("tabula.toml"),
+            PathBuf::from("/etc/tabula/tabula.toml"),
+        ];
+        let found = || places.into_iter().find(|path| path.exists());
+        let Some(path) = given.map(Path::to_owned).or_else(found) else {
+            return Ok(Self::default());
+        };
+        let text = read(&path).map_err(|source| ConfigError::Unreadable {
+            path: path.clone(),
+            source,
+        })?;
+        let file = Self {
+            path: Some(path),
+            text,
+        };
+        file.check_sections()?;
+        Ok(file)
+    }
+
+    /// The file, when there is one.
+    pub fn path(&self) -> Option<&Path> {
+        self.path.as_deref()
+    }
+
+    /// One process's section; the default when it is not there.
+    ///
+    /// # Errors
+    /// When a key is unknown or a value is wrong.
+    pub fn section<T: DeserializeOwned + Default>(&self, name: &str) -> Result<T, ConfigError> {
+        let mut table: toml::Table = toml::from_str(&self.text).map_err(|e| self.wrong(e))?;
+        match table.remove(name) {
+            None => Ok(T::default()),
+            Some(section) => section
+                .try_into()
+                .map_err(|error| self.wrong(format!("in the section [{name}]: {error}"))),
+        }
+    }
+
+    /// An error about this file.
+    pub fn wrong(&self, cause: impl fmt::Display) -> ConfigError {
+        let path = self
+            .path
+            .clone()
+            .unwrap_or_else(|| PathBuf::from("(built-in defaults)"));
+        ConfigError::Wrong {
+            path,
+            cause: cause.to_string(),
+        }
+    }
+
+    fn check_sections(&self) -> Result<(), ConfigError> {
+        let table: toml::Table = toml::from_str(&self.text).map_err(|e| self.wrong(e))?;
+        match table.keys().find(|key| !SECTIONS.contains(&key.as_str())) {
+            None => Ok(()),
+            Some(key) => Err(self.wrong(format!(
+                "there is no section [{key}]; the sections are {}",
+                SECTIONS.map(|name| format!("[{name}]")).join(", ")
+            ))),
+        }
+    }
+}
+
+fn read(path: &Path) -> io::Result<String> {
+    if std::fs::metadata(path)?.len() > MAX_BYTES {
+        return Err(io::Error::new(
+            io::ErrorKind::InvalidData,
+            "it is larger than 1 MiB",
+        ));
+    }
+    std::fs::read_to_string(path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde::Deserialize;
+
+    #[derive(Debug, Default, PartialEq, Deserialize)]
+    #[serde(deny_unknown_fields, default)]
+    struct Camera {
+        rate_hz: f64,
+    }
+
+    fn read_section(text: &str) -> Result<Camera, String> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("tabula.toml");
+        std::fs::write(&path, text).unwrap();
+        let file = ConfigFile::find(Some(&path), folder.path()).map_err(|e| e.to_string())?;
+        file.section("camera").map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn a_section_is_read_and_defaults_fill_the_rest() {
+        assert_eq!(
+            read_section("[camera]\nrate_hz = 5.0"),
+            Ok(Camera { rate_hz: 5.0 })
+        );
+        assert_eq!(read_section("[memory]\n"), Ok(Camera::default()));
+        assert_eq!(
+            ConfigFile::default().section::<Camera>("camera").unwrap(),
+            Camera::default()
+        );
+    }
+
+    #[test]
+    fn what_is_wrong_is_named() {
+        let check = |text: &str, word: &str| {
+            let sentence = read_section(text).unwrap_err();
+            assert!(
+                sentence.contains(word) && sentence.contains("tabula.toml"),
+                "{sentence}"
+            );
+        };
+        check("[camera]\nrate = 5.0", "rate");
+        check("[camera]\nrate_hz = \"fast\"", "rate_hz");
+        check("[kamera]\n", "[kamera]");
+        check("[camera", "TOML");
+        let nowhere = ConfigFile::find(Some(Path::new("/nowhere/x.toml")), Path::new("/nowhere"));
+        assert!(nowhere.unwrap_err().to_string().contains("/nowhere/x.toml"));
+    }
+}

@@ -1,0 +1,108 @@
+//! The health report, the watchdog and the sweep: what happens once a second.
+
+use crate::{CountingAllocator, HealthBoard, Shutdown, clock::monotonic_ns};
+use channel::topic::ProcessHealth;
+use channel::{Domain, Error, Publisher};
+use message::{Health, PlainHeader, ProcessKind, ProcessState};
+use sd_notify::NotifyState;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+
+/// How often health is reported.
+const PERIOD: Duration = Duration::from_millis(500);
+
+/// Reports until shutdown.
+pub(crate) struct Reporter {
+    publisher: Publisher<ProcessHealth>,
+    domain: Domain,
+    process: ProcessKind,
+    board: Arc<HealthBoard>,
+    started_ns: u64,
+    last_progress: u64,
+    is_ready: bool,
+}
+
+impl Reporter {
+    pub(crate) fn new(
+        domain: &Domain,
+        process: ProcessKind,
+        board: Arc<HealthBoard>,
+    ) -> Result<Self, Error> {
+        Ok(Self {
+            publisher: Publisher::new(domain)?,
+            domain: domain.clone(),
+            process,
+            board,
+            started_ns: monotonic_ns(),
+            last_progress: 0,
+            is_ready: false,
+        })
+    }
+
+    pub(crate) async fn run(mut self, shutdown: Shutdown) {
+        let mut period = tokio::time::interval(PERIOD);
+        loop {
+            tokio::select! {
+                _ = period.tick() => {}
+                () = shutdown.requested() => break,
+            }
+            self.domain.sweep_dead_nodes();
+            self.notify_service_manager();
+            self.report();
+        }
+        self.board.set_state(ProcessState::Stopping, "");
+        let _ = sd_notify::notify(&[NotifyState::Stopping]);
+        self.report();
+    }
+
+    /// Tells systemd once that the process is ready, and feeds its watchdog when
+    /// the main loop has made progress since the last time.
+    fn notify_service_manager(&mut self) {
+        let (state, _) = self.board.state();
+        if !self.is_ready && state != ProcessState::Starting {
+            self.is_ready = true;
+            let _ = sd_notify::notify(&[NotifyState::Ready]);
+        }
+        let progress = self.board.progress();
+        if progress != self.last_progress {
+            self.last_progress = progress;
+            let _ = sd_notify::notify(&[NotifyState::Watchdog]);
+        }
+    }
+
+    fn report(&mut self) {
+        let board = &self.board;
+        let (state, note) = board.state();
+        let (allocations, allocated_bytes) = CountingAllocator::counts();
+        let health = Health {
+            process: self.process.code(),
+            pid: std::process::id(),
+            state: state.code(),
+            started_ns: self.started_ns,
+            stamp_ns: monotonic_ns(),
+            frames: board.frames.load(Ordering::Relaxed),
+            frames_dropped: board.frames_dropped.load(Ordering::Relaxed),
+            frames_late: board.frames_late.load(Ordering::Relaxed),
+            allocated_bytes,
+            allocations,
+            resident_bytes: resident_bytes(),
+            shared_memory_bytes: board.shared_memory_bytes.load(Ordering::Relaxed),
+            restarts: board.restarts.load(Ordering::Relaxed),
+            progress: board.progress(),
+            note,
+            ..Health::default()
+        };
+        if let Err(error) = self.publisher.send_copy(PlainHeader::default(), &[health]) {
+            tracing::warn!("the health report was not sent: {error}");
+        }
+    }
+}
+
+/// Memory resident now, shared memory included; 0 when the kernel does not say.
+fn resident_bytes() -> u64 {
+    let pages = std::fs::read_to_string("/proc/self/statm")
+        .ok()
+        .and_then(|line| line.split_ascii_whitespace().nth(1)?.parse::<u64>().ok());
+    pages.unwrap_or(0) * rustix::param::page_size() as u64
+}

@@ -1,0 +1,138 @@
+//! The life of a process.
+
+use crate::health_report::Reporter;
+use crate::shutdown::on_signals;
+use crate::{
+    CommonArguments, ConfigFile, Context, Failure, HealthBoard, Home, ProcessArguments, Shutdown,
+    exit_code, log,
+};
+use channel::{Domain, Role, RunFolder};
+use message::ProcessKind;
+use rustix::process::{
+    Resource, Rlimit, Signal, getrlimit, set_parent_process_death_signal, setrlimit,
+};
+use std::future::Future;
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// Stopping may take this long; then the process ends without waiting.
+const STOP_TIME: Duration = Duration::from_secs(4);
+
+/// Runs a process from its arguments to its exit code: log, configuration,
+/// domain, health, signals, and in between `body`, which returns when
+/// `context.shutdown` asks it to, or with a failure.
+///
+/// `check` turns the configuration file into the process's own configuration;
+/// with `--check-config` that is all that happens.
+pub fn run<C, F>(
+    process: ProcessKind,
+    arguments: &ProcessArguments,
+    check: impl FnOnce(&ConfigFile) -> Result<C, Failure>,
+    body: impl FnOnce(Context, C) -> F,
+) -> ExitCode
+where
+    F: Future<Output = Result<(), Failure>>,
+{
+    log::start();
+    let common = &arguments.common;
+    if arguments.follow_parent {
+        follow_parent();
+    }
+    let home = common.home();
+    let configured = ConfigFile::find(common.config.as_deref(), home.path())
+        .map_err(Failure::from)
+        .and_then(|file| Ok((check(&file)?, file)));
+    let outcome = match configured {
+        Ok(_) if arguments.check_config => Ok(()),
+        Ok((config, file)) => live(process, common, home, file, |context| body(context, config)),
+        Err(failure) => Err(failure),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            tracing::error!("{failure}");
+            ExitCode::from(failure.code)
+        }
+    }
+}
+
+fn live<F: Future<Output = Result<(), Failure>>>(
+    process: ProcessKind,
+    common: &CommonArguments,
+    home: Home,
+    config: ConfigFile,
+    body: impl FnOnce(Context) -> F,
+) -> Result<(), Failure> {
+    raise_descriptor_limit();
+    let runtime = tokio::runtime::Builder::new_multi_thread()
+        .worker_threads(2)
+        .thread_name(process.name())
+        .enable_all()
+        .build()
+        .map_err(|error| {
+            Failure::new(
+                exit_code::FAILURE,
+                format!("could not start the runtime: {error}"),
+            )
+        })?;
+    let outcome = runtime.block_on(async {
+        let program = process.program();
+        let domain = Domain::join(&common.domain, &RunFolder::of_user(), Role::Only(&program))?;
+        tracing::info!(
+            "{program} {} started: domain {}, data {}, configuration {}",
+            env!("CARGO_PKG_VERSION"),
+            domain.name(),
+            home.path().display(),
+            config
+                .path()
+                .map_or("built in".into(), |path| path.display().to_string()),
+        );
+        let (trigger, shutdown) = Shutdown::new();
+        on_signals(trigger.clone()).map_err(|error| {
+            Failure::new(
+                exit_code::FAILURE,
+                format!("could not listen for signals: {error}"),
+            )
+        })?;
+        let health = Arc::new(HealthBoard::default());
+        let reporter = Reporter::new(&domain, process, health.clone())?;
+        let reporter = tokio::spawn(reporter.run(shutdown.clone()));
+        let outcome = body(Context {
+            domain,
+            home,
+            config,
+            shutdown,
+            health,
+        })
+        .await;
+        trigger.ask();
+        let _ = reporter.await;
+        tracing::info!("{program} stopped");
+        outcome
+    });
+    runtime.shutdown_timeout(STOP_TIME);
+    outcome
+}
+
+/// A process started by `tabula run` does not outlive it, whatever ends it.
+fn follow_parent() {
+    if let Err(error) = set_parent_process_death_signal(Some(Signal::TERM)) {
+        tracing::warn!("this process will not notice the end of its parent: {error}");
+    }
+}
+
+/// Each service with its ports holds about seven descriptors, which the usual
+/// soft limit of 1024 does not fit.
+fn raise_descriptor_limit() {
+    let limit = getrlimit(Resource::Nofile);
+    let wanted = Rlimit {
+        current: limit.maximum,
+        maximum: limit.maximum,
+    };
+    if setrlimit(Resource::Nofile, wanted).is_err() {
+        tracing::warn!(
+            "could not raise the limit of open files; `tabula doctor` says if it is enough"
+        );
+    }
+}

@@ -1,0 +1,377 @@
+//! What is left after a power cut, and after a disk that refuses to write.
+//!
+//! The environment's changes are written down as they are made. A cut after any
+//! of them is then played on a copy: what was synced is there, of the rest any
+//! part.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
+
+use geometry::OrientedBox;
+use learning::{CategoryName, ViewId};
+use nalgebra::{Isometry3, Vector3};
+use tempfile::TempDir;
+
+use crate::engine::Engine;
+use crate::env_health::{Change, EnvHealth, Observer};
+use crate::examination::examine;
+use crate::mutation::{Change as Asked, Mutation, MutationId};
+use crate::opening::Condition;
+use crate::perceptual_memory::PerceptualMemory;
+use crate::view::{Descriptor, View};
+use crate::{Error, StoreConfig, StoreThread};
+
+/// Large enough that a memtable holds fourteen.
+const CLOUD_BYTES: usize = 300_000;
+/// Enough for the engine to merge tables, which it does from the fourth on.
+const N_TRACKS: u64 = 72;
+
+fn folder() -> TempDir {
+    tempfile::tempdir_in("/dev/shm").or_else(|_| tempfile::tempdir()).unwrap()
+}
+
+/// Stores and teaches track `n / 2`.
+fn mutation(n: u64, cloud_bytes: usize) -> Mutation {
+    let track_id = n / 2;
+    let change = if n.is_multiple_of(2) {
+        let cloud = (0..cloud_bytes as u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 13) as u8);
+        let half_sides_m = Vector3::repeat(0.1);
+        Asked::StoreViews(vec![View {
+            id: ViewId { track_id, view_id: 0 },
+            descriptor: Descriptor { kind: "test".to_owned(), values: vec![n as f32] },
+            box_in_world: OrientedBox { frame_from_box: Isometry3::identity(), half_sides_m },
+            captured_ns: n,
+            frame_sequence: n,
+            source: "test".to_owned(),
+            points: Some(cloud.collect()),
+        }])
+    } else {
+        Asked::Teach { track_id, category: CategoryName::new("Mug").unwrap() }
+    };
+    Mutation { id: MutationId(n as u128), author: String::new(), wall_ns: n, change }
+}
+
+/// The first `n` mutations and nothing else, or one more that was not
+/// acknowledged.
+fn check_holds(folder: &Path, n: u64, what: &str) {
+    let (mut memory, report) = PerceptualMemory::open(folder, 1).unwrap();
+    assert!(matches!(report.condition, Condition::Sound | Condition::New), "{what}: {report}");
+    let sequence = memory.sequence();
+    assert!(sequence == n || sequence == n + 1, "{what}: {sequence} of {n}");
+    for n in 0..sequence {
+        let stored = memory.views_of_track(n / 2).unwrap();
+        let Asked::StoreViews(views) = mutation(n - n % 2, CLOUD_BYTES).change else {
+            unreachable!("even ones store");
+        };
+        assert_eq!(stored[0].view.descriptor, views[0].descriptor, "{what}: track {}", n / 2);
+        assert!(stored[0].label.is_some() || n.is_multiple_of(2), "{what}: track {}", n / 2);
+    }
+    // The clouds of a few: their blocks are checked as they are read.
+    memory.lease_track_ids(1).unwrap();
+}
+
+#[test]
+fn one_synced_write_is_one_fdatasync() {
+    let folder = folder();
+    let (mut memory, _) = PerceptualMemory::open(folder.path(), 1).unwrap();
+    let counts = Arc::new(Mutex::new([0_u32; 3]));
+    let seen = Arc::clone(&counts);
+    memory.engine.health().set_observer(Box::new(move |change| {
+        let i = match change {
+            Change::Write(..) => return Ok(()),
+            Change::Sync(_) => 0,
+            Change::SyncFolder(_) => 1,
+            _ => 2,
+        };
+        seen.lock().unwrap()[i] += 1;
+        Ok(())
+    }));
+    for n in 0..20 {
+        memory.apply(&mutation(n, 1000)).unwrap();
+        assert_eq!(*counts.lock().unwrap(), [n as u32 + 1, 0, 0]);
+    }
+    // Asked again, a mutation writes nothing.
+    memory.apply(&mutation(3, 1000)).unwrap();
+    // A group is one write.
+    (20..40).for_each(|n| drop(memory.stage(&mutation(n, 1000)).unwrap()));
+    memory.commit().unwrap();
+    assert_eq!(*counts.lock().unwrap(), [21, 0, 0]);
+}
+
+/// A change with its bytes, by the file's name.
+enum Event {
+    Create(String),
+    Write(String, Vec<u8>),
+    Sync(String),
+    Rename(String, String),
+    Delete(String),
+    SyncFolder,
+}
+
+type Journal = Arc<Mutex<Vec<Event>>>;
+
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap().to_str().unwrap().to_owned()
+}
+
+fn journaling(journal: &Journal) -> Observer {
+    let journal = Arc::clone(journal);
+    Box::new(move |change| {
+        let event = match change {
+            Change::Create(path) => Event::Create(file_name(path)),
+            Change::Write(path, bytes) => Event::Write(file_name(path), bytes.to_vec()),
+            Change::Sync(path) => Event::Sync(file_name(path)),
+            Change::Rename(old, new) => Event::Rename(file_name(old), file_name(new)),
+            Change::Delete(path) => Event::Delete(file_name(path)),
+            Change::SyncFolder(_) => Event::SyncFolder,
+        };
+        journal.lock().unwrap().push(event);
+        Ok(())
+    })
+}
+
+/// A database's files as a disk with a cache keeps them.
+#[derive(Clone, Default)]
+struct Disk {
+    /// Content that is on the disk, and content that is only written.
+    inodes: Vec<(Vec<u8>, Vec<u8>)>,
+    /// Names now, after those that were there since the folder was synced.
+    names: Vec<BTreeMap<String, usize>>,
+}
+
+impl Disk {
+    /// All that lies in a folder, synced.
+    fn of(folder: &Path) -> Self {
+        let mut disk = Self { names: vec![BTreeMap::new()], ..Self::default() };
+        for entry in fs::read_dir(folder).unwrap().flatten() {
+            disk.names[0].insert(file_name(&entry.path()), disk.inodes.len());
+            disk.inodes.push((fs::read(entry.path()).unwrap(), Vec::new()));
+        }
+        disk
+    }
+
+    fn make(&mut self, event: &Event) {
+        let mut names = self.names.last().unwrap().clone();
+        match event {
+            Event::Create(name) if name == "LOCK" => return,
+            Event::Create(name) => {
+                names.insert(name.clone(), self.inodes.len());
+                self.inodes.push(Default::default());
+            }
+            Event::Write(name, bytes) => return self.inodes[names[name]].1.extend(bytes),
+            Event::Sync(name) => {
+                let (synced, written) = &mut self.inodes[names[name]];
+                return synced.append(written);
+            }
+            Event::Rename(old, new) => {
+                let inode = names.remove(old).unwrap();
+                names.insert(new.clone(), inode);
+            }
+            Event::Delete(name) => {
+                names.remove(name);
+            }
+            Event::SyncFolder => self.names.clear(),
+        }
+        self.names.push(names);
+    }
+
+    /// Writes into `folder` what a power cut leaves: the names of some moment
+    /// since the folder was synced, and some of what was not synced.
+    fn cut(&self, folder: &Path, random: &mut impl FnMut(usize) -> usize) {
+        fs::create_dir(folder).unwrap();
+        for (name, &inode) in &self.names[random(self.names.len())] {
+            let (synced, written) = &self.inodes[inode];
+            let n_kept = match random(3) {
+                0 => 0,
+                1 => written.len(),
+                _ => random(written.len() + 1),
+            };
+            fs::write(folder.join(name), [synced, &written[..n_kept]].concat()).unwrap();
+        }
+    }
+}
+
+/// SplitMix64 (Steele et al. 2014).
+fn random(mut state: u64) -> impl FnMut(usize) -> usize {
+    move |n| {
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) % n as u64) as usize
+    }
+}
+
+/// Cuts the power after every `step`-th change made while teaching.
+fn check_cuts_while_teaching(step: usize) {
+    let folder = folder();
+    let (mut memory, _) = PerceptualMemory::open(folder.path(), 1).unwrap();
+    let mut disk = Disk::of(&folder.path().join("database"));
+    let journal = Journal::default();
+    memory.engine.health().set_observer(journaling(&journal));
+    let mut acknowledged_at = Vec::new();
+    for n in 0..2 * N_TRACKS {
+        memory.apply(&mutation(n, CLOUD_BYTES)).unwrap();
+        acknowledged_at.push(journal.lock().unwrap().len());
+    }
+    let journal = journal.lock().unwrap();
+    let n_tables = journal.iter().filter(|e| matches!(e, Event::Delete(n) if n.ends_with(".ldb")));
+    assert!(n_tables.count() >= 4, "tables were merged");
+    let mut random = random(1);
+    for (i, event) in journal.iter().enumerate() {
+        disk.make(event);
+        // Names change seldom and matter most.
+        let is_rare = !matches!(event, Event::Write(..) | Event::Sync(_));
+        if (i + random(step)).is_multiple_of(step) || is_rare && random(step.min(8)) == 0 {
+            let left = self::folder();
+            disk.cut(&left.path().join("database"), &mut random);
+            let n = acknowledged_at.partition_point(|&at| at <= i + 1) as u64;
+            check_holds(left.path(), n, &format!("cut after change {i}"));
+        }
+    }
+}
+
+#[test]
+fn acknowledged_teachings_survive_a_power_cut() {
+    check_cuts_while_teaching(199);
+}
+
+#[test]
+#[ignore = "long"]
+fn long_acknowledged_teachings_survive_a_power_cut() {
+    check_cuts_while_teaching(2);
+}
+
+/// Cuts the power after every change made while the store is opened.
+fn check_cuts_while_opening(n_cuts: usize) {
+    let folder = folder();
+    let (mut memory, _) = PerceptualMemory::open(folder.path(), 1).unwrap();
+    (0..40).for_each(|n| drop(memory.apply(&mutation(n, 1000)).unwrap()));
+    drop(memory);
+    let database = folder.path().join("database");
+    let before = Disk::of(&database);
+    let journal = Journal::default();
+    let health = EnvHealth::examining();
+    health.set_observer(journaling(&journal));
+    let mut engine = Engine::open_watched(&database, health).unwrap();
+    assert_eq!(examine(&mut engine, None).unwrap().findings, [""; 0]);
+    engine.accept().unwrap();
+    drop(engine);
+    let journal = journal.lock().unwrap();
+    assert!(journal.iter().any(|event| matches!(event, Event::Delete(_))));
+    let mut random = random(2);
+    for _ in 0..n_cuts {
+        let mut disk = before.clone();
+        let n_made = random(journal.len() + 1);
+        journal[..n_made].iter().for_each(|event| disk.make(event));
+        let left = self::folder();
+        disk.cut(&left.path().join("database"), &mut random);
+        check_holds(left.path(), 40, &format!("cut after change {n_made} of the opening"));
+    }
+}
+
+#[test]
+fn a_power_cut_while_opening_loses_nothing() {
+    check_cuts_while_opening(60);
+}
+
+#[test]
+#[ignore = "long"]
+fn long_a_power_cut_while_opening_loses_nothing() {
+    check_cuts_while_opening(5_000);
+}
+
+/// Refuses every change from the `n`-th on.
+fn disk_full_after(n: usize) -> Observer {
+    let mut n_made = 0;
+    Box::new(move |_| {
+        n_made += 1;
+        if n_made > n { Err(io::Error::from(io::ErrorKind::StorageFull)) } else { Ok(()) }
+    })
+}
+
+/// Teaches until the disk is full after `n` changes; true when it became so.
+fn check_full_disk(n: usize) -> bool {
+    let folder = folder();
+    let (mut memory, _) = PerceptualMemory::open(folder.path(), 1).unwrap();
+    memory.engine.health().set_observer(disk_full_after(n));
+    let mut n_acknowledged = 0;
+    let mut is_full = false;
+    for m in 0..2 * N_TRACKS {
+        match memory.apply(&mutation(m, CLOUD_BYTES)) {
+            Ok(_) => n_acknowledged += 1,
+            Err(error) => {
+                assert!(matches!(error, Error::Io { .. }), "{error}");
+                is_full = true;
+                break;
+            }
+        }
+    }
+    if is_full {
+        let again = memory.apply(&mutation(n_acknowledged, CLOUD_BYTES)).unwrap_err();
+        assert!(matches!(again, Error::Failed { .. }), "{again}");
+    }
+    drop(memory);
+    check_holds(folder.path(), n_acknowledged, &format!("disk full after change {n}"));
+    is_full
+}
+
+#[test]
+fn a_full_disk_is_an_error_and_loses_nothing() {
+    let mut random = random(3);
+    // The first ones while the log is written, the later ones while tables are merged.
+    for n in [0, 1, 2, 500, 800, 900, 950] {
+        assert!(check_full_disk(n + random(8)));
+    }
+}
+
+#[test]
+#[ignore = "long"]
+fn long_a_full_disk_is_an_error_and_loses_nothing() {
+    let mut n = 0;
+    while check_full_disk(n) {
+        n += 3;
+    }
+    assert!(n > 900, "the engine merged tables within {n} changes");
+}
+
+#[test]
+fn the_thread_opens_a_failed_store_again() {
+    let folder = folder();
+    let told: Arc<Mutex<Vec<Condition>>> = Arc::default();
+    let tell = Arc::clone(&told);
+    let config = StoreConfig {
+        folder: folder.path().to_owned(),
+        queue_capacity: 8,
+        wall_clock: || 7,
+        on_reopened: Box::new(move |report| {
+            tell.lock().unwrap().push(report.as_ref().unwrap().condition.clone());
+        }),
+    };
+    let (thread, handle, _) = StoreThread::start(config).unwrap();
+    handle.mutate_and_wait(mutation(0, 10)).unwrap();
+    let fill = |memory: &mut PerceptualMemory| {
+        memory.engine.health().set_observer(disk_full_after(0));
+        Ok(())
+    };
+    handle.read_and_wait(fill).unwrap();
+    assert!(matches!(handle.mutate_and_wait(mutation(1, 10)), Err(Error::Io { .. })));
+    // The same again, and there is room now.
+    handle.mutate_and_wait(mutation(1, 10)).unwrap();
+    assert_eq!(*told.lock().unwrap(), [Condition::Sound]);
+    // Damage is met with a rebuilding.
+    let spoil = |memory: &mut PerceptualMemory| {
+        memory.engine.health().note_damage("a test's".to_owned());
+        memory.views_of_track(0)
+    };
+    assert!(matches!(handle.read_and_wait(spoil), Err(Error::Damaged { .. })));
+    let read = |memory: &mut PerceptualMemory| memory.views_of_track(0);
+    assert_eq!(handle.read_and_wait(read).unwrap().len(), 1);
+    assert!(matches!(told.lock().unwrap()[1], Condition::Rebuilt { .. }));
+    thread.stop().unwrap();
+    let names: Vec<PathBuf> =
+        fs::read_dir(folder.path()).unwrap().flatten().map(|entry| entry.path()).collect();
+    assert!(names.contains(&folder.path().join("database.damaged-1")), "{names:?}");
+}

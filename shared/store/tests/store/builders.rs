@@ -1,0 +1,121 @@
+//! Views, names and mutations to test with.
+
+use geometry::OrientedBox;
+use learning::{CategoryName, ViewId};
+use nalgebra::{Isometry3, Vector3};
+use store::{
+    Answer, Change, Descriptor, Error, Mutation, MutationId, OpenReport, PerceptualMemory, Refusal,
+    View,
+};
+use tempfile::TempDir;
+
+/// A time that is no other number in the tests.
+pub(crate) const NOW_NS: u64 = 1_700_000_000_000_000_000;
+
+pub(crate) fn folder() -> TempDir {
+    tempfile::tempdir().expect("a temporary folder")
+}
+
+pub(crate) fn open(folder: &TempDir) -> (PerceptualMemory, OpenReport) {
+    PerceptualMemory::open(folder.path(), NOW_NS).expect("the store opens")
+}
+
+pub(crate) fn name(text: &str) -> CategoryName {
+    CategoryName::new(text).expect("a category's name")
+}
+
+pub(crate) fn key(track_id: u64, view_id: u32) -> ViewId {
+    ViewId { track_id, view_id }
+}
+
+/// A view whose content is determined by its key and `content`.
+pub(crate) fn view(track_id: u64, view_id: u32, content: u32) -> View {
+    let seed = track_id as f64 + 0.25 * view_id as f64 + 100.0 * content as f64;
+    View {
+        id: key(track_id, view_id),
+        descriptor: Descriptor {
+            kind: "good-published-15".to_owned(),
+            values: (0..75).map(|i| (seed as f32 + i as f32).sin()).collect(),
+        },
+        box_in_world: OrientedBox {
+            frame_from_box: Isometry3::new(
+                Vector3::new(seed, -0.0, 1.0 / 3.0),
+                Vector3::new(0.1, seed.cos(), -1.3),
+            ),
+            half_sides_m: Vector3::new(0.05, 0.0, 0.125),
+        },
+        captured_ns: u64::MAX - view_id as u64,
+        frame_sequence: track_id ^ 7,
+        source: "camera-\u{e9}".to_owned(),
+        points: (view_id % 2 == 0).then(|| vec![content as u8; 16 * (view_id as usize + 1)]),
+    }
+}
+
+pub(crate) fn mutation(id: u128, change: Change) -> Mutation {
+    Mutation { id: MutationId(id), author: "anna".to_owned(), wall_ns: NOW_NS + id as u64, change }
+}
+
+pub(crate) fn store(id: u128, views: Vec<View>) -> Mutation {
+    mutation(id, Change::StoreViews(views))
+}
+
+pub(crate) fn teach(id: u128, track_id: u64, category: &str) -> Mutation {
+    mutation(id, Change::Teach { track_id, category: name(category) })
+}
+
+pub(crate) fn correct(id: u128, track_id: u64, category: &str) -> Mutation {
+    mutation(id, Change::Correct { track_id, category: name(category) })
+}
+
+pub(crate) fn forget(id: u128, category: &str) -> Mutation {
+    mutation(id, Change::Forget { category: name(category) })
+}
+
+/// Applies mutations that must be granted.
+pub(crate) fn apply(memory: &mut PerceptualMemory, mutations: &[Mutation]) -> Vec<Answer> {
+    mutations.iter().map(|m| memory.apply(m).expect("a granted mutation")).collect()
+}
+
+/// The refusal in an error, or the error in words.
+pub(crate) fn refusal<T: std::fmt::Debug>(result: Result<T, Error>) -> Refusal {
+    match result {
+        Err(Error::Refused(refusal)) => refusal,
+        other => panic!("expected a refusal, got {other:?}"),
+    }
+}
+
+/// The rule of teaching that refused.
+pub(crate) fn lesson<T: std::fmt::Debug>(result: Result<T, Error>) -> learning::Refusal {
+    match refusal(result) {
+        Refusal::Lesson(refusal) => refusal,
+        other => panic!("expected a lesson refused, got {other:?}"),
+    }
+}
+
+/// Name and number of views of each category.
+pub(crate) fn counts(memory: &PerceptualMemory) -> Vec<(String, u64)> {
+    let summaries = memory.categories();
+    summaries.iter().map(|c| (c.name.as_str().to_owned(), c.n_views)).collect()
+}
+
+/// A folder in memory where there is one: for tests that open a store often and
+/// do not ask what reached the disk.
+pub(crate) fn fast_folder() -> TempDir {
+    tempfile::tempdir_in("/dev/shm").unwrap_or_else(|_| folder())
+}
+
+/// Numbers that look random (SplitMix64, Steele et al. 2014).
+pub(crate) struct Random(pub(crate) u64);
+
+impl Random {
+    pub(crate) fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    pub(crate) fn below(&mut self, n: u64) -> u64 {
+        self.next() % n
+    }
+}

@@ -1,0 +1,305 @@
+//! Damaged files: the store opens, says what is lost, and goes on.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use store::{Condition, Mutation, PerceptualMemory};
+use tempfile::TempDir;
+
+use crate::builders::{
+    NOW_NS, Random, apply, correct, fast_folder, forget, open, store, teach, view,
+};
+
+/// Twenty changes of every kind; entry `n` of the history is mutation `n`.
+fn mutations() -> Vec<Mutation> {
+    let mut mutations = Vec::new();
+    for track in 1..=5_u64 {
+        let id = mutations.len() as u128 + 1;
+        let category = ["Mug", "Bowl"][track as usize % 2];
+        mutations.push(store(id, vec![view(track, 0, 0), view(track, 1, 0)]));
+        mutations.push(teach(id + 1, track, category));
+        if track == 3 {
+            mutations.push(forget(id + 2, "Bowl"));
+        } else {
+            mutations.push(correct(id + 2, track, "Cup"));
+        }
+        mutations.push(store(id + 3, vec![view(track, 2, 0)]));
+    }
+    mutations
+}
+
+/// A store after the first `n` mutations, made without damage.
+fn state_after(n: usize) -> Vec<Vec<store::StoredView>> {
+    let folder = fast_folder();
+    let (mut memory, _) = open(&folder);
+    apply(&mut memory, &mutations()[..n]);
+    state(&mut memory)
+}
+
+fn state(memory: &mut PerceptualMemory) -> Vec<Vec<store::StoredView>> {
+    (1..=5).map(|track| memory.views_of_track(track).unwrap()).collect()
+}
+
+/// A store with all mutations; when `is_reopened`, they are in a table and no
+/// more in the log.
+fn whole_store(is_reopened: bool) -> TempDir {
+    let folder = fast_folder();
+    let (mut memory, _) = open(&folder);
+    apply(&mut memory, &mutations());
+    drop(memory);
+    if is_reopened {
+        open(&folder);
+    }
+    folder
+}
+
+fn copy(folder: &Path) -> TempDir {
+    let copy = fast_folder();
+    fs::create_dir(copy.path().join("database")).unwrap();
+    for sub in ["", "database"] {
+        for entry in fs::read_dir(folder.join(sub)).unwrap().flatten() {
+            if entry.file_type().unwrap().is_file() {
+                fs::copy(entry.path(), copy.path().join(sub).join(entry.file_name())).unwrap();
+            }
+        }
+    }
+    copy
+}
+
+/// The newest file of the database with this extension that has content.
+fn newest(folder: &Path, extension: &str) -> PathBuf {
+    let entries = fs::read_dir(folder.join("database")).unwrap().flatten();
+    let paths = entries.map(|entry| entry.path());
+    let is_wanted = |path: &PathBuf| {
+        let name = path.file_name().unwrap().to_str().unwrap().to_owned();
+        (name.ends_with(extension) || name.starts_with(extension))
+            && fs::metadata(path).unwrap().len() > 0
+    };
+    paths.filter(is_wanted).max().expect("such a file")
+}
+
+/// The store takes a change, and has it when it is opened again.
+fn check_it_goes_on(folder: &TempDir, mut memory: PerceptualMemory) {
+    let sequence = memory.sequence();
+    apply(&mut memory, &[store(1000, vec![view(50, 0, 0)]), teach(1001, 50, "Later")]);
+    let expected = state(&mut memory);
+    drop(memory);
+    let (mut memory, report) = open(folder);
+    assert_eq!(report.condition, Condition::Sound, "{report}");
+    assert_eq!(memory.sequence(), sequence + 2);
+    assert_eq!(memory.views_of_track(50).unwrap().len(), 1);
+    assert_eq!(state(&mut memory), expected);
+}
+
+fn check_cut_log(step: usize) {
+    let whole = whole_store(false);
+    let states: Vec<_> = (0..=mutations().len()).map(state_after).collect();
+    let n_bytes = fs::metadata(newest(whole.path(), ".log")).unwrap().len() as usize;
+    for cut in (0..=n_bytes).step_by(step) {
+        let folder = copy(whole.path());
+        let log = newest(folder.path(), ".log");
+        fs::OpenOptions::new().write(true).open(&log).unwrap().set_len(cut as u64).unwrap();
+        let cut_log = fs::read(&log).unwrap();
+        let (mut memory, report) = open(&folder);
+        let n_kept = match &report.condition {
+            Condition::Sound => mutations().len(),
+            Condition::Rebuilt { loss, set_aside, .. } => {
+                let kept = set_aside.as_ref().unwrap().join(log.file_name().unwrap());
+                assert_eq!(fs::read(kept).unwrap(), cut_log, "the damaged log is kept");
+                mutations().len() - loss.n_history as usize
+            }
+            // Not even the record about the store is left.
+            Condition::Replaced { .. } => 0,
+            other => panic!("cut at {cut}: {other:?}"),
+        };
+        assert_eq!(report.is_loss(), cut != n_bytes, "cut at {cut}: {report}");
+        assert_eq!(state(&mut memory), states[n_kept], "cut at {cut}: {report}");
+        check_it_goes_on(&folder, memory);
+    }
+}
+
+#[test]
+fn a_torn_tail_loses_whole_changes_and_says_how_many() {
+    check_cut_log(397);
+}
+
+#[test]
+#[ignore = "long"]
+fn long_a_torn_tail_loses_whole_changes_and_says_how_many() {
+    check_cut_log(1);
+}
+
+/// Whether every view and name in the store is one that was really stored.
+fn is_part_of_the_truth(memory: &mut PerceptualMemory) -> bool {
+    let known: Vec<_> = (0..=mutations().len()).map(state_after).collect();
+    state(memory).iter().enumerate().all(|(track, views)| {
+        views.iter().all(|stored| {
+            let mut later = known.iter().flat_map(|state| &state[track]);
+            later.any(|k| {
+                let name = |s: &store::StoredView| s.label.as_ref().map(|l| l.category.clone());
+                let points_fit = stored.view.points.is_none() || stored.view.points == k.view.points;
+                k.view.descriptor == stored.view.descriptor
+                    && k.view.box_in_world == stored.view.box_in_world
+                    && points_fit
+                    && name(k) == name(stored)
+            })
+        })
+    })
+}
+
+/// Opens a store with one damaged file, reads all of it, and rebuilds it if
+/// reading finds what opening did not.
+fn check_damaged(folder: &TempDir, what: &str) -> bool {
+    let (mut memory, report) =
+        PerceptualMemory::open(folder.path(), NOW_NS).unwrap_or_else(|e| panic!("{what}: {e}"));
+    let mut is_told = report.is_loss();
+    let read = (1..=5).try_for_each(|track| memory.views_of_track(track).map(|_| ()));
+    if let Err(error) = read {
+        assert!(!is_told, "{what}: a store just rebuilt is damaged: {error}");
+        assert!(matches!(error, store::Error::Damaged { .. }), "{what}: {error}");
+        let failed = memory.apply(&teach(77, 1, "Mug")).unwrap_err();
+        assert!(matches!(failed, store::Error::Failed { .. }), "{what}: {failed}");
+        drop(memory);
+        let (rebuilt, report) =
+            PerceptualMemory::open_and_rebuild(folder.path(), NOW_NS).unwrap();
+        assert!(report.is_loss(), "{what}: {report}");
+        is_told = true;
+        memory = rebuilt;
+    }
+    if !is_told {
+        assert_eq!(state(&mut memory), state_after(mutations().len()), "{what}: silently lost");
+    }
+    assert!(is_part_of_the_truth(&mut memory), "{what}: {report}");
+    check_it_goes_on(folder, memory);
+    is_told
+}
+
+fn check_flipped_bytes(extension: &str, is_reopened: bool, step: u64, seed: u64) {
+    let whole = whole_store(is_reopened);
+    let n_bytes = fs::metadata(newest(whole.path(), extension)).unwrap().len();
+    let mut random = Random(seed);
+    let (mut n_told, mut n_flips) = (0, 0);
+    for block in 0..n_bytes.div_ceil(step) {
+        let at = (block * step + random.below(step)).min(n_bytes - 1);
+        let folder = copy(whole.path());
+        let path = newest(folder.path(), extension);
+        let mut bytes = fs::read(&path).unwrap();
+        bytes[at as usize] ^= 1 << random.below(8);
+        fs::write(&path, bytes).unwrap();
+        n_told += u32::from(check_damaged(&folder, &format!("{extension}, byte {at}")));
+        n_flips += 1;
+    }
+    // A few bytes of a table's footer mean nothing.
+    assert!(2 * n_told >= n_flips, "{n_told} of {n_flips} flips in {extension} were told");
+}
+
+#[test]
+fn a_damaged_byte_is_told_and_the_rest_is_kept() {
+    check_flipped_bytes(".log", false, 499, 1);
+    check_flipped_bytes(".ldb", true, 499, 2);
+    check_flipped_bytes("MANIFEST", true, 31, 3);
+    check_flipped_bytes("CURRENT", true, 5, 4);
+}
+
+#[test]
+#[ignore = "long"]
+fn long_a_damaged_byte_is_told_and_the_rest_is_kept() {
+    check_flipped_bytes(".log", false, 3, 5);
+    check_flipped_bytes(".ldb", true, 3, 6);
+    check_flipped_bytes("MANIFEST", true, 1, 7);
+    check_flipped_bytes("CURRENT", true, 1, 8);
+}
+
+#[test]
+fn a_damaged_byte_in_the_log_leaves_what_came_before_it() {
+    let folder = whole_store(false);
+    let log = newest(folder.path(), ".log");
+    let mut bytes = fs::read(&log).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 0x40;
+    fs::write(&log, bytes).unwrap();
+    let store_id = fs::read(folder.path().join("acknowledged")).unwrap()[8..24].to_vec();
+    let (memory, report) = open(&folder);
+    let Condition::Rebuilt { loss, findings, .. } = &report.condition else {
+        panic!("{report}");
+    };
+    let n = mutations().len() as u64;
+    assert!((n / 4..3 * n / 4).contains(&loss.n_history), "{report}");
+    assert_eq!(memory.sequence(), n - loss.n_history + 1, "and the entry about the rebuilding");
+    assert!(findings.iter().any(|finding| finding.contains("acknowledged")), "{report}");
+    assert_ne!(memory.store_id().0.to_le_bytes().to_vec(), store_id, "readers must load again");
+}
+
+#[test]
+fn a_missing_file_is_no_empty_store() {
+    for (file, is_kept) in [(".ldb", false), ("MANIFEST", false), ("CURRENT", false), (".log", true)] {
+        let folder = whole_store(file != ".log");
+        fs::remove_file(newest(folder.path(), file)).unwrap();
+        let (mut memory, report) = open(&folder);
+        assert!(report.is_loss(), "{file}: {report}");
+        let set_aside = folder.path().join("database.damaged-1");
+        // Without its log the database had nothing but its name.
+        assert!(set_aside.exists() || is_kept, "{file}: {report}");
+        // The ids of tracks that perception may still use.
+        assert!(memory.lease_track_ids(1).unwrap() > 5, "{file}");
+        check_it_goes_on(&folder, memory);
+    }
+}
+
+#[test]
+fn a_missing_database_is_told() {
+    let folder = whole_store(true);
+    fs::remove_dir_all(folder.path().join("database")).unwrap();
+    let (mut memory, report) = open(&folder);
+    assert!(matches!(report.condition, Condition::Replaced { set_aside: None, .. }), "{report}");
+    assert_eq!(memory.lease_track_ids(1).unwrap(), 6);
+}
+
+#[test]
+fn damaged_databases_are_kept_side_by_side() {
+    let folder = whole_store(true);
+    for n in 1..=3 {
+        fs::write(folder.path().join("database/CURRENT"), "MANIFEST-999999\n").unwrap();
+        let (memory, report) = open(&folder);
+        assert!(matches!(report.condition, Condition::Replaced { .. }), "{report}");
+        assert!(folder.path().join(format!("database.damaged-{n}/CURRENT")).exists());
+        check_it_goes_on(&folder, memory);
+    }
+}
+
+#[test]
+fn an_unreadable_note_of_what_was_acknowledged_loses_nothing() {
+    for bytes in [&b""[..], b"x", &[7; 40], &[0; 4000]] {
+        let folder = whole_store(true);
+        fs::write(folder.path().join("acknowledged"), bytes).unwrap();
+        let (memory, report) = open(&folder);
+        assert_eq!(report.condition, Condition::Sound, "{report}");
+        assert_eq!(report.notes.len(), usize::from(!bytes.is_empty()), "{report}");
+        check_it_goes_on(&folder, memory);
+    }
+}
+
+#[test]
+fn an_interrupted_rebuilding_is_finished_or_begun_again() {
+    // Half a copy, beside a whole database.
+    let folder = whole_store(true);
+    fs::create_dir(folder.path().join("database.rebuilding")).unwrap();
+    fs::write(folder.path().join("database.rebuilding/CURRENT"), "half").unwrap();
+    let (memory, report) = open(&folder);
+    assert_eq!(report.condition, Condition::Sound);
+    check_it_goes_on(&folder, memory);
+    // A whole copy, before and after the damaged one was set aside.
+    for is_aside in [false, true] {
+        let folder = whole_store(true);
+        let database = folder.path().join("database");
+        let copied = copy(folder.path());
+        fs::rename(&database, folder.path().join("database.rebuilt")).unwrap();
+        if !is_aside {
+            fs::rename(copied.path().join("database"), &database).unwrap();
+        }
+        let (mut memory, report) = open(&folder);
+        assert_eq!(report.condition, Condition::Sound);
+        assert_eq!(folder.path().join("database.damaged-1").exists(), !is_aside);
+        assert_eq!(state(&mut memory), state_after(mutations().len()));
+    }
+}

@@ -1,0 +1,157 @@
+//! Killed at any instant: everything acknowledged is there, nothing is half there.
+
+use std::collections::BTreeMap;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::Duration;
+
+use store::{Condition, PerceptualMemory, StoreConfig, StoreThread};
+
+use crate::builders::{Random, correct, folder, open, store, teach, view};
+
+/// Tells the child which folder to use, and so that it is one.
+const FOLDER: &str = "TABULA_STORE_KILL_TEST_FOLDER";
+const FIRST_TRACK: &str = "TABULA_STORE_KILL_TEST_FIRST_TRACK";
+const N_TEACHERS: u64 = 4;
+const VIEWS_PER_TRACK: u32 = 3;
+/// A track's name after it was taught, and after it was corrected.
+const NAMES: [&str; 2] = ["Taught", "Corrected"];
+
+/// One teacher's endless work: a track is stored, taught, corrected. A line is
+/// printed for what was acknowledged: the track, and how far it has come.
+fn teach_for_ever(store_handle: &store::StoreHandle, first_track: u64) {
+    for track in (first_track..).step_by(N_TEACHERS as usize) {
+        let views = (0..VIEWS_PER_TRACK).map(|i| view(track, i, 0)).collect();
+        let id = track as u128 * 3;
+        let steps = [store(id, views), teach(id + 1, track, NAMES[0]), correct(id + 2, track, NAMES[1])];
+        for (step, mutation) in steps.into_iter().enumerate() {
+            store_handle.mutate_and_wait(mutation).unwrap();
+            println!("acknowledged {track} {step}");
+        }
+    }
+}
+
+#[test]
+#[ignore = "works only as the child of the tests below"]
+fn child_teaches_until_it_is_killed() {
+    let (Ok(folder), Ok(first)) = (std::env::var(FOLDER), std::env::var(FIRST_TRACK)) else {
+        return;
+    };
+    let config = StoreConfig {
+        folder: folder.into(),
+        queue_capacity: 16,
+        wall_clock: || 1,
+        on_reopened: Box::new(|_| {}),
+    };
+    let (_thread, handle, report) = StoreThread::start(config).unwrap();
+    assert!(!report.is_loss(), "{report}");
+    let first: u64 = first.parse().unwrap();
+    std::thread::scope(|scope| {
+        for teacher in 0..N_TEACHERS {
+            let handle = &handle;
+            scope.spawn(move || teach_for_ever(handle, first + teacher));
+        }
+    });
+}
+
+/// Kills it when the test fails.
+struct Teacher(Child);
+
+impl Drop for Teacher {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// Lets a child teach for a while, kills it, and returns what it had acknowledged.
+fn teach_and_kill(folder: &Path, first_track: u64, random: &mut Random) -> BTreeMap<u64, usize> {
+    let mut child = Command::new(std::env::current_exe().unwrap())
+        .args(["--exact", "kill::child_teaches_until_it_is_killed", "--ignored", "--nocapture"])
+        .env(FOLDER, folder)
+        .env(FIRST_TRACK, first_track.to_string())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let stdout = child.stdout.take().unwrap();
+    let mut child = Teacher(child);
+    let (sender, lines) = channel();
+    let reader = std::thread::spawn(move || {
+        for line in BufReader::new(stdout).lines().map_while(Result::ok) {
+            let _ = sender.send(line);
+        }
+    });
+    let mut acknowledged = BTreeMap::new();
+    let mut note = |line: String| {
+        // The first line comes behind what the test runner prints.
+        let Some((_, numbers)) = line.split_once("acknowledged ") else { return };
+        let mut numbers = numbers.split(' ').map(|n| n.parse::<u64>().unwrap());
+        let (track, step) = (numbers.next().unwrap(), numbers.next().unwrap() as usize);
+        acknowledged.insert(track, step);
+    };
+    // Sometimes before it has opened the store, sometimes long after.
+    let n_lines = random.below(60);
+    for _ in 0..n_lines {
+        match lines.recv_timeout(Duration::from_secs(60)) {
+            Ok(line) => note(line),
+            Err(RecvTimeoutError::Timeout) => panic!("the child does nothing"),
+            Err(RecvTimeoutError::Disconnected) => panic!("the child ended by itself"),
+        }
+    }
+    std::thread::sleep(Duration::from_micros(random.below(20_000)));
+    child.0.kill().unwrap();
+    child.0.wait().unwrap();
+    reader.join().unwrap();
+    lines.try_iter().for_each(note);
+    acknowledged
+}
+
+/// A line is printed after the step; so the store is there or one step ahead.
+fn check(memory: &mut PerceptualMemory, acknowledged: &BTreeMap<u64, usize>) {
+    for (&track, &step) in acknowledged {
+        let stored = memory.views_of_track(track).unwrap();
+        assert_eq!(stored.len(), VIEWS_PER_TRACK as usize, "track {track}");
+        let mut names: Vec<Option<&str>> =
+            stored.iter().map(|s| s.label.as_ref().map(|l| l.category.as_str())).collect();
+        names.dedup();
+        assert_eq!(names.len(), 1, "track {track} is half taught: {names:?}");
+        let reached = names[0].map_or(0, |name| 1 + NAMES.iter().position(|n| *n == name).unwrap());
+        assert!(reached == step || reached == step + 1, "track {track}: {reached}, told {step}");
+        for (i, stored) in (0..).zip(stored) {
+            assert_eq!(stored.view, view(track, i, 0));
+        }
+    }
+}
+
+fn check_rounds(n_rounds: usize, seed: u64) {
+    let folder = folder();
+    let mut random = Random(seed);
+    let mut acknowledged = BTreeMap::new();
+    let mut first_track = 1;
+    for round in 0..n_rounds {
+        acknowledged.extend(teach_and_kill(folder.path(), first_track, &mut random));
+        let (mut memory, report) = open(&folder);
+        let is_sound = matches!(report.condition, Condition::Sound | Condition::New);
+        assert!(is_sound, "round {round}: {report}");
+        check(&mut memory, &acknowledged);
+        // Where the next child begins, so that no track is taught by two.
+        first_track = memory.lease_track_ids(1).unwrap().max(first_track);
+    }
+    assert!(!acknowledged.is_empty());
+}
+
+#[test]
+fn everything_acknowledged_survives_kill() {
+    check_rounds(8, 1);
+}
+
+#[test]
+#[ignore = "long"]
+fn long_everything_acknowledged_survives_kill() {
+    for seed in 0..10 {
+        check_rounds(40, 100 + seed);
+    }
+}

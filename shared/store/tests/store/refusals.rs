@@ -1,0 +1,127 @@
+//! What cannot be granted is refused in a sentence, and nothing changes.
+
+use learning::{CategoryName, Refusal as Lesson};
+use proptest::prelude::*;
+use store::{Change, MAX_BATCH_VIEWS, MAX_LEASE, MAX_NAME_BYTES, Mutation, Refusal, View};
+
+use crate::builders::{
+    apply, correct, counts, folder, forget, key, lesson, mutation, name, open, refusal, store, teach, view,
+};
+
+#[test]
+fn teaching_follows_its_rules() {
+    let folder = folder();
+    let (mut memory, _) = open(&folder);
+    assert_eq!(lesson(memory.apply(&teach(1, 1, "Mug"))), Lesson::NoViews { track_id: 1 });
+    assert_eq!(lesson(memory.apply(&correct(1, 1, "Mug"))), Lesson::NoViews { track_id: 1 });
+    apply(&mut memory, &[store(1, vec![view(1, 0, 0)]), teach(2, 1, "Mug")]);
+    let refused = lesson(memory.apply(&teach(3, 1, "Cup")));
+    let (present, asked) = (name("Mug"), name("Cup"));
+    assert_eq!(refused, Lesson::LabelledOtherwise { track_id: 1, present, asked });
+    assert!(refused.to_string().contains("correct"), "{refused}");
+    let category = name("Cup");
+    assert_eq!(lesson(memory.apply(&forget(4, "Cup"))), Lesson::UnknownCategory { category });
+    assert_eq!((memory.sequence(), counts(&memory)), (2, vec![("Mug".to_owned(), 1)]));
+    // A refusal is no answer: asked again with the same id it may be granted.
+    assert_eq!(apply(&mut memory, &[correct(3, 1, "Cup")])[0].n_views, 1);
+}
+
+#[test]
+fn a_view_is_stored_once_and_never_replaced() {
+    let folder = folder();
+    let (mut memory, _) = open(&folder);
+    apply(&mut memory, &[store(1, vec![view(1, 0, 0)])]);
+    let differs = Refusal::ViewDiffers { view: key(1, 0) };
+    let mut other_cloud = view(1, 0, 0);
+    other_cloud.points = None;
+    let mut other_box = view(1, 0, 0);
+    other_box.box_in_world.half_sides_m.x += 1e-12;
+    for other in [view(1, 0, 1), other_cloud, other_box] {
+        // The good view of the batch is not stored either.
+        assert_eq!(refusal(memory.apply(&store(2, vec![view(9, 0, 0), other]))), differs);
+    }
+    let twice = store(3, vec![view(2, 0, 0), view(2, 0, 1)]);
+    assert_eq!(refusal(memory.apply(&twice)), Refusal::ViewDiffers { view: key(2, 0) });
+    let twice = store(4, vec![view(3, 0, 0), view(3, 0, 0)]);
+    assert_eq!(apply(&mut memory, &[twice])[0].n_views, 1);
+    assert_eq!((memory.sequence(), memory.views_of_track(9).unwrap()), (2, vec![]));
+}
+
+#[test]
+fn what_cannot_be_a_view_is_refused() {
+    let folder = folder();
+    let (mut memory, _) = open(&folder);
+    let spoil: [fn(&mut View); 12] = [
+        |v| v.id.track_id = u64::MAX,
+        |v| v.descriptor.values.clear(),
+        |v| v.descriptor.values[3] = f32::NAN,
+        |v| v.descriptor.values[3] = f32::INFINITY,
+        |v| v.descriptor.values = vec![0.0; store::MAX_DESCRIPTOR_VALUES + 1],
+        |v| v.descriptor.kind = "x".repeat(MAX_NAME_BYTES + 1),
+        |v| v.source = "x".repeat(MAX_NAME_BYTES + 1),
+        |v| v.points = Some(vec![0; store::MAX_POINTS_BYTES + 1]),
+        |v| v.box_in_world.half_sides_m.y = -1e-9,
+        |v| v.box_in_world.half_sides_m.y = f64::NAN,
+        |v| v.box_in_world.frame_from_box.translation.z = f64::NAN,
+        |v| v.box_in_world.frame_from_box.rotation.as_mut_unchecked().coords.x = f64::NAN,
+    ];
+    for (i, spoil) in spoil.iter().enumerate() {
+        let mut spoilt = view(1, 0, 0);
+        spoil(&mut spoilt);
+        let refused = refusal(memory.apply(&store(1, vec![spoilt])));
+        assert!(matches!(refused, Refusal::InvalidView { .. }), "{i}: {refused}");
+    }
+    for n_views in [0, MAX_BATCH_VIEWS + 1] {
+        let batch = (0..n_views as u32).map(|i| view(1, i, 0)).collect();
+        let refused = refusal(memory.apply(&store(1, batch)));
+        assert_eq!(refused, Refusal::BatchSize { n_views, most: MAX_BATCH_VIEWS });
+    }
+    let author = "x".repeat(MAX_NAME_BYTES + 1);
+    let refused = refusal(memory.apply(&Mutation { author, ..teach(1, 1, "Mug") }));
+    assert!(matches!(refused, Refusal::AuthorTooLong { .. }), "{refused}");
+    for count in [0, MAX_LEASE + 1, u64::MAX] {
+        let refused = refusal(memory.lease_track_ids(count));
+        assert_eq!(refused, Refusal::LeaseSize { count, most: MAX_LEASE });
+    }
+    assert_eq!(memory.sequence(), 0);
+}
+
+#[test]
+fn leases_end_where_the_numbers_end() {
+    let folder = folder();
+    let (mut memory, _) = open(&folder);
+    apply(&mut memory, &[store(1, vec![view(u64::MAX - 2, 0, 0)])]);
+    assert_eq!(memory.lease_track_ids(1).unwrap(), u64::MAX - 1);
+    assert!(matches!(refusal(memory.lease_track_ids(1)), Refusal::LeaseSize { .. }));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
+
+    /// Whatever the type of names lets through is stored, told apart, and read back.
+    #[test]
+    fn hostile_names_are_names_like_any_other(texts in proptest::collection::vec(any::<String>(), 1..6)) {
+        let hostile = ["_", "a\u{0}b", "\u{202e}x", "\u{1f600}", "c\u{ff}", "..", "'; DROP", "a", "aa"];
+        let texts = texts.iter().map(String::as_str).chain(hostile);
+        let mut names: Vec<CategoryName> = texts.filter_map(|t| CategoryName::new(t).ok()).collect();
+        names.sort();
+        names.dedup();
+        let folder = folder();
+        let (mut memory, _) = open(&folder);
+        let tracks = || (1..).zip(&names);
+        apply(&mut memory, &[store(0, tracks().map(|(track, _)| view(track, 0, 0)).collect())]);
+        for (track_id, category) in tracks() {
+            let change = Change::Teach { track_id, category: category.clone() };
+            apply(&mut memory, &[mutation(track_id as u128, change)]);
+        }
+        drop(memory);
+        let (mut memory, report) = open(&folder);
+        prop_assert!(!report.is_loss(), "{}", report);
+        let known: Vec<CategoryName> = memory.categories().into_iter().map(|c| c.name).collect();
+        prop_assert_eq!(&known, &names);
+        for (track_id, category) in tracks() {
+            let label = memory.views_of_track(track_id).unwrap().remove(0).label;
+            prop_assert_eq!(label.map(|l| l.category), Some(category.clone()));
+        }
+    }
+}

@@ -1,0 +1,177 @@
+//! The store's thread: order, group commit, full queue, stop.
+
+use std::sync::mpsc::{Receiver, channel};
+use std::time::Duration;
+
+use learning::Refusal;
+use store::{Answer, Error, StoreConfig, StoreHandle, StoreThread};
+use tempfile::TempDir;
+
+use crate::builders::{
+    correct, counts, fast_folder, folder, lesson, open, store as store_views, teach, view,
+};
+
+/// Longer than anything here takes, so that a deadlock is a failure.
+const WATCHDOG: Duration = Duration::from_secs(60);
+
+fn start(folder: &TempDir, queue_capacity: usize) -> (StoreThread, StoreHandle) {
+    let config = StoreConfig {
+        folder: folder.path().to_owned(),
+        queue_capacity,
+        wall_clock: || 1,
+        on_reopened: Box::new(|_| {}),
+    };
+    let (thread, handle, _) = StoreThread::start(config).unwrap();
+    (thread, handle)
+}
+
+/// Keeps the thread busy until the returned sender is dropped.
+fn occupy(handle: &StoreHandle) -> std::sync::mpsc::Sender<()> {
+    let (release, released) = channel::<()>();
+    let (started_sender, started) = channel();
+    handle.read(
+        move |_| {
+            started_sender.send(()).unwrap();
+            let _ = released.recv_timeout(WATCHDOG);
+            Ok(())
+        },
+        |_| {},
+    );
+    started.recv_timeout(WATCHDOG).unwrap();
+    release
+}
+
+#[test]
+fn what_waits_is_committed_together_and_in_order() {
+    let folder = folder();
+    let (thread, handle) = start(&folder, 64);
+    let release = occupy(&handle);
+    let (sender, answers): (_, Receiver<(u32, Result<Answer, Error>)>) = channel();
+    let group = [
+        store_views(1, vec![view(1, 0, 0)]),
+        teach(2, 1, "Mug"),
+        teach(3, 1, "Cup"),
+        correct(4, 1, "Cup"),
+        teach(2, 1, "Mug"),
+        teach(5, 9, "Mug"),
+    ];
+    for (i, mutation) in (0..).zip(group) {
+        let sender = sender.clone();
+        handle.mutate(mutation, move |answer| sender.send((i, answer)).unwrap());
+    }
+    drop(release);
+    let next = || answers.recv_timeout(WATCHDOG).unwrap();
+    let granted = |sequence| Answer { sequence, n_views: 1 };
+    for (i, sequence) in [(0, 1), (1, 2)] {
+        let (told, answer) = next();
+        assert_eq!((told, answer.unwrap()), (i, granted(sequence)));
+    }
+    assert!(matches!(lesson(next().1), Refusal::LabelledOtherwise { .. }));
+    assert_eq!(next().1.unwrap(), granted(3));
+    assert_eq!(next().1.unwrap(), granted(2), "the repeated one gets its first answer");
+    assert_eq!(lesson(next().1), Refusal::NoViews { track_id: 9 });
+    thread.stop().unwrap();
+    let (memory, _) = open(&folder);
+    assert_eq!((memory.sequence(), counts(&memory)), (3, vec![("Cup".to_owned(), 1)]));
+}
+
+#[test]
+fn a_read_sees_all_changes_asked_for_before_it() {
+    let folder = fast_folder();
+    let (_thread, handle) = start(&folder, 64);
+    let release = occupy(&handle);
+    handle.mutate(store_views(1, vec![view(1, 0, 0)]), |_| {});
+    let (sender, receiver) = channel();
+    handle.read(|memory| memory.views_of_track(1), move |views| sender.send(views).unwrap());
+    handle.mutate(teach(2, 1, "Mug"), |_| {});
+    drop(release);
+    let views = receiver.recv_timeout(WATCHDOG).unwrap().unwrap();
+    assert_eq!((views.len(), views[0].label.clone()), (1, None));
+    assert_eq!(handle.read_and_wait(|memory| Ok(counts(memory))).unwrap().len(), 1);
+    assert_eq!(handle.lease_track_ids_and_wait(3).unwrap(), 2);
+}
+
+#[test]
+fn a_full_queue_is_an_error_the_caller_sees() {
+    let folder = fast_folder();
+    let (_thread, handle) = start(&folder, 2);
+    let release = occupy(&handle);
+    let (sender, answers) = channel();
+    for id in 1..=2 {
+        let sender = sender.clone();
+        handle.mutate(store_views(id, vec![view(id as u64, 0, 0)]), move |a| sender.send(a).unwrap());
+    }
+    let refused = handle.mutate_and_wait(store_views(3, vec![view(3, 0, 0)])).unwrap_err();
+    assert!(matches!(refused, Error::QueueFull { capacity: 2 }), "{refused}");
+    assert!(matches!(handle.lease_track_ids_and_wait(1), Err(Error::QueueFull { .. })));
+    assert!(matches!(handle.read_and_wait(|_| Ok(())), Err(Error::QueueFull { .. })));
+    drop(release);
+    for _ in 0..2 {
+        answers.recv_timeout(WATCHDOG).unwrap().unwrap();
+    }
+    assert_eq!(handle.read_and_wait(|memory| Ok(memory.sequence())).unwrap(), 2);
+}
+
+#[test]
+fn stopping_serves_what_waits_and_answers_what_comes_later() {
+    let folder = fast_folder();
+    let (thread, handle) = start(&folder, 64);
+    let release = occupy(&handle);
+    let (sender, answers) = channel();
+    for id in 1..=20 {
+        let sender = sender.clone();
+        handle.mutate(store_views(id, vec![view(id as u64, 0, 0)]), move |a| sender.send(a).unwrap());
+    }
+    let stopping = std::thread::spawn(move || thread.stop());
+    drop(release);
+    stopping.join().unwrap().unwrap();
+    for _ in 0..20 {
+        answers.recv_timeout(WATCHDOG).unwrap().unwrap();
+    }
+    assert!(matches!(handle.lease_track_ids_and_wait(1), Err(Error::Stopped)));
+    let (memory, report) = open(&folder);
+    assert!(!report.is_loss());
+    assert_eq!(memory.sequence(), 20);
+}
+
+#[test]
+fn every_request_around_the_stop_is_answered_once() {
+    for _ in 0..20 {
+        let folder = fast_folder();
+        let (thread, handle) = start(&folder, 8);
+        let (sender, answers) = channel();
+        let n_asked: usize = std::thread::scope(|scope| {
+            let askers: Vec<_> = (0..4)
+                .map(|_| {
+                    let (handle, sender) = (handle.clone(), sender.clone());
+                    scope.spawn(move || {
+                        for n_asked in 1.. {
+                            let sender = sender.clone();
+                            let (told, telling) = channel();
+                            handle.lease_track_ids(1, move |answer| {
+                                let is_stopped = matches!(answer, Err(Error::Stopped));
+                                sender.send(()).unwrap();
+                                let _ = told.send(is_stopped);
+                            });
+                            if telling.recv_timeout(WATCHDOG).unwrap() {
+                                return n_asked;
+                            }
+                        }
+                        0
+                    })
+                })
+                .collect();
+            thread.stop().unwrap();
+            askers.into_iter().map(|asker| asker.join().unwrap()).sum()
+        });
+        assert_eq!(answers.try_iter().count(), n_asked);
+    }
+}
+
+#[test]
+fn a_panic_in_a_reply_hurts_nobody_else() {
+    let folder = fast_folder();
+    let (_thread, handle) = start(&folder, 8);
+    handle.mutate(store_views(1, vec![view(1, 0, 0)]), |_| panic!("meant by the test"));
+    assert_eq!(handle.mutate_and_wait(teach(2, 1, "Mug")).unwrap().sequence, 2);
+}

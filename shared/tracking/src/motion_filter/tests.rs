@@ -1,0 +1,183 @@
+use super::*;
+use proptest::prelude::*;
+
+const FRAME_NS: u64 = 33_333_333;
+
+fn upright(position: Point3<f64>, yaw_rad: f64, half_sides_m: Vector3<f64>) -> OrientedBox {
+    let rotation = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw_rad);
+    OrientedBox {
+        frame_from_box: RigidTransform::from_parts(position.coords.into(), rotation),
+        half_sides_m,
+    }
+}
+
+fn seen(frame: u64, position: Point3<f64>, yaw_rad: f64) -> Measurement {
+    let shape = upright(position, yaw_rad, Vector3::new(0.1, 0.04, 0.08));
+    Measurement::new(frame * FRAME_NS, shape, 1.0, false).unwrap()
+}
+
+/// Noise in [-1, 1) with mean zero that needs no generator.
+fn wobble(i: u64) -> f64 {
+    (i as f64 * 0.618_033_988_749_895).fract() * 2.0 - 1.0
+}
+
+proptest! {
+    #[test]
+    fn constant_velocity_is_found_through_noise(
+        v in prop::array::uniform3(-0.4..0.4_f64),
+        p in prop::array::uniform3(-2.0..2.0_f64),
+    ) {
+        let (config, velocity, start) = (MotionConfig::default(), Vector3::from(v), Point3::from(p));
+        let truth = |frame: u64| start + velocity * (frame as f64 / 30.0);
+        let noisy = |frame: u64| {
+            let noise = Vector3::new(wobble(frame), wobble(3 * frame + 1), wobble(7 * frame + 2));
+            seen(frame, truth(frame) + 0.003 * noise, 0.3)
+        };
+        let mut filter = MotionFilter::start(&noisy(0), &config);
+        for frame in 1..60 {
+            filter = filter.updated(&noisy(frame), &config).unwrap();
+        }
+        prop_assert!((filter.box_in_world().centre() - truth(59)).norm() < 0.004);
+        prop_assert!((filter.velocity_m_s() - velocity).norm() < 0.08);
+        let ahead = filter.predicted(62 * FRAME_NS, &config);
+        prop_assert!((ahead.box_in_world().centre() - truth(62)).norm() < 0.012);
+        prop_assert!(ahead.position_variance_m2() > filter.position_variance_m2());
+    }
+
+    #[test]
+    fn every_finite_history_keeps_every_number_finite(
+        history in prop::collection::vec(
+            (any::<u64>(), prop::array::uniform3(-1e5..1e5_f64), -4.0..4.0_f64,
+             prop::array::uniform3(0.0..50.0_f64), -1e9..1e9_f64, any::<bool>()),
+            1..30,
+        ),
+    ) {
+        let config = MotionConfig::default();
+        let mut stamps: Vec<u64> = history.iter().map(|step| step.0).collect();
+        stamps.sort_unstable();
+        let mut filter: Option<MotionFilter> = None;
+        for (stamp_ns, (_, p, yaw, sides, depth_m, is_cut)) in stamps.into_iter().zip(history) {
+            let shape = upright(p.into(), yaw, sides.into());
+            let measurement = Measurement::new(stamp_ns, shape, depth_m, is_cut).unwrap();
+            let next = filter.map_or_else(
+                || MotionFilter::start(&measurement, &config),
+                |filter| filter.updated(&measurement, &config).unwrap(),
+            );
+            let shape = next.box_in_world();
+            prop_assert!(shape.centre().iter().all(|value| value.is_finite()));
+            prop_assert!((shape.frame_from_box.rotation.norm() - 1.0).abs() < 1e-9);
+            prop_assert!(shape.half_sides_m.iter().all(|side| (0.0..=50.0).contains(side)));
+            prop_assert!(next.velocity_m_s().norm() <= SPEED_MAX_M_S * 1.0001);
+            let c = next.covariance;
+            prop_assert!(c.position_m2 > 0.0 && c.position_m2.is_finite());
+            prop_assert!(c.velocity_m2_s2 >= 0.0 && c.velocity_m2_s2 <= 25.0);
+            prop_assert!(c.mixed_m2_s.is_finite());
+            let again = filter.map(|filter| filter.updated(&measurement, &config).unwrap());
+            prop_assert!(again.is_none_or(|again| again == next), "a replay differs");
+            filter = Some(next);
+        }
+    }
+
+    #[test]
+    fn a_box_read_with_any_symmetry_keeps_its_pose(
+        yaw in -3.0..3.0_f64, readings in prop::collection::vec(0..4_u8, 1..20),
+    ) {
+        let config = MotionConfig::default();
+        let position = Point3::new(0.1, 0.2, 0.3);
+        let mut filter = MotionFilter::start(&seen(0, position, yaw), &config);
+        let first = filter.box_in_world();
+        for (frame, quarter) in (1..).zip(readings) {
+            let sides = if quarter % 2 == 1 { [0.04, 0.1, 0.08] } else { [0.1, 0.04, 0.08] };
+            let shape = upright(position, yaw + FRAC_PI_2 * f64::from(quarter), sides.into());
+            let measurement = Measurement::new(frame * FRAME_NS, shape, 1.0, false).unwrap();
+            filter = filter.updated(&measurement, &config).unwrap();
+        }
+        let last = filter.box_in_world();
+        prop_assert!(first.frame_from_box.rotation.angle_to(&last.frame_from_box.rotation) < 1e-6);
+        prop_assert!((first.half_sides_m - last.half_sides_m).norm() < 1e-9);
+    }
+}
+
+#[test]
+fn a_cut_box_does_not_shrink_the_object() {
+    let config = MotionConfig::default();
+    let mut filter = MotionFilter::start(&seen(0, Point3::origin(), 0.0), &config);
+    let half = upright(
+        Point3::new(0.05, 0.0, 0.0),
+        0.0,
+        Vector3::new(0.05, 0.04, 0.08),
+    );
+    for frame in 1..30 {
+        let cut = Measurement::new(frame * FRAME_NS, half, 1.0, true).unwrap();
+        filter = filter.updated(&cut, &config).unwrap();
+    }
+    assert_eq!(
+        filter.box_in_world().half_sides_m,
+        Vector3::new(0.1, 0.04, 0.08)
+    );
+}
+
+#[test]
+fn an_object_turned_by_hand_is_followed() {
+    let config = MotionConfig::default();
+    let mut filter = MotionFilter::start(&seen(0, Point3::origin(), 0.0), &config);
+    for frame in 1..=90 {
+        let yaw = (frame as f64 / 90.0) * 3.0;
+        filter = filter
+            .updated(&seen(frame, Point3::origin(), yaw), &config)
+            .unwrap();
+    }
+    for frame in 91..=120 {
+        filter = filter
+            .updated(&seen(frame, Point3::origin(), 3.0), &config)
+            .unwrap();
+    }
+    let turned = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 3.0);
+    assert!(
+        filter
+            .box_in_world()
+            .frame_from_box
+            .rotation
+            .angle_to(&turned)
+            < 0.02
+    );
+}
+
+#[test]
+fn an_old_measurement_is_refused() {
+    let config = MotionConfig::default();
+    let filter = MotionFilter::start(&seen(5, Point3::origin(), 0.0), &config);
+    let error = filter
+        .updated(&seen(4, Point3::origin(), 0.0), &config)
+        .unwrap_err();
+    assert!(matches!(error, Error::OutOfOrder { .. }), "{error}");
+}
+
+#[test]
+fn impossible_measurements_and_settings_are_refused() {
+    let good = upright(Point3::origin(), 0.0, Vector3::new(0.1, 0.1, 0.1));
+    let mut far = good;
+    far.frame_from_box.translation.vector.x = 1e300;
+    let mut unknown = good;
+    unknown.frame_from_box.translation.vector.z = f64::NAN;
+    let negative = OrientedBox {
+        half_sides_m: Vector3::new(-0.1, 0.1, 0.1),
+        ..good
+    };
+    for bad in [far, unknown, negative] {
+        assert!(Measurement::new(0, bad, 1.0, false).is_err());
+    }
+    assert!(Measurement::new(0, good, f64::INFINITY, false).is_err());
+    let config = MotionConfig {
+        turning_time_s: f64::NAN,
+        ..MotionConfig::default()
+    };
+    assert!(
+        config
+            .validated()
+            .unwrap_err()
+            .to_string()
+            .contains("turning_time_s")
+    );
+    assert!(MotionConfig::default().validated().is_ok());
+}
