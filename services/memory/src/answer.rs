@@ -3,15 +3,16 @@
 use crate::process_table::ProcessTable;
 use crate::translate;
 use channel::control::Client;
+use learning::ViewId;
 use message::ProcessKind;
 use message::control::{
     Command, Labelling, LearningReport, MAX_MESSAGE_BYTES, MutationId, Refusal, RefusalKind, Reply,
-    ViewId,
+    ViewId as WireViewId,
 };
 use service::wall_clock_ns;
 use std::sync::Arc;
 use std::time::Duration;
-use store::{Answer, Change, Error, Mutation, PerceptualMemory, Position, StoreHandle, ViewKey};
+use store::{Answer, Change, Error, Mutation, PerceptualMemory, Position, StoreHandle};
 use tokio::sync::{oneshot, watch};
 
 /// How long another process may take to answer.
@@ -75,7 +76,7 @@ impl Answerer {
                 Ok(Reply::Stored)
             }
             Command::Snapshot { after } => {
-                let cursor = after.map(|ViewId { track_id, view_id }| ViewKey { track_id, view_id });
+                let cursor = after.map(|WireViewId { track_id, view_id }| ViewId { track_id, view_id });
                 let page = self.read(move |memory| memory.snapshot(cursor, PAGE_BYTES)).await?;
                 Ok(Reply::Snapshot(translate::snapshot(page)))
             }

@@ -1,14 +1,14 @@
 //! Between the control protocol's types and the store's.
 
 use geometry::OrientedBox;
-use learning::CategoryName;
+use learning::{CategoryName, Refusal as Lesson, ViewId};
 use message::WirePose;
 use message::control::{
     CategoryReport, ChangesPage, LearnedChange, LearnedView, Refusal, RefusalKind, SnapshotPage,
-    StoredView, ViewId,
+    StoredView, ViewId as WireViewId,
 };
 use nalgebra::Vector3;
-use store::{Change, Changes, Descriptor, Error, LabelledView, NameChange, View, ViewKey};
+use store::{Change, Changes, Descriptor, Error, LabelledView, NameChange, View};
 
 /// A category's name as people write it.
 pub(crate) fn category(name: &str) -> Result<CategoryName, Refusal> {
@@ -22,7 +22,7 @@ pub(crate) fn store_views(views: Vec<StoredView>) -> Result<Change, Refusal> {
 
 fn view(view: StoredView) -> Result<View, Refusal> {
     let refused = |rule: &str| {
-        let ViewId { track_id, view_id } = view.id;
+        let WireViewId { track_id, view_id } = view.id;
         let sentence = format!("view {view_id} of track {track_id} can not be stored: {rule}");
         Refusal::new(RefusalKind::Invalid, sentence)
     };
@@ -31,7 +31,7 @@ fn view(view: StoredView) -> Result<View, Refusal> {
     let values = f32_values(&view.descriptor)
         .ok_or_else(|| refused("its descriptor is not a list of 32-bit numbers"))?;
     Ok(View {
-        key: ViewKey { track_id: view.id.track_id, view_id: view.id.view_id },
+        id: ViewId { track_id: view.id.track_id, view_id: view.id.view_id },
         descriptor: Descriptor { kind: view.descriptor_kind, values },
         box_in_world: OrientedBox {
             frame_from_box,
@@ -58,8 +58,8 @@ fn learned(view: LabelledView) -> LearnedView {
     }
 }
 
-fn view_id(key: ViewKey) -> ViewId {
-    ViewId { track_id: key.track_id, view_id: key.view_id }
+fn view_id(id: ViewId) -> WireViewId {
+    WireViewId { track_id: id.track_id, view_id: id.view_id }
 }
 
 /// A page of labelled views.
@@ -98,12 +98,9 @@ pub(crate) fn category_report(summary: &store::CategorySummary) -> CategoryRepor
 pub(crate) fn refusal(error: &Error) -> Refusal {
     use store::Refusal as Reason;
     let kind = match error {
-        Error::Refused(Reason::NoViews { .. } | Reason::UnknownCategory { .. }) => {
-            RefusalKind::NotFound
-        }
-        Error::Refused(Reason::LabelledOtherwise { .. } | Reason::ViewDiffers { .. }) => {
-            RefusalKind::Conflict
-        }
+        Error::Refused(Reason::Lesson(Lesson::LabelledOtherwise { .. }))
+        | Error::Refused(Reason::ViewDiffers { .. }) => RefusalKind::Conflict,
+        Error::Refused(Reason::Lesson(_)) => RefusalKind::NotFound,
         Error::Refused(_) => RefusalKind::Invalid,
         Error::QueueFull { .. } | Error::Failed { .. } | Error::Stopped => RefusalKind::Unavailable,
         _ => RefusalKind::Internal,
@@ -117,7 +114,7 @@ mod tests {
 
     fn sent() -> StoredView {
         StoredView {
-            id: ViewId { track_id: 7, view_id: 2 },
+            id: WireViewId { track_id: 7, view_id: 2 },
             descriptor_kind: "good".into(),
             descriptor: [1.0f32, 0.25].iter().flat_map(|v| v.to_le_bytes()).collect(),
             position_m: [0.1, 0.2, 0.3],

@@ -27,3 +27,6 @@ pub mod scene_folder;
 pub use bounded_file::FileError;
 pub use natural_order::natural_order;
 pub use recording_kind::{RecordingKind, detect_kind};
+
+/// The colour of points from files without colours.
+pub const NEUTRAL_GREY: point_cloud::Rgba = point_cloud::Rgba::opaque(128, 128, 128);

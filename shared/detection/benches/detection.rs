@@ -1,1 +1,59 @@
-fn main() {}
+//! Detection of one frame, on one core.
+//!
+//! `detect_rendered` needs nothing; `detect_real` runs on the labelled scenes
+//! where they are (see the crate's tests) and is left out elsewhere.
+
+#[path = "../tests/synthetic/mod.rs"]
+mod synthetic;
+
+use dataset::pcd;
+use detection::{Config, Detection, Frame, Workspace, detect};
+use divan::Bencher;
+use point_cloud::{OrganizedCloud, Point};
+use std::path::PathBuf;
+use synthetic::{BoxOnTable, render};
+
+fn main() {
+    divan::main();
+}
+
+fn bench_detect(bencher: Bencher<'_, '_>, points: &[Point]) {
+    let Ok(cloud) = OrganizedCloud::new(points, 640, 480) else {
+        return;
+    };
+    let (mut workspace, mut detection) = (Workspace::default(), Detection::default());
+    let (config, mut seed) = (Config::default(), 0);
+    bencher.bench_local(|| {
+        seed += 1;
+        let frame = Frame {
+            cloud,
+            up_in_camera: None,
+            seed,
+        };
+        detect(&frame, &config, &mut workspace, &mut detection).is_ok()
+    });
+}
+
+#[divan::bench]
+fn detect_rendered(bencher: Bencher<'_, '_>) {
+    let solid = |x: f64| BoxOnTable {
+        centre: [x, 0.0],
+        sides: [0.1, 0.07, 0.12],
+        rgb: [5; 3],
+    };
+    bench_detect(
+        bencher,
+        &render(&[solid(-0.3), solid(0.0), solid(0.25)], 1.0),
+    );
+}
+
+/// Three boxes, a stack, cylinders, clutter.
+#[divan::bench(args = [13, 22, 36, 44])]
+fn detect_real(bencher: Bencher<'_, '_>, scene: usize) {
+    let root = std::env::var("TABULA_DATA")
+        .unwrap_or_else(|_| concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data").into());
+    let path = PathBuf::from(root).join(format!("tabletop-scenes/learn{scene}.pcd"));
+    if let Ok(scene) = pcd::open(&path) {
+        bench_detect(bencher, &scene.points);
+    }
+}

@@ -1,18 +1,27 @@
 //! Connected parts of the image.
 
+use crate::borders::Borders;
 use crate::prism::{OUTSIDE, OVER_TABLE};
 use point_cloud::{OrganizedCloud, Point};
 
-/// Points this near are one surface at any depth, metres.
-const LINK_FLOOR_M: f32 = 0.004;
+/// When two pixels belong together.
+#[derive(Debug, Clone, Copy)]
+struct Links {
+    /// Points this near are one surface at any depth, metres.
+    floor_m: f32,
+    /// Growth of the distance with squared depth, 1/metre. A step of a Kinect
+    /// v1's disparity is 2.8 mm at 1 m.
+    per_m2: f32,
+    /// How many pixels a link may span: holes of the sensor are bridged, the
+    /// distance in space stays the judge.
+    reach_px: usize,
+}
 
-/// Growth of the distance with squared depth, 1/metre: three steps of a Kinect
-/// v1's disparity, which is 2.8 mm at 1 m.
-const LINK_PER_M2: f32 = 0.0055;
+/// Links of a cluster.
+const LINKS: Links = Links { floor_m: 0.004, per_m2: 0.0055, reach_px: 3 };
 
-/// How many pixels a link may span: holes of the sensor are bridged, the
-/// distance in space stays the judge.
-const REACH_PX: usize = 3;
+/// Links between creases: narrow, since what they cut off is given back later.
+const CLOSE_LINKS: Links = Links { floor_m: 0.002, per_m2: 0.003, reach_px: 1 };
 
 /// Buffers, and the clusters found last.
 #[derive(Debug, Default)]
@@ -25,6 +34,7 @@ pub(crate) struct Clusters {
     starts: Vec<u32>,
     /// Pixels grouped by cluster, in image order within each.
     pixels: Vec<u32>,
+    borders: Borders,
 }
 
 impl Clusters {
@@ -44,19 +54,102 @@ impl Clusters {
     ///
     /// Union-find in one pass over the image (after Wu, Otoo and Suzuki 2009).
     pub(crate) fn join(&mut self, cloud: &OrganizedCloud<'_>, n_min: u32) {
-        self.link_neighbours(cloud);
+        self.join_with(&LINKS, cloud, n_min);
+    }
+
+    fn join_with(&mut self, links: &Links, cloud: &OrganizedCloud<'_>, n_min: u32) {
+        self.link_neighbours(links, cloud);
         self.number_large(n_min);
         self.group();
     }
 
-    fn link_neighbours(&mut self, cloud: &OrganizedCloud<'_>) {
+    /// Splits clusters along creases: joins what lies between creases, keeps
+    /// parts of at least `n_min` pixels, and gives every other pixel of a
+    /// cluster to the part that reaches it first. A cluster without such a
+    /// part stays whole.
+    pub(crate) fn split(
+        &mut self,
+        cloud: &OrganizedCloud<'_>,
+        whole: &Self,
+        is_crease: &[bool],
+        n_min: u32,
+    ) {
+        self.cluster_of.clear();
+        self.cluster_of.extend(whole.cluster_of.iter().zip(is_crease).map(|(&cluster, &crease)| {
+            if cluster == OUTSIDE || crease { OUTSIDE } else { OVER_TABLE }
+        }));
+        self.join_with(&CLOSE_LINKS, cloud, n_min);
+        self.grow_within(whole, cloud.width());
+        self.join_over_smooth_borders(cloud, whole, is_crease);
+        self.number_large(1);
+        self.group();
+    }
+
+    /// Undoes what was split without a crease.
+    fn join_over_smooth_borders(
+        &mut self,
+        cloud: &OrganizedCloud<'_>,
+        whole: &Self,
+        is_crease: &[bool],
+    ) {
+        let width = cloud.width();
+        self.borders.clear();
+        for pixel in 0..self.cluster_of.len() {
+            let part = self.cluster_of[pixel];
+            if part == OUTSIDE {
+                continue;
+            }
+            for near in [pixel + 1, pixel + width] {
+                let meet = self.cluster_of.get(near).is_some_and(|&other| other != part)
+                    && whole.cluster_of[near] == whole.cluster_of[pixel];
+                if meet {
+                    let points = [&cloud.points()[pixel], &cloud.points()[near]];
+                    let crease = is_crease[pixel] || is_crease[near];
+                    self.borders.add([part, self.cluster_of[near]], points, crease);
+                }
+            }
+        }
+        let n_parts = self.cluster_of.iter().filter(|&&part| part != OUTSIDE).max();
+        self.parents.clear();
+        self.parents.extend(0..n_parts.map_or(0, |&last| last + 1));
+        let Self { borders, parents, .. } = self;
+        borders.join_smooth(|a, b| {
+            unite(parents, a, b);
+        });
+    }
+
+    /// Lets the clusters grow, pixel by pixel, within those of `whole`.
+    fn grow_within(&mut self, whole: &Self, width: usize) {
+        let n_parts = self.len() as u32;
+        let mut next = 0;
+        // The grouped pixels are the front to start from; what is reached is appended.
+        while next < self.pixels.len() {
+            let pixel = self.pixels[next] as usize;
+            next += 1;
+            for step in [-1, 1, -(width as isize), width as isize, -2, 2, -2 * width as isize, 2 * width as isize] {
+                let Some(near) = pixel.checked_add_signed(step) else { continue };
+                let same = whole.cluster_of.get(near) == Some(&whole.cluster_of[pixel]);
+                if same && self.cluster_of[near] == OUTSIDE {
+                    self.cluster_of[near] = self.cluster_of[pixel];
+                    self.pixels.push(near as u32);
+                }
+            }
+        }
+        for (part, &cluster) in self.cluster_of.iter_mut().zip(&whole.cluster_of) {
+            if *part == OUTSIDE && cluster != OUTSIDE {
+                *part = n_parts + cluster;
+            }
+        }
+    }
+
+    fn link_neighbours(&mut self, links: &Links, cloud: &OrganizedCloud<'_>) {
         self.parents.clear();
         let width = cloud.width();
         for row in 0..cloud.height() {
             for column in 0..width {
                 let pixel = row * width + column;
                 if self.cluster_of[pixel] == OVER_TABLE {
-                    self.link_pixel(cloud.points(), width, column, pixel);
+                    self.link_pixel(links, cloud.points(), (width, column), pixel);
                 }
             }
         }
@@ -65,9 +158,15 @@ impl Clusters {
     /// Gives a pixel the cluster of the neighbours before it that are near in
     /// space, or a new one.
     #[inline]
-    fn link_pixel(&mut self, points: &[Point], width: usize, column: usize, pixel: usize) {
+    fn link_pixel(
+        &mut self,
+        links: &Links,
+        points: &[Point],
+        (width, column): (usize, usize),
+        pixel: usize,
+    ) {
         let point = &points[pixel];
-        let distance_max = LINK_FLOOR_M + LINK_PER_M2 * point.z * point.z;
+        let distance_max = links.floor_m + links.per_m2 * point.z * point.z;
         let squared_max = distance_max * distance_max;
         let mut own = OUTSIDE;
         let mut visit = |neighbour: usize| {
@@ -83,12 +182,12 @@ impl Clusters {
             }
             linked
         };
-        for step in 1..=REACH_PX.min(column) {
+        for step in 1..=links.reach_px.min(column) {
             if visit(pixel - step) {
                 break;
             }
         }
-        for step in 1..=REACH_PX.min(pixel / width) {
+        for step in 1..=links.reach_px.min(pixel / width) {
             if visit(pixel - step * width) {
                 break;
             }

@@ -3,6 +3,7 @@
 use crate::axis::Axis;
 use crate::candidate::{Body, Candidate, Summary, Support, UprightBox};
 use crate::clusters::Clusters;
+use crate::creases::Creases;
 use crate::prism::{Prism, SeenRectangle};
 use crate::random::Random;
 use crate::samples::Samples;
@@ -18,6 +19,9 @@ const N_POINTS_MAX: usize = 1 << 26;
 
 /// A candidate this near to the border of what is seen may be cut by it, pixels.
 const BORDER_PX: usize = 3;
+
+/// A part of a cluster between creases has at least this many pixels.
+const PART_PIXELS_MIN: u32 = 400;
 
 /// What is searched.
 #[derive(Debug, Clone, Copy)]
@@ -56,6 +60,8 @@ pub struct Workspace {
     table: TableBuffers,
     slabs: TableSlabs,
     clusters: Clusters,
+    whole: Clusters,
+    creases: Creases,
     bodies: Vec<Body>,
 }
 
@@ -93,6 +99,11 @@ pub fn detect(
     let seen = Prism::over(&table, config, slabs).mark(&frame.cloud, &mut clusters.cluster_of);
     let n_min = config.points_min_at_1m / (config.range_max_m * config.range_max_m);
     clusters.join(&frame.cloud, n_min as u32);
+    if workspace.creases.find(&frame.cloud, &workspace.clusters) > 0 {
+        let Workspace { whole, clusters, creases, .. } = workspace;
+        std::mem::swap(whole, clusters);
+        clusters.split(&frame.cloud, whole, &creases.is_crease, PART_PIXELS_MIN);
+    }
     find_bodies(&frame.cloud, &table, config, workspace);
     write(&table, seen, workspace, detection);
     detection.table = Some(table);

@@ -9,9 +9,11 @@
 //! given, accepts any bit pattern in the points, and knows nothing of tracks.
 
 mod axis;
+mod borders;
 mod candidate;
 mod clusters;
 mod config;
+mod creases;
 mod detect;
 mod error;
 mod footprint;

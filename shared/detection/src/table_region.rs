@@ -115,22 +115,27 @@ pub(crate) fn find_region(
 /// Marks the cells of squares of three by three covered cells, and the cells
 /// around those: a plane cuts through chairs and walls too, but only in strips.
 fn keep_wide_parts(grid: &CellGrid, buffers: &mut RegionBuffers) {
-    let RegionBuffers { n_in_cell, is_table, .. } = buffers;
+    let RegionBuffers {
+        n_in_cell,
+        is_table,
+        ..
+    } = buffers;
     is_table.clear();
     is_table.resize(n_in_cell.len(), false);
     let around = |cell: usize, reach: isize| {
         let steps = -reach..=reach;
         steps.clone().flat_map(move |rows| {
-            steps.clone().map(move |columns| {
-                cell.wrapping_add_signed(rows * grid.width as isize + columns)
-            })
+            steps
+                .clone()
+                .map(move |columns| cell.wrapping_add_signed(rows * grid.width as isize + columns))
         })
     };
     for row in 1..grid.height.saturating_sub(1) {
         for column in 1..grid.width.saturating_sub(1) {
             let cell = row * grid.width + column;
             if around(cell, 1).all(|near| n_in_cell[near] >= CELL_SAMPLES_MIN) {
-                let inner = (2..grid.height - 2).contains(&row) && (2..grid.width - 2).contains(&column);
+                let inner =
+                    (2..grid.height - 2).contains(&row) && (2..grid.width - 2).contains(&column);
                 let reach = if inner { 2 } else { 1 };
                 around(cell, reach).for_each(|near| is_table[near] |= n_in_cell[near] > 0);
             }

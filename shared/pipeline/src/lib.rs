@@ -1,1 +1,26 @@
 //! One frame's step as pure functions over explicit state.
+//!
+//! The step is written once: the perception process, evaluation, latency
+//! measurements and demos all call it. It has two halves, because the second
+//! runs once for every object, on any thread:
+//!
+//! 1. [`TrackTable::step`] predicts the tracks, associates the candidates of a
+//!    [`detection::Detection`] with them, begins new tracks and ends old ones.
+//! 2. [`ObjectState::observe`] takes one object's measurement: motion filter,
+//!    key-view rule, descriptor, recognition. Its [`Posterior`] goes back to the
+//!    table ([`TrackTable::absorb`]).
+//!
+//! This crate never reads a clock, draws no random numbers, does no I/O, and
+//! knows nothing of threads, actors or messages.
+
+mod config;
+mod error;
+mod frame;
+mod object;
+mod track_table;
+
+pub use config::{Config, DESCRIPTOR_DIMENSION, DESCRIPTOR_KIND, METRIC};
+pub use error::Error;
+pub use frame::{Frame, Measured};
+pub use object::{ObjectState, ObjectTools, Observation, Posterior};
+pub use track_table::{Sighting, Step, Track, TrackTable};

@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet, HashSet};
 use learning::{CategoryName, ViewId, ViewRecord};
 
 use crate::mutation::MutationId;
-use crate::view::{Facts};
+use crate::view::Facts;
 
 /// What is kept of each view.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -84,9 +84,17 @@ impl Catalogue {
 
     /// The views of a track, in order.
     pub(crate) fn track(&self, track_id: u64) -> impl Iterator<Item = (ViewId, &Entry)> + Clone {
-        let first = ViewId { track_id, view_id: 0 };
-        let last = ViewId { track_id, view_id: u32::MAX };
-        self.views.range(first..=last).map(|(view, entry)| (*view, entry))
+        let first = ViewId {
+            track_id,
+            view_id: 0,
+        };
+        let last = ViewId {
+            track_id,
+            view_id: u32::MAX,
+        };
+        self.views
+            .range(first..=last)
+            .map(|(view, entry)| (*view, entry))
     }
 
     /// The views of a track as the rules of teaching want them.
@@ -107,7 +115,10 @@ impl Catalogue {
     ) -> impl Iterator<Item = ViewRecord<'_>> {
         let views = self.categories.get_key_value(name).into_iter();
         views.flat_map(|(name, views)| {
-            views.iter().map(move |&id| ViewRecord { id, category: Some(name) })
+            views.iter().map(move |&id| ViewRecord {
+                id,
+                category: Some(name),
+            })
         })
     }
 
@@ -134,7 +145,10 @@ impl Catalogue {
             }
         }
         if let Some((name, _)) = &label {
-            self.categories.entry(name.clone()).or_default().insert(view);
+            self.categories
+                .entry(name.clone())
+                .or_default()
+                .insert(view);
         }
         entry.label = label;
     }

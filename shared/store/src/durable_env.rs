@@ -32,7 +32,10 @@ pub(crate) struct DurableEnv {
 
 impl DurableEnv {
     pub(crate) fn new(health: Arc<EnvHealth>) -> Self {
-        Self { disk: PosixDiskEnv::new(), health }
+        Self {
+            disk: PosixDiskEnv::new(),
+            health,
+        }
     }
 
     fn create(&self, path: &Path, options: &OpenOptions) -> Result<Box<dyn Write>> {
@@ -40,15 +43,22 @@ impl DurableEnv {
             // Diagnosis for people: not worth a sync, and no reason to stop when it fails.
             return Ok(Box::new(options.open(path)?));
         }
-        let file = self.health.change("creating", path, &Change::Create(path), || {
-            options.open(path)
-        })?;
+        let file = self
+            .health
+            .change("creating", path, &Change::Create(path), || {
+                options.open(path)
+            })?;
         // A temporary file is renamed next, and the rename syncs the folder.
         if path.extension() != Some(OsStr::new("dbtmp")) {
             self.sync_folder_of(path)?;
         }
         let health = Arc::clone(&self.health);
-        Ok(Box::new(SyncedFile { file, path: path.to_owned(), is_dirty: false, health }))
+        Ok(Box::new(SyncedFile {
+            file,
+            path: path.to_owned(),
+            is_dirty: false,
+            health,
+        }))
     }
 
     /// Passes a reading's result on after the health has seen its error.
@@ -62,7 +72,10 @@ impl DurableEnv {
     fn sync_folder_of(&self, path: &Path) -> io::Result<()> {
         let folder = path.parent().unwrap_or(Path::new("."));
         let change = Change::SyncFolder(folder);
-        self.health.change("syncing the folder", folder, &change, || sync_folder(folder))
+        self.health
+            .change("syncing the folder", folder, &change, || {
+                sync_folder(folder)
+            })
     }
 }
 
@@ -72,11 +85,13 @@ pub(crate) fn sync_folder(folder: &Path) -> io::Result<()> {
 }
 
 fn is_info_log(path: &Path) -> bool {
-    path.file_name().is_some_and(|name| name == "LOG" || name == "LOG.old")
+    path.file_name()
+        .is_some_and(|name| name == "LOG" || name == "LOG.old")
 }
 
 fn is_table(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension == "ldb" || extension == "sst")
+    path.extension()
+        .is_some_and(|extension| extension == "ldb" || extension == "sst")
 }
 
 impl Env for DurableEnv {
@@ -91,7 +106,8 @@ impl Env for DurableEnv {
             read => self.noted(path, read)?,
         };
         if !is_current && let Some(damage) = check_log(&bytes) {
-            self.health.note_damage(format!("{}: {damage}", path.display()));
+            self.health
+                .note_damage(format!("{}: {damage}", path.display()));
         }
         Ok(Box::new(Cursor::new(bytes)))
     }
@@ -102,7 +118,10 @@ impl Env for DurableEnv {
     }
 
     fn open_writable_file(&self, path: &Path) -> Result<Box<dyn Write>> {
-        self.create(path, OpenOptions::new().create(true).truncate(true).write(true))
+        self.create(
+            path,
+            OpenOptions::new().create(true).truncate(true).write(true),
+        )
     }
 
     fn open_appendable_file(&self, path: &Path) -> Result<Box<dyn Write>> {
@@ -117,7 +136,9 @@ impl Env for DurableEnv {
     fn children(&self, folder: &Path) -> Result<Vec<PathBuf>> {
         let entries = fs::read_dir(folder).and_then(Iterator::collect::<io::Result<Vec<_>>>);
         let entries = self.noted(folder, entries)?;
-        let names = entries.into_iter().filter_map(|entry| entry.file_name().into_string().ok());
+        let names = entries
+            .into_iter()
+            .filter_map(|entry| entry.file_name().into_string().ok());
         Ok(names.map(PathBuf::from).collect())
     }
 
@@ -136,7 +157,9 @@ impl Env for DurableEnv {
             return Ok(());
         }
         let change = Change::Delete(path);
-        Ok(self.health.change("deleting", path, &change, || fs::remove_file(path))?)
+        Ok(self
+            .health
+            .change("deleting", path, &change, || fs::remove_file(path))?)
     }
 
     fn mkdir(&self, path: &Path) -> Result<()> {
@@ -153,7 +176,8 @@ impl Env for DurableEnv {
             return self.disk.rename(old, new);
         }
         let change = Change::Rename(old, new);
-        self.health.change("renaming", old, &change, || fs::rename(old, new))?;
+        self.health
+            .change("renaming", old, &change, || fs::rename(old, new))?;
         Ok(self.sync_folder_of(new)?)
     }
 
@@ -161,7 +185,11 @@ impl Env for DurableEnv {
         // Asked first, since the lock's own error no longer says why.
         let change = Change::Create(path);
         self.health.change("locking", path, &change, || {
-            OpenOptions::new().create(true).truncate(false).write(true).open(path)
+            OpenOptions::new()
+                .create(true)
+                .truncate(false)
+                .write(true)
+                .open(path)
         })?;
         self.disk.lock(path)
     }
@@ -196,7 +224,9 @@ impl Write for SyncedFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let change = Change::Write(&self.path, bytes);
         self.is_dirty = true;
-        self.health.change("writing", &self.path, &change, || self.file.write_all(bytes))?;
+        self.health.change("writing", &self.path, &change, || {
+            self.file.write_all(bytes)
+        })?;
         Ok(bytes.len())
     }
 
@@ -205,7 +235,8 @@ impl Write for SyncedFile {
             return Ok(());
         }
         let change = Change::Sync(&self.path);
-        self.health.change("syncing", &self.path, &change, || self.file.sync_data())?;
+        self.health
+            .change("syncing", &self.path, &change, || self.file.sync_data())?;
         self.is_dirty = false;
         Ok(())
     }

@@ -49,7 +49,9 @@ impl Engine {
         };
         match guarded(&health, || DB::open(folder, options)) {
             Ok(db) => Ok(Self { db, health }),
-            Err(Error::InUse { .. }) => Err(Error::InUse { folder: folder.to_owned() }),
+            Err(Error::InUse { .. }) => Err(Error::InUse {
+                folder: folder.to_owned(),
+            }),
             Err(error) => Err(error),
         }
     }
@@ -84,7 +86,10 @@ impl Engine {
     /// A reader of the database as it is now.
     pub(crate) fn reader(&mut self) -> Result<Reader, Error> {
         let iter = guarded(&self.health, || self.db.new_iter())?;
-        Ok(Reader { iter, health: Arc::clone(&self.health) })
+        Ok(Reader {
+            iter,
+            health: Arc::clone(&self.health),
+        })
     }
 
     /// The error to give when something went wrong behind the engine's back.
@@ -167,7 +172,9 @@ fn check(health: &EnvHealth) -> Result<(), Error> {
         return Err(failure.into());
     }
     if health.n_damages() > 0 && !health.is_examining() {
-        return Err(Error::Damaged { what: health.damages().1.join("; ") });
+        return Err(Error::Damaged {
+            what: health.damages().1.join("; "),
+        });
     }
     Ok(())
 }
@@ -182,7 +189,9 @@ fn guarded<T>(
     let what = match catch_unwind(AssertUnwindSafe(call)) {
         Ok(Ok(value)) => return Ok(value),
         Ok(Err(status)) if status.code == StatusCode::LockError => {
-            return Err(Error::InUse { folder: std::path::PathBuf::new() });
+            return Err(Error::InUse {
+                folder: std::path::PathBuf::new(),
+            });
         }
         Ok(Err(status)) => status.err,
         Err(_) => "rusty-leveldb panicked".to_owned(),

@@ -47,7 +47,10 @@ pub(crate) type Observer = Box<dyn FnMut(&Change<'_>) -> io::Result<()> + Send>;
 
 /// A change to the folder, as an observer sees it.
 #[derive(Debug)]
-#[cfg_attr(not(test), expect(dead_code, reason = "only the observers of tests read it"))]
+#[expect(
+    dead_code,
+    reason = "only the observers of tests read it, and not every field"
+)]
 pub(crate) enum Change<'a> {
     Create(&'a Path),
     Write(&'a Path, &'a [u8]),
@@ -60,8 +63,13 @@ pub(crate) enum Change<'a> {
 impl EnvHealth {
     /// A health that holds deletions back until [`Self::release_deletions`].
     pub(crate) fn examining() -> Self {
-        let state = State { held_deletions: Some(Vec::new()), ..State::default() };
-        Self { state: Mutex::new(state) }
+        let state = State {
+            held_deletions: Some(Vec::new()),
+            ..State::default()
+        };
+        Self {
+            state: Mutex::new(state),
+        }
     }
 
     /// The state stays usable after a panic elsewhere: it is only ever appended to.
@@ -89,7 +97,10 @@ impl EnvHealth {
     fn refuse_if_frozen(&self) -> io::Result<()> {
         let state = self.lock();
         if let Some(failure) = &state.failure {
-            return Err(io::Error::new(failure.source.kind(), "an earlier write failed"));
+            return Err(io::Error::new(
+                failure.source.kind(),
+                "an earlier write failed",
+            ));
         }
         if state.n_damages > 0 && state.held_deletions.is_none() {
             return Err(io::Error::other("damage was found, so nothing may change"));
@@ -117,7 +128,11 @@ impl EnvHealth {
 
     fn note_failure(&self, doing: &'static str, path: &Path, error: &io::Error) {
         let copy = io::Error::new(error.kind(), error.to_string());
-        let failure = Failure { doing, path: path.to_owned(), source: Arc::new(copy) };
+        let failure = Failure {
+            doing,
+            path: path.to_owned(),
+            source: Arc::new(copy),
+        };
         self.lock().failure.get_or_insert(failure);
     }
 
@@ -168,14 +183,21 @@ impl EnvHealth {
     }
 
     #[cfg(not(test))]
-    #[expect(clippy::unused_self, clippy::unnecessary_wraps, reason = "the tests' one observes")]
+    #[expect(
+        clippy::unused_self,
+        clippy::unnecessary_wraps,
+        reason = "the tests' one observes"
+    )]
     fn observe(&self, _change: &Change<'_>) -> io::Result<()> {
         Ok(())
     }
 
     #[cfg(test)]
     fn observe(&self, change: &Change<'_>) -> io::Result<()> {
-        self.lock().observer.as_mut().map_or(Ok(()), |observer| observer(change))
+        self.lock()
+            .observer
+            .as_mut()
+            .map_or(Ok(()), |observer| observer(change))
     }
 
     /// Lets a test see, and refuse, every change.

@@ -111,22 +111,35 @@ impl From<learning::Refusal> for Error {
 
 impl From<Failure> for Error {
     fn from(failure: Failure) -> Self {
-        Self::Io { doing: failure.doing, path: failure.path, source: failure.source }
+        Self::Io {
+            doing: failure.doing,
+            path: failure.path,
+            source: failure.source,
+        }
     }
 }
 
 impl Error {
     /// For use with `map_err` on a call about `path`.
-    pub(crate) fn io(doing: &'static str, path: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
+    pub(crate) fn io(
+        doing: &'static str,
+        path: impl Into<PathBuf>,
+    ) -> impl FnOnce(io::Error) -> Self {
         let path = path.into();
-        move |source| Self::Io { doing, path, source: Arc::new(source) }
+        move |source| Self::Io {
+            doing,
+            path,
+            source: Arc::new(source),
+        }
     }
 }
 
 impl Error {
     /// A record that is not what was written.
     pub(crate) fn record(key: &[u8], wrong: &str) -> Self {
-        Self::Damaged { what: format!("the record {}: {wrong}", key.escape_ascii()) }
+        Self::Damaged {
+            what: format!("the record {}: {wrong}", key.escape_ascii()),
+        }
     }
 }
 
@@ -134,7 +147,11 @@ impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Refused(refusal) => write!(f, "{refusal}"),
-            Self::Io { doing, path, source } => write!(
+            Self::Io {
+                doing,
+                path,
+                source,
+            } => write!(
                 f,
                 "{doing} {} failed: {source}; see that the disk has room and the folder belongs \
                  to the daemon's user",
@@ -152,7 +169,10 @@ impl fmt::Display for Error {
                  the program, or choose another folder"
             ),
             Self::Damaged { what } => {
-                write!(f, "the store is damaged ({what}); open it again to rebuild it")
+                write!(
+                    f,
+                    "the store is damaged ({what}); open it again to rebuild it"
+                )
             }
             Self::Failed { source } => write!(
                 f,
@@ -179,17 +199,26 @@ impl fmt::Display for Refusal {
             ),
             Self::InvalidView { view, reason } => {
                 let view = in_words(*view);
-                write!(f, "{view} cannot be stored because {reason}; send it again corrected")
+                write!(
+                    f,
+                    "{view} cannot be stored because {reason}; send it again corrected"
+                )
             }
             Self::BatchSize { n_views, most } => write!(
                 f,
                 "{n_views} views were sent to be stored at once; send between 1 and {most}"
             ),
             Self::AuthorTooLong { n_bytes, most } => {
-                write!(f, "the author's name has {n_bytes} bytes; use at most {most}")
+                write!(
+                    f,
+                    "the author's name has {n_bytes} bytes; use at most {most}"
+                )
             }
             Self::LeaseSize { count, most } => {
-                write!(f, "{count} track-ids were asked for at once; ask for 1 to {most}")
+                write!(
+                    f,
+                    "{count} track-ids were asked for at once; ask for 1 to {most}"
+                )
             }
         }
     }

@@ -37,7 +37,9 @@ impl Examination {
 /// The name in a label's record, when it is one.
 pub(crate) fn category_of(label: &PackedLabel) -> Result<Option<CategoryName>, &'static str> {
     match &label.category {
-        Some(name) => CategoryName::new(name).map(Some).map_err(|_| "its name is none"),
+        Some(name) => CategoryName::new(name)
+            .map(Some)
+            .map_err(|_| "its name is none"),
         None => Ok(None),
     }
 }
@@ -61,7 +63,9 @@ pub(crate) fn examine(engine: &mut Engine, mark: Option<&Mark>) -> Result<Examin
     let (n_damages, damages) = engine.damages();
     found.findings.extend(damages);
     if n_damages as usize > found.findings.len() {
-        found.findings.push(format!("{n_damages} damaged places in all"));
+        found
+            .findings
+            .push(format!("{n_damages} damaged places in all"));
     }
     Ok(found)
 }
@@ -71,15 +75,18 @@ fn read_meta(reader: &mut Reader, found: &mut Examination) -> Result<(), Error> 
         return Ok(());
     };
     match unseal::<Meta>(&[keys::META], &record) {
-        Ok(meta) if meta.schema > SCHEMA => {
-            Err(Error::NewerSchema { found: meta.schema, known: SCHEMA })
-        }
+        Ok(meta) if meta.schema > SCHEMA => Err(Error::NewerSchema {
+            found: meta.schema,
+            known: SCHEMA,
+        }),
         Ok(meta) => {
             found.meta = Some(meta);
             Ok(())
         }
         Err(wrong) => {
-            found.findings.push(format!("the record about the store: {wrong}"));
+            found
+                .findings
+                .push(format!("the record about the store: {wrong}"));
             Ok(())
         }
     }
@@ -92,7 +99,9 @@ fn read_views(reader: &mut Reader, found: &mut Examination) -> Result<(), Error>
                 found.catalogue.insert(view, Entry::of(record, &facts));
             }
             (Some(view), Err(wrong)) => found.findings.push(format!("{}: {wrong}", in_words(view))),
-            (None, _) => found.findings.push(format!("a view's key is none: {key:?}")),
+            (None, _) => found
+                .findings
+                .push(format!("a view's key is none: {key:?}")),
         }
     })
 }
@@ -103,13 +112,22 @@ fn read_labels(reader: &mut Reader, found: &mut Examination) -> Result<(), Error
             .and_then(|label| Ok((category_of(&label)?, label.wall_ns)));
         match (keys::view_of(key), label) {
             (Some(view), Ok(_)) if found.catalogue.get(view).is_none() => {
-                found.findings.push(format!("{} is missing, though it has a label", in_words(view)));
+                found.findings.push(format!(
+                    "{} is missing, though it has a label",
+                    in_words(view)
+                ));
             }
             (Some(view), Ok((category, wall_ns))) => {
-                found.catalogue.relabel(view, category.map(|name| (name, wall_ns)));
+                found
+                    .catalogue
+                    .relabel(view, category.map(|name| (name, wall_ns)));
             }
-            (Some(view), Err(wrong)) => found.findings.push(format!("label of {}: {wrong}", in_words(view))),
-            (None, _) => found.findings.push(format!("a label's key is none: {key:?}")),
+            (Some(view), Err(wrong)) => found
+                .findings
+                .push(format!("label of {}: {wrong}", in_words(view))),
+            (None, _) => found
+                .findings
+                .push(format!("a label's key is none: {key:?}")),
         }
     })
 }
@@ -121,9 +139,13 @@ fn check_category_index(reader: &mut Reader, found: &mut Examination) -> Result<
     reader.scan_prefix(&[keys::CATEGORY_INDEX], |key, record| {
         n_indexed += 1;
         if let Err(wrong) = unseal::<()>(key, record) {
-            found.findings.push(format!("an entry of the category index: {wrong}"));
+            found
+                .findings
+                .push(format!("an entry of the category index: {wrong}"));
         } else if !index_entry_is_right(key, &found.catalogue) {
-            found.findings.push("the category index and a label differ".to_owned());
+            found
+                .findings
+                .push("the category index and a label differ".to_owned());
         }
     })?;
     let n_labelled = found.catalogue.n_labelled();
@@ -150,19 +172,25 @@ fn read_history(reader: &mut Reader, found: &mut Examination) -> Result<(), Erro
     let mut expected = 1;
     reader.scan_prefix(&[keys::HISTORY], |key, record| {
         let Some(sequence) = keys::sequence_of(key) else {
-            found.findings.push(format!("a history entry's key is none: {key:?}"));
+            found
+                .findings
+                .push(format!("a history entry's key is none: {key:?}"));
             return;
         };
         if sequence != expected {
             let last = sequence.wrapping_sub(1);
-            found.findings.push(format!("history entries {expected} to {last} are missing"));
+            found
+                .findings
+                .push(format!("history entries {expected} to {last} are missing"));
         }
         expected = sequence.wrapping_add(1);
         let entry = unseal::<PackedEntry>(key, record)
             .and_then(|entry| entry.unpack(sequence).ok_or("a name in it is none"));
         match entry {
             Ok(_) => found.n_history += 1,
-            Err(wrong) => found.findings.push(format!("history entry {sequence}: {wrong}")),
+            Err(wrong) => found
+                .findings
+                .push(format!("history entry {sequence}: {wrong}")),
         }
     })
 }
@@ -172,7 +200,9 @@ fn read_answers(reader: &mut Reader, found: &mut Examination) -> Result<(), Erro
         Some(id) => {
             found.catalogue.answered.insert(id);
         }
-        None => found.findings.push(format!("an answer's key is none: {key:?}")),
+        None => found
+            .findings
+            .push(format!("an answer's key is none: {key:?}")),
     })
 }
 
@@ -181,23 +211,31 @@ fn check_counts(found: &mut Examination, mark: Option<&Mark>) {
     let n_views = found.catalogue.n_views() as u64;
     let Some(meta) = &found.meta else {
         if found.n_history > 0 || n_views > 0 {
-            found.findings.push("the record about the store is missing".to_owned());
+            found
+                .findings
+                .push("the record about the store is missing".to_owned());
         }
         return;
     };
     if meta.sequence != found.n_history {
         let (n, sequence) = (found.n_history, meta.sequence);
-        found.findings.push(format!("{n} of {sequence} history entries are whole"));
+        found
+            .findings
+            .push(format!("{n} of {sequence} history entries are whole"));
     }
     if meta.n_views != n_views {
         let n = meta.n_views;
-        found.findings.push(format!("{n_views} of {n} views are whole"));
+        found
+            .findings
+            .push(format!("{n_views} of {n} views are whole"));
     }
     if let Some(mark) = mark
         && mark.store_id == meta.store_id().0
         && mark.sequence > meta.sequence
     {
         let (first, last) = (meta.sequence + 1, mark.sequence);
-        found.findings.push(format!("acknowledged history entries {first} to {last} are missing"));
+        found.findings.push(format!(
+            "acknowledged history entries {first} to {last} are missing"
+        ));
     }
 }

@@ -60,23 +60,38 @@ pub(crate) struct PackedEntry {
 
 impl PackedEntry {
     pub(crate) fn of(entry: &HistoryEntry) -> Self {
-        let names = entry.changes.iter().flat_map(|change| [&change.before, &change.after]);
+        let names = entry
+            .changes
+            .iter()
+            .flat_map(|change| [&change.before, &change.after]);
         let names: BTreeSet<&str> = names.flatten().map(CategoryName::as_str).collect();
         let names: Vec<String> = names.into_iter().map(str::to_owned).collect();
         let index = |name: &Option<CategoryName>| {
             let name = name.as_ref()?.as_str();
-            names.binary_search_by(|known| known.as_str().cmp(name)).ok().map(|i| i as u32)
+            names
+                .binary_search_by(|known| known.as_str().cmp(name))
+                .ok()
+                .map(|i| i as u32)
         };
         let change = |change: &ViewChange| {
             let ViewId { track_id, view_id } = change.id;
-            (track_id, view_id, index(&change.before), index(&change.after))
+            (
+                track_id,
+                view_id,
+                index(&change.before),
+                index(&change.after),
+            )
         };
         Self {
             wall_ns: entry.wall_ns,
             author: entry.author.clone(),
             operation: entry.operation,
             mutation: entry.mutation.map(|id| id.0.to_be_bytes()),
-            stored: entry.stored.iter().map(|view| (view.track_id, view.view_id)).collect(),
+            stored: entry
+                .stored
+                .iter()
+                .map(|view| (view.track_id, view.view_id))
+                .collect(),
             changes: entry.changes.iter().map(change).collect(),
             names,
         }
@@ -90,10 +105,17 @@ impl PackedEntry {
             Some(index) => names.get(index as usize).cloned().map(Some),
             None => Some(None),
         };
-        let changes = self.changes.into_iter().map(|(track_id, view_id, before, after)| {
-            let id = ViewId { track_id, view_id };
-            Some(ViewChange { id, before: name(before)?, after: name(after)? })
-        });
+        let changes = self
+            .changes
+            .into_iter()
+            .map(|(track_id, view_id, before, after)| {
+                let id = ViewId { track_id, view_id };
+                Some(ViewChange {
+                    id,
+                    before: name(before)?,
+                    after: name(after)?,
+                })
+            });
         let stored = self.stored.into_iter();
         Some(HistoryEntry {
             sequence,
@@ -101,7 +123,9 @@ impl PackedEntry {
             author: self.author,
             operation: self.operation,
             mutation: self.mutation.map(|id| MutationId(u128::from_be_bytes(id))),
-            stored: stored.map(|(track_id, view_id)| ViewId { track_id, view_id }).collect(),
+            stored: stored
+                .map(|(track_id, view_id)| ViewId { track_id, view_id })
+                .collect(),
             changes: changes.collect::<Option<_>>()?,
         })
     }

@@ -10,16 +10,16 @@
 //! nothing of tokio, messages, or how recognition uses the descriptors.
 
 mod error;
-mod view;
-mod mutation;
 mod history;
+mod mutation;
+mod view;
 
 mod perceptual_memory;
 mod reading;
 mod store_thread;
 
-mod opening;
 mod examination;
+mod opening;
 mod salvage;
 mod store_folder;
 mod watermark;
@@ -48,7 +48,7 @@ pub use opening::{Condition, OpenReport};
 pub use perceptual_memory::{MAX_LEASE, PerceptualMemory};
 pub use reading::{ChangeEntry, Changes, LabelledView, NameChange, Position, SnapshotPage};
 pub use salvage::Loss;
-pub use store_thread::{GROUP_REQUESTS, StoreConfig, StoreHandle, StoreThread};
+pub use store_thread::{GROUP_REQUESTS, OnReopened, StoreConfig, StoreHandle, StoreThread};
 pub use view::{
     Descriptor, Label, MAX_DESCRIPTOR_VALUES, MAX_NAME_BYTES, MAX_POINTS_BYTES, StoredView, View,
 };

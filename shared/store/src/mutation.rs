@@ -77,7 +77,10 @@ impl Mutation {
             return Ok(());
         };
         if views.is_empty() || views.len() > MAX_BATCH_VIEWS {
-            return Err(Refusal::BatchSize { n_views: views.len(), most: MAX_BATCH_VIEWS });
+            return Err(Refusal::BatchSize {
+                n_views: views.len(),
+                most: MAX_BATCH_VIEWS,
+            });
         }
         views.iter().try_for_each(View::check)
     }

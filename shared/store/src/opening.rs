@@ -59,7 +59,10 @@ pub enum Condition {
 impl OpenReport {
     /// Whether anything that was acknowledged may be gone: to be told loudly.
     pub fn is_loss(&self) -> bool {
-        matches!(self.condition, Condition::Rebuilt { .. } | Condition::Replaced { .. })
+        matches!(
+            self.condition,
+            Condition::Rebuilt { .. } | Condition::Replaced { .. }
+        )
     }
 }
 
@@ -72,7 +75,11 @@ impl fmt::Display for OpenReport {
         match &self.condition {
             Condition::New => write!(f, "a new store was created")?,
             Condition::Sound => write!(f, "the store is sound")?,
-            Condition::Rebuilt { findings, loss, set_aside } => write!(
+            Condition::Rebuilt {
+                findings,
+                loss,
+                set_aside,
+            } => write!(
                 f,
                 "the store was damaged and has been rebuilt; lost: {loss}; {} ({})",
                 kept(set_aside),
@@ -84,7 +91,13 @@ impl fmt::Display for OpenReport {
                 kept(set_aside)
             )?,
         }
-        let Self { n_views, n_labelled, n_categories, n_history, .. } = self;
+        let Self {
+            n_views,
+            n_labelled,
+            n_categories,
+            n_history,
+            ..
+        } = self;
         write!(
             f,
             ": {n_views} views, {n_labelled} of them in {n_categories} categories, {n_history} \
@@ -105,16 +118,22 @@ pub(crate) fn open(
     let (watermark, mark) = Watermark::open(&path).map_err(Error::io("opening", path))?;
     let mut notes = Vec::new();
     let mark = mark.unwrap_or_else(|wrong| {
-        notes.push(format!("the note of what was acknowledged is unreadable: {wrong}"));
+        notes.push(format!(
+            "the note of what was acknowledged is unreadable: {wrong}"
+        ));
         None
     });
     let opened = open_database(&folder, mark.as_ref(), wall_ns, must_rebuild)?;
     let (engine, examination, condition) = opened;
     let Some(mut meta) = examination.meta else {
-        return Err(Error::Damaged { what: "a store just begun has no record about it".to_owned() });
+        return Err(Error::Damaged {
+            what: "a store just begun has no record about it".to_owned(),
+        });
     };
     let catalogue = examination.catalogue;
-    let next_by_views = catalogue.last_track_id().map_or(1, |last| last.saturating_add(1));
+    let next_by_views = catalogue
+        .last_track_id()
+        .map_or(1, |last| last.saturating_add(1));
     let next_by_mark = mark.map_or(1, |mark| mark.next_track_id);
     meta.next_track_id = meta.next_track_id.max(next_by_views).max(next_by_mark);
     mark_and_sync(&watermark, &meta.mark()).map_err(Error::io("writing", folder.watermark()))?;
@@ -126,7 +145,10 @@ pub(crate) fn open(
         n_history: meta.sequence,
         notes,
     };
-    Ok((PerceptualMemory::new(engine, catalogue, meta, watermark, folder), report))
+    Ok((
+        PerceptualMemory::new(engine, catalogue, meta, watermark, folder),
+        report,
+    ))
 }
 
 fn mark_and_sync(watermark: &Watermark, mark: &Mark) -> std::io::Result<()> {
@@ -165,7 +187,10 @@ fn open_database(
         let (engine, examination) = begin(engine, mark)?;
         let condition = if lost {
             let reason = "the folder of the database is missing or empty".to_owned();
-            Condition::Replaced { reason, set_aside: None }
+            Condition::Replaced {
+                reason,
+                set_aside: None,
+            }
         } else {
             Condition::New
         };
@@ -182,7 +207,13 @@ fn open_database(
 fn begin(mut engine: Engine, mark: Option<&Mark>) -> Result<(Engine, Examination), Error> {
     let meta = Meta::new(mark.map_or(1, |mark| mark.next_track_id))?;
     Writes::default().commit(&mut engine, &meta)?;
-    Ok((engine, Examination { meta: Some(meta), ..Examination::default() }))
+    Ok((
+        engine,
+        Examination {
+            meta: Some(meta),
+            ..Examination::default()
+        },
+    ))
 }
 
 /// Sets the database aside and begins an empty one.
@@ -191,7 +222,11 @@ fn replace(folder: &StoreFolder, mark: Option<&Mark>, reason: String) -> Result<
     let mut engine = Engine::open(&folder.database())?;
     engine.accept()?;
     let (engine, examination) = begin(engine, mark)?;
-    Ok((engine, examination, Condition::Replaced { reason, set_aside }))
+    Ok((
+        engine,
+        examination,
+        Condition::Replaced { reason, set_aside },
+    ))
 }
 
 /// Copies what is whole, sets the damaged database aside, and opens the copy.
@@ -204,7 +239,13 @@ fn rebuild(
 ) -> Result<Opened, Error> {
     let mut copy = Engine::open(&folder.rebuilding())?;
     copy.accept()?;
-    let salvaged = salvage(&mut damaged, &mut copy, examination.meta.as_ref(), mark, wall_ns);
+    let salvaged = salvage(
+        &mut damaged,
+        &mut copy,
+        examination.meta.as_ref(),
+        mark,
+        wall_ns,
+    );
     // What is damaged cannot be closed cleanly, and is kept as it is.
     drop(damaged);
     let loss = match salvaged {
@@ -220,11 +261,21 @@ fn rebuild(
     let mut engine = Engine::open(&folder.database())?;
     let copied = examine(&mut engine, None)?;
     if let Some(finding) = copied.findings.first() {
-        return Err(Error::Damaged { what: format!("a copy just made is damaged: {finding}") });
+        return Err(Error::Damaged {
+            what: format!("a copy just made is damaged: {finding}"),
+        });
     }
     engine.accept()?;
     let findings = examination.findings;
-    Ok((engine, copied, Condition::Rebuilt { findings, loss, set_aside }))
+    Ok((
+        engine,
+        copied,
+        Condition::Rebuilt {
+            findings,
+            loss,
+            set_aside,
+        },
+    ))
 }
 
 #[cfg(test)]
@@ -245,15 +296,28 @@ mod tests {
         for must_rebuild in [false, true] {
             let held = StoreFolder::hold(folder.path()).unwrap();
             let refused = open(held, 2, must_rebuild).map(|_| ()).unwrap_err();
-            assert!(matches!(refused, Error::NewerSchema { found: 2, known: 1 }), "{refused}");
+            assert!(
+                matches!(refused, Error::NewerSchema { found: 2, known: 1 }),
+                "{refused}"
+            );
         }
-        let names = fs::read_dir(folder.path()).unwrap().flatten().map(|entry| entry.file_name());
-        assert!(!names.into_iter().any(|name| name.to_string_lossy().contains("damaged")));
+        let names = fs::read_dir(folder.path())
+            .unwrap()
+            .flatten()
+            .map(|entry| entry.file_name());
+        assert!(
+            !names
+                .into_iter()
+                .any(|name| name.to_string_lossy().contains("damaged"))
+        );
         // The newer program finds everything as it was.
         let mut engine = Engine::open(&folder.path().join("database")).unwrap();
         let record = engine.reader().unwrap().get(b"m").unwrap().unwrap();
         let meta: Meta = crate::record::unseal(b"m", &record).unwrap();
-        let found = Position { store_id: meta.store_id(), sequence: meta.sequence };
+        let found = Position {
+            store_id: meta.store_id(),
+            sequence: meta.sequence,
+        };
         assert_eq!((meta.next_track_id, found), (2, position));
     }
 }

@@ -81,7 +81,15 @@ impl PerceptualMemory {
         folder: StoreFolder,
     ) -> Self {
         let staged = Staged::default();
-        Self { engine, catalogue, meta, watermark, staged, failure: None, _folder: folder }
+        Self {
+            engine,
+            catalogue,
+            meta,
+            watermark,
+            staged,
+            failure: None,
+            _folder: folder,
+        }
     }
 
     /// Which store this is.
@@ -124,7 +132,9 @@ impl PerceptualMemory {
     ///
     /// [`Error::Io`]; what was acknowledged is on disk all the same.
     pub fn close(self) -> Result<(), Error> {
-        self.watermark.sync().map_err(Error::io("syncing", "acknowledged"))?;
+        self.watermark
+            .sync()
+            .map_err(Error::io("syncing", "acknowledged"))?;
         self.engine.close()
     }
 
@@ -141,15 +151,27 @@ impl PerceptualMemory {
             Change::StoreViews(views) => (Operation::StoreViews, self.stage_views(views)?, vec![]),
             Change::Teach { track_id, category } => {
                 let records = catalogue.records_of_track(*track_id);
-                (Operation::Teach, vec![], learning::teach(records, *track_id, category)?)
+                (
+                    Operation::Teach,
+                    vec![],
+                    learning::teach(records, *track_id, category)?,
+                )
             }
             Change::Correct { track_id, category } => {
                 let records = catalogue.records_of_track(*track_id);
-                (Operation::Correct, vec![], learning::correct(records, *track_id, category)?)
+                (
+                    Operation::Correct,
+                    vec![],
+                    learning::correct(records, *track_id, category)?,
+                )
             }
             Change::Forget { category } => {
                 let records = catalogue.records_of_category(category);
-                (Operation::Forget, vec![], learning::forget(records, category)?)
+                (
+                    Operation::Forget,
+                    vec![],
+                    learning::forget(records, category)?,
+                )
             }
         };
         let entry = HistoryEntry {
@@ -170,7 +192,11 @@ impl PerceptualMemory {
         let first = self.meta.next_track_id;
         let end = first.checked_add(count);
         let (Some(end), 1..=MAX_LEASE) = (end, count) else {
-            return Err(Refusal::LeaseSize { count, most: MAX_LEASE }.into());
+            return Err(Refusal::LeaseSize {
+                count,
+                most: MAX_LEASE,
+            }
+            .into());
         };
         self.meta.next_track_id = end;
         // The record about the store alone is the lease.
@@ -185,10 +211,13 @@ impl PerceptualMemory {
         if staged.writes.is_empty() {
             return Ok(());
         }
-        let written = staged.writes.commit(&mut self.engine, &self.meta).and_then(|()| {
-            let marked = self.watermark.write(&self.meta.mark());
-            marked.map_err(Error::io("writing", "acknowledged"))
-        });
+        let written = staged
+            .writes
+            .commit(&mut self.engine, &self.meta)
+            .and_then(|()| {
+                let marked = self.watermark.write(&self.meta.mark());
+                marked.map_err(Error::io("writing", "acknowledged"))
+            });
         written.map_err(|error| self.fail(error))
     }
 
@@ -204,7 +233,9 @@ impl PerceptualMemory {
 
     pub(crate) fn usable(&self) -> Result<(), Error> {
         match &self.failure {
-            Some(source) => Err(Error::Failed { source: Arc::clone(source) }),
+            Some(source) => Err(Error::Failed {
+                source: Arc::clone(source),
+            }),
             None => Ok(()),
         }
     }
@@ -233,7 +264,10 @@ impl PerceptualMemory {
         read: impl FnOnce(&mut Reader) -> Result<T, Error>,
     ) -> Result<T, Error> {
         self.usable()?;
-        let found = self.engine.reader().and_then(|mut reader| read(&mut reader));
+        let found = self
+            .engine
+            .reader()
+            .and_then(|mut reader| read(&mut reader));
         found.map_err(|error| self.fail(error))
     }
 
@@ -275,7 +309,10 @@ impl PerceptualMemory {
             let key = keys::history_key(entry.sequence);
             self.staged.writes.put(&key, &PackedEntry::of(entry));
         }
-        let answer = Answer { sequence: self.meta.sequence, n_views };
+        let answer = Answer {
+            sequence: self.meta.sequence,
+            n_views,
+        };
         self.staged.writes.put(&keys::answer_key(id), &answer);
         self.staged.answers.insert(id, answer);
         self.catalogue.answered.insert(id);
@@ -284,9 +321,16 @@ impl PerceptualMemory {
 
     fn stage_label(&mut self, entry: &HistoryEntry, change: &ViewChange) {
         let label = PackedLabel::given_by(entry, change);
-        put_label(&mut self.staged.writes, change.id, &label, change.after.as_ref());
+        put_label(
+            &mut self.staged.writes,
+            change.id,
+            &label,
+            change.after.as_ref(),
+        );
         if let Some(before) = &change.before {
-            self.staged.writes.delete(&keys::category_key(before, change.id));
+            self.staged
+                .writes
+                .delete(&keys::category_key(before, change.id));
         }
         let label = change.after.clone().map(|name| (name, entry.wall_ns));
         self.catalogue.relabel(change.id, label);

@@ -14,7 +14,10 @@ const HEADER_BYTES: usize = 5;
 /// The bytes to store under `key`.
 pub(crate) fn seal<T: Serialize>(key: &[u8], value: &T) -> Vec<u8> {
     let mut record = vec![0; HEADER_BYTES];
-    #[expect(clippy::expect_used, reason = "a Vec takes any bytes, and our records are plain data")]
+    #[expect(
+        clippy::expect_used,
+        reason = "a Vec takes any bytes, and our records are plain data"
+    )]
     ciborium::into_writer(value, &mut record).expect("CBOR into memory");
     let checksum = checksum(key, VERSION, &record[HEADER_BYTES..]);
     record[0] = VERSION;
@@ -57,7 +60,10 @@ mod tests {
     fn a_record_is_read_back_only_whole_and_under_its_key() {
         let value = (7_u64, "mug".to_owned(), vec![0.5_f32, -0.0]);
         let record = seal(b"key", &value);
-        assert_eq!(unseal::<(u64, String, Vec<f32>)>(b"key", &record), Ok(value));
+        assert_eq!(
+            unseal::<(u64, String, Vec<f32>)>(b"key", &record),
+            Ok(value)
+        );
         assert!(payload(b"kez", &record).is_err());
         for i in 0..record.len() {
             for bit in 0..8 {

@@ -41,8 +41,15 @@ pub struct Loss {
 
 impl fmt::Display for Loss {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { n_history, n_views, n_clouds } = self;
-        write!(f, "{n_history} history entries, {n_views} views, {n_clouds} clouds")
+        let Self {
+            n_history,
+            n_views,
+            n_clouds,
+        } = self;
+        write!(
+            f,
+            "{n_history} history entries, {n_views} views, {n_clouds} clouds"
+        )
     }
 }
 
@@ -135,7 +142,9 @@ fn note(found: &mut Found, key: &[u8], record: &[u8]) -> Option<()> {
             found.history.insert(sequence, entry);
         }
         keys::ANSWER => {
-            found.answers.insert(keys::mutation_of(key)?, unseal(key, record).ok()?);
+            found
+                .answers
+                .insert(keys::mutation_of(key)?, unseal(key, record).ok()?);
         }
         // The category index is made again from the labels.
         _ => {}
@@ -145,7 +154,12 @@ fn note(found: &mut Found, key: &[u8], record: &[u8]) -> Option<()> {
 
 /// Leaves only views that are whole, and counts what is gone.
 fn forget_incomplete(found: &mut Found, meta: Option<&Meta>, mark: Option<&Mark>) -> Loss {
-    let Found { facts, descriptors, clouds, .. } = found;
+    let Found {
+        facts,
+        descriptors,
+        clouds,
+        ..
+    } = found;
     facts.retain(|view, _| descriptors.contains(view));
     let mut n_clouds = 0;
     for (view, facts) in facts.iter_mut() {
@@ -155,11 +169,20 @@ fn forget_incomplete(found: &mut Found, meta: Option<&Meta>, mark: Option<&Mark>
         }
     }
     let n_facts = facts.len() as u64;
-    let n_views = meta.map_or(0, |meta| meta.n_views).max(found.met.len() as u64) - n_facts;
+    let n_views = meta
+        .map_or(0, |meta| meta.n_views)
+        .max(found.met.len() as u64)
+        - n_facts;
     let mark = mark.filter(|mark| meta.is_none_or(|meta| meta.store_id().0 == mark.store_id));
-    let last = meta.map_or(0, |meta| meta.sequence).max(found.last_sequence_met);
+    let last = meta
+        .map_or(0, |meta| meta.sequence)
+        .max(found.last_sequence_met);
     let last = last.max(mark.map_or(0, |mark| mark.sequence));
-    Loss { n_history: last - found.history.len() as u64, n_views, n_clouds }
+    Loss {
+        n_history: last - found.history.len() as u64,
+        n_views,
+        n_clouds,
+    }
 }
 
 /// Copies descriptors and clouds as they are: the keys do not change.
@@ -169,12 +192,17 @@ fn copy_large_parts(damaged: &mut Engine, copy: &mut Engine, found: &Found) -> R
     damaged.reader()?.scan(&[], |key, record| {
         let is_large = matches!(key.first(), Some(&keys::DESCRIPTOR | &keys::POINTS));
         let facts = keys::view_of(key).and_then(|view| found.facts.get(&view));
-        let is_kept = facts.is_some_and(|facts| key[0] == keys::DESCRIPTOR || facts.points.is_some());
+        let is_kept =
+            facts.is_some_and(|facts| key[0] == keys::DESCRIPTOR || facts.points.is_some());
         if is_large && is_kept {
             writes.put_sealed(key, record);
             written = flush_if_large(&mut writes, copy);
         }
-        if written.is_ok() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        if written.is_ok() {
+            ControlFlow::Continue(())
+        } else {
+            ControlFlow::Break(())
+        }
     })?;
     written?;
     writes.flush(copy)
@@ -197,7 +225,10 @@ fn copy_history(
 
 /// The new sequence of the last entry kept up to an old one.
 fn renumbered(new_sequence: &BTreeMap<u64, u64>, old: u64) -> u64 {
-    new_sequence.range(..=old).next_back().map_or(0, |(_, new)| *new)
+    new_sequence
+        .range(..=old)
+        .next_back()
+        .map_or(0, |(_, new)| *new)
 }
 
 fn copy_labels(
@@ -224,7 +255,9 @@ fn newest_labels(found: &Found) -> BTreeMap<ViewId, (PackedLabel, Option<Categor
     }
     for (&sequence, entry) in &found.history {
         for change in &entry.changes {
-            let known = labels.get(&change.id).map_or(0, |(label, _)| label.sequence);
+            let known = labels
+                .get(&change.id)
+                .map_or(0, |(label, _)| label.sequence);
             if sequence > known {
                 let label = PackedLabel::given_by(entry, change);
                 labels.insert(change.id, (label, change.after.clone()));
@@ -246,7 +279,13 @@ fn copy_answers(
         let is_kept = answer.n_views == 0 || entry.is_some_and(|entry| entry.mutation == Some(id));
         if is_kept {
             let sequence = renumbered(new_sequence, answer.sequence);
-            writes.put(&keys::answer_key(id), &Answer { sequence, ..*answer });
+            writes.put(
+                &keys::answer_key(id),
+                &Answer {
+                    sequence,
+                    ..*answer
+                },
+            );
             flush_if_large(writes, copy)?;
         }
     }

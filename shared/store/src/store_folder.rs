@@ -88,7 +88,11 @@ impl StoreFolder {
     }
 
     fn put_rebuilt_in_place(&self) -> Result<Option<PathBuf>, Error> {
-        let damaged = if self.database().exists() { Some(self.set_aside()?) } else { None };
+        let damaged = if self.database().exists() {
+            Some(self.set_aside()?)
+        } else {
+            None
+        };
         self.rename(&self.rebuilt(), &self.database())?;
         Ok(damaged)
     }

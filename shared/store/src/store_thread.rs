@@ -23,6 +23,11 @@ pub const GROUP_REQUESTS: usize = 256;
 /// Most bytes gathered before they are written.
 const GROUP_BYTES: usize = 4 << 20;
 
+/// Told what was found when the store was opened again.
+pub type OnReopened = Box<dyn FnMut(&Result<OpenReport, Error>) + Send>;
+
+type Answering<T> = Box<dyn FnOnce(Result<T, Error>) + Send>;
+
 /// How to run the store.
 pub struct StoreConfig {
     /// The store's folder.
@@ -33,12 +38,12 @@ pub struct StoreConfig {
     pub wall_clock: fn() -> u64,
     /// Told, on the store's thread, what was found whenever the store had to be
     /// opened again.
-    pub on_reopened: Box<dyn FnMut(&Result<OpenReport, Error>) + Send>,
+    pub on_reopened: OnReopened,
 }
 
 /// Takes the answer to one request; called exactly once, on the store's thread
 /// or, when the request is not taken, on the caller's.
-struct Reply<T>(Option<Box<dyn FnOnce(Result<T, Error>) + Send>>);
+struct Reply<T>(Option<Answering<T>>);
 
 impl<T> Reply<T> {
     fn new(answer: impl FnOnce(Result<T, Error>) + Send + 'static) -> Self {
@@ -108,7 +113,9 @@ impl StoreHandle {
         reply: impl FnOnce(Result<T, Error>) + Send + 'static,
     ) {
         let reply = Reply::new(reply);
-        self.send(Request::Read(Box::new(move |memory| reply.send(memory.and_then(read)))));
+        self.send(Request::Read(Box::new(move |memory| {
+            reply.send(memory.and_then(read));
+        })));
     }
 
     /// As [`Self::mutate`], and waits for the answer.
@@ -147,16 +154,16 @@ impl StoreHandle {
             // Dropping an unserved request answers it with `Stopped`.
             Ok(()) | Err(TrySendError::Disconnected(_)) => {}
             Err(TrySendError::Full(request)) => {
-                request.refuse(&Error::QueueFull { capacity: self.capacity });
+                request.refuse(&Error::QueueFull {
+                    capacity: self.capacity,
+                });
             }
         }
     }
 }
 
 /// Hands `ask` a reply and waits until it is used.
-fn wait<T: Send + 'static>(
-    ask: impl FnOnce(Box<dyn FnOnce(Result<T, Error>) + Send>),
-) -> Result<T, Error> {
+fn wait<T: Send + 'static>(ask: impl FnOnce(Answering<T>)) -> Result<T, Error> {
     let (sender, receiver) = sync_channel(1);
     ask(Box::new(move |result| {
         // The receiver is waiting below.
@@ -194,13 +201,27 @@ impl StoreThread {
         let capacity = config.queue_capacity.max(1);
         let (queue, requests) = sync_channel(capacity);
         let folder = config.folder.clone();
-        let mut owner = Owner { config, memory: Some(memory), waiting: Vec::new() };
+        let mut owner = Owner {
+            config,
+            memory: Some(memory),
+            waiting: Vec::new(),
+        };
         let thread = std::thread::Builder::new()
             .name("store".to_owned())
             .spawn(move || owner.run(&requests))
             .map_err(Error::io("starting the thread of", folder))?;
-        let handle = StoreHandle { queue: queue.clone(), capacity };
-        Ok((Self { queue, thread: Some(thread) }, handle, report))
+        let handle = StoreHandle {
+            queue: queue.clone(),
+            capacity,
+        };
+        Ok((
+            Self {
+                queue,
+                thread: Some(thread),
+            },
+            handle,
+            report,
+        ))
     }
 
     /// Serves what waits already, closes the store, and ends the thread; later
@@ -236,7 +257,7 @@ struct Owner {
     /// None when it failed and could not be opened again.
     memory: Option<PerceptualMemory>,
     /// Answers to be given when what is staged is on disk, or is not.
-    waiting: Vec<Box<dyn FnOnce(Result<(), Error>) + Send>>,
+    waiting: Vec<Answering<()>>,
 }
 
 impl Owner {
@@ -282,11 +303,19 @@ impl Owner {
     }
 
     /// Even a refusal waits: it may rest on a change that is not on disk yet.
-    fn answer_when_committed<T: Send + 'static>(&mut self, reply: Reply<T>, staged: Result<T, Error>) {
-        self.waiting.push(Box::new(move |committed: Result<(), Error>| {
-            reply.send(committed.and(staged));
-        }));
-        let n_bytes = self.memory.as_ref().map_or(0, PerceptualMemory::n_staged_bytes);
+    fn answer_when_committed<T: Send + 'static>(
+        &mut self,
+        reply: Reply<T>,
+        staged: Result<T, Error>,
+    ) {
+        self.waiting
+            .push(Box::new(move |committed: Result<(), Error>| {
+                reply.send(committed.and(staged));
+            }));
+        let n_bytes = self
+            .memory
+            .as_ref()
+            .map_or(0, PerceptualMemory::n_staged_bytes);
         if n_bytes > GROUP_BYTES {
             self.commit();
         }

@@ -44,7 +44,12 @@ impl VerifiedTable {
     pub(crate) fn open(path: &Path, health: Arc<EnvHealth>) -> io::Result<Self> {
         let file = File::open(path)?;
         let n_bytes = file.metadata()?.len();
-        Ok(Self { file, path: path.to_owned(), n_bytes, health })
+        Ok(Self {
+            file,
+            path: path.to_owned(),
+            n_bytes,
+            health,
+        })
     }
 
     /// Reads `bytes` and returns what is wrong with them, if anything.
@@ -58,7 +63,8 @@ impl VerifiedTable {
         }
         // The filter block is read without its trailer.
         let mut trailer = [0; TRAILER_BYTES];
-        self.file.read_exact_at(&mut trailer, offset + bytes.len() as u64)?;
+        self.file
+            .read_exact_at(&mut trailer, offset + bytes.len() as u64)?;
         let expected = unmask(le_u32(&trailer[1..]));
         let is_valid = crc32c(&[bytes, &trailer[..1]]) == expected;
         Ok((!is_valid).then_some("the checksum of a block is wrong"))
@@ -79,7 +85,9 @@ impl RandomAccess for VerifiedTable {
 }
 
 fn le_u32(bytes: &[u8]) -> u32 {
-    bytes.first_chunk().map_or(0, |four| u32::from_le_bytes(*four))
+    bytes
+        .first_chunk()
+        .map_or(0, |four| u32::from_le_bytes(*four))
 }
 
 /// Whether the last four bytes are the checksum of those before.
@@ -100,7 +108,9 @@ fn check_footer(footer: &[u8], n_file_bytes: u64) -> Option<&'static str> {
         let (Some(offset), Some(size)) = (take_varint(&mut rest), take_varint(&mut rest)) else {
             return Some("the footer's block handle cannot be read");
         };
-        let end = offset.checked_add(size).and_then(|end| end.checked_add(TRAILER_BYTES as u64));
+        let end = offset
+            .checked_add(size)
+            .and_then(|end| end.checked_add(TRAILER_BYTES as u64));
         if end.is_none_or(|end| end > n_file_bytes) {
             return Some("the footer names a block beyond the end of the file");
         }
@@ -210,7 +220,10 @@ mod tests {
     #[test]
     fn a_cut_log_is_no_damage() {
         let (_, log) = log(&[10, 300, 32_000, 1, 70_000, 40]);
-        for cut in (0..=log.len()).step_by(61).chain(log.len() - 60..=log.len()) {
+        for cut in (0..=log.len())
+            .step_by(61)
+            .chain(log.len() - 60..=log.len())
+        {
             assert_eq!(check_log(&log[..cut]), None, "cut at {cut}");
             // As a file system may leave it: longer, but never written.
             let mut padded = log[..cut].to_vec();
@@ -226,7 +239,12 @@ mod tests {
         for at in (0..log.len()).step_by(17) {
             let mut damaged = log.clone();
             damaged[at] ^= 0x08;
-            assert_eq!(check_log(&damaged).is_some(), at < last, "byte {at} of {}", log.len());
+            assert_eq!(
+                check_log(&damaged).is_some(),
+                at < last,
+                "byte {at} of {}",
+                log.len()
+            );
         }
     }
 

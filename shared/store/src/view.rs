@@ -78,32 +78,56 @@ impl View {
         let values = &self.descriptor.values;
         let too_long = |name: &str| name.len() > MAX_NAME_BYTES;
         let wrong = [
-            (self.id.track_id == u64::MAX, "that track-id is never leased"),
+            (
+                self.id.track_id == u64::MAX,
+                "that track-id is never leased",
+            ),
             (values.is_empty(), "its descriptor is empty"),
-            (values.len() > MAX_DESCRIPTOR_VALUES, "its descriptor is too long"),
-            (!values.iter().all(|v| v.is_finite()), "its descriptor has a value that is not finite"),
-            (too_long(&self.descriptor.kind), "the name of its descriptor is too long"),
+            (
+                values.len() > MAX_DESCRIPTOR_VALUES,
+                "its descriptor is too long",
+            ),
+            (
+                !values.iter().all(|v| v.is_finite()),
+                "its descriptor has a value that is not finite",
+            ),
+            (
+                too_long(&self.descriptor.kind),
+                "the name of its descriptor is too long",
+            ),
             (too_long(&self.source), "the name of its source is too long"),
-            (!centre.iter().all(|v| v.is_finite()), "the centre of its box is not finite"),
+            (
+                !centre.iter().all(|v| v.is_finite()),
+                "the centre of its box is not finite",
+            ),
             (
                 !half_sides.iter().all(|v| v.is_finite() && *v >= 0.0),
                 "a side of its box is not a length",
             ),
             (
-                // Written so that NaN is refused.
-                !((pose.rotation.quaternion().norm() - 1.0).abs() <= UNIT_TOLERANCE),
+                !is_unit(pose.rotation.quaternion().norm()),
                 "the rotation of its box is not of unit length",
             ),
             (
-                self.points.as_ref().is_some_and(|points| points.len() > MAX_POINTS_BYTES),
+                self.points
+                    .as_ref()
+                    .is_some_and(|points| points.len() > MAX_POINTS_BYTES),
                 "its cloud is too large",
             ),
         ];
         match wrong.into_iter().find(|(is_wrong, _)| *is_wrong) {
-            Some((_, reason)) => Err(Refusal::InvalidView { view: self.id, reason }),
+            Some((_, reason)) => Err(Refusal::InvalidView {
+                view: self.id,
+                reason,
+            }),
             None => Ok(()),
         }
     }
+}
+
+/// False for NaN.
+fn is_unit(norm: f64) -> bool {
+    (norm - 1.0).abs() <= UNIT_TOLERANCE
 }
 
 /// The small part of a view as it is stored; the large parts have tables of
@@ -128,7 +152,10 @@ pub(crate) struct Extent {
 
 impl Extent {
     pub(crate) fn of(record: &[u8]) -> Self {
-        Self { n_bytes: record.len() as u32, crc32: crc32fast::hash(record) }
+        Self {
+            n_bytes: record.len() as u32,
+            crc32: crc32fast::hash(record),
+        }
     }
 }
 
@@ -206,15 +233,28 @@ impl Facts {
 
 impl From<&Descriptor> for PackedDescriptor {
     fn from(descriptor: &Descriptor) -> Self {
-        let values = descriptor.values.iter().flat_map(|value| value.to_le_bytes()).collect();
-        Self { kind: descriptor.kind.clone(), values }
+        let values = descriptor
+            .values
+            .iter()
+            .flat_map(|value| value.to_le_bytes())
+            .collect();
+        Self {
+            kind: descriptor.kind.clone(),
+            values,
+        }
     }
 }
 
 impl From<PackedDescriptor> for Descriptor {
     fn from(packed: PackedDescriptor) -> Self {
         let (values, _) = packed.values.as_chunks::<4>();
-        let values = values.iter().map(|value| f32::from_le_bytes(*value)).collect();
-        Self { kind: packed.kind, values }
+        let values = values
+            .iter()
+            .map(|value| f32::from_le_bytes(*value))
+            .collect();
+        Self {
+            kind: packed.kind,
+            values,
+        }
     }
 }

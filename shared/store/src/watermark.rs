@@ -35,7 +35,12 @@ impl Watermark {
     /// Opens or creates the file; returns the mark in it, `Ok(None)` when it was
     /// never written, and what is wrong when it cannot be read.
     pub(crate) fn open(path: &Path) -> io::Result<(Self, Result<Option<Mark>, &'static str>)> {
-        let options = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path);
+        let options = OpenOptions::new()
+            .read(true)
+            .write(true)
+            .create(true)
+            .truncate(false)
+            .open(path);
         let file = options?;
         let n_bytes = file.metadata()?.len();
         let mut bytes = [0; MARK_BYTES];
@@ -96,7 +101,11 @@ mod tests {
         let path = folder.path().join("acknowledged");
         let (file, found) = Watermark::open(&path).unwrap();
         assert_eq!(found, Ok(None));
-        let mark = Mark { store_id: 3, sequence: u64::MAX, next_track_id: 5 };
+        let mark = Mark {
+            store_id: 3,
+            sequence: u64::MAX,
+            next_track_id: 5,
+        };
         file.write(&mark).unwrap();
         assert_eq!(Watermark::open(&path).unwrap().1, Ok(Some(mark)));
         let whole = std::fs::read(&path).unwrap();

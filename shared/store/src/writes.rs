@@ -53,6 +53,10 @@ impl Writes {
 
     /// Writes everything into a database that is not in use yet.
     pub(crate) fn flush(self, engine: &mut Engine) -> Result<(), Error> {
-        if self.n_bytes == 0 { Ok(()) } else { engine.write(self.batch, false) }
+        if self.n_bytes == 0 {
+            Ok(())
+        } else {
+            engine.write(self.batch, false)
+        }
     }
 }

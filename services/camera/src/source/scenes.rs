@@ -89,7 +89,7 @@ impl Source for Scenes {
         let Some((frame, header)) = self.prepared.take() else {
             return Err(SourceError::Unusable("a scene was filled before it was prepared".into()));
         };
-        let decoded = self.decoder.decode_into(&self.bytes, &header, points);
+        let decoded = self.decoder.decode_into(&self.bytes, &header, points, None);
         decoded.map_err(|error| self.refuse(frame, error.to_string()))?;
         self.n_refused_in_a_row = 0;
         let fitted = intrinsics_fit::fit(points, header.width(), header.height());

@@ -1,5 +1,4 @@
-//! Writes small valid files of each format for the fuzzer to begin with. An
-//! RGB-D sequence given as the second argument adds real images.
+//! Writes small valid files of each format for the fuzzer to begin with.
 
 use dataset::{pcd, ply};
 use geometry::RigidTransform;
@@ -7,9 +6,13 @@ use point_cloud::{Point, Rgba};
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
+#[path = "../../src/rgbd_sequence/flat_jpeg.rs"]
+mod flat_jpeg;
+
 fn main() -> Result<(), Box<dyn Error>> {
-    let mut arguments = std::env::args_os().skip(1).map(PathBuf::from);
-    let corpus = arguments.next().unwrap_or_else(|| PathBuf::from("corpus"));
+    let corpus = std::env::args_os()
+        .nth(1)
+        .map_or_else(|| "corpus".into(), PathBuf::from);
     for target in ["pcd", "ply", "rgbd_sequence", "fakenect_index"] {
         std::fs::create_dir_all(corpus.join(target))?;
     }
@@ -26,9 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let index = "a-1290000000.000000-7.dump\nd-1290000000.033000-9.pgm\nr-1290000000.05-9.ppm\n";
     std::fs::write(corpus.join("fakenect_index/recorded"), index)?;
     write_matrices(&corpus.join("rgbd_sequence"))?;
-    arguments
-        .next()
-        .map_or(Ok(()), |sequence| copy_images(&sequence, &corpus))
+    write_images(&corpus.join("rgbd_sequence"))
 }
 
 fn write_clouds(folder: &Path, points: &[Point]) -> Result<(), Box<dyn Error>> {
@@ -83,11 +84,16 @@ fn write_matrices(folder: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn copy_images(sequence: &Path, corpus: &Path) -> Result<(), Box<dyn Error>> {
-    for (kind, name) in [(0, "frame-000000.depth.png"), (1, "frame-000000.color.jpg")] {
-        let mut seed = vec![kind];
-        seed.extend(std::fs::read(sequence.join(name))?);
-        std::fs::write(corpus.join("rgbd_sequence").join(name), seed)?;
-    }
+fn write_images(folder: &Path) -> Result<(), Box<dyn Error>> {
+    let mut depth = vec![0];
+    let mut encoder = png::Encoder::new(&mut depth, 16, 8);
+    encoder.set_color(png::ColorType::Grayscale);
+    encoder.set_depth(png::BitDepth::Sixteen);
+    let bytes: Vec<u8> = (0..=255).collect();
+    encoder.write_header()?.write_image_data(&bytes)?;
+    std::fs::write(folder.join("depth"), depth)?;
+    let mut color = vec![1];
+    color.extend(flat_jpeg::encode(2, 1, &[[100, 128, 128], [76, 85, 255]]));
+    std::fs::write(folder.join("color"), color)?;
     Ok(())
 }

@@ -8,8 +8,8 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Most bytes of an index; about a day of frames.
-const MAX_INDEX_BYTES: u64 = 1 << 28;
+/// Most bytes of an index; more than an hour of frames.
+const MAX_INDEX_BYTES: u64 = 1 << 24;
 
 /// A recording that the fakenect library can play.
 #[derive(Debug, Clone)]

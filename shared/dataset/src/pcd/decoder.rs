@@ -1,8 +1,10 @@
 //! Filling a slice with the points of a PCD file.
 
 use super::error::Error;
-use super::header::{Channel, Color, Encoding, Header, Layout};
-use super::{NEUTRAL_GREY, text};
+use super::header::{Encoding, Header};
+use super::layout::{Channel, Color, Layout};
+use super::text;
+use crate::NEUTRAL_GREY;
 use crate::lzf;
 use crate::number::{ByteOrder, NumberType, as_u32, read_bits};
 use point_cloud::{Point, Rgba};

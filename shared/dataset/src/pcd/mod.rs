@@ -12,6 +12,7 @@
 mod decoder;
 mod error;
 mod header;
+mod layout;
 mod text;
 mod writer;
 
@@ -23,7 +24,7 @@ pub use writer::{PcdView, write};
 
 use crate::bounded_file::read_file;
 use geometry::RigidTransform;
-use point_cloud::{Point, Rgba};
+use point_cloud::Point;
 use std::path::Path;
 
 /// Most points read from one file.
@@ -31,9 +32,6 @@ pub const MAX_POINTS: usize = 1 << 24;
 
 /// Most bytes of one file, and most bytes that compressed data may expand to.
 pub const MAX_BYTES: u64 = 1 << 29;
-
-/// The colour of points from files without colours.
-pub const NEUTRAL_GREY: Rgba = Rgba::opaque(128, 128, 128);
 
 /// The content of a PCD file.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,6 +1,8 @@
 use super::*;
+use crate::NEUTRAL_GREY;
 use crate::hostile::{assert_sentence, damage};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
+use point_cloud::Rgba;
 use proptest::prelude::*;
 
 const ENCODINGS: [Encoding; 3] = [

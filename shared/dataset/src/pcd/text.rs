@@ -1,9 +1,9 @@
 //! The points of an ascii PCD file.
 
-use super::NEUTRAL_GREY;
 use super::decoder::{measured, packed};
 use super::error::Error;
-use super::header::{Channel, Color, Layout};
+use super::layout::{Channel, Color, Layout};
+use crate::NEUTRAL_GREY;
 use crate::number::{NumberType, as_u32, excerpt};
 use point_cloud::{Point, Rgba};
 

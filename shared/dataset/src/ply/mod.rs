@@ -3,9 +3,9 @@
 //! Read: ascii and binary of both byte orders; vertices with `x y z` as float
 //! or double and `red green blue` as uchar; faces as lists `vertex_indices` or
 //! `vertex_index`, each polygon cut into a fan of triangles. Other properties
-//! and elements are skipped. A file without faces is a set of points. Every
-//! index is checked, every coordinate is finite, and nothing may follow the
-//! last element.
+//! and elements are skipped. A file without faces is a set of points, one
+//! without colours is grey. Every index is checked, every coordinate is finite,
+//! and nothing may follow the last element.
 //!
 //! Written: `x y z red green blue` and, if there are triangles, faces.
 
@@ -20,7 +20,7 @@ pub use reader::read;
 pub use writer::{MeshView, write};
 
 use crate::bounded_file::read_file;
-use point_cloud::{Point, Rgba};
+use point_cloud::Point;
 use std::path::Path;
 
 /// Most vertices read from one file.
@@ -31,9 +31,6 @@ pub const MAX_TRIANGLES: usize = 1 << 25;
 
 /// Most bytes of one file.
 pub const MAX_BYTES: u64 = 1 << 29;
-
-/// The colour of vertices from files without colours.
-pub const NEUTRAL_GREY: Rgba = Rgba::opaque(128, 128, 128);
 
 /// How the numbers follow the header.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,7 +3,8 @@
 use super::error::Error;
 use super::header::{Element, Header, Kind};
 use super::values::{BinaryValues, Missing, TextValues, Values};
-use super::{Encoding, MAX_TRIANGLES, MAX_VERTICES, Mesh, NEUTRAL_GREY};
+use super::{Encoding, MAX_TRIANGLES, MAX_VERTICES, Mesh};
+use crate::NEUTRAL_GREY;
 use crate::number::{ByteOrder, NumberType, as_u32, excerpt};
 use point_cloud::{Point, Rgba};
 

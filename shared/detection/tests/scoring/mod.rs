@@ -6,27 +6,27 @@ const SEGMENT_PIXELS_MIN: usize = 100;
 
 /// Scores of one scene, each from 0 to 1 but `fus`.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Score {
+pub(crate) struct Score {
     /// Labelled objects.
-    pub n_objects: usize,
+    pub(crate) n_objects: usize,
     /// Found segments.
-    pub n_segments: usize,
+    pub(crate) n_segments: usize,
     /// Overlap weighted by size (Stein et al. 2014).
-    pub wov: f64,
+    pub(crate) wov: f64,
     /// Mean overlap.
-    pub uov: f64,
+    pub(crate) uov: f64,
     /// Over-segmentation (Richtsfeld et al. 2012).
-    pub fos: f64,
+    pub(crate) fos: f64,
     /// Under-segmentation (Richtsfeld et al. 2012).
-    pub fus: f64,
+    pub(crate) fus: f64,
     /// Segments that are an object with an overlap above one half.
-    pub p50: f64,
+    pub(crate) p50: f64,
     /// Objects that are found with an overlap above one half.
-    pub r50: f64,
+    pub(crate) r50: f64,
     /// Harmonic mean of the two.
-    pub f50: f64,
+    pub(crate) f50: f64,
     /// Objects found with an F-measure of at least 0.75.
-    pub f75: f64,
+    pub(crate) f75: f64,
 }
 
 /// Counts of pixels per object, per segment, and of both.
@@ -38,7 +38,7 @@ struct Overlaps {
 
 /// Scores `segment_of` (0: none) against `label_of` (0: invalid, below 10:
 /// table). `None` for a scene without objects.
-pub fn score(segment_of: &[u32], label_of: &[u32]) -> Option<Score> {
+pub(crate) fn score(segment_of: &[u32], label_of: &[u32]) -> Option<Score> {
     let Overlaps {
         of_object,
         of_segment,

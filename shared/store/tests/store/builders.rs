@@ -47,12 +47,18 @@ pub(crate) fn view(track_id: u64, view_id: u32, content: u32) -> View {
         captured_ns: u64::MAX - view_id as u64,
         frame_sequence: track_id ^ 7,
         source: "camera-\u{e9}".to_owned(),
-        points: (view_id % 2 == 0).then(|| vec![content as u8; 16 * (view_id as usize + 1)]),
+        points: (view_id.is_multiple_of(2))
+            .then(|| vec![content as u8; 16 * (view_id as usize + 1)]),
     }
 }
 
 pub(crate) fn mutation(id: u128, change: Change) -> Mutation {
-    Mutation { id: MutationId(id), author: "anna".to_owned(), wall_ns: NOW_NS + id as u64, change }
+    Mutation {
+        id: MutationId(id),
+        author: "anna".to_owned(),
+        wall_ns: NOW_NS + id as u64,
+        change,
+    }
 }
 
 pub(crate) fn store(id: u128, views: Vec<View>) -> Mutation {
@@ -60,20 +66,40 @@ pub(crate) fn store(id: u128, views: Vec<View>) -> Mutation {
 }
 
 pub(crate) fn teach(id: u128, track_id: u64, category: &str) -> Mutation {
-    mutation(id, Change::Teach { track_id, category: name(category) })
+    mutation(
+        id,
+        Change::Teach {
+            track_id,
+            category: name(category),
+        },
+    )
 }
 
 pub(crate) fn correct(id: u128, track_id: u64, category: &str) -> Mutation {
-    mutation(id, Change::Correct { track_id, category: name(category) })
+    mutation(
+        id,
+        Change::Correct {
+            track_id,
+            category: name(category),
+        },
+    )
 }
 
 pub(crate) fn forget(id: u128, category: &str) -> Mutation {
-    mutation(id, Change::Forget { category: name(category) })
+    mutation(
+        id,
+        Change::Forget {
+            category: name(category),
+        },
+    )
 }
 
 /// Applies mutations that must be granted.
 pub(crate) fn apply(memory: &mut PerceptualMemory, mutations: &[Mutation]) -> Vec<Answer> {
-    mutations.iter().map(|m| memory.apply(m).expect("a granted mutation")).collect()
+    mutations
+        .iter()
+        .map(|m| memory.apply(m).expect("a granted mutation"))
+        .collect()
 }
 
 /// The refusal in an error, or the error in words.
@@ -95,7 +121,10 @@ pub(crate) fn lesson<T: std::fmt::Debug>(result: Result<T, Error>) -> learning::
 /// Name and number of views of each category.
 pub(crate) fn counts(memory: &PerceptualMemory) -> Vec<(String, u64)> {
     let summaries = memory.categories();
-    summaries.iter().map(|c| (c.name.as_str().to_owned(), c.n_views)).collect()
+    summaries
+        .iter()
+        .map(|c| (c.name.as_str().to_owned(), c.n_views))
+        .collect()
 }
 
 /// A folder in memory where there is one: for tests that open a store often and
@@ -104,7 +133,7 @@ pub(crate) fn fast_folder() -> TempDir {
     tempfile::tempdir_in("/dev/shm").unwrap_or_else(|_| folder())
 }
 
-/// Numbers that look random (SplitMix64, Steele et al. 2014).
+/// Numbers that look random (`SplitMix64`, Steele et al. 2014).
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {

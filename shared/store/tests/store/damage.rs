@@ -37,7 +37,9 @@ fn state_after(n: usize) -> Vec<Vec<store::StoredView>> {
 }
 
 fn state(memory: &mut PerceptualMemory) -> Vec<Vec<store::StoredView>> {
-    (1..=5).map(|track| memory.views_of_track(track).unwrap()).collect()
+    (1..=5)
+        .map(|track| memory.views_of_track(track).unwrap())
+        .collect()
 }
 
 /// A store with all mutations; when `is_reopened`, they are in a table and no
@@ -81,7 +83,10 @@ fn newest(folder: &Path, extension: &str) -> PathBuf {
 /// The store takes a change, and has it when it is opened again.
 fn check_it_goes_on(folder: &TempDir, mut memory: PerceptualMemory) {
     let sequence = memory.sequence();
-    apply(&mut memory, &[store(1000, vec![view(50, 0, 0)]), teach(1001, 50, "Later")]);
+    apply(
+        &mut memory,
+        &[store(1000, vec![view(50, 0, 0)]), teach(1001, 50, "Later")],
+    );
     let expected = state(&mut memory);
     drop(memory);
     let (mut memory, report) = open(folder);
@@ -98,12 +103,19 @@ fn check_cut_log(step: usize) {
     for cut in (0..=n_bytes).step_by(step) {
         let folder = copy(whole.path());
         let log = newest(folder.path(), ".log");
-        fs::OpenOptions::new().write(true).open(&log).unwrap().set_len(cut as u64).unwrap();
+        fs::OpenOptions::new()
+            .write(true)
+            .open(&log)
+            .unwrap()
+            .set_len(cut as u64)
+            .unwrap();
         let cut_log = fs::read(&log).unwrap();
         let (mut memory, report) = open(&folder);
         let n_kept = match &report.condition {
             Condition::Sound => mutations().len(),
-            Condition::Rebuilt { loss, set_aside, .. } => {
+            Condition::Rebuilt {
+                loss, set_aside, ..
+            } => {
                 let kept = set_aside.as_ref().unwrap().join(log.file_name().unwrap());
                 assert_eq!(fs::read(kept).unwrap(), cut_log, "the damaged log is kept");
                 mutations().len() - loss.n_history as usize
@@ -137,7 +149,8 @@ fn is_part_of_the_truth(memory: &mut PerceptualMemory) -> bool {
             let mut later = known.iter().flat_map(|state| &state[track]);
             later.any(|k| {
                 let name = |s: &store::StoredView| s.label.as_ref().map(|l| l.category.clone());
-                let points_fit = stored.view.points.is_none() || stored.view.points == k.view.points;
+                let points_fit =
+                    stored.view.points.is_none() || stored.view.points == k.view.points;
                 k.view.descriptor == stored.view.descriptor
                     && k.view.box_in_world == stored.view.box_in_world
                     && points_fit
@@ -156,18 +169,27 @@ fn check_damaged(folder: &TempDir, what: &str) -> bool {
     let read = (1..=5).try_for_each(|track| memory.views_of_track(track).map(|_| ()));
     if let Err(error) = read {
         assert!(!is_told, "{what}: a store just rebuilt is damaged: {error}");
-        assert!(matches!(error, store::Error::Damaged { .. }), "{what}: {error}");
+        assert!(
+            matches!(error, store::Error::Damaged { .. }),
+            "{what}: {error}"
+        );
         let failed = memory.apply(&teach(77, 1, "Mug")).unwrap_err();
-        assert!(matches!(failed, store::Error::Failed { .. }), "{what}: {failed}");
+        assert!(
+            matches!(failed, store::Error::Failed { .. }),
+            "{what}: {failed}"
+        );
         drop(memory);
-        let (rebuilt, report) =
-            PerceptualMemory::open_and_rebuild(folder.path(), NOW_NS).unwrap();
+        let (rebuilt, report) = PerceptualMemory::open_and_rebuild(folder.path(), NOW_NS).unwrap();
         assert!(report.is_loss(), "{what}: {report}");
         is_told = true;
         memory = rebuilt;
     }
     if !is_told {
-        assert_eq!(state(&mut memory), state_after(mutations().len()), "{what}: silently lost");
+        assert_eq!(
+            state(&mut memory),
+            state_after(mutations().len()),
+            "{what}: silently lost"
+        );
     }
     assert!(is_part_of_the_truth(&mut memory), "{what}: {report}");
     check_it_goes_on(folder, memory);
@@ -190,7 +212,10 @@ fn check_flipped_bytes(extension: &str, is_reopened: bool, step: u64, seed: u64)
         n_flips += 1;
     }
     // A few bytes of a table's footer mean nothing.
-    assert!(2 * n_told >= n_flips, "{n_told} of {n_flips} flips in {extension} were told");
+    assert!(
+        2 * n_told >= n_flips,
+        "{n_told} of {n_flips} flips in {extension} were told"
+    );
 }
 
 #[test]
@@ -225,14 +250,32 @@ fn a_damaged_byte_in_the_log_leaves_what_came_before_it() {
     };
     let n = mutations().len() as u64;
     assert!((n / 4..3 * n / 4).contains(&loss.n_history), "{report}");
-    assert_eq!(memory.sequence(), n - loss.n_history + 1, "and the entry about the rebuilding");
-    assert!(findings.iter().any(|finding| finding.contains("acknowledged")), "{report}");
-    assert_ne!(memory.store_id().0.to_le_bytes().to_vec(), store_id, "readers must load again");
+    assert_eq!(
+        memory.sequence(),
+        n - loss.n_history + 1,
+        "and the entry about the rebuilding"
+    );
+    assert!(
+        findings
+            .iter()
+            .any(|finding| finding.contains("acknowledged")),
+        "{report}"
+    );
+    assert_ne!(
+        memory.store_id().0.to_le_bytes().to_vec(),
+        store_id,
+        "readers must load again"
+    );
 }
 
 #[test]
 fn a_missing_file_is_no_empty_store() {
-    for (file, is_kept) in [(".ldb", false), ("MANIFEST", false), ("CURRENT", false), (".log", true)] {
+    for (file, is_kept) in [
+        (".ldb", false),
+        ("MANIFEST", false),
+        ("CURRENT", false),
+        (".log", true),
+    ] {
         let folder = whole_store(file != ".log");
         fs::remove_file(newest(folder.path(), file)).unwrap();
         let (mut memory, report) = open(&folder);
@@ -251,7 +294,16 @@ fn a_missing_database_is_told() {
     let folder = whole_store(true);
     fs::remove_dir_all(folder.path().join("database")).unwrap();
     let (mut memory, report) = open(&folder);
-    assert!(matches!(report.condition, Condition::Replaced { set_aside: None, .. }), "{report}");
+    assert!(
+        matches!(
+            report.condition,
+            Condition::Replaced {
+                set_aside: None,
+                ..
+            }
+        ),
+        "{report}"
+    );
     assert_eq!(memory.lease_track_ids(1).unwrap(), 6);
 }
 
@@ -261,8 +313,16 @@ fn damaged_databases_are_kept_side_by_side() {
     for n in 1..=3 {
         fs::write(folder.path().join("database/CURRENT"), "MANIFEST-999999\n").unwrap();
         let (memory, report) = open(&folder);
-        assert!(matches!(report.condition, Condition::Replaced { .. }), "{report}");
-        assert!(folder.path().join(format!("database.damaged-{n}/CURRENT")).exists());
+        assert!(
+            matches!(report.condition, Condition::Replaced { .. }),
+            "{report}"
+        );
+        assert!(
+            folder
+                .path()
+                .join(format!("database.damaged-{n}/CURRENT"))
+                .exists()
+        );
         check_it_goes_on(&folder, memory);
     }
 }
@@ -274,7 +334,11 @@ fn an_unreadable_note_of_what_was_acknowledged_loses_nothing() {
         fs::write(folder.path().join("acknowledged"), bytes).unwrap();
         let (memory, report) = open(&folder);
         assert_eq!(report.condition, Condition::Sound, "{report}");
-        assert_eq!(report.notes.len(), usize::from(!bytes.is_empty()), "{report}");
+        assert_eq!(
+            report.notes.len(),
+            usize::from(!bytes.is_empty()),
+            "{report}"
+        );
         check_it_goes_on(&folder, memory);
     }
 }

@@ -25,7 +25,11 @@ fn teach_for_ever(store_handle: &store::StoreHandle, first_track: u64) {
     for track in (first_track..).step_by(N_TEACHERS as usize) {
         let views = (0..VIEWS_PER_TRACK).map(|i| view(track, i, 0)).collect();
         let id = track as u128 * 3;
-        let steps = [store(id, views), teach(id + 1, track, NAMES[0]), correct(id + 2, track, NAMES[1])];
+        let steps = [
+            store(id, views),
+            teach(id + 1, track, NAMES[0]),
+            correct(id + 2, track, NAMES[1]),
+        ];
         for (step, mutation) in steps.into_iter().enumerate() {
             store_handle.mutate_and_wait(mutation).unwrap();
             println!("acknowledged {track} {step}");
@@ -69,7 +73,12 @@ impl Drop for Teacher {
 /// Lets a child teach for a while, kills it, and returns what it had acknowledged.
 fn teach_and_kill(folder: &Path, first_track: u64, random: &mut Random) -> BTreeMap<u64, usize> {
     let mut child = Command::new(std::env::current_exe().unwrap())
-        .args(["--exact", "kill::child_teaches_until_it_is_killed", "--ignored", "--nocapture"])
+        .args([
+            "--exact",
+            "kill::child_teaches_until_it_is_killed",
+            "--ignored",
+            "--nocapture",
+        ])
         .env(FOLDER, folder)
         .env(FIRST_TRACK, first_track.to_string())
         .stdout(Stdio::piped())
@@ -87,7 +96,9 @@ fn teach_and_kill(folder: &Path, first_track: u64, random: &mut Random) -> BTree
     let mut acknowledged = BTreeMap::new();
     let mut note = |line: String| {
         // The first line comes behind what the test runner prints.
-        let Some((_, numbers)) = line.split_once("acknowledged ") else { return };
+        let Some((_, numbers)) = line.split_once("acknowledged ") else {
+            return;
+        };
         let mut numbers = numbers.split(' ').map(|n| n.parse::<u64>().unwrap());
         let (track, step) = (numbers.next().unwrap(), numbers.next().unwrap() as usize);
         acknowledged.insert(track, step);
@@ -114,12 +125,17 @@ fn check(memory: &mut PerceptualMemory, acknowledged: &BTreeMap<u64, usize>) {
     for (&track, &step) in acknowledged {
         let stored = memory.views_of_track(track).unwrap();
         assert_eq!(stored.len(), VIEWS_PER_TRACK as usize, "track {track}");
-        let mut names: Vec<Option<&str>> =
-            stored.iter().map(|s| s.label.as_ref().map(|l| l.category.as_str())).collect();
+        let mut names: Vec<Option<&str>> = stored
+            .iter()
+            .map(|s| s.label.as_ref().map(|l| l.category.as_str()))
+            .collect();
         names.dedup();
         assert_eq!(names.len(), 1, "track {track} is half taught: {names:?}");
         let reached = names[0].map_or(0, |name| 1 + NAMES.iter().position(|n| *n == name).unwrap());
-        assert!(reached == step || reached == step + 1, "track {track}: {reached}, told {step}");
+        assert!(
+            reached == step || reached == step + 1,
+            "track {track}: {reached}, told {step}"
+        );
         for (i, stored) in (0..).zip(stored) {
             assert_eq!(stored.view, view(track, i, 0));
         }

@@ -3,6 +3,13 @@
 //! Tests named `long_` run the full counts; those beside them run a sample with
 //! the same code.
 
+#![expect(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
+    reason = "the helpers of tests fail, and the children of tests talk, as tests do"
+)]
+
 mod builders;
 mod damage;
 mod kill;

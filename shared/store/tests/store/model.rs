@@ -6,9 +6,7 @@ use learning::ViewId;
 use proptest::prelude::*;
 use store::{Answer, Change, Condition, Error, Mutation, PerceptualMemory, View};
 
-use crate::builders::{
-    correct, fast_folder, forget, open, store, teach, view,
-};
+use crate::builders::{correct, fast_folder, forget, open, store, teach, view};
 use crate::reading::Follower;
 
 const NAMES: [&str; 3] = ["Mug", "Bowl", "Cup"];
@@ -29,7 +27,11 @@ enum Operation {
 fn operations() -> impl Strategy<Value = Operation> {
     let track = 0..4_u64;
     let name = 0..NAMES.len();
-    let a_view = (track.clone(), 0..3_u32, prop::sample::select(vec![0, 0, 0, 0, 1_u32]));
+    let a_view = (
+        track.clone(),
+        0..3_u32,
+        prop::sample::select(vec![0, 0, 0, 0, 1_u32]),
+    );
     prop_oneof![
         6 => prop::collection::vec(a_view, 1..4).prop_map(Operation::Store),
         6 => (track.clone(), name.clone()).prop_map(|(t, n)| Operation::Teach(t, n)),
@@ -61,7 +63,10 @@ impl Model {
             Change::StoreViews(views) => self.store(views)?,
             Change::Teach { track_id, category } => {
                 let others = |name: &str| name != category.as_str();
-                let mut of_track = self.views.iter().filter(|(view, _)| view.track_id == *track_id);
+                let mut of_track = self
+                    .views
+                    .iter()
+                    .filter(|(view, _)| view.track_id == *track_id);
                 if of_track.any(|(_, (_, name))| name.as_deref().is_some_and(others)) {
                     return None;
                 }
@@ -77,7 +82,10 @@ impl Model {
             _ => unreachable!("no other change is made here"),
         };
         self.sequence += u64::from(n_views > 0);
-        let answer = Answer { sequence: self.sequence, n_views };
+        let answer = Answer {
+            sequence: self.sequence,
+            n_views,
+        };
         self.answers.insert(mutation.id.0, answer);
         Some(answer)
     }
@@ -97,12 +105,17 @@ impl Model {
     }
 
     fn name(&mut self, track_id: u64, name: &str) -> Option<u64> {
-        let views = self.views.iter_mut().filter(|(view, _)| view.track_id == track_id);
+        let views = self
+            .views
+            .iter_mut()
+            .filter(|(view, _)| view.track_id == track_id);
         let names: Vec<_> = views.map(|(_, (_, name))| name).collect();
         if names.is_empty() {
             return None;
         }
-        let changed = names.into_iter().filter(|known| known.as_deref() != Some(name));
+        let changed = names
+            .into_iter()
+            .filter(|known| known.as_deref() != Some(name));
         Some(changed.map(|known| *known = Some(name.to_owned())).count() as u64)
     }
 
@@ -112,10 +125,19 @@ impl Model {
             let stored = memory.views_of_track(track).unwrap();
             let stored: Vec<_> = stored
                 .into_iter()
-                .map(|s| (s.view, s.label.map(|label| label.category.as_str().to_owned())))
+                .map(|s| {
+                    (
+                        s.view,
+                        s.label.map(|label| label.category.as_str().to_owned()),
+                    )
+                })
                 .collect();
-            let expected: Vec<_> =
-                self.views.values().filter(|(v, _)| v.id.track_id == track).cloned().collect();
+            let expected: Vec<_> = self
+                .views
+                .values()
+                .filter(|(v, _)| v.id.track_id == track)
+                .cloned()
+                .collect();
             assert_eq!(stored, expected);
         }
         let named = self.views.values().filter_map(|(view, name)| {
@@ -123,7 +145,12 @@ impl Model {
         });
         assert_eq!(Follower::load(memory, 400, |_| {}).names, named.collect());
         let history = memory.history(1, usize::MAX).unwrap();
-        assert!(history.iter().map(|entry| entry.sequence).eq(1..=self.sequence));
+        assert!(
+            history
+                .iter()
+                .map(|entry| entry.sequence)
+                .eq(1..=self.sequence)
+        );
     }
 }
 
@@ -131,15 +158,22 @@ impl Model {
 fn check(operations: Vec<Operation>) {
     let folder = fast_folder();
     let (mut memory, _) = open(&folder);
-    let mut model = Model { next_track_id: 1, ..Model::default() };
+    let mut model = Model {
+        next_track_id: 1,
+        ..Model::default()
+    };
     let mut asked: Vec<Mutation> = Vec::new();
     let mut follower = Follower::load(&mut memory, 0, |_| {});
     for operation in operations {
         let id = asked.len() as u128 + 1;
         let mutation = match operation {
-            Operation::Store(views) => {
-                store(id, views.into_iter().map(|(t, v, content)| view(t, v, content)).collect())
-            }
+            Operation::Store(views) => store(
+                id,
+                views
+                    .into_iter()
+                    .map(|(t, v, content)| view(t, v, content))
+                    .collect(),
+            ),
             Operation::Teach(track, name) => teach(id, track, NAMES[name]),
             Operation::Correct(track, name) => correct(id, track, NAMES[name]),
             Operation::Forget(name) => forget(id, NAMES[name]),

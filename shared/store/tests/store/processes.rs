@@ -28,7 +28,10 @@ fn child_holds_the_store_until_it_is_killed() {
 fn a_second_process_is_told_and_a_killed_one_lets_go() {
     let folder = folder();
     let mut child = Command::new(std::env::current_exe().unwrap())
-        .args(["--exact", "processes::child_holds_the_store_until_it_is_killed"])
+        .args([
+            "--exact",
+            "processes::child_holds_the_store_until_it_is_killed",
+        ])
         .args(["--ignored", "--nocapture"])
         .env(FOLDER, folder.path())
         .stdin(Stdio::piped())
@@ -36,8 +39,14 @@ fn a_second_process_is_told_and_a_killed_one_lets_go() {
         .spawn()
         .unwrap();
     let lines = BufReader::new(child.stdout.take().unwrap()).lines();
-    assert!(lines.map_while(Result::ok).any(|line| line.ends_with("holding")));
-    let refused = PerceptualMemory::open(folder.path(), 1).map(|_| ()).unwrap_err();
+    assert!(
+        lines
+            .map_while(Result::ok)
+            .any(|line| line.ends_with("holding"))
+    );
+    let refused = PerceptualMemory::open(folder.path(), 1)
+        .map(|_| ())
+        .unwrap_err();
     assert!(matches!(refused, Error::InUse { .. }), "{refused}");
     assert!(refused.to_string().contains("another process"), "{refused}");
     child.kill().unwrap();
@@ -51,7 +60,9 @@ fn a_second_process_is_told_and_a_killed_one_lets_go() {
 fn a_second_opening_in_the_same_process_is_told_too() {
     let folder = folder();
     let (memory, _) = open(&folder);
-    let refused = PerceptualMemory::open(folder.path(), 1).map(|_| ()).unwrap_err();
+    let refused = PerceptualMemory::open(folder.path(), 1)
+        .map(|_| ())
+        .unwrap_err();
     assert!(matches!(refused, Error::InUse { .. }), "{refused}");
     drop(memory);
     open(&folder);

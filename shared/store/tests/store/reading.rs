@@ -5,9 +5,7 @@ use std::collections::BTreeMap;
 use learning::ViewId;
 use store::{Changes, NameChange, PerceptualMemory, Position};
 
-use crate::builders::{
-    apply, correct, folder, forget, key, open, store, teach, view,
-};
+use crate::builders::{apply, correct, folder, forget, key, open, store, teach, view};
 
 /// What a reader knows: the labelled views, and where it is.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,7 +21,10 @@ impl Follower {
         max_bytes: usize,
         mut between: impl FnMut(&mut PerceptualMemory),
     ) -> Self {
-        let mut follower = Self { names: BTreeMap::new(), position: memory.position() };
+        let mut follower = Self {
+            names: BTreeMap::new(),
+            position: memory.position(),
+        };
         let mut cursor = None;
         let mut is_first = true;
         loop {
@@ -46,8 +47,10 @@ impl Follower {
     /// Applies all changes; false when it has to load again.
     pub(crate) fn follow(&mut self, memory: &mut PerceptualMemory, max_bytes: usize) -> bool {
         loop {
-            let Changes::Entries { entries, last_sequence } =
-                memory.changes(self.position, max_bytes).unwrap()
+            let Changes::Entries {
+                entries,
+                last_sequence,
+            } = memory.changes(self.position, max_bytes).unwrap()
             else {
                 return false;
             };
@@ -98,9 +101,20 @@ fn pages_hold_every_labelled_view_once() {
         let mut n_pages = 0;
         let follower = Follower::load(&mut memory, max_bytes, |_| n_pages += 1);
         assert_eq!(follower.names.len(), 21);
-        assert!(follower.names.iter().all(|(view, _)| view.track_id % 3 != 0));
-        assert_eq!(follower.names[&key(4, 1)].1, view(4, 1, 0).descriptor.values);
-        assert!((max_bytes == usize::MAX) == (n_pages == 1), "{n_pages} pages of {max_bytes}");
+        assert!(
+            follower
+                .names
+                .iter()
+                .all(|(view, _)| view.track_id % 3 != 0)
+        );
+        assert_eq!(
+            follower.names[&key(4, 1)].1,
+            view(4, 1, 0).descriptor.values
+        );
+        assert!(
+            (max_bytes == usize::MAX) == (n_pages == 1),
+            "{n_pages} pages of {max_bytes}"
+        );
     }
 }
 
@@ -132,7 +146,10 @@ fn a_reader_catches_up_with_what_changed_while_it_loaded() {
         assert_eq!(follower, fresh);
         // Applied once more from the beginning, the changes lead to the same state.
         let mut again = Follower {
-            position: Position { sequence: 0, ..follower.position },
+            position: Position {
+                sequence: 0,
+                ..follower.position
+            },
             ..follower.clone()
         };
         assert!(again.follow(&mut memory, max_bytes));
@@ -144,11 +161,20 @@ fn a_reader_catches_up_with_what_changed_while_it_loaded() {
 fn a_position_of_another_store_or_ahead_of_it_means_reload() {
     let (_folder, mut memory) = ten_tracks();
     let now = memory.position();
-    let ahead = Position { sequence: now.sequence + 1, ..now };
+    let ahead = Position {
+        sequence: now.sequence + 1,
+        ..now
+    };
     assert_eq!(memory.changes(ahead, 1).unwrap(), Changes::Reload);
     let (_other_folder, other) = ten_tracks();
     assert_ne!(other.store_id(), memory.store_id());
-    assert_eq!(memory.changes(other.position(), 1).unwrap(), Changes::Reload);
-    let nothing = Changes::Entries { entries: vec![], last_sequence: now.sequence };
+    assert_eq!(
+        memory.changes(other.position(), 1).unwrap(),
+        Changes::Reload
+    );
+    let nothing = Changes::Entries {
+        entries: vec![],
+        last_sequence: now.sequence,
+    };
     assert_eq!(memory.changes(now, 1).unwrap(), nothing);
 }

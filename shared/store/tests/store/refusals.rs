@@ -1,27 +1,51 @@
 //! What cannot be granted is refused in a sentence, and nothing changes.
 
 use learning::{CategoryName, Refusal as Lesson};
+use nalgebra::{Quaternion, UnitQuaternion};
 use proptest::prelude::*;
 use store::{Change, MAX_BATCH_VIEWS, MAX_LEASE, MAX_NAME_BYTES, Mutation, Refusal, View};
 
 use crate::builders::{
-    apply, correct, counts, folder, forget, key, lesson, mutation, name, open, refusal, store, teach, view,
+    apply, correct, counts, folder, forget, key, lesson, mutation, name, open, refusal, store,
+    teach, view,
 };
 
 #[test]
 fn teaching_follows_its_rules() {
     let folder = folder();
     let (mut memory, _) = open(&folder);
-    assert_eq!(lesson(memory.apply(&teach(1, 1, "Mug"))), Lesson::NoViews { track_id: 1 });
-    assert_eq!(lesson(memory.apply(&correct(1, 1, "Mug"))), Lesson::NoViews { track_id: 1 });
-    apply(&mut memory, &[store(1, vec![view(1, 0, 0)]), teach(2, 1, "Mug")]);
+    assert_eq!(
+        lesson(memory.apply(&teach(1, 1, "Mug"))),
+        Lesson::NoViews { track_id: 1 }
+    );
+    assert_eq!(
+        lesson(memory.apply(&correct(1, 1, "Mug"))),
+        Lesson::NoViews { track_id: 1 }
+    );
+    apply(
+        &mut memory,
+        &[store(1, vec![view(1, 0, 0)]), teach(2, 1, "Mug")],
+    );
     let refused = lesson(memory.apply(&teach(3, 1, "Cup")));
     let (present, asked) = (name("Mug"), name("Cup"));
-    assert_eq!(refused, Lesson::LabelledOtherwise { track_id: 1, present, asked });
+    assert_eq!(
+        refused,
+        Lesson::LabelledOtherwise {
+            track_id: 1,
+            present,
+            asked
+        }
+    );
     assert!(refused.to_string().contains("correct"), "{refused}");
     let category = name("Cup");
-    assert_eq!(lesson(memory.apply(&forget(4, "Cup"))), Lesson::UnknownCategory { category });
-    assert_eq!((memory.sequence(), counts(&memory)), (2, vec![("Mug".to_owned(), 1)]));
+    assert_eq!(
+        lesson(memory.apply(&forget(4, "Cup"))),
+        Lesson::UnknownCategory { category }
+    );
+    assert_eq!(
+        (memory.sequence(), counts(&memory)),
+        (2, vec![("Mug".to_owned(), 1)])
+    );
     // A refusal is no answer: asked again with the same id it may be granted.
     assert_eq!(apply(&mut memory, &[correct(3, 1, "Cup")])[0].n_views, 1);
 }
@@ -38,13 +62,26 @@ fn a_view_is_stored_once_and_never_replaced() {
     other_box.box_in_world.half_sides_m.x += 1e-12;
     for other in [view(1, 0, 1), other_cloud, other_box] {
         // The good view of the batch is not stored either.
-        assert_eq!(refusal(memory.apply(&store(2, vec![view(9, 0, 0), other]))), differs);
+        assert_eq!(
+            refusal(memory.apply(&store(2, vec![view(9, 0, 0), other]))),
+            differs
+        );
     }
     let twice = store(3, vec![view(2, 0, 0), view(2, 0, 1)]);
-    assert_eq!(refusal(memory.apply(&twice)), Refusal::ViewDiffers { view: key(2, 0) });
+    assert_eq!(
+        refusal(memory.apply(&twice)),
+        Refusal::ViewDiffers { view: key(2, 0) }
+    );
     let twice = store(4, vec![view(3, 0, 0), view(3, 0, 0)]);
     assert_eq!(apply(&mut memory, &[twice])[0].n_views, 1);
-    assert_eq!((memory.sequence(), memory.views_of_track(9).unwrap()), (2, vec![]));
+    assert_eq!(
+        (memory.sequence(), memory.views_of_track(9).unwrap()),
+        (2, vec![])
+    );
+}
+
+fn no_rotation() -> UnitQuaternion<f64> {
+    UnitQuaternion::new_unchecked(Quaternion::new(f64::NAN, 0.0, 0.0, 1.0))
 }
 
 #[test]
@@ -63,25 +100,53 @@ fn what_cannot_be_a_view_is_refused() {
         |v| v.box_in_world.half_sides_m.y = -1e-9,
         |v| v.box_in_world.half_sides_m.y = f64::NAN,
         |v| v.box_in_world.frame_from_box.translation.z = f64::NAN,
-        |v| v.box_in_world.frame_from_box.rotation.as_mut_unchecked().coords.x = f64::NAN,
+        |v| v.box_in_world.frame_from_box.rotation = no_rotation(),
     ];
     for (i, spoil) in spoil.iter().enumerate() {
         let mut spoilt = view(1, 0, 0);
         spoil(&mut spoilt);
         let refused = refusal(memory.apply(&store(1, vec![spoilt])));
-        assert!(matches!(refused, Refusal::InvalidView { .. }), "{i}: {refused}");
+        assert!(
+            matches!(refused, Refusal::InvalidView { .. }),
+            "{i}: {refused}"
+        );
     }
+    assert_eq!(memory.sequence(), 0);
+}
+
+#[test]
+fn what_is_too_much_at_once_is_refused() {
+    let folder = folder();
+    let (mut memory, _) = open(&folder);
     for n_views in [0, MAX_BATCH_VIEWS + 1] {
         let batch = (0..n_views as u32).map(|i| view(1, i, 0)).collect();
         let refused = refusal(memory.apply(&store(1, batch)));
-        assert_eq!(refused, Refusal::BatchSize { n_views, most: MAX_BATCH_VIEWS });
+        assert_eq!(
+            refused,
+            Refusal::BatchSize {
+                n_views,
+                most: MAX_BATCH_VIEWS
+            }
+        );
     }
     let author = "x".repeat(MAX_NAME_BYTES + 1);
-    let refused = refusal(memory.apply(&Mutation { author, ..teach(1, 1, "Mug") }));
-    assert!(matches!(refused, Refusal::AuthorTooLong { .. }), "{refused}");
+    let refused = refusal(memory.apply(&Mutation {
+        author,
+        ..teach(1, 1, "Mug")
+    }));
+    assert!(
+        matches!(refused, Refusal::AuthorTooLong { .. }),
+        "{refused}"
+    );
     for count in [0, MAX_LEASE + 1, u64::MAX] {
         let refused = refusal(memory.lease_track_ids(count));
-        assert_eq!(refused, Refusal::LeaseSize { count, most: MAX_LEASE });
+        assert_eq!(
+            refused,
+            Refusal::LeaseSize {
+                count,
+                most: MAX_LEASE
+            }
+        );
     }
     assert_eq!(memory.sequence(), 0);
 }
@@ -92,7 +157,10 @@ fn leases_end_where_the_numbers_end() {
     let (mut memory, _) = open(&folder);
     apply(&mut memory, &[store(1, vec![view(u64::MAX - 2, 0, 0)])]);
     assert_eq!(memory.lease_track_ids(1).unwrap(), u64::MAX - 1);
-    assert!(matches!(refusal(memory.lease_track_ids(1)), Refusal::LeaseSize { .. }));
+    assert!(matches!(
+        refusal(memory.lease_track_ids(1)),
+        Refusal::LeaseSize { .. }
+    ));
 }
 
 proptest! {

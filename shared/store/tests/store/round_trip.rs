@@ -1,6 +1,7 @@
 //! What is stored comes back, now and after the store was opened again.
 
 use learning::ViewChange;
+use store::Operation::{Correct, Forget, StoreViews, Teach};
 use store::{Answer, Condition, Label, Operation};
 
 use crate::builders::{
@@ -22,10 +23,26 @@ fn a_new_store_is_empty_and_says_so() {
 #[test]
 fn views_and_labels_come_back_bit_by_bit() {
     let folder = folder();
-    let views = vec![view(1, 0, 0), view(1, 1, 0), view(u64::MAX - 1, u32::MAX, 9)];
+    let views = vec![
+        view(1, 0, 0),
+        view(1, 1, 0),
+        view(u64::MAX - 1, u32::MAX, 9),
+    ];
     let (mut memory, _) = open(&folder);
     let answers = apply(&mut memory, &[store(1, views.clone()), teach(2, 1, "Mug")]);
-    assert_eq!(answers, [Answer { sequence: 1, n_views: 3 }, Answer { sequence: 2, n_views: 2 }]);
+    assert_eq!(
+        answers,
+        [
+            Answer {
+                sequence: 1,
+                n_views: 3
+            },
+            Answer {
+                sequence: 2,
+                n_views: 2
+            }
+        ]
+    );
     let label = Label {
         category: name("Mug"),
         author: "anna".to_owned(),
@@ -34,7 +51,10 @@ fn views_and_labels_come_back_bit_by_bit() {
     };
     let check = |memory: &mut store::PerceptualMemory| {
         let stored = memory.views_of_track(1).unwrap();
-        assert_eq!(stored.iter().map(|s| &s.view).collect::<Vec<_>>(), [&views[0], &views[1]]);
+        assert_eq!(
+            stored.iter().map(|s| &s.view).collect::<Vec<_>>(),
+            [&views[0], &views[1]]
+        );
         assert!(stored.iter().all(|s| s.label.as_ref() == Some(&label)));
         let last = memory.views_of_track(u64::MAX - 1).unwrap();
         assert_eq!((&last[0].view, &last[0].label), (&views[2], &None));
@@ -44,7 +64,10 @@ fn views_and_labels_come_back_bit_by_bit() {
     memory.close().unwrap();
     let (mut memory, report) = open(&folder);
     assert_eq!(report.condition, Condition::Sound);
-    assert_eq!((report.n_views, report.n_labelled, report.n_categories), (3, 2, 1));
+    assert_eq!(
+        (report.n_views, report.n_labelled, report.n_categories),
+        (3, 2, 1)
+    );
     check(&mut memory);
 }
 
@@ -52,29 +75,54 @@ fn views_and_labels_come_back_bit_by_bit() {
 fn a_repeated_mutation_gets_its_first_answer_and_changes_nothing() {
     let folder = folder();
     let (mut memory, _) = open(&folder);
-    let first = apply(&mut memory, &[store(1, vec![view(1, 0, 0)]), teach(2, 1, "Mug")]);
+    let first = apply(
+        &mut memory,
+        &[store(1, vec![view(1, 0, 0)]), teach(2, 1, "Mug")],
+    );
     apply(&mut memory, &[correct(3, 1, "Cup")]);
     // Asked now for the first time it would be refused.
     assert_eq!(memory.apply(&teach(2, 1, "Mug")).unwrap(), first[1]);
     drop(memory);
     let (mut memory, _) = open(&folder);
-    let again = apply(&mut memory, &[teach(2, 1, "Mug"), store(1, vec![view(1, 0, 0)])]);
+    let again = apply(
+        &mut memory,
+        &[teach(2, 1, "Mug"), store(1, vec![view(1, 0, 0)])],
+    );
     assert_eq!(again, [first[1], first[0]]);
-    assert_eq!((counts(&memory), memory.sequence()), (vec![("Cup".to_owned(), 1)], 3));
+    assert_eq!(
+        (counts(&memory), memory.sequence()),
+        (vec![("Cup".to_owned(), 1)], 3)
+    );
 }
 
 #[test]
 fn the_same_state_asked_for_again_is_acknowledged_without_a_change() {
     let folder = folder();
     let (mut memory, _) = open(&folder);
-    let nothing = |sequence| Answer { sequence, n_views: 0 };
-    apply(&mut memory, &[store(1, vec![view(1, 0, 0)]), teach(2, 1, "Mug")]);
-    let again = [store(3, vec![view(1, 0, 0)]), teach(4, 1, "Mug"), correct(5, 1, "Mug")];
+    let nothing = |sequence| Answer {
+        sequence,
+        n_views: 0,
+    };
+    apply(
+        &mut memory,
+        &[store(1, vec![view(1, 0, 0)]), teach(2, 1, "Mug")],
+    );
+    let again = [
+        store(3, vec![view(1, 0, 0)]),
+        teach(4, 1, "Mug"),
+        correct(5, 1, "Mug"),
+    ];
     assert_eq!(apply(&mut memory, &again), [nothing(2); 3]);
     assert_eq!(memory.sequence(), 2);
     // Views stored since then are what a second teaching adds.
     apply(&mut memory, &[store(6, vec![view(1, 0, 0), view(1, 1, 0)])]);
-    assert_eq!(apply(&mut memory, &[teach(7, 1, "Mug")]), [Answer { sequence: 4, n_views: 1 }]);
+    assert_eq!(
+        apply(&mut memory, &[teach(7, 1, "Mug")]),
+        [Answer {
+            sequence: 4,
+            n_views: 1
+        }]
+    );
 }
 
 #[test]
@@ -82,10 +130,16 @@ fn correcting_and_forgetting_move_views_between_categories() {
     let folder = folder();
     let (mut memory, _) = open(&folder);
     let views = vec![view(1, 0, 0), view(2, 0, 0), view(2, 1, 0)];
-    apply(&mut memory, &[store(1, views), teach(2, 1, "Mug"), correct(3, 2, "Mug")]);
+    apply(
+        &mut memory,
+        &[store(1, views), teach(2, 1, "Mug"), correct(3, 2, "Mug")],
+    );
     assert_eq!(counts(&memory), [("Mug".to_owned(), 3)]);
     apply(&mut memory, &[correct(4, 1, "Bowl")]);
-    assert_eq!(counts(&memory), [("Bowl".to_owned(), 1), ("Mug".to_owned(), 2)]);
+    assert_eq!(
+        counts(&memory),
+        [("Bowl".to_owned(), 1), ("Mug".to_owned(), 2)]
+    );
     apply(&mut memory, &[forget(5, "Mug")]);
     assert_eq!(counts(&memory), [("Bowl".to_owned(), 1)]);
     let bowl = &memory.categories()[0];
@@ -94,27 +148,46 @@ fn correcting_and_forgetting_move_views_between_categories() {
     drop(memory);
     let (memory, report) = open(&folder);
     assert_eq!(report.condition, Condition::Sound);
-    assert_eq!((report.n_views, counts(&memory)), (3, vec![("Bowl".to_owned(), 1)]));
+    assert_eq!(
+        (report.n_views, counts(&memory)),
+        (3, vec![("Bowl".to_owned(), 1)])
+    );
 }
 
 #[test]
 fn the_history_says_who_did_what_and_when() {
     let folder = folder();
     let (mut memory, _) = open(&folder);
-    apply(&mut memory, &[store(1, vec![view(3, 2, 0)]), teach(2, 3, "Mug"), correct(3, 3, "Cup")]);
+    apply(
+        &mut memory,
+        &[
+            store(1, vec![view(3, 2, 0)]),
+            teach(2, 3, "Mug"),
+            correct(3, 3, "Cup"),
+        ],
+    );
     apply(&mut memory, &[forget(4, "Cup")]);
     let history = memory.history(1, 100).unwrap();
     let operations: Vec<Operation> = history.iter().map(|entry| entry.operation).collect();
-    use Operation::{Correct, Forget, StoreViews, Teach};
     assert_eq!(operations, [StoreViews, Teach, Correct, Forget]);
     for (entry, sequence) in history.iter().zip(1..) {
-        assert_eq!((entry.sequence, entry.wall_ns), (sequence, NOW_NS + sequence));
+        assert_eq!(
+            (entry.sequence, entry.wall_ns),
+            (sequence, NOW_NS + sequence)
+        );
         assert_eq!(entry.author, "anna");
         assert_eq!(entry.mutation.map(|id| id.0), Some(sequence as u128));
     }
-    assert_eq!((&history[0].stored[..], &history[0].changes[..]), (&[key(3, 2)][..], &[][..]));
+    assert_eq!(
+        (&history[0].stored[..], &history[0].changes[..]),
+        (&[key(3, 2)][..], &[][..])
+    );
     let change = |before: Option<&str>, after: Option<&str>| {
-        [ViewChange { id: key(3, 2), before: before.map(name), after: after.map(name) }]
+        [ViewChange {
+            id: key(3, 2),
+            before: before.map(name),
+            after: after.map(name),
+        }]
     };
     assert_eq!(history[1].changes, change(None, Some("Mug")));
     assert_eq!(history[2].changes, change(Some("Mug"), Some("Cup")));

@@ -61,18 +61,31 @@ fn what_waits_is_committed_together_and_in_order() {
     }
     drop(release);
     let next = || answers.recv_timeout(WATCHDOG).unwrap();
-    let granted = |sequence| Answer { sequence, n_views: 1 };
+    let granted = |sequence| Answer {
+        sequence,
+        n_views: 1,
+    };
     for (i, sequence) in [(0, 1), (1, 2)] {
         let (told, answer) = next();
         assert_eq!((told, answer.unwrap()), (i, granted(sequence)));
     }
-    assert!(matches!(lesson(next().1), Refusal::LabelledOtherwise { .. }));
+    assert!(matches!(
+        lesson(next().1),
+        Refusal::LabelledOtherwise { .. }
+    ));
     assert_eq!(next().1.unwrap(), granted(3));
-    assert_eq!(next().1.unwrap(), granted(2), "the repeated one gets its first answer");
+    assert_eq!(
+        next().1.unwrap(),
+        granted(2),
+        "the repeated one gets its first answer"
+    );
     assert_eq!(lesson(next().1), Refusal::NoViews { track_id: 9 });
     thread.stop().unwrap();
     let (memory, _) = open(&folder);
-    assert_eq!((memory.sequence(), counts(&memory)), (3, vec![("Cup".to_owned(), 1)]));
+    assert_eq!(
+        (memory.sequence(), counts(&memory)),
+        (3, vec![("Cup".to_owned(), 1)])
+    );
 }
 
 #[test]
@@ -82,12 +95,21 @@ fn a_read_sees_all_changes_asked_for_before_it() {
     let release = occupy(&handle);
     handle.mutate(store_views(1, vec![view(1, 0, 0)]), |_| {});
     let (sender, receiver) = channel();
-    handle.read(|memory| memory.views_of_track(1), move |views| sender.send(views).unwrap());
+    handle.read(
+        |memory| memory.views_of_track(1),
+        move |views| sender.send(views).unwrap(),
+    );
     handle.mutate(teach(2, 1, "Mug"), |_| {});
     drop(release);
     let views = receiver.recv_timeout(WATCHDOG).unwrap().unwrap();
     assert_eq!((views.len(), views[0].label.clone()), (1, None));
-    assert_eq!(handle.read_and_wait(|memory| Ok(counts(memory))).unwrap().len(), 1);
+    assert_eq!(
+        handle
+            .read_and_wait(|memory| Ok(counts(memory)))
+            .unwrap()
+            .len(),
+        1
+    );
     assert_eq!(handle.lease_track_ids_and_wait(3).unwrap(), 2);
 }
 
@@ -99,17 +121,35 @@ fn a_full_queue_is_an_error_the_caller_sees() {
     let (sender, answers) = channel();
     for id in 1..=2 {
         let sender = sender.clone();
-        handle.mutate(store_views(id, vec![view(id as u64, 0, 0)]), move |a| sender.send(a).unwrap());
+        handle.mutate(store_views(id, vec![view(id as u64, 0, 0)]), move |a| {
+            sender.send(a).unwrap();
+        });
     }
-    let refused = handle.mutate_and_wait(store_views(3, vec![view(3, 0, 0)])).unwrap_err();
-    assert!(matches!(refused, Error::QueueFull { capacity: 2 }), "{refused}");
-    assert!(matches!(handle.lease_track_ids_and_wait(1), Err(Error::QueueFull { .. })));
-    assert!(matches!(handle.read_and_wait(|_| Ok(())), Err(Error::QueueFull { .. })));
+    let refused = handle
+        .mutate_and_wait(store_views(3, vec![view(3, 0, 0)]))
+        .unwrap_err();
+    assert!(
+        matches!(refused, Error::QueueFull { capacity: 2 }),
+        "{refused}"
+    );
+    assert!(matches!(
+        handle.lease_track_ids_and_wait(1),
+        Err(Error::QueueFull { .. })
+    ));
+    assert!(matches!(
+        handle.read_and_wait(|_| Ok(())),
+        Err(Error::QueueFull { .. })
+    ));
     drop(release);
     for _ in 0..2 {
         answers.recv_timeout(WATCHDOG).unwrap().unwrap();
     }
-    assert_eq!(handle.read_and_wait(|memory| Ok(memory.sequence())).unwrap(), 2);
+    assert_eq!(
+        handle
+            .read_and_wait(|memory| Ok(memory.sequence()))
+            .unwrap(),
+        2
+    );
 }
 
 #[test]
@@ -120,7 +160,9 @@ fn stopping_serves_what_waits_and_answers_what_comes_later() {
     let (sender, answers) = channel();
     for id in 1..=20 {
         let sender = sender.clone();
-        handle.mutate(store_views(id, vec![view(id as u64, 0, 0)]), move |a| sender.send(a).unwrap());
+        handle.mutate(store_views(id, vec![view(id as u64, 0, 0)]), move |a| {
+            sender.send(a).unwrap();
+        });
     }
     let stopping = std::thread::spawn(move || thread.stop());
     drop(release);
@@ -128,7 +170,10 @@ fn stopping_serves_what_waits_and_answers_what_comes_later() {
     for _ in 0..20 {
         answers.recv_timeout(WATCHDOG).unwrap().unwrap();
     }
-    assert!(matches!(handle.lease_track_ids_and_wait(1), Err(Error::Stopped)));
+    assert!(matches!(
+        handle.lease_track_ids_and_wait(1),
+        Err(Error::Stopped)
+    ));
     let (memory, report) = open(&folder);
     assert!(!report.is_loss());
     assert_eq!(memory.sequence(), 20);
@@ -172,6 +217,11 @@ fn every_request_around_the_stop_is_answered_once() {
 fn a_panic_in_a_reply_hurts_nobody_else() {
     let folder = fast_folder();
     let (_thread, handle) = start(&folder, 8);
-    handle.mutate(store_views(1, vec![view(1, 0, 0)]), |_| panic!("meant by the test"));
-    assert_eq!(handle.mutate_and_wait(teach(2, 1, "Mug")).unwrap().sequence, 2);
+    handle.mutate(store_views(1, vec![view(1, 0, 0)]), |_| {
+        panic!("meant by the test")
+    });
+    assert_eq!(
+        handle.mutate_and_wait(teach(2, 1, "Mug")).unwrap().sequence,
+        2
+    );
 }

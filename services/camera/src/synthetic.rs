@@ -1,0 +1,237 @@
+//! A table with household objects, seen by a Kinect that is not there.
+//!
+//! The scene is cast once, pixel by pixel; a frame only adds the sensor's
+//! noise, so it costs about as much as copying it. World frame: z up, origin on
+//! the floor under the middle of the table. Frame `k` of an arrangement is the
+//! same in every run and on every machine of one architecture.
+//!
+//! This module never reads a clock, never does I/O, and allocates nothing after
+//! [`SyntheticTable::new`] unless a view is rendered.
+
+mod arrangement;
+mod catalogue;
+mod depth_sensor;
+mod paint;
+mod random;
+mod scene;
+mod surface;
+#[cfg(test)]
+mod tests;
+
+pub use arrangement::TableObject;
+
+use depth_sensor::{BASELINE_M, DepthSensor, N_BLIND_COLUMNS, PixelModel, Surroundings};
+use geometry::{PinholeCamera, RigidTransform};
+use nalgebra::{Point3, Unit, Vector3};
+use point_cloud::Point;
+use scene::{Scene, Sight};
+use surface::Ray;
+
+/// Height of the table's surface over the world's origin, metres.
+pub const TABLE_HEIGHT_M: f64 = 0.72;
+/// Half of the table's sides along world x and y, metres.
+pub const TABLE_HALF_SIDES_M: [f64; 2] = [0.65, 0.4];
+
+/// Distance of the camera from the table's middle, metres.
+const CAMERA_DISTANCE_M: f64 = 1.0;
+/// How steeply it looks down, and how far it stands to the right, degrees.
+const CAMERA_ELEVATION_DEG: f64 = 43.0;
+const CAMERA_AZIMUTH_DEG: f64 = 5.0;
+/// Neighbouring depths further apart than this belong to an edge, metres.
+const EDGE_JUMP_M: f64 = 0.02;
+
+/// The table with one arrangement of objects and the Kinect that looks at it.
+#[derive(Debug)]
+pub struct SyntheticTable {
+    camera: PinholeCamera,
+    world_from_camera: RigidTransform,
+    objects: Vec<TableObject>,
+    scene: Scene,
+    sensor: DepthSensor,
+    pixels: Vec<PixelModel>,
+    arrangement: u32,
+}
+
+/// A view without noise.
+#[derive(Debug, Clone)]
+pub struct RenderedView {
+    /// Depth along the optical axis, metres, row-major; NaN where nothing is seen.
+    pub depth_m: Vec<f32>,
+    /// Red, green, blue, row-major; black where nothing is seen.
+    pub rgb: Vec<u8>,
+}
+
+impl SyntheticTable {
+    /// Lays the table; equal numbers give equal tables.
+    ///
+    /// Five objects stand apart from each other and from the rim by at least
+    /// 6 cm, all fully in view. Between two arrangements whose numbers differ
+    /// by less than eight, an object that occurs in both has moved and turned,
+    /// and something else stands where it stood.
+    pub fn new(arrangement: u32) -> Self {
+        let objects = arrangement::objects(arrangement, TABLE_HEIGHT_M);
+        Self::with_objects(arrangement, objects, PinholeCamera::KINECT_V1)
+    }
+
+    fn with_objects(arrangement: u32, objects: Vec<TableObject>, camera: PinholeCamera) -> Self {
+        let scene = Scene::new(
+            catalogue::room(TABLE_HEIGHT_M, TABLE_HALF_SIDES_M),
+            &objects,
+        );
+        let world_from_camera = camera_pose();
+        let sensor = DepthSensor::new(camera.fx_px);
+        let pixels = pixel_models(&scene, &camera, &world_from_camera, &sensor);
+        Self {
+            camera,
+            world_from_camera,
+            objects,
+            scene,
+            sensor,
+            pixels,
+            arrangement,
+        }
+    }
+
+    /// Intrinsics of the depth camera; colour is registered to it.
+    pub fn camera(&self) -> PinholeCamera {
+        self.camera
+    }
+
+    /// Pose of the depth camera.
+    pub fn world_from_camera(&self) -> RigidTransform {
+        self.world_from_camera
+    }
+
+    /// Direction against gravity, depth camera frame.
+    pub fn up_in_camera(&self) -> Unit<Vector3<f64>> {
+        self.world_from_camera.rotation.inverse() * Vector3::z_axis()
+    }
+
+    /// What stands on the table.
+    pub fn objects(&self) -> &[TableObject] {
+        &self.objects
+    }
+
+    /// Writes one frame, row-major, camera frame; a shorter slice gets the
+    /// frame's beginning, a longer one keeps its end. Allocates nothing.
+    pub fn fill(&self, frame: u64, out: &mut [Point]) {
+        let seed = random::mixed(random::mixed(u64::from(self.arrangement)) ^ frame);
+        let width = self.camera.width as usize;
+        let (step_x, step_y) = (
+            1.0 / self.camera.fx_px as f32,
+            1.0 / self.camera.fy_px as f32,
+        );
+        let (cx, cy) = (self.camera.cx_px as f32, self.camera.cy_px as f32);
+        let rows = out
+            .chunks_mut(width)
+            .zip(self.pixels.chunks(width))
+            .enumerate();
+        for (row, (points, pixels)) in rows {
+            let y = (row as f32 - cy) * step_y;
+            let first = seed.wrapping_add((row * width) as u64);
+            for (column, (point, pixel)) in points.iter_mut().zip(pixels).enumerate() {
+                let slope = [(column as f32 - cx) * step_x, y];
+                let bits = random::mixed(first.wrapping_add(column as u64));
+                *point = self.sensor.read(pixel, slope, bits);
+            }
+        }
+    }
+
+    /// What another camera sees of the scene, without noise.
+    pub fn render(
+        &self,
+        camera: &PinholeCamera,
+        world_from_camera: &RigidTransform,
+    ) -> RenderedView {
+        let sights = cast_image(&self.scene, camera, world_from_camera);
+        RenderedView {
+            depth_m: sights
+                .iter()
+                .map(|s| s.map_or(f32::NAN, |sight| sight.t as f32))
+                .collect(),
+            rgb: sights
+                .iter()
+                .flat_map(|s| s.map_or([0; 3], |sight| sight.rgb))
+                .collect(),
+        }
+    }
+}
+
+/// Looks at the table's middle from in front of it, upright.
+fn camera_pose() -> RigidTransform {
+    let (elevation, azimuth) = (
+        CAMERA_ELEVATION_DEG.to_radians(),
+        CAMERA_AZIMUTH_DEG.to_radians(),
+    );
+    let level = Vector3::new(azimuth.sin(), -azimuth.cos(), 0.0);
+    let towards_camera = level * elevation.cos() + Vector3::z() * elevation.sin();
+    let middle = Point3::new(0.0, 0.0, TABLE_HEIGHT_M);
+    let eye = middle + towards_camera * CAMERA_DISTANCE_M;
+    RigidTransform::face_towards(&eye, &middle, &-Vector3::z())
+}
+
+/// The viewing ray of a pixel, world frame; its parameter is the depth.
+fn world_ray(camera: &PinholeCamera, world_from_camera: &RigidTransform, pixel_idx: usize) -> Ray {
+    let width = camera.width as usize;
+    let (row, column) = (pixel_idx / width, pixel_idx % width);
+    Ray {
+        origin: world_from_camera.translation.vector.into(),
+        direction: world_from_camera.rotation * camera.ray(column as f64, row as f64),
+    }
+}
+
+fn cast_image(
+    scene: &Scene,
+    camera: &PinholeCamera,
+    world_from_camera: &RigidTransform,
+) -> Vec<Option<Sight>> {
+    let cast = |pixel_idx| scene.cast(&world_ray(camera, world_from_camera, pixel_idx));
+    (0..camera.n_pixels()).map(cast).collect()
+}
+
+fn pixel_models(
+    scene: &Scene,
+    camera: &PinholeCamera,
+    world_from_camera: &RigidTransform,
+    sensor: &DepthSensor,
+) -> Vec<PixelModel> {
+    let sights = cast_image(scene, camera, world_from_camera);
+    let width = camera.width as usize;
+    let projector = world_from_camera * Point3::new(BASELINE_M, 0.0, 0.0);
+    let model = |(pixel_idx, sight): (usize, &Option<Sight>)| {
+        let Some(sight) = sight else {
+            return PixelModel::nothing();
+        };
+        let ray = world_ray(camera, world_from_camera, pixel_idx);
+        // A hair off the surface, which must not shade itself.
+        let lit = ray.at(sight.t) + sight.normal * 5e-4;
+        let is_blind = pixel_idx % width + N_BLIND_COLUMNS >= width;
+        let around = Surroundings {
+            incidence: -sight.normal.dot(&ray.direction.normalize()),
+            is_at_edge: is_at_edge(&sights, width, pixel_idx),
+            is_in_shadow: is_blind || scene.is_blocked(&lit, &projector),
+        };
+        sensor.model(sight.t, sight.rgb, around)
+    };
+    sights.iter().enumerate().map(model).collect()
+}
+
+/// Whether the depth jumps from a pixel to one of its four neighbours.
+fn is_at_edge(sights: &[Option<Sight>], width: usize, pixel_idx: usize) -> bool {
+    let depth = |idx: usize| {
+        sights
+            .get(idx)
+            .copied()
+            .flatten()
+            .map_or(f64::INFINITY, |s| s.t)
+    };
+    let neighbours = [
+        pixel_idx + 1,
+        pixel_idx.wrapping_sub(1),
+        pixel_idx + width,
+        pixel_idx.wrapping_sub(width),
+    ];
+    neighbours
+        .iter()
+        .any(|idx| (depth(*idx) - depth(pixel_idx)).abs() > EDGE_JUMP_M)
+}

@@ -1,0 +1,85 @@
+//! Which object stands where.
+
+use super::catalogue::{KINDS, Kind};
+use super::random;
+use geometry::{OrientedBox, RigidTransform};
+use nalgebra::{Point3, UnitQuaternion, Vector3};
+
+/// Places on the table, world x and y, metres: two rows, the front one between
+/// the columns of the back one as the camera sees them, so far apart that any
+/// two kinds may be neighbours.
+const PLACES_M: [[f64; 2]; 5] = [
+    [-0.40, 0.16],
+    [-0.18, -0.18],
+    [0.0, 0.16],
+    [0.18, -0.18],
+    [0.40, 0.16],
+];
+
+/// How far an object stands from its place at most, along x and along y, metres.
+const SCATTER_M: f64 = 0.015;
+
+/// Yaws lie within this range, in which the mug shows its handle, radians.
+const YAW_RANGE: [f64; 2] = [-1.9, 0.35];
+
+/// One object on the table, as it truly is.
+#[derive(Debug, Clone)]
+pub struct TableObject {
+    /// What it is called.
+    pub name: &'static str,
+    /// Its own frame (z up, origin in the middle of its base) in the world.
+    pub world_from_object: RigidTransform,
+    /// The smallest box around it with sides along its own axes, world frame.
+    pub bounds_in_world: OrientedBox,
+    pub(super) kind: &'static Kind,
+}
+
+impl TableObject {
+    /// Centre of its box, world frame.
+    pub fn centre_in_world(&self) -> Point3<f64> {
+        self.bounds_in_world.centre()
+    }
+
+    fn standing(kind: &'static Kind, at: Point3<f64>, yaw_rad: f64) -> Self {
+        let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw_rad);
+        let world_from_object = RigidTransform::from_parts(at.into(), yaw);
+        let [low, high] = kind.corners.map(Vector3::from);
+        let centre = nalgebra::Translation3::from(0.5 * (low + high));
+        let bounds_in_world = OrientedBox {
+            frame_from_box: world_from_object * centre,
+            half_sides_m: 0.5 * (high - low),
+        };
+        Self {
+            name: kind.name,
+            world_from_object,
+            bounds_in_world,
+            kind,
+        }
+    }
+}
+
+/// The objects of an arrangement, one for each place.
+///
+/// From one arrangement to the next every kind moves on by one place, so that
+/// among any eight in a row no kind stands twice at the same place.
+pub(super) fn objects(arrangement: u32, table_height_m: f64) -> Vec<TableObject> {
+    let n_kinds = KINDS.len();
+    let shift = arrangement as usize % n_kinds;
+    let place_of = |(place_idx, place): (usize, &[f64; 2])| {
+        let kind_idx = (place_idx + n_kinds - shift) % n_kinds;
+        let bits = random::mixed(u64::from(arrangement) << 8 | place_idx as u64);
+        let scatter = |bits| SCATTER_M * (2.0 * random::unit(bits) - 1.0);
+        let x = place[0] + scatter(bits);
+        let y = place[1] + scatter(random::mixed(bits));
+        let at = Point3::new(x, y, table_height_m);
+        TableObject::standing(&KINDS[kind_idx], at, yaw_rad(kind_idx, arrangement))
+    };
+    PLACES_M.iter().enumerate().map(place_of).collect()
+}
+
+/// Steps of the golden section spread any number of yaws over the range, with
+/// neighbours far apart.
+fn yaw_rad(kind_idx: usize, arrangement: u32) -> f64 {
+    let steps = kind_idx as f64 * 0.29 + f64::from(arrangement) * 0.618_033_988_75;
+    YAW_RANGE[0] + (YAW_RANGE[1] - YAW_RANGE[0]) * steps.fract()
+}

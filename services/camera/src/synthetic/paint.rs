@@ -1,0 +1,60 @@
+//! Colours with a little texture.
+
+use super::random;
+use nalgebra::Point3;
+
+/// What a surface is painted with, as a function of the place on it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Paint {
+    pub(super) pattern: Pattern,
+    /// Red, green, blue of the pattern's even and odd cells.
+    pub(super) colors: [[u8; 3]; 2],
+}
+
+/// Where the second colour of a paint stands.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Pattern {
+    /// Nowhere.
+    Plain,
+    /// In every other band of this height, metres.
+    Bands(f64),
+    /// In every other cube of this side, metres.
+    Checks(f64),
+    /// In the veins of wood that grew along x.
+    Wood,
+}
+
+/// Side of the cells that differ a little in brightness, metres.
+const SPECKLE_M: f64 = 0.006;
+/// Cells begin off the axes, so that no face of a thing lies on their border.
+const CELL_OFFSET: f64 = 0.37;
+
+impl Paint {
+    pub(super) fn plain(color: [u8; 3]) -> Self {
+        Self {
+            pattern: Pattern::Plain,
+            colors: [color; 2],
+        }
+    }
+
+    /// Red, green, blue (0 to 255) at a place in the painted thing's frame.
+    pub(super) fn color_at(&self, p: &Point3<f64>) -> [f64; 3] {
+        let cell = |x: f64, side: f64| (x / side + CELL_OFFSET).floor() as i64;
+        let blend = match self.pattern {
+            Pattern::Plain => 0.0,
+            Pattern::Bands(height) => (cell(p.z, height) & 1) as f64,
+            Pattern::Checks(side) => {
+                (cell(p.x, side) + cell(p.y, side) + cell(p.z, side) & 1) as f64
+            }
+            Pattern::Wood => 0.5 + 0.5 * (130.0 * p.y + 4.0 * (3.1 * p.x + 9.0 * p.y).sin()).sin(),
+        };
+        let speckle = [p.x, p.y, p.z].iter().fold(0, |bits, x| {
+            random::mixed(bits ^ cell(*x, SPECKLE_M) as u64)
+        });
+        let brightness = 0.95 + 0.1 * random::unit(speckle);
+        let [even, odd] = self.colors;
+        std::array::from_fn(|i| {
+            brightness * ((1.0 - blend) * f64::from(even[i]) + blend * f64::from(odd[i]))
+        })
+    }
+}

@@ -1,0 +1,116 @@
+//! What a ray sees.
+
+use super::arrangement::TableObject;
+use super::catalogue::{self, Part};
+use super::surface::{Hit, Ray};
+use geometry::RigidTransform;
+use nalgebra::{Point3, Vector3};
+
+/// Direction to the lamp, world frame, not normalised.
+const TO_LAMP: Vector3<f64> = Vector3::new(-0.35, -0.45, 0.9);
+/// Brightness of a surface the lamp does not reach, of 1.
+const AMBIENT: f64 = 0.55;
+
+/// What one ray sees.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sight {
+    /// Parameter on the ray.
+    pub(super) t: f64,
+    /// Unit normal towards the viewer, world frame.
+    pub(super) normal: Vector3<f64>,
+    /// Red, green, blue.
+    pub(super) rgb: [u8; 3],
+}
+
+/// Rigidly joined parts.
+#[derive(Debug)]
+struct Body {
+    world_from_body: RigidTransform,
+    /// Centre (world frame) and radius of a sphere around all parts.
+    bounds: (Point3<f64>, f64),
+    parts: Vec<Part>,
+}
+
+/// The room and everything in it.
+#[derive(Debug)]
+pub(super) struct Scene {
+    bodies: Vec<Body>,
+}
+
+impl Scene {
+    pub(super) fn new(room: Vec<Part>, objects: &[TableObject]) -> Self {
+        let room = Body {
+            world_from_body: RigidTransform::identity(),
+            bounds: (Point3::origin(), f64::INFINITY),
+            parts: room,
+        };
+        let bodies = std::iter::once(room)
+            .chain(objects.iter().map(Body::of))
+            .collect();
+        Self { bodies }
+    }
+
+    /// What a ray (world frame) sees first.
+    pub(super) fn cast(&self, ray: &Ray) -> Option<Sight> {
+        let nearest = self
+            .bodies
+            .iter()
+            .filter_map(|body| body.hit(ray).map(|(hit, part)| (hit, part, body)))
+            .min_by(|(a, ..), (b, ..)| a.t.total_cmp(&b.t));
+        nearest.map(|(hit, part, body)| {
+            let normal = body.world_from_body.rotation * hit.normal;
+            let place = body.world_from_body.inverse_transform_point(&ray.at(hit.t));
+            let light = AMBIENT + (1.0 - AMBIENT) * normal.dot(&TO_LAMP.normalize()).max(0.0);
+            let rgb = part
+                .paint
+                .color_at(&place)
+                .map(|channel| (channel * light).round() as u8);
+            Sight {
+                t: hit.t,
+                normal,
+                rgb,
+            }
+        })
+    }
+
+    /// Whether anything stands between two points of the world.
+    pub(super) fn is_blocked(&self, from: &Point3<f64>, to: &Point3<f64>) -> bool {
+        let ray = Ray {
+            origin: *from,
+            direction: to - from,
+        };
+        self.bodies
+            .iter()
+            .any(|body| body.hit(&ray).is_some_and(|(hit, _)| hit.t < 1.0))
+    }
+}
+
+impl Body {
+    fn of(object: &TableObject) -> Self {
+        let (centre, radius) = catalogue::bounding_sphere(object.kind);
+        Self {
+            world_from_body: object.world_from_object,
+            bounds: (object.world_from_object * centre, radius),
+            parts: object.kind.parts(),
+        }
+    }
+
+    /// The nearest hit of a ray (world frame) and its part; the normal is in
+    /// the body's frame.
+    fn hit(&self, ray: &Ray) -> Option<(Hit, &Part)> {
+        let to_centre = self.bounds.0 - ray.origin;
+        if to_centre.cross(&ray.direction).norm() > self.bounds.1 * ray.direction.norm() {
+            return None;
+        }
+        let ray_in_body = Ray {
+            origin: self.world_from_body.inverse_transform_point(&ray.origin),
+            direction: self
+                .world_from_body
+                .inverse_transform_vector(&ray.direction),
+        };
+        self.parts
+            .iter()
+            .filter_map(|part| part.surface.hit(&ray_in_body).map(|hit| (hit, part)))
+            .min_by(|(a, _), (b, _)| a.t.total_cmp(&b.t))
+    }
+}

@@ -1,0 +1,85 @@
+//! The configuration, checked.
+
+use serde::Deserialize;
+use service::{ConfigFile, Failure};
+use std::fmt::Display;
+use std::num::NonZeroUsize;
+use std::time::Duration;
+use tracking::{AssociationConfig, MotionConfig};
+
+/// The section `[perception]` as written.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct RawConfig {
+    workers: usize,
+    unknown_distance: f32,
+    actor_deadline_ms: u64,
+    worker_stall_ms: u64,
+    range_min_m: f64,
+    range_max_m: f64,
+    object_height_max_m: f64,
+    object_side_max_m: f64,
+}
+
+impl Default for RawConfig {
+    fn default() -> Self {
+        let detection = detection::RawConfig::default();
+        Self {
+            workers: 2,
+            unknown_distance: 0.75,
+            actor_deadline_ms: 100,
+            worker_stall_ms: 2_000,
+            range_min_m: detection.range_min_m,
+            range_max_m: detection.range_max_m,
+            object_height_max_m: detection.height_max_m,
+            object_side_max_m: detection.side_max_m,
+        }
+    }
+}
+
+/// What the perception does.
+#[derive(Debug, Clone)]
+pub(crate) struct Config {
+    /// Kernel threads.
+    pub(crate) workers: NonZeroUsize,
+    /// How long a frame waits for its actors; not in lockstep.
+    pub(crate) actor_deadline: Duration,
+    /// A worker without progress for this long is replaced.
+    pub(crate) worker_stall: Duration,
+    /// Detection.
+    pub(crate) detection: detection::Config,
+    /// Tracking and recognition.
+    pub(crate) pipeline: pipeline::Config,
+}
+
+impl Config {
+    /// The section `[perception]` of the file.
+    pub(crate) fn new(file: &ConfigFile) -> Result<Self, Failure> {
+        let raw: RawConfig = file.section("perception")?;
+        let wrong = |rule: &dyn Display| Failure::from(file.wrong(format!("[perception] {rule}")));
+        let workers = NonZeroUsize::new(raw.workers).filter(|workers| workers.get() <= 64);
+        let milliseconds = |name: &str, value: u64, least: u64| {
+            if (least..=60_000).contains(&value) {
+                return Ok(Duration::from_millis(value));
+            }
+            Err(wrong(&format!("{name} must lie between {least} and 60000, not {value}")))
+        };
+        let detection = detection::RawConfig {
+            range_min_m: raw.range_min_m,
+            range_max_m: raw.range_max_m,
+            height_max_m: raw.object_height_max_m,
+            side_max_m: raw.object_side_max_m,
+            ..detection::RawConfig::default()
+        };
+        let motion = MotionConfig::default();
+        let association = AssociationConfig::default();
+        Ok(Self {
+            workers: workers.ok_or_else(|| wrong(&"workers must lie between 1 and 64"))?,
+            actor_deadline: milliseconds("actor_deadline_ms", raw.actor_deadline_ms, 1)?,
+            worker_stall: milliseconds("worker_stall_ms", raw.worker_stall_ms, 100)?,
+            detection: detection::Config::new(detection).map_err(|rule| wrong(&rule))?,
+            pipeline: pipeline::Config::new(motion, association, raw.unknown_distance)
+                .map_err(|rule| wrong(&rule))?,
+        })
+    }
+}

@@ -1,0 +1,342 @@
+//! The frame loop: it owns the track table and gives every frame its way.
+
+use crate::config::Config;
+use crate::detector::{DetectFailed, Detected, Detector};
+use crate::intake::{Arrived, Intake};
+use crate::key_view_outbox::{OnDisk, Outbox};
+use crate::observation_round::{Actors, Outcome};
+use crate::scene_report;
+use crate::track_ids::TrackIds;
+use crate::world::World;
+use actor::WorkerPool;
+use channel::topic::{FrameFinished, ObjectCloud, ObjectView, Scene, Topic};
+use channel::{Domain, Error, Publisher};
+use geometry::RigidTransform;
+use message::{
+    FrameDone, ObjectCloudHeader, PlainHeader, ProcessKind, SceneObject, SceneSummary,
+};
+use pipeline::{Frame, Step, TrackTable};
+use service::{HealthBoard, monotonic_ns};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+
+/// Without frames the loop proves this often that it and its workers are alive.
+const PROBE: Duration = Duration::from_millis(500);
+
+/// Everything that lasts from frame to frame.
+pub(crate) struct FrameLoop {
+    intake: Intake,
+    detector: Detector,
+    pool: WorkerPool,
+    table: TrackTable,
+    actors: Actors,
+    ids: Arc<TrackIds>,
+    outbox: Outbox,
+    world: Arc<World>,
+    health: Arc<HealthBoard>,
+    actor_deadline: Duration,
+    ports: Ports,
+    step: Step,
+    outcomes: Vec<Outcome>,
+    objects: Vec<SceneObject>,
+    memory_sequences: BTreeMap<u64, u64>,
+    last_capture_ns: u64,
+    last_finished: Option<FrameDone>,
+}
+
+/// What the loop publishes.
+struct Ports {
+    scene: Publisher<Scene>,
+    views: Publisher<ObjectView>,
+    clouds: Publisher<ObjectCloud>,
+    finished: Publisher<FrameFinished>,
+}
+
+impl Ports {
+    fn new(domain: &Domain) -> Result<Self, Error> {
+        Ok(Self {
+            scene: Publisher::new(domain)?,
+            views: Publisher::new(domain)?,
+            clouds: Publisher::new(domain)?,
+            finished: Publisher::new(domain)?,
+        })
+    }
+
+    fn reserved_bytes(&self) -> u64 {
+        self.scene.reservation().bytes()
+            + self.views.reservation().bytes()
+            + self.clouds.reservation().bytes()
+            + self.finished.reservation().bytes()
+    }
+}
+
+/// What the loop is given.
+pub(crate) struct Surroundings {
+    pub(crate) pool: WorkerPool,
+    pub(crate) actors: Actors,
+    pub(crate) ids: Arc<TrackIds>,
+    pub(crate) outbox: Outbox,
+    pub(crate) world: Arc<World>,
+    pub(crate) health: Arc<HealthBoard>,
+}
+
+impl FrameLoop {
+    pub(crate) fn new(domain: &Domain, config: &Config, given: Surroundings) -> Result<Self, Error> {
+        let ports = Ports::new(domain)?;
+        given.health.shared_memory_bytes.store(ports.reserved_bytes(), Ordering::Relaxed);
+        Ok(Self {
+            intake: Intake::new(domain)?,
+            detector: Detector::new(given.pool.clone(), config.detection.clone()),
+            pool: given.pool,
+            table: TrackTable::new(config.pipeline),
+            actors: given.actors,
+            ids: given.ids,
+            outbox: given.outbox,
+            world: given.world,
+            health: given.health,
+            actor_deadline: config.actor_deadline,
+            ports,
+            step: Step::default(),
+            outcomes: Vec::new(),
+            objects: Vec::new(),
+            memory_sequences: BTreeMap::new(),
+            last_capture_ns: 0,
+            last_finished: None,
+        })
+    }
+
+    /// Works on frames as they come, until the future is dropped or shared
+    /// memory fails.
+    pub(crate) async fn run(&mut self) -> Result<(), Error> {
+        let mut probe = tokio::time::interval(PROBE);
+        loop {
+            while let Some(arrived) = self.intake.newest()? {
+                self.frame(&arrived).await?;
+                probe.reset();
+            }
+            tokio::select! {
+                () = self.intake.woken() => {}
+                _ = probe.tick() => self.probe().await?,
+            }
+        }
+    }
+
+    /// Stops all actors in good order.
+    pub(crate) async fn stop(&self) {
+        self.actors.stop_all().await;
+    }
+
+    /// Nothing has come for a while: is everything still able to work?
+    async fn probe(&mut self) -> Result<(), Error> {
+        if self.pool.run(|_| ()).await.is_ok() {
+            self.health.tick();
+        }
+        self.ports.scene.greet_new_subscribers()
+    }
+
+    async fn frame(&mut self, arrived: &Arrived) -> Result<(), Error> {
+        if self.is_repeated(arrived) {
+            return self.report_finished(arrived);
+        }
+        self.restart_if_time_jumped(arrived.frame.header().capture_stamp_ns);
+        let detected = match self.detector.detect(arrived).await {
+            Ok(detected) => detected,
+            Err(failed) => {
+                self.say_failed(arrived, &failed);
+                return self.report_finished(arrived);
+            }
+        };
+        let mut summary = scene_report::summary(arrived);
+        summary.stamps.detected_ns = monotonic_ns();
+        self.associate(arrived, &detected);
+        let detected = Arc::new(detected);
+        self.observe(arrived, &detected).await;
+        summary.stamps.recognised_ns = monotonic_ns();
+        let on_disk = self.send_key_views(arrived);
+        self.publish_objects(arrived, &detected);
+        self.publish_scene(summary, arrived, &detected)?;
+        self.finish(arrived, detected, on_disk).await
+    }
+
+    /// A lockstep source sends a frame again when a report was lost.
+    fn is_repeated(&self, arrived: &Arrived) -> bool {
+        let header = arrived.frame.header();
+        self.last_finished.is_some_and(|last| {
+            (last.session, last.sequence) == (header.session, header.sequence)
+        })
+    }
+
+    /// Capture time runs backwards when another recording begins: nothing that
+    /// was tracked has to do with it.
+    fn restart_if_time_jumped(&mut self, capture_ns: u64) {
+        if capture_ns < self.last_capture_ns {
+            self.step.gone.clear();
+            self.table.clear(&mut self.step.gone);
+            self.dismiss_gone();
+        }
+        self.last_capture_ns = capture_ns;
+    }
+
+    fn associate(&mut self, arrived: &Arrived, detected: &Detected) {
+        let frame = Frame {
+            capture_ns: arrived.frame.header().capture_stamp_ns,
+            world_from_camera: arrived.checked.world_from_camera.unwrap_or_else(RigidTransform::identity),
+        };
+        let ids = &self.ids;
+        self.table.step(&detected.detection, &frame, || ids.take(), &mut self.step);
+        for sighting in self.step.sightings.iter().filter(|sighting| sighting.is_new) {
+            self.actors.spawn(sighting.track_id);
+        }
+        self.dismiss_gone();
+    }
+
+    fn dismiss_gone(&mut self) {
+        for track_id in &self.step.gone {
+            self.actors.dismiss(*track_id);
+            self.memory_sequences.remove(track_id);
+        }
+    }
+
+    async fn observe(&mut self, arrived: &Arrived, detected: &Arc<Detected>) {
+        let deadline = (!arrived.is_lockstep()).then_some(self.actor_deadline);
+        let Self { actors, step, outcomes, .. } = self;
+        actors.observe(arrived, detected, &step.sightings, deadline, outcomes).await;
+        for (sighting, observed) in &self.outcomes {
+            if let Some(observed) = observed {
+                self.table.absorb(sighting.track_id, &observed.posterior);
+                self.memory_sequences.insert(sighting.track_id, observed.memory_sequence);
+            }
+        }
+    }
+
+    fn send_key_views(&self, arrived: &Arrived) -> Vec<OnDisk> {
+        let key_views = self.outcomes.iter().filter_map(|(sighting, observed)| {
+            let observed = observed.as_ref().filter(|observed| observed.posterior.is_key_view)?;
+            Some(scene_report::stored_view(arrived, sighting, observed))
+        });
+        key_views.filter_map(|view| self.outbox.put(view)).collect()
+    }
+
+    fn publish_objects(&mut self, arrived: &Arrived, detected: &Detected) {
+        let wants_views = self.ports.views.has_subscribers();
+        let wants_clouds = self.ports.clouds.has_subscribers();
+        for (sighting, observed) in &self.outcomes {
+            if wants_views && let Some(observed) = observed {
+                let header =
+                    scene_report::object_view(arrived, sighting, observed, detected.location);
+                say_unsent(self.ports.views.send_copy(header, &observed.descriptor));
+            }
+            if wants_clouds {
+                let indices = points_of(detected, sighting.candidate);
+                say_unsent(publish_cloud(&mut self.ports.clouds, arrived, sighting.track_id, indices));
+            }
+        }
+    }
+
+    fn publish_scene(
+        &mut self,
+        mut summary: SceneSummary,
+        arrived: &Arrived,
+        detected: &Detected,
+    ) -> Result<(), Error> {
+        let tracks = self.table.tracks();
+        scene_report::objects(tracks, &self.memory_sequences, &mut self.objects);
+        summary.n_objects_total = tracks.len() as u32;
+        summary.n_rejected = self.step.n_rejected as u32;
+        summary.n_late = self.outcomes.iter().filter(|(_, observed)| observed.is_none()).count() as u32;
+        summary.frames_dropped = self.intake.n_dropped();
+        if let Some(table) = &detected.detection.table {
+            let world_from_camera = arrived.checked.world_from_camera;
+            let plane = world_from_camera.map_or(table.plane, |pose| table.plane.transformed(&pose));
+            summary.has_table = 1;
+            let normal = plane.normal.into_inner();
+            summary.table_plane = [normal.x, normal.y, normal.z, plane.offset_m];
+        }
+        summary.stamps.published_ns = monotonic_ns();
+        self.world.set(&summary, &self.objects);
+        self.ports.scene.send_copy(summary, &self.objects)
+    }
+
+    async fn finish(
+        &mut self,
+        arrived: &Arrived,
+        detected: Arc<Detected>,
+        on_disk: Vec<OnDisk>,
+    ) -> Result<(), Error> {
+        self.actors.recycle(&mut self.outcomes);
+        // An actor that is late keeps the detection, and this frame's memory with it.
+        if let Ok(detected) = Arc::try_unwrap(detected) {
+            self.detector.recycle(detected);
+        }
+        self.health.frames.fetch_add(1, Ordering::Relaxed);
+        self.health.frames_dropped.store(self.intake.n_dropped(), Ordering::Relaxed);
+        self.health.tick();
+        if arrived.is_lockstep() {
+            for stored in on_disk {
+                let _ = stored.await;
+            }
+        }
+        self.report_finished(arrived)
+    }
+
+    fn report_finished(&mut self, arrived: &Arrived) -> Result<(), Error> {
+        let header = arrived.frame.header();
+        let done = FrameDone {
+            session: header.session,
+            sequence: header.sequence,
+            process: u64::from(ProcessKind::Perception.code()),
+        };
+        self.last_finished = Some(done);
+        if arrived.is_lockstep() {
+            self.ports.finished.send_copy(PlainHeader::default(), &[done])?;
+        }
+        Ok(())
+    }
+
+    fn say_failed(&self, arrived: &Arrived, failed: &DetectFailed) {
+        self.health.restarts.fetch_add(1, Ordering::Relaxed);
+        let sequence = arrived.frame.header().sequence;
+        match failed {
+            DetectFailed::Unusable(error) => {
+                tracing::warn!("frame {sequence} can not be searched: {error}");
+            }
+            DetectFailed::Lost(error) => tracing::error!("detection of frame {sequence}: {error}"),
+        }
+    }
+}
+
+fn points_of(detected: &Detected, candidate: usize) -> &[u32] {
+    let candidate = detected.detection.candidates.get(candidate);
+    candidate.map_or(&[], |candidate| detected.detection.points_of(candidate))
+}
+
+fn publish_cloud(
+    clouds: &mut Publisher<ObjectCloud>,
+    arrived: &Arrived,
+    track_id: u64,
+    indices: &[u32],
+) -> Result<(), Error> {
+    let indices = &indices[..indices.len().min(ObjectCloud::MAX_ITEMS)];
+    let (header, points) = (arrived.frame.header(), arrived.frame.items());
+    let mut loan = clouds.loan(indices.len())?;
+    *loan.header_mut() = ObjectCloudHeader {
+        track_id,
+        session: header.session,
+        sequence: header.sequence,
+        capture_ns: header.capture_stamp_ns,
+        ..ObjectCloudHeader::default()
+    };
+    for (item, index) in loan.items_mut().iter_mut().zip(indices) {
+        *item = points[*index as usize];
+    }
+    clouds.send(loan)
+}
+
+/// A view that outsiders do not get is no reason to stop seeing.
+fn say_unsent(sent: Result<(), Error>) {
+    if let Err(error) = sent {
+        tracing::warn!("an object's view was not published: {error}");
+    }
+}

@@ -1,0 +1,199 @@
+//! What was taught, followed from the memory process.
+
+use channel::control::{CallError, Client};
+use channel::topic::MemoryChanged;
+use channel::{Domain, Error, Subscriber};
+use learning::{CategoryIndex, CategoryName, ViewId};
+use message::control::{ChangesPage, Command, LearnedChange, LearnedView, Reply, SnapshotPage};
+use pipeline::{DESCRIPTOR_DIMENSION, DESCRIPTOR_KIND, METRIC};
+use std::fmt::{self, Display, Formatter};
+use std::sync::{Arc, PoisonError, RwLock};
+use std::time::Duration;
+
+/// How long the memory may take to answer.
+const DEADLINE: Duration = Duration::from_secs(5);
+/// Announcements may be lost: the memory is asked this often in any case.
+const LOOK_AGAIN: Duration = Duration::from_secs(1);
+
+/// All taught views, and how far the history of the memory is known.
+#[derive(Debug)]
+pub(crate) struct Learned {
+    /// The taught views.
+    pub(crate) index: CategoryIndex,
+    /// History sequence they belong to.
+    pub(crate) sequence: u64,
+    store_id: Option<u128>,
+}
+
+/// Read by every actor, written when something is learned.
+pub(crate) type SharedLearned = Arc<RwLock<Learned>>;
+
+impl Default for Learned {
+    fn default() -> Self {
+        let index = CategoryIndex::new(DESCRIPTOR_DIMENSION, METRIC);
+        Self { index, sequence: 0, store_id: None }
+    }
+}
+
+/// Follows the memory, whatever happens to it.
+pub(crate) struct Follower {
+    client: Arc<Client>,
+    announcements: Subscriber<MemoryChanged>,
+    learned: SharedLearned,
+    is_kind_told: bool,
+}
+
+/// Why the memory could not be followed.
+#[derive(Debug)]
+enum FollowFailed {
+    Call(CallError),
+    Unexpected(String),
+}
+
+impl Display for FollowFailed {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Call(error) => write!(f, "what is taught is not followed for now: {error}"),
+            Self::Unexpected(reply) => write!(f, "the memory answered something else: {reply}"),
+        }
+    }
+}
+
+impl Follower {
+    pub(crate) fn new(
+        domain: &Domain,
+        client: Arc<Client>,
+        learned: SharedLearned,
+    ) -> Result<Self, Error> {
+        let announcements = Subscriber::waiting(domain)?;
+        Ok(Self { client, announcements, learned, is_kind_told: false })
+    }
+
+    /// Keeps the views up to date until the future is dropped.
+    pub(crate) async fn run(mut self) {
+        let mut is_failing = false;
+        loop {
+            let caught_up = self.catch_up().await;
+            match &caught_up {
+                Ok(()) if is_failing => tracing::info!("the memory answers again"),
+                Err(failure) if !is_failing => tracing::warn!("{failure}"),
+                _ => {}
+            }
+            is_failing = caught_up.is_err();
+            let _ = tokio::time::timeout(LOOK_AGAIN, self.announcements.woken()).await;
+            let _ = self.announcements.latest();
+        }
+    }
+
+    async fn catch_up(&mut self) -> Result<(), FollowFailed> {
+        loop {
+            let (store_id, since) = {
+                let learned = self.learned.read().unwrap_or_else(PoisonError::into_inner);
+                (learned.store_id, learned.sequence)
+            };
+            let Some(store_id) = store_id else {
+                self.load().await?;
+                continue;
+            };
+            match self.call(Command::Changes { store_id, since }).await? {
+                Reply::Changes(ChangesPage::Changes { up_to, changes, more }) => {
+                    self.apply(up_to, changes);
+                    if !more {
+                        return Ok(());
+                    }
+                }
+                Reply::Changes(ChangesPage::Reload) => {
+                    tracing::warn!("the memory's history is another one; loading all views again");
+                    self.load().await?;
+                }
+                other => return Err(FollowFailed::Unexpected(format!("{other:?}"))),
+            }
+        }
+    }
+
+    /// Loads all labelled views, page by page. What changes meanwhile comes with
+    /// the changes since the first page, which may be applied twice.
+    async fn load(&mut self) -> Result<(), FollowFailed> {
+        let mut after = None;
+        let mut first: Option<(u128, u64)> = None;
+        let mut views = Vec::new();
+        loop {
+            let page = match self.call(Command::Snapshot { after }).await? {
+                Reply::Snapshot(page) => page,
+                other => return Err(FollowFailed::Unexpected(format!("{other:?}"))),
+            };
+            let SnapshotPage { store_id, sequence, views: more_views, next } = page;
+            if first.is_some_and(|(id, _)| id != store_id) {
+                // The store was exchanged in the middle: begin again.
+                (first, after) = (None, None);
+                views.clear();
+                continue;
+            }
+            first.get_or_insert((store_id, sequence));
+            views.extend(more_views);
+            after = next;
+            if after.is_none() {
+                break;
+            }
+        }
+        let Some((store_id, sequence)) = first else { return Ok(()) };
+        let n_views = views.len();
+        let mut learned = self.learned.write().unwrap_or_else(PoisonError::into_inner);
+        learned.index.clear();
+        for view in views {
+            insert(&mut learned.index, &view, &mut self.is_kind_told);
+        }
+        learned.store_id = Some(store_id);
+        learned.sequence = sequence;
+        let n_categories = learned.index.categories().len();
+        tracing::info!("loaded {n_views} taught views of {n_categories} categories");
+        Ok(())
+    }
+
+    fn apply(&mut self, up_to: u64, changes: Vec<LearnedChange>) {
+        let mut learned = self.learned.write().unwrap_or_else(PoisonError::into_inner);
+        for change in changes {
+            match change {
+                LearnedChange::Assigned(view) => {
+                    insert(&mut learned.index, &view, &mut self.is_kind_told);
+                }
+                LearnedChange::Unassigned(id) => {
+                    learned.index.remove_view(view_id(id));
+                }
+            }
+        }
+        learned.sequence = up_to;
+    }
+
+    async fn call(&self, command: Command) -> Result<Reply, FollowFailed> {
+        self.client.call(command, DEADLINE).await.map_err(FollowFailed::Call)
+    }
+}
+
+fn view_id(id: message::control::ViewId) -> ViewId {
+    ViewId { track_id: id.track_id, view_id: id.view_id }
+}
+
+/// Takes a view over; one that does not compare with ours is left out, and that
+/// is said once.
+fn insert(index: &mut CategoryIndex, view: &LearnedView, is_told: &mut bool) {
+    if let Err(reason) = try_insert(index, view)
+        && !*is_told
+    {
+        tracing::warn!("stored views are left out, the first because {reason}");
+        *is_told = true;
+    }
+}
+
+fn try_insert(index: &mut CategoryIndex, view: &LearnedView) -> Result<(), String> {
+    if view.descriptor_kind != DESCRIPTOR_KIND {
+        return Err(format!("it was described as {}, not {DESCRIPTOR_KIND}", view.descriptor_kind));
+    }
+    let category = CategoryName::new(&view.category).map_err(|error| error.to_string())?;
+    let (values, rest) = view.descriptor.as_chunks::<4>();
+    if !rest.is_empty() {
+        return Err("its descriptor is not a list of 32-bit numbers".into());
+    }
+    let values: Vec<f32> = values.iter().map(|value| f32::from_le_bytes(*value)).collect();
+    index.insert(view_id(view.id), &category, &values).map_err(|error| error.to_string())
+}

@@ -1,0 +1,131 @@
+//! The process.
+
+use crate::config::Config;
+use crate::control;
+use crate::frame_loop::{FrameLoop, Surroundings};
+use crate::key_view_outbox::outbox;
+use crate::learned::{Follower, SharedLearned};
+use crate::object_actor::{ObjectActor, ObjectContext};
+use crate::observation_round::Actors;
+use crate::track_ids::TrackIds;
+use crate::world::World;
+use actor::{Event, Events, Placement, PoolConfig, Restart, RestartPolicy, Supervisor, WorkerPool};
+use channel::control::{Client, Server};
+use message::{ProcessKind, ProcessState};
+use service::{Context, Failure, HealthBoard, exit_code};
+use std::fmt::Display;
+use std::num::NonZeroUsize;
+use std::sync::atomic::Ordering;
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::runtime::Handle;
+
+/// Actors may fail this often within a minute, all together.
+const MAX_ACTOR_RESTARTS: u32 = 30;
+const RESTART_WINDOW: Duration = Duration::from_secs(60);
+const FIRST_BACKOFF: Duration = Duration::from_millis(50);
+const LONGEST_BACKOFF: Duration = Duration::from_secs(1);
+/// An actor gets this long to finish the message at work.
+const ACTOR_SHUTDOWN: Duration = Duration::from_secs(2);
+/// Workers that may be left behind before the process gives up.
+const MAX_ABANDONED: NonZeroUsize = NonZeroUsize::new(3).unwrap();
+/// A newer frame replaces the one an actor has not begun.
+const MAILBOX: NonZeroUsize = NonZeroUsize::new(1).unwrap();
+const EVENTS: NonZeroUsize = NonZeroUsize::new(256).unwrap();
+
+fn failed(error: impl Display) -> Failure {
+    Failure::new(exit_code::FAILURE, error)
+}
+
+/// Works until shutdown.
+///
+/// # Errors
+/// When shared memory fails, too many workers stall, or too many actors fail.
+pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure> {
+    let domain = &context.domain;
+    let health = context.health.clone();
+    let pool = start_pool(&config)?;
+    let learned = SharedLearned::default();
+    let (supervisor, events) = start_supervisor(&config, &pool, learned.clone())?;
+    let memory = Arc::new(Client::new(domain, ProcessKind::Memory)?);
+    let couriers = Arc::new(Client::new(domain, ProcessKind::Memory)?);
+    let (outbox, courier) = outbox(couriers);
+    let ids = Arc::new(TrackIds::default());
+    let world = Arc::new(World::default());
+    let server = Server::new(domain, ProcessKind::Perception, control::handler(world.clone()))?;
+    let follower = Follower::new(domain, memory.clone(), learned)?;
+    let given = Surroundings {
+        pool: pool.clone(),
+        actors: Actors::new(supervisor),
+        ids: ids.clone(),
+        outbox,
+        world,
+        health: health.clone(),
+    };
+    let mut frames = FrameLoop::new(domain, &config, given)?;
+    let work = async {
+        ids.fetch_first(&memory).await;
+        health.set_state(ProcessState::Ready, "");
+        frames.run().await.map_err(Failure::from)
+    };
+    let outcome = tokio::select! {
+        outcome = work => outcome,
+        () = server.run() => Ok(()),
+        () = follower.run() => Ok(()),
+        () = courier.run() => Ok(()),
+        () = ids.clone().keep(memory.clone()) => Ok(()),
+        () = pool.exhausted() => Err(failed("too many worker threads have stalled")),
+        escalated = watch(events, &health) => Err(escalated),
+        () = context.shutdown.requested() => Ok(()),
+    };
+    frames.stop().await;
+    outcome
+}
+
+fn start_pool(config: &Config) -> Result<WorkerPool, Failure> {
+    let pool = WorkerPool::start(PoolConfig {
+        name: "kernel".into(),
+        n_workers: config.workers,
+        stall_after: config.worker_stall,
+        max_abandoned: MAX_ABANDONED,
+    })
+    .map_err(failed)?;
+    pool.start_watchdog().map_err(failed)?;
+    Ok(pool)
+}
+
+fn start_supervisor(
+    config: &Config,
+    pool: &WorkerPool,
+    learned: SharedLearned,
+) -> Result<(Supervisor<u64, ObjectActor>, Events<u64>), Failure> {
+    let policy =
+        RestartPolicy::new(MAX_ACTOR_RESTARTS, RESTART_WINDOW, FIRST_BACKOFF, LONGEST_BACKOFF)
+            .map_err(failed)?;
+    let supervision = actor::Config {
+        restart: Restart::Transient,
+        policy,
+        placement: Placement::Pool(pool.clone()),
+        mailbox_capacity: MAILBOX,
+        shutdown: ACTOR_SHUTDOWN,
+        event_capacity: EVENTS,
+    };
+    let context = Arc::new(ObjectContext { config: config.pipeline, learned });
+    Ok(Supervisor::new(supervision, context, Handle::current()))
+}
+
+/// Says what happens to the actors; returns when they have failed too often.
+async fn watch(mut events: Events<u64>, health: &HealthBoard) -> Failure {
+    while let Some(event) = events.recv().await {
+        match &event {
+            Event::Escalated { .. } => return failed(event),
+            Event::Restarting { .. } => {
+                health.restarts.fetch_add(1, Ordering::Relaxed);
+                tracing::warn!("{event}");
+            }
+            Event::Abandoned { .. } => tracing::warn!("{event}"),
+            _ => tracing::debug!("{event}"),
+        }
+    }
+    failed("the supervisor of the object actors is gone")
+}

@@ -1,0 +1,72 @@
+//! A frame in steady state allocates nothing but its polygon.
+
+mod synthetic;
+
+use detection::{Config, Detection, Frame, Workspace, detect};
+use point_cloud::OrganizedCloud;
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use synthetic::{BoxOnTable, render};
+
+/// The corners of the polygon grow from 4 by doubling; a table has fewer than 128.
+const POLYGON_ALLOCATIONS_MAX: usize = 6;
+
+thread_local! {
+    static N_ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
+}
+
+struct Counting;
+
+#[expect(unsafe_code, reason = "an allocator can not be written without")]
+// SAFETY: everything is handed on to the system's allocator unchanged.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        N_ALLOCATIONS.with(|n| n.set(n.get() + 1));
+        // SAFETY: the caller keeps the contract of `alloc`.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: the pointer comes from `System.alloc` above.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, new_size: usize) -> *mut u8 {
+        N_ALLOCATIONS.with(|n| n.set(n.get() + 1));
+        // SAFETY: the pointer comes from `System.alloc` above.
+        unsafe { System.realloc(pointer, layout, new_size) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+#[test]
+fn a_frame_in_steady_state_allocates_nothing_but_its_polygon() {
+    let solid = |x: f64| BoxOnTable {
+        centre: [x, 0.0],
+        sides: [0.1, 0.07, 0.12],
+        rgb: [5; 3],
+    };
+    let points = render(&[solid(-0.3), solid(0.0), solid(0.25)], 1.0);
+    let cloud = OrganizedCloud::new(&points, 640, 480).unwrap();
+    let (mut workspace, mut detection) = (Workspace::default(), Detection::default());
+    let config = Config::default();
+    for seed in 0..12 {
+        let frame = Frame {
+            cloud,
+            up_in_camera: None,
+            seed,
+        };
+        let before = N_ALLOCATIONS.get();
+        detect(&frame, &config, &mut workspace, &mut detection).unwrap();
+        let n_allocations = N_ALLOCATIONS.get() - before;
+        assert_eq!(detection.candidates.len(), 3);
+        if seed >= 4 {
+            assert!(
+                n_allocations <= POLYGON_ALLOCATIONS_MAX,
+                "{n_allocations} in frame {seed}"
+            );
+        }
+    }
+}

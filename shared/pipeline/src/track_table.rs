@@ -1,0 +1,229 @@
+//! The frame loop's half of the step: which candidate is which object.
+
+use crate::frame::{Frame, Measured};
+use crate::{Config, Posterior};
+use detection::Detection;
+use geometry::OrientedBox;
+use learning::CategoryName;
+use tracking::{
+    Appearance, AssociationBuffers, MotionFilter, Observed, Place, Predicted, TrackLife,
+    TrackPhase, associate,
+};
+
+/// One object as the frame loop knows it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Track {
+    /// The track-id.
+    pub id: u64,
+    /// Capture stamp of the first sighting.
+    pub first_seen_ns: u64,
+    /// Capture stamp of the last sighting.
+    pub last_seen_ns: u64,
+    /// Whether it was sighted in the last frame.
+    pub is_seen: bool,
+    /// What the last sighting measured.
+    pub measured: Measured,
+    /// Views described.
+    pub n_views: u32,
+    /// The learned category; `None` when unknown.
+    pub label: Option<CategoryName>,
+    /// Distance to the nearest stored view; infinite when nothing was taught.
+    pub distance: f32,
+    life: TrackLife,
+    filter: MotionFilter,
+    appearance: Appearance,
+}
+
+impl Track {
+    /// How far the track is to be believed.
+    pub fn phase(&self) -> TrackPhase {
+        self.life.phase()
+    }
+
+    /// The box at the last step's capture stamp, world frame.
+    pub fn box_in_world(&self) -> OrientedBox {
+        self.filter.box_in_world()
+    }
+}
+
+/// A candidate that is a track's object.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sighting {
+    /// The track.
+    pub track_id: u64,
+    /// The candidate's place in the detection.
+    pub candidate: usize,
+    /// What it measured.
+    pub measured: Measured,
+    /// Whether the track begins with it.
+    pub is_new: bool,
+}
+
+/// What a step has decided. Reused from frame to frame.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Step {
+    /// Tracks with a measurement, known ones first.
+    pub sightings: Vec<Sighting>,
+    /// Tracks that have ended.
+    pub gone: Vec<u64>,
+    /// Candidates that continued no track and began none.
+    pub n_rejected: usize,
+}
+
+/// The tracks, and what is needed to go on with them.
+#[derive(Debug)]
+pub struct TrackTable {
+    config: Config,
+    tracks: Vec<Track>,
+    measured: Vec<Option<Measured>>,
+    usable: Vec<usize>,
+    predicted: Vec<Predicted>,
+    observed: Vec<Observed>,
+    association: AssociationBuffers,
+}
+
+impl TrackTable {
+    /// A table without tracks.
+    pub fn new(config: Config) -> Self {
+        Self {
+            config,
+            tracks: Vec::new(),
+            measured: Vec::new(),
+            usable: Vec::new(),
+            predicted: Vec::new(),
+            observed: Vec::new(),
+            association: AssociationBuffers::default(),
+        }
+    }
+
+    /// The tracks, by track-id.
+    pub fn tracks(&self) -> &[Track] {
+        &self.tracks
+    }
+
+    /// Ends all tracks, into `gone`.
+    pub fn clear(&mut self, gone: &mut Vec<u64>) {
+        gone.extend(self.tracks.drain(..).map(|track| track.id));
+    }
+
+    /// Predicts all tracks to the frame, gives each its candidate, begins tracks
+    /// for the candidates left over, and ends tracks not seen for too long.
+    /// `next_id` gives ids in ascending order, `None` while there are none.
+    pub fn step(
+        &mut self,
+        detection: &Detection,
+        frame: &Frame,
+        mut next_id: impl FnMut() -> Option<u64>,
+        step: &mut Step,
+    ) {
+        step.sightings.clear();
+        step.gone.clear();
+        self.measure(detection, frame);
+        self.predict(frame);
+        self.associate(frame, step);
+        self.end_lost(step);
+        self.begin(frame, &mut next_id, step);
+        step.n_rejected = detection.candidates.len() - step.sightings.len();
+    }
+
+    /// Takes what an object's half of the step has found. A posterior of a track
+    /// that has ended, or older than the track, changes nothing.
+    pub fn absorb(&mut self, track_id: u64, posterior: &Posterior) {
+        let Ok(i) = self.tracks.binary_search_by_key(&track_id, |track| track.id) else { return };
+        let track = &mut self.tracks[i];
+        if posterior.view_id < track.n_views {
+            return;
+        }
+        let capture_ns = track.filter.stamp_ns();
+        track.filter = posterior.filter.predicted(capture_ns, self.config.motion());
+        track.n_views = posterior.view_id + 1;
+        track.label.clone_from(&posterior.label);
+        track.distance = posterior.distance;
+    }
+
+    fn measure(&mut self, detection: &Detection, frame: &Frame) {
+        self.measured.clear();
+        self.usable.clear();
+        self.observed.clear();
+        for (i, candidate) in detection.candidates.iter().enumerate() {
+            let measured = Measured::of(candidate, frame).ok();
+            if let Some(measured) = &measured {
+                self.usable.push(i);
+                self.observed.push(measured.observed(candidate, frame, &self.config));
+            }
+            self.measured.push(measured);
+        }
+    }
+
+    fn predict(&mut self, frame: &Frame) {
+        self.predicted.clear();
+        for track in &mut self.tracks {
+            track.filter = track.filter.predicted(frame.capture_ns, self.config.motion());
+            self.predicted.push(Predicted {
+                position: track.filter.box_in_world().centre(),
+                position_variance_m2: track.filter.position_variance_m2(),
+                appearance: track.appearance,
+            });
+        }
+    }
+
+    /// Gives each track its candidate; used candidates leave `measured`.
+    fn associate(&mut self, frame: &Frame, step: &mut Step) {
+        let config = self.config.association();
+        let pairs = associate(&self.predicted, &self.observed, config, &mut self.association);
+        for (track, pair) in self.tracks.iter_mut().zip(pairs) {
+            let candidate = pair.map(|usable| self.usable[usable]);
+            let taken = candidate.and_then(|i| Some((i, self.measured[i].take()?)));
+            track.is_seen = taken.is_some();
+            let Some((candidate, measured)) = taken else {
+                track.life = track.life.missed(frame.capture_ns, Place::Unknown);
+                continue;
+            };
+            track.life = track.life.seen(frame.capture_ns);
+            track.last_seen_ns = frame.capture_ns;
+            track.measured = measured;
+            // A cut view says nothing of the size; it is remembered from a whole one.
+            if !measured.is_cut || track.appearance.is_cut {
+                track.appearance = measured.appearance;
+            }
+            let sighting = Sighting { track_id: track.id, candidate, measured, is_new: false };
+            step.sightings.push(sighting);
+        }
+    }
+
+    fn end_lost(&mut self, step: &mut Step) {
+        self.tracks.retain(|track| {
+            let is_lost = track.phase() == TrackPhase::Lost;
+            if is_lost {
+                step.gone.push(track.id);
+            }
+            !is_lost
+        });
+    }
+
+    fn begin(
+        &mut self,
+        frame: &Frame,
+        next_id: &mut impl FnMut() -> Option<u64>,
+        step: &mut Step,
+    ) {
+        for (candidate, measured) in self.measured.iter_mut().enumerate() {
+            let Some(measured) = measured.take() else { continue };
+            let Some(track_id) = next_id() else { return };
+            step.sightings.push(Sighting { track_id, candidate, measured, is_new: true });
+            self.tracks.push(Track {
+                id: track_id,
+                first_seen_ns: frame.capture_ns,
+                last_seen_ns: frame.capture_ns,
+                is_seen: true,
+                measured,
+                n_views: 0,
+                label: None,
+                distance: f32::INFINITY,
+                life: TrackLife::start(frame.capture_ns),
+                filter: MotionFilter::start(&measured.measurement, self.config.motion()),
+                appearance: measured.appearance,
+            });
+        }
+    }
+}
