@@ -1,1 +1,2 @@
-//! Integration tests of the whole daemon; see the modules in `tests/`.
+//! Integration tests of the whole daemon; all of them are in `main.rs` and its
+//! modules, one test binary.

@@ -69,15 +69,12 @@ impl SyntheticTable {
     /// by less than eight, an object that occurs in both has moved and turned,
     /// and something else stands where it stood.
     pub fn new(arrangement: u32) -> Self {
-        let objects = arrangement::objects(arrangement, TABLE_HEIGHT_M);
+        let objects = arrangement::objects(arrangement);
         Self::with_objects(arrangement, objects, PinholeCamera::KINECT_V1)
     }
 
     fn with_objects(arrangement: u32, objects: Vec<TableObject>, camera: PinholeCamera) -> Self {
-        let scene = Scene::new(
-            catalogue::room(TABLE_HEIGHT_M, TABLE_HALF_SIDES_M),
-            &objects,
-        );
+        let scene = Scene::new(&objects);
         let world_from_camera = camera_pose();
         let sensor = DepthSensor::new(camera.fx_px);
         let pixels = pixel_models(&scene, &camera, &world_from_camera, &sensor);

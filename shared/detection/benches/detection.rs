@@ -38,6 +38,7 @@ fn bench_detect(bencher: Bencher<'_, '_>, points: &[Point]) {
 fn detect_rendered(bencher: Bencher<'_, '_>) {
     let solid = |x: f64| BoxOnTable {
         centre: [x, 0.0],
+        bottom: 0.0,
         sides: [0.1, 0.07, 0.12],
         rgb: [5; 3],
     };

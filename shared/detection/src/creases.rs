@@ -1,15 +1,16 @@
 //! Concave creases: lines along which one object stands on or against another.
 
 use crate::clusters::Clusters;
-use crate::prism::OUTSIDE;
+use crate::sensor_noise::depth_sigma_m;
 use point_cloud::OrganizedCloud;
 
 /// The width of the image in radians, roughly; the cloud does not say it, and
 /// the measure of a crease depends on it only in proportion.
 const IMAGE_WIDTH_RAD: f32 = 1.09;
 
-/// Length of each side of a crease that is looked at, metres.
-const ARM_M: f32 = 0.012;
+/// The sides of a crease are taken so long that the noise of depth changes
+/// their slope by this much (standard deviation).
+const SLOPE_SIGMA: f32 = 0.14;
 
 /// Fewest and most pixels of a side.
 const ARM_PX: [usize; 2] = [4, 24];
@@ -26,64 +27,93 @@ const STEP_M: f32 = 0.012;
 /// leave no gap.
 const SPREAD_PX: usize = 2;
 
+/// A cluster with fewer pixels of creases has none that parts it.
+const CREASE_PIXELS_MIN: usize = 60;
+
 /// Buffers, and the creases found last.
 #[derive(Debug, Default)]
 pub(crate) struct Creases {
     /// Per pixel: whether a crease runs through it.
     pub(crate) is_crease: Vec<bool>,
+    /// Per cluster: whether it has creases that may part it.
+    pub(crate) has_creases: Vec<bool>,
     line: Vec<LinePixel>,
-    sums: Vec<[f32; 2]>,
+    turned: Vec<LinePixel>,
+    next_in_column: Vec<u32>,
+    sums: Vec<[f64; 2]>,
 }
 
-/// A pixel of a row or column; depth zero where it is in no cluster.
-#[derive(Debug, Clone, Copy)]
+/// A pixel of a cluster, while the image is read line by line.
+#[derive(Debug, Clone, Copy, Default)]
 struct LinePixel {
     index: u32,
-    cluster: u32,
     z: f32,
 }
 
 impl Creases {
     /// Marks the creases of all clusters, seen along rows and along columns.
-    /// Returns the number of marked pixels.
-    pub(crate) fn find(&mut self, cloud: &OrganizedCloud<'_>, clusters: &Clusters) -> usize {
-        let (width, height) = (cloud.width(), cloud.height());
+    /// Returns whether any cluster has some that may part it.
+    pub(crate) fn find(&mut self, cloud: &OrganizedCloud<'_>, clusters: &Clusters) -> bool {
+        let width = cloud.width();
         self.is_crease.clear();
-        self.is_crease.resize(width * height, false);
-        let pixel_rad = IMAGE_WIDTH_RAD / width as f32;
-        for row in 0..height {
-            self.take_line(cloud, clusters, (0..width).map(|column| row * width + column));
-            self.find_in_line(pixel_rad);
+        self.is_crease.resize(cloud.points().len(), false);
+        self.has_creases.clear();
+        for cluster in 0..clusters.len() {
+            let pixels = clusters.pixels(cluster);
+            self.line.clear();
+            self.line.extend(pixels.iter().map(|&index| LinePixel {
+                index,
+                z: cloud.points()[index as usize].z,
+            }));
+            self.find_in_lines(width, |pixel| pixel as usize / width);
+            self.turn(width);
+            self.find_in_lines(width, |pixel| pixel as usize % width);
+            let creases = pixels
+                .iter()
+                .filter(|&&pixel| self.is_crease[pixel as usize]);
+            self.has_creases.push(creases.count() >= CREASE_PIXELS_MIN);
         }
+        self.has_creases.contains(&true)
+    }
+
+    /// Sorts the line's pixels, which are row by row, column by column.
+    fn turn(&mut self, width: usize) {
+        let Self {
+            line,
+            turned,
+            next_in_column,
+            ..
+        } = self;
+        let column = |pixel: &LinePixel| pixel.index as usize % width;
+        next_in_column.clear();
+        next_in_column.resize(width + 1, 0);
+        line.iter()
+            .for_each(|pixel| next_in_column[column(pixel) + 1] += 1);
         for column in 0..width {
-            self.take_line(cloud, clusters, (0..height).map(|row| row * width + column));
-            self.find_in_line(pixel_rad);
+            next_in_column[column + 1] += next_in_column[column];
         }
-        self.is_crease.iter().filter(|&&is_crease| is_crease).count()
+        turned.clear();
+        turned.resize(line.len(), LinePixel::default());
+        for pixel in line.iter() {
+            let place = &mut next_in_column[column(pixel)];
+            turned[*place as usize] = *pixel;
+            *place += 1;
+        }
+        std::mem::swap(line, turned);
     }
 
-    fn take_line(
-        &mut self,
-        cloud: &OrganizedCloud<'_>,
-        clusters: &Clusters,
-        indices: impl Iterator<Item = usize>,
-    ) {
-        self.line.clear();
-        self.line.extend(indices.filter(|&i| clusters.cluster_of[i] != OUTSIDE).map(|index| {
-            LinePixel {
-                index: index as u32,
-                cluster: clusters.cluster_of[index],
-                z: cloud.points()[index].z,
-            }
-        }));
-    }
-
-    /// Looks for creases in each part of the line that is one surface.
-    fn find_in_line(&mut self, pixel_rad: f32) {
-        let Self { is_crease, line, sums } = self;
+    /// Looks for creases in each part of a row or column that is one surface.
+    fn find_in_lines(&mut self, width: usize, line_of: impl Fn(u32) -> usize) {
+        let Self {
+            is_crease,
+            line,
+            sums,
+            ..
+        } = self;
         let one_surface = |a: &LinePixel, b: &LinePixel| {
-            a.cluster == b.cluster && (a.z - b.z).abs() <= STEP_M * a.z * a.z
+            line_of(a.index) == line_of(b.index) && (a.z - b.z).abs() <= STEP_M * a.z * a.z
         };
+        let pixel_rad = IMAGE_WIDTH_RAD / width as f32;
         for surface in line.chunk_by(one_surface) {
             if surface.len() > 2 * ARM_PX[0] {
                 find_in_surface(surface, pixel_rad, sums, is_crease);
@@ -98,37 +128,47 @@ impl Creases {
 fn find_in_surface(
     surface: &[LinePixel],
     pixel_rad: f32,
-    sums: &mut Vec<[f32; 2]>,
+    sums: &mut Vec<[f64; 2]>,
     is_crease: &mut [bool],
 ) {
-    // Sums are taken from the first value, which keeps single precision exact enough.
-    let first = 1.0 / surface[0].z;
     let mut sum = [0.0; 2];
     sums.clear();
     sums.push(sum);
     for (i, pixel) in surface.iter().enumerate() {
-        let value = 1.0 / pixel.z - first;
-        sum = [sum[0] + value, sum[1] + i as f32 * value];
+        // Double precision: the second sum of a long row dwarfs what a bend changes.
+        let value = f64::from(1.0 / pixel.z);
+        sum = [sum[0] + value, sum[1] + i as f64 * value];
         sums.push(sum);
     }
+    let arm_wanted = arm_px(surface[0].z, pixel_rad);
     for (i, pixel) in surface.iter().enumerate() {
         let reach = i.min(surface.len() - 1 - i);
-        let arm = ((ARM_M / (pixel.z * pixel_rad)) as usize).clamp(ARM_PX[0], ARM_PX[1]).min(reach);
+        let arm = arm_wanted.min(reach);
         if arm >= ARM_PX[0] {
             let bend = bend_of(sums, i, arm);
             if bend * pixel.z / pixel_rad >= SLOPE_MIN {
                 let wide = i.saturating_sub(SPREAD_PX)..surface.len().min(i + SPREAD_PX + 1);
-                surface[wide].iter().for_each(|near| is_crease[near.index as usize] = true);
+                surface[wide]
+                    .iter()
+                    .for_each(|near| is_crease[near.index as usize] = true);
             }
         }
     }
 }
 
+/// Pixels of a side of a crease at a depth. The bend of n pixels to either
+/// side has the noise of one pixel divided by the root of n³ / 6.
+fn arm_px(z: f32, pixel_rad: f32) -> usize {
+    let noise_in_pixels = depth_sigma_m(z) / (z * pixel_rad);
+    let cubed = 6.0 * (noise_in_pixels / SLOPE_SIGMA).powi(2);
+    (cubed.cbrt() as usize).clamp(ARM_PX[0], ARM_PX[1])
+}
+
 /// Slope of inverse depth, per pixel, away from pixel `i` on both sides.
 #[inline]
-fn bend_of(sums: &[[f32; 2]], i: usize, arm: usize) -> f32 {
+fn bend_of(sums: &[[f64; 2]], i: usize, arm: usize) -> f32 {
     let between = |from: usize, to: usize, k: usize| sums[to][k] - sums[from][k];
-    let (n, at) = (arm as f32, i as f32);
+    let (n, at) = (arm as f64, i as f64);
     let (left, right) = ((i - arm, i), (i + 1, i + arm + 1));
     // Sum of |j| w and of w over both arms, without the pixel itself.
     let weighted = between(right.0, right.1, 1) - at * between(right.0, right.1, 0)
@@ -138,5 +178,91 @@ fn bend_of(sums: &[[f32; 2]], i: usize, arm: usize) -> f32 {
     let mean = 0.5 * (n + 1.0);
     // Sum of (|j| - mean)² over both arms.
     let spread = n * (n * n - 1.0) / 6.0;
-    (weighted - mean * plain) / spread
+    ((weighted - mean * plain) / spread) as f32
+}
+
+#[cfg(test)]
+impl Creases {
+    /// Creases as given, for tests of what follows from them.
+    pub(crate) fn from_marks(is_crease: Vec<bool>, has_creases: Vec<bool>) -> Self {
+        Self {
+            is_crease,
+            has_creases,
+            ..Self::default()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use point_cloud::{Point, Rgba};
+    use proptest::prelude::*;
+
+    const WIDTH: usize = 640;
+
+    /// A band of the image at `z(column, row)`, and its cluster.
+    fn creases(z: impl Fn(f32, f32) -> f32) -> Vec<bool> {
+        let points: Vec<Point> = (0..WIDTH * 40)
+            .map(|i| {
+                let z = z((i % WIDTH) as f32, (i / WIDTH) as f32);
+                let x = ((i % WIDTH) as f32 - 320.0) / 585.0 * z;
+                Point {
+                    x,
+                    y: (i / WIDTH) as f32 / 585.0 * z,
+                    z,
+                    color: Rgba::default(),
+                }
+            })
+            .collect();
+        let cloud = OrganizedCloud::new(&points, WIDTH, 40).unwrap();
+        let pixels: Vec<u32> = (0..points.len() as u32).collect();
+        let mut clusters = Clusters::default();
+        clusters.join(&cloud, &pixels, 1);
+        let mut creases = Creases::default();
+        creases.find(&cloud, &clusters);
+        creases.is_crease
+    }
+
+    /// Depth of two planes that meet at column 320, each leaving the line of
+    /// sight's normal by `slope` metres a metre.
+    fn folded(slope: f32, column: f32) -> f32 {
+        1.0 / (1.0 + slope * (column - 320.0).abs() / 585.0)
+    }
+
+    #[test]
+    fn a_concave_fold_is_a_crease_where_it_folds() {
+        let marks = creases(|column, _| folded(1.0, column));
+        for (i, marked) in marks.iter().enumerate() {
+            let away = (i % WIDTH).abs_diff(320);
+            assert!(
+                if away <= 2 {
+                    *marked
+                } else {
+                    away < 20 || !*marked
+                },
+                "{away}"
+            );
+        }
+    }
+
+    #[test]
+    fn convex_folds_and_shallow_ones_are_none() {
+        for slope in [-1.0, -0.5, 0.2] {
+            assert!(
+                !creases(|column, _| folded(slope, column)).contains(&true),
+                "{slope}"
+            );
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(16))]
+
+        #[test]
+        fn a_plane_has_no_crease(a in -0.6..0.6_f32, b in -2.0..2.0_f32) {
+            let plane = |column: f32, row: f32| 1.0 / (1.0 + (a * (column - 320.0) + b * row) / 585.0);
+            prop_assert!(!creases(plane).contains(&true));
+        }
+    }
 }

@@ -21,7 +21,7 @@ const N_POINTS_MAX: usize = 1 << 26;
 const BORDER_PX: usize = 3;
 
 /// A part of a cluster between creases has at least this many pixels.
-const PART_PIXELS_MIN: u32 = 400;
+const PART_PIXELS_MIN: u32 = 250;
 
 /// What is searched.
 #[derive(Debug, Clone, Copy)]
@@ -59,6 +59,7 @@ pub struct Workspace {
     samples: Samples,
     table: TableBuffers,
     slabs: TableSlabs,
+    over_table: Vec<u32>,
     clusters: Clusters,
     whole: Clusters,
     creases: Creases,
@@ -89,6 +90,7 @@ pub fn detect(
         samples,
         table: buffers,
         slabs,
+        over_table,
         clusters,
         ..
     } = workspace;
@@ -96,13 +98,18 @@ pub fn detect(
     let mut random = Random::from_seed(frame.seed);
     let found = find_table(samples, frame.up_in_camera, config, &mut random, buffers);
     let Some(table) = found else { return Ok(()) };
-    let seen = Prism::over(&table, config, slabs).mark(&frame.cloud, &mut clusters.cluster_of);
+    let seen = Prism::over(&table, config, slabs).list(&frame.cloud, over_table);
     let n_min = config.points_min_at_1m / (config.range_max_m * config.range_max_m);
-    clusters.join(&frame.cloud, n_min as u32);
-    if workspace.creases.find(&frame.cloud, &workspace.clusters) > 0 {
-        let Workspace { whole, clusters, creases, .. } = workspace;
+    clusters.join(&frame.cloud, over_table, n_min as u32);
+    if workspace.creases.find(&frame.cloud, &workspace.clusters) {
+        let Workspace {
+            whole,
+            clusters,
+            creases,
+            ..
+        } = workspace;
         std::mem::swap(whole, clusters);
-        clusters.split(&frame.cloud, whole, &creases.is_crease, PART_PIXELS_MIN);
+        clusters.split(&frame.cloud, whole, creases, PART_PIXELS_MIN);
     }
     find_bodies(&frame.cloud, &table, config, workspace);
     write(&table, seen, workspace, detection);

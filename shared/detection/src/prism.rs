@@ -8,12 +8,6 @@ use crate::table_plane::Table;
 use crate::table_slabs::TableSlabs;
 use point_cloud::{OrganizedCloud, Point};
 
-/// Mark of a pixel that is not over the table.
-pub(crate) const OUTSIDE: u32 = u32::MAX;
-
-/// Mark of a pixel over the table.
-pub(crate) const OVER_TABLE: u32 = u32::MAX - 1;
-
 /// What lies over the table must be higher than this many sigma of the height
 /// noise.
 const NOISE_SIGMAS: f32 = 3.0;
@@ -98,18 +92,11 @@ impl<'a> Prism<'a> {
             )
     }
 
-    /// Marks each pixel as [`OUTSIDE`] or [`OVER_TABLE`]; returns the part of
-    /// the image in which there is any depth.
-    pub(crate) fn mark(&self, cloud: &OrganizedCloud<'_>, marks: &mut Vec<u32>) -> SeenRectangle {
+    /// Lists the pixels in the prism, in image order; returns the part of the
+    /// image in which there is any depth.
+    pub(crate) fn list(&self, cloud: &OrganizedCloud<'_>, pixels: &mut Vec<u32>) -> SeenRectangle {
         let mut seen = SeenRectangle::default();
-        marks.clear();
-        marks.extend(cloud.points().iter().map(|point| {
-            if self.contains(point) {
-                OVER_TABLE
-            } else {
-                OUTSIDE
-            }
-        }));
+        pixels.clear();
         for row in 0..cloud.height() {
             let points = cloud.row(row);
             if let Some(first) = points.iter().position(Point::is_finite) {
@@ -117,6 +104,11 @@ impl<'a> Prism<'a> {
                 let last = points.iter().rposition(Point::is_finite).unwrap_or(first);
                 seen.add(last, row);
             }
+            let start = (row * cloud.width()) as u32;
+            let inside = (start..)
+                .zip(points)
+                .filter(|(_, point)| self.contains(point));
+            pixels.extend(inside.map(|(pixel, _)| pixel));
         }
         seen
     }

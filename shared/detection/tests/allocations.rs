@@ -45,6 +45,7 @@ static ALLOCATOR: Counting = Counting;
 fn a_frame_in_steady_state_allocates_nothing_but_its_polygon() {
     let solid = |x: f64| BoxOnTable {
         centre: [x, 0.0],
+        bottom: 0.0,
         sides: [0.1, 0.07, 0.12],
         rgb: [5; 3],
     };

@@ -10,11 +10,13 @@ use synthetic::{BoxOnTable, camera_from_table, render};
 
 const RED: BoxOnTable = BoxOnTable {
     centre: [-0.25, 0.0],
+    bottom: 0.0,
     sides: [0.10, 0.06, 0.15],
     rgb: [200, 30, 30],
 };
 const BLUE: BoxOnTable = BoxOnTable {
     centre: [0.20, 0.10],
+    bottom: 0.0,
     sides: [0.20, 0.08, 0.05],
     rgb: [30, 30, 200],
 };
@@ -89,6 +91,40 @@ fn boxes_are_found_where_they_stand() {
 }
 
 #[test]
+fn a_stack_comes_apart_at_its_creases() {
+    let low = BoxOnTable {
+        centre: [0.0, 0.0],
+        bottom: 0.0,
+        sides: [0.24, 0.16, 0.06],
+        rgb: [200, 30, 30],
+    };
+    let high = BoxOnTable {
+        centre: [0.0, 0.02],
+        bottom: 0.06,
+        sides: [0.08, 0.06, 0.14],
+        rgb: [30, 30, 200],
+    };
+    let detection = found(&render(&[low, high], 1.0), (640, 480), None);
+    let colours: Vec<(Support, f32)> = detection
+        .candidates
+        .iter()
+        .map(|c| (c.support, c.mean_rgb[0].round()))
+        .collect();
+    assert_eq!(detection.candidates.len(), 2, "{colours:?}");
+    for (support, red) in colours {
+        assert!(if red > 100.0 {
+            support == Support::Table
+        } else {
+            support == Support::Object
+        });
+        assert!(
+            (red - 200.0).abs() < 8.0 || (red - 30.0).abs() < 8.0,
+            "{red}"
+        );
+    }
+}
+
+#[test]
 fn each_point_belongs_to_one_candidate_at_most() {
     let detection = found(&render(&[RED, BLUE], 1.0), (640, 480), None);
     let mut indices = detection.point_indices.clone();
@@ -107,6 +143,7 @@ fn each_point_belongs_to_one_candidate_at_most() {
 fn an_object_cut_by_the_image_is_kept_and_marked() {
     let cut = BoxOnTable {
         centre: [-0.47, 0.0],
+        bottom: 0.0,
         sides: [0.12, 0.1, 0.2],
         rgb: [9, 9, 9],
     };
@@ -151,6 +188,7 @@ fn what_hangs_in_the_air_is_no_candidate_and_what_is_hidden_is() {
     // A box whose lower part is hidden by a taller one.
     let tall = BoxOnTable {
         centre: [-0.27, -0.17],
+        bottom: 0.0,
         sides: [0.25, 0.05, 0.24],
         rgb: [0, 200, 0],
     };
@@ -158,6 +196,7 @@ fn what_hangs_in_the_air_is_no_candidate_and_what_is_hidden_is() {
     let before = found(&points, (640, 480), None).candidates.len();
     let low = BoxOnTable {
         centre: [-0.27, 0.02],
+        bottom: 0.0,
         sides: [0.1, 0.05, 0.20],
         rgb: [200, 200, 0],
     };

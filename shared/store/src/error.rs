@@ -81,6 +81,13 @@ pub enum Refusal {
         /// Most views that one mutation may carry.
         most: usize,
     },
+    /// The views of a mutation are too large together.
+    BatchBytes {
+        /// Bytes of their descriptors and clouds.
+        n_bytes: usize,
+        /// Most bytes that one mutation may store.
+        most: usize,
+    },
     /// The author's name is too long.
     AuthorTooLong {
         /// Its length, bytes.
@@ -207,6 +214,10 @@ impl fmt::Display for Refusal {
             Self::BatchSize { n_views, most } => write!(
                 f,
                 "{n_views} views were sent to be stored at once; send between 1 and {most}"
+            ),
+            Self::BatchBytes { n_bytes, most } => write!(
+                f,
+                "views of {n_bytes} bytes were sent to be stored at once; send at most {most}"
             ),
             Self::AuthorTooLong { n_bytes, most } => {
                 write!(

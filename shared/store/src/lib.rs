@@ -43,7 +43,7 @@ pub use catalogue::CategorySummary;
 pub use error::{Error, Refusal};
 pub use history::{HistoryEntry, Operation};
 pub use meta::StoreId;
-pub use mutation::{Answer, Change, MAX_BATCH_VIEWS, Mutation, MutationId};
+pub use mutation::{Answer, Change, MAX_BATCH_BYTES, MAX_BATCH_VIEWS, Mutation, MutationId};
 pub use opening::{Condition, OpenReport};
 pub use perceptual_memory::{MAX_LEASE, PerceptualMemory};
 pub use reading::{ChangeEntry, Changes, LabelledView, NameChange, Position, SnapshotPage};

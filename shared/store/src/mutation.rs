@@ -9,6 +9,10 @@ use crate::view::{MAX_NAME_BYTES, View};
 /// Most views one mutation may store.
 pub const MAX_BATCH_VIEWS: usize = 1024;
 
+/// Most bytes of descriptors and clouds one mutation may store: they are held in
+/// memory until they are written.
+pub const MAX_BATCH_BYTES: usize = 64 << 20;
+
 /// A number the client draws at random for each mutation and repeats when it
 /// asks again, so that a repeated mutation is answered and not made twice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -31,7 +35,7 @@ pub struct Mutation {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Change {
-    /// Store views, 1 to [`MAX_BATCH_VIEWS`]; those stored already with the same
+    /// Store views, 1 to [`MAX_BATCH_VIEWS`] and up to [`MAX_BATCH_BYTES`]; those stored already with the same
     /// content are left as they are.
     StoreViews(Vec<View>),
     /// Give all stored views of a track a name it does not have yet.
@@ -80,6 +84,13 @@ impl Mutation {
             return Err(Refusal::BatchSize {
                 n_views: views.len(),
                 most: MAX_BATCH_VIEWS,
+            });
+        }
+        let n_bytes = views.iter().map(View::n_large_bytes).sum();
+        if n_bytes > MAX_BATCH_BYTES {
+            return Err(Refusal::BatchBytes {
+                n_bytes,
+                most: MAX_BATCH_BYTES,
             });
         }
         views.iter().try_for_each(View::check)

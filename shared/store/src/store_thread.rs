@@ -293,9 +293,11 @@ impl Owner {
             }
             Request::Read(read) => {
                 self.commit();
-                match &mut self.memory {
-                    Some(memory) => read(memory.usable().map(|()| memory)),
-                    None => read(Err(Error::Stopped)),
+                let memory = self.memory.as_mut().ok_or(Error::Stopped);
+                let usable = memory.and_then(|memory| memory.usable().map(|()| memory));
+                if catch_unwind(AssertUnwindSafe(|| read(usable))).is_err() {
+                    // Who knows in the middle of what: it is opened again.
+                    self.memory = None;
                 }
             }
             Request::Stop => {}

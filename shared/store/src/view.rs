@@ -70,6 +70,12 @@ pub struct StoredView {
 }
 
 impl View {
+    /// Bytes of its descriptor and cloud.
+    pub(crate) fn n_large_bytes(&self) -> usize {
+        let n_points_bytes = self.points.as_ref().map_or(0, Vec::len);
+        size_of_val(&self.descriptor.values[..]) + n_points_bytes
+    }
+
     /// Refuses what could not be read back or recognised against.
     pub(crate) fn check(&self) -> Result<(), Refusal> {
         let pose = &self.box_in_world.frame_from_box;

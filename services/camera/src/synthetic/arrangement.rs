@@ -1,5 +1,6 @@
 //! Which object stands where.
 
+use super::TABLE_HEIGHT_M;
 use super::catalogue::{KINDS, Kind};
 use super::random;
 use geometry::{OrientedBox, RigidTransform};
@@ -9,11 +10,11 @@ use nalgebra::{Point3, UnitQuaternion, Vector3};
 /// the columns of the back one as the camera sees them, so far apart that any
 /// two kinds may be neighbours.
 const PLACES_M: [[f64; 2]; 5] = [
-    [-0.40, 0.16],
-    [-0.18, -0.18],
-    [0.0, 0.16],
-    [0.18, -0.18],
-    [0.40, 0.16],
+    [-0.41, 0.19],
+    [-0.175, -0.195],
+    [-0.02, 0.19],
+    [0.145, -0.195],
+    [0.36, 0.19],
 ];
 
 /// How far an object stands from its place at most, along x and along y, metres.
@@ -62,7 +63,7 @@ impl TableObject {
 ///
 /// From one arrangement to the next every kind moves on by one place, so that
 /// among any eight in a row no kind stands twice at the same place.
-pub(super) fn objects(arrangement: u32, table_height_m: f64) -> Vec<TableObject> {
+pub(super) fn objects(arrangement: u32) -> Vec<TableObject> {
     let n_kinds = KINDS.len();
     let shift = arrangement as usize % n_kinds;
     let place_of = |(place_idx, place): (usize, &[f64; 2])| {
@@ -71,7 +72,7 @@ pub(super) fn objects(arrangement: u32, table_height_m: f64) -> Vec<TableObject>
         let scatter = |bits| SCATTER_M * (2.0 * random::unit(bits) - 1.0);
         let x = place[0] + scatter(bits);
         let y = place[1] + scatter(random::mixed(bits));
-        let at = Point3::new(x, y, table_height_m);
+        let at = Point3::new(x, y, TABLE_HEIGHT_M);
         TableObject::standing(&KINDS[kind_idx], at, yaw_rad(kind_idx, arrangement))
     };
     PLACES_M.iter().enumerate().map(place_of).collect()

@@ -1,16 +1,13 @@
-//! The things that can stand on the table, in their own frame: z up, origin in
-//! the middle of the base, metres.
+//! The things that can stand on the table, in their own frame (z up, origin in
+//! the middle of the base), and the room in the world's frame; metres.
 
 use super::paint::{Paint, Pattern};
 use super::surface::Surface;
+use super::{TABLE_HALF_SIDES_M, TABLE_HEIGHT_M};
 use nalgebra::Point3;
 
 /// A painted surface.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Part {
-    pub(super) surface: Surface,
-    pub(super) paint: Paint,
-}
+pub(super) type Part = (Surface, Paint);
 
 /// One kind of object.
 #[derive(Debug)]
@@ -18,231 +15,153 @@ pub(super) struct Kind {
     pub(super) name: &'static str,
     /// Lowest and highest corner of the smallest box around it.
     pub(super) corners: [[f64; 3]; 2],
-    build: fn() -> Vec<(Surface, Paint)>,
+    pub(super) parts: &'static [Part],
 }
 
 impl Kind {
-    const fn new(
-        name: &'static str,
-        corners: [[f64; 3]; 2],
-        build: fn() -> Vec<(Surface, Paint)>,
-    ) -> Self {
-        Self {
-            name,
-            corners,
-            build,
-        }
-    }
-
-    pub(super) fn parts(&self) -> Vec<Part> {
-        (self.build)()
-            .into_iter()
-            .map(|(surface, paint)| Part { surface, paint })
-            .collect()
+    /// The smallest sphere around the kind's box: centre and radius.
+    pub(super) fn bounding_sphere(&self) -> (Point3<f64>, f64) {
+        let [low, high] = self.corners.map(Point3::from);
+        (nalgebra::center(&low, &high), 0.5 * (high - low).norm())
     }
 }
 
 /// Every kind, in the order in which the arrangements go through them.
 pub(super) static KINDS: [Kind; 8] = [
-    Kind::new("mug", [[-0.041, -0.041, 0.0], [0.075, 0.041, 0.095]], mug),
-    Kind::new(
-        "bowl",
-        [[-BOWL_RIM, -BOWL_RIM, 0.0], [BOWL_RIM, BOWL_RIM, 0.065]],
-        bowl,
-    ),
-    Kind::new(
-        "box",
-        [[-0.085, -0.0275, 0.0], [0.085, 0.0275, 0.24]],
-        cereal_box,
-    ),
-    Kind::new("ball", [[-0.055, -0.055, 0.0], [0.055, 0.055, 0.11]], ball),
-    Kind::new(
-        "bottle",
-        [[-0.036, -0.036, 0.0], [0.036, 0.036, 0.25]],
-        bottle,
-    ),
-    Kind::new("plate", [[-0.09, -0.09, 0.0], [0.09, 0.09, 0.028]], plate),
-    Kind::new("cone", [[-0.055, -0.055, 0.0], [0.055, 0.055, 0.17]], cone),
-    Kind::new("can", [[-0.033, -0.033, 0.0], [0.033, 0.033, 0.115]], can),
+    // A hollow cylinder with a round handle along x.
+    Kind {
+        name: "mug",
+        corners: [[-0.041, -0.041, 0.0], [0.075, 0.041, 0.095]],
+        parts: &[
+            (Surface::cylinder(0.041, [0.0, 0.095]), BLUE),
+            (Surface::handle([0.041, 0.05], [0.028, 0.006]), BLUE),
+            (Surface::cylinder(0.037, [0.006, 0.095]), CREAM),
+            (Surface::disc(0.037, 0.006), CREAM),
+            (Surface::ring([0.037, 0.041], 0.095), CREAM),
+        ],
+    },
+    // Parts of two spheres around one centre, on a foot.
+    Kind {
+        name: "bowl",
+        corners: [[-BOWL_RIM, -BOWL_RIM, 0.0], [BOWL_RIM, BOWL_RIM, 0.065]],
+        parts: &[
+            (Surface::sphere(0.085, 0.085, [0.0075, 0.065]), TEAL),
+            (Surface::cylinder(0.035, [0.0, 0.0076]), TEAL),
+            (Surface::sphere(0.081, 0.085, [0.004, 0.065]), MINT),
+            (Surface::ring([0.0785, BOWL_RIM], 0.065), MINT),
+        ],
+    },
+    Kind {
+        name: "box",
+        corners: [[-0.075, -0.025, 0.0], [0.075, 0.025, 0.21]],
+        parts: &[(
+            Surface::cuboid([-0.075, -0.025, 0.0], [0.075, 0.025, 0.21]),
+            CEREAL,
+        )],
+    },
+    Kind {
+        name: "ball",
+        corners: [[-0.055, -0.055, 0.0], [0.055, 0.055, 0.11]],
+        parts: &[(Surface::sphere(0.055, 0.055, [0.0, 0.11]), RED_BANDS)],
+    },
+    // Body, shoulder, neck and cap.
+    Kind {
+        name: "bottle",
+        corners: [[-0.036, -0.036, 0.0], [0.036, 0.036, 0.25]],
+        parts: &[
+            (Surface::cylinder(0.036, [0.0, 0.15]), GREEN_BANDS),
+            (Surface::frustum([0.036, 0.013], [0.15, 0.195]), GREEN_BANDS),
+            (Surface::cylinder(0.013, [0.195, 0.235]), GREEN_BANDS),
+            (Surface::cylinder(0.015, [0.235, 0.25]), YELLOW),
+            (Surface::disc(0.015, 0.25), YELLOW),
+        ],
+    },
+    // A flat floor in a wide, low rim.
+    Kind {
+        name: "plate",
+        corners: [[-0.09, -0.09, 0.0], [0.09, 0.09, 0.028]],
+        parts: &[
+            (Surface::frustum([0.055, 0.09], [0.0, 0.028]), VIOLET),
+            (Surface::ring([0.086, 0.09], 0.028), VIOLET),
+            (Surface::frustum([0.052, 0.086], [0.013, 0.028]), LILAC),
+            (Surface::disc(0.052, 0.013), LILAC),
+        ],
+    },
+    // A marking cone on its square foot.
+    Kind {
+        name: "cone",
+        corners: [[-0.055, -0.055, 0.0], [0.055, 0.055, 0.17]],
+        parts: &[
+            (
+                Surface::cuboid([-0.055, -0.055, 0.0], [0.055, 0.055, 0.01]),
+                BLACK,
+            ),
+            (Surface::frustum([0.045, 0.01], [0.01, 0.17]), ORANGE_BANDS),
+            (Surface::disc(0.01, 0.17), ORANGE_BANDS),
+        ],
+    },
+    // A drinks can with a sunk lid.
+    Kind {
+        name: "can",
+        corners: [[-0.033, -0.033, 0.0], [0.033, 0.033, 0.115]],
+        parts: &[
+            (Surface::cylinder(0.033, [0.0, 0.115]), PINK_BANDS),
+            (Surface::cylinder(0.031, [0.111, 0.115]), SILVER),
+            (Surface::disc(0.031, 0.111), SILVER),
+            (Surface::ring([0.031, 0.033], 0.115), SILVER),
+        ],
+    },
 ];
-
-/// A hollow cylinder with a round handle along x.
-fn mug() -> Vec<(Surface, Paint)> {
-    let (outside, inside) = (Paint::plain([40, 80, 190]), Paint::plain([225, 225, 215]));
-    let handle = Surface::Handle {
-        centre_x: 0.041,
-        centre_z: 0.05,
-        radii: [0.028, 0.006],
-    };
-    vec![
-        (Surface::cylinder(0.041, [0.0, 0.095]), outside),
-        (Surface::cylinder(0.037, [0.006, 0.095]), inside),
-        (Surface::disc(0.037, 0.006), inside),
-        (
-            Surface::Ring {
-                z: 0.095,
-                radii: [0.037, 0.041],
-            },
-            inside,
-        ),
-        (handle, outside),
-    ]
-}
 
 /// Outer radius of the bowl's rim: its sphere's, 20 mm below the centre.
 const BOWL_RIM: f64 = 0.082_614;
 
-/// Two parts of spheres around one centre, on a foot.
-fn bowl() -> Vec<(Surface, Paint)> {
-    let (outside, inside) = (Paint::plain([30, 150, 140]), Paint::plain([210, 235, 225]));
-    vec![
-        (Surface::sphere(0.085, 0.085, [0.0075, 0.065]), outside),
-        (Surface::sphere(0.081, 0.085, [0.004, 0.065]), inside),
-        (
-            Surface::Ring {
-                z: 0.065,
-                radii: [0.0785, BOWL_RIM],
-            },
-            inside,
-        ),
-        (Surface::cylinder(0.035, [0.0, 0.0076]), outside),
-    ]
+/// The table with its dark rim on four legs, the floor, the wall behind.
+pub(super) static ROOM: [Part; 8] = [
+    (slab(0.0, [TABLE_HEIGHT_M - 0.004, TABLE_HEIGHT_M]), WOOD),
+    (
+        slab(0.001, [TABLE_HEIGHT_M - 0.03, TABLE_HEIGHT_M - 0.004]),
+        DARK_WOOD,
+    ),
+    (leg(-1.0, -1.0), DARK_WOOD),
+    (leg(-1.0, 1.0), DARK_WOOD),
+    (leg(1.0, -1.0), DARK_WOOD),
+    (leg(1.0, 1.0), DARK_WOOD),
+    (Surface::cuboid([-6.0, -6.0, -0.1], [6.0, 6.0, 0.0]), TILES),
+    (
+        Surface::cuboid([-6.0, 1.4, 0.0], [6.0, 1.5, 4.0]),
+        Paint::plain([200, 205, 195]),
+    ),
+];
+
+const fn slab(inset: f64, z: [f64; 2]) -> Surface {
+    let (x, y) = (TABLE_HALF_SIDES_M[0] - inset, TABLE_HALF_SIDES_M[1] - inset);
+    Surface::cuboid([-x, -y, z[0]], [x, y, z[1]])
 }
 
-fn cereal_box() -> Vec<(Surface, Paint)> {
-    let paint = Paint {
-        pattern: Pattern::Checks(0.06),
-        colors: [[235, 190, 50], [150, 95, 40]],
-    };
-    vec![(
-        Surface::cuboid([-0.085, -0.0275, 0.0], [0.085, 0.0275, 0.24]),
-        paint,
-    )]
+const fn leg(x: f64, y: f64) -> Surface {
+    let (x, y) = (
+        x * (TABLE_HALF_SIDES_M[0] - 0.05),
+        y * (TABLE_HALF_SIDES_M[1] - 0.05),
+    );
+    let top = TABLE_HEIGHT_M - 0.03;
+    Surface::cuboid([x - 0.025, y - 0.025, 0.0], [x + 0.025, y + 0.025, top])
 }
 
-fn ball() -> Vec<(Surface, Paint)> {
-    let paint = Paint {
-        pattern: Pattern::Bands(0.037),
-        colors: [[205, 35, 40], [230, 120, 110]],
-    };
-    vec![(Surface::sphere(0.055, 0.055, [0.0, 0.11]), paint)]
-}
-
-/// Body, shoulder, neck and cap.
-fn bottle() -> Vec<(Surface, Paint)> {
-    let glass = Paint {
-        pattern: Pattern::Bands(0.075),
-        colors: [[30, 100, 45], [60, 135, 60]],
-    };
-    let cap = Paint::plain([220, 220, 80]);
-    vec![
-        (Surface::cylinder(0.036, [0.0, 0.15]), glass),
-        (Surface::frustum([0.036, 0.013], [0.15, 0.195]), glass),
-        (Surface::cylinder(0.013, [0.195, 0.235]), glass),
-        (Surface::cylinder(0.015, [0.235, 0.25]), cap),
-        (Surface::disc(0.015, 0.25), cap),
-    ]
-}
-
-/// A deep plate: a flat floor in a wide, low rim.
-fn plate() -> Vec<(Surface, Paint)> {
-    let (rim, floor) = (Paint::plain([150, 130, 185]), Paint::plain([225, 220, 235]));
-    vec![
-        (Surface::frustum([0.055, 0.09], [0.0, 0.028]), rim),
-        (Surface::frustum([0.052, 0.086], [0.013, 0.028]), floor),
-        (Surface::disc(0.052, 0.013), floor),
-        (
-            Surface::Ring {
-                z: 0.028,
-                radii: [0.086, 0.09],
-            },
-            rim,
-        ),
-    ]
-}
-
-/// A marking cone on its square foot.
-fn cone() -> Vec<(Surface, Paint)> {
-    let cone = Paint {
-        pattern: Pattern::Bands(0.05),
-        colors: [[240, 110, 20], [240, 235, 225]],
-    };
-    vec![
-        (
-            Surface::cuboid([-0.055, -0.055, 0.0], [0.055, 0.055, 0.01]),
-            Paint::plain([50, 50, 55]),
-        ),
-        (Surface::frustum([0.045, 0.01], [0.01, 0.17]), cone),
-        (Surface::disc(0.01, 0.17), cone),
-    ]
-}
-
-/// A drinks can with a sunk lid.
-fn can() -> Vec<(Surface, Paint)> {
-    let label = Paint {
-        pattern: Pattern::Bands(0.045),
-        colors: [[190, 40, 140], [215, 150, 200]],
-    };
-    let lid = Paint::plain([175, 178, 182]);
-    vec![
-        (Surface::cylinder(0.033, [0.0, 0.115]), label),
-        (Surface::cylinder(0.031, [0.111, 0.115]), lid),
-        (Surface::disc(0.031, 0.111), lid),
-        (
-            Surface::Ring {
-                z: 0.115,
-                radii: [0.031, 0.033],
-            },
-            lid,
-        ),
-    ]
-}
-
-/// The room in the world frame: the table with a dark rim on four legs, the
-/// floor, the wall behind.
-pub(super) fn room(table_height_m: f64, [half_x, half_y]: [f64; 2]) -> Vec<Part> {
-    let wood = Paint {
-        pattern: Pattern::Wood,
-        colors: [[205, 175, 130], [185, 150, 105]],
-    };
-    let rim = Paint::plain([90, 65, 45]);
-    let slab = |inset: f64, z: [f64; 2]| {
-        let (x, y) = (half_x - inset, half_y - inset);
-        Surface::cuboid([-x, -y, z[0]], [x, y, z[1]])
-    };
-    let leg = |x: f64, y: f64| {
-        let (x, y) = (x * (half_x - 0.05), y * (half_y - 0.05));
-        Surface::cuboid(
-            [x - 0.025, y - 0.025, 0.0],
-            [x + 0.025, y + 0.025, table_height_m],
-        )
-    };
-    let tiles = Paint {
-        pattern: Pattern::Checks(0.3),
-        colors: [[120, 125, 130], [105, 108, 112]],
-    };
-    let floor = Surface::cuboid([-6.0, -6.0, -0.1], [6.0, 6.0, 0.0]);
-    let wall = Surface::cuboid([-6.0, 1.4, 0.0], [6.0, 1.5, 4.0]);
-    let mut parts = vec![
-        (slab(0.0, [table_height_m - 0.004, table_height_m]), wood),
-        (
-            slab(0.001, [table_height_m - 0.03, table_height_m - 0.004]),
-            rim,
-        ),
-        (floor, tiles),
-        (wall, Paint::plain([200, 205, 195])),
-    ];
-    for (x, y) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)] {
-        parts.push((leg(x, y), rim));
-    }
-    parts
-        .into_iter()
-        .map(|(surface, paint)| Part { surface, paint })
-        .collect()
-}
-
-/// The smallest sphere around a kind's box: centre and radius.
-pub(super) fn bounding_sphere(kind: &Kind) -> (Point3<f64>, f64) {
-    let [low, high] = kind.corners.map(Point3::from);
-    (nalgebra::center(&low, &high), 0.5 * (high - low).norm())
-}
+const BLUE: Paint = Paint::plain([40, 80, 190]);
+const CREAM: Paint = Paint::plain([225, 225, 215]);
+const TEAL: Paint = Paint::plain([30, 150, 140]);
+const MINT: Paint = Paint::plain([210, 235, 225]);
+const YELLOW: Paint = Paint::plain([220, 220, 80]);
+const VIOLET: Paint = Paint::plain([150, 130, 185]);
+const LILAC: Paint = Paint::plain([225, 220, 235]);
+const BLACK: Paint = Paint::plain([50, 50, 55]);
+const SILVER: Paint = Paint::plain([175, 178, 182]);
+const DARK_WOOD: Paint = Paint::plain([90, 65, 45]);
+const CEREAL: Paint = Paint::new(Pattern::Checks(0.06), [[235, 190, 50], [150, 95, 40]]);
+const RED_BANDS: Paint = Paint::new(Pattern::Bands(0.037), [[205, 35, 40], [230, 120, 110]]);
+const GREEN_BANDS: Paint = Paint::new(Pattern::Bands(0.075), [[30, 100, 45], [60, 135, 60]]);
+const ORANGE_BANDS: Paint = Paint::new(Pattern::Bands(0.05), [[240, 110, 20], [240, 235, 225]]);
+const PINK_BANDS: Paint = Paint::new(Pattern::Bands(0.045), [[190, 40, 140], [215, 150, 200]]);
+const WOOD: Paint = Paint::new(Pattern::Wood, [[205, 175, 130], [185, 150, 105]]);
+const TILES: Paint = Paint::new(Pattern::Checks(0.3), [[120, 125, 130], [105, 108, 112]]);

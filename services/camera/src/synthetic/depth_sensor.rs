@@ -25,13 +25,13 @@ const LOSS_AT_EDGE: f64 = 110.0;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PixelModel {
     /// Reading without noise, steps; real-valued.
-    raw: f32,
+    pub(super) raw: f32,
     /// Standard deviation of the reading, steps.
     deviation: f32,
     /// Without noise; each channel at least 4 from the ends of its range.
     color: Rgba,
     /// Probability of a missing depth, in 1/256.
-    loss: u32,
+    pub(super) loss: u32,
 }
 
 /// What a pixel's loss depends on.

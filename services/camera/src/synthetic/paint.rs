@@ -6,9 +6,9 @@ use nalgebra::Point3;
 /// What a surface is painted with, as a function of the place on it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Paint {
-    pub(super) pattern: Pattern,
+    pattern: Pattern,
     /// Red, green, blue of the pattern's even and odd cells.
-    pub(super) colors: [[u8; 3]; 2],
+    colors: [[u8; 3]; 2],
 }
 
 /// Where the second colour of a paint stands.
@@ -30,11 +30,12 @@ const SPECKLE_M: f64 = 0.006;
 const CELL_OFFSET: f64 = 0.37;
 
 impl Paint {
-    pub(super) fn plain(color: [u8; 3]) -> Self {
-        Self {
-            pattern: Pattern::Plain,
-            colors: [color; 2],
-        }
+    pub(super) const fn new(pattern: Pattern, colors: [[u8; 3]; 2]) -> Self {
+        Self { pattern, colors }
+    }
+
+    pub(super) const fn plain(color: [u8; 3]) -> Self {
+        Self::new(Pattern::Plain, [color; 2])
     }
 
     /// Red, green, blue (0 to 255) at a place in the painted thing's frame.
@@ -44,7 +45,7 @@ impl Paint {
             Pattern::Plain => 0.0,
             Pattern::Bands(height) => (cell(p.z, height) & 1) as f64,
             Pattern::Checks(side) => {
-                (cell(p.x, side) + cell(p.y, side) + cell(p.z, side) & 1) as f64
+                ((cell(p.x, side) + cell(p.y, side) + cell(p.z, side)) & 1) as f64
             }
             Pattern::Wood => 0.5 + 0.5 * (130.0 * p.y + 4.0 * (3.1 * p.x + 9.0 * p.y).sin()).sin(),
         };

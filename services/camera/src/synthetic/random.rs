@@ -17,11 +17,8 @@ pub(super) fn unit(bits: u64) -> f64 {
     (bits >> 11) as f64 / (1_u64 << 53) as f64
 }
 
-/// The largest number [`gaussian`] returns.
-pub(super) const GAUSSIAN_LIMIT: f32 = 3.465;
-
 /// A number of mean 0 and deviation 1 from the lower 48 of 64 random bits: the
-/// sum of four uniform ones, bounded, so that no point is ever far off.
+/// sum of four uniform ones. Never beyond 3.465, so that no point is ever far off.
 #[inline]
 pub(super) fn gaussian(bits: u64) -> f32 {
     // Four times 12 bits; the deviation of their sum is 4096 / sqrt(3).

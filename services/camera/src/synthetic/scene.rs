@@ -1,7 +1,8 @@
 //! What a ray sees.
 
 use super::arrangement::TableObject;
-use super::catalogue::{self, Part};
+use super::catalogue::{Part, ROOM};
+use super::paint::Paint;
 use super::surface::{Hit, Ray};
 use geometry::RigidTransform;
 use nalgebra::{Point3, Vector3};
@@ -28,7 +29,7 @@ struct Body {
     world_from_body: RigidTransform,
     /// Centre (world frame) and radius of a sphere around all parts.
     bounds: (Point3<f64>, f64),
-    parts: Vec<Part>,
+    parts: &'static [Part],
 }
 
 /// The room and everything in it.
@@ -38,11 +39,11 @@ pub(super) struct Scene {
 }
 
 impl Scene {
-    pub(super) fn new(room: Vec<Part>, objects: &[TableObject]) -> Self {
+    pub(super) fn new(objects: &[TableObject]) -> Self {
         let room = Body {
             world_from_body: RigidTransform::identity(),
             bounds: (Point3::origin(), f64::INFINITY),
-            parts: room,
+            parts: &ROOM,
         };
         let bodies = std::iter::once(room)
             .chain(objects.iter().map(Body::of))
@@ -55,14 +56,13 @@ impl Scene {
         let nearest = self
             .bodies
             .iter()
-            .filter_map(|body| body.hit(ray).map(|(hit, part)| (hit, part, body)))
+            .filter_map(|body| body.hit(ray).map(|(hit, paint)| (hit, paint, body)))
             .min_by(|(a, ..), (b, ..)| a.t.total_cmp(&b.t));
-        nearest.map(|(hit, part, body)| {
+        nearest.map(|(hit, paint, body)| {
             let normal = body.world_from_body.rotation * hit.normal;
             let place = body.world_from_body.inverse_transform_point(&ray.at(hit.t));
             let light = AMBIENT + (1.0 - AMBIENT) * normal.dot(&TO_LAMP.normalize()).max(0.0);
-            let rgb = part
-                .paint
+            let rgb = paint
                 .color_at(&place)
                 .map(|channel| (channel * light).round() as u8);
             Sight {
@@ -87,17 +87,17 @@ impl Scene {
 
 impl Body {
     fn of(object: &TableObject) -> Self {
-        let (centre, radius) = catalogue::bounding_sphere(object.kind);
+        let (centre, radius) = object.kind.bounding_sphere();
         Self {
             world_from_body: object.world_from_object,
             bounds: (object.world_from_object * centre, radius),
-            parts: object.kind.parts(),
+            parts: object.kind.parts,
         }
     }
 
-    /// The nearest hit of a ray (world frame) and its part; the normal is in
+    /// The nearest hit of a ray (world frame) and its paint; the normal is in
     /// the body's frame.
-    fn hit(&self, ray: &Ray) -> Option<(Hit, &Part)> {
+    fn hit(&self, ray: &Ray) -> Option<(Hit, &Paint)> {
         let to_centre = self.bounds.0 - ray.origin;
         if to_centre.cross(&ray.direction).norm() > self.bounds.1 * ray.direction.norm() {
             return None;
@@ -110,7 +110,7 @@ impl Body {
         };
         self.parts
             .iter()
-            .filter_map(|part| part.surface.hit(&ray_in_body).map(|hit| (hit, part)))
+            .filter_map(|(surface, paint)| surface.hit(&ray_in_body).map(|hit| (hit, paint)))
             .min_by(|(a, _), (b, _)| a.t.total_cmp(&b.t))
     }
 }

@@ -32,18 +32,14 @@ pub(super) enum Surface {
     /// The flat ring between two radii at a height.
     Ring { z: f64, radii: [f64; 2] },
     /// A closed box along the axes, from corner to corner.
-    Cuboid { corners: [Point3<f64>; 2] },
-    /// A torus around an axis along y through `(centre_x, 0, centre_z)`, as far
-    /// as it lies outside the cylinder of radius `centre_x` around z.
-    Handle {
-        centre_x: f64,
-        centre_z: f64,
-        radii: [f64; 2],
-    },
+    Cuboid { corners: [[f64; 3]; 2] },
+    /// A torus around an axis along y, its centre at this x and z, as far as it
+    /// lies outside the cylinder around z through that centre.
+    Handle { centre: [f64; 2], radii: [f64; 2] },
 }
 
 impl Surface {
-    pub(super) fn cylinder(radius: f64, z: [f64; 2]) -> Self {
+    pub(super) const fn cylinder(radius: f64, z: [f64; 2]) -> Self {
         Self::Revolved {
             quadric: [0.0, 0.0, radius * radius],
             z,
@@ -51,7 +47,7 @@ impl Surface {
     }
 
     /// A truncated cone with one radius at each end of its range of heights.
-    pub(super) fn frustum(radii: [f64; 2], z: [f64; 2]) -> Self {
+    pub(super) const fn frustum(radii: [f64; 2], z: [f64; 2]) -> Self {
         let slope = (radii[1] - radii[0]) / (z[1] - z[0]);
         let at_zero = radii[0] - slope * z[0];
         Self::Revolved {
@@ -61,7 +57,7 @@ impl Surface {
     }
 
     /// The part of a sphere around `(0, 0, centre_z)` within a range of heights.
-    pub(super) fn sphere(radius: f64, centre_z: f64, z: [f64; 2]) -> Self {
+    pub(super) const fn sphere(radius: f64, centre_z: f64, z: [f64; 2]) -> Self {
         let c = radius * radius - centre_z * centre_z;
         Self::Revolved {
             quadric: [-1.0, 2.0 * centre_z, c],
@@ -69,17 +65,25 @@ impl Surface {
         }
     }
 
-    pub(super) fn disc(radius: f64, z: f64) -> Self {
+    pub(super) const fn disc(radius: f64, z: f64) -> Self {
         Self::Ring {
             z,
             radii: [0.0, radius],
         }
     }
 
-    pub(super) fn cuboid(from: [f64; 3], to: [f64; 3]) -> Self {
+    pub(super) const fn cuboid(from: [f64; 3], to: [f64; 3]) -> Self {
         Self::Cuboid {
-            corners: [from.into(), to.into()],
+            corners: [from, to],
         }
+    }
+
+    pub(super) const fn ring(radii: [f64; 2], z: f64) -> Self {
+        Self::Ring { z, radii }
+    }
+
+    pub(super) const fn handle(centre: [f64; 2], radii: [f64; 2]) -> Self {
+        Self::Handle { centre, radii }
     }
 
     /// The nearest point of the surface on the ray.
@@ -88,11 +92,7 @@ impl Surface {
             Self::Revolved { quadric, z } => revolved(*quadric, *z, ray),
             Self::Ring { z, radii } => ring(*z, *radii, ray),
             Self::Cuboid { corners } => cuboid(corners, ray),
-            Self::Handle {
-                centre_x,
-                centre_z,
-                radii,
-            } => handle(*centre_x, *centre_z, *radii, ray),
+            Self::Handle { centre, radii } => handle(*centre, *radii, ray),
         }?;
         let normal = outwards.normalize();
         let normal = if normal.dot(&ray.direction) > 0.0 {
@@ -134,7 +134,7 @@ fn ring(z: f64, radii: [f64; 2], ray: &Ray) -> Option<(f64, Vector3<f64>)> {
 }
 
 /// Slab by slab: the box is hit where the last of the three pairs is entered.
-fn cuboid(corners: &[Point3<f64>; 2], ray: &Ray) -> Option<(f64, Vector3<f64>)> {
+fn cuboid(corners: &[[f64; 3]; 2], ray: &Ray) -> Option<(f64, Vector3<f64>)> {
     let (mut enter, mut leave, mut axis) = (0.0, f64::INFINITY, None);
     for i in 0..3 {
         let t0 = (corners[0][i] - ray.origin[i]) / ray.direction[i];
@@ -150,7 +150,7 @@ fn cuboid(corners: &[Point3<f64>; 2], ray: &Ray) -> Option<(f64, Vector3<f64>)> 
 
 /// Sphere tracing (Hart 1996): the distance to the nearest surface is a safe
 /// step, which spares the torus' equation of fourth degree.
-fn handle(x: f64, z: f64, [major, minor]: [f64; 2], ray: &Ray) -> Option<(f64, Vector3<f64>)> {
+fn handle([x, z]: [f64; 2], [major, minor]: [f64; 2], ray: &Ray) -> Option<(f64, Vector3<f64>)> {
     let distance = |p: &Point3<f64>| {
         let from_circle = (p.x - x).hypot(p.z - z) - major;
         let torus = from_circle.hypot(p.y) - minor;

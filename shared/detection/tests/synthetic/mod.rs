@@ -8,6 +8,8 @@ use point_cloud::{Point, Rgba};
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BoxOnTable {
     pub(crate) centre: [f64; 2],
+    /// Height of the bottom over the table.
+    pub(crate) bottom: f64,
     pub(crate) sides: [f64; 3],
     pub(crate) rgb: [u8; 3],
 }
@@ -83,7 +85,11 @@ fn nearest(
 
 /// Where a ray enters a box (slab method).
 fn enter(eye: &Point3<f64>, direction: &Vector3<f64>, solid: &BoxOnTable) -> Option<f64> {
-    let centre = [solid.centre[0], solid.centre[1], 0.5 * solid.sides[2]];
+    let centre = [
+        solid.centre[0],
+        solid.centre[1],
+        solid.bottom + 0.5 * solid.sides[2],
+    ];
     let (mut near, mut far) = (f64::MIN, f64::MAX);
     for axis in 0..3 {
         let half = 0.5 * solid.sides[axis];

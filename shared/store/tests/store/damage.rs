@@ -2,8 +2,9 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 
-use store::{Condition, Mutation, PerceptualMemory};
+use store::{Condition, Mutation, PerceptualMemory, StoredView};
 use tempfile::TempDir;
 
 use crate::builders::{
@@ -28,15 +29,25 @@ fn mutations() -> Vec<Mutation> {
     mutations
 }
 
-/// A store after the first `n` mutations, made without damage.
-fn state_after(n: usize) -> Vec<Vec<store::StoredView>> {
-    let folder = fast_folder();
-    let (mut memory, _) = open(&folder);
-    apply(&mut memory, &mutations()[..n]);
-    state(&mut memory)
+/// What a store holds of each track.
+type State = Vec<Vec<StoredView>>;
+
+/// What the store holds after the first `n` mutations, made without damage.
+fn state_after(n: usize) -> &'static State {
+    static STATES: LazyLock<Vec<State>> = LazyLock::new(|| {
+        let folder = fast_folder();
+        let (mut memory, _) = open(&folder);
+        let mut states = vec![state(&mut memory)];
+        for mutation in mutations() {
+            apply(&mut memory, &[mutation]);
+            states.push(state(&mut memory));
+        }
+        states
+    });
+    &STATES[n]
 }
 
-fn state(memory: &mut PerceptualMemory) -> Vec<Vec<store::StoredView>> {
+fn state(memory: &mut PerceptualMemory) -> State {
     (1..=5)
         .map(|track| memory.views_of_track(track).unwrap())
         .collect()
@@ -98,7 +109,6 @@ fn check_it_goes_on(folder: &TempDir, mut memory: PerceptualMemory) {
 
 fn check_cut_log(step: usize) {
     let whole = whole_store(false);
-    let states: Vec<_> = (0..=mutations().len()).map(state_after).collect();
     let n_bytes = fs::metadata(newest(whole.path(), ".log")).unwrap().len() as usize;
     for cut in (0..=n_bytes).step_by(step) {
         let folder = copy(whole.path());
@@ -125,7 +135,11 @@ fn check_cut_log(step: usize) {
             other => panic!("cut at {cut}: {other:?}"),
         };
         assert_eq!(report.is_loss(), cut != n_bytes, "cut at {cut}: {report}");
-        assert_eq!(state(&mut memory), states[n_kept], "cut at {cut}: {report}");
+        assert_eq!(
+            state(&mut memory),
+            *state_after(n_kept),
+            "cut at {cut}: {report}"
+        );
         check_it_goes_on(&folder, memory);
     }
 }
@@ -143,12 +157,12 @@ fn long_a_torn_tail_loses_whole_changes_and_says_how_many() {
 
 /// Whether every view and name in the store is one that was really stored.
 fn is_part_of_the_truth(memory: &mut PerceptualMemory) -> bool {
-    let known: Vec<_> = (0..=mutations().len()).map(state_after).collect();
+    let known = || (0..=mutations().len()).map(state_after);
     state(memory).iter().enumerate().all(|(track, views)| {
         views.iter().all(|stored| {
-            let mut later = known.iter().flat_map(|state| &state[track]);
+            let mut later = known().flat_map(|state| &state[track]);
             later.any(|k| {
-                let name = |s: &store::StoredView| s.label.as_ref().map(|l| l.category.clone());
+                let name = |s: &StoredView| s.label.as_ref().map(|l| l.category.clone());
                 let points_fit =
                     stored.view.points.is_none() || stored.view.points == k.view.points;
                 k.view.descriptor == stored.view.descriptor
@@ -187,7 +201,7 @@ fn check_damaged(folder: &TempDir, what: &str) -> bool {
     if !is_told {
         assert_eq!(
             state(&mut memory),
-            state_after(mutations().len()),
+            *state_after(mutations().len()),
             "{what}: silently lost"
         );
     }
@@ -364,6 +378,6 @@ fn an_interrupted_rebuilding_is_finished_or_begun_again() {
         let (mut memory, report) = open(&folder);
         assert_eq!(report.condition, Condition::Sound);
         assert_eq!(folder.path().join("database.damaged-1").exists(), !is_aside);
-        assert_eq!(state(&mut memory), state_after(mutations().len()));
+        assert_eq!(state(&mut memory), *state_after(mutations().len()));
     }
 }

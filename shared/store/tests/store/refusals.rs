@@ -129,6 +129,16 @@ fn what_is_too_much_at_once_is_refused() {
             }
         );
     }
+    let large = |i| View {
+        points: Some(vec![0; store::MAX_POINTS_BYTES]),
+        ..view(1, i, 0)
+    };
+    let refused = refusal(memory.apply(&store(1, (0..4).map(large).collect())));
+    assert!(matches!(refused, Refusal::BatchBytes { .. }), "{refused}");
+    assert_eq!(
+        apply(&mut memory, &[store(9, (0..3).map(large).collect())])[0].n_views,
+        3
+    );
     let author = "x".repeat(MAX_NAME_BYTES + 1);
     let refused = refusal(memory.apply(&Mutation {
         author,
@@ -148,7 +158,7 @@ fn what_is_too_much_at_once_is_refused() {
             }
         );
     }
-    assert_eq!(memory.sequence(), 0);
+    assert_eq!(memory.sequence(), 1);
 }
 
 #[test]

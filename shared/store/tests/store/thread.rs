@@ -214,9 +214,11 @@ fn every_request_around_the_stop_is_answered_once() {
 }
 
 #[test]
-fn a_panic_in_a_reply_hurts_nobody_else() {
+fn a_panic_in_a_read_or_reply_hurts_nobody_else() {
     let folder = fast_folder();
     let (_thread, handle) = start(&folder, 8);
+    let panicked = handle.read_and_wait(|_| -> Result<(), Error> { panic!("meant by the test") });
+    assert!(matches!(panicked, Err(Error::Stopped)), "{panicked:?}");
     handle.mutate(store_views(1, vec![view(1, 0, 0)]), |_| {
         panic!("meant by the test")
     });

@@ -1,0 +1,259 @@
+//! A daemon of a test's own: real processes in a domain, home and run folder
+//! that nobody else has, stopped and checked for leftovers at the end.
+
+use channel::{DomainName, RunFolder};
+use message::ProcessKind;
+use rustix::process::{Pid, Signal, kill_process};
+use serde_json::Value;
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStdout, Command, Output, Stdio};
+use std::sync::LazyLock;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::{Duration, Instant};
+use tempfile::TempDir;
+
+/// Nothing in these tests takes longer; a test that hangs fails by this.
+pub(crate) const PATIENCE: Duration = Duration::from_secs(30);
+/// The daemon must have stopped within this from any state.
+pub(crate) const STOP_TIME: Duration = Duration::from_secs(5);
+const LOOK_AGAIN: Duration = Duration::from_millis(20);
+
+/// The folder of the programs, built once for all tests.
+static PROGRAMS: LazyLock<PathBuf> = LazyLock::new(|| {
+    let test = std::env::current_exe().unwrap();
+    let folder = test.parent().unwrap().parent().unwrap().to_owned();
+    let mut build = Command::new(env!("CARGO"));
+    build.args(["build", "--workspace", "--bins", "--quiet"]);
+    if folder.ends_with("release") {
+        build.arg("--release");
+    }
+    assert!(build.status().unwrap().success(), "the programs could not be built");
+    folder
+});
+
+/// Path of one of our programs.
+pub(crate) fn program(name: &str) -> PathBuf {
+    PROGRAMS.join(name)
+}
+
+static N_PLACES: AtomicU32 = AtomicU32::new(0);
+
+/// A domain, home and run folder of a test's own. Outlives the daemons in it.
+pub(crate) struct Place {
+    pub(crate) domain: DomainName,
+    runtime_dir: TempDir,
+    home: TempDir,
+}
+
+impl Place {
+    pub(crate) fn new() -> Self {
+        let number = N_PLACES.fetch_add(1, Ordering::Relaxed);
+        Self {
+            domain: format!("it-{}-{number}", std::process::id()).parse().unwrap(),
+            runtime_dir: tempfile::tempdir_in("/dev/shm").unwrap(),
+            home: tempfile::tempdir().unwrap(),
+        }
+    }
+
+    pub(crate) fn home(&self) -> &Path {
+        self.home.path()
+    }
+
+    /// The run folder a daemon of this place uses.
+    pub(crate) fn run_folder(&self) -> RunFolder {
+        RunFolder::at(self.runtime_dir.path().join("tabula"))
+    }
+
+    /// A program with this place's environment.
+    pub(crate) fn command(&self, name: &str) -> Command {
+        let mut command = Command::new(program(name));
+        command
+            .env("XDG_RUNTIME_DIR", self.runtime_dir.path())
+            .env("TABULA_DOMAIN", self.domain.to_string())
+            .env("TABULA_HOME", self.home.path())
+            .env_remove("RUST_LOG")
+            .stdin(Stdio::null());
+        command
+    }
+
+    /// Runs `tabula` with arguments to its end.
+    pub(crate) fn tabula(&self, arguments: &[&str]) -> Output {
+        self.command("tabula").args(arguments).output().unwrap()
+    }
+
+    /// Files of the domain in shared memory.
+    pub(crate) fn shared_memory_files(&self) -> Vec<String> {
+        let prefix = format!("tabula_{}_{}_", rustix::process::getuid().as_raw(), self.domain);
+        std::fs::read_dir("/dev/shm")
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
+            .filter(|name| name.starts_with(&prefix))
+            .collect()
+    }
+
+    /// Starts the daemon and waits until it says that it runs.
+    pub(crate) fn start(&self, arguments: &[&str]) -> Daemon<'_> {
+        let log = self.home.path().join("log.txt");
+        let log_file =
+            std::fs::File::options().create(true).append(true).open(&log).unwrap();
+        let mut child = self
+            .command("tabula")
+            .args(["run", "--json"])
+            .args(arguments)
+            .stdout(Stdio::piped())
+            .stderr(log_file)
+            .spawn()
+            .unwrap();
+        let mut stdout = BufReader::new(child.stdout.take().unwrap());
+        let mut line = String::new();
+        stdout.read_line(&mut line).unwrap();
+        let started = serde_json::from_str(&line).unwrap_or_else(|_| {
+            panic!("the daemon did not start; its log:\n{}", std::fs::read_to_string(&log).unwrap())
+        });
+        Daemon { place: self, child, _stdout: stdout, started, log, is_stopped: false }
+    }
+}
+
+/// A running daemon.
+pub(crate) struct Daemon<'a> {
+    pub(crate) place: &'a Place,
+    child: Child,
+    _stdout: BufReader<ChildStdout>,
+    /// What `tabula run --json` said.
+    pub(crate) started: Value,
+    log: PathBuf,
+    is_stopped: bool,
+}
+
+impl Daemon<'_> {
+    /// Runs `tabula --json` with arguments; the document it printed.
+    pub(crate) fn ask(&self, arguments: &[&str]) -> Value {
+        let output = self.place.tabula(&[&["--json"], arguments].concat());
+        assert!(output.status.success(), "{arguments:?}: {output:?}");
+        serde_json::from_slice(&output.stdout).unwrap()
+    }
+
+    /// Runs `tabula` with arguments that must be refused: exit code and sentence.
+    pub(crate) fn refused(&self, arguments: &[&str]) -> (i32, String) {
+        let output = self.place.tabula(arguments);
+        assert!(!output.status.success(), "{arguments:?}: {output:?}");
+        (output.status.code().unwrap(), String::from_utf8(output.stderr).unwrap())
+    }
+
+    /// The tracked objects.
+    pub(crate) fn objects(&self) -> Vec<Value> {
+        self.ask(&["objects"])["objects"].as_array().unwrap().clone()
+    }
+
+    /// Waits until the objects are as wanted; gives them back.
+    pub(crate) fn wait_for(&self, what: &str, is_so: impl Fn(&[Value]) -> bool) -> Vec<Value> {
+        let deadline = Instant::now() + PATIENCE;
+        loop {
+            let objects = self.place.tabula(&["objects", "--json"]);
+            let objects: Value = serde_json::from_slice(&objects.stdout).unwrap_or_default();
+            let objects = objects["objects"].as_array().cloned().unwrap_or_default();
+            if is_so(&objects) {
+                return objects;
+            }
+            assert!(
+                Instant::now() < deadline,
+                "waited in vain: {what}; {objects:#?}\n{}",
+                self.log()
+            );
+            std::thread::sleep(LOOK_AGAIN);
+        }
+    }
+
+    /// The processes' health by name.
+    pub(crate) fn health(&self, process: &str) -> Option<Value> {
+        let output = self.place.tabula(&["status", "--json"]);
+        let document: Value = serde_json::from_slice(&output.stdout).ok()?;
+        let processes = document["processes"].as_array()?;
+        processes.iter().find(|report| report["process"] == process).cloned()
+    }
+
+    /// Process id of a process as it reports itself now.
+    pub(crate) fn pid(&self, process: ProcessKind) -> Option<u32> {
+        u32::try_from(self.health(process.name())?["pid"].as_u64()?).ok()
+    }
+
+    /// Sends a signal to one of the daemon's processes.
+    pub(crate) fn signal(&self, process: ProcessKind, signal: Signal) {
+        let pid = self.pid(process).expect("the process reports its id");
+        kill_process(Pid::from_raw(pid.cast_signed()).unwrap(), signal).unwrap();
+    }
+
+    /// What the daemon has logged.
+    pub(crate) fn log(&self) -> String {
+        std::fs::read_to_string(&self.log).unwrap_or_default()
+    }
+
+    /// Stops with SIGINT, as Ctrl-C does, and checks that everything is gone in
+    /// time: processes, shared memory, run folder.
+    pub(crate) fn stop(mut self) {
+        let began = Instant::now();
+        self.signal_parent(Signal::INT);
+        let status = self.wait(STOP_TIME);
+        assert!(status.success(), "{status}\n{}", self.log());
+        assert!(began.elapsed() < STOP_TIME);
+        self.is_stopped = true;
+        let left = self.place.shared_memory_files();
+        assert!(left.is_empty(), "left in shared memory: {left:?}");
+        let folder = self.place.run_folder().of_domain(&self.place.domain);
+        assert!(!folder.exists(), "the run folder is left");
+    }
+
+    /// Waits until `tabula run` has ended by itself; its exit status.
+    pub(crate) fn wait(&mut self, patience: Duration) -> std::process::ExitStatus {
+        let deadline = Instant::now() + patience;
+        loop {
+            if let Some(status) = self.child.try_wait().unwrap() {
+                self.is_stopped = true;
+                return status;
+            }
+            assert!(Instant::now() < deadline, "the daemon does not stop\n{}", self.log());
+            std::thread::sleep(LOOK_AGAIN);
+        }
+    }
+
+    fn signal_parent(&self, signal: Signal) {
+        kill_process(Pid::from_raw(self.child.id().cast_signed()).unwrap(), signal).unwrap();
+    }
+}
+
+impl Drop for Daemon<'_> {
+    /// A failed test leaves nothing behind either: the children follow their parent.
+    fn drop(&mut self) {
+        if !self.is_stopped {
+            self.signal_parent(Signal::TERM);
+            let deadline = Instant::now() + STOP_TIME;
+            while self.child.try_wait().unwrap().is_none() {
+                if Instant::now() > deadline {
+                    let _ = self.child.kill();
+                }
+                std::thread::sleep(LOOK_AGAIN);
+            }
+        }
+    }
+}
+
+/// Waits until something holds.
+pub(crate) fn eventually(what: &str, mut is_so: impl FnMut() -> bool) {
+    let deadline = Instant::now() + PATIENCE;
+    while !is_so() {
+        assert!(Instant::now() < deadline, "waited in vain: {what}");
+        std::thread::sleep(LOOK_AGAIN);
+    }
+}
+
+/// The object nearest to a place, metres; the objects must not be empty.
+pub(crate) fn nearest<'a>(objects: &'a [Value], place: [f64; 3]) -> &'a Value {
+    let distance2 = |object: &Value| -> f64 {
+        let position = object["position_m"].as_array().unwrap();
+        let axis = |i: usize| position[i].as_f64().unwrap() - place[i];
+        (0..3).map(|i| axis(i) * axis(i)).sum()
+    };
+    let by_distance = |a: &&Value, b: &&Value| distance2(a).total_cmp(&distance2(b));
+    objects.iter().min_by(by_distance).expect("there are objects")
+}

@@ -1,0 +1,14 @@
+//! Integration tests: real processes, real shared memory, each test in a domain
+//! of its own, cleaned up afterwards. A test ends only processes it has started.
+#![cfg(test)]
+#![expect(clippy::unwrap_used, reason = "helpers of tests panic as tests do")]
+
+/// A daemon of a test's own.
+mod daemon;
+/// Folders of real data.
+mod real_data;
+
+/// Crates name only crates of lower layers; foreign libraries have owners.
+mod layering;
+/// Start, see, teach, restart, recognise, stop.
+mod skeleton;

@@ -1,0 +1,45 @@
+//! The walking skeleton: start, see, teach, restart, recognise, stop.
+
+use crate::daemon::{Daemon, Place, nearest};
+use camera::synthetic::SyntheticTable;
+use serde_json::Value;
+
+/// Where an object of an arrangement stands.
+fn place_of(arrangement: u32, name: &str) -> [f64; 3] {
+    let table = SyntheticTable::new(arrangement);
+    let objects = table.objects();
+    let object = objects.iter().find(|object| object.name == name).unwrap();
+    object.centre_in_world().into()
+}
+
+fn id(object: &Value) -> String {
+    object["track_id"].to_string()
+}
+
+fn wait_for_all(daemon: &Daemon<'_>, arrangement: u32) -> Vec<Value> {
+    let n_objects = SyntheticTable::new(arrangement).objects().len();
+    daemon.wait_for("all objects are tracked", |objects| {
+        let tracked = objects.iter().filter(|object| object["state"] == "tracked");
+        tracked.count() == n_objects && objects.len() == n_objects
+    })
+}
+
+#[test]
+fn what_was_taught_is_named_by_its_shape_and_not_by_its_place() {
+    let place = Place::new();
+    let daemon = place.start(&["--source", "synthetic:0"]);
+    let objects = wait_for_all(&daemon, 0);
+    for (name, label) in [("mug", "mug"), ("box", "cereal box")] {
+        let taught = nearest(&objects, place_of(0, name));
+        daemon.ask(&["teach", &id(taught), label]);
+    }
+    daemon.stop();
+
+    let daemon = place.start(&["--source", "synthetic:1"]);
+    let objects = wait_for_all(&daemon, 1);
+    let label = |name: &str| nearest(&objects, place_of(1, name))["label"].clone();
+    assert_eq!(label("mug"), "mug", "{objects:#?}");
+    assert_eq!(label("box"), "cereal box", "{objects:#?}");
+    assert_eq!(label("ball"), Value::Null, "{objects:#?}");
+    daemon.stop();
+}
