@@ -92,19 +92,40 @@ impl Place {
             .collect()
     }
 
-    /// Starts the daemon and waits until it says that it runs.
-    pub(crate) fn start(&self, arguments: &[&str]) -> Daemon<'_> {
-        let log = self.home.path().join("log.txt");
-        let log_file =
-            std::fs::File::options().create(true).append(true).open(&log).unwrap();
-        let mut child = self
-            .command("tabula")
+    /// Living processes that were told to work in this domain.
+    pub(crate) fn processes(&self) -> Vec<u32> {
+        let argument = format!("--domain={}", self.domain);
+        let is_ours = |pid: &u32| {
+            let words = std::fs::read(format!("/proc/{pid}/cmdline")).unwrap_or_default();
+            words.split(|byte| *byte == 0).any(|word| word == argument.as_bytes())
+        };
+        let all = std::fs::read_dir("/proc").unwrap();
+        all.filter_map(|entry| entry.unwrap().file_name().to_str()?.parse().ok())
+            .filter(is_ours)
+            .collect()
+    }
+
+    /// Where the daemons of this place write what they have to say.
+    pub(crate) fn log(&self) -> PathBuf {
+        self.home.path().join("log.txt")
+    }
+
+    /// Starts `tabula run` and waits for nothing.
+    pub(crate) fn launch(&self, arguments: &[&str]) -> Child {
+        let log = std::fs::File::options().create(true).append(true).open(self.log()).unwrap();
+        self.command("tabula")
             .args(["run", "--json"])
             .args(arguments)
             .stdout(Stdio::piped())
-            .stderr(log_file)
+            .stderr(log)
             .spawn()
-            .unwrap();
+            .unwrap()
+    }
+
+    /// Starts the daemon and waits until it says that it runs.
+    pub(crate) fn start(&self, arguments: &[&str]) -> Daemon<'_> {
+        let log = self.log();
+        let mut child = self.launch(arguments);
         let mut stdout = BufReader::new(child.stdout.take().unwrap());
         let mut line = String::new();
         stdout.read_line(&mut line).unwrap();
@@ -202,6 +223,8 @@ impl Daemon<'_> {
         assert!(left.is_empty(), "left in shared memory: {left:?}");
         let folder = self.place.run_folder().of_domain(&self.place.domain);
         assert!(!folder.exists(), "the run folder is left");
+        let alive = self.place.processes();
+        assert!(alive.is_empty(), "processes are left: {alive:?}");
     }
 
     /// Waits until `tabula run` has ended by itself; its exit status.
@@ -217,7 +240,8 @@ impl Daemon<'_> {
         }
     }
 
-    fn signal_parent(&self, signal: Signal) {
+    /// Sends a signal to `tabula run` itself.
+    pub(crate) fn signal_parent(&self, signal: Signal) {
         kill_process(Pid::from_raw(self.child.id().cast_signed()).unwrap(), signal).unwrap();
     }
 }
@@ -234,6 +258,21 @@ impl Drop for Daemon<'_> {
                 }
                 std::thread::sleep(LOOK_AGAIN);
             }
+        }
+    }
+}
+
+/// Runs a command to its end; one that does not end is stopped and fails the test.
+pub(crate) fn run_to_end(command: &mut Command, patience: Duration) -> Output {
+    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let pid = Pid::from_child(&child);
+    let (sender, ended) = std::sync::mpsc::channel();
+    std::thread::spawn(move || sender.send(child.wait_with_output()));
+    match ended.recv_timeout(patience) {
+        Ok(output) => output.unwrap(),
+        Err(_) => {
+            let _ = kill_process(pid, Signal::TERM);
+            panic!("{command:?} does not end by itself");
         }
     }
 }

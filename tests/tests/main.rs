@@ -8,6 +8,8 @@ mod daemon;
 /// Folders of real data.
 mod real_data;
 
+/// Processes that are killed, stopped, or can not start.
+mod faults;
 /// Crates name only crates of lower layers; foreign libraries have owners.
 mod layering;
 /// Start, see, teach, restart, recognise, stop.

@@ -5,18 +5,20 @@ use camera::synthetic::SyntheticTable;
 use serde_json::Value;
 
 /// Where an object of an arrangement stands.
-fn place_of(arrangement: u32, name: &str) -> [f64; 3] {
+pub(crate) fn place_of(arrangement: u32, name: &str) -> [f64; 3] {
     let table = SyntheticTable::new(arrangement);
     let objects = table.objects();
     let object = objects.iter().find(|object| object.name == name).unwrap();
     object.centre_in_world().into()
 }
 
-fn id(object: &Value) -> String {
+/// The track-id of an object, as an argument.
+pub(crate) fn id(object: &Value) -> String {
     object["track_id"].to_string()
 }
 
-fn wait_for_all(daemon: &Daemon<'_>, arrangement: u32) -> Vec<Value> {
+/// Waits until all objects of an arrangement are tracked, and nothing else is.
+pub(crate) fn wait_for_all(daemon: &Daemon<'_>, arrangement: u32) -> Vec<Value> {
     let n_objects = SyntheticTable::new(arrangement).objects().len();
     daemon.wait_for("all objects are tracked", |objects| {
         let tracked = objects.iter().filter(|object| object["state"] == "tracked");

@@ -14,33 +14,33 @@ pub struct Arguments {
 
     /// Which camera.
     #[command(flatten)]
-    pub source: SourceArguments,
+    pub(crate) source: SourceArguments,
 }
 
 /// Which camera, and how a recording is played; they win over the configuration.
 #[derive(Debug, Clone, Default, Args)]
-pub struct SourceArguments {
+pub(crate) struct SourceArguments {
     /// synthetic[:N], kinect, fakenect:FOLDER, or a folder of PCD scenes or of an RGB-D sequence
     #[arg(long, value_name = "SOURCE")]
-    pub source: Option<SourceSpec>,
+    pub(crate) source: Option<SourceSpec>,
 
     /// Frames per second of a recording or the synthetic table [default: 30]
     #[arg(long, value_name = "HZ")]
-    pub rate: Option<f64>,
+    pub(crate) rate: Option<f64>,
 
     /// Begin again when the recording ends
     #[arg(long = "loop")]
-    pub looped: bool,
+    pub(crate) looped: bool,
 
     /// First frame of the recording, in natural name order, counted from 0
     #[arg(long, value_name = "N")]
-    pub from: Option<usize>,
+    pub(crate) from: Option<usize>,
 
     /// Frame before which the recording ends
     #[arg(long, value_name = "M")]
-    pub to: Option<usize>,
+    pub(crate) to: Option<usize>,
 
     /// Send a frame only when perception and memory have finished the one before
     #[arg(long)]
-    pub lockstep: bool,
+    pub(crate) lockstep: bool,
 }

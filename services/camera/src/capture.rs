@@ -53,12 +53,21 @@ impl Capture {
             .health
             .shared_memory_bytes
             .store(publisher.reservation().bytes(), Ordering::Relaxed);
-        let start_ns = if config.lockstep { LOCKSTEP_START_NS } else { monotonic_ns() };
+        let start_ns = if config.lockstep {
+            LOCKSTEP_START_NS
+        } else {
+            monotonic_ns()
+        };
         let entered = runtime.enter();
-        let lockstep = config.lockstep.then(|| Lockstep::new(&context.domain)).transpose()?;
+        let lockstep = config
+            .lockstep
+            .then(|| Lockstep::new(&context.domain))
+            .transpose()?;
         drop(entered);
         Ok(Self {
-            schedule: source.rate_hz().map(|rate_hz| Schedule::new(start_ns, rate_hz)),
+            schedule: source
+                .rate_hz()
+                .map(|rate_hz| Schedule::new(start_ns, rate_hz)),
             source,
             publisher,
             lockstep,
@@ -86,7 +95,10 @@ impl Capture {
                 }
                 Err(error @ SourceError::Frame { .. }) => {
                     tracing::warn!("{error}");
-                    self.context.health.frames_dropped.fetch_add(1, Ordering::Relaxed);
+                    self.context
+                        .health
+                        .frames_dropped
+                        .fetch_add(1, Ordering::Relaxed);
                 }
                 Err(SourceError::Gone(sentence)) => self.gone(&sentence),
             }
@@ -96,7 +108,9 @@ impl Capture {
 
     /// Sends the next frame; false at the end of the recording.
     fn one_frame(&mut self) -> Result<bool, SourceError> {
-        let Some(size) = self.source.prepare()? else { return Ok(false) };
+        let Some(size) = self.source.prepare()? else {
+            return Ok(false);
+        };
         let (loan, info) = self.filled(size)?;
         if self.lockstep.is_some() {
             self.send_in_lockstep(loan, &info)?;
@@ -130,7 +144,10 @@ impl Capture {
         self.publisher.send(loan).map_err(unusable)?;
         // In lockstep there is no lateness: the followers set the pace.
         let released_ns = due_ns.filter(|_| self.lockstep.is_some()).unwrap_or(now_ns);
-        let was_late = self.schedule.as_mut().is_some_and(|schedule| schedule.release(released_ns));
+        let was_late = self
+            .schedule
+            .as_mut()
+            .is_some_and(|schedule| schedule.release(released_ns));
         let health = &self.context.health;
         health.frames.fetch_add(1, Ordering::Relaxed);
         if was_late {
@@ -151,7 +168,9 @@ impl Capture {
         let schedule = self.schedule;
         loop {
             self.send(loan, info)?;
-            let Some(lockstep) = &mut self.lockstep else { return Ok(()) };
+            let Some(lockstep) = &mut self.lockstep else {
+                return Ok(());
+            };
             let finished = lockstep.finished(self.session, self.sequence, &self.context.shutdown);
             match self.runtime.block_on(finished).map_err(unusable)? {
                 Waited::Finished | Waited::Stop => return Ok(()),
@@ -167,7 +186,9 @@ impl Capture {
     }
 
     fn wait_until_due(&self) {
-        let Some(schedule) = self.schedule else { return };
+        let Some(schedule) = self.schedule else {
+            return;
+        };
         while !self.context.shutdown.is_requested() {
             let left = Duration::from_nanos(schedule.due_ns().saturating_sub(monotonic_ns()));
             if left.is_zero() {
@@ -189,7 +210,9 @@ impl Capture {
     fn gone(&mut self, sentence: &str) {
         if !self.is_gone {
             tracing::warn!("{sentence}; looking for it every second from now on");
-            self.context.health.set_state(ProcessState::Degraded, sentence);
+            self.context
+                .health
+                .set_state(ProcessState::Degraded, sentence);
             self.is_gone = true;
         }
         let until_ns = monotonic_ns() + LOOK_AGAIN.as_nanos() as u64;
@@ -207,6 +230,7 @@ impl Capture {
     }
 }
 
+#[expect(clippy::needless_pass_by_value, reason = "the argument of map_err")]
 fn unusable(error: channel::Error) -> SourceError {
     SourceError::Unusable(error.to_string())
 }

@@ -40,10 +40,18 @@ impl Config {
     pub fn new(arguments: &Arguments, file: &ConfigFile) -> Result<Self, Failure> {
         let raw: RawConfig = file.section("camera")?;
         let given = &arguments.source;
-        let written = raw.source.as_deref().map(str::parse::<SourceSpec>).transpose();
+        let written = raw
+            .source
+            .as_deref()
+            .map(str::parse::<SourceSpec>)
+            .transpose();
         let written = written.map_err(|rule| file.wrong(format!("[camera] source: {rule}")))?;
         let config = Self {
-            source: given.source.clone().or(written).unwrap_or(SourceSpec::Synthetic(0)),
+            source: given
+                .source
+                .clone()
+                .or(written)
+                .unwrap_or(SourceSpec::Synthetic(0)),
             playback: Playback {
                 rate_hz: given.rate.or(raw.rate_hz),
                 looped: given.looped || raw.looped,
@@ -52,28 +60,41 @@ impl Config {
             },
             lockstep: given.lockstep || raw.lockstep,
         };
-        config.check().map_err(|rule| Failure::new(exit_code::USAGE, rule))?;
+        config
+            .check()
+            .map_err(|rule| Failure::new(exit_code::USAGE, rule))?;
         Ok(config)
     }
 
     fn check(&self) -> Result<(), String> {
-        let Playback { rate_hz, from, to, .. } = self.playback;
+        let Playback {
+            rate_hz, from, to, ..
+        } = self.playback;
         if let Some(rate) = rate_hz
             && !RATES_HZ.contains(&rate)
         {
-            return Err(format!("--rate must lie between 0.01 and 1000 frames per second, not {rate}"));
+            return Err(format!(
+                "--rate must lie between 0.01 and 1000 frames per second, not {rate}"
+            ));
         }
         if let (from, Some(to)) = (from.unwrap_or(0), to)
             && from >= to
         {
-            return Err(format!("--from {from} --to {to} plays nothing; --to must be the larger"));
+            return Err(format!(
+                "--from {from} --to {to} plays nothing; --to must be the larger"
+            ));
         }
         self.check_live()
     }
 
     /// A Kinect, real or played by fakenect, has its own rate and no frame numbers.
     fn check_live(&self) -> Result<(), String> {
-        let Playback { rate_hz, looped, from, to } = self.playback;
+        let Playback {
+            rate_hz,
+            looped,
+            from,
+            to,
+        } = self.playback;
         let name = match self.source {
             SourceSpec::Kinect => "kinect",
             SourceSpec::Fakenect(_) => "fakenect",

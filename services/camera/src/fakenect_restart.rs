@@ -13,7 +13,9 @@ use std::process::Command;
 /// # Errors
 /// When the folder is no complete recording, or the program can not be started.
 pub fn enter_recording(config: &Config) -> Result<(), Failure> {
-    let SourceSpec::Fakenect(folder) = &config.source else { return Ok(()) };
+    let SourceSpec::Fakenect(folder) = &config.source else {
+        return Ok(());
+    };
     let failed = |error: &dyn std::fmt::Display| Failure::new(exit_code::FAILURE, error);
     freenect::check_recording(folder).map_err(|e| failed(&e))?;
     match freenect::restart_with_recording(folder).map_err(|e| failed(&e))? {
@@ -29,8 +31,14 @@ pub fn enter_recording(config: &Config) -> Result<(), Failure> {
 /// Plays the recording from its beginning: fakenect does not rewind, so the
 /// process starts anew. Returns only on failure.
 pub(crate) fn play_again() -> Failure {
-    let started = std::env::current_exe()
-        .map(|program| Command::new(program).args(std::env::args_os().skip(1)).exec());
+    let started = std::env::current_exe().map(|program| {
+        Command::new(program)
+            .args(std::env::args_os().skip(1))
+            .exec()
+    });
     let (Ok(error) | Err(error)) = started;
-    Failure::new(exit_code::FAILURE, format!("could not start again to play on: {error}"))
+    Failure::new(
+        exit_code::FAILURE,
+        format!("could not start again to play on: {error}"),
+    )
 }

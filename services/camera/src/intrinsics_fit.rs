@@ -64,7 +64,16 @@ pub(crate) fn fit(points: &[Point], width: usize, height: usize) -> Option<Pinho
         return None;
     }
     let (width, height) = (width as u32, height as u32);
-    PinholeCamera { fx_px, fy_px, cx_px, cy_px, width, height }.validated().ok()
+    PinholeCamera {
+        fx_px,
+        fy_px,
+        cx_px,
+        cy_px,
+        width,
+        height,
+    }
+    .validated()
+    .ok()
 }
 
 #[cfg(test)]
@@ -77,14 +86,24 @@ mod tests {
             .map(|i| {
                 let (row, column) = (i / camera.width as usize, i % camera.width as usize);
                 let p = camera.back_project(column as f64, row as f64, depth(i));
-                Point { x: p.x as f32, y: p.y as f32, z: p.z as f32, ..Point::default() }
+                Point {
+                    x: p.x as f32,
+                    y: p.y as f32,
+                    z: p.z as f32,
+                    ..Point::default()
+                }
             })
             .collect()
     }
 
     #[test]
     fn the_camera_that_made_the_cloud_is_found() {
-        let camera = PinholeCamera { fx_px: 525.0, fy_px: 527.0, cx_px: 310.0, ..PinholeCamera::KINECT_V1 };
+        let camera = PinholeCamera {
+            fx_px: 525.0,
+            fy_px: 527.0,
+            cx_px: 310.0,
+            ..PinholeCamera::KINECT_V1
+        };
         let found = fit(&cloud(&camera), 640, 480).unwrap();
         assert!((found.fx_px - 525.0).abs() < 0.01 && (found.fy_px - 527.0).abs() < 0.01);
         assert!((found.cx_px - 310.0).abs() < 0.01 && (found.cy_px - camera.cy_px).abs() < 0.01);

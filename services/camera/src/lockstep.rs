@@ -30,7 +30,9 @@ pub(crate) enum Waited {
 
 impl Lockstep {
     pub(crate) fn new(domain: &Domain) -> Result<Self, Error> {
-        Ok(Self { reports: Subscriber::waiting(domain)? })
+        Ok(Self {
+            reports: Subscriber::waiting(domain)?,
+        })
     }
 
     /// Waits until all followers have finished the frame.
@@ -58,6 +60,5 @@ impl Lockstep {
 }
 
 fn is_by(done: &FrameDone, follower: ProcessKind, session: u64, sequence: u64) -> bool {
-    (done.session, done.sequence, done.process)
-        == (session, sequence, u64::from(follower.code()))
+    (done.session, done.sequence, done.process) == (session, sequence, u64::from(follower.code()))
 }

@@ -23,5 +23,10 @@ fn main() -> ExitCode {
     };
     let again = PlayAgain::default();
     let run = |context, config| camera::run(context, config, again.clone());
-    again.or(service::run(ProcessKind::Camera, &arguments.process, check, run))
+    again.or(service::run(
+        ProcessKind::Camera,
+        &arguments.process,
+        check,
+        run,
+    ))
 }

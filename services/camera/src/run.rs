@@ -40,7 +40,10 @@ pub async fn run(context: Context, config: Config, again: PlayAgain) -> Result<(
     match capture(context, &config).await? {
         End::Stopped => return Ok(()),
         End::Ended if config.playback.looped => {
-            again.0.store(matches!(config.source, SourceSpec::Fakenect(_)), Ordering::Relaxed);
+            again.0.store(
+                matches!(config.source, SourceSpec::Fakenect(_)),
+                Ordering::Relaxed,
+            );
             return Ok(());
         }
         End::Ended => {}
@@ -63,11 +66,13 @@ pub async fn run(context: Context, config: Config, again: PlayAgain) -> Result<(
 /// When it can not; a device may come later and is not looked for.
 pub fn check_source(config: &Config) -> Result<(), Failure> {
     let checked = match &config.source {
-        SourceSpec::Fakenect(folder) => {
-            freenect::check_recording(folder).map(drop).map_err(|error| error.to_string())
-        }
+        SourceSpec::Fakenect(folder) => freenect::check_recording(folder)
+            .map(drop)
+            .map_err(|error| error.to_string()),
         SourceSpec::Kinect => Ok(()),
-        _ => source::open(&config.source, &config.playback).map(drop).map_err(|e| e.to_string()),
+        _ => source::open(&config.source, &config.playback)
+            .map(drop)
+            .map_err(|e| e.to_string()),
     };
     checked.map_err(|sentence| Failure::new(exit_code::USAGE, sentence))
 }
@@ -77,12 +82,16 @@ pub fn check_source(config: &Config) -> Result<(), Failure> {
 async fn capture(context: Context, config: &Config) -> Result<End, Failure> {
     let (sender, ended) = oneshot::channel();
     let (config, runtime) = (config.clone(), Handle::current());
-    let spawned = std::thread::Builder::new().name("capture".into()).spawn(move || {
-        let _ = sender.send(play(context, &config, runtime));
-    });
+    let spawned = std::thread::Builder::new()
+        .name("capture".into())
+        .spawn(move || {
+            let _ = sender.send(play(context, &config, runtime));
+        });
     let failed = |sentence: String| Failure::new(exit_code::FAILURE, sentence);
     spawned.map_err(|error| failed(format!("could not start the capture thread: {error}")))?;
-    ended.await.map_err(|_| failed("the capture thread has panicked".into()))?
+    ended
+        .await
+        .map_err(|_| failed("the capture thread has panicked".into()))?
 }
 
 fn play(context: Context, config: &Config, runtime: Handle) -> Result<End, Failure> {

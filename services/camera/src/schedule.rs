@@ -16,7 +16,11 @@ const MAX_PERIODS_BEHIND: u64 = 5;
 impl Schedule {
     /// A schedule whose first frame is due at `start_ns`. `rate_hz` is positive.
     pub(crate) fn new(start_ns: u64, rate_hz: f64) -> Self {
-        Self { start_ns, period_ns: (1e9 / rate_hz) as u64, n_released: 0 }
+        Self {
+            start_ns,
+            period_ns: (1e9 / rate_hz) as u64,
+            n_released: 0,
+        }
     }
 
     /// When the next frame is due.
@@ -30,7 +34,11 @@ impl Schedule {
         let behind_ns = now_ns.saturating_sub(self.due_ns());
         self.n_released += 1;
         if behind_ns > MAX_PERIODS_BEHIND * self.period_ns {
-            *self = Self { start_ns: now_ns + self.period_ns, n_released: 0, ..*self };
+            *self = Self {
+                start_ns: now_ns + self.period_ns,
+                n_released: 0,
+                ..*self
+            };
         }
         behind_ns > self.period_ns
     }

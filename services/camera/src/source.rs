@@ -7,8 +7,8 @@ mod scenes;
 mod spec;
 mod synthetic_table;
 
-pub use error::SourceError;
-pub use spec::SourceSpec;
+pub(crate) use error::SourceError;
+pub(crate) use spec::SourceSpec;
 
 use geometry::{PinholeCamera, RigidTransform};
 use nalgebra::{Unit, Vector3};
@@ -16,52 +16,52 @@ use point_cloud::Point;
 
 /// How a source is played.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Playback {
+pub(crate) struct Playback {
     /// Frames per second; `None` for the source's own.
-    pub rate_hz: Option<f64>,
+    pub(crate) rate_hz: Option<f64>,
     /// Whether it begins again at its end.
-    pub looped: bool,
+    pub(crate) looped: bool,
     /// First frame; `None` for the first there is.
-    pub from: Option<usize>,
+    pub(crate) from: Option<usize>,
     /// Frame before which it ends; `None` for the end there is.
-    pub to: Option<usize>,
+    pub(crate) to: Option<usize>,
 }
 
 /// Columns and rows of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct FrameSize {
+pub(crate) struct FrameSize {
     /// Columns.
-    pub width: usize,
+    pub(crate) width: usize,
     /// Rows.
-    pub height: usize,
+    pub(crate) height: usize,
 }
 
 impl FrameSize {
     /// Number of points.
-    pub fn n_points(self) -> usize {
+    pub(crate) fn n_points(self) -> usize {
         self.width * self.height
     }
 }
 
 /// What a source says about a frame it has filled.
 #[derive(Debug, Clone, PartialEq)]
-pub struct FrameInfo {
+pub(crate) struct FrameInfo {
     /// Intrinsics and size.
-    pub camera: PinholeCamera,
+    pub(crate) camera: PinholeCamera,
     /// Whether the intrinsics belong to this camera or are nominal.
-    pub is_calibrated: bool,
+    pub(crate) is_calibrated: bool,
     /// Pose of the camera, when known.
-    pub world_from_camera: Option<RigidTransform>,
+    pub(crate) world_from_camera: Option<RigidTransform>,
     /// Direction against gravity, when known.
-    pub up_in_camera: Option<Unit<Vector3<f64>>>,
+    pub(crate) up_in_camera: Option<Unit<Vector3<f64>>>,
     /// Number of the frame in its recording.
-    pub source_frame: usize,
+    pub(crate) source_frame: usize,
     /// When a live sensor captured the frame, monotonic; `None` for recordings.
-    pub captured_ns: Option<u64>,
+    pub(crate) captured_ns: Option<u64>,
 }
 
 /// A camera, live or recorded.
-pub trait Source {
+pub(crate) trait Source {
     /// What people call it.
     fn name(&self) -> &str;
 
@@ -90,13 +90,16 @@ pub trait Source {
 /// be opened.
 pub(crate) fn open(spec: &SourceSpec, playback: &Playback) -> Result<Box<dyn Source>, SourceError> {
     match spec {
-        SourceSpec::Synthetic(arrangement) => {
-            Ok(Box::new(synthetic_table::Synthetic::new(*arrangement, playback)))
-        }
+        SourceSpec::Synthetic(arrangement) => Ok(Box::new(synthetic_table::Synthetic::new(
+            *arrangement,
+            playback,
+        ))),
         SourceSpec::Kinect => Ok(Box::new(kinect::KinectSource::real()?)),
         SourceSpec::Fakenect(folder) => Ok(Box::new(kinect::KinectSource::fake(folder)?)),
         SourceSpec::Folder(folder) => match dataset::detect_kind(folder) {
-            Ok(dataset::RecordingKind::PcdScenes) => Ok(Box::new(scenes::Scenes::open(folder, playback)?)),
+            Ok(dataset::RecordingKind::PcdScenes) => {
+                Ok(Box::new(scenes::Scenes::open(folder, playback)?))
+            }
             Ok(dataset::RecordingKind::RgbdSequence) => {
                 Ok(Box::new(rgbd::Sequence::open(folder, playback)?))
             }
@@ -129,7 +132,12 @@ impl Frames {
                 n_frames.saturating_sub(1)
             )));
         }
-        Ok(Self { from, to, next: from, looped: playback.looped })
+        Ok(Self {
+            from,
+            to,
+            next: from,
+            looped: playback.looped,
+        })
     }
 
     fn advance(&mut self) -> Option<usize> {
@@ -158,11 +166,33 @@ mod tests {
             let mut frames = Frames::new(5, &playback).unwrap();
             std::iter::from_fn(|| frames.advance()).take(n).collect()
         };
-        let part = Playback { from: Some(1), to: Some(3), ..Playback::default() };
+        let part = Playback {
+            from: Some(1),
+            to: Some(3),
+            ..Playback::default()
+        };
         assert_eq!(played(part, 9), [1, 2]);
-        assert_eq!(played(Playback { looped: true, ..part }, 5), [1, 2, 1, 2, 1]);
+        assert_eq!(
+            played(
+                Playback {
+                    looped: true,
+                    ..part
+                },
+                5
+            ),
+            [1, 2, 1, 2, 1]
+        );
         assert_eq!(played(Playback::default(), 9), [0, 1, 2, 3, 4]);
-        assert!(Frames::new(5, &Playback { from: Some(5), ..part }).is_err());
+        assert!(
+            Frames::new(
+                5,
+                &Playback {
+                    from: Some(5),
+                    ..part
+                }
+            )
+            .is_err()
+        );
         assert!(Frames::new(0, &Playback::default()).is_err());
     }
 }

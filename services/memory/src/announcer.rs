@@ -18,7 +18,10 @@ pub(crate) struct Announcer {
 
 impl Announcer {
     pub(crate) fn new(domain: &Domain, position: watch::Receiver<Position>) -> Result<Self, Error> {
-        Ok(Self { publisher: Publisher::new(domain)?, position })
+        Ok(Self {
+            publisher: Publisher::new(domain)?,
+            position,
+        })
     }
 
     pub(crate) async fn run(mut self) {
@@ -31,7 +34,11 @@ impl Announcer {
                 },
                 _ = period.tick() => false,
             };
-            let told = if is_news { self.tell() } else { self.publisher.greet_new_subscribers() };
+            let told = if is_news {
+                self.tell()
+            } else {
+                self.publisher.greet_new_subscribers()
+            };
             if let Err(error) = told {
                 tracing::warn!("a change of the memory was not announced: {error}");
             }
@@ -41,6 +48,9 @@ impl Announcer {
     fn tell(&mut self) -> Result<(), Error> {
         let Position { store_id, sequence } = *self.position.borrow_and_update();
         let store_id = [(store_id.0 >> 64) as u64, store_id.0 as u64];
-        self.publisher.send_copy(PlainHeader::default(), &[MemoryChange { store_id, sequence }])
+        self.publisher.send_copy(
+            PlainHeader::default(),
+            &[MemoryChange { store_id, sequence }],
+        )
     }
 }

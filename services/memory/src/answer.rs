@@ -31,7 +31,9 @@ pub(crate) struct Answerer {
 impl Answerer {
     /// The answer, or the refusal that says why there is none.
     pub(crate) async fn answer(&self, command: Command) -> Reply {
-        self.try_answer(command).await.unwrap_or_else(Reply::Refused)
+        self.try_answer(command)
+            .await
+            .unwrap_or_else(Reply::Refused)
     }
 
     async fn try_answer(&self, command: Command) -> Result<Reply, Refusal> {
@@ -40,24 +42,48 @@ impl Answerer {
         }
         match command {
             Command::Health => Ok(Reply::Health(self.processes.reports())),
-            Command::Teach(Labelling { id, author, track_id, category }) => {
+            Command::Teach(Labelling {
+                id,
+                author,
+                track_id,
+                category,
+            }) => {
                 let name = translate::category(&category)?;
-                let change = Change::Teach { track_id, category: name.clone() };
+                let change = Change::Teach {
+                    track_id,
+                    category: name.clone(),
+                };
                 self.learn(id, author, change, name.as_str()).await
             }
-            Command::Correct(Labelling { id, author, track_id, category }) => {
+            Command::Correct(Labelling {
+                id,
+                author,
+                track_id,
+                category,
+            }) => {
                 let name = translate::category(&category)?;
-                let change = Change::Correct { track_id, category: name.clone() };
+                let change = Change::Correct {
+                    track_id,
+                    category: name.clone(),
+                };
                 self.learn(id, author, change, name.as_str()).await
             }
-            Command::Forget { id, author, category } => {
+            Command::Forget {
+                id,
+                author,
+                category,
+            } => {
                 let name = translate::category(&category)?;
-                let change = Change::Forget { category: name.clone() };
+                let change = Change::Forget {
+                    category: name.clone(),
+                };
                 self.learn(id, author, change, name.as_str()).await
             }
             Command::Categories => {
                 let summaries = self.read(|memory| Ok(memory.categories())).await?;
-                Ok(Reply::Categories(summaries.iter().map(translate::category_report).collect()))
+                Ok(Reply::Categories(
+                    summaries.iter().map(translate::category_report).collect(),
+                ))
             }
             other => self.try_answer_internal(other).await,
         }
@@ -67,22 +93,34 @@ impl Answerer {
         match command {
             Command::LeaseTrackIds { count } => {
                 let lease = |reply: Reporter<u64>| {
-                    self.store.lease_track_ids(u64::from(count), |first| reply.send(first));
+                    self.store
+                        .lease_track_ids(u64::from(count), |first| reply.send(first));
                 };
-                Ok(Reply::TrackIds { first: wait(lease).await? })
+                Ok(Reply::TrackIds {
+                    first: wait(lease).await?,
+                })
             }
             Command::StoreViews { id, views } => {
-                self.mutate(id, "perception".into(), translate::store_views(views)?).await?;
+                self.mutate(id, "perception".into(), translate::store_views(views)?)
+                    .await?;
                 Ok(Reply::Stored)
             }
             Command::Snapshot { after } => {
-                let cursor = after.map(|WireViewId { track_id, view_id }| ViewId { track_id, view_id });
-                let page = self.read(move |memory| memory.snapshot(cursor, PAGE_BYTES)).await?;
+                let cursor =
+                    after.map(|WireViewId { track_id, view_id }| ViewId { track_id, view_id });
+                let page = self
+                    .read(move |memory| memory.snapshot(cursor, PAGE_BYTES))
+                    .await?;
                 Ok(Reply::Snapshot(translate::snapshot(page)))
             }
             Command::Changes { store_id, since } => {
-                let position = Position { store_id: store::StoreId(store_id), sequence: since };
-                let changes = self.read(move |memory| memory.changes(position, PAGE_BYTES)).await?;
+                let position = Position {
+                    store_id: store::StoreId(store_id),
+                    sequence: since,
+                };
+                let changes = self
+                    .read(move |memory| memory.changes(position, PAGE_BYTES))
+                    .await?;
                 Ok(Reply::Changes(translate::changes(since, changes)))
             }
             other => Err(Refusal::new(
@@ -94,7 +132,10 @@ impl Answerer {
 
     async fn ask_perception(&self, command: Command) -> Result<Reply, Refusal> {
         let unavailable = |error| Refusal::new(RefusalKind::Unavailable, format!("{error}"));
-        self.perception.call(command, DEADLINE).await.map_err(unavailable)
+        self.perception
+            .call(command, DEADLINE)
+            .await
+            .map_err(unavailable)
     }
 
     async fn learn(
@@ -123,7 +164,12 @@ impl Answerer {
     ) -> Result<Answer, Refusal> {
         let wall_ns = wall_clock_ns().max(0) as u64;
         let id = store::MutationId(id.0);
-        let mutation = Mutation { id, author, wall_ns, change };
+        let mutation = Mutation {
+            id,
+            author,
+            wall_ns,
+            change,
+        };
         let ask = |reply: Reporter<Answer>| self.store.mutate(mutation, |done| reply.send(done));
         let answer = wait(ask).await?;
         let position = self.read(|memory| Ok(memory.position())).await?;
@@ -156,7 +202,10 @@ impl<T> Reporter<T> {
 async fn wait<T>(ask: impl FnOnce(Reporter<T>)) -> Result<T, Refusal> {
     let (sender, answer) = oneshot::channel();
     ask(Reporter(sender));
-    answer.await.unwrap_or(Err(Error::Stopped)).map_err(|error| translate::refusal(&error))
+    answer
+        .await
+        .unwrap_or(Err(Error::Stopped))
+        .map_err(|error| translate::refusal(&error))
 }
 
 fn what(change: &Change) -> String {

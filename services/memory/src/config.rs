@@ -12,7 +12,9 @@ struct RawConfig {
 
 impl Default for RawConfig {
     fn default() -> Self {
-        Self { queue_requests: 1024 }
+        Self {
+            queue_requests: 1024,
+        }
     }
 }
 

@@ -28,5 +28,10 @@ struct Arguments {
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    service::run(ProcessKind::Memory, &arguments.process, Config::new, run::run)
+    service::run(
+        ProcessKind::Memory,
+        &arguments.process,
+        Config::new,
+        run::run,
+    )
 }

@@ -22,12 +22,18 @@ struct Inner {
 impl ProcessTable {
     pub(crate) fn new(domain: &Domain) -> Result<Self, Error> {
         let subscriber = Subscriber::polled(domain)?;
-        Ok(Self(Mutex::new(Inner { subscriber, latest: BTreeMap::new() })))
+        Ok(Self(Mutex::new(Inner {
+            subscriber,
+            latest: BTreeMap::new(),
+        })))
     }
 
     /// Takes what has been reported; to be called about once a second.
     pub(crate) fn refresh(&self) {
-        let mut inner = self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let mut inner = self
+            .0
+            .lock()
+            .unwrap_or_else(std::sync::PoisonError::into_inner);
         while let Ok(Received::Message(message)) = inner.subscriber.receive() {
             for health in message.items() {
                 if ProcessKind::from_code(health.process).is_some() {
@@ -40,10 +46,17 @@ impl ProcessTable {
     /// Everybody who has reported lately.
     pub(crate) fn reports(&self) -> Vec<ProcessReport> {
         self.refresh();
-        let inner = self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let inner = self
+            .0
+            .lock()
+            .unwrap_or_else(std::sync::PoisonError::into_inner);
         let now_ns = monotonic_ns();
-        let is_recent =
-            |health: &&Health| now_ns.saturating_sub(health.stamp_ns) < MAX_AGE_NS;
-        inner.latest.values().filter(is_recent).filter_map(ProcessReport::new).collect()
+        let is_recent = |health: &&Health| now_ns.saturating_sub(health.stamp_ns) < MAX_AGE_NS;
+        inner
+            .latest
+            .values()
+            .filter(is_recent)
+            .filter_map(ProcessReport::new)
+            .collect()
     }
 }

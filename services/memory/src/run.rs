@@ -38,7 +38,9 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
     })
     .map_err(failed)?;
     tell(&context.health, &report);
-    let position = store.read_and_wait(|memory| Ok(memory.position())).map_err(failed)?;
+    let position = store
+        .read_and_wait(|memory| Ok(memory.position()))
+        .map_err(failed)?;
     let (position, positions) = watch::channel(position);
     let domain = &context.domain;
     let processes = Arc::new(ProcessTable::new(domain)?);
@@ -75,7 +77,10 @@ fn tell(health: &HealthBoard, report: &OpenReport) {
 async fn probe(store: &StoreHandle, health: &HealthBoard, processes: &ProcessTable) {
     loop {
         let (sender, answered) = tokio::sync::oneshot::channel();
-        store.read(|memory| Ok(memory.sequence()), move |answer| drop(sender.send(answer)));
+        store.read(
+            |memory| Ok(memory.sequence()),
+            move |answer| drop(sender.send(answer)),
+        );
         if answered.await.is_ok() {
             health.tick();
         }

@@ -35,7 +35,9 @@ impl SceneFollower {
     fn take_all(&mut self) -> Result<(), Error> {
         while let Received::Message(scene) = self.scenes.receive()? {
             self.health.frames.fetch_add(1, Ordering::Relaxed);
-            self.health.frames_dropped.store(self.scenes.n_lost(), Ordering::Relaxed);
+            self.health
+                .frames_dropped
+                .store(self.scenes.n_lost(), Ordering::Relaxed);
             let scene: &SceneSummary = scene.header();
             if scene.frame_flags & frame_flag::LOCKSTEP != 0 {
                 self.report(scene)?;

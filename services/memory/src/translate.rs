@@ -17,7 +17,11 @@ pub(crate) fn category(name: &str) -> Result<CategoryName, Refusal> {
 
 /// The change that stores key views.
 pub(crate) fn store_views(views: Vec<StoredView>) -> Result<Change, Refusal> {
-    views.into_iter().map(view).collect::<Result<_, _>>().map(Change::StoreViews)
+    views
+        .into_iter()
+        .map(view)
+        .collect::<Result<_, _>>()
+        .map(Change::StoreViews)
 }
 
 fn view(view: StoredView) -> Result<View, Refusal> {
@@ -26,13 +30,24 @@ fn view(view: StoredView) -> Result<View, Refusal> {
         let sentence = format!("view {view_id} of track {track_id} can not be stored: {rule}");
         Refusal::new(RefusalKind::Invalid, sentence)
     };
-    let pose = WirePose { position_m: view.position_m, orientation_xyzw: view.orientation_xyzw };
-    let frame_from_box = pose.checked().ok_or_else(|| refused("its pose is not a pose"))?;
+    let pose = WirePose {
+        position_m: view.position_m,
+        orientation_xyzw: view.orientation_xyzw,
+    };
+    let frame_from_box = pose
+        .checked()
+        .ok_or_else(|| refused("its pose is not a pose"))?;
     let values = f32_values(&view.descriptor)
         .ok_or_else(|| refused("its descriptor is not a list of 32-bit numbers"))?;
     Ok(View {
-        id: ViewId { track_id: view.id.track_id, view_id: view.id.view_id },
-        descriptor: Descriptor { kind: view.descriptor_kind, values },
+        id: ViewId {
+            track_id: view.id.track_id,
+            view_id: view.id.view_id,
+        },
+        descriptor: Descriptor {
+            kind: view.descriptor_kind,
+            values,
+        },
         box_in_world: OrientedBox {
             frame_from_box,
             half_sides_m: Vector3::from(view.size_m) / 2.0,
@@ -46,7 +61,12 @@ fn view(view: StoredView) -> Result<View, Refusal> {
 
 fn f32_values(bytes: &[u8]) -> Option<Vec<f32>> {
     let (values, rest) = bytes.as_chunks::<4>();
-    rest.is_empty().then(|| values.iter().map(|value| f32::from_le_bytes(*value)).collect())
+    rest.is_empty().then(|| {
+        values
+            .iter()
+            .map(|value| f32::from_le_bytes(*value))
+            .collect()
+    })
 }
 
 fn learned(view: LabelledView) -> LearnedView {
@@ -54,12 +74,20 @@ fn learned(view: LabelledView) -> LearnedView {
         id: view_id(view.view),
         category: view.category.as_str().to_owned(),
         descriptor_kind: view.descriptor.kind,
-        descriptor: view.descriptor.values.iter().flat_map(|value| value.to_le_bytes()).collect(),
+        descriptor: view
+            .descriptor
+            .values
+            .iter()
+            .flat_map(|value| value.to_le_bytes())
+            .collect(),
     }
 }
 
 fn view_id(id: ViewId) -> WireViewId {
-    WireViewId { track_id: id.track_id, view_id: id.view_id }
+    WireViewId {
+        track_id: id.track_id,
+        view_id: id.view_id,
+    }
 }
 
 /// A page of labelled views.
@@ -74,14 +102,28 @@ pub(crate) fn snapshot(page: store::SnapshotPage) -> SnapshotPage {
 
 /// A page of changes since `since`.
 pub(crate) fn changes(since: u64, changes: Changes) -> ChangesPage {
-    let Changes::Entries { entries, last_sequence } = changes else { return ChangesPage::Reload };
+    let Changes::Entries {
+        entries,
+        last_sequence,
+    } = changes
+    else {
+        return ChangesPage::Reload;
+    };
     let up_to = entries.last().map_or(since, |entry| entry.sequence);
     let change = |change| match change {
         NameChange::Assigned(view) => LearnedChange::Assigned(learned(view)),
         NameChange::Unassigned(key) => LearnedChange::Unassigned(view_id(key)),
     };
-    let changes = entries.into_iter().flat_map(|entry| entry.names).map(change).collect();
-    ChangesPage::Changes { up_to, changes, more: up_to < last_sequence }
+    let changes = entries
+        .into_iter()
+        .flat_map(|entry| entry.names)
+        .map(change)
+        .collect();
+    ChangesPage::Changes {
+        up_to,
+        changes,
+        more: up_to < last_sequence,
+    }
 }
 
 /// A category's size.
@@ -98,8 +140,9 @@ pub(crate) fn category_report(summary: &store::CategorySummary) -> CategoryRepor
 pub(crate) fn refusal(error: &Error) -> Refusal {
     use store::Refusal as Reason;
     let kind = match error {
-        Error::Refused(Reason::Lesson(Lesson::LabelledOtherwise { .. }))
-        | Error::Refused(Reason::ViewDiffers { .. }) => RefusalKind::Conflict,
+        Error::Refused(
+            Reason::Lesson(Lesson::LabelledOtherwise { .. }) | Reason::ViewDiffers { .. },
+        ) => RefusalKind::Conflict,
         Error::Refused(Reason::Lesson(_)) => RefusalKind::NotFound,
         Error::Refused(_) => RefusalKind::Invalid,
         Error::QueueFull { .. } | Error::Failed { .. } | Error::Stopped => RefusalKind::Unavailable,
@@ -114,9 +157,15 @@ mod tests {
 
     fn sent() -> StoredView {
         StoredView {
-            id: WireViewId { track_id: 7, view_id: 2 },
+            id: WireViewId {
+                track_id: 7,
+                view_id: 2,
+            },
             descriptor_kind: "good".into(),
-            descriptor: [1.0f32, 0.25].iter().flat_map(|v| v.to_le_bytes()).collect(),
+            descriptor: [1.0f32, 0.25]
+                .iter()
+                .flat_map(|v| v.to_le_bytes())
+                .collect(),
             position_m: [0.1, 0.2, 0.3],
             orientation_xyzw: [0.0, 0.0, 0.0, 1.0],
             size_m: [0.1, 0.1, 0.2],
@@ -136,9 +185,18 @@ mod tests {
     #[test]
     fn a_view_of_wrong_numbers_is_refused_with_its_name() {
         for wrong in [
-            StoredView { descriptor: vec![1, 2, 3], ..sent() },
-            StoredView { orientation_xyzw: [0.0; 4], ..sent() },
-            StoredView { position_m: [f64::NAN; 3], ..sent() },
+            StoredView {
+                descriptor: vec![1, 2, 3],
+                ..sent()
+            },
+            StoredView {
+                orientation_xyzw: [0.0; 4],
+                ..sent()
+            },
+            StoredView {
+                position_m: [f64::NAN; 3],
+                ..sent()
+            },
         ] {
             let refusal = view(wrong).unwrap_err();
             assert!(refusal.sentence.contains("track 7"), "{refusal}");

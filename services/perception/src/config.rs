@@ -62,7 +62,9 @@ impl Config {
             if (least..=60_000).contains(&value) {
                 return Ok(Duration::from_millis(value));
             }
-            Err(wrong(&format!("{name} must lie between {least} and 60000, not {value}")))
+            Err(wrong(&format!(
+                "{name} must lie between {least} and 60000, not {value}"
+            )))
         };
         let detection = detection::RawConfig {
             range_min_m: raw.range_min_m,

@@ -28,14 +28,21 @@ fn answer(world: &World, command: &Command) -> Reply {
 }
 
 fn no_such_track(world: &World, track_id: u64) -> Refusal {
-    let ids: Vec<String> =
-        world.objects().objects.iter().map(|object| object.track_id.to_string()).collect();
+    let ids: Vec<String> = world
+        .objects()
+        .objects
+        .iter()
+        .map(|object| object.track_id.to_string())
+        .collect();
     let there = if ids.is_empty() {
         "nothing is tracked now".to_owned()
     } else {
         format!("the tracks are {}", ids.join(", "))
     };
-    Refusal::new(RefusalKind::NotFound, format!("there is no track {track_id}; {there}"))
+    Refusal::new(
+        RefusalKind::NotFound,
+        format!("there is no track {track_id}; {there}"),
+    )
 }
 
 #[cfg(test)]
@@ -47,11 +54,18 @@ mod tests {
     fn who_asks_for_a_missing_track_is_told_which_there_are() {
         let world = World::default();
         let ask = |track_id| answer(&world, &Command::Ask { track_id });
-        let Reply::Refused(refusal) = ask(3) else { panic!("track 3 is not there") };
+        let Reply::Refused(refusal) = ask(3) else {
+            panic!("track 3 is not there")
+        };
         assert!(refusal.sentence.contains("nothing is tracked"), "{refusal}");
-        let object = SceneObject { track_id: 8, ..SceneObject::default() };
+        let object = SceneObject {
+            track_id: 8,
+            ..SceneObject::default()
+        };
         world.set(&SceneSummary::default(), &[object]);
-        let Reply::Refused(refusal) = ask(3) else { panic!("track 3 is not there") };
+        let Reply::Refused(refusal) = ask(3) else {
+            panic!("track 3 is not there")
+        };
         assert!(refusal.sentence.contains("the tracks are 8"), "{refusal}");
         assert!(matches!(ask(8), Reply::Object(_)));
     }

@@ -38,7 +38,11 @@ pub(crate) enum DetectFailed {
 
 impl Detector {
     pub(crate) fn new(pool: WorkerPool, config: Config) -> Self {
-        Self { pool, config: Arc::new(config), buffers: Buffers::default() }
+        Self {
+            pool,
+            config: Arc::new(config),
+            buffers: Buffers::default(),
+        }
     }
 
     /// Searches a frame, in the camera's own bytes.
@@ -50,7 +54,10 @@ impl Detector {
         self.buffers = buffers;
         let location = found.map_err(DetectFailed::Unusable)?;
         let detection = std::mem::take(&mut self.buffers.detection);
-        Ok(Detected { detection, location })
+        Ok(Detected {
+            detection,
+            location,
+        })
     }
 
     /// Takes a detection's memory back for the next frame.
@@ -70,8 +77,15 @@ fn search(
     let found = cloud.map_err(|error| error.to_string()).and_then(|cloud| {
         let up_in_camera = arrived.checked.up_in_camera;
         // The frame's own number: a replay draws the same samples.
-        let frame = Frame { cloud, up_in_camera, seed: header.sequence };
-        let Buffers { workspace, detection } = &mut buffers;
+        let frame = Frame {
+            cloud,
+            up_in_camera,
+            seed: header.sequence,
+        };
+        let Buffers {
+            workspace,
+            detection,
+        } = &mut buffers;
         detection::detect(&frame, config, workspace, detection).map_err(|error| error.to_string())
     });
     (buffers, found.map(|()| arrived.frame.location()))

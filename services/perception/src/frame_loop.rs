@@ -12,9 +12,7 @@ use actor::WorkerPool;
 use channel::topic::{FrameFinished, ObjectCloud, ObjectView, Scene, Topic};
 use channel::{Domain, Error, Publisher};
 use geometry::RigidTransform;
-use message::{
-    FrameDone, ObjectCloudHeader, PlainHeader, ProcessKind, SceneObject, SceneSummary,
-};
+use message::{FrameDone, ObjectCloudHeader, PlainHeader, ProcessKind, SceneObject, SceneSummary};
 use pipeline::{Frame, Step, TrackTable};
 use service::{HealthBoard, monotonic_ns};
 use std::collections::BTreeMap;
@@ -83,9 +81,16 @@ pub(crate) struct Surroundings {
 }
 
 impl FrameLoop {
-    pub(crate) fn new(domain: &Domain, config: &Config, given: Surroundings) -> Result<Self, Error> {
+    pub(crate) fn new(
+        domain: &Domain,
+        config: &Config,
+        given: Surroundings,
+    ) -> Result<Self, Error> {
         let ports = Ports::new(domain)?;
-        given.health.shared_memory_bytes.store(ports.reserved_bytes(), Ordering::Relaxed);
+        given
+            .health
+            .shared_memory_bytes
+            .store(ports.reserved_bytes(), Ordering::Relaxed);
         Ok(Self {
             intake: Intake::new(domain)?,
             detector: Detector::new(given.pool.clone(), config.detection.clone()),
@@ -163,9 +168,8 @@ impl FrameLoop {
     /// A lockstep source sends a frame again when a report was lost.
     fn is_repeated(&self, arrived: &Arrived) -> bool {
         let header = arrived.frame.header();
-        self.last_finished.is_some_and(|last| {
-            (last.session, last.sequence) == (header.session, header.sequence)
-        })
+        self.last_finished
+            .is_some_and(|last| (last.session, last.sequence) == (header.session, header.sequence))
     }
 
     /// Capture time runs backwards when another recording begins: nothing that
@@ -182,11 +186,20 @@ impl FrameLoop {
     fn associate(&mut self, arrived: &Arrived, detected: &Detected) {
         let frame = Frame {
             capture_ns: arrived.frame.header().capture_stamp_ns,
-            world_from_camera: arrived.checked.world_from_camera.unwrap_or_else(RigidTransform::identity),
+            world_from_camera: arrived
+                .checked
+                .world_from_camera
+                .unwrap_or_else(RigidTransform::identity),
         };
         let ids = &self.ids;
-        self.table.step(&detected.detection, &frame, || ids.take(), &mut self.step);
-        for sighting in self.step.sightings.iter().filter(|sighting| sighting.is_new) {
+        self.table
+            .step(&detected.detection, &frame, || ids.take(), &mut self.step);
+        for sighting in self
+            .step
+            .sightings
+            .iter()
+            .filter(|sighting| sighting.is_new)
+        {
             self.actors.spawn(sighting.track_id);
         }
         self.dismiss_gone();
@@ -201,19 +214,29 @@ impl FrameLoop {
 
     async fn observe(&mut self, arrived: &Arrived, detected: &Arc<Detected>) {
         let deadline = (!arrived.is_lockstep()).then_some(self.actor_deadline);
-        let Self { actors, step, outcomes, .. } = self;
-        actors.observe(arrived, detected, &step.sightings, deadline, outcomes).await;
+        let Self {
+            actors,
+            step,
+            outcomes,
+            ..
+        } = self;
+        actors
+            .observe(arrived, detected, &step.sightings, deadline, outcomes)
+            .await;
         for (sighting, observed) in &self.outcomes {
             if let Some(observed) = observed {
                 self.table.absorb(sighting.track_id, &observed.posterior);
-                self.memory_sequences.insert(sighting.track_id, observed.memory_sequence);
+                self.memory_sequences
+                    .insert(sighting.track_id, observed.memory_sequence);
             }
         }
     }
 
     fn send_key_views(&self, arrived: &Arrived) -> Vec<OnDisk> {
         let key_views = self.outcomes.iter().filter_map(|(sighting, observed)| {
-            let observed = observed.as_ref().filter(|observed| observed.posterior.is_key_view)?;
+            let observed = observed
+                .as_ref()
+                .filter(|observed| observed.posterior.is_key_view)?;
             Some(scene_report::stored_view(arrived, sighting, observed))
         });
         key_views.filter_map(|view| self.outbox.put(view)).collect()
@@ -230,7 +253,12 @@ impl FrameLoop {
             }
             if wants_clouds {
                 let indices = points_of(detected, sighting.candidate);
-                say_unsent(publish_cloud(&mut self.ports.clouds, arrived, sighting.track_id, indices));
+                say_unsent(publish_cloud(
+                    &mut self.ports.clouds,
+                    arrived,
+                    sighting.track_id,
+                    indices,
+                ));
             }
         }
     }
@@ -245,11 +273,16 @@ impl FrameLoop {
         scene_report::objects(tracks, &self.memory_sequences, &mut self.objects);
         summary.n_objects_total = tracks.len() as u32;
         summary.n_rejected = self.step.n_rejected as u32;
-        summary.n_late = self.outcomes.iter().filter(|(_, observed)| observed.is_none()).count() as u32;
+        summary.n_late = self
+            .outcomes
+            .iter()
+            .filter(|(_, observed)| observed.is_none())
+            .count() as u32;
         summary.frames_dropped = self.intake.n_dropped();
         if let Some(table) = &detected.detection.table {
             let world_from_camera = arrived.checked.world_from_camera;
-            let plane = world_from_camera.map_or(table.plane, |pose| table.plane.transformed(&pose));
+            let plane =
+                world_from_camera.map_or(table.plane, |pose| table.plane.transformed(&pose));
             summary.has_table = 1;
             let normal = plane.normal.into_inner();
             summary.table_plane = [normal.x, normal.y, normal.z, plane.offset_m];
@@ -271,7 +304,9 @@ impl FrameLoop {
             self.detector.recycle(detected);
         }
         self.health.frames.fetch_add(1, Ordering::Relaxed);
-        self.health.frames_dropped.store(self.intake.n_dropped(), Ordering::Relaxed);
+        self.health
+            .frames_dropped
+            .store(self.intake.n_dropped(), Ordering::Relaxed);
         self.health.tick();
         if arrived.is_lockstep() {
             for stored in on_disk {
@@ -290,7 +325,9 @@ impl FrameLoop {
         };
         self.last_finished = Some(done);
         if arrived.is_lockstep() {
-            self.ports.finished.send_copy(PlainHeader::default(), &[done])?;
+            self.ports
+                .finished
+                .send_copy(PlainHeader::default(), &[done])?;
         }
         Ok(())
     }

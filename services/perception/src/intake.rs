@@ -59,7 +59,11 @@ impl Intake {
         let received_ns = service::monotonic_ns();
         self.count(&frame);
         match frame.header().checked(frame.items().len()) {
-            Ok(checked) => Ok(Some(Arrived { frame: Arc::new(frame), checked, received_ns })),
+            Ok(checked) => Ok(Some(Arrived {
+                frame: Arc::new(frame),
+                checked,
+                received_ns,
+            })),
             Err(error) => {
                 self.refuse(&error);
                 Ok(None)

@@ -75,7 +75,10 @@ impl Courier {
         let id = MutationId(random_id());
         let mut is_told = false;
         loop {
-            let command = Command::StoreViews { id, views: views.clone() };
+            let command = Command::StoreViews {
+                id,
+                views: views.clone(),
+            };
             match self.client.call(command, DEADLINE).await {
                 Ok(Reply::Stored) => return,
                 Ok(Reply::Refused(refusal)) if !is_transient(&refusal) => {
@@ -95,7 +98,10 @@ impl Courier {
 
 fn is_transient(refusal: &message::control::Refusal) -> bool {
     use message::control::RefusalKind;
-    matches!(refusal.kind, RefusalKind::Unavailable | RefusalKind::Internal)
+    matches!(
+        refusal.kind,
+        RefusalKind::Unavailable | RefusalKind::Internal
+    )
 }
 
 fn random_id() -> u128 {

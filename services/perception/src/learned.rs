@@ -31,7 +31,11 @@ pub(crate) type SharedLearned = Arc<RwLock<Learned>>;
 impl Default for Learned {
     fn default() -> Self {
         let index = CategoryIndex::new(DESCRIPTOR_DIMENSION, METRIC);
-        Self { index, sequence: 0, store_id: None }
+        Self {
+            index,
+            sequence: 0,
+            store_id: None,
+        }
     }
 }
 
@@ -66,7 +70,12 @@ impl Follower {
         learned: SharedLearned,
     ) -> Result<Self, Error> {
         let announcements = Subscriber::waiting(domain)?;
-        Ok(Self { client, announcements, learned, is_kind_told: false })
+        Ok(Self {
+            client,
+            announcements,
+            learned,
+            is_kind_told: false,
+        })
     }
 
     /// Keeps the views up to date until the future is dropped.
@@ -96,7 +105,11 @@ impl Follower {
                 continue;
             };
             match self.call(Command::Changes { store_id, since }).await? {
-                Reply::Changes(ChangesPage::Changes { up_to, changes, more }) => {
+                Reply::Changes(ChangesPage::Changes {
+                    up_to,
+                    changes,
+                    more,
+                }) => {
                     self.apply(up_to, changes);
                     if !more {
                         return Ok(());
@@ -122,7 +135,12 @@ impl Follower {
                 Reply::Snapshot(page) => page,
                 other => return Err(FollowFailed::Unexpected(format!("{other:?}"))),
             };
-            let SnapshotPage { store_id, sequence, views: more_views, next } = page;
+            let SnapshotPage {
+                store_id,
+                sequence,
+                views: more_views,
+                next,
+            } = page;
             if first.is_some_and(|(id, _)| id != store_id) {
                 // The store was exchanged in the middle: begin again.
                 (first, after) = (None, None);
@@ -136,7 +154,9 @@ impl Follower {
                 break;
             }
         }
-        let Some((store_id, sequence)) = first else { return Ok(()) };
+        let Some((store_id, sequence)) = first else {
+            return Ok(());
+        };
         let n_views = views.len();
         let mut learned = self.learned.write().unwrap_or_else(PoisonError::into_inner);
         learned.index.clear();
@@ -166,12 +186,18 @@ impl Follower {
     }
 
     async fn call(&self, command: Command) -> Result<Reply, FollowFailed> {
-        self.client.call(command, DEADLINE).await.map_err(FollowFailed::Call)
+        self.client
+            .call(command, DEADLINE)
+            .await
+            .map_err(FollowFailed::Call)
     }
 }
 
 fn view_id(id: message::control::ViewId) -> ViewId {
-    ViewId { track_id: id.track_id, view_id: id.view_id }
+    ViewId {
+        track_id: id.track_id,
+        view_id: id.view_id,
+    }
 }
 
 /// Takes a view over; one that does not compare with ours is left out, and that
@@ -187,13 +213,21 @@ fn insert(index: &mut CategoryIndex, view: &LearnedView, is_told: &mut bool) {
 
 fn try_insert(index: &mut CategoryIndex, view: &LearnedView) -> Result<(), String> {
     if view.descriptor_kind != DESCRIPTOR_KIND {
-        return Err(format!("it was described as {}, not {DESCRIPTOR_KIND}", view.descriptor_kind));
+        return Err(format!(
+            "it was described as {}, not {DESCRIPTOR_KIND}",
+            view.descriptor_kind
+        ));
     }
     let category = CategoryName::new(&view.category).map_err(|error| error.to_string())?;
     let (values, rest) = view.descriptor.as_chunks::<4>();
     if !rest.is_empty() {
         return Err("its descriptor is not a list of 32-bit numbers".into());
     }
-    let values: Vec<f32> = values.iter().map(|value| f32::from_le_bytes(*value)).collect();
-    index.insert(view_id(view.id), &category, &values).map_err(|error| error.to_string())
+    let values: Vec<f32> = values
+        .iter()
+        .map(|value| f32::from_le_bytes(*value))
+        .collect();
+    index
+        .insert(view_id(view.id), &category, &values)
+        .map_err(|error| error.to_string())
 }

@@ -33,5 +33,10 @@ struct Arguments {
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    service::run(ProcessKind::Perception, &arguments.process, Config::new, run::run)
+    service::run(
+        ProcessKind::Perception,
+        &arguments.process,
+        Config::new,
+        run::run,
+    )
 }

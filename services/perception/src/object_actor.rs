@@ -62,18 +62,36 @@ impl Actor for ObjectActor {
 
     fn start(context: &Arc<ObjectContext>, state: ObjectState) -> Result<Self, Error> {
         let tools = ObjectTools::new()?;
-        Ok(Self { state, tools, context: context.clone() })
+        Ok(Self {
+            state,
+            tools,
+            context: context.clone(),
+        })
     }
 
     fn handle(&mut self, message: Observe, _: &Progress) -> Result<Flow<Observed>, Error> {
-        let Observe { arrived, detected, candidate, measured, mut descriptor } = message;
+        let Observe {
+            arrived,
+            detected,
+            candidate,
+            measured,
+            mut descriptor,
+        } = message;
         let indices = match detected.detection.candidates.get(candidate) {
             Some(candidate) => detected.detection.points_of(candidate),
             None => &[],
         };
         let cloud = points(arrived.frame.items());
-        let observation = Observation { cloud, indices, measured: &measured };
-        let learned = self.context.learned.read().unwrap_or_else(PoisonError::into_inner);
+        let observation = Observation {
+            cloud,
+            indices,
+            measured: &measured,
+        };
+        let learned = self
+            .context
+            .learned
+            .read()
+            .unwrap_or_else(PoisonError::into_inner);
         let posterior = self.state.observe(
             &observation,
             &learned.index,

@@ -86,7 +86,8 @@ impl Actors {
     /// Takes the memory of answers back for later ones.
     pub(crate) fn recycle(&mut self, outcomes: &mut Vec<Outcome>) {
         let observed = outcomes.drain(..).filter_map(|(_, observed)| observed);
-        self.spare_descriptors.extend(observed.map(|observed| observed.descriptor));
+        self.spare_descriptors
+            .extend(observed.map(|observed| observed.descriptor));
     }
 
     fn ask(
@@ -107,4 +108,3 @@ impl Actors {
         address.ask(arrived.frame.header().sequence, observe).ok()
     }
 }
-

@@ -15,8 +15,8 @@ use message::{ProcessKind, ProcessState};
 use service::{Context, Failure, HealthBoard, exit_code};
 use std::fmt::Display;
 use std::num::NonZeroUsize;
-use std::sync::atomic::Ordering;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 use tokio::runtime::Handle;
 
@@ -52,7 +52,11 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
     let (outbox, courier) = outbox(couriers);
     let ids = Arc::new(TrackIds::default());
     let world = Arc::new(World::default());
-    let server = Server::new(domain, ProcessKind::Perception, control::handler(world.clone()))?;
+    let server = Server::new(
+        domain,
+        ProcessKind::Perception,
+        control::handler(world.clone()),
+    )?;
     let follower = Follower::new(domain, memory.clone(), learned)?;
     let given = Surroundings {
         pool: pool.clone(),
@@ -99,9 +103,13 @@ fn start_supervisor(
     pool: &WorkerPool,
     learned: SharedLearned,
 ) -> Result<(Supervisor<u64, ObjectActor>, Events<u64>), Failure> {
-    let policy =
-        RestartPolicy::new(MAX_ACTOR_RESTARTS, RESTART_WINDOW, FIRST_BACKOFF, LONGEST_BACKOFF)
-            .map_err(failed)?;
+    let policy = RestartPolicy::new(
+        MAX_ACTOR_RESTARTS,
+        RESTART_WINDOW,
+        FIRST_BACKOFF,
+        LONGEST_BACKOFF,
+    )
+    .map_err(failed)?;
     let supervision = actor::Config {
         restart: Restart::Transient,
         policy,
@@ -110,7 +118,10 @@ fn start_supervisor(
         shutdown: ACTOR_SHUTDOWN,
         event_capacity: EVENTS,
     };
-    let context = Arc::new(ObjectContext { config: config.pipeline, learned });
+    let context = Arc::new(ObjectContext {
+        config: config.pipeline,
+        learned,
+    });
     Ok(Supervisor::new(supervision, context, Handle::current()))
 }
 

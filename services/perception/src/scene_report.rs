@@ -32,9 +32,17 @@ fn object(track: &Track, memory_sequence: u64) -> SceneObject {
         n_points: track.measured.n_points as u32,
         n_views: track.n_views,
         mean_argb: Rgba::opaque(red, green, blue).0,
-        distance: if track.distance.is_finite() { track.distance } else { f32::NAN },
+        distance: if track.distance.is_finite() {
+            track.distance
+        } else {
+            f32::NAN
+        },
         is_labelled: u32::from(track.label.is_some()),
-        label: track.label.as_ref().map(|label| Text::truncated(label.as_str())).unwrap_or_default(),
+        label: track
+            .label
+            .as_ref()
+            .map(|label| Text::truncated(label.as_str()))
+            .unwrap_or_default(),
         memory_sequence,
         ..SceneObject::default()
     }
@@ -48,7 +56,12 @@ pub(crate) fn objects(
 ) {
     let sequence = |track: &Track| memory_sequences.get(&track.id).copied().unwrap_or(0);
     objects.clear();
-    objects.extend(tracks.iter().take(MAX_SCENE_OBJECTS).map(|track| object(track, sequence(track))));
+    objects.extend(
+        tracks
+            .iter()
+            .take(MAX_SCENE_OBJECTS)
+            .map(|track| object(track, sequence(track))),
+    );
 }
 
 /// The summary of a frame without what the tracks add.
@@ -93,21 +106,36 @@ pub(crate) fn object_view(
         n_points: sighting.measured.n_points as u32,
         frame_location: observed.location,
         first_point_index: observed.first_point_index,
-        distance: if posterior.distance.is_finite() { posterior.distance } else { f32::NAN },
+        distance: if posterior.distance.is_finite() {
+            posterior.distance
+        } else {
+            f32::NAN
+        },
         detection_location,
         ..ObjectViewHeader::default()
     }
 }
 
 /// A key view for the memory.
-pub(crate) fn stored_view(arrived: &Arrived, sighting: &Sighting, observed: &Observed) -> StoredView {
+pub(crate) fn stored_view(
+    arrived: &Arrived,
+    sighting: &Sighting,
+    observed: &Observed,
+) -> StoredView {
     let header = arrived.frame.header();
     let body = observed.posterior.filter.box_in_world();
     let pose = WirePose::from(&body.frame_from_box);
     StoredView {
-        id: ViewId { track_id: sighting.track_id, view_id: observed.posterior.view_id },
+        id: ViewId {
+            track_id: sighting.track_id,
+            view_id: observed.posterior.view_id,
+        },
         descriptor_kind: DESCRIPTOR_KIND.into(),
-        descriptor: observed.descriptor.iter().flat_map(|value| value.to_le_bytes()).collect(),
+        descriptor: observed
+            .descriptor
+            .iter()
+            .flat_map(|value| value.to_le_bytes())
+            .collect(),
         position_m: pose.position_m,
         orientation_xyzw: pose.orientation_xyzw,
         size_m: body.sides_m().into(),

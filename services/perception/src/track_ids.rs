@@ -62,10 +62,16 @@ impl TrackIds {
     async fn fetch(&self, client: &Client) {
         let mut is_told = false;
         loop {
-            match client.call(Command::LeaseTrackIds { count: BLOCK }, DEADLINE).await {
+            match client
+                .call(Command::LeaseTrackIds { count: BLOCK }, DEADLINE)
+                .await
+            {
                 Ok(Reply::TrackIds { first }) => {
                     let block = first..first.saturating_add(u64::from(BLOCK));
-                    self.blocks.lock().unwrap_or_else(PoisonError::into_inner).push_back(block);
+                    self.blocks
+                        .lock()
+                        .unwrap_or_else(PoisonError::into_inner)
+                        .push_back(block);
                     return;
                 }
                 Ok(other) if !is_told => tracing::error!("no track-ids were leased: {other:?}"),

@@ -107,7 +107,10 @@ impl RunArguments {
         let values = values
             .into_iter()
             .filter_map(|(name, value)| Some(format!("{name}={}", value.as_ref()?)));
-        let flags = flags.into_iter().filter(|(_, is_set)| *is_set).map(|(name, _)| name.into());
+        let flags = flags
+            .into_iter()
+            .filter(|(_, is_set)| *is_set)
+            .map(|(name, _)| name.into());
         values.chain(flags).collect()
     }
 }

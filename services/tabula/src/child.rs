@@ -32,11 +32,15 @@ enum State {
 impl Child {
     /// Starts a process.
     pub(crate) fn start(process: ProcessKind, arguments: Vec<String>) -> Result<Self, Failure> {
-        let policy =
-            RestartPolicy::new(MAX_RESTARTS, WINDOW, FIRST_BACKOFF, LONGEST_BACKOFF)
-                .map_err(|error| Failure::new(exit_code::FAILURE, error))?;
+        let policy = RestartPolicy::new(MAX_RESTARTS, WINDOW, FIRST_BACKOFF, LONGEST_BACKOFF)
+            .map_err(|error| Failure::new(exit_code::FAILURE, error))?;
         let state = State::Running(spawn(process, &arguments)?);
-        Ok(Self { process, arguments, state, history: RestartHistory::new(policy) })
+        Ok(Self {
+            process,
+            arguments,
+            state,
+            history: RestartHistory::new(policy),
+        })
     }
 
     /// Process id, while it runs.
@@ -71,12 +75,19 @@ impl Child {
         if let Some(code @ (exit_code::USAGE | exit_code::ALREADY_RUNNING)) =
             status.code().and_then(|code| u8::try_from(code).ok())
         {
-            return Err(Failure::new(code, format!("{program} can not run, see its message above")));
+            return Err(Failure::new(
+                code,
+                format!("{program} can not run, see its message above"),
+            ));
         }
         match self.history.on_failure(Instant::now()) {
             Verdict::Restart { after } => {
-                say(&format!("{program} has ended ({status}); starting it again in {after:?}"));
-                self.state = State::Waiting { until: Instant::now() + after };
+                say(&format!(
+                    "{program} has ended ({status}); starting it again in {after:?}"
+                ));
+                self.state = State::Waiting {
+                    until: Instant::now() + after,
+                };
                 Ok(())
             }
             Verdict::GiveUp => Err(Failure::new(
@@ -128,11 +139,17 @@ pub(crate) fn common_arguments(common: &CommonArguments) -> Vec<String> {
 
 /// Runs a process with `--check-config` to its end.
 pub(crate) fn check(process: ProcessKind, arguments: &[String]) -> Result<(), Failure> {
-    let status = command(process)?.args(arguments).arg("--check-config").status();
+    let status = command(process)?
+        .args(arguments)
+        .arg("--check-config")
+        .status();
     match status.map_err(|error| not_startable(process, &error))? {
         status if status.success() => Ok(()),
         status => Err(Failure::new(
-            status.code().and_then(|code| u8::try_from(code).ok()).unwrap_or(exit_code::FAILURE),
+            status
+                .code()
+                .and_then(|code| u8::try_from(code).ok())
+                .unwrap_or(exit_code::FAILURE),
             format!("{} can not run, see its message above", process.program()),
         )),
     }
@@ -140,10 +157,13 @@ pub(crate) fn check(process: ProcessKind, arguments: &[String]) -> Result<(), Fa
 
 fn spawn(process: ProcessKind, arguments: &[String]) -> Result<OsChild, Failure> {
     let mut command = command(process)?;
-    command.args(arguments).arg("--follow-parent");
+    let parent = format!("--follow-parent={}", std::process::id());
+    command.args(arguments).arg(parent);
     // A group of its own: Ctrl-C reaches the parent only, which stops all in order.
     command.process_group(0);
-    command.spawn().map_err(|error| not_startable(process, &error))
+    command
+        .spawn()
+        .map_err(|error| not_startable(process, &error))
 }
 
 /// The program beside this one. What it prints belongs to the log.

@@ -91,7 +91,7 @@ fn keep_running(
             child.look_after(|text| output.say(text))?;
         }
         if !is_announced && next_question <= Instant::now() {
-            is_announced = is_ready(common);
+            is_announced = is_ready(children, common);
             next_question = Instant::now() + ASK_READY;
             if is_announced {
                 announce(children, common, domain, output);
@@ -102,16 +102,20 @@ fn keep_running(
     Ok(())
 }
 
-/// Whether every process has said that it works.
-fn is_ready(common: &CommonArguments) -> bool {
+/// Whether every child has said that it works. Its process id counts, too: when
+/// another daemon runs in the domain, that one answers.
+fn is_ready(children: &[Child], common: &CommonArguments) -> bool {
     let health = connect(common).and_then(|mut client| call(&mut client, Command::Health));
-    let Ok(Reply::Health(processes)) = health else { return false };
-    let works = |process: &ProcessKind| {
+    let Ok(Reply::Health(processes)) = health else {
+        return false;
+    };
+    let works = |child: &Child| {
         processes.iter().any(|report| {
-            report.process == process.name() && !["starting", "stopping"].contains(&&*report.state)
+            child.pid() == Some(report.pid)
+                && !["starting", "stopping"].contains(&&*report.state)
         })
     };
-    ProcessKind::ALL.iter().all(works)
+    children.iter().all(works)
 }
 
 fn announce(children: &[Child], common: &CommonArguments, domain: &Domain, output: &Output) {
@@ -123,21 +127,36 @@ fn announce(children: &[Child], common: &CommonArguments, domain: &Domain, outpu
         processes: ProcessKind::ALL
             .into_iter()
             .zip(children)
-            .map(|(process, child)| StartedProcess { process: process.name(), pid: child.pid() })
+            .map(|(process, child)| StartedProcess {
+                process: process.name(),
+                pid: child.pid(),
+            })
             .collect(),
     };
     output.answer(&document, || announcement(&document));
 }
 
 fn announcement(document: &StartedDocument) -> String {
-    let StartedDocument { domain, home, run_folder, processes } = document;
+    let StartedDocument {
+        domain,
+        home,
+        run_folder,
+        processes,
+    } = document;
     let started: Vec<String> = processes
         .iter()
         .map(|StartedProcess { process, pid }| {
-            format!("tabula-{process} ({})", pid.map_or("-".into(), |pid| pid.to_string()))
+            format!(
+                "tabula-{process} ({})",
+                pid.map_or("-".into(), |pid| pid.to_string())
+            )
         })
         .collect();
-    let option = if domain == "default" { String::new() } else { format!(" --domain {domain}") };
+    let option = if domain == "default" {
+        String::new()
+    } else {
+        format!(" --domain {domain}")
+    };
     format!(
         "tabula is running: {started}\n\
          domain {domain}, data in {home}, run folder {run_folder}\n\

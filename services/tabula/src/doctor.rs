@@ -4,7 +4,7 @@ mod checks;
 
 use crate::output::Output;
 use serde::Serialize;
-use service::{CommonArguments, Failure, exit_code};
+use service::{CommonArguments, exit_code};
 use std::process::ExitCode;
 
 /// How a check went.
@@ -29,7 +29,11 @@ pub(crate) struct Finding {
 
 impl Finding {
     fn new(check: &'static str, verdict: Verdict, sentence: impl Into<String>) -> Self {
-        Self { check, verdict, sentence: sentence.into() }
+        Self {
+            check,
+            verdict,
+            sentence: sentence.into(),
+        }
     }
 }
 
@@ -39,11 +43,16 @@ struct Document {
 }
 
 /// Runs all checks; the exit code is a failure when one of them is.
-pub(crate) fn run(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure> {
-    let document = Document { findings: checks::all(common) };
+pub(crate) fn run(common: &CommonArguments, output: &Output) -> ExitCode {
+    let document = Document {
+        findings: checks::all(common),
+    };
     output.answer(&document, || text(&document.findings));
-    let has_failed = document.findings.iter().any(|f| f.verdict == Verdict::Failure);
-    Ok(ExitCode::from(if has_failed { exit_code::FAILURE } else { 0 }))
+    let has_failed = document
+        .findings
+        .iter()
+        .any(|f| f.verdict == Verdict::Failure);
+    ExitCode::from(if has_failed { exit_code::FAILURE } else { 0 })
 }
 
 fn text(findings: &[Finding]) -> String {

@@ -4,9 +4,7 @@ use crate::arguments::LabelArguments;
 use crate::objects::{call, connect, unexpected};
 use crate::output::Output;
 use crate::table::table;
-use message::control::{
-    CategoryReport, Command, Labelling, LearningReport, MutationId, Reply,
-};
+use message::control::{CategoryReport, Command, Labelling, LearningReport, MutationId, Reply};
 use serde::Serialize;
 use service::{CommonArguments, Failure, exit_code};
 use std::process::ExitCode;
@@ -47,7 +45,10 @@ pub(crate) fn forget(
     };
     let report = learn(common, command)?;
     output.answer(&report, || {
-        format!("forgot {}: {} view(s) have no name now", report.category, report.n_views_changed)
+        format!(
+            "forgot {}: {} view(s) have no name now",
+            report.category, report.n_views_changed
+        )
     });
     Ok(ExitCode::SUCCESS)
 }
@@ -73,7 +74,11 @@ fn categories_text(categories: &[CategoryReport]) -> String {
         return "nothing has been taught yet; teach with: tabula teach TRACK NAME".into();
     }
     let row = |report: &CategoryReport| {
-        vec![report.category.clone(), report.n_views.to_string(), report.bytes.to_string()]
+        vec![
+            report.category.clone(),
+            report.n_views.to_string(),
+            report.bytes.to_string(),
+        ]
     };
     let rows: Vec<_> = categories.iter().map(row).collect();
     table(&["category", "views", "bytes"], &rows)
@@ -87,10 +92,16 @@ fn learn(common: &CommonArguments, command: Command) -> Result<LearningReport, F
 }
 
 fn learned_text(track_id: u64, report: &LearningReport) -> String {
-    let LearningReport { category, n_views_changed, sequence } = report;
+    let LearningReport {
+        category,
+        n_views_changed,
+        sequence,
+    } = report;
     match n_views_changed {
         0 => format!("track {track_id} was known as {category} already"),
-        n => format!("track {track_id} is {category} now: {n} view(s), history {sequence}, on disk"),
+        n => {
+            format!("track {track_id} is {category} now: {n} view(s), history {sequence}, on disk")
+        }
     }
 }
 
@@ -112,7 +123,10 @@ fn author_or_user(author: Option<&str>) -> String {
 fn mutation_id() -> Result<MutationId, Failure> {
     let mut bytes = [0; 16];
     getrandom::fill(&mut bytes).map_err(|error| {
-        Failure::new(exit_code::FAILURE, format!("this machine gives no random numbers: {error}"))
+        Failure::new(
+            exit_code::FAILURE,
+            format!("this machine gives no random numbers: {error}"),
+        )
     })?;
     Ok(MutationId(u128::from_le_bytes(bytes)))
 }

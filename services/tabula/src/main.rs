@@ -31,7 +31,7 @@ fn main() -> ExitCode {
 fn execute(arguments: &Arguments, output: &Output) -> Result<ExitCode, Failure> {
     match &arguments.verb {
         Verb::Run(run) => daemon::run(&arguments.common, run, output),
-        Verb::Doctor => doctor::run(&arguments.common, output),
+        Verb::Doctor => Ok(doctor::run(&arguments.common, output)),
         Verb::Objects { watch } => objects::objects(&arguments.common, *watch, output),
         Verb::Ask { track_id } => objects::ask(&arguments.common, *track_id, output),
         Verb::Status => objects::status(&arguments.common, output),

@@ -1,10 +1,10 @@
 //! Showing what the daemon sees and how it is.
 
-use crate::output::Output;
+use crate::output::{Output, redraw};
 use crate::stop_signal::StopSignal;
 use crate::table::table;
-use channel::control::{CallError, SocketClient};
 use channel::RunFolder;
+use channel::control::{CallError, SocketClient};
 use message::control::{Command, ObjectReport, ObjectsReport, RefusalKind, Reply};
 use serde::Serialize;
 use service::{CommonArguments, Failure, exit_code};
@@ -48,7 +48,10 @@ fn call_failed(error: &CallError) -> Failure {
 
 /// A reply that does not fit its command.
 pub(crate) fn unexpected(reply: &Reply) -> Failure {
-    Failure::new(exit_code::FAILURE, format!("the daemon answered something else: {reply:?}"))
+    Failure::new(
+        exit_code::FAILURE,
+        format!("the daemon answered something else: {reply:?}"),
+    )
 }
 
 /// `tabula objects`
@@ -89,11 +92,11 @@ fn watch(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure>
         };
         match report {
             Ok(report) if output.is_json() => output.answer(&report, String::new),
-            Ok(report) => output.redraw(&objects_text(&report)),
+            Ok(report) => redraw(&objects_text(&report)),
             Err(failure) => {
                 client = None;
                 if !output.is_json() {
-                    output.redraw(&format!("{failure}"));
+                    redraw(&format!("{failure}"));
                 }
             }
         }
@@ -102,25 +105,37 @@ fn watch(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure>
     Ok(ExitCode::SUCCESS)
 }
 
-const HEADING: [&str; 8] =
-    ["id", "label", "distance", "position m", "size m", "age s", "points", "state"];
+const HEADING: [&str; 8] = [
+    "id",
+    "label",
+    "distance",
+    "position m",
+    "size m",
+    "age s",
+    "points",
+    "state",
+];
 
 fn objects_text(report: &ObjectsReport) -> String {
     let rows: Vec<_> = report.objects.iter().map(row).collect();
-    let frame = if report.has_world_pose { "world" } else { "camera frame" };
-    let mut text = table(&HEADING, &rows);
-    if rows.is_empty() {
-        let why = if report.has_table { "the table is empty" } else { "no table is seen" };
-        text = format!("no objects: {why}");
-    }
-    if report.n_more > 0 {
-        text.push_str(&format!("\nand {} more", report.n_more));
-    }
-    text.push_str(&format!(
-        "\nframe {} of {}, positions in the {frame}",
+    let objects = match rows.as_slice() {
+        [] if report.has_table => "no objects: the table is empty".into(),
+        [] => "no objects: no table is seen".into(),
+        rows => table(&HEADING, rows),
+    };
+    let more = match report.n_more {
+        0 => String::new(),
+        n_more => format!("\nand {n_more} more"),
+    };
+    let frame = if report.has_world_pose {
+        "world"
+    } else {
+        "camera frame"
+    };
+    format!(
+        "{objects}{more}\nframe {} of {}, positions in the {frame}",
         report.frame_sequence, report.source_name
-    ));
-    text
+    )
 }
 
 fn row(object: &ObjectReport) -> Vec<String> {
@@ -128,7 +143,9 @@ fn row(object: &ObjectReport) -> Vec<String> {
     vec![
         object.track_id.to_string(),
         object.label.clone().unwrap_or_else(|| "unknown".into()),
-        object.distance.map_or_else(|| "-".into(), |distance| format!("{distance:.3}")),
+        object
+            .distance
+            .map_or_else(|| "-".into(), |distance| format!("{distance:.3}")),
         metres(object.position_m),
         metres(object.size_m),
         format!("{:.1}", object.age_s),
@@ -153,9 +170,16 @@ pub(crate) fn ask(
 }
 
 fn answer_text(object: &ObjectReport) -> String {
-    let ObjectReport { track_id, label, distance, .. } = object;
+    let ObjectReport {
+        track_id,
+        label,
+        distance,
+        ..
+    } = object;
     match (label, distance) {
-        (Some(label), Some(distance)) => format!("track {track_id} is {label} (distance {distance:.3})"),
+        (Some(label), Some(distance)) => {
+            format!("track {track_id} is {label} (distance {distance:.3})")
+        }
         (Some(label), None) => format!("track {track_id} is {label}"),
         (None, Some(distance)) => {
             format!("track {track_id} is unknown (the nearest stored view is at {distance:.3})")
@@ -181,8 +205,17 @@ pub(crate) fn status(common: &CommonArguments, output: &Output) -> Result<ExitCo
 }
 
 fn status_text(document: &StatusDocument) -> String {
-    let heading =
-        ["process", "pid", "state", "uptime s", "frames", "dropped", "late", "resident MB", "note"];
+    let heading = [
+        "process",
+        "pid",
+        "state",
+        "uptime s",
+        "frames",
+        "dropped",
+        "late",
+        "resident MB",
+        "note",
+    ];
     let rows: Vec<Vec<String>> = document
         .processes
         .iter()

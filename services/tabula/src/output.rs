@@ -1,5 +1,5 @@
 //! Printing for people and for scripts.
-#![expect(clippy::print_stdout, clippy::print_stderr, reason = "this is what the command line is for")]
+#![expect(clippy::print_stderr, reason = "this is what the command line is for")]
 
 use serde::Serialize;
 use service::Failure;
@@ -50,20 +50,23 @@ impl Output {
     pub(crate) fn failure(self, failure: &Failure) {
         eprintln!("tabula: {failure}");
         if self.json {
-            let document = ErrorDocument { error: &failure.sentence, exit_code: failure.code };
+            let document = ErrorDocument {
+                error: &failure.sentence,
+                exit_code: failure.code,
+            };
             print(&serde_json::to_string(&document).unwrap_or_default());
         }
     }
+}
 
-    /// Replaces what is on the terminal; elsewhere the text is appended.
-    pub(crate) fn redraw(self, text: &str) {
-        if std::io::stdout().is_terminal() {
-            // Home, then clear to the end of each line and of the screen: no flicker.
-            let lines = text.replace('\n', "\x1b[K\n");
-            print(&format!("\x1b[H{lines}\x1b[K\n\x1b[J"));
-        } else {
-            print(text);
-        }
+/// Replaces what is on the terminal; elsewhere the text is appended.
+pub(crate) fn redraw(text: &str) {
+    if std::io::stdout().is_terminal() {
+        // Home, then clear to the end of each line and of the screen: no flicker.
+        let lines = text.replace('\n', "\x1b[K\n");
+        print(&format!("\x1b[H{lines}\x1b[K\n\x1b[J"));
+    } else {
+        print(text);
     }
 }
 

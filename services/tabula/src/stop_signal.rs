@@ -13,10 +13,15 @@ impl StopSignal {
     /// Takes over the signals, on a thread of its own.
     pub(crate) fn install() -> Result<Self, Failure> {
         let failed = |error| {
-            Failure::new(exit_code::FAILURE, format!("could not listen for signals: {error}"))
+            Failure::new(
+                exit_code::FAILURE,
+                format!("could not listen for signals: {error}"),
+            )
         };
-        let runtime =
-            tokio::runtime::Builder::new_current_thread().enable_io().build().map_err(failed)?;
+        let runtime = tokio::runtime::Builder::new_current_thread()
+            .enable_io()
+            .build()
+            .map_err(failed)?;
         let raised = Self(Arc::default());
         let entered = runtime.enter();
         let mut interrupt = signal(SignalKind::interrupt()).map_err(failed)?;

@@ -24,7 +24,9 @@ impl DomainState {
         let mut running: Vec<_> = entries
             .filter_map(|entry| {
                 let name = entry.file_name().into_string().ok()?;
-                let role = name.strip_suffix(".lock").filter(|role| *role != "domain")?;
+                let role = name
+                    .strip_suffix(".lock")
+                    .filter(|role| *role != "domain")?;
                 is_held(&entry.path()).then(|| (role.to_owned(), LockFile::read_pid(&entry.path())))
             })
             .collect();

@@ -129,12 +129,15 @@ impl<T: Topic> Publisher<T> {
                 max: T::MAX_ITEMS,
             });
         }
-        let sample = self.port.loan_slice_uninit(n_items).map_err(|error| match error {
-            LoanError::ExceedsMaxLoans | LoanError::OutOfMemory => {
-                Error::NoLoan { service: T::NAME }
-            }
-            other => Error::transport("loan", T::NAME, other),
-        })?;
+        let sample = self
+            .port
+            .loan_slice_uninit(n_items)
+            .map_err(|error| match error {
+                LoanError::ExceedsMaxLoans | LoanError::OutOfMemory => {
+                    Error::NoLoan { service: T::NAME }
+                }
+                other => Error::transport("loan", T::NAME, other),
+            })?;
         // SAFETY: the memory is a mapped file, which the kernel hands out zeroed
         // and which then holds earlier messages: its bytes are always initialised.
         // Any bit pattern is a valid item (`AnyBitPattern`).

@@ -96,7 +96,7 @@ impl Clusters {
         n_min: u32,
     ) {
         self.ungrouped.clear();
-        let split = || (0..whole.len()).filter(|&cluster| creases.has_creases[cluster]);
+        let split = || (0..whole.len()).filter(|&cluster| creases.may_part[cluster]);
         for cluster in split() {
             let pixels = whole.pixels(cluster).iter().copied();
             self.ungrouped
@@ -251,7 +251,7 @@ impl Clusters {
         for &pixel in pixels {
             let pixel = pixel as usize;
             let part = self.cluster_of[pixel];
-            let row_ends = (pixel + 1) % cloud.width() == 0;
+            let row_ends = (pixel + 1).is_multiple_of(cloud.width());
             let right = if row_ends { None } else { Some(pixel + 1) };
             for near in right.into_iter().chain([pixel + cloud.width()]) {
                 let meet = self

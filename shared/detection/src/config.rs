@@ -50,7 +50,7 @@ impl Default for RawConfig {
 }
 
 /// Checked settings.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Config {
     raw: RawConfig,
 }
@@ -114,14 +114,6 @@ impl Config {
     /// The settings.
     pub fn get(&self) -> &RawConfig {
         &self.raw
-    }
-}
-
-impl Default for Config {
-    fn default() -> Self {
-        Self {
-            raw: RawConfig::default(),
-        }
     }
 }
 

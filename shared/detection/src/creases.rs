@@ -36,7 +36,7 @@ pub(crate) struct Creases {
     /// Per pixel: whether a crease runs through it.
     pub(crate) is_crease: Vec<bool>,
     /// Per cluster: whether it has creases that may part it.
-    pub(crate) has_creases: Vec<bool>,
+    pub(crate) may_part: Vec<bool>,
     line: Vec<LinePixel>,
     turned: Vec<LinePixel>,
     next_in_column: Vec<u32>,
@@ -51,14 +51,23 @@ struct LinePixel {
 }
 
 impl Creases {
-    /// Marks the creases of all clusters, seen along rows and along columns.
-    /// Returns whether any cluster has some that may part it.
-    pub(crate) fn find(&mut self, cloud: &OrganizedCloud<'_>, clusters: &Clusters) -> bool {
+    /// Marks the creases of the clusters that may be piles, seen along rows and
+    /// along columns. Returns whether any cluster has some that may part it.
+    pub(crate) fn find(
+        &mut self,
+        cloud: &OrganizedCloud<'_>,
+        clusters: &Clusters,
+        may_be_pile: &[bool],
+    ) -> bool {
         let width = cloud.width();
         self.is_crease.clear();
         self.is_crease.resize(cloud.points().len(), false);
-        self.has_creases.clear();
-        for cluster in 0..clusters.len() {
+        self.may_part.clear();
+        for (cluster, &may_be_pile) in may_be_pile.iter().enumerate() {
+            if !may_be_pile {
+                self.may_part.push(false);
+                continue;
+            }
             let pixels = clusters.pixels(cluster);
             self.line.clear();
             self.line.extend(pixels.iter().map(|&index| LinePixel {
@@ -71,9 +80,9 @@ impl Creases {
             let creases = pixels
                 .iter()
                 .filter(|&&pixel| self.is_crease[pixel as usize]);
-            self.has_creases.push(creases.count() >= CREASE_PIXELS_MIN);
+            self.may_part.push(creases.count() >= CREASE_PIXELS_MIN);
         }
-        self.has_creases.contains(&true)
+        self.may_part.contains(&true)
     }
 
     /// Sorts the line's pixels, which are row by row, column by column.
@@ -87,8 +96,9 @@ impl Creases {
         let column = |pixel: &LinePixel| pixel.index as usize % width;
         next_in_column.clear();
         next_in_column.resize(width + 1, 0);
-        line.iter()
-            .for_each(|pixel| next_in_column[column(pixel) + 1] += 1);
+        for pixel in line.iter() {
+            next_in_column[column(pixel) + 1] += 1;
+        }
         for column in 0..width {
             next_in_column[column + 1] += next_in_column[column];
         }
@@ -184,10 +194,10 @@ fn bend_of(sums: &[[f64; 2]], i: usize, arm: usize) -> f32 {
 #[cfg(test)]
 impl Creases {
     /// Creases as given, for tests of what follows from them.
-    pub(crate) fn from_marks(is_crease: Vec<bool>, has_creases: Vec<bool>) -> Self {
+    pub(crate) fn from_marks(is_crease: Vec<bool>, may_part: Vec<bool>) -> Self {
         Self {
             is_crease,
-            has_creases,
+            may_part,
             ..Self::default()
         }
     }
@@ -220,7 +230,7 @@ mod tests {
         let mut clusters = Clusters::default();
         clusters.join(&cloud, &pixels, 1);
         let mut creases = Creases::default();
-        creases.find(&cloud, &clusters);
+        creases.find(&cloud, &clusters, &vec![true; clusters.len()]);
         creases.is_crease
     }
 

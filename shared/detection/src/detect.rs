@@ -4,6 +4,7 @@ use crate::axis::Axis;
 use crate::candidate::{Body, Candidate, Summary, Support, UprightBox};
 use crate::clusters::Clusters;
 use crate::creases::Creases;
+use crate::piles::find_piles;
 use crate::prism::{Prism, SeenRectangle};
 use crate::random::Random;
 use crate::samples::Samples;
@@ -63,6 +64,7 @@ pub struct Workspace {
     clusters: Clusters,
     whole: Clusters,
     creases: Creases,
+    may_be_pile: Vec<bool>,
     bodies: Vec<Body>,
 }
 
@@ -101,20 +103,33 @@ pub fn detect(
     let seen = Prism::over(&table, config, slabs).list(&frame.cloud, over_table);
     let n_min = config.points_min_at_1m / (config.range_max_m * config.range_max_m);
     clusters.join(&frame.cloud, over_table, n_min as u32);
-    if workspace.creases.find(&frame.cloud, &workspace.clusters) {
-        let Workspace {
-            whole,
-            clusters,
-            creases,
-            ..
-        } = workspace;
-        std::mem::swap(whole, clusters);
-        clusters.split(&frame.cloud, whole, creases, PART_PIXELS_MIN);
-    }
+    split_piles(&frame.cloud, &table, config, workspace);
     find_bodies(&frame.cloud, &table, config, workspace);
     write(&table, seen, workspace, detection);
     detection.table = Some(table);
     Ok(())
+}
+
+/// Parts the clusters that are several objects along their creases.
+fn split_piles(
+    cloud: &OrganizedCloud<'_>,
+    table: &Table,
+    config: &RawConfig,
+    workspace: &mut Workspace,
+) {
+    let Workspace {
+        whole,
+        clusters,
+        creases,
+        may_be_pile,
+        ..
+    } = workspace;
+    let table_axes = Axis::of_transform(&table.table_from_camera);
+    find_piles(cloud, clusters, &table_axes, config, may_be_pile);
+    if creases.find(cloud, clusters, may_be_pile) {
+        std::mem::swap(whole, clusters);
+        clusters.split(cloud, whole, creases, PART_PIXELS_MIN);
+    }
 }
 
 fn check_grid(cloud: &OrganizedCloud<'_>) -> Result<(), Error> {

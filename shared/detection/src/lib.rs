@@ -17,6 +17,7 @@ mod creases;
 mod detect;
 mod error;
 mod footprint;
+mod piles;
 mod plane_search;
 mod prism;
 mod random;

@@ -33,10 +33,7 @@ pub(crate) struct Samples {
 #[inline]
 pub(crate) fn is_in_range(point: &Point, z_min: f32, z_max: f32) -> bool {
     let side_max = SIDEWAYS_MAX * z_max;
-    (point.z >= z_min)
-        & (point.z <= z_max)
-        & (point.x.abs() <= side_max)
-        & (point.y.abs() <= side_max)
+    (z_min..=z_max).contains(&point.z) && point.x.abs() <= side_max && point.y.abs() <= side_max
 }
 
 impl Samples {

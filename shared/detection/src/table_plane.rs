@@ -140,12 +140,16 @@ fn region_plane(samples: &Samples, region: &RegionBuffers) -> Option<Plane> {
 
 fn likeness(plane: &Plane, up_in_camera: Option<Unit<Vector3<f64>>>) -> Likeness {
     let n = &plane.normal;
-    match up_in_camera {
-        Some(up) if n.dot(&up) > 0.0 => Likeness::Likely,
-        Some(_) => Likeness::None,
-        None if -n.y >= UPWARD_MIN && n.x.abs() <= SIDEWARD_MAX => Likeness::Likely,
-        None if -n.z >= FROM_ABOVE_MIN => Likeness::Possible,
-        None => Likeness::None,
+    let is_likely = up_in_camera.map_or_else(
+        || -n.y >= UPWARD_MIN && n.x.abs() <= SIDEWARD_MAX,
+        |up| n.dot(&up) > 0.0,
+    );
+    if is_likely {
+        Likeness::Likely
+    } else if up_in_camera.is_none() && -n.z >= FROM_ABOVE_MIN {
+        Likeness::Possible
+    } else {
+        Likeness::None
     }
 }
 

@@ -6,9 +6,9 @@ use nalgebra::{Unit, Vector3};
 use point_cloud::{OrganizedCloud, Point};
 use std::path::PathBuf;
 
-/// Where the top of the table lies in the world of the sequence, as far as its
-/// poses agree. The floor is at -1.6 m, the worktop of the kitchen at -0.7 m
-/// beyond the range.
+/// Where the top of the table lies in the world of the sequence: read off the
+/// planes found with gravity, which scatter by this much with the poses. A
+/// regression bound, not a surveyed height. The floor is found near -1.6 m.
 const TABLE_HEIGHT_M: std::ops::Range<f64> = -0.88..-0.75;
 
 /// Every n-th frame is looked at.
@@ -17,7 +17,8 @@ const STEP: usize = 5;
 fn sequence() -> RgbdSequence {
     let root = std::env::var("TABULA_DATA")
         .unwrap_or_else(|_| concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data").into());
-    RgbdSequence::open(&PathBuf::from(root).join("kitchen-sequence")).unwrap()
+    RgbdSequence::open(&PathBuf::from(root).join("kitchen-sequence"))
+        .expect("TABULA_DATA must hold kitchen-sequence")
 }
 
 /// Height of a table over the world's origin against gravity, where its normal

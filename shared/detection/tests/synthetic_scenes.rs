@@ -23,7 +23,7 @@ const BLUE: BoxOnTable = BoxOnTable {
 
 fn found(points: &[Point], size: (usize, usize), up: Option<Unit<Vector3<f64>>>) -> Detection {
     let mut detection = Detection::default();
-    let cloud = OrganizedCloud::new(points, size.0, size.1).unwrap();
+    let cloud = OrganizedCloud::new(points, size.0, size.1).expect("a full grid");
     let frame = Frame {
         cloud,
         up_in_camera: up,
@@ -35,7 +35,7 @@ fn found(points: &[Point], size: (usize, usize), up: Option<Unit<Vector3<f64>>>)
         &mut Workspace::default(),
         &mut detection,
     )
-    .unwrap();
+    .expect("an organised cloud");
     detection
 }
 
@@ -72,10 +72,8 @@ fn boxes_are_found_where_they_stand() {
             let (mut sides, mut truth) =
                 (candidate.oriented_box.sides_m(), Vector3::from(solid.sides));
             assert!(sides.x >= sides.y);
-            (
-                sides.as_mut_slice().sort_by(f64::total_cmp),
-                truth.as_mut_slice().sort_by(f64::total_cmp),
-            );
+            sides.as_mut_slice().sort_by(f64::total_cmp);
+            truth.as_mut_slice().sort_by(f64::total_cmp);
             assert!((sides - truth).amax() < 0.012, "{sides} for {truth}");
             assert_eq!(candidate.mean_rgb, solid.rgb.map(f32::from));
             assert_eq!(candidate.support, Support::Table);

@@ -53,7 +53,12 @@ impl Measured {
         })
     }
 
-    pub(crate) fn observed(&self, candidate: &Candidate, frame: &Frame, config: &Config) -> Observed {
+    pub(crate) fn observed(
+        &self,
+        candidate: &Candidate,
+        frame: &Frame,
+        config: &Config,
+    ) -> Observed {
         Observed {
             position: frame.world_from_camera * candidate.oriented_box.centre(),
             position_variance_m2: self.measurement.position_variance_m2(config.motion()),

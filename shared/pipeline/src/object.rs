@@ -30,7 +30,9 @@ impl ObjectTools {
     /// # Errors
     /// When the descriptor is impossible.
     pub fn new() -> Result<Self, Error> {
-        Ok(Self { good: descriptor()? })
+        Ok(Self {
+            good: descriptor()?,
+        })
     }
 }
 
@@ -77,7 +79,11 @@ impl ObjectState {
         tools: &mut ObjectTools,
         descriptor: &mut Vec<f32>,
     ) -> Result<Posterior, Error> {
-        let Observation { cloud, indices, measured } = observation;
+        let Observation {
+            cloud,
+            indices,
+            measured,
+        } = observation;
         let filter = match &self.filter {
             Some(filter) => filter.updated(&measured.measurement, config.motion()),
             None => Ok(MotionFilter::start(&measured.measurement, config.motion())),
@@ -85,10 +91,13 @@ impl ObjectState {
         .map_err(Error::Tracking)?;
         let points = ObjectPoints::selected(cloud, indices).map_err(Error::Description)?;
         describe(points, tools, descriptor)?;
-        let answer =
-            taught.recognise(descriptor, config.unknown_distance()).map_err(Error::Learning)?;
+        let answer = taught
+            .recognise(descriptor, config.unknown_distance())
+            .map_err(Error::Learning)?;
         let pose = filter.box_in_world().frame_from_box;
-        let is_key_view = self.key_views.take(filter.stamp_ns(), &pose, measured.is_cut);
+        let is_key_view = self
+            .key_views
+            .take(filter.stamp_ns(), &pose, measured.is_cut);
         let view_id = self.n_views;
         self.n_views = self.n_views.saturating_add(1);
         self.filter = Some(filter);
@@ -111,5 +120,8 @@ fn describe(
     let frame = object_frame(points, &viewpoint)
         .ok_or(Error::Description(description::Error::NoPoints))?
         .descriptor_frame();
-    tools.good.compute(points, &frame, descriptor).map_err(Error::Description)
+    tools
+        .good
+        .compute(points, &frame, descriptor)
+        .map_err(Error::Description)
 }

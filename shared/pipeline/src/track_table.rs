@@ -129,7 +129,12 @@ impl TrackTable {
     /// Takes what an object's half of the step has found. A posterior of a track
     /// that has ended, or older than the track, changes nothing.
     pub fn absorb(&mut self, track_id: u64, posterior: &Posterior) {
-        let Ok(i) = self.tracks.binary_search_by_key(&track_id, |track| track.id) else { return };
+        let Ok(i) = self
+            .tracks
+            .binary_search_by_key(&track_id, |track| track.id)
+        else {
+            return;
+        };
         let track = &mut self.tracks[i];
         if posterior.view_id < track.n_views {
             return;
@@ -149,7 +154,8 @@ impl TrackTable {
             let measured = Measured::of(candidate, frame).ok();
             if let Some(measured) = &measured {
                 self.usable.push(i);
-                self.observed.push(measured.observed(candidate, frame, &self.config));
+                self.observed
+                    .push(measured.observed(candidate, frame, &self.config));
             }
             self.measured.push(measured);
         }
@@ -158,7 +164,9 @@ impl TrackTable {
     fn predict(&mut self, frame: &Frame) {
         self.predicted.clear();
         for track in &mut self.tracks {
-            track.filter = track.filter.predicted(frame.capture_ns, self.config.motion());
+            track.filter = track
+                .filter
+                .predicted(frame.capture_ns, self.config.motion());
             self.predicted.push(Predicted {
                 position: track.filter.box_in_world().centre(),
                 position_variance_m2: track.filter.position_variance_m2(),
@@ -170,7 +178,12 @@ impl TrackTable {
     /// Gives each track its candidate; used candidates leave `measured`.
     fn associate(&mut self, frame: &Frame, step: &mut Step) {
         let config = self.config.association();
-        let pairs = associate(&self.predicted, &self.observed, config, &mut self.association);
+        let pairs = associate(
+            &self.predicted,
+            &self.observed,
+            config,
+            &mut self.association,
+        );
         for (track, pair) in self.tracks.iter_mut().zip(pairs) {
             let candidate = pair.map(|usable| self.usable[usable]);
             let taken = candidate.and_then(|i| Some((i, self.measured[i].take()?)));
@@ -186,7 +199,12 @@ impl TrackTable {
             if !measured.is_cut || track.appearance.is_cut {
                 track.appearance = measured.appearance;
             }
-            let sighting = Sighting { track_id: track.id, candidate, measured, is_new: false };
+            let sighting = Sighting {
+                track_id: track.id,
+                candidate,
+                measured,
+                is_new: false,
+            };
             step.sightings.push(sighting);
         }
     }
@@ -201,16 +219,18 @@ impl TrackTable {
         });
     }
 
-    fn begin(
-        &mut self,
-        frame: &Frame,
-        next_id: &mut impl FnMut() -> Option<u64>,
-        step: &mut Step,
-    ) {
+    fn begin(&mut self, frame: &Frame, next_id: &mut impl FnMut() -> Option<u64>, step: &mut Step) {
         for (candidate, measured) in self.measured.iter_mut().enumerate() {
-            let Some(measured) = measured.take() else { continue };
+            let Some(measured) = measured.take() else {
+                continue;
+            };
             let Some(track_id) = next_id() else { return };
-            step.sightings.push(Sighting { track_id, candidate, measured, is_new: true });
+            step.sightings.push(Sighting {
+                track_id,
+                candidate,
+                measured,
+                is_new: true,
+            });
             self.tracks.push(Track {
                 id: track_id,
                 first_seen_ns: frame.capture_ns,

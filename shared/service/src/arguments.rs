@@ -38,9 +38,9 @@ pub struct ProcessArguments {
     #[arg(long)]
     pub check_config: bool,
 
-    /// Stop when the process that started this one ends
-    #[arg(long)]
-    pub follow_parent: bool,
+    /// Stop when the process that started this one, and has this id, ends
+    #[arg(long, value_name = "PID")]
+    pub follow_parent: Option<u32>,
 }
 
 impl CommonArguments {

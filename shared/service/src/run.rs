@@ -9,7 +9,7 @@ use crate::{
 use channel::{Domain, Role, RunFolder};
 use message::ProcessKind;
 use rustix::process::{
-    Resource, Rlimit, Signal, getrlimit, set_parent_process_death_signal, setrlimit,
+    Resource, Rlimit, Signal, getppid, getrlimit, set_parent_process_death_signal, setrlimit,
 };
 use std::future::Future;
 use std::process::ExitCode;
@@ -36,8 +36,8 @@ where
 {
     log::start();
     let common = &arguments.common;
-    if arguments.follow_parent {
-        follow_parent();
+    if arguments.follow_parent.is_some_and(|parent| !follow(parent)) {
+        return ExitCode::SUCCESS;
     }
     let home = common.home();
     let configured = ConfigFile::find(common.config.as_deref(), home.path())
@@ -115,11 +115,13 @@ fn live<F: Future<Output = Result<(), Failure>>>(
     outcome
 }
 
-/// A process started by `tabula run` does not outlive it, whatever ends it.
-fn follow_parent() {
+/// A process started by `tabula run` does not outlive it, whatever ends it. False
+/// when the parent has ended before it could be followed.
+fn follow(parent: u32) -> bool {
     if let Err(error) = set_parent_process_death_signal(Some(Signal::TERM)) {
         tracing::warn!("this process will not notice the end of its parent: {error}");
     }
+    getppid().is_some_and(|pid| pid.as_raw_nonzero().get().cast_unsigned() == parent)
 }
 
 /// Each service with its ports holds about seven descriptors, which the usual

@@ -48,7 +48,7 @@ pub use opening::{Condition, OpenReport};
 pub use perceptual_memory::{MAX_LEASE, PerceptualMemory};
 pub use reading::{ChangeEntry, Changes, LabelledView, NameChange, Position, SnapshotPage};
 pub use salvage::Loss;
-pub use store_thread::{GROUP_REQUESTS, OnReopened, StoreConfig, StoreHandle, StoreThread};
+pub use store_thread::{OnReopened, StoreConfig, StoreHandle, StoreThread};
 pub use view::{
     Descriptor, Label, MAX_DESCRIPTOR_VALUES, MAX_NAME_BYTES, MAX_POINTS_BYTES, StoredView, View,
 };

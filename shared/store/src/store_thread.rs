@@ -19,7 +19,7 @@ use crate::opening::OpenReport;
 use crate::perceptual_memory::PerceptualMemory;
 
 /// Most requests taken from the queue before what they changed is written.
-pub const GROUP_REQUESTS: usize = 256;
+const GROUP_REQUESTS: usize = 256;
 /// Most bytes gathered before they are written.
 const GROUP_BYTES: usize = 4 << 20;
 

@@ -140,7 +140,7 @@ fn pair_cost(track: &Predicted, candidate: &Observed, config: &AssociationConfig
     // Written so that whatever is not a number is refused.
     let same = volume_share * volume_share + color * color <= 1.0;
     (distance2 <= config.distance2_max && same)
-        .then(|| distance2 + config.volume_weight * volume + config.color_weight * color)
+        .then_some(distance2 + config.volume_weight * volume + config.color_weight * color)
 }
 
 /// Absolute logarithm of the ratio of volumes; 0 where one is cut. A cubic

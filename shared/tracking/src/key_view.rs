@@ -43,11 +43,13 @@ pub enum MotionPhase {
 }
 
 /// Decides which views are key views: the first one, and the first one at rest
-/// after each motion. A view cut by the border of the image is never one; the
-/// next whole one then is.
+/// after each motion. The very first is key even when the border of the image
+/// cuts it, so that whatever is seen can be taught; of later ones only whole
+/// views are, and after a cut first view the next whole one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KeyViewRule {
     phase: MotionPhase,
+    has_begun: bool,
     key_pose: Option<RigidTransform>,
     /// Poses since the object stopped, a ring; `n_poses` of them, newest before `next`.
     poses: [(u64, RigidTransform); N_POSES_MAX],
@@ -59,6 +61,7 @@ impl Default for KeyViewRule {
     fn default() -> Self {
         Self {
             phase: MotionPhase::Static,
+            has_begun: false,
             key_pose: None,
             poses: [(0, RigidTransform::identity()); N_POSES_MAX],
             n_poses: 0,
@@ -76,8 +79,9 @@ impl KeyViewRule {
         pose: &RigidTransform,
         touches_image_border: bool,
     ) -> bool {
+        let is_first = !std::mem::replace(&mut self.has_begun, true);
         let Some(key_pose) = self.key_pose else {
-            return self.take_key(pose, !touches_image_border);
+            return self.take_key(pose, !touches_image_border) || is_first;
         };
         if self.phase == MotionPhase::Static {
             if is_apart(&key_pose, pose, MOVED_M, MOVED_RAD) {
@@ -251,9 +255,9 @@ mod tests {
     }
 
     #[test]
-    fn a_cut_view_is_not_key_but_the_next_whole_one_is() {
+    fn of_cut_views_only_the_first_is_key_and_then_the_next_whole_one() {
         let cut = |x: f64, n: usize| vec![(at(x, 0.0), true); n];
-        assert_eq!(key_frames(&[cut(0.0, 10), rest(0.0, 10)].concat()), [10]);
+        assert_eq!(key_frames(&[cut(0.0, 10), rest(0.0, 10)].concat()), [0, 10]);
         let story = [
             rest(0.0, 5),
             slide(0.0, 0.4, 20),
@@ -289,7 +293,7 @@ mod tests {
                 x += if i % 50 < 30 { dx * 0.01 } else { dx };
                 if i == cut { copy = rule; }
                 let is_key = rule.take(stamp, &at(x, 0.0), touches);
-                prop_assert!(!(is_key && touches));
+                prop_assert!(!(is_key && touches) || i == 0);
                 prop_assert!(!is_key || rule.phase() == MotionPhase::Static);
                 if i >= cut {
                     prop_assert_eq!(is_key, copy.take(stamp, &at(x, 0.0), touches));

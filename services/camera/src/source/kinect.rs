@@ -77,11 +77,16 @@ impl Source for KinectSource {
 
     fn prepare(&mut self) -> Result<Option<FrameSize>, SourceError> {
         self.open()?;
-        Ok(Some(FrameSize { width: freenect::WIDTH, height: freenect::HEIGHT }))
+        Ok(Some(FrameSize {
+            width: freenect::WIDTH,
+            height: freenect::HEIGHT,
+        }))
     }
 
     fn fill(&mut self, points: &mut [Point]) -> Result<FrameInfo, SourceError> {
-        let Self { kinect, builder, .. } = self;
+        let Self {
+            kinect, builder, ..
+        } = self;
         let Some(kinect) = kinect else {
             return Err(SourceError::Gone("the Kinect is not open".into()));
         };

@@ -25,8 +25,10 @@ impl Sequence {
         let n_points = sequence.camera().n_pixels();
         let max = channel::topic::MAX_FRAME_POINTS;
         if n_points > max {
-            let sentence =
-                format!("the frames of {} have {n_points} points, and at most {max} can be sent", folder.display());
+            let sentence = format!(
+                "the frames of {} have {n_points} points, and at most {max} can be sent",
+                folder.display()
+            );
             return Err(SourceError::Unusable(sentence));
         }
         Ok(Self {
@@ -44,7 +46,10 @@ impl Sequence {
         self.n_refused_in_a_row += 1;
         let name = self.sequence.name(self.prepared).unwrap_or_default();
         if self.n_refused_in_a_row < self.frames.len() {
-            return SourceError::Frame { frame: name.to_owned(), cause };
+            return SourceError::Frame {
+                frame: name.to_owned(),
+                cause,
+            };
         }
         SourceError::Unusable(format!(
             "none of the {} frames of {} can be played; the last one, {name}: {cause}",
@@ -64,10 +69,15 @@ impl Source for Sequence {
     }
 
     fn prepare(&mut self) -> Result<Option<FrameSize>, SourceError> {
-        let Some(frame) = self.frames.advance() else { return Ok(None) };
+        let Some(frame) = self.frames.advance() else {
+            return Ok(None);
+        };
         self.prepared = frame;
         let camera = self.sequence.camera();
-        Ok(Some(FrameSize { width: camera.width as usize, height: camera.height as usize }))
+        Ok(Some(FrameSize {
+            width: camera.width as usize,
+            height: camera.height as usize,
+        }))
     }
 
     fn fill(&mut self, points: &mut [Point]) -> Result<FrameInfo, SourceError> {

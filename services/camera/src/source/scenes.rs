@@ -38,7 +38,9 @@ impl Scenes {
     }
 
     fn read_header(&mut self, frame: usize) -> Result<pcd::Header, String> {
-        self.folder.read_bytes(frame, &mut self.bytes).map_err(|e| e.to_string())?;
+        self.folder
+            .read_bytes(frame, &mut self.bytes)
+            .map_err(|e| e.to_string())?;
         let header = pcd::Header::parse(&self.bytes).map_err(|e| e.to_string())?;
         let (width, height) = (header.width(), header.height());
         if width < 2 || height < 2 {
@@ -48,7 +50,9 @@ impl Scenes {
         }
         let max = channel::topic::MAX_FRAME_POINTS;
         if header.n_points() > max {
-            return Err(format!("it has {width}x{height} points, and at most {max} can be sent"));
+            return Err(format!(
+                "it has {width}x{height} points, and at most {max} can be sent"
+            ));
         }
         Ok(header)
     }
@@ -78,16 +82,25 @@ impl Source for Scenes {
     }
 
     fn prepare(&mut self) -> Result<Option<FrameSize>, SourceError> {
-        let Some(frame) = self.frames.advance() else { return Ok(None) };
-        let header = self.read_header(frame).map_err(|cause| self.refuse(frame, cause))?;
-        let size = FrameSize { width: header.width(), height: header.height() };
+        let Some(frame) = self.frames.advance() else {
+            return Ok(None);
+        };
+        let header = self
+            .read_header(frame)
+            .map_err(|cause| self.refuse(frame, cause))?;
+        let size = FrameSize {
+            width: header.width(),
+            height: header.height(),
+        };
         self.prepared = Some((frame, header));
         Ok(Some(size))
     }
 
     fn fill(&mut self, points: &mut [Point]) -> Result<FrameInfo, SourceError> {
         let Some((frame, header)) = self.prepared.take() else {
-            return Err(SourceError::Unusable("a scene was filled before it was prepared".into()));
+            return Err(SourceError::Unusable(
+                "a scene was filled before it was prepared".into(),
+            ));
         };
         let decoded = self.decoder.decode_into(&self.bytes, &header, points, None);
         decoded.map_err(|error| self.refuse(frame, error.to_string()))?;

@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 /// A source as named on the command line.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum SourceSpec {
+pub(crate) enum SourceSpec {
     /// The synthetic table with an arrangement's number.
     Synthetic(u32),
     /// A Kinect.
@@ -21,12 +21,16 @@ impl FromStr for SourceSpec {
 
     fn from_str(text: &str) -> Result<Self, String> {
         match (text, text.split_once(':')) {
-            ("", _) => Err("the source is empty; say synthetic, kinect, fakenect:FOLDER or a folder".into()),
+            ("", _) => Err(
+                "the source is empty; say synthetic, kinect, fakenect:FOLDER or a folder".into(),
+            ),
             ("synthetic", _) => Ok(Self::Synthetic(0)),
             ("kinect", _) => Ok(Self::Kinect),
             (_, Some(("synthetic", number))) => match number.parse() {
                 Ok(arrangement) => Ok(Self::Synthetic(arrangement)),
-                Err(_) => Err(format!("synthetic:{number} needs a number, for example synthetic:1")),
+                Err(_) => Err(format!(
+                    "synthetic:{number} needs a number, for example synthetic:1"
+                )),
             },
             (_, Some(("fakenect", ""))) | ("fakenect", _) => {
                 Err("fakenect needs the folder of a recording: fakenect:FOLDER".into())
@@ -47,7 +51,10 @@ mod tests {
         assert_eq!(parse("synthetic"), Ok(SourceSpec::Synthetic(0)));
         assert_eq!(parse("synthetic:3"), Ok(SourceSpec::Synthetic(3)));
         assert_eq!(parse("kinect"), Ok(SourceSpec::Kinect));
-        assert_eq!(parse("fakenect:a/b"), Ok(SourceSpec::Fakenect("a/b".into())));
+        assert_eq!(
+            parse("fakenect:a/b"),
+            Ok(SourceSpec::Fakenect("a/b".into()))
+        );
         assert_eq!(parse("./kinect"), Ok(SourceSpec::Folder("./kinect".into())));
         for wrong in ["", "synthetic:", "synthetic:-1", "fakenect", "fakenect:"] {
             assert!(parse(wrong).is_err(), "{wrong}");

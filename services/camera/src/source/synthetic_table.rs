@@ -44,7 +44,10 @@ impl Source for Synthetic {
             self.next = self.playback.from.unwrap_or(0);
         }
         let camera = self.table.camera();
-        Ok(Some(FrameSize { width: camera.width as usize, height: camera.height as usize }))
+        Ok(Some(FrameSize {
+            width: camera.width as usize,
+            height: camera.height as usize,
+        }))
     }
 
     fn fill(&mut self, points: &mut [Point]) -> Result<FrameInfo, SourceError> {

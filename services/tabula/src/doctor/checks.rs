@@ -66,7 +66,14 @@ fn reservations() -> Finding {
     let largest: Vec<String> = all
         .iter()
         .take(4)
-        .map(|r| format!("{} {} x {:.2} MB", r.service, r.slots, r.slot_bytes as f64 / 1e6))
+        .map(|r| {
+            format!(
+                "{} {} x {:.2} MB",
+                r.service,
+                r.slots,
+                r.slot_bytes as f64 / 1e6
+            )
+        })
         .collect();
     Finding::new("largest services", Verdict::Ok, largest.join(", "))
 }
@@ -77,7 +84,9 @@ fn descriptors() -> Finding {
         Some(most) if most < DESCRIPTORS_NEEDED => Finding::new(
             "open files",
             Verdict::Failure,
-            format!("the hard limit is {most} and {DESCRIPTORS_NEEDED} are needed; raise it (ulimit -Hn)"),
+            format!(
+                "the hard limit is {most} and {DESCRIPTORS_NEEDED} are needed; raise it (ulimit -Hn)"
+            ),
         ),
         most => Finding::new(
             "open files",
@@ -93,7 +102,11 @@ fn descriptors() -> Finding {
 fn domain(common: &CommonArguments, run_folder: &RunFolder, state: &DomainState) -> Finding {
     let folder = run_folder.of_domain(&common.domain);
     let sentence = match state.running.as_slice() {
-        [] => format!("nothing runs in the domain {} ({})", common.domain, folder.display()),
+        [] => format!(
+            "nothing runs in the domain {} ({})",
+            common.domain,
+            folder.display()
+        ),
         running => {
             let names: Vec<String> = running
                 .iter()
@@ -108,10 +121,16 @@ fn domain(common: &CommonArguments, run_folder: &RunFolder, state: &DomainState)
 fn crashed_run(state: &DomainState) -> Finding {
     let name = "stale nodes";
     match state {
-        DomainState { is_alive: false, n_files, .. } if *n_files > 0 => Finding::new(
+        DomainState {
+            is_alive: false,
+            n_files,
+            ..
+        } if *n_files > 0 => Finding::new(
             name,
             Verdict::Warning,
-            format!("a crashed run has left {n_files} files in /dev/shm; the next start removes them"),
+            format!(
+                "a crashed run has left {n_files} files in /dev/shm; the next start removes them"
+            ),
         ),
         _ => Finding::new(name, Verdict::Ok, "nothing is left of a crashed run"),
     }
@@ -134,7 +153,11 @@ fn control_socket(common: &CommonArguments, state: &DomainState) -> Finding {
 
 fn all_processes(name: &'static str, n_processes: usize) -> Finding {
     let n_expected = ProcessKind::ALL.len();
-    let verdict = if n_processes == n_expected { Verdict::Ok } else { Verdict::Warning };
+    let verdict = if n_processes == n_expected {
+        Verdict::Ok
+    } else {
+        Verdict::Warning
+    };
     let sentence = format!("the daemon answers; {n_processes} of {n_expected} processes report");
     Finding::new(name, verdict, sentence)
 }
@@ -155,12 +178,20 @@ fn data_folder(folder: &Path) -> Finding {
     }
     let free = rustix::fs::statvfs(existing).map_or(0, |fs| fs.f_bavail * fs.f_frsize);
     let sentence = format!("{}, {} MB free", folder.display(), free / 1_000_000);
-    let verdict = if free < FEW_BYTES { Verdict::Warning } else { Verdict::Ok };
+    let verdict = if free < FEW_BYTES {
+        Verdict::Warning
+    } else {
+        Verdict::Ok
+    };
     Finding::new(name, verdict, sentence)
 }
 
 fn ports() -> Finding {
-    Finding::new("ports", Verdict::Ok, "the daemon listens on no network port, only on its socket")
+    Finding::new(
+        "ports",
+        Verdict::Ok,
+        "the daemon listens on no network port, only on its socket",
+    )
 }
 
 fn library(name: &'static str, kind: LibraryKind) -> Finding {
@@ -176,7 +207,9 @@ fn library(name: &'static str, kind: LibraryKind) -> Finding {
                 [] => String::new(),
                 missing => format!(", without {}", missing.join(", ")),
             };
-            let file = library.file().map_or("?".into(), |file| file.display().to_string());
+            let file = library
+                .file()
+                .map_or("?".into(), |file| file.display().to_string());
             Finding::new(name, Verdict::Ok, format!("{file}, {version}{without}"))
         }
         Err(error) => Finding::new(name, Verdict::Warning, error.to_string()),
@@ -185,6 +218,10 @@ fn library(name: &'static str, kind: LibraryKind) -> Finding {
 
 fn kinect() -> Finding {
     let presence = Presence::scan();
-    let verdict = if presence.is_usable() { Verdict::Ok } else { Verdict::Warning };
+    let verdict = if presence.is_usable() {
+        Verdict::Ok
+    } else {
+        Verdict::Warning
+    };
     Finding::new("kinect", verdict, presence.to_string())
 }

@@ -97,10 +97,14 @@ impl Model {
             if known != view {
                 return None;
             }
-            self.next_track_id = self.next_track_id.max(view.id.track_id + 1);
         }
         let n_views = (after.len() - self.views.len()) as u64;
         self.views = after;
+        let last = self
+            .views
+            .last_key_value()
+            .map_or(0, |(view, _)| view.track_id);
+        self.next_track_id = self.next_track_id.max(last + 1);
         Some(n_views)
     }
 
