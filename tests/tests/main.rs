@@ -7,10 +7,18 @@
 mod daemon;
 /// Folders of real data.
 mod real_data;
+/// Every scene of a domain, recorded.
+mod scene_recorder;
 
 /// Processes that are killed, stopped, or can not start.
 mod faults;
+/// A recording played through the real libfreenect.
+mod fakenect;
 /// Crates name only crates of lower layers; foreign libraries have owners.
 mod layering;
+/// Runs in lockstep repeat each other to the bit.
+mod lockstep;
 /// Start, see, teach, restart, recognise, stop.
 mod skeleton;
+/// The cloud is written once, and nobody allocates a frame's worth.
+mod zero_copy;

@@ -37,7 +37,7 @@ const CAMERA_DISTANCE_M: f64 = 1.0;
 /// How steeply it looks down, and how far it stands to the right, degrees.
 const CAMERA_ELEVATION_DEG: f64 = 43.0;
 const CAMERA_AZIMUTH_DEG: f64 = 5.0;
-/// Neighbouring depths further apart than this belong to an edge, metres.
+/// A pixel further away than its neighbour by this lies behind an edge, metres.
 const EDGE_JUMP_M: f64 = 0.02;
 
 /// The table with one arrangement of objects and the Kinect that looks at it.
@@ -77,7 +77,7 @@ impl SyntheticTable {
         let scene = Scene::new(&objects);
         let world_from_camera = camera_pose();
         let sensor = DepthSensor::new(camera.fx_px);
-        let pixels = pixel_models(&scene, &camera, &world_from_camera, &sensor);
+        let pixels = pixel_models(&scene, &camera, &world_from_camera, sensor);
         Self {
             camera,
             world_from_camera,
@@ -190,7 +190,7 @@ fn pixel_models(
     scene: &Scene,
     camera: &PinholeCamera,
     world_from_camera: &RigidTransform,
-    sensor: &DepthSensor,
+    sensor: DepthSensor,
 ) -> Vec<PixelModel> {
     let sights = cast_image(scene, camera, world_from_camera);
     let width = camera.width as usize;
@@ -205,7 +205,7 @@ fn pixel_models(
         let is_blind = pixel_idx % width + N_BLIND_COLUMNS >= width;
         let around = Surroundings {
             incidence: -sight.normal.dot(&ray.direction.normalize()),
-            is_at_edge: is_at_edge(&sights, width, pixel_idx),
+            is_behind_edge: is_behind_edge(&sights, width, pixel_idx),
             is_in_shadow: is_blind || scene.is_blocked(&lit, &projector),
         };
         sensor.model(sight.t, sight.rgb, around)
@@ -213,22 +213,16 @@ fn pixel_models(
     sights.iter().enumerate().map(model).collect()
 }
 
-/// Whether the depth jumps from a pixel to one of its four neighbours.
-fn is_at_edge(sights: &[Option<Sight>], width: usize, pixel_idx: usize) -> bool {
-    let depth = |idx: usize| {
-        sights
-            .get(idx)
-            .copied()
-            .flatten()
-            .map_or(f64::INFINITY, |s| s.t)
-    };
+/// Whether one of the pixel's four neighbours is clearly nearer.
+fn is_behind_edge(sights: &[Option<Sight>], width: usize, pixel_idx: usize) -> bool {
+    let depth = |idx: usize| sights.get(idx).copied().flatten().map(|sight| sight.t);
+    let column = pixel_idx % width;
     let neighbours = [
-        pixel_idx + 1,
-        pixel_idx.wrapping_sub(1),
-        pixel_idx + width,
-        pixel_idx.wrapping_sub(width),
+        (column > 0).then(|| pixel_idx - 1),
+        (column + 1 < width).then(|| pixel_idx + 1),
+        pixel_idx.checked_sub(width),
+        Some(pixel_idx + width),
     ];
-    neighbours
-        .iter()
-        .any(|idx| (depth(*idx) - depth(pixel_idx)).abs() > EDGE_JUMP_M)
+    let mut others = neighbours.into_iter().flatten().filter_map(depth);
+    depth(pixel_idx).is_some_and(|own| others.any(|other| own - other > EDGE_JUMP_M))
 }

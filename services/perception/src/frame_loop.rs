@@ -4,6 +4,7 @@ use crate::config::Config;
 use crate::detector::{DetectFailed, Detected, Detector};
 use crate::intake::{Arrived, Intake};
 use crate::key_view_outbox::{OnDisk, Outbox};
+use crate::learned::CatchUp;
 use crate::observation_round::{Actors, Outcome};
 use crate::scene_report;
 use crate::track_ids::TrackIds;
@@ -32,6 +33,7 @@ pub(crate) struct FrameLoop {
     actors: Actors,
     ids: Arc<TrackIds>,
     outbox: Outbox,
+    catch_up: CatchUp,
     world: Arc<World>,
     health: Arc<HealthBoard>,
     actor_deadline: Duration,
@@ -76,6 +78,7 @@ pub(crate) struct Surroundings {
     pub(crate) actors: Actors,
     pub(crate) ids: Arc<TrackIds>,
     pub(crate) outbox: Outbox,
+    pub(crate) catch_up: CatchUp,
     pub(crate) world: Arc<World>,
     pub(crate) health: Arc<HealthBoard>,
 }
@@ -99,6 +102,7 @@ impl FrameLoop {
             actors: given.actors,
             ids: given.ids,
             outbox: given.outbox,
+            catch_up: given.catch_up,
             world: given.world,
             health: given.health,
             actor_deadline: config.actor_deadline,
@@ -146,6 +150,10 @@ impl FrameLoop {
             return self.report_finished(arrived);
         }
         self.restart_if_time_jumped(arrived.frame.header().capture_stamp_ns);
+        if arrived.is_lockstep() {
+            // A replay must know the same at the same frame.
+            self.catch_up.wait().await;
+        }
         let detected = match self.detector.detect(arrived).await {
             Ok(detected) => detected,
             Err(failed) => {

@@ -9,6 +9,7 @@ use pipeline::{DESCRIPTOR_DIMENSION, DESCRIPTOR_KIND, METRIC};
 use std::fmt::{self, Display, Formatter};
 use std::sync::{Arc, PoisonError, RwLock};
 use std::time::Duration;
+use tokio::sync::{mpsc, oneshot};
 
 /// How long the memory may take to answer.
 const DEADLINE: Duration = Duration::from_secs(5);
@@ -45,6 +46,22 @@ pub(crate) struct Follower {
     announcements: Subscriber<MemoryChanged>,
     learned: SharedLearned,
     is_kind_told: bool,
+    requests: mpsc::Receiver<oneshot::Sender<()>>,
+    waiting: Vec<oneshot::Sender<()>>,
+}
+
+/// Asks the follower to catch up.
+pub(crate) struct CatchUp(mpsc::Sender<oneshot::Sender<()>>);
+
+impl CatchUp {
+    /// Returns when everything is known that the memory had acknowledged before.
+    pub(crate) async fn wait(&self) {
+        let (sender, caught_up) = oneshot::channel();
+        // The follower ends only with the process.
+        if self.0.send(sender).await.is_ok() {
+            let _ = caught_up.await;
+        }
+    }
 }
 
 /// Why the memory could not be followed.
@@ -64,18 +81,23 @@ impl Display for FollowFailed {
 }
 
 impl Follower {
+    /// A follower, and how to wait for it.
     pub(crate) fn new(
         domain: &Domain,
         client: Arc<Client>,
         learned: SharedLearned,
-    ) -> Result<Self, Error> {
+    ) -> Result<(Self, CatchUp), Error> {
         let announcements = Subscriber::waiting(domain)?;
-        Ok(Self {
+        let (sender, requests) = mpsc::channel(1);
+        let follower = Self {
             client,
             announcements,
             learned,
             is_kind_told: false,
-        })
+            requests,
+            waiting: Vec::new(),
+        };
+        Ok((follower, CatchUp(sender)))
     }
 
     /// Keeps the views up to date until the future is dropped.
@@ -89,7 +111,17 @@ impl Follower {
                 _ => {}
             }
             is_failing = caught_up.is_err();
-            let _ = tokio::time::timeout(LOOK_AGAIN, self.announcements.woken()).await;
+            if !is_failing {
+                for waiting in self.waiting.drain(..) {
+                    // Who has asked may have gone away.
+                    let _ = waiting.send(());
+                }
+            }
+            tokio::select! {
+                () = self.announcements.woken() => {}
+                Some(request) = self.requests.recv() => self.waiting.push(request),
+                () = tokio::time::sleep(LOOK_AGAIN) => {}
+            }
             let _ = self.announcements.latest();
         }
     }

@@ -57,12 +57,13 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
         ProcessKind::Perception,
         control::handler(world.clone()),
     )?;
-    let follower = Follower::new(domain, memory.clone(), learned)?;
+    let (follower, catch_up) = Follower::new(domain, memory.clone(), learned)?;
     let given = Surroundings {
         pool: pool.clone(),
         actors: Actors::new(supervisor),
         ids: ids.clone(),
         outbox,
+        catch_up,
         world,
         health: health.clone(),
     };

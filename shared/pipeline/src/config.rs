@@ -5,13 +5,15 @@ use learning::Metric;
 use tracking::{AssociationConfig, MotionConfig};
 
 /// How the descriptors of this version are made; only equal kinds compare.
-pub const DESCRIPTOR_KIND: &str = "good-published-15-object-frame";
+pub const DESCRIPTOR_KIND: &str = "good-published-15-box-frame";
 
 /// Bins a side of the descriptor, as in the paper.
 const N_BINS: usize = 15;
 
-/// Points nearer than this to an axis have no say in its sign, metres; as published.
-const SIGN_THRESHOLD_M: f32 = 0.0015;
+/// Points nearer than this to an axis have no say in its sign, metres. Larger
+/// than any object: the frame has decided the signs already, and a second
+/// opinion that turns at a count of ten in a hundred turns with the noise.
+const SIGN_THRESHOLD_M: f32 = 100.0;
 
 /// The largest distance of the metric: two descriptors without a common bin.
 const MAX_DISTANCE: f32 = 1.75;

@@ -2,7 +2,7 @@
 
 use crate::{Config, Error};
 use detection::Candidate;
-use geometry::RigidTransform;
+use geometry::{OrientedBox, RigidTransform};
 use tracking::{Appearance, Measurement, Observed};
 
 /// The circumstances of a frame.
@@ -17,8 +17,10 @@ pub struct Frame {
 /// What a frame says of one candidate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measured {
-    /// Box and stamp, world frame.
+    /// The box in the world and its stamp.
     pub measurement: Measurement,
+    /// The box in the camera's frame.
+    pub box_in_camera: OrientedBox,
     /// Coarse looks.
     pub appearance: Appearance,
     /// Mean red, green, blue; 0 to 255.
@@ -42,6 +44,7 @@ impl Measured {
             .map_err(Error::Tracking)?;
         Ok(Self {
             measurement,
+            box_in_camera: candidate.oriented_box,
             appearance: Appearance {
                 volume_m3: box_in_world.volume_m3(),
                 mean_rgb: candidate.mean_rgb,

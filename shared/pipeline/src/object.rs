@@ -1,11 +1,11 @@
 //! One object's half of the step.
 
+use crate::box_frame::box_frame;
 use crate::config::descriptor;
 use crate::frame::Measured;
 use crate::{Config, Error};
-use description::{Descriptor, Good, ObjectPoints, object_frame};
+use description::{Descriptor, Good, ObjectPoints};
 use learning::{CategoryIndex, CategoryName};
-use nalgebra::Point3;
 use point_cloud::Point;
 use tracking::{KeyViewRule, MotionFilter};
 
@@ -90,7 +90,11 @@ impl ObjectState {
         }
         .map_err(Error::Tracking)?;
         let points = ObjectPoints::selected(cloud, indices).map_err(Error::Description)?;
-        describe(points, tools, descriptor)?;
+        let frame = box_frame(&measured.box_in_camera);
+        tools
+            .good
+            .compute(points, &frame, descriptor)
+            .map_err(Error::Description)?;
         let answer = taught
             .recognise(descriptor, config.unknown_distance())
             .map_err(Error::Learning)?;
@@ -109,19 +113,4 @@ impl ObjectState {
             distance: answer.distance,
         })
     }
-}
-
-fn describe(
-    points: ObjectPoints<'_>,
-    tools: &mut ObjectTools,
-    descriptor: &mut Vec<f32>,
-) -> Result<(), Error> {
-    let viewpoint = Point3::origin();
-    let frame = object_frame(points, &viewpoint)
-        .ok_or(Error::Description(description::Error::NoPoints))?
-        .descriptor_frame();
-    tools
-        .good
-        .compute(points, &frame, descriptor)
-        .map_err(Error::Description)
 }

@@ -37,7 +37,8 @@ pub struct MotionConfig {
     /// Standard deviation of the acceleration, m/s²; 0.01 to 100.
     pub acceleration_sigma_m_s2: f64,
     /// Least standard deviation of a measured box centre, metres; 0.0001 to
-    /// 0.1. Where the depth noise of the sensor is more, it counts.
+    /// 0.1. Where the depth noise of the sensor is more, it counts. The default
+    /// covers what a handle seen in one frame and not in the next moves a box.
     pub position_sigma_min_m: f64,
     /// Time in which a changed orientation is followed to 63 %, seconds;
     /// 0.001 to 10.
@@ -50,7 +51,7 @@ impl Default for MotionConfig {
     fn default() -> Self {
         Self {
             acceleration_sigma_m_s2: 1.5,
-            position_sigma_min_m: 0.003,
+            position_sigma_min_m: 0.008,
             turning_time_s: 0.15,
             resizing_time_s: 0.6,
         }

@@ -20,8 +20,9 @@ const PLACES_M: [[f64; 2]; 5] = [
 /// How far an object stands from its place at most, along x and along y, metres.
 const SCATTER_M: f64 = 0.015;
 
-/// Yaws lie within this range, in which the mug shows its handle, radians.
-const YAW_RANGE: [f64; 2] = [-1.9, 0.35];
+/// Yaws lie within this range, radians. From each place the camera then sees
+/// where the mug's handle is joined, which stands along the object's x axis.
+const YAW_RANGE: [f64; 2] = [-2.35, -0.6];
 
 /// One object on the table, as it truly is.
 #[derive(Debug, Clone)]

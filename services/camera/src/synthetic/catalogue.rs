@@ -43,26 +43,26 @@ pub(super) static KINDS: [Kind; 8] = [
     // Parts of two spheres around one centre, on a foot.
     Kind {
         name: "bowl",
-        corners: [[-BOWL_RIM, -BOWL_RIM, 0.0], [BOWL_RIM, BOWL_RIM, 0.065]],
+        corners: [[-BOWL_RIM, -BOWL_RIM, 0.0], [BOWL_RIM, BOWL_RIM, 0.071]],
         parts: &[
-            (Surface::sphere(0.085, 0.085, [0.0075, 0.065]), TEAL),
-            (Surface::cylinder(0.035, [0.0, 0.0076]), TEAL),
-            (Surface::sphere(0.081, 0.085, [0.004, 0.065]), MINT),
-            (Surface::ring([0.0785, BOWL_RIM], 0.065), MINT),
+            (Surface::cylinder(0.035, [0.0, 0.0136]), TEAL),
+            (Surface::sphere(0.085, 0.091, [0.0135, 0.071]), TEAL),
+            (Surface::sphere(0.081, 0.091, [0.01, 0.071]), MINT),
+            (Surface::ring([0.0785, BOWL_RIM], 0.071), MINT),
         ],
     },
     Kind {
         name: "box",
-        corners: [[-0.075, -0.025, 0.0], [0.075, 0.025, 0.21]],
+        corners: [[-0.025, -0.075, 0.0], [0.025, 0.075, 0.21]],
         parts: &[(
-            Surface::cuboid([-0.075, -0.025, 0.0], [0.075, 0.025, 0.21]),
+            Surface::cuboid([-0.025, -0.075, 0.0], [0.025, 0.075, 0.21]),
             CEREAL,
         )],
     },
     Kind {
         name: "ball",
-        corners: [[-0.055, -0.055, 0.0], [0.055, 0.055, 0.11]],
-        parts: &[(Surface::sphere(0.055, 0.055, [0.0, 0.11]), RED_BANDS)],
+        corners: [[-0.04, -0.04, 0.0], [0.04, 0.04, 0.08]],
+        parts: &[(Surface::sphere(0.04, 0.04, [0.0, 0.08]), RED_BANDS)],
     },
     // Body, shoulder, neck and cap.
     Kind {
@@ -76,27 +76,23 @@ pub(super) static KINDS: [Kind; 8] = [
             (Surface::disc(0.015, 0.25), YELLOW),
         ],
     },
-    // A flat floor in a wide, low rim.
+    // As the bowl, of larger spheres.
     Kind {
         name: "plate",
-        corners: [[-0.09, -0.09, 0.0], [0.09, 0.09, 0.028]],
+        corners: [[-PLATE_RIM, -PLATE_RIM, 0.0], [PLATE_RIM, PLATE_RIM, 0.032]],
         parts: &[
-            (Surface::frustum([0.055, 0.09], [0.0, 0.028]), VIOLET),
-            (Surface::ring([0.086, 0.09], 0.028), VIOLET),
-            (Surface::frustum([0.052, 0.086], [0.013, 0.028]), LILAC),
-            (Surface::disc(0.052, 0.013), LILAC),
+            (Surface::cylinder(0.05, [0.0, 0.0136]), VIOLET),
+            (Surface::sphere(0.17, 0.176, [0.0135, 0.032]), VIOLET),
+            (Surface::sphere(0.166, 0.176, [0.01, 0.032]), LILAC),
+            (Surface::ring([0.0826, PLATE_RIM], 0.032), LILAC),
         ],
     },
-    // A marking cone on its square foot.
+    // Blunt at its top.
     Kind {
         name: "cone",
-        corners: [[-0.055, -0.055, 0.0], [0.055, 0.055, 0.17]],
+        corners: [[-0.05, -0.05, 0.0], [0.05, 0.05, 0.17]],
         parts: &[
-            (
-                Surface::cuboid([-0.055, -0.055, 0.0], [0.055, 0.055, 0.01]),
-                BLACK,
-            ),
-            (Surface::frustum([0.045, 0.01], [0.01, 0.17]), ORANGE_BANDS),
+            (Surface::frustum([0.05, 0.01], [0.0, 0.17]), ORANGE_BANDS),
             (Surface::disc(0.01, 0.17), ORANGE_BANDS),
         ],
     },
@@ -113,8 +109,9 @@ pub(super) static KINDS: [Kind; 8] = [
     },
 ];
 
-/// Outer radius of the bowl's rim: its sphere's, 20 mm below the centre.
+/// Outer radii of the rims, where the spheres end below their centres.
 const BOWL_RIM: f64 = 0.082_614;
+const PLATE_RIM: f64 = 0.090_355;
 
 /// The table with its dark rim on four legs, the floor, the wall behind.
 pub(super) static ROOM: [Part; 8] = [
@@ -155,11 +152,10 @@ const MINT: Paint = Paint::plain([210, 235, 225]);
 const YELLOW: Paint = Paint::plain([220, 220, 80]);
 const VIOLET: Paint = Paint::plain([150, 130, 185]);
 const LILAC: Paint = Paint::plain([225, 220, 235]);
-const BLACK: Paint = Paint::plain([50, 50, 55]);
 const SILVER: Paint = Paint::plain([175, 178, 182]);
 const DARK_WOOD: Paint = Paint::plain([90, 65, 45]);
 const CEREAL: Paint = Paint::new(Pattern::Checks(0.06), [[235, 190, 50], [150, 95, 40]]);
-const RED_BANDS: Paint = Paint::new(Pattern::Bands(0.037), [[205, 35, 40], [230, 120, 110]]);
+const RED_BANDS: Paint = Paint::new(Pattern::Bands(0.027), [[205, 35, 40], [230, 120, 110]]);
 const GREEN_BANDS: Paint = Paint::new(Pattern::Bands(0.075), [[30, 100, 45], [60, 135, 60]]);
 const ORANGE_BANDS: Paint = Paint::new(Pattern::Bands(0.05), [[240, 110, 20], [240, 235, 225]]);
 const PINK_BANDS: Paint = Paint::new(Pattern::Bands(0.045), [[190, 40, 140], [215, 150, 200]]);

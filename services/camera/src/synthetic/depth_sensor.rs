@@ -17,9 +17,9 @@ const RAW_AT_INFINITY: f32 = 1090.0;
 const STEPS_PER_PX: f64 = 8.0;
 /// Cosines of incidence below which all light, and above which none, is lost.
 const GRAZING: [f64; 2] = [0.12, 0.3];
-/// Probability that a pixel is lost anywhere, and next to a jump in depth, in 1/256.
+/// Probability that a pixel is lost anywhere, and behind an edge, in 1/256.
 const LOSS_ANYWHERE: f64 = 1.0;
-const LOSS_AT_EDGE: f64 = 110.0;
+const LOSS_BEHIND_EDGE: f64 = 110.0;
 
 /// All that does not change from frame to frame about one pixel.
 #[derive(Debug, Clone, Copy)]
@@ -39,8 +39,9 @@ pub(super) struct PixelModel {
 pub(super) struct Surroundings {
     /// Cosine of the angle between ray and normal.
     pub(super) incidence: f64,
-    /// Whether a neighbour's depth jumps.
-    pub(super) is_at_edge: bool,
+    /// Whether a neighbour is clearly nearer. The correlation window then mixes
+    /// both, and the nearer surface, which is brighter, prevails.
+    pub(super) is_behind_edge: bool,
     /// Whether the projector's light does not get there.
     pub(super) is_in_shadow: bool,
 }
@@ -60,7 +61,7 @@ impl DepthSensor {
     }
 
     /// The model of a pixel that sees a surface at depth `z_m`.
-    pub(super) fn model(&self, z_m: f64, rgb: [u8; 3], around: Surroundings) -> PixelModel {
+    pub(super) fn model(self, z_m: f64, rgb: [u8; 3], around: Surroundings) -> PixelModel {
         let z = z_m as f32;
         let steps = self.steps_m / z;
         PixelModel {
@@ -75,7 +76,7 @@ impl DepthSensor {
     ///
     /// `slope` is the pixel's viewing ray, x and y at z = 1.
     #[inline]
-    pub(super) fn read(&self, pixel: &PixelModel, slope: [f32; 2], bits: u64) -> Point {
+    pub(super) fn read(self, pixel: &PixelModel, slope: [f32; 2], bits: u64) -> Point {
         let color = noisy(pixel.color, bits >> 56);
         if ((bits >> 48 & 0xff) as u32) < pixel.loss {
             return Point::without_depth(color);
@@ -115,7 +116,11 @@ fn loss(around: Surroundings) -> u32 {
     }
     let [none, all] = GRAZING;
     let grazing = ((all - around.incidence) / (all - none)).clamp(0.0, 1.0) * 256.0;
-    let edge = if around.is_at_edge { LOSS_AT_EDGE } else { 0.0 };
+    let edge = if around.is_behind_edge {
+        LOSS_BEHIND_EDGE
+    } else {
+        0.0
+    };
     (LOSS_ANYWHERE + edge + grazing) as u32
 }
 

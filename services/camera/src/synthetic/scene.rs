@@ -26,7 +26,7 @@ pub(super) struct Sight {
 /// Rigidly joined parts.
 #[derive(Debug)]
 struct Body {
-    world_from_body: RigidTransform,
+    world_from_local: RigidTransform,
     /// Centre (world frame) and radius of a sphere around all parts.
     bounds: (Point3<f64>, f64),
     parts: &'static [Part],
@@ -41,7 +41,7 @@ pub(super) struct Scene {
 impl Scene {
     pub(super) fn new(objects: &[TableObject]) -> Self {
         let room = Body {
-            world_from_body: RigidTransform::identity(),
+            world_from_local: RigidTransform::identity(),
             bounds: (Point3::origin(), f64::INFINITY),
             parts: &ROOM,
         };
@@ -59,8 +59,10 @@ impl Scene {
             .filter_map(|body| body.hit(ray).map(|(hit, paint)| (hit, paint, body)))
             .min_by(|(a, ..), (b, ..)| a.t.total_cmp(&b.t));
         nearest.map(|(hit, paint, body)| {
-            let normal = body.world_from_body.rotation * hit.normal;
-            let place = body.world_from_body.inverse_transform_point(&ray.at(hit.t));
+            let normal = body.world_from_local.rotation * hit.normal;
+            let place = body
+                .world_from_local
+                .inverse_transform_point(&ray.at(hit.t));
             let light = AMBIENT + (1.0 - AMBIENT) * normal.dot(&TO_LAMP.normalize()).max(0.0);
             let rgb = paint
                 .color_at(&place)
@@ -89,7 +91,7 @@ impl Body {
     fn of(object: &TableObject) -> Self {
         let (centre, radius) = object.kind.bounding_sphere();
         Self {
-            world_from_body: object.world_from_object,
+            world_from_local: object.world_from_object,
             bounds: (object.world_from_object * centre, radius),
             parts: object.kind.parts,
         }
@@ -103,9 +105,9 @@ impl Body {
             return None;
         }
         let ray_in_body = Ray {
-            origin: self.world_from_body.inverse_transform_point(&ray.origin),
+            origin: self.world_from_local.inverse_transform_point(&ray.origin),
             direction: self
-                .world_from_body
+                .world_from_local
                 .inverse_transform_vector(&ray.direction),
         };
         self.parts

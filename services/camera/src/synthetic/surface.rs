@@ -136,9 +136,9 @@ fn ring(z: f64, radii: [f64; 2], ray: &Ray) -> Option<(f64, Vector3<f64>)> {
 /// Slab by slab: the box is hit where the last of the three pairs is entered.
 fn cuboid(corners: &[[f64; 3]; 2], ray: &Ray) -> Option<(f64, Vector3<f64>)> {
     let (mut enter, mut leave, mut axis) = (0.0, f64::INFINITY, None);
-    for i in 0..3 {
-        let t0 = (corners[0][i] - ray.origin[i]) / ray.direction[i];
-        let t1 = (corners[1][i] - ray.origin[i]) / ray.direction[i];
+    for (i, (low, high)) in corners[0].iter().zip(&corners[1]).enumerate() {
+        let t0 = (low - ray.origin[i]) / ray.direction[i];
+        let t1 = (high - ray.origin[i]) / ray.direction[i];
         if t0.min(t1) > enter {
             (enter, axis) = (t0.min(t1), Some(i));
         }

@@ -1,0 +1,139 @@
+//! In lockstep a recording gives the same scenes every time, to the bit, except
+//! for the stamps of the stages.
+
+use crate::daemon::{Daemon, Place, eventually};
+use crate::real_data;
+use crate::scene_recorder::{Recorded, SceneRecorder};
+use message::{ProcessKind, StageStamps};
+use rustix::process::Signal;
+use std::path::Path;
+
+/// What a replay must repeat. Printed numbers read back to the same bits, and
+/// NaN, which stands for an absent distance, equals itself.
+fn repeatable(scene: &Recorded) -> String {
+    let mut scene = scene.clone();
+    scene.summary.session = 0;
+    scene.summary.stamps = StageStamps {
+        capture_ns: scene.summary.stamps.capture_ns,
+        scheduled_ns: scene.summary.stamps.scheduled_ns,
+        ..StageStamps::default()
+    };
+    format!("{scene:?}")
+}
+
+fn wait_for_the_end(daemon: &Daemon<'_>) {
+    eventually("the recording ends", || {
+        let camera = daemon.health(ProcessKind::Camera.name());
+        camera.is_some_and(|camera| camera["state"] == "idle")
+    });
+}
+
+/// Plays a source to its end; every scene, none dropped on the way.
+fn played(place: &Place, arguments: &[&str], n_frames: u64) -> Vec<Recorded> {
+    let recorder = SceneRecorder::start(place);
+    let daemon = place.start(&[arguments, &["--lockstep"]].concat());
+    wait_for_the_end(&daemon);
+    recorder.wait_for("the last scene is there", |scenes| {
+        scenes.last().is_some_and(|last| last.summary.sequence == n_frames - 1)
+    });
+    let (scenes, n_lost) = recorder.stop();
+    for process in [ProcessKind::Perception, ProcessKind::Memory] {
+        let health = daemon.health(process.name()).unwrap();
+        assert_eq!(health["frames_dropped"], 0, "{health:#}");
+    }
+    daemon.stop();
+    assert_eq!(n_lost, 0);
+    let sequences = scenes.iter().map(|scene| scene.summary.sequence);
+    assert!(sequences.eq(0..n_frames), "a frame is missing or was done twice");
+    let is_whole = |scene: &Recorded| scene.summary.frames_dropped == 0 && scene.summary.n_late == 0;
+    assert!(scenes.iter().all(is_whole));
+    scenes
+}
+
+/// Two homes with the same content give the same scenes.
+fn check_repeatable(home: Option<&Path>, arguments: &[&str], n_frames: u64) -> Vec<Recorded> {
+    let play = || {
+        let place = Place::new();
+        if let Some(home) = home {
+            copy_folder(home, place.home());
+        }
+        played(&place, arguments, n_frames)
+    };
+    let (first, second) = (play(), play());
+    for (first, second) in first.iter().zip(&second) {
+        assert_eq!(repeatable(first), repeatable(second));
+    }
+    first
+}
+
+fn copy_folder(from: &Path, to: &Path) {
+    std::fs::create_dir_all(to).unwrap();
+    for entry in std::fs::read_dir(from).unwrap() {
+        let (path, to) = {
+            let entry = entry.unwrap();
+            (entry.path(), to.join(entry.file_name()))
+        };
+        if path.is_dir() {
+            copy_folder(&path, &to);
+        } else {
+            std::fs::copy(&path, &to).unwrap();
+        }
+    }
+}
+
+#[test]
+fn two_runs_of_the_synthetic_table_are_the_same() {
+    let scenes = check_repeatable(None, &["--source", "synthetic:0", "--to", "40"], 40);
+    let last = scenes.last().unwrap();
+    assert_eq!(last.objects.len(), 5);
+    assert!(last.objects.windows(2).all(|pair| pair[0].track_id < pair[1].track_id));
+}
+
+#[test]
+fn what_was_taught_is_recognised_from_the_same_frame_on() {
+    let taught = Place::new();
+    let daemon = taught.start(&["--source", "synthetic:0"]);
+    let objects = daemon.wait_for("all objects are tracked", |objects| objects.len() == 5);
+    for (object, name) in objects.iter().zip(["a", "b", "c", "d", "e"]) {
+        daemon.ask(&["teach", &object["track_id"].to_string(), name]);
+    }
+    daemon.stop();
+    let arguments = ["--source", "synthetic:0", "--to", "40"];
+    let scenes = check_repeatable(Some(taught.home()), &arguments, 40);
+    let first = scenes.first().unwrap();
+    assert!(first.objects.iter().all(|object| object.label().is_some()), "{first:#?}");
+}
+
+#[test]
+#[ignore = "needs TABULA_DATA"]
+fn two_runs_of_a_real_sequence_are_the_same() {
+    let folder = real_data::folder("kitchen-sequence");
+    let source = folder.to_str().unwrap();
+    let arguments = ["--source", source, "--from", "100", "--to", "160"];
+    let scenes = check_repeatable(None, &arguments, 60);
+    assert!(scenes.iter().any(|scene| !scene.objects.is_empty()));
+}
+
+#[test]
+fn a_killed_follower_does_not_stop_the_source_for_ever() {
+    let place = Place::new();
+    let recorder = SceneRecorder::start(&place);
+    let daemon = place.start(&["--source", "synthetic:0", "--lockstep"]);
+    for follower in [ProcessKind::Perception, ProcessKind::Memory] {
+        let newest = |scenes: &[Recorded]| scenes.last().map(|scene| scene.summary.sequence);
+        recorder.wait_for("scenes come", |scenes| newest(scenes) > Some(5));
+        daemon.signal(follower, Signal::KILL);
+        let mut before = None;
+        recorder.is(|scenes| {
+            before = newest(scenes);
+            true
+        });
+        recorder.wait_for("scenes come again", |scenes| newest(scenes) > before.map(|n| n + 20));
+    }
+    let (scenes, _) = recorder.stop();
+    let mut sequences: Vec<u64> = scenes.iter().map(|scene| scene.summary.sequence).collect();
+    sequences.dedup();
+    let is_whole = sequences.windows(2).all(|pair| pair[1] == pair[0] + 1);
+    assert!(is_whole, "a frame was left out: {sequences:?}");
+    daemon.stop();
+}

@@ -1,0 +1,137 @@
+//! A cloud is written once: detection and every actor read the camera's own
+//! bytes, and nothing outside the camera allocates as much as a frame.
+
+use crate::daemon::{Daemon, PATIENCE, Place, eventually};
+use channel::topic::{CameraCloud, ObjectView};
+use channel::{Domain, Received, Role, Subscriber};
+use message::{FrameHeader, ObjectViewHeader, ProcessKind, SegmentLocation};
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::time::{Duration, Instant};
+
+/// Frames with views that are looked at.
+const N_FRAMES: usize = 30;
+/// Frames between two looks at what was allocated.
+const N_STEADY_FRAMES: u64 = 120;
+/// What a process may allocate for each frame in steady state.
+const MAX_BYTES_PER_FRAME: u64 = 64_000;
+
+/// The camera's headers and the objects' views, as a guest sees them.
+struct Watcher {
+    clouds: Subscriber<CameraCloud>,
+    views: Subscriber<ObjectView>,
+    headers: BTreeMap<(u64, u64), FrameHeader>,
+    viewed: Vec<ObjectViewHeader>,
+}
+
+impl Watcher {
+    fn new(place: &Place) -> Self {
+        let domain = Domain::join(&place.domain, &place.run_folder(), Role::Guest).unwrap();
+        Self {
+            clouds: Subscriber::polled(&domain).unwrap(),
+            views: Subscriber::polled(&domain).unwrap(),
+            headers: BTreeMap::new(),
+            viewed: Vec::new(),
+        }
+    }
+
+    /// Takes what has come. Where the camera says it has written a frame is
+    /// where it lies in this process's mapping, too.
+    fn take_all(&mut self) {
+        while let Received::Message(frame) = self.clouds.receive().unwrap() {
+            let header = *frame.header();
+            assert_ne!(header.location.inode, 0, "{header:?}");
+            assert_eq!(frame.location(), header.location, "{header:?}");
+            self.headers
+                .insert((header.session, header.sequence), header);
+        }
+        while let Received::Message(view) = self.views.receive().unwrap() {
+            self.viewed.push(*view.header());
+        }
+    }
+
+    /// Watches until views of so many frames have come whose header came, too.
+    fn watch(&mut self, n_frames: usize) {
+        let deadline = Instant::now() + PATIENCE;
+        while self.matched().len() < n_frames {
+            assert!(Instant::now() < deadline, "{} views", self.viewed.len());
+            self.take_all();
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    /// Views by frame, of the frames whose header came.
+    fn matched(&self) -> BTreeMap<(u64, u64), Vec<ObjectViewHeader>> {
+        let mut frames = BTreeMap::<_, Vec<_>>::new();
+        for view in &self.viewed {
+            let frame = (view.session, view.sequence);
+            if self.headers.contains_key(&frame) {
+                frames.entry(frame).or_default().push(*view);
+            }
+        }
+        frames
+    }
+}
+
+#[test]
+fn detection_and_every_actor_read_the_cameras_own_bytes() {
+    let place = Place::new();
+    let daemon = place.start(&["--source", "synthetic:0"]);
+    let mut watcher = Watcher::new(&place);
+    watcher.watch(N_FRAMES);
+    let mut locations = Vec::<SegmentLocation>::new();
+    for (frame, views) in watcher.matched() {
+        let header = &watcher.headers[&frame];
+        let n_points = header.size_px[0] * header.size_px[1];
+        locations.push(header.location);
+        for view in views {
+            assert_eq!(view.frame_location, header.location, "{view:?}");
+            assert_eq!(view.detection_location, header.location, "{view:?}");
+            assert_eq!(view.capture_ns, header.capture_stamp_ns, "{view:?}");
+            assert!(view.first_point_index < n_points, "{view:?}");
+            assert!(view.n_points > 0 && view.n_points < n_points, "{view:?}");
+        }
+    }
+    // The frames share a segment and not a slot of it, so that equal locations mean something.
+    assert!(locations.iter().all(|l| l.inode == locations[0].inode));
+    assert!(locations.iter().any(|l| l.offset_bytes != locations[0].offset_bytes));
+    drop(watcher);
+    daemon.stop();
+}
+
+/// Bytes allocated per frame between two health reports.
+fn bytes_per_frame(daemon: &Daemon<'_>, process: ProcessKind) -> u64 {
+    let look = || {
+        let health = daemon.health(process.name()).unwrap();
+        let number = |name: &str| health[name].as_u64().unwrap();
+        (number("frames"), number("allocated_bytes"))
+    };
+    let (first_frame, first_bytes) = look();
+    let (mut frame, mut bytes) = (first_frame, first_bytes);
+    eventually("frames pass", || {
+        // Seldom, because the memory allocates for every answer.
+        std::thread::sleep(Duration::from_millis(500));
+        (frame, bytes) = look();
+        frame >= first_frame + N_STEADY_FRAMES
+    });
+    (bytes - first_bytes) / (frame - first_frame)
+}
+
+#[test]
+fn nothing_outside_the_camera_allocates_much_in_steady_state() {
+    let place = Place::new();
+    let daemon = place.start(&["--source", "synthetic:0"]);
+    let watcher = Watcher::new(&place);
+    let objects = daemon.wait_for("all objects are known well", |objects| {
+        let is_known = |object: &&Value| object["n_views"].as_u64() > Some(60);
+        objects.iter().filter(is_known).count() == 5
+    });
+    daemon.ask(&["teach", &objects[0]["track_id"].to_string(), "something"]);
+    for process in [ProcessKind::Perception, ProcessKind::Memory] {
+        let bytes = bytes_per_frame(&daemon, process);
+        println!("{} allocates {bytes} bytes per frame", process.name());
+        assert!(bytes <= MAX_BYTES_PER_FRAME, "{} allocates {bytes} bytes per frame", process.name());
+    }
+    drop(watcher);
+    daemon.stop();
+}
