@@ -6,10 +6,11 @@ use message::ProcessKind;
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
+use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdout, Command, Output, Stdio};
-use std::sync::LazyLock;
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Arc, LazyLock};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
@@ -28,7 +29,10 @@ static PROGRAMS: LazyLock<PathBuf> = LazyLock::new(|| {
     if folder.ends_with("release") {
         build.arg("--release");
     }
-    assert!(build.status().unwrap().success(), "the programs could not be built");
+    assert!(
+        build.status().unwrap().success(),
+        "the programs could not be built"
+    );
     folder
 });
 
@@ -42,7 +46,7 @@ static N_PLACES: AtomicU32 = AtomicU32::new(0);
 /// A domain, home and run folder of a test's own. Outlives the daemons in it.
 pub(crate) struct Place {
     pub(crate) domain: DomainName,
-    runtime_dir: TempDir,
+    runtime_dir: Arc<TempDir>,
     home: TempDir,
 }
 
@@ -50,10 +54,27 @@ impl Place {
     pub(crate) fn new() -> Self {
         let number = N_PLACES.fetch_add(1, Ordering::Relaxed);
         Self {
-            domain: format!("it-{}-{number}", std::process::id()).parse().unwrap(),
-            runtime_dir: tempfile::tempdir_in("/dev/shm").unwrap(),
+            domain: format!("it-{}-{number}", std::process::id())
+                .parse()
+                .unwrap(),
+            runtime_dir: Arc::new(tempfile::tempdir_in("/dev/shm").unwrap()),
             home: tempfile::tempdir().unwrap(),
         }
+    }
+
+    /// Another domain in the same run folder; its name goes on where this one's ends.
+    pub(crate) fn neighbour(&self) -> Self {
+        Self {
+            domain: format!("{}-b", self.domain).parse().unwrap(),
+            runtime_dir: self.runtime_dir.clone(),
+            home: tempfile::tempdir().unwrap(),
+        }
+    }
+
+    /// Lets other accounts as far as into the run folder, as `/run` does.
+    pub(crate) fn open_to_all(&self) {
+        let mode = std::fs::Permissions::from_mode(0o755);
+        std::fs::set_permissions(self.runtime_dir.path(), mode).unwrap();
     }
 
     pub(crate) fn home(&self) -> &Path {
@@ -84,7 +105,11 @@ impl Place {
 
     /// Files of the domain in shared memory.
     pub(crate) fn shared_memory_files(&self) -> Vec<String> {
-        let prefix = format!("tabula_{}_{}_", rustix::process::getuid().as_raw(), self.domain);
+        let prefix = format!(
+            "tabula_{}_{}_",
+            rustix::process::getuid().as_raw(),
+            self.domain
+        );
         std::fs::read_dir("/dev/shm")
             .unwrap()
             .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
@@ -97,7 +122,9 @@ impl Place {
         let argument = format!("--domain={}", self.domain);
         let is_ours = |pid: &u32| {
             let words = std::fs::read(format!("/proc/{pid}/cmdline")).unwrap_or_default();
-            words.split(|byte| *byte == 0).any(|word| word == argument.as_bytes())
+            words
+                .split(|byte| *byte == 0)
+                .any(|word| word == argument.as_bytes())
         };
         let all = std::fs::read_dir("/proc").unwrap();
         all.filter_map(|entry| entry.unwrap().file_name().to_str()?.parse().ok())
@@ -112,7 +139,11 @@ impl Place {
 
     /// Starts `tabula run` and waits for nothing.
     pub(crate) fn launch(&self, arguments: &[&str]) -> Child {
-        let log = std::fs::File::options().create(true).append(true).open(self.log()).unwrap();
+        let log = std::fs::File::options()
+            .create(true)
+            .append(true)
+            .open(self.log())
+            .unwrap();
         self.command("tabula")
             .args(["run", "--json"])
             .args(arguments)
@@ -130,9 +161,19 @@ impl Place {
         let mut line = String::new();
         stdout.read_line(&mut line).unwrap();
         let started = serde_json::from_str(&line).unwrap_or_else(|_| {
-            panic!("the daemon did not start; its log:\n{}", std::fs::read_to_string(&log).unwrap())
+            panic!(
+                "the daemon did not start; its log:\n{}",
+                std::fs::read_to_string(&log).unwrap()
+            )
         });
-        Daemon { place: self, child, _stdout: stdout, started, log, is_stopped: false }
+        Daemon {
+            place: self,
+            child,
+            _stdout: stdout,
+            started,
+            log,
+            is_stopped: false,
+        }
     }
 }
 
@@ -159,12 +200,18 @@ impl Daemon<'_> {
     pub(crate) fn refused(&self, arguments: &[&str]) -> (i32, String) {
         let output = self.place.tabula(arguments);
         assert!(!output.status.success(), "{arguments:?}: {output:?}");
-        (output.status.code().unwrap(), String::from_utf8(output.stderr).unwrap())
+        (
+            output.status.code().unwrap(),
+            String::from_utf8(output.stderr).unwrap(),
+        )
     }
 
     /// The tracked objects.
     pub(crate) fn objects(&self) -> Vec<Value> {
-        self.ask(&["objects"])["objects"].as_array().unwrap().clone()
+        self.ask(&["objects"])["objects"]
+            .as_array()
+            .unwrap()
+            .clone()
     }
 
     /// Waits until the objects are as wanted; gives them back.
@@ -191,7 +238,10 @@ impl Daemon<'_> {
         let output = self.place.tabula(&["status", "--json"]);
         let document: Value = serde_json::from_slice(&output.stdout).ok()?;
         let processes = document["processes"].as_array()?;
-        processes.iter().find(|report| report["process"] == process).cloned()
+        processes
+            .iter()
+            .find(|report| report["process"] == process)
+            .cloned()
     }
 
     /// Process id of a process as it reports itself now.
@@ -235,14 +285,22 @@ impl Daemon<'_> {
                 self.is_stopped = true;
                 return status;
             }
-            assert!(Instant::now() < deadline, "the daemon does not stop\n{}", self.log());
+            assert!(
+                Instant::now() < deadline,
+                "the daemon does not stop\n{}",
+                self.log()
+            );
             std::thread::sleep(LOOK_AGAIN);
         }
     }
 
     /// Sends a signal to `tabula run` itself.
     pub(crate) fn signal_parent(&self, signal: Signal) {
-        kill_process(Pid::from_raw(self.child.id().cast_signed()).unwrap(), signal).unwrap();
+        kill_process(
+            Pid::from_raw(self.child.id().cast_signed()).unwrap(),
+            signal,
+        )
+        .unwrap();
     }
 }
 
@@ -264,7 +322,11 @@ impl Drop for Daemon<'_> {
 
 /// Runs a command to its end; one that does not end is stopped and fails the test.
 pub(crate) fn run_to_end(command: &mut Command, patience: Duration) -> Output {
-    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let child = command
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
     let pid = Pid::from_child(&child);
     let (sender, ended) = std::sync::mpsc::channel();
     std::thread::spawn(move || sender.send(child.wait_with_output()));
@@ -275,6 +337,35 @@ pub(crate) fn run_to_end(command: &mut Command, patience: Duration) -> Output {
             panic!("{command:?} does not end by itself");
         }
     }
+}
+
+/// The same command with other mounts, in a mount namespace of its own; `mounts`
+/// is a shell command. Only root may.
+pub(crate) fn with_mounts(command: &Command, mounts: &str) -> Command {
+    let is_root = rustix::process::getuid().is_root();
+    assert!(
+        is_root,
+        "this test must be run as root, or skipped with --skip as_root_"
+    );
+    let mut wrapped = Command::new("unshare");
+    wrapped
+        .args([
+            "--mount",
+            "sh",
+            "-c",
+            &format!("{mounts} && exec \"$@\""),
+            "sh",
+        ])
+        .arg(command.get_program())
+        .args(command.get_args())
+        .stdin(Stdio::null());
+    for (name, value) in command.get_envs() {
+        match value {
+            Some(value) => wrapped.env(name, value),
+            None => wrapped.env_remove(name),
+        };
+    }
+    wrapped
 }
 
 /// Waits until something holds.
@@ -294,5 +385,8 @@ pub(crate) fn nearest<'a>(objects: &'a [Value], place: [f64; 3]) -> &'a Value {
         (0..3).map(|i| axis(i) * axis(i)).sum()
     };
     let by_distance = |a: &&Value, b: &&Value| distance2(a).total_cmp(&distance2(b));
-    objects.iter().min_by(by_distance).expect("there are objects")
+    objects
+        .iter()
+        .min_by(by_distance)
+        .expect("there are objects")
 }

@@ -42,7 +42,9 @@ fn wait_for_names(daemon: &Daemon<'_>) {
 /// Number of frames a process has handled since its start.
 fn n_frames(daemon: &Daemon<'_>, process: ProcessKind) -> u64 {
     let health = daemon.health(process.name());
-    health.and_then(|health| health["frames"].as_u64()).unwrap_or(0)
+    health
+        .and_then(|health| health["frames"].as_u64())
+        .unwrap_or(0)
 }
 
 /// Waits until a process has handled more frames.
@@ -75,7 +77,10 @@ fn categories(daemon: &Daemon<'_>) -> BTreeMap<String, u64> {
     let document = daemon.ask(&["categories"]);
     let all = document["categories"].as_array().unwrap().iter();
     all.map(|one| {
-        (one["category"].as_str().unwrap().to_owned(), one["n_views"].as_u64().unwrap())
+        (
+            one["category"].as_str().unwrap().to_owned(),
+            one["n_views"].as_u64().unwrap(),
+        )
     })
     .collect()
 }
@@ -98,14 +103,21 @@ fn a_killed_process_is_restarted_and_what_was_taught_is_recognised() {
     let daemon = place.start(&TABLE);
     teach_two(&daemon);
     for process in ProcessKind::ALL {
-        let others = || ProcessKind::ALL.into_iter().filter(move |other| *other != process);
+        let others = || {
+            ProcessKind::ALL
+                .into_iter()
+                .filter(move |other| *other != process)
+        };
         let before: Vec<_> = others().map(|other| daemon.pid(other)).collect();
         kill(&daemon, process);
         wait_for_frames(&daemon, ProcessKind::Camera);
         wait_for_frames(&daemon, ProcessKind::Perception);
         wait_for_names(&daemon);
         let after: Vec<_> = others().map(|other| daemon.pid(other)).collect();
-        assert_eq!(before, after, "the others live on when {process:?} is killed");
+        assert_eq!(
+            before, after,
+            "the others live on when {process:?} is killed"
+        );
     }
     daemon.stop();
 }
@@ -122,9 +134,15 @@ fn what_was_acknowledged_survives_kill_9_of_the_memory() {
             place.tabula(&["correct", &mug, &label]).status.success()
         });
         kill(&daemon, ProcessKind::Memory);
-        eventually("the memory answers", || place.tabula(&["categories"]).status.success());
+        eventually("the memory answers", || {
+            place.tabula(&["categories"]).status.success()
+        });
         let known = categories(&daemon);
-        assert_eq!(known.keys().collect::<Vec<_>>(), [&label], "acknowledged, then killed");
+        assert_eq!(
+            known.keys().collect::<Vec<_>>(),
+            [&label],
+            "acknowledged, then killed"
+        );
         assert!(known[&label] > 0, "{known:?}");
     }
     daemon.stop();
@@ -143,7 +161,9 @@ fn the_children_end_when_tabula_run_is_killed() {
     teach_two(&daemon);
     daemon.signal_parent(Signal::KILL);
     assert!(!daemon.wait(PATIENCE).success());
-    eventually("the children follow their parent", || place.processes().is_empty());
+    eventually("the children follow their parent", || {
+        place.processes().is_empty()
+    });
     let daemon = place.start(&TABLE);
     wait_for_names(&daemon);
     daemon.stop();
@@ -158,7 +178,9 @@ fn kill_while_starting(n_rounds: u32) {
         std::thread::sleep(Duration::from_millis(dice.below(400)));
         run.kill().unwrap();
         run.wait().unwrap();
-        eventually("no child outlives its parent", || place.processes().is_empty());
+        eventually("no child outlives its parent", || {
+            place.processes().is_empty()
+        });
     }
     let daemon = place.start(&TABLE);
     wait_for_all(&daemon, 0);
@@ -195,8 +217,14 @@ fn the_next_start_cleans_up_when_everything_was_killed_at_once() {
     assert!(findings.contains("crashed run has left"), "{findings}");
 
     let daemon = place.start(&TABLE);
-    let kept: Vec<_> = files_and_inodes(&place).intersection(&left).cloned().collect();
-    assert!(kept.is_empty(), "what the crash left is still there: {kept:?}");
+    let kept: Vec<_> = files_and_inodes(&place)
+        .intersection(&left)
+        .cloned()
+        .collect();
+    assert!(
+        kept.is_empty(),
+        "what the crash left is still there: {kept:?}"
+    );
     wait_for_names(&daemon);
     daemon.stop();
 }
@@ -226,7 +254,12 @@ impl Lessons {
     fn correct(&mut self, place: &Place, track: &str, label: String) {
         let output = place.tabula(&["correct", track, &label]);
         match output.status.code() {
-            Some(0) => *self = Self { acknowledged: Some(label), in_doubt: Vec::new() },
+            Some(0) => {
+                *self = Self {
+                    acknowledged: Some(label),
+                    in_doubt: Vec::new(),
+                }
+            }
             // Refused: the memory knows no view of this track, and says so.
             Some(4) => {}
             _ => self.in_doubt.push(label),
@@ -237,7 +270,10 @@ impl Lessons {
     fn check(&self, known: &BTreeMap<String, u64>) {
         if let Some(acknowledged) = &self.acknowledged {
             let mut possible = self.in_doubt.iter().chain([acknowledged]);
-            assert!(possible.any(|label| known.get(label).is_some_and(|n| *n > 0)), "{self:?} is not in {known:?}");
+            assert!(
+                possible.any(|label| known.get(label).is_some_and(|n| *n > 0)),
+                "{self:?} is not in {known:?}"
+            );
         }
     }
 }
@@ -264,15 +300,29 @@ fn kill_at_random(n_kills: u32) {
             });
             for lesson in 0..4 {
                 let objects = objects_if_any(&place);
-                let Some(object) = objects.get(dice.below(5) as usize) else { continue };
+                let Some(object) = objects.get(dice.below(5) as usize) else {
+                    continue;
+                };
                 let label = format!("round {round} lesson {lesson}");
-                lessons.entry(id(object)).or_default().correct(&place, &id(object), label);
+                lessons
+                    .entry(id(object))
+                    .or_default()
+                    .correct(&place, &id(object), label);
             }
         });
     }
-    ProcessKind::ALL.into_iter().for_each(|process| wait_for_frames(&daemon, process));
-    let n_acknowledged = lessons.values().filter(|all| all.acknowledged.is_some()).count();
-    assert!(n_acknowledged > 0, "nothing was ever acknowledged\n{}", daemon.log());
+    ProcessKind::ALL
+        .into_iter()
+        .for_each(|process| wait_for_frames(&daemon, process));
+    let n_acknowledged = lessons
+        .values()
+        .filter(|all| all.acknowledged.is_some())
+        .count();
+    assert!(
+        n_acknowledged > 0,
+        "nothing was ever acknowledged\n{}",
+        daemon.log()
+    );
     let known = categories(&daemon);
     lessons.values().for_each(|all| all.check(&known));
     daemon.stop();
@@ -318,11 +368,16 @@ fn a_stopped_perception_blocks_neither_camera_nor_memory() {
     wait_for_frames(&daemon, ProcessKind::Camera);
     kill_process(perception, Signal::CONT).unwrap();
     wait_for_frames(&daemon, ProcessKind::Perception);
-    daemon.wait_for("perception goes on with what was taught meanwhile", |objects| {
-        !objects.is_empty() && nearest(objects, place_of(0, "mug"))["label"] == "cup"
-    });
+    daemon.wait_for(
+        "perception goes on with what was taught meanwhile",
+        |objects| !objects.is_empty() && nearest(objects, place_of(0, "mug"))["label"] == "cup",
+    );
     let pid = daemon.pid(ProcessKind::Perception).unwrap();
-    assert_eq!(pid, perception.as_raw_nonzero().get().cast_unsigned(), "it was not restarted");
+    assert_eq!(
+        pid,
+        perception.as_raw_nonzero().get().cast_unsigned(),
+        "it was not restarted"
+    );
     daemon.stop();
 }
 
@@ -352,9 +407,15 @@ fn a_process_that_can_not_start_ends_the_daemon_with_a_reason() {
     let sentence = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(1), "{sentence}");
     let last = sentence.lines().last().unwrap();
-    assert!(last.contains("tabula-memory has ended more than 30 times"), "{sentence}");
+    assert!(
+        last.contains("tabula-memory has ended more than 30 times"),
+        "{sentence}"
+    );
     assert!(last.contains("tabula doctor"), "{sentence}");
-    assert!(sentence.contains("perceptual-memory"), "the cause is named: {sentence}");
+    assert!(
+        sentence.contains("perceptual-memory"),
+        "the cause is named: {sentence}"
+    );
     assert!(place.processes().is_empty());
     assert_eq!(place.shared_memory_files(), Vec::<String>::new());
     assert!(!place.run_folder().of_domain(&place.domain).exists());
@@ -387,7 +448,11 @@ fn sigterm_and_sigint_end_a_starting_daemon_in_time() {
         let mut run = place.launch(&TABLE);
         std::thread::sleep(Duration::from_millis(dice.below(500)));
         let pid = Pid::from_child(&run);
-        let signal = if round % 2 == 0 { Signal::TERM } else { Signal::INT };
+        let signal = if round % 2 == 0 {
+            Signal::TERM
+        } else {
+            Signal::INT
+        };
         kill_process(pid, signal).unwrap();
         let mut status = None;
         let deadline = Instant::now() + STOP_TIME;

@@ -10,14 +10,22 @@ mod real_data;
 /// Every scene of a domain, recorded.
 mod scene_recorder;
 
+/// Input that is refused with a sentence, while the daemon goes on.
+mod bad_input;
+/// Documents, the choice of the daemon, other accounts, the doctor.
+mod command_line;
 /// Processes that are killed, stopped, or can not start.
 mod faults;
 /// A recording played through the real libfreenect.
 mod fakenect;
+/// The figures the project reports.
+mod figures;
 /// Crates name only crates of lower layers; foreign libraries have owners.
 mod layering;
 /// Runs in lockstep repeat each other to the bit.
 mod lockstep;
+/// Real scenes: known again after a restart, steady while the camera moves.
+mod real_scenes;
 /// Start, see, teach, restart, recognise, stop.
 mod skeleton;
 /// The cloud is written once, and nobody allocates a frame's worth.

@@ -81,7 +81,7 @@ impl Config {
             worker_stall: milliseconds("worker_stall_ms", raw.worker_stall_ms, 100)?,
             detection: detection::Config::new(detection).map_err(|rule| wrong(&rule))?,
             pipeline: pipeline::Config::new(motion, association, raw.unknown_distance)
-                .map_err(|rule| wrong(&rule))?,
+                .map_err(|rule| wrong(&format!("unknown_distance: {rule}")))?,
         })
     }
 }

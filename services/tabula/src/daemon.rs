@@ -111,8 +111,7 @@ fn is_ready(children: &[Child], common: &CommonArguments) -> bool {
     };
     let works = |child: &Child| {
         processes.iter().any(|report| {
-            child.pid() == Some(report.pid)
-                && !["starting", "stopping"].contains(&&*report.state)
+            child.pid() == Some(report.pid) && !["starting", "stopping"].contains(&&*report.state)
         })
     };
     children.iter().all(works)

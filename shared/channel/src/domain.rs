@@ -11,8 +11,14 @@ use iceoryx2::prelude::{
 use std::os::unix::fs::{DirBuilderExt, PermissionsExt};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Duration;
 
 pub(crate) type Service = ipc_threadsafe::Service;
+
+/// Who looks at a domain from outside holds each lock for an instant: a role is
+/// taken only when it still is after a while.
+const N_SECOND_LOOKS: u32 = 3;
+const SECOND_LOOK: Duration = Duration::from_millis(5);
 
 /// What a process is in its domain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -148,7 +154,14 @@ fn take_role(name: &DomainName, folder: &Path, role: Role<'_>) -> Result<Option<
         return Ok(None);
     };
     let path = folder.join(format!("{role}.lock"));
-    match LockFile::try_exclusive(&path)? {
+    let mut lock = LockFile::try_exclusive(&path)?;
+    for _ in 0..N_SECOND_LOOKS {
+        if lock.is_none() {
+            std::thread::sleep(SECOND_LOOK);
+            lock = LockFile::try_exclusive(&path)?;
+        }
+    }
+    match lock {
         Some(mut lock) => {
             lock.write_pid()?;
             Ok(Some(lock))

@@ -2,7 +2,8 @@
 
 use crate::{Config, Error};
 use detection::Candidate;
-use geometry::{OrientedBox, RigidTransform};
+use geometry::RigidTransform;
+use nalgebra::Point3;
 use tracking::{Appearance, Measurement, Observed};
 
 /// The circumstances of a frame.
@@ -19,8 +20,10 @@ pub struct Frame {
 pub struct Measured {
     /// The box in the world and its stamp.
     pub measurement: Measurement,
-    /// The box in the camera's frame.
-    pub box_in_camera: OrientedBox,
+    /// Centre of the box in the camera's frame.
+    pub centre_in_camera: Point3<f64>,
+    /// Pose of the camera.
+    pub world_from_camera: RigidTransform,
     /// Coarse looks.
     pub appearance: Appearance,
     /// Mean red, green, blue; 0 to 255.
@@ -44,7 +47,8 @@ impl Measured {
             .map_err(Error::Tracking)?;
         Ok(Self {
             measurement,
-            box_in_camera: candidate.oriented_box,
+            centre_in_camera: candidate.oriented_box.centre(),
+            world_from_camera: frame.world_from_camera,
             appearance: Appearance {
                 volume_m3: box_in_world.volume_m3(),
                 mean_rgb: candidate.mean_rgb,

@@ -1,11 +1,12 @@
 //! One object's half of the step.
 
-use crate::box_frame::box_frame;
+use crate::box_frame::{N_READINGS, box_frame};
 use crate::config::descriptor;
 use crate::frame::Measured;
 use crate::{Config, Error};
 use description::{Descriptor, Good, ObjectPoints};
-use learning::{CategoryIndex, CategoryName};
+use geometry::OrientedBox;
+use learning::{CategoryIndex, CategoryName, Recognition};
 use point_cloud::Point;
 use tracking::{KeyViewRule, MotionFilter};
 
@@ -22,6 +23,7 @@ pub struct ObjectState {
 #[derive(Debug, Clone)]
 pub struct ObjectTools {
     good: Good,
+    readings: [Vec<f32>; N_READINGS as usize],
 }
 
 impl ObjectTools {
@@ -32,6 +34,7 @@ impl ObjectTools {
     pub fn new() -> Result<Self, Error> {
         Ok(Self {
             good: descriptor()?,
+            readings: Default::default(),
         })
     }
 }
@@ -64,7 +67,8 @@ pub struct Posterior {
 
 impl ObjectState {
     /// Takes one view: updates the motion filter, decides whether the view is
-    /// key, describes it into `descriptor`, and compares it with what was taught.
+    /// key, describes it, and compares all readings of it with what was taught.
+    /// `descriptor` becomes the first reading, which is the one to be stored.
     ///
     /// Frame: points in the camera's, the posterior in the world's.
     ///
@@ -90,14 +94,9 @@ impl ObjectState {
         }
         .map_err(Error::Tracking)?;
         let points = ObjectPoints::selected(cloud, indices).map_err(Error::Description)?;
-        let frame = box_frame(&measured.box_in_camera);
-        tools
-            .good
-            .compute(points, &frame, descriptor)
-            .map_err(Error::Description)?;
-        let answer = taught
-            .recognise(descriptor, config.unknown_distance())
-            .map_err(Error::Learning)?;
+        let tracked_box = tracked_box_in_camera(&filter, measured);
+        let answer = recognise(points, &tracked_box, taught, config, tools)?;
+        descriptor.clone_from(&tools.readings[0]);
         let pose = filter.box_in_world().frame_from_box;
         let is_key_view = self
             .key_views
@@ -113,4 +112,42 @@ impl ObjectState {
             distance: answer.distance,
         })
     }
+}
+
+/// Describes all readings of an object's box and gives the best answer of all.
+fn recognise(
+    points: ObjectPoints<'_>,
+    tracked_box: &OrientedBox,
+    taught: &CategoryIndex,
+    config: &Config,
+    tools: &mut ObjectTools,
+) -> Result<Recognition, Error> {
+    let mut best: Option<Recognition> = None;
+    for (reading, descriptor) in (0..N_READINGS).zip(&mut tools.readings) {
+        let frame = box_frame(tracked_box, reading);
+        tools
+            .good
+            .compute(points, &frame, descriptor)
+            .map_err(Error::Description)?;
+        let answer = taught
+            .recognise(descriptor, config.unknown_distance())
+            .map_err(Error::Learning)?;
+        if best
+            .as_ref()
+            .is_none_or(|best| answer.distance < best.distance)
+        {
+            best = Some(answer);
+        }
+    }
+    best.ok_or(Error::Description(description::Error::NoPoints))
+}
+
+/// The tracked box, whose axes and sides are steadier than one frame's, where
+/// this frame shows it.
+fn tracked_box_in_camera(filter: &MotionFilter, measured: &Measured) -> OrientedBox {
+    let mut tracked = filter
+        .box_in_world()
+        .transformed(&measured.world_from_camera.inverse());
+    tracked.frame_from_box.translation = measured.centre_in_camera.into();
+    tracked
 }

@@ -169,6 +169,13 @@ fn data_folder(folder: &Path) -> Finding {
         let sentence = format!("{} has no existing parent", folder.display());
         return Finding::new(name, Verdict::Failure, sentence);
     };
+    if !existing.is_dir() {
+        let sentence = format!(
+            "{} is not a folder; choose another one with --home DIR",
+            existing.display()
+        );
+        return Finding::new(name, Verdict::Failure, sentence);
+    }
     if rustix::fs::access(existing, rustix::fs::Access::WRITE_OK).is_err() {
         let sentence = format!(
             "{} can not be written by this user; choose another one with --home DIR",
