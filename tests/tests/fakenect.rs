@@ -44,25 +44,35 @@ impl Scene {
     }
 
     fn depth(&self) -> RenderedView {
-        self.table.render(&self.calibration.depth_camera, &self.world_from_depth())
+        self.table
+            .render(&self.calibration.depth_camera, &self.world_from_depth())
     }
 
     fn color(&self) -> RenderedView {
-        let world_from_color = self.world_from_depth() * self.calibration.color_from_depth.inverse();
-        self.table.render(&self.calibration.color_camera, &world_from_color)
+        let world_from_color =
+            self.world_from_depth() * self.calibration.color_from_depth.inverse();
+        self.table
+            .render(&self.calibration.color_camera, &world_from_color)
     }
 
     /// Writes the recording.
     fn record(&self, folder: &Path) {
         let table = DepthTable::new(self.calibration.formula);
-        let raw: Vec<u16> = self.depth().depth_m.iter().map(|&depth| table.raw(depth)).collect();
+        let raw: Vec<u16> = self
+            .depth()
+            .depth_m
+            .iter()
+            .map(|&depth| table.raw(depth))
+            .collect();
         let rgb = self.color().rgb;
         let mut writer = FakenectWriter::create(folder).unwrap();
         for n in 0..N_FRAMES {
             let (time, stamp) = (BEGAN + n * FRAME_TIME, n * TICKS_PER_FRAME);
             writer.write_depth(&raw, time, stamp).unwrap();
             let later = TICKS_PER_FRAME / 10;
-            writer.write_color(&rgb, time + FRAME_TIME / 10, stamp + later).unwrap();
+            writer
+                .write_color(&rgb, time + FRAME_TIME / 10, stamp + later)
+                .unwrap();
         }
     }
 
@@ -75,7 +85,8 @@ impl Scene {
         let position = |centre: &Point3<f64>| (depth_from_world * centre).coords.into();
         objects
             .map(|object| {
-                let color = self.mean_color(&view, |point| object.bounds_in_world.contains(point, 0.0));
+                let color =
+                    self.mean_color(&view, |point| object.bounds_in_world.contains(point, 0.0));
                 (object.name, position(&object.centre_in_world()), color)
             })
             .collect()
@@ -86,7 +97,12 @@ impl Scene {
         let camera = &self.calibration.depth_camera;
         let width = camera.width as usize;
         let (mut sum, mut n) = ([0.0; 3], 0.0);
-        for (i, depth) in view.depth_m.iter().enumerate().filter(|(_, depth)| depth.is_finite()) {
+        for (i, depth) in view
+            .depth_m
+            .iter()
+            .enumerate()
+            .filter(|(_, depth)| depth.is_finite())
+        {
             let (column, row) = ((i % width) as f64, (i / width) as f64);
             let point = camera.back_project(column, row, f64::from(*depth));
             if is_meant(&(self.world_from_depth() * point)) {
@@ -113,7 +129,10 @@ fn source(folder: &TempDir) -> String {
 }
 
 fn tracked(objects: &[Value]) -> usize {
-    objects.iter().filter(|object| object["state"] == "tracked").count()
+    objects
+        .iter()
+        .filter(|object| object["state"] == "tracked")
+        .count()
 }
 
 fn numbers(value: &Value) -> [f64; 3] {
@@ -122,11 +141,17 @@ fn numbers(value: &Value) -> [f64; 3] {
 }
 
 fn largest_difference(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    a.iter()
+        .zip(b)
+        .map(|(a, b)| (a - b).abs())
+        .fold(0.0, f64::max)
 }
 
 fn camera(daemon: &Daemon<'_>, key: &str) -> Value {
-    daemon.health(ProcessKind::Camera.name()).unwrap_or_default()[key].clone()
+    daemon
+        .health(ProcessKind::Camera.name())
+        .unwrap_or_default()[key]
+        .clone()
 }
 
 #[test]
@@ -145,9 +170,17 @@ fn objects_of_a_recording_are_tracked_where_they_stand_in_their_colours() {
     for (name, position, color) in truth {
         let object = nearest(&objects, position);
         let (found, found_color) = (numbers(&object["position_m"]), numbers(&object["mean_rgb"]));
-        println!("{name}: at {position:.3?}, found {found:.3?}; {color:.0?}, found {found_color:?}");
-        assert!(largest_difference(position, found) < POSITION_TOLERANCE_M, "{name}: {object:#}");
-        assert!(largest_difference(color, found_color) < COLOUR_TOLERANCE, "{name}: {object:#}");
+        println!(
+            "{name}: at {position:.3?}, found {found:.3?}; {color:.0?}, found {found_color:?}"
+        );
+        assert!(
+            largest_difference(position, found) < POSITION_TOLERANCE_M,
+            "{name}: {object:#}"
+        );
+        assert!(
+            largest_difference(color, found_color) < COLOUR_TOLERANCE,
+            "{name}: {object:#}"
+        );
     }
     daemon.stop();
 }
@@ -162,7 +195,11 @@ fn after_the_end_of_a_recording_the_camera_is_idle() {
     let n_frames = camera(&daemon, "frames").as_u64().unwrap();
     println!("{n_frames} of {N_FRAMES} frames were published");
     // Fakenect drops what is not taken in time, and the pair that is cut off at the end.
-    assert!((N_FRAMES as u64 / 2..=N_FRAMES as u64).contains(&n_frames), "{}", daemon.log());
+    assert!(
+        (N_FRAMES as u64 / 2..=N_FRAMES as u64).contains(&n_frames),
+        "{}",
+        daemon.log()
+    );
     daemon.stop();
 }
 
@@ -179,6 +216,10 @@ fn a_looped_recording_starts_the_process_anew_and_goes_on() {
     eventually("frames come after that", || frames() > Some(before + 10));
     assert_ne!(camera(&daemon, "state"), "idle");
     let restarted = daemon.log().contains("was started again");
-    assert!(!restarted, "the process restarts itself and is not restarted:\n{}", daemon.log());
+    assert!(
+        !restarted,
+        "the process restarts itself and is not restarted:\n{}",
+        daemon.log()
+    );
     daemon.stop();
 }

@@ -14,7 +14,7 @@ use rustix::time::{ClockId, clock_gettime};
 use std::collections::BTreeMap;
 
 /// Scenes shown from the folder for the latencies, at 30 Hz.
-const N_SCENES_SHOWN: usize = 450;
+const N_SCENES_SHOWN: usize = 300;
 /// Scenes at the start that do not count: the first ones meet cold memory.
 const N_WARM_UP: usize = 30;
 /// Cold starts measured.
@@ -50,7 +50,15 @@ fn teach_something(place: &Place) {
 
 fn show_one<'a>(place: &'a Place, scene: usize) -> Daemon<'a> {
     let (from, to) = (scene.to_string(), (scene + 1).to_string());
-    place.start(&["--source", &source("tabletop-scenes"), "--from", &from, "--to", &to, "--loop"])
+    place.start(&[
+        "--source",
+        &source("tabletop-scenes"),
+        "--from",
+        &from,
+        "--to",
+        &to,
+        "--loop",
+    ])
 }
 
 /// p50, p99 and the largest of durations, milliseconds.
@@ -71,20 +79,35 @@ fn print_latencies(scenes: &[Recorded]) {
         ("received", |s| s.camera_published_ns, |s| s.received_ns),
         ("detected", |s| s.camera_published_ns, |s| s.detected_ns),
         ("recognised", |s| s.camera_published_ns, |s| s.recognised_ns),
-        ("label published", |s| s.camera_published_ns, |s| s.published_ns),
+        (
+            "label published",
+            |s| s.camera_published_ns,
+            |s| s.published_ns,
+        ),
         ("... from schedule", |s| s.scheduled_ns, |s| s.published_ns),
     ];
-    println!("    {:18} {:>7} {:>7} {:>7}", "ms after the frame", "p50", "p99", "max");
+    println!(
+        "    {:18} {:>7} {:>7} {:>7}",
+        "ms after the frame", "p50", "p99", "max"
+    );
     for (name, from, to) in stages {
         let stamps = scenes.iter().map(|scene| &scene.summary.stamps);
-        let durations = stamps.map(|s| to(s).checked_sub(from(s)).unwrap()).collect();
+        let durations = stamps
+            .map(|s| to(s).checked_sub(from(s)).unwrap())
+            .collect();
         println!("    {name:18} {}", percentiles(durations));
     }
 }
 
 fn print_health(daemon: &Daemon<'_>) {
-    let n_bytes: u64 = domain_reservation().iter().map(channel::Reservation::bytes).sum();
-    println!("    shared memory: {:.1} MB for the whole domain", n_bytes as f64 * 1e-6);
+    let n_bytes: u64 = domain_reservation()
+        .iter()
+        .map(channel::Reservation::bytes)
+        .sum();
+    println!(
+        "    shared memory: {:.1} MB for the whole domain",
+        n_bytes as f64 * 1e-6
+    );
     for process in ProcessKind::ALL {
         let health = daemon.health(process.name()).unwrap();
         let megabytes = |name: &str| health[name].as_u64().unwrap() as f64 * 1e-6;
@@ -140,7 +163,8 @@ fn cold_start_ms(place: &Place) -> f64 {
 
 /// Centroids of the labelled objects that are large enough, camera frame.
 fn labelled_objects(folder: &SceneFolder, scene: usize) -> Vec<Point3<f64>> {
-    let bytes = std::fs::read(real_data::folder("tabletop-scenes").join(folder.name(scene).unwrap()));
+    let bytes =
+        std::fs::read(real_data::folder("tabletop-scenes").join(folder.name(scene).unwrap()));
     let cloud = pcd::read(&bytes.unwrap()).unwrap();
     let mut sums = BTreeMap::<u32, (Vector3<f64>, usize)>::new();
     for (point, label) in cloud.points.iter().zip(cloud.labels.unwrap()) {
@@ -170,12 +194,25 @@ fn tracks(folder: &str, scene: usize) -> Vec<OrientedBox> {
     let place = Place::new();
     let recorder = SceneRecorder::start(&place);
     let (from, to) = (scene.to_string(), (scene + 1).to_string());
-    let daemon = place.start(&["--source", folder, "--from", &from, "--to", &to, "--lockstep"]);
+    let daemon = place.start(&[
+        "--source",
+        folder,
+        "--from",
+        &from,
+        "--to",
+        &to,
+        "--lockstep",
+    ]);
     recorder.wait_for("the scene", |scenes| !scenes.is_empty());
     let (scenes, _) = recorder.stop();
     daemon.stop();
     let is_seen = |object: &&SceneObject| object.state != TrackState::Missing.code();
-    scenes[0].objects.iter().filter(is_seen).map(box_of).collect()
+    scenes[0]
+        .objects
+        .iter()
+        .filter(is_seen)
+        .map(box_of)
+        .collect()
 }
 
 /// Tracks, labelled objects, and labelled objects whose centroid lies in a
@@ -188,10 +225,15 @@ fn measure_found() {
     for scene in 0..folder.len() {
         let boxes = tracks(&source, scene);
         let labelled = labelled_objects(&folder, scene);
-        let is_found = |centroid: &&Point3<f64>| boxes.iter().any(|b| b.contains(centroid, BOX_MARGIN_M));
+        let is_found =
+            |centroid: &&Point3<f64>| boxes.iter().any(|b| b.contains(centroid, BOX_MARGIN_M));
         let found = labelled.iter().filter(is_found).count();
         let name = folder.name(scene).unwrap();
-        println!("    {name:14} {:2} / {:2} ({found})", boxes.len(), labelled.len());
+        println!(
+            "    {name:14} {:2} / {:2} ({found})",
+            boxes.len(),
+            labelled.len()
+        );
         n_tracks += boxes.len();
         n_objects += labelled.len();
         n_found += found;

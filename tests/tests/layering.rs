@@ -27,7 +27,18 @@ const OWNERS: [(&str, &[&str]); 8] = [
     ("ciborium", &["channel", "store"]),
     ("sd-notify", &["service"]),
     ("tracing-subscriber", &["service"]),
-    ("tokio", &["channel", "actor", "service", "camera", "perception", "memory", "tabula"]),
+    (
+        "tokio",
+        &[
+            "channel",
+            "actor",
+            "service",
+            "camera",
+            "perception",
+            "memory",
+            "tabula",
+        ],
+    ),
 ];
 
 /// Above this layer crates may log.
@@ -35,18 +46,27 @@ const HIGHEST_SILENT_LAYER: usize = 3;
 
 fn workspace() -> Metadata {
     let manifest = concat!(env!("CARGO_MANIFEST_DIR"), "/../Cargo.toml");
-    MetadataCommand::new().manifest_path(manifest).exec().unwrap()
+    MetadataCommand::new()
+        .manifest_path(manifest)
+        .exec()
+        .unwrap()
 }
 
 /// Names of what a package needs when it runs; tests may use anything below them.
 fn dependencies(package: &Package) -> impl Iterator<Item = &str> {
     let runs = |d: &&cargo_metadata::Dependency| d.kind != DependencyKind::Development;
-    package.dependencies.iter().filter(runs).map(|dependency| dependency.name.as_str())
+    package
+        .dependencies
+        .iter()
+        .filter(runs)
+        .map(|dependency| dependency.name.as_str())
 }
 
 fn layer_of() -> BTreeMap<&'static str, usize> {
     let layers = LAYERS.iter().enumerate();
-    layers.flat_map(|(layer, names)| names.iter().map(move |name| (*name, layer))).collect()
+    layers
+        .flat_map(|(layer, names)| names.iter().map(move |name| (*name, layer)))
+        .collect()
 }
 
 #[test]
@@ -54,10 +74,15 @@ fn crates_name_only_crates_of_lower_layers() {
     let layers = layer_of();
     for package in workspace().workspace_packages() {
         let name = package.name.as_str();
-        let layer = layers.get(name).unwrap_or_else(|| panic!("{name} is in no layer"));
+        let layer = layers
+            .get(name)
+            .unwrap_or_else(|| panic!("{name} is in no layer"));
         for dependency in dependencies(package) {
             if let Some(below) = layers.get(dependency) {
-                assert!(below < layer, "{name} (layer {layer}) names {dependency} (layer {below})");
+                assert!(
+                    below < layer,
+                    "{name} (layer {layer}) names {dependency} (layer {below})"
+                );
             }
         }
     }
@@ -65,11 +90,19 @@ fn crates_name_only_crates_of_lower_layers() {
 
 #[test]
 fn foreign_libraries_are_named_by_their_owners_only() {
-    for package in workspace().workspace_packages().into_iter().filter(|p| *p.name != "tests") {
+    for package in workspace()
+        .workspace_packages()
+        .into_iter()
+        .filter(|p| *p.name != "tests")
+    {
         for dependency in dependencies(package) {
             for (library, owners) in OWNERS {
                 let is_allowed = dependency != library || owners.contains(&package.name.as_str());
-                assert!(is_allowed, "{} names {library}, which belongs to {owners:?}", package.name);
+                assert!(
+                    is_allowed,
+                    "{} names {library}, which belongs to {owners:?}",
+                    package.name
+                );
             }
         }
     }
@@ -80,7 +113,11 @@ fn kernels_do_not_log() {
     let layers = layer_of();
     for package in workspace().workspace_packages() {
         if layers[package.name.as_str()] <= HIGHEST_SILENT_LAYER {
-            assert!(dependencies(package).all(|name| name != "tracing"), "{} logs", package.name);
+            assert!(
+                dependencies(package).all(|name| name != "tracing"),
+                "{} logs",
+                package.name
+            );
         }
     }
 }

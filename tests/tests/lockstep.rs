@@ -34,7 +34,9 @@ fn played(place: &Place, arguments: &[&str], n_frames: u64) -> Vec<Recorded> {
     let daemon = place.start(&[arguments, &["--lockstep"]].concat());
     wait_for_the_end(&daemon);
     recorder.wait_for("the last scene is there", |scenes| {
-        scenes.last().is_some_and(|last| last.summary.sequence == n_frames - 1)
+        scenes
+            .last()
+            .is_some_and(|last| last.summary.sequence == n_frames - 1)
     });
     let (scenes, n_lost) = recorder.stop();
     for process in [ProcessKind::Perception, ProcessKind::Memory] {
@@ -44,8 +46,12 @@ fn played(place: &Place, arguments: &[&str], n_frames: u64) -> Vec<Recorded> {
     daemon.stop();
     assert_eq!(n_lost, 0);
     let sequences = scenes.iter().map(|scene| scene.summary.sequence);
-    assert!(sequences.eq(0..n_frames), "a frame is missing or was done twice");
-    let is_whole = |scene: &Recorded| scene.summary.frames_dropped == 0 && scene.summary.n_late == 0;
+    assert!(
+        sequences.eq(0..n_frames),
+        "a frame is missing or was done twice"
+    );
+    let is_whole =
+        |scene: &Recorded| scene.summary.frames_dropped == 0 && scene.summary.n_late == 0;
     assert!(scenes.iter().all(is_whole));
     scenes
 }
@@ -86,7 +92,11 @@ fn two_runs_of_the_synthetic_table_are_the_same() {
     let scenes = check_repeatable(None, &["--source", "synthetic:0", "--to", "40"], 40);
     let last = scenes.last().unwrap();
     assert_eq!(last.objects.len(), 5);
-    assert!(last.objects.windows(2).all(|pair| pair[0].track_id < pair[1].track_id));
+    assert!(
+        last.objects
+            .windows(2)
+            .all(|pair| pair[0].track_id < pair[1].track_id)
+    );
 }
 
 #[test]
@@ -101,7 +111,10 @@ fn what_was_taught_is_recognised_from_the_same_frame_on() {
     let arguments = ["--source", "synthetic:0", "--to", "40"];
     let scenes = check_repeatable(Some(taught.home()), &arguments, 40);
     let first = scenes.first().unwrap();
-    assert!(first.objects.iter().all(|object| object.label().is_some()), "{first:#?}");
+    assert!(
+        first.objects.iter().all(|object| object.label().is_some()),
+        "{first:#?}"
+    );
 }
 
 #[test]
@@ -128,7 +141,9 @@ fn a_killed_follower_does_not_stop_the_source_for_ever() {
             before = newest(scenes);
             true
         });
-        recorder.wait_for("scenes come again", |scenes| newest(scenes) > before.map(|n| n + 20));
+        recorder.wait_for("scenes come again", |scenes| {
+            newest(scenes) > before.map(|n| n + 20)
+        });
     }
     let (scenes, _) = recorder.stop();
     let mut sequences: Vec<u64> = scenes.iter().map(|scene| scene.summary.sequence).collect();

@@ -14,10 +14,10 @@ mod scene_recorder;
 mod bad_input;
 /// Documents, the choice of the daemon, other accounts, the doctor.
 mod command_line;
-/// Processes that are killed, stopped, or can not start.
-mod faults;
 /// A recording played through the real libfreenect.
 mod fakenect;
+/// Processes that are killed, stopped, or can not start.
+mod faults;
 /// The figures the project reports.
 mod figures;
 /// Crates name only crates of lower layers; foreign libraries have owners.

@@ -9,6 +9,10 @@ pub(crate) fn folder(name: &str) -> PathBuf {
         PathBuf::from,
     );
     let folder = data.join(name);
-    assert!(folder.is_dir(), "{} is not there; set TABULA_DATA", folder.display());
+    assert!(
+        folder.is_dir(),
+        "{} is not there; set TABULA_DATA",
+        folder.display()
+    );
     folder
 }

@@ -94,7 +94,11 @@ fn detection_and_every_actor_read_the_cameras_own_bytes() {
     }
     // The frames share a segment and not a slot of it, so that equal locations mean something.
     assert!(locations.iter().all(|l| l.inode == locations[0].inode));
-    assert!(locations.iter().any(|l| l.offset_bytes != locations[0].offset_bytes));
+    assert!(
+        locations
+            .iter()
+            .any(|l| l.offset_bytes != locations[0].offset_bytes)
+    );
     drop(watcher);
     daemon.stop();
 }
@@ -130,7 +134,11 @@ fn nothing_outside_the_camera_allocates_much_in_steady_state() {
     for process in [ProcessKind::Perception, ProcessKind::Memory] {
         let bytes = bytes_per_frame(&daemon, process);
         println!("{} allocates {bytes} bytes per frame", process.name());
-        assert!(bytes <= MAX_BYTES_PER_FRAME, "{} allocates {bytes} bytes per frame", process.name());
+        assert!(
+            bytes <= MAX_BYTES_PER_FRAME,
+            "{} allocates {bytes} bytes per frame",
+            process.name()
+        );
     }
     drop(watcher);
     daemon.stop();

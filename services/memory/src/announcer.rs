@@ -24,6 +24,11 @@ impl Announcer {
         })
     }
 
+    /// Shared memory of the publisher.
+    pub(crate) fn reserved_bytes(&self) -> u64 {
+        self.publisher.reservation().bytes()
+    }
+
     pub(crate) async fn run(mut self) {
         let mut period = tokio::time::interval(PERIOD);
         loop {

@@ -20,6 +20,9 @@ const DEADLINE: Duration = Duration::from_secs(2);
 /// Descriptors in a page; the rest of the message needs room, too.
 const PAGE_BYTES: usize = MAX_MESSAGE_BYTES / 2;
 
+/// Descriptors of changes that still fit one message with everything around them.
+const MAX_CHANGES_BYTES: usize = MAX_MESSAGE_BYTES / 4 * 3;
+
 /// Answers every command: its own from the store, others by asking their owner.
 pub(crate) struct Answerer {
     pub(crate) store: StoreHandle,
@@ -121,7 +124,11 @@ impl Answerer {
                 let changes = self
                     .read(move |memory| memory.changes(position, PAGE_BYTES))
                     .await?;
-                Ok(Reply::Changes(translate::changes(since, changes)))
+                Ok(Reply::Changes(translate::changes(
+                    since,
+                    changes,
+                    MAX_CHANGES_BYTES,
+                )))
             }
             other => Err(Refusal::new(
                 RefusalKind::Internal,

@@ -10,6 +10,7 @@ use channel::control::Client;
 use message::{ProcessKind, ProcessState};
 use service::{Context, Failure, HealthBoard, exit_code, wall_clock_ns};
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 use store::{OpenReport, StoreConfig, StoreHandle, StoreThread};
 use tokio::sync::watch;
@@ -52,6 +53,11 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
     };
     let announcer = Announcer::new(domain, positions)?;
     let follower = SceneFollower::new(domain, context.health.clone())?;
+    let reserved_bytes = announcer.reserved_bytes() + follower.reserved_bytes();
+    context
+        .health
+        .shared_memory_bytes
+        .store(reserved_bytes, Ordering::Relaxed);
     tokio::select! {
         served = control::serve(domain, answerer) => served?,
         () = announcer.run() => {}

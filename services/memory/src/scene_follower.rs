@@ -23,6 +23,11 @@ impl SceneFollower {
         })
     }
 
+    /// Shared memory of the publisher.
+    pub(crate) fn reserved_bytes(&self) -> u64 {
+        self.finished.reservation().bytes()
+    }
+
     pub(crate) async fn run(mut self) {
         loop {
             self.scenes.woken().await;

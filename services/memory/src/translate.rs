@@ -100,8 +100,9 @@ pub(crate) fn snapshot(page: store::SnapshotPage) -> SnapshotPage {
     }
 }
 
-/// A page of changes since `since`.
-pub(crate) fn changes(since: u64, changes: Changes) -> ChangesPage {
+/// A page of changes since `since`. One entry can change more views than a
+/// message holds; then the reader loads all again, page by page.
+pub(crate) fn changes(since: u64, changes: Changes, max_bytes: usize) -> ChangesPage {
     let Changes::Entries {
         entries,
         last_sequence,
@@ -109,6 +110,14 @@ pub(crate) fn changes(since: u64, changes: Changes) -> ChangesPage {
     else {
         return ChangesPage::Reload;
     };
+    let bytes = |change: &NameChange| match change {
+        NameChange::Assigned(view) => size_of_val(view.descriptor.values.as_slice()),
+        NameChange::Unassigned(_) => size_of::<ViewId>(),
+    };
+    let changed = entries.iter().flat_map(|entry| &entry.names);
+    if changed.map(bytes).sum::<usize>() > max_bytes {
+        return ChangesPage::Reload;
+    }
     let up_to = entries.last().map_or(since, |entry| entry.sequence);
     let change = |change| match change {
         NameChange::Assigned(view) => LearnedChange::Assigned(learned(view)),

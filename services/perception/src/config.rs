@@ -1,11 +1,16 @@
 //! The configuration, checked.
 
+use channel::topic::{CameraCloud, Topic};
 use serde::Deserialize;
 use service::{ConfigFile, Failure};
 use std::fmt::Display;
 use std::num::NonZeroUsize;
 use std::time::Duration;
 use tracking::{AssociationConfig, MotionConfig};
+
+/// A subscriber that holds all the frames it may can receive no more: one for
+/// each worker, one for the loop, and one to come.
+const MAX_WORKERS: usize = CameraCloud::LIMITS.borrowed - 2;
 
 /// The section `[perception]` as written.
 #[derive(Debug, Clone, Deserialize)]
@@ -57,7 +62,7 @@ impl Config {
     pub(crate) fn new(file: &ConfigFile) -> Result<Self, Failure> {
         let raw: RawConfig = file.section("perception")?;
         let wrong = |rule: &dyn Display| Failure::from(file.wrong(format!("[perception] {rule}")));
-        let workers = NonZeroUsize::new(raw.workers).filter(|workers| workers.get() <= 64);
+        let workers = NonZeroUsize::new(raw.workers).filter(|workers| workers.get() <= MAX_WORKERS);
         let milliseconds = |name: &str, value: u64, least: u64| {
             if (least..=60_000).contains(&value) {
                 return Ok(Duration::from_millis(value));
@@ -76,7 +81,12 @@ impl Config {
         let motion = MotionConfig::default();
         let association = AssociationConfig::default();
         Ok(Self {
-            workers: workers.ok_or_else(|| wrong(&"workers must lie between 1 and 64"))?,
+            workers: workers.ok_or_else(|| {
+                wrong(&format!(
+                    "workers must lie between 1 and {MAX_WORKERS}, not {}",
+                    raw.workers
+                ))
+            })?,
             actor_deadline: milliseconds("actor_deadline_ms", raw.actor_deadline_ms, 1)?,
             worker_stall: milliseconds("worker_stall_ms", raw.worker_stall_ms, 100)?,
             detection: detection::Config::new(detection).map_err(|rule| wrong(&rule))?,

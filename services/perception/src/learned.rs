@@ -8,11 +8,13 @@ use message::control::{ChangesPage, Command, LearnedChange, LearnedView, Reply, 
 use pipeline::{DESCRIPTOR_DIMENSION, DESCRIPTOR_KIND, METRIC};
 use std::fmt::{self, Display, Formatter};
 use std::sync::{Arc, PoisonError, RwLock};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use tokio::sync::{mpsc, oneshot};
 
 /// How long the memory may take to answer.
 const DEADLINE: Duration = Duration::from_secs(5);
+/// Failures shorter than this are not told.
+const GRACE: Duration = Duration::from_secs(2);
 /// Announcements may be lost: the memory is asked this often in any case.
 const LOOK_AGAIN: Duration = Duration::from_secs(1);
 
@@ -102,16 +104,25 @@ impl Follower {
 
     /// Keeps the views up to date until the future is dropped.
     pub(crate) async fn run(mut self) {
-        let mut is_failing = false;
+        let mut last_success = Instant::now();
+        let mut is_told = false;
         loop {
             let caught_up = self.catch_up().await;
             match &caught_up {
-                Ok(()) if is_failing => tracing::info!("the memory answers again"),
-                Err(failure) if !is_failing => tracing::warn!("{failure}"),
-                _ => {}
+                Ok(()) => {
+                    if std::mem::take(&mut is_told) {
+                        tracing::info!("the memory answers again");
+                    }
+                    last_success = Instant::now();
+                }
+                // The memory may be starting at this moment.
+                Err(failure) if !is_told && last_success.elapsed() > GRACE => {
+                    tracing::warn!("{failure}");
+                    is_told = true;
+                }
+                Err(_) => {}
             }
-            is_failing = caught_up.is_err();
-            if !is_failing {
+            if caught_up.is_ok() {
                 for waiting in self.waiting.drain(..) {
                     // Who has asked may have gone away.
                     let _ = waiting.send(());

@@ -5,7 +5,7 @@ use message::control::{Command, Reply};
 use std::collections::VecDeque;
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use tokio::sync::Notify;
 
 /// Ids of a lease. Those left over when the process ends are lost: 64 bits hold
@@ -16,7 +16,9 @@ const FEW: u64 = 32;
 /// How long the memory may take to answer.
 const DEADLINE: Duration = Duration::from_secs(5);
 /// How soon it is asked again after a failure.
-const TRY_AGAIN: Duration = Duration::from_millis(200);
+const TRY_AGAIN: Duration = Duration::from_millis(50);
+/// Failures shorter than this are not told.
+const GRACE: Duration = Duration::from_secs(2);
 
 /// Ids at hand.
 #[derive(Debug, Default)]
@@ -60,8 +62,11 @@ impl TrackIds {
     }
 
     async fn fetch(&self, client: &Client) {
+        let begun = Instant::now();
         let mut is_told = false;
         loop {
+            // The memory may be starting at this moment.
+            let is_silent = is_told || begun.elapsed() < GRACE;
             match client
                 .call(Command::LeaseTrackIds { count: BLOCK }, DEADLINE)
                 .await
@@ -74,13 +79,13 @@ impl TrackIds {
                         .push_back(block);
                     return;
                 }
-                Ok(other) if !is_told => tracing::error!("no track-ids were leased: {other:?}"),
-                Err(error) if !is_told => {
+                _ if is_silent => {}
+                Ok(other) => tracing::error!("no track-ids were leased: {other:?}"),
+                Err(error) => {
                     tracing::warn!("waiting for track-ids, new objects are not tracked: {error}");
                 }
-                _ => {}
             }
-            is_told = true;
+            is_told |= !is_silent;
             tokio::time::sleep(TRY_AGAIN).await;
         }
     }

@@ -53,8 +53,8 @@ mod tests {
     #[test]
     fn a_cloud_publisher_reserves_what_its_limits_say() {
         let cloud = Reservation::of_topic::<CameraCloud>();
-        assert_eq!(cloud.slots, 3 * (2 + 4) + 2);
-        assert!(cloud.bytes() > 20 * 4_915_200 && cloud.bytes() < 20 * 4_925_000);
+        assert_eq!(cloud.slots, 3 * (2 + 6) + 2);
+        assert!(cloud.bytes() > 26 * 4_915_200 && cloud.bytes() < 26 * 4_925_000);
         let total: u64 = domain_reservation().iter().map(Reservation::bytes).sum();
         assert!(total > cloud.bytes() && total < 250_000_000, "{total}");
     }

@@ -103,7 +103,7 @@ topics! {
     /// Clouds of the camera. A subscriber may hold one frame for each worker and
     /// two more, because one that holds all it may borrow receives no more.
     CameraCloud { CAMERA_CLOUD, FrameHeader, [CloudPoint; MAX_FRAME_POINTS], DropOldest,
-        Limits { publishers: 1, subscribers: 3, buffer: 2, borrowed: 4, history: 0, loaned: 2 } }
+        Limits { publishers: 1, subscribers: 3, buffer: 2, borrowed: 6, history: 0, loaned: 2 } }
     /// Finished frames of a lockstep source.
     FrameFinished { FRAME_DONE, PlainHeader, [FrameDone; 1], Refuse,
         Limits { publishers: 4, subscribers: 2, buffer: 8, borrowed: 2, history: 0, loaned: 2 } }

@@ -137,7 +137,7 @@ async fn a_subscriber_that_holds_all_it_may_says_so_and_goes_on() {
             Received::Nothing => panic!("nothing arrived"),
         }
     }
-    assert_eq!(held.len(), 4);
+    assert_eq!(held.len(), 6);
     held.pop();
     assert!(matches!(
         subscriber.receive().unwrap(),

@@ -36,7 +36,10 @@ where
 {
     log::start();
     let common = &arguments.common;
-    if arguments.follow_parent.is_some_and(|parent| !follow(parent)) {
+    if arguments
+        .follow_parent
+        .is_some_and(|parent| !follow(parent))
+    {
         return ExitCode::SUCCESS;
     }
     let home = common.home();
