@@ -43,7 +43,7 @@ fn check_refused_start(place: &Place, arguments: &[&str], code: i32, words: &[&s
     assert!(!sentence.contains("panicked"), "{arguments:?}: {sentence}");
     let said = String::from_utf8(output.stdout).unwrap();
     assert!(!said.contains("tabula is running"), "{arguments:?}: {said}");
-    eventually("all processes have ended", || place.processes().is_empty());
+    eventually("all processes have ended", || place.is_deserted());
     assert_eq!(place.shared_memory_files(), Vec::<String>::new());
 }
 
@@ -343,20 +343,21 @@ fn ids(objects: &[Value]) -> Vec<String> {
     objects.iter().map(id).collect()
 }
 
+/// A command must be refused with this exit code and a sentence with this word.
+fn check_refused(daemon: &Daemon<'_>, arguments: &[&str], code: i32, word: &str) {
+    let (given, sentence) = daemon.refused(arguments);
+    assert_eq!(given, code, "{arguments:?}: {sentence}");
+    assert!(
+        sentence.contains(word),
+        "{arguments:?}: no {word:?} in {sentence}"
+    );
+}
+
 #[test]
-fn requests_that_make_no_sense_are_refused_and_change_nothing() {
+fn names_that_can_not_be_names_are_refused_and_change_nothing() {
     let place = Place::new();
     let daemon = place.start(&TABLE);
-    let objects = wait_for_all(&daemon, 0);
-    let track = id(&objects[0]);
-    let check = |arguments: &[&str], code: i32, word: &str| {
-        let (given, sentence) = daemon.refused(arguments);
-        assert_eq!(given, code, "{arguments:?}: {sentence}");
-        assert!(
-            sentence.contains(word),
-            "{arguments:?}: no {word:?} in {sentence}"
-        );
-    };
+    let track = id(&wait_for_all(&daemon, 0)[0]);
     let long = "x".repeat(300);
     let very_long = "x".repeat(100_000);
     for label in [
@@ -369,49 +370,52 @@ fn requests_that_make_no_sense_are_refused_and_change_nothing() {
         &very_long,
     ] {
         for verb in ["teach", "correct"] {
-            check(&[verb, &track, label], REFUSED, "tabula: ");
+            check_refused(&daemon, &[verb, &track, label], REFUSED, "tabula: ");
         }
-        check(&["forget", label], REFUSED, "tabula: ");
+        check_refused(&daemon, &["forget", label], REFUSED, "tabula: ");
     }
-    check(
-        &["teach", &track, "mug", "--author", &very_long],
-        REFUSED,
-        "author",
-    );
-    for verb in ["teach", "correct"] {
-        check(&[verb, "999999", "mug"], REFUSED, "999999");
-        check(
-            &[verb, "18446744073709551615", "mug"],
-            REFUSED,
-            "18446744073709551615",
-        );
-        check(
-            &[verb, "18446744073709551616", "mug"],
-            USAGE,
-            "18446744073709551616",
-        );
-        check(&[verb, "-1", "mug"], USAGE, "-1");
-        check(&[verb, "three", "mug"], USAGE, "three");
-        check(&[verb, &track], USAGE, "CATEGORY");
-    }
-    check(&["ask", "999999"], REFUSED, "there is no track 999999");
-    check(&["forget", "unicorn"], REFUSED, "unicorn");
+    let by_whom = ["teach", &track, "mug", "--author", &very_long];
+    check_refused(&daemon, &by_whom, REFUSED, "author");
     let not_text = OsStr::from_bytes(b"\xff\xfe");
-    let output = place
-        .command("tabula")
+    let mut teach = place.command("tabula");
+    let output = teach
         .args(["teach", &track])
         .arg(not_text)
         .output()
         .unwrap();
     assert_eq!(output.status.code(), Some(USAGE), "{output:?}");
-    assert_eq!(
-        daemon.ask(&["categories"])["categories"],
-        json!([]),
-        "nothing was learned"
+    let nothing = json!({"categories": []});
+    assert_eq!(daemon.ask(&["categories"]), nothing, "nothing was learned");
+    daemon.stop();
+}
+
+#[test]
+fn requests_about_what_is_not_there_are_refused_and_change_nothing() {
+    let place = Place::new();
+    let daemon = place.start(&TABLE);
+    let track = id(&wait_for_all(&daemon, 0)[0]);
+    let largest = u64::MAX.to_string();
+    for verb in ["teach", "correct"] {
+        check_refused(&daemon, &[verb, "999999", "mug"], REFUSED, "999999");
+        check_refused(&daemon, &[verb, &largest, "mug"], REFUSED, &largest);
+        let too_large = "18446744073709551616";
+        check_refused(&daemon, &[verb, too_large, "mug"], USAGE, too_large);
+        check_refused(&daemon, &[verb, "-1", "mug"], USAGE, "-1");
+        check_refused(&daemon, &[verb, "three", "mug"], USAGE, "three");
+        check_refused(&daemon, &[verb, &track], USAGE, "CATEGORY");
+    }
+    check_refused(
+        &daemon,
+        &["ask", "999999"],
+        REFUSED,
+        "there is no track 999999",
     );
+    check_refused(&daemon, &["forget", "unicorn"], REFUSED, "unicorn");
+    let nothing = json!({"categories": []});
+    assert_eq!(daemon.ask(&["categories"]), nothing, "nothing was learned");
 
     daemon.ask(&["teach", &track, "mug"]);
-    check(&["teach", &track, "bowl"], REFUSED, "mug");
+    check_refused(&daemon, &["teach", &track, "bowl"], REFUSED, "mug");
     assert_eq!(
         daemon.ask(&["categories"])["categories"][0]["category"],
         "mug"
@@ -560,6 +564,6 @@ fn as_root_too_little_shared_memory_is_a_sentence() {
                 "{mounts}: no {word:?} in {sentence}"
             );
         }
-        assert!(place.processes().is_empty());
+        assert!(place.is_deserted());
     }
 }

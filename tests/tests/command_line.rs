@@ -127,8 +127,9 @@ fn check_shape(document: &Value, shape: &[(&str, Kind)]) {
 fn check_list(list: &Value, shape: &[(&str, Kind)]) {
     let list = list.as_array().unwrap();
     assert!(!list.is_empty());
-    list.iter()
-        .for_each(|document| check_shape(document, shape));
+    for document in list {
+        check_shape(document, shape);
+    }
 }
 
 #[test]

@@ -1,14 +1,14 @@
 //! A daemon of a test's own: real processes in a domain, home and run folder
 //! that nobody else has, stopped and checked for leftovers at the end.
 
-use channel::{DomainName, RunFolder};
+use channel::{DomainName, DomainState, RunFolder};
 use message::ProcessKind;
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStdout, Command, Output, Stdio};
+use std::process::{Child, ChildStdout, Command, ExitStatus, Output, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, LazyLock};
 use std::time::{Duration, Instant};
@@ -130,6 +130,13 @@ impl Place {
         all.filter_map(|entry| entry.unwrap().file_name().to_str()?.parse().ok())
             .filter(is_ours)
             .collect()
+    }
+
+    /// Whether nobody is left: a process that is being killed has no command line
+    /// any more, and holds its locks a little longer.
+    pub(crate) fn is_deserted(&self) -> bool {
+        let state = DomainState::of(&self.domain, &self.run_folder());
+        self.processes().is_empty() && !state.is_alive && state.running.is_empty()
     }
 
     /// Where the daemons of this place write what they have to say.
@@ -278,20 +285,10 @@ impl Daemon<'_> {
     }
 
     /// Waits until `tabula run` has ended by itself; its exit status.
-    pub(crate) fn wait(&mut self, patience: Duration) -> std::process::ExitStatus {
-        let deadline = Instant::now() + patience;
-        loop {
-            if let Some(status) = self.child.try_wait().unwrap() {
-                self.is_stopped = true;
-                return status;
-            }
-            assert!(
-                Instant::now() < deadline,
-                "the daemon does not stop\n{}",
-                self.log()
-            );
-            std::thread::sleep(LOOK_AGAIN);
-        }
+    pub(crate) fn wait(&mut self, patience: Duration) -> ExitStatus {
+        let status = wait_for_end(&mut self.child, patience);
+        self.is_stopped = status.is_some();
+        status.unwrap_or_else(|| panic!("the daemon does not stop\n{}", self.log()))
     }
 
     /// Sends a signal to `tabula run` itself.
@@ -320,6 +317,18 @@ impl Drop for Daemon<'_> {
     }
 }
 
+/// Waits until a process has ended; `None` when it has not.
+pub(crate) fn wait_for_end(child: &mut Child, patience: Duration) -> Option<ExitStatus> {
+    let deadline = Instant::now() + patience;
+    while Instant::now() < deadline {
+        if let Some(status) = child.try_wait().unwrap() {
+            return Some(status);
+        }
+        std::thread::sleep(LOOK_AGAIN);
+    }
+    None
+}
+
 /// Runs a command to its end; one that does not end is stopped and fails the test.
 pub(crate) fn run_to_end(command: &mut Command, patience: Duration) -> Output {
     let child = command
@@ -330,13 +339,11 @@ pub(crate) fn run_to_end(command: &mut Command, patience: Duration) -> Output {
     let pid = Pid::from_child(&child);
     let (sender, ended) = std::sync::mpsc::channel();
     std::thread::spawn(move || sender.send(child.wait_with_output()));
-    match ended.recv_timeout(patience) {
-        Ok(output) => output.unwrap(),
-        Err(_) => {
-            let _ = kill_process(pid, Signal::TERM);
-            panic!("{command:?} does not end by itself");
-        }
+    if let Ok(output) = ended.recv_timeout(patience) {
+        return output.unwrap();
     }
+    let _ = kill_process(pid, Signal::TERM);
+    panic!("{command:?} does not end by itself");
 }
 
 /// The same command with other mounts, in a mount namespace of its own; `mounts`
@@ -378,7 +385,7 @@ pub(crate) fn eventually(what: &str, mut is_so: impl FnMut() -> bool) {
 }
 
 /// The object nearest to a place, metres; the objects must not be empty.
-pub(crate) fn nearest<'a>(objects: &'a [Value], place: [f64; 3]) -> &'a Value {
+pub(crate) fn nearest(objects: &[Value], place: [f64; 3]) -> &Value {
     let distance2 = |object: &Value| -> f64 {
         let position = object["position_m"].as_array().unwrap();
         let axis = |i: usize| position[i].as_f64().unwrap() - place[i];

@@ -1,7 +1,9 @@
 //! Faults: processes that are killed, stopped, or can not start. What was
 //! acknowledged stays, the daemon comes back, and nothing is left behind.
 
-use crate::daemon::{Daemon, PATIENCE, Place, STOP_TIME, eventually, nearest, run_to_end};
+use crate::daemon::{
+    Daemon, PATIENCE, Place, STOP_TIME, eventually, nearest, run_to_end, wait_for_end,
+};
 use crate::skeleton::{id, place_of, wait_for_all};
 use message::ProcessKind;
 use rustix::process::{Pid, Signal, kill_process};
@@ -10,7 +12,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::os::unix::fs::MetadataExt;
 use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// The synthetic table, slowly: several daemons share the machine's cores.
 const TABLE: [&str; 4] = ["--source", "synthetic:0", "--rate", "10"];
@@ -161,9 +163,7 @@ fn the_children_end_when_tabula_run_is_killed() {
     teach_two(&daemon);
     daemon.signal_parent(Signal::KILL);
     assert!(!daemon.wait(PATIENCE).success());
-    eventually("the children follow their parent", || {
-        place.processes().is_empty()
-    });
+    eventually("the children follow their parent", || place.is_deserted());
     let daemon = place.start(&TABLE);
     wait_for_names(&daemon);
     daemon.stop();
@@ -178,9 +178,7 @@ fn kill_while_starting(n_rounds: u32) {
         std::thread::sleep(Duration::from_millis(dice.below(400)));
         run.kill().unwrap();
         run.wait().unwrap();
-        eventually("no child outlives its parent", || {
-            place.processes().is_empty()
-        });
+        eventually("no child outlives its parent", || place.is_deserted());
     }
     let daemon = place.start(&TABLE);
     wait_for_all(&daemon, 0);
@@ -209,7 +207,7 @@ fn the_next_start_cleans_up_when_everything_was_killed_at_once() {
     daemon.signal_parent(Signal::KILL);
     children.into_iter().for_each(kill_pid);
     daemon.wait(PATIENCE);
-    eventually("all are dead", || place.processes().is_empty());
+    eventually("all are dead", || place.is_deserted());
     let left = files_and_inodes(&place);
     assert!(left.len() > 10, "a crash leaves shared memory: {left:?}");
     let doctor = place.tabula(&["doctor"]);
@@ -311,9 +309,9 @@ fn kill_at_random(n_kills: u32) {
             }
         });
     }
-    ProcessKind::ALL
-        .into_iter()
-        .for_each(|process| wait_for_frames(&daemon, process));
+    for process in ProcessKind::ALL {
+        wait_for_frames(&daemon, process);
+    }
     let n_acknowledged = lessons
         .values()
         .filter(|all| all.acknowledged.is_some())
@@ -324,7 +322,9 @@ fn kill_at_random(n_kills: u32) {
         daemon.log()
     );
     let known = categories(&daemon);
-    lessons.values().for_each(|all| all.check(&known));
+    for lessons in lessons.values() {
+        lessons.check(&known);
+    }
     daemon.stop();
     let daemon = place.start(&TABLE);
     assert_eq!(categories(&daemon), known, "a restart changes nothing");
@@ -416,7 +416,7 @@ fn a_process_that_can_not_start_ends_the_daemon_with_a_reason() {
         sentence.contains("perceptual-memory"),
         "the cause is named: {sentence}"
     );
-    assert!(place.processes().is_empty());
+    assert!(place.is_deserted());
     assert_eq!(place.shared_memory_files(), Vec::<String>::new());
     assert!(!place.run_folder().of_domain(&place.domain).exists());
 }
@@ -435,7 +435,7 @@ fn sigterm_and_sigint_end_a_running_daemon_in_time() {
 }
 
 fn assert_nothing_is_left(place: &Place) {
-    eventually("all processes have ended", || place.processes().is_empty());
+    eventually("all processes have ended", || place.is_deserted());
     assert_eq!(place.shared_memory_files(), Vec::<String>::new());
     assert!(!place.run_folder().of_domain(&place.domain).exists());
 }
@@ -454,14 +454,7 @@ fn sigterm_and_sigint_end_a_starting_daemon_in_time() {
             Signal::INT
         };
         kill_process(pid, signal).unwrap();
-        let mut status = None;
-        let deadline = Instant::now() + STOP_TIME;
-        while status.is_none() {
-            status = run.try_wait().unwrap();
-            assert!(Instant::now() < deadline, "it does not stop");
-            std::thread::sleep(Duration::from_millis(20));
-        }
-        let status = status.unwrap();
+        let status = wait_for_end(&mut run, STOP_TIME).expect("it stops in time");
         // Before it has made anything, the signal ends it as it ends any program.
         let is_clean = status.success() || status.signal() == Some(signal.as_raw());
         assert!(is_clean, "{signal:?}: {status}");

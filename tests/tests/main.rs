@@ -1,7 +1,6 @@
 //! Integration tests: real processes, real shared memory, each test in a domain
 //! of its own, cleaned up afterwards. A test ends only processes it has started.
 #![cfg(test)]
-#![expect(clippy::unwrap_used, reason = "helpers of tests panic as tests do")]
 
 /// A daemon of a test's own.
 mod daemon;

@@ -10,6 +10,11 @@ use tracking::{
     TrackPhase, associate,
 };
 
+/// Where a track that was not seen for a while is looked for: the uncertainty of
+/// its place does not grow beyond this, metres. On a table, what is farther away
+/// is another object, whose views must not become this one's.
+const SEARCH_SIGMA_MAX_M: f64 = 0.04;
+
 /// One object as the frame loop knows it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Track {
@@ -30,6 +35,9 @@ pub struct Track {
     /// Distance to the nearest stored view; infinite when nothing was taught.
     pub distance: f32,
     life: TrackLife,
+    /// After the last measurement.
+    posterior: MotionFilter,
+    /// The same, predicted to the last step.
     filter: MotionFilter,
     appearance: Appearance,
 }
@@ -140,6 +148,7 @@ impl TrackTable {
             return;
         }
         let capture_ns = track.filter.stamp_ns();
+        track.posterior = posterior.filter;
         track.filter = posterior.filter.predicted(capture_ns, self.config.motion());
         track.n_views = posterior.view_id + 1;
         track.label.clone_from(&posterior.label);
@@ -164,12 +173,15 @@ impl TrackTable {
     fn predict(&mut self, frame: &Frame) {
         self.predicted.clear();
         for track in &mut self.tracks {
+            // Always from the measured state: predicting a prediction would let
+            // a track that is not seen coast for ever.
             track.filter = track
-                .filter
+                .posterior
                 .predicted(frame.capture_ns, self.config.motion());
+            let variance_m2 = track.filter.position_variance_m2();
             self.predicted.push(Predicted {
                 position: track.filter.box_in_world().centre(),
-                position_variance_m2: track.filter.position_variance_m2(),
+                position_variance_m2: variance_m2.min(SEARCH_SIGMA_MAX_M * SEARCH_SIGMA_MAX_M),
                 appearance: track.appearance,
             });
         }
@@ -231,6 +243,7 @@ impl TrackTable {
                 measured,
                 is_new: true,
             });
+            let filter = MotionFilter::start(&measured.measurement, self.config.motion());
             self.tracks.push(Track {
                 id: track_id,
                 first_seen_ns: frame.capture_ns,
@@ -241,7 +254,8 @@ impl TrackTable {
                 label: None,
                 distance: f32::INFINITY,
                 life: TrackLife::start(frame.capture_ns),
-                filter: MotionFilter::start(&measured.measurement, self.config.motion()),
+                posterior: filter,
+                filter,
                 appearance: measured.appearance,
             });
         }

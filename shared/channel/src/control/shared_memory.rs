@@ -13,8 +13,9 @@ pub(super) type IoxService = PortFactory<Service, [u8], (), [u8], ()>;
 
 /// Processes that may ask one server at a time.
 const MAX_CLIENTS: usize = 6;
-/// Requests a client may have open.
-pub(super) const MAX_OPEN_REQUESTS: usize = 4;
+/// Requests a client may have open: the one it waits for, and one whose time was
+/// over and that the server still works on.
+pub(super) const MAX_OPEN_REQUESTS: usize = 2;
 
 /// One server: the service's name, and the names of the events that wake the
 /// server and its clients.
