@@ -16,6 +16,9 @@ use std::time::Duration;
 
 /// The synthetic table, slowly: several daemons share the machine's cores.
 const TABLE: [&str; 4] = ["--source", "synthetic:0", "--rate", "10"];
+/// The daemon gives up when one process ends more than 30 times in a minute; a kill
+/// a second among three stays below it.
+const BETWEEN_KILLS: Duration = Duration::from_secs(1);
 /// Restarts at the limit take half a minute, and as long again on a busy machine.
 const ALL_RESTARTS: Duration = Duration::from_secs(90);
 
@@ -308,6 +311,7 @@ fn kill_at_random(n_kills: u32) {
                     .correct(&place, &id(object), label);
             }
         });
+        std::thread::sleep(BETWEEN_KILLS);
     }
     for process in ProcessKind::ALL {
         wait_for_frames(&daemon, process);

@@ -48,7 +48,7 @@ fn teach_something(place: &Place) {
     daemon.stop();
 }
 
-fn show_one<'a>(place: &'a Place, scene: usize) -> Daemon<'a> {
+fn show_one(place: &Place, scene: usize) -> Daemon<'_> {
     let (from, to) = (scene.to_string(), (scene + 1).to_string());
     place.start(&[
         "--source",

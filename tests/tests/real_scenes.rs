@@ -25,19 +25,20 @@ const WANDER_MAX_M: f64 = 0.12;
 const WANDER_USUAL_M: f64 = 0.04;
 
 /// Plays one scene of the folder for ever.
-fn show<'a>(place: &'a Place, scene: usize) -> Daemon<'a> {
+fn show(place: &Place, scene: usize) -> Daemon<'_> {
     let folder = real_data::folder("tabletop-scenes");
     let (from, to) = (scene.to_string(), (scene + 1).to_string());
     let source = folder.to_str().unwrap();
-    place.start(&["--source", source, "--from", &from, "--to", &to, "--loop", "--rate", "10"])
+    place.start(&[
+        "--source", source, "--from", &from, "--to", &to, "--loop", "--rate", "10",
+    ])
 }
 
 /// Waits until everything that is seen is believed, and taken as key view.
 fn settled(daemon: &Daemon<'_>) -> Vec<Value> {
     daemon.wait_for("all objects are tracked", |objects| {
-        let is_settled = |object: &Value| {
-            object["state"] == "tracked" && object["n_views"].as_u64() >= Some(10)
-        };
+        let is_settled =
+            |object: &Value| object["state"] == "tracked" && object["n_views"].as_u64() >= Some(10);
         !objects.is_empty() && objects.iter().all(is_settled)
     })
 }
@@ -70,7 +71,10 @@ fn check_known_again(scene: usize) -> usize {
         let found = nearest(&again, position(object));
         let name = format!("thing {}", id(object));
         assert_eq!(found["label"], name.as_str(), "scene {scene}: {found:#}");
-        assert!(Some(id(found)) > newest_taught, "a track-id is used twice: {found:#}");
+        assert!(
+            Some(id(found)) > newest_taught,
+            "a track-id is used twice: {found:#}"
+        );
     }
     daemon.stop();
     taught.len()
@@ -80,8 +84,14 @@ fn check_known_again(scene: usize) -> usize {
 #[ignore = "needs TABULA_DATA"]
 fn every_object_is_known_by_its_own_name_after_a_restart() {
     let n_objects: usize = SCENES.into_iter().map(check_known_again).sum();
-    println!("{n_objects} objects of {} scenes were known again", SCENES.len());
-    assert!(n_objects >= 3 * SCENES.len(), "only {n_objects} objects were seen");
+    println!(
+        "{n_objects} objects of {} scenes were known again",
+        SCENES.len()
+    );
+    assert!(
+        n_objects >= 3 * SCENES.len(),
+        "only {n_objects} objects were seen"
+    );
 }
 
 #[test]
@@ -94,15 +104,24 @@ fn objects_of_another_shape_stay_unknown() {
     let taught = id(&objects[0]);
     daemon.ask(&["teach", &taught.to_string(), "first"]);
     let label = |objects: &[Value], wanted: u64| {
-        objects.iter().find(|object| id(object) == wanted).map(|object| object["label"].clone())
+        objects
+            .iter()
+            .find(|object| id(object) == wanted)
+            .map(|object| object["label"].clone())
     };
     let objects = daemon.wait_for("what was taught is named", |objects| {
         label(objects, taught) == Some("first".into())
     });
     for object in objects.iter().filter(|object| id(object) != taught) {
-        println!("track {}: distance {}", object["track_id"], object["distance"]);
+        println!(
+            "track {}: distance {}",
+            object["track_id"], object["distance"]
+        );
         assert_eq!(object["label"], Value::Null, "{object:#}");
-        assert!(object["distance"].is_number(), "it was compared: {object:#}");
+        assert!(
+            object["distance"].is_number(),
+            "it was compared: {object:#}"
+        );
     }
     daemon.stop();
 }
@@ -128,10 +147,16 @@ fn paths(scenes: &[Recorded]) -> BTreeMap<u64, Path> {
 
 /// The largest distance of a path's places from its middle, metres.
 fn wandering_m(path: &Path) -> f64 {
-    let lowest = path.iter().fold(path[0].1, |low, (_, place)| low.inf(place));
-    let highest = path.iter().fold(path[0].1, |high, (_, place)| high.sup(place));
+    let lowest = path
+        .iter()
+        .fold(path[0].1, |low, (_, place)| low.inf(place));
+    let highest = path
+        .iter()
+        .fold(path[0].1, |high, (_, place)| high.sup(place));
     let middle = center(&lowest, &highest);
-    path.iter().map(|(_, place)| distance(&middle, place)).fold(0.0, f64::max)
+    path.iter()
+        .map(|(_, place)| distance(&middle, place))
+        .fold(0.0, f64::max)
 }
 
 fn kitchen(place: &Place) -> Vec<Recorded> {
@@ -161,23 +186,45 @@ fn what_stands_still_stays_where_it_is_while_the_camera_moves() {
         elapsed_ns as f64 * 1e-9 / (second.sequence - first.sequence) as f64
     });
     for period_s in captures {
-        assert!((period_s - 1.0 / 30.0).abs() < 1e-6, "frames are {period_s} s apart");
+        assert!(
+            (period_s - 1.0 / 30.0).abs() < 1e-6,
+            "frames are {period_s} s apart"
+        );
     }
     let paths = paths(&scenes);
     let life_s = |path: &Path| path.last().unwrap().0 - path[0].0;
     let mut wandering = Vec::new();
     for (track_id, path) in paths.iter().filter(|(_, path)| life_s(path) > LONG_LIFE_S) {
         let (life_s, wandering_m) = (life_s(path), wandering_m(path));
-        println!("track {track_id}: {life_s:.1} s, within {:.0} mm", 1e3 * wandering_m);
-        assert!(wandering_m < WANDER_MAX_M, "track {track_id} wanders by {wandering_m} m");
+        println!(
+            "track {track_id}: {life_s:.1} s, within {:.0} mm",
+            1e3 * wandering_m
+        );
+        assert!(
+            wandering_m < WANDER_MAX_M,
+            "track {track_id} wanders by {wandering_m} m"
+        );
         wandering.push(wandering_m);
     }
-    assert!(wandering.len() >= 3, "only {} tracks live long", wandering.len());
+    assert!(
+        wandering.len() >= 3,
+        "only {} tracks live long",
+        wandering.len()
+    );
     wandering.sort_by(f64::total_cmp);
-    assert!(wandering[wandering.len() / 2] < WANDER_USUAL_M, "{wandering:?}");
+    assert!(
+        wandering[wandering.len() / 2] < WANDER_USUAL_M,
+        "{wandering:?}"
+    );
     let ids = |scenes: &[Recorded]| -> BTreeSet<u64> {
-        scenes.iter().flat_map(|scene| scene.objects.iter().map(|object| object.track_id)).collect()
+        scenes
+            .iter()
+            .flat_map(|scene| scene.objects.iter().map(|object| object.track_id))
+            .collect()
     };
     let again = kitchen(&place);
-    assert!(ids(&scenes).is_disjoint(&ids(&again)), "a track-id is used twice");
+    assert!(
+        ids(&scenes).is_disjoint(&ids(&again)),
+        "a track-id is used twice"
+    );
 }
