@@ -129,7 +129,7 @@ fn sources_that_can_not_be_played_are_refused_at_the_start() {
     std::fs::create_dir(path("truncated")).unwrap();
     let good = good_scene();
     std::fs::write(path("truncated/scene.pcd"), &good[..good.len() / 2]).unwrap();
-    check("truncated", &["none of the 1 scenes", "scene.pcd"]);
+    check("truncated", &["none of the 1 frames", "scene.pcd"]);
     std::fs::create_dir(path("one")).unwrap();
     std::fs::write(path("one/scene.pcd"), &good).unwrap();
     let from_behind = ["--source", &path("one"), "--from", "1"];

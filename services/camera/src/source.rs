@@ -119,6 +119,7 @@ struct Frames {
     to: usize,
     next: usize,
     looped: bool,
+    n_refused_in_a_row: usize,
 }
 
 impl Frames {
@@ -137,6 +138,7 @@ impl Frames {
             to,
             next: from,
             looped: playback.looped,
+            n_refused_in_a_row: 0,
         })
     }
 
@@ -151,8 +153,25 @@ impl Frames {
         })
     }
 
-    fn len(&self) -> usize {
-        self.to - self.from
+    /// Notes that a frame was played.
+    fn accept(&mut self) {
+        self.n_refused_in_a_row = 0;
+    }
+
+    /// The error of a frame that can not be played; when a whole round of them
+    /// could not, that of the recording.
+    fn refuse(&mut self, recording: &str, frame: &str, cause: String) -> SourceError {
+        self.n_refused_in_a_row += 1;
+        let n_frames = self.to - self.from;
+        if self.n_refused_in_a_row < n_frames {
+            return SourceError::Frame {
+                frame: frame.to_owned(),
+                cause,
+            };
+        }
+        SourceError::Unusable(format!(
+            "none of the {n_frames} frames of {recording} can be played; the last one, {frame}: {cause}"
+        ))
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::process_table::ProcessTable;
 use crate::translate;
 use channel::control::Client;
-use learning::ViewId;
+use learning::{CategoryName, ViewId};
 use message::ProcessKind;
 use message::control::{
     Command, Labelling, LearningReport, MAX_MESSAGE_BYTES, MutationId, Refusal, RefusalKind, Reply,
@@ -45,31 +45,19 @@ impl Answerer {
         }
         match command {
             Command::Health => Ok(Reply::Health(self.processes.reports())),
-            Command::Teach(Labelling {
-                id,
-                author,
-                track_id,
-                category,
-            }) => {
-                let name = translate::category(&category)?;
-                let change = Change::Teach {
+            Command::Teach(label) => {
+                self.label(label, |track_id, category| Change::Teach {
                     track_id,
-                    category: name.clone(),
-                };
-                self.learn(id, author, change, name.as_str()).await
+                    category,
+                })
+                .await
             }
-            Command::Correct(Labelling {
-                id,
-                author,
-                track_id,
-                category,
-            }) => {
-                let name = translate::category(&category)?;
-                let change = Change::Correct {
+            Command::Correct(label) => {
+                self.label(label, |track_id, category| Change::Correct {
                     track_id,
-                    category: name.clone(),
-                };
-                self.learn(id, author, change, name.as_str()).await
+                    category,
+                })
+                .await
             }
             Command::Forget {
                 id,
@@ -143,6 +131,22 @@ impl Answerer {
             .call(command, DEADLINE)
             .await
             .map_err(unavailable)
+    }
+
+    async fn label(
+        &self,
+        label: Labelling,
+        change: impl FnOnce(u64, CategoryName) -> Change,
+    ) -> Result<Reply, Refusal> {
+        let Labelling {
+            id,
+            author,
+            track_id,
+            category,
+        } = label;
+        let category = translate::category(&category)?;
+        let change = change(track_id, category.clone());
+        self.learn(id, author, change, category.as_str()).await
     }
 
     async fn learn(

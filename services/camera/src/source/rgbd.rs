@@ -15,7 +15,6 @@ pub(super) struct Sequence {
     frames: Frames,
     scratch: Scratch,
     prepared: usize,
-    n_refused_in_a_row: usize,
 }
 
 impl Sequence {
@@ -38,24 +37,12 @@ impl Sequence {
             rate_hz: playback.rate_hz.unwrap_or(DEFAULT_RATE_HZ),
             scratch: Scratch::default(),
             prepared: 0,
-            n_refused_in_a_row: 0,
         })
     }
 
     fn refuse(&mut self, cause: String) -> SourceError {
-        self.n_refused_in_a_row += 1;
-        let name = self.sequence.name(self.prepared).unwrap_or_default();
-        if self.n_refused_in_a_row < self.frames.len() {
-            return SourceError::Frame {
-                frame: name.to_owned(),
-                cause,
-            };
-        }
-        SourceError::Unusable(format!(
-            "none of the {} frames of {} can be played; the last one, {name}: {cause}",
-            self.frames.len(),
-            self.name
-        ))
+        let frame = self.sequence.name(self.prepared).unwrap_or_default();
+        self.frames.refuse(&self.name, frame, cause)
     }
 }
 
@@ -83,7 +70,7 @@ impl Source for Sequence {
     fn fill(&mut self, points: &mut [Point]) -> Result<FrameInfo, SourceError> {
         let filled = self.sequence.fill(self.prepared, &mut self.scratch, points);
         let world_from_camera = filled.map_err(|error| self.refuse(error.to_string()))?;
-        self.n_refused_in_a_row = 0;
+        self.frames.accept();
         let down_in_world = self.sequence.gravity_in_world();
         let up_in_camera = world_from_camera
             .zip(down_in_world)

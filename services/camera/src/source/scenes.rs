@@ -19,7 +19,6 @@ pub(super) struct Scenes {
     bytes: Vec<u8>,
     decoder: pcd::Decoder,
     prepared: Option<(usize, pcd::Header)>,
-    n_refused_in_a_row: usize,
 }
 
 impl Scenes {
@@ -33,7 +32,6 @@ impl Scenes {
             bytes: Vec::new(),
             decoder: pcd::Decoder::new(),
             prepared: None,
-            n_refused_in_a_row: 0,
         })
     }
 
@@ -57,18 +55,9 @@ impl Scenes {
         Ok(header)
     }
 
-    /// A refused frame; when a whole round of them was refused, the folder is.
     fn refuse(&mut self, frame: usize, cause: String) -> SourceError {
-        self.n_refused_in_a_row += 1;
-        let name = self.folder.name(frame).unwrap_or_default().to_owned();
-        if self.n_refused_in_a_row < self.frames.len() {
-            return SourceError::Frame { frame: name, cause };
-        }
-        SourceError::Unusable(format!(
-            "none of the {} scenes of {} can be played; the last one, {name}: {cause}",
-            self.frames.len(),
-            self.name
-        ))
+        let name = self.folder.name(frame).unwrap_or_default();
+        self.frames.refuse(&self.name, name, cause)
     }
 }
 
@@ -104,7 +93,7 @@ impl Source for Scenes {
         };
         let decoded = self.decoder.decode_into(&self.bytes, &header, points, None);
         decoded.map_err(|error| self.refuse(frame, error.to_string()))?;
-        self.n_refused_in_a_row = 0;
+        self.frames.accept();
         let fitted = intrinsics_fit::fit(points, header.width(), header.height());
         Ok(FrameInfo {
             is_calibrated: fitted.is_some(),
