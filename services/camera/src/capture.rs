@@ -8,6 +8,7 @@ use channel::topic::CameraCloud;
 use channel::{Loan, Publisher};
 use message::{FrameHeader, ProcessState, Text, WireTransform, frame_flag, points_mut};
 use service::{Context, Failure, exit_code, monotonic_ns, wall_clock_offset_ns};
+use std::collections::BTreeSet;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 use tokio::runtime::Handle;
@@ -37,6 +38,8 @@ pub(crate) struct Capture {
     session: u64,
     sequence: u64,
     is_gone: bool,
+    /// What was said of frames that can not be played.
+    told: BTreeSet<String>,
     context: Context,
     runtime: Handle,
 }
@@ -74,6 +77,7 @@ impl Capture {
             session: random_session(),
             sequence: 0,
             is_gone: false,
+            told: BTreeSet::new(),
             context,
             runtime,
         })
@@ -94,7 +98,12 @@ impl Capture {
                     return Err(Failure::new(exit_code::USAGE, sentence));
                 }
                 Err(error @ SourceError::Frame { .. }) => {
-                    tracing::warn!("{error}");
+                    // A looped recording comes to its bad frames in every round.
+                    let sentence = error.to_string();
+                    if !self.told.contains(&sentence) {
+                        tracing::warn!("{sentence}");
+                        self.told.insert(sentence);
+                    }
                     self.context
                         .health
                         .frames_dropped
