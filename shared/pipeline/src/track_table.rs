@@ -261,3 +261,131 @@ impl TrackTable {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use detection::{Candidate, Support};
+    use geometry::RigidTransform;
+    use nalgebra::{Point3, Vector3};
+    use tracking::{AssociationConfig, MotionConfig};
+
+    const FRAME_NS: u64 = 33_333_333;
+
+    fn candidate_at(x: f64) -> Candidate {
+        let frame_from_box = RigidTransform::new(Vector3::new(x, 0.0, 0.8), Vector3::zeros());
+        Candidate {
+            range: 0..100,
+            centroid: Point3::new(x, 0.0, 0.8),
+            oriented_box: OrientedBox {
+                frame_from_box,
+                half_sides_m: Vector3::repeat(0.05),
+            },
+            mean_rgb: [120.0; 3],
+            support: Support::Table,
+            touches_image_border: false,
+        }
+    }
+
+    /// A table and the steps it makes, with ids counted from 1.
+    struct Story {
+        table: TrackTable,
+        step: Step,
+        n_frames: u64,
+        last_id: u64,
+    }
+
+    impl Story {
+        fn new() -> Self {
+            let (motion, association) = (MotionConfig::default(), AssociationConfig::default());
+            let config = Config::new(motion, association, 0.75).unwrap();
+            Self {
+                table: TrackTable::new(config),
+                step: Step::default(),
+                n_frames: 0,
+                last_id: 0,
+            }
+        }
+
+        /// One frame with an object at each place.
+        fn frame(&mut self, places: &[f64]) {
+            let detection = Detection {
+                candidates: places.iter().map(|x| candidate_at(*x)).collect(),
+                ..Detection::default()
+            };
+            let frame = Frame {
+                capture_ns: self.n_frames * FRAME_NS,
+                world_from_camera: RigidTransform::identity(),
+            };
+            self.n_frames += 1;
+            let last_id = &mut self.last_id;
+            let next_id = || {
+                *last_id += 1;
+                Some(*last_id)
+            };
+            self.table.step(&detection, &frame, next_id, &mut self.step);
+        }
+
+        fn ids(&self) -> Vec<u64> {
+            self.table.tracks().iter().map(|track| track.id).collect()
+        }
+    }
+
+    #[test]
+    fn objects_keep_their_ids_and_new_ones_get_the_next() {
+        let mut story = Story::new();
+        for _ in 0..10 {
+            story.frame(&[0.0, 0.3]);
+        }
+        assert_eq!(story.ids(), [1, 2]);
+        story.frame(&[0.3, 0.6, 0.0]);
+        assert_eq!(story.ids(), [1, 2, 3]);
+        let new = story
+            .step
+            .sightings
+            .iter()
+            .filter(|sighting| sighting.is_new);
+        assert_eq!(
+            new.map(|sighting| sighting.track_id).collect::<Vec<_>>(),
+            [3]
+        );
+    }
+
+    #[test]
+    fn an_unseen_track_stays_near_where_it_was_and_ends_in_time() {
+        let mut story = Story::new();
+        for _ in 0..10 {
+            story.frame(&[0.0]);
+        }
+        for _ in 0..40 {
+            story.frame(&[]);
+            let place = story.table.tracks()[0].box_in_world().centre();
+            assert!(place.x.abs() < 0.05, "{place}");
+        }
+        for _ in 0..10 {
+            story.frame(&[]);
+        }
+        assert_eq!(story.ids(), [0_u64; 0]);
+    }
+
+    #[test]
+    fn without_ids_nothing_begins_and_clearing_ends_all() {
+        let mut story = Story::new();
+        story.frame(&[0.0]);
+        let mut gone = Vec::new();
+        story.table.clear(&mut gone);
+        assert_eq!((gone, story.ids()), (vec![1], vec![]));
+        let detection = Detection {
+            candidates: vec![candidate_at(0.0)],
+            ..Detection::default()
+        };
+        let frame = Frame {
+            capture_ns: 1,
+            world_from_camera: RigidTransform::identity(),
+        };
+        story
+            .table
+            .step(&detection, &frame, || None, &mut story.step);
+        assert_eq!((story.ids().len(), story.step.n_rejected), (0, 1));
+    }
+}
