@@ -11,11 +11,12 @@ pub const DESCRIPTOR_KIND: &str = "good-published-15-box-frame";
 const N_BINS: usize = 15;
 
 /// Points nearer than this to an axis have no say in its sign, metres. Larger
-/// than any object: the frame has decided the signs already, and a second
-/// opinion that turns at a count of ten in a hundred turns with the noise.
+/// than any object: all readings of the box are compared, which leaves no sign
+/// to decide, and a rule that turns at ten points in a hundred turns with noise.
 const SIGN_THRESHOLD_M: f32 = 100.0;
 
-/// The largest distance of the metric: two descriptors without a common bin.
+/// A little more than the largest distance of the metric, the square root of 3,
+/// at which two descriptors have no bin in common.
 const MAX_DISTANCE: f32 = 1.75;
 
 /// Settings of tracking and recognition, checked.
