@@ -1,0 +1,1 @@
+//! Generated household objects: parametric families whose instances differ.

@@ -1,0 +1,1 @@
+//! The arm: kinematic chain, inverse kinematics, joint motion, gripper.

@@ -1,0 +1,1 @@
+//! Renders meshes as a Kinect sees them: rasteriser and sensor error model.

@@ -1,0 +1,1 @@
+//! The simulated table: physics scene, simulated Kinect, arm, hand, ground truth.
