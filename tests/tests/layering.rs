@@ -5,25 +5,35 @@ use cargo_metadata::{DependencyKind, Metadata, MetadataCommand, Package};
 use std::collections::BTreeMap;
 
 /// The layers, lowest first. What is not listed here can not be in the workspace.
-const LAYERS: [&[&str]; 10] = [
+const LAYERS: [&[&str]; 11] = [
     &["geometry"],
-    &["point-cloud"],
-    &["detection", "description", "dataset"],
-    &["tracking", "learning"],
+    &["point-cloud", "mesh"],
+    &[
+        "detection",
+        "description",
+        "dataset",
+        "household",
+        "rendering",
+        "manipulator",
+    ],
+    &["tracking", "learning", "simulation"],
     &["pipeline", "message"],
     &["channel", "store", "freenect"],
     &["actor"],
     &["service"],
-    &["camera", "perception", "memory", "tabula"],
+    &["capture"],
+    &["camera", "simulator", "perception", "memory", "tabula"],
     &["tests"],
 ];
 
 /// Foreign libraries and the only crates that may name them.
-const OWNERS: [(&str, &[&str]); 8] = [
+const OWNERS: [(&str, &[&str]); 10] = [
     ("iceoryx2", &["channel", "message"]),
     ("iceoryx2-log", &["channel"]),
     ("rusty-leveldb", &["store"]),
     ("libloading", &["freenect"]),
+    ("rapier3d", &["simulation"]),
+    ("indicatif", &["tabula"]),
     ("ciborium", &["channel", "store"]),
     ("sd-notify", &["service"]),
     ("tracing-subscriber", &["service"]),
@@ -33,7 +43,9 @@ const OWNERS: [(&str, &[&str]); 8] = [
             "channel",
             "actor",
             "service",
+            "capture",
             "camera",
+            "simulator",
             "perception",
             "memory",
             "tabula",

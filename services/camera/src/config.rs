@@ -47,11 +47,11 @@ impl Config {
             .transpose();
         let written = written.map_err(|rule| file.wrong(format!("[camera] source: {rule}")))?;
         let config = Self {
-            source: given
-                .source
-                .clone()
-                .or(written)
-                .unwrap_or(SourceSpec::Synthetic(0)),
+            source: given.source.clone().or(written).ok_or_else(|| {
+                let sentence = "no camera is named; say --source kinect, or start the simulated \
+                                table with `tabula run`";
+                Failure::new(exit_code::USAGE, sentence)
+            })?,
             playback: Playback {
                 rate_hz: given.rate.or(raw.rate_hz),
                 looped: given.looped || raw.looped,
@@ -128,8 +128,10 @@ mod tests {
     }
 
     #[test]
-    fn the_default_opens_no_hardware() {
-        assert_eq!(config("").unwrap().source, SourceSpec::Synthetic(0));
+    fn no_camera_is_opened_that_nobody_named() {
+        assert!(config("").unwrap_err().contains("--source kinect"));
+        let named = config("--source synthetic").unwrap();
+        assert_eq!(named.source, SourceSpec::Synthetic(0));
     }
 
     #[test]
@@ -138,9 +140,9 @@ mod tests {
             let sentence = config(words).unwrap_err();
             assert!(sentence.contains(word), "{sentence}");
         };
-        check("--rate 0", "--rate");
-        check("--rate NaN", "--rate");
-        check("--from 5 --to 5", "plays nothing");
+        check("--source synthetic --rate 0", "--rate");
+        check("--source synthetic --rate NaN", "--rate");
+        check("--source synthetic --from 5 --to 5", "plays nothing");
         check("--source kinect --loop", "--loop");
         check("--source fakenect:x --rate 5", "--rate");
         check("--source fakenect:x --from 1", "--from");

@@ -1,18 +1,13 @@
 //! The sensor: a Kinect, a fakenect folder, a recorded sequence, a folder of
 //! scenes or a synthetic table, published as organised clouds.
 //!
-//! A [`source`](Source) fills a loan of shared memory directly; the capture loop
-//! sends it at its scheduled instant. Nothing above `camera/cloud` can tell the
-//! sources apart.
+//! Each is a [`capture::Source`]; the capture loop sends its frames.
 
 mod arguments;
-mod capture;
 mod config;
 mod fakenect_restart;
 mod intrinsics_fit;
-mod lockstep;
 mod run;
-mod schedule;
 mod source;
 pub mod synthetic;
 

@@ -1,9 +1,9 @@
 //! The process: a capture thread beside the runtime.
 
-use crate::capture::{Capture, End};
 use crate::config::Config;
 use crate::fakenect_restart;
 use crate::source::{self, SourceSpec};
+use ::capture::{CaptureLoop, End};
 use message::ProcessState;
 use service::{Context, Failure, exit_code};
 use std::process::ExitCode;
@@ -103,5 +103,5 @@ fn play(context: Context, config: &Config, runtime: Handle) -> Result<End, Failu
         None => "at its own rate".into(),
     };
     tracing::info!("playing {} {rate}", source.name());
-    Capture::new(context, config, source, runtime)?.run()
+    CaptureLoop::new(context, source, config.lockstep, runtime)?.run()
 }

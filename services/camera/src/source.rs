@@ -1,18 +1,13 @@
 //! Sources behind one trait.
 
-mod error;
 mod kinect;
 mod rgbd;
 mod scenes;
 mod spec;
 mod synthetic_table;
 
-pub(crate) use error::SourceError;
+pub(crate) use capture::{FrameInfo, FrameSize, Source, SourceError};
 pub(crate) use spec::SourceSpec;
-
-use geometry::{PinholeCamera, RigidTransform};
-use nalgebra::{Unit, Vector3};
-use point_cloud::Point;
 
 /// How a source is played.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -25,62 +20,6 @@ pub(crate) struct Playback {
     pub(crate) from: Option<usize>,
     /// Frame before which it ends; `None` for the end there is.
     pub(crate) to: Option<usize>,
-}
-
-/// Columns and rows of a frame.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct FrameSize {
-    /// Columns.
-    pub(crate) width: usize,
-    /// Rows.
-    pub(crate) height: usize,
-}
-
-impl FrameSize {
-    /// Number of points.
-    pub(crate) fn n_points(self) -> usize {
-        self.width * self.height
-    }
-}
-
-/// What a source says about a frame it has filled.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct FrameInfo {
-    /// Intrinsics and size.
-    pub(crate) camera: PinholeCamera,
-    /// Whether the intrinsics belong to this camera or are nominal.
-    pub(crate) is_calibrated: bool,
-    /// Pose of the camera, when known.
-    pub(crate) world_from_camera: Option<RigidTransform>,
-    /// Direction against gravity, when known.
-    pub(crate) up_in_camera: Option<Unit<Vector3<f64>>>,
-    /// Number of the frame in its recording.
-    pub(crate) source_frame: usize,
-    /// When a live sensor captured the frame, monotonic; `None` for recordings.
-    pub(crate) captured_ns: Option<u64>,
-}
-
-/// A camera, live or recorded.
-pub(crate) trait Source {
-    /// What people call it.
-    fn name(&self) -> &str;
-
-    /// Frames per second it wants to be played at; `None` for a live sensor,
-    /// whose frames are sent as they come.
-    fn rate_hz(&self) -> Option<f64>;
-
-    /// Gets the next frame ready and says how large it is; `None` at the end.
-    ///
-    /// # Errors
-    /// When a frame can not be used (the next call goes on behind it), or the
-    /// device is gone.
-    fn prepare(&mut self) -> Result<Option<FrameSize>, SourceError>;
-
-    /// Writes the prepared frame, every point of it; `points` has the prepared size.
-    ///
-    /// # Errors
-    /// As [`prepare`](Self::prepare).
-    fn fill(&mut self, points: &mut [Point]) -> Result<FrameInfo, SourceError>;
 }
 
 /// Opens a source.

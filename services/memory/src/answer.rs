@@ -27,6 +27,7 @@ const MAX_CHANGES_BYTES: usize = MAX_MESSAGE_BYTES / 4 * 3;
 pub(crate) struct Answerer {
     pub(crate) store: StoreHandle,
     pub(crate) perception: Client,
+    pub(crate) arm: Client,
     pub(crate) processes: Arc<ProcessTable>,
     pub(crate) position: watch::Sender<Position>,
 }
@@ -40,8 +41,10 @@ impl Answerer {
     }
 
     async fn try_answer(&self, command: Command) -> Result<Reply, Refusal> {
-        if command.owner() == ProcessKind::Perception {
-            return self.ask_perception(command).await;
+        match command.owner() {
+            ProcessKind::Perception => return ask(&self.perception, command).await,
+            ProcessKind::Simulator => return ask(&self.arm, command).await,
+            ProcessKind::Memory | ProcessKind::Camera => {}
         }
         match command {
             Command::Health => Ok(Reply::Health(self.processes.reports())),
@@ -125,14 +128,6 @@ impl Answerer {
         }
     }
 
-    async fn ask_perception(&self, command: Command) -> Result<Reply, Refusal> {
-        let unavailable = |error| Refusal::new(RefusalKind::Unavailable, format!("{error}"));
-        self.perception
-            .call(command, DEADLINE)
-            .await
-            .map_err(unavailable)
-    }
-
     async fn label(
         &self,
         label: Labelling,
@@ -198,6 +193,12 @@ impl Answerer {
     ) -> Result<T, Refusal> {
         wait(|reply: Reporter<T>| self.store.read(read, |done| reply.send(done))).await
     }
+}
+
+/// Passes a command on to the process that owns the answer.
+async fn ask(owner: &Client, command: Command) -> Result<Reply, Refusal> {
+    let unavailable = |error| Refusal::new(RefusalKind::Unavailable, format!("{error}"));
+    owner.call(command, DEADLINE).await.map_err(unavailable)
 }
 
 /// Brings the store's answer from its thread to the waiting task.

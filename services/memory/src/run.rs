@@ -48,6 +48,7 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
     let answerer = Answerer {
         store: store.clone(),
         perception: Client::new(domain, ProcessKind::Perception)?,
+        arm: Client::new(domain, ProcessKind::Simulator)?,
         processes: processes.clone(),
         position,
     };

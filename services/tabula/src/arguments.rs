@@ -1,7 +1,10 @@
 //! The command line.
 
+use crate::sensor::Sensor;
 use clap::{Args, Parser, Subcommand};
-use service::CommonArguments;
+use service::{CommonArguments, Failure, exit_code};
+use simulation::ModelSource;
+use std::path::{Path, PathBuf};
 
 /// The perception daemon of a service robot: finds the objects on a table,
 /// follows them, and learns their names from people.
@@ -49,10 +52,162 @@ pub(crate) enum Verb {
     },
     /// List the learned categories
     Categories,
+    /// Move the arm, or say how it is
+    Arm {
+        /// What it is to do
+        #[command(subcommand)]
+        verb: ArmVerb,
+    },
+    /// Write recordings and views of the simulated table; needs no daemon
+    Simulate {
+        /// What to write
+        #[command(subcommand)]
+        verb: SimulateVerb,
+    },
     /// Show how the daemon's processes are
     Status,
     /// Check this machine and explain what is wrong
     Doctor,
+}
+
+/// What is written of the simulated table.
+#[derive(Debug, Subcommand)]
+pub(crate) enum SimulateVerb {
+    /// A sequence of a scene: colour, depth, poses, masks and ground truth
+    Scene(SceneArguments),
+    /// Views of single objects for learning, in the layout of the Washington dataset
+    Views(ViewsArguments),
+    /// List the generated categories
+    Categories,
+}
+
+/// Which scene, and where it goes.
+#[derive(Debug, Args)]
+pub(crate) struct SceneArguments {
+    /// A scene file (TOML)
+    pub(crate) file: Option<PathBuf>,
+    /// isolated, pile, bin or set-table [default: isolated]
+    #[arg(long, value_name = "KIND")]
+    pub(crate) kind: Option<String>,
+    /// Number of objects [default: what the kind of scene usually has]
+    #[arg(long, value_name = "N")]
+    pub(crate) objects: Option<usize>,
+    /// Folder of PLY and OBJ models, or `generated` [default: generated]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) models: Option<PathBuf>,
+    /// The same seed gives the same files [default: 1, or the file's]
+    #[arg(long, value_name = "S")]
+    pub(crate) seed: Option<u64>,
+    /// Number of frames
+    #[arg(long, value_name = "N", default_value_t = 30)]
+    pub(crate) frames: u64,
+    /// Frames per second
+    #[arg(long, value_name = "HZ", default_value_t = 30.0)]
+    pub(crate) rate: f64,
+    /// Folder for the sequence
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+}
+
+/// Which objects, how many views, and where they go.
+#[derive(Debug, Args)]
+pub(crate) struct ViewsArguments {
+    /// Folder of PLY and OBJ models, or `generated`
+    #[arg(long, value_name = "DIR", default_value = "generated")]
+    pub(crate) models: PathBuf,
+    /// Views of each object, spread over three heights
+    #[arg(long, value_name = "N", default_value_t = 60)]
+    pub(crate) views: usize,
+    /// Objects of each generated category
+    #[arg(long, value_name = "N", default_value_t = 4)]
+    pub(crate) instances: u64,
+    /// Only this category; may be given more than once [default: all]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) category: Vec<String>,
+    /// The same seed gives the same files
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Folder for the views
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+}
+
+impl SceneArguments {
+    /// Where the models come from.
+    pub(crate) fn models(&self) -> ModelSource {
+        self.models
+            .as_deref()
+            .map_or(ModelSource::Generated, model_source)
+    }
+}
+
+impl ViewsArguments {
+    /// Where the models come from.
+    pub(crate) fn models(&self) -> ModelSource {
+        model_source(&self.models)
+    }
+}
+
+fn model_source(path: &Path) -> ModelSource {
+    if path == Path::new("generated") {
+        ModelSource::Generated
+    } else {
+        ModelSource::Folder(path.to_owned())
+    }
+}
+
+/// What the arm is to do. Each waits until it is done, unless told not to.
+#[derive(Debug, Subcommand)]
+pub(crate) enum ArmVerb {
+    /// Say how it is
+    State,
+    /// Move the gripper to a pose
+    Move(ArmMove),
+    /// Fold away, out of the camera's view
+    Home(ArmWait),
+    /// Open the fingers and let go
+    Open(ArmWait),
+    /// Close the fingers until they hold something
+    Close(ArmWait),
+    /// Stop at once
+    Stop,
+}
+
+/// A pose for the gripper.
+#[derive(Debug, Args)]
+pub(crate) struct ArmMove {
+    /// Position of the point between the fingers, world frame, metres
+    #[arg(num_args = 3, value_names = ["X", "Y", "Z"], allow_hyphen_values = true, required = true)]
+    pub(crate) position_m: Vec<f64>,
+    /// Tilt of the fingers from pointing straight down towards pointing ahead, degrees
+    #[arg(
+        long,
+        default_value_t = 0.0,
+        value_name = "DEG",
+        allow_hyphen_values = true
+    )]
+    pub(crate) tilt: f64,
+    /// Turn around the vertical, degrees: at 0 the fingers close along world x
+    #[arg(
+        long,
+        default_value_t = 0.0,
+        value_name = "DEG",
+        allow_hyphen_values = true
+    )]
+    pub(crate) yaw: f64,
+    /// Follow a straight line
+    #[arg(long)]
+    pub(crate) straight: bool,
+    #[command(flatten)]
+    pub(crate) wait: ArmWait,
+}
+
+/// Whether to wait.
+#[derive(Debug, Args)]
+pub(crate) struct ArmWait {
+    /// Do not wait until it is done
+    #[arg(long)]
+    pub(crate) no_wait: bool,
 }
 
 /// A name for a track.
@@ -67,16 +222,24 @@ pub(crate) struct LabelArguments {
     pub(crate) author: Option<String>,
 }
 
-/// Which camera, and how a recording is played; handed to tabula-camera, which
-/// checks them.
+/// Which camera or simulation, and how it is played; handed to tabula-camera or
+/// tabula-simulator, which check it.
 #[derive(Debug, Args)]
 pub(crate) struct RunArguments {
-    /// synthetic[:N], kinect, fakenect:FOLDER, or a folder of PCD scenes or of an RGB-D sequence
+    /// simulation[:SCENE], kinect, fakenect:FOLDER, synthetic[:N], or a folder of PCD scenes or
+    /// of an RGB-D sequence; SCENE is everyday, isolated, pile, bin, set-table or a TOML file
+    /// [default: simulation]
     #[arg(long, value_name = "SOURCE")]
     source: Option<String>,
-    /// Frames per second of a recording or the synthetic table [default: 30]
+    /// Frames per second of a recording or a simulation [default: 30]
     #[arg(long, value_name = "HZ", allow_hyphen_values = true)]
     rate: Option<String>,
+    /// Objects of a simulated scene
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    objects: Option<String>,
+    /// Seed of a simulated scene [default: 1]
+    #[arg(long, value_name = "S", allow_hyphen_values = true)]
+    seed: Option<String>,
     /// Begin again when the recording ends
     #[arg(long = "loop")]
     looped: bool,
@@ -95,22 +258,55 @@ pub(crate) struct RunArguments {
 }
 
 impl RunArguments {
-    /// As arguments of tabula-camera.
-    pub(crate) fn for_camera(&self) -> Vec<String> {
+    /// The source that is named here.
+    pub(crate) fn source(&self) -> Option<&str> {
+        self.source.as_deref()
+    }
+
+    /// As arguments of tabula-camera or tabula-simulator.
+    ///
+    /// # Errors
+    /// When one is given that the process has no use for.
+    pub(crate) fn for_sensor(&self, sensor: &Sensor) -> Result<Vec<String>, Failure> {
+        let (scene, camera_source) = match sensor {
+            Sensor::Camera => (None, self.source.as_ref()),
+            Sensor::Simulator { scene } => (scene.as_ref(), None),
+        };
+        let is_camera = matches!(sensor, Sensor::Camera);
+        let for_other = |name: &str, is_given: bool, is_for_camera: bool| {
+            let other = if is_camera {
+                "a recording"
+            } else {
+                "a simulation"
+            };
+            if is_given && is_for_camera != is_camera {
+                let sentence = format!("{name} has no meaning for {other}; leave it out");
+                return Err(Failure::new(exit_code::USAGE, sentence));
+            }
+            Ok(())
+        };
+        for_other("--objects", self.objects.is_some(), false)?;
+        for_other("--seed", self.seed.is_some(), false)?;
+        for_other("--loop", self.looped, true)?;
+        for_other("--from", self.from.is_some(), true)?;
+        for_other("--to", self.to.is_some(), true)?;
         let values = [
-            ("--source", &self.source),
-            ("--rate", &self.rate),
-            ("--from", &self.from),
-            ("--to", &self.to),
+            ("--source", camera_source),
+            ("--scene", scene),
+            ("--rate", self.rate.as_ref()),
+            ("--objects", self.objects.as_ref()),
+            ("--seed", self.seed.as_ref()),
+            ("--from", self.from.as_ref()),
+            ("--to", self.to.as_ref()),
         ];
         let flags = [("--loop", self.looped), ("--lockstep", self.lockstep)];
         let values = values
             .into_iter()
-            .filter_map(|(name, value)| Some(format!("{name}={}", value.as_ref()?)));
+            .filter_map(|(name, value)| Some(format!("{name}={}", value?)));
         let flags = flags
             .into_iter()
             .filter(|(_, is_set)| *is_set)
             .map(|(name, _)| name.into());
-        values.chain(flags).collect()
+        Ok(values.chain(flags).collect())
     }
 }

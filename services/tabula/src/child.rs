@@ -43,6 +43,11 @@ impl Child {
         })
     }
 
+    /// Which process it is.
+    pub(crate) fn process(&self) -> ProcessKind {
+        self.process
+    }
+
     /// Process id, while it runs.
     pub(crate) fn pid(&self) -> Option<u32> {
         match &self.state {

@@ -4,6 +4,7 @@ use crate::arguments::RunArguments;
 use crate::child::{self, Child};
 use crate::objects::{call, connect};
 use crate::output::Output;
+use crate::sensor::Sensor;
 use crate::stop_signal::StopSignal;
 use channel::{Domain, Role, RunFolder};
 use message::ProcessKind;
@@ -41,14 +42,17 @@ pub(crate) fn run(
     run: &RunArguments,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
+    let sensor = Sensor::choose(common, run)?;
+    let for_sensor = run.for_sensor(&sensor)?;
     let arguments = |process| {
         let mut all = child::common_arguments(common);
-        if process == ProcessKind::Camera {
-            all.extend(run.for_camera());
+        if process == sensor.process() {
+            all.extend_from_slice(&for_sensor);
         }
         all
     };
-    for process in ProcessKind::ALL {
+    let processes = sensor.processes();
+    for &process in &processes {
         child::check(process, &arguments(process))?;
     }
     if run.check_config {
@@ -60,7 +64,7 @@ pub(crate) fn run(
     // those that were killed.
     let domain = Domain::join(&common.domain, &RunFolder::of_user(), Role::Guest)?;
     let mut children = Vec::new();
-    let outcome = start_all(&mut children, arguments)
+    let outcome = start_all(&mut children, &processes, arguments)
         .and_then(|()| keep_running(&mut children, common, &domain, &stop, output));
     output.say("stopping");
     stop_all(&mut children);
@@ -69,9 +73,10 @@ pub(crate) fn run(
 
 fn start_all(
     children: &mut Vec<Child>,
+    processes: &[ProcessKind],
     arguments: impl Fn(ProcessKind) -> Vec<String>,
 ) -> Result<(), Failure> {
-    for process in ProcessKind::ALL {
+    for &process in processes {
         children.push(Child::start(process, arguments(process))?);
     }
     Ok(())
@@ -123,11 +128,10 @@ fn announce(children: &[Child], common: &CommonArguments, domain: &Domain, outpu
         domain: domain.name().to_string(),
         home: home.path().display().to_string(),
         run_folder: domain.folder().display().to_string(),
-        processes: ProcessKind::ALL
-            .into_iter()
-            .zip(children)
-            .map(|(process, child)| StartedProcess {
-                process: process.name(),
+        processes: children
+            .iter()
+            .map(|child| StartedProcess {
+                process: child.process().name(),
                 pid: child.pid(),
             })
             .collect(),

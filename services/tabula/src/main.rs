@@ -1,12 +1,15 @@
 //! `tabula`: starts the daemon, shows its objects, teaches and asks.
 
 mod arguments;
+mod arm;
 mod child;
 mod daemon;
 mod doctor;
 mod learn;
 mod objects;
 mod output;
+mod sensor;
+mod simulate;
 mod stop_signal;
 mod table;
 
@@ -41,5 +44,7 @@ fn execute(arguments: &Arguments, output: &Output) -> Result<ExitCode, Failure> 
             learn::forget(&arguments.common, category, author.as_deref(), output)
         }
         Verb::Categories => learn::categories(&arguments.common, output),
+        Verb::Simulate { verb } => simulate::run(verb, output),
+        Verb::Arm { verb } => arm::run(&arguments.common, verb, output),
     }
 }

@@ -1,1 +1,15 @@
 //! Publishes the frames of a source at their instants.
+//!
+//! A [`Source`] fills a loan of shared memory directly; the [`CaptureLoop`] sends
+//! it when it is due, counts lateness, or waits for the followers in lockstep.
+//! Nothing above `camera/cloud` can tell the sources apart.
+
+mod capture_loop;
+mod lockstep;
+mod schedule;
+mod source;
+mod source_error;
+
+pub use capture_loop::{CaptureLoop, End};
+pub use source::{FrameInfo, FrameSize, Source, Waiting};
+pub use source_error::SourceError;

@@ -3,8 +3,10 @@
 use bytemuck::AnyBitPattern;
 use iceoryx2::prelude::ZeroCopySend;
 use message::{
-    CloudPoint, Counted, FrameDone, FrameHeader, Health, MAX_SCENE_OBJECTS, MemoryChange,
-    ObjectCloudHeader, ObjectViewHeader, PlainHeader, SceneObject, SceneSummary, service_name,
+    ArmState, CloudPoint, Counted, FrameDone, FrameHeader, Health, MAX_CAPSULES,
+    MAX_SCENE_OBJECTS, MAX_TRUE_OBJECTS, MaskPixel, MemoryChange, ObjectCloudHeader,
+    ObjectViewHeader, PersonBody, PlainHeader, SceneObject, SceneSummary, TrueObject, TruthHeader,
+    WireCapsule, service_name,
 };
 use std::fmt::Debug;
 
@@ -115,6 +117,17 @@ topics! {
     /// Clouds of single objects.
     ObjectCloud { OBJECT_CLOUD, ObjectCloudHeader, [CloudPoint; 65_536], DropOldest,
         Limits { publishers: 1, subscribers: 2, buffer: 8, borrowed: 2, history: 0, loaned: 2 } }
+    /// The arm.
+    ArmStates { ARM_STATE, ArmState, [WireCapsule; MAX_CAPSULES], DropOldest,
+        Limits { publishers: 1, subscribers: 6, buffer: 8, borrowed: 2, history: 1, loaned: 2 } }
+    /// The people around the table.
+    PersonBodies { PERSON_BODY, PersonBody, [WireCapsule; MAX_CAPSULES], DropOldest, STATE }
+    /// Objects of simulated frames.
+    TrueObjects { TRUTH_OBJECTS, TruthHeader, [TrueObject; MAX_TRUE_OBJECTS], DropOldest,
+        Limits { publishers: 1, subscribers: 4, buffer: 4, borrowed: 2, history: 1, loaned: 2 } }
+    /// Masks of simulated frames.
+    TrueMasks { TRUTH_MASK, TruthHeader, [MaskPixel; MAX_FRAME_POINTS], DropOldest,
+        Limits { publishers: 1, subscribers: 2, buffer: 2, borrowed: 2, history: 0, loaned: 2 } }
     /// Growth of the memory's history.
     MemoryChanged { MEMORY_CHANGE, PlainHeader, [MemoryChange; 1], DropOldest, STATE }
     /// Health of all processes.

@@ -1,7 +1,7 @@
 //! Reading files and folders no further than a limit.
 
 use std::fmt;
-use std::fs::File;
+use std::fs::{DirEntry, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
@@ -142,6 +142,22 @@ pub(crate) fn file_names(
     folder: &Path,
     wanted: impl Fn(&str) -> bool,
 ) -> Result<Vec<String>, FileError> {
+    entry_names(folder, |name, _| wanted(name))
+}
+
+/// The names of the folders in a folder, in natural order.
+pub(crate) fn folder_names(folder: &Path) -> Result<Vec<String>, FileError> {
+    entry_names(folder, |_, entry| match entry.file_type() {
+        Ok(kind) if kind.is_symlink() => entry.path().is_dir(),
+        Ok(kind) => kind.is_dir(),
+        Err(_) => false,
+    })
+}
+
+fn entry_names(
+    folder: &Path,
+    wanted: impl Fn(&str, &DirEntry) -> bool,
+) -> Result<Vec<String>, FileError> {
     let mut names = Vec::new();
     for (n_seen, entry) in folder
         .read_dir()
@@ -157,7 +173,7 @@ pub(crate) fn file_names(
         let Ok(name) = entry.file_name().into_string() else {
             return Err(FileError::NameNotText { path: entry.path() });
         };
-        if wanted(&name) {
+        if wanted(&name, &entry) {
             names.push(name);
         }
     }

@@ -68,3 +68,17 @@ pub(crate) fn assert_sentence(error: &dyn std::error::Error) {
     );
     assert!(!text.contains(char::is_control), "{text:?}");
 }
+
+/// A file cut at every byte.
+pub(crate) fn cuts(file: &[u8]) -> impl Iterator<Item = Vec<u8>> {
+    (0..file.len()).map(|length| file[..length].to_vec())
+}
+
+/// A file with each of its bits flipped in turn.
+pub(crate) fn flipped_bits(file: &[u8]) -> impl Iterator<Item = Vec<u8>> {
+    (0..8 * file.len()).map(|bit| {
+        let mut flipped = file.to_vec();
+        flipped[bit / 8] ^= 1 << (bit % 8);
+        flipped
+    })
+}

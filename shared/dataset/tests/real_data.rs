@@ -2,7 +2,7 @@
 //! description; ranges are wide enough for any correct reading and too narrow
 //! for swapped fields, byte orders or units.
 
-use dataset::{RecordingKind, detect_kind, pcd, ply, rgbd_sequence, scene_folder};
+use dataset::{RecordingKind, detect_kind, models, pcd, ply, rgbd_sequence, scene_folder};
 use point_cloud::Point;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -221,5 +221,65 @@ fn the_kitchen_sequence_is_read() {
             .replace(position)
             .map_or(0.0, |last| (position - last).norm());
         assert!(step_m < 0.1, "frame {index}: {step_m} m");
+    }
+}
+
+#[test]
+#[ignore = "needs TABULA_DATA"]
+fn household_models_are_listed_with_number_and_name() {
+    let models = models::list(&data("household-models")).unwrap();
+    assert_eq!(models.len(), 51);
+    assert!(models.is_sorted_by_key(|model| model.number));
+    let mug = models.iter().find(|model| model.number == Some(25));
+    let mug = mug.unwrap();
+    assert_eq!(mug.name, "mug");
+    assert_eq!(
+        models::open(&mug.path).unwrap(),
+        ply::open(&mug.path).unwrap()
+    );
+}
+
+#[test]
+#[ignore = "needs TABULA_DATA"]
+fn a_real_sequence_is_written_as_it_was_read() {
+    let original = rgbd_sequence::RgbdSequence::open(&data("kitchen-sequence")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let (camera, down) = (*original.camera(), original.gravity_in_world());
+    let mut writer = rgbd_sequence::SequenceWriter::create(folder.path(), &camera, down).unwrap();
+    let mut scratch = rgbd_sequence::Scratch::default();
+    let mut points = vec![Point::default(); camera.n_pixels()];
+    let mut frames = Vec::new();
+    for index in (0..original.n_frames()).step_by(100) {
+        let pose = original.fill(index, &mut scratch, &mut points).unwrap();
+        let depth_mm: Vec<u16> = points
+            .iter()
+            .map(|p| (1000.0 * p.z).round() as u16)
+            .collect();
+        let color: Vec<u8> = points.iter().flat_map(|p| p.color.rgb()).collect();
+        let view = rgbd_sequence::FrameView {
+            color: &color,
+            depth_mm: &depth_mm,
+            instances: None,
+            world_from_camera: pose,
+            truth: None,
+        };
+        writer.write(&view).unwrap();
+        frames.push((points.clone(), pose.unwrap()));
+    }
+    let copy = rgbd_sequence::RgbdSequence::open(folder.path()).unwrap();
+    assert_eq!((copy.camera(), copy.n_frames()), (&camera, frames.len()));
+    for (index, (expected, expected_pose)) in frames.iter().enumerate() {
+        let pose = copy
+            .fill(index, &mut scratch, &mut points)
+            .unwrap()
+            .unwrap();
+        let bits = |p: &Point| [p.x.to_bits(), p.y.to_bits(), p.z.to_bits(), p.color.0];
+        let mut pairs = points.iter().zip(expected);
+        assert!(
+            pairs.all(|(left, right)| bits(left) == bits(right)),
+            "frame {index}"
+        );
+        let difference = pose.to_homogeneous() - expected_pose.to_homogeneous();
+        assert!(difference.amax() < 1e-14, "frame {index}: {difference}");
     }
 }

@@ -5,6 +5,34 @@
 //!
 //! This crate does no I/O and knows nothing about how a mesh is looked at.
 
+mod assembly;
+mod closed_surface;
+mod connected_parts;
+mod convex_part;
+mod convex_pieces;
+mod decimation;
+mod examination;
+mod extrusion;
+mod measures;
+mod revolution;
+mod rounded_box;
+mod smooth_normals;
+mod solid;
+mod superellipsoid;
 mod triangle_mesh;
+mod triangulation;
+mod tube;
+mod welding;
 
+pub use convex_part::{ConvexPart, N_POINTS_MAX};
+pub use convex_pieces::{convex_pieces, simplified};
+pub use examination::Examination;
+pub use extrusion::extrude;
+pub use measures::Bounds;
+pub use revolution::lathe;
+pub use rounded_box::rounded_box;
+pub use solid::Solid;
+pub use superellipsoid::{ellipsoid, superellipsoid};
 pub use triangle_mesh::{Surface, Triangle, TriangleMesh, Vertex};
+pub use triangulation::triangulate;
+pub use tube::{TubeSection, rounded_tube, tube};

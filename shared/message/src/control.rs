@@ -4,10 +4,12 @@
 //! between the daemon's own processes, a Unix socket for everyone else) are in
 //! `channel`. All reports are what `--json` prints: `snake_case`, SI units.
 
+mod arm;
 mod learning;
 mod refusal;
 mod report;
 
+pub use arm::{ArmCommand, ArmReport};
 pub use learning::{
     ChangesPage, LearnedChange, LearnedView, MutationId, SnapshotPage, StoredView, ViewId,
 };
@@ -70,6 +72,8 @@ pub enum Command {
     },
     /// What has been learned.
     Categories,
+    /// Something for the arm.
+    Arm(ArmCommand),
     /// A block of track-ids that nobody else will ever get.
     LeaseTrackIds {
         /// How many.
@@ -125,6 +129,8 @@ pub enum Reply {
     Learned(LearningReport),
     /// To [`Command::Categories`].
     Categories(Vec<CategoryReport>),
+    /// To [`Command::Arm`]: how the arm is, now that it has the command.
+    Arm(ArmReport),
     /// To [`Command::LeaseTrackIds`]: the first id of the block.
     TrackIds {
         /// The first id; the others follow it.
@@ -145,6 +151,7 @@ impl Command {
     pub fn owner(&self) -> ProcessKind {
         match self {
             Self::Objects | Self::Ask { .. } => ProcessKind::Perception,
+            Self::Arm(_) => ProcessKind::Simulator,
             _ => ProcessKind::Memory,
         }
     }

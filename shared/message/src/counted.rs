@@ -1,6 +1,9 @@
 //! Counting the messages of a port, so that a receiver sees what it lost.
 
-use crate::{FrameHeader, ObjectCloudHeader, ObjectViewHeader, SceneSummary};
+use crate::{
+    ArmState, FrameHeader, ObjectCloudHeader, ObjectViewHeader, PersonBody, SceneSummary,
+    TruthHeader,
+};
 use bytemuck::AnyBitPattern;
 use iceoryx2::prelude::ZeroCopySend;
 
@@ -41,5 +44,8 @@ counted!(
     FrameHeader,
     SceneSummary,
     ObjectViewHeader,
-    ObjectCloudHeader
+    ObjectCloudHeader,
+    ArmState,
+    PersonBody,
+    TruthHeader
 );

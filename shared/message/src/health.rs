@@ -13,11 +13,19 @@ pub enum ProcessKind {
     Perception = 2,
     /// `tabula-memory`
     Memory = 3,
+    /// `tabula-simulator`, which stands in for the camera
+    Simulator = 4,
 }
 
 impl ProcessKind {
-    /// All processes, in the order they are started.
-    pub const ALL: [Self; 3] = [Self::Memory, Self::Perception, Self::Camera];
+    /// All processes, in the order they are started; of camera and simulator one
+    /// runs at a time.
+    pub const ALL: [Self; 4] = [
+        Self::Memory,
+        Self::Perception,
+        Self::Camera,
+        Self::Simulator,
+    ];
 
     /// The number on the wire.
     pub fn code(self) -> u32 {
@@ -35,6 +43,7 @@ impl ProcessKind {
             Self::Camera => "camera",
             Self::Perception => "perception",
             Self::Memory => "memory",
+            Self::Simulator => "simulator",
         }
     }
 

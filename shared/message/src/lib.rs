@@ -17,9 +17,11 @@ mod health;
 mod memory_change;
 mod object;
 mod pose;
+mod robot;
 mod scene;
 pub mod service_name;
 mod text;
+mod truth;
 
 pub use counted::{Counted, PlainHeader};
 pub use frame::{CheckedFrame, CloudPoint, FrameDone, FrameHeader, InvalidFrame, SegmentLocation};
@@ -28,8 +30,10 @@ pub use health::{Health, ProcessKind, ProcessState};
 pub use memory_change::MemoryChange;
 pub use object::{ObjectCloudHeader, ObjectViewHeader};
 pub use pose::{WirePose, WireTransform};
+pub use robot::{ARM_JOINTS, ArmActivity, ArmState, MAX_CAPSULES, PersonBody, WireCapsule};
 pub use scene::{MAX_SCENE_OBJECTS, SceneObject, SceneSummary, StageStamps, TrackState};
 pub use text::Text;
+pub use truth::{MAX_TRUE_OBJECTS, MaskPixel, TrueObject, TrueState, TruthHeader};
 
 /// Version of every type in this crate; part of each type's name in shared
 /// memory and of each control request.

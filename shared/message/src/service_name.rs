@@ -16,7 +16,19 @@ pub const OBJECT_CLOUD: &str = "object/cloud";
 pub const MEMORY_CHANGE: &str = "memory/change";
 /// State and counters of each process: [`Health`](crate::Health).
 pub const HEALTH: &str = "health";
+/// State of the arm: [`ArmState`](crate::ArmState) and the capsules of its links.
+pub const ARM_STATE: &str = "arm/state";
+/// Where people are: [`PersonBody`](crate::PersonBody) and the capsules of their bodies.
+pub const PERSON_BODY: &str = "person/body";
+/// Ground truth of simulated frames: [`TruthHeader`](crate::TruthHeader) and
+/// [`TrueObject`](crate::TrueObject)s.
+pub const TRUTH_OBJECTS: &str = "truth/objects";
+/// Ground truth of simulated frames: [`TruthHeader`](crate::TruthHeader) and the
+/// object of each pixel.
+pub const TRUTH_MASK: &str = "truth/mask";
 /// Requests to the memory process.
 pub const CONTROL_MEMORY: &str = "control/memory";
 /// Requests to the perception process.
 pub const CONTROL_PERCEPTION: &str = "control/perception";
+/// Commands to the arm, in whichever process moves it.
+pub const CONTROL_ARM: &str = "arm/command";

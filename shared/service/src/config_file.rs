@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::{fmt, io};
 
 /// Sections of the file: one for each process.
-const SECTIONS: [&str; 3] = ["camera", "perception", "memory"];
+const SECTIONS: [&str; 4] = ["camera", "simulator", "perception", "memory"];
 
 /// The largest file that is read.
 const MAX_BYTES: u64 = 1 << 20;

@@ -26,6 +26,11 @@ impl FromStr for SourceSpec {
             ),
             ("synthetic", _) => Ok(Self::Synthetic(0)),
             ("kinect", _) => Ok(Self::Kinect),
+            ("simulation", _) | (_, Some(("simulation", _))) => Err(
+                "the simulation is played by tabula-simulator; start both with \
+                 `tabula run --source simulation`"
+                    .into(),
+            ),
             (_, Some(("synthetic", number))) => match number.parse() {
                 Ok(arrangement) => Ok(Self::Synthetic(arrangement)),
                 Err(_) => Err(format!(
@@ -56,7 +61,15 @@ mod tests {
             Ok(SourceSpec::Fakenect("a/b".into()))
         );
         assert_eq!(parse("./kinect"), Ok(SourceSpec::Folder("./kinect".into())));
-        for wrong in ["", "synthetic:", "synthetic:-1", "fakenect", "fakenect:"] {
+        for wrong in [
+            "",
+            "simulation",
+            "simulation:bin",
+            "synthetic:",
+            "synthetic:-1",
+            "fakenect",
+            "fakenect:",
+        ] {
             assert!(parse(wrong).is_err(), "{wrong}");
         }
     }

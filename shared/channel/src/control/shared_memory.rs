@@ -36,6 +36,10 @@ pub(super) fn names_of(process: ProcessKind) -> Option<Names> {
             service: service_name::CONTROL_PERCEPTION,
             replies: "control/perception/replies",
         }),
+        ProcessKind::Simulator => Some(Names {
+            service: service_name::CONTROL_ARM,
+            replies: "arm/command/replies",
+        }),
         ProcessKind::Camera => None,
     }
 }
@@ -64,7 +68,7 @@ pub(super) fn open(domain: &Domain, name: &'static str) -> Result<IoxService, Er
         .map_err(|e| Error::transport("open", name, e))
 }
 
-/// Slots of the requests and replies of both servers. Messages are mostly short
+/// Slots of the requests and replies of all servers. Messages are mostly short
 /// and memory is touched only where written, but the sum must count them all.
 pub(crate) fn reservations() -> Vec<Reservation> {
     let of_server = |process| {

@@ -13,7 +13,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     let corpus = std::env::args_os()
         .nth(1)
         .map_or_else(|| "corpus".into(), PathBuf::from);
-    for target in ["pcd", "ply", "rgbd_sequence", "fakenect_index"] {
+    for target in [
+        "pcd",
+        "ply",
+        "obj",
+        "rgbd_sequence",
+        "fakenect_index",
+        "washington",
+    ] {
         std::fs::create_dir_all(corpus.join(target))?;
     }
     let points: Vec<Point> = (0..12_u8)
@@ -28,8 +35,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     write_meshes(&corpus.join("ply"), &points)?;
     let index = "a-1290000000.000000-7.dump\nd-1290000000.033000-9.pgm\nr-1290000000.05-9.ppm\n";
     std::fs::write(corpus.join("fakenect_index/recorded"), index)?;
+    let model = "mtllib a.mtl\nv 0 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1\nvt 0 0\nusemtl a\n\
+        f 1/1 2//1 -1\nusemtl b\nf 1 2 \\\n3 2\n\0newmtl a\nKd 1 0 0\nnewmtl b\nKd 0.5\n";
+    std::fs::write(corpus.join("obj/triangles"), model)?;
     write_matrices(&corpus.join("rgbd_sequence"))?;
-    write_images(&corpus.join("rgbd_sequence"))
+    write_images(&corpus.join("rgbd_sequence"))?;
+    write_views(&corpus.join("washington"), &points)
 }
 
 fn write_clouds(folder: &Path, points: &[Point]) -> Result<(), Box<dyn Error>> {
@@ -85,15 +96,56 @@ fn write_matrices(folder: &Path) -> Result<(), Box<dyn Error>> {
 }
 
 fn write_images(folder: &Path) -> Result<(), Box<dyn Error>> {
-    let mut depth = vec![0];
-    let mut encoder = png::Encoder::new(&mut depth, 16, 8);
-    encoder.set_color(png::ColorType::Grayscale);
-    encoder.set_depth(png::BitDepth::Sixteen);
-    let bytes: Vec<u8> = (0..=255).collect();
-    encoder.write_header()?.write_image_data(&bytes)?;
-    std::fs::write(folder.join("depth"), depth)?;
+    use png::{BitDepth, ColorType};
+    let grey = |kind| image(kind, ColorType::Grayscale, BitDepth::Sixteen, 256);
+    std::fs::write(folder.join("depth"), grey(0)?)?;
+    std::fs::write(folder.join("mask"), grey(5)?)?;
+    let rgb = image(1, ColorType::Rgb, BitDepth::Eight, 384)?;
+    std::fs::write(folder.join("color_png"), rgb)?;
     let mut color = vec![1];
     color.extend(flat_jpeg::encode(2, 1, &[[100, 128, 128], [76, 85, 255]]));
     std::fs::write(folder.join("color"), color)?;
     Ok(())
+}
+
+fn write_views(folder: &Path, points: &[Point]) -> Result<(), Box<dyn Error>> {
+    use png::{BitDepth, ColorType};
+    let grey = |kind, depth, n_bytes| image(kind, ColorType::Grayscale, depth, n_bytes);
+    let rgb = image(0, ColorType::Rgb, BitDepth::Eight, 384)?;
+    let view = pcd::PcdView {
+        points,
+        labels: None,
+        width: points.len(),
+        height: 1,
+        viewpoint: RigidTransform::identity(),
+    };
+    let cloud = [b"\x04", &pcd::write(view, pcd::Encoding::Ascii)?[..]].concat();
+    for (name, content) in [
+        ("color", rgb),
+        ("depth", grey(1, BitDepth::Sixteen, 256)?),
+        ("mask", grey(2, BitDepth::Eight, 128)?),
+        ("mask_of_bits", grey(2, BitDepth::One, 16)?),
+        ("location", b"\x03272,183\n".to_vec()),
+        ("cloud", cloud),
+        ("name", b"\x05cell_phone_1_2_100".to_vec()),
+    ] {
+        std::fs::write(folder.join(name), content)?;
+    }
+    Ok(())
+}
+
+/// A PNG image of 16 x 8 pixels behind the byte that tells the target its kind.
+fn image(
+    kind: u8,
+    color: png::ColorType,
+    depth: png::BitDepth,
+    n_bytes: usize,
+) -> Result<Vec<u8>, png::EncodingError> {
+    let mut file = vec![kind];
+    let mut encoder = png::Encoder::new(&mut file, 16, 8);
+    encoder.set_color(color);
+    encoder.set_depth(depth);
+    let bytes: Vec<u8> = (0..n_bytes).map(|value| value as u8).collect();
+    encoder.write_header()?.write_image_data(&bytes)?;
+    Ok(file)
 }

@@ -3,8 +3,8 @@
 #![no_main]
 
 use dataset::rgbd_sequence::{
-    ContentError, decode_color, decode_depth, depth_image_size, parse_gravity, parse_intrinsics,
-    parse_pose,
+    ContentError, decode_color, decode_depth, decode_mask, depth_image_size, parse_gravity,
+    parse_intrinsics, parse_pose,
 };
 use libfuzzer_sys::fuzz_target;
 
@@ -15,12 +15,13 @@ fuzz_target!(|bytes: &[u8]| {
     let Some((kind, file)) = bytes.split_first() else {
         return;
     };
-    let result = match kind % 5 {
+    let result = match kind % 6 {
         0 => depth(file),
         1 => decode_color(file, COLOR_SIZE).map(|color| assert_eq!(color.len(), 3 * 16 * 8)),
         2 => parse_pose(file).map(|pose| assert!(pose.rotation.coords.norm() > 0.99)),
         3 => parse_intrinsics(file, COLOR_SIZE).map(|camera| assert!(camera.fx_px > 0.0)),
-        _ => parse_gravity(file).map(|down| assert!((down.norm() - 1.0).abs() < 1e-9)),
+        4 => parse_gravity(file).map(|down| assert!((down.norm() - 1.0).abs() < 1e-9)),
+        _ => mask(file),
     };
     if let Err(error) = result {
         assert!(error.to_string().contains(' '));
@@ -32,5 +33,12 @@ fn depth(file: &[u8]) -> Result<(), ContentError> {
     let mut depth_mm = Vec::new();
     decode_depth(file, size, &mut depth_mm)?;
     assert_eq!(depth_mm.len(), size.0 as usize * size.1 as usize);
+    Ok(())
+}
+
+fn mask(file: &[u8]) -> Result<(), ContentError> {
+    let mut instances = Vec::new();
+    decode_mask(file, COLOR_SIZE, &mut instances)?;
+    assert_eq!(instances.len(), 16 * 8);
     Ok(())
 }

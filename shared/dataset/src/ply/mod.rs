@@ -1,4 +1,5 @@
-//! PLY, the polygon file format of Stanford University, version 1.0.
+//! PLY, the polygon file format of Stanford University, version 1.0, for a
+//! [`Mesh`].
 //!
 //! Read: ascii and binary of both byte orders; vertices with `x y z` as float
 //! or double and `red green blue` as uchar; faces as lists `vertex_indices` or
@@ -15,22 +16,13 @@ mod reader;
 mod values;
 mod writer;
 
+pub use crate::mesh::{MAX_BYTES, MAX_TRIANGLES, MAX_VERTICES, Mesh, MeshView};
 pub use error::Error;
 pub use reader::read;
-pub use writer::{MeshView, write};
+pub use writer::write;
 
 use crate::bounded_file::read_file;
-use point_cloud::Point;
 use std::path::Path;
-
-/// Most vertices read from one file.
-pub const MAX_VERTICES: usize = 1 << 24;
-
-/// Most triangles read from one file.
-pub const MAX_TRIANGLES: usize = 1 << 25;
-
-/// Most bytes of one file.
-pub const MAX_BYTES: u64 = 1 << 29;
 
 /// How the numbers follow the header.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,25 +33,6 @@ pub enum Encoding {
     BinaryLittleEndian,
     /// Bytes, the highest of each number first.
     BinaryBigEndian,
-}
-
-/// The content of a PLY file.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Mesh {
-    /// The vertices with their colours, in the units and frame of the file.
-    pub vertices: Vec<Point>,
-    /// Three indices of vertices for each triangle, in the order of the file.
-    pub triangles: Vec<[u32; 3]>,
-}
-
-impl Mesh {
-    /// Borrows the content for writing.
-    pub fn view(&self) -> MeshView<'_> {
-        MeshView {
-            vertices: &self.vertices,
-            triangles: &self.triangles,
-        }
-    }
 }
 
 /// Reads a whole PLY file.

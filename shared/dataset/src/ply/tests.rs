@@ -1,7 +1,7 @@
 use super::*;
 use crate::NEUTRAL_GREY;
 use crate::hostile::{assert_sentence, damage};
-use point_cloud::Rgba;
+use point_cloud::{Point, Rgba};
 use proptest::prelude::*;
 
 const ENCODINGS: [Encoding; 3] = [

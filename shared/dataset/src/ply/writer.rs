@@ -1,17 +1,8 @@
 //! Writing PLY files.
 
 use super::error::Error;
-use super::{Encoding, MAX_TRIANGLES, MAX_VERTICES};
+use super::{Encoding, MAX_TRIANGLES, MAX_VERTICES, MeshView};
 use point_cloud::Point;
-
-/// Borrowed content of a PLY file.
-#[derive(Debug, Clone, Copy)]
-pub struct MeshView<'a> {
-    /// The vertices with their colours.
-    pub vertices: &'a [Point],
-    /// Three indices of vertices for each triangle; none for a set of points.
-    pub triangles: &'a [[u32; 3]],
-}
 
 /// Writes a PLY file of version 1.0 with the vertex properties `x y z red green
 /// blue` and, if there are triangles, faces. Reading it again gives the same

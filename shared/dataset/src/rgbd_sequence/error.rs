@@ -1,15 +1,16 @@
 //! What can be wrong with an RGB-D sequence.
 
 use crate::FileError;
+use crate::png_image::PngError;
 use geometry::InvalidIntrinsics;
 use std::fmt;
 use std::path::PathBuf;
 
-/// Why an RGB-D sequence could not be read.
+/// Why an RGB-D sequence could not be read or written.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum Error {
-    /// A file or the folder could not be read.
+    /// A file or the folder could not be read or written.
     File(FileError),
     /// The folder has no depth images.
     NoFrames(PathBuf),
@@ -29,6 +30,17 @@ pub enum Error {
     },
     /// The slice for the points does not fill the image.
     OutputLength {
+        /// Its length.
+        found: usize,
+        /// The length it must have.
+        needed: usize,
+    },
+    /// The folder for a new sequence holds files of one.
+    AlreadyThere(PathBuf),
+    /// A frame for writing does not fill the image.
+    FrameLength {
+        /// Which of its slices.
+        what: &'static str,
         /// Its length.
         found: usize,
         /// The length it must have.
@@ -56,8 +68,10 @@ pub enum ContentError {
     Meaning(&'static str),
     /// The intrinsics are not those of a camera.
     Intrinsics(InvalidIntrinsics),
-    /// A depth image can not be decoded.
+    /// A PNG image can not be decoded.
     Png(png::DecodingError),
+    /// A PNG image can not be encoded.
+    Encoding(png::EncodingError),
     /// A colour image can not be decoded.
     Jpeg(jpeg_decoder::Error),
     /// An image is of another kind than a sequence has.
@@ -101,6 +115,19 @@ impl fmt::Display for Error {
                 f,
                 "a slice of {found} points was given for frames of {needed}; pass as many"
             ),
+            Self::AlreadyThere(folder) => write!(
+                f,
+                "the folder {} already holds files of an RGB-D sequence; name another",
+                folder.display()
+            ),
+            Self::FrameLength {
+                what,
+                found,
+                needed,
+            } => write!(
+                f,
+                "a frame with {found} {what} can not be written; its image needs {needed}"
+            ),
             Self::Content { path, source } => {
                 write!(f, "the file {} can not be used: {source}", path.display())
             }
@@ -120,6 +147,7 @@ impl fmt::Display for ContentError {
             Self::Meaning(problem) | Self::ImageKind(problem) => f.write_str(problem),
             Self::Intrinsics(error) => error.fmt(f),
             Self::Png(error) => write!(f, "the PNG image is damaged: {error}"),
+            Self::Encoding(error) => write!(f, "the PNG image can not be made: {error}"),
             Self::Jpeg(error) => write!(f, "the JPEG image is damaged: {error}"),
             Self::ImageSize { found, needed } => write!(
                 f,
@@ -149,6 +177,7 @@ impl std::error::Error for ContentError {
         match self {
             Self::Intrinsics(error) => Some(error),
             Self::Png(error) => Some(error),
+            Self::Encoding(error) => Some(error),
             Self::Jpeg(error) => Some(error),
             _ => None,
         }
@@ -161,9 +190,12 @@ impl From<FileError> for Error {
     }
 }
 
-impl From<png::DecodingError> for ContentError {
-    fn from(error: png::DecodingError) -> Self {
-        Self::Png(error)
+impl From<PngError> for ContentError {
+    fn from(error: PngError) -> Self {
+        match error {
+            PngError::Decoding(error) => Self::Png(error),
+            PngError::Kind(rule) => Self::ImageKind(rule),
+        }
     }
 }
 

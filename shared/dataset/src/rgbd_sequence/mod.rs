@@ -6,23 +6,33 @@
 //! | `camera-intrinsics.txt` | 3 x 3 matrix of the depth camera, pixels |
 //! | `gravity-direction.txt` | optional: downwards, in the world frame |
 //! | `frame-NNNNNN.depth.png` | 16 bits a pixel, millimetres; 0 and 65535 are no depth |
-//! | `frame-NNNNNN.color.jpg` | of the same size |
+//! | `frame-NNNNNN.color.png` or `.color.jpg` | of the same size, 24 bits a pixel |
 //! | `frame-NNNNNN.pose.txt` | optional: 4 x 4 matrix, world from camera, metres |
+//! | `frame-NNNNNN.mask.png` | optional: 16 bits a pixel, number of its object; 0 is none |
+//! | `frame-NNNNNN.truth.json` | optional: what is known about the scene |
+//!
+//! Masks and truths are additions of this project; they do not take part in
+//! playing. Where both colour images are there, the PNG is used.
 //!
 //! The colour camera's offset is left as recorded: a pixel's point has the
 //! colour of the same pixel.
 
 mod error;
+mod frames;
 mod image;
 mod projection;
 mod text;
+mod writer;
 
 pub use error::{ContentError, Error};
-pub use image::{decode_color, decode_depth, depth_image_size};
+pub(crate) use frames::is_depth_name;
+pub use image::{decode_color, decode_depth, decode_mask, depth_image_size};
 pub use projection::BackProjection;
 pub use text::{parse_gravity, parse_intrinsics, parse_pose};
+pub use writer::{FrameView, SequenceWriter};
 
-use crate::bounded_file::{file_names, read_file};
+use crate::bounded_file::read_file;
+use frames::{DEPTH_SUFFIX, Frame, MASK_SUFFIX, POSE_SUFFIX, TRUTH_SUFFIX, list_frames};
 use geometry::{PinholeCamera, RigidTransform};
 use nalgebra::{UnitVector3, Vector3};
 use point_cloud::Point;
@@ -33,9 +43,11 @@ const MAX_TEXT_BYTES: u64 = 1 << 16;
 /// Most bytes read from an image file.
 const MAX_IMAGE_BYTES: u64 = 1 << 25;
 
-const DEPTH_SUFFIX: &str = ".depth.png";
-const COLOR_SUFFIX: &str = ".color.jpg";
-const POSE_SUFFIX: &str = ".pose.txt";
+/// Most bytes read from a file of truth.
+const MAX_TRUTH_BYTES: u64 = 1 << 24;
+
+const INTRINSICS_NAME: &str = "camera-intrinsics.txt";
+const GRAVITY_NAME: &str = "gravity-direction.txt";
 
 /// An open folder: which frames there are, and the camera that took them.
 #[derive(Debug)]
@@ -45,12 +57,6 @@ pub struct RgbdSequence {
     camera: PinholeCamera,
     gravity_in_world: Option<UnitVector3<f64>>,
     projection: BackProjection,
-}
-
-#[derive(Debug)]
-struct Frame {
-    stem: String,
-    has_pose: bool,
 }
 
 /// Memory that is kept from frame to frame.
@@ -66,17 +72,19 @@ impl RgbdSequence {
     ///
     /// # Errors
     /// When there are no frames, a depth image lacks its colour image or the
-    /// other way round, or the camera or the first depth image is wrong.
+    /// other way round, or the camera or the first depth image is wrong. A
+    /// colour image in PNG behind the last frame is not part of the sequence:
+    /// it is what a [`SequenceWriter`] leaves that is killed.
     pub fn open(folder: &Path) -> Result<Self, Error> {
         let frames = list_frames(folder)?;
         let mut file = Vec::new();
         let first_depth = folder.join(frames[0].stem.clone() + DEPTH_SUFFIX);
         let size = read_with(&first_depth, MAX_IMAGE_BYTES, &mut file, depth_image_size)?;
-        let intrinsics = folder.join("camera-intrinsics.txt");
+        let intrinsics = folder.join(INTRINSICS_NAME);
         let camera = read_with(&intrinsics, MAX_TEXT_BYTES, &mut file, |bytes| {
             parse_intrinsics(bytes, size)
         })?;
-        let gravity = folder.join("gravity-direction.txt");
+        let gravity = folder.join(GRAVITY_NAME);
         let gravity_in_world = if gravity.exists() {
             Some(read_with(
                 &gravity,
@@ -134,23 +142,18 @@ impl RgbdSequence {
         scratch: &mut Scratch,
         out: &mut [Point],
     ) -> Result<Option<RigidTransform>, Error> {
-        let Some(frame) = self.frames.get(index) else {
-            return Err(Error::NoSuchFrame {
-                index,
-                n_frames: self.frames.len(),
-            });
-        };
+        let frame = self.frame(index)?;
         let (found, needed) = (out.len(), self.camera.n_pixels());
         if found != needed {
             return Err(Error::OutputLength { found, needed });
         }
         let size = (self.camera.width, self.camera.height);
-        let path = |suffix| self.folder.join(frame.stem.clone() + suffix);
+        let path = |suffix| self.path(frame, suffix);
         let Scratch { file, depth_mm } = scratch;
         read_with(&path(DEPTH_SUFFIX), MAX_IMAGE_BYTES, file, |bytes| {
             decode_depth(bytes, size, depth_mm)
         })?;
-        let color_path = path(COLOR_SUFFIX);
+        let color_path = path(frame.color_suffix);
         read_with(&color_path, MAX_IMAGE_BYTES, file, |bytes| {
             self.projection
                 .fill(depth_mm, &decode_color(bytes, size)?, out)
@@ -160,59 +163,56 @@ impl RgbdSequence {
         }
         read_with(&path(POSE_SUFFIX), MAX_TEXT_BYTES, file, parse_pose).map(Some)
     }
-}
 
-/// Whether a file is a depth image of a sequence.
-pub(crate) fn is_depth_name(name: &str) -> bool {
-    stem(name, DEPTH_SUFFIX).is_some()
-}
-
-/// `frame-000123` of `frame-000123.depth.png`.
-fn stem<'a>(name: &'a str, suffix: &str) -> Option<&'a str> {
-    let stem = name.strip_suffix(suffix)?;
-    let digits = stem.strip_prefix("frame-")?;
-    let is_number = !digits.is_empty() && digits.bytes().all(|byte| byte.is_ascii_digit());
-    is_number.then_some(stem)
-}
-
-fn list_frames(folder: &Path) -> Result<Vec<Frame>, Error> {
-    let names = file_names(folder, |name| {
-        [DEPTH_SUFFIX, COLOR_SUFFIX, POSE_SUFFIX]
-            .iter()
-            .any(|suffix| stem(name, suffix).is_some())
-    })?;
-    let has = |stem: &str, suffix: &str| {
-        let wanted = format!("{stem}{suffix}");
-        names
-            .binary_search_by(|name| crate::natural_order(name, &wanted))
-            .is_ok()
-    };
-    let mut frames = Vec::new();
-    for name in &names {
-        if let Some(stem) = stem(name, DEPTH_SUFFIX) {
-            if !has(stem, COLOR_SUFFIX) {
-                return Err(Error::Unpaired {
-                    path: folder.join(name),
-                    missing: COLOR_SUFFIX,
-                });
-            }
-            frames.push(Frame {
-                stem: stem.to_owned(),
-                has_pose: has(stem, POSE_SUFFIX),
-            });
-        } else if let Some(stem) = stem(name, COLOR_SUFFIX)
-            && !has(stem, DEPTH_SUFFIX)
-        {
-            return Err(Error::Unpaired {
-                path: folder.join(name),
-                missing: DEPTH_SUFFIX,
-            });
+    /// Decodes a frame's mask into the number of each pixel's object, row by
+    /// row, 0 for none. Returns false, and no numbers, when there is no mask.
+    ///
+    /// # Errors
+    /// When there is no such frame, or the mask can not be read, is damaged or
+    /// has another size than the first depth image.
+    pub fn read_mask(
+        &self,
+        index: usize,
+        scratch: &mut Scratch,
+        instances: &mut Vec<u16>,
+    ) -> Result<bool, Error> {
+        let frame = self.frame(index)?;
+        instances.clear();
+        if frame.has_mask {
+            let (path, size) = (
+                self.path(frame, MASK_SUFFIX),
+                (self.camera.width, self.camera.height),
+            );
+            read_with(&path, MAX_IMAGE_BYTES, &mut scratch.file, |bytes| {
+                decode_mask(bytes, size, instances)
+            })?;
         }
+        Ok(frame.has_mask)
     }
-    if frames.is_empty() {
-        Err(Error::NoFrames(folder.to_owned()))
-    } else {
-        Ok(frames)
+
+    /// Replaces the buffer's content by what is known about a frame's scene,
+    /// JSON as it was written. Returns false when there is none.
+    ///
+    /// # Errors
+    /// When there is no such frame, or the file can not be read or has more
+    /// than 16 MiB.
+    pub fn read_truth(&self, index: usize, buffer: &mut Vec<u8>) -> Result<bool, Error> {
+        let frame = self.frame(index)?;
+        buffer.clear();
+        if frame.has_truth {
+            read_file(&self.path(frame, TRUTH_SUFFIX), MAX_TRUTH_BYTES, buffer)?;
+        }
+        Ok(frame.has_truth)
+    }
+
+    fn frame(&self, index: usize) -> Result<&Frame, Error> {
+        let n_frames = self.frames.len();
+        let frame = self.frames.get(index);
+        frame.ok_or(Error::NoSuchFrame { index, n_frames })
+    }
+
+    fn path(&self, frame: &Frame, suffix: &str) -> PathBuf {
+        self.folder.join(frame.stem.clone() + suffix)
     }
 }
 

@@ -1,9 +1,9 @@
 //! The capture loop: loan, fill, wait for the instant, send.
 
-use crate::config::Config;
 use crate::lockstep::{Lockstep, Waited};
 use crate::schedule::Schedule;
-use crate::source::{FrameInfo, FrameSize, Source, SourceError};
+use crate::source::{FrameInfo, FrameSize, Source};
+use crate::source_error::SourceError;
 use channel::topic::CameraCloud;
 use channel::{Loan, Publisher};
 use message::{FrameHeader, ProcessState, Text, WireTransform, frame_flag, points_mut};
@@ -22,15 +22,15 @@ const LOCKSTEP_START_NS: u64 = 1_000_000_000;
 
 /// Why the loop ended without a failure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum End {
+pub enum End {
     /// The process is asked to stop.
     Stopped,
     /// The recording has come to its end.
     Ended,
 }
 
-/// One run of a source.
-pub(crate) struct Capture {
+/// One run of a source; belongs on a thread of its own.
+pub struct CaptureLoop {
     source: Box<dyn Source>,
     publisher: Publisher<CameraCloud>,
     schedule: Option<Schedule>,
@@ -44,11 +44,15 @@ pub(crate) struct Capture {
     runtime: Handle,
 }
 
-impl Capture {
-    pub(crate) fn new(
+impl CaptureLoop {
+    /// Prepares to play `source`; in lockstep a frame waits for its followers.
+    ///
+    /// # Errors
+    /// When the topic of the clouds can not be opened.
+    pub fn new(
         context: Context,
-        config: &Config,
         source: Box<dyn Source>,
+        is_lockstep: bool,
         runtime: Handle,
     ) -> Result<Self, Failure> {
         let publisher = Publisher::new(&context.domain)?;
@@ -56,14 +60,13 @@ impl Capture {
             .health
             .shared_memory_bytes
             .store(publisher.reservation().bytes(), Ordering::Relaxed);
-        let start_ns = if config.lockstep {
+        let start_ns = if is_lockstep {
             LOCKSTEP_START_NS
         } else {
             monotonic_ns()
         };
         let entered = runtime.enter();
-        let lockstep = config
-            .lockstep
+        let lockstep = is_lockstep
             .then(|| Lockstep::new(&context.domain))
             .transpose()?;
         drop(entered);
@@ -84,7 +87,10 @@ impl Capture {
     }
 
     /// Plays until the end, the request to stop, or a failure.
-    pub(crate) fn run(mut self) -> Result<End, Failure> {
+    ///
+    /// # Errors
+    /// When the source can not be used.
+    pub fn run(mut self) -> Result<End, Failure> {
         if self.lockstep.is_some() {
             self.wait_for_subscriber();
         }
@@ -120,11 +126,11 @@ impl Capture {
         let Some(size) = self.source.prepare()? else {
             return Ok(false);
         };
-        let (loan, info) = self.filled(size)?;
+        let (mut loan, mut info) = self.filled(size)?;
         if self.lockstep.is_some() {
             self.send_in_lockstep(loan, &info)?;
         } else {
-            self.wait_until_due();
+            self.wait_until_due(&mut loan, &mut info)?;
             self.send(loan, &info)?;
         }
         self.sequence += 1;
@@ -141,7 +147,7 @@ impl Capture {
         let now_ns = monotonic_ns();
         let due_ns = self.schedule.map(|schedule| schedule.due_ns());
         let location = self.publisher.location(&loan);
-        *loan.header_mut() = FrameHeader {
+        let header = FrameHeader {
             session: self.session,
             sequence: self.sequence,
             capture_stamp_ns: info.captured_ns.or(due_ns).unwrap_or(now_ns),
@@ -150,7 +156,9 @@ impl Capture {
             location,
             ..header(info, self.source.name(), self.lockstep.is_some())
         };
+        *loan.header_mut() = header;
         self.publisher.send(loan).map_err(unusable)?;
+        self.source.sent(&header)?;
         // In lockstep there is no lateness: the followers set the pace.
         let released_ns = due_ns.filter(|_| self.lockstep.is_some()).unwrap_or(now_ns);
         let was_late = self
@@ -194,18 +202,30 @@ impl Capture {
         }
     }
 
-    fn wait_until_due(&self) {
-        let Some(schedule) = self.schedule else {
-            return;
+    fn wait_until_due(
+        &mut self,
+        loan: &mut Loan<CameraCloud>,
+        info: &mut FrameInfo,
+    ) -> Result<(), SourceError> {
+        let Some(due_ns) = self.schedule.map(|schedule| schedule.due_ns()) else {
+            return Ok(());
         };
         while !self.context.shutdown.is_requested() {
-            let left = Duration::from_nanos(schedule.due_ns().saturating_sub(monotonic_ns()));
-            if left.is_zero() {
-                return;
+            let points = points_mut(loan.items_mut());
+            let waiting = self.source.while_waiting(due_ns, points)?;
+            if let Some(rewritten) = waiting.rewritten {
+                *info = rewritten;
             }
-            std::thread::sleep(left.min(NAP));
+            let until_ns = due_ns.min(waiting.again_ns.unwrap_or(due_ns));
+            let left = Duration::from_nanos(until_ns.saturating_sub(monotonic_ns()));
+            if monotonic_ns() >= due_ns {
+                return Ok(());
+            }
+            // A source may be waked by unparking this thread.
+            std::thread::park_timeout(left.min(NAP));
             self.context.health.tick();
         }
+        Ok(())
     }
 
     fn wait_for_subscriber(&self) {

@@ -5,7 +5,7 @@ use std::fmt;
 /// A frame or a source that can not be used.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
-pub(crate) enum SourceError {
+pub enum SourceError {
     /// The source can not be used at all.
     Unusable(String),
     /// One frame can not be used; the next one may.

@@ -1,0 +1,74 @@
+//! The channels beside the camera's: arm, person, ground truth.
+
+use crate::increment::ArmSample;
+use crate::translate;
+use channel::topic::{ArmStates, PersonBodies, TrueMasks, TrueObjects};
+use channel::{Domain, Error, Publisher};
+use message::{FrameHeader, MaskPixel, PersonBody, TruthHeader};
+use simulation::{TrueObject, World};
+
+/// Publishers of everything but the cloud.
+pub(crate) struct Broadcast {
+    arm: Publisher<ArmStates>,
+    person: Publisher<PersonBodies>,
+    objects: Publisher<TrueObjects>,
+    mask: Publisher<TrueMasks>,
+}
+
+impl Broadcast {
+    pub(crate) fn new(domain: &Domain) -> Result<Self, Error> {
+        Ok(Self {
+            arm: Publisher::new(domain)?,
+            person: Publisher::new(domain)?,
+            objects: Publisher::new(domain)?,
+            mask: Publisher::new(domain)?,
+        })
+    }
+
+    /// Shared memory all of them have reserved, bytes.
+    pub(crate) fn reserved_bytes(&self) -> u64 {
+        self.arm.reservation().bytes()
+            + self.person.reservation().bytes()
+            + self.objects.reservation().bytes()
+            + self.mask.reservation().bytes()
+    }
+
+    pub(crate) fn arm(&mut self, sample: &ArmSample, stamp_ns: u64) -> Result<(), Error> {
+        let capsules = translate::capsules(&sample.capsules);
+        self.arm
+            .send_copy(translate::arm_state(&sample.status, stamp_ns), &capsules)
+    }
+
+    /// What is true of a frame that was sent with this header.
+    pub(crate) fn truth(
+        &mut self,
+        header: &FrameHeader,
+        world: &World,
+        objects: &[TrueObject],
+        mask: &[u16],
+    ) -> Result<(), Error> {
+        let truth = TruthHeader {
+            session: header.session,
+            sequence: header.sequence,
+            capture_ns: header.capture_stamp_ns,
+            ..TruthHeader::default()
+        };
+        let wire: Vec<_> = objects.iter().map(translate::true_object).collect();
+        self.objects.send_copy(truth, &wire)?;
+        let body = PersonBody {
+            stamp_ns: header.capture_stamp_ns,
+            ..PersonBody::default()
+        };
+        let capsules = translate::capsules(&world.person_capsules());
+        self.person.send_copy(body, &capsules)?;
+        if !self.mask.has_subscribers() {
+            return Ok(());
+        }
+        let mut loan = self.mask.loan(mask.len())?;
+        *loan.header_mut() = truth;
+        for (pixel, &object) in loan.items_mut().iter_mut().zip(mask) {
+            *pixel = MaskPixel(object);
+        }
+        self.mask.send(loan)
+    }
+}

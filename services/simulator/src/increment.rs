@@ -1,0 +1,126 @@
+//! The world from one frame to the next, which can be taken back.
+//!
+//! A frame is rendered before its instant. What reaches the arm in between, a
+//! stop above all, must act at its own instant: the increment is then run again
+//! from its beginning, with the command in its place.
+
+use geometry::Capsule;
+use simulation::{ArmCommand, ArmStatus, STEP_NS, STEPS_PER_SECOND, World};
+
+/// The arm at the end of one step.
+#[derive(Debug, Clone)]
+pub(crate) struct ArmSample {
+    pub(crate) status: ArmStatus,
+    pub(crate) capsules: Vec<Capsule>,
+}
+
+/// The steps between two frames.
+#[derive(Debug)]
+pub(crate) struct Increment {
+    /// The world at the beginning; kept only where there is an arm to command.
+    start: Option<World>,
+    world: World,
+    rate_hz: f64,
+    frame: u64,
+    /// Commands of this increment with the step before which they act.
+    commands: Vec<(usize, ArmCommand)>,
+    samples: Vec<ArmSample>,
+}
+
+impl Increment {
+    pub(crate) fn new(world: World, rate_hz: f64) -> Self {
+        Self {
+            start: None,
+            world,
+            rate_hz,
+            frame: 0,
+            commands: Vec::new(),
+            samples: Vec::new(),
+        }
+    }
+
+    /// The world at the end of the increment.
+    pub(crate) fn world(&self) -> &World {
+        &self.world
+    }
+
+    pub(crate) fn world_mut(&mut self) -> &mut World {
+        &mut self.world
+    }
+
+    /// Frames so far.
+    pub(crate) fn frame(&self) -> u64 {
+        self.frame
+    }
+
+    /// The arm at the end of each step; empty without an arm.
+    pub(crate) fn samples(&self) -> &[ArmSample] {
+        &self.samples
+    }
+
+    /// Time from the end of a step to the end of the increment, nanoseconds.
+    pub(crate) fn before_end_ns(&self, step: usize) -> u64 {
+        (self.samples.len() - 1 - step) as u64 * STEP_NS
+    }
+
+    /// Goes on to the next frame.
+    pub(crate) fn advance(&mut self) {
+        self.start = self.world.arm_status().map(|_| self.world.clone());
+        self.commands.clear();
+        self.frame += 1;
+        self.run(self.n_steps());
+    }
+
+    /// Gives the arm a command that arrived `before_end_ns` before the end of the
+    /// increment, and runs what comes after it again.
+    ///
+    /// # Errors
+    /// The sentence with which the arm refuses it.
+    pub(crate) fn command(
+        &mut self,
+        command: &ArmCommand,
+        before_end_ns: u64,
+    ) -> Result<u64, String> {
+        let n_steps = self.samples.len();
+        let n_after = (before_end_ns / STEP_NS) as usize;
+        // In the order in which they came.
+        let earliest = self.commands.last().map_or(0, |(step, _)| *step);
+        let step = n_steps.saturating_sub(n_after).max(earliest);
+        if n_after == 0 {
+            return self.world.command_arm(command);
+        }
+        let Some(start) = &self.start else {
+            return self.world.command_arm(command);
+        };
+        self.world = start.clone();
+        self.commands.push((step, *command));
+        self.run(n_steps)
+            .unwrap_or_else(|| self.world.command_arm(command))
+    }
+
+    /// Steps of this increment: frames are evenly spaced in the long run.
+    fn n_steps(&self) -> usize {
+        let steps_at =
+            |frame: u64| (frame as f64 * f64::from(STEPS_PER_SECOND) / self.rate_hz).round() as u64;
+        (steps_at(self.frame) - steps_at(self.frame - 1)) as usize
+    }
+
+    /// Runs the steps; what the arm said to the last command is returned.
+    fn run(&mut self, n_steps: usize) -> Option<Result<u64, String>> {
+        self.samples.clear();
+        let mut answer = None;
+        for step in 0..n_steps {
+            for (_, command) in self.commands.iter().filter(|(at, _)| *at == step) {
+                answer = Some(self.world.command_arm(command));
+            }
+            self.world.step();
+            if let Some(status) = self.world.arm_status() {
+                self.samples.push(ArmSample {
+                    status,
+                    capsules: self.world.arm_capsules(),
+                });
+            }
+        }
+        answer
+    }
+}

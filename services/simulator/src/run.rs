@@ -1,0 +1,80 @@
+//! The process: the simulation's thread beside the runtime.
+
+use crate::arm_desk::{ArmRequests, desk};
+use crate::broadcast::Broadcast;
+use crate::config::Config;
+use crate::simulator_source::SimulatorSource;
+use capture::{CaptureLoop, End};
+use channel::control::Server;
+use message::ProcessKind;
+use service::{Context, Failure, exit_code};
+use simulation::World;
+use tokio::runtime::Handle;
+use tokio::sync::oneshot;
+
+fn failed(error: impl std::fmt::Display) -> Failure {
+    Failure::new(exit_code::FAILURE, error)
+}
+
+/// Plays the table until shutdown.
+///
+/// # Errors
+/// When the scene can not be set up, or shared memory fails.
+pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure> {
+    let (handler, requests) = desk();
+    let server = Server::new(&context.domain, ProcessKind::Simulator, handler)?;
+    let (sender, ended) = oneshot::channel();
+    let runtime = Handle::current();
+    let spawned = std::thread::Builder::new()
+        .name("simulation".into())
+        .spawn(move || {
+            let _ = sender.send(play(context, &config, requests, runtime));
+        });
+    spawned.map_err(|error| failed(format!("could not start the simulation's thread: {error}")))?;
+    let ended = async {
+        ended
+            .await
+            .map_err(|_| failed("the simulation's thread has panicked"))?
+    };
+    tokio::select! {
+        ended = ended => ended.map(|_: End| ()),
+        () = server.run() => Ok(()),
+    }
+}
+
+fn play(
+    context: Context,
+    config: &Config,
+    requests: ArmRequests,
+    runtime: Handle,
+) -> Result<End, Failure> {
+    let unusable = |error: simulation::Error| Failure::new(exit_code::USAGE, error);
+    let (scene, library) = config.scene().map_err(unusable)?;
+    tracing::info!(
+        "setting up {} with {} objects",
+        config.name(),
+        scene.objects.len()
+    );
+    let mut world = World::new(scene, library).map_err(unusable)?;
+    for note in world.take_notes() {
+        tracing::warn!("{note}");
+    }
+    let names: Vec<_> = world
+        .objects()
+        .iter()
+        .map(|object| object.model.name.as_str())
+        .collect();
+    tracing::info!("on the table: {}", names.join(", "));
+    let entered = runtime.enter();
+    let broadcast = Broadcast::new(&context.domain)?;
+    drop(entered);
+    let shared_bytes = broadcast.reserved_bytes();
+    let source = SimulatorSource::new(config.name(), config.rate_hz, world, requests, broadcast)
+        .map_err(unusable)?;
+    let health = context.health.clone();
+    let capture = CaptureLoop::new(context, Box::new(source), config.lockstep, runtime)?;
+    health
+        .shared_memory_bytes
+        .fetch_add(shared_bytes, std::sync::atomic::Ordering::Relaxed);
+    capture.run()
+}

@@ -1,0 +1,127 @@
+//! Between the simulation's types and the messages.
+
+use message::control::{ArmCommand as WireCommand, ArmReport};
+use message::{
+    ArmActivity, ArmState, Text, TrueObject as WireObject, TrueState, WireCapsule, WirePose,
+};
+use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use simulation::{ArmCommand, ArmStatus, MotionState, ObjectState, TrueObject};
+
+/// How far from unit length an orientation may be.
+const UNIT_TOLERANCE: f64 = 1e-2;
+
+/// A command for the arm; `None` to be told how it is.
+///
+/// # Errors
+/// A sentence when its numbers are no pose.
+pub(crate) fn command(command: &WireCommand) -> Result<Option<ArmCommand>, String> {
+    Ok(Some(match *command {
+        WireCommand::State => return Ok(None),
+        WireCommand::MoveTo {
+            position_m,
+            orientation_xyzw,
+            straight,
+        } => ArmCommand::MoveTo {
+            world_from_gripper: pose(position_m, orientation_xyzw)?,
+            is_straight: straight,
+        },
+        WireCommand::MoveJoints { angles_rad } => ArmCommand::MoveJoints(angles_rad),
+        WireCommand::Home => ArmCommand::Home,
+        WireCommand::Open => ArmCommand::Open,
+        WireCommand::Close => ArmCommand::Close,
+        WireCommand::Stop => ArmCommand::Stop,
+    }))
+}
+
+fn pose(position_m: [f64; 3], [x, y, z, w]: [f64; 4]) -> Result<Isometry3<f64>, String> {
+    let quaternion = Quaternion::new(w, x, y, z);
+    let is_unit = (quaternion.norm() - 1.0).abs() < UNIT_TOLERANCE;
+    if !is_unit || !position_m.iter().all(|v| v.is_finite()) {
+        return Err(format!(
+            "the pose at {position_m:?} with orientation {:?} is none: positions are finite, \
+             an orientation x, y, z, w has length 1",
+            [x, y, z, w]
+        ));
+    }
+    Ok(Isometry3::from_parts(
+        Translation3::from(Vector3::from(position_m)),
+        UnitQuaternion::new_normalize(quaternion),
+    ))
+}
+
+fn activity(status: &ArmStatus) -> ArmActivity {
+    if status.failure.is_some() {
+        return ArmActivity::Failed;
+    }
+    match status.motion {
+        MotionState::Idle => ArmActivity::Idle,
+        MotionState::Moving => ArmActivity::Moving,
+        MotionState::Opening => ArmActivity::Opening,
+        MotionState::Closing => ArmActivity::Closing,
+        MotionState::Stopped => ArmActivity::Stopped,
+        MotionState::Failed(_) => ArmActivity::Failed,
+    }
+}
+
+/// How the arm is, for those who ask.
+pub(crate) fn report(status: &ArmStatus) -> ArmReport {
+    let pose = &status.world_from_gripper;
+    ArmReport {
+        command_id: status.command_id,
+        activity: activity(status).word().into(),
+        note: status.failure.clone().unwrap_or_default(),
+        joint_angles_rad: status.joint_angles_rad,
+        opening_m: status.opening_m,
+        position_m: pose.translation.vector.into(),
+        orientation_xyzw: pose.rotation.coords.into(),
+        is_holding: status.holds.is_some(),
+    }
+}
+
+/// How the arm is, for its channel.
+pub(crate) fn arm_state(status: &ArmStatus, stamp_ns: u64) -> ArmState {
+    ArmState {
+        activity: activity(status).code(),
+        stamp_ns,
+        joint_angles_rad: status.joint_angles_rad,
+        joint_velocities_rad_s: status.joint_velocities_rad_s,
+        opening_m: status.opening_m,
+        world_from_gripper: wire_pose(&status.world_from_gripper),
+        command_id: status.command_id,
+        is_holding: u32::from(status.holds.is_some()),
+        note: Text::truncated(status.failure.as_deref().unwrap_or_default()),
+        ..ArmState::default()
+    }
+}
+
+fn wire_pose(pose: &Isometry3<f64>) -> WirePose {
+    WirePose {
+        position_m: pose.translation.vector.into(),
+        orientation_xyzw: pose.rotation.coords.into(),
+    }
+}
+
+pub(crate) fn capsules(capsules: &[geometry::Capsule]) -> Vec<WireCapsule> {
+    capsules.iter().map(WireCapsule::from).collect()
+}
+
+pub(crate) fn true_object(object: &TrueObject) -> WireObject {
+    let state = match object.state {
+        ObjectState::Settled => TrueState::Settled,
+        ObjectState::Moving => TrueState::Moving,
+        ObjectState::HeldByPerson => TrueState::HeldByPerson,
+        ObjectState::HeldByArm => TrueState::HeldByArm,
+        ObjectState::OnFloor => TrueState::OnFloor,
+    };
+    WireObject {
+        id: object.id.into(),
+        state: state.code(),
+        world_from_object: wire_pose(&object.world_from_object),
+        size_m: object.size_m.cast::<f32>().into(),
+        visible_fraction: object.visible_fraction() as f32,
+        visible_px: object.visible_px,
+        unoccluded_px: object.unoccluded_px,
+        category: Text::truncated(&object.category),
+        name: Text::truncated(&object.name),
+    }
+}

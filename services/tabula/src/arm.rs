@@ -1,0 +1,148 @@
+//! `tabula arm`: moves the arm.
+
+use crate::arguments::{ArmMove, ArmVerb};
+use crate::objects::{call, connect};
+use crate::output::Output;
+use message::control::{ArmCommand, ArmReport, Command, Reply};
+use nalgebra::{Rotation3, UnitQuaternion, Vector3};
+use service::{CommonArguments, Failure, exit_code};
+use std::f64::consts::PI;
+use std::process::ExitCode;
+use std::time::Duration;
+
+/// How often it is asked whether a command is done.
+const ASK_AGAIN: Duration = Duration::from_millis(50);
+
+/// Gives the arm a command, waits until it is done, and says how the arm is.
+pub(crate) fn run(
+    common: &CommonArguments,
+    verb: &ArmVerb,
+    output: &Output,
+) -> Result<ExitCode, Failure> {
+    let (command, waits) = match verb {
+        ArmVerb::State => (ArmCommand::State, false),
+        ArmVerb::Move(to) => (move_to(to)?, !to.wait.no_wait),
+        ArmVerb::Home(wait) => (ArmCommand::Home, !wait.no_wait),
+        ArmVerb::Open(wait) => (ArmCommand::Open, !wait.no_wait),
+        ArmVerb::Close(wait) => (ArmCommand::Close, !wait.no_wait),
+        ArmVerb::Stop => (ArmCommand::Stop, false),
+    };
+    let mut report = ask(common, command)?;
+    let id = report.command_id;
+    while waits && report.command_id == id && is_busy(&report) {
+        std::thread::sleep(ASK_AGAIN);
+        report = ask(common, ArmCommand::State)?;
+    }
+    output.answer(&report, || text(&report));
+    let has_failed = report.command_id == id && report.activity == "failed";
+    Ok(if has_failed && waits {
+        ExitCode::from(exit_code::REFUSED)
+    } else {
+        ExitCode::SUCCESS
+    })
+}
+
+fn ask(common: &CommonArguments, command: ArmCommand) -> Result<ArmReport, Failure> {
+    let mut client = connect(common)?;
+    match call(&mut client, Command::Arm(command))? {
+        Reply::Arm(report) => Ok(report),
+        other => Err(Failure::new(
+            exit_code::FAILURE,
+            format!("the daemon answered the arm's command with {other:?}"),
+        )),
+    }
+}
+
+fn is_busy(report: &ArmReport) -> bool {
+    ["moving", "opening", "closing"].contains(&&*report.activity)
+}
+
+/// Fingers down, closing along x, then tilted ahead and turned.
+fn move_to(to: &ArmMove) -> Result<ArmCommand, Failure> {
+    let position_m: [f64; 3] = to
+        .position_m
+        .as_slice()
+        .try_into()
+        .map_err(|_| Failure::new(exit_code::USAGE, "a position has three numbers: X Y Z"))?;
+    let numbers = position_m.iter().chain([&to.tilt, &to.yaw]);
+    if !numbers.copied().all(f64::is_finite) {
+        return Err(Failure::new(
+            exit_code::USAGE,
+            "position, tilt and yaw must be finite numbers",
+        ));
+    }
+    let yaw = Rotation3::from_axis_angle(&Vector3::z_axis(), to.yaw.to_radians());
+    let tilt = Rotation3::from_axis_angle(&Vector3::x_axis(), PI + to.tilt.to_radians());
+    let orientation = UnitQuaternion::from_rotation_matrix(&(yaw * tilt));
+    Ok(ArmCommand::MoveTo {
+        position_m,
+        orientation_xyzw: orientation.coords.into(),
+        straight: to.straight,
+    })
+}
+
+fn text(report: &ArmReport) -> String {
+    let [x, y, z] = report.position_m;
+    let joints: Vec<String> = report
+        .joint_angles_rad
+        .iter()
+        .map(|angle| format!("{:.0}", angle.to_degrees()))
+        .collect();
+    let note = if report.note.is_empty() {
+        String::new()
+    } else {
+        format!(": {}", report.note)
+    };
+    format!(
+        "the arm is {}{note}\n\
+         gripper at {x:.3} {y:.3} {z:.3} m, open {:.0} mm, {}\n\
+         joints {} degrees",
+        report.activity,
+        report.opening_m * 1000.0,
+        if report.is_holding {
+            "holding something"
+        } else {
+            "empty"
+        },
+        joints.join(" ")
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arguments::ArmWait;
+
+    fn gripper_axes(tilt: f64, yaw: f64) -> [Vector3<f64>; 2] {
+        let to = ArmMove {
+            position_m: vec![0.1, 0.2, 0.9],
+            tilt,
+            yaw,
+            straight: false,
+            wait: ArmWait { no_wait: false },
+        };
+        let Ok(ArmCommand::MoveTo {
+            orientation_xyzw: [x, y, z, w],
+            ..
+        }) = move_to(&to)
+        else {
+            panic!("no pose");
+        };
+        let rotation = UnitQuaternion::new_normalize(nalgebra::Quaternion::new(w, x, y, z));
+        [rotation * Vector3::x(), rotation * Vector3::z()]
+    }
+
+    #[test]
+    fn the_fingers_point_down_and_tilt_ahead() {
+        let close = |a: Vector3<f64>, b: Vector3<f64>| assert!((a - b).norm() < 1e-9, "{a} {b}");
+        let [closing, forward] = gripper_axes(0.0, 0.0);
+        close(closing, Vector3::x());
+        close(forward, -Vector3::z());
+        let [closing, forward] = gripper_axes(90.0, 0.0);
+        close(closing, Vector3::x());
+        close(forward, Vector3::y());
+        let [closing, forward] = gripper_axes(0.0, 90.0);
+        close(closing, Vector3::y());
+        close(forward, -Vector3::z());
+    }
+}

@@ -1,0 +1,43 @@
+//! `tabula simulate`: recordings and views of the simulated table, as files.
+
+mod progress;
+mod record_scene;
+mod record_views;
+
+use crate::arguments::SimulateVerb;
+use crate::output::Output;
+use serde::Serialize;
+use service::{Failure, exit_code};
+use std::process::ExitCode;
+
+/// Carries out a verb of `tabula simulate`.
+pub(crate) fn run(verb: &SimulateVerb, output: &Output) -> Result<ExitCode, Failure> {
+    match verb {
+        SimulateVerb::Scene(arguments) => record_scene::run(arguments, output),
+        SimulateVerb::Views(arguments) => record_views::run(arguments, output),
+        SimulateVerb::Categories => {
+            categories(output);
+            Ok(ExitCode::SUCCESS)
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct CategoriesDocument {
+    categories: Vec<&'static str>,
+}
+
+fn categories(output: &Output) {
+    let document = CategoriesDocument {
+        categories: simulation::category_names(),
+    };
+    output.answer(&document, || document.categories.join("\n"));
+}
+
+fn usage(error: impl std::fmt::Display) -> Failure {
+    Failure::new(exit_code::USAGE, error)
+}
+
+fn failed(error: impl std::fmt::Display) -> Failure {
+    Failure::new(exit_code::FAILURE, error)
+}

@@ -1,0 +1,19 @@
+//! A bar that shows how far a long run has come.
+
+use crate::output::Output;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// A bar on standard error for people at a terminal; nothing for scripts.
+pub(super) fn bar(n_steps: u64, what: &'static str, output: &Output) -> ProgressBar {
+    let target = if output.is_json() {
+        ProgressDrawTarget::hidden()
+    } else {
+        ProgressDrawTarget::stderr()
+    };
+    let bar = ProgressBar::with_draw_target(Some(n_steps), target);
+    let template = "{msg} [{wide_bar}] {pos}/{len}, {per_sec}, {eta} left";
+    if let Ok(style) = ProgressStyle::with_template(template) {
+        bar.set_style(style.progress_chars("=> "));
+    }
+    bar.with_message(what)
+}

@@ -1,0 +1,209 @@
+//! `tabula simulate scene`: a sequence of a simulated scene.
+
+use super::{failed, progress, usage};
+use crate::arguments::SceneArguments;
+use crate::output::Output;
+use crossbeam::channel::{Receiver, Sender, bounded};
+use dataset::rgbd_sequence::{FrameView, SequenceWriter};
+use geometry::{PinholeCamera, RigidTransform};
+use indicatif::ProgressBar;
+use nalgebra::Vector3;
+use point_cloud::Point;
+use serde::Serialize;
+use service::Failure;
+use simulation::{
+    ModelLibrary, STEPS_PER_SECOND, Scene, SceneKind, SimulatedKinect, World, truth_json,
+};
+use std::process::ExitCode;
+
+/// Frames that are rendered while one is being written.
+const FRAMES_AHEAD: usize = 3;
+
+/// One rendered frame.
+struct Frame {
+    color: Vec<u8>,
+    depth_mm: Vec<u16>,
+    mask: Vec<u16>,
+    world_from_camera: RigidTransform,
+    truth: String,
+}
+
+#[derive(Serialize)]
+struct Document<'a> {
+    folder: &'a str,
+    frames: u64,
+    objects: usize,
+    notes: Vec<String>,
+}
+
+/// Renders and writes the frames of a scene: two threads, one for each.
+pub(super) fn run(arguments: &SceneArguments, output: &Output) -> Result<ExitCode, Failure> {
+    let world = set_up(arguments)?;
+    let n_objects = world.objects().len();
+    let down = -Vector3::z_axis();
+    let camera = PinholeCamera::KINECT_V1;
+    let writer = SequenceWriter::create(&arguments.out, &camera, Some(down)).map_err(failed)?;
+    let bar = progress::bar(arguments.frames, "frames", output);
+    let (sender, receiver) = bounded(FRAMES_AHEAD);
+    let (rendered, written) = std::thread::scope(|scope| {
+        let renderer = scope.spawn(move || render(world, arguments, &sender));
+        let written = write(writer, &receiver, &bar);
+        // A writer that has failed takes no more frames, which ends the renderer.
+        drop(receiver);
+        let rendered = renderer.join();
+        (rendered, written)
+    });
+    bar.finish_and_clear();
+    written?;
+    let notes = rendered.map_err(|_| failed("the renderer has panicked"))??;
+    let folder = arguments.out.display().to_string();
+    let document = Document {
+        folder: &folder,
+        frames: arguments.frames,
+        objects: n_objects,
+        notes,
+    };
+    output.answer(&document, || text(&document));
+    Ok(ExitCode::SUCCESS)
+}
+
+fn text(document: &Document<'_>) -> String {
+    let notes = document.notes.iter().map(|note| format!("{note}\n"));
+    format!(
+        "{}{} frames of {} objects are in {folder}\nplay them with: tabula run --source {folder}",
+        notes.collect::<String>(),
+        document.frames,
+        document.objects,
+        folder = document.folder
+    )
+}
+
+fn set_up(arguments: &SceneArguments) -> Result<World, Failure> {
+    if !(0.1..=f64::from(STEPS_PER_SECOND)).contains(&arguments.rate) {
+        let rule = "--rate must lie between 0.1 and 120 frames per second";
+        return Err(usage(rule));
+    }
+    let (scene, library) = match (&arguments.file, &arguments.kind) {
+        (Some(file), None) if arguments.objects.is_none() => {
+            let (scene, library) = Scene::open(file).map_err(usage)?;
+            let seed = arguments.seed.unwrap_or(scene.seed);
+            (Scene { seed, ..scene }, library)
+        }
+        (Some(_), _) => {
+            let rule = "a scene file says itself what kind of scene it is and how many objects \
+                        it has; leave --kind and --objects out";
+            return Err(usage(rule));
+        }
+        (None, kind) => generated(kind.as_deref(), arguments)?,
+    };
+    World::new(scene, library).map_err(usage)
+}
+
+fn generated(
+    kind: Option<&str>,
+    arguments: &SceneArguments,
+) -> Result<(Scene, ModelLibrary), Failure> {
+    let kind = kind.map_or(Ok(SceneKind::Isolated), str::parse);
+    let kind: SceneKind = kind.map_err(usage)?;
+    let mut library = ModelLibrary::open(&arguments.models()).map_err(usage)?;
+    let n_objects = arguments.objects.unwrap_or(kind.usual_number());
+    let seed = arguments.seed.unwrap_or(1);
+    let scene = Scene::generate(kind, n_objects, seed, &mut library).map_err(usage)?;
+    Ok((scene, library))
+}
+
+/// Renders frame after frame; what happened is returned.
+fn render(
+    mut world: World,
+    arguments: &SceneArguments,
+    frames: &Sender<Frame>,
+) -> Result<Vec<String>, Failure> {
+    let camera = PinholeCamera::KINECT_V1;
+    let mut kinect = SimulatedKinect::new(&world, camera).map_err(failed)?;
+    let mut points = vec![Point::default(); camera.n_pixels()];
+    let mut notes = world.take_notes();
+    for frame in 0..arguments.frames {
+        while world.time_s() * arguments.rate + 1e-6 < frame as f64 {
+            world.step();
+        }
+        let truth = kinect.look(&world, frame, &mut points).map_err(failed)?;
+        notes.append(&mut world.take_notes());
+        let frame = Frame {
+            color: kinect.sensor().color().as_flattened().to_vec(),
+            depth_mm: kinect.sensor().depth_mm().to_vec(),
+            mask: kinect.mask().to_vec(),
+            world_from_camera: world.world_from_camera(),
+            truth: truth_json(frame, world.time_s(), &truth),
+        };
+        if frames.send(frame).is_err() {
+            break;
+        }
+    }
+    Ok(notes)
+}
+
+fn write(
+    mut writer: SequenceWriter,
+    frames: &Receiver<Frame>,
+    bar: &ProgressBar,
+) -> Result<(), Failure> {
+    for frame in frames {
+        writer
+            .write(&FrameView {
+                color: &frame.color,
+                depth_mm: &frame.depth_mm,
+                instances: Some(&frame.mask),
+                world_from_camera: Some(frame.world_from_camera),
+                truth: Some(frame.truth.as_bytes()),
+            })
+            .map_err(failed)?;
+        bar.inc(1);
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::{Path, PathBuf};
+
+    fn arguments(out: &Path) -> SceneArguments {
+        SceneArguments {
+            file: None,
+            kind: Some("isolated".into()),
+            objects: Some(3),
+            models: None,
+            seed: Some(5),
+            frames: 2,
+            rate: 30.0,
+            out: out.to_owned(),
+        }
+    }
+
+    #[test]
+    fn the_same_seed_gives_the_same_files_and_they_are_played_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let output = Output::new(true);
+        let folders: [PathBuf; 2] = ["a", "b"].map(|name| folder.path().join(name));
+        for out in &folders {
+            run(&arguments(out), &output).unwrap();
+        }
+        let names = |folder: &Path| -> Vec<_> {
+            let files = std::fs::read_dir(folder).unwrap();
+            let mut names: Vec<_> = files.map(|file| file.unwrap().file_name()).collect();
+            names.sort();
+            names
+        };
+        assert_eq!(names(&folders[0]), names(&folders[1]));
+        for name in names(&folders[0]) {
+            let [a, b] = [0, 1].map(|i: usize| std::fs::read(folders[i].join(&name)).unwrap());
+            assert!(a == b, "{} differs", name.display());
+        }
+        let sequence = dataset::rgbd_sequence::RgbdSequence::open(&folders[0]).unwrap();
+        assert_eq!(sequence.n_frames(), 2);
+        assert!(
+            run(&arguments(&folders[0]), &output).is_err(),
+            "written twice"
+        );
+    }
+}

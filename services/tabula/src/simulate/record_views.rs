@@ -1,0 +1,216 @@
+//! `tabula simulate views`: views of single objects for learning.
+
+use super::{failed, progress, usage};
+use crate::arguments::ViewsArguments;
+use crate::output::Output;
+use dataset::washington::{CAMERA, View, ViewName, write_view};
+use indicatif::ProgressBar;
+use serde::Serialize;
+use service::Failure;
+use simulation::{CutOut, HEIGHTS, ModelChoice, ModelLibrary, ModelSource, Turntable};
+use std::collections::BTreeMap;
+use std::process::ExitCode;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// One object to be looked at.
+struct Job {
+    model: ModelChoice,
+    category: String,
+    /// Number among the category's objects, from 1.
+    instance: u32,
+}
+
+/// What came out.
+#[derive(Debug, Default, Serialize)]
+struct Report {
+    views: usize,
+    objects: usize,
+    categories: usize,
+    /// Views in which detection did not find the object.
+    not_detected: usize,
+    /// Mean common share of cut-out and true pixels.
+    mean_overlap: f64,
+    /// What was noticed, one sentence each.
+    notes: Vec<String>,
+    /// Models that could not be used, one sentence each.
+    failures: Vec<String>,
+}
+
+/// Renders, detects and writes, on as many threads as there are cores.
+pub(super) fn run(arguments: &ViewsArguments, output: &Output) -> Result<ExitCode, Failure> {
+    let library = ModelLibrary::open(&arguments.models()).map_err(usage)?;
+    let jobs = jobs(arguments, &library)?;
+    let n_views = (jobs.len() * arguments.views) as u64;
+    let bar = progress::bar(n_views, "views", output);
+    let next = AtomicUsize::new(0);
+    let report = Mutex::new(Report::default());
+    let n_threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let outcomes: Vec<_> = std::thread::scope(|scope| {
+        let work = || work(arguments, &library, &jobs, &next, &report, &bar);
+        let threads: Vec<_> = (0..n_threads).map(|_| scope.spawn(work)).collect();
+        threads
+            .into_iter()
+            .map(std::thread::ScopedJoinHandle::join)
+            .collect()
+    });
+    bar.finish_and_clear();
+    for outcome in outcomes {
+        outcome.map_err(|_| failed("a renderer has panicked"))??;
+    }
+    let mut report = report.into_inner().map_err(failed)?;
+    report.finish(&jobs);
+    output.answer(&report, || text(&report, arguments));
+    Ok(if report.views == 0 {
+        ExitCode::FAILURE
+    } else {
+        ExitCode::SUCCESS
+    })
+}
+
+fn text(report: &Report, arguments: &ViewsArguments) -> String {
+    let sentences = report.notes.iter().chain(&report.failures);
+    format!(
+        "{}{} views of {} objects in {} categories are in {}\n\
+         cut out by detection; {} views without the object, mean overlap with the truth {:.1} %",
+        sentences
+            .map(|note| format!("{note}\n"))
+            .collect::<String>(),
+        report.views,
+        report.objects,
+        report.categories,
+        arguments.out.display(),
+        report.not_detected,
+        report.mean_overlap * 100.0
+    )
+}
+
+impl Report {
+    fn finish(&mut self, jobs: &[Job]) {
+        self.objects = jobs.len() - self.failures.len();
+        let categories: std::collections::BTreeSet<&str> =
+            jobs.iter().map(|job| job.category.as_str()).collect();
+        self.categories = categories.len();
+        self.mean_overlap /= self.views.max(1) as f64;
+        // Threads end in any order.
+        self.notes.sort();
+        self.failures.sort();
+    }
+}
+
+fn jobs(arguments: &ViewsArguments, library: &ModelLibrary) -> Result<Vec<Job>, Failure> {
+    let mut jobs = Vec::new();
+    let mut n_of_category: BTreeMap<String, u32> = BTreeMap::new();
+    for model in library.all(arguments.instances, arguments.seed) {
+        let category = model.category();
+        if !arguments.category.is_empty() && !arguments.category.contains(&category) {
+            continue;
+        }
+        let instance = n_of_category.entry(category.clone()).or_default();
+        *instance += 1;
+        jobs.push(Job {
+            instance: *instance,
+            model,
+            category,
+        });
+    }
+    for wanted in &arguments.category {
+        if !n_of_category.contains_key(wanted) {
+            let source = match library.source() {
+                ModelSource::Generated => "`tabula simulate categories` lists those there are",
+                ModelSource::Folder(_) => "the folder has no such model",
+            };
+            return Err(usage(format!("there is no category `{wanted}`; {source}")));
+        }
+    }
+    Ok(jobs)
+}
+
+fn work(
+    arguments: &ViewsArguments,
+    library: &ModelLibrary,
+    jobs: &[Job],
+    next: &AtomicUsize,
+    report: &Mutex<Report>,
+    bar: &ProgressBar,
+) -> Result<(), Failure> {
+    while let Some(job) = jobs.get(next.fetch_add(1, Ordering::Relaxed)) {
+        let mut part = Report::default();
+        match Turntable::new(&job.model, library.clone(), CAMERA, arguments.seed) {
+            Ok(mut turntable) => {
+                part.notes = turntable.take_notes();
+                record(&mut turntable, job, arguments, &mut part, bar)?;
+            }
+            Err(error) => {
+                part.failures.push(error.to_string());
+                bar.inc(arguments.views as u64);
+            }
+        }
+        let mut whole = report.lock().map_err(failed)?;
+        whole.views += part.views;
+        whole.not_detected += part.not_detected;
+        whole.mean_overlap += part.mean_overlap;
+        whole.notes.append(&mut part.notes);
+        whole.failures.append(&mut part.failures);
+    }
+    Ok(())
+}
+
+/// Goes round the object at each height in turn.
+fn record(
+    turntable: &mut Turntable,
+    job: &Job,
+    arguments: &ViewsArguments,
+    report: &mut Report,
+    bar: &ProgressBar,
+) -> Result<(), Failure> {
+    let n_turns = arguments.views.div_ceil(HEIGHTS.len());
+    for index in 0..arguments.views {
+        let (height, turn) = (index % HEIGHTS.len(), index / HEIGHTS.len());
+        let cut_out = turntable.view(height, turn as f64 / n_turns as f64);
+        if let Some(cut_out) = cut_out.map_err(failed)? {
+            let (sequence, frame) = (HEIGHTS[height].0, turn as u32 + 1);
+            let name = ViewName::new(&job.category, job.instance, sequence, frame)
+                .ok_or_else(|| failed(format!("`{}` is no category's name", job.category)))?;
+            let view = washington_view(&cut_out);
+            write_view(&arguments.out, &name, &view, Some(&CAMERA)).map_err(failed)?;
+            report.views += 1;
+            report.mean_overlap += cut_out.overlap;
+        } else {
+            report.not_detected += 1;
+        }
+        bar.inc(1);
+    }
+    Ok(())
+}
+
+/// The smallest rectangle around the cut-out.
+fn washington_view(cut_out: &CutOut<'_>) -> View {
+    let width = CAMERA.width;
+    let columns = cut_out.point_indices.iter().map(|index| index % width);
+    let rows = cut_out.point_indices.iter().map(|index| index / width);
+    let (left, right) = columns.fold((u32::MAX, 0), |(l, r), c| (l.min(c), r.max(c)));
+    let (top, bottom) = rows.fold((u32::MAX, 0), |(t, b), r| (t.min(r), b.max(r)));
+    let size = (right - left + 1, bottom - top + 1);
+    let n_pixels = (size.0 * size.1) as usize;
+    let mut view = View {
+        size,
+        top_left: (left, top),
+        color: Vec::with_capacity(3 * n_pixels),
+        depth_mm: Vec::with_capacity(n_pixels),
+        mask: vec![0; n_pixels],
+    };
+    for row in top..=bottom {
+        for column in left..=right {
+            let point = &cut_out.cloud[(row * width + column) as usize];
+            view.color.extend_from_slice(&point.color.rgb());
+            // A pixel without depth is NaN, which becomes 0.
+            view.depth_mm.push((point.z * 1000.0).round() as u16);
+        }
+    }
+    for index in cut_out.point_indices {
+        let (column, row) = (index % width - left, index / width - top);
+        view.mask[(row * size.0 + column) as usize] = 255;
+    }
+    view
+}

@@ -1,0 +1,67 @@
+//! Any bytes as one of the files of a view or as its name; the first byte says
+//! which.
+#![no_main]
+
+use dataset::washington::{
+    CAMERA, ContentError, View, ViewName, decode_color, decode_depth, decode_mask, format_location,
+    parse_location, read_cloud, write_cloud,
+};
+use libfuzzer_sys::fuzz_target;
+
+/// The size of the seeds' depth images and masks.
+const SIZE: (u32, u32) = (16, 8);
+
+fuzz_target!(|bytes: &[u8]| {
+    let Some((kind, file)) = bytes.split_first() else {
+        return;
+    };
+    let result = match kind % 6 {
+        0 => color(file),
+        1 => decode_depth(file, SIZE, &mut Vec::new()),
+        2 => mask(file),
+        3 => parse_location(file).map(|place| {
+            let text = format_location(place);
+            assert_eq!(
+                parse_location(text.as_bytes()).expect("it was written"),
+                place
+            );
+        }),
+        4 => read_cloud(file).map_err(ContentError::from).map(|_| ()),
+        _ => {
+            name(file);
+            Ok(())
+        }
+    };
+    if let Err(error) = result {
+        assert!(error.to_string().contains(' '));
+    }
+});
+
+/// What is read becomes a view whose points are written and read again.
+fn color(file: &[u8]) -> Result<(), ContentError> {
+    let mut view = View::default();
+    view.size = decode_color(file, &mut view.color)?;
+    let n_pixels = view.size.0 as usize * view.size.1 as usize;
+    assert_eq!(view.color.len(), 3 * n_pixels);
+    view.depth_mm = vec![1000; n_pixels];
+    view.mask = vec![1; n_pixels];
+    let cloud = write_cloud(&view, &CAMERA).expect("what was read can be written");
+    let points = read_cloud(&cloud).expect("what was written can be read");
+    assert_eq!(points, view.points(&CAMERA).expect("it is checked"));
+    Ok(())
+}
+
+fn mask(file: &[u8]) -> Result<(), ContentError> {
+    let mut mask = Vec::new();
+    decode_mask(file, SIZE, &mut mask)?;
+    assert_eq!(mask.len(), 16 * 8);
+    Ok(())
+}
+
+fn name(file: &[u8]) {
+    let text = String::from_utf8_lossy(file);
+    if let Some(name) = ViewName::parse(&text) {
+        assert_eq!(name.to_string(), text);
+        assert!(!name.category().contains(['/', '.']));
+    }
+}

@@ -1,0 +1,109 @@
+//! The colours of materials.
+
+use super::Error;
+use super::lines::{Line, lines};
+use point_cloud::Rgba;
+use std::collections::HashMap;
+
+/// Most materials of one model.
+const MAX_MATERIALS: usize = 1 << 16;
+
+/// Most libraries that one model names.
+const MAX_LIBRARIES: usize = 64;
+
+/// The diffuse colours of materials by their names.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Materials {
+    colors: HashMap<String, Rgba>,
+}
+
+impl Materials {
+    /// Adds the materials of a library, from its bytes: the lines `newmtl` and
+    /// `Kd r g b`. Its numbers are taken for the colour that a screen shows,
+    /// and cut off at 0 and 1. Other lines are skipped.
+    ///
+    /// # Errors
+    /// When such a line is wrong, or there are more than 65536 materials.
+    pub fn read(&mut self, bytes: &[u8]) -> Result<(), Error> {
+        let mut name = None;
+        for line in lines(bytes) {
+            match line.keyword {
+                b"newmtl" => name = Some(line.text()?),
+                b"Kd" => {
+                    let color = diffuse_color(&line)?;
+                    let name = name.ok_or_else(|| {
+                        line.error("a colour comes before the first material".to_owned())
+                    })?;
+                    if let Some(color) = color {
+                        self.colors.insert(name.to_owned(), color);
+                    }
+                }
+                _ => {}
+            }
+            if self.colors.len() > MAX_MATERIALS {
+                return Err(Error::TooManyMaterials);
+            }
+        }
+        Ok(())
+    }
+
+    /// The colour of a material, if it is known.
+    pub fn color(&self, name: &str) -> Option<Rgba> {
+        self.colors.get(name).copied()
+    }
+}
+
+/// `None` for a spectrum, which is a file of its own.
+fn diffuse_color(line: &Line<'_>) -> Result<Option<Rgba>, Error> {
+    if matches!(line.words()?.next(), Some("spectral" | "xyz")) {
+        return Ok(None);
+    }
+    let mut rgb = [0.0; 3];
+    match line.numbers(&mut rgb)? {
+        3 => {}
+        // Green and blue are as red when they are left out.
+        1 => rgb = [rgb[0]; 3],
+        _ => return Err(line.error("a colour has three numbers".to_owned())),
+    }
+    let [red, green, blue] = rgb.map(byte);
+    Ok(Some(Rgba::opaque(red, green, blue)))
+}
+
+/// From 0 to 1 to a byte; cut off outside.
+pub(super) fn byte(value: f32) -> u8 {
+    (value * 255.0).round() as u8
+}
+
+/// The names of the libraries that an OBJ file asks for, each once, without
+/// those that are in another folder.
+///
+/// # Errors
+/// When a line `mtllib` is not UTF-8 text, or there are more than 64 libraries.
+pub fn material_libraries(bytes: &[u8]) -> Result<Vec<&str>, Error> {
+    let mut names = Vec::new();
+    for line in lines(bytes).filter(|line| line.keyword == b"mtllib") {
+        let text = line.text()?;
+        // One name with spaces, as most programs write, or several names.
+        let is_one = text.matches(".mtl").count() < 2;
+        let found = if is_one {
+            vec![text]
+        } else {
+            line.words()?.take(MAX_LIBRARIES + 1).collect()
+        };
+        for name in found {
+            let name = name.strip_prefix("./").unwrap_or(name);
+            if is_plain_name(name) && !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        if names.len() > MAX_LIBRARIES {
+            return Err(Error::TooManyMaterials);
+        }
+    }
+    Ok(names)
+}
+
+/// Whether a name can only be that of a file in the same folder.
+fn is_plain_name(name: &str) -> bool {
+    !matches!(name, "" | "." | "..") && !name.contains(['/', '\\', ':', '\0'])
+}

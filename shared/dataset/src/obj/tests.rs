@@ -1,0 +1,263 @@
+use super::*;
+use crate::NEUTRAL_GREY;
+use crate::hostile::{assert_sentence, cuts, damage, flipped_bits};
+use point_cloud::{Point, Rgba};
+use proptest::prelude::*;
+use std::fmt::Write;
+
+const RED: Rgba = Rgba::opaque(255, 0, 0);
+const BLUE: Rgba = Rgba::opaque(0, 0, 255);
+
+/// A file of other people: everything that may be in one.
+const FOREIGN: &str = "# made by hand \\
+mtllib ./a b.mtl
+o thing
+v 0 0 0\r
+v 1 0 0 1.0
+v 1 1 0 1 0 0
+v 0 1 0 0 0.5 1 0.25
+vt 0.5 0.5
+vn 0 0 1
+g group\\
+  more
+s off
+f 1/1/1 2//1 3/1 4
+usemtl gold
+f -1 -2 -3
+f 1 \\
+  2 5
+v 1e-2 -2 3.5
+l 1 2 3
+weird line \u{e4}
+";
+
+fn read_plain(text: &str) -> Result<Mesh, Error> {
+    read(text.as_bytes(), &Materials::default())
+}
+
+fn materials(library: &str) -> Result<Materials, Error> {
+    let mut materials = Materials::default();
+    materials.read(library.as_bytes()).map(|()| materials)
+}
+
+/// Writes a mesh as text with all its digits.
+fn to_text(mesh: &Mesh) -> String {
+    let mut text = String::new();
+    for vertex in &mesh.vertices {
+        let [r, g, b] = vertex.color.rgb().map(|byte| f64::from(byte) / 255.0);
+        writeln!(text, "v {} {} {} {r} {g} {b}", vertex.x, vertex.y, vertex.z).unwrap();
+    }
+    for [a, b, c] in &mesh.triangles {
+        writeln!(text, "f {} {}/1 {}//2", a + 1, b + 1, c + 1).unwrap();
+    }
+    text
+}
+
+fn mesh() -> impl Strategy<Value = Mesh> {
+    let finite = || any::<f32>().prop_filter("finite", |value| value.is_finite());
+    let vertex = (finite(), finite(), finite(), any::<[u8; 3]>());
+    prop::collection::vec(vertex, 1..20).prop_flat_map(|vertices| {
+        let n_vertices = vertices.len() as u32;
+        let index = || 0..n_vertices;
+        prop::collection::vec([index(), index(), index()], 0..20).prop_map(move |triangles| Mesh {
+            vertices: vertices
+                .iter()
+                .map(|&(x, y, z, [r, g, b])| Point {
+                    x,
+                    y,
+                    z,
+                    color: Rgba::opaque(r, g, b),
+                })
+                .collect(),
+            triangles,
+        })
+    })
+}
+
+fn check_read_or_explained(bytes: &[u8], materials: &Materials) {
+    match read(bytes, materials) {
+        Ok(mesh) => {
+            let mut indices = mesh.triangles.as_flattened().iter();
+            assert!(indices.all(|&index| (index as usize) < mesh.vertices.len()));
+            assert!(mesh.vertices.iter().all(Point::is_finite));
+        }
+        Err(error) => assert_sentence(&error),
+    }
+    if let Err(error) = material_libraries(bytes) {
+        assert_sentence(&error);
+    }
+}
+
+proptest! {
+    #[test]
+    fn what_was_written_is_read(mesh in mesh()) {
+        prop_assert_eq!(read_plain(&to_text(&mesh)).unwrap(), mesh);
+    }
+
+    #[test]
+    fn indices_may_count_backwards(mesh in mesh()) {
+        let mut text = String::new();
+        let forwards = to_text(&mesh);
+        let n_vertices = mesh.vertices.len() as i64;
+        for line in forwards.lines().filter(|line| line.starts_with('v')) {
+            writeln!(text, "{line}").unwrap();
+        }
+        for triangle in &mesh.triangles {
+            let [a, b, c] = triangle.map(|index| i64::from(index) - n_vertices);
+            writeln!(text, "f {a}/{a}/{a} {b} {c}").unwrap();
+        }
+        prop_assert_eq!(read_plain(&text).unwrap(), mesh);
+    }
+
+    #[test]
+    fn paint_changes_colors_only(mesh in mesh(), names in prop::collection::vec("[a-c]", 20)) {
+        let library = materials("newmtl a\nKd 1 0 0\nnewmtl b\nKd 0 0 1\n").unwrap();
+        let mut text: String = to_text(&mesh)
+            .lines()
+            .filter(|line| line.starts_with('v'))
+            .map(|line| line.split(' ').take(4).collect::<Vec<_>>().join(" ") + "\n")
+            .collect();
+        for (name, [a, b, c]) in names.iter().zip(&mesh.triangles) {
+            writeln!(text, "usemtl {name}\nf {} {} {}", a + 1, b + 1, c + 1).unwrap();
+        }
+        let painted = read(text.as_bytes(), &library).unwrap();
+        prop_assert_eq!(painted.triangles.len(), mesh.triangles.len());
+        for (idx, (triangle, plain)) in painted.triangles.iter().zip(&mesh.triangles).enumerate() {
+            let color = library.color(&names[idx]).unwrap_or(NEUTRAL_GREY);
+            for (&left, &right) in triangle.iter().zip(plain) {
+                let (left, right) = (painted.vertices[left as usize], mesh.vertices[right as usize]);
+                prop_assert_eq!((left.x, left.y, left.z), (right.x, right.y, right.z));
+                prop_assert_eq!(left.color, color);
+            }
+        }
+    }
+
+    #[test]
+    fn a_damaged_file_is_read_or_explained(mesh in mesh(), damage in damage()) {
+        check_read_or_explained(&damage.apply(to_text(&mesh).as_bytes()), &Materials::default());
+    }
+
+    #[test]
+    fn any_bytes_are_explained(bytes in any::<Vec<u8>>()) {
+        check_read_or_explained(&bytes, &Materials::default());
+        check_read_or_explained(&[b"v 1 2 3\nf 1 1 1 ", &bytes[..]].concat(), &Materials::default());
+        if let Err(error) = Materials::default().read(&bytes) {
+            assert_sentence(&error);
+        }
+    }
+}
+
+#[test]
+fn a_file_cut_or_flipped_anywhere_is_read_or_explained() {
+    let gold = materials("newmtl gold\nKd 1 0.5 0\n").unwrap();
+    for file in cuts(FOREIGN.as_bytes()).chain(flipped_bits(FOREIGN.as_bytes())) {
+        check_read_or_explained(&file, &gold);
+    }
+    let library = b"newmtl gold\nKd 1 0.5 0\nmap_Kd a.png\nnewmtl blue\nKd 0.5\n";
+    for file in cuts(library).chain(flipped_bits(library)) {
+        if let Err(error) = Materials::default().read(&file) {
+            assert_sentence(&error);
+        }
+    }
+}
+
+#[test]
+fn foreign_lines_are_skipped_and_polygons_cut() {
+    let mesh = read_plain(FOREIGN).unwrap();
+    assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [3, 2, 1], [0, 1, 4]]);
+    let colors: Vec<Rgba> = mesh.vertices.iter().map(|vertex| vertex.color).collect();
+    let half = Rgba::opaque(0, 128, 255);
+    assert_eq!(
+        colors,
+        [NEUTRAL_GREY, NEUTRAL_GREY, RED, half, NEUTRAL_GREY]
+    );
+    assert_eq!((mesh.vertices[4].x, mesh.vertices[4].y), (0.01, -2.0));
+}
+
+#[test]
+fn a_vertex_between_materials_becomes_two() {
+    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0 0 1 0\nusemtl a\nf 1 2 3\nusemtl b\nf 3 2 4\n";
+    let library = materials("newmtl a\nKd 1 0 0\nnewmtl b\nKd 0 0 7\n").unwrap();
+    let mesh = read(text.as_bytes(), &library).unwrap();
+    assert_eq!(mesh.triangles, [[0, 1, 2], [4, 5, 3]]);
+    let colors: Vec<Rgba> = mesh.vertices.iter().map(|vertex| vertex.color).collect();
+    let own = Rgba::opaque(0, 255, 0);
+    assert_eq!(colors, [RED, RED, RED, own, BLUE, BLUE]);
+}
+
+/// Reads the foreign file with one change.
+#[track_caller]
+fn check_refusal(from: &str, to: &str, reason: &str) {
+    assert!(FOREIGN.contains(from), "{from}");
+    let error = read_plain(&FOREIGN.replacen(from, to, 1)).unwrap_err();
+    assert_sentence(&error);
+    assert!(error.to_string().contains(reason), "{error} / {reason}");
+}
+
+#[test]
+fn a_wrong_line_is_refused_with_its_reason() {
+    for (from, to, reason) in [
+        ("v 0 0 0", "v 0 0", "line 4 of"),
+        ("v 0 0 0", "v 0 0 nan", "\"nan\""),
+        ("v 0 0 0", "v 0 0 1e39", "not a finite number"),
+        ("v 0 0 0", "v 0 0 0 0 0", "x y z"),
+        ("v 0 0 0", "v 0 0 0 0 0 0 0 0", "too many numbers"),
+        ("1 0 0\n", "255 0 0\n", "from 0 to 1"),
+        ("f -1 -2 -3", "f -1 -2 -5", "no vertex -5"),
+        ("f -1 -2 -3", "f 0 1 2", "\"0\" is not a corner"),
+        ("f -1 -2 -3", "f 1 2", "three corners"),
+        ("f -1 -2 -3", "f 1 2 /3", "not a corner"),
+        ("f -1 -2 -3", "f 1 2 99999999999999999999", "not a corner"),
+        ("f -1 -2 -3", "f 1 2 99999999", "no vertex 99999999"),
+        (
+            "2 5\n",
+            "2 6\n",
+            "line 16 of the OBJ file is wrong: there is no vertex 6",
+        ),
+    ] {
+        check_refusal(from, to, reason);
+    }
+    let error = read_plain("vt 0 0\n").unwrap_err();
+    assert!(matches!(error, Error::NoVertices), "{error}");
+}
+
+#[test]
+fn a_wrong_library_is_refused_with_its_reason() {
+    for (library, reason) in [
+        ("Kd 1 0 0\n", "before the first material"),
+        ("newmtl a\nKd 1 0\n", "line 2"),
+        ("newmtl a\nKd 1 0 x\n", "\"x\""),
+    ] {
+        let error = materials(library).unwrap_err();
+        assert_sentence(&error);
+        assert!(error.to_string().contains(reason), "{error} / {reason}");
+    }
+    let found = materials("newmtl a\nKd spectral f.rfl\nnewmtl b c\nKd 0.2\n").unwrap();
+    assert_eq!(found.color("a"), None);
+    assert_eq!(found.color("b c"), Some(Rgba::opaque(51, 51, 51)));
+}
+
+#[test]
+fn libraries_are_sought_in_the_same_folder_only() {
+    let text = b"mtllib ./a b.mtl\nmtllib ../c.mtl\nmtllib /etc/passwd\nmtllib d.mtl e.mtl\n\
+        mtllib a b.mtl\nmtllib ..\nmtllib f\\g.mtl\nmtllib\n";
+    assert_eq!(
+        material_libraries(text).unwrap(),
+        ["a b.mtl", "d.mtl", "e.mtl"]
+    );
+    let many = (0..65).fold(String::new(), |many, idx| {
+        many + &format!("mtllib {idx}.mtl\n")
+    });
+    assert_sentence(&material_libraries(many.as_bytes()).unwrap_err());
+
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.obj");
+    std::fs::write(&path, "mtllib a b.mtl\nv 0 0 0\nusemtl m\nf 1 1 1\n").unwrap();
+    assert_eq!(open(&path).unwrap().vertices[0].color, NEUTRAL_GREY);
+    std::fs::write(folder.path().join("a b.mtl"), "newmtl m\nKd 0 0 1\n").unwrap();
+    assert_eq!(open(&path).unwrap().vertices[0].color, BLUE);
+    std::fs::write(folder.path().join("a b.mtl"), "newmtl m\nKd blue\n").unwrap();
+    let error = open(&path).unwrap_err();
+    assert_sentence(&error);
+    assert!(error.to_string().contains("a b.mtl"), "{error}");
+}

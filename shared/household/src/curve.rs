@@ -1,0 +1,124 @@
+//! Rods, handles and other things swept along a curve in space, metres.
+
+use crate::profile::radius_at;
+use mesh::{Solid, TubeSection, rounded_tube, tube};
+use nalgebra::{Point2, Point3, Vector3};
+
+/// Steps between two points of a curve.
+const N_STEPS: usize = 6;
+/// Sides of a section: fewer for wire.
+fn n_sides(radius: f32) -> usize {
+    match radius {
+        r if r < 0.002 => 8,
+        r if r < 0.006 => 10,
+        _ => 14,
+    }
+}
+
+/// A smooth curve through points.
+pub(crate) fn spline(points: &[[f32; 3]]) -> Vec<Point3<f32>> {
+    let last = points.len().saturating_sub(1);
+    let point = |i: usize| Vector3::from(points[i.min(last)]);
+    let at = |i: usize, t: f32| {
+        let (p0, p1, p2, p3) = (
+            point(i.saturating_sub(1)),
+            point(i),
+            point(i + 1),
+            point(i + 2),
+        );
+        let (t2, t3) = (t * t, t * t * t);
+        let ends = p1 * (2.0 * t3 - 3.0 * t2 + 1.0) + p2 * (3.0 * t2 - 2.0 * t3);
+        ends + (p2 - p0) * (0.5 * (t3 - 2.0 * t2 + t)) + (p3 - p1) * (0.5 * (t3 - t2))
+    };
+    let mut curve: Vec<Point3<f32>> = (0..last)
+        .flat_map(|i| (0..N_STEPS).map(move |k| (i, k as f32 / N_STEPS as f32)))
+        .map(|(i, t)| at(i, t).into())
+        .collect();
+    curve.extend(points.last().map(|p| Point3::from(*p)));
+    curve
+}
+
+/// A value between evenly spaced ones; `t` from 0 to 1.
+pub(crate) fn along(values: &[f32], t: f32) -> f32 {
+    let last = values.len().saturating_sub(1);
+    let x = t.clamp(0.0, 1.0) * last as f32;
+    let i = (x as usize).min(last.saturating_sub(1));
+    let share = x - i as f32;
+    let share = share * share * (3.0 - 2.0 * share);
+    values[i] + (values[(i + 1).min(last)] - values[i]) * share
+}
+
+/// An elliptic section swept along a curve, with rounded ends: `section` gives
+/// half its width and half its height (along `up`) from start 0 to end 1.
+pub(crate) fn swept(
+    points: &[[f32; 3]],
+    up: Vector3<f32>,
+    section: impl Fn(f32) -> (f32, f32),
+) -> Solid {
+    let curve = spline(points);
+    let last = curve.len().saturating_sub(1).max(1) as f32;
+    let sections: Vec<TubeSection> = curve
+        .into_iter()
+        .enumerate()
+        .map(|(i, centre)| {
+            let (half_width, half_height) = section(i as f32 / last);
+            TubeSection {
+                centre,
+                half_width,
+                half_height,
+            }
+        })
+        .collect();
+    let radius = sections.iter().map(|s| s.half_width.max(s.half_height));
+    let n_sides = n_sides(radius.fold(0.0, f32::max));
+    rounded_tube(&sections, up, n_sides)
+}
+
+/// A round rod along a curve.
+pub(crate) fn rod(points: &[[f32; 3]], radius: f32) -> Solid {
+    let up = if points.iter().all(|p| p[1] == points[0][1]) {
+        Vector3::y()
+    } else {
+        Vector3::z()
+    };
+    swept(points, up, |_| (radius, radius))
+}
+
+/// A handle in the xz plane on the wall below a profile, between two heights,
+/// top first, that reaches out by `reach`; `thickness` is seen from the side,
+/// `breadth` from the front.
+pub(crate) fn ear(
+    outer: &[Point2<f32>],
+    (top, bottom): (f32, f32),
+    reach: f32,
+    thickness: f32,
+    breadth: f32,
+) -> Solid {
+    // The flat ends hide in the wall.
+    let root = |height| radius_at(outer, height) - 0.0015;
+    let (r_top, r_bottom) = (root(top), root(bottom));
+    let height = top - bottom;
+    let out = r_top.max(r_bottom) + reach;
+    let points = [
+        [r_top, 0.0, top],
+        [r_top + 0.6 * (out - r_top), 0.0, top + 0.04 * height],
+        [out, 0.0, top - 0.3 * height],
+        [out - 0.12 * reach, 0.0, bottom + 0.3 * height],
+        [r_bottom + 0.5 * reach, 0.0, bottom + 0.05 * height],
+        [r_bottom, 0.0, bottom],
+    ];
+    let sections: Vec<TubeSection> = spline(&points)
+        .into_iter()
+        .map(|centre| TubeSection {
+            centre,
+            half_width: thickness / 2.0,
+            half_height: breadth / 2.0,
+        })
+        .collect();
+    tube(&sections, Vector3::y(), n_sides(breadth))
+}
+
+/// What stands along z laid down along x.
+pub(crate) fn lying(solid: Solid) -> Solid {
+    solid.turned(Vector3::y(), std::f32::consts::FRAC_PI_2)
+}

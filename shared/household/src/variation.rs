@@ -1,0 +1,111 @@
+//! The choices that make an instance.
+
+use crate::palette::{Color, jittered};
+
+/// A stream of choices that depends on nothing but its seed (splitmix64:
+/// Steele, Lea and Flood 2014).
+#[derive(Debug, Clone)]
+pub struct Variation {
+    state: u64,
+}
+
+impl Variation {
+    /// The choices of one instance of a category.
+    pub fn of(category: &str, instance: u64) -> Self {
+        // FNV-1a of the name, so that categories do not share their choices.
+        let name = category
+            .bytes()
+            .fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte| {
+                (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+            });
+        // Both are mixed, or one instance's stream were another's, shifted.
+        let instance = Self { state: instance }.seed();
+        Self {
+            state: Self {
+                state: name ^ instance,
+            }
+            .seed(),
+        }
+    }
+
+    /// The next 64 random bits.
+    pub fn seed(&mut self) -> u64 {
+        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.state;
+        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ z >> 31
+    }
+
+    /// Evenly distributed, `low` included, `high` not.
+    pub fn between(&mut self, low: f32, high: f32) -> f32 {
+        low + (high - low) * ((self.seed() >> 40) as f32 / (1_u64 << 24) as f32)
+    }
+
+    /// A whole number, both ends included.
+    pub fn count(&mut self, low: usize, high: usize) -> usize {
+        low + (self.seed() % (high.saturating_sub(low) as u64 + 1)) as usize
+    }
+
+    /// True with this probability.
+    pub fn chance(&mut self, probability: f32) -> bool {
+        self.between(0.0, 1.0) < probability
+    }
+
+    /// One of several; the default value of none.
+    pub fn pick<T: Copy + Default>(&mut self, choices: &[T]) -> T {
+        let last = choices.len().saturating_sub(1);
+        choices
+            .get(self.count(0, last))
+            .copied()
+            .unwrap_or_default()
+    }
+
+    /// A colour near one of a palette.
+    pub(crate) fn color(&mut self, palette: &[Color]) -> Color {
+        let color = self.pick(palette);
+        let mut by = || self.between(-10.0, 10.0);
+        let (common, own) = (by(), [by() * 0.5, by() * 0.5, by() * 0.5]);
+        jittered(color, own.map(|own| own + common))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn choices_stay_in_their_range_and_use_all_of_it() {
+        let mut variation = Variation::of("mug", 3);
+        let counts: Vec<usize> = (0..300).map(|_| variation.count(2, 5)).collect();
+        for expected in 2..=5 {
+            assert!(counts.contains(&expected));
+        }
+        assert!(counts.iter().all(|n| (2..=5).contains(n)));
+        let values: Vec<f32> = (0..1000).map(|_| variation.between(-1.0, 3.0)).collect();
+        assert!(values.iter().all(|x| (-1.0..3.0).contains(x)));
+        let mean = values.iter().sum::<f32>() / 1000.0;
+        assert!((mean - 1.0).abs() < 0.2, "{mean}");
+        assert_eq!(variation.pick::<u8>(&[]), 0);
+    }
+
+    #[test]
+    fn the_seed_is_all_that_counts() {
+        let first = |category, instance| Variation::of(category, instance).seed();
+        assert_eq!(first("mug", 1), first("mug", 1));
+        assert_ne!(first("mug", 1), first("mug", 2));
+        assert_ne!(first("mug", 1), first("cup", 1));
+    }
+
+    #[test]
+    fn no_instance_repeats_another_ones_choices_later() {
+        let stream = |instance| {
+            let mut variation = Variation::of("mug", instance);
+            (0..50).map(|_| variation.seed()).collect::<Vec<_>>()
+        };
+        let mut all: Vec<u64> = (0..50).flat_map(stream).collect();
+        all.sort_unstable();
+        all.dedup();
+        assert_eq!(all.len(), 2500);
+    }
+}

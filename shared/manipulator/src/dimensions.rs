@@ -1,0 +1,55 @@
+//! Lengths of the arm.
+
+/// Lengths along the stretched arm, metres, each named as in the Kinova JACO's
+/// data sheet.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ArmDimensions {
+    /// Mounting plate to shoulder, `D1`.
+    pub base_m: f64,
+    /// Shoulder to elbow, `D2`.
+    pub upper_arm_m: f64,
+    /// Elbow to the first wrist joint, `D3`.
+    pub forearm_m: f64,
+    /// First to second wrist joint, `D4`.
+    pub first_wrist_m: f64,
+    /// Second to third wrist joint, `D5`.
+    pub second_wrist_m: f64,
+    /// Third wrist joint to the middle of the finger pads, `D6`.
+    pub hand_m: f64,
+    /// The forearm's lateral offset at the elbow, `e2`.
+    pub elbow_offset_m: f64,
+}
+
+impl ArmDimensions {
+    /// The JACO with six joints: reach from the shoulder 0.93 m.
+    pub const JACO_LIKE: Self = Self {
+        base_m: 0.2755,
+        upper_arm_m: 0.4100,
+        forearm_m: 0.2073,
+        first_wrist_m: 0.0743,
+        second_wrist_m: 0.0743,
+        hand_m: 0.1687,
+        elbow_offset_m: 0.0098,
+    };
+
+    /// Height of the first joint over the mounting plate, metres.
+    pub(crate) fn turntable_m(&self) -> f64 {
+        0.56 * self.base_m
+    }
+
+    /// Elbow to the point where the wrist's axes meet, metres.
+    pub(crate) fn elbow_to_wrist_m(&self) -> f64 {
+        self.forearm_m + self.first_wrist_m
+    }
+
+    /// The point where the wrist's axes meet to the tool, metres.
+    pub(crate) fn wrist_to_tool_m(&self) -> f64 {
+        self.second_wrist_m + self.hand_m
+    }
+
+    /// Greatest distance of the tool from the shoulder, metres.
+    pub fn reach_m(&self) -> f64 {
+        (self.upper_arm_m + self.elbow_to_wrist_m()).hypot(self.elbow_offset_m)
+            + self.wrist_to_tool_m()
+    }
+}

@@ -1,0 +1,269 @@
+//! Two parallel fingers.
+
+use geometry::{OrientedBox, RigidTransform};
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use std::f64::consts::PI;
+
+use crate::Error;
+use crate::error::check_range;
+
+/// Sizes of the hand, metres. Lengths run along z of the tool, widths along y,
+/// thicknesses along x.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GripperGeometry {
+    /// Greatest distance between the pads.
+    pub max_opening_m: f64,
+    /// Length of a pad; its middle is at the tool's origin, so that the
+    /// fingertips are half of it ahead.
+    pub pad_length_m: f64,
+    /// Width of a pad.
+    pub pad_width_m: f64,
+    /// Thickness of a pad.
+    pub pad_thickness_m: f64,
+    /// Thickness of the finger that carries the pad.
+    pub finger_thickness_m: f64,
+    /// Distance of the palm behind the tool's origin: an object whose middle is
+    /// between the pads must not be deeper towards the hand.
+    pub palm_m: f64,
+    /// Greatest speed at which the opening changes, m/s.
+    pub opening_speed_m_s: f64,
+}
+
+impl GripperGeometry {
+    /// In the measures of the JACO's hand: it grasps things up to about 0.15 m
+    /// wide and closes in a bit more than a second. Its curling fingers are
+    /// replaced by parallel ones.
+    pub const JACO_LIKE: Self = Self {
+        max_opening_m: 0.15,
+        pad_length_m: 0.050,
+        pad_width_m: 0.022,
+        pad_thickness_m: 0.006,
+        finger_thickness_m: 0.012,
+        palm_m: 0.080,
+        opening_speed_m_s: 0.12,
+    };
+
+    /// The pad in its finger's frame.
+    pub fn pad_in_finger(&self) -> OrientedBox {
+        let half = Vector3::new(self.pad_thickness_m, self.pad_width_m, self.pad_length_m) / 2.0;
+        OrientedBox {
+            frame_from_box: Isometry3::translation(half.x, 0.0, 0.0),
+            half_sides_m: half,
+        }
+    }
+
+    /// What carries the pad, from the palm to the fingertip, in the finger's frame.
+    pub fn finger_in_finger(&self) -> OrientedBox {
+        let (back, tip) = (-self.palm_m, 0.5 * self.pad_length_m);
+        let half = Vector3::new(self.finger_thickness_m, self.pad_width_m, tip - back) / 2.0;
+        OrientedBox {
+            frame_from_box: Isometry3::translation(
+                self.pad_thickness_m + half.x,
+                0.0,
+                0.5 * (back + tip),
+            ),
+            half_sides_m: half,
+        }
+    }
+
+    /// The finger together with its pad, in the finger's frame.
+    pub fn finger_with_pad(&self) -> OrientedBox {
+        let mut body = self.finger_in_finger();
+        body.half_sides_m.x += 0.5 * self.pad_thickness_m;
+        body.frame_from_box.translation.x = body.half_sides_m.x;
+        body
+    }
+
+    /// The bar along which the fingers slide, behind the palm, in the tool frame.
+    pub fn rail_in_tool(&self) -> OrientedBox {
+        let reach = 0.5 * self.max_opening_m + self.pad_thickness_m + self.finger_thickness_m;
+        let half = Vector3::new(reach, 0.025, 0.015);
+        OrientedBox {
+            frame_from_box: Isometry3::translation(0.0, 0.0, -self.palm_m - half.z),
+            half_sides_m: half,
+        }
+    }
+
+    /// Both pads in the tool frame, in the order of [`tool_from_fingers`].
+    pub fn pads_in_tool(&self, opening_m: f64) -> [OrientedBox; 2] {
+        tool_from_fingers(opening_m)
+            .map(|tool_from_finger| self.pad_in_finger().transformed(&tool_from_finger))
+    }
+
+    /// Checks an opening.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OutOfRange`].
+    pub fn check_opening(&self, opening_m: f64) -> Result<(), Error> {
+        check_range(
+            "the opening of the hand in metres",
+            opening_m,
+            0.0,
+            self.max_opening_m,
+        )
+    }
+}
+
+/// Poses of the fingers at +x and at -x of the tool for a distance between the
+/// pads. A finger's frame lies in the middle of its pad's face: x into the pad,
+/// away from what is grasped, z forward.
+pub fn tool_from_fingers(opening_m: f64) -> [RigidTransform; 2] {
+    let half = 0.5 * opening_m;
+    [
+        Translation3::new(half, 0.0, 0.0).into(),
+        RigidTransform::from_parts(
+            Translation3::new(-half, 0.0, 0.0),
+            UnitQuaternion::from_axis_angle(&Vector3::z_axis(), PI),
+        ),
+    ]
+}
+
+/// What the fingers do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum GripperMotion {
+    /// They stand.
+    Still,
+    /// They move apart.
+    Opening,
+    /// They move together.
+    Closing,
+}
+
+/// The fingers' state.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Gripper {
+    geometry: GripperGeometry,
+    opening_m: f64,
+    target_m: f64,
+    motion: GripperMotion,
+    is_holding: bool,
+}
+
+impl Gripper {
+    /// Wide open and still.
+    pub fn new(geometry: GripperGeometry) -> Self {
+        Self {
+            opening_m: geometry.max_opening_m,
+            target_m: geometry.max_opening_m,
+            motion: GripperMotion::Still,
+            is_holding: false,
+            geometry,
+        }
+    }
+
+    /// Distance between the pads, metres.
+    pub fn opening_m(&self) -> f64 {
+        self.opening_m
+    }
+
+    /// What the fingers do.
+    pub fn motion(&self) -> GripperMotion {
+        self.motion
+    }
+
+    /// Whether the fingers came to rest on something and have not moved since.
+    pub fn is_holding(&self) -> bool {
+        self.is_holding
+    }
+
+    /// Begins to move to an opening; 0 closes.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OutOfRange`]; the fingers then go on as before.
+    pub fn move_to(&mut self, opening_m: f64) -> Result<(), Error> {
+        self.geometry.check_opening(opening_m)?;
+        self.target_m = opening_m;
+        self.is_holding = false;
+        self.motion = if opening_m < self.opening_m {
+            GripperMotion::Closing
+        } else {
+            GripperMotion::Opening
+        };
+        Ok(())
+    }
+
+    /// Stands at once.
+    pub fn halt(&mut self) {
+        self.motion = GripperMotion::Still;
+    }
+
+    /// Moves on by a time, seconds. When the fingers close and both pads touch
+    /// something, they stay where they are and hold it.
+    pub fn step(&mut self, dt_s: f64, both_pads_touch: bool) {
+        let way = self.geometry.opening_speed_m_s * dt_s;
+        match self.motion {
+            GripperMotion::Still => return,
+            GripperMotion::Opening => self.opening_m = (self.opening_m + way).min(self.target_m),
+            GripperMotion::Closing if both_pads_touch => {
+                self.is_holding = true;
+                self.motion = GripperMotion::Still;
+                return;
+            }
+            GripperMotion::Closing => self.opening_m = (self.opening_m - way).max(self.target_m),
+        }
+        if self.opening_m == self.target_m {
+            self.motion = GripperMotion::Still;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pads_face_each_other_across_the_opening() {
+        let hand = GripperGeometry::JACO_LIKE;
+        for opening in [0.0, 0.07, hand.max_opening_m] {
+            let [right, left] = hand.pads_in_tool(opening);
+            let thickness = hand.pad_thickness_m;
+            let expected = Vector3::new(0.5 * (opening + thickness), 0.0, 0.0);
+            assert!((right.centre().coords - expected).norm() < 1e-12);
+            assert!((left.centre().coords + expected).norm() < 1e-12);
+            let inside = 0.5 * opening + 0.1 * thickness;
+            assert!(right.contains(&[inside, 0.0, 0.0].into(), 0.0));
+            assert!(left.contains(&[-inside, 0.0, 0.0].into(), 0.0));
+        }
+    }
+
+    #[test]
+    fn fingers_close_at_their_speed_until_both_pads_touch() {
+        let mut gripper = Gripper::new(GripperGeometry::JACO_LIKE);
+        gripper.move_to(0.0).unwrap();
+        for _ in 0..50 {
+            gripper.step(0.01, false);
+        }
+        assert_eq!(gripper.motion(), GripperMotion::Closing);
+        assert!((gripper.opening_m() - (0.15 - 0.5 * 0.12)).abs() < 1e-12);
+        let at_contact = gripper.opening_m();
+        gripper.step(0.01, true);
+        assert_eq!(gripper.opening_m(), at_contact);
+        assert!(gripper.is_holding() && gripper.motion() == GripperMotion::Still);
+        gripper.move_to(0.15).unwrap();
+        gripper.step(10.0, true);
+        assert!(!gripper.is_holding() && gripper.opening_m() == 0.15);
+    }
+
+    #[test]
+    fn fingers_that_meet_hold_nothing() {
+        let mut gripper = Gripper::new(GripperGeometry::JACO_LIKE);
+        gripper.move_to(0.0).unwrap();
+        gripper.step(100.0, false);
+        assert!(gripper.opening_m() == 0.0 && !gripper.is_holding());
+        assert_eq!(gripper.motion(), GripperMotion::Still);
+    }
+
+    #[test]
+    fn an_impossible_opening_is_refused() {
+        let mut gripper = Gripper::new(GripperGeometry::JACO_LIKE);
+        for opening in [f64::NAN, -0.01, 0.151] {
+            assert!(matches!(
+                gripper.move_to(opening),
+                Err(Error::OutOfRange { .. })
+            ));
+        }
+        assert_eq!(gripper.motion(), GripperMotion::Still);
+    }
+}

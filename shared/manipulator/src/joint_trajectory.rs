@@ -1,0 +1,205 @@
+//! Motion of all joints from any state to a point of rest.
+
+use crate::velocity_profile::VelocityProfile;
+use crate::{JointVector, KinematicChain, N_JOINTS};
+
+/// Angles and velocities of the joints.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointState {
+    /// Angles, radians.
+    pub angles_rad: JointVector,
+    /// Velocities, rad/s.
+    pub velocities_rad_s: JointVector,
+}
+
+impl JointState {
+    /// The joints at rest.
+    pub fn at_rest(angles_rad: JointVector) -> Self {
+        Self {
+            angles_rad,
+            velocities_rad_s: JointVector::zeros(),
+        }
+    }
+
+    /// Whether no joint moves.
+    pub fn is_at_rest(&self) -> bool {
+        self.velocities_rad_s == JointVector::zeros()
+    }
+}
+
+/// A motion from point to point in which all joints arrive together, in the
+/// time that the slowest of them needs.
+///
+/// Each joint speeds up, cruises and slows down within its own limits
+/// (Kröger and Wahl 2010, type II: velocity and acceleration are bounded), from
+/// whatever velocity it has. Position and velocity are continuous in time. As
+/// slowing down uses the same acceleration in every motion, a motion that ends
+/// within the joint limits can be replaced at any time by another one that
+/// stays within them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointTrajectory {
+    profiles: [VelocityProfile; N_JOINTS],
+    duration_s: f64,
+}
+
+impl JointTrajectory {
+    /// The fastest motion from `start` to rest at `target_rad` with `speed`, in
+    /// (0, 1], of the joints' greatest velocities. Accelerations are the
+    /// joints' greatest at every speed.
+    pub fn new(
+        chain: &KinematicChain,
+        start: &JointState,
+        target_rad: &JointVector,
+        speed: f64,
+    ) -> Self {
+        let fastest = std::array::from_fn(|i| {
+            let joint = &chain.joints[i];
+            VelocityProfile::fastest(
+                start.angles_rad[i],
+                start.velocities_rad_s[i],
+                target_rad[i],
+                joint.max_velocity_rad_s * speed,
+                joint.max_acceleration_rad_s2,
+            )
+        });
+        let longest = Self::together(&fastest);
+        Self {
+            profiles: fastest.map(|profile| profile.lasting(longest.duration_s)),
+            ..longest
+        }
+    }
+
+    /// Each joint comes to rest as soon as it can.
+    pub fn braking(chain: &KinematicChain, start: &JointState) -> Self {
+        Self::together(&std::array::from_fn(|i| {
+            VelocityProfile::braking(
+                start.angles_rad[i],
+                start.velocities_rad_s[i],
+                chain.joints[i].max_acceleration_rad_s2,
+            )
+        }))
+    }
+
+    fn together(profiles: &[VelocityProfile; N_JOINTS]) -> Self {
+        let duration_s = profiles
+            .iter()
+            .map(VelocityProfile::duration_s)
+            .fold(0.0, f64::max);
+        Self {
+            profiles: *profiles,
+            duration_s,
+        }
+    }
+
+    /// How long the motion takes, seconds.
+    pub fn duration_s(&self) -> f64 {
+        self.duration_s
+    }
+
+    /// The joints at a time after the beginning, seconds; from the end on
+    /// exactly at the target and at rest.
+    pub fn sample(&self, time_s: f64) -> JointState {
+        // Durations agree to rounding only; at the end every joint has arrived.
+        let time_s = if time_s < self.duration_s {
+            time_s
+        } else {
+            f64::INFINITY
+        };
+        let mut state = JointState::at_rest(JointVector::zeros());
+        for (i, profile) in self.profiles.iter().enumerate() {
+            (state.angles_rad[i], state.velocities_rad_s[i]) = profile.sample(time_s);
+        }
+        state
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Arm, test_angles};
+    use proptest::prelude::*;
+
+    fn check(chain: &KinematicChain, motion: &JointTrajectory, start: &JointState) {
+        let dt = (motion.duration_s() / 500.0).max(1e-6);
+        let mut before = motion.sample(0.0);
+        assert!((before.angles_rad - start.angles_rad).amax() < 1e-9);
+        assert!((before.velocities_rad_s - start.velocities_rad_s).amax() < 1e-9);
+        for k in 1..=502 {
+            let now = motion.sample(dt * f64::from(k));
+            for (i, joint) in chain.joints.iter().enumerate() {
+                let (v0, v1) = (before.velocities_rad_s[i], now.velocities_rad_s[i]);
+                let a = joint.max_acceleration_rad_s2;
+                assert!(v1.abs() <= joint.max_velocity_rad_s + 1e-9);
+                assert!((v1 - v0).abs() <= a * dt + 1e-7);
+                let way = now.angles_rad[i] - before.angles_rad[i];
+                assert!((way - 0.5 * (v0 + v1) * dt).abs() <= a * dt * dt + 1e-7);
+            }
+            before = now;
+        }
+        assert!(before.is_at_rest());
+    }
+
+    fn moving(chain: &KinematicChain, angles_rad: JointVector, shares: [f64; 6]) -> JointState {
+        JointState {
+            angles_rad,
+            velocities_rad_s: JointVector::from_fn(|i, _| {
+                shares[i] * chain.joints[i].max_velocity_rad_s
+            }),
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn joints_arrive_together_within_limits_from_any_velocity(
+            from in test_angles(),
+            shares in proptest::array::uniform6(-1.0..1.0_f64),
+            to in test_angles(),
+            speed in 0.05..1.0_f64,
+        ) {
+            let arm = Arm::jaco_like();
+            let start = moving(arm.chain(), from, shares);
+            let motion = JointTrajectory::new(arm.chain(), &start, &to, speed);
+            check(arm.chain(), &motion, &start);
+            prop_assert_eq!(motion.sample(motion.duration_s()), JointState::at_rest(to));
+        }
+
+        #[test]
+        fn a_replaced_motion_stays_within_the_joint_limits(
+            from in test_angles(),
+            first in test_angles(),
+            second in test_angles(),
+            share in 0.0..1.0_f64,
+        ) {
+            let arm = Arm::jaco_like();
+            let chain = arm.chain();
+            let motion = JointTrajectory::new(chain, &JointState::at_rest(from), &first, 1.0);
+            let midway = motion.sample(share * motion.duration_s());
+            let replaced = JointTrajectory::new(chain, &midway, &second, 0.5);
+            for k in 0..=300 {
+                let state = replaced.sample(f64::from(k) / 300.0 * replaced.duration_s());
+                prop_assert!((chain.clamped(&state.angles_rad) - state.angles_rad).amax() < 1e-9);
+            }
+        }
+
+        #[test]
+        fn braking_ends_within_the_time_of_the_slowest_joint(
+            from in test_angles(),
+            shares in proptest::array::uniform6(-1.0..1.0_f64),
+        ) {
+            let arm = Arm::jaco_like();
+            let start = moving(arm.chain(), from, shares);
+            let motion = JointTrajectory::braking(arm.chain(), &start);
+            check(arm.chain(), &motion, &start);
+            prop_assert!(motion.duration_s() <= 0.4 + 1e-6);
+        }
+    }
+
+    #[test]
+    fn a_motion_to_where_the_arm_is_takes_no_time() {
+        let arm = Arm::jaco_like();
+        let here = JointVector::from(crate::HOME);
+        let motion = JointTrajectory::new(arm.chain(), &JointState::at_rest(here), &here, 1.0);
+        assert_eq!(motion.duration_s(), 0.0);
+        assert_eq!(motion.sample(0.0), JointState::at_rest(here));
+    }
+}

@@ -1,0 +1,49 @@
+//! Borders of objects are ragged.
+
+use super::sensor_model::check;
+use crate::Error;
+use std::f32::consts::FRAC_PI_2;
+
+/// Standard deviation of where a depth border is seen,
+///
+/// σ(θ) = 0.8 + 0.035 θ/(π/2 − θ) pixels
+///
+/// (Nguyen, Izadi and Lovell 2012, equation 4). It moves borders only: inside an
+/// inclined surface the published axial noise already contains its effect.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LateralNoise {
+    /// Factor on the published law; 0 to 4.
+    pub strength: f32,
+}
+
+impl LateralNoise {
+    /// As published.
+    pub const KINECT_V1: Self = Self { strength: 1.0 };
+
+    pub(super) fn check(&self) -> Result<(), Error> {
+        check("lateral_noise.strength", self.strength, 0.0, 4.0)
+    }
+
+    /// Standard deviation of a border of a surface seen under this angle, pixels.
+    pub fn sigma_px(&self, angle_rad: f32) -> f32 {
+        let angle_rad = angle_rad.clamp(0.0, 1.45);
+        self.strength * (0.8 + 0.035 * angle_rad / (FRAC_PI_2 - angle_rad))
+    }
+
+    /// [`Self::sigma_px`] for each value of a cosine times 255.
+    pub(super) fn sigmas_px(&self) -> [f32; 256] {
+        std::array::from_fn(|cosine| self.sigma_px((cosine as f32 / 255.0).acos()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_law_has_its_published_values() {
+        let noise = LateralNoise::KINECT_V1;
+        assert_eq!(noise.sigma_px(0.0), 0.8);
+        assert!((noise.sigma_px(std::f32::consts::FRAC_PI_4) - 0.835).abs() < 1e-6);
+    }
+}

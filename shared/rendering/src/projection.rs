@@ -1,0 +1,127 @@
+//! From a mesh's frame to pixels.
+
+use geometry::{PinholeCamera, RigidTransform};
+
+/// Nearest depth that is drawn, metres.
+pub(crate) const NEAR_M: f32 = 0.02;
+
+/// A corner on the image plane.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct ScreenCorner {
+    /// Column, pixels.
+    pub(crate) x: f32,
+    /// Row, pixels.
+    pub(crate) y: f32,
+    /// Closeness, linear in the image: the inverse depth, per metre, for a
+    /// pinhole. Not positive where the corner can not be projected.
+    pub(crate) closeness: f32,
+}
+
+/// A rigid transform in the renderer's precision.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Placement {
+    rows: [[f32; 4]; 3],
+}
+
+impl Placement {
+    /// `None` when a number is not finite.
+    pub(crate) fn new(target_from_source: &RigidTransform) -> Option<Self> {
+        let rotation = target_from_source.rotation.to_rotation_matrix();
+        let rows: [[f32; 4]; 3] = std::array::from_fn(|i| {
+            let along = |j| rotation.matrix()[(i, j)] as f32;
+            let shift = target_from_source.translation.vector[i] as f32;
+            [along(0), along(1), along(2), shift]
+        });
+        rows.iter()
+            .flatten()
+            .all(|part| part.abs() < 1e6)
+            .then_some(Self { rows })
+    }
+
+    #[inline]
+    pub(crate) fn point(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
+        self.rows.map(|[a, b, c, d]| a * x + b * y + c * z + d)
+    }
+
+    #[inline]
+    pub(crate) fn direction(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
+        self.rows.map(|[a, b, c, _]| a * x + b * y + c * z)
+    }
+}
+
+/// How points in front of a camera or a light become pixels.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Lens {
+    /// A pinhole: focal lengths and principal point, pixels.
+    Pinhole { focal: [f32; 2], center: [f32; 2] },
+    /// Parallel rays along z: pixels per metre, centre in pixels, and how much
+    /// the closeness falls in a metre.
+    Parallel {
+        px_per_m: f32,
+        center_px: f32,
+        closeness_per_m: f32,
+    },
+}
+
+impl Lens {
+    pub(crate) fn of_camera(camera: &PinholeCamera) -> Self {
+        Self::Pinhole {
+            focal: [camera.fx_px as f32, camera.fy_px as f32],
+            center: [camera.cx_px as f32, camera.cy_px as f32],
+        }
+    }
+
+    /// Whether some of a ball in the lens's frame may lie in an image of `size`
+    /// pixels (width, height).
+    pub(crate) fn may_see(&self, ball: [f32; 3], radius_m: f32, size: (usize, usize)) -> bool {
+        match *self {
+            Self::Pinhole { focal, center } => {
+                let ends = [size.0 as f32, size.1 as f32];
+                let is_beside = (0..2).any(|axis| {
+                    // The slopes of the two outermost rays; a ball is outside when
+                    // its centre is farther from a border plane than its radius.
+                    let low = (-1.0 - center[axis]) / focal[axis];
+                    let high = (ends[axis] - center[axis]) / focal[axis];
+                    ball[axis] - low * ball[2] < -radius_m * low.hypot(1.0)
+                        || ball[axis] - high * ball[2] > radius_m * high.hypot(1.0)
+                });
+                ball[2] + radius_m >= NEAR_M && !is_beside
+            }
+            Self::Parallel {
+                px_per_m,
+                center_px,
+                ..
+            } => {
+                let reach_px = center_px + radius_m * px_per_m + 1.0;
+                (0..2).all(|axis| (ball[axis] * px_per_m).abs() <= reach_px)
+            }
+        }
+    }
+
+    /// Projects a point in the lens's frame.
+    #[inline]
+    pub(crate) fn project(&self, [x, y, z]: [f32; 3]) -> ScreenCorner {
+        match *self {
+            Self::Pinhole { focal, center } => {
+                if z < NEAR_M {
+                    return ScreenCorner::default();
+                }
+                let closeness = 1.0 / z;
+                ScreenCorner {
+                    x: focal[0] * x * closeness + center[0],
+                    y: focal[1] * y * closeness + center[1],
+                    closeness,
+                }
+            }
+            Self::Parallel {
+                px_per_m,
+                center_px,
+                closeness_per_m,
+            } => ScreenCorner {
+                x: px_per_m * x + center_px,
+                y: px_per_m * y + center_px,
+                closeness: 1.0 - closeness_per_m * z,
+            },
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! Models from PLY and OBJ files, checked before they are used.
+
+use crate::error::Error;
+use crate::glam_conversion::point_to_glam;
+use crate::object_model::{ObjectModel, Origin, compound, half_sides};
+use mesh::{ConvexPart, Surface, Triangle, TriangleMesh, Vertex};
+use nalgebra::{Point3, Vector3};
+use rapier3d::parry::transformation::vhacd::{VHACD, VHACDParameters};
+use std::path::{Path, PathBuf};
+
+/// Most triangles that are drawn and dropped; finer models are made coarser.
+const TRIANGLES_MAX: usize = 20_000;
+/// Triangles of the model that is taken apart for the physics.
+const TRIANGLES_FOR_PARTS: usize = 2_000;
+/// Objects are this large in metres; other files have another unit.
+const SIDE_MIN_M: f32 = 0.005;
+const SIDE_MAX_M: f32 = 2.0;
+/// Files are in millimetres when their object is this large in their unit.
+const SIDE_MIN_IN_MM: f32 = 10.0;
+/// Edges sharper than this are shown as edges.
+const CREASE_RAD: f32 = 0.9;
+/// Mass of what fills the parts: most things are hollow, kilograms a cubic metre.
+const DENSITY_KG_M3: f64 = 300.0;
+const MASS_RANGE_KG: [f64; 2] = [0.01, 3.0];
+const FRICTION: f64 = 0.5;
+/// Cells along the longest side when a model is taken apart, and the hollow that
+/// is left undivided, as a share of its size.
+const PARTS_RESOLUTION: u32 = 32;
+const PARTS_CONCAVITY: f32 = 0.02;
+
+/// Model files of a folder in their natural order.
+pub(crate) fn list(folder: &Path) -> Result<Vec<PathBuf>, Error> {
+    let models = dataset::models::list(folder).map_err(|error| Error::Unreadable {
+        path: folder.to_owned(),
+        cause: error.to_string(),
+    })?;
+    Ok(models.into_iter().map(|model| model.path).collect())
+}
+
+/// Reads a model, brings it to metres and to its middle, and takes it apart for
+/// the physics. What was changed is added to `notes`, one sentence each.
+///
+/// # Errors
+/// When the file can not be read, or what it holds is no object.
+pub(crate) fn open(path: &Path, notes: &mut Vec<String>) -> Result<ObjectModel, Error> {
+    let read = dataset::models::open(path).map_err(|error| Error::Unreadable {
+        path: path.to_owned(),
+        cause: error.to_string(),
+    })?;
+    let (category, name) = names(path);
+    let wrong = |cause: String| Error::Model {
+        name: path.display().to_string(),
+        cause,
+    };
+    let note = |text: String| format!("the model {name}: {text}");
+    let mesh = sound_faces(&read);
+    if mesh.triangles.is_empty() {
+        return Err(wrong(
+            "it has no faces; export it as a triangle mesh".into(),
+        ));
+    }
+    let mut mesh = mesh.decimated(TRIANGLES_MAX);
+    if read.triangles.len() > TRIANGLES_MAX {
+        notes.push(note(format!(
+            "its {} triangles were reduced to {}",
+            read.triangles.len(),
+            mesh.triangles.len()
+        )));
+    }
+    if let Some(sentence) = to_metres(&mut mesh).map_err(wrong)? {
+        notes.push(note(sentence));
+    }
+    let found = mesh.examination();
+    if !found.is_closed() {
+        notes.push(note(format!(
+            "its surface is not closed ({} open edges, {} edges with more than two faces); \
+             holes are seen through",
+            found.n_boundary_edges, found.n_non_manifold_edges
+        )));
+    }
+    mesh.recentre();
+    mesh.smooth_normals(CREASE_RAD);
+    let parts = parts(&mesh);
+    let shape = compound(&parts)
+        .ok_or_else(|| wrong("it is flat; an object needs three dimensions".into()))?;
+    let volume_m3 = f64::from(shape.mass_properties(1.0).mass());
+    Ok(ObjectModel {
+        category,
+        name: name.clone(),
+        origin: Origin::File(path.to_owned()),
+        half_sides_m: half_sides(&mesh),
+        mass_kg: (volume_m3 * DENSITY_KG_M3).clamp(MASS_RANGE_KG[0], MASS_RANGE_KG[1]),
+        friction: FRICTION,
+        mesh,
+        shape,
+    })
+}
+
+/// Category and name of `025_mug.ply`: `mug` and `025_mug`. A category's name
+/// is lower case with hyphens, as everywhere.
+pub(crate) fn names(path: &Path) -> (String, String) {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let numbered = stem.split_once('_');
+    let bare = numbered.filter(|(number, _)| number.starts_with(|c: char| c.is_ascii_digit()));
+    let bare = bare.map_or(&*stem, |(_, name)| name);
+    let category = bare.to_lowercase().replace(['_', ' '], "-");
+    (category, stem.into_owned())
+}
+
+/// The faces whose corners are there and finite.
+fn sound_faces(read: &dataset::mesh::Mesh) -> TriangleMesh {
+    let vertices = read.vertices.iter().map(|point| Vertex {
+        position: Point3::new(point.x, point.y, point.z),
+        normal: Vector3::z(),
+        color: point.color.rgb(),
+    });
+    let is_finite = |&index: &u32| {
+        let corner = read.vertices.get(index as usize);
+        corner.is_some_and(point_cloud::Point::is_finite)
+    };
+    let triangles = read.triangles.iter().filter(|t| t.iter().all(is_finite));
+    TriangleMesh {
+        vertices: vertices.collect(),
+        triangles: triangles
+            .map(|&vertices| Triangle {
+                vertices,
+                surface: 0,
+            })
+            .collect(),
+        surfaces: vec![Surface::MATTE],
+    }
+}
+
+/// Scales what is written in millimetres; says so.
+fn to_metres(mesh: &mut TriangleMesh) -> Result<Option<String>, String> {
+    let sides = mesh
+        .examination()
+        .extent
+        .map_or_else(Vector3::zeros, |b| b.sides());
+    let longest = sides.max();
+    if (SIDE_MIN_M..=SIDE_MAX_M).contains(&longest) {
+        return Ok(None);
+    }
+    let in_mm = SIDE_MIN_IN_MM..=SIDE_MAX_M * 1000.0;
+    if in_mm.contains(&longest) {
+        mesh.scale(0.001);
+        return Ok(Some(format!(
+            "its longest side is {longest:.0}; it was taken to be in millimetres and scaled to metres"
+        )));
+    }
+    Err(format!(
+        "its longest side is {longest}; that is neither an object in metres (0.005 to 2) nor in \
+         millimetres (10 to 2000); scale it"
+    ))
+}
+
+/// Convex parts for the physics (Mamou 2016, volumetric convex decomposition).
+fn parts(mesh: &TriangleMesh) -> Vec<ConvexPart> {
+    let coarse = mesh.decimated(TRIANGLES_FOR_PARTS);
+    let points: Vec<_> = coarse
+        .vertices
+        .iter()
+        .map(|v| point_to_glam(&v.position))
+        .collect();
+    let triangles: Vec<[u32; 3]> = coarse.triangles.iter().map(|t| t.vertices).collect();
+    let parameters = VHACDParameters {
+        resolution: PARTS_RESOLUTION,
+        concavity: PARTS_CONCAVITY,
+        max_convex_hulls: 24,
+        ..VHACDParameters::default()
+    };
+    let found = VHACD::decompose(&parameters, &points, &triangles, false);
+    let hulls = found.compute_convex_hulls(1);
+    let hulls = hulls.into_iter().map(|(points, _)| {
+        ConvexPart::around(points.iter().map(|p| Point3::new(p.x, p.y, p.z)).collect())
+    });
+    hulls.collect()
+}

@@ -1,0 +1,113 @@
+//! One object as the simulation needs it: to be drawn and to be dropped.
+
+use crate::error::Error;
+use crate::glam_conversion::point_to_glam;
+use mesh::{ConvexPart, TriangleMesh};
+use nalgebra::Vector3;
+use rapier3d::math::Pose;
+use rapier3d::prelude::SharedShape;
+use std::path::PathBuf;
+
+/// Where a model comes from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Origin {
+    /// A generated instance of a category.
+    Generated {
+        /// Number of the instance.
+        instance: u64,
+    },
+    /// A file.
+    File(PathBuf),
+}
+
+/// An object: how it looks, what it weighs, how it collides.
+///
+/// Frame: origin in the middle of the bounding box, z up as it naturally stands.
+#[derive(Clone)]
+pub struct ObjectModel {
+    /// Category: `mug`.
+    pub category: String,
+    /// Name that tells instances apart: `mug-3`.
+    pub name: String,
+    /// Where it comes from.
+    pub origin: Origin,
+    /// Surface.
+    pub mesh: TriangleMesh,
+    /// Half sides of the bounding box, metres.
+    pub half_sides_m: Vector3<f64>,
+    /// Mass, kilograms.
+    pub mass_kg: f64,
+    /// Coulomb's coefficient of friction.
+    pub friction: f64,
+    /// What the physics sees.
+    pub(crate) shape: SharedShape,
+}
+
+impl std::fmt::Debug for ObjectModel {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("ObjectModel")
+            .field("name", &self.name)
+            .field("half_sides_m", &self.half_sides_m)
+            .finish_non_exhaustive()
+    }
+}
+
+impl ObjectModel {
+    /// A generated object; the same numbers give the same object.
+    ///
+    /// # Errors
+    /// When there is no such category.
+    pub fn generated(category: &str, instance: u64) -> Result<Self, Error> {
+        let known = household::category(category).ok_or_else(|| Error::UnknownCategory {
+            category: category.to_owned(),
+        })?;
+        let object = household::generate(known, instance);
+        let name = format!("{category}-{instance}");
+        let shape = compound(&object.convex_parts).ok_or_else(|| Error::Model {
+            name: name.clone(),
+            cause: "none of its parts has a volume".into(),
+        })?;
+        Ok(Self {
+            category: category.to_owned(),
+            name,
+            origin: Origin::Generated { instance },
+            half_sides_m: half_sides(&object.mesh),
+            mesh: object.mesh,
+            mass_kg: object.mass_kg.into(),
+            friction: object.friction.into(),
+            shape,
+        })
+    }
+
+    /// Radius of the smallest upright cylinder around the middle that holds it, metres.
+    pub fn footprint_radius_m(&self) -> f64 {
+        let reach = |v: &mesh::Vertex| v.position.x.hypot(v.position.y);
+        f64::from(self.mesh.vertices.iter().map(reach).fold(0.0, f32::max))
+    }
+}
+
+/// Half of the bounding box's sides; the mesh is centred.
+pub(crate) fn half_sides(mesh: &TriangleMesh) -> Vector3<f64> {
+    let mut half = Vector3::<f32>::zeros();
+    for vertex in &mesh.vertices {
+        half = half.sup(&vertex.position.coords.abs());
+    }
+    half.cast()
+}
+
+/// The parts as one shape; parts without a volume are left out, `None` when none is left.
+pub(crate) fn compound(parts: &[ConvexPart]) -> Option<SharedShape> {
+    let hulls: Vec<_> = parts
+        .iter()
+        .filter_map(|part| {
+            let points: Vec<_> = part.points.iter().map(point_to_glam).collect();
+            SharedShape::convex_hull(&points)
+        })
+        .map(|hull| (Pose::IDENTITY, hull))
+        .collect();
+    match hulls.as_slice() {
+        [] => None,
+        [(_, single)] => Some(single.clone()),
+        _ => Some(SharedShape::compound(hulls)),
+    }
+}

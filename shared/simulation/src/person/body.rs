@@ -1,0 +1,101 @@
+//! The body as a chain of capsules, posed by where the hand is.
+
+use geometry::Capsule;
+use nalgebra::{Point3, Vector3};
+
+/// Where the hand is when nothing is done, world frame: beside the body, above
+/// what the camera sees.
+pub(crate) const RESTING_HAND: Point3<f64> = Point3::new(0.30, 0.72, 1.05);
+
+const HIP: Point3<f64> = Point3::new(0.05, 0.92, 0.55);
+const NECK: Point3<f64> = Point3::new(0.05, 0.88, 1.38);
+const SHOULDER: Point3<f64> = Point3::new(0.24, 0.86, 1.34);
+const UPPER_ARM_M: f64 = 0.31;
+const FOREARM_M: f64 = 0.27;
+const TORSO_RADIUS_M: f64 = 0.16;
+const HEAD_RADIUS_M: f64 = 0.11;
+const UPPER_ARM_RADIUS_M: f64 = 0.055;
+const FOREARM_RADIUS_M: f64 = 0.045;
+const HAND_RADIUS_M: f64 = 0.05;
+/// From the wrist to the middle of the hand, metres.
+const HAND_M: f64 = 0.09;
+
+/// Number of capsules of a body.
+pub(crate) const N_CAPSULES: usize = 5;
+
+/// A body: torso, head, upper arm, forearm, hand; world frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Body {
+    /// Torso, head, upper arm, forearm, hand.
+    pub(crate) capsules: [Capsule; N_CAPSULES],
+}
+
+impl Body {
+    /// The body of a person whose hand is at `hand`. When it is far, the person
+    /// leans towards it.
+    pub(crate) fn reaching(hand: Point3<f64>) -> Self {
+        let wrist_from = |shoulder: Point3<f64>| hand - (hand - shoulder).normalize() * HAND_M;
+        let reach = (UPPER_ARM_M + FOREARM_M) * 0.97;
+        let away = hand - SHOULDER;
+        let lean = away.normalize() * (away.norm() - HAND_M - reach).max(0.0);
+        let (shoulder, neck) = (SHOULDER + lean, NECK + lean);
+        let wrist = wrist_from(shoulder);
+        let elbow = elbow(shoulder, wrist);
+        let head = neck + Vector3::new(0.0, -0.03, 0.22);
+        let capsule = |from, to, radius_m| Capsule { from, to, radius_m };
+        Self {
+            capsules: [
+                capsule(
+                    HIP,
+                    neck - Vector3::new(0.0, 0.0, TORSO_RADIUS_M),
+                    TORSO_RADIUS_M,
+                ),
+                capsule(head, head, HEAD_RADIUS_M),
+                capsule(shoulder, elbow, UPPER_ARM_RADIUS_M),
+                capsule(elbow, wrist, FOREARM_RADIUS_M),
+                capsule(wrist, hand, HAND_RADIUS_M),
+            ],
+        }
+    }
+}
+
+/// The elbow between shoulder and wrist, to the outside and down.
+fn elbow(shoulder: Point3<f64>, wrist: Point3<f64>) -> Point3<f64> {
+    let across = wrist - shoulder;
+    let distance = across.norm().max(1e-6);
+    let axis = across / distance;
+    let (a, b) = (UPPER_ARM_M, FOREARM_M);
+    let along = ((a * a - b * b + distance * distance) / (2.0 * distance)).clamp(-a, a);
+    let aside = (a * a - along * along).max(0.0).sqrt();
+    let outward = Vector3::new(0.8, 0.1, -0.6);
+    let side = outward - axis * outward.dot(&axis);
+    shoulder + axis * along + side.normalize() * aside
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn limbs_keep_their_length_and_reach_the_hand() {
+        for hand in [
+            RESTING_HAND,
+            Point3::new(-0.4, -0.3, 0.8),
+            Point3::new(0.5, 0.3, 0.75),
+            Point3::new(0.24, 0.86, 1.30),
+        ] {
+            let [_, _, upper, forearm, palm] = Body::reaching(hand).capsules;
+            assert!(
+                ((upper.to - upper.from).norm() - UPPER_ARM_M).abs() < 0.02,
+                "{hand}"
+            );
+            assert!(
+                (forearm.to - forearm.from).norm() < FOREARM_M + 0.12,
+                "{hand}"
+            );
+            assert_eq!(upper.to, forearm.from);
+            assert_eq!(forearm.to, palm.from);
+            assert_eq!(palm.to, hand);
+        }
+    }
+}

@@ -1,0 +1,202 @@
+//! The simulated table as a Kinect sees it.
+
+mod appearance;
+mod person_look;
+
+use crate::error::Error;
+use crate::truth::{ARM_ID, PERSON_ID, TrueObject};
+use crate::world::World;
+use appearance::{RoomPiece, room_pieces};
+use geometry::{PinholeCamera, RigidTransform};
+use nalgebra::Point3;
+use person_look::PersonLook;
+use point_cloud::Point;
+use rendering::kinect::{KinectSensor, Shot};
+use rendering::{Image, Instance, Lights, PreparedMesh, Rasterizer, ShadowRegion, Stage};
+
+/// How far from the middle of the table shadows are cast, metres.
+const SHADOW_REACH_M: f32 = 1.1;
+
+/// A camera that looks at a [`World`].
+#[derive(Debug)]
+pub struct SimulatedKinect {
+    rasterizer: Rasterizer,
+    sensor: KinectSensor,
+    seed: u64,
+    lights: Lights,
+    room: Vec<RoomPiece>,
+    person: PersonLook,
+    arm: Vec<PreparedMesh>,
+    objects: Vec<(u16, PreparedMesh)>,
+    /// Where the camera was when the room was drawn last.
+    seen_from: Option<RigidTransform>,
+    counts: Vec<u32>,
+}
+
+impl SimulatedKinect {
+    /// A camera for a world and its likes.
+    ///
+    /// # Errors
+    /// When the intrinsics or the world's sensor model are impossible.
+    pub fn new(world: &World, camera: PinholeCamera) -> Result<Self, Error> {
+        let wrong = |error: rendering::Error| Error::Scene {
+            place: "camera".into(),
+            rule: error.to_string(),
+        };
+        let middle = world.scene().table.middle().cast::<f32>();
+        let arm = world.arm().map_or_else(Vec::new, |arm| {
+            let meshes = &arm.parts.meshes;
+            let solids = meshes.links.iter().chain([&meshes.rail, &meshes.finger]);
+            solids.map(|solid| PreparedMesh::new(&solid.mesh)).collect()
+        });
+        Ok(Self {
+            rasterizer: Rasterizer::new(camera).map_err(wrong)?,
+            sensor: KinectSensor::new(camera, world.scene().sensor).map_err(wrong)?,
+            seed: world.scene().seed,
+            lights: Lights {
+                shadow: Some(ShadowRegion {
+                    center_in_world: Point3::from(middle),
+                    radius_m: SHADOW_REACH_M,
+                }),
+                ..Lights::ROOM
+            },
+            room: room_pieces(world.blocks()),
+            person: PersonLook::new(),
+            arm,
+            objects: Vec::new(),
+            seen_from: None,
+            counts: Vec::new(),
+        })
+    }
+
+    /// Light of the room from now on.
+    pub fn set_lights(&mut self, lights: Lights) {
+        self.lights = Lights {
+            shadow: self.lights.shadow,
+            ..lights
+        };
+        self.seen_from = None;
+    }
+
+    /// Looks at the world: writes the organised cloud, camera frame, row-major.
+    /// `frame` tells the noise of frames apart. The truth is what is seen before
+    /// the sensor's errors.
+    ///
+    /// # Errors
+    /// When `points` has not the size of the image, or the camera is nowhere.
+    pub fn look(
+        &mut self,
+        world: &World,
+        frame: u64,
+        points: &mut [Point],
+    ) -> Result<Vec<TrueObject>, Error> {
+        self.follow_objects(world);
+        let wrong = |error: rendering::Error| Error::Scene {
+            place: "camera".into(),
+            rule: error.to_string(),
+        };
+        self.prepare(world).map_err(wrong)?;
+        let instances = instances(&self.objects, &self.arm, &self.person, world);
+        self.rasterizer.render(&instances);
+        let truth = true_objects(&mut self.rasterizer, &mut self.counts, world, &instances);
+        let shot = Shot {
+            seed: self.seed,
+            frame_index: frame,
+        };
+        self.sensor
+            .sense(self.rasterizer.image(), shot, points)
+            .map_err(wrong)?;
+        Ok(truth)
+    }
+
+    /// What was measured last.
+    pub fn sensor(&self) -> &KinectSensor {
+        &self.sensor
+    }
+
+    /// What was seen last, without the sensor's errors.
+    pub fn image(&self) -> &Image {
+        self.rasterizer.image()
+    }
+
+    /// The object of each pixel, row-major: 0 for none, see [`ARM_ID`] and [`PERSON_ID`].
+    pub fn mask(&self) -> &[u16] {
+        self.rasterizer.image().instance()
+    }
+
+    /// Intrinsics and size.
+    pub fn camera(&self) -> &PinholeCamera {
+        self.rasterizer.camera()
+    }
+
+    /// Draws the room when the camera has moved.
+    fn prepare(&mut self, world: &World) -> Result<(), rendering::Error> {
+        let world_from_camera = world.world_from_camera();
+        if self.seen_from == Some(world_from_camera) {
+            return Ok(());
+        }
+        let background: Vec<Instance<'_>> = self.room.iter().map(RoomPiece::instance).collect();
+        self.rasterizer.prepare(&Stage {
+            world_from_camera,
+            lights: self.lights,
+            background: &background,
+        })?;
+        self.seen_from = Some(world_from_camera);
+        Ok(())
+    }
+
+    /// Prepares the meshes of new objects and forgets those that are gone.
+    fn follow_objects(&mut self, world: &World) {
+        self.objects.retain(|(id, _)| world.find(*id).is_some());
+        for object in world.objects() {
+            if self.objects.iter().all(|(id, _)| *id != object.id) {
+                self.objects
+                    .push((object.id, PreparedMesh::new(&object.model.mesh)));
+            }
+        }
+    }
+}
+
+/// What moves: objects first, in their order, then the arm and the person.
+fn instances<'a>(
+    objects: &'a [(u16, PreparedMesh)],
+    arm: &'a [PreparedMesh],
+    person: &'a PersonLook,
+    world: &World,
+) -> Vec<Instance<'a>> {
+    let mut instances = Vec::new();
+    for object in world.objects() {
+        if let Some((_, mesh)) = objects.iter().find(|(id, _)| *id == object.id) {
+            instances.push(Instance::new(mesh, object.world_from_object, object.id));
+        }
+    }
+    if let (Some(simulated), Some(finger)) = (world.arm(), arm.last()) {
+        for (index, pose) in simulated.poses().into_iter().enumerate() {
+            let mesh = arm.get(index).unwrap_or(finger);
+            instances.push(Instance::new(mesh, pose, ARM_ID));
+        }
+    }
+    for (mesh, pose) in person.limbs(&world.person_capsules()) {
+        instances.push(Instance::new(mesh, pose, PERSON_ID));
+    }
+    instances
+}
+
+fn true_objects(
+    rasterizer: &mut Rasterizer,
+    counts: &mut Vec<u32>,
+    world: &World,
+    instances: &[Instance<'_>],
+) -> Vec<TrueObject> {
+    let last = world.objects().last().map_or(0, |object| object.id);
+    counts.clear();
+    counts.resize(usize::from(last) + 1, 0);
+    rasterizer.image().count_pixels(counts);
+    let objects = world.objects().iter().zip(instances);
+    objects
+        .map(|(object, instance)| {
+            let unoccluded = rasterizer.n_unoccluded_px(instance) as u32;
+            TrueObject::new(object, counts[usize::from(object.id)], unoccluded)
+        })
+        .collect()
+}
