@@ -3,7 +3,7 @@
 
 use crate::daemon::{Daemon, Place, eventually};
 use crate::real_data;
-use crate::scene_recorder::{Recorded, SceneRecorder};
+use crate::recorder::{Recorded, SceneRecorder};
 use channel::domain_reservation;
 use dataset::pcd;
 use dataset::scene_folder::SceneFolder;
@@ -91,7 +91,7 @@ fn print_latencies(scenes: &[Recorded]) {
         "ms after the frame", "p50", "p99", "max"
     );
     for (name, from, to) in stages {
-        let stamps = scenes.iter().map(|scene| &scene.summary.stamps);
+        let stamps = scenes.iter().map(|scene| &scene.header.stamps);
         let durations = stamps
             .map(|s| to(s).checked_sub(from(s)).unwrap())
             .collect();
@@ -138,8 +138,8 @@ fn measure_latency(place: &Place, name: &str, looped: bool) {
     print_health(&daemon);
     let (scenes, n_lost) = recorder.stop();
     daemon.stop();
-    let n_late: u32 = scenes.iter().map(|scene| scene.summary.n_late).sum();
-    let n_objects: usize = scenes.iter().map(|scene| scene.objects.len()).sum();
+    let n_late: u32 = scenes.iter().map(|scene| scene.header.n_late).sum();
+    let n_objects: usize = scenes.iter().map(|scene| scene.items.len()).sum();
     println!(
         "    {} scenes ({n_lost} not recorded), {:.1} objects in each, {n_late} views late",
         scenes.len(),
@@ -153,12 +153,12 @@ fn cold_start_ms(place: &Place) -> f64 {
     let recorder = SceneRecorder::start(place);
     let began_ns = monotonic_ns();
     let daemon = show_one(place, TAUGHT_SCENE);
-    let has_label = |scene: &Recorded| scene.objects.iter().any(|object| object.label().is_some());
+    let has_label = |scene: &Recorded| scene.items.iter().any(|object| object.label().is_some());
     recorder.wait_for("something is named", |scenes| scenes.iter().any(has_label));
     let (scenes, _) = recorder.stop();
     daemon.stop();
     let first = scenes.iter().find(|scene| has_label(scene)).unwrap();
-    (first.summary.stamps.published_ns - began_ns) as f64 * 1e-6
+    (first.header.stamps.published_ns - began_ns) as f64 * 1e-6
 }
 
 /// Centroids of the labelled objects that are large enough, camera frame.
@@ -207,12 +207,7 @@ fn tracks(folder: &str, scene: usize) -> Vec<OrientedBox> {
     let (scenes, _) = recorder.stop();
     daemon.stop();
     let is_seen = |object: &&SceneObject| object.state != TrackState::Missing.code();
-    scenes[0]
-        .objects
-        .iter()
-        .filter(is_seen)
-        .map(box_of)
-        .collect()
+    scenes[0].items.iter().filter(is_seen).map(box_of).collect()
 }
 
 /// Tracks, labelled objects, and labelled objects whose centroid lies in a

@@ -20,20 +20,21 @@ const LAYERS: [&[&str]; 11] = [
     &["pipeline", "message"],
     &["channel", "store", "freenect"],
     &["actor"],
-    &["service"],
+    &["service", "evaluation"],
     &["capture"],
     &["camera", "simulator", "perception", "memory", "tabula"],
     &["tests"],
 ];
 
 /// Foreign libraries and the only crates that may name them.
-const OWNERS: [(&str, &[&str]); 10] = [
+const OWNERS: [(&str, &[&str]); 11] = [
     ("iceoryx2", &["channel", "message"]),
     ("iceoryx2-log", &["channel"]),
     ("rusty-leveldb", &["store"]),
     ("libloading", &["freenect"]),
     ("rapier3d", &["simulation"]),
     ("indicatif", &["tabula"]),
+    ("plotters", &["evaluation"]),
     ("ciborium", &["channel", "store"]),
     ("sd-notify", &["service"]),
     ("tracing-subscriber", &["service"]),

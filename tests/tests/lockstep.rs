@@ -3,7 +3,7 @@
 
 use crate::daemon::{Daemon, Place, eventually};
 use crate::real_data;
-use crate::scene_recorder::{Recorded, SceneRecorder};
+use crate::recorder::{Recorded, SceneRecorder};
 use message::{ProcessKind, StageStamps};
 use rustix::process::Signal;
 use std::path::Path;
@@ -12,10 +12,10 @@ use std::path::Path;
 /// NaN, which stands for an absent distance, equals itself.
 fn repeatable(scene: &Recorded) -> String {
     let mut scene = scene.clone();
-    scene.summary.session = 0;
-    scene.summary.stamps = StageStamps {
-        capture_ns: scene.summary.stamps.capture_ns,
-        scheduled_ns: scene.summary.stamps.scheduled_ns,
+    scene.header.session = 0;
+    scene.header.stamps = StageStamps {
+        capture_ns: scene.header.stamps.capture_ns,
+        scheduled_ns: scene.header.stamps.scheduled_ns,
         ..StageStamps::default()
     };
     format!("{scene:?}")
@@ -36,7 +36,7 @@ fn played(place: &Place, arguments: &[&str], n_frames: u64) -> Vec<Recorded> {
     recorder.wait_for("the last scene is there", |scenes| {
         scenes
             .last()
-            .is_some_and(|last| last.summary.sequence == n_frames - 1)
+            .is_some_and(|last| last.header.sequence == n_frames - 1)
     });
     let (scenes, n_lost) = recorder.stop();
     for process in [ProcessKind::Perception, ProcessKind::Memory] {
@@ -45,13 +45,12 @@ fn played(place: &Place, arguments: &[&str], n_frames: u64) -> Vec<Recorded> {
     }
     daemon.stop();
     assert_eq!(n_lost, 0);
-    let sequences = scenes.iter().map(|scene| scene.summary.sequence);
+    let sequences = scenes.iter().map(|scene| scene.header.sequence);
     assert!(
         sequences.eq(0..n_frames),
         "a frame is missing or was done twice"
     );
-    let is_whole =
-        |scene: &Recorded| scene.summary.frames_dropped == 0 && scene.summary.n_late == 0;
+    let is_whole = |scene: &Recorded| scene.header.frames_dropped == 0 && scene.header.n_late == 0;
     assert!(scenes.iter().all(is_whole));
     scenes
 }
@@ -91,9 +90,9 @@ fn copy_folder(from: &Path, to: &Path) {
 fn two_runs_of_the_synthetic_table_are_the_same() {
     let scenes = check_repeatable(None, &["--source", "synthetic:0", "--to", "40"], 40);
     let last = scenes.last().unwrap();
-    assert_eq!(last.objects.len(), 5);
+    assert_eq!(last.items.len(), 5);
     assert!(
-        last.objects
+        last.items
             .windows(2)
             .all(|pair| pair[0].track_id < pair[1].track_id)
     );
@@ -112,7 +111,7 @@ fn what_was_taught_is_recognised_from_the_same_frame_on() {
     let scenes = check_repeatable(Some(taught.home()), &arguments, 40);
     let first = scenes.first().unwrap();
     assert!(
-        first.objects.iter().all(|object| object.label().is_some()),
+        first.items.iter().all(|object| object.label().is_some()),
         "{first:#?}"
     );
 }
@@ -124,7 +123,7 @@ fn two_runs_of_a_real_sequence_are_the_same() {
     let source = folder.to_str().unwrap();
     let arguments = ["--source", source, "--from", "100", "--to", "160"];
     let scenes = check_repeatable(None, &arguments, 60);
-    assert!(scenes.iter().any(|scene| !scene.objects.is_empty()));
+    assert!(scenes.iter().any(|scene| !scene.items.is_empty()));
 }
 
 #[test]
@@ -133,7 +132,7 @@ fn a_killed_follower_does_not_stop_the_source_for_ever() {
     let recorder = SceneRecorder::start(&place);
     let daemon = place.start(&["--source", "synthetic:0", "--lockstep"]);
     for follower in [ProcessKind::Perception, ProcessKind::Memory] {
-        let newest = |scenes: &[Recorded]| scenes.last().map(|scene| scene.summary.sequence);
+        let newest = |scenes: &[Recorded]| scenes.last().map(|scene| scene.header.sequence);
         recorder.wait_for("scenes come", |scenes| newest(scenes) > Some(5));
         daemon.signal(follower, Signal::KILL);
         let mut before = None;
@@ -146,7 +145,7 @@ fn a_killed_follower_does_not_stop_the_source_for_ever() {
         });
     }
     let (scenes, _) = recorder.stop();
-    let mut sequences: Vec<u64> = scenes.iter().map(|scene| scene.summary.sequence).collect();
+    let mut sequences: Vec<u64> = scenes.iter().map(|scene| scene.header.sequence).collect();
     sequences.dedup();
     let is_whole = sequences.windows(2).all(|pair| pair[1] == pair[0] + 1);
     assert!(is_whole, "a frame was left out: {sequences:?}");

@@ -6,8 +6,8 @@
 mod daemon;
 /// Folders of real data.
 mod real_data;
-/// Every scene of a domain, recorded.
-mod scene_recorder;
+/// Every message of a topic, recorded.
+mod recorder;
 
 /// Input that is refused with a sentence, while the daemon goes on.
 mod bad_input;
@@ -25,6 +25,8 @@ mod layering;
 mod lockstep;
 /// Real scenes: known again after a restart, steady while the camera moves.
 mod real_scenes;
+/// The simulated table: truth, arm, person, recordings.
+mod simulation;
 /// Start, see, teach, restart, recognise, stop.
 mod skeleton;
 /// The cloud is written once, and nobody allocates a frame's worth.

@@ -3,7 +3,7 @@
 
 use crate::daemon::{Daemon, Place, nearest};
 use crate::real_data;
-use crate::scene_recorder::{Recorded, SceneRecorder};
+use crate::recorder::{Recorded, SceneRecorder};
 use message::{ProcessKind, SceneObject, TrackState, frame_flag};
 use nalgebra::{Point3, center, distance};
 use serde_json::Value;
@@ -133,11 +133,11 @@ type Path = Vec<(f64, Point3<f64>)>;
 fn paths(scenes: &[Recorded]) -> BTreeMap<u64, Path> {
     let mut paths = BTreeMap::<u64, Path>::new();
     for scene in scenes {
-        let time_s = scene.summary.stamps.capture_ns as f64 * 1e-9;
+        let time_s = scene.header.stamps.capture_ns as f64 * 1e-9;
         let is_whole = |object: &&SceneObject| {
             object.state == TrackState::Tracked.code() && object.cut_by_image == 0
         };
-        for object in scene.objects.iter().filter(is_whole) {
+        for object in scene.items.iter().filter(is_whole) {
             let path = paths.entry(object.track_id).or_default();
             path.push((time_s, Point3::from(object.pose.position_m)));
         }
@@ -186,10 +186,10 @@ fn kitchen(place: &Place) -> Vec<Recorded> {
 fn what_stands_still_stays_where_it_is_while_the_camera_moves() {
     let place = Place::new();
     let scenes = kitchen(&place);
-    let has_pose = |scene: &Recorded| scene.summary.frame_flags & frame_flag::HAS_WORLD_POSE != 0;
+    let has_pose = |scene: &Recorded| scene.header.frame_flags & frame_flag::HAS_WORLD_POSE != 0;
     assert!(scenes.iter().all(has_pose));
     let captures = scenes.windows(2).map(|pair| {
-        let [first, second] = [&pair[0].summary, &pair[1].summary];
+        let [first, second] = [&pair[0].header, &pair[1].header];
         let elapsed_ns = second.stamps.capture_ns - first.stamps.capture_ns;
         elapsed_ns as f64 * 1e-9 / (second.sequence - first.sequence) as f64
     });
@@ -227,7 +227,7 @@ fn what_stands_still_stays_where_it_is_while_the_camera_moves() {
     let ids = |scenes: &[Recorded]| -> BTreeSet<u64> {
         scenes
             .iter()
-            .flat_map(|scene| scene.objects.iter().map(|object| object.track_id))
+            .flat_map(|scene| scene.items.iter().map(|object| object.track_id))
             .collect()
     };
     let again = kitchen(&place);

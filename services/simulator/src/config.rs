@@ -132,7 +132,11 @@ fn plan(scene: Option<&str>) -> Result<ScenePlan, String> {
         return Ok(ScenePlan::Generated(kind));
     }
     let path = Path::new(scene);
-    if path.exists() || scene.ends_with(".toml") {
+    if path.exists()
+        || path
+            .extension()
+            .is_some_and(|extension| extension == "toml")
+    {
         return Ok(ScenePlan::File(path.to_owned()));
     }
     let kinds = SceneKind::ALL.map(SceneKind::word).join(", ");

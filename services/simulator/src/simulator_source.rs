@@ -66,42 +66,44 @@ impl SimulatorSource {
 
     /// Answers what waits at the desk; true when the arm was given a command.
     /// The increment ends at `end_ns`.
-    fn serve(&mut self, end_ns: u64) -> bool {
+    fn serve(&mut self, end_ns: u64) -> Result<bool, SourceError> {
         let mut is_commanded = false;
         while let Ok(request) = self.requests.waiting.try_recv() {
-            let ArmRequest {
-                command,
-                arrived_ns,
-                answer,
-            } = request;
-            let told = translate::command(&command).and_then(|command| match command {
-                None => Ok(false),
-                Some(command) => {
-                    let before_end_ns = end_ns.saturating_sub(arrived_ns);
-                    tracing::info!("arm: {command:?}");
-                    self.increment
-                        .command(&command, before_end_ns)
-                        .map(|_| true)
-                }
-            });
-            is_commanded |= matches!(told, Ok(true));
-            let status = self.increment.world().arm_status();
-            let report = told.and_then(|_| status.ok_or("the scene has no arm".into()));
-            let report = report
-                .map(|status| translate::report(&status))
-                .map_err(|sentence| Refusal::new(RefusalKind::Invalid, sentence));
-            // Whoever asked may have gone.
-            let _ = answer.send(report);
+            // Whoever has the answer must not see the arm as it was before.
+            self.publish_arm(end_ns, request.arrived_ns)?;
+            is_commanded |= self.answer(request, end_ns);
         }
+        Ok(is_commanded)
+    }
+
+    fn answer(&mut self, request: ArmRequest, end_ns: u64) -> bool {
+        let told = translate::command(&request.command).and_then(|command| match command {
+            None => Ok(false),
+            Some(command) => {
+                tracing::info!("arm: {:?}", request.command);
+                let before_end_ns = end_ns.saturating_sub(request.arrived_ns);
+                let given = self.increment.command(&command, before_end_ns);
+                given.map(|_| true)
+            }
+        });
+        let is_commanded = matches!(told, Ok(true));
+        let status = self.increment.world().arm_status();
+        let report = told.and_then(|_| status.ok_or("the scene has no arm".into()));
+        let report = report
+            .map(|status| translate::report(&status))
+            .map_err(|sentence| Refusal::new(RefusalKind::Invalid, sentence));
+        // Whoever asked may have gone.
+        let _ = request.answer.send(report);
         is_commanded
     }
 
-    /// Publishes the samples of the arm whose instants have come; the instant of
-    /// the next one is returned.
-    fn publish_arm(&mut self, end_ns: u64) -> Result<Option<u64>, SourceError> {
+    /// Publishes the samples of the arm up to an instant, as far as they belong to
+    /// the past; the instant of the next one is returned.
+    fn publish_arm(&mut self, end_ns: u64, until_ns: u64) -> Result<Option<u64>, SourceError> {
+        let until_ns = until_ns.min(monotonic_ns());
         while let Some(sample) = self.increment.samples().get(self.n_published) {
-            let stamp_ns = end_ns - self.increment.before_end_ns(self.n_published);
-            if stamp_ns > monotonic_ns() {
+            let stamp_ns = end_ns.saturating_sub(self.increment.before_end_ns(self.n_published));
+            if stamp_ns > until_ns {
                 return Ok(Some(stamp_ns));
             }
             self.broadcast.arm(sample, stamp_ns).map_err(unusable)?;
@@ -131,16 +133,16 @@ impl Source for SimulatorSource {
 
     fn fill(&mut self, points: &mut [Point]) -> Result<FrameInfo, SourceError> {
         // What came since the last frame acts from here on.
-        self.serve(0);
+        self.serve(0)?;
         self.increment.advance();
         self.n_published = 0;
         self.look(points)
     }
 
     fn while_waiting(&mut self, due_ns: u64, points: &mut [Point]) -> Result<Waiting, SourceError> {
-        let is_commanded = self.serve(due_ns);
+        let is_commanded = self.serve(due_ns)?;
         let rewritten = is_commanded.then(|| self.look(points)).transpose()?;
-        let again_ns = self.publish_arm(due_ns)?;
+        let again_ns = self.publish_arm(due_ns, u64::MAX)?;
         Ok(Waiting {
             rewritten,
             again_ns,
@@ -148,7 +150,7 @@ impl Source for SimulatorSource {
     }
 
     fn sent(&mut self, header: &FrameHeader) -> Result<(), SourceError> {
-        self.publish_arm(header.capture_stamp_ns)?;
+        self.publish_arm(header.capture_stamp_ns, u64::MAX)?;
         for note in self.increment.world_mut().take_notes() {
             tracing::warn!("{note}");
         }
@@ -163,7 +165,6 @@ impl Source for SimulatorSource {
     }
 }
 
-#[expect(clippy::needless_pass_by_value, reason = "the argument of map_err")]
 fn unusable(error: impl std::fmt::Display) -> SourceError {
     SourceError::Unusable(error.to_string())
 }

@@ -77,6 +77,12 @@ pub(crate) enum SimulateVerb {
     Scene(SceneArguments),
     /// Views of single objects for learning, in the layout of the Washington dataset
     Views(ViewsArguments),
+    /// Plot the simulated Kinect's depth noise beside the published law
+    Sensor {
+        /// Folder for the table and the plot
+        #[arg(long, value_name = "DIR")]
+        out: PathBuf,
+    },
     /// List the generated categories
     Categories,
 }
@@ -177,8 +183,14 @@ pub(crate) enum ArmVerb {
 #[derive(Debug, Args)]
 pub(crate) struct ArmMove {
     /// Position of the point between the fingers, world frame, metres
-    #[arg(num_args = 3, value_names = ["X", "Y", "Z"], allow_hyphen_values = true, required = true)]
-    pub(crate) position_m: Vec<f64>,
+    #[arg(allow_negative_numbers = true)]
+    pub(crate) x: f64,
+    /// To the far side
+    #[arg(allow_negative_numbers = true)]
+    pub(crate) y: f64,
+    /// Upwards, from the floor
+    #[arg(allow_negative_numbers = true)]
+    pub(crate) z: f64,
     /// Tilt of the fingers from pointing straight down towards pointing ahead, degrees
     #[arg(
         long,

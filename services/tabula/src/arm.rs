@@ -59,11 +59,7 @@ fn is_busy(report: &ArmReport) -> bool {
 
 /// Fingers down, closing along x, then tilted ahead and turned.
 fn move_to(to: &ArmMove) -> Result<ArmCommand, Failure> {
-    let position_m: [f64; 3] = to
-        .position_m
-        .as_slice()
-        .try_into()
-        .map_err(|_| Failure::new(exit_code::USAGE, "a position has three numbers: X Y Z"))?;
+    let position_m = [to.x, to.y, to.z];
     let numbers = position_m.iter().chain([&to.tilt, &to.yaw]);
     if !numbers.copied().all(f64::is_finite) {
         return Err(Failure::new(
@@ -115,7 +111,9 @@ mod tests {
 
     fn gripper_axes(tilt: f64, yaw: f64) -> [Vector3<f64>; 2] {
         let to = ArmMove {
-            position_m: vec![0.1, 0.2, 0.9],
+            x: 0.1,
+            y: 0.2,
+            z: 0.9,
             tilt,
             yaw,
             straight: false,

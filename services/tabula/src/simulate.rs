@@ -3,6 +3,7 @@
 mod progress;
 mod record_scene;
 mod record_views;
+mod sensor_plot;
 
 use crate::arguments::SimulateVerb;
 use crate::output::Output;
@@ -15,6 +16,7 @@ pub(crate) fn run(verb: &SimulateVerb, output: &Output) -> Result<ExitCode, Fail
     match verb {
         SimulateVerb::Scene(arguments) => record_scene::run(arguments, output),
         SimulateVerb::Views(arguments) => record_views::run(arguments, output),
+        SimulateVerb::Sensor { out } => sensor_plot::run(out, output),
         SimulateVerb::Categories => {
             categories(output);
             Ok(ExitCode::SUCCESS)

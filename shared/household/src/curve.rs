@@ -122,3 +122,35 @@ pub(crate) fn ear(
 pub(crate) fn lying(solid: Solid) -> Solid {
     solid.turned(Vector3::y(), std::f32::consts::FRAC_PI_2)
 }
+
+/// Tilted about y so that it rests on the two points of its parts between which
+/// its middle lies along x: what is thick at one end lies aslant.
+pub(crate) fn rested(solid: Solid) -> Solid {
+    let middle = middle_along_x(&solid);
+    let points = || solid.convex_parts.iter().flat_map(|part| &part.points);
+    let pairs = points()
+        .filter(|p| p.x < middle)
+        .flat_map(|p| points().filter(|q| q.x > middle).map(move |q| (p, q)));
+    // Of all lines between points before and behind, the one that passes the
+    // middle lowest has none below it.
+    let slope_and_height = pairs.map(|(p, q)| {
+        let slope = (q.z - p.z) / (q.x - p.x);
+        (slope, p.z + slope * (middle - p.x))
+    });
+    let lowest = slope_and_height.min_by(|a, b| a.1.total_cmp(&b.1));
+    let slope = lowest.map_or(0.0, |(slope, _)| slope);
+    solid.turned(Vector3::y(), slope.atan())
+}
+
+/// x of the centre of mass.
+fn middle_along_x(solid: &Solid) -> f32 {
+    let at = |i: u32| solid.mesh.vertices[i as usize].position.coords;
+    let (mut volume, mut moment) = (0.0, 0.0);
+    for triangle in &solid.mesh.triangles {
+        let [a, b, c] = triangle.vertices.map(at);
+        let part = a.dot(&b.cross(&c));
+        volume += part;
+        moment += part * (a.x + b.x + c.x) / 4.0;
+    }
+    moment / volume
+}

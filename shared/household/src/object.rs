@@ -1,7 +1,8 @@
 //! An instance of a category.
 
 use crate::{Category, Variation};
-use mesh::{ConvexPart, TriangleMesh};
+use mesh::{ConvexPart, TriangleMesh, with_four_cornered_faces};
+use std::ops::Range;
 
 /// Least mass of anything, kilograms.
 const MASS_MIN_KG: f32 = 0.005;
@@ -20,6 +21,8 @@ pub struct Object {
     pub mesh: TriangleMesh,
     /// Bodies that together fill it to a few millimetres, for physics.
     pub convex_parts: Vec<ConvexPart>,
+    /// Triangles of the mesh that are not filled: stems, leaves, stickers.
+    pub decoration: Vec<Range<usize>>,
     /// Mass, kilograms.
     pub mass_kg: f32,
     /// Coefficient of friction against a wooden table.
@@ -37,6 +40,7 @@ pub fn generate(category: &Category, instance: u64) -> Object {
         mass_kg: (volume_m3 * category.density_kg_m3).max(MASS_MIN_KG),
         friction: category.friction,
         mesh: solid.mesh,
-        convex_parts: solid.convex_parts,
+        convex_parts: with_four_cornered_faces(solid.convex_parts),
+        decoration: solid.decoration,
     }
 }

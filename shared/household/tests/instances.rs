@@ -113,7 +113,7 @@ fn meshes_are_neither_coarse_nor_wasteful() {
 }
 
 #[test]
-fn convex_parts_are_few_and_cover_the_mesh() {
+fn convex_parts_are_few_and_cover_the_body() {
     check(N_INSTANCES / 3, |object| {
         let n_parts = object.convex_parts.len();
         ensure((1..=32).contains(&n_parts), || format!("{n_parts} parts"))?;
@@ -127,11 +127,34 @@ fn convex_parts_are_few_and_cover_the_mesh() {
             let mut parts = object.convex_parts.iter();
             parts.any(|part| part.distance(p) < allowed_gap_m(object))
         };
-        let sample = object.mesh.vertices.iter().step_by(7);
-        let far = sample.map(|vertex| vertex.position).find(|p| !is_near(p));
+        let sample: Vec<_> = body(object).step_by(17).collect();
+        let far = sample.into_iter().find(|p| !is_near(p));
         ensure(far.is_none(), || {
             let gap = far.map(|p| distance(object, &p) * 1000.0);
             format!("{gap:.1?} mm at {far:.3?}")
+        })
+    });
+}
+
+/// Corners of all triangles that are not decoration.
+fn body(object: &Object) -> impl Iterator<Item = Point3<f32>> {
+    let is_body = |i: &usize| object.decoration.iter().all(|range| !range.contains(i));
+    let triangles = object.mesh.triangles.iter().enumerate();
+    triangles
+        .filter(move |(i, _)| is_body(i))
+        .flat_map(|(_, triangle)| triangle.vertices)
+        .map(|i| object.mesh.vertices[i as usize].position)
+}
+
+#[test]
+fn the_lowest_point_of_what_is_seen_is_that_of_the_convex_parts() {
+    check(N_INSTANCES, |object| {
+        let lowest = |z: &mut dyn Iterator<Item = f32>| z.fold(f32::MAX, f32::min);
+        let seen = lowest(&mut object.mesh.vertices.iter().map(|v| v.position.z));
+        let points = object.convex_parts.iter().flat_map(|part| &part.points);
+        let stands = lowest(&mut points.map(|p| p.z));
+        ensure((seen - stands).abs() < 0.0035, || {
+            format!("{:.1} mm below its parts", (stands - seen) * 1000.0)
         })
     });
 }
@@ -208,12 +231,10 @@ fn distance(object: &Object, point: &Point3<f32>) -> f32 {
     distances.fold(f32::INFINITY, f32::min)
 }
 
-/// Leaves and stems touch nothing; wires, plush and lips are
-/// kept simple.
+/// Wires and lips are kept simple.
 fn allowed_gap_m(object: &Object) -> f32 {
     match object.category {
-        "apple" | "pear" | "peach" | "bell-pepper" | "tomato" | "strawberry" | "eggplant" => 0.045,
-        "whisk" | "teddy" | "pitcher" => 0.012,
+        "whisk" | "pitcher" => 0.012,
         _ => 0.0075,
     }
 }
@@ -255,13 +276,13 @@ const SIDES_MM: &[(&str, [(u32, u32); 3])] = &[
     ("knife", [(181, 264), (18, 30), (16, 17)]),
     ("spatula", [(240, 311), (62, 87), (25, 53)]),
     ("ladle", [(239, 312), (58, 81), (33, 54)]),
-    ("whisk", [(221, 285), (52, 73), (50, 73)]),
+    ("whisk", [(221, 285), (48, 73), (46, 73)]),
     ("apple", [(64, 87), (62, 85), (60, 82)]),
     ("pear", [(97, 134), (58, 77), (54, 75)]),
     ("banana", [(141, 209), (65, 97), (27, 37)]),
     ("orange", [(66, 91), (66, 91), (64, 90)]),
     ("lemon", [(66, 93), (46, 62), (45, 61)]),
-    ("strawberry", [(34, 54), (30, 44), (27, 40)]),
+    ("strawberry", [(34, 56), (27, 44), (26, 40)]),
     ("peach", [(60, 81), (57, 78), (55, 76)]),
     ("tomato", [(55, 84), (53, 84), (52, 77)]),
     ("carrot", [(174, 269), (25, 38), (25, 38)]),

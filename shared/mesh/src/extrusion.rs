@@ -32,6 +32,7 @@ pub fn extrude(outline: &[Point2<f32>], height_m: f32, bevel_m: f32) -> Solid {
     Solid {
         mesh: surface(&outline, height_m, bevel_m.clamp(0.0, height_m / 2.0)).into_mesh(),
         convex_parts: pieces.iter().map(raised).collect(),
+        ..Solid::default()
     }
 }
 

@@ -1,6 +1,7 @@
 //! Bodies of revolution.
 
 use crate::closed_surface::ClosedSurface;
+use crate::convex_part::{circle_widening, n_sides};
 use crate::{ConvexPart, N_POINTS_MAX, Solid, convex_pieces, simplified};
 use nalgebra::{Point2, Point3};
 use std::f32::consts::{PI, TAU};
@@ -13,8 +14,6 @@ const TOLERANCE_MAX_M: f32 = 0.008;
 const SIMPLIFICATION_M: f32 = 0.0005;
 /// What is nearer to the axis than this leaves no hole worth keeping.
 const AXIS_M: f32 = 0.002;
-/// Most rings of a slice, as their points are limited.
-const N_RINGS_MAX: usize = 4;
 /// Rings of a wall are cut into at most so many wedges.
 const N_WEDGES_MAX: usize = 10;
 /// More parts than this ask for a coarser section.
@@ -37,6 +36,7 @@ pub fn lathe(profile: &[Point2<f32>], n_segments: usize) -> Solid {
     Solid {
         mesh: surface(profile, n_segments).into_mesh(),
         convex_parts: parts(profile),
+        ..Solid::default()
     }
 }
 
@@ -109,32 +109,33 @@ fn turned(piece: &[Point2<f32>], tolerance_m: f32) -> Vec<ConvexPart> {
 
 fn slice(piece: &[Point2<f32>]) -> ConvexPart {
     let n_rings = |section: &[Point2<f32>]| section.iter().filter(|p| p.x >= AXIS_M).count();
+    let radius = piece.iter().map(|p| p.x).fold(0.0, f32::max);
+    // Two points are left for the axis.
+    let n_rings_max = (N_POINTS_MAX - 2) / n_sides(radius);
     let mut section = piece.to_vec();
     let mut tolerance_m = SIMPLIFICATION_M;
-    while n_rings(&section) > N_RINGS_MAX && tolerance_m < 0.02 {
+    while n_rings(&section) > n_rings_max && tolerance_m < 0.02 {
         section = simplified(piece, tolerance_m);
         tolerance_m *= 1.3;
     }
-    let n_around = (N_POINTS_MAX - 2) / n_rings(&section).max(2);
-    let n_around = n_around.min(12);
-    let widening = widening(n_around);
+    let n_rings = n_rings(&section);
+    let n_on_axis = section.len() - n_rings;
+    let n_around = n_sides(radius).min((N_POINTS_MAX - n_on_axis) / n_rings.max(1));
+    let widening = circle_widening(n_around);
     let points = section.iter().flat_map(|p| {
         let n = if p.x >= AXIS_M { n_around } else { 1 };
         let corner = Point2::new(p.x * widening, p.y);
-        (0..n).map(move |k| around(&corner, k as f32 / n as f32 * TAU))
+        // What lies along y or x rests on a side, not on a corner.
+        (0..n).map(move |k| around(&corner, (k as f32 + 0.5) / n as f32 * TAU))
     });
-    ConvexPart::around(points.collect())
-}
-
-/// Corners of a polygon lie so much farther out than the circle that its sides
-/// lie as far inside.
-fn widening(n_around: usize) -> f32 {
-    1.0 / (PI / n_around as f32).cos().sqrt()
+    ConvexPart {
+        points: points.collect(),
+    }
 }
 
 fn wedge(piece: &[Point2<f32>], k: usize, n_wedges: usize) -> ConvexPart {
     let step = TAU / n_wedges as f32;
-    let widening = widening(n_wedges);
+    let widening = circle_widening(n_wedges);
     let points = piece.iter().flat_map(|p| {
         let corner = Point2::new(p.x * widening, p.y);
         [k, k + 1].map(|k| around(&corner, k as f32 * step))

@@ -36,6 +36,7 @@ pub fn rounded_box(sides_m: [f32; 3], radius_m: f32, cell_m: f32) -> Solid {
         convex_parts: vec![ConvexPart {
             points: corners(half, radius),
         }],
+        ..Solid::default()
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::closed_surface::{CREASE_RAD, turn_outwards};
 use crate::{ConvexPart, Surface, TriangleMesh};
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
+use std::ops::Range;
 
 /// A body in the making: what is seen of it, and what it bumps into things
 /// with. Each builder gives one; they are painted, moved and joined.
@@ -12,6 +13,9 @@ pub struct Solid {
     pub mesh: TriangleMesh,
     /// Convex bodies that together fill it, to a few millimetres.
     pub convex_parts: Vec<ConvexPart>,
+    /// Triangles of the mesh that no convex part stands for: details that touch
+    /// nothing.
+    pub decoration: Vec<Range<usize>>,
 }
 
 impl Solid {
@@ -76,6 +80,10 @@ impl Solid {
 
     /// Together with another one.
     pub fn joined(mut self, other: Self) -> Self {
+        let first = self.mesh.triangles.len();
+        let decoration = other.decoration.into_iter();
+        self.decoration
+            .extend(decoration.map(|range| range.start + first..range.end + first));
         self.mesh.append(&other.mesh);
         self.convex_parts.extend(other.convex_parts);
         self
@@ -86,12 +94,14 @@ impl Solid {
     pub fn hulled(mut self) -> Self {
         let points = self.mesh.vertices.iter().map(|v| v.position).collect();
         self.convex_parts = vec![ConvexPart::around(points)];
+        self.decoration.clear();
         self
     }
 
     /// Without convex parts, for details that touch nothing.
     pub fn decorative(mut self) -> Self {
         self.convex_parts.clear();
+        self.decoration = std::iter::once(0..self.mesh.triangles.len()).collect();
         self
     }
 
@@ -108,5 +118,32 @@ impl Solid {
 impl FromIterator<Solid> for Solid {
     fn from_iter<I: IntoIterator<Item = Solid>>(solids: I) -> Self {
         solids.into_iter().fold(Solid::default(), Solid::joined)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{ellipsoid, rounded_box};
+    use nalgebra::Point3;
+
+    #[test]
+    fn decoration_is_known_after_joining_and_deforming() {
+        let body = rounded_box([0.1, 0.1, 0.1], 0.0, 0.05);
+        let detail = ellipsoid([0.01, 0.01, 0.01], 12).moved(0.0, 0.0, 1.0);
+        let n = body.mesh.triangles.len();
+        let solid = body
+            .clone()
+            .joined(detail.decorative())
+            .joined(body)
+            .warped(|p| Point3::new(p.x, p.y, p.z + 0.1 * p.x));
+        let [range] = solid.decoration.as_slice() else {
+            panic!("{:?}", solid.decoration);
+        };
+        for (i, triangle) in solid.mesh.triangles.iter().enumerate() {
+            let corner = solid.mesh.vertices[triangle.vertices[0] as usize].position;
+            assert_eq!(corner.z > 0.5, range.contains(&i));
+        }
+        assert_eq!(range.start, n);
+        assert!(solid.hulled().decoration.is_empty());
     }
 }

@@ -1,13 +1,10 @@
 //! Ellipsoids and their squarish relatives.
 
 use crate::closed_surface::ClosedSurface;
+use crate::convex_part::ball_widening;
 use crate::{ConvexPart, Solid};
 use nalgebra::Point3;
 use std::f32::consts::{PI, TAU};
-
-/// The few points of the convex part lie this much farther out, so that its
-/// faces lie as far inside as its corners outside.
-const WIDENING: f32 = 1.05;
 
 /// An ellipsoid around the origin with these semi-axes, metres.
 pub fn ellipsoid(semi_axes_m: [f32; 3], n_segments: usize) -> Solid {
@@ -54,11 +51,17 @@ pub fn superellipsoid(
         surface.band(&pair[0], &pair[1]);
     }
     surface.fan(&rings[rings.len() - 1], top);
-    let widened = surface.points.iter().map(|point| point * WIDENING);
-    let part = ConvexPart::around(widened.collect());
+    let mut part = ConvexPart::around(surface.points.clone());
+    if part.points.len() < surface.points.len() {
+        let widening = ball_widening(part.points.len());
+        for point in &mut part.points {
+            *point *= widening;
+        }
+    }
     Solid {
         mesh: surface.into_mesh(),
         convex_parts: vec![part],
+        ..Solid::default()
     }
 }
 

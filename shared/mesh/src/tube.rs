@@ -1,6 +1,7 @@
 //! A section swept along a curve.
 
 use crate::closed_surface::ClosedSurface;
+use crate::convex_part::{circle_widening, n_sides};
 use crate::{ConvexPart, Solid};
 use nalgebra::{Point3, Vector3};
 use std::f32::consts::{FRAC_PI_2, TAU};
@@ -65,6 +66,7 @@ pub fn tube(sections: &[TubeSection], up: Vector3<f32>, n_sides: usize) -> Solid
     Solid {
         mesh: surface.into_mesh(),
         convex_parts: parts(&sections, &frames),
+        ..Solid::default()
     }
 }
 
@@ -142,7 +144,7 @@ fn outline(
     section: &TubeSection,
     frame: &Frame,
     n_sides: usize,
-) -> impl Iterator<Item = Point3<f32>> {
+) -> impl Iterator<Item = Point3<f32>> + use<> {
     let (section, frame) = (*section, *frame);
     (0..n_sides).map(move |k| {
         let (sin, cos) = (k as f32 / n_sides as f32 * TAU).sin_cos();
@@ -152,8 +154,11 @@ fn outline(
     })
 }
 
-/// Hulls between sections, as long as those left out are close to the chord.
+/// Hulls around sections, as many as are close to the chord.
 fn parts(sections: &[TubeSection], frames: &[Frame]) -> Vec<ConvexPart> {
+    let radii = sections.iter().map(|s| s.half_width.max(s.half_height));
+    let n_sides = n_sides(radii.fold(0.0, f32::max));
+    let widening = circle_widening(n_sides);
     let mut parts = Vec::new();
     let mut from = 0;
     while from + 1 < sections.len() {
@@ -162,11 +167,17 @@ fn parts(sections: &[TubeSection], frames: &[Frame]) -> Vec<ConvexPart> {
             .take_while(reaches)
             .last()
             .unwrap_or(from + 1);
-        let points = [from, to]
-            .iter()
-            .flat_map(|&i| outline(&sections[i], &frames[i], 8))
+        let points = (from..=to)
+            .flat_map(|i| {
+                let widened = TubeSection {
+                    half_width: sections[i].half_width * widening,
+                    half_height: sections[i].half_height * widening,
+                    ..sections[i]
+                };
+                outline(&widened, &frames[i], n_sides)
+            })
             .collect();
-        parts.push(ConvexPart { points });
+        parts.push(ConvexPart::around(points));
         from = to;
     }
     parts

@@ -137,6 +137,32 @@ fn render_and_sense(bencher: Bencher<'_, '_>, n_objects: usize) {
     });
 }
 
+/// What a camera on a moving arm costs: the stage drawn anew, objects, sensor.
+#[divan::bench(args = N_OBJECTS)]
+fn frame_with_moving_camera(bencher: Bencher<'_, '_>, n_objects: usize) {
+    let scene = TableScene::new(n_objects);
+    let (Ok(mut rasterizer), Ok(mut sensor)) = (
+        rasterizer(&scene, Lights::ROOM),
+        KinectSensor::new(CAMERA, SensorModel::KINECT_V1),
+    ) else {
+        return;
+    };
+    let (background, objects) = (scene.background(), scene.objects());
+    let mut points = vec![Point::default(); CAMERA.n_pixels()];
+    let mut shot = Shot::default();
+    bencher.bench_local(|| {
+        shot.frame_index += 1;
+        let stage = Stage {
+            world_from_camera: TableScene::orbiting_camera(shot.frame_index),
+            lights: Lights::ROOM,
+            background: &background,
+        };
+        let is_prepared = rasterizer.prepare(&stage).is_ok();
+        let image = rasterizer.render(&objects);
+        (is_prepared, sensor.sense(image, shot, &mut points).is_ok())
+    });
+}
+
 /// The whole scene as one mesh in the camera's frame.
 fn one_mesh(scene: &TableScene) -> Option<TriMesh> {
     let camera_from_world = TableScene::world_from_camera().inverse();

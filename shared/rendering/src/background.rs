@@ -1,44 +1,45 @@
 //! What does not move, drawn once.
 
 use crate::image::Image;
+use crate::pixel_block::{LANES, LitPixel, Vectors};
 use crate::shading::Radiance;
-use crate::shadow_map::ShadowMap;
+use crate::shadow_map::{Places, ShadowMap};
 use crate::shadow_reach::{CellRectangle, ShadowReach};
 use crate::visibility::{Extent, NO_FACE, Visibility};
+use std::ops::Range;
 
 /// Side of the blocks of pixels that are checked for new shadows together.
 const TILE_PX: usize = 8;
+const _: () = assert!(TILE_PX * TILE_PX == LANES);
 
 /// The image of what does not move, and what is needed to draw over it.
 #[derive(Debug)]
 pub(crate) struct Background {
+    /// Whether there is nothing.
+    pub(crate) is_empty: bool,
     pub(crate) image: Image,
     pub(crate) closeness: Vec<f32>,
     pub(crate) shadow: Vec<f32>,
     pub(crate) radiance: Vec<Radiance>,
     /// Share of the main light in each pixel, times 255; 0 where none arrives anyway.
     pub(crate) light: Vec<u8>,
-    tiles: Vec<Tile>,
-}
-
-/// A block of pixels with light in it.
-#[derive(Debug)]
-struct Tile {
-    column: usize,
-    row: usize,
-    cells: CellRectangle,
+    /// Where the lit pixels of each block lie in the shadow map, block by block.
+    tiles: Vec<CellRectangle>,
 }
 
 impl Background {
     pub(crate) fn new(image: Image) -> Self {
         let n_pixels = image.depth_m.len();
+        let (width, height) = (image.camera().width, image.camera().height);
+        let n_tiles = n_tiles(width as usize) * n_tiles(height as usize);
         Self {
+            is_empty: false,
             image,
             closeness: vec![0.0; n_pixels],
             shadow: Vec::new(),
             radiance: vec![Radiance::default(); n_pixels],
             light: vec![0; n_pixels],
-            tiles: Vec::new(),
+            tiles: vec![CellRectangle::EMPTY; n_tiles],
         }
     }
 
@@ -49,27 +50,21 @@ impl Background {
         self.shadow.clone_from(&shadow.closeness);
     }
 
-    /// Finds the blocks of pixels in which a shadow would be seen.
-    pub(crate) fn find_tiles(&mut self, rays: &Rays, shadow: &ShadowMap) {
-        self.tiles.clear();
-        let (width, height) = rays.size();
-        for row in (0..height).step_by(TILE_PX) {
-            for column in (0..width).step_by(TILE_PX) {
-                let mut cells = CellRectangle::EMPTY;
-                for (x, y) in pixels(column, row, (width, height)) {
-                    let pixel = y * width + x;
-                    if self.light[pixel] == 0 {
-                        continue;
-                    }
-                    let point = rays.point(x, y, self.image.depth_m[pixel]);
-                    if let Some(place) = shadow.locate(point) {
-                        cells.include(&place);
-                    }
-                }
-                if cells != CellRectangle::EMPTY {
-                    self.tiles.push(Tile { column, row, cells });
-                }
-            }
+    /// Forgets all light.
+    pub(crate) fn clear_light(&mut self) {
+        self.light.fill(0);
+        self.tiles.fill(CellRectangle::EMPTY);
+    }
+
+    /// Keeps the light of a pixel and where a shadow would fall on it.
+    #[inline]
+    pub(crate) fn keep_light(&mut self, pixel: usize, lit: &LitPixel) {
+        self.radiance[pixel] = lit.radiance;
+        self.light[pixel] = lit.light;
+        if lit.light > 0 {
+            let width = self.image.camera().width as usize;
+            let tile = lit.row / TILE_PX * n_tiles(width) + lit.column / TILE_PX;
+            self.tiles[tile].include(lit.place);
         }
     }
 
@@ -82,28 +77,81 @@ impl Background {
         faces: &[u32],
         light: &NewShadows<'_>,
     ) {
-        let size = light.rays.size();
-        for tile in &self.tiles {
-            if !light.reach.touches(&tile.cells) {
+        let (width, height) = light.rays.size();
+        let mut tile = Tile::new();
+        for (i, cells) in self.tiles.iter().enumerate() {
+            if !light.reach.touches(cells) {
                 continue;
             }
-            for (x, y) in pixels(tile.column, tile.row, size) {
-                let pixel = y * size.0 + x;
-                if self.light[pixel] == 0 || faces[pixel] != NO_FACE {
-                    continue;
-                }
-                let point = light.rays.point(x, y, self.image.depth_m[pixel]);
-                let Some(place) = light.map.locate(point) else {
-                    continue;
-                };
-                if !light.reach.contains(&place) {
-                    continue;
+            let (row, column) = (i / n_tiles(width), i % n_tiles(width));
+            tile.rows = row * TILE_PX..((row + 1) * TILE_PX).min(height);
+            tile.columns = column * TILE_PX..((column + 1) * TILE_PX).min(width);
+            tile.locate(&self.image.depth_m, light);
+            tile.for_each_pixel(|lane, x, y| {
+                let pixel = y * width + x;
+                let place = tile.places.at(lane);
+                if self.light[pixel] == 0
+                    || faces[pixel] != NO_FACE
+                    || !light.reach.contains(&place)
+                {
+                    return;
                 }
                 let share = light.map.light_at(&place);
                 if share != self.light[pixel] {
                     image.color[pixel] = self.radiance[pixel].color(share);
                     dirty[y].include(x, x + 1);
                 }
+            });
+        }
+    }
+}
+
+/// How many blocks lie along so many pixels.
+fn n_tiles(n_pixels: usize) -> usize {
+    n_pixels.div_ceil(TILE_PX)
+}
+
+/// A block of pixels, and where they lie in the shadow map.
+struct Tile {
+    rows: Range<usize>,
+    columns: Range<usize>,
+    points: Vectors,
+    places: Places,
+}
+
+impl Tile {
+    fn new() -> Self {
+        Self {
+            rows: 0..0,
+            columns: 0..0,
+            points: [[0.0; LANES]; 3],
+            places: Places::new(),
+        }
+    }
+
+    fn locate(&mut self, depth_m: &[f32], light: &NewShadows<'_>) {
+        let width = light.rays.size().0;
+        let [px, py, pz] = &mut self.points;
+        for (j, row) in self.rows.clone().enumerate() {
+            let lanes = j * TILE_PX..j * TILE_PX + self.columns.len();
+            let depth_m = &depth_m[row * width..][self.columns.clone()];
+            let (x, y) = (&light.rays.x()[self.columns.clone()], light.rays.y()[row]);
+            pz[lanes.clone()].copy_from_slice(depth_m);
+            for (py, &depth_m) in py[lanes.clone()].iter_mut().zip(depth_m) {
+                *py = y * depth_m;
+            }
+            for (px, (&x, &depth_m)) in px[lanes].iter_mut().zip(x.iter().zip(depth_m)) {
+                *px = x * depth_m;
+            }
+        }
+        light.map.locate_all(&self.points, &mut self.places);
+    }
+
+    /// Calls `visit` with lane, column and row.
+    fn for_each_pixel(&self, mut visit: impl FnMut(usize, usize, usize)) {
+        for (j, row) in self.rows.clone().enumerate() {
+            for (i, column) in self.columns.clone().enumerate() {
+                visit(j * TILE_PX + i, column, row);
             }
         }
     }
@@ -114,16 +162,6 @@ pub(crate) struct NewShadows<'a> {
     pub(crate) rays: &'a Rays,
     pub(crate) map: &'a ShadowMap,
     pub(crate) reach: &'a ShadowReach,
-}
-
-/// Pixels of a block, row by row.
-fn pixels(
-    column: usize,
-    row: usize,
-    (width, height): (usize, usize),
-) -> impl Iterator<Item = (usize, usize)> {
-    let columns = column..(column + TILE_PX).min(width);
-    (row..(row + TILE_PX).min(height)).flat_map(move |y| columns.clone().map(move |x| (x, y)))
 }
 
 /// Viewing rays of all columns and rows, scaled to z = 1.
@@ -154,11 +192,5 @@ impl Rays {
     /// Directions along y of a column's pixels.
     pub(crate) fn y(&self) -> &[f32] {
         &self.y
-    }
-
-    /// The point of a pixel at a depth, camera frame.
-    #[inline]
-    pub(crate) fn point(&self, column: usize, row: usize, depth_m: f32) -> [f32; 3] {
-        [self.x[column] * depth_m, self.y[row] * depth_m, depth_m]
     }
 }

@@ -1,5 +1,6 @@
 //! What a render gives.
 
+use crate::pixel_block::LitPixel;
 use geometry::PinholeCamera;
 
 /// Value of a channel of [`Image::color`] that stands for a fully lit white.
@@ -76,6 +77,23 @@ impl Image {
                 *count += 1;
             }
         }
+    }
+
+    /// Takes over a pixel.
+    #[inline]
+    pub(crate) fn set(&mut self, pixel: usize, lit: &LitPixel) {
+        self.depth_m[pixel] = lit.depth_m;
+        self.instance[pixel] = lit.instance;
+        self.color[pixel] = lit.color;
+        self.reflection[pixel] = lit.reflection;
+    }
+
+    /// Clears pixels.
+    pub(crate) fn clear_span(&mut self, span: std::ops::Range<usize>) {
+        self.depth_m[span.clone()].fill(f32::INFINITY);
+        self.instance[span.clone()].fill(0);
+        self.color[span.clone()].fill([0; 3]);
+        self.reflection[span].fill(Reflection::default());
     }
 
     /// Takes over the pixels of `columns` in `row` from an image of the same size.

@@ -27,13 +27,17 @@ mod pixel_block;
 mod prepared_mesh;
 mod projection;
 mod rasterizer;
+mod reflected_light;
 mod scanline;
 mod seen_face;
+mod shader;
 mod shading;
+mod shadow_bounds;
 mod shadow_map;
 mod shadow_reach;
 mod texture;
 mod visibility;
+mod whole_number;
 
 pub use error::Error;
 pub use illuminant::Illuminant;

@@ -1,111 +1,103 @@
-//! Light in many pixels at once.
+//! Pixels that are lit together.
 //!
-//! Lambert's law, Blinn's (1977) half-vector highlight, and light of the
-//! surroundings from above and below, camera frame. Pixels are gathered into
-//! blocks whose values lie side by side, so that the arithmetic becomes vector
-//! instructions; a pixel's result does not depend on its neighbours in a block.
+//! Pixels are gathered into blocks whose values lie side by side, so that the
+//! arithmetic becomes vector instructions; a pixel's result does not depend on
+//! its neighbours in a block.
 
+use crate::Texture;
 use crate::illuminant::luminance;
 use crate::image::Reflection;
-use crate::lights::{Light, LightPlacement, Lights};
 use crate::prepared_mesh::infrared_albedo;
-use crate::projection::Placement;
-use crate::shading::Radiance;
+use crate::reflected_light::{CameraLights, Lighting};
+use crate::shading::{FaceLook, InstanceLook, Radiance, color_channel};
+use crate::shadow_map::{Places, ShadowMap};
+use crate::texture::N_PLACES;
+use crate::whole_number::{floor, truncated};
+use std::ops::Range;
 
 /// Pixels of a block.
-const LANES: usize = 16;
-/// Brightness of a highlight on a perfect mirror, relative to the light.
-const HIGHLIGHT: f32 = 3.0;
+pub(crate) const LANES: usize = 64;
 
-type Lanes = [f32; LANES];
-type Vectors = [Lanes; 3];
+/// Pixels of one face from which a loop over them is worth its set-up.
+pub(crate) const RUN_MIN: usize = 8;
 
-/// What is seen in a pixel, camera frame.
+/// A value of each pixel.
+pub(crate) type Lanes = [f32; LANES];
+/// A vector or colour of each pixel.
+pub(crate) type Vectors = [Lanes; 3];
+
+/// Neighbouring pixels of a row in which the same face is seen.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Sample {
-    pub(crate) point: [f32; 3],
-    /// Of any length but zero.
-    pub(crate) normal: [f32; 3],
-    /// Linear sRGB.
-    pub(crate) albedo: [f32; 3],
-    pub(crate) specular: f32,
-    pub(crate) infrared: f32,
-    pub(crate) instance: u16,
+pub(crate) struct Run<'a> {
+    pub(crate) row: usize,
+    /// First column.
+    pub(crate) column: usize,
+    /// Directions of the viewing rays along x, and of all of them along y.
+    pub(crate) x: &'a [f32],
+    pub(crate) y: f32,
+    /// Inverse depths, per metre; as many as directions.
+    pub(crate) closeness: &'a [f32],
 }
 
-/// A light in the camera's frame.
-#[derive(Debug, Clone, Copy)]
-struct CameraLight {
-    rgb: [f32; 3],
-    /// Unit direction to the light, or its place.
-    vector: [f32; 3],
-    /// 1 for a place, 0 for a direction.
-    is_place: f32,
-}
+impl<'a> Run<'a> {
+    /// The point seen in a pixel, camera frame.
+    #[inline]
+    fn point(&self, i: usize) -> [f32; 3] {
+        let depth_m = 1.0 / self.closeness[i];
+        [self.x[i] * depth_m, self.y * depth_m, depth_m]
+    }
 
-impl CameraLight {
-    fn new(light: &Light, camera_from_world: &Placement) -> Self {
-        let (vector, is_place) = match light.placement {
-            LightPlacement::Directional(to_light) => {
-                let to_light = to_light.try_normalize(1e-9).unwrap_or_default();
-                (camera_from_world.direction(to_light.into()), 0.0)
-            }
-            LightPlacement::Point(lamp) => (camera_from_world.point(lamp.coords.into()), 1.0),
+    /// The first `n` pixels and the rest.
+    #[inline]
+    fn split_at(&self, n: usize) -> (Self, Self) {
+        let (x, x_rest) = self.x.split_at(n);
+        let (closeness, closeness_rest) = self.closeness.split_at(n);
+        let part = |column: usize, x: &'a [f32], closeness: &'a [f32]| Self {
+            column,
+            x,
+            closeness,
+            ..*self
         };
-        Self {
-            rgb: light.illuminant.linear_rgb(),
-            vector: vector.map(|part| if part.is_finite() { part } else { 0.0 }),
-            is_place,
-        }
+        (
+            part(self.column, x, closeness),
+            part(self.column + n, x_rest, closeness_rest),
+        )
     }
 }
 
-/// All lights in the camera's frame.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct CameraLights {
-    ambient: [f32; 3],
-    up: [f32; 3],
-    main: CameraLight,
-    fill: Option<CameraLight>,
-}
-
-impl CameraLights {
-    pub(crate) fn new(lights: &Lights, camera_from_world: &Placement) -> Self {
-        Self {
-            ambient: lights.ambient.linear_rgb(),
-            up: camera_from_world.direction([0.0, 0.0, 1.0]),
-            main: CameraLight::new(&lights.main, camera_from_world),
-            fill: lights
-                .fill
-                .map(|fill| CameraLight::new(&fill, camera_from_world)),
-        }
-    }
-}
-
-/// Pixels that wait for their light.
+/// Pixels that wait for their light, camera frame.
 #[derive(Debug, Clone)]
 pub(crate) struct PixelBlock {
     n: usize,
-    pixel: [usize; LANES],
+    row: [u32; LANES],
+    column: [u32; LANES],
     instance: [u16; LANES],
     point: Vectors,
+    /// Of any length but zero.
     normal: Vectors,
+    /// Linear sRGB.
     albedo: Vectors,
     specular: Lanes,
     infrared: Lanes,
-    to_eye: Vectors,
-    cosine: Lanes,
-    unlit: Vectors,
-    lit: Vectors,
+    /// Of the run that was added last, mesh frame.
+    in_mesh: Vectors,
+    lighting: Lighting,
+    in_shadow_map: Places,
 }
 
 /// A pixel with its light.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LitPixel {
-    pub(crate) pixel: usize,
+    pub(crate) row: usize,
+    pub(crate) column: usize,
     pub(crate) instance: u16,
-    pub(crate) point: [f32; 3],
+    pub(crate) depth_m: f32,
     pub(crate) radiance: Radiance,
+    /// Share of the main light that arrives, times 255; 0 where it has no effect.
+    pub(crate) light: u8,
+    /// Where it lies in the shadow map.
+    pub(crate) place: [f32; 2],
+    pub(crate) color: [u16; 3],
     pub(crate) reflection: Reflection,
 }
 
@@ -114,154 +106,249 @@ impl PixelBlock {
         const VECTORS: Vectors = [[0.0; LANES]; 3];
         Self {
             n: 0,
-            pixel: [0; LANES],
+            row: [0; LANES],
+            column: [0; LANES],
             instance: [0; LANES],
             point: VECTORS,
             normal: VECTORS,
             albedo: VECTORS,
             specular: [0.0; LANES],
             infrared: [0.0; LANES],
-            to_eye: VECTORS,
-            cosine: [0.0; LANES],
-            unlit: VECTORS,
-            lit: VECTORS,
+            lighting: Lighting::new(),
+            in_mesh: VECTORS,
+            in_shadow_map: Places::new(),
         }
     }
 
-    /// Adds a pixel; whether the block is full then.
+    /// Adds one pixel of a run; whether the block is full then.
     #[inline]
-    pub(crate) fn push(&mut self, pixel: usize, sample: &Sample) -> bool {
+    pub(crate) fn push(
+        &mut self,
+        run: &Run<'_>,
+        i: usize,
+        face: &FaceLook,
+        look: &InstanceLook,
+    ) -> bool {
         let lane = self.n % LANES;
-        self.n = lane + 1;
-        self.pixel[lane] = pixel;
-        self.instance[lane] = sample.instance;
-        for axis in 0..3 {
-            self.point[axis][lane] = sample.point[axis];
-            self.normal[axis][lane] = sample.normal[axis];
-            self.albedo[axis][lane] = sample.albedo[axis];
+        let point = run.point(i);
+        let sample = face.sample(look, point);
+        set(&mut self.point, lane, point);
+        set(&mut self.normal, lane, sample.normal);
+        set(&mut self.albedo, lane, sample.albedo);
+        if look.texture != Texture::None {
+            set(&mut self.in_mesh, 0, sample.place);
+            tint(
+                &look.texture,
+                &self.in_mesh,
+                &mut self.albedo,
+                &(lane..lane + 1),
+            );
         }
-        self.specular[lane] = sample.specular;
-        self.infrared[lane] = sample.infrared;
+        self.row[lane] = run.row as u32;
+        self.column[lane] = (run.column + i) as u32;
+        self.instance[lane] = look.id;
+        self.specular[lane] = face.specular;
+        self.infrared[lane] = face.infrared;
+        self.n = lane + 1;
         self.n == LANES
     }
 
+    /// Adds the first pixels of a run; gives the rest when the block is full.
+    #[inline]
+    pub(crate) fn push_all<'a>(
+        &mut self,
+        run: &Run<'a>,
+        face: &FaceLook,
+        look: &InstanceLook,
+    ) -> Option<Run<'a>> {
+        let (now, later) = run.split_at(run.x.len().min(LANES - self.n));
+        let lanes = self.n..self.n + now.x.len();
+        self.n = lanes.end;
+        self.sample(&lanes, &now, face, look);
+        if look.texture != Texture::None {
+            tint(&look.texture, &self.in_mesh, &mut self.albedo, &lanes);
+        }
+        self.row[lanes.clone()].fill(now.row as u32);
+        for (i, column) in self.column[lanes.clone()].iter_mut().enumerate() {
+            *column = (now.column + i) as u32;
+        }
+        self.instance[lanes.clone()].fill(look.id);
+        self.specular[lanes.clone()].fill(face.specular);
+        self.infrared[lanes].fill(face.infrared);
+        (self.n == LANES).then_some(later)
+    }
+
+    /// Finds what is seen in the pixels of a run, without texture.
+    fn sample(
+        &mut self,
+        lanes: &Range<usize>,
+        run: &Run<'_>,
+        face: &FaceLook,
+        look: &InstanceLook,
+    ) {
+        let n = lanes.len();
+        let [mx, my, mz] = part(&mut self.in_mesh, &(0..n));
+        let [px, py, pz] = part(&mut self.point, lanes);
+        let [nx, ny, nz] = part(&mut self.normal, lanes);
+        let [red, green, blue] = part(&mut self.albedo, lanes);
+        for i in 0..n {
+            let point = run.point(i);
+            let sample = face.sample(look, point);
+            [px[i], py[i], pz[i]] = point;
+            [nx[i], ny[i], nz[i]] = sample.normal;
+            [red[i], green[i], blue[i]] = sample.albedo;
+            [mx[i], my[i], mz[i]] = sample.place;
+        }
+    }
+
     /// Lights the pixels of the block, hands them out and empties it.
-    pub(crate) fn flush(&mut self, lights: &CameraLights, mut take: impl FnMut(LitPixel)) {
-        self.orient();
-        self.surroundings(lights);
-        if let Some(fill) = &lights.fill {
-            let more = self.reflected(fill);
-            for (sum, more) in self.unlit.iter_mut().zip(&more) {
-                for (sum, more) in sum.iter_mut().zip(more) {
-                    *sum += more;
-                }
+    #[inline]
+    pub(crate) fn flush(
+        &mut self,
+        lights: &CameraLights,
+        shadow: &ShadowMap,
+        mut take: impl FnMut(&LitPixel),
+    ) {
+        self.lighting.compute(
+            lights,
+            &self.point,
+            &mut self.normal,
+            &self.albedo,
+            &self.specular,
+        );
+        shadow.locate_all(&self.point, &mut self.in_shadow_map);
+        let mut light = [0_u8; LANES];
+        for (lane, light) in light.iter_mut().enumerate().take(self.n) {
+            if self.radiance(lane).has_main_light() {
+                *light = shadow.light_at(&self.in_shadow_map.at(lane));
             }
         }
-        self.lit = self.reflected(&lights.main);
+        let colors = self.colors(&light);
+        let reflections = self.reflections();
         for lane in 0..self.n {
-            take(self.lit_pixel(lane));
+            take(&LitPixel {
+                row: self.row[lane] as usize,
+                column: self.column[lane] as usize,
+                instance: self.instance[lane],
+                depth_m: self.point[2][lane],
+                radiance: self.radiance(lane),
+                light: light[lane],
+                place: [self.in_shadow_map.x[lane], self.in_shadow_map.y[lane]],
+                color: [colors[0][lane], colors[1][lane], colors[2][lane]],
+                reflection: reflections.at(lane),
+            });
         }
         self.n = 0;
     }
 
-    /// Unit normals, directions to the eye, and the cosines between them.
-    fn orient(&mut self) {
-        let [nx, ny, nz] = &mut self.normal;
-        let [px, py, pz] = &self.point;
-        let [ex, ey, ez] = &mut self.to_eye;
-        for i in 0..LANES {
-            let length = (nx[i] * nx[i] + ny[i] * ny[i] + nz[i] * nz[i]).max(1e-30);
-            let per_length = 1.0 / length.sqrt();
-            nx[i] *= per_length;
-            ny[i] *= per_length;
-            nz[i] *= per_length;
-            let distance = (px[i] * px[i] + py[i] * py[i] + pz[i] * pz[i]).max(1e-30);
-            let per_distance = -1.0 / distance.sqrt();
-            ex[i] = px[i] * per_distance;
-            ey[i] = py[i] * per_distance;
-            ez[i] = pz[i] * per_distance;
-            self.cosine[i] = (nx[i] * ex[i] + ny[i] * ey[i] + nz[i] * ez[i]).max(0.0);
+    #[inline]
+    fn radiance(&self, lane: usize) -> Radiance {
+        let of = |vectors: &Vectors| [vectors[0][lane], vectors[1][lane], vectors[2][lane]];
+        Radiance {
+            unlit: of(&self.lighting.unlit),
+            lit: of(&self.lighting.lit),
         }
-    }
-
-    /// Light of the surroundings: full from above, half from below.
-    fn surroundings(&mut self, lights: &CameraLights) {
-        let ([nx, ny, nz], [ex, ey, ez]) = (&self.normal, &self.to_eye);
-        let [ux, uy, uz] = lights.up;
-        let (mut matte, mut mirrored) = ([0.0; LANES], [0.0; LANES]);
-        for i in 0..LANES {
-            let up = nx[i] * ux + ny[i] * uy + nz[i] * uz;
-            let eye_up = ex[i] * ux + ey[i] * uy + ez[i] * uz;
-            let mirrored_up = 2.0 * up * self.cosine[i] - eye_up;
-            mirrored[i] = self.specular[i] * (0.55 + 0.45 * mirrored_up);
-            matte[i] = (1.0 - self.specular[i]) * (0.75 + 0.25 * up);
-        }
-        for channel in 0..3 {
-            let (albedo, unlit) = (&self.albedo[channel], &mut self.unlit[channel]);
-            for i in 0..LANES {
-                unlit[i] = (albedo[i] * matte[i] + mirrored[i]) * lights.ambient[channel];
-            }
-        }
-    }
-
-    /// What arrives from a light and goes on to the eye.
-    fn reflected(&self, light: &CameraLight) -> Vectors {
-        let ([nx, ny, nz], [ex, ey, ez]) = (&self.normal, &self.to_eye);
-        let [px, py, pz] = &self.point;
-        let [lx, ly, lz] = light.vector;
-        let (mut matte, mut glint) = ([0.0; LANES], [0.0; LANES]);
-        for i in 0..LANES {
-            let x = lx - px[i] * light.is_place;
-            let y = ly - py[i] * light.is_place;
-            let z = lz - pz[i] * light.is_place;
-            let share = 1.0 / (x * x + y * y + z * z).max(1e-4);
-            let per_distance = share.sqrt();
-            let cosine = (nx[i] * x + ny[i] * y + nz[i] * z).max(0.0) * per_distance;
-            let hx = x * per_distance + ex[i];
-            let hy = y * per_distance + ey[i];
-            let hz = z * per_distance + ez[i];
-            let half = (nx[i] * hx + ny[i] * hy + nz[i] * hz).max(0.0);
-            // The 32nd power of the cosine to the half vector.
-            let squared = half * half / (hx * hx + hy * hy + hz * hz).max(1e-30);
-            let fourth = squared * squared;
-            let eighth = fourth * fourth;
-            let sixteenth = eighth * eighth;
-            let power = sixteenth * sixteenth;
-            let is_lit = if cosine > 0.0 { HIGHLIGHT } else { 0.0 };
-            glint[i] = is_lit * self.specular[i] * power * share;
-            matte[i] = (1.0 - self.specular[i]) * cosine * share;
-        }
-        let mut reflected = [[0.0; LANES]; 3];
-        for channel in 0..3 {
-            let (albedo, reflected) = (&self.albedo[channel], &mut reflected[channel]);
-            for i in 0..LANES {
-                reflected[i] = (albedo[i] * matte[i] + glint[i]) * light.rgb[channel];
-            }
-        }
-        reflected
     }
 
     #[inline]
-    fn lit_pixel(&self, lane: usize) -> LitPixel {
-        let of = |vectors: &Vectors| [vectors[0][lane], vectors[1][lane], vectors[2][lane]];
-        let byte = |share: f32| (share * 255.0 + 0.5) as u8;
-        LitPixel {
-            pixel: self.pixel[lane],
-            instance: self.instance[lane],
-            point: of(&self.point),
-            radiance: Radiance {
-                unlit: of(&self.unlit),
-                lit: of(&self.lit),
-            },
-            reflection: Reflection {
-                normal: of(&self.normal).map(|part| (part * 127.0) as i8),
-                cos_incidence: byte(self.cosine[lane]),
-                infrared: byte(infrared_albedo(
-                    self.infrared[lane],
-                    luminance(of(&self.albedo)),
-                )),
-                specular: byte(self.specular[lane]),
-            },
+    fn colors(&self, light: &[u8; LANES]) -> [[u16; LANES]; 3] {
+        let mut colors = [[0; LANES]; 3];
+        for (channel, colors) in colors.iter_mut().enumerate() {
+            let (unlit, lit) = (&self.lighting.unlit[channel], &self.lighting.lit[channel]);
+            for i in 0..LANES {
+                colors[i] = color_channel(unlit[i], lit[i], light[i]);
+            }
+        }
+        colors
+    }
+
+    #[inline]
+    fn reflections(&self) -> Reflections {
+        let mut reflections = Reflections::default();
+        let [red, green, blue] = &self.albedo;
+        for i in 0..LANES {
+            let brightness = luminance([red[i], green[i], blue[i]]);
+            let infrared = infrared_albedo(self.infrared[i], brightness);
+            reflections.infrared[i] = byte(infrared);
+            reflections.cosine[i] = byte(self.lighting.cosine[i]);
+            reflections.specular[i] = byte(self.specular[i]);
+        }
+        for (parts, normals) in reflections.normal.iter_mut().zip(&self.normal) {
+            for (part, &normal) in parts.iter_mut().zip(normals) {
+                *part = truncated((normal * 127.0).clamp(-127.0, 127.0)) as i8;
+            }
+        }
+        reflections
+    }
+}
+
+/// A share times 255, rounded.
+#[inline]
+fn byte(share: f32) -> u8 {
+    floor((share * 255.0 + 0.5).clamp(0.0, 255.0)) as u8
+}
+
+/// How the surfaces of a block send light back.
+struct Reflections {
+    normal: [[i8; LANES]; 3],
+    cosine: [u8; LANES],
+    infrared: [u8; LANES],
+    specular: [u8; LANES],
+}
+
+impl Default for Reflections {
+    fn default() -> Self {
+        Self {
+            normal: [[0; LANES]; 3],
+            cosine: [0; LANES],
+            infrared: [0; LANES],
+            specular: [0; LANES],
+        }
+    }
+}
+
+impl Reflections {
+    #[inline]
+    fn at(&self, lane: usize) -> Reflection {
+        Reflection {
+            normal: [
+                self.normal[0][lane],
+                self.normal[1][lane],
+                self.normal[2][lane],
+            ],
+            cos_incidence: self.cosine[lane],
+            infrared: self.infrared[lane],
+            specular: self.specular[lane],
+        }
+    }
+}
+
+#[inline]
+fn set([x, y, z]: &mut Vectors, lane: usize, vector: [f32; 3]) {
+    [x[lane], y[lane], z[lane]] = vector;
+}
+
+#[inline]
+fn part<'a>(vectors: &'a mut Vectors, lanes: &Range<usize>) -> [&'a mut [f32]; 3] {
+    vectors.each_mut().map(|values| &mut values[lanes.clone()])
+}
+
+/// Multiplies the colours of `lanes` by a texture; `places` begin with the first.
+fn tint(texture: &Texture, places: &Vectors, albedo: &mut Vectors, lanes: &Range<usize>) {
+    let mut factors = [[1.0; N_PLACES]; 3];
+    for start in (0..lanes.len()).step_by(N_PLACES) {
+        let place = places.each_ref().map(|along| {
+            let mut values = [0.0; N_PLACES];
+            values.copy_from_slice(&along[start..start + N_PLACES]);
+            values
+        });
+        texture.factors(&place, &mut factors);
+        let first = lanes.start + start;
+        let end = lanes.end.min(first + N_PLACES);
+        for (albedo, factors) in albedo.iter_mut().zip(&factors) {
+            for (albedo, factor) in albedo[first..end].iter_mut().zip(factors) {
+                *albedo *= factor;
+            }
         }
     }
 }

@@ -103,14 +103,13 @@ impl Lens {
     pub(crate) fn project(&self, [x, y, z]: [f32; 3]) -> ScreenCorner {
         match *self {
             Self::Pinhole { focal, center } => {
-                if z < NEAR_M {
-                    return ScreenCorner::default();
-                }
+                // Choices instead of a branch, so that a loop can be vectorised.
                 let closeness = 1.0 / z;
+                let unless_near = |value: f32| if z < NEAR_M { 0.0 } else { value };
                 ScreenCorner {
-                    x: focal[0] * x * closeness + center[0],
-                    y: focal[1] * y * closeness + center[1],
-                    closeness,
+                    x: unless_near(focal[0] * x * closeness + center[0]),
+                    y: unless_near(focal[1] * y * closeness + center[1]),
+                    closeness: unless_near(closeness),
                 }
             }
             Self::Parallel {

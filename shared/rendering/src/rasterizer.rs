@@ -3,13 +3,13 @@
 use crate::Error;
 use crate::background::{Background, NewShadows, Rays};
 use crate::face_view::{FaceView, may_see, project};
-use crate::image::{Image, Reflection};
+use crate::image::Image;
 use crate::instance::Instance;
 use crate::lights::Lights;
-use crate::pixel_block::{CameraLights, LitPixel, PixelBlock};
 use crate::projection::{Lens, Placement, ScreenCorner};
+use crate::reflected_light::CameraLights;
 use crate::scanline::{Side, scan};
-use crate::seen_face::SeenFace;
+use crate::shader::Shader;
 use crate::shading::InstanceLook;
 use crate::shadow_map::{LightView, SIDE, ShadowMap};
 use crate::shadow_reach::ShadowReach;
@@ -102,6 +102,9 @@ impl Rasterizer {
 
     /// Sets camera pose and lights and draws what does not move.
     ///
+    /// When the camera moves in each frame, it is cheaper to prepare a stage
+    /// without background and to render everything.
+    ///
     /// # Errors
     /// When the pose has a number that is not finite; nothing is changed then.
     pub fn prepare(&mut self, stage: &Stage<'_>) -> Result<(), Error> {
@@ -113,15 +116,19 @@ impl Rasterizer {
             let map_from_camera = Placement::new(&(view.map_from_world * self.world_from_camera));
             map_from_camera.map(|placement| (placement, view.lens))
         });
+        if stage.background.is_empty() && self.background.is_empty {
+            self.restore_background();
+            return Ok(());
+        }
+        self.background.is_empty = stage.background.is_empty();
         self.visibility.clear();
         self.shadow.closeness.fill(0.0);
         self.draw(stage.background);
-        self.background.light.fill(0);
-        self.clear_image();
+        self.background.clear_light();
+        self.image.clear_span(0..self.image.depth_m.len());
         self.shade(stage.background, true);
         self.background
             .keep(&self.image, &self.visibility, &self.shadow);
-        self.background.find_tiles(&self.rays, &self.shadow);
         self.visibility.face.fill(NO_FACE);
         self.visibility.extents.fill(Extent::EMPTY);
         self.dirty.fill(Extent::EMPTY);
@@ -187,22 +194,20 @@ impl Rasterizer {
         Placement::new(&(self.world_from_camera.inverse() * instance.world_from_mesh))
     }
 
-    fn clear_image(&mut self) {
-        self.image.depth_m.fill(f32::INFINITY);
-        self.image.instance.fill(0);
-        self.image.color.fill([0; 3]);
-        self.image.reflection.fill(Reflection::default());
-    }
-
     /// Takes back what the last render has changed.
     fn restore_background(&mut self) {
         let width = self.rays.size().0;
         for (row, dirty) in self.dirty.iter_mut().enumerate() {
             let columns = dirty.columns();
             let span = row * width + columns.start..row * width + columns.end;
-            self.image.copy_span(&self.background.image, span.clone());
-            self.visibility.closeness[span.clone()]
-                .copy_from_slice(&self.background.closeness[span.clone()]);
+            let closeness = &mut self.visibility.closeness[span.clone()];
+            if self.background.is_empty {
+                self.image.clear_span(span.clone());
+                closeness.fill(0.0);
+            } else {
+                self.image.copy_span(&self.background.image, span.clone());
+                closeness.copy_from_slice(&self.background.closeness[span.clone()]);
+            }
             self.visibility.face[span].fill(NO_FACE);
             *dirty = Extent::EMPTY;
         }
@@ -227,6 +232,7 @@ impl Rasterizer {
             self.draw_caster(instance);
             first_face = end;
         }
+        self.shadow.finish();
     }
 
     fn draw_seen(&mut self, instance: &Instance<'_>, first_face: u32) {
@@ -276,6 +282,7 @@ impl Rasterizer {
                 });
             }
         }
+        reach.end_instance();
     }
 
     /// Computes the look of all pixels in which something was drawn.
@@ -283,66 +290,31 @@ impl Rasterizer {
         let Some(camera_from_world) = Placement::new(&self.world_from_camera.inverse()) else {
             return;
         };
-        let lights = CameraLights::new(&self.lights, &camera_from_world);
         self.looks.clear();
         self.looks.extend(
             instances
                 .iter()
                 .map(|instance| InstanceLook::new(instance, &self.world_from_camera)),
         );
-        let (mut seen, mut block) = (SeenFace::default(), PixelBlock::new());
-        let (width, height) = self.rays.size();
-        for row in 0..height {
-            for column in self.visibility.extents[row].columns() {
-                let pixel = row * width + column;
-                let face = self.visibility.face[pixel];
-                if face == NO_FACE {
-                    continue;
-                }
-                if !seen.is(face) {
-                    seen.turn_to(face, instances, &self.first_faces);
-                }
-                let Some(face_look) = &seen.look else {
-                    continue;
-                };
-                let Some(Some(look)) = self.looks.get(seen.slot) else {
-                    continue;
-                };
-                let depth_m = 1.0 / self.visibility.closeness[pixel];
-                let sample = face_look.sample(look, self.rays.point(column, row, depth_m));
-                if block.push(pixel, &sample) {
-                    block.flush(&lights, |lit| self.write(&lit, is_background));
-                }
-            }
-        }
-        block.flush(&lights, |lit| self.write(&lit, is_background));
-    }
-
-    #[expect(
-        clippy::inline_always,
-        reason = "a call would pass the pixel through memory; bench `render`"
-    )]
-    #[inline(always)]
-    fn write(&mut self, lit: &LitPixel, is_background: bool) {
-        let light = light_at(&self.shadow, lit);
-        self.image.depth_m[lit.pixel] = lit.point[2];
-        self.image.instance[lit.pixel] = lit.instance;
-        self.image.color[lit.pixel] = lit.radiance.color(light);
-        self.image.reflection[lit.pixel] = lit.reflection;
+        let shader = Shader {
+            rays: &self.rays,
+            lights: &CameraLights::new(&self.lights, &camera_from_world),
+            shadow: &self.shadow,
+            visibility: &self.visibility,
+            instances,
+            first_faces: &self.first_faces,
+            looks: &self.looks,
+        };
+        let (image, background) = (&mut self.image, &mut self.background);
+        let width = self.rays.size().0;
         if is_background {
-            self.background.radiance[lit.pixel] = lit.radiance;
-            self.background.light[lit.pixel] = light;
+            shader.shade(|lit| {
+                let pixel = lit.row * width + lit.column;
+                image.set(pixel, lit);
+                background.keep_light(pixel, lit);
+            });
+        } else {
+            shader.shade(|lit| image.set(lit.row * width + lit.column, lit));
         }
     }
-}
-
-/// Share of the main light in a pixel, times 255; 0 where it has no effect.
-#[inline]
-fn light_at(shadow: &ShadowMap, lit: &LitPixel) -> u8 {
-    if !lit.radiance.has_main_light() {
-        return 0;
-    }
-    shadow
-        .locate(lit.point)
-        .map_or(u8::MAX, |place| shadow.light_at(&place))
 }

@@ -1,6 +1,7 @@
 //! Which pixels a triangle covers, row by row.
 
 use crate::projection::ScreenCorner;
+use crate::whole_number::ceil_f64;
 
 /// Farthest column or row that is told apart, pixels.
 const PIXEL_MAX: f64 = 1e6;
@@ -35,7 +36,7 @@ impl Span {
     /// Kept within the corners' values: a face seen nearly from its edge has a
     /// huge step, and a pixel's centre may lie a rounding error outside.
     #[inline]
-    pub(crate) fn closeness_at(&self, i: usize) -> f32 {
+    pub(crate) fn closeness_at(&self, i: i32) -> f32 {
         (self.closeness + self.step * i as f32)
             .max(self.closeness_min)
             .min(self.closeness_max)
@@ -198,12 +199,10 @@ impl ClosenessPlane {
     }
 }
 
-/// The whole number not below, within [`PIXEL_MAX`]; 0 for NaN.
+/// The whole number not below, within [`PIXEL_MAX`].
 #[inline]
 fn ceil(x: f64) -> i32 {
-    let x = x.clamp(-PIXEL_MAX, PIXEL_MAX);
-    let truncated = x as i32;
-    truncated + i32::from(x > f64::from(truncated))
+    ceil_f64(x.clamp(-PIXEL_MAX, PIXEL_MAX))
 }
 
 #[cfg(test)]

@@ -3,9 +3,9 @@
 use crate::Texture;
 use crate::image::LINEAR_ONE;
 use crate::instance::Instance;
-use crate::pixel_block::Sample;
 use crate::prepared_mesh::{Face, PreparedMesh};
 use crate::projection::Placement;
+use crate::whole_number::floor;
 use geometry::RigidTransform;
 
 /// Light in a pixel: what always arrives, and what the main light adds where
@@ -26,11 +26,27 @@ impl Radiance {
     /// The image's colour where `light` of 255 parts of the main light arrive.
     #[inline]
     pub(crate) fn color(&self, light: u8) -> [u16; 3] {
-        let share = f32::from(light) * (1.0 / 255.0);
-        std::array::from_fn(|i| {
-            ((self.unlit[i] + self.lit[i] * share) * LINEAR_ONE + 0.5).min(65_535.0) as u16
-        })
+        std::array::from_fn(|i| color_channel(self.unlit[i], self.lit[i], light))
     }
+}
+
+/// One channel of [`Radiance::color`].
+#[inline]
+pub(crate) fn color_channel(unlit: f32, lit: f32, light: u8) -> u16 {
+    let share = f32::from(light) * (1.0 / 255.0);
+    let value = (unlit + lit * share) * LINEAR_ONE + 0.5;
+    floor(value.clamp(0.0, 65_535.0)) as u16
+}
+
+/// What is seen in a pixel.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Sample {
+    /// Mesh frame.
+    pub(crate) place: [f32; 3],
+    /// Camera frame, of any length but zero.
+    pub(crate) normal: [f32; 3],
+    /// Linear sRGB, without texture.
+    pub(crate) albedo: [f32; 3],
 }
 
 /// All that the faces of one instance have in common.
@@ -38,8 +54,8 @@ impl Radiance {
 pub(crate) struct InstanceLook {
     mesh_from_camera: Placement,
     camera_from_mesh: Placement,
-    texture: Texture,
-    id: u16,
+    pub(crate) texture: Texture,
+    pub(crate) id: u16,
 }
 
 impl InstanceLook {
@@ -63,8 +79,8 @@ pub(crate) struct FaceLook {
     gradients: [[f32; 3]; 2],
     normals: [[f32; 3]; 3],
     colors: [[f32; 3]; 3],
-    specular: f32,
-    infrared: f32,
+    pub(crate) specular: f32,
+    pub(crate) infrared: f32,
 }
 
 impl FaceLook {
@@ -101,18 +117,10 @@ impl FaceLook {
         let blend = |[a, along_b, along_c]: &[[f32; 3]; 3]| {
             std::array::from_fn(|i| a[i] + along_b[i] * b + along_c[i] * c)
         };
-        let mut albedo: [f32; 3] = blend(&self.colors);
-        if look.texture != Texture::None {
-            let factors = look.texture.factors(place);
-            albedo = std::array::from_fn(|i| albedo[i] * factors[i]);
-        }
         Sample {
-            point: point_in_camera,
+            place,
             normal: look.camera_from_mesh.direction(blend(&self.normals)),
-            albedo,
-            specular: self.specular,
-            infrared: self.infrared,
-            instance: look.id,
+            albedo: blend(&self.colors),
         }
     }
 }

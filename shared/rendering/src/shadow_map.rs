@@ -5,8 +5,10 @@
 //! (Reeves, Salesin and Cook 1987) over four by four cells.
 
 use crate::lights::{LightPlacement, Lights, ShadowRegion};
+use crate::pixel_block::{LANES, Lanes, Vectors};
 use crate::projection::{Lens, Placement, ScreenCorner};
 use crate::scanline::Span;
+use crate::shadow_bounds::ShadowBounds;
 use geometry::RigidTransform;
 use nalgebra::{Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
@@ -86,6 +88,34 @@ pub(crate) struct ShadowMap {
     /// How a point in the camera's frame gets into the map; `None` without shadows.
     pub(crate) view: Option<(Placement, Lens)>,
     pub(crate) closeness: Vec<f32>,
+    bounds: ShadowBounds,
+}
+
+/// Places of a block of points in the map.
+#[derive(Debug, Clone)]
+pub(crate) struct Places {
+    pub(crate) x: Lanes,
+    pub(crate) y: Lanes,
+    closeness: Lanes,
+}
+
+impl Places {
+    pub(crate) fn new() -> Self {
+        Self {
+            x: [0.0; LANES],
+            y: [0.0; LANES],
+            closeness: [0.0; LANES],
+        }
+    }
+
+    #[inline]
+    pub(crate) fn at(&self, lane: usize) -> ScreenCorner {
+        ScreenCorner {
+            x: self.x[lane],
+            y: self.y[lane],
+            closeness: self.closeness[lane],
+        }
+    }
 }
 
 impl ShadowMap {
@@ -93,6 +123,14 @@ impl ShadowMap {
         Self {
             view: None,
             closeness: vec![0.0; SIDE * SIDE],
+            bounds: ShadowBounds::new(),
+        }
+    }
+
+    /// Ends drawing; to be called before light is asked for.
+    pub(crate) fn finish(&mut self) {
+        if self.view.is_some() {
+            self.bounds.update(&self.closeness);
         }
     }
 
@@ -101,15 +139,25 @@ impl ShadowMap {
         let first = span.row * SIDE;
         let cells = &mut self.closeness[first + span.start..first + span.end];
         for (i, cell) in cells.iter_mut().enumerate() {
-            *cell = cell.max(span.closeness_at(i));
+            *cell = cell.max(span.closeness_at(i as i32));
         }
     }
 
-    /// Where a point in the camera's frame lies in the map.
+    /// Where points in the camera's frame lie in the map; outside, without shadows.
     #[inline]
-    pub(crate) fn locate(&self, point_in_camera: [f32; 3]) -> Option<ScreenCorner> {
-        let (map_from_camera, lens) = self.view.as_ref()?;
-        Some(lens.project(map_from_camera.point(point_in_camera)))
+    pub(crate) fn locate_all(&self, points: &Vectors, places: &mut Places) {
+        let Some((map_from_camera, lens)) = &self.view else {
+            places.x.fill(f32::NAN);
+            places.y.fill(f32::NAN);
+            return;
+        };
+        let [px, py, pz] = points;
+        for i in 0..LANES {
+            let place = lens.project(map_from_camera.point([px[i], py[i], pz[i]]));
+            places.x[i] = place.x;
+            places.y[i] = place.y;
+            places.closeness[i] = place.closeness;
+        }
     }
 
     /// Share of the main light that reaches a place of the map, times 255.
@@ -123,8 +171,22 @@ impl ShadowMap {
             return u8::MAX;
         }
         let (column, row) = (place.x as usize, place.y as usize);
-        let (u, v) = (place.x - column as f32, place.y - row as f32);
         let threshold = place.closeness * (1.0 + BIAS);
+        let (low, high) = self.bounds.around(column, row);
+        if high <= threshold {
+            u8::MAX
+        } else if low > threshold {
+            0
+        } else {
+            self.filtered(place, threshold)
+        }
+    }
+
+    /// The same, by the cells around the place: those up to `threshold` let light pass.
+    #[inline(never)]
+    fn filtered(&self, place: &ScreenCorner, threshold: f32) -> u8 {
+        let (column, row) = (place.x as usize, place.y as usize);
+        let (u, v) = (place.x - column as f32, place.y - row as f32);
         let mut columns = [0.0_f32; 4];
         for (j, down) in [1.0 - v, 1.0, 1.0, v].into_iter().enumerate() {
             let first = (row + j - 1) * SIDE + column - 1;
@@ -168,5 +230,35 @@ mod tests {
         assert!(LightView::new(&lights).is_none());
         lights.main.placement = LightPlacement::Point(Point3::new(f32::NAN, 0.0, 0.0));
         assert!(LightView::new(&lights).is_none());
+    }
+
+    #[test]
+    fn bounds_give_the_light_that_the_cells_give() {
+        let mut map = ShadowMap::new();
+        map.view = Some((
+            Placement::new(&RigidTransform::identity()).unwrap(),
+            Lens::Pinhole {
+                focal: [1.0; 2],
+                center: [0.0; 2],
+            },
+        ));
+        for (i, cell) in map.closeness.iter_mut().enumerate() {
+            let (column, row) = (i % SIDE, i / SIDE);
+            *cell = f32::from(u8::from((column / 40 + row / 30) % 2 == 0));
+        }
+        map.finish();
+        let mut n_of_share = [0; 256];
+        for i in 0..20_000_u16 {
+            let place = ScreenCorner {
+                x: 1.0 + f32::from(i) * 0.618_034 % 378.0,
+                y: 1.0 + f32::from(i) * 0.754_878 % 378.0,
+                closeness: 0.5,
+            };
+            let share = map.light_at(&place);
+            assert_eq!(share, map.filtered(&place, 0.5 * (1.0 + BIAS)));
+            n_of_share[usize::from(share)] += 1;
+        }
+        assert!(n_of_share[0] > 1000 && n_of_share[255] > 1000);
+        assert!(n_of_share[1..255].iter().sum::<u32>() > 1000);
     }
 }

@@ -3,6 +3,7 @@
 use crate::projection::ScreenCorner;
 use crate::scanline::Span;
 use crate::shadow_map::SIDE;
+use crate::visibility::Extent;
 
 /// Cells on a side of a block.
 const BLOCK: usize = 4;
@@ -26,9 +27,9 @@ impl CellRectangle {
     };
 
     #[inline]
-    pub(crate) fn include(&mut self, corner: &ScreenCorner) {
-        self.low = [self.low[0].min(corner.x), self.low[1].min(corner.y)];
-        self.high = [self.high[0].max(corner.x), self.high[1].max(corner.y)];
+    pub(crate) fn include(&mut self, [x, y]: [f32; 2]) {
+        self.low = [self.low[0].min(x), self.low[1].min(y)];
+        self.high = [self.high[0].max(x), self.high[1].max(y)];
     }
 }
 
@@ -36,12 +37,15 @@ impl CellRectangle {
 #[derive(Debug)]
 pub(crate) struct ShadowReach {
     reached: Vec<bool>,
+    /// What was drawn of the present instance in each row.
+    drawn: Vec<Extent>,
 }
 
 impl ShadowReach {
     pub(crate) fn new() -> Self {
         Self {
             reached: vec![false; N_BLOCKS * N_BLOCKS],
+            drawn: vec![Extent::EMPTY; SIDE],
         }
     }
 
@@ -49,13 +53,26 @@ impl ShadowReach {
         self.reached.fill(false);
     }
 
+    /// Draws pixels of an instance.
     #[inline]
     pub(crate) fn draw(&mut self, span: &Span) {
+        self.drawn[span.row].include(span.start, span.end);
+    }
+
+    /// Ends an instance: what lies between its outermost pixels of a row counts as drawn.
+    pub(crate) fn end_instance(&mut self) {
         let block = |cell: usize| cell.min(SIDE - 1) / BLOCK;
-        let columns = block(span.start.saturating_sub(AFTER))..=block(span.end - 1 + BEFORE);
-        for row in block(span.row.saturating_sub(AFTER))..=block(span.row + BEFORE) {
-            let first = row * N_BLOCKS;
-            self.reached[first + columns.start()..=first + columns.end()].fill(true);
+        for (row, drawn) in self.drawn.iter_mut().enumerate() {
+            let columns = drawn.columns();
+            if columns.is_empty() {
+                continue;
+            }
+            let start = block(columns.start.saturating_sub(AFTER));
+            let end = block(columns.end - 1 + BEFORE) + 1;
+            for row in block(row.saturating_sub(AFTER))..=block(row + BEFORE) {
+                self.reached[row * N_BLOCKS + start..row * N_BLOCKS + end].fill(true);
+            }
+            *drawn = Extent::EMPTY;
         }
     }
 
@@ -72,9 +89,9 @@ impl ShadowReach {
         let block = |cell: f32| (cell.clamp(0.0, SIDE as f32 - 1.0)) as usize / BLOCK;
         (block(cells.low[1])..=block(cells.high[1])).any(|row| {
             let first = row * N_BLOCKS;
-            self.reached[first + block(cells.low[0])..=first + block(cells.high[0])]
-                .iter()
-                .any(|&is_reached| is_reached)
+            self.reached
+                .get(first + block(cells.low[0])..=first + block(cells.high[0]))
+                .is_some_and(|blocks| blocks.contains(&true))
         })
     }
 }
@@ -106,13 +123,14 @@ mod tests {
                 n_spans += 1;
             },
         );
+        reach.end_instance();
         assert!(n_spans > 0);
         assert!(reach.contains(&corner(101.0, 101.0)) && reach.contains(&corner(98.5, 98.5)));
         assert!(!reach.contains(&corner(115.0, 101.0)) && !reach.contains(&corner(-1.0, 101.0)));
         let mut near = CellRectangle::EMPTY;
-        near.include(&corner(20.0, 90.0));
+        near.include([20.0, 90.0]);
         assert!(!reach.touches(&near));
-        near.include(&corner(97.0, 110.0));
+        near.include([97.0, 110.0]);
         assert!(reach.touches(&near));
     }
 }

@@ -1,5 +1,7 @@
 //! Procedural detail of large surfaces.
 
+use crate::whole_number::floor;
+
 /// A pattern over the mesh's own coordinates; it multiplies the mesh's colours.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Texture {
@@ -36,25 +38,39 @@ pub enum Texture {
     },
 }
 
+/// Farthest cell that is told apart.
+const CELL_MAX: f32 = 4e6;
+
+/// Places that are looked up together.
+pub(crate) const N_PLACES: usize = 16;
+
+type Values = [f32; N_PLACES];
+
 impl Texture {
-    /// Factors of red, green and blue at a place in the mesh's frame.
-    #[inline]
-    pub(crate) fn factors(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
+    /// Factors of red, green and blue at places in the mesh's frame.
+    ///
+    /// Each pattern is a loop without branches, so that it becomes vector
+    /// instructions; a place's factors do not depend on the others.
+    pub(crate) fn factors(&self, [x, y, z]: &[Values; 3], factors: &mut [Values; 3]) {
+        let [red, green, blue] = factors;
+        let mut set = |i: usize, factors: [f32; 3]| [red[i], green[i], blue[i]] = factors;
         match *self {
-            Self::None => [1.0; 3],
-            Self::WoodGrain { board_m, contrast } => wood(x, y, z, cells_per_m(board_m), contrast),
+            Self::None => (0..N_PLACES).for_each(|i| set(i, [1.0; 3])),
+            Self::WoodGrain { board_m, contrast } => {
+                let s = cells_per_m(board_m);
+                (0..N_PLACES).for_each(|i| set(i, wood(x[i], y[i], z[i], s, contrast)));
+            }
             Self::Checker { side_m, dark } => {
                 let s = cells_per_m(side_m);
-                // Half a cell apart, so that faces at whole multiples do not flicker.
-                let parity = cell(x * s) ^ cell(y * s) ^ cell(z * s + 0.5);
-                [if parity & 1 == 0 { 1.0 } else { dark }; 3]
+                (0..N_PLACES).for_each(|i| set(i, [checker(x[i], y[i], z[i], s, dark); 3]));
             }
-            Self::Tiles { side_m, joint_m } => tile(x, y, cells_per_m(side_m), joint_m),
+            Self::Tiles { side_m, joint_m } => {
+                let s = cells_per_m(side_m);
+                (0..N_PLACES).for_each(|i| set(i, tile(x[i], y[i], s, joint_m)));
+            }
             Self::Mottle { scale_m, contrast } => {
                 let s = cells_per_m(scale_m);
-                let coarse = value_noise(x * s, y * s, z * s);
-                let fine = value_noise(x * s * 6.3, y * s * 6.3, z * s * 6.3);
-                [1.0 - contrast * (0.7 * coarse + 0.3 * fine); 3]
+                (0..N_PLACES).for_each(|i| set(i, [mottle(x[i], y[i], z[i], s, contrast); 3]));
             }
         }
     }
@@ -69,19 +85,34 @@ fn cells_per_m(size_m: f32) -> f32 {
     }
 }
 
-/// The whole number below.
+/// The whole number below, and how far a value is above it, 0 to 1.
 #[inline]
-fn cell(x: f32) -> i32 {
-    let x = x.clamp(-1e8, 1e8);
-    let truncated = x as i32;
-    truncated - i32::from((truncated as f32) > x)
+fn cell(x: f32) -> (i32, f32) {
+    let x = x.clamp(-CELL_MAX, CELL_MAX);
+    let below = floor(x);
+    (below, x - below as f32)
 }
 
+#[inline]
+fn checker(x: f32, y: f32, z: f32, fields_per_m: f32, dark: f32) -> f32 {
+    let s = fields_per_m;
+    // Half a cell apart, so that faces at whole multiples do not flicker.
+    let parity = cell(x * s).0 ^ cell(y * s).0 ^ cell(z * s + 0.5).0;
+    if parity & 1 == 0 { 1.0 } else { dark }
+}
+
+#[inline]
+fn mottle(x: f32, y: f32, z: f32, stains_per_m: f32, contrast: f32) -> f32 {
+    let s = stains_per_m;
+    let coarse = value_noise(x * s, y * s, z * s);
+    let fine = value_noise(x * s * 6.3, y * s * 6.3, z * s * 6.3);
+    1.0 - contrast * (0.7 * coarse + 0.3 * fine)
+}
+
+#[inline]
 fn wood(x: f32, y: f32, z: f32, boards_per_m: f32, contrast: f32) -> [f32; 3] {
-    let across = y * boards_per_m;
-    let board = cell(across);
+    let (board, within) = cell(y * boards_per_m);
     let shade = lattice(board, 17, 3);
-    let within = across - board as f32;
     let seam = if (0.012..=0.988).contains(&within) {
         1.0
     } else {
@@ -90,7 +121,7 @@ fn wood(x: f32, y: f32, z: f32, boards_per_m: f32, contrast: f32) -> [f32; 3] {
     // Rings: distance from an axis that wanders slowly along the board.
     let wander = value_noise(x * 1.7 + shade * 31.0, y * 6.0, z * 6.0);
     let rings = (within - 0.5) * 5.0 + wander * 4.0 + shade * 9.0;
-    let ring = rings - cell(rings) as f32;
+    let ring = cell(rings).1;
     let fibre = value_noise(x * 14.0, y * 380.0, z * 380.0);
     let darkness = contrast * (0.55 * ring * ring + 0.3 * fibre) + 0.12 * shade;
     let light = seam * (1.0 - darkness);
@@ -102,53 +133,89 @@ fn wood(x: f32, y: f32, z: f32, boards_per_m: f32, contrast: f32) -> [f32; 3] {
     ]
 }
 
+#[inline]
 fn tile(x: f32, y: f32, tiles_per_m: f32, joint_m: f32) -> [f32; 3] {
     let (u, v) = (x * tiles_per_m, y * tiles_per_m);
-    let (i, j) = (cell(u), cell(v));
+    let ((i, within_u), (j, within_v)) = (cell(u), cell(v));
     let half_joint = 0.5 * joint_m * tiles_per_m;
-    let border = |t: f32| t < half_joint || t > 1.0 - half_joint;
-    if border(u - i as f32) || border(v - j as f32) {
-        return [0.5, 0.49, 0.47];
-    }
-    let cloud = value_noise(u * 5.0, v * 5.0, 0.0);
-    [1.0 - 0.12 * lattice(i, j, 5) - 0.08 * cloud; 3]
+    let to_border = |t: f32| t.min(1.0 - t);
+    let is_joint = to_border(within_u).min(to_border(within_v)) < half_joint;
+    let cloud = flat_noise(u * 5.0, v * 5.0);
+    let shade = 1.0 - 0.12 * lattice(i, j, 5) - 0.08 * cloud;
+    [0.5, 0.49, 0.47].map(|joint| if is_joint { joint } else { shade })
 }
 
 /// Noise between 0 and 1 that changes smoothly over one unit.
+#[expect(
+    clippy::inline_always,
+    reason = "a loop with a call in it is not vectorised; bench `frame_with_moving_camera`"
+)]
+#[inline(always)]
 fn value_noise(x: f32, y: f32, z: f32) -> f32 {
-    let (i, j, k) = (cell(x), cell(y), cell(z));
-    let smooth = |t: f32| t * t * (3.0 - 2.0 * t);
-    let (u, v, w) = (
-        smooth(x - i as f32),
-        smooth(y - j as f32),
-        smooth(z - k as f32),
-    );
-    let mix = |a: f32, b: f32, t: f32| a + (b - a) * t;
-    let row = |dj: i32, dk: i32| {
-        let (j, k) = (j.wrapping_add(dj), k.wrapping_add(dk));
-        mix(lattice(i, j, k), lattice(i.wrapping_add(1), j, k), u)
-    };
-    mix(
-        mix(row(0, 0), row(1, 0), v),
-        mix(row(0, 1), row(1, 1), v),
-        w,
+    let ([i0, i1], u) = interval(x, 0x9e37_79b1);
+    let ([j0, j1], v) = interval(y, 0x85eb_ca77);
+    let ([k0, k1], w) = interval(z, 0xc2b2_ae3d);
+    let row = |jk: u32| mix(unit_hash(i0 ^ jk), unit_hash(i1 ^ jk), u);
+    let plane = |k: u32| mix(row(j0 ^ k), row(j1 ^ k), v);
+    mix(plane(k0), plane(k1), w)
+}
+
+/// [`value_noise`] where z is 0.
+#[inline]
+fn flat_noise(x: f32, y: f32) -> f32 {
+    let ([i0, i1], u) = interval(x, 0x9e37_79b1);
+    let ([j0, j1], v) = interval(y, 0x85eb_ca77);
+    let row = |j: u32| mix(unit_hash(i0 ^ j), unit_hash(i1 ^ j), u);
+    mix(row(j0), row(j1), v)
+}
+
+/// The two whole numbers around a value, times `factor`, and how far it is from
+/// the one to the other, smoothed.
+#[inline]
+fn interval(x: f32, factor: u32) -> ([u32; 2], f32) {
+    let (below, t) = cell(x);
+    let product = (below as u32).wrapping_mul(factor);
+    (
+        [product, product.wrapping_add(factor)],
+        t * t * (3.0 - 2.0 * t),
     )
+}
+
+#[inline]
+fn mix(a: f32, b: f32, t: f32) -> f32 {
+    a + (b - a) * t
 }
 
 /// A number between 0 and 1 that belongs to a lattice point.
 #[inline]
 fn lattice(i: i32, j: i32, k: i32) -> f32 {
-    let mut h = (i as u32).wrapping_mul(0x9e37_79b1)
-        ^ (j as u32).wrapping_mul(0x85eb_ca77)
-        ^ (k as u32).wrapping_mul(0xc2b2_ae3d);
+    unit_hash(
+        (i as u32).wrapping_mul(0x9e37_79b1)
+            ^ (j as u32).wrapping_mul(0x85eb_ca77)
+            ^ (k as u32).wrapping_mul(0xc2b2_ae3d),
+    )
+}
+
+/// A number between 0 and 1 that looks random: the highest bits of a product,
+/// which depend on all bits of its factors.
+#[inline]
+fn unit_hash(mut h: u32) -> f32 {
     h = (h ^ (h >> 15)).wrapping_mul(0x2c1b_3c6d);
-    h = (h ^ (h >> 12)).wrapping_mul(0x297a_2d39);
-    ((h ^ (h >> 15)) >> 8) as f32 / 16_777_216.0
+    (h >> 8) as i32 as f32 * (1.0 / 16_777_216.0)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Factors at one of many places.
+    fn factors(texture: Texture, place: [f32; 3]) -> [f32; 3] {
+        let mut places = [[7.7; N_PLACES]; 3];
+        let mut all = [[f32::NAN; N_PLACES]; 3];
+        (0..3).for_each(|axis| places[axis][5] = place[axis]);
+        texture.factors(&places, &mut all);
+        all.map(|channel| channel[5])
+    }
 
     #[test]
     fn factors_stay_between_zero_and_one_whatever_the_size() {
@@ -173,7 +240,7 @@ mod tests {
                 },
             ] {
                 for place in [[0.0; 3], [0.31, -0.77, 0.01], [-900.0, 900.0, 3.0]] {
-                    let factors = texture.factors(place);
+                    let factors = factors(texture, place);
                     assert!(factors.iter().all(|f| (0.0..=1.0).contains(f)));
                 }
             }
@@ -186,7 +253,7 @@ mod tests {
             side_m: 0.1,
             dark: 0.2,
         };
-        let at = |x: f32, y: f32| texture.factors([x, y, 0.0])[0];
+        let at = |x: f32, y: f32| factors(texture, [x, y, 0.0])[0];
         assert_eq!(at(0.05, 0.05), at(0.15, 0.15));
         assert_ne!(at(0.05, 0.05), at(0.15, 0.05));
         assert_ne!(at(-0.05, 0.05), at(0.05, 0.05));

@@ -5,6 +5,9 @@ use crate::scanline::Span;
 /// Stands for a pixel where nothing was drawn since the buffer was restored.
 pub(crate) const NO_FACE: u32 = u32::MAX;
 
+/// Pixels of a span from which vector instructions are worth their set-up.
+const SPAN_MIN: usize = 8;
+
 /// Columns of a row in which something was drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Extent {
@@ -72,12 +75,23 @@ impl Visibility {
         let nearest = self.closeness[pixels.clone()]
             .iter_mut()
             .zip(&mut self.face[pixels]);
-        for (i, (closeness, nearest_face)) in nearest.enumerate() {
-            let candidate = span.closeness_at(i);
-            if candidate > *closeness {
-                *closeness = candidate;
-                *nearest_face = face;
+        let candidates = nearest.enumerate();
+        if span.end - span.start < SPAN_MIN {
+            for (i, (closeness, nearest_face)) in candidates {
+                let candidate = span.closeness_at(i as i32);
+                if candidate > *closeness {
+                    *closeness = candidate;
+                    *nearest_face = face;
+                }
             }
+            return;
         }
+        // Choices instead of a branch, so that the loop can be vectorised.
+        candidates.for_each(|(i, (closeness, nearest_face))| {
+            let candidate = span.closeness_at(i as i32);
+            let is_nearer = candidate > *closeness;
+            *closeness = if is_nearer { candidate } else { *closeness };
+            *nearest_face = if is_nearer { face } else { *nearest_face };
+        });
     }
 }

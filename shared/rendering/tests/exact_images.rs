@@ -179,6 +179,39 @@ fn drawing_over_a_background_equals_drawing_everything() {
 }
 
 #[test]
+fn nothing_of_an_earlier_view_is_left() {
+    let scene = TableScene::new(6);
+    let (background, objects) = (scene.background(), scene.objects());
+    let all = [background.clone(), objects.clone()].concat();
+    let stage = |background, step| Stage {
+        world_from_camera: TableScene::orbiting_camera(40 * step),
+        lights: Lights::ROOM,
+        background,
+    };
+    let mut used = Rasterizer::new(CAMERA).unwrap();
+    for (step, (prepared, rendered)) in [
+        (&[][..], &all[..]),
+        (&[][..], &objects[..]),
+        (&background[..], &objects[1..]),
+        (&background[2..], &objects[..]),
+        (&[][..], &objects[3..]),
+        (&[][..], &[][..]),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let stage = stage(prepared, step as u64);
+        used.prepare(&stage).unwrap();
+        let mut fresh = Rasterizer::new(CAMERA).unwrap();
+        fresh.prepare(&stage).unwrap();
+        assert!(
+            used.render(rendered) == fresh.render(rendered),
+            "step {step}"
+        );
+    }
+}
+
+#[test]
 fn shadows_darken_the_table_and_nothing_else_changes() {
     let scene = TableScene::new(8);
     let (background, objects) = (scene.background(), scene.objects());

@@ -17,7 +17,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let seconds: f64 = rest.first().map_or(Ok(0.0), |text| text.parse())?;
     let started = std::time::Instant::now();
     let mut library = ModelLibrary::generated();
-    let (scene, library) = if kind.ends_with(".toml") {
+    let (scene, library) = if Path::new(kind).exists() {
         Scene::open(Path::new(kind))?
     } else if kind == "everyday" {
         (Scene::everyday(5, seed, &mut library)?, library)

@@ -118,6 +118,8 @@ pub(crate) struct SimulatedArm {
     /// Base and links, rail, fingers.
     bodies: Vec<BodyId>,
     gripped: Option<Gripped>,
+    /// Commands so far, refused ones too.
+    n_commands: u64,
     command_id: u64,
     failure: Option<String>,
     guard: protection::Guard,
@@ -147,18 +149,18 @@ impl SimulatedArm {
             motion,
             bodies,
             gripped: None,
+            n_commands: 0,
             command_id: 0,
             failure: None,
             guard: protection::Guard::default(),
         })
     }
 
-    /// Gives the arm a command; the answer says why it can not be carried out.
-    /// A command replaces what is still being done.
+    /// Gives the arm a command, which replaces what is still being done; its
+    /// number is returned. One that is refused changes nothing.
     pub(crate) fn command(&mut self, command: &ArmCommand) -> Result<u64, String> {
-        self.command_id += 1;
-        self.failure = None;
-        self.guard.begin();
+        self.n_commands += 1;
+        let id = self.n_commands;
         let told = match *command {
             ArmCommand::MoveTo {
                 world_from_gripper,
@@ -186,12 +188,13 @@ impl SimulatedArm {
             ArmCommand::Close => Command::Close,
             ArmCommand::Stop => Command::Stop,
         };
-        let accepted = self.motion.retarget(self.command_id, told);
-        accepted.map(|()| self.command_id).map_err(|error| {
-            let sentence = error.to_string();
-            self.failure = Some(sentence.clone());
-            sentence
-        })
+        self.motion
+            .retarget(id, told)
+            .map_err(|error| error.to_string())?;
+        self.command_id = id;
+        self.failure = None;
+        self.guard.begin();
+        Ok(id)
     }
 
     /// Goes on for one step, before the physics does.
@@ -221,8 +224,9 @@ impl SimulatedArm {
 
     /// Stops for a reason that is told.
     fn halt(&mut self, sentence: String) {
-        let stopping = u64::MAX - self.command_id;
-        // Stopping can not be refused; its identity is below all others' reach.
+        self.n_commands += 1;
+        let stopping = self.n_commands;
+        // Stopping can not be refused.
         let _ = self.motion.submit(stopping, Command::Stop);
         self.failure = Some(sentence);
     }
@@ -268,8 +272,15 @@ impl SimulatedArm {
 
     pub(crate) fn status(&self) -> ArmStatus {
         let joints = self.motion.joints();
+        // A command that was just given begins with the next step.
+        let is_accepted =
+            self.motion.command_state(self.command_id) == Some(CommandState::Accepted);
         ArmStatus {
-            motion: self.motion.state(),
+            motion: if is_accepted {
+                MotionState::Moving
+            } else {
+                self.motion.state()
+            },
             joint_angles_rad: joints.angles_rad.into(),
             joint_velocities_rad_s: joints.velocities_rad_s.into(),
             opening_m: self.motion.gripper().opening_m(),

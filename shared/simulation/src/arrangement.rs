@@ -68,6 +68,7 @@ pub(crate) fn place(
     kind: SceneKind,
     models: &[&ObjectModel],
     table: &Table,
+    bin: Option<&Bin>,
     seed: u64,
 ) -> Result<Vec<Placing>, Error> {
     let mut random = Random::new(seed, PLACE);
@@ -78,7 +79,8 @@ pub(crate) fn place(
             [reach * angle.cos(), reach * angle.sin()]
         })),
         SceneKind::Bin => {
-            let [x, y, _] = Bin::default().inner_size_m.map(|side| side * 0.25);
+            let inner_size_m = bin.copied().unwrap_or_default().inner_size_m;
+            let [x, y, _] = inner_size_m.map(|side| side * 0.25);
             Ok(thrown(models.len(), table, BIN_DROP_M, &mut random, |r| {
                 [r.between(-x, x), r.between(-y, y)]
             }))

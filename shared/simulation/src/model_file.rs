@@ -17,6 +17,8 @@ const SIDE_MIN_M: f32 = 0.005;
 const SIDE_MAX_M: f32 = 2.0;
 /// Files are in millimetres when their object is this large in their unit.
 const SIDE_MIN_IN_MM: f32 = 10.0;
+/// Thinner than this share of its longest side it is no object.
+const FLAT_SHARE: f32 = 1e-3;
 /// Edges sharper than this are shown as edges.
 const CREASE_RAD: f32 = 0.9;
 /// Mass of what fills the parts: most things are hollow, kilograms a cubic metre.
@@ -70,19 +72,17 @@ pub(crate) fn open(path: &Path, notes: &mut Vec<String>) -> Result<ObjectModel, 
     if let Some(sentence) = to_metres(&mut mesh).map_err(wrong)? {
         notes.push(note(sentence));
     }
-    let found = mesh.examination();
-    if !found.is_closed() {
-        notes.push(note(format!(
-            "its surface is not closed ({} open edges, {} edges with more than two faces); \
-             holes are seen through",
-            found.n_boundary_edges, found.n_non_manifold_edges
-        )));
+    let sides = mesh
+        .bounds()
+        .map_or_else(Vector3::zeros, |bounds| bounds.sides());
+    if sides.min() < FLAT_SHARE * sides.max() {
+        return Err(wrong("it is flat; an object needs three dimensions".into()));
     }
+    notes.extend(surface_faults(&mesh).into_iter().map(note));
     mesh.recentre();
     mesh.smooth_normals(CREASE_RAD);
     let parts = parts(&mesh);
-    let shape = compound(&parts)
-        .ok_or_else(|| wrong("it is flat; an object needs three dimensions".into()))?;
+    let shape = compound(&parts).ok_or_else(|| wrong("none of its parts has a volume".into()))?;
     let volume_m3 = f64::from(shape.mass_properties(1.0).mass());
     Ok(ObjectModel {
         category,
@@ -94,6 +94,25 @@ pub(crate) fn open(path: &Path, notes: &mut Vec<String>) -> Result<ObjectModel, 
         mesh,
         shape,
     })
+}
+
+/// What a closed surface would not have.
+fn surface_faults(mesh: &TriangleMesh) -> Vec<String> {
+    let found = mesh.examination();
+    let mut faults = Vec::new();
+    if found.n_boundary_edges > 0 {
+        faults.push(format!(
+            "its surface has holes, {} open edges; one sees through them",
+            found.n_boundary_edges
+        ));
+    }
+    if found.n_non_manifold_edges > 0 {
+        faults.push(format!(
+            "its surface is not manifold, {} edges have more than two faces; it is used as it is",
+            found.n_non_manifold_edges
+        ));
+    }
+    faults
 }
 
 /// Category and name of `025_mug.ply`: `mug` and `025_mug`. A category's name
@@ -174,5 +193,5 @@ fn parts(mesh: &TriangleMesh) -> Vec<ConvexPart> {
     let hulls = hulls.into_iter().map(|(points, _)| {
         ConvexPart::around(points.iter().map(|p| Point3::new(p.x, p.y, p.z)).collect())
     });
-    hulls.collect()
+    mesh::with_four_cornered_faces(hulls.collect())
 }

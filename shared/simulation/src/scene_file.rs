@@ -12,7 +12,7 @@ use crate::error::Error;
 use crate::model_library::{ModelLibrary, category_names};
 use crate::object_model::ObjectModel;
 use crate::person::PersonPlan;
-use crate::scene::{Bin, ModelSource, ObjectPlan, Scene, SceneKind};
+use crate::scene::{Bin, ModelChoice, ModelSource, ObjectPlan, Scene, SceneKind};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -20,6 +20,22 @@ use std::sync::Arc;
 pub const MOST_OBJECTS: usize = 60;
 /// Pause between a person's actions by chance, seconds.
 const BY_CHANCE_EVERY_S: [f64; 2] = [6.0, 14.0];
+/// What stands on the table of [`Scene::everyday`] at first: things that a Kinect
+/// sees well and that look unlike each other.
+const EVERYDAY: [&str; 12] = [
+    "mug",
+    "bowl",
+    "cereal-box",
+    "apple",
+    "bottle",
+    "banana",
+    "soda-can",
+    "teapot",
+    "milk-carton",
+    "teddy",
+    "vase",
+    "toy-duck",
+];
 /// Largest scene file, bytes.
 const MOST_BYTES: u64 = 1 << 20;
 
@@ -53,7 +69,15 @@ impl Scene {
         seed: u64,
         library: &mut ModelLibrary,
     ) -> Result<Self, Error> {
-        let mut scene = Self::generate(SceneKind::Isolated, n_objects, seed, library)?;
+        let mut scene = Self {
+            seed,
+            ..Self::default()
+        };
+        let choices = match library.source() {
+            ModelSource::Generated => arrangement::choose(&EVERYDAY, n_objects, seed),
+            ModelSource::Folder(_) => library.choose(n_objects, seed),
+        };
+        scene.objects = placed(&scene, SceneKind::Isolated, choices, library)?;
         scene.arm = Some(ArmMount::default());
         scene.person = Some(PersonPlan {
             script: Vec::new(),
@@ -104,16 +128,32 @@ fn generated_objects(
     }
     if kind == SceneKind::SetTable && *library.source() == ModelSource::Generated {
         let laid = arrangement::set_table(&category_names(), n_objects, scene.seed);
+        if laid.len() < n_objects {
+            return Err(Error::NoRoom {
+                n_objects,
+                n_placed: laid.len(),
+            });
+        }
         let plans = laid.into_iter();
         return Ok(plans
             .map(|(model, placing)| ObjectPlan { model, placing })
             .collect());
     }
     let choices = library.choose(n_objects, scene.seed);
+    placed(scene, kind, choices, library)
+}
+
+/// The chosen objects in their places.
+fn placed(
+    scene: &Scene,
+    kind: SceneKind,
+    choices: Vec<ModelChoice>,
+    library: &mut ModelLibrary,
+) -> Result<Vec<ObjectPlan>, Error> {
     let models = choices.iter().map(|choice| library.load(choice));
     let models: Vec<Arc<ObjectModel>> = models.collect::<Result<_, _>>()?;
     let models: Vec<&ObjectModel> = models.iter().map(|model| &**model).collect();
-    let places = arrangement::place(kind, &models, &scene.table, scene.seed)?;
+    let places = arrangement::place(kind, &models, &scene.table, scene.bin.as_ref(), scene.seed)?;
     let plans = choices.into_iter().zip(places);
     Ok(plans
         .map(|(model, placing)| ObjectPlan { model, placing })

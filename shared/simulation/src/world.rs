@@ -15,6 +15,7 @@ use crate::person::{HandEvent, Person};
 use crate::physics::{Physics, STEP_NS, STEPS_PER_SECOND};
 use crate::room::{self, Block};
 use crate::scene::{CameraMount, ModelChoice, Placing, Scene};
+use crate::scene_file::MOST_OBJECTS;
 use geometry::{Capsule, RigidTransform};
 use held::Held;
 use std::sync::Arc;
@@ -151,6 +152,11 @@ impl World {
     }
 
     fn bring(&mut self, model: &ModelChoice, hand: nalgebra::Point3<f64>) {
+        if self.objects.len() >= MOST_OBJECTS {
+            let note = format!("nothing more is brought: there are {MOST_OBJECTS} objects");
+            self.notes.push(note);
+            return;
+        }
         match self.library.load(model) {
             Ok(model) => {
                 let pose = held::carried_below(&hand, &model);
@@ -162,7 +168,8 @@ impl World {
     }
 
     fn take(&mut self, object: u16, hand: nalgebra::Point3<f64>) {
-        let Some(found) = self.find(object) else {
+        // It may have gone, or the arm may have taken it, while the hand was on its way.
+        let Some(found) = self.find(object).filter(|found| !found.is_held()) else {
             return;
         };
         let (body, pose) = (found.body, found.world_from_object);
@@ -241,7 +248,7 @@ impl World {
         &self.library
     }
 
-    /// The person's torso, head, upper arm, forearm and hand, world frame; empty
+    /// The person's torso, head, upper arm, forearm, hand and legs, world frame; empty
     /// without a person.
     pub fn person_capsules(&self) -> Vec<Capsule> {
         let person = self.person.as_ref();

@@ -70,12 +70,10 @@ pub(super) fn run(arguments: &ViewsArguments, output: &Output) -> Result<ExitCod
 
 fn text(report: &Report, arguments: &ViewsArguments) -> String {
     let sentences = report.notes.iter().chain(&report.failures);
+    let sentences = sentences.fold(String::new(), |all, one| all + one + "\n");
     format!(
-        "{}{} views of {} objects in {} categories are in {}\n\
+        "{sentences}{} views of {} objects in {} categories are in {}\n\
          cut out by detection; {} views without the object, mean overlap with the truth {:.1} %",
-        sentences
-            .map(|note| format!("{note}\n"))
-            .collect::<String>(),
         report.views,
         report.objects,
         report.categories,

@@ -1,6 +1,6 @@
 //! Cutlery and kitchen utensils, lying along x.
 
-use crate::curve::{along, lying, rod, swept};
+use crate::curve::{along, lying, rested, rod, swept};
 use crate::finish::{PLASTIC, POLISHED};
 use crate::palette::{BLACK, Color, METALS, PLASTICS, WOODS};
 use crate::profile::{corners, cylinder, divided, rounded, rounded_outline, shell, turned};
@@ -283,7 +283,8 @@ pub(crate) fn whisk(v: &mut Variation) -> Solid {
             [balloon * 0.35, 0.0, -r * 0.62],
             [-0.005, 0.0, -0.004],
         ];
-        let angle = i as f32 / n as f32 * std::f32::consts::PI;
+        // Two wires are below, side by side.
+        let angle = (i as f32 + 0.5) / n as f32 * std::f32::consts::PI;
         rod(&loop_, thickness).turned(Vector3::x(), angle)
     };
     let wires: Solid = (0..n).map(wire).collect();
@@ -301,8 +302,5 @@ pub(crate) fn whisk(v: &mut Variation) -> Solid {
         0.005,
     );
     let handle = lying(turned(&profile)).colored(grip).with_surface(PLASTIC);
-    // It rests on its balloon and the handle's end.
-    wires
-        .joined(handle)
-        .turned(Vector3::y(), -(r - w) / (length + 0.6 * balloon))
+    rested(wires.joined(handle))
 }

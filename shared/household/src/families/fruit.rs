@@ -1,6 +1,6 @@
 //! Fruit.
 
-use crate::curve::{along, rod, swept};
+use crate::curve::{along, rested, rod, swept};
 use crate::finish::WAXY;
 use crate::palette::{BARK, Color, LEAF, mix, shaded};
 use crate::profile::{Profile, oval, spline, turned};
@@ -253,15 +253,14 @@ pub(crate) fn strawberry(v: &mut Variation) -> Solid {
     let pips: Solid = (4..44).map(pip).collect();
     let n = v.count(5, 7);
     let crown: Solid = (0..n)
-        .map(|i| leaf(h - 0.001, r * 1.05, i as f32 / n as f32 * TAU, LEAF))
+        .map(|i| leaf(h - 0.001, r * 0.8, (i as f32 + 0.5) / n as f32 * TAU, LEAF))
         .collect();
-    let stalk = stem(v, h - 0.002, (0.008, 0.01), 0.0012, LEAF);
+    let stalk = stem(v, h - 0.002, (0.008, 0.01), 0.0012, LEAF).hulled();
     let berry = body
         .joined(pips.colored([236, 206, 96]).decorative())
-        .joined(crown)
+        .joined(crown.hulled())
         .joined(stalk);
-    // It lies on its side, the thick end resting.
-    berry.turned(Vector3::y(), 1.9).with_surface(WAXY)
+    rested(berry.turned(Vector3::y(), 1.9)).with_surface(WAXY)
 }
 
 pub(crate) fn peach(v: &mut Variation) -> Solid {

@@ -1,6 +1,6 @@
 //! Tools, lying along x.
 
-use crate::curve::{along, lying, rod, swept};
+use crate::curve::{along, lying, rested, rod, swept};
 use crate::finish::{BRUSHED, PLASTIC, POLISHED};
 use crate::palette::{BLACK, Color, GRIPS, METALS, WHITE, WOODS, shaded};
 use crate::profile::{corners, cylinder, rounded, rounded_outline, turned};
@@ -124,9 +124,7 @@ pub(crate) fn screwdriver(v: &mut Variation) -> Solid {
     let (blade, is_flat) = (v.between(0.0026, 0.0036), v.chance(0.5));
     let end = grip + shaft;
     let shaft = shaft_of(blade, (grip, end), is_flat, v.color(&METALS));
-    let tool = lying(handle.with_surface(PLASTIC).joined(shaft));
-    // It rests on the handle's thick end and the tip.
-    tool.turned(Vector3::y(), (r - blade) / end)
+    rested(lying(handle.with_surface(PLASTIC).joined(shaft)))
 }
 
 /// A screwdriver's shaft along z, with a flat or a pointed tip.

@@ -294,7 +294,7 @@ pub(crate) fn teddy(v: &mut Variation) -> Solid {
     };
     // It sits, looking along x.
     let mut parts = vec![
-        ball([0.034, 0.038, 0.044], [0.0, 0.0, 0.042], fur),
+        ball([0.034, 0.038, 0.044], [0.0, 0.0, 0.036], fur),
         ball([0.032, 0.035, 0.031], [0.006, 0.0, 0.108], fur),
         ball([0.014, 0.016, 0.012], [0.034, 0.0, 0.1], pale),
         ball([0.008, 0.026, 0.03], [0.029, 0.0, 0.042], pale).decorative(),
@@ -309,7 +309,7 @@ pub(crate) fn teddy(v: &mut Variation) -> Solid {
         ));
         parts.push(ball(
             [0.031, 0.016, 0.016],
-            [0.038, side * 0.028, 0.016],
+            [0.038, side * 0.028, 0.013],
             fur,
         ));
         parts.push(ball([0.006, 0.014, 0.014], [0.067, side * 0.028, 0.017], pale).decorative());
@@ -320,7 +320,10 @@ pub(crate) fn teddy(v: &mut Variation) -> Solid {
         ));
         parts.push(ball([0.003, 0.003, 0.003], [0.036, side * 0.012, 0.117], BLACK).decorative());
     }
-    parts.into_iter().collect::<Solid>().with_surface(RUBBER)
+    // Its own weight has flattened what it sits on.
+    let flattened = |p: Point3<f32>| Point3::new(p.x, p.y, p.z.max(0.02 * p.z));
+    let teddy: Solid = parts.into_iter().collect();
+    teddy.warped(flattened).with_surface(RUBBER)
 }
 
 pub(crate) fn toy_bridge(v: &mut Variation) -> Solid {

@@ -1,6 +1,6 @@
 //! Vegetables.
 
-use crate::curve::{along, lying, rod, swept};
+use crate::curve::{along, lying, rested, rod, swept};
 use crate::families::fruit::{grown, stem};
 use crate::finish::WAXY;
 use crate::palette::{BARK, LEAF, mix, shaded};
@@ -152,7 +152,10 @@ pub(crate) fn eggplant(v: &mut Variation) -> Solid {
         (along(&widths, t), along(&widths, t))
     })
     .colored(skin);
-    let cap = calyx(0.0, 5, neck * 1.9, 0.022).turned(Vector3::y(), FRAC_PI_2);
+    // What is longer than the neck is thick would be rested on.
+    let cap = calyx(0.0, 5, neck * 1.4, 0.014)
+        .hulled()
+        .turned(Vector3::y(), FRAC_PI_2);
     let stalk = rod(
         &[[0.0, 0.0, 0.0], [0.014, 0.001, 0.0], [0.028, 0.006, 0.0]],
         0.0045,
@@ -161,8 +164,7 @@ pub(crate) fn eggplant(v: &mut Variation) -> Solid {
     let green = cap
         .moved(0.004, 0.0, 0.0)
         .joined(stalk.colored([98, 130, 60]));
-    body.joined(green.moved(x + neck * 0.5, y, 0.0))
-        .with_surface(WAXY)
+    rested(body.joined(green.moved(x + neck * 0.5, y, 0.0))).with_surface(WAXY)
 }
 
 pub(crate) fn mushroom(v: &mut Variation) -> Solid {

@@ -8,6 +8,7 @@ use super::sensor_model::SensorModel;
 use crate::Error;
 use crate::background::Rays;
 use crate::image::{Image, Reflection};
+use crate::whole_number::floor;
 use geometry::PinholeCamera;
 use point_cloud::{Point, Rgba};
 
@@ -313,6 +314,9 @@ fn fill_points(depth_m: &[f32], x: &[f32], y: f32, colors: &[[u8; 3]], points: &
 /// Rounds a row to millimetres; NaN becomes 0.
 fn fill_millimetres(depth_m: &[f32], depth_mm: &mut [u16]) {
     for (depth_mm, &depth_m) in depth_mm.iter_mut().zip(depth_m) {
-        *depth_mm = (depth_m * 1000.0 + 0.5) as u16;
+        // NaN is not greater, so it becomes 0.
+        let rounded = depth_m * 1000.0 + 0.5;
+        let within = if rounded > 0.0 { rounded } else { 0.0 };
+        *depth_mm = floor(within.min(65_535.0)) as u16;
     }
 }

@@ -182,6 +182,12 @@ impl TableScene {
         looking([0.0, -0.95, 0.62], [0.0, 0.05, 0.0])
     }
 
+    /// A camera that goes round the table, half a degree a frame.
+    pub(crate) fn orbiting_camera(frame_index: u64) -> RigidTransform {
+        let (sin, cos) = ((frame_index % 720) as f64 * std::f64::consts::PI / 360.0).sin_cos();
+        looking([0.95 * sin, -0.95 * cos, 0.62], [0.0, 0.05, 0.0])
+    }
+
     pub(crate) fn background(&self) -> Vec<Instance<'_>> {
         self.room
             .iter()

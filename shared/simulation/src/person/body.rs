@@ -12,21 +12,24 @@ const NECK: Point3<f64> = Point3::new(0.05, 0.88, 1.38);
 const SHOULDER: Point3<f64> = Point3::new(0.24, 0.86, 1.34);
 const UPPER_ARM_M: f64 = 0.31;
 const FOREARM_M: f64 = 0.27;
-const TORSO_RADIUS_M: f64 = 0.16;
+const TORSO_RADIUS_M: f64 = 0.20;
+const LEGS_RADIUS_M: f64 = 0.20;
 const HEAD_RADIUS_M: f64 = 0.11;
 const UPPER_ARM_RADIUS_M: f64 = 0.055;
 const FOREARM_RADIUS_M: f64 = 0.045;
 const HAND_RADIUS_M: f64 = 0.05;
-/// From the wrist to the middle of the hand, metres.
+/// From the wrist to the middle of the hand, and to where the fingers end less
+/// the hand's radius, metres.
 const HAND_M: f64 = 0.09;
+const FINGERS_M: f64 = 0.14;
 
 /// Number of capsules of a body.
-pub(crate) const N_CAPSULES: usize = 5;
+pub(crate) const N_CAPSULES: usize = 6;
 
-/// A body: torso, head, upper arm, forearm, hand; world frame.
+/// A body: torso, head, upper arm, forearm, hand, legs; world frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Body {
-    /// Torso, head, upper arm, forearm, hand.
+    /// Torso, head, upper arm, forearm, hand, legs.
     pub(crate) capsules: [Capsule; N_CAPSULES],
 }
 
@@ -53,7 +56,12 @@ impl Body {
                 capsule(head, head, HEAD_RADIUS_M),
                 capsule(shoulder, elbow, UPPER_ARM_RADIUS_M),
                 capsule(elbow, wrist, FOREARM_RADIUS_M),
-                capsule(wrist, hand, HAND_RADIUS_M),
+                capsule(
+                    wrist,
+                    wrist + (hand - wrist).normalize() * FINGERS_M,
+                    HAND_RADIUS_M,
+                ),
+                capsule(HIP, Point3::new(HIP.x, HIP.y, 0.0), LEGS_RADIUS_M),
             ],
         }
     }
@@ -84,7 +92,7 @@ mod tests {
             Point3::new(0.5, 0.3, 0.75),
             Point3::new(0.24, 0.86, 1.30),
         ] {
-            let [_, _, upper, forearm, palm] = Body::reaching(hand).capsules;
+            let [_, _, upper, forearm, palm, _] = Body::reaching(hand).capsules;
             assert!(
                 ((upper.to - upper.from).norm() - UPPER_ARM_M).abs() < 0.02,
                 "{hand}"
@@ -95,7 +103,14 @@ mod tests {
             );
             assert_eq!(upper.to, forearm.from);
             assert_eq!(forearm.to, palm.from);
-            assert_eq!(palm.to, hand);
+            assert!(
+                Capsule {
+                    radius_m: 0.0,
+                    ..palm
+                }
+                .distance_m(&hand)
+                    < 1e-9
+            );
         }
     }
 }

@@ -262,11 +262,8 @@ fn object(
 ) -> Result<ObjectPlan, Error> {
     let place = |key: &str| format!("[[object]] {} {key}", index + 1);
     let model = match (&raw.category, &raw.model) {
-        (Some(category), None) => ModelChoice::Generated {
-            category: category.clone(),
-            instance: raw.instance,
-        },
-        (None, Some(path)) => ModelChoice::File(folder.join(path)),
+        (Some(category), None) => generated(category, raw.instance)?,
+        (None, Some(path)) => model_file(&folder.join(path))?,
         _ => {
             return Err(wrong(
                 place(""),
@@ -307,6 +304,29 @@ fn object(
     Ok(ObjectPlan { model, placing })
 }
 
+fn generated(category: &str, instance: u64) -> Result<ModelChoice, Error> {
+    if household::category(category).is_none() {
+        return Err(Error::UnknownCategory {
+            category: category.to_owned(),
+        });
+    }
+    Ok(ModelChoice::Generated {
+        category: category.to_owned(),
+        instance,
+    })
+}
+
+/// A model that is there; whether it can be used is seen when it is opened.
+fn model_file(path: &Path) -> Result<ModelChoice, Error> {
+    if !path.is_file() {
+        return Err(Error::Unreadable {
+            path: path.to_owned(),
+            cause: "there is no such file".into(),
+        });
+    }
+    Ok(ModelChoice::File(path.to_owned()))
+}
+
 fn person(raw: &RawPerson) -> Result<PersonPlan, Error> {
     let by_chance_every_s = match (raw.by_chance, raw.every_s) {
         (false, None) => None,
@@ -342,10 +362,10 @@ fn timed_action(raw: &RawAction, index: usize) -> Result<TimedAction, Error> {
     let for_s = checked(&place("for_s"), raw.for_s.unwrap_or(2.0), 0.0..=3600.0)?;
     let action = match raw.what.as_str() {
         "put" => Action::Put {
-            model: ModelChoice::Generated {
-                category: raw.category.clone().ok_or_else(|| needs("category"))?,
-                instance: raw.instance,
-            },
+            model: generated(
+                raw.category.as_ref().ok_or_else(|| needs("category"))?,
+                raw.instance,
+            )?,
             to_m: to_m()?,
         },
         "move" => Action::Move {

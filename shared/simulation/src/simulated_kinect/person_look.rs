@@ -11,8 +11,8 @@ const TROUSERS: [u8; 3] = [58, 56, 60];
 /// Corners around a limb.
 const N_SIDES: usize = 16;
 
-/// Meshes of torso, head, upper arm, forearm and hand. Each lies along z, from
-/// the origin to 1 m or, head and hand, in its true size around the origin.
+/// Meshes of torso, head, upper arm, forearm, hand and legs, each in its true
+/// size from the origin along z; the head around it.
 #[derive(Debug)]
 pub(super) struct PersonLook {
     torso: PreparedMesh,
@@ -20,6 +20,7 @@ pub(super) struct PersonLook {
     upper_arm: PreparedMesh,
     forearm: PreparedMesh,
     hand: PreparedMesh,
+    legs: PreparedMesh,
 }
 
 impl PersonLook {
@@ -31,6 +32,7 @@ impl PersonLook {
             upper_arm: prepared(limb(0.31, 0.055, 0.045).colored(PULLOVER)),
             forearm: prepared(limb(0.27, 0.045, 0.032).colored(PULLOVER)),
             hand: prepared(hand().colored(SKIN)),
+            legs: prepared(legs()),
         }
     }
 
@@ -45,6 +47,7 @@ impl PersonLook {
             &self.upper_arm,
             &self.forearm,
             &self.hand,
+            &self.legs,
         ];
         let poses: Vec<RigidTransform> = capsules.iter().map(along).collect();
         meshes.into_iter().zip(poses)
@@ -60,21 +63,26 @@ fn along(capsule: &Capsule) -> RigidTransform {
 }
 
 fn torso() -> Solid {
-    let section = |z: f32, half_width: f32, half_height: f32| TubeSection {
-        centre: Point3::new(0.0, 0.0, z),
-        half_width,
-        half_height,
-    };
-    let trunk = [
+    let sections = [
         section(0.0, 0.17, 0.12),
         section(0.25, 0.16, 0.11),
         section(0.50, 0.19, 0.12),
         section(0.62, 0.16, 0.11),
     ];
-    let legs = [section(-0.45, 0.15, 0.11), section(-0.02, 0.17, 0.12)];
-    rounded_tube(&trunk, Vector3::y(), 24)
-        .colored(PULLOVER)
-        .joined(rounded_tube(&legs, Vector3::y(), 24).colored(TROUSERS))
+    rounded_tube(&sections, Vector3::y(), 24).colored(PULLOVER)
+}
+
+fn legs() -> Solid {
+    let sections = [section(0.0, 0.17, 0.12), section(0.54, 0.14, 0.11)];
+    rounded_tube(&sections, Vector3::y(), 24).colored(TROUSERS)
+}
+
+fn section(z: f32, half_width: f32, half_height: f32) -> TubeSection {
+    TubeSection {
+        centre: Point3::new(0.0, 0.0, z),
+        half_width,
+        half_height,
+    }
 }
 
 fn limb(length_m: f32, from_radius_m: f32, to_radius_m: f32) -> Solid {

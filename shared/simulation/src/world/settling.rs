@@ -8,6 +8,8 @@ use crate::scene::Placing;
 const MOST_STEPS: u32 = 6 * STEPS_PER_SECOND;
 /// How often it is looked whether all are at rest, steps.
 const LOOK_STEPS: u32 = STEPS_PER_SECOND / 4;
+/// What begins to tip is slow at first: rest must last for so many looks.
+const LOOKS_AT_REST: u32 = 3;
 /// How often an object that has fallen off the table is thrown again.
 const MOST_THROWS: u32 = 3;
 
@@ -35,9 +37,12 @@ impl World {
     }
 
     fn run_until_rest(&mut self) {
+        let mut n_looks_at_rest = 0;
         for _ in 0..MOST_STEPS / LOOK_STEPS {
             self.run_physics(LOOK_STEPS);
-            if self.objects.iter().all(|o| o.state != ObjectState::Moving) {
+            let moves = self.objects.iter().any(|o| o.state == ObjectState::Moving);
+            n_looks_at_rest = if moves { 0 } else { n_looks_at_rest + 1 };
+            if n_looks_at_rest == LOOKS_AT_REST {
                 return;
             }
         }

@@ -1,0 +1,45 @@
+//! `tabula simulate sensor`: the simulated Kinect's noise beside the published law.
+
+use super::{failed, progress};
+use crate::output::Output;
+use evaluation::sensor_error;
+use serde::Serialize;
+use service::Failure;
+use std::path::Path;
+use std::process::ExitCode;
+
+#[derive(Serialize)]
+struct Document {
+    table: String,
+    plot: String,
+    smallest_ratio: f64,
+    largest_ratio: f64,
+}
+
+/// Measures and writes the table and the plot into a folder.
+pub(super) fn run(out: &Path, output: &Output) -> Result<ExitCode, Failure> {
+    let bar = progress::bar(sensor_error::N_PLACEMENTS as u64, "placements", output);
+    let figures = sensor_error::measure(|| bar.inc(1)).map_err(failed)?;
+    bar.finish_and_clear();
+    let (table, plot) = (out.join("sensor-error.csv"), out.join("sensor-error.svg"));
+    std::fs::create_dir_all(out)
+        .and_then(|()| std::fs::write(&table, figures.csv()))
+        .map_err(|error| failed(format!("could not write {}: {error}", table.display())))?;
+    std::fs::write(&plot, figures.svg().map_err(failed)?)
+        .map_err(|error| failed(format!("could not write {}: {error}", plot.display())))?;
+    let rows = figures.by_distance.iter().chain(&figures.by_angle);
+    let ratios: Vec<f64> = rows.map(|row| row.measured_m / row.published_m).collect();
+    let document = Document {
+        table: table.display().to_string(),
+        plot: plot.display().to_string(),
+        smallest_ratio: ratios.iter().copied().fold(f64::INFINITY, f64::min),
+        largest_ratio: ratios.iter().copied().fold(0.0, f64::max),
+    };
+    output.answer(&document, || {
+        format!(
+            "simulated spread of depth over the published one: {:.3} to {:.3}\n{}\n{}",
+            document.smallest_ratio, document.largest_ratio, document.table, document.plot
+        )
+    });
+    Ok(ExitCode::SUCCESS)
+}

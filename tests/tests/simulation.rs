@@ -1,0 +1,479 @@
+//! The simulated table behind the channels of the real one: what is found is
+//! scored with the truth, the arm obeys and stops, recordings are played again.
+
+use crate::daemon::{Daemon, Place, eventually};
+use crate::recorder::{Recorded, Recorder, Recording, SceneRecorder};
+use channel::topic::{ArmStates, CameraCloud, PersonBodies, TrueMasks, TrueObjects};
+use channel::{Domain, Role, SharedFrame, Subscriber};
+use message::{ArmActivity, ProcessKind, SceneObject, StageStamps, TrackState, TrueObject};
+use nalgebra::{Point3, Vector3};
+use rustix::process::Signal;
+use serde_json::Value;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+use tempfile::TempDir;
+
+/// Frames that are scored, after those in which tracks come into being.
+const N_SCORED: usize = 60;
+const N_WARM_UP: usize = 15;
+/// A track belongs to the object whose middle is this near, metres.
+const NEAR_M: f64 = 0.04;
+/// Objects that show fewer pixels are not expected to be found.
+const PIXELS_MIN: u32 = 300;
+/// Exit code of a command that is used wrongly.
+const USAGE: i32 = 2;
+const REFUSED: i32 = 4;
+
+/// A scene of six things as they stand in a household, without arm or person.
+const BREAKFAST: &str = "
+seed = 11
+[[object]]
+category = 'mug'
+position_m = [-0.30, -0.05]
+[[object]]
+category = 'cereal-box'
+position_m = [0.05, 0.18]
+yaw_deg = 20.0
+[[object]]
+category = 'apple'
+position_m = [0.25, -0.10]
+[[object]]
+category = 'bottle'
+position_m = [-0.12, 0.20]
+[[object]]
+category = 'bowl'
+position_m = [0.0, -0.12]
+[[object]]
+category = 'teapot'
+position_m = [0.33, 0.15]
+";
+
+/// A carton within the arm's reach.
+const CARTON: &str = "
+seed = 3
+[arm]
+[[object]]
+category = 'milk-carton'
+position_m = [-0.15, -0.05]
+";
+
+fn scene_file(text: &str) -> (TempDir, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.toml");
+    std::fs::write(&path, text).unwrap();
+    let source = format!("simulation:{}", path.to_str().unwrap());
+    (folder, source)
+}
+
+fn middle(position_m: [f64; 3]) -> Point3<f64> {
+    Point3::from(position_m)
+}
+
+/// How well the tracks of some frames fit what was really there.
+#[derive(Debug, Default)]
+struct Score {
+    n_true: usize,
+    n_found: usize,
+    n_tracks: usize,
+    n_tracks_of_objects: usize,
+    errors_m: Vec<f64>,
+    tracks_of_object: BTreeMap<u32, BTreeSet<u64>>,
+}
+
+impl Score {
+    fn add(&mut self, truth: &[TrueObject], tracks: &[SceneObject]) {
+        let seen: Vec<_> = tracks
+            .iter()
+            .filter(|track| track.state == TrackState::Tracked.code())
+            .collect();
+        let distance = |object: &TrueObject, track: &SceneObject| {
+            let there = middle(object.world_from_object.position_m);
+            (there - middle(track.pose.position_m)).norm()
+        };
+        for object in truth.iter().filter(|o| o.visible_px >= PIXELS_MIN) {
+            self.n_true += 1;
+            let by_distance = |a: &&&SceneObject, b: &&&SceneObject| {
+                distance(object, a).total_cmp(&distance(object, b))
+            };
+            let Some(track) = seen.iter().min_by(by_distance) else {
+                continue;
+            };
+            if distance(object, track) < NEAR_M {
+                self.n_found += 1;
+                self.errors_m.push(distance(object, track));
+                let tracks = self.tracks_of_object.entry(object.id).or_default();
+                tracks.insert(track.track_id);
+            }
+        }
+        self.n_tracks += seen.len();
+        let is_object =
+            |track: &&&SceneObject| truth.iter().any(|object| distance(object, track) < NEAR_M);
+        self.n_tracks_of_objects += seen.iter().filter(is_object).count();
+    }
+
+    fn recall(&self) -> f64 {
+        self.n_found as f64 / self.n_true as f64
+    }
+
+    fn precision(&self) -> f64 {
+        self.n_tracks_of_objects as f64 / self.n_tracks as f64
+    }
+
+    fn n_id_switches(&self) -> usize {
+        let switches = self
+            .tracks_of_object
+            .values()
+            .map(|tracks| tracks.len() - 1);
+        switches.sum()
+    }
+
+    fn median_error_m(&mut self) -> f64 {
+        self.errors_m.sort_by(f64::total_cmp);
+        self.errors_m[self.errors_m.len() / 2]
+    }
+}
+
+/// Scenes and truths of the same frames.
+fn paired<'a>(
+    scenes: &'a [Recorded],
+    truths: &'a [Recording<TrueObjects>],
+) -> impl Iterator<Item = (&'a Recorded, &'a Recording<TrueObjects>)> {
+    scenes.iter().filter_map(|scene| {
+        let key = (scene.header.session, scene.header.sequence);
+        let is_same =
+            |truth: &&Recording<TrueObjects>| (truth.header.session, truth.header.sequence) == key;
+        Some((scene, truths.iter().find(is_same)?))
+    })
+}
+
+/// Plays a scene and scores it.
+fn score(source: &str) -> Score {
+    let place = Place::new();
+    let scenes = SceneRecorder::start(&place);
+    let truths = Recorder::<TrueObjects>::start(&place);
+    let daemon = place.start(&["--source", source]);
+    scenes.wait_for("enough scenes", |s| s.len() > N_WARM_UP + N_SCORED);
+    let (scenes, _) = scenes.stop();
+    let (truths, _) = truths.stop();
+    daemon.stop();
+    let mut score = Score::default();
+    for (scene, truth) in paired(&scenes, &truths).skip(N_WARM_UP) {
+        score.add(&truth.items, &scene.items);
+    }
+    score
+}
+
+#[test]
+fn objects_of_the_simulated_table_are_found_and_followed() {
+    let (_folder, source) = scene_file(BREAKFAST);
+    let mut score = score(&source);
+    println!(
+        "recall {:.3}, precision {:.3}, {} id switches, median error {:.1} mm over {} frames' objects",
+        score.recall(),
+        score.precision(),
+        score.n_id_switches(),
+        score.median_error_m() * 1e3,
+        score.n_true
+    );
+    assert!(score.n_true >= 5 * N_SCORED / 2, "{score:?}");
+    assert!(score.recall() > 0.95, "{score:?}");
+    assert!(score.precision() > 0.9, "{score:?}");
+    assert!(score.n_id_switches() <= 1, "{score:?}");
+}
+
+#[test]
+fn the_mask_belongs_to_the_cloud_of_its_frame() {
+    let place = Place::new();
+    let domain = Domain::join(&place.domain, &place.run_folder(), Role::Guest).unwrap();
+    let mut clouds = Subscriber::<CameraCloud>::polled(&domain).unwrap();
+    let truths = Recorder::<TrueObjects>::start(&place);
+    let masks = Recorder::<TrueMasks>::start(&place);
+    let (_folder, source) = scene_file(BREAKFAST);
+    let daemon = place.start(&["--source", &source]);
+    let mut cloud = None;
+    eventually("a cloud is there", || {
+        cloud = clouds.latest().unwrap();
+        cloud.is_some()
+    });
+    let cloud = cloud.unwrap();
+    let key = (cloud.header().session, cloud.header().sequence);
+    let (mut mask, mut truth) = (None, None);
+    eventually("its mask and its objects are there", || {
+        mask = masks.find(|mask| (mask.header.session, mask.header.sequence) == key);
+        truth = truths.find(|truth| (truth.header.session, truth.header.sequence) == key);
+        mask.is_some() && truth.is_some()
+    });
+    check_mask(&cloud, &mask.unwrap(), &truth.unwrap());
+    drop((cloud, clouds));
+    masks.stop();
+    truths.stop();
+    drop(domain);
+    daemon.stop();
+}
+
+/// Nearly all points of an object's pixels lie in the object's box.
+fn check_mask(
+    cloud: &SharedFrame<CameraCloud>,
+    mask: &Recording<TrueMasks>,
+    truth: &Recording<TrueObjects>,
+) {
+    let frame = cloud.header().checked(cloud.items().len()).unwrap();
+    let world_from_camera = frame.world_from_camera.unwrap();
+    let points = message::points(cloud.items());
+    assert_eq!(points.len(), mask.items.len());
+    for object in &truth.items {
+        let object_from_camera =
+            object.world_from_object.checked().unwrap().inverse() * world_from_camera;
+        let half = Vector3::from(object.size_m).cast::<f64>() / 2.0 + Vector3::repeat(0.012);
+        let of_object = points.iter().zip(&mask.items);
+        let of_object =
+            of_object.filter(|(point, pixel)| u32::from(pixel.0) == object.id && point.is_finite());
+        let (mut n_inside, mut n_all) = (0_u32, 0_u32);
+        for (point, _) in of_object {
+            let at = object_from_camera * point.position();
+            n_all += 1;
+            n_inside += u32::from((0..3).all(|axis| at[axis].abs() < half[axis]));
+        }
+        let share = f64::from(n_inside) / f64::from(n_all.max(1));
+        assert!(
+            n_all > 100 && share > 0.95,
+            "{share} of {n_all}: {object:?}"
+        );
+    }
+}
+
+/// Asks the arm for something that must succeed.
+fn arm(daemon: &Daemon<'_>, arguments: &[&str]) -> Value {
+    let report = daemon.ask(&[&["arm"], arguments].concat());
+    assert_eq!(report["note"], "", "{arguments:?}: {report:#}");
+    report
+}
+
+#[test]
+fn the_arm_grasps_lifts_and_lets_go() {
+    let place = Place::new();
+    let truths = Recorder::<TrueObjects>::start(&place);
+    let (_folder, source) = scene_file(CARTON);
+    let daemon = place.start(&["--source", &source]);
+    let height = || truths.last().unwrap().items[0].world_from_object.position_m[2];
+    daemon.wait_for("the carton is tracked", |objects| !objects.is_empty());
+    let standing_m = height();
+    arm(&daemon, &["move", "-0.15", "-0.05", "1.12"]);
+    arm(&daemon, &["move", "-0.15", "-0.05", "0.93", "--straight"]);
+    assert_eq!(arm(&daemon, &["close"])["is_holding"], true);
+    arm(&daemon, &["move", "-0.15", "-0.05", "1.08", "--straight"]);
+    eventually("the carton is lifted", || height() > standing_m + 0.12);
+    let open = arm(&daemon, &["open"]);
+    assert_eq!(open["is_holding"], false);
+    eventually("the carton has fallen back", || {
+        height() < standing_m + 0.05
+    });
+    let (code, sentence) = daemon.refused(&["arm", "move", "0.9", "0.9", "0.9"]);
+    assert_eq!(code, REFUSED, "{sentence}");
+    truths.stop();
+    daemon.stop();
+}
+
+#[test]
+fn stop_acts_at_once() {
+    let place = Place::new();
+    let states = Recorder::<ArmStates>::start(&place);
+    let (_folder, source) = scene_file(CARTON);
+    let daemon = place.start(&["--source", &source]);
+    arm(&daemon, &["move", "-0.15", "-0.05", "1.12", "--no-wait"]);
+    let is_moving = |state: &Recording<ArmStates>| {
+        state.header.activity == ArmActivity::Moving.code()
+            && state
+                .header
+                .joint_velocities_rad_s
+                .iter()
+                .any(|v| v.abs() > 0.3)
+    };
+    states.wait_for("the arm moves", |states| {
+        states.last().is_some_and(is_moving)
+    });
+    let stopped = arm(&daemon, &["stop"]);
+    assert_eq!(stopped["activity"], "stopped");
+    let n_before = states.len();
+    states.wait_for("the arm says how it stands", |s| s.len() > n_before + 30);
+    let (states, _) = states.stop();
+    daemon.stop();
+    // The answer came before a frame was over; from its instant on nothing moves.
+    let angles = |state: &Recording<ArmStates>| state.header.joint_angles_rad;
+    let last = states.last().unwrap();
+    assert_eq!(last.header.activity, ArmActivity::Stopped.code());
+    for state in &states[n_before..] {
+        assert_eq!(
+            angles(state),
+            angles(last),
+            "it moved on: {:?}",
+            state.header
+        );
+    }
+    let answered = stopped["joint_angles_rad"].as_array().unwrap();
+    for (answered, standing) in answered.iter().zip(angles(last)) {
+        assert!((answered.as_f64().unwrap() - standing).abs() < 1e-12);
+    }
+    assert!(!last.items.is_empty(), "the links have capsules");
+}
+
+#[test]
+fn the_default_is_a_table_with_an_arm_and_a_person() {
+    let place = Place::new();
+    let bodies = Recorder::<PersonBodies>::start(&place);
+    let daemon = place.start(&[]);
+    daemon.wait_for("objects are tracked", |objects| objects.len() >= 2);
+    let objects = daemon.ask(&["objects"]);
+    let source = objects["source_name"].as_str().unwrap().to_owned();
+    assert!(source.starts_with("simulation:everyday"), "{source}");
+    assert_eq!(daemon.ask(&["arm", "state"])["activity"], "idle");
+    bodies.wait_for("the person's body is published", |bodies| {
+        bodies.last().is_some_and(|body| body.items.len() >= 5)
+    });
+    bodies.stop();
+    daemon.stop();
+}
+
+/// What two runs must have in common.
+fn repeatable(scene: &Recorded) -> String {
+    let mut scene = scene.clone();
+    scene.header.session = 0;
+    scene.header.stamps = StageStamps {
+        capture_ns: scene.header.stamps.capture_ns,
+        ..StageStamps::default()
+    };
+    format!("{scene:?}")
+}
+
+#[test]
+fn in_lockstep_the_same_seed_gives_the_same_world() {
+    let run = || {
+        let place = Place::new();
+        let scenes = SceneRecorder::start(&place);
+        let daemon = place.start(&["--source", "simulation", "--seed", "9", "--lockstep"]);
+        scenes.wait_for("enough scenes", |scenes| scenes.len() >= 40);
+        let (scenes, _) = scenes.stop();
+        daemon.stop();
+        scenes
+    };
+    let (first, second) = (run(), run());
+    for (first, second) in first.iter().zip(&second).take(40) {
+        assert_eq!(repeatable(first), repeatable(second));
+    }
+}
+
+#[test]
+fn a_killed_simulator_comes_back() {
+    let place = Place::new();
+    let (_folder, source) = scene_file(BREAKFAST);
+    let daemon = place.start(&["--source", &source]);
+    daemon.wait_for("objects are tracked", |objects| objects.len() >= 4);
+    let killed = daemon.pid(ProcessKind::Simulator).unwrap();
+    daemon.signal(ProcessKind::Simulator, Signal::KILL);
+    eventually("another simulator runs", || {
+        let pid = daemon.pid(ProcessKind::Simulator);
+        let frames = daemon.health(ProcessKind::Simulator.name());
+        pid.is_some_and(|pid| pid != killed)
+            && frames.is_some_and(|health| health["frames"].as_u64() > Some(10))
+    });
+    daemon.wait_for("objects are tracked again", |objects| {
+        objects.iter().filter(|o| o["state"] == "tracked").count() >= 4
+    });
+    daemon.stop();
+}
+
+#[test]
+fn a_recorded_scene_is_played_again() {
+    let place = Place::new();
+    let (folder, source) = scene_file(BREAKFAST);
+    let scene = source.strip_prefix("simulation:").unwrap();
+    let out = folder.path().join("sequence");
+    let out = out.to_str().unwrap();
+    let output = place.tabula(&["simulate", "scene", scene, "--frames", "20", "--out", out]);
+    assert!(output.status.success(), "{output:?}");
+    let files = |suffix: &str| {
+        let names = std::fs::read_dir(out)
+            .unwrap()
+            .map(|e| e.unwrap().file_name());
+        names
+            .filter(|name| name.to_string_lossy().ends_with(suffix))
+            .count()
+    };
+    for suffix in [
+        "color.png",
+        "depth.png",
+        "pose.txt",
+        "mask.png",
+        "truth.json",
+    ] {
+        assert_eq!(files(suffix), 20, "{suffix}");
+    }
+    let daemon = place.start(&["--source", out, "--loop"]);
+    daemon.wait_for("objects are tracked", |objects| {
+        objects.iter().filter(|o| o["state"] == "tracked").count() >= 4
+    });
+    daemon.stop();
+}
+
+#[test]
+fn views_are_written_for_learning() {
+    let place = Place::new();
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let words =
+        "--json simulate views --category mug --category cereal-box --instances 2 --views 6";
+    let arguments: Vec<&str> = words.split(' ').chain(["--out", out]).collect();
+    let output = place.tabula(&arguments);
+    assert!(output.status.success(), "{output:?}");
+    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(report["objects"], 4, "{report:#}");
+    assert!(report["views"].as_u64() >= Some(22), "{report:#}");
+    assert!(report["mean_overlap"].as_f64() > Some(0.7), "{report:#}");
+    let dataset = dataset::washington::ObjectDataset::open(folder.path()).unwrap();
+    assert_eq!(dataset.n_views() as u64, report["views"].as_u64().unwrap());
+    let (code, sentence) = refused(
+        &place,
+        &["simulate", "views", "--category", "unicorn", "--out", out],
+    );
+    assert_eq!(code, USAGE);
+    assert!(sentence.contains("unicorn"), "{sentence}");
+}
+
+fn refused(place: &Place, arguments: &[&str]) -> (i32, String) {
+    let output = place.tabula(arguments);
+    assert!(!output.status.success(), "{arguments:?}: {output:?}");
+    let sentence = String::from_utf8(output.stderr).unwrap();
+    (output.status.code().unwrap(), sentence)
+}
+
+#[test]
+fn a_scene_that_can_not_be_is_refused_before_anything_starts() {
+    let place = Place::new();
+    let check = |source: &str, word: &str| {
+        let (code, sentence) = refused(&place, &["run", "--source", source]);
+        assert_eq!(code, USAGE, "{sentence}");
+        assert!(sentence.contains(word), "{sentence}");
+    };
+    check("simulation:palace", "palace");
+    check("simulation:", "scene");
+    check("simulation:/nowhere.toml", "/nowhere.toml");
+    for (text, word) in [
+        (
+            "[[object]]\ncategory = 'unicorn'\nposition_m = [0, 0]",
+            "unicorn",
+        ),
+        ("[table]\nheight_m = nan", "height_m"),
+        ("[[object]]\nposition_m = [0, 0]", "category"),
+        ("wheels = 4", "wheels"),
+    ] {
+        let (_folder, source) = scene_file(text);
+        check(&source, word);
+    }
+    let (code, sentence) = refused(&place, &["run", "--loop"]);
+    assert_eq!(code, USAGE, "{sentence}");
+    assert!(sentence.contains("--loop"), "{sentence}");
+    assert!(
+        !Path::new(place.home()).exists()
+            || std::fs::read_dir(place.home()).unwrap().next().is_none()
+    );
+}
