@@ -30,6 +30,22 @@ const SLEEP_RAD_S: f32 = 1.0;
 const REST_M_S: f64 = 0.01;
 const REST_RAD_S: f64 = 0.15;
 
+/// Linear and angular damping of an object, 1/s. Rolling friction is not
+/// modelled; damping keeps balls on the table.
+const DAMPING: (f32, f32) = (0.4, 4.0);
+/// Damping of an object that rocks or trembles on the corners of its convex parts.
+const CALMING: (f32, f32) = (60.0, 120.0);
+/// An object that gets less far than this in half a second rocks or trembles,
+/// metres and radians.
+const CALM_M: f64 = 0.008;
+const CALM_RAD: f64 = 0.10;
+const CALMING_STEPS: u32 = STEPS_PER_SECOND / 2;
+
+fn is_nearly(a: &RigidTransform, b: &RigidTransform) -> bool {
+    let moved_m = (a.translation.vector - b.translation.vector).norm();
+    moved_m < CALM_M && a.rotation.angle_to(&b.rotation) < CALM_RAD
+}
+
 /// What a body collides with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
@@ -76,6 +92,9 @@ pub(crate) struct Physics {
     multibody_joints: MultibodyJointSet,
     soft_bodies: SoftBodySet,
     ccd: CCDSolver,
+    n_steps: u32,
+    /// Where the objects were when it was last looked whether they get anywhere.
+    seen_at: Vec<(RigidBodyHandle, RigidTransform)>,
 }
 
 impl Clone for Physics {
@@ -93,6 +112,8 @@ impl Clone for Physics {
             multibody_joints: self.multibody_joints.clone(),
             soft_bodies: self.soft_bodies.clone(),
             ccd: CCDSolver::new(),
+            n_steps: self.n_steps,
+            seen_at: self.seen_at.clone(),
         }
     }
 }
@@ -130,6 +151,8 @@ impl Physics {
             multibody_joints: MultibodyJointSet::new(),
             soft_bodies: SoftBodySet::new(),
             ccd: CCDSolver::new(),
+            n_steps: 0,
+            seen_at: Vec::new(),
         }
     }
 
@@ -153,11 +176,10 @@ impl Physics {
         friction: f64,
         pose: &RigidTransform,
     ) -> BodyId {
-        // Rolling friction is not modelled; damping keeps balls on the table.
         let body = RigidBodyBuilder::dynamic()
             .pose(pose_to_glam(pose))
-            .linear_damping(0.4)
-            .angular_damping(4.0)
+            .linear_damping(DAMPING.0)
+            .angular_damping(DAMPING.1)
             .ccd_enabled(true);
         let collider = ColliderBuilder::new(shape.clone())
             .mass(mass_kg as f32)
@@ -223,6 +245,28 @@ impl Physics {
             &(),
             &(),
         );
+        self.n_steps += 1;
+        if self.n_steps % CALMING_STEPS == 0 {
+            self.calm();
+        }
+    }
+
+    /// Brakes objects that move and get nowhere, until they sleep or get away.
+    fn calm(&mut self) {
+        let mut seen_at = Vec::with_capacity(self.seen_at.len());
+        for (handle, body) in self.bodies.iter_mut() {
+            if !body.is_dynamic() || body.is_sleeping() {
+                continue;
+            }
+            let pose = pose_from_glam(body.position());
+            let before = self.seen_at.iter().find(|(seen, _)| *seen == handle);
+            let is_calm = before.is_some_and(|(_, before)| is_nearly(before, &pose));
+            let (linear, angular) = if is_calm { CALMING } else { DAMPING };
+            body.set_linear_damping(linear);
+            body.set_angular_damping(angular);
+            seen_at.push((handle, pose));
+        }
+        self.seen_at = seen_at;
     }
 
     /// Where a moved or held body will be at the end of the next step.

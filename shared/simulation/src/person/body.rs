@@ -17,7 +17,7 @@ const LEGS_RADIUS_M: f64 = 0.20;
 const HEAD_RADIUS_M: f64 = 0.11;
 const UPPER_ARM_RADIUS_M: f64 = 0.055;
 const FOREARM_RADIUS_M: f64 = 0.045;
-const HAND_RADIUS_M: f64 = 0.05;
+const HAND_RADIUS_M: f64 = 0.065;
 /// From the wrist to the middle of the hand, and to where the fingers end less
 /// the hand's radius, metres.
 const HAND_M: f64 = 0.09;
@@ -61,7 +61,7 @@ impl Body {
                     wrist + (hand - wrist).normalize() * FINGERS_M,
                     HAND_RADIUS_M,
                 ),
-                capsule(HIP, Point3::new(HIP.x, HIP.y, 0.0), LEGS_RADIUS_M),
+                capsule(Point3::new(HIP.x, HIP.y, 0.0), HIP, LEGS_RADIUS_M),
             ],
         }
     }

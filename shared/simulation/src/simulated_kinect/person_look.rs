@@ -73,7 +73,7 @@ fn torso() -> Solid {
 }
 
 fn legs() -> Solid {
-    let sections = [section(0.0, 0.17, 0.12), section(0.54, 0.14, 0.11)];
+    let sections = [section(0.0, 0.14, 0.11), section(0.54, 0.17, 0.12)];
     rounded_tube(&sections, Vector3::y(), 24).colored(TROUSERS)
 }
 
