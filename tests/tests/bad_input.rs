@@ -1,7 +1,7 @@
 //! Bad input: each gives a sentence and an exit code, or a refused request, and
 //! the running daemon goes on.
 
-use crate::daemon::{Daemon, PATIENCE, Place, eventually, run_to_end, with_mounts};
+use crate::daemon::{Daemon, PATIENCE, Place, WITH_CAMERA, eventually, run_to_end, with_mounts};
 use crate::skeleton::{id, wait_for_all};
 use camera::synthetic::SyntheticTable;
 use dataset::pcd;
@@ -263,10 +263,13 @@ fn wrong_values_are_refused_with_their_rule() {
     for rate in ["0", "-1", "NaN", "inf", "1e9", "fast", ""] {
         check(&["--rate", rate], "--rate");
     }
-    check(&["--from", "5", "--to", "5"], "plays nothing");
-    check(&["--from", "5", "--to", "2"], "plays nothing");
-    check(&["--to", "0"], "plays nothing");
-    check(&["--from", "-1"], "--from");
+    let synthetic = |options: &[&str], word: &str| {
+        check(&[&["--source", "synthetic"], options].concat(), word);
+    };
+    synthetic(&["--from", "5", "--to", "5"], "plays nothing");
+    synthetic(&["--from", "5", "--to", "2"], "plays nothing");
+    synthetic(&["--to", "0"], "plays nothing");
+    synthetic(&["--from", "-1"], "--from");
     for (option, value) in [("--rate", "5"), ("--from", "1"), ("--to", "2")] {
         check(&["--source", "fakenect:/nowhere", option, value], option);
         check(&["--source", "kinect", option, value], option);
@@ -304,7 +307,7 @@ fn check_config_says_when_all_is_well_and_makes_nothing() {
 fn pids(daemon: &Daemon<'_>) -> Vec<Option<u32>> {
     let mut pids = Vec::new();
     eventually("all processes report", || {
-        pids = ProcessKind::ALL.map(|process| daemon.pid(process)).to_vec();
+        pids = WITH_CAMERA.map(|process| daemon.pid(process)).to_vec();
         pids.iter().all(Option::is_some)
     });
     pids

@@ -1,7 +1,9 @@
 //! The command line: documents with exactly the documented keys, the choice of
 //! the daemon, other accounts, and the doctor.
 
-use crate::daemon::{Daemon, PATIENCE, Place, eventually, program, run_to_end, with_mounts};
+use crate::daemon::{
+    Daemon, PATIENCE, Place, WITH_CAMERA, eventually, program, run_to_end, with_mounts,
+};
 use crate::skeleton::{id, wait_for_all};
 use message::ProcessKind;
 use rustix::process::{Pid, Signal, kill_process};
@@ -174,7 +176,7 @@ fn each_command_answers_with_exactly_the_documented_keys() {
     check_list(&status["processes"], PROCESS);
     assert_eq!(
         status["processes"].as_array().unwrap().len(),
-        ProcessKind::ALL.len()
+        WITH_CAMERA.len()
     );
     let findings = daemon.ask(&["doctor"]);
     check_shape(&findings, &[("findings", List)]);
@@ -371,13 +373,10 @@ fn daemons_of_two_domains_do_not_see_each_other() {
     assert_eq!(neighbour.ask(&["categories"]), json!({"categories": []}));
     assert_eq!(daemon.ask(&["objects"])["source_name"], "synthetic:0");
     assert_eq!(neighbour.ask(&["objects"])["source_name"], "synthetic:1");
-    let before = ProcessKind::ALL.map(|process| neighbour.pid(process));
+    let before = WITH_CAMERA.map(|process| neighbour.pid(process));
     daemon.stop();
     wait_for_all(&neighbour, 1);
-    assert_eq!(
-        ProcessKind::ALL.map(|process| neighbour.pid(process)),
-        before
-    );
+    assert_eq!(WITH_CAMERA.map(|process| neighbour.pid(process)), before);
     let (code, _) = neighbour.refused(&["forget", "thing"]);
     assert_eq!(code, 4);
     neighbour.stop();

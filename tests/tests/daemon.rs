@@ -36,6 +36,13 @@ static PROGRAMS: LazyLock<PathBuf> = LazyLock::new(|| {
     folder
 });
 
+/// The processes of a daemon with a camera, in the order they are started.
+pub(crate) const WITH_CAMERA: [ProcessKind; 3] = [
+    ProcessKind::Memory,
+    ProcessKind::Perception,
+    ProcessKind::Camera,
+];
+
 /// Path of one of our programs.
 pub(crate) fn program(name: &str) -> PathBuf {
     PROGRAMS.join(name)

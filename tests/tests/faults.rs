@@ -2,7 +2,7 @@
 //! acknowledged stays, the daemon comes back, and nothing is left behind.
 
 use crate::daemon::{
-    Daemon, PATIENCE, Place, STOP_TIME, eventually, nearest, run_to_end, wait_for_end,
+    Daemon, PATIENCE, Place, STOP_TIME, WITH_CAMERA, eventually, nearest, run_to_end, wait_for_end,
 };
 use crate::skeleton::{id, place_of, wait_for_all};
 use message::ProcessKind;
@@ -107,9 +107,9 @@ fn a_killed_process_is_restarted_and_what_was_taught_is_recognised() {
     let place = Place::new();
     let daemon = place.start(&TABLE);
     teach_two(&daemon);
-    for process in ProcessKind::ALL {
+    for process in WITH_CAMERA {
         let others = || {
-            ProcessKind::ALL
+            WITH_CAMERA
                 .into_iter()
                 .filter(move |other| *other != process)
         };
@@ -206,7 +206,7 @@ fn the_next_start_cleans_up_when_everything_was_killed_at_once() {
     teach_two(&daemon);
     // The parent first, so that it has no time to clean up.
     let children = place.processes();
-    assert_eq!(children.len(), ProcessKind::ALL.len());
+    assert_eq!(children.len(), WITH_CAMERA.len());
     daemon.signal_parent(Signal::KILL);
     children.into_iter().for_each(kill_pid);
     daemon.wait(PATIENCE);
@@ -287,7 +287,7 @@ fn kill_at_random(n_kills: u32) {
     let mut dice = Dice(0xfa17);
     let mut lessons: BTreeMap<String, Lessons> = BTreeMap::new();
     for round in 0..n_kills {
-        let process = ProcessKind::ALL[dice.below(3) as usize];
+        let process = WITH_CAMERA[dice.below(3) as usize];
         let mut victim = None;
         eventually("the process reports its id", || {
             victim = daemon.pid(process);
@@ -313,7 +313,7 @@ fn kill_at_random(n_kills: u32) {
         });
         std::thread::sleep(BETWEEN_KILLS);
     }
-    for process in ProcessKind::ALL {
+    for process in WITH_CAMERA {
         wait_for_frames(&daemon, process);
     }
     let n_acknowledged = lessons
@@ -468,7 +468,7 @@ fn sigterm_and_sigint_end_a_starting_daemon_in_time() {
 
 #[test]
 fn a_stopped_child_does_not_keep_the_daemon_from_ending_in_time() {
-    for process in ProcessKind::ALL {
+    for process in WITH_CAMERA {
         let place = Place::new();
         let daemon = place.start(&TABLE);
         wait_for_all(&daemon, 0);

@@ -1,7 +1,7 @@
 //! The figures the project reports, measured on real data and printed. Nothing
 //! here depends on how fast the machine is.
 
-use crate::daemon::{Daemon, Place, eventually};
+use crate::daemon::{Daemon, Place, WITH_CAMERA, eventually};
 use crate::real_data;
 use crate::recorder::{Recorded, SceneRecorder};
 use channel::domain_reservation;
@@ -108,7 +108,7 @@ fn print_health(daemon: &Daemon<'_>) {
         "    shared memory: {:.1} MB for the whole domain",
         n_bytes as f64 * 1e-6
     );
-    for process in ProcessKind::ALL {
+    for process in WITH_CAMERA {
         let health = daemon.health(process.name()).unwrap();
         let megabytes = |name: &str| health[name].as_u64().unwrap() as f64 * 1e-6;
         println!(

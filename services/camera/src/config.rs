@@ -40,11 +40,9 @@ impl Config {
     pub fn new(arguments: &Arguments, file: &ConfigFile) -> Result<Self, Failure> {
         let raw: RawConfig = file.section("camera")?;
         let given = &arguments.source;
-        let written = raw
-            .source
-            .as_deref()
-            .map(str::parse::<SourceSpec>)
-            .transpose();
+        // What is overruled need not be a camera's: it may be the simulator's.
+        let written = raw.source.as_deref().filter(|_| given.source.is_none());
+        let written = written.map(str::parse::<SourceSpec>).transpose();
         let written = written.map_err(|rule| file.wrong(format!("[camera] source: {rule}")))?;
         let config = Self {
             source: given.source.clone().or(written).ok_or_else(|| {

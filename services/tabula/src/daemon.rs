@@ -55,6 +55,10 @@ pub(crate) fn run(
     for &process in &processes {
         child::check(process, &arguments(process))?;
     }
+    let (idle, its_arguments) = sensor.idle();
+    let its_arguments = its_arguments.iter().map(|&word| word.to_owned());
+    let for_idle: Vec<String> = arguments(idle).into_iter().chain(its_arguments).collect();
+    child::check(idle, &for_idle)?;
     if run.check_config {
         output.say("the configuration and the arguments are in order");
         return Ok(ExitCode::SUCCESS);

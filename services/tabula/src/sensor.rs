@@ -66,12 +66,26 @@ impl Sensor {
 
     /// The daemon's processes in the order they are started.
     pub(crate) fn processes(&self) -> Vec<ProcessKind> {
-        let other = match self {
+        let all = ProcessKind::ALL.into_iter();
+        all.filter(|process| *process != self.other()).collect()
+    }
+
+    /// The process that is not started.
+    fn other(&self) -> ProcessKind {
+        match self {
             Self::Camera => ProcessKind::Simulator,
             Self::Simulator { .. } => ProcessKind::Camera,
-        };
-        let all = ProcessKind::ALL.into_iter();
-        all.filter(|process| *process != other).collect()
+        }
+    }
+
+    /// The process that is not started, with arguments with which its section of
+    /// the configuration is checked all the same.
+    pub(crate) fn idle(&self) -> (ProcessKind, &'static [&'static str]) {
+        match self {
+            Self::Camera => (self.other(), &[]),
+            // Its source is not needed, and may be named as the simulation.
+            Self::Simulator { .. } => (self.other(), &["--source=synthetic"]),
+        }
     }
 }
 

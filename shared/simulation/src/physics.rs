@@ -246,7 +246,7 @@ impl Physics {
             &(),
         );
         self.n_steps += 1;
-        if self.n_steps % CALMING_STEPS == 0 {
+        if self.n_steps.is_multiple_of(CALMING_STEPS) {
             self.calm();
         }
     }
