@@ -34,10 +34,16 @@ impl SimulatorSource {
         requests: ArmRequests,
         broadcast: Broadcast,
     ) -> Result<Self, simulation::Error> {
+        let mut kinect = SimulatedKinect::new(&world, PinholeCamera::KINECT_V1)?;
+        // The first looks draw the room; no frame is to wait for that.
+        let mut points = vec![Point::default(); kinect.camera().n_pixels()];
+        for _ in 0..2 {
+            kinect.look(&world, 0, &mut points)?;
+        }
         Ok(Self {
             name,
             rate_hz,
-            kinect: SimulatedKinect::new(&world, PinholeCamera::KINECT_V1)?,
+            kinect,
             increment: Increment::new(world, rate_hz),
             truth: Vec::new(),
             requests,

@@ -3,10 +3,9 @@
 use bytemuck::AnyBitPattern;
 use iceoryx2::prelude::ZeroCopySend;
 use message::{
-    ArmState, CloudPoint, Counted, FrameDone, FrameHeader, Health, MAX_CAPSULES,
-    MAX_SCENE_OBJECTS, MAX_TRUE_OBJECTS, MaskPixel, MemoryChange, ObjectCloudHeader,
-    ObjectViewHeader, PersonBody, PlainHeader, SceneObject, SceneSummary, TrueObject, TruthHeader,
-    WireCapsule, service_name,
+    ArmState, CloudPoint, Counted, FrameDone, FrameHeader, Health, MAX_CAPSULES, MAX_SCENE_OBJECTS,
+    MAX_TRUE_OBJECTS, MaskPixel, MemoryChange, ObjectCloudHeader, ObjectViewHeader, PersonBody,
+    PlainHeader, SceneObject, SceneSummary, TrueObject, TruthHeader, WireCapsule, service_name,
 };
 use std::fmt::Debug;
 
