@@ -39,7 +39,7 @@ pub(crate) enum ScenePlan {
 pub(crate) struct Config {
     pub(crate) plan: ScenePlan,
     n_objects: Option<usize>,
-    seed: u64,
+    seed: Option<u64>,
     models: ModelSource,
     pub(crate) rate_hz: f64,
     pub(crate) lockstep: bool,
@@ -58,7 +58,7 @@ impl Config {
         let config = Self {
             plan: plan(scene.as_deref()).map_err(usage)?,
             n_objects: given.objects.or(raw.objects),
-            seed: given.seed.or(raw.seed).unwrap_or(1),
+            seed: given.seed.or(raw.seed),
             models: raw
                 .models
                 .map_or(ModelSource::Generated, ModelSource::Folder),
@@ -98,27 +98,32 @@ impl Config {
     pub(crate) fn scene(&self) -> Result<(Scene, ModelLibrary), simulation::Error> {
         let mut library = ModelLibrary::open(&self.models)?;
         let scene = match &self.plan {
-            ScenePlan::File(path) => return Scene::open(path),
+            ScenePlan::File(path) => return Scene::open(path, self.seed),
             ScenePlan::Everyday => {
                 let n_objects = self.n_objects.unwrap_or(EVERYDAY_OBJECTS);
-                Scene::everyday(n_objects, self.seed, &mut library)?
+                Scene::everyday(n_objects, self.seed(), &mut library)?
             }
             ScenePlan::Generated(kind) => {
                 let n_objects = self.n_objects.unwrap_or(kind.usual_number());
                 Scene {
                     arm: Some(ArmMount::default()),
-                    ..Scene::generate(*kind, n_objects, self.seed, &mut library)?
+                    ..Scene::generate(*kind, n_objects, self.seed(), &mut library)?
                 }
             }
         };
         Ok((scene, library))
     }
 
+    /// The seed of a generated scene.
+    fn seed(&self) -> u64 {
+        self.seed.unwrap_or(1)
+    }
+
     /// What people call the scene.
     pub(crate) fn name(&self) -> String {
         match &self.plan {
-            ScenePlan::Everyday => format!("simulation:everyday:{}", self.seed),
-            ScenePlan::Generated(kind) => format!("simulation:{}:{}", kind.word(), self.seed),
+            ScenePlan::Everyday => format!("simulation:everyday:{}", self.seed()),
+            ScenePlan::Generated(kind) => format!("simulation:{}:{}", kind.word(), self.seed()),
             ScenePlan::File(path) => format!("simulation:{}", path.display()),
         }
     }

@@ -72,7 +72,8 @@ impl Increment {
     }
 
     /// Gives the arm a command that arrived `before_end_ns` before the end of the
-    /// increment, and runs what comes after it again.
+    /// increment, and runs what comes after it again; steps before `fixed` stay as
+    /// they are. Whether the world is another one now.
     ///
     /// # Errors
     /// The sentence with which the arm refuses it.
@@ -80,22 +81,35 @@ impl Increment {
         &mut self,
         command: &ArmCommand,
         before_end_ns: u64,
-    ) -> Result<u64, String> {
+        fixed: usize,
+    ) -> Result<bool, String> {
         let n_steps = self.samples.len();
-        let n_after = (before_end_ns / STEP_NS) as usize;
         // In the order in which they came.
-        let earliest = self.commands.last().map_or(0, |(step, _)| *step);
-        let step = n_steps.saturating_sub(n_after).max(earliest);
-        if n_after == 0 {
-            return self.world.command_arm(command);
+        let earliest = self.commands.last().map_or(fixed, |(step, _)| *step);
+        let step = self.step_at(before_end_ns).max(earliest).max(fixed);
+        self.commands.push((step, *command));
+        if step >= n_steps {
+            return self.world.command_arm(command).map(|_| false);
         }
         let Some(start) = &self.start else {
-            return self.world.command_arm(command);
+            return self.world.command_arm(command).map(|_| false);
         };
         self.world = start.clone();
-        self.commands.push((step, *command));
-        self.run(n_steps)
-            .unwrap_or_else(|| self.world.command_arm(command))
+        let answer = self.run(n_steps);
+        answer.map_or(Ok(true), |told| told.map(|_| true))
+    }
+
+    /// The arm at an instant of the increment, or at its end.
+    pub(crate) fn status_at(&self, before_end_ns: u64) -> Option<ArmStatus> {
+        let at = self.samples.get(self.step_at(before_end_ns));
+        at.map(|sample| sample.status.clone())
+            .or_else(|| self.world.arm_status())
+    }
+
+    /// The step at whose beginning an instant is.
+    fn step_at(&self, before_end_ns: u64) -> usize {
+        let n_after = (before_end_ns / STEP_NS) as usize;
+        self.samples.len().saturating_sub(n_after)
     }
 
     /// Steps of this increment: frames are evenly spaced in the long run.
@@ -120,6 +134,10 @@ impl Increment {
                     capsules: self.world.arm_capsules(),
                 });
             }
+        }
+        // Those that came after the last step act in the next increment.
+        for (_, command) in self.commands.iter().filter(|(at, _)| *at >= n_steps) {
+            answer = Some(self.world.command_arm(command));
         }
         answer
     }

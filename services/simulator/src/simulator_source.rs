@@ -70,43 +70,42 @@ impl SimulatorSource {
         })
     }
 
-    /// Answers what waits at the desk; true when the arm was given a command.
+    /// Answers what waits at the desk; true when the world is another one now.
     /// The increment ends at `end_ns`.
     fn serve(&mut self, end_ns: u64) -> Result<bool, SourceError> {
-        let mut is_commanded = false;
+        let mut is_another_world = false;
         while let Ok(request) = self.requests.waiting.try_recv() {
             // Whoever has the answer must not see the arm as it was before.
-            self.publish_arm(end_ns, request.arrived_ns)?;
-            is_commanded |= self.answer(request, end_ns);
+            self.publish_arm(end_ns, request.arrived_ns.min(monotonic_ns()))?;
+            is_another_world |= self.answer(request, end_ns);
         }
-        Ok(is_commanded)
+        Ok(is_another_world)
     }
 
     fn answer(&mut self, request: ArmRequest, end_ns: u64) -> bool {
+        let before_end_ns = end_ns.saturating_sub(request.arrived_ns);
         let told = translate::command(&request.command).and_then(|command| match command {
             None => Ok(false),
             Some(command) => {
                 tracing::info!("arm: {:?}", request.command);
-                let before_end_ns = end_ns.saturating_sub(request.arrived_ns);
-                let given = self.increment.command(&command, before_end_ns);
-                given.map(|_| true)
+                self.increment
+                    .command(&command, before_end_ns, self.n_published)
             }
         });
-        let is_commanded = matches!(told, Ok(true));
-        let status = self.increment.world().arm_status();
+        let is_another_world = matches!(told, Ok(true));
+        let status = self.increment.status_at(before_end_ns);
         let report = told.and_then(|_| status.ok_or("the scene has no arm".into()));
         let report = report
             .map(|status| translate::report(&status))
             .map_err(|sentence| Refusal::new(RefusalKind::Invalid, sentence));
         // Whoever asked may have gone.
         let _ = request.answer.send(report);
-        is_commanded
+        is_another_world
     }
 
-    /// Publishes the samples of the arm up to an instant, as far as they belong to
-    /// the past; the instant of the next one is returned.
+    /// Publishes the samples of the arm up to an instant; that of the next one is
+    /// returned.
     fn publish_arm(&mut self, end_ns: u64, until_ns: u64) -> Result<Option<u64>, SourceError> {
-        let until_ns = until_ns.min(monotonic_ns());
         while let Some(sample) = self.increment.samples().get(self.n_published) {
             let stamp_ns = end_ns.saturating_sub(self.increment.before_end_ns(self.n_published));
             if stamp_ns > until_ns {
@@ -146,9 +145,9 @@ impl Source for SimulatorSource {
     }
 
     fn while_waiting(&mut self, due_ns: u64, points: &mut [Point]) -> Result<Waiting, SourceError> {
-        let is_commanded = self.serve(due_ns)?;
-        let rewritten = is_commanded.then(|| self.look(points)).transpose()?;
-        let again_ns = self.publish_arm(due_ns, u64::MAX)?;
+        let is_another_world = self.serve(due_ns)?;
+        let rewritten = is_another_world.then(|| self.look(points)).transpose()?;
+        let again_ns = self.publish_arm(due_ns, monotonic_ns())?;
         Ok(Waiting {
             rewritten,
             again_ns,

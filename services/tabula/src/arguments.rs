@@ -105,7 +105,7 @@ pub(crate) struct SceneArguments {
     #[arg(long, value_name = "S")]
     pub(crate) seed: Option<u64>,
     /// Number of frames
-    #[arg(long, value_name = "N", default_value_t = 30)]
+    #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     pub(crate) frames: u64,
     /// Frames per second
     #[arg(long, value_name = "HZ", default_value_t = 30.0)]
@@ -122,10 +122,10 @@ pub(crate) struct ViewsArguments {
     #[arg(long, value_name = "DIR", default_value = "generated")]
     pub(crate) models: PathBuf,
     /// Views of each object, spread over three heights
-    #[arg(long, value_name = "N", default_value_t = 60)]
-    pub(crate) views: usize,
+    #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub(crate) views: u32,
     /// Objects of each generated category
-    #[arg(long, value_name = "N", default_value_t = 4)]
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u64).range(1..=1000))]
     pub(crate) instances: u64,
     /// Only this category; may be given more than once [default: all]
     #[arg(long, value_name = "NAME")]

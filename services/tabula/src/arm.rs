@@ -34,8 +34,13 @@ pub(crate) fn run(
         report = ask(common, ArmCommand::State)?;
     }
     output.answer(&report, || text(&report));
-    let has_failed = report.command_id == id && report.activity == "failed";
-    Ok(if has_failed && waits {
+    let is_replaced = report.command_id != id;
+    if waits && (is_replaced || report.activity == "stopped") {
+        let sentence = "the command was not carried out to its end: another one replaced it, the \
+                        arm was stopped, or the simulation began anew";
+        return Err(Failure::new(exit_code::REFUSED, sentence));
+    }
+    Ok(if waits && report.activity == "failed" {
         ExitCode::from(exit_code::REFUSED)
     } else {
         ExitCode::SUCCESS

@@ -212,6 +212,7 @@ impl ArmMotion {
             self.log.note(id, CommandState::Stopped);
         }
         self.activity = Activity::Rest;
+        self.state = MotionState::Idle;
         self.gripper.halt();
         self.drop_queue();
     }

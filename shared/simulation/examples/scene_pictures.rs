@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let started = std::time::Instant::now();
     let mut library = ModelLibrary::generated();
     let (scene, library) = if Path::new(kind).exists() {
-        Scene::open(Path::new(kind))?
+        Scene::open(Path::new(kind), Some(seed))?
     } else if kind == "everyday" {
         (Scene::everyday(5, seed, &mut library)?, library)
     } else {

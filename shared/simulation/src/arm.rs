@@ -201,8 +201,10 @@ impl SimulatedArm {
     pub(crate) fn step(&mut self, physics: &mut Physics, objects: &mut [SceneObject]) {
         let before = self.motion.clone();
         let touched = self.touched_by_both(physics);
+        // The physics sees no contact with what is held: it follows the hand.
+        let is_stopped = touched.is_some() || self.gripped.is_some();
         self.motion
-            .step(1.0 / f64::from(STEPS_PER_SECOND), touched.is_some());
+            .step(1.0 / f64::from(STEPS_PER_SECOND), is_stopped);
         self.take_over_failure();
         if self.motion.state() == MotionState::Opening {
             self.release(physics, objects);
@@ -217,9 +219,12 @@ impl SimulatedArm {
         self.follow(physics);
     }
 
-    /// Whether the fingers came to rest in this step after closing.
+    /// Whether the fingers came to rest in this step after closing, with nothing
+    /// between them yet.
     fn has_closed(&self, before: &ArmMotion) -> bool {
-        before.state() == MotionState::Closing && self.motion.state() != MotionState::Closing
+        before.state() == MotionState::Closing
+            && self.gripped.is_none()
+            && self.motion.command_state(self.command_id) == Some(CommandState::Done)
     }
 
     /// Stops for a reason that is told.

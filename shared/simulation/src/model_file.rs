@@ -116,17 +116,23 @@ fn surface_faults(mesh: &TriangleMesh) -> Vec<String> {
 }
 
 /// Category and name of `025_mug.ply`: `mug` and `025_mug`. A category's name
-/// is lower case with hyphens, as everywhere.
+/// consists of lower case letters, digits and hyphens, as everywhere.
 pub(crate) fn names(path: &Path) -> (String, String) {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let numbered = stem.split_once('_');
     let bare = numbered.filter(|(number, _)| number.starts_with(|c: char| c.is_ascii_digit()));
     let bare = bare.map_or(&*stem, |(_, name)| name);
-    let category = bare.to_lowercase().replace(['_', ' '], "-");
-    (category, stem.into_owned())
+    let plain = |c: char| {
+        if c.is_ascii_alphanumeric() {
+            c.to_ascii_lowercase()
+        } else {
+            '-'
+        }
+    };
+    (bare.chars().map(plain).collect(), stem.into_owned())
 }
 
-/// The faces whose corners are there and finite.
+/// The faces with an area whose corners are there and finite.
 fn sound_faces(read: &dataset::mesh::Mesh) -> TriangleMesh {
     let vertices = read.vertices.iter().map(|point| Vertex {
         position: Point3::new(point.x, point.y, point.z),
@@ -137,7 +143,15 @@ fn sound_faces(read: &dataset::mesh::Mesh) -> TriangleMesh {
         let corner = read.vertices.get(index as usize);
         corner.is_some_and(point_cloud::Point::is_finite)
     };
-    let triangles = read.triangles.iter().filter(|t| t.iter().all(is_finite));
+    let corner = |index: u32| read.vertices[index as usize].position();
+    let has_area = |t: &&[u32; 3]| {
+        let [a, b, c] = t.map(corner);
+        (b - a).cross(&(c - a)).norm() > 0.0
+    };
+    let triangles = read.triangles.iter();
+    let triangles = triangles
+        .filter(|t| t.iter().all(is_finite))
+        .filter(has_area);
     TriangleMesh {
         vertices: vertices.collect(),
         triangles: triangles

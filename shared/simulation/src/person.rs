@@ -15,6 +15,19 @@ pub(crate) use errand::{Errand, GRIP_M, HandEvent, Surroundings};
 use crate::scene::ModelChoice;
 use nalgebra::Point3;
 
+impl Action {
+    /// As words in a sentence: `to move object 3`.
+    pub(crate) fn words(&self) -> String {
+        match self {
+            Self::Put { model, .. } => format!("to put a {}", model.category()),
+            Self::Move { object, .. } => format!("to move object {object}"),
+            Self::Lift { object, .. } => format!("to lift object {object}"),
+            Self::Hide { object, .. } => format!("to hide object {object}"),
+            Self::Remove { object } => format!("to remove object {object}"),
+        }
+    }
+}
+
 /// One thing to do. Objects are known by their number in the scene, from 1.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Action {
@@ -119,8 +132,12 @@ impl Person {
         around: &dyn Surroundings,
     ) -> Option<HandEvent> {
         if self.errand.is_none() {
+            let is_script = self.next_in_script < self.plan.script.len();
             let action = self.due(time_s, around)?;
             self.errand = Errand::new(&action, self.hand, around);
+            if self.errand.is_none() && is_script {
+                return Some(HandEvent::CanNot(action));
+            }
         }
         let errand = self.errand.as_mut()?;
         let event = errand.step(dt_s, &mut self.hand);

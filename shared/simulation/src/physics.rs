@@ -46,6 +46,11 @@ fn is_nearly(a: &RigidTransform, b: &RigidTransform) -> bool {
     moved_m < CALM_M && a.rotation.angle_to(&b.rotation) < CALM_RAD
 }
 
+fn set_damping(body: &mut RigidBody, (linear, angular): (f32, f32)) {
+    body.set_linear_damping(linear);
+    body.set_angular_damping(angular);
+}
+
 /// What a body collides with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
@@ -255,15 +260,17 @@ impl Physics {
     fn calm(&mut self) {
         let mut seen_at = Vec::with_capacity(self.seen_at.len());
         for (handle, body) in self.bodies.iter_mut() {
-            if !body.is_dynamic() || body.is_sleeping() {
+            if !body.is_dynamic() {
+                continue;
+            }
+            if body.is_sleeping() {
+                set_damping(body, DAMPING);
                 continue;
             }
             let pose = pose_from_glam(body.position());
             let before = self.seen_at.iter().find(|(seen, _)| *seen == handle);
             let is_calm = before.is_some_and(|(_, before)| is_nearly(before, &pose));
-            let (linear, angular) = if is_calm { CALMING } else { DAMPING };
-            body.set_linear_damping(linear);
-            body.set_angular_damping(angular);
+            set_damping(body, if is_calm { CALMING } else { DAMPING });
             seen_at.push((handle, pose));
         }
         self.seen_at = seen_at;
@@ -294,6 +301,7 @@ impl Physics {
         };
         if let Some(body) = self.bodies.get_mut(body.0) {
             body.set_body_type(kind, true);
+            set_damping(body, DAMPING);
             body.set_linvel(Vector::ZERO, true);
             body.set_angvel(Vector::ZERO, true);
         }
@@ -308,13 +316,13 @@ impl Physics {
             })
     }
 
-    /// Linear velocity in m/s and angular velocity in rad/s, world frame.
+    /// Velocity of the origin in m/s and angular velocity in rad/s, world frame.
     pub(crate) fn velocity(&self, body: BodyId) -> (Vector3<f64>, Vector3<f64>) {
         self.bodies.get(body.0).map_or_else(
             || (Vector3::zeros(), Vector3::zeros()),
             |body| {
                 (
-                    vector_from_glam(body.linvel()),
+                    vector_from_glam(body.velocity_at_point(body.translation())),
                     vector_from_glam(body.angvel()),
                 )
             },

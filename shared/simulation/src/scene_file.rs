@@ -87,19 +87,23 @@ impl Scene {
     }
 
     /// A scene from the text of a TOML file; paths in it count from `folder`.
-    /// The library is opened as the file says.
+    /// The library is opened as the file says; a `seed` given here wins.
     ///
     /// # Errors
     /// A sentence that names the place and the rule.
-    pub fn from_toml(text: &str, folder: &Path) -> Result<(Self, ModelLibrary), Error> {
-        raw::scene(text, folder)
+    pub fn from_toml(
+        text: &str,
+        folder: &Path,
+        seed: Option<u64>,
+    ) -> Result<(Self, ModelLibrary), Error> {
+        raw::scene(text, folder, seed)
     }
 
     /// A scene from a TOML file.
     ///
     /// # Errors
     /// When the file can not be read, or as [`from_toml`](Self::from_toml).
-    pub fn open(path: &Path) -> Result<(Self, ModelLibrary), Error> {
+    pub fn open(path: &Path, seed: Option<u64>) -> Result<(Self, ModelLibrary), Error> {
         let unreadable = |cause: String| Error::Unreadable {
             path: path.to_owned(),
             cause,
@@ -109,7 +113,7 @@ impl Scene {
             return Err(unreadable("it is not a file of at most 1 MiB".into()));
         }
         let text = std::fs::read_to_string(path).map_err(|error| unreadable(error.to_string()))?;
-        Self::from_toml(&text, path.parent().unwrap_or(Path::new("")))
+        Self::from_toml(&text, path.parent().unwrap_or(Path::new("")), seed)
     }
 }
 

@@ -3,6 +3,7 @@
 mod appearance;
 mod person_look;
 
+use crate::ObjectModel;
 use crate::error::Error;
 use crate::truth::{ARM_ID, PERSON_ID, TrueObject};
 use crate::world::World;
@@ -13,6 +14,7 @@ use person_look::PersonLook;
 use point_cloud::Point;
 use rendering::kinect::{KinectSensor, Shot};
 use rendering::{Image, Instance, Lights, PreparedMesh, Rasterizer, ShadowRegion, Stage};
+use std::sync::Arc;
 
 /// How far from the middle of the table shadows are cast, metres.
 const SHADOW_REACH_M: f32 = 1.1;
@@ -40,7 +42,7 @@ pub struct SimulatedKinect {
     room: Vec<RoomPiece>,
     person: PersonLook,
     arm: Vec<PreparedMesh>,
-    objects: Vec<(u16, PreparedMesh)>,
+    objects: Vec<(Arc<ObjectModel>, PreparedMesh)>,
     prepared: Prepared,
     counts: Vec<u32>,
 }
@@ -181,26 +183,37 @@ impl SimulatedKinect {
 
     /// Prepares the meshes of new objects and forgets those that are gone.
     fn follow_objects(&mut self, world: &World) {
-        self.objects.retain(|(id, _)| world.find(*id).is_some());
+        self.objects.retain(|(model, _)| {
+            let mut there = world.objects().iter();
+            there.any(|object| Arc::ptr_eq(&object.model, model))
+        });
         for object in world.objects() {
-            if self.objects.iter().all(|(id, _)| *id != object.id) {
-                self.objects
-                    .push((object.id, PreparedMesh::new(&object.model.mesh)));
+            if mesh_of(&self.objects, &object.model).is_none() {
+                let mesh = PreparedMesh::new(&object.model.mesh);
+                self.objects.push((Arc::clone(&object.model), mesh));
             }
         }
     }
 }
 
+fn mesh_of<'a>(
+    objects: &'a [(Arc<ObjectModel>, PreparedMesh)],
+    model: &Arc<ObjectModel>,
+) -> Option<&'a PreparedMesh> {
+    let same = objects.iter().find(|(known, _)| Arc::ptr_eq(known, model));
+    same.map(|(_, mesh)| mesh)
+}
+
 /// Adds what moves: objects first, in their order, then the arm and the person.
 fn add_moving<'a>(
     instances: &mut Vec<Instance<'a>>,
-    objects: &'a [(u16, PreparedMesh)],
+    objects: &'a [(Arc<ObjectModel>, PreparedMesh)],
     arm: &'a [PreparedMesh],
     person: &'a PersonLook,
     world: &World,
 ) {
     for object in world.objects() {
-        if let Some((_, mesh)) = objects.iter().find(|(id, _)| *id == object.id) {
+        if let Some(mesh) = mesh_of(objects, &object.model) {
             instances.push(Instance::new(mesh, object.world_from_object, object.id));
         }
     }

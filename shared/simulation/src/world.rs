@@ -23,6 +23,10 @@ use view_of_person::ViewOfPerson;
 
 /// An object dropped into a pile has this long before the next one follows, steps.
 const DROP_STEPS: u32 = STEPS_PER_SECOND * 35 / 100;
+/// A hand that is farther than this from an object's top does not take it, metres.
+const MISSED_GRIP_M: f64 = 0.05;
+/// Greatest number of an object; larger ones have a meaning in the mask.
+const LAST_ID: u16 = 60_000;
 /// Lift of an object that is put down at the start, metres.
 const PUT_DOWN_LIFT_M: f64 = 0.001;
 
@@ -148,16 +152,25 @@ impl World {
             Some(HandEvent::Takes(object)) => self.take(object, hand),
             Some(HandEvent::LetsGo) => self.let_go(),
             Some(HandEvent::TakesAway) => self.take_away(),
+            Some(HandEvent::CanNot(action)) => self.notes.push(format!(
+                "the person left out {}: the object is not there, is held, or lies on the floor",
+                action.words()
+            )),
         }
     }
 
     fn bring(&mut self, model: &ModelChoice, hand: nalgebra::Point3<f64>) {
-        if self.objects.len() >= MOST_OBJECTS {
-            let note = format!("nothing more is brought: there are {MOST_OBJECTS} objects");
+        if self.objects.len() >= MOST_OBJECTS || self.last_id >= LAST_ID {
+            let note = "nothing more is brought: the scene is full; start it again".to_owned();
             self.notes.push(note);
             return;
         }
-        match self.library.load(model) {
+        let brought = match model {
+            // Over days a person brings many; those of a folder are few.
+            ModelChoice::Generated { .. } => self.library.look_at(model),
+            ModelChoice::File(_) => self.library.load(model),
+        };
+        match brought {
             Ok(model) => {
                 let pose = held::carried_below(&hand, &model);
                 let object = self.add_object(model, &pose);
@@ -168,8 +181,14 @@ impl World {
     }
 
     fn take(&mut self, object: u16, hand: nalgebra::Point3<f64>) {
-        // It may have gone, or the arm may have taken it, while the hand was on its way.
-        let Some(found) = self.find(object).filter(|found| !found.is_held()) else {
+        // While the hand was on its way it may have gone, fallen, or been taken by the arm.
+        let grip = hand - nalgebra::Vector3::z() * crate::person::GRIP_M;
+        let is_there =
+            |found: &&SceneObject| !found.is_held() && (found.top() - grip).norm() < MISSED_GRIP_M;
+        let Some(found) = self.find(object).filter(is_there) else {
+            self.notes.push(format!(
+                "the person reached for object {object}, which was not there any more"
+            ));
             return;
         };
         let (body, pose) = (found.body, found.world_from_object);
@@ -207,9 +226,8 @@ impl World {
 
     /// Takes poses and states over from the physics.
     fn refresh_objects(&mut self) {
-        let on_floor_below_m = self.scene.table.height_m - 0.05;
         for object in &mut self.objects {
-            object.refresh(&self.physics, on_floor_below_m);
+            object.refresh(&self.physics, &self.scene.table);
         }
     }
 

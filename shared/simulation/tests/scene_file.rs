@@ -6,7 +6,7 @@ use simulation::{ModelLibrary, ObjectState, Placing, Scene, World};
 use std::path::Path;
 
 fn parsed(text: &str) -> Result<(Scene, ModelLibrary), simulation::Error> {
-    Scene::from_toml(text, Path::new(""))
+    Scene::from_toml(text, Path::new(""), None)
 }
 
 fn sentence(text: &str) -> String {
@@ -258,7 +258,7 @@ fn more_than_sixty_objects_are_refused() {
 #[test]
 fn what_is_no_text_file_of_this_size_is_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let refused = |path: &Path| Scene::open(path).unwrap_err().to_string();
+    let refused = |path: &Path| Scene::open(path, None).unwrap_err().to_string();
     let large = folder.path().join("large.toml");
     std::fs::write(&large, "# nothing\n".repeat(200_000)).unwrap();
     let binary = folder.path().join("binary.toml");
@@ -277,7 +277,7 @@ fn paths_count_from_the_folder_of_the_file() {
     let file = folder.path().join("scene.toml");
     let text = "[[object]]\nmodel = \"things/cup.ply\"\nposition_m = [0, 0]";
     std::fs::write(&file, text).unwrap();
-    let told = Scene::open(&file).unwrap_err().to_string();
+    let told = Scene::open(&file, None).unwrap_err().to_string();
     let expected = folder.path().join("things/cup.ply");
     assert!(told.contains(&*expected.to_string_lossy()), "{told}");
 }

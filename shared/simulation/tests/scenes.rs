@@ -119,7 +119,7 @@ fn isolated_objects_rest_where_they_were_planned() {
 #[test]
 fn sixty_isolated_objects_find_no_room_on_a_small_table() {
     let text = "kind = \"isolated\"\nobjects = 60\n[table]\nsize_m = [0.6, 0.5]";
-    match Scene::from_toml(text, Path::new("")) {
+    match Scene::from_toml(text, Path::new(""), None) {
         Err(error @ Error::NoRoom { n_placed, .. }) => {
             assert!(n_placed < 60);
             let sentence = error.to_string();

@@ -84,14 +84,12 @@ fn set_up(arguments: &SceneArguments) -> Result<World, Failure> {
         return Err(usage(rule));
     }
     let (scene, library) = match (&arguments.file, &arguments.kind) {
-        (Some(file), None) if arguments.objects.is_none() => {
-            let (scene, library) = Scene::open(file).map_err(usage)?;
-            let seed = arguments.seed.unwrap_or(scene.seed);
-            (Scene { seed, ..scene }, library)
+        (Some(file), None) if arguments.objects.is_none() && arguments.models.is_none() => {
+            Scene::open(file, arguments.seed).map_err(usage)?
         }
         (Some(_), _) => {
-            let rule = "a scene file says itself what kind of scene it is and how many objects \
-                        it has; leave --kind and --objects out";
+            let rule = "a scene file says itself what kind of scene it is, how many objects it \
+                        has and of which models; leave --kind, --objects and --models out";
             return Err(usage(rule));
         }
         (None, kind) => generated(kind.as_deref(), arguments)?,

@@ -31,6 +31,9 @@ struct Report {
     not_detected: usize,
     /// Mean common share of cut-out and true pixels.
     mean_overlap: f64,
+    /// Their sum, in steps that add up to the same in any order.
+    #[serde(skip)]
+    overlap_ppm: u64,
     /// What was noticed, one sentence each.
     notes: Vec<String>,
     /// Models that could not be used, one sentence each.
@@ -41,7 +44,7 @@ struct Report {
 pub(super) fn run(arguments: &ViewsArguments, output: &Output) -> Result<ExitCode, Failure> {
     let library = ModelLibrary::open(&arguments.models()).map_err(usage)?;
     let jobs = jobs(arguments, &library)?;
-    let n_views = (jobs.len() * arguments.views) as u64;
+    let n_views = jobs.len() as u64 * u64::from(arguments.views);
     let bar = progress::bar(n_views, "views", output);
     let next = AtomicUsize::new(0);
     let report = Mutex::new(Report::default());
@@ -89,7 +92,7 @@ impl Report {
         let categories: std::collections::BTreeSet<&str> =
             jobs.iter().map(|job| job.category.as_str()).collect();
         self.categories = categories.len();
-        self.mean_overlap /= self.views.max(1) as f64;
+        self.mean_overlap = self.overlap_ppm as f64 * 1e-6 / self.views.max(1) as f64;
         // Threads end in any order.
         self.notes.sort();
         self.failures.sort();
@@ -141,13 +144,13 @@ fn work(
             }
             Err(error) => {
                 part.failures.push(error.to_string());
-                bar.inc(arguments.views as u64);
+                bar.inc(arguments.views.into());
             }
         }
         let mut whole = report.lock().map_err(failed)?;
         whole.views += part.views;
         whole.not_detected += part.not_detected;
-        whole.mean_overlap += part.mean_overlap;
+        whole.overlap_ppm += part.overlap_ppm;
         whole.notes.append(&mut part.notes);
         whole.failures.append(&mut part.failures);
     }
@@ -162,8 +165,9 @@ fn record(
     report: &mut Report,
     bar: &ProgressBar,
 ) -> Result<(), Failure> {
-    let n_turns = arguments.views.div_ceil(HEIGHTS.len());
-    for index in 0..arguments.views {
+    let n_views = arguments.views as usize;
+    let n_turns = n_views.div_ceil(HEIGHTS.len());
+    for index in 0..n_views {
         let (height, turn) = (index % HEIGHTS.len(), index / HEIGHTS.len());
         let cut_out = turntable.view(height, turn as f64 / n_turns as f64);
         if let Some(cut_out) = cut_out.map_err(failed)? {
@@ -173,7 +177,7 @@ fn record(
             let view = washington_view(&cut_out);
             write_view(&arguments.out, &name, &view, Some(&CAMERA)).map_err(failed)?;
             report.views += 1;
-            report.mean_overlap += cut_out.overlap;
+            report.overlap_ppm += (cut_out.overlap * 1e6) as u64;
         } else {
             report.not_detected += 1;
         }

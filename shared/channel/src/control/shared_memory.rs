@@ -17,12 +17,17 @@ const MAX_CLIENTS: usize = 6;
 /// over and that the server still works on.
 pub(super) const MAX_OPEN_REQUESTS: usize = 2;
 
+/// A command to the arm or its report: numbers and a sentence.
+const ARM_MESSAGE_BYTES: usize = 16 * 1024;
+
 /// One server: the service's name, and the names of the events that wake the
 /// server and its clients.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Names {
     pub(super) service: &'static str,
     pub(super) replies: &'static str,
+    /// Longest request or reply, bytes; memory is reserved for it many times over.
+    pub(super) message_bytes: usize,
 }
 
 /// Names of the server in a process; `None` for a process that answers nothing.
@@ -31,14 +36,17 @@ pub(super) fn names_of(process: ProcessKind) -> Option<Names> {
         ProcessKind::Memory => Some(Names {
             service: service_name::CONTROL_MEMORY,
             replies: "control/memory/replies",
+            message_bytes: MAX_MESSAGE_BYTES,
         }),
         ProcessKind::Perception => Some(Names {
             service: service_name::CONTROL_PERCEPTION,
             replies: "control/perception/replies",
+            message_bytes: MAX_MESSAGE_BYTES,
         }),
         ProcessKind::Simulator => Some(Names {
             service: service_name::CONTROL_ARM,
             replies: "arm/command/replies",
+            message_bytes: ARM_MESSAGE_BYTES,
         }),
         ProcessKind::Camera => None,
     }
@@ -72,13 +80,17 @@ pub(super) fn open(domain: &Domain, name: &'static str) -> Result<IoxService, Er
 /// and memory is touched only where written, but the sum must count them all.
 pub(crate) fn reservations() -> Vec<Reservation> {
     let of_server = |process| {
-        let service = names_of(process)?.service;
+        let Names {
+            service,
+            message_bytes,
+            ..
+        } = names_of(process)?;
         let requests = MAX_CLIENTS * (MAX_OPEN_REQUESTS + 2);
         let replies = MAX_CLIENTS * MAX_OPEN_REQUESTS * 3;
         Some(Reservation {
             service,
             slots: (requests + replies) as u64,
-            slot_bytes: MAX_MESSAGE_BYTES as u64 + 128,
+            slot_bytes: message_bytes as u64 + 128,
         })
     };
     ProcessKind::ALL.into_iter().filter_map(of_server).collect()

@@ -44,7 +44,7 @@ impl Client {
         let service = open(domain, names.service)?;
         let client = service
             .client_builder()
-            .initial_max_slice_len(MAX_MESSAGE_BYTES)
+            .initial_max_slice_len(names.message_bytes)
             .max_active_requests(MAX_OPEN_REQUESTS)
             .backpressure_strategy(BackpressureStrategy::DiscardData)
             .create()

@@ -8,7 +8,7 @@ use crate::{Error, control::CallError};
 use iceoryx2::active_request::ActiveRequest;
 use iceoryx2::prelude::BackpressureStrategy;
 use message::ProcessKind;
-use message::control::{MAX_MESSAGE_BYTES, Reply};
+use message::control::Reply;
 use std::sync::Arc;
 
 type IoxServer = iceoryx2::port::server::Server<Service, [u8], (), [u8], ()>;
@@ -35,7 +35,7 @@ impl Server {
         let service = open(domain, names.service)?;
         let server = service
             .server_builder()
-            .initial_max_slice_len(MAX_MESSAGE_BYTES)
+            .initial_max_slice_len(names.message_bytes)
             .max_loaned_responses_per_request(1)
             .backpressure_strategy(BackpressureStrategy::DiscardData)
             .create()

@@ -24,8 +24,6 @@ pub(super) enum GripFailure {
     Nothing,
     /// They touch different objects.
     Different,
-    /// A person holds what they touch.
-    TakenByPerson(String),
     /// Too little of the pads lies on the object, share of the worse pad.
     Overlap(String, f64),
     /// The surfaces under the pads are slanted; the object slips.
@@ -38,9 +36,6 @@ impl fmt::Display for GripFailure {
             Self::Nothing => f.write_str("the fingers closed on nothing"),
             Self::Different => {
                 f.write_str("the fingers closed on two different objects and hold neither")
-            }
-            Self::TakenByPerson(name) => {
-                write!(f, "the fingers closed on {name}, which a person holds")
             }
             Self::Overlap(name, share) => write!(
                 f,
@@ -103,9 +98,6 @@ impl SimulatedArm {
             .find(same)
             .ok_or(GripFailure::Different)?;
         let name = &object.model.name;
-        if object.is_held() {
-            return Err(GripFailure::TakenByPerson(name.clone()));
-        }
         let contacts = self.pad_contacts(first, physics);
         let overlap = contacts.iter().map(|c| c.overlap).fold(1.0, f64::min);
         if overlap < OVERLAP_MIN {

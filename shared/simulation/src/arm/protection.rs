@@ -7,6 +7,9 @@ use manipulator::{ArmMotion, MotionState};
 
 /// The arm stops when it presses harder than this on an object, newtons.
 const PRESSING_MAX_N: f64 = 60.0;
+/// What is held may stand on something: it counts as touching when it reaches
+/// farther in than this, metres.
+const TOUCH_M: f64 = 0.002;
 /// A new command may leave a jam: pressing is ignored for this long, steps.
 const FREEING_STEPS: u32 = STEPS_PER_SECOND / 2;
 /// Base, shoulder: they stand beside the table and can not reach it.
@@ -54,11 +57,11 @@ impl SimulatedArm {
     fn held_obstacle(&self, physics: &Physics, objects: &[SceneObject]) -> Option<String> {
         let gripped = self.gripped.as_ref()?;
         let object = objects.iter().find(|object| object.id == gripped.object)?;
-        let pose = self.world_from_gripper() * gripped.gripper_from_object;
-        let is_going_down = pose.translation.z < object.world_from_object.translation.z;
-        (is_going_down && physics.hits_fixture(&object.model.shape, &pose)).then(|| {
+        let mut pose = self.world_from_gripper() * gripped.gripper_from_object;
+        pose.translation.z += TOUCH_M;
+        physics.hits_fixture(&object.model.shape, &pose).then(|| {
             format!(
-                "the arm stopped: {} in its hand touches what is below",
+                "the arm stopped: {} in its hand has come against the table or the room",
                 object.model.name
             )
         })

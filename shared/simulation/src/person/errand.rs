@@ -48,6 +48,8 @@ pub(crate) enum HandEvent {
     LetsGo,
     /// What the hand holds is gone with it.
     TakesAway,
+    /// What the script asks for can not be done.
+    CanNot(Action),
 }
 
 #[derive(Debug, Clone)]

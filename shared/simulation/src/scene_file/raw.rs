@@ -138,7 +138,11 @@ fn checked(place: &str, value: f64, range: RangeInclusive<f64>) -> Result<f64, E
     ))
 }
 
-pub(super) fn scene(text: &str, folder: &Path) -> Result<(Scene, ModelLibrary), Error> {
+pub(super) fn scene(
+    text: &str,
+    folder: &Path,
+    seed: Option<u64>,
+) -> Result<(Scene, ModelLibrary), Error> {
     let raw: RawScene = toml::from_str(text)
         .map_err(|error| wrong("text is not a scene", error.to_string().trim().to_owned()))?;
     let source = raw.models.as_ref().map_or(ModelSource::Generated, |path| {
@@ -148,7 +152,7 @@ pub(super) fn scene(text: &str, folder: &Path) -> Result<(Scene, ModelLibrary), 
     let kind = raw.kind.as_deref().map(str::parse::<SceneKind>);
     let kind = kind.transpose().map_err(|rule| wrong("kind", rule))?;
     let mut scene = Scene {
-        seed: raw.seed,
+        seed: seed.unwrap_or(raw.seed),
         table: table(&raw.table)?,
         bin: bin(raw.bin.as_ref(), kind)?,
         camera: camera(&raw.camera)?,
@@ -352,7 +356,10 @@ fn timed_action(raw: &RawAction, index: usize) -> Result<TimedAction, Error> {
     let place = |key: &str| format!("[[person.action]] {} {key}", index + 1);
     let needs = |key: &str| wrong(place(key), format!("`{}` needs `{key}`", raw.what));
     let at_s = checked(&place("at_s"), raw.at_s, 0.0..=86_400.0)?;
-    let object = || raw.object.ok_or_else(|| needs("object"));
+    let object = || match raw.object {
+        Some(0) => Err(wrong(place("object"), "objects are counted from 1")),
+        object => object.ok_or_else(|| needs("object")),
+    };
     let to_m = || {
         let [x, y] = raw.to_m.ok_or_else(|| needs("to_m"))?;
         checked(&place("to_m"), x, -2.0..=2.0)?;

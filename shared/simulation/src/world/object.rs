@@ -2,9 +2,13 @@
 
 use crate::ObjectModel;
 use crate::physics::{BodyId, Physics};
+use crate::scene::Table;
 use geometry::RigidTransform;
 use nalgebra::{Point3, Vector3};
 use std::sync::Arc;
+
+/// What is lower than this under the table's surface has fallen, metres.
+const UNDER_M: f64 = 0.05;
 
 /// What an object is doing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -71,19 +75,27 @@ impl SceneObject {
         )
     }
 
-    pub(crate) fn refresh(&mut self, physics: &Physics, on_floor_below_m: f64) {
+    pub(crate) fn refresh(&mut self, physics: &Physics, table: &Table) {
         self.world_from_object = physics.pose(self.body);
         self.velocity_m_s = physics.velocity(self.body).0;
         if self.is_held() {
             return;
         }
-        self.state = if self.world_from_object.translation.z < on_floor_below_m {
+        self.state = if self.is_off(table) {
             ObjectState::OnFloor
         } else if physics.is_at_rest(self.body) {
             ObjectState::Settled
         } else {
             ObjectState::Moving
         };
+    }
+
+    /// Whether it is beside the table, and lower.
+    fn is_off(&self, table: &Table) -> bool {
+        let at = self.world_from_object.translation;
+        let is_above = at.x.abs() < table.size_m[0] / 2.0 && at.y.abs() < table.size_m[1] / 2.0;
+        let is_under = at.z < table.height_m - UNDER_M;
+        is_under || (!is_above && self.height_range_m().0 < table.height_m - UNDER_M)
     }
 
     /// Whether it lies on the floor and nobody was told.
