@@ -10,7 +10,7 @@ use std::path::Path;
 
 /// What a replay must repeat. Printed numbers read back to the same bits, and
 /// NaN, which stands for an absent distance, equals itself.
-fn repeatable(scene: &Recorded) -> String {
+pub(crate) fn repeatable(scene: &Recorded) -> String {
     let mut scene = scene.clone();
     scene.header.session = 0;
     scene.header.stamps = StageStamps {

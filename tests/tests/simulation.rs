@@ -2,10 +2,11 @@
 //! scored with the truth, the arm obeys and stops, recordings are played again.
 
 use crate::daemon::{Daemon, Place, eventually};
+use crate::lockstep::repeatable;
 use crate::recorder::{Recorded, Recorder, Recording, SceneRecorder};
 use channel::topic::{ArmStates, CameraCloud, PersonBodies, TrueMasks, TrueObjects};
 use channel::{Domain, Role, SharedFrame, Subscriber};
-use message::{ArmActivity, ProcessKind, SceneObject, StageStamps, TrackState, TrueObject};
+use message::{ArmActivity, ProcessKind, SceneObject, TrackState, TrueObject};
 use nalgebra::{Point3, Vector3};
 use rustix::process::Signal;
 use serde_json::Value;
@@ -332,17 +333,6 @@ fn the_default_is_a_table_with_an_arm_and_a_person() {
     });
     bodies.stop();
     daemon.stop();
-}
-
-/// What two runs must have in common.
-fn repeatable(scene: &Recorded) -> String {
-    let mut scene = scene.clone();
-    scene.header.session = 0;
-    scene.header.stamps = StageStamps {
-        capture_ns: scene.header.stamps.capture_ns,
-        ..StageStamps::default()
-    };
-    format!("{scene:?}")
 }
 
 #[test]

@@ -5,8 +5,7 @@ use divan::{Bencher, black_box};
 use geometry::PinholeCamera;
 use point_cloud::Point;
 use simulation::{
-    ArmMount, CameraMount, ModelLibrary, STEPS_PER_SECOND, Scene, SceneKind, SimulatedKinect,
-    Table, World,
+    ArmMount, CameraMount, ModelLibrary, STEPS_PER_SECOND, Scene, SceneKind, SimulatedKinect, World,
 };
 
 const N_OBJECTS: [usize; 3] = [1, 10, 30];
@@ -17,7 +16,7 @@ fn main() {
     divan::main();
 }
 
-/// A table that holds them all, with an arm; 30 objects lie in a heap.
+/// A table with an arm; 30 objects lie in a heap.
 fn world(n_objects: usize) -> World {
     let kind = if n_objects > 10 {
         SceneKind::Pile
@@ -29,7 +28,6 @@ fn world(n_objects: usize) -> World {
         Scene::generate(kind, n_objects, 2, &mut library).expect("the table is large enough");
     let scene = Scene {
         arm: Some(ArmMount::default()),
-        table: Table::default(),
         ..scene
     };
     World::new(scene, library).expect("generated objects are sound")
