@@ -65,7 +65,8 @@ impl Increment {
 
     /// Goes on to the next frame.
     pub(crate) fn advance(&mut self) {
-        self.start = self.world.arm_status().map(|_| self.world.clone());
+        let has_arm = self.world.scene().arm.is_some();
+        self.start = has_arm.then(|| self.world.clone());
         self.commands.clear();
         self.frame += 1;
         self.run(self.n_steps());

@@ -12,7 +12,7 @@ use crate::arrangement;
 use crate::error::Error;
 use crate::model_library::ModelLibrary;
 use crate::person::{HandEvent, Person};
-use crate::physics::{Physics, STEP_NS, STEPS_PER_SECOND};
+use crate::physics::{Physics, STEPS_PER_SECOND};
 use crate::room::{self, Block};
 use crate::scene::{CameraMount, ModelChoice, Placing, Scene};
 use crate::scene_file::MOST_OBJECTS;
@@ -318,11 +318,6 @@ impl World {
     /// Time since the scene began, seconds.
     pub fn time_s(&self) -> f64 {
         self.n_steps as f64 / f64::from(STEPS_PER_SECOND)
-    }
-
-    /// Time since the scene began, nanoseconds.
-    pub fn time_ns(&self) -> u64 {
-        self.n_steps * STEP_NS
     }
 
     /// What has happened that a person should know, one sentence each; given once.

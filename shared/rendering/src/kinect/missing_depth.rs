@@ -2,7 +2,6 @@
 
 use super::sensor_model::check;
 use crate::Error;
-use crate::image::Reflection;
 
 /// Depths that are measured at all.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -100,19 +99,7 @@ impl WeakSignal {
         check("weak_signal.mirror", self.mirror, 0.0, 4.0)
     }
 
-    /// Chance that a surface gives no depth, 0 to 1.
-    #[inline]
-    pub fn missing_probability(&self, z_m: f32, reflection: &Reflection) -> f32 {
-        let byte = |value: u8| f32::from(value) * (1.0 / 255.0);
-        self.missing_share(
-            z_m,
-            byte(reflection.cos_incidence),
-            byte(reflection.infrared),
-            byte(reflection.specular),
-        )
-    }
-
-    /// The same from shares between 0 and 1.
+    /// Chance that a surface gives no depth, 0 to 1, from shares between 0 and 1.
     #[inline]
     pub(super) fn missing_share(
         &self,
