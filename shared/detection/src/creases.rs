@@ -27,20 +27,30 @@ const STEP_M: f32 = 0.012;
 /// leave no gap.
 const SPREAD_PX: usize = 2;
 
-/// A cluster with fewer pixels of creases has none that parts it.
-const CREASE_PIXELS_MIN: usize = 60;
+/// A cluster with fewer pixels of creases has none that parts it: the handle of a
+/// cup meets it in creases, too.
+const CREASE_PIXELS_MIN: usize = 150;
 
 /// Buffers, and the creases found last.
 #[derive(Debug, Default)]
 pub(crate) struct Creases {
     /// Per pixel: whether a crease runs through it.
     pub(crate) is_crease: Vec<bool>,
+    /// Per pixel: the stronger bend of its row's and its column's surface, metres
+    /// a metre, concave positive; NaN where none could be measured.
+    pub(crate) bend: Vec<f32>,
     /// Per cluster: whether it has creases that may part it.
     pub(crate) may_part: Vec<bool>,
     line: Vec<LinePixel>,
     turned: Vec<LinePixel>,
     next_in_column: Vec<u32>,
     sums: Vec<[f64; 2]>,
+}
+
+/// What is written, pixel by pixel.
+struct Marks<'a> {
+    is_crease: &'a mut [bool],
+    bend: &'a mut [f32],
 }
 
 /// A pixel of a cluster, while the image is read line by line.
@@ -51,23 +61,16 @@ struct LinePixel {
 }
 
 impl Creases {
-    /// Marks the creases of the clusters that may be piles, seen along rows and
-    /// along columns. Returns whether any cluster has some that may part it.
-    pub(crate) fn find(
-        &mut self,
-        cloud: &OrganizedCloud<'_>,
-        clusters: &Clusters,
-        may_be_pile: &[bool],
-    ) -> bool {
+    /// Marks the creases of the clusters, seen along rows and along columns.
+    /// Returns whether any cluster has some that may part it.
+    pub(crate) fn find(&mut self, cloud: &OrganizedCloud<'_>, clusters: &Clusters) -> bool {
         let width = cloud.width();
         self.is_crease.clear();
         self.is_crease.resize(cloud.points().len(), false);
+        self.bend.clear();
+        self.bend.resize(cloud.points().len(), f32::NAN);
         self.may_part.clear();
-        for (cluster, &may_be_pile) in may_be_pile.iter().enumerate() {
-            if !may_be_pile {
-                self.may_part.push(false);
-                continue;
-            }
+        for cluster in 0..clusters.len() {
             let pixels = clusters.pixels(cluster);
             self.line.clear();
             self.line.extend(pixels.iter().map(|&index| LinePixel {
@@ -116,17 +119,19 @@ impl Creases {
     fn find_in_lines(&mut self, width: usize, line_of: impl Fn(u32) -> usize) {
         let Self {
             is_crease,
+            bend,
             line,
             sums,
             ..
         } = self;
+        let mut marks = Marks { is_crease, bend };
         let one_surface = |a: &LinePixel, b: &LinePixel| {
             line_of(a.index) == line_of(b.index) && (a.z - b.z).abs() <= STEP_M * a.z * a.z
         };
         let pixel_rad = IMAGE_WIDTH_RAD / width as f32;
         for surface in line.chunk_by(one_surface) {
             if surface.len() > 2 * ARM_PX[0] {
-                find_in_surface(surface, pixel_rad, sums, is_crease);
+                find_in_surface(surface, pixel_rad, sums, &mut marks);
             }
         }
     }
@@ -139,7 +144,7 @@ fn find_in_surface(
     surface: &[LinePixel],
     pixel_rad: f32,
     sums: &mut Vec<[f64; 2]>,
-    is_crease: &mut [bool],
+    marks: &mut Marks<'_>,
 ) {
     let mut sum = [0.0; 2];
     sums.clear();
@@ -155,12 +160,14 @@ fn find_in_surface(
         let reach = i.min(surface.len() - 1 - i);
         let arm = arm_wanted.min(reach);
         if arm >= ARM_PX[0] {
-            let bend = bend_of(sums, i, arm);
-            if bend * pixel.z / pixel_rad >= SLOPE_MIN {
+            let bend = bend_of(sums, i, arm) * pixel.z / pixel_rad;
+            let stronger = &mut marks.bend[pixel.index as usize];
+            *stronger = stronger.max(bend);
+            if bend >= SLOPE_MIN {
                 let wide = i.saturating_sub(SPREAD_PX)..surface.len().min(i + SPREAD_PX + 1);
-                surface[wide]
-                    .iter()
-                    .for_each(|near| is_crease[near.index as usize] = true);
+                for near in &surface[wide] {
+                    marks.is_crease[near.index as usize] = true;
+                }
             }
         }
     }
@@ -195,8 +202,10 @@ fn bend_of(sums: &[[f64; 2]], i: usize, arm: usize) -> f32 {
 impl Creases {
     /// Creases as given, for tests of what follows from them.
     pub(crate) fn from_marks(is_crease: Vec<bool>, may_part: Vec<bool>) -> Self {
+        let bend = is_crease.iter().map(|&is| f32::from(is)).collect();
         Self {
             is_crease,
+            bend,
             may_part,
             ..Self::default()
         }
@@ -230,7 +239,7 @@ mod tests {
         let mut clusters = Clusters::default();
         clusters.join(&cloud, &pixels, 1);
         let mut creases = Creases::default();
-        creases.find(&cloud, &clusters, &vec![true; clusters.len()]);
+        creases.find(&cloud, &clusters);
         creases.is_crease
     }
 

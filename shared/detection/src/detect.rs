@@ -4,10 +4,11 @@ use crate::axis::Axis;
 use crate::candidate::{Body, Candidate, Summary, Support, UprightBox};
 use crate::clusters::Clusters;
 use crate::creases::Creases;
-use crate::piles::find_piles;
-use crate::prism::{Prism, SeenRectangle};
+use crate::islands::Islands;
+use crate::prism::{OverTable, Prism, SeenRectangle, lowest_m};
 use crate::random::Random;
 use crate::samples::Samples;
+use crate::sensor_noise::depth_sigma_m;
 use crate::support::find_supports;
 use crate::table_plane::{Table, TableBuffers, find_table};
 use crate::table_slabs::TableSlabs;
@@ -22,7 +23,13 @@ const N_POINTS_MAX: usize = 1 << 26;
 const BORDER_PX: usize = 3;
 
 /// A part of a cluster between creases has at least this many pixels.
-const PART_PIXELS_MIN: u32 = 250;
+const PART_PIXELS_MIN: u32 = 150;
+
+/// Points of the foot of an object lie this high over the table, metres, or so
+/// many sigma of the depth noise where that is more.
+const FOOT_HEIGHT_MIN_M: f32 = 0.0035;
+const FOOT_SIGMAS: f32 = 1.3;
+const FOOT_HEIGHT_MAX_M: f32 = 0.02;
 
 /// What is searched.
 #[derive(Debug, Clone, Copy)]
@@ -64,7 +71,7 @@ pub struct Workspace {
     clusters: Clusters,
     whole: Clusters,
     creases: Creases,
-    may_be_pile: Vec<bool>,
+    islands: Islands,
     bodies: Vec<Body>,
 }
 
@@ -94,16 +101,21 @@ pub fn detect(
         slabs,
         over_table,
         clusters,
+        islands,
         ..
     } = workspace;
     samples.refill(&frame.cloud, config);
     let mut random = Random::from_seed(frame.seed);
     let found = find_table(samples, frame.up_in_camera, config, &mut random, buffers);
     let Some(table) = found else { return Ok(()) };
-    let seen = Prism::over(&table, config, slabs).list(&frame.cloud, over_table);
+    let height = Axis::of_transform(&table.table_from_camera)[2];
+    let lowest = |z: f32| lowest_m(z, config.height_min_m as f32);
+    islands.find(samples, &height, lowest);
+    let seen = Prism::over(&table, config, islands, slabs).list(&frame.cloud, over_table);
     let n_min = config.points_min_at_1m / (config.range_max_m * config.range_max_m);
     clusters.join(&frame.cloud, over_table, n_min as u32);
-    split_piles(&frame.cloud, &table, config, workspace);
+    split_piles(&frame.cloud, workspace);
+    grow_feet(&frame.cloud, &table, &mut workspace.clusters);
     find_bodies(&frame.cloud, &table, config, workspace);
     write(&table, seen, workspace, detection);
     detection.table = Some(table);
@@ -111,25 +123,28 @@ pub fn detect(
 }
 
 /// Parts the clusters that are several objects along their creases.
-fn split_piles(
-    cloud: &OrganizedCloud<'_>,
-    table: &Table,
-    config: &RawConfig,
-    workspace: &mut Workspace,
-) {
+fn split_piles(cloud: &OrganizedCloud<'_>, workspace: &mut Workspace) {
     let Workspace {
         whole,
         clusters,
         creases,
-        may_be_pile,
         ..
     } = workspace;
-    let table_axes = Axis::of_transform(&table.table_from_camera);
-    find_piles(cloud, clusters, &table_axes, config, may_be_pile);
-    if creases.find(cloud, clusters, may_be_pile) {
+    if creases.find(cloud, clusters) {
         std::mem::swap(whole, clusters);
         clusters.split(cloud, whole, creases, PART_PIXELS_MIN);
     }
+}
+
+/// Lets the clusters grow down to the table.
+fn grow_feet(cloud: &OrganizedCloud<'_>, table: &Table, clusters: &mut Clusters) {
+    let height = Axis::of_transform(&table.table_from_camera)[2];
+    let is_foot = |pixel: usize| {
+        let point = &cloud.points()[pixel];
+        let lowest_m = FOOT_HEIGHT_MIN_M.max(FOOT_SIGMAS * depth_sigma_m(point.z));
+        (lowest_m..=FOOT_HEIGHT_MAX_M).contains(&height.at(point.x, point.y, point.z))
+    };
+    clusters.grow_feet(cloud.width() as isize, is_foot);
 }
 
 fn check_grid(cloud: &OrganizedCloud<'_>) -> Result<(), Error> {
@@ -152,12 +167,17 @@ fn find_bodies(
     workspace: &mut Workspace,
 ) {
     let Workspace {
-        clusters, bodies, ..
+        clusters,
+        bodies,
+        slabs,
+        ..
     } = workspace;
     let table_axes = Axis::of_transform(&table.table_from_camera);
+    let over_table = OverTable::new(table, slabs);
     bodies.clear();
     bodies.extend(
         (0..clusters.len() as u32)
+            .filter(|&cluster| over_table.holds(clusters.pixels(cluster as usize), cloud))
             .filter_map(|cluster| body_of(cluster, clusters, cloud, &table_axes, config)),
     );
     find_supports(cloud, clusters, &table.plane.normal, bodies);

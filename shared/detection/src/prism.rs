@@ -2,6 +2,7 @@
 
 use crate::RawConfig;
 use crate::axis::Axis;
+use crate::islands::Islands;
 use crate::samples::is_in_range;
 use crate::sensor_noise::depth_sigma_m;
 use crate::table_plane::Table;
@@ -12,9 +13,16 @@ use point_cloud::{OrganizedCloud, Point};
 /// noise.
 const NOISE_SIGMAS: f32 = 3.0;
 
-/// How far outside the polygon a point may lie, metres: the seen table ends
-/// half a sample before its rim.
+/// How far outside the polygon a point may lie, metres: objects stand at the rim
+/// of what is seen of the table, hide it, and reach out over it.
+const OVERHANG_M: f64 = 0.10;
+
+/// What lies within the polygon, grown by this, is over the table, metres: the
+/// seen table ends half a sample before its rim.
 const POLYGON_MARGIN_M: f64 = 0.01;
+
+/// An object has this share of its points over the table.
+const OVER_TABLE_SHARE_MIN: f64 = 0.25;
 
 /// The part of the image in which the sensor measures at all: registered depth
 /// leaves empty margins, which are the real border of the image.
@@ -60,12 +68,26 @@ pub(crate) struct Prism<'a> {
     u: Axis,
     v: Axis,
     slabs: &'a TableSlabs,
+    islands: &'a Islands,
+}
+
+/// How high a point must lie to be over the table, metres; `height_min_m` where
+/// the noise of depth is less.
+#[inline]
+pub(crate) fn lowest_m(z: f32, height_min_m: f32) -> f32 {
+    height_min_m.max(NOISE_SIGMAS * depth_sigma_m(z))
 }
 
 impl<'a> Prism<'a> {
-    /// The prism over a table; `slabs` are overwritten.
-    pub(crate) fn over(table: &Table, config: &RawConfig, slabs: &'a mut TableSlabs) -> Self {
-        slabs.refill(&table.polygon, POLYGON_MARGIN_M);
+    /// The prism over a table, with what lies lower on its islands; `slabs` are
+    /// overwritten.
+    pub(crate) fn over(
+        table: &Table,
+        config: &RawConfig,
+        islands: &'a Islands,
+        slabs: &'a mut TableSlabs,
+    ) -> Self {
+        slabs.refill(&table.polygon, OVERHANG_M);
         let [u, v, height] = Axis::of_transform(&table.table_from_camera);
         Self {
             z_range: [config.range_min_m as f32, config.range_max_m as f32],
@@ -74,6 +96,7 @@ impl<'a> Prism<'a> {
             u,
             v,
             slabs,
+            islands,
         }
     }
 
@@ -84,12 +107,20 @@ impl<'a> Prism<'a> {
             return false;
         }
         let height = self.height.at(point.x, point.y, point.z);
-        let lowest = self.height_range[0].max(NOISE_SIGMAS * depth_sigma_m(point.z));
-        (lowest..=self.height_range[1]).contains(&height)
+        (lowest_m(point.z, self.height_range[0])..=self.height_range[1]).contains(&height)
             && self.slabs.contains(
                 self.u.at(point.x, point.y, point.z),
                 self.v.at(point.x, point.y, point.z),
             )
+    }
+
+    /// Whether a point of an image lies on an island.
+    #[inline]
+    fn is_on_island(&self, column: usize, row: usize, point: &Point) -> bool {
+        is_in_range(point, self.z_range[0], self.z_range[1])
+            && self
+                .islands
+                .hold(column, row, self.height.at(point.x, point.y, point.z))
     }
 
     /// Lists the pixels in the prism, in image order; returns the part of the
@@ -105,11 +136,39 @@ impl<'a> Prism<'a> {
                 seen.add(last, row);
             }
             let start = (row * cloud.width()) as u32;
-            let inside = (start..)
-                .zip(points)
-                .filter(|(_, point)| self.contains(point));
-            pixels.extend(inside.map(|(pixel, _)| pixel));
+            let inside = (0..).zip(points).filter(|&(column, point)| {
+                self.contains(point)
+                    || self.islands.any() && self.is_on_island(column as usize, row, point)
+            });
+            pixels.extend(inside.map(|(column, _)| start + column));
         }
         seen
+    }
+}
+
+/// Tells which clusters lie over the table and not mostly beside it.
+pub(crate) struct OverTable<'a> {
+    u: Axis,
+    v: Axis,
+    slabs: &'a TableSlabs,
+}
+
+impl<'a> OverTable<'a> {
+    /// The test for a table; `slabs` are overwritten.
+    pub(crate) fn new(table: &Table, slabs: &'a mut TableSlabs) -> Self {
+        slabs.refill(&table.polygon, POLYGON_MARGIN_M);
+        let [u, v, _] = Axis::of_transform(&table.table_from_camera);
+        Self { u, v, slabs }
+    }
+
+    /// Whether enough of a cluster's points lie over the table.
+    pub(crate) fn holds(&self, pixels: &[u32], cloud: &OrganizedCloud<'_>) -> bool {
+        let is_inside = |&&pixel: &&u32| {
+            let p = &cloud.points()[pixel as usize];
+            self.slabs
+                .contains(self.u.at(p.x, p.y, p.z), self.v.at(p.x, p.y, p.z))
+        };
+        let n_needed = (OVER_TABLE_SHARE_MIN * pixels.len() as f64).ceil() as usize;
+        pixels.iter().filter(is_inside).take(n_needed).count() >= n_needed
     }
 }

@@ -20,6 +20,7 @@ const NO_BAND: f32 = -1.0;
 /// image; a sample out of range has a negative band.
 #[derive(Debug, Default)]
 pub(crate) struct Samples {
+    stride: usize,
     width: usize,
     height: usize,
     x: Vec<f32>,
@@ -41,6 +42,7 @@ impl Samples {
     pub(crate) fn refill(&mut self, cloud: &OrganizedCloud<'_>, config: &RawConfig) {
         let stride = stride_for(cloud);
         self.clear();
+        self.stride = stride;
         self.width = (cloud.width() - stride / 2).div_ceil(stride);
         for row in (stride / 2..cloud.height()).step_by(stride) {
             self.height += 1;
@@ -73,6 +75,16 @@ impl Samples {
         } else {
             NO_BAND
         });
+    }
+
+    /// Depth of a sample, metres; 0 for one out of range.
+    pub(crate) fn depth(&self, sample: usize) -> f32 {
+        self.z[sample]
+    }
+
+    /// Pixels from one sample to the next.
+    pub(crate) fn stride(&self) -> usize {
+        self.stride
     }
 
     /// Columns of the thinned image.
