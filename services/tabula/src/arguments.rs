@@ -64,6 +64,12 @@ pub(crate) enum Verb {
         #[command(subcommand)]
         verb: SimulateVerb,
     },
+    /// Measure how good and how fast the kernels are; needs no daemon
+    Evaluate {
+        /// What to measure
+        #[command(subcommand)]
+        verb: EvaluateVerb,
+    },
     /// Show how the daemon's processes are
     Status,
     /// Check this machine and explain what is wrong
@@ -136,6 +142,32 @@ pub(crate) struct ViewsArguments {
     /// Folder for the views
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
+}
+
+/// What is measured.
+#[derive(Debug, Subcommand)]
+pub(crate) enum EvaluateVerb {
+    /// Compare what detection finds with labelled scenes, and time it on one thread
+    Detection(DetectionArguments),
+}
+
+/// Which scenes, and where the results go.
+#[derive(Debug, Args)]
+pub(crate) struct DetectionArguments {
+    /// Folder of labelled PCD scenes or of a simulated sequence, or a folder of such folders
+    pub(crate) dataset: PathBuf,
+    /// Folder for the figures, the page and the pictures
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// Folder for result and truth as raw images of labels
+    #[arg(long, value_name = "DIR")]
+    pub(crate) labels: Option<PathBuf>,
+    /// Seed of detection; the same seed gives the same result
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// How often detection is timed on each scene
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub(crate) repeats: u32,
 }
 
 impl SceneArguments {

@@ -5,6 +5,7 @@ mod arm;
 mod child;
 mod daemon;
 mod doctor;
+mod evaluate;
 mod learn;
 mod objects;
 mod output;
@@ -45,6 +46,7 @@ fn execute(arguments: &Arguments, output: &Output) -> Result<ExitCode, Failure> 
         }
         Verb::Categories => learn::categories(&arguments.common, output),
         Verb::Simulate { verb } => simulate::run(verb, output),
+        Verb::Evaluate { verb } => evaluate::run(verb, output),
         Verb::Arm { verb } => arm::run(&arguments.common, verb, output),
     }
 }

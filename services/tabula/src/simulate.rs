@@ -1,6 +1,6 @@
 //! `tabula simulate`: recordings and views of the simulated table, as files.
 
-mod progress;
+pub(crate) mod progress;
 mod record_scene;
 mod record_views;
 mod sensor_plot;

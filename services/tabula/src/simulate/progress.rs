@@ -4,7 +4,7 @@ use crate::output::Output;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// A bar on standard error for people at a terminal; nothing for scripts.
-pub(super) fn bar(n_steps: u64, what: &'static str, output: &Output) -> ProgressBar {
+pub(crate) fn bar(n_steps: u64, what: &'static str, output: &Output) -> ProgressBar {
     let target = if output.is_json() {
         ProgressDrawTarget::hidden()
     } else {

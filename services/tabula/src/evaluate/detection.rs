@@ -1,0 +1,219 @@
+//! `tabula evaluate detection`: detection against labelled scenes.
+
+use super::document::Document;
+use super::stopwatch::durations_ms;
+use super::whole_file::{make_folder, write};
+use super::{failed, report};
+use crate::arguments::DetectionArguments;
+use crate::output::Output;
+use crate::simulate::progress;
+use detection::{Config, Detection, Frame, Workspace, detect};
+use evaluation::durations::sum_of_words;
+use evaluation::hypothesis_image::HypothesisImages;
+use evaluation::labelled_scenes::{LabelledScene, LabelledScenes, SceneEntry};
+use evaluation::scene_picture;
+use evaluation::segmentation_score::{Overlaps, SegmentationScore, score};
+use point_cloud::OrganizedCloud;
+use serde::Serialize;
+use service::{Failure, exit_code};
+use std::convert::Infallible;
+use std::hint::black_box;
+use std::process::ExitCode;
+
+/// Folder of the pictures, within that of the results.
+const PICTURES: &str = "scenes";
+
+/// What came out of one scene.
+pub(super) struct SceneResult {
+    pub(super) name: String,
+    pub(super) group: String,
+    pub(super) is_odd: bool,
+    pub(super) has_up: bool,
+    pub(super) n_points: usize,
+    pub(super) before_psi: SegmentationScore,
+    pub(super) after_psi: SegmentationScore,
+    /// Of each repeat, milliseconds.
+    pub(super) detection_ms: Vec<f64>,
+    /// Of reading the cloud's bytes once, milliseconds.
+    pub(super) pass_ms: Vec<f64>,
+    /// Relative to the folder of the results.
+    pub(super) picture: String,
+}
+
+/// A scene that was left out.
+#[derive(Debug, Serialize)]
+pub(super) struct Skipped {
+    pub(super) name: String,
+    pub(super) reason: String,
+}
+
+/// Why a scene has no result.
+enum Reason {
+    /// The scene is the cause; the others go on.
+    Scene(String),
+    /// The whole run has failed.
+    Run(Failure),
+}
+
+impl From<Failure> for Reason {
+    fn from(failure: Failure) -> Self {
+        Self::Run(failure)
+    }
+}
+
+/// Any other error is the scene's.
+fn of_scene(error: impl std::fmt::Display) -> Reason {
+    Reason::Scene(error.to_string())
+}
+
+/// Scores, times and draws all scenes, worst first in the report.
+pub(super) fn run(arguments: &DetectionArguments, output: &Output) -> Result<ExitCode, Failure> {
+    let scenes = LabelledScenes::open(&arguments.dataset)
+        .map_err(|error| Failure::new(exit_code::USAGE, error))?;
+    make_folder(&arguments.out.join(PICTURES))?;
+    if let Some(labels) = &arguments.labels {
+        make_folder(labels)?;
+    }
+    let folders = scenes.unusable().iter().map(|(name, error)| Skipped {
+        name: name.clone(),
+        reason: error.to_string(),
+    });
+    let mut skipped: Vec<Skipped> = folders.collect();
+    let mut results = Vec::new();
+    let mut bench = Bench::new(arguments);
+    let bar = progress::bar(scenes.entries().len() as u64, "scenes", output);
+    for entry in scenes.entries() {
+        match bench.evaluate(&scenes, entry) {
+            Ok(result) => results.push(result),
+            Err(Reason::Run(failure)) => return Err(failure),
+            Err(Reason::Scene(reason)) => skipped.push(Skipped {
+                name: entry.name.clone(),
+                reason,
+            }),
+        }
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    // The sort is stable: equally bad scenes stay in natural order.
+    results.sort_by(|a, b| a.before_psi.wov.total_cmp(&b.before_psi.wov));
+    let Some(document) = Document::of(&results, &skipped, arguments) else {
+        return Err(nothing_scored(arguments, &skipped));
+    };
+    let json = serde_json::to_string_pretty(&document).map_err(failed)?;
+    let page = report::page(&document, &results);
+    write(&arguments.out.join("index.html"), page.as_bytes())?;
+    write(&arguments.out.join("detection.json"), json.as_bytes())?;
+    output.answer(&document, || report::text(&document, arguments));
+    Ok(ExitCode::SUCCESS)
+}
+
+fn nothing_scored(arguments: &DetectionArguments, skipped: &[Skipped]) -> Failure {
+    let first = skipped.first();
+    let first = first.map_or(String::new(), |Skipped { name, reason }| {
+        format!("; the first, {name}: {reason}")
+    });
+    failed(format!(
+        "none of the scenes of {} could be scored{first}",
+        arguments.dataset.display()
+    ))
+}
+
+/// What is kept from scene to scene.
+struct Bench<'a> {
+    arguments: &'a DetectionArguments,
+    config: Config,
+    workspace: Workspace,
+    detection: Detection,
+}
+
+impl<'a> Bench<'a> {
+    fn new(arguments: &'a DetectionArguments) -> Self {
+        Self {
+            arguments,
+            config: Config::default(),
+            workspace: Workspace::default(),
+            detection: Detection::default(),
+        }
+    }
+
+    /// Detects, writes what is asked for, scores and times.
+    fn evaluate(
+        &mut self,
+        scenes: &LabelledScenes,
+        entry: &SceneEntry,
+    ) -> Result<SceneResult, Reason> {
+        let scene = scenes.read(entry).map_err(of_scene)?;
+        let cloud = OrganizedCloud::new(&scene.points, scene.width, scene.height);
+        let frame = Frame {
+            cloud: cloud.map_err(of_scene)?,
+            up_in_camera: scene.up_in_camera,
+            seed: self.arguments.seed,
+        };
+        self.detect(&frame).map_err(of_scene)?;
+        let found = HypothesisImages::of(&self.detection, scene.points.len())
+            .ok_or_else(|| of_scene("detection finds more objects than 16 bits can number"))?;
+        self.write_labels(&entry.name, &found, &scene)?;
+        let overlaps = Overlaps::count(&found.before_psi, &scene.labels);
+        let after_psi = Overlaps::count(&found.after_psi, &scene.labels);
+        let scores = score(&overlaps).zip(score(&after_psi));
+        let (before_psi, after_psi) = scores.ok_or_else(|| {
+            of_scene("no object is labelled; objects have labels from 10 on, or a number in a mask")
+        })?;
+        let picture = format!("{PICTURES}/{}.png", entry.name);
+        let image = scene_picture::draw(&scene, self.detection.table.as_ref(), &found, &overlaps);
+        write(&self.arguments.out.join(&picture), &image.map_err(failed)?)?;
+        let repeats = self.arguments.repeats;
+        let detection_ms = durations_ms(repeats, || self.detect(&frame)).map_err(of_scene)?;
+        let Ok(pass_ms) = durations_ms(repeats, || {
+            black_box(sum_of_words(black_box(&scene.points)));
+            Ok::<(), Infallible>(())
+        });
+        Ok(SceneResult {
+            name: entry.name.clone(),
+            group: entry.group.clone(),
+            is_odd: entry.is_odd,
+            has_up: scene.up_in_camera.is_some(),
+            n_points: scene.points.len(),
+            before_psi,
+            after_psi,
+            detection_ms,
+            pass_ms,
+            picture,
+        })
+    }
+
+    fn detect(&mut self, frame: &Frame<'_>) -> Result<(), detection::Error> {
+        detect(
+            black_box(frame),
+            &self.config,
+            &mut self.workspace,
+            &mut self.detection,
+        )?;
+        black_box(&self.detection);
+        Ok(())
+    }
+
+    /// Writes result and truth as numbers of 16 bits, low byte first.
+    fn write_labels(
+        &self,
+        name: &str,
+        found: &HypothesisImages,
+        scene: &LabelledScene,
+    ) -> Result<(), Failure> {
+        let Some(folder) = &self.arguments.labels else {
+            return Ok(());
+        };
+        let images = [("pred", &found.before_psi), ("gt", &scene.labels)];
+        for (extension, values) in images {
+            let bytes: Vec<u8> = values
+                .iter()
+                .flat_map(|value| value.to_le_bytes())
+                .collect();
+            write(&folder.join(format!("{name}.{extension}")), &bytes)?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests;
