@@ -5,13 +5,14 @@ use crate::candidate::{Body, Candidate, Summary, Support, UprightBox};
 use crate::clusters::Clusters;
 use crate::creases::Creases;
 use crate::islands::Islands;
+use crate::outline::{Lattice, Outline};
 use crate::prism::{OverTable, Prism, SeenRectangle, lowest_m};
 use crate::random::Random;
 use crate::samples::Samples;
 use crate::sensor_noise::depth_sigma_m;
 use crate::support::find_supports;
 use crate::table_plane::{Table, TableBuffers, find_table};
-use crate::table_slabs::TableSlabs;
+use crate::table_surface::TableSurface;
 use crate::{Config, Error, RawConfig};
 use nalgebra::{Unit, Vector3};
 use point_cloud::OrganizedCloud;
@@ -66,7 +67,9 @@ impl Detection {
 pub struct Workspace {
     samples: Samples,
     table: TableBuffers,
-    slabs: TableSlabs,
+    surface: TableSurface,
+    hull: Outline,
+    lattice: Lattice,
     over_table: Vec<u32>,
     clusters: Clusters,
     whole: Clusters,
@@ -90,7 +93,7 @@ pub fn detect(
     workspace: &mut Workspace,
     detection: &mut Detection,
 ) -> Result<(), Error> {
-    detection.table = None;
+    workspace.table.recycle(detection.table.take());
     detection.candidates.clear();
     detection.point_indices.clear();
     check_grid(&frame.cloud)?;
@@ -98,7 +101,7 @@ pub fn detect(
     let Workspace {
         samples,
         table: buffers,
-        slabs,
+        surface,
         over_table,
         clusters,
         islands,
@@ -107,11 +110,20 @@ pub fn detect(
     samples.refill(&frame.cloud, config);
     let mut random = Random::from_seed(frame.seed);
     let found = find_table(samples, frame.up_in_camera, config, &mut random, buffers);
-    let Some(table) = found else { return Ok(()) };
+    let Some(mut table) = found else {
+        return Ok(());
+    };
+    surface.refill(&table, samples);
+    if surface.has_holes() {
+        std::mem::swap(&mut table.outline, &mut workspace.hull);
+        table
+            .outline
+            .trace(surface, &workspace.hull, &mut workspace.lattice);
+    }
     let height = Axis::of_transform(&table.table_from_camera)[2];
     let lowest = |z: f32| lowest_m(z, config.height_min_m as f32);
     islands.find(samples, &height, lowest);
-    let seen = Prism::over(&table, config, islands, slabs).list(&frame.cloud, over_table);
+    let seen = Prism::over(&table, config, islands, surface).list(&frame.cloud, over_table);
     let n_min = config.points_min_at_1m / (config.range_max_m * config.range_max_m);
     clusters.join(&frame.cloud, over_table, n_min as u32);
     split_piles(&frame.cloud, workspace);
@@ -169,11 +181,11 @@ fn find_bodies(
     let Workspace {
         clusters,
         bodies,
-        slabs,
+        surface,
         ..
     } = workspace;
     let table_axes = Axis::of_transform(&table.table_from_camera);
-    let over_table = OverTable::new(table, slabs);
+    let over_table = OverTable::new(table, surface);
     bodies.clear();
     bodies.extend(
         (0..clusters.len() as u32)

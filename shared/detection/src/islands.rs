@@ -23,6 +23,9 @@ const RIM_SHARE_MIN: f32 = 0.7;
 /// How high over the table an island's points lie, metres.
 const HEIGHT_M: std::ops::RangeInclusive<f32> = -0.006..=0.02;
 
+/// Rows when there are no islands.
+const NO_ROWS: [usize; 2] = [1, 0];
+
 /// The islands found last, and buffers.
 #[derive(Debug, Default)]
 pub(crate) struct Islands {
@@ -32,7 +35,8 @@ pub(crate) struct Islands {
     /// Pixels between samples, columns of samples.
     stride: usize,
     width: usize,
-    any: bool,
+    /// First and last row of samples with an island; empty without any.
+    rows: [usize; 2],
 }
 
 /// A connected part of the samples level with the table.
@@ -90,7 +94,17 @@ impl Islands {
                 self.parts.push(part);
             }
         }
-        self.any = self.parts.iter().any(Part::is_island);
+        let is_on_island = |part: &u16| self.parts[usize::from(*part)].is_island();
+        let row = |at: Option<usize>| at.map_or(usize::MAX, |at| at / self.width);
+        self.rows = if self.parts.iter().any(Part::is_island) {
+            let parts = self.part_of.iter();
+            [
+                row(parts.clone().position(is_on_island)),
+                row(parts.clone().rposition(is_on_island)),
+            ]
+        } else {
+            NO_ROWS
+        };
     }
 
     /// Marks the level samples connected with `start`.
@@ -132,9 +146,9 @@ impl Islands {
         part
     }
 
-    /// Whether there are any.
-    pub(crate) fn any(&self) -> bool {
-        self.any
+    /// Whether a row of the image may have some.
+    pub(crate) fn reach_row(&self, row: usize) -> bool {
+        (self.rows[0]..=self.rows[1]).contains(&(row / self.stride))
     }
 
     /// Whether a pixel whose point lies at a height lies on an island.
@@ -189,18 +203,18 @@ mod tests {
     #[test]
     fn the_floor_of_a_pot_is_an_island_and_the_table_around_is_none() {
         let islands = islands(0.05, 0.005);
-        assert!(islands.any());
+        assert!(islands.reach_row(60) && !islands.reach_row(20));
         assert!(islands.hold(80, 60, 0.005) && !islands.hold(20, 20, 0.005));
         assert!(!islands.hold(80, 60, 0.05), "too high for an island");
     }
 
     #[test]
     fn the_table_seen_through_a_ring_is_none() {
-        assert!(!islands(0.05, 0.0).any());
+        assert!((0..120).all(|row| !islands(0.05, 0.0).reach_row(row)));
     }
 
     #[test]
     fn what_nothing_surrounds_is_none() {
-        assert!(!islands(0.0, 0.005).any());
+        assert!((0..120).all(|row| !islands(0.0, 0.005).reach_row(row)));
     }
 }

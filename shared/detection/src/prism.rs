@@ -3,23 +3,18 @@
 use crate::RawConfig;
 use crate::axis::Axis;
 use crate::islands::Islands;
-use crate::samples::is_in_range;
+use crate::samples::{is_in_range, side_max_m};
 use crate::sensor_noise::depth_sigma_m;
 use crate::table_plane::Table;
-use crate::table_slabs::TableSlabs;
+use crate::table_surface::TableSurface;
 use point_cloud::{OrganizedCloud, Point};
 
 /// What lies over the table must be higher than this many sigma of the height
 /// noise.
 const NOISE_SIGMAS: f32 = 3.0;
 
-/// How far outside the polygon a point may lie, metres: objects stand at the rim
-/// of what is seen of the table, hide it, and reach out over it.
-const OVERHANG_M: f64 = 0.10;
-
-/// What lies within the polygon, grown by this, is over the table, metres: the
-/// seen table ends half a sample before its rim.
-const POLYGON_MARGIN_M: f64 = 0.01;
+/// Points that are looked at together.
+const BLOCK: usize = 16;
 
 /// An object has this share of its points over the table.
 const OVER_TABLE_SHARE_MIN: f64 = 0.25;
@@ -67,7 +62,7 @@ pub(crate) struct Prism<'a> {
     height: Axis,
     u: Axis,
     v: Axis,
-    slabs: &'a TableSlabs,
+    surface: &'a TableSurface,
     islands: &'a Islands,
 }
 
@@ -79,15 +74,13 @@ pub(crate) fn lowest_m(z: f32, height_min_m: f32) -> f32 {
 }
 
 impl<'a> Prism<'a> {
-    /// The prism over a table, with what lies lower on its islands; `slabs` are
-    /// overwritten.
+    /// The prism over a table, with what lies lower on its islands.
     pub(crate) fn over(
         table: &Table,
         config: &RawConfig,
         islands: &'a Islands,
-        slabs: &'a mut TableSlabs,
+        surface: &'a TableSurface,
     ) -> Self {
-        slabs.refill(&table.polygon, OVERHANG_M);
         let [u, v, height] = Axis::of_transform(&table.table_from_camera);
         Self {
             z_range: [config.range_min_m as f32, config.range_max_m as f32],
@@ -95,23 +88,47 @@ impl<'a> Prism<'a> {
             height,
             u,
             v,
-            slabs,
+            surface,
             islands,
         }
     }
 
-    /// Whether a point lies in the prism.
+    /// Whether a point lies as high as the prism. Without a branch: the answer
+    /// changes too often from pixel to pixel to be foreseen.
     #[inline]
-    fn contains(&self, point: &Point) -> bool {
-        if !is_in_range(point, self.z_range[0], self.z_range[1]) {
-            return false;
-        }
+    fn is_high(&self, point: &Point) -> bool {
         let height = self.height.at(point.x, point.y, point.z);
-        (lowest_m(point.z, self.height_range[0])..=self.height_range[1]).contains(&height)
-            && self.slabs.contains(
-                self.u.at(point.x, point.y, point.z),
-                self.v.at(point.x, point.y, point.z),
-            )
+        is_in_range(point, self.z_range[0], self.z_range[1])
+            & (height >= lowest_m(point.z, self.height_range[0]))
+            & (height <= self.height_range[1])
+    }
+
+    /// [`is_high`](Self::is_high) of each point of a block, coordinate by
+    /// coordinate, which the compiler turns into vector instructions.
+    #[inline]
+    fn are_high(&self, block: &[Point; BLOCK]) -> [bool; BLOCK] {
+        let x: [f32; BLOCK] = std::array::from_fn(|i| block[i].x);
+        let y: [f32; BLOCK] = std::array::from_fn(|i| block[i].y);
+        let z: [f32; BLOCK] = std::array::from_fn(|i| block[i].z);
+        let height: [f32; BLOCK] = std::array::from_fn(|i| self.height.at(x[i], y[i], z[i]));
+        let side_max = side_max_m(self.z_range[1]);
+        std::array::from_fn(|i| {
+            (z[i] >= self.z_range[0])
+                & (z[i] <= self.z_range[1])
+                & (x[i].abs() <= side_max)
+                & (y[i].abs() <= side_max)
+                & (height[i] >= lowest_m(z[i], self.height_range[0]))
+                & (height[i] <= self.height_range[1])
+        })
+    }
+
+    /// Whether a point lies over the table or near its rim, at any height.
+    #[inline]
+    fn is_over(&self, point: &Point) -> bool {
+        self.surface.is_near(
+            self.u.at(point.x, point.y, point.z),
+            self.v.at(point.x, point.y, point.z),
+        )
     }
 
     /// Whether a point of an image lies on an island.
@@ -136,13 +153,46 @@ impl<'a> Prism<'a> {
                 seen.add(last, row);
             }
             let start = (row * cloud.width()) as u32;
-            let inside = (0..).zip(points).filter(|&(column, point)| {
-                self.contains(point)
-                    || self.islands.any() && self.is_on_island(column as usize, row, point)
-            });
-            pixels.extend(inside.map(|(column, _)| start + column));
+            if self.islands.reach_row(row) {
+                let inside = (0..).zip(points).filter(|&(column, point)| {
+                    self.is_high(point) && self.is_over(point)
+                        || self.is_on_island(column as usize, row, point)
+                });
+                pixels.extend(inside.map(|(column, _)| start + column));
+            } else {
+                self.list_row(start, points, pixels);
+            }
         }
         seen
+    }
+
+    /// Lists the pixels of a row without islands: first what is high, then what
+    /// of that lies over the table.
+    fn list_row(&self, start: u32, points: &[Point], pixels: &mut Vec<u32>) {
+        let n_before = pixels.len();
+        pixels.resize(n_before + points.len(), 0);
+        let row = &mut pixels[n_before..];
+        let (mut n_high, mut column) = (0, 0);
+        let (blocks, rest) = points.as_chunks::<BLOCK>();
+        for block in blocks {
+            for is_high in self.are_high(block) {
+                row[n_high] = column;
+                n_high += usize::from(is_high);
+                column += 1;
+            }
+        }
+        for point in rest {
+            row[n_high] = column;
+            n_high += usize::from(self.is_high(point));
+            column += 1;
+        }
+        let mut n_inside = 0;
+        for i in 0..n_high {
+            let column = row[i];
+            row[n_inside] = start + column;
+            n_inside += usize::from(self.is_over(&points[column as usize]));
+        }
+        pixels.truncate(n_before + n_inside);
     }
 }
 
@@ -150,23 +200,22 @@ impl<'a> Prism<'a> {
 pub(crate) struct OverTable<'a> {
     u: Axis,
     v: Axis,
-    slabs: &'a TableSlabs,
+    surface: &'a TableSurface,
 }
 
 impl<'a> OverTable<'a> {
-    /// The test for a table; `slabs` are overwritten.
-    pub(crate) fn new(table: &Table, slabs: &'a mut TableSlabs) -> Self {
-        slabs.refill(&table.polygon, POLYGON_MARGIN_M);
+    /// The test for a table.
+    pub(crate) fn new(table: &Table, surface: &'a TableSurface) -> Self {
         let [u, v, _] = Axis::of_transform(&table.table_from_camera);
-        Self { u, v, slabs }
+        Self { u, v, surface }
     }
 
     /// Whether enough of a cluster's points lie over the table.
     pub(crate) fn holds(&self, pixels: &[u32], cloud: &OrganizedCloud<'_>) -> bool {
         let is_inside = |&&pixel: &&u32| {
             let p = &cloud.points()[pixel as usize];
-            self.slabs
-                .contains(self.u.at(p.x, p.y, p.z), self.v.at(p.x, p.y, p.z))
+            self.surface
+                .is_table(self.u.at(p.x, p.y, p.z), self.v.at(p.x, p.y, p.z))
         };
         let n_needed = (OVER_TABLE_SHARE_MIN * pixels.len() as f64).ceil() as usize;
         pixels.iter().filter(is_inside).take(n_needed).count() >= n_needed

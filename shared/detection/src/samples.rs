@@ -29,12 +29,36 @@ pub(crate) struct Samples {
     band: Vec<f32>,
 }
 
+/// First and last column and row of the thinned image with samples in range.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SeenSamples {
+    columns: [usize; 2],
+    rows: [usize; 2],
+}
+
+impl SeenSamples {
+    /// Whether a sample lies at the border of what is seen, or beside it.
+    pub(crate) fn is_border(&self, column: usize, row: usize) -> bool {
+        let near = |[first, last]: [usize; 2], at: usize| at <= first + 1 || at + 1 >= last;
+        near(self.columns, column) || near(self.rows, row)
+    }
+}
+
+/// How far to the side of the optical axis a point may lie, metres.
+#[inline]
+pub(crate) fn side_max_m(z_max: f32) -> f32 {
+    SIDEWAYS_MAX * z_max
+}
+
 /// Whether a point can be used: in the range of depth and not absurdly far to
 /// the side. False for whatever is not finite.
 #[inline]
 pub(crate) fn is_in_range(point: &Point, z_min: f32, z_max: f32) -> bool {
-    let side_max = SIDEWAYS_MAX * z_max;
-    (z_min..=z_max).contains(&point.z) && point.x.abs() <= side_max && point.y.abs() <= side_max
+    let side_max = side_max_m(z_max);
+    (point.z >= z_min)
+        & (point.z <= z_max)
+        & (point.x.abs() <= side_max)
+        & (point.y.abs() <= side_max)
 }
 
 impl Samples {
@@ -100,6 +124,20 @@ impl Samples {
     /// Number of samples.
     pub(crate) fn len(&self) -> usize {
         self.band.len()
+    }
+
+    /// The part of the thinned image in which there are samples in range.
+    pub(crate) fn seen(&self) -> SeenSamples {
+        let mut seen = SeenSamples {
+            columns: [usize::MAX, 0],
+            rows: [usize::MAX, 0],
+        };
+        for sample in (0..self.len()).filter(|&sample| self.z[sample] > 0.0) {
+            let (column, row) = (sample % self.width, sample / self.width);
+            seen.columns = [seen.columns[0].min(column), seen.columns[1].max(column)];
+            seen.rows = [seen.rows[0].min(row), seen.rows[1].max(row)];
+        }
+        seen
     }
 
     /// Whether a sample still belongs to no plane and is in range.

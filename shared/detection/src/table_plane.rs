@@ -2,12 +2,14 @@
 
 use crate::RawConfig;
 use crate::axis::Axis;
+use crate::outline::Outline;
 use crate::plane_search::{NormalLimit, SearchBuffers, largest_plane};
 use crate::random::Random;
 use crate::samples::Samples;
 use crate::table_region::{RegionBuffers, find_region, region_moments, region_polygon};
 use geometry::{ConvexPolygon, Plane, RigidTransform};
-use nalgebra::{Point3, Unit, Vector3};
+use nalgebra::{Point2, Point3, Unit, Vector3};
+use std::fmt;
 
 /// Planes looked at in one image, at most.
 const N_PLANES_MAX: usize = 5;
@@ -48,8 +50,54 @@ pub struct Table {
     pub table_from_camera: RigidTransform,
     /// Convex hull of the part of the table that is seen, in the table's frame.
     pub polygon: ConvexPolygon,
+    /// The same without what is seen to be no table, as in the corner of an L.
+    pub outline: Outline,
+    /// Why this and no other plane of the image is the table.
+    pub choice: TableChoice,
     /// Number of samples of the thinned image on the table.
     pub n_samples: usize,
+}
+
+impl Table {
+    /// Distance of a place on the table, in the table's frame, from the rim,
+    /// metres; see [`Outline::rim_distance_m`].
+    pub fn rim_distance_m(&self, place: &Point2<f64>) -> f64 {
+        self.outline.rim_distance_m(place)
+    }
+}
+
+/// Why a plane is the table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TableChoice {
+    /// No other plane could be a table.
+    Only,
+    /// It shows more of itself than the others.
+    Largest {
+        /// How many others there are.
+        n_others: usize,
+    },
+    /// It lies over a larger one, which is the floor or a lower table.
+    OverLarger {
+        /// How many others there are.
+        n_others: usize,
+    },
+}
+
+impl fmt::Display for TableChoice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let others = |n: usize| if n == 1 { "plane" } else { "planes" };
+        match *self {
+            Self::Only => write!(f, "the only plane that can be a table"),
+            Self::Largest { n_others: n } => {
+                write!(f, "larger than {n} other {} that can be a table", others(n))
+            }
+            Self::OverLarger { n_others: n } => write!(
+                f,
+                "over a larger one, of {n} other {} that can be a table",
+                others(n)
+            ),
+        }
+    }
 }
 
 /// Buffers of the search.
@@ -58,6 +106,15 @@ pub(crate) struct TableBuffers {
     pub(crate) search: SearchBuffers,
     pub(crate) region: RegionBuffers,
     found: Vec<FoundPlane>,
+    /// The table of an earlier frame, whose memory the next one takes.
+    spare: Option<Table>,
+}
+
+impl TableBuffers {
+    /// Takes back the memory of a table that is not needed any more.
+    pub(crate) fn recycle(&mut self, table: Option<Table>) {
+        self.spare = table.or(self.spare.take());
+    }
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -112,8 +169,8 @@ pub(crate) fn find_table(
         }
     }
     samples.free_all(config);
-    let chosen = choose(&buffers.found, n_min)?;
-    outlined(samples, chosen.plane, &mut buffers.region)
+    let (chosen, choice) = choose(&buffers.found, n_min)?;
+    outlined(samples, chosen.plane, choice, buffers)
 }
 
 /// The plane through its own largest connected part.
@@ -155,21 +212,27 @@ fn likeness(plane: &Plane, up_in_camera: Option<Unit<Vector3<f64>>>) -> Likeness
 
 /// The most table-like of the planes; of several, the largest, unless a fairly
 /// large one lies over it as a table over a floor.
-fn choose(found: &[FoundPlane], n_min: usize) -> Option<FoundPlane> {
+fn choose(found: &[FoundPlane], n_min: usize) -> Option<(FoundPlane, TableChoice)> {
     let large = || found.iter().filter(|plane| plane.n_samples >= n_min);
     let likeness = large().map(|plane| plane.likeness).max()?;
     if likeness == Likeness::None {
         return None;
     }
     let tables = || large().filter(|plane| plane.likeness == likeness);
+    let n_others = tables().count() - 1;
+    let mut choice = match n_others {
+        0 => TableChoice::Only,
+        n_others => TableChoice::Largest { n_others },
+    };
     let mut chosen = *tables().max_by_key(|plane| plane.n_samples)?;
     while let Some(upper) = tables()
         .filter(|plane| lies_over(plane, &chosen))
         .max_by_key(|plane| plane.n_samples)
     {
         chosen = *upper;
+        choice = TableChoice::OverLarger { n_others };
     }
-    Some(chosen)
+    Some((chosen, choice))
 }
 
 fn lies_over(upper: &FoundPlane, lower: &FoundPlane) -> bool {
@@ -180,16 +243,33 @@ fn lies_over(upper: &FoundPlane, lower: &FoundPlane) -> bool {
 }
 
 /// The plane refined over its region once more, with its polygon.
-fn outlined(samples: &Samples, plane: Plane, region: &mut RegionBuffers) -> Option<Table> {
+fn outlined(
+    samples: &Samples,
+    plane: Plane,
+    choice: TableChoice,
+    buffers: &mut TableBuffers,
+) -> Option<Table> {
+    let region = &mut buffers.region;
     find_region(samples, &plane, &plane.plane_from_source(), region);
     let plane = region_plane(samples, region)?;
     let table_from_camera = plane.plane_from_source();
     let n_samples = find_region(samples, &plane, &table_from_camera, region);
-    let polygon = region_polygon(samples, region);
-    (polygon.corners().len() >= 3).then_some(Table {
+    let (mut polygon, mut outline) = match buffers.spare.take() {
+        Some(spare) => (spare.polygon, spare.outline),
+        None => Default::default(),
+    };
+    region_polygon(samples, region, &mut polygon, &mut outline);
+    let table = Table {
         plane,
         table_from_camera,
         polygon,
+        outline,
+        choice,
         n_samples,
-    })
+    };
+    if table.polygon.corners().len() < 3 {
+        buffers.spare = Some(table);
+        return None;
+    }
+    Some(table)
 }

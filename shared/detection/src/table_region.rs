@@ -1,6 +1,7 @@
 //! The connected part of a plane's inliers, and the polygon around it.
 
 use crate::axis::Axis;
+use crate::outline::Outline;
 use crate::samples::Samples;
 use geometry::{ConvexPolygon, Plane, RigidTransform};
 use nalgebra::Point2;
@@ -28,6 +29,8 @@ pub(crate) struct RegionBuffers {
     region_of_cell: Vec<u32>,
     stack: Vec<usize>,
     outline: Vec<Point2<f64>>,
+    /// Those of the outline at which the view ends.
+    view_ends: Vec<Point2<f64>>,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -195,18 +198,39 @@ pub(crate) fn region_moments(samples: &Samples, buffers: &RegionBuffers) -> Mome
     moments
 }
 
-/// Convex hull of the region found last, coordinates of the plane's frame.
+/// Convex hull of the region found last, coordinates of the plane's frame, and
+/// the same as an outline, in which a side between two places where the view
+/// ends is no rim.
 ///
 /// The hull of the first and last sample of each image row is the hull of all:
 /// a plane is seen through a homography, which keeps what lies between.
-pub(crate) fn region_polygon(samples: &Samples, buffers: &mut RegionBuffers) -> ConvexPolygon {
+pub(crate) fn region_polygon(
+    samples: &Samples,
+    buffers: &mut RegionBuffers,
+    polygon: &mut ConvexPolygon,
+    outline: &mut Outline,
+) {
     let corner = |inlier: &Inlier| Point2::new(f64::from(inlier.u), f64::from(inlier.v));
     let row_of = |inlier: &Inlier| inlier.sample as usize / samples.width();
+    let seen = samples.seen();
     buffers.outline.clear();
+    buffers.view_ends.clear();
     for row in buffers.inliers.chunk_by(|a, b| row_of(a) == row_of(b)) {
-        buffers
-            .outline
-            .extend([corner(&row[0]), corner(&row[row.len() - 1])]);
+        for inlier in [&row[0], &row[row.len() - 1]] {
+            buffers.outline.push(corner(inlier));
+            let (column, row) = (inlier.sample as usize % samples.width(), row_of(inlier));
+            if seen.is_border(column, row) {
+                buffers.view_ends.push(corner(inlier));
+            }
+        }
     }
-    ConvexPolygon::hull_of(&mut buffers.outline)
+    polygon.become_hull_of(&mut buffers.outline);
+    let corners = polygon.corners();
+    let ends_view = |i: usize| buffers.view_ends.contains(&corners[i % corners.len()]);
+    outline.corners.clear();
+    outline.corners.extend_from_slice(corners);
+    outline.is_rim.clear();
+    outline
+        .is_rim
+        .extend((0..corners.len()).map(|i| !(ends_view(i) && ends_view(i + 1))));
 }

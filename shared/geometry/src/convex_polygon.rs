@@ -13,17 +13,24 @@ impl ConvexPolygon {
     /// O(n log n). Sorts `points` in place. Fewer than three corners, when the
     /// points lie on a line, make a polygon that contains nothing.
     pub fn hull_of(points: &mut [Point2<f64>]) -> Self {
+        let mut hull = Self::default();
+        hull.become_hull_of(points);
+        hull
+    }
+
+    /// [`hull_of`](Self::hull_of) in the memory of this polygon.
+    pub fn become_hull_of(&mut self, points: &mut [Point2<f64>]) {
+        let corners = &mut self.corners;
+        corners.clear();
         points.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
-        let mut corners: Vec<Point2<f64>> = Vec::new();
-        grow_chain(&mut corners, 0, points.iter());
+        grow_chain(corners, 0, points.iter());
         let lower = corners.len().saturating_sub(1);
         corners.truncate(lower);
-        grow_chain(&mut corners, lower, points.iter().rev());
+        grow_chain(corners, lower, points.iter().rev());
         corners.pop();
         if corners.len() < 3 {
             corners.clear();
         }
-        Self { corners }
     }
 
     /// The corners, counter-clockwise.

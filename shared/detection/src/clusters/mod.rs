@@ -44,6 +44,8 @@ pub(crate) struct Clusters {
     pixels: Vec<u32>,
     ungrouped: Vec<u32>,
     borders: Borders,
+    /// Pixels from which parts grow.
+    front: Vec<u32>,
 }
 
 impl Clusters {

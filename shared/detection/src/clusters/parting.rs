@@ -43,7 +43,7 @@ impl Clusters {
                 .extend(pixels.filter(|&pixel| !creases.is_crease[pixel as usize]));
         }
         self.join_ungrouped(&CLOSE_LINKS, cloud, n_min);
-        self.grow_within(whole, cloud.width());
+        self.grow_within(whole, split(), cloud.width());
         let n_parts = self.len() + whole.len();
         self.parents.clear();
         self.parents.extend(0..n_parts as u32);
@@ -66,23 +66,36 @@ impl Clusters {
     /// Lets the clusters grow, pixel by pixel, within those of `whole`; what
     /// no cluster reaches gets the label of its cluster in `whole`, counted on
     /// from the own ones.
-    fn grow_within(&mut self, whole: &Self, width: usize) {
+    fn grow_within(&mut self, whole: &Self, split: impl Iterator<Item = usize>, width: usize) {
         let n_parts = self.len() as u32;
-        let mut next = 0;
-        // The grouped pixels are the front to start from; what is reached is appended.
-        while next < self.pixels.len() {
-            let pixel = self.pixels[next] as usize;
-            next += 1;
-            for (columns, rows) in GROWTH {
-                let column = (pixel % width).checked_add_signed(columns);
-                if column.is_none_or(|column| column >= width) {
-                    continue;
-                }
+        let neighbours = |pixel: usize| {
+            GROWTH.iter().filter_map(move |(columns, rows)| {
+                let column = (pixel % width).checked_add_signed(*columns)?;
                 let near = pixel.wrapping_add_signed(columns + rows * width as isize);
                 let same = whole.cluster_of.get(near) == Some(&whole.cluster_of[pixel]);
-                if same && self.cluster_of[near] == OUTSIDE {
+                (column < width && same).then_some(near)
+            })
+        };
+        // The front begins with the grouped pixels that have somewhere to grow.
+        self.front.clear();
+        for cluster in split {
+            for &pixel in whole.pixels(cluster) {
+                let pixel = pixel as usize;
+                let is_free = |&near: &usize| self.cluster_of[near] == OUTSIDE;
+                if self.cluster_of[pixel] == OUTSIDE {
+                    let grouped = neighbours(pixel).filter(|near| !is_free(near));
+                    self.front.extend(grouped.map(|near| near as u32));
+                }
+            }
+        }
+        let mut next = 0;
+        while next < self.front.len() {
+            let pixel = self.front[next] as usize;
+            next += 1;
+            for near in neighbours(pixel) {
+                if self.cluster_of[near] == OUTSIDE {
                     self.cluster_of[near] = self.cluster_of[pixel];
-                    self.pixels.push(near as u32);
+                    self.front.push(near as u32);
                 }
             }
         }

@@ -1,0 +1,321 @@
+//! Where the table is and where it is not, cell by cell.
+
+use crate::axis::Axis;
+use crate::samples::Samples;
+use crate::table_plane::Table;
+use geometry::ConvexPolygon;
+use nalgebra::Point2;
+
+/// Side of a cell, metres; a larger table gets larger cells.
+const CELL_M: f64 = 0.02;
+
+/// Most cells a side.
+const CELLS_MAX: usize = 256;
+
+/// What lies within the polygon, grown by this, is over the table, metres: the
+/// seen table ends half a sample before its rim.
+const POLYGON_MARGIN_M: f64 = 0.01;
+
+/// How far outside the table a point of an object may lie, metres: objects stand
+/// at the rim of what is seen of the table, hide it, and reach out over it.
+const OVERHANG_M: f64 = 0.10;
+
+/// A sample this far below the plane is seen through it, metres.
+const SEEN_THROUGH_M: f32 = 0.03;
+
+/// So many samples seen through a cell show that there is no table.
+const THROUGH_SAMPLES_MIN: u8 = 2;
+
+/// Holes smaller than this are noise, square metres.
+const HOLES_AREA_MIN_M2: f64 = 0.01;
+
+/// The table's cells, in the table's frame. Reused from frame to frame.
+#[derive(Debug, Default)]
+pub(crate) struct TableSurface {
+    u_min: f32,
+    v_min: f32,
+    cells_per_m: f32,
+    pub(crate) width: usize,
+    pub(crate) height: usize,
+    is_table: Vec<bool>,
+    is_near: Vec<bool>,
+    /// Samples seen through each cell.
+    n_through: Vec<u8>,
+    is_hole: Vec<bool>,
+    scratch: Vec<bool>,
+}
+
+impl TableSurface {
+    /// Cells of a table: those of its polygon but where something farther away
+    /// is seen through the plane, as in the corner of an L-shaped table.
+    pub(crate) fn refill(&mut self, table: &Table, samples: &Samples) {
+        self.lay_grid(&table.polygon);
+        self.fill_polygon(&table.polygon);
+        self.count_through(table, samples);
+        self.cut_holes();
+        dilate(
+            &self.is_table,
+            (self.width, self.height),
+            (OVERHANG_M * f64::from(self.cells_per_m)).ceil() as usize,
+            &mut self.scratch,
+            &mut self.is_near,
+        );
+    }
+
+    /// Whether a place is on the table.
+    #[inline]
+    pub(crate) fn is_table(&self, u: f32, v: f32) -> bool {
+        self.cell_of(u, v).is_some_and(|cell| self.is_table[cell])
+    }
+
+    /// Whether a place is on the table or so near to it that an object on the
+    /// table may reach there.
+    #[inline]
+    pub(crate) fn is_near(&self, u: f32, v: f32) -> bool {
+        self.cell_of(u, v).is_some_and(|cell| self.is_near[cell])
+    }
+
+    /// Whether the table is not all of its polygon.
+    pub(crate) fn has_holes(&self) -> bool {
+        self.is_hole.contains(&true)
+    }
+
+    /// Whether a cell, counted from 0, is table; none is outside of the grid.
+    pub(crate) fn is_table_cell(&self, column: isize, row: isize) -> bool {
+        let inside =
+            (0..self.width as isize).contains(&column) && (0..self.height as isize).contains(&row);
+        inside && self.is_table[row as usize * self.width + column as usize]
+    }
+
+    /// Corner of four cells, table's frame.
+    pub(crate) fn corner(&self, column: usize, row: usize) -> Point2<f64> {
+        let cell_m = 1.0 / f64::from(self.cells_per_m);
+        Point2::new(
+            f64::from(self.u_min) + column as f64 * cell_m,
+            f64::from(self.v_min) + row as f64 * cell_m,
+        )
+    }
+
+    #[inline]
+    fn cell_of(&self, u: f32, v: f32) -> Option<usize> {
+        let column = (u - self.u_min) * self.cells_per_m;
+        let row = (v - self.v_min) * self.cells_per_m;
+        let inside = (column >= 0.0)
+            & (row >= 0.0)
+            & (column < self.width as f32)
+            & (row < self.height as f32);
+        inside.then(|| row as usize * self.width + column as usize)
+    }
+
+    /// Lays the cells over the polygon with the overhang around it.
+    fn lay_grid(&mut self, polygon: &ConvexPolygon) {
+        let around = OVERHANG_M + 2.0 * CELL_M;
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for corner in polygon.corners() {
+            for (i, at) in [corner.x, corner.y].into_iter().enumerate() {
+                (low[i], high[i]) = (low[i].min(at - around), high[i].max(at + around));
+            }
+        }
+        let extent_m = (high[0] - low[0]).max(high[1] - low[1]).max(CELL_M);
+        let cell_m = CELL_M.max(extent_m / (CELLS_MAX - 1) as f64);
+        let n_cells = |i: usize| {
+            let n = ((high[i] - low[i]) / cell_m).ceil();
+            if n.is_finite() {
+                (n as usize).min(CELLS_MAX)
+            } else {
+                0
+            }
+        };
+        (self.u_min, self.v_min) = (low[0] as f32, low[1] as f32);
+        self.cells_per_m = (1.0 / cell_m) as f32;
+        (self.width, self.height) = (n_cells(0), n_cells(1));
+    }
+
+    /// Marks the cells whose middle lies in the polygon or at its margin.
+    fn fill_polygon(&mut self, polygon: &ConvexPolygon) {
+        self.is_table.clear();
+        self.is_table.resize(self.width * self.height, false);
+        for row in 0..self.height {
+            let v = self.corner(0, row).y + 0.5 / f64::from(self.cells_per_m);
+            let [from, to] = cut_at(polygon.corners(), v, POLYGON_MARGIN_M);
+            for column in 0..self.width {
+                let u = self.corner(column, row).x + 0.5 / f64::from(self.cells_per_m);
+                self.is_table[row * self.width + column] = (from..=to).contains(&u);
+            }
+        }
+    }
+
+    /// Counts, for each cell, the samples that are seen through it.
+    fn count_through(&mut self, table: &Table, samples: &Samples) {
+        self.n_through.clear();
+        self.n_through.resize(self.is_table.len(), 0);
+        let [u, v, height] = Axis::of_transform(&table.table_from_camera);
+        let camera_height = height.at(0.0, 0.0, 0.0);
+        for sample in (0..samples.len()).filter(|&sample| samples.is_free(sample)) {
+            let above = samples.along(&height, sample);
+            if above < -SEEN_THROUGH_M {
+                // Where the ray from the camera to the sample meets the plane.
+                let share = camera_height / (camera_height - above);
+                let at = |axis: &Axis| {
+                    let from = axis.at(0.0, 0.0, 0.0);
+                    from + share * (samples.along(axis, sample) - from)
+                };
+                if let Some(cell) = self.cell_of(at(&u), at(&v)) {
+                    self.n_through[cell] = self.n_through[cell].saturating_add(1);
+                }
+            }
+        }
+    }
+
+    /// Takes the holes out of the table, when they are more than noise: cells
+    /// seen through, without those that stand alone.
+    fn cut_holes(&mut self) {
+        let size = (self.width, self.height);
+        let not_through = self.n_through.iter().map(|&n| n < THROUGH_SAMPLES_MIN);
+        self.is_near.clear();
+        self.is_near.extend(not_through);
+        // Opening: what is left of the holes when all else grows by a cell, grown back.
+        dilate(&self.is_near, size, 1, &mut self.scratch, &mut self.is_hole);
+        self.is_hole.iter_mut().for_each(|cell| *cell = !*cell);
+        dilate(&self.is_hole, size, 1, &mut self.scratch, &mut self.is_near);
+        std::mem::swap(&mut self.is_near, &mut self.is_hole);
+        for (is_hole, is_table) in self.is_hole.iter_mut().zip(&self.is_table) {
+            *is_hole &= is_table;
+        }
+        let n_holes = self.is_hole.iter().filter(|&&is_hole| is_hole).count();
+        let cell_m2 = f64::from(self.cells_per_m).powi(-2);
+        if (n_holes as f64) * cell_m2 < HOLES_AREA_MIN_M2 {
+            self.is_hole.fill(false);
+        }
+        for (is_table, is_hole) in self.is_table.iter_mut().zip(&self.is_hole) {
+            *is_table &= !is_hole;
+        }
+    }
+}
+
+/// Marks each cell that has a marked cell within `reach` columns and rows.
+fn dilate(
+    marked: &[bool],
+    (width, height): (usize, usize),
+    reach: usize,
+    scratch: &mut Vec<bool>,
+    dilated: &mut Vec<bool>,
+) {
+    for cells in [&mut *scratch, &mut *dilated] {
+        cells.clear();
+        cells.resize(marked.len(), false);
+    }
+    for row in 0..height {
+        let line = row * width..(row + 1) * width;
+        spread(&marked[line.clone()], 1, reach, &mut scratch[line]);
+    }
+    for column in 0..width.min(marked.len()) {
+        spread(&scratch[column..], width, reach, &mut dilated[column..]);
+    }
+}
+
+/// One line of a dilation, its cells `stride` apart.
+fn spread(marked: &[bool], stride: usize, reach: usize, spread: &mut [bool]) {
+    let n = marked.len().div_ceil(stride);
+    let mut until = 0;
+    for i in 0..n + reach {
+        if i < n && marked[i * stride] {
+            until = i + 2 * reach + 1;
+        }
+        if i < until && i >= reach {
+            spread[(i - reach) * stride] = true;
+        }
+    }
+}
+
+/// Where the line at `v` enters and leaves a convex polygon grown by a margin;
+/// an empty interval outside.
+fn cut_at(corners: &[Point2<f64>], v: f64, margin_m: f64) -> [f64; 2] {
+    const NOWHERE: [f64; 2] = [1.0, 0.0];
+    let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+    for (a, b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+        let along = b - a;
+        let length = along.norm();
+        // Inside is where along.x * (v - a.y) - along.y * (u - a.x) >= -margin * length.
+        let left = along.x * (v - a.y) + margin_m * length;
+        if along.y > 1e-9 * length {
+            high = high.min(a.x + left / along.y);
+        } else if along.y < -1e-9 * length {
+            low = low.max(a.x + left / along.y);
+        } else if left < 0.0 {
+            return NOWHERE;
+        }
+    }
+    if low <= high { [low, high] } else { NOWHERE }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::outline::Outline;
+    use crate::table_plane::TableChoice;
+    use geometry::Plane;
+    use nalgebra::{Point3, Vector3};
+    use proptest::prelude::*;
+
+    fn table(corners: &mut [Point2<f64>]) -> Table {
+        let plane = Plane::through(&Point3::new(0.0, 0.0, 1.0), -Vector3::z_axis());
+        Table {
+            plane,
+            table_from_camera: plane.plane_from_source(),
+            polygon: ConvexPolygon::hull_of(corners),
+            outline: Outline::default(),
+            n_samples: 0,
+            choice: TableChoice::Only,
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn cells_agree_with_the_polygon_away_from_its_border(
+            mut corners in prop::collection::vec((-1.0..1.0, -1.0..1.0).prop_map(|(x, y)| Point2::new(x, y)), 3..20),
+            probes in prop::collection::vec((-1.2..1.2, -1.2..1.2), 50),
+        ) {
+            let table = table(&mut corners);
+            prop_assume!(table.polygon.corners().len() >= 3 && table.polygon.area_m2() > 0.05);
+            let mut surface = TableSurface::default();
+            surface.refill(&table, &Samples::default());
+            prop_assert!(!surface.has_holes());
+            let ends = table.polygon.corners().iter().map(|corner| corner.y);
+            let (low, high) = ends.fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(v), h.max(v)));
+            for (u, v) in probes {
+                let (u, v): (f64, f64) = (u, v);
+                let inner = table.polygon.inner_distance_m(&Point2::new(u, v));
+                // A pointed corner is cut off at the margin before its tip.
+                let before_end = (v - low).min(high - v) > 0.03;
+                if inner > 0.03 {
+                    prop_assert!(surface.is_table(u as f32, v as f32) && surface.is_near(u as f32, v as f32));
+                } else if inner < -0.05 && before_end {
+                    prop_assert!(!surface.is_table(u as f32, v as f32));
+                }
+            }
+        }
+
+        #[test]
+        fn a_dilation_marks_what_is_near(
+            marked in prop::collection::vec(prop::bool::weighted(0.1), 12 * 9), reach in 0..4_usize,
+        ) {
+            let (mut scratch, mut dilated) = (Vec::new(), Vec::new());
+            dilate(&marked, (12, 9), reach, &mut scratch, &mut dilated);
+            for (i, &is_marked) in dilated.iter().enumerate() {
+                let near = |&other: &usize| {
+                    (i % 12).abs_diff(other % 12) <= reach && (i / 12).abs_diff(other / 12) <= reach
+                };
+                let expected = (0..marked.len()).filter(near).any(|other| marked[other]);
+                prop_assert_eq!(is_marked, expected);
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_lies_over_an_empty_polygon() {
+        let mut surface = TableSurface::default();
+        surface.refill(&table(&mut []), &Samples::default());
+        assert!(!surface.is_near(0.0, 0.0) && !surface.is_near(f32::NAN, 0.0));
+    }
+}
