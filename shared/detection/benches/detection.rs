@@ -11,16 +11,19 @@ use detection::{Config, Detection, Frame, Workspace, detect};
 use divan::Bencher;
 use point_cloud::{OrganizedCloud, Point};
 use std::path::PathBuf;
-use synthetic::{BoxOnTable, render};
+use synthetic::{BoxOnTable, camera_from_table, render};
 
 fn main() {
     divan::main();
 }
 
 fn bench_detect(bencher: Bencher<'_, '_>, points: &[Point]) {
-    let Ok(cloud) = OrganizedCloud::new(points, 640, 480) else {
-        return;
-    };
+    if let Ok(cloud) = OrganizedCloud::new(points, 640, 480) {
+        bench_cloud(bencher, cloud);
+    }
+}
+
+fn bench_cloud(bencher: Bencher<'_, '_>, cloud: OrganizedCloud<'_>) {
     let (mut workspace, mut detection) = (Workspace::default(), Detection::default());
     let (config, mut seed) = (Config::default(), 0);
     bencher.bench_local(|| {
@@ -34,18 +37,35 @@ fn bench_detect(bencher: Bencher<'_, '_>, points: &[Point]) {
     });
 }
 
-#[divan::bench]
-fn detect_rendered(bencher: Bencher<'_, '_>) {
+fn rendered() -> Vec<Point> {
     let solid = |x: f64| BoxOnTable {
         centre: [x, 0.0],
         bottom: 0.0,
         sides: [0.1, 0.07, 0.12],
         rgb: [5; 3],
     };
-    bench_detect(
-        bencher,
-        &render(&[solid(-0.3), solid(0.0), solid(0.25)], 1.0),
-    );
+    render(&[solid(-0.3), solid(0.0), solid(0.25)], 1.0)
+}
+
+#[divan::bench]
+fn detect_rendered(bencher: Bencher<'_, '_>) {
+    bench_detect(bencher, &rendered());
+}
+
+/// The rendered view without its empty pixels: `in_camera` laid back on its
+/// image, else in the frame of the table, where it takes the voxel path.
+#[divan::bench(args = [true, false])]
+fn detect_without_grid(bencher: Bencher<'_, '_>, in_camera: bool) {
+    let table_from_camera = camera_from_table().inverse();
+    let mut points = rendered();
+    points.retain(Point::is_finite);
+    for point in points.iter_mut().filter(|_| !in_camera) {
+        let p = table_from_camera * point.position();
+        (point.x, point.y, point.z) = (p.x as f32, p.y as f32, p.z as f32);
+    }
+    if let Ok(cloud) = OrganizedCloud::new(&points, points.len(), 1) {
+        bench_cloud(bencher, cloud);
+    }
 }
 
 /// Three boxes, a stack, cylinders, clutter.

@@ -149,6 +149,11 @@ impl UprightBox {
         (2.0 * self.footprint.half_sides_m.x).max(self.height_m[1] - self.height_m[0])
     }
 
+    /// Area of the footprint, square metres.
+    pub(crate) fn footprint_m2(&self) -> f64 {
+        4.0 * self.footprint.half_sides_m.product()
+    }
+
     /// Whether two boxes come within a distance of each other.
     pub(crate) fn touches(&self, other: &Self, distance_m: f64) -> bool {
         self.height_m[0] <= other.height_m[1] + distance_m

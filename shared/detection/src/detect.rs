@@ -13,6 +13,7 @@ use crate::sensor_noise::depth_sigma_m;
 use crate::support::find_supports;
 use crate::table_plane::{Table, TableBuffers, find_table};
 use crate::table_surface::TableSurface;
+use crate::unorganized::{self, detect_unorganized, has_no_grid};
 use crate::{Config, Error, RawConfig};
 use nalgebra::{Unit, Vector3};
 use point_cloud::OrganizedCloud;
@@ -35,9 +36,10 @@ const FOOT_HEIGHT_MAX_M: f32 = 0.02;
 /// What is searched.
 #[derive(Debug, Clone, Copy)]
 pub struct Frame<'a> {
-    /// The cloud, camera frame.
+    /// The cloud, camera frame. One of a single row or column has no image grid;
+    /// it may be in any frame, then, and merged from several views.
     pub cloud: OrganizedCloud<'a>,
-    /// Up in the camera frame, where the camera's pose is known.
+    /// Up in the frame of the cloud, where the camera's pose is known.
     pub up_in_camera: Option<Unit<Vector3<f64>>>,
     /// Seed of the plane search; the same seed gives the same result.
     pub seed: u64,
@@ -51,7 +53,7 @@ pub struct Detection {
     /// Candidates, nearest first.
     pub candidates: Vec<Candidate>,
     /// Indices of the candidates' points in the cloud, candidate by candidate,
-    /// in image order within each.
+    /// in the order of the cloud within each.
     pub point_indices: Vec<u32>,
 }
 
@@ -76,6 +78,7 @@ pub struct Workspace {
     creases: Creases,
     islands: Islands,
     bodies: Vec<Body>,
+    pub(crate) unorganized: Option<Box<unorganized::Buffers>>,
 }
 
 /// Searches a frame for a table and the objects on it.
@@ -85,8 +88,7 @@ pub struct Workspace {
 /// the table's polygon once the buffers have grown.
 ///
 /// # Errors
-/// When the cloud has no image grid, or is larger than any image; `detection`
-/// is then left empty.
+/// When the cloud is larger than any image; `detection` is then left empty.
 pub fn detect(
     frame: &Frame<'_>,
     config: &Config,
@@ -96,7 +98,11 @@ pub fn detect(
     workspace.table.recycle(detection.table.take());
     detection.candidates.clear();
     detection.point_indices.clear();
-    check_grid(&frame.cloud)?;
+    check_size(&frame.cloud)?;
+    if has_no_grid(&frame.cloud) {
+        detect_unorganized(frame, config, workspace, detection);
+        return Ok(());
+    }
     let config = config.get();
     let Workspace {
         samples,
@@ -159,11 +165,8 @@ fn grow_feet(cloud: &OrganizedCloud<'_>, table: &Table, clusters: &mut Clusters)
     clusters.grow_feet(cloud.width() as isize, is_foot);
 }
 
-fn check_grid(cloud: &OrganizedCloud<'_>) -> Result<(), Error> {
+fn check_size(cloud: &OrganizedCloud<'_>) -> Result<(), Error> {
     let n_points = cloud.points().len();
-    if cloud.height() == 1 || cloud.width() == 1 {
-        return Err(Error::Unorganized { n_points });
-    }
     if n_points > N_POINTS_MAX {
         return Err(Error::TooLarge { n_points });
     }

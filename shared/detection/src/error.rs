@@ -6,11 +6,6 @@ use std::fmt;
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Error {
-    /// The cloud has no image grid.
-    Unorganized {
-        /// Number of its points.
-        n_points: usize,
-    },
     /// The cloud has more points than an index can name.
     TooLarge {
         /// Number of its points.
@@ -21,11 +16,6 @@ pub enum Error {
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Unorganized { n_points } => write!(
-                f,
-                "a cloud of {n_points} points in a single row or column has no image grid to \
-                 search; give the cloud in the rows and columns of its image"
-            ),
             Self::TooLarge { n_points } => write!(
                 f,
                 "a cloud of {n_points} points is larger than an image of 8192x8192; reduce it first"

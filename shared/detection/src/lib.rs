@@ -1,8 +1,10 @@
-//! Finds the objects on a table in one organised cloud.
+//! Finds the objects on a table in one cloud.
 //!
 //! [`detect`] searches the table plane, keeps the points in the prism above
 //! the table's polygon, joins them to clusters on the image grid, and returns
 //! each cluster that can be an object as a [`Candidate`] with an oriented box.
+//! A cloud without an image grid is laid back on one where it is a single view,
+//! and searched in voxels where it is not.
 //!
 //! Invariants: this crate never does I/O, never reads a clock, keeps no state
 //! between frames but buffers, draws randomness only from the seed it is
@@ -29,6 +31,7 @@ mod support;
 mod table_plane;
 mod table_region;
 mod table_surface;
+mod unorganized;
 
 pub use candidate::{Candidate, Support};
 pub use config::{Config, InvalidConfig, RawConfig};

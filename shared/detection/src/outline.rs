@@ -1,6 +1,7 @@
 //! The outline of the table, which need not be convex.
 
 use crate::table_surface::TableSurface;
+use geometry::ConvexPolygon;
 use nalgebra::Point2;
 
 /// Corners are left out where the outline stays this near, metres.
@@ -17,6 +18,14 @@ pub struct Outline {
 }
 
 impl Outline {
+    /// The outline of a hull whose sides are all rim.
+    pub(crate) fn around(hull: &ConvexPolygon) -> Self {
+        Self {
+            corners: hull.corners().to_vec(),
+            is_rim: vec![true; hull.corners().len()],
+        }
+    }
+
     /// Whether a place lies inside (even-odd rule).
     pub fn contains(&self, place: &Point2<f64>) -> bool {
         self.sides()

@@ -38,7 +38,7 @@ pub(crate) fn find_supports(
 }
 
 /// Whether another cluster was found to rest on a carried one.
-fn rest_on_others(bodies: &mut [Body]) -> bool {
+pub(crate) fn rest_on_others(bodies: &mut [Body]) -> bool {
     let mut news = false;
     for i in 0..bodies.len() {
         let upright_box = bodies[i].upright_box;

@@ -44,7 +44,8 @@ const FROM_ABOVE_MIN: f64 = 0.9;
 /// A table found in an image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
-    /// The plane, camera frame; its positive side holds the camera.
+    /// The plane, camera frame; its positive side holds the camera, or is up in a
+    /// cloud that no single camera has seen.
     pub plane: Plane,
     /// The frame of the table: z along the normal, heights over the table.
     pub table_from_camera: RigidTransform,

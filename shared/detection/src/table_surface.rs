@@ -62,6 +62,15 @@ impl TableSurface {
         );
     }
 
+    /// Cells of a table of which only the polygon is known.
+    pub(crate) fn refill_from_polygon(&mut self, polygon: &ConvexPolygon) {
+        self.lay_grid(polygon);
+        self.fill_polygon(polygon);
+        self.is_hole.clear();
+        self.is_near.clear();
+        self.is_near.extend_from_slice(&self.is_table);
+    }
+
     /// Whether a place is on the table.
     #[inline]
     pub(crate) fn is_table(&self, u: f32, v: f32) -> bool {

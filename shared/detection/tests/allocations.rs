@@ -65,3 +65,51 @@ fn a_frame_in_steady_state_allocates_nothing() {
         }
     }
 }
+
+/// A polygon for each plane that is looked at, and those of the looks at piles.
+const VOXEL_ALLOCATIONS_MAX: usize = 60;
+
+#[test]
+fn a_cloud_without_a_grid_allocates_nothing_but_polygons_either() {
+    let solid = |x: f64, bottom: f64, sides: [f64; 3]| BoxOnTable {
+        centre: [x, 0.0],
+        bottom,
+        sides,
+        rgb: [5; 3],
+    };
+    let boxes = [
+        solid(-0.3, 0.0, [0.1, 0.07, 0.12]),
+        solid(0.15, 0.0, [0.24, 0.16, 0.06]),
+        solid(0.15, 0.06, [0.08, 0.06, 0.14]),
+    ];
+    let mut view = render(&boxes, 1.0);
+    view.retain(point_cloud::Point::is_finite);
+    let table_from_camera = synthetic::camera_from_table().inverse();
+    let in_table = |point: &point_cloud::Point| {
+        let p = table_from_camera * point.position();
+        let [x, y, z] = [p.x as f32, p.y as f32, p.z as f32];
+        point_cloud::Point { x, y, z, ..*point }
+    };
+    let turned: Vec<_> = view.iter().map(in_table).collect();
+    for (points, n_max) in [
+        (&view, 0),
+        (&turned, VOXEL_ALLOCATIONS_MAX),
+    ] {
+        let cloud = OrganizedCloud::new(points, points.len(), 1).unwrap();
+        let (mut workspace, mut detection) = (Workspace::default(), Detection::default());
+        for seed in 0..12 {
+            let frame = Frame {
+                cloud,
+                up_in_camera: None,
+                seed,
+            };
+            let before = N_ALLOCATIONS.get();
+            detect(&frame, &Config::default(), &mut workspace, &mut detection).unwrap();
+            let n_allocations = N_ALLOCATIONS.get() - before;
+            assert_eq!(detection.candidates.len(), 3);
+            if seed >= 6 {
+                assert!(n_allocations <= n_max, "{n_allocations} in frame {seed}");
+            }
+        }
+    }
+}

@@ -2,7 +2,7 @@
 
 mod synthetic;
 
-use detection::{Config, Detection, Error, Frame, Support, Workspace, detect};
+use detection::{Config, Detection, Frame, Support, Workspace, detect};
 use nalgebra::{Point3, Unit, Vector3};
 use point_cloud::{OrganizedCloud, Point, Rgba};
 use proptest::prelude::*;
@@ -201,22 +201,6 @@ fn what_hangs_in_the_air_is_no_candidate_and_what_is_hidden_is() {
     points.clone_from(&render(&[BLUE, tall, low], 0.0));
     let after = found(&points, (640, 480), None);
     assert_eq!((before, after.candidates.len()), (2, 3));
-}
-
-#[test]
-fn a_cloud_without_a_grid_is_refused() {
-    let points = vec![Point::default(); 600];
-    let (mut workspace, mut detection) = (Workspace::default(), Detection::default());
-    for size in [(600, 1), (1, 600)] {
-        let cloud = OrganizedCloud::new(&points, size.0, size.1).unwrap();
-        let frame = Frame {
-            cloud,
-            up_in_camera: None,
-            seed: 0,
-        };
-        let refused = detect(&frame, &Config::default(), &mut workspace, &mut detection);
-        assert_eq!(refused, Err(Error::Unorganized { n_points: 600 }));
-    }
 }
 
 #[test]

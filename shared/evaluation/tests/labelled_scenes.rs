@@ -49,5 +49,5 @@ fn objects_of_labelled_scenes_are_found() {
     let all = SegmentationScore::mean(&scores).unwrap();
     println!("{}", line("all", &all));
     // The best peer, LCCP of PCL: WOv 95.3 and F50 92.3.
-    assert!(all.wov > 0.955 && all.f50 > 0.96, "{all:?}");
+    assert!(all.wov >= 0.965 && all.f50 >= 0.97, "{all:?}");
 }

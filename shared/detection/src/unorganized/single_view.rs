@@ -1,0 +1,251 @@
+//! A cloud laid back on the image that it was seen in.
+
+use super::NOWHERE;
+use super::lattice::Lattice;
+use super::resampling::{PixelCentres, resample};
+use super::view_extent::{ViewExtent, tangents_of};
+use crate::random::Random;
+use point_cloud::{OrganizedCloud, Point, Rgba};
+
+/// The lattice is fitted to about this many points.
+const N_FITTED: usize = 16_384;
+
+/// Least share of the finite points that a single view sees.
+const SEEN_SHARE_MIN: f64 = 0.98;
+
+/// Greatest share of the points that lie behind others in a single view.
+const LAYERED_SHARE_MAX: f64 = 0.05;
+
+/// Least share of the points at the usual density, where no lattice is found:
+/// a camera sees every direction once, a merged cloud does not.
+const EVEN_SHARE_MIN: f64 = 0.75;
+
+/// Without a lattice a pixel is wider than the mean distance of neighbours, so
+/// that few pixels stay empty.
+const WIDER: f64 = 1.5;
+
+/// Where the mean distance of neighbours is this many pixels, so many of them
+/// are empty that some are joined.
+const SPARSE: f64 = 1.2;
+
+/// A point this far behind its pixel's surface is of another one: metres at
+/// 1 m, growing with squared depth.
+const BEHIND_M: f32 = 0.02;
+
+/// Pitch of a Kinect v1, tangent per pixel. The search of an image counts in
+/// its pixels: those of a finer view are joined until they are about as large.
+const KINECT_PITCH: f64 = 1.0 / 585.0;
+
+/// Field of view of a Kinect v1, tangents of its width and height. The image
+/// of a smaller view gets empty margins up to this.
+const KINECT_VIEW: [f64; 2] = [640.0 * KINECT_PITCH, 480.0 * KINECT_PITCH];
+
+/// Most pixels of an image; a finer view is made coarser.
+const N_PIXELS_MAX: f64 = 4_194_304.0;
+
+/// Most pixels of an image with margins.
+const N_PIXELS_WITH_MARGIN_MAX: f64 = 1_048_576.0;
+
+/// Longest side of an image, pixels.
+const SIDE_PX_MAX: f64 = 8192.0;
+
+/// How sure it is that a cloud is a single view.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Trust {
+    /// Its points lie on the rows and columns of an image.
+    Lattice,
+    /// Its points are spread evenly over the directions of view.
+    Even,
+}
+
+/// Buffers, and the image laid last.
+#[derive(Debug, Default)]
+pub(super) struct SingleView {
+    extent: ViewExtent,
+    tangents: [Vec<f32>; 2],
+    columns: Vec<f64>,
+    gaps: Vec<f64>,
+    size: [usize; 2],
+    image: Vec<Point>,
+    pixel_of_point: Vec<u32>,
+    depths: Vec<f32>,
+}
+
+/// Rows and columns of an image that is to be laid.
+#[derive(Debug, Clone, Copy)]
+struct Grid {
+    lattices: [Lattice; 2],
+    first: [i64; 2],
+    size: [usize; 2],
+}
+
+impl Grid {
+    /// Around the extent of a view, with margins.
+    fn around(extent: &ViewExtent, lattices: [Lattice; 2]) -> Self {
+        let margined = [0, 1].map(|axis| {
+            let half = 0.5 * KINECT_VIEW[axis] as f32;
+            let [low, high] = extent.tangents[axis];
+            [low.min(-half), high.max(half)]
+        });
+        let lattices =
+            lattices.map(|lattice| lattice.coarser(joined(lattice.pitch(), extent.pitch)));
+        let with_margin = Self::over(margined, lattices, 1.0);
+        if with_margin.n_pixels() <= N_PIXELS_WITH_MARGIN_MAX {
+            return with_margin;
+        }
+        let mut grid = Self::over(extent.tangents, lattices, 1.0);
+        let mut n = 1.0;
+        while grid.n_pixels() > N_PIXELS_MAX || grid.longest_side() > SIDE_PX_MAX {
+            n += 1.0;
+            grid = Self::over(extent.tangents, lattices, n);
+        }
+        grid
+    }
+
+    fn over(tangents: [[f32; 2]; 2], lattices: [Lattice; 2], n: f64) -> Self {
+        let lattices = lattices.map(|lattice| lattice.coarser(n));
+        let column = |axis: usize, side: usize| lattices[axis].column_of(tangents[axis][side]);
+        let size = [0, 1].map(|axis| (column(axis, 1) - column(axis, 0)).max(1) as usize + 1);
+        Self {
+            lattices,
+            first: [column(0, 0), column(1, 0)],
+            size,
+        }
+    }
+
+    fn n_pixels(&self) -> f64 {
+        self.size[0] as f64 * self.size[1] as f64
+    }
+
+    fn longest_side(&self) -> f64 {
+        self.size[0].max(self.size[1]) as f64
+    }
+
+    fn centres(&self) -> PixelCentres {
+        let first = |axis: usize| self.lattices[axis].tangent_of(self.first[axis]) as f32;
+        PixelCentres {
+            first: [first(0), first(1)],
+            pitch: self.lattices.map(|lattice| lattice.pitch() as f32),
+        }
+    }
+
+    /// The pixel that sees a point.
+    #[inline]
+    fn pixel_of(&self, point: &Point) -> Option<usize> {
+        let [u, v] = tangents_of(point)?;
+        let column = usize::try_from(self.lattices[0].column_of(u) - self.first[0]).ok()?;
+        let row = usize::try_from(self.lattices[1].column_of(v) - self.first[1]).ok()?;
+        (column < self.size[0] && row < self.size[1]).then(|| row * self.size[0] + column)
+    }
+}
+
+/// How many columns of a pitch make one of the image.
+fn joined(pitch: f64, point_pitch: f64) -> f64 {
+    let n_sparse = if point_pitch > SPARSE * pitch {
+        (WIDER * point_pitch / pitch).floor()
+    } else {
+        1.0
+    };
+    (KINECT_PITCH / pitch).round().max(n_sparse)
+}
+
+impl SingleView {
+    /// Lays a cloud on an image; `None` when it is no single view from its
+    /// origin along z.
+    pub(super) fn lay(&mut self, points: &[Point]) -> Option<Trust> {
+        self.size = [0, 0];
+        self.extent.measure(points)?;
+        if self.extent.seen_share < SEEN_SHARE_MIN {
+            return None;
+        }
+        let (lattices, trust) = match self.fit_lattices() {
+            Some(lattices) => (lattices, Trust::Lattice),
+            None if self.extent.even_share < EVEN_SHARE_MIN => return None,
+            None => (self.even_lattices(), Trust::Even),
+        };
+        let grid = Grid::around(&self.extent, lattices);
+        self.fill(points, &grid);
+        let joins = |axis: usize| grid.lattices[axis].pitch() > lattices[axis].pitch();
+        if trust == Trust::Even || joins(0) || joins(1) {
+            let Self { image, depths, .. } = self;
+            resample(image, grid.size[0], &grid.centres(), depths);
+        }
+        let (mut n_placed, mut n_layered) = (0, 0);
+        for (i, point) in points.iter().enumerate() {
+            if self.pixel_of_point[i] != NOWHERE {
+                n_placed += 1;
+                n_layered += usize::from(!self.is_at_surface(i, point));
+            }
+        }
+        (n_layered as f64 <= LAYERED_SHARE_MAX * f64::from(n_placed)).then_some(trust)
+    }
+
+    /// The image laid last.
+    pub(super) fn image(&self) -> Option<OrganizedCloud<'_>> {
+        OrganizedCloud::new(&self.image, self.size[0], self.size[1]).ok()
+    }
+
+    /// The pixel whose surface a point belongs to.
+    #[inline]
+    pub(super) fn surface_pixel(&self, index: usize, point: &Point) -> Option<usize> {
+        let pixel = self.pixel_of_point[index];
+        (pixel != NOWHERE && self.is_at_surface(index, point)).then_some(pixel as usize)
+    }
+
+    #[inline]
+    fn is_at_surface(&self, index: usize, point: &Point) -> bool {
+        let surface_m = self.image[self.pixel_of_point[index] as usize].z;
+        point.z - surface_m <= BEHIND_M * (surface_m * surface_m).max(1.0)
+    }
+
+    fn fit_lattices(&mut self) -> Option<[Lattice; 2]> {
+        let sample = self.extent.sample();
+        let mut random = Random::from_seed(sample.len() as u64);
+        self.tangents.iter_mut().for_each(Vec::clear);
+        for _ in 0..N_FITTED {
+            let [u, v] = sample[random.below(sample.len())];
+            self.tangents[0].push(u);
+            self.tangents[1].push(v);
+        }
+        let Self {
+            tangents: [u, v],
+            columns,
+            gaps,
+            extent,
+            ..
+        } = self;
+        let columns_of_image = Lattice::fit(u, extent.pitch, columns, gaps)?;
+        Some([
+            columns_of_image,
+            Lattice::fit(v, extent.pitch, columns, gaps)?,
+        ])
+    }
+
+    fn even_lattices(&self) -> [Lattice; 2] {
+        let pitch = WIDER * self.extent.pitch;
+        self.extent
+            .tangents
+            .map(|[low, _]| Lattice::new(f64::from(low), pitch))
+    }
+
+    /// Draws the points; each pixel keeps the nearest.
+    fn fill(&mut self, points: &[Point], grid: &Grid) {
+        self.size = grid.size;
+        self.image.clear();
+        self.image.resize(
+            grid.size[0] * grid.size[1],
+            Point::without_depth(Rgba::default()),
+        );
+        self.pixel_of_point.clear();
+        self.pixel_of_point.extend(points.iter().map(|point| {
+            let Some(pixel) = grid.pixel_of(point) else {
+                return NOWHERE;
+            };
+            let drawn = &mut self.image[pixel];
+            if drawn.z.is_nan() || point.z < drawn.z {
+                *drawn = *point;
+            }
+            pixel as u32
+        }));
+    }
+}

@@ -1,0 +1,301 @@
+//! Detection in a cloud that is no single view.
+
+use super::pile_view::{Pile, PileView};
+use super::table_map::TableMap;
+use super::voxel_clusters::VoxelClusters;
+use super::voxel_table::{TableSearch, VoxelTable};
+use super::voxels::Voxels;
+use crate::RawConfig;
+use crate::axis::Axis;
+use crate::candidate::{Body, Candidate, Summary, Support, UprightBox};
+use crate::detect::{Detection, Frame, Workspace};
+use crate::random::Random;
+use crate::support::rest_on_others;
+use crate::table_plane::Table;
+use crate::table_surface::TableSurface;
+use point_cloud::{OrganizedCloud, Point};
+
+/// Side of the voxels on whose centroids planes are searched, metres.
+const VOXEL_M: f32 = 0.010;
+
+/// Least side of the cells that are connected, metres, and in mean distances
+/// of neighbours on the table.
+const CELL_M: f64 = 0.006;
+const SPACINGS: f64 = 1.5;
+
+/// What a pixel of a Kinect v1 sees at 1 m, square metres: the smallest object
+/// is so large per point that it needs there.
+const PIXEL_AREA_M2: f64 = 2.9e-6;
+
+/// A cluster larger than this is looked at for its parts: longest side, metres,
+/// and footprint, square metres.
+const LONGEST_SIDE_M: f64 = 0.30;
+const FOOTPRINT_M2: f64 = 0.03;
+
+/// Most clusters that are looked at, and most that can be objects; of more,
+/// the largest are kept. No table carries so many, a damaged cloud may.
+const N_LOOKS_MAX: usize = 32;
+const N_BODIES_MAX: usize = 512;
+
+/// Greatest share of a cluster's points straight under which the table is
+/// seen, where the cluster may stand on it all the same.
+const SEEN_UNDER_MAX: f64 = 0.3;
+
+/// Buffers.
+#[derive(Debug, Default)]
+pub(super) struct VoxelPath {
+    voxels: Voxels,
+    search: TableSearch,
+    surface: TableSurface,
+    on_table: TableMap,
+    over_table: Vec<u32>,
+    clusters: VoxelClusters,
+    pile: PileView,
+    indices: Vec<u32>,
+    bodies: Vec<Body>,
+    /// Fewest points of an object, as densely as the table is seen.
+    n_points_min: f64,
+}
+
+impl VoxelPath {
+    /// Searches a cloud. `workspace` serves to look at piles.
+    pub(super) fn detect(
+        &mut self,
+        frame: &Frame<'_>,
+        config: &RawConfig,
+        workspace: &mut Workspace,
+        detection: &mut Detection,
+    ) {
+        let points = frame.cloud.points();
+        let position = |i: usize| points[i].is_finite().then(|| coordinates(&points[i]));
+        self.voxels.fill(points.len(), position, VOXEL_M);
+        let mut random = Random::from_seed(frame.seed);
+        let found = self.search.find(
+            &self.voxels,
+            frame.up_in_camera,
+            config,
+            &mut random,
+            &mut self.surface,
+        );
+        let Some(VoxelTable { table, lowest_m }) = found else {
+            return;
+        };
+        let table_axes = Axis::of_transform(&table.table_from_camera);
+        let spacing_m = self.list_over(points, &table, &table_axes, lowest_m, config);
+        let cell_m = CELL_M.max(SPACINGS * spacing_m);
+        let cells_per_point = PIXEL_AREA_M2 / (cell_m * cell_m);
+        let n_min = (cells_per_point * config.points_min_at_1m).ceil() as u32;
+        self.clusters.join(
+            points,
+            &self.over_table,
+            &table_axes,
+            (cell_m as f32, n_min),
+            &mut self.voxels,
+        );
+        let per_point = PIXEL_AREA_M2 / (spacing_m * spacing_m).max(1e-12);
+        self.n_points_min = per_point.min(1.0) * config.points_min_at_1m;
+        self.part_piles(&frame.cloud, &table, config, workspace);
+        self.find_bodies(&frame.cloud, &table_axes, config);
+        self.write(&table, detection);
+        detection.table = Some(table);
+    }
+
+    /// Lists the points in the prism over the table, and maps the table's own.
+    /// Returns the mean distance of neighbours on the table, metres.
+    fn list_over(
+        &mut self,
+        points: &[Point],
+        table: &Table,
+        table_axes: &[Axis; 3],
+        lowest_m: f32,
+        config: &RawConfig,
+    ) -> f64 {
+        let Self {
+            surface,
+            on_table,
+            over_table,
+            ..
+        } = self;
+        surface.refill_from_polygon(&table.polygon);
+        on_table.clear(&table.polygon);
+        over_table.clear();
+        let highest_m = config.height_max_m as f32;
+        let mut n_on_table = 0_u32;
+        for (index, point) in (0..).zip(points) {
+            let [u, v, height] = table_axes.map(|axis| axis.at(point.x, point.y, point.z));
+            if !(-lowest_m..=highest_m).contains(&height) || !surface.is_table(u, v) {
+                continue;
+            }
+            if height < lowest_m {
+                on_table.add(u, v);
+                n_on_table += 1;
+            } else {
+                over_table.push(index);
+            }
+        }
+        (table.polygon.area_m2() / f64::from(n_on_table.max(1))).sqrt()
+    }
+
+    /// Gives the parts of piles clusters of their own.
+    fn part_piles(
+        &mut self,
+        cloud: &OrganizedCloud<'_>,
+        table: &Table,
+        config: &RawConfig,
+        workspace: &mut Workspace,
+    ) {
+        let n_joined = self.clusters.len();
+        let (mut n_clusters, mut n_looks) = (n_joined, 0);
+        let table_axes = Axis::of_transform(&table.table_from_camera);
+        for cluster in 0..n_joined {
+            self.list_members(cluster);
+            let Some((_, upright_box)) = judged(&self.indices, cloud, &table_axes, config) else {
+                continue;
+            };
+            if upright_box.longest_side_m() <= LONGEST_SIDE_M
+                && upright_box.footprint_m2() <= FOOTPRINT_M2
+            {
+                continue;
+            }
+            n_looks += 1;
+            if n_looks > N_LOOKS_MAX {
+                break;
+            }
+            let bounds = upright_box.in_camera(&table.table_from_camera);
+            let pile = Pile {
+                points: cloud.points(),
+                members: &self.indices,
+                bounds: &bounds,
+                table,
+            };
+            let n_parts = self.pile.look(&pile, config, workspace);
+            if n_parts >= 2 {
+                let part_of = self.pile.part_of();
+                self.clusters
+                    .part(cluster, part_of, n_clusters as u32, &self.voxels);
+                n_clusters += n_parts - 1;
+            }
+        }
+        self.clusters.regroup(n_clusters);
+    }
+
+    /// Lists the indices of a cluster's points in the cloud.
+    fn list_members(&mut self, cluster: usize) {
+        self.indices.clear();
+        let members = self.clusters.members(cluster).iter();
+        self.indices
+            .extend(members.map(|&member| self.over_table[member as usize]));
+    }
+
+    /// The clusters that can be objects, nearest to the cloud's origin first.
+    fn find_bodies(
+        &mut self,
+        cloud: &OrganizedCloud<'_>,
+        table_axes: &[Axis; 3],
+        config: &RawConfig,
+    ) {
+        self.bodies.clear();
+        for cluster in 0..self.clusters.len() {
+            self.list_members(cluster);
+            let sides = config.side_min_m..=config.side_max_m;
+            if (self.indices.len() as f64) < self.n_points_min {
+                continue;
+            }
+            let judged = judged(&self.indices, cloud, table_axes, config);
+            if let Some((summary, upright_box)) =
+                judged.filter(|(_, upright_box)| sides.contains(&upright_box.longest_side_m()))
+            {
+                self.bodies.push(Body {
+                    cluster: cluster as u32,
+                    summary,
+                    upright_box,
+                    support: summary.stands.then_some(Support::Table),
+                });
+            }
+        }
+        self.keep_largest();
+        while rest_on_others(&mut self.bodies) {}
+        self.find_hidden(cloud.points(), table_axes);
+        while rest_on_others(&mut self.bodies) {}
+        self.bodies.retain(|body| body.support.is_some());
+        let distance = |body: &Body| body.summary.centroid.coords.norm_squared();
+        self.bodies.sort_unstable_by(|a, b| {
+            distance(a)
+                .total_cmp(&distance(b))
+                .then(a.cluster.cmp(&b.cluster))
+        });
+    }
+
+    fn keep_largest(&mut self) {
+        if self.bodies.len() > N_BODIES_MAX {
+            let clusters = &self.clusters;
+            let n_points = |body: &Body| clusters.members(body.cluster as usize).len();
+            self.bodies
+                .sort_unstable_by_key(|body| (std::cmp::Reverse(n_points(body)), body.cluster));
+            self.bodies.truncate(N_BODIES_MAX);
+        }
+    }
+
+    /// What does not reach down to the table, and under which no table is seen
+    /// either, stands on something that no view has seen.
+    fn find_hidden(&mut self, points: &[Point], table_axes: &[Axis; 3]) {
+        let [u, v, _] = table_axes;
+        for body in self.bodies.iter_mut().filter(|body| body.support.is_none()) {
+            let members = self.clusters.members(body.cluster as usize);
+            let is_over_seen = |&&member: &&u32| {
+                let point = &points[self.over_table[member as usize] as usize];
+                self.on_table.is_seen(
+                    u.at(point.x, point.y, point.z),
+                    v.at(point.x, point.y, point.z),
+                )
+            };
+            let n_over_seen = members.iter().filter(is_over_seen).count();
+            if n_over_seen as f64 <= SEEN_UNDER_MAX * members.len() as f64 {
+                body.support = Some(Support::Hidden);
+            }
+        }
+    }
+
+    fn write(&self, table: &Table, detection: &mut Detection) {
+        for body in &self.bodies {
+            let Some(support) = body.support else {
+                continue;
+            };
+            let first = detection.point_indices.len();
+            let members = self.clusters.members(body.cluster as usize).iter();
+            detection
+                .point_indices
+                .extend(members.map(|&member| self.over_table[member as usize]));
+            detection.candidates.push(Candidate {
+                range: first..detection.point_indices.len(),
+                centroid: body.summary.centroid,
+                oriented_box: body.upright_box.in_camera(&table.table_from_camera),
+                mean_rgb: body.summary.mean_rgb,
+                support,
+                // There is no image whose border could cut it.
+                touches_image_border: false,
+            });
+        }
+    }
+}
+
+/// Sums over points and the upright box around them; `None` without points.
+fn judged(
+    indices: &[u32],
+    cloud: &OrganizedCloud<'_>,
+    table_axes: &[Axis; 3],
+    config: &RawConfig,
+) -> Option<(Summary, UprightBox)> {
+    if indices.is_empty() {
+        return None;
+    }
+    let summary = Summary::of(indices, cloud, &table_axes[2], config);
+    let [lowest_m, highest_m] = summary.height_m.map(f64::from);
+    let heights_m = [if summary.stands { 0.0 } else { lowest_m }, highest_m];
+    let upright_box = UprightBox::around(indices, cloud.points(), table_axes, heights_m)?;
+    Some((summary, upright_box))
+}
+
+fn coordinates(point: &Point) -> [f32; 3] {
+    [point.x, point.y, point.z]
+}

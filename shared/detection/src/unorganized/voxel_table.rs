@@ -1,0 +1,252 @@
+//! Which plane of a cloud without a view is the table.
+
+use super::centroids::Centroids;
+use super::plane_region::PlaneRegion;
+use super::voxel_planes::{UpCone, largest_plane};
+use super::voxels::Voxels;
+use crate::RawConfig;
+use crate::axis::Axis;
+use crate::outline::Outline;
+use crate::random::Random;
+use crate::table_plane::{Table, TableChoice};
+use crate::table_surface::TableSurface;
+use geometry::{ConvexPolygon, Plane, RigidTransform};
+use nalgebra::{Unit, Vector3};
+
+/// Planes looked at, at most.
+const N_PLANES_MAX: usize = 5;
+
+/// A plane needs this share of the voxels, and this many.
+const SHARE_MIN: f64 = 0.005;
+const N_VOXELS_MIN: usize = 100;
+
+/// Least half width of a plane's band, in voxels.
+const BAND_VOXELS: f32 = 0.5;
+
+/// A plane carries something when voxels lie this much higher over it than the
+/// least height of an object, metres: above all noise.
+const CARRIED_M: f32 = 0.02;
+
+/// Share of a plane's voxels, and number, that must lie over it.
+const CARRIED_SHARE_MIN: f64 = 0.005;
+const N_CARRIED_MIN: usize = 12;
+
+/// A plane this far under another one is the floor under the table, metres.
+const FLOOR_GAP_M: f64 = 0.35;
+
+/// The upper of two planes that carry something is the table when it has this
+/// share of the lower one's voxels: the floor of a whole room is large.
+const TABLE_SHARE_OF_FLOOR: f64 = 0.05;
+
+/// Up in the frame of a camera that looks down aslant, and how far its true
+/// direction may lie from there, radians.
+const ASLANT_UP: [f64; 3] = [0.0, -0.8, -0.6];
+const ASLANT_TILT_RAD: f64 = 0.96;
+
+/// What lies over the table is higher than this many times the scatter of its
+/// voxels' centroids.
+const NOISE_SIGMAS: f64 = 3.0;
+
+/// A table, and from which height on something lies on it.
+#[derive(Debug, Clone)]
+pub(super) struct VoxelTable {
+    pub(super) table: Table,
+    pub(super) lowest_m: f32,
+}
+
+/// Buffers of the search.
+#[derive(Debug, Default)]
+pub(super) struct TableSearch {
+    centroids: Centroids,
+    counted: Centroids,
+    region: PlaneRegion,
+    found: Vec<FoundPlane>,
+}
+
+#[derive(Debug)]
+struct FoundPlane {
+    plane: Plane,
+    plane_from_cloud: RigidTransform,
+    polygon: ConvexPolygon,
+    n_voxels: usize,
+    n_carried: usize,
+    scatter_m: f64,
+}
+
+impl FoundPlane {
+    fn carries(&self) -> bool {
+        self.n_carried >= N_CARRIED_MIN
+            && self.n_carried as f64 >= CARRIED_SHARE_MIN * self.n_voxels as f64
+    }
+}
+
+impl TableSearch {
+    /// The table of a cloud: among its planes across up the largest that
+    /// carries something, or, where one lies over another, the upper one.
+    ///
+    /// Without known up it is the cloud's z axis, as in a frame of the world;
+    /// where no plane across that carries anything, a camera that looks down
+    /// aslant along z is assumed, whose up is mostly -y.
+    pub(super) fn find(
+        &mut self,
+        voxels: &Voxels,
+        up: Option<Unit<Vector3<f64>>>,
+        config: &RawConfig,
+        random: &mut Random,
+        surface: &mut TableSurface,
+    ) -> Option<VoxelTable> {
+        self.centroids.refill(voxels);
+        let level = |up| UpCone {
+            up,
+            cos_min: config.table_tilt_max_rad.cos(),
+        };
+        let aslant = UpCone {
+            up: Unit::new_normalize(Vector3::from(ASLANT_UP)),
+            cos_min: ASLANT_TILT_RAD.cos(),
+        };
+        let cones = match up {
+            Some(up) => [Some(level(up)), None],
+            None => [Some(level(Vector3::z_axis())), Some(aslant)],
+        };
+        let mut empty = None;
+        for cone in cones.iter().flatten() {
+            self.find_planes(voxels, cone, config, random, surface);
+            let chosen = choose(&self.found);
+            let chosen = chosen.map(|(plane, choice)| (as_table(plane, choice, config), plane));
+            if let Some((table, plane)) = chosen {
+                if plane.carries() {
+                    return Some(table);
+                }
+                empty = empty.or(Some(table));
+            }
+        }
+        empty
+    }
+
+    fn find_planes(
+        &mut self,
+        voxels: &Voxels,
+        cone: &UpCone,
+        config: &RawConfig,
+        random: &mut Random,
+        surface: &mut TableSurface,
+    ) {
+        let voxel_m = voxels.size_m();
+        let band_m = (config.plane_band_min_m as f32).max(BAND_VOXELS * voxel_m);
+        let n_min = ((SHARE_MIN * self.centroids.len() as f64) as usize).max(N_VOXELS_MIN);
+        self.found.clear();
+        self.centroids.free_all();
+        for _ in 0..N_PLANES_MAX {
+            let Some(plane) = largest_plane(
+                &self.centroids,
+                cone,
+                band_m,
+                n_min,
+                random,
+                &mut self.counted,
+            ) else {
+                break;
+            };
+            let found = self.outlined(plane, cone, band_m, voxel_m);
+            self.centroids.take(&Axis::from(&plane), band_m);
+            if let Some(mut found) = found.filter(|found| found.n_voxels >= n_min) {
+                found.n_carried = self.count_carried(&found, config, surface);
+                self.found.push(found);
+            }
+        }
+    }
+
+    /// The plane through its own largest connected part, with its polygon.
+    fn outlined(
+        &mut self,
+        plane: Plane,
+        cone: &UpCone,
+        band_m: f32,
+        voxel_m: f32,
+    ) -> Option<FoundPlane> {
+        let Self {
+            centroids, region, ..
+        } = self;
+        region.find(centroids, &plane.plane_from_source(), band_m, voxel_m);
+        let mut moments = point_cloud::Moments::default();
+        for i in region.members() {
+            moments.add(&centroids.position(i));
+        }
+        let axes = moments.principal_axes()?;
+        let normal = Unit::try_new(axes.axes.column(2).into_owned(), 0.5)?;
+        let plane = cone.admit(Plane::through(&axes.centroid, normal))?;
+        let plane_from_cloud = plane.plane_from_source();
+        let n_voxels = region.find(centroids, &plane_from_cloud, band_m, voxel_m);
+        let polygon = region.polygon();
+        (polygon.corners().len() >= 3).then_some(FoundPlane {
+            plane,
+            plane_from_cloud,
+            polygon,
+            n_voxels,
+            n_carried: 0,
+            scatter_m: axes.variances_m2.min().max(0.0).sqrt(),
+        })
+    }
+
+    /// Number of voxels that lie well over a plane.
+    fn count_carried(
+        &self,
+        found: &FoundPlane,
+        config: &RawConfig,
+        surface: &mut TableSurface,
+    ) -> usize {
+        surface.refill_from_polygon(&found.polygon);
+        let [u, v, height] = Axis::of_transform(&found.plane_from_cloud);
+        let heights = config.height_min_m as f32 + CARRIED_M..=config.height_max_m as f32;
+        let centroids = &self.centroids;
+        (0..centroids.len())
+            .filter(|&i| {
+                heights.contains(&centroids.along(&height, i))
+                    && surface.is_table(centroids.along(&u, i), centroids.along(&v, i))
+            })
+            .count()
+    }
+}
+
+fn as_table(found: &FoundPlane, choice: TableChoice, config: &RawConfig) -> VoxelTable {
+    VoxelTable {
+        table: Table {
+            plane: found.plane,
+            table_from_camera: found.plane_from_cloud,
+            polygon: found.polygon.clone(),
+            outline: Outline::around(&found.polygon),
+            choice,
+            n_samples: found.n_voxels,
+        },
+        lowest_m: config.height_min_m.max(NOISE_SIGMAS * found.scatter_m) as f32,
+    }
+}
+
+fn choose(found: &[FoundPlane]) -> Option<(&FoundPlane, TableChoice)> {
+    let mut choice = match found.len().saturating_sub(1) {
+        0 => TableChoice::Only,
+        n_others => TableChoice::Largest { n_others },
+    };
+    let carrying = || found.iter().filter(|plane| plane.carries());
+    let Some(mut chosen) = carrying().max_by_key(|plane| plane.n_voxels) else {
+        let largest = found.iter().max_by_key(|plane| plane.n_voxels)?;
+        return Some((largest, choice));
+    };
+    // Each step leads at least the gap upwards, so this ends.
+    while let Some(upper) = carrying()
+        .filter(|plane| lies_over(plane, chosen))
+        .max_by_key(|plane| plane.n_voxels)
+    {
+        chosen = upper;
+        choice = TableChoice::OverLarger {
+            n_others: found.len() - 1,
+        };
+    }
+    Some((chosen, choice))
+}
+
+fn lies_over(upper: &FoundPlane, lower: &FoundPlane) -> bool {
+    lower.plane.offset_m - upper.plane.offset_m >= FLOOR_GAP_M
+        && upper.plane.normal.dot(&lower.plane.normal) > 0.94
+        && upper.n_voxels as f64 >= TABLE_SHARE_OF_FLOOR * lower.n_voxels as f64
+}
