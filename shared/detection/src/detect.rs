@@ -129,11 +129,12 @@ pub fn detect(
     let height = Axis::of_transform(&table.table_from_camera)[2];
     let lowest = |z: f32| lowest_m(z, config.height_min_m as f32);
     islands.find(samples, &height, lowest);
-    let seen = Prism::over(&table, config, islands, surface).list(&frame.cloud, over_table);
+    Prism::over(&table, config, islands, surface).list(&frame.cloud, over_table);
+    let seen = SeenRectangle::of(&frame.cloud);
     let n_min = config.points_min_at_1m / (config.range_max_m * config.range_max_m);
     clusters.join(&frame.cloud, over_table, n_min as u32);
     split_piles(&frame.cloud, workspace);
-    grow_feet(&frame.cloud, &table, &mut workspace.clusters);
+    grow_feet(&frame.cloud, &table, workspace);
     find_bodies(&frame.cloud, &table, config, workspace);
     write(&table, seen, workspace, detection);
     detection.table = Some(table);
@@ -155,14 +156,19 @@ fn split_piles(cloud: &OrganizedCloud<'_>, workspace: &mut Workspace) {
 }
 
 /// Lets the clusters grow down to the table.
-fn grow_feet(cloud: &OrganizedCloud<'_>, table: &Table, clusters: &mut Clusters) {
+fn grow_feet(cloud: &OrganizedCloud<'_>, table: &Table, workspace: &mut Workspace) {
     let height = Axis::of_transform(&table.table_from_camera)[2];
     let is_foot = |pixel: usize| {
         let point = &cloud.points()[pixel];
         let lowest_m = FOOT_HEIGHT_MIN_M.max(FOOT_SIGMAS * depth_sigma_m(point.z));
         (lowest_m..=FOOT_HEIGHT_MAX_M).contains(&height.at(point.x, point.y, point.z))
     };
-    clusters.grow_feet(cloud.width() as isize, is_foot);
+    let Workspace {
+        clusters,
+        over_table,
+        ..
+    } = workspace;
+    clusters.grow_feet(over_table, cloud.width() as isize, is_foot);
 }
 
 fn check_size(cloud: &OrganizedCloud<'_>) -> Result<(), Error> {

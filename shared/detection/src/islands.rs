@@ -29,6 +29,7 @@ const NO_ROWS: [usize; 2] = [1, 0];
 /// The islands found last, and buffers.
 #[derive(Debug, Default)]
 pub(crate) struct Islands {
+    places: Vec<Place>,
     part_of: Vec<u16>,
     parts: Vec<Part>,
     stack: Vec<u32>,
@@ -82,15 +83,17 @@ impl Islands {
                 Place::Level
             }
         };
+        self.places.clear();
+        self.places.extend((0..samples.len()).map(place));
         (self.stride, self.width) = (samples.stride(), samples.width());
         self.part_of.clear();
         self.part_of.resize(samples.len(), NO_PART);
         self.parts.clear();
         self.parts.push(Part::default());
         for start in 0..samples.len() {
-            let is_new = self.part_of[start] == NO_PART && place(start) == Place::Level;
+            let is_new = self.part_of[start] == NO_PART && self.places[start] == Place::Level;
             if is_new && self.parts.len() < usize::from(u16::MAX) {
-                let part = self.flood(start, samples, height, &place);
+                let part = self.flood(start, samples, height);
                 self.parts.push(part);
             }
         }
@@ -108,13 +111,7 @@ impl Islands {
     }
 
     /// Marks the level samples connected with `start`.
-    fn flood(
-        &mut self,
-        start: usize,
-        samples: &Samples,
-        height: &Axis,
-        place: &impl Fn(usize) -> Place,
-    ) -> Part {
+    fn flood(&mut self, start: usize, samples: &Samples, height: &Axis) -> Part {
         let (number, width) = (self.parts.len() as u16, self.width);
         let mut part = Part::default();
         self.part_of[start] = number;
@@ -131,7 +128,7 @@ impl Islands {
                 Some(sample + width).filter(|&below| below < samples.len()),
             ];
             for near in neighbours {
-                match near.map_or(Place::BelowOrUnknown, place) {
+                match near.map_or(Place::BelowOrUnknown, |near| self.places[near]) {
                     Place::Above => part.n_rim += 1,
                     Place::BelowOrUnknown => part.n_open += 1,
                     Place::Level => {

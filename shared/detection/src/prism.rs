@@ -13,8 +13,11 @@ use point_cloud::{OrganizedCloud, Point};
 /// noise.
 const NOISE_SIGMAS: f32 = 3.0;
 
+/// The outermost columns with depth are looked for in each of so many rows.
+const ROWS_STEP: usize = 8;
+
 /// Points that are looked at together.
-const BLOCK: usize = 16;
+const BLOCK: usize = 8;
 
 /// An object has this share of its points over the table.
 const OVER_TABLE_SHARE_MIN: f64 = 0.25;
@@ -32,6 +35,26 @@ impl SeenRectangle {
         columns: [usize::MAX, 0],
         rows: [usize::MAX, 0],
     };
+
+    /// The part of a cloud: its first and last row with any depth, and the
+    /// outermost columns of every few rows.
+    pub(crate) fn of(cloud: &OrganizedCloud<'_>) -> Self {
+        let mut seen = Self::NOTHING;
+        let first = |row: usize| cloud.row(row).iter().position(Point::is_finite);
+        let mut add_row = |row: usize| {
+            if let Some(column) = first(row) {
+                seen.add(column, row);
+                let last = cloud.row(row).iter().rposition(Point::is_finite);
+                seen.add(last.unwrap_or(column), row);
+            }
+        };
+        let mut rows = 0..cloud.height();
+        let top = rows.find(|&row| first(row).is_some());
+        let bottom = rows.rfind(|&row| first(row).is_some());
+        top.into_iter().chain(bottom).for_each(&mut add_row);
+        (0..cloud.height()).step_by(ROWS_STEP).for_each(add_row);
+        seen
+    }
 
     #[inline]
     pub(crate) fn add(&mut self, column: usize, row: usize) {
@@ -107,19 +130,22 @@ impl<'a> Prism<'a> {
     /// coordinate, which the compiler turns into vector instructions.
     #[inline]
     fn are_high(&self, block: &[Point; BLOCK]) -> [bool; BLOCK] {
-        let x: [f32; BLOCK] = std::array::from_fn(|i| block[i].x);
-        let y: [f32; BLOCK] = std::array::from_fn(|i| block[i].y);
-        let z: [f32; BLOCK] = std::array::from_fn(|i| block[i].z);
-        let height: [f32; BLOCK] = std::array::from_fn(|i| self.height.at(x[i], y[i], z[i]));
+        let (mut x, mut y, mut z) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
+        for i in 0..BLOCK {
+            (x[i], y[i], z[i]) = (block[i].x, block[i].y, block[i].z);
+        }
         let side_max = side_max_m(self.z_range[1]);
-        std::array::from_fn(|i| {
-            (z[i] >= self.z_range[0])
+        let mut are_high = [false; BLOCK];
+        for i in 0..BLOCK {
+            let height = self.height.at(x[i], y[i], z[i]);
+            are_high[i] = (z[i] >= self.z_range[0])
                 & (z[i] <= self.z_range[1])
                 & (x[i].abs() <= side_max)
                 & (y[i].abs() <= side_max)
-                & (height[i] >= lowest_m(z[i], self.height_range[0]))
-                & (height[i] <= self.height_range[1])
-        })
+                & (height >= lowest_m(z[i], self.height_range[0]))
+                & (height <= self.height_range[1]);
+        }
+        are_high
     }
 
     /// Whether a point lies over the table or near its rim, at any height.
@@ -140,18 +166,11 @@ impl<'a> Prism<'a> {
                 .hold(column, row, self.height.at(point.x, point.y, point.z))
     }
 
-    /// Lists the pixels in the prism, in image order; returns the part of the
-    /// image in which there is any depth.
-    pub(crate) fn list(&self, cloud: &OrganizedCloud<'_>, pixels: &mut Vec<u32>) -> SeenRectangle {
-        let mut seen = SeenRectangle::default();
+    /// Lists the pixels in the prism, in image order.
+    pub(crate) fn list(&self, cloud: &OrganizedCloud<'_>, pixels: &mut Vec<u32>) {
         pixels.clear();
         for row in 0..cloud.height() {
             let points = cloud.row(row);
-            if let Some(first) = points.iter().position(Point::is_finite) {
-                seen.add(first, row);
-                let last = points.iter().rposition(Point::is_finite).unwrap_or(first);
-                seen.add(last, row);
-            }
             let start = (row * cloud.width()) as u32;
             if self.islands.reach_row(row) {
                 let inside = (0..).zip(points).filter(|&(column, point)| {
@@ -163,7 +182,6 @@ impl<'a> Prism<'a> {
                 self.list_row(start, points, pixels);
             }
         }
-        seen
     }
 
     /// Lists the pixels of a row without islands: first what is high, then what

@@ -243,7 +243,7 @@ fn lies_over(upper: &FoundPlane, lower: &FoundPlane) -> bool {
         && upper.n_samples as f64 >= TABLE_SHARE_OF_FLOOR * lower.n_samples as f64
 }
 
-/// The plane refined over its region once more, with its polygon.
+/// The table of a plane that goes through its own region, with its polygon.
 fn outlined(
     samples: &Samples,
     plane: Plane,
@@ -251,8 +251,6 @@ fn outlined(
     buffers: &mut TableBuffers,
 ) -> Option<Table> {
     let region = &mut buffers.region;
-    find_region(samples, &plane, &plane.plane_from_source(), region);
-    let plane = region_plane(samples, region)?;
     let table_from_camera = plane.plane_from_source();
     let n_samples = find_region(samples, &plane, &table_from_camera, region);
     let (mut polygon, mut outline) = match buffers.spare.take() {

@@ -91,10 +91,7 @@ fn a_cloud_without_a_grid_allocates_nothing_but_polygons_either() {
         point_cloud::Point { x, y, z, ..*point }
     };
     let turned: Vec<_> = view.iter().map(in_table).collect();
-    for (points, n_max) in [
-        (&view, 0),
-        (&turned, VOXEL_ALLOCATIONS_MAX),
-    ] {
+    for (points, n_max) in [(&view, 0), (&turned, VOXEL_ALLOCATIONS_MAX)] {
         let cloud = OrganizedCloud::new(points, points.len(), 1).unwrap();
         let (mut workspace, mut detection) = (Workspace::default(), Detection::default());
         for seed in 0..12 {

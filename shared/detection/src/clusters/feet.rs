@@ -7,13 +7,17 @@ const FOOT_PX: usize = 6;
 
 impl Clusters {
     /// Lets each cluster grow from its pixels by `step`, the neighbour towards
-    /// the table, while `is_foot` holds for what no cluster has.
-    pub(crate) fn grow_feet(&mut self, step: isize, is_foot: impl Fn(usize) -> bool) {
-        let n_grouped = self.pixels.len();
-        self.ungrouped.clear();
-        self.ungrouped.extend_from_slice(&self.pixels);
-        for i in 0..n_grouped {
-            let mut pixel = self.pixels[i] as usize;
+    /// the table, while `is_foot` holds for what no cluster has. `joined` are the
+    /// pixels the clusters were joined from, in image order.
+    pub(crate) fn grow_feet(
+        &mut self,
+        joined: &[u32],
+        step: isize,
+        is_foot: impl Fn(usize) -> bool,
+    ) {
+        self.front.clear();
+        for &pixel in &self.pixels {
+            let mut pixel = pixel as usize;
             let cluster = self.cluster_of[pixel];
             for _ in 0..FOOT_PX {
                 pixel = pixel.wrapping_add_signed(step);
@@ -21,15 +25,42 @@ impl Clusters {
                     break;
                 }
                 self.cluster_of[pixel] = cluster;
-                self.ungrouped.push(pixel as u32);
+                self.front.push(pixel as u32);
             }
         }
-        if self.ungrouped.len() > n_grouped {
-            self.ungrouped.sort_unstable();
-            self.parents.clear();
-            self.parents.extend(0..self.len() as u32);
-            self.number_large(1);
-            self.group();
+        if self.front.is_empty() {
+            return;
         }
+        self.front.sort_unstable();
+        self.merge_into_ungrouped(joined);
+        self.parents.clear();
+        self.parents.extend(0..self.len() as u32);
+        self.number_large(1);
+        self.group();
+    }
+
+    /// Makes the clustered ones of `joined`, and the pixels of the front, the
+    /// pixels to be grouped, in image order.
+    fn merge_into_ungrouped(&mut self, joined: &[u32]) {
+        let Self {
+            ungrouped,
+            cluster_of,
+            front,
+            ..
+        } = self;
+        ungrouped.clear();
+        let mut feet = front.iter().copied().peekable();
+        for &pixel in joined {
+            while let Some(foot) = feet.next_if(|&foot| foot < pixel) {
+                ungrouped.push(foot);
+            }
+            // Pixels of clusters too small to be kept were listed, too, and may
+            // have become someone's foot.
+            let is_foot = feet.next_if_eq(&pixel).is_some();
+            if is_foot || cluster_of[pixel as usize] != OUTSIDE {
+                ungrouped.push(pixel);
+            }
+        }
+        ungrouped.extend(feet);
     }
 }

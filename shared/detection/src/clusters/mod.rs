@@ -90,24 +90,27 @@ impl Clusters {
         let distance_max = links.floor_m + links.per_m2 * point.z * point.z;
         let squared_max = distance_max * distance_max;
         let mut own = OUTSIDE;
-        let mut visit = |neighbour: usize| {
+        let mut visit = |neighbour: usize, own: &mut u32| {
             let other = self.cluster_of[neighbour];
             let linked =
                 other != OUTSIDE && squared_distance(point, &points[neighbour]) <= squared_max;
-            if linked && own == OUTSIDE {
-                own = other;
-            } else if linked && own != other {
-                own = unite(&mut self.parents, own, other);
+            if linked && *own == OUTSIDE {
+                *own = other;
+            } else if linked && *own != other {
+                *own = unite(&mut self.parents, *own, other);
             }
             linked
         };
-        let _ = (1..=links.reach_px.min(column)).any(|step| visit(pixel - step));
-        let _ = (1..=links.reach_px.min(pixel / width)).any(|step| visit(pixel - step * width));
-        if pixel >= width && column > 0 {
-            visit(pixel - width - 1);
-        }
-        if pixel >= width && column + 1 < width {
-            visit(pixel - width + 1);
+        let _ = (1..=links.reach_px.min(column)).any(|step| visit(pixel - step, &mut own));
+        let n_above = links.reach_px.min(pixel / width);
+        let _ = (1..=n_above).any(|step| visit(pixel - step * width, &mut own));
+        let on_left = (n_above > 0 && column > 0).then(|| pixel - width - 1);
+        let on_right = (n_above > 0 && column + 1 < width).then(|| pixel - width + 1);
+        for diagonal in [on_left, on_right].into_iter().flatten() {
+            // Mostly it has the same label already, and no distance is needed.
+            if self.cluster_of[diagonal] != own {
+                visit(diagonal, &mut own);
+            }
         }
         if own == OUTSIDE {
             own = self.parents.len() as u32;
