@@ -7,7 +7,7 @@ use nalgebra::Point3;
 use point_cloud::{Moments, OrganizedCloud, Point};
 
 /// About how many samples an image is thinned to.
-const N_SAMPLES_AIMED: usize = 20_000;
+const N_SAMPLES_AIMED: usize = 12_000;
 
 /// How far sideways of the optical axis a point may lie, in units of its
 /// depth. A wider view than 150 degrees is a damaged point.
