@@ -58,7 +58,12 @@ const OBJECTS: &[(&str, Kind)] = &[
     ("source_name", Text),
     ("has_table", Truth),
     ("has_world_pose", Truth),
+    ("rule", Text),
+    ("assumptions", List),
+    ("ignored", List),
+    ("n_more_ignored", Count),
 ];
+const ASSUMPTION: &[(&str, Kind)] = &[("name", Text), ("sentence", Text)];
 const OBJECT: &[(&str, Kind)] = &[
     ("track_id", Count),
     ("state", Text),
@@ -147,6 +152,7 @@ fn each_command_answers_with_exactly_the_documented_keys() {
     let objects = daemon.ask(&["objects"]);
     check_shape(&objects, OBJECTS);
     check_list(&objects["objects"], OBJECT);
+    check_list(&objects["assumptions"], ASSUMPTION);
     let unknown = daemon.ask(&["ask", &track]);
     check_shape(&unknown, OBJECT);
     assert_eq!(

@@ -6,6 +6,7 @@ use crate::lockstep::repeatable;
 use crate::recorder::{Recorded, Recorder, Recording, SceneRecorder};
 use channel::topic::{ArmStates, CameraCloud, PersonBodies, TrueMasks, TrueObjects};
 use channel::{Domain, Role, SharedFrame, Subscriber};
+use detection::{Assumption, Assumptions, Constraint, Expression};
 use message::{ArmActivity, ProcessKind, SceneObject, TrackState, TrueObject};
 use nalgebra::{Point3, Vector3};
 use rustix::process::Signal;
@@ -56,6 +57,24 @@ seed = 3
 [[object]]
 category = 'milk-carton'
 position_m = [-0.15, -0.05]
+";
+
+/// The same, and an apple behind which a person holds their hand.
+const HANDS: &str = "
+seed = 3
+[[object]]
+category = 'milk-carton'
+position_m = [-0.15, -0.05]
+[[object]]
+category = 'apple'
+position_m = [0.20, 0.05]
+[person]
+by_chance = false
+[[person.action]]
+at_s = 1.0
+do = 'hide'
+object = 2
+for_s = 1.5
 ";
 
 fn scene_file(text: &str) -> (TempDir, String) {
@@ -273,6 +292,132 @@ fn the_arm_grasps_lifts_and_lets_go() {
     assert_eq!(code, REFUSED, "{sentence}");
     truths.stop();
     daemon.stop();
+}
+
+/// A track that begins farther than this from all objects is of something else,
+/// metres.
+const ASTRAY_M: f64 = 0.10;
+
+/// Sentences of all that is ignored in some scenes.
+fn sentences(scenes: &[Recorded]) -> BTreeSet<String> {
+    let ignored = scenes.iter().flat_map(|scene| scene.header.ignored());
+    let decided = ignored.flat_map(message::IgnoredBlob::why);
+    decided
+        .map(|(_, finding)| finding.reason.to_string())
+        .collect()
+}
+
+/// Tracks that have begun in some scenes and are of none of the true objects.
+fn astray(scenes: &[Recorded], truths: &[Recording<TrueObjects>]) -> Vec<SceneObject> {
+    let is_astray = |track: &SceneObject, truth: &Recording<TrueObjects>| {
+        let at = middle(track.pose.position_m);
+        let is_near = |object: &TrueObject| {
+            (middle(object.world_from_object.position_m) - at).norm() < ASTRAY_M
+        };
+        !truth.items.iter().any(is_near)
+    };
+    let begun = paired(scenes, truths).flat_map(|(scene, truth)| {
+        let capture_ns = scene.header.stamps.capture_ns;
+        let new = scene.items.iter();
+        let new = new.filter(move |track| track.first_seen_ns == capture_ns);
+        new.filter(|track| is_astray(track, truth))
+    });
+    begun.copied().collect()
+}
+
+#[test]
+fn the_arm_over_the_table_is_ignored_and_people_are_told_why() {
+    let place = Place::new();
+    let scenes = SceneRecorder::start(&place);
+    let truths = Recorder::<TrueObjects>::start(&place);
+    let (_folder, source) = scene_file(CARTON);
+    let daemon = place.start(&["--source", &source]);
+    daemon.wait_for("the carton is tracked", |objects| !objects.is_empty());
+    arm(&daemon, &["move", "-0.15", "-0.05", "1.12"]);
+    arm(&daemon, &["move", "-0.05", "-0.15", "0.98"]);
+    let mut told = Value::Null;
+    eventually("the arm is ignored", || {
+        told = daemon.ask(&["objects"]);
+        told["ignored"].as_array().is_some_and(|ignored| {
+            let of_arm = |blob: &Value| blob["why"].to_string().contains("the robot's arm");
+            ignored.iter().any(of_arm)
+        })
+    });
+    assert_eq!(told["rule"], Expression::default().to_string());
+    for blob in told["ignored"].as_array().unwrap() {
+        let keys: BTreeSet<_> = blob
+            .as_object()
+            .unwrap()
+            .keys()
+            .map(String::as_str)
+            .collect();
+        let expected = [
+            "position_m",
+            "orientation_xyzw",
+            "size_m",
+            "n_points",
+            "verdict",
+            "why",
+            "findings",
+        ];
+        assert_eq!(keys, BTreeSet::from(expected));
+        assert_eq!(blob["findings"].as_array().unwrap().len(), Constraint::N);
+    }
+    // The simulation tells where the arm is, that nobody is there, where up is and
+    // where the camera stands: nothing is taken for granted.
+    assert_eq!(told["assumptions"], serde_json::json!([]), "{told:#}");
+    let text = place.tabula(&["objects"]);
+    let text = String::from_utf8(text.stdout).unwrap();
+    assert!(text.contains("ignored at ("), "{text}");
+    assert!(text.contains("it is the robot's arm ("), "{text}");
+    let (scenes, _) = scenes.stop();
+    let (truths, _) = truths.stop();
+    daemon.stop();
+    let astray = astray(&scenes, &truths);
+    assert!(astray.is_empty(), "{astray:#?}");
+}
+
+#[test]
+fn a_hand_at_an_object_is_ignored_and_starts_no_track() {
+    let place = Place::new();
+    let scenes = SceneRecorder::start(&place);
+    let truths = Recorder::<TrueObjects>::start(&place);
+    let (_folder, source) = scene_file(HANDS);
+    let daemon = place.start(&["--source", &source, "--lockstep"]);
+    scenes.wait_for("the hand has come and gone", |scenes| scenes.len() >= 150);
+    let (scenes, _) = scenes.stop();
+    let (truths, _) = truths.stop();
+    daemon.stop();
+    let sentences = sentences(&scenes);
+    assert!(
+        sentences.iter().any(|one| one.contains("it is a person")),
+        "{sentences:#?}"
+    );
+    let astray = astray(&scenes, &truths);
+    assert!(astray.is_empty(), "{astray:#?}");
+    let without_arm = Assumptions::from_bits(scenes[100].header.assumptions);
+    let assumed: Vec<_> = without_arm.iter().collect();
+    assert_eq!(assumed, [Assumption::NoRobotKnown]);
+}
+
+#[test]
+fn a_rule_that_names_no_constraint_is_refused_before_anything_starts() {
+    let place = Place::new();
+    let folder = tempfile::tempdir().unwrap();
+    let config = folder.path().join("tabula.toml");
+    let text = "[perception]\ncandidate_rule = 'C_table and C_tarck'\n";
+    std::fs::write(&config, text).unwrap();
+    let config = config.to_str().unwrap();
+    let (code, sentence) = refused(&place, &["run", "--check-config", "--config", config]);
+    assert_eq!(code, USAGE, "{sentence}");
+    for word in [
+        "candidate_rule",
+        "C_tarck",
+        "character 13",
+        "C_track may be meant",
+    ] {
+        assert!(sentence.contains(word), "{sentence}");
+    }
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! The configuration, checked.
 
 use channel::topic::{CameraCloud, Topic};
+use detection::InvalidConfig;
+use message::Text;
 use serde::Deserialize;
 use service::{ConfigFile, Failure};
 use std::fmt::Display;
@@ -24,6 +26,11 @@ struct RawConfig {
     range_max_m: f64,
     object_height_max_m: f64,
     object_side_max_m: f64,
+    candidate_rule: String,
+    graspable_side_max_m: f64,
+    rim_distance_m: f64,
+    robot_margin_m: f64,
+    person_margin_m: f64,
 }
 
 impl Default for RawConfig {
@@ -38,6 +45,11 @@ impl Default for RawConfig {
             range_max_m: detection.range_max_m,
             object_height_max_m: detection.height_max_m,
             object_side_max_m: detection.side_max_m,
+            candidate_rule: detection.rule,
+            graspable_side_max_m: detection.graspable_side_max_m,
+            rim_distance_m: detection.rim_distance_m,
+            robot_margin_m: detection.robot_margin_m,
+            person_margin_m: detection.person_margin_m,
         }
     }
 }
@@ -71,13 +83,6 @@ impl Config {
                 "{name} must lie between {least} and 60000, not {value}"
             )))
         };
-        let detection = detection::RawConfig {
-            range_min_m: raw.range_min_m,
-            range_max_m: raw.range_max_m,
-            height_max_m: raw.object_height_max_m,
-            side_max_m: raw.object_side_max_m,
-            ..detection::RawConfig::default()
-        };
         let motion = MotionConfig::default();
         let association = AssociationConfig::default();
         Ok(Self {
@@ -89,9 +94,75 @@ impl Config {
             })?,
             actor_deadline: milliseconds("actor_deadline_ms", raw.actor_deadline_ms, 1)?,
             worker_stall: milliseconds("worker_stall_ms", raw.worker_stall_ms, 100)?,
-            detection: detection::Config::new(detection).map_err(|rule| wrong(&rule))?,
+            detection: detection(&raw).map_err(|sentence| wrong(&sentence))?,
             pipeline: pipeline::Config::new(motion, association, raw.unknown_distance)
                 .map_err(|rule| wrong(&format!("unknown_distance: {rule}")))?,
         })
+    }
+}
+
+/// The settings of detection, or what is wrong with them.
+fn detection(raw: &RawConfig) -> Result<detection::Config, String> {
+    let settings = detection::RawConfig {
+        range_min_m: raw.range_min_m,
+        range_max_m: raw.range_max_m,
+        height_max_m: raw.object_height_max_m,
+        side_max_m: raw.object_side_max_m,
+        rule: raw.candidate_rule.clone(),
+        graspable_side_max_m: raw.graspable_side_max_m,
+        rim_distance_m: raw.rim_distance_m,
+        robot_margin_m: raw.robot_margin_m,
+        person_margin_m: raw.person_margin_m,
+        ..detection::RawConfig::default()
+    };
+    let config = detection::Config::new(settings).map_err(|error| match error {
+        InvalidConfig::Rule(error) => format!("candidate_rule: {error}"),
+        other => other.to_string(),
+    })?;
+    let length = config.rule().to_string().len();
+    if length > Text::CAPACITY {
+        return Err(format!(
+            "candidate_rule is {length} bytes long when written with ∧ ∨ ¬, and the scene \
+             carries {} at most; write a shorter one",
+            Text::CAPACITY
+        ));
+    }
+    Ok(config)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn with_rule(rule: &str) -> Result<detection::Config, String> {
+        detection(&RawConfig {
+            candidate_rule: rule.into(),
+            ..RawConfig::default()
+        })
+    }
+
+    #[test]
+    fn the_rule_of_the_file_holds() {
+        let config = with_rule("table and not image_border").unwrap();
+        assert_eq!(config.rule().to_string(), "C_table ∧ ¬C_image_border");
+        assert_eq!(
+            detection(&RawConfig::default()),
+            Ok(detection::Config::default())
+        );
+    }
+
+    #[test]
+    fn a_rule_that_can_not_be_used_is_named() {
+        for (rule, words) in [
+            ("C_table and C_unicorn", ["candidate_rule", "C_unicorn"]),
+            ("", ["candidate_rule", "empty"]),
+            (&["table"; 20].join(" and "), ["candidate_rule", "shorter"]),
+        ] {
+            let sentence = with_rule(rule).unwrap_err();
+            assert!(
+                words.iter().all(|word| sentence.contains(word)),
+                "{sentence}"
+            );
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! Detection on the worker pool.
 
+use crate::bodies::Known;
 use crate::intake::Arrived;
 use actor::{JobLost, WorkerPool};
 use detection::{Config, Detection, Frame, Workspace};
@@ -16,6 +17,7 @@ pub(crate) struct Detector {
 
 #[derive(Default)]
 struct Buffers {
+    known: Known,
     workspace: Workspace,
     detection: Detection,
 }
@@ -43,6 +45,16 @@ impl Detector {
             config: Arc::new(config),
             buffers: Buffers::default(),
         }
+    }
+
+    /// What is known to be there before the next frame is searched.
+    pub(crate) fn known_mut(&mut self) -> &mut Known {
+        &mut self.buffers.known
+    }
+
+    /// The settings.
+    pub(crate) fn config(&self) -> &Config {
+        &self.config
     }
 
     /// Searches a frame, in the camera's own bytes.
@@ -77,15 +89,17 @@ fn search(
     let found = cloud.map_err(|error| error.to_string()).and_then(|cloud| {
         let up_in_camera = arrived.checked.up_in_camera;
         // The frame's own number: a replay draws the same samples.
+        let Buffers {
+            known,
+            workspace,
+            detection,
+        } = &mut buffers;
         let frame = Frame {
             cloud,
             up_in_camera,
             seed: header.sequence,
+            surroundings: known.surroundings(),
         };
-        let Buffers {
-            workspace,
-            detection,
-        } = &mut buffers;
         detection::detect(&frame, config, workspace, detection).map_err(|error| error.to_string())
     });
     (buffers, found.map(|()| arrived.frame.location()))

@@ -1,5 +1,7 @@
 //! The frame loop: it owns the track table and gives every frame its way.
 
+use crate::assumption_log::AssumptionLog;
+use crate::bodies::Bodies;
 use crate::config::Config;
 use crate::detector::{DetectFailed, Detected, Detector};
 use crate::intake::{Arrived, Intake};
@@ -12,9 +14,11 @@ use crate::world::World;
 use actor::WorkerPool;
 use channel::topic::{FrameFinished, ObjectCloud, ObjectView, Scene, Topic};
 use channel::{Domain, Error, Publisher};
-use geometry::RigidTransform;
-use message::{FrameDone, ObjectCloudHeader, PlainHeader, ProcessKind, SceneObject, SceneSummary};
-use pipeline::{Frame, Step, TrackTable};
+use detection::Assumptions;
+use message::{
+    FrameDone, ObjectCloudHeader, PlainHeader, ProcessKind, SceneObject, SceneSummary, Text,
+};
+use pipeline::{Step, TrackTable};
 use service::{HealthBoard, monotonic_ns};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -27,7 +31,10 @@ const PROBE: Duration = Duration::from_millis(500);
 /// Everything that lasts from frame to frame.
 pub(crate) struct FrameLoop {
     intake: Intake,
+    bodies: Bodies,
     detector: Detector,
+    rule: Text,
+    assumption_log: AssumptionLog,
     pool: WorkerPool,
     table: TrackTable,
     actors: Actors,
@@ -94,9 +101,15 @@ impl FrameLoop {
             .health
             .shared_memory_bytes
             .store(ports.reserved_bytes(), Ordering::Relaxed);
+        let detector = Detector::new(given.pool.clone(), config.detection.clone());
+        let rule = detector.config().rule().to_string();
+        tracing::info!("a candidate becomes an object when {rule}");
         Ok(Self {
             intake: Intake::new(domain)?,
-            detector: Detector::new(given.pool.clone(), config.detection.clone()),
+            bodies: Bodies::new(domain)?,
+            detector,
+            rule: Text::truncated(&rule),
+            assumption_log: AssumptionLog::default(),
             pool: given.pool,
             table: TrackTable::new(config.pipeline),
             actors: given.actors,
@@ -154,6 +167,7 @@ impl FrameLoop {
             // A replay must know the same at the same frame.
             self.catch_up.wait().await;
         }
+        self.look_around(arrived)?;
         let detected = match self.detector.detect(arrived).await {
             Ok(detected) => detected,
             Err(failed) => {
@@ -191,14 +205,19 @@ impl FrameLoop {
         self.last_capture_ns = capture_ns;
     }
 
+    /// Gathers what is known to be there before a frame is searched: people, the
+    /// robot, and where the tracks are expected.
+    fn look_around(&mut self, arrived: &Arrived) -> Result<(), Error> {
+        let capture_ns = arrived.frame.header().capture_stamp_ns;
+        let world_from_camera = arrived.checked.world_from_camera.as_ref();
+        let known = self.detector.known_mut();
+        self.table
+            .predict(&arrived.circumstances(), &mut known.tracks);
+        self.bodies.at(capture_ns, world_from_camera, known)
+    }
+
     fn associate(&mut self, arrived: &Arrived, detected: &Detected) {
-        let frame = Frame {
-            capture_ns: arrived.frame.header().capture_stamp_ns,
-            world_from_camera: arrived
-                .checked
-                .world_from_camera
-                .unwrap_or_else(RigidTransform::identity),
-        };
+        let frame = arrived.circumstances();
         let ids = &self.ids;
         self.table
             .step(&detected.detection, &frame, || ids.take(), &mut self.step);
@@ -280,21 +299,21 @@ impl FrameLoop {
         let tracks = self.table.tracks();
         scene_report::objects(tracks, &self.memory_sequences, &mut self.objects);
         summary.n_objects_total = tracks.len() as u32;
-        summary.n_rejected = self.step.n_rejected as u32;
+        summary.rule = self.rule;
         summary.n_late = self
             .outcomes
             .iter()
             .filter(|(_, observed)| observed.is_none())
             .count() as u32;
         summary.frames_dropped = self.intake.n_dropped();
-        if let Some(table) = &detected.detection.table {
-            let world_from_camera = arrived.checked.world_from_camera;
-            let plane =
-                world_from_camera.map_or(table.plane, |pose| table.plane.transformed(&pose));
-            summary.has_table = 1;
-            let normal = plane.normal.into_inner();
-            summary.table_plane = [normal.x, normal.y, normal.z, plane.offset_m];
-        }
+        scene_report::add_detection(
+            &mut summary,
+            &detected.detection,
+            &self.step.rejected,
+            arrived.checked.world_from_camera.as_ref(),
+        );
+        self.assumption_log
+            .tell(Assumptions::from_bits(summary.assumptions));
         summary.stamps.published_ns = monotonic_ns();
         self.world.set(&summary, &self.objects);
         self.ports.scene.send_copy(summary, &self.objects)

@@ -3,6 +3,7 @@
 use channel::topic::CameraCloud;
 use channel::{Domain, Error, Received, SharedFrame, Subscriber};
 use message::{CheckedFrame, InvalidFrame, frame_flag};
+use pipeline::Frame;
 use std::sync::Arc;
 
 /// A frame that can be worked on, still in shared memory.
@@ -20,6 +21,15 @@ impl Arrived {
     /// Whether the source waits for this frame to be finished.
     pub(crate) fn is_lockstep(&self) -> bool {
         self.frame.header().has(frame_flag::LOCKSTEP)
+    }
+
+    /// When and from where it was seen; without a pose the world is the camera's
+    /// frame.
+    pub(crate) fn circumstances(&self) -> Frame {
+        Frame {
+            capture_ns: self.frame.header().capture_stamp_ns,
+            world_from_camera: self.checked.world_from_camera.unwrap_or_default(),
+        }
     }
 }
 

@@ -1,5 +1,7 @@
 //! `tabula-perception`: from clouds to tracked, recognised objects.
 
+mod assumption_log;
+mod bodies;
 mod config;
 mod control;
 mod detector;

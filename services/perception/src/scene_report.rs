@@ -2,10 +2,12 @@
 
 use crate::intake::Arrived;
 use crate::object_actor::Observed;
+use detection::{Assumption, Candidate, Detection};
+use geometry::RigidTransform;
 use message::control::{StoredView, ViewId};
 use message::{
-    MAX_SCENE_OBJECTS, ObjectViewHeader, SceneObject, SceneSummary, SegmentLocation, StageStamps,
-    Text, TrackState, WirePose,
+    IgnoredBlob, MAX_IGNORED, MAX_SCENE_OBJECTS, ObjectViewHeader, SceneObject, SceneSummary,
+    SegmentLocation, StageStamps, Text, TrackState, WirePose,
 };
 use pipeline::{DESCRIPTOR_KIND, Sighting, Track};
 use point_cloud::Rgba;
@@ -24,7 +26,7 @@ fn object(track: &Track, memory_sequence: u64) -> SceneObject {
     SceneObject {
         track_id: track.id,
         state: state.code(),
-        cut_by_image: u32::from(track.measured.is_cut),
+        cut_by_image: u32::from(track.measured.is_cut_by_image),
         first_seen_ns: track.first_seen_ns,
         last_seen_ns: track.last_seen_ns,
         pose: WirePose::from(&body.frame_from_box),
@@ -80,6 +82,46 @@ pub(crate) fn summary(arrived: &Arrived) -> SceneSummary {
             ..StageStamps::default()
         },
         ..SceneSummary::default()
+    }
+}
+
+/// Adds what a frame's detection says: the table, what was taken for granted, and
+/// which candidates are `rejected`.
+pub(crate) fn add_detection(
+    summary: &mut SceneSummary,
+    detection: &Detection,
+    rejected: &[usize],
+    world_from_camera: Option<&RigidTransform>,
+) {
+    let mut assumptions = detection.assumptions;
+    if world_from_camera.is_none() {
+        assumptions.add(Assumption::NoCameraPose);
+    }
+    summary.assumptions = assumptions.bits();
+    let pose = world_from_camera.copied().unwrap_or_default();
+    if let Some(table) = &detection.table {
+        let plane = table.plane.transformed(&pose);
+        let normal = plane.normal.into_inner();
+        summary.has_table = 1;
+        summary.table_plane = [normal.x, normal.y, normal.z, plane.offset_m];
+    }
+    summary.n_rejected = rejected.len() as u32;
+    summary.n_ignored = rejected.len().min(MAX_IGNORED) as u32;
+    let candidates = rejected.iter().filter_map(|&i| detection.candidates.get(i));
+    for (blob, candidate) in summary.ignored.iter_mut().zip(candidates) {
+        *blob = ignored(candidate, &pose);
+    }
+}
+
+fn ignored(candidate: &Candidate, world_from_camera: &RigidTransform) -> IgnoredBlob {
+    let body = candidate.oriented_box.transformed(world_from_camera);
+    IgnoredBlob {
+        pose: WirePose::from(&body.frame_from_box),
+        size_m: body.sides_m().map(|side| side as f32).into(),
+        n_points: candidate.n_points() as u32,
+        verdict: candidate.verdict.code().into(),
+        decisive: candidate.decisive.bits().into(),
+        findings: IgnoredBlob::wire_findings(&candidate.findings),
     }
 }
 

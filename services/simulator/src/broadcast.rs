@@ -39,11 +39,20 @@ impl Broadcast {
             .send_copy(translate::arm_state(&sample.status, stamp_ns), &capsules)
     }
 
+    /// Where the people of a frame are.
+    pub(crate) fn person(&mut self, header: &FrameHeader, world: &World) -> Result<(), Error> {
+        let body = PersonBody {
+            stamp_ns: header.capture_stamp_ns,
+            ..PersonBody::default()
+        };
+        let capsules = translate::capsules(&world.person_capsules());
+        self.person.send_copy(body, &capsules)
+    }
+
     /// What is true of a frame that was sent with this header.
     pub(crate) fn truth(
         &mut self,
         header: &FrameHeader,
-        world: &World,
         objects: &[TrueObject],
         mask: &[u16],
     ) -> Result<(), Error> {
@@ -55,12 +64,6 @@ impl Broadcast {
         };
         let wire: Vec<_> = objects.iter().map(translate::true_object).collect();
         self.objects.send_copy(truth, &wire)?;
-        let body = PersonBody {
-            stamp_ns: header.capture_stamp_ns,
-            ..PersonBody::default()
-        };
-        let capsules = translate::capsules(&world.person_capsules());
-        self.person.send_copy(body, &capsules)?;
         if !self.mask.has_subscribers() {
             return Ok(());
         }

@@ -154,18 +154,19 @@ impl Source for SimulatorSource {
         })
     }
 
-    fn sent(&mut self, header: &FrameHeader) -> Result<(), SourceError> {
+    fn sending(&mut self, header: &FrameHeader) -> Result<(), SourceError> {
         self.publish_arm(header.capture_stamp_ns, u64::MAX)?;
+        self.broadcast
+            .person(header, self.increment.world())
+            .map_err(unusable)
+    }
+
+    fn sent(&mut self, header: &FrameHeader) -> Result<(), SourceError> {
         for note in self.increment.world_mut().take_notes() {
             tracing::warn!("{note}");
         }
         self.broadcast
-            .truth(
-                header,
-                self.increment.world(),
-                &self.truth,
-                self.kinect.mask(),
-            )
+            .truth(header, &self.truth, self.kinect.mask())
             .map_err(unusable)
     }
 }

@@ -5,7 +5,7 @@ use crate::stop_signal::StopSignal;
 use crate::table::table;
 use channel::RunFolder;
 use channel::control::{CallError, SocketClient};
-use message::control::{Command, ObjectReport, ObjectsReport, RefusalKind, Reply};
+use message::control::{Command, IgnoredReport, ObjectReport, ObjectsReport, RefusalKind, Reply};
 use serde::Serialize;
 use service::{CommonArguments, Failure, exit_code};
 use std::process::ExitCode;
@@ -119,6 +119,7 @@ const HEADING: [&str; 8] = [
 fn objects_text(report: &ObjectsReport) -> String {
     let rows: Vec<_> = report.objects.iter().map(row).collect();
     let objects = match rows.as_slice() {
+        [] if !report.ignored.is_empty() => "no objects".into(),
         [] if report.has_table => "no objects: the table is empty".into(),
         [] => "no objects: no table is seen".into(),
         rows => table(&HEADING, rows),
@@ -132,14 +133,38 @@ fn objects_text(report: &ObjectsReport) -> String {
     } else {
         "camera frame"
     };
-    format!(
-        "{objects}{more}\nframe {} of {}, positions in the {frame}",
+    let mut lines = vec![format!("{objects}{more}")];
+    lines.extend(report.ignored.iter().map(ignored_line));
+    if report.n_more_ignored > 0 {
+        lines.push(format!("ignored: {} more", report.n_more_ignored));
+    }
+    let assumptions = report.assumptions.iter();
+    lines.extend(assumptions.map(|assumption| format!("assumed: {}", assumption.sentence)));
+    lines.push(format!("an object is what fulfils {}", report.rule));
+    lines.push(format!(
+        "frame {} of {}, positions in the {frame}",
         report.frame_sequence, report.source_name
+    ));
+    lines.join("\n")
+}
+
+fn ignored_line(ignored: &IgnoredReport) -> String {
+    let why = match ignored.why.as_slice() {
+        [] => "nobody can say why".to_owned(),
+        why => why.join("; "),
+    };
+    format!(
+        "ignored at ({}), {} points: {why}",
+        metres(ignored.position_m),
+        ignored.n_points
     )
 }
 
+fn metres(values: [f64; 3]) -> String {
+    values.map(|value| format!("{value:.3}")).join(" ")
+}
+
 fn row(object: &ObjectReport) -> Vec<String> {
-    let metres = |values: [f64; 3]| values.map(|value| format!("{value:.3}")).join(" ");
     vec![
         object.track_id.to_string(),
         object.label.clone().unwrap_or_else(|| "unknown".into()),
@@ -234,4 +259,43 @@ fn status_text(document: &StatusDocument) -> String {
         })
         .collect();
     table(&heading, &rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn report() -> ObjectsReport {
+        let ignored = IgnoredReport {
+            position_m: [0.1, -0.25, 0.8],
+            orientation_xyzw: [0.0, 0.0, 0.0, 1.0],
+            size_m: [0.1; 3],
+            n_points: 320,
+            verdict: "false".into(),
+            why: vec!["it is the robot's arm (87 % of its points within 3 cm of a link)".into()],
+            findings: vec![],
+        };
+        ObjectsReport {
+            objects: vec![],
+            n_more: 0,
+            frame_sequence: 7,
+            source_name: "simulation".into(),
+            has_table: true,
+            has_world_pose: true,
+            rule: "C_table".into(),
+            assumptions: vec![],
+            ignored: vec![ignored],
+            n_more_ignored: 0,
+        }
+    }
+
+    #[test]
+    fn people_read_what_is_ignored_and_why() {
+        let text = objects_text(&report());
+        let line = "ignored at (0.100 -0.250 0.800), 320 points: it is the robot's arm (87 % of \
+                    its points within 3 cm of a link)";
+        assert!(text.lines().any(|found| found == line), "{text}");
+        assert!(text.contains("an object is what fulfils C_table"), "{text}");
+        assert!(!text.contains("the table is empty"), "{text}");
+    }
 }

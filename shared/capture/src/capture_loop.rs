@@ -157,6 +157,7 @@ impl CaptureLoop {
             ..header(info, self.source.name(), self.lockstep.is_some())
         };
         *loan.header_mut() = header;
+        self.source.sending(&header)?;
         self.publisher.send(loan).map_err(unusable)?;
         self.source.sent(&header)?;
         // In lockstep there is no lateness: the followers set the pace.

@@ -75,6 +75,15 @@ pub trait Source {
         Ok(Waiting::default())
     }
 
+    /// Called when the frame is about to be sent, with its header. What belongs to
+    /// the frame and is published here is there when the frame comes.
+    ///
+    /// # Errors
+    /// As [`prepare`](Self::prepare).
+    fn sending(&mut self, _header: &FrameHeader) -> Result<(), SourceError> {
+        Ok(())
+    }
+
     /// Called when the frame has been sent, with the header it was sent with.
     ///
     /// # Errors

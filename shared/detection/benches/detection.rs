@@ -7,7 +7,7 @@
 mod synthetic;
 
 use dataset::pcd;
-use detection::{Config, Detection, Frame, Workspace, detect};
+use detection::{Config, Detection, Frame, Surroundings, Workspace, detect};
 use divan::Bencher;
 use point_cloud::{OrganizedCloud, Point};
 use std::path::PathBuf;
@@ -32,6 +32,7 @@ fn bench_cloud(bencher: Bencher<'_, '_>, cloud: OrganizedCloud<'_>) {
             cloud,
             up_in_camera: None,
             seed,
+            surroundings: Surroundings::default(),
         };
         detect(&frame, &config, &mut workspace, &mut detection).is_ok()
     });

@@ -8,7 +8,7 @@
 
 use dataset::pcd;
 use dataset::rgbd_sequence::{RgbdSequence, Scratch};
-use detection::{Config, Detection, Frame, Workspace, detect};
+use detection::{Config, Detection, Frame, Surroundings, Workspace, detect};
 use nalgebra::{Unit, Vector3};
 use point_cloud::{OrganizedCloud, Point};
 use std::error::Error;
@@ -65,6 +65,7 @@ fn segments(
         cloud: *cloud,
         up_in_camera,
         seed: 1,
+        surroundings: Surroundings::default(),
     };
     let mut detection = Detection::default();
     detect(
@@ -80,7 +81,11 @@ fn segments(
             *segment = u32::from(p.z.abs() < 0.01 && table.polygon.contains(&p.xy()));
         }
     }
-    for (number, candidate) in (FIRST_OBJECT..).zip(&detection.candidates) {
+    let hypotheses = detection
+        .candidates
+        .iter()
+        .filter(|candidate| candidate.is_hypothesis());
+    for (number, candidate) in (FIRST_OBJECT..).zip(hypotheses) {
         for &pixel in detection.points_of(candidate) {
             segment_of[pixel as usize] = number;
         }

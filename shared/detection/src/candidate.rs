@@ -2,6 +2,7 @@
 
 use crate::RawConfig;
 use crate::axis::Axis;
+use crate::constraint::{Constraint, ConstraintSet, Findings, Truth};
 use crate::footprint::{Footprint, Rectangle};
 use crate::prism::SeenRectangle;
 use geometry::{OrientedBox, RigidTransform};
@@ -11,6 +12,11 @@ use std::ops::Range;
 
 /// Share of a cluster's points that must be low for it to stand on the table.
 const STANDING_SHARE: f64 = 0.005;
+
+/// A ball hides the place it stands on from a camera above it: what begins below
+/// this share of its own height, and below this height, metres, may stand, too.
+const ROUND_GAP_SHARE: f32 = 0.2;
+const ROUND_GAP_MAX_M: f32 = 0.05;
 
 /// A footprint is taken from about this many points at most.
 const N_FOOTPRINT_MAX: usize = 4096;
@@ -39,17 +45,47 @@ pub struct Candidate {
     pub oriented_box: OrientedBox,
     /// Mean red, green, blue; 0 to 255.
     pub mean_rgb: [f32; 3],
-    /// What it stands on.
-    pub support: Support,
+    /// What it stands on; `None` when nothing is known to carry it.
+    pub support: Option<Support>,
     /// Whether it comes to the border of what the sensor sees, so that a part
     /// of it may be missing.
     pub touches_image_border: bool,
+    /// Whether it is as large as objects are: its longest side lies between the
+    /// `side_min_m` and `side_max_m` of the settings.
+    pub is_object_sized: bool,
+    /// What every constraint says of it.
+    pub findings: Findings,
+    /// What the rule says of it; false for what is no object by its size,
+    /// whatever the rule says. Only what is true begins a track.
+    pub verdict: Truth,
+    /// The constraints that made the verdict what it is.
+    pub decisive: ConstraintSet,
 }
 
 impl Candidate {
     /// Number of its points.
     pub fn n_points(&self) -> usize {
         self.range.len()
+    }
+
+    /// Whether it can be an object by its size and by what carries it, before
+    /// any rule is asked.
+    pub fn is_hypothesis(&self) -> bool {
+        self.is_object_sized && self.support.is_some() && !self.findings.is_limb()
+    }
+
+    /// Whether a person or the robot may touch it, so that a part of it may be
+    /// missing.
+    pub fn is_touched(&self) -> bool {
+        let limbs = [Constraint::Instructor, Constraint::Robot];
+        let mut truths = limbs.map(|limb| self.findings.of(limb).truth).into_iter();
+        truths.any(|truth| truth == Truth::Unknown)
+    }
+
+    /// Whether it can be what a live track sees now, whatever the rule says:
+    /// everything of an object's size but a person and the robot.
+    pub fn can_continue_track(&self) -> bool {
+        self.is_object_sized && !self.findings.is_limb()
     }
 }
 
@@ -61,6 +97,13 @@ pub(crate) struct Body {
     pub(crate) upright_box: UprightBox,
     /// `None` as long as nothing is known to carry it.
     pub(crate) support: Option<Support>,
+    /// Whether there is no depth where it should stand.
+    pub(crate) is_lower_end_unseen: bool,
+    /// Whether its longest side is as long as an object's.
+    pub(crate) is_object_sized: bool,
+    /// Whether its points were told apart as those of a person or the robot; its
+    /// cluster is then one of those.
+    pub(crate) is_limb: bool,
 }
 
 /// Sums over a cluster.
@@ -100,12 +143,14 @@ impl Summary {
             n_low += u32::from(h <= config.standing_gap_max_m as f32);
         }
         let n = pixels.len().max(1) as f64;
+        let [lowest_m, highest_m] = height_m;
+        let is_round = lowest_m <= (ROUND_GAP_SHARE * highest_m).min(ROUND_GAP_MAX_M);
         Self {
             centroid: (position / n).into(),
             mean_rgb: rgb.map(|sum| (sum as f64 / n) as f32),
             seen,
             height_m,
-            stands: f64::from(n_low) >= (STANDING_SHARE * n).max(3.0),
+            stands: is_round || f64::from(n_low) >= (STANDING_SHARE * n).max(3.0),
         }
     }
 }
@@ -144,9 +189,16 @@ impl UprightBox {
         })
     }
 
+    /// Longer and shorter side of the footprint, and height, metres.
+    pub(crate) fn sides_m(&self) -> [f64; 3] {
+        let [long, short] = (2.0 * self.footprint.half_sides_m).into();
+        [long, short, self.height_m[1] - self.height_m[0]]
+    }
+
     /// Length of the longest side, metres.
     pub(crate) fn longest_side_m(&self) -> f64 {
-        (2.0 * self.footprint.half_sides_m.x).max(self.height_m[1] - self.height_m[0])
+        let [long, _, height] = self.sides_m();
+        long.max(height)
     }
 
     /// Area of the footprint, square metres.

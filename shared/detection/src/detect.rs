@@ -3,6 +3,9 @@
 use crate::axis::Axis;
 use crate::candidate::{Body, Candidate, Summary, Support, UprightBox};
 use crate::clusters::Clusters;
+use crate::constraint::{
+    Assumption, Assumptions, Constraint, ConstraintSet, Expression, Judge, Limbs, Truth,
+};
 use crate::creases::Creases;
 use crate::islands::Islands;
 use crate::outline::{Lattice, Outline};
@@ -15,8 +18,10 @@ use crate::table_plane::{Table, TableBuffers, find_table};
 use crate::table_surface::TableSurface;
 use crate::unorganized::{self, detect_unorganized, has_no_grid};
 use crate::{Config, Error, RawConfig};
+use geometry::{Capsule, OrientedBox};
 use nalgebra::{Unit, Vector3};
 use point_cloud::OrganizedCloud;
+use std::ops::Range;
 
 /// Most points of a cloud: an image of 8192x8192.
 const N_POINTS_MAX: usize = 1 << 26;
@@ -43,6 +48,20 @@ pub struct Frame<'a> {
     pub up_in_camera: Option<Unit<Vector3<f64>>>,
     /// Seed of the plane search; the same seed gives the same result.
     pub seed: u64,
+    /// What else is known to be there.
+    pub surroundings: Surroundings<'a>,
+}
+
+/// What is known to be there before the frame is searched, camera frame. The
+/// default knows nothing.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Surroundings<'a> {
+    /// The bodies of people; `None` when nobody tells where people are.
+    pub instructor: Option<&'a [Capsule]>,
+    /// The links of the robot; `None` when nobody tells where it is.
+    pub robot: Option<&'a [Capsule]>,
+    /// Boxes of the live tracks, predicted to this frame.
+    pub tracks: &'a [OrientedBox],
 }
 
 /// What was found. Reused from frame to frame.
@@ -50,8 +69,11 @@ pub struct Frame<'a> {
 pub struct Detection {
     /// The table; without one there are no candidates.
     pub table: Option<Table>,
-    /// Candidates, nearest first.
+    /// All clusters with enough points, nearest first: also those that the rule
+    /// ignores.
     pub candidates: Vec<Candidate>,
+    /// What was taken for granted where a source was absent.
+    pub assumptions: Assumptions,
     /// Indices of the candidates' points in the cloud, candidate by candidate,
     /// in the order of the cloud within each.
     pub point_indices: Vec<u32>,
@@ -73,6 +95,11 @@ pub struct Workspace {
     hull: Outline,
     lattice: Lattice,
     over_table: Vec<u32>,
+    limbs: Limbs,
+    of_limbs: Vec<u32>,
+    /// Clusters of people and the robot; of this frame only where `of_limbs` is
+    /// not empty.
+    limb_clusters: Clusters,
     clusters: Clusters,
     whole: Clusters,
     creases: Creases,
@@ -81,11 +108,23 @@ pub struct Workspace {
     pub(crate) unorganized: Option<Box<unorganized::Buffers>>,
 }
 
-/// Searches a frame for a table and the objects on it.
+impl Workspace {
+    /// The pixels of a body.
+    fn pixels(&self, body: &Body) -> &[u32] {
+        let clusters = if body.is_limb {
+            &self.limb_clusters
+        } else {
+            &self.clusters
+        };
+        clusters.pixels(body.cluster as usize)
+    }
+}
+
+/// Searches a frame for a table and the objects on it, and judges what it finds.
 ///
 /// Points may hold any bit pattern; those that are not finite, out of range or
-/// absurdly far to the side are ignored. Allocates nothing but the corners of
-/// the table's polygon once the buffers have grown.
+/// absurdly far to the side are ignored. Allocates nothing once the buffers have
+/// grown.
 ///
 /// # Errors
 /// When the cloud is larger than any image; `detection` is then left empty.
@@ -98,47 +137,102 @@ pub fn detect(
     workspace.table.recycle(detection.table.take());
     detection.candidates.clear();
     detection.point_indices.clear();
+    detection.assumptions = assumptions(frame);
     check_size(&frame.cloud)?;
     if has_no_grid(&frame.cloud) {
         detect_unorganized(frame, config, workspace, detection);
         return Ok(());
     }
-    let config = config.get();
+    let raw = config.get();
+    if let Some(table) = find_surface(frame, raw, workspace) {
+        list_over(&frame.cloud, &table, raw, workspace);
+        join(frame, &table, raw, workspace);
+        split_piles(&frame.cloud, workspace);
+        grow_feet(&frame.cloud, &table, workspace);
+        find_bodies(&frame.cloud, &table, raw, workspace);
+        write(frame, &table, config, workspace, detection);
+        detection.table = Some(table);
+    }
+    Ok(())
+}
+
+/// The table of a frame, its cells and its outline.
+fn find_surface(frame: &Frame<'_>, config: &RawConfig, workspace: &mut Workspace) -> Option<Table> {
     let Workspace {
         samples,
         table: buffers,
         surface,
-        over_table,
-        clusters,
-        islands,
+        hull,
+        lattice,
         ..
     } = workspace;
     samples.refill(&frame.cloud, config);
     let mut random = Random::from_seed(frame.seed);
-    let found = find_table(samples, frame.up_in_camera, config, &mut random, buffers);
-    let Some(mut table) = found else {
-        return Ok(());
-    };
+    let mut table = find_table(samples, frame.up_in_camera, config, &mut random, buffers)?;
     surface.refill(&table, samples);
     if surface.has_holes() {
-        std::mem::swap(&mut table.outline, &mut workspace.hull);
-        table
-            .outline
-            .trace(surface, &workspace.hull, &mut workspace.lattice);
+        std::mem::swap(&mut table.outline, hull);
+        table.outline.trace(surface, hull, lattice);
     }
+    Some(table)
+}
+
+/// Lists the pixels over the table and on its islands.
+fn list_over(
+    cloud: &OrganizedCloud<'_>,
+    table: &Table,
+    config: &RawConfig,
+    workspace: &mut Workspace,
+) {
+    let Workspace {
+        samples,
+        surface,
+        islands,
+        over_table,
+        ..
+    } = workspace;
     let height = Axis::of_transform(&table.table_from_camera)[2];
-    let lowest = |z: f32| lowest_m(z, config.height_min_m as f32);
-    islands.find(samples, &height, lowest);
-    Prism::over(&table, config, islands, surface).list(&frame.cloud, over_table);
-    let seen = SeenRectangle::of(&frame.cloud);
-    let n_min = config.points_min_at_1m / (config.range_max_m * config.range_max_m);
-    clusters.join(&frame.cloud, over_table, n_min as u32);
-    split_piles(&frame.cloud, workspace);
-    grow_feet(&frame.cloud, &table, workspace);
-    find_bodies(&frame.cloud, &table, config, workspace);
-    write(&table, seen, workspace, detection);
-    detection.table = Some(table);
-    Ok(())
+    islands.find(samples, &height, |z| {
+        lowest_m(z, config.height_min_m as f32)
+    });
+    Prism::over(table, config, islands, surface).list(cloud, over_table);
+}
+
+fn assumptions(frame: &Frame<'_>) -> Assumptions {
+    let mut assumptions = Assumptions::default();
+    for (is_absent, assumption) in [
+        (
+            frame.surroundings.instructor.is_none(),
+            Assumption::NoPersonKnown,
+        ),
+        (frame.surroundings.robot.is_none(), Assumption::NoRobotKnown),
+        (frame.up_in_camera.is_none(), Assumption::UpGuessed),
+    ] {
+        if is_absent {
+            assumptions.add(assumption);
+        }
+    }
+    assumptions
+}
+
+/// Joins the points over the table to clusters: those of people and the robot
+/// among themselves, so that no object melts with what touches it.
+fn join(frame: &Frame<'_>, table: &Table, config: &RawConfig, workspace: &mut Workspace) {
+    let Workspace {
+        over_table,
+        limbs,
+        of_limbs,
+        limb_clusters,
+        clusters,
+        ..
+    } = workspace;
+    limbs.refill(&frame.surroundings, table, config);
+    limbs.separate(&frame.cloud, over_table, of_limbs);
+    let n_min = (config.points_min_at_1m / (config.range_max_m * config.range_max_m)) as u32;
+    clusters.join(&frame.cloud, over_table, n_min);
+    if !of_limbs.is_empty() {
+        limb_clusters.join(&frame.cloud, of_limbs, n_min);
+    }
 }
 
 /// Parts the clusters that are several objects along their creases.
@@ -179,8 +273,7 @@ fn check_size(cloud: &OrganizedCloud<'_>) -> Result<(), Error> {
     Ok(())
 }
 
-/// The clusters that can be objects by their size and by what carries them,
-/// nearest first.
+/// The clusters with enough points, nearest first, with what carries them.
 fn find_bodies(
     cloud: &OrganizedCloud<'_>,
     table: &Table,
@@ -188,6 +281,8 @@ fn find_bodies(
     workspace: &mut Workspace,
 ) {
     let Workspace {
+        of_limbs,
+        limb_clusters,
         clusters,
         bodies,
         surface,
@@ -195,31 +290,43 @@ fn find_bodies(
     } = workspace;
     let table_axes = Axis::of_transform(&table.table_from_camera);
     let over_table = OverTable::new(table, surface);
+    let n_limbs = if of_limbs.is_empty() {
+        0
+    } else {
+        limb_clusters.len()
+    };
+    let limb = (0..n_limbs as u32).map(|cluster| (cluster, true));
+    let all = (0..clusters.len() as u32).map(|cluster| (cluster, false));
     bodies.clear();
-    bodies.extend(
-        (0..clusters.len() as u32)
-            .filter(|&cluster| over_table.holds(clusters.pixels(cluster as usize), cloud))
-            .filter_map(|cluster| body_of(cluster, clusters, cloud, &table_axes, config)),
-    );
+    bodies.extend(all.chain(limb).filter_map(|(cluster, is_limb)| {
+        let own = if is_limb { &*limb_clusters } else { &*clusters };
+        let pixels = own.pixels(cluster as usize);
+        if !over_table.holds(pixels, cloud) {
+            return None;
+        }
+        let body = body_of(pixels, cloud, &table_axes, config)?;
+        Some(Body {
+            cluster,
+            is_limb,
+            ..body
+        })
+    }));
     find_supports(cloud, clusters, &table.plane.normal, bodies);
-    bodies.retain(|body| body.support.is_some());
     let distance = |body: &Body| body.summary.centroid.coords.norm_squared();
     bodies.sort_unstable_by(|a, b| {
         distance(a)
             .total_cmp(&distance(b))
-            .then(a.cluster.cmp(&b.cluster))
+            .then((a.is_limb, a.cluster).cmp(&(b.is_limb, b.cluster)))
     });
 }
 
-/// A cluster as a body; `None` when it is too small or too large.
+/// The pixels of a cluster as a body; `None` when they are too few.
 fn body_of(
-    cluster: u32,
-    clusters: &Clusters,
+    pixels: &[u32],
     cloud: &OrganizedCloud<'_>,
     table_axes: &[Axis; 3],
     config: &RawConfig,
 ) -> Option<Body> {
-    let pixels = clusters.pixels(cluster as usize);
     let summary = Summary::of(pixels, cloud, &table_axes[2], config);
     if (pixels.len() as f64) < config.points_min_at_1m / summary.centroid.z.powi(2) {
         return None;
@@ -228,33 +335,70 @@ fn body_of(
     let heights_m = [if summary.stands { 0.0 } else { lowest_m }, highest_m];
     let upright_box = UprightBox::around(pixels, cloud.points(), table_axes, heights_m)?;
     let sides = config.side_min_m..=config.side_max_m;
-    let support = summary.stands.then_some(Support::Table);
-    sides
-        .contains(&upright_box.longest_side_m())
-        .then_some(Body {
-            cluster,
-            summary,
-            upright_box,
-            support,
-        })
+    Some(Body {
+        cluster: 0,
+        summary,
+        upright_box,
+        support: summary.stands.then_some(Support::Table),
+        is_lower_end_unseen: false,
+        is_object_sized: sides.contains(&upright_box.longest_side_m()),
+        is_limb: false,
+    })
 }
 
-/// Writes the bodies as candidates.
-fn write(table: &Table, seen: SeenRectangle, workspace: &Workspace, detection: &mut Detection) {
+/// Judges the bodies and writes them as candidates.
+fn write(
+    frame: &Frame<'_>,
+    table: &Table,
+    config: &Config,
+    workspace: &Workspace,
+    detection: &mut Detection,
+) {
+    let seen = SeenRectangle::of(&frame.cloud);
+    let judge = Judge {
+        cloud: frame.cloud,
+        table,
+        surroundings: frame.surroundings,
+        limbs: &workspace.limbs,
+        config: config.get(),
+    };
     for body in &workspace.bodies {
-        let Some(support) = body.support else {
-            continue;
-        };
         let first = detection.point_indices.len();
-        let pixels = workspace.clusters.pixels(body.cluster as usize);
+        let pixels = workspace.pixels(body);
         detection.point_indices.extend_from_slice(pixels);
-        detection.candidates.push(Candidate {
-            range: first..detection.point_indices.len(),
-            centroid: body.summary.centroid,
-            oriented_box: body.upright_box.in_camera(&table.table_from_camera),
-            mean_rgb: body.summary.mean_rgb,
-            support,
-            touches_image_border: seen.is_reached_by(&body.summary.seen, BORDER_PX),
-        });
+        let is_cut = seen.is_reached_by(&body.summary.seen, BORDER_PX);
+        let range = first..detection.point_indices.len();
+        let candidate = judged(body, range, pixels, is_cut, &judge, config.rule());
+        detection.candidates.push(candidate);
+    }
+}
+
+/// The candidate that a body is, with what the rule says of it.
+pub(crate) fn judged(
+    body: &Body,
+    range: Range<usize>,
+    indices: &[u32],
+    is_cut: bool,
+    judge: &Judge<'_>,
+    rule: &Expression,
+) -> Candidate {
+    let oriented_box = body.upright_box.in_camera(&judge.table.table_from_camera);
+    let findings = judge.findings(body, &oriented_box, indices, is_cut);
+    let (verdict, decisive) = if body.is_object_sized {
+        (rule.evaluate(&findings), rule.decisive(&findings))
+    } else {
+        (Truth::False, ConstraintSet::from(Constraint::Size))
+    };
+    Candidate {
+        range,
+        centroid: body.summary.centroid,
+        oriented_box,
+        mean_rgb: body.summary.mean_rgb,
+        support: body.support,
+        touches_image_border: is_cut,
+        is_object_sized: body.is_object_sized,
+        findings,
+        verdict,
+        decisive,
     }
 }

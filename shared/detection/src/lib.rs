@@ -2,19 +2,22 @@
 //!
 //! [`detect`] searches the table plane, keeps the points in the prism above
 //! the table's polygon, joins them to clusters on the image grid, and returns
-//! each cluster that can be an object as a [`Candidate`] with an oriented box.
-//! A cloud without an image grid is laid back on one where it is a single view,
-//! and searched in voxels where it is not.
+//! each cluster as a [`Candidate`] with an oriented box. Each candidate is judged
+//! by every [`Constraint`]; an [`Expression`] over them says whether it is an
+//! object that nobody knows yet. A cloud without an image grid is laid back on one
+//! where it is a single view, and searched in voxels where it is not.
 //!
 //! Invariants: this crate never does I/O, never reads a clock, keeps no state
 //! between frames but buffers, draws randomness only from the seed it is
-//! given, accepts any bit pattern in the points, and knows nothing of tracks.
+//! given, accepts any bit pattern in the points, and knows of people, of the
+//! robot and of tracks only the capsules and boxes it is given.
 
 mod axis;
 mod borders;
 mod candidate;
 mod clusters;
 mod config;
+mod constraint;
 mod creases;
 mod detect;
 mod error;
@@ -35,7 +38,11 @@ mod unorganized;
 
 pub use candidate::{Candidate, Support};
 pub use config::{Config, InvalidConfig, RawConfig};
-pub use detect::{Detection, Frame, Workspace, detect};
+pub use constraint::{
+    Assumption, Assumptions, Constraint, ConstraintSet, Expression, Finding, Findings,
+    InvalidExpression, Reason, Truth,
+};
+pub use detect::{Detection, Frame, Surroundings, Workspace, detect};
 pub use error::Error;
 pub use outline::Outline;
 pub use sensor_noise::kinect_depth_sigma_m;

@@ -258,9 +258,9 @@ mod tests {
         );
         assert_eq!(
             (samples.width(), samples.height(), samples.len()),
-            (160, 120, 19_200)
+            (128, 96, 12_288)
         );
-        assert!((samples.position(161) - Point3::new(0.006, 0.006, 1.0)).norm() < 1e-6);
+        assert!((samples.position(129) - Point3::new(0.007, 0.007, 1.0)).norm() < 1e-6);
     }
 
     #[test]

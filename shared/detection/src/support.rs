@@ -18,20 +18,28 @@ const LOOK_PX: [f64; 3] = [2.0, 4.0, 8.0];
 /// Share of the lower border that must be hidden by something.
 const HIDDEN_SHARE_MIN: f64 = 0.3;
 
+/// With this share of the lower border without any depth below, nobody knows
+/// what carries a cluster.
+const UNSEEN_SHARE_MIN: f64 = 0.5;
+
 /// Finds what carries each cluster that does not stand on the table itself: a
 /// carried cluster that its box touches, or, unseen, whatever hides its lower
-/// border. Without either it hangs in the air and keeps `None`.
+/// border. Without either it hangs in the air and keeps `None`. People and the
+/// robot carry nothing that stands, and are not asked what carries them.
 pub(crate) fn find_supports(
     cloud: &OrganizedCloud<'_>,
     clusters: &Clusters,
     up_in_camera: &Vector3<f64>,
     bodies: &mut [Body],
 ) {
-    for body in bodies.iter_mut().filter(|body| body.support.is_none()) {
+    let unsupported = |body: &&mut Body| body.support.is_none() && !body.is_limb;
+    for body in bodies.iter_mut().filter(unsupported) {
         let step = downwards(&body.summary.centroid, up_in_camera);
-        if hidden_share(cloud, clusters, body.cluster, step) >= HIDDEN_SHARE_MIN {
+        let lower_end = LowerEnd::of(cloud, clusters, body.cluster, step);
+        if lower_end.hidden_share >= HIDDEN_SHARE_MIN {
             body.support = Some(Support::Hidden);
         }
+        body.is_lower_end_unseen = lower_end.unseen_share >= UNSEEN_SHARE_MIN;
     }
     // Each pass carries support one object higher; a pass without news ends it.
     while rest_on_others(bodies) {}
@@ -43,9 +51,13 @@ pub(crate) fn rest_on_others(bodies: &mut [Body]) -> bool {
     for i in 0..bodies.len() {
         let upright_box = bodies[i].upright_box;
         let carries = |other: &Body| {
-            other.support.is_some() && upright_box.touches(&other.upright_box, TOUCH_M)
+            other.support.is_some()
+                && other.is_object_sized
+                && !other.is_limb
+                && upright_box.touches(&other.upright_box, TOUCH_M)
         };
-        if bodies[i].support.is_none() && bodies.iter().any(carries) {
+        let is_asked = bodies[i].support.is_none() && !bodies[i].is_limb;
+        if is_asked && bodies.iter().any(carries) {
             bodies[i].support = Some(Support::Object);
             news = true;
         }
@@ -64,36 +76,43 @@ fn downwards(at: &Point3<f64>, up: &Vector3<f64>) -> [f64; 2] {
     }
 }
 
-/// Share of a cluster's lower border behind which something nearer is seen.
-fn hidden_share(
-    cloud: &OrganizedCloud<'_>,
-    clusters: &Clusters,
-    cluster: u32,
-    step: [f64; 2],
-) -> f64 {
-    let (points, width) = (cloud.points(), cloud.width());
-    let steps = LOOK_PX.map(|px| step.map(|part| (part * px).round() as isize));
-    let (mut n_border, mut n_hidden) = (0_u32, 0_u32);
-    for &pixel in clusters.pixels(cluster as usize) {
-        let pixel = pixel as usize;
-        let below = steps.map(|[columns, rows]| {
-            let column = (pixel % width).checked_add_signed(columns)?;
-            let row = (pixel / width).checked_add_signed(rows)?;
-            (column < width && row < cloud.height()).then_some(row * width + column)
-        });
-        if below
-            .iter()
-            .flatten()
-            .any(|&other| clusters.cluster_of[other] == cluster)
-        {
-            continue;
+/// What is seen at a cluster's lower border.
+#[derive(Debug, Clone, Copy)]
+struct LowerEnd {
+    /// Share of it before which something nearer is seen.
+    hidden_share: f64,
+    /// Share of it below which there is no depth.
+    unseen_share: f64,
+}
+
+impl LowerEnd {
+    fn of(cloud: &OrganizedCloud<'_>, clusters: &Clusters, cluster: u32, step: [f64; 2]) -> Self {
+        let (points, width) = (cloud.points(), cloud.width());
+        let steps = LOOK_PX.map(|px| step.map(|part| (part * px).round() as isize));
+        let (mut n_border, mut n_hidden, mut n_unseen) = (0_u32, 0_u32, 0_u32);
+        for &pixel in clusters.pixels(cluster as usize) {
+            let pixel = pixel as usize;
+            let below = steps.map(|[columns, rows]| {
+                let column = (pixel % width).checked_add_signed(columns)?;
+                let row = (pixel / width).checked_add_signed(rows)?;
+                (column < width && row < cloud.height()).then_some(row * width + column)
+            });
+            let mut seen = below.iter().flatten();
+            if seen.any(|&other| clusters.cluster_of[other] == cluster) {
+                continue;
+            }
+            n_border += 1;
+            let nearest = below
+                .iter()
+                .flatten()
+                .find(|&&other| points[other].is_finite());
+            n_hidden += u32::from(nearest.is_some_and(|&i| points[i].z < points[pixel].z - HIDE_M));
+            n_unseen += u32::from(nearest.is_none());
         }
-        n_border += 1;
-        let seen = below
-            .iter()
-            .flatten()
-            .find(|&&other| points[other].is_finite());
-        n_hidden += u32::from(seen.is_some_and(|&i| points[i].z < points[pixel].z - HIDE_M));
+        let share = |n: u32| f64::from(n) / f64::from(n_border.max(1));
+        Self {
+            hidden_share: share(n_hidden),
+            unseen_share: share(n_unseen),
+        }
     }
-    f64::from(n_hidden) / f64::from(n_border.max(1))
 }

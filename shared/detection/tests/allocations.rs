@@ -2,11 +2,13 @@
 
 mod synthetic;
 
-use detection::{Config, Detection, Frame, Workspace, detect};
+use detection::{Candidate, Config, Detection, Frame, Surroundings, Workspace, detect};
+use geometry::{Capsule, OrientedBox};
+use nalgebra::{Isometry3, Point3, Vector3};
 use point_cloud::OrganizedCloud;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
-use synthetic::{BoxOnTable, render};
+use synthetic::{BoxOnTable, camera_from_table, render};
 
 thread_local! {
     static N_ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
@@ -50,16 +52,34 @@ fn a_frame_in_steady_state_allocates_nothing() {
     let cloud = OrganizedCloud::new(&points, 640, 480).unwrap();
     let (mut workspace, mut detection) = (Workspace::default(), Detection::default());
     let config = Config::default();
+    // A track, and an arm over the left box.
+    let tracks = [OrientedBox {
+        frame_from_box: camera_from_table() * Isometry3::translation(0.25, 0.0, 0.06),
+        half_sides_m: Vector3::new(0.05, 0.035, 0.06),
+    }];
+    let link = Capsule {
+        from: Point3::new(-0.5, 0.0, 0.06),
+        to: Point3::new(-0.3, 0.0, 0.06),
+        radius_m: 0.05,
+    };
+    let links = [link.transformed(&camera_from_table())];
     for seed in 0..12 {
         let frame = Frame {
             cloud,
             up_in_camera: None,
             seed,
+            surroundings: Surroundings {
+                instructor: None,
+                robot: Some(&links),
+                tracks: &tracks,
+            },
         };
         let before = N_ALLOCATIONS.get();
         detect(&frame, &config, &mut workspace, &mut detection).unwrap();
         let n_allocations = N_ALLOCATIONS.get() - before;
-        assert_eq!(detection.candidates.len(), 3);
+        assert!(detection.candidates.len() >= 3);
+        let is_limb = |c: &Candidate| c.findings.is_limb();
+        assert!(detection.candidates.iter().any(is_limb));
         if seed >= 4 {
             assert_eq!(n_allocations, 0, "in frame {seed}");
         }
@@ -84,7 +104,7 @@ fn a_cloud_without_a_grid_allocates_nothing_but_polygons_either() {
     ];
     let mut view = render(&boxes, 1.0);
     view.retain(point_cloud::Point::is_finite);
-    let table_from_camera = synthetic::camera_from_table().inverse();
+    let table_from_camera = camera_from_table().inverse();
     let in_table = |point: &point_cloud::Point| {
         let p = table_from_camera * point.position();
         let [x, y, z] = [p.x as f32, p.y as f32, p.z as f32];
@@ -94,14 +114,16 @@ fn a_cloud_without_a_grid_allocates_nothing_but_polygons_either() {
     for (points, n_max) in [(&view, 0), (&turned, VOXEL_ALLOCATIONS_MAX)] {
         let cloud = OrganizedCloud::new(points, points.len(), 1).unwrap();
         let (mut workspace, mut detection) = (Workspace::default(), Detection::default());
+        let config = Config::default();
         for seed in 0..12 {
             let frame = Frame {
                 cloud,
                 up_in_camera: None,
                 seed,
+                surroundings: Surroundings::default(),
             };
             let before = N_ALLOCATIONS.get();
-            detect(&frame, &Config::default(), &mut workspace, &mut detection).unwrap();
+            detect(&frame, &config, &mut workspace, &mut detection).unwrap();
             let n_allocations = N_ALLOCATIONS.get() - before;
             assert_eq!(detection.candidates.len(), 3);
             if seed >= 6 {

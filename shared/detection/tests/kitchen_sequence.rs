@@ -1,7 +1,7 @@
 //! The table of a kitchen with a floor, walls, cupboards and chairs.
 
 use dataset::rgbd_sequence::{RgbdSequence, Scratch};
-use detection::{Config, Detection, Frame, Table, Workspace, detect};
+use detection::{Config, Detection, Frame, Surroundings, Table, Workspace, detect};
 use nalgebra::{Unit, Vector3};
 use point_cloud::{OrganizedCloud, Point};
 use std::path::PathBuf;
@@ -62,6 +62,7 @@ fn the_table_wins_over_walls_and_floor_with_and_without_gravity() {
                 cloud,
                 up_in_camera,
                 seed: index as u64,
+                surroundings: Surroundings::default(),
             };
             detect(&frame, &Config::default(), &mut workspace, &mut detection).unwrap();
             let height = height_m(detection.table.as_ref(), &world_from_camera, &up);

@@ -2,7 +2,7 @@
 
 mod synthetic;
 
-use detection::{Config, Detection, Frame, Support, Workspace, detect};
+use detection::{Config, Detection, Frame, Support, Surroundings, Workspace, detect};
 use nalgebra::{Isometry3, Unit, Vector3};
 use point_cloud::{OrganizedCloud, Point, Rgba};
 use proptest::prelude::*;
@@ -35,6 +35,7 @@ fn found_with(points: &[Point], up: Option<Vector3<f64>>, workspace: &mut Worksp
         cloud: OrganizedCloud::new(points, points.len(), 1).expect("a row"),
         up_in_camera: up.map(Unit::new_normalize),
         seed: 3,
+        surroundings: Surroundings::default(),
     };
     detect(&frame, &Config::default(), workspace, &mut detection).expect("a small cloud");
     detection
@@ -133,6 +134,7 @@ fn a_column_is_searched_like_a_row() {
         cloud: OrganizedCloud::new(&points, 1, points.len()).unwrap(),
         up_in_camera: None,
         seed: 3,
+        surroundings: Surroundings::default(),
     };
     detect(
         &frame,
@@ -194,7 +196,7 @@ fn views_from_two_sides_are_searched_in_the_frame_of_the_world() {
                 assert!(overlap > 0.8, "{overlap} of {solid:?}");
             }
             for candidate in &detection.candidates {
-                assert_eq!(candidate.support, Support::Table);
+                assert_eq!(candidate.support, Some(Support::Table));
                 assert!(!candidate.touches_image_border);
             }
         }
@@ -248,7 +250,7 @@ fn what_hangs_over_a_seen_table_is_no_candidate() {
     // Where the table under it was never seen it may stand on something.
     points.retain(|p| !(p.z < 0.02 && (-0.39..-0.21).contains(&p.x) && p.y.abs() < 0.06));
     let detection = found(&points, Some(Vector3::z()));
-    let hidden = |c: &&detection::Candidate| c.support == Support::Hidden;
+    let hidden = |c: &&detection::Candidate| c.support == Some(Support::Hidden);
     assert_eq!(detection.candidates.len(), 2);
     assert_eq!(detection.candidates.iter().filter(hidden).count(), 1);
 }
@@ -295,7 +297,7 @@ fn a_stack_seen_from_two_sides_comes_apart() {
         let overlap = overlap(&detection, &points, &solid);
         assert!(overlap > 0.7, "{overlap} of {solid:?}");
     }
-    let on_object = |c: &&detection::Candidate| c.support == Support::Object;
+    let on_object = |c: &&detection::Candidate| c.support == Some(Support::Object);
     assert_eq!(detection.candidates.iter().filter(on_object).count(), 1);
 }
 
@@ -461,7 +463,7 @@ proptest! {
         let (width, height) = if is_column { (1, points.len()) } else { (points.len(), 1) };
         let cloud = OrganizedCloud::new(&points, width, height).unwrap();
         let up_in_camera = up.and_then(|up| Unit::try_new(Vector3::from(up), 1e-3));
-        let frame = Frame { cloud, up_in_camera, seed };
+        let frame = Frame { cloud, up_in_camera, seed , surroundings: Surroundings::default(),};
         let mut detection = Detection::default();
         detect(&frame, &Config::default(), &mut Workspace::default(), &mut detection).unwrap();
         prop_assert!(detection.point_indices.iter().all(|&i| points[i as usize].is_finite()));

@@ -1,14 +1,6 @@
 //! The hypotheses of a detection as images of numbers.
 
-use detection::{Candidate, Detection};
-
-/// What ψ is taken to be.
-pub const PSI: &str = "every hypothesis passes: a candidate carries no verdict";
-
-/// Whether ψ lets a hypothesis pass.
-pub fn passes_psi(_candidate: &Candidate) -> bool {
-    true
-}
+use detection::{Detection, Truth};
 
 /// The number of each point's hypothesis, before ψ and after it.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -29,7 +21,7 @@ impl HypothesisImages {
         };
         for (i, candidate) in detection.candidates.iter().enumerate() {
             let number = u16::try_from(i + 1).ok()?;
-            let passes = passes_psi(candidate);
+            let passes = candidate.verdict == Truth::True;
             for &point_idx in detection.points_of(candidate) {
                 images.before_psi[point_idx as usize] = number;
                 images.after_psi[point_idx as usize] = if passes { number } else { 0 };

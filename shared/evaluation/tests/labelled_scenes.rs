@@ -1,6 +1,6 @@
 //! Detection on real labelled scenes.
 
-use detection::{Config, Detection, Frame, Workspace, detect};
+use detection::{Config, Detection, Frame, Surroundings, Workspace, detect};
 use evaluation::hypothesis_image::HypothesisImages;
 use evaluation::labelled_scenes::LabelledScenes;
 use evaluation::segmentation_score::{MEASURE_NAMES, Overlaps, SegmentationScore, score};
@@ -38,6 +38,7 @@ fn objects_of_labelled_scenes_are_found() {
             cloud: OrganizedCloud::new(&scene.points, scene.width, scene.height).unwrap(),
             up_in_camera: scene.up_in_camera,
             seed: 1,
+            surroundings: Surroundings::default(),
         };
         detect(&frame, &Config::default(), &mut workspace, &mut detection).unwrap();
         let found = HypothesisImages::of(&detection, scene.points.len()).unwrap();

@@ -1,7 +1,7 @@
 //! Real labelled scenes without their grid, compared with the same scenes on it.
 
 use dataset::pcd;
-use detection::{Config, Detection, Frame, Workspace, detect};
+use detection::{Config, Detection, Frame, Surroundings, Workspace, detect};
 use evaluation::segmentation_score::{Overlaps, SegmentationScore};
 use nalgebra::{Isometry3, Vector3};
 use point_cloud::{OrganizedCloud, Point};
@@ -27,6 +27,7 @@ fn found(points: &[Point], width: usize, workspace: &mut Workspace) -> Detection
         cloud,
         up_in_camera: None,
         seed: 1,
+        surroundings: Surroundings::default(),
     };
     let mut detection = Detection::default();
     detect(&frame, &Config::default(), workspace, &mut detection).expect("a small cloud");

@@ -5,11 +5,13 @@
 //! `channel`. All reports are what `--json` prints: `snake_case`, SI units.
 
 mod arm;
+mod ignored;
 mod learning;
 mod refusal;
 mod report;
 
 pub use arm::{ArmCommand, ArmReport};
+pub use ignored::{AssumptionReport, FindingReport, IgnoredReport};
 pub use learning::{
     ChangesPage, LearnedChange, LearnedView, MutationId, SnapshotPage, StoredView, ViewId,
 };

@@ -14,6 +14,7 @@ pub mod control;
 mod counted;
 mod frame;
 mod health;
+mod ignored;
 mod memory_change;
 mod object;
 mod pose;
@@ -27,6 +28,7 @@ pub use counted::{Counted, PlainHeader};
 pub use frame::{CheckedFrame, CloudPoint, FrameDone, FrameHeader, InvalidFrame, SegmentLocation};
 pub use frame::{frame_flag, points, points_mut};
 pub use health::{Health, ProcessKind, ProcessState};
+pub use ignored::{IgnoredBlob, MAX_IGNORED, WireFinding};
 pub use memory_change::MemoryChange;
 pub use object::{ObjectCloudHeader, ObjectViewHeader};
 pub use pose::{WirePose, WireTransform};
@@ -35,6 +37,6 @@ pub use scene::{MAX_SCENE_OBJECTS, SceneObject, SceneSummary, StageStamps, Track
 pub use text::Text;
 pub use truth::{MAX_TRUE_OBJECTS, MaskPixel, TrueObject, TrueState, TruthHeader};
 
-/// Version of every type in this crate; part of each type's name in shared
-/// memory and of each control request.
-pub const SCHEMA_VERSION: u32 = 1;
+/// Version of the types in this crate, written into their headers. A type's name
+/// in shared memory carries the version in which the type last changed.
+pub const SCHEMA_VERSION: u32 = 2;

@@ -1,6 +1,6 @@
 //! Poses as plain numbers.
 
-use bytemuck::AnyBitPattern;
+use bytemuck::{AnyBitPattern, Pod, Zeroable};
 use geometry::RigidTransform;
 use iceoryx2::prelude::ZeroCopySend;
 use nalgebra::{Matrix3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3};
@@ -15,7 +15,7 @@ pub struct WireTransform {
 }
 
 /// A pose as position and unit quaternion: `frame_from_object`.
-#[derive(Debug, Clone, Copy, PartialEq, Default, AnyBitPattern, ZeroCopySend)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable, ZeroCopySend)]
 #[type_name("tabula.Pose.v1")]
 #[repr(C)]
 pub struct WirePose {

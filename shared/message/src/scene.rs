@@ -1,7 +1,7 @@
 //! The live world model.
 
 use crate::pose::WirePose;
-use crate::{SCHEMA_VERSION, Text};
+use crate::{IgnoredBlob, MAX_IGNORED, SCHEMA_VERSION, Text};
 use bytemuck::AnyBitPattern;
 use iceoryx2::prelude::ZeroCopySend;
 
@@ -102,7 +102,7 @@ pub struct SceneObject {
 
 /// The world after one frame; the payload beside it is the objects, by track-id.
 #[derive(Debug, Clone, Copy, PartialEq, AnyBitPattern, ZeroCopySend)]
-#[type_name("tabula.SceneSummary.v1")]
+#[type_name("tabula.SceneSummary.v2")]
 #[repr(C)]
 pub struct SceneSummary {
     /// [`SCHEMA_VERSION`] of the writer.
@@ -123,20 +123,27 @@ pub struct SceneSummary {
     pub n_objects_total: u32,
     /// Object actors that had not answered in time and were predicted.
     pub n_late: u32,
-    /// Candidates of this frame that started no track and continued none.
+    /// Candidates of this frame that started no track and continued none; more
+    /// than `ignored` holds when they do not fit.
     pub n_rejected: u32,
     /// The table's plane in the world: normal and offset, metres.
     pub table_plane: [f64; 4],
     /// Name of the source or file of the frame.
     pub source_name: Text,
-    /// Zero.
-    pub reserved: u32,
+    /// Bits of the [`Assumptions`](detection::Assumptions) the frame was judged with.
+    pub assumptions: u32,
+    /// The rule by which a candidate begins a track, in the paper's notation.
+    pub rule: Text,
+    /// How many of `ignored` are meant.
+    pub n_ignored: u32,
+    /// Candidates that started no track and continued none, nearest first.
+    pub ignored: [IgnoredBlob; MAX_IGNORED],
     /// Counts the messages of the port.
     pub sent: u64,
 }
 
 const _: () = assert!(size_of::<StageStamps>() == 56 && size_of::<SceneObject>() == 264);
-const _: () = assert!(size_of::<SceneSummary>() == 280);
+const _: () = assert!(size_of::<SceneSummary>() == 280 + 136 + MAX_IGNORED * 176);
 
 impl Default for SceneObject {
     fn default() -> Self {
@@ -175,9 +182,19 @@ impl Default for SceneSummary {
             n_rejected: 0,
             table_plane: [0.0; 4],
             source_name: Text::default(),
-            reserved: 0,
+            assumptions: 0,
+            rule: Text::default(),
+            n_ignored: 0,
+            ignored: [IgnoredBlob::default(); MAX_IGNORED],
             sent: 0,
         }
+    }
+}
+
+impl SceneSummary {
+    /// The ignored candidates that came with the summary.
+    pub fn ignored(&self) -> &[IgnoredBlob] {
+        &self.ignored[..MAX_IGNORED.min(self.n_ignored as usize)]
     }
 }
 
@@ -202,5 +219,14 @@ mod tests {
             assert_eq!(TrackState::from_code(state.code()), Some(state));
         }
         assert_eq!(TrackState::from_code(77), None);
+    }
+
+    #[test]
+    fn a_hostile_number_of_ignored_ones_is_cut() {
+        let summary = SceneSummary {
+            n_ignored: u32::MAX,
+            ..SceneSummary::default()
+        };
+        assert_eq!(summary.ignored().len(), MAX_IGNORED);
     }
 }

@@ -31,6 +31,9 @@ pub struct Measured {
     /// Number of points.
     pub n_points: usize,
     /// Whether the border of the image cuts the object.
+    pub is_cut_by_image: bool,
+    /// Whether a part of it may be missing: the border of the image cuts it, or a
+    /// person or the robot touches it.
     pub is_cut: bool,
 }
 
@@ -41,7 +44,8 @@ impl Measured {
     /// When the candidate's box is no possible measurement.
     pub fn of(candidate: &Candidate, frame: &Frame) -> Result<Self, Error> {
         let box_in_world = candidate.oriented_box.transformed(&frame.world_from_camera);
-        let is_cut = candidate.touches_image_border;
+        let is_cut_by_image = candidate.touches_image_border;
+        let is_cut = is_cut_by_image || candidate.is_touched();
         let depth_m = candidate.centroid.z;
         let measurement = Measurement::new(frame.capture_ns, box_in_world, depth_m, is_cut)
             .map_err(Error::Tracking)?;
@@ -56,6 +60,7 @@ impl Measured {
             },
             mean_rgb: candidate.mean_rgb,
             n_points: candidate.n_points(),
+            is_cut_by_image,
             is_cut,
         })
     }

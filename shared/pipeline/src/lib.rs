@@ -4,8 +4,10 @@
 //! measurements and demos all call it. It has two halves, because the second
 //! runs once for every object, on any thread:
 //!
-//! 1. [`TrackTable::step`] predicts the tracks, associates the candidates of a
-//!    [`detection::Detection`] with them, begins new tracks and ends old ones.
+//! 1. [`TrackTable::predict`] says where the tracks are expected, which detection
+//!    has to know; [`TrackTable::step`] associates the candidates of the
+//!    [`detection::Detection`] with them, begins new tracks for those of which the
+//!    rule is true, and ends old ones.
 //! 2. [`ObjectState::observe`] takes one object's measurement: motion filter,
 //!    key-view rule, descriptor, recognition. Its [`Posterior`] goes back to the
 //!    table ([`TrackTable::absorb`]).

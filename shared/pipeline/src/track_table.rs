@@ -2,7 +2,7 @@
 
 use crate::frame::{Frame, Measured};
 use crate::{Config, Posterior};
-use detection::Detection;
+use detection::{Detection, Truth};
 use geometry::OrientedBox;
 use learning::CategoryName;
 use tracking::{
@@ -74,8 +74,9 @@ pub struct Step {
     pub sightings: Vec<Sighting>,
     /// Tracks that have ended.
     pub gone: Vec<u64>,
-    /// Candidates that continued no track and began none.
-    pub n_rejected: usize,
+    /// Candidates that continued no track and began none, by their places in the
+    /// detection, ascending.
+    pub rejected: Vec<usize>,
 }
 
 /// The tracks, and what is needed to go on with them.
@@ -114,9 +115,33 @@ impl TrackTable {
         gone.extend(self.tracks.drain(..).map(|track| track.id));
     }
 
+    /// Predicts all tracks to the frame and gives their boxes, in the camera's
+    /// frame. To be asked before detection, which judges by them what is tracked
+    /// already. A track that was not seen in the last step gives the box in which
+    /// it was seen last, too: it may not have gone where it was going.
+    pub fn predict(&mut self, frame: &Frame, boxes_in_camera: &mut Vec<OrientedBox>) {
+        self.predict_tracks(frame);
+        let camera_from_world = frame.world_from_camera.inverse();
+        boxes_in_camera.clear();
+        for track in &self.tracks {
+            let last_seen = (!track.is_seen).then(|| track.posterior.box_in_world());
+            let boxes = [Some(track.box_in_world()), last_seen];
+            let in_camera = boxes
+                .into_iter()
+                .flatten()
+                .map(|in_world| in_world.transformed(&camera_from_world));
+            boxes_in_camera.extend(in_camera);
+        }
+    }
+
     /// Predicts all tracks to the frame, gives each its candidate, begins tracks
-    /// for the candidates left over, and ends tracks not seen for too long.
-    /// `next_id` gives ids in ascending order, `None` while there are none.
+    /// for the candidates left over of which the rule is true, and ends tracks
+    /// not seen for too long.
+    ///
+    /// A track goes on with its candidate whatever the rule says of it, at the
+    /// table's rim or held in the air, but never with a part of a person or of
+    /// the robot. `next_id` gives ids in ascending order, `None` while there are
+    /// none.
     pub fn step(
         &mut self,
         detection: &Detection,
@@ -126,12 +151,19 @@ impl TrackTable {
     ) {
         step.sightings.clear();
         step.gone.clear();
+        step.rejected.clear();
         self.measure(detection, frame);
-        self.predict(frame);
+        self.predict_tracks(frame);
         self.associate(frame, step);
         self.end_lost(step);
-        self.begin(frame, &mut next_id, step);
-        step.n_rejected = detection.candidates.len() - step.sightings.len();
+        self.begin(detection, frame, &mut next_id, step);
+        let Step {
+            sightings,
+            rejected,
+            ..
+        } = step;
+        let is_sighted = |i: &usize| sightings.iter().any(|sighting| sighting.candidate == *i);
+        rejected.extend((0..detection.candidates.len()).filter(|i| !is_sighted(i)));
     }
 
     /// Takes what an object's half of the step has found. A posterior of a track
@@ -160,7 +192,10 @@ impl TrackTable {
         self.usable.clear();
         self.observed.clear();
         for (i, candidate) in detection.candidates.iter().enumerate() {
-            let measured = Measured::of(candidate, frame).ok();
+            let measured = candidate
+                .can_continue_track()
+                .then(|| Measured::of(candidate, frame).ok())
+                .flatten();
             if let Some(measured) = &measured {
                 self.usable.push(i);
                 self.observed
@@ -170,7 +205,7 @@ impl TrackTable {
         }
     }
 
-    fn predict(&mut self, frame: &Frame) {
+    fn predict_tracks(&mut self, frame: &Frame) {
         self.predicted.clear();
         for track in &mut self.tracks {
             // Always from the measured state: predicting a prediction would let
@@ -231,9 +266,16 @@ impl TrackTable {
         });
     }
 
-    fn begin(&mut self, frame: &Frame, next_id: &mut impl FnMut() -> Option<u64>, step: &mut Step) {
+    fn begin(
+        &mut self,
+        detection: &Detection,
+        frame: &Frame,
+        next_id: &mut impl FnMut() -> Option<u64>,
+        step: &mut Step,
+    ) {
         for (candidate, measured) in self.measured.iter_mut().enumerate() {
-            let Some(measured) = measured.take() else {
+            let is_object = detection.candidates[candidate].verdict == Truth::True;
+            let Some(measured) = measured.take().filter(|_| is_object) else {
                 continue;
             };
             let Some(track_id) = next_id() else { return };
@@ -265,7 +307,7 @@ impl TrackTable {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use detection::{Candidate, Support};
+    use detection::{Candidate, Constraint, ConstraintSet, Finding, Findings, Reason, Support};
     use geometry::RigidTransform;
     use nalgebra::{Point3, Vector3};
     use tracking::{AssociationConfig, MotionConfig};
@@ -282,9 +324,31 @@ mod tests {
                 half_sides_m: Vector3::repeat(0.05),
             },
             mean_rgb: [120.0; 3],
-            support: Support::Table,
+            support: Some(Support::Table),
             touches_image_border: false,
+            is_object_sized: true,
+            findings: Findings::default(),
+            verdict: Truth::True,
+            decisive: ConstraintSet::NONE,
         }
+    }
+
+    /// The same, of which the rule is not true.
+    fn ignored_at(x: f64, verdict: Truth) -> Candidate {
+        Candidate {
+            verdict,
+            support: None,
+            ..candidate_at(x)
+        }
+    }
+
+    /// The same as a part of the robot or of a person.
+    fn limb_at(x: f64, constraint: Constraint) -> Candidate {
+        let mut limb = ignored_at(x, Truth::False);
+        let reason = Reason::NotJudged;
+        let truth = Truth::True;
+        limb.findings.set(constraint, Finding { truth, reason });
+        limb
     }
 
     /// A table and the steps it makes, with ids counted from 1.
@@ -309,8 +373,12 @@ mod tests {
 
         /// One frame with an object at each place.
         fn frame(&mut self, places: &[f64]) {
+            self.frame_of(places.iter().map(|x| candidate_at(*x)).collect());
+        }
+
+        fn frame_of(&mut self, candidates: Vec<Candidate>) {
             let detection = Detection {
-                candidates: places.iter().map(|x| candidate_at(*x)).collect(),
+                candidates,
                 ..Detection::default()
             };
             let frame = Frame {
@@ -386,6 +454,102 @@ mod tests {
         story
             .table
             .step(&detection, &frame, || None, &mut story.step);
-        assert_eq!((story.ids().len(), story.step.n_rejected), (0, 1));
+        assert_eq!((story.ids(), &story.step.rejected), (vec![], &vec![0]));
+    }
+
+    #[test]
+    fn only_what_the_rule_is_true_of_begins_a_track() {
+        let mut story = Story::new();
+        story.frame_of(vec![
+            ignored_at(0.0, Truth::False),
+            candidate_at(0.3),
+            ignored_at(0.6, Truth::Unknown),
+        ]);
+        assert_eq!(story.ids(), [1]);
+        assert_eq!(story.step.sightings[0].candidate, 1);
+        assert_eq!(story.step.rejected, [0, 2]);
+    }
+
+    #[test]
+    fn a_track_goes_on_whatever_the_rule_says() {
+        for verdict in [Truth::False, Truth::Unknown] {
+            let mut story = Story::new();
+            story.frame(&[0.0]);
+            for _ in 0..60 {
+                story.frame_of(vec![ignored_at(0.0, verdict)]);
+                assert!(story.table.tracks()[0].is_seen);
+            }
+            assert_eq!((story.ids(), story.step.rejected.len()), (vec![1], 0));
+        }
+    }
+
+    #[test]
+    fn a_track_never_goes_on_with_a_hand_or_the_arm() {
+        for constraint in [Constraint::Robot, Constraint::Instructor] {
+            let mut story = Story::new();
+            story.frame(&[0.0]);
+            story.frame_of(vec![limb_at(0.0, constraint)]);
+            assert!(!story.table.tracks()[0].is_seen);
+            assert_eq!(story.step.rejected, [0]);
+            let oversized = Candidate {
+                is_object_sized: false,
+                ..candidate_at(0.0)
+            };
+            story.frame_of(vec![oversized]);
+            assert!(!story.table.tracks()[0].is_seen);
+            assert_eq!(story.ids(), [1]);
+        }
+    }
+
+    #[test]
+    fn what_is_left_of_an_object_in_a_hand_does_not_shrink_its_track() {
+        let mut story = Story::new();
+        for _ in 0..20 {
+            story.frame(&[0.0]);
+        }
+        let mut touched = ignored_at(0.0, Truth::Unknown);
+        touched.oriented_box.half_sides_m.z = 0.02;
+        let truth = Truth::Unknown;
+        let reason = Reason::NotJudged;
+        touched
+            .findings
+            .set(Constraint::Instructor, Finding { truth, reason });
+        for _ in 0..20 {
+            story.frame_of(vec![touched.clone()]);
+        }
+        let track = &story.table.tracks()[0];
+        assert!(track.is_seen && track.measured.is_cut && !track.measured.is_cut_by_image);
+        assert!(
+            track.appearance.volume_m3 > 0.9e-3,
+            "{:?}",
+            track.appearance
+        );
+    }
+
+    #[test]
+    fn the_boxes_of_the_tracks_are_known_before_detection() {
+        let mut story = Story::new();
+        story.frame(&[0.0, 0.3]);
+        let world_from_camera =
+            RigidTransform::new(Vector3::new(0.5, -0.2, 1.0), Vector3::new(2.0, 0.1, 0.0));
+        let frame = Frame {
+            capture_ns: FRAME_NS,
+            world_from_camera,
+        };
+        let mut boxes = vec![];
+        story.table.predict(&frame, &mut boxes);
+        assert_eq!(boxes.len(), 2);
+        for (found, x) in boxes.iter().zip([0.0, 0.3]) {
+            let in_world = world_from_camera * found.centre();
+            assert!(
+                (in_world - Point3::new(x, 0.0, 0.8)).norm() < 1e-9,
+                "{in_world}"
+            );
+            assert!((found.half_sides_m - Vector3::repeat(0.05)).norm() < 1e-9);
+        }
+        // What is not seen may be where it was.
+        story.frame(&[0.3]);
+        story.table.predict(&frame, &mut boxes);
+        assert_eq!(boxes.len(), 3);
     }
 }

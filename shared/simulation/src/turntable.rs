@@ -11,7 +11,7 @@ use crate::random::Random;
 use crate::scene::{CameraMount, ModelChoice, ObjectPlan, Placing, Scene};
 use crate::simulated_kinect::SimulatedKinect;
 use crate::world::World;
-use detection::{Candidate, Config, Detection, Frame, Workspace, detect};
+use detection::{Candidate, Config, Detection, Frame, Surroundings, Workspace, detect};
 use geometry::{OrientedBox, PinholeCamera};
 use nalgebra::{Point3, Unit, Vector3};
 use point_cloud::{OrganizedCloud, Point};
@@ -167,6 +167,7 @@ impl Turntable {
             cloud,
             up_in_camera: Some(up_in_camera),
             seed,
+            surroundings: Surroundings::default(),
         };
         let detected = detect(
             &frame,
@@ -203,7 +204,7 @@ fn nearest<'a>(candidates: &'a [Candidate], middle: &Point3<f64>) -> Option<&'a 
     let distance = |candidate: &Candidate| (candidate.oriented_box.centre() - middle).norm();
     candidates
         .iter()
-        .filter(|candidate| distance(candidate) < OFF_MIDDLE_MAX_M)
+        .filter(|candidate| candidate.is_hypothesis() && distance(candidate) < OFF_MIDDLE_MAX_M)
         .min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }
 

@@ -7,7 +7,7 @@ use super::{failed, report};
 use crate::arguments::DetectionArguments;
 use crate::output::Output;
 use crate::simulate::progress;
-use detection::{Config, Detection, Frame, Workspace, detect};
+use detection::{Assumptions, Config, Detection, Frame, Surroundings, Workspace, detect};
 use evaluation::durations::sum_of_words;
 use evaluation::hypothesis_image::HypothesisImages;
 use evaluation::labelled_scenes::{LabelledScene, LabelledScenes, SceneEntry};
@@ -29,6 +29,7 @@ pub(super) struct SceneResult {
     pub(super) group: String,
     pub(super) is_odd: bool,
     pub(super) has_up: bool,
+    pub(super) assumptions: Assumptions,
     pub(super) n_points: usize,
     pub(super) before_psi: SegmentationScore,
     pub(super) after_psi: SegmentationScore,
@@ -148,6 +149,7 @@ impl<'a> Bench<'a> {
             cloud: cloud.map_err(of_scene)?,
             up_in_camera: scene.up_in_camera,
             seed: self.arguments.seed,
+            surroundings: Surroundings::default(),
         };
         self.detect(&frame).map_err(of_scene)?;
         let found = HypothesisImages::of(&self.detection, scene.points.len())
@@ -173,6 +175,7 @@ impl<'a> Bench<'a> {
             group: entry.group.clone(),
             is_odd: entry.is_odd,
             has_up: scene.up_in_camera.is_some(),
+            assumptions: self.detection.assumptions,
             n_points: scene.points.len(),
             before_psi,
             after_psi,

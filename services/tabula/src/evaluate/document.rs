@@ -2,8 +2,8 @@
 
 use super::detection::{SceneResult, Skipped};
 use crate::arguments::DetectionArguments;
+use detection::{Assumption, Config};
 use evaluation::durations::Percentiles;
-use evaluation::hypothesis_image::PSI;
 use evaluation::segmentation_score::{HYPOTHESIS_PIXELS_MIN, SegmentationScore};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -212,8 +212,12 @@ impl<'a> Document<'a> {
 /// What was taken to be so.
 fn assumptions(results: &[SceneResult]) -> Vec<String> {
     let n_with_up = results.iter().filter(|result| result.has_up).count();
-    vec![
-        format!("up is known in {n_with_up} of {} scenes", results.len()),
-        format!("ψ: {PSI}"),
-    ]
+    let known = format!("up is known in {n_with_up} of {} scenes", results.len());
+    let rule = format!("ψ: {}", Config::default().rule());
+    let assumed = Assumption::ALL.into_iter().filter(|&assumption| {
+        let mut assumed = results.iter().map(|result| result.assumptions);
+        assumed.any(|assumptions| assumptions.contains(assumption))
+    });
+    let assumed = assumed.map(|assumption| assumption.sentence().to_owned());
+    [known, rule].into_iter().chain(assumed).collect()
 }

@@ -69,7 +69,7 @@ pub(crate) fn detect_unorganized(
     if !is_view {
         detection.table = None;
         let path = &mut buffers.path;
-        path.detect(frame, config.get(), workspace, detection);
+        path.detect(frame, config, workspace, detection);
     }
     workspace.unorganized = Some(buffers);
 }

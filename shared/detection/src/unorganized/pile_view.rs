@@ -3,7 +3,7 @@
 use super::NOWHERE;
 use super::labels::Labels;
 use crate::axis::Axis;
-use crate::detect::{Detection, Frame, Workspace, detect};
+use crate::detect::{Detection, Frame, Surroundings, Workspace, detect};
 use crate::table_plane::Table;
 use crate::{Config, RawConfig};
 use geometry::{OrientedBox, PinholeCamera, RigidTransform};
@@ -118,6 +118,7 @@ impl PileView {
             cloud,
             up_in_camera,
             seed: 0,
+            surroundings: Surroundings::default(),
         };
         if detect(&frame, &config, workspace, &mut self.detection).is_err() {
             return 0;

@@ -5,14 +5,15 @@ use super::table_map::TableMap;
 use super::voxel_clusters::VoxelClusters;
 use super::voxel_table::{TableSearch, VoxelTable};
 use super::voxels::Voxels;
-use crate::RawConfig;
 use crate::axis::Axis;
-use crate::candidate::{Body, Candidate, Summary, Support, UprightBox};
-use crate::detect::{Detection, Frame, Workspace};
+use crate::candidate::{Body, Summary, Support, UprightBox};
+use crate::constraint::{Judge, Limbs};
+use crate::detect::{self, Detection, Frame, Workspace};
 use crate::random::Random;
 use crate::support::rest_on_others;
 use crate::table_plane::Table;
 use crate::table_surface::TableSurface;
+use crate::{Config, RawConfig};
 use point_cloud::{OrganizedCloud, Point};
 
 /// Side of the voxels on whose centroids planes are searched, metres.
@@ -51,6 +52,7 @@ pub(super) struct VoxelPath {
     over_table: Vec<u32>,
     clusters: VoxelClusters,
     pile: PileView,
+    limbs: Limbs,
     indices: Vec<u32>,
     bodies: Vec<Body>,
     /// Fewest points of an object, as densely as the table is seen.
@@ -62,10 +64,11 @@ impl VoxelPath {
     pub(super) fn detect(
         &mut self,
         frame: &Frame<'_>,
-        config: &RawConfig,
+        rules: &Config,
         workspace: &mut Workspace,
         detection: &mut Detection,
     ) {
+        let config = rules.get();
         let points = frame.cloud.points();
         let position = |i: usize| points[i].is_finite().then(|| coordinates(&points[i]));
         self.voxels.fill(points.len(), position, VOXEL_M);
@@ -96,7 +99,7 @@ impl VoxelPath {
         self.n_points_min = per_point.min(1.0) * config.points_min_at_1m;
         self.part_piles(&frame.cloud, &table, config, workspace);
         self.find_bodies(&frame.cloud, &table_axes, config);
-        self.write(&table, detection);
+        self.write(frame, &table, rules, detection);
         detection.table = Some(table);
     }
 
@@ -202,14 +205,15 @@ impl VoxelPath {
                 continue;
             }
             let judged = judged(&self.indices, cloud, table_axes, config);
-            if let Some((summary, upright_box)) =
-                judged.filter(|(_, upright_box)| sides.contains(&upright_box.longest_side_m()))
-            {
+            if let Some((summary, upright_box)) = judged {
                 self.bodies.push(Body {
                     cluster: cluster as u32,
                     summary,
                     upright_box,
                     support: summary.stands.then_some(Support::Table),
+                    is_lower_end_unseen: false,
+                    is_object_sized: sides.contains(&upright_box.longest_side_m()),
+                    is_limb: false,
                 });
             }
         }
@@ -217,7 +221,6 @@ impl VoxelPath {
         while rest_on_others(&mut self.bodies) {}
         self.find_hidden(cloud.points(), table_axes);
         while rest_on_others(&mut self.bodies) {}
-        self.bodies.retain(|body| body.support.is_some());
         let distance = |body: &Body| body.summary.centroid.coords.norm_squared();
         self.bodies.sort_unstable_by(|a, b| {
             distance(a)
@@ -256,25 +259,32 @@ impl VoxelPath {
         }
     }
 
-    fn write(&self, table: &Table, detection: &mut Detection) {
+    fn write(
+        &mut self,
+        frame: &Frame<'_>,
+        table: &Table,
+        config: &Config,
+        detection: &mut Detection,
+    ) {
+        self.limbs.refill(&frame.surroundings, table, config.get());
+        let judge = Judge {
+            cloud: frame.cloud,
+            table,
+            surroundings: frame.surroundings,
+            limbs: &self.limbs,
+            config: config.get(),
+        };
         for body in &self.bodies {
-            let Some(support) = body.support else {
-                continue;
-            };
             let first = detection.point_indices.len();
             let members = self.clusters.members(body.cluster as usize).iter();
             detection
                 .point_indices
                 .extend(members.map(|&member| self.over_table[member as usize]));
-            detection.candidates.push(Candidate {
-                range: first..detection.point_indices.len(),
-                centroid: body.summary.centroid,
-                oriented_box: body.upright_box.in_camera(&table.table_from_camera),
-                mean_rgb: body.summary.mean_rgb,
-                support,
-                // There is no image whose border could cut it.
-                touches_image_border: false,
-            });
+            let range = first..detection.point_indices.len();
+            let indices = &detection.point_indices[range.clone()];
+            // There is no image whose border could cut it.
+            let candidate = detect::judged(body, range, indices, false, &judge, config.rule());
+            detection.candidates.push(candidate);
         }
     }
 }

@@ -1,6 +1,8 @@
 //! Reports to people and scripts: the documents that `--json` prints.
 
+use crate::control::ignored::{AssumptionReport, IgnoredReport};
 use crate::{Health, ProcessKind, ProcessState, SceneObject, SceneSummary, TrackState};
+use detection::Assumptions;
 use serde::{Deserialize, Serialize};
 
 /// All tracked objects.
@@ -18,6 +20,18 @@ pub struct ObjectsReport {
     pub has_table: bool,
     /// Whether the camera's pose is known; otherwise world = camera frame.
     pub has_world_pose: bool,
+    /// The rule by which a candidate begins a track.
+    #[serde(default)]
+    pub rule: String,
+    /// What was taken for granted where a source was absent.
+    #[serde(default)]
+    pub assumptions: Vec<AssumptionReport>,
+    /// What is there and is no object, nearest first.
+    #[serde(default)]
+    pub ignored: Vec<IgnoredReport>,
+    /// What is ignored and did not fit into the summary.
+    #[serde(default)]
+    pub n_more_ignored: u32,
 }
 
 /// One tracked object.
@@ -118,6 +132,15 @@ impl ObjectsReport {
             source_name: scene.source_name.as_str().unwrap_or_default().to_owned(),
             has_table: scene.has_table == 1,
             has_world_pose: scene.frame_flags & crate::frame_flag::HAS_WORLD_POSE != 0,
+            rule: scene.rule.as_str().unwrap_or_default().to_owned(),
+            assumptions: Assumptions::from_bits(scene.assumptions)
+                .iter()
+                .map(AssumptionReport::from)
+                .collect(),
+            ignored: scene.ignored().iter().map(IgnoredReport::from).collect(),
+            n_more_ignored: scene
+                .n_rejected
+                .saturating_sub(scene.ignored().len() as u32),
         }
     }
 }
@@ -152,7 +175,7 @@ impl ObjectReport {
 }
 
 /// An `f32` as the `f64` that prints with as few digits: to a tenth of a micrometre.
-fn shortest(value: f32) -> f64 {
+pub(super) fn shortest(value: f32) -> f64 {
     (f64::from(value) * 1e7).round() / 1e7
 }
 

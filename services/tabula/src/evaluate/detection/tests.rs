@@ -221,6 +221,7 @@ fn the_report_names_groups_halves_and_the_worst() {
         group: "boxes".into(),
         is_odd,
         has_up: false,
+        assumptions: Assumptions::default(),
         n_points: 1000,
         before_psi: SegmentationScore {
             wov,

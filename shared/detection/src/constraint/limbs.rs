@@ -1,0 +1,210 @@
+//! Points of a person or of the robot.
+//!
+//! They are told apart from the objects' points before clusters are formed, so
+//! that a hand at a cup, or a gripper on a box, does not melt with it.
+
+use crate::RawConfig;
+use crate::detect::Surroundings;
+use crate::table_plane::Table;
+use geometry::Capsule;
+use nalgebra::{Point3, Vector3};
+use point_cloud::{OrganizedCloud, Point};
+
+/// Whose body a capsule is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Owner {
+    Person,
+    Robot,
+}
+
+/// A box along the axes; contains nothing until it is grown.
+#[derive(Debug, Clone, Copy)]
+struct Bounds {
+    low: Vector3<f32>,
+    high: Vector3<f32>,
+}
+
+impl Bounds {
+    const NOTHING: Self = Self {
+        low: Vector3::new(f32::INFINITY, f32::INFINITY, f32::INFINITY),
+        high: Vector3::new(f32::NEG_INFINITY, f32::NEG_INFINITY, f32::NEG_INFINITY),
+    };
+
+    fn around(other: &Self, grown: &Self) -> Self {
+        Self {
+            low: other.low.inf(&grown.low),
+            high: other.high.sup(&grown.high),
+        }
+    }
+
+    #[inline]
+    fn contains(&self, point: &Point) -> bool {
+        (self.low.x..=self.high.x).contains(&point.x)
+            && (self.low.y..=self.high.y).contains(&point.y)
+            && (self.low.z..=self.high.z).contains(&point.z)
+    }
+}
+
+/// A capsule grown by its margin, as the inner loop needs it.
+#[derive(Debug, Clone, Copy)]
+struct Limb {
+    owner: Owner,
+    from: Vector3<f32>,
+    axis: Vector3<f32>,
+    per_length2: f32,
+    radius: f32,
+    bounds: Bounds,
+}
+
+impl Limb {
+    fn new(capsule: &Capsule, margin_m: f64, owner: Owner) -> Self {
+        let [from, to] = [capsule.from, capsule.to].map(|end| end.coords.cast::<f32>());
+        let radius = (capsule.radius_m + margin_m) as f32;
+        let (axis, reach) = (to - from, Vector3::repeat(radius));
+        Self {
+            owner,
+            from,
+            axis,
+            per_length2: 1.0 / axis.norm_squared().max(1e-12),
+            radius,
+            bounds: Bounds {
+                low: from.inf(&to) - reach,
+                high: from.sup(&to) + reach,
+            },
+        }
+    }
+
+    /// The same with a greater margin.
+    fn grown(&self, by_m: f32) -> Self {
+        let reach = Vector3::repeat(by_m);
+        Self {
+            radius: self.radius + by_m,
+            bounds: Bounds {
+                low: self.bounds.low - reach,
+                high: self.bounds.high + reach,
+            },
+            ..*self
+        }
+    }
+
+    #[inline]
+    fn contains(&self, point: &Point) -> bool {
+        if !self.bounds.contains(point) {
+            return false;
+        }
+        let away = Vector3::new(point.x, point.y, point.z) - self.from;
+        let along = (away.dot(&self.axis) * self.per_length2).clamp(0.0, 1.0);
+        (away - self.axis * along).norm_squared() <= self.radius * self.radius
+    }
+}
+
+/// What of a person and of the robot reaches over the table. Reused from frame
+/// to frame.
+#[derive(Debug)]
+pub(crate) struct Limbs {
+    limbs: Vec<Limb>,
+    bounds: Bounds,
+}
+
+impl Default for Limbs {
+    fn default() -> Self {
+        Self {
+            limbs: Vec::new(),
+            bounds: Bounds::NOTHING,
+        }
+    }
+}
+
+impl Limbs {
+    /// Takes the capsules that reach into the prism over the table.
+    pub(crate) fn refill(
+        &mut self,
+        surroundings: &Surroundings<'_>,
+        table: &Table,
+        config: &RawConfig,
+    ) {
+        self.limbs.clear();
+        self.bounds = Bounds::NOTHING;
+        let Surroundings {
+            instructor, robot, ..
+        } = surroundings;
+        for (capsules, margin_m, owner) in [
+            (instructor, config.person_margin_m, Owner::Person),
+            (robot, config.robot_margin_m, Owner::Robot),
+        ] {
+            for capsule in capsules.unwrap_or_default() {
+                if reaches_over(capsule, margin_m, table, config) {
+                    let limb = Limb::new(capsule, margin_m, owner);
+                    self.bounds = Bounds::around(&self.bounds, &limb.bounds);
+                    self.limbs.push(limb);
+                }
+            }
+        }
+    }
+
+    /// Moves the pixels of limbs out of `pixels` into `of_limbs`, both in image
+    /// order.
+    pub(crate) fn separate(
+        &self,
+        cloud: &OrganizedCloud<'_>,
+        pixels: &mut Vec<u32>,
+        of_limbs: &mut Vec<u32>,
+    ) {
+        of_limbs.clear();
+        if self.limbs.is_empty() {
+            return;
+        }
+        pixels.retain(|&pixel| {
+            let point = &cloud.points()[pixel as usize];
+            let is_limb =
+                self.bounds.contains(point) && self.limbs.iter().any(|limb| limb.contains(point));
+            if is_limb {
+                of_limbs.push(pixel);
+            }
+            !is_limb
+        });
+    }
+
+    /// Whether nobody reaches over the table.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.limbs.is_empty()
+    }
+
+    /// Shares of some points that belong to a person and to the robot, 0 to 1,
+    /// when their margins are greater by `more_m`.
+    pub(crate) fn shares<'a>(
+        &self,
+        points: &(impl Iterator<Item = &'a Point> + Clone),
+        more_m: f64,
+    ) -> [f32; 2] {
+        [Owner::Person, Owner::Robot].map(|owner| {
+            let own = self.limbs.iter().filter(|limb| limb.owner == owner);
+            let own = own.map(|limb| limb.grown(more_m as f32));
+            let (mut n, mut n_own) = (0_u32, 0_u32);
+            for point in points.clone() {
+                n += 1;
+                n_own += u32::from(own.clone().any(|limb| limb.contains(point)));
+            }
+            n_own as f32 / n.max(1) as f32
+        })
+    }
+}
+
+/// Whether a grown capsule's bounds meet the prism's. False for a broken one.
+fn reaches_over(capsule: &Capsule, margin_m: f64, table: &Table, config: &RawConfig) -> bool {
+    let [from, to] = [capsule.from, capsule.to].map(|end| table.table_from_camera * end);
+    let reach = capsule.radius_m + margin_m;
+    let (low, high) = (from.inf(&to), from.sup(&to));
+    let corners = table.polygon.corners();
+    let nothing = (
+        Point3::new(f64::INFINITY, f64::INFINITY, 0.0),
+        Point3::new(f64::NEG_INFINITY, f64::NEG_INFINITY, config.height_max_m),
+    );
+    let (first, last) = corners.iter().fold(nothing, |(first, last), corner| {
+        (
+            Point3::new(first.x.min(corner.x), first.y.min(corner.y), first.z),
+            Point3::new(last.x.max(corner.x), last.y.max(corner.y), last.z),
+        )
+    });
+    (0..3).all(|i| low[i] - reach <= last[i] && first[i] <= high[i] + reach)
+}

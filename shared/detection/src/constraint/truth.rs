@@ -1,0 +1,104 @@
+//! True, false, or unknown.
+
+/// A truth value of Kleene's strong logic (Kleene 1952, § 64), from the least
+/// true to the truest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Truth {
+    /// It does not hold.
+    False,
+    /// Nothing tells whether it holds.
+    Unknown,
+    /// It holds.
+    True,
+}
+
+impl Truth {
+    const ALL: [Self; 3] = [Self::False, Self::Unknown, Self::True];
+
+    /// Both: the lesser of the two.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        self.min(other)
+    }
+
+    /// Either: the greater of the two.
+    #[must_use]
+    pub fn or(self, other: Self) -> Self {
+        self.max(other)
+    }
+
+    /// The contrary of what is unknown is unknown.
+    #[must_use]
+    #[expect(
+        clippy::should_implement_trait,
+        reason = "stands beside `and` and `or`"
+    )]
+    pub fn not(self) -> Self {
+        match self {
+            Self::False => Self::True,
+            Self::Unknown => Self::Unknown,
+            Self::True => Self::False,
+        }
+    }
+
+    /// The word for people and scripts.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::False => "false",
+            Self::Unknown => "unknown",
+            Self::True => "true",
+        }
+    }
+
+    /// The number on the wire.
+    pub fn code(self) -> u16 {
+        self as u16
+    }
+
+    /// The truth of a number; `None` for any other number.
+    pub fn from_code(code: u16) -> Option<Self> {
+        Self::ALL.into_iter().find(|truth| truth.code() == code)
+    }
+}
+
+impl From<bool> for Truth {
+    fn from(holds: bool) -> Self {
+        if holds { Self::True } else { Self::False }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Truth::{False, True, Unknown};
+    use super::*;
+
+    #[test]
+    fn the_tables_are_kleenes() {
+        let conjunction = [
+            [False, False, False],
+            [False, Unknown, Unknown],
+            [False, Unknown, True],
+        ];
+        let disjunction = [
+            [False, Unknown, True],
+            [Unknown, Unknown, True],
+            [True, True, True],
+        ];
+        for (i, a) in Truth::ALL.into_iter().enumerate() {
+            for (j, b) in Truth::ALL.into_iter().enumerate() {
+                assert_eq!(a.and(b), conjunction[i][j], "{a:?} and {b:?}");
+                assert_eq!(a.or(b), disjunction[i][j], "{a:?} or {b:?}");
+            }
+        }
+        assert_eq!(Truth::ALL.map(Truth::not), [True, Unknown, False]);
+    }
+
+    #[test]
+    fn a_truth_survives_its_number() {
+        for truth in Truth::ALL {
+            assert_eq!(Truth::from_code(truth.code()), Some(truth));
+        }
+        assert_eq!(Truth::from_code(3), None);
+        assert_eq!([Truth::from(false), Truth::from(true)], [False, True]);
+    }
+}
