@@ -61,16 +61,25 @@ struct LinePixel {
 }
 
 impl Creases {
-    /// Marks the creases of the clusters, seen along rows and along columns.
-    /// Returns whether any cluster has some that may part it.
-    pub(crate) fn find(&mut self, cloud: &OrganizedCloud<'_>, clusters: &Clusters) -> bool {
+    /// Marks the creases of the clusters that may be piles, seen along rows and
+    /// along columns. Returns whether any cluster has some that may part it.
+    pub(crate) fn find(
+        &mut self,
+        cloud: &OrganizedCloud<'_>,
+        clusters: &Clusters,
+        may_be_pile: &[bool],
+    ) -> bool {
         let width = cloud.width();
         self.is_crease.clear();
         self.is_crease.resize(cloud.points().len(), false);
         self.bend.clear();
         self.bend.resize(cloud.points().len(), f32::NAN);
         self.may_part.clear();
-        for cluster in 0..clusters.len() {
+        for (cluster, &may_be_pile) in may_be_pile.iter().enumerate() {
+            if !may_be_pile {
+                self.may_part.push(false);
+                continue;
+            }
             let pixels = clusters.pixels(cluster);
             self.line.clear();
             self.line.extend(pixels.iter().map(|&index| LinePixel {
@@ -239,7 +248,7 @@ mod tests {
         let mut clusters = Clusters::default();
         clusters.join(&cloud, &pixels, 1);
         let mut creases = Creases::default();
-        creases.find(&cloud, &clusters);
+        creases.find(&cloud, &clusters, &vec![true; clusters.len()]);
         creases.is_crease
     }
 

@@ -9,6 +9,7 @@ use crate::constraint::{
 use crate::creases::Creases;
 use crate::islands::Islands;
 use crate::outline::{Lattice, Outline};
+use crate::piles::find_piles;
 use crate::prism::{OverTable, Prism, SeenRectangle, lowest_m};
 use crate::random::Random;
 use crate::samples::Samples;
@@ -37,6 +38,10 @@ const PART_PIXELS_MIN: u32 = 150;
 const FOOT_HEIGHT_MIN_M: f32 = 0.0035;
 const FOOT_SIGMAS: f32 = 1.3;
 const FOOT_HEIGHT_MAX_M: f32 = 0.02;
+
+/// The foot goes on across a step of depth up to this, metres at 1 m, growing
+/// with squared depth: what stands behind is another foot.
+const FOOT_STEP_M: f32 = 0.02;
 
 /// What is searched.
 #[derive(Debug, Clone, Copy)]
@@ -103,6 +108,7 @@ pub struct Workspace {
     clusters: Clusters,
     whole: Clusters,
     creases: Creases,
+    may_be_pile: Vec<bool>,
     islands: Islands,
     bodies: Vec<Body>,
     pub(crate) unorganized: Option<Box<unorganized::Buffers>>,
@@ -147,7 +153,7 @@ pub fn detect(
     if let Some(table) = find_surface(frame, raw, workspace) {
         list_over(&frame.cloud, &table, raw, workspace);
         join(frame, &table, raw, workspace);
-        split_piles(&frame.cloud, workspace);
+        split_piles(&frame.cloud, &table, workspace);
         grow_feet(&frame.cloud, &table, workspace);
         find_bodies(&frame.cloud, &table, raw, workspace);
         write(frame, &table, config, workspace, detection);
@@ -236,14 +242,17 @@ fn join(frame: &Frame<'_>, table: &Table, config: &RawConfig, workspace: &mut Wo
 }
 
 /// Parts the clusters that are several objects along their creases.
-fn split_piles(cloud: &OrganizedCloud<'_>, workspace: &mut Workspace) {
+fn split_piles(cloud: &OrganizedCloud<'_>, table: &Table, workspace: &mut Workspace) {
     let Workspace {
         whole,
         clusters,
         creases,
+        may_be_pile,
         ..
     } = workspace;
-    if creases.find(cloud, clusters) {
+    let table_axes = Axis::of_transform(&table.table_from_camera);
+    find_piles(cloud, clusters, &table_axes, may_be_pile);
+    if creases.find(cloud, clusters, may_be_pile) {
         std::mem::swap(whole, clusters);
         clusters.split(cloud, whole, creases, PART_PIXELS_MIN);
     }
@@ -252,10 +261,11 @@ fn split_piles(cloud: &OrganizedCloud<'_>, workspace: &mut Workspace) {
 /// Lets the clusters grow down to the table.
 fn grow_feet(cloud: &OrganizedCloud<'_>, table: &Table, workspace: &mut Workspace) {
     let height = Axis::of_transform(&table.table_from_camera)[2];
-    let is_foot = |pixel: usize| {
-        let point = &cloud.points()[pixel];
+    let is_foot = |pixel: usize, above: usize| {
+        let (point, above) = (&cloud.points()[pixel], &cloud.points()[above]);
         let lowest_m = FOOT_HEIGHT_MIN_M.max(FOOT_SIGMAS * depth_sigma_m(point.z));
-        (lowest_m..=FOOT_HEIGHT_MAX_M).contains(&height.at(point.x, point.y, point.z))
+        (point.z - above.z).abs() <= FOOT_STEP_M * point.z * point.z
+            && (lowest_m..=FOOT_HEIGHT_MAX_M).contains(&height.at(point.x, point.y, point.z))
     };
     let Workspace {
         clusters,

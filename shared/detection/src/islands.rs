@@ -121,18 +121,29 @@ impl Islands {
             part.n += 1;
             part.height_sum_m += samples.along(height, sample);
             let column = sample % width;
-            let neighbours = [
-                (column > 0).then(|| sample - 1),
-                (column + 1 < width).then_some(sample + 1),
-                sample.checked_sub(width),
-                Some(sample + width).filter(|&below| below < samples.len()),
-            ];
-            for near in neighbours {
+            let left = (column > 0).then(|| sample - 1);
+            let right = (column + 1 < width).then_some(sample + 1);
+            let up = sample.checked_sub(width);
+            let down = Some(sample + width).filter(|&below| below < samples.len());
+            let is_level = |at: Option<usize>| at.is_some_and(|at| self.places[at] == Place::Level);
+            for (near, sides) in [
+                (left, [up, down]),
+                (right, [up, down]),
+                (up, [left, right]),
+                (down, [left, right]),
+            ] {
                 match near.map_or(Place::BelowOrUnknown, |near| self.places[near]) {
                     Place::Above => part.n_rim += 1,
                     Place::BelowOrUnknown => part.n_open += 1,
                     Place::Level => {
-                        if let Some(near) = near.filter(|&near| self.part_of[near] == NO_PART) {
+                        // Two abreast: a thin wall seen edge-on leaves gaps of one.
+                        let step = near.map(|near| near.wrapping_sub(sample));
+                        let is_wide = sides.into_iter().any(|side| {
+                            let ahead = side.zip(step).map(|(side, step)| side.wrapping_add(step));
+                            is_level(side) && is_level(ahead.filter(|&at| at < samples.len()))
+                        });
+                        let new = near.filter(|&near| self.part_of[near] == NO_PART);
+                        if let Some(near) = new.filter(|_| is_wide) {
                             self.part_of[near] = number;
                             self.stack.push(near as u32);
                         }

@@ -25,6 +25,7 @@ mod footprint;
 mod islands;
 mod lab;
 mod outline;
+mod piles;
 mod plane_search;
 mod prism;
 mod random;
@@ -34,6 +35,7 @@ mod support;
 mod table_plane;
 mod table_region;
 mod table_surface;
+mod table_under;
 mod unorganized;
 
 pub use candidate::{Candidate, Support};

@@ -71,11 +71,14 @@ impl Outline {
         self.is_rim.clear();
         for (i, a) in self.corners.iter().enumerate() {
             let b = self.corners[(i + 1) % self.corners.len()];
-            let ends_view = hull.sides().any(|(from, to, is_rim)| {
-                let near = |corner| distance_m(corner, &from, &to) <= TOLERANCE_M;
-                !is_rim && near(a) && near(&b)
-            });
-            self.is_rim.push(!ends_view);
+            // The end of the view may be several sides of the hull.
+            let ends_view = |corner: &Point2<f64>| {
+                let mut sides = hull.sides().filter(|(_, _, is_rim)| !is_rim);
+                sides.any(|(from, to, _)| distance_m(corner, &from, &to) <= TOLERANCE_M)
+            };
+            let middle = Point2::from(0.5 * (a.coords + b.coords));
+            let is_rim = ![*a, middle, b].iter().all(ends_view);
+            self.is_rim.push(is_rim);
         }
     }
 }

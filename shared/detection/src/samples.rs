@@ -7,11 +7,14 @@ use nalgebra::Point3;
 use point_cloud::{Moments, OrganizedCloud, Point};
 
 /// About how many samples an image is thinned to.
-const N_SAMPLES_AIMED: usize = 12_000;
+const N_SAMPLES_AIMED: usize = 20_000;
 
 /// How far sideways of the optical axis a point may lie, in units of its
 /// depth. A wider view than 150 degrees is a damaged point.
 const SIDEWAYS_MAX: f32 = 3.8;
+
+/// Farther depths are damage, metres.
+const FARTHEST_M: f32 = 20.0;
 
 /// Band of a sample that belongs to nothing: no distance is this small.
 const NO_BAND: f32 = -1.0;
@@ -85,8 +88,10 @@ impl Samples {
 
     #[inline]
     fn push(&mut self, point: &Point, config: &RawConfig) {
-        let usable = is_in_range(point, config.range_min_m as f32, config.range_max_m as f32);
-        let [x, y, z] = if usable {
+        let range_max_m = config.range_max_m as f32;
+        let usable = is_in_range(point, config.range_min_m as f32, range_max_m);
+        // What is farther still shows what its ray passes through.
+        let [x, y, z] = if usable || is_in_range(point, range_max_m, FARTHEST_M) {
             [point.x, point.y, point.z]
         } else {
             [0.0; 3]
@@ -101,7 +106,8 @@ impl Samples {
         });
     }
 
-    /// Depth of a sample, metres; 0 for one out of range.
+    /// Depth of a sample, metres; 0 for one that is nearer than the range or has
+    /// none. One that is farther has its depth, but belongs to nothing.
     pub(crate) fn depth(&self, sample: usize) -> f32 {
         self.z[sample]
     }
@@ -132,7 +138,7 @@ impl Samples {
             columns: [usize::MAX, 0],
             rows: [usize::MAX, 0],
         };
-        for sample in (0..self.len()).filter(|&sample| self.z[sample] > 0.0) {
+        for sample in (0..self.len()).filter(|&sample| self.is_free(sample)) {
             let (column, row) = (sample % self.width, sample / self.width);
             seen.columns = [seen.columns[0].min(column), seen.columns[1].max(column)];
             seen.rows = [seen.rows[0].min(row), seen.rows[1].max(row)];
@@ -209,7 +215,7 @@ impl Samples {
     /// Makes all samples in range free again.
     pub(crate) fn free_all(&mut self, config: &RawConfig) {
         for (band, &z) in self.band.iter_mut().zip(&self.z) {
-            *band = if z > 0.0 {
+            *band = if z > 0.0 && z <= config.range_max_m as f32 {
                 plane_band_m(z, config)
             } else {
                 NO_BAND
@@ -258,9 +264,9 @@ mod tests {
         );
         assert_eq!(
             (samples.width(), samples.height(), samples.len()),
-            (128, 96, 12_288)
+            (160, 120, 19_200)
         );
-        assert!((samples.position(129) - Point3::new(0.007, 0.007, 1.0)).norm() < 1e-6);
+        assert!((samples.position(161) - Point3::new(0.006, 0.006, 1.0)).norm() < 1e-6);
     }
 
     #[test]

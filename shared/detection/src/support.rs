@@ -22,6 +22,10 @@ const HIDDEN_SHARE_MIN: f64 = 0.3;
 /// what carries a cluster.
 const UNSEEN_SHARE_MIN: f64 = 0.5;
 
+/// Least cosine between the line of sight and straight down at which an object
+/// hides its own foot: about 25 degrees.
+const STEEP_MIN: f64 = 0.905;
+
 /// Finds what carries each cluster that does not stand on the table itself: a
 /// carried cluster that its box touches, or, unseen, whatever hides its lower
 /// border. Without either it hangs in the air and keeps `None`. People and the
@@ -34,6 +38,10 @@ pub(crate) fn find_supports(
 ) {
     let unsupported = |body: &&mut Body| body.support.is_none() && !body.is_limb;
     for body in bodies.iter_mut().filter(unsupported) {
+        if is_seen_from_above(&body.summary.centroid, up_in_camera) {
+            body.support = Some(Support::Hidden);
+            continue;
+        }
         let step = downwards(&body.summary.centroid, up_in_camera);
         let lower_end = LowerEnd::of(cloud, clusters, body.cluster, step);
         if lower_end.hidden_share >= HIDDEN_SHARE_MIN {
@@ -63,6 +71,12 @@ pub(crate) fn rest_on_others(bodies: &mut [Body]) -> bool {
         }
     }
     news
+}
+
+/// Whether a place is seen so steeply from above that an object there shows
+/// nothing but its top.
+fn is_seen_from_above(at: &Point3<f64>, up: &Vector3<f64>) -> bool {
+    -at.coords.dot(up) >= STEEP_MIN * at.coords.norm()
 }
 
 /// The image direction towards the table at a point, columns and rows, length 1.

@@ -6,7 +6,8 @@ use crate::outline::Outline;
 use crate::plane_search::{NormalLimit, SearchBuffers, largest_plane};
 use crate::random::Random;
 use crate::samples::Samples;
-use crate::table_region::{RegionBuffers, find_region, region_moments, region_polygon};
+use crate::table_region::{Parts, RegionBuffers, find_region, region_moments, region_polygon};
+use crate::table_under::{UnderBuffers, table_under};
 use geometry::{ConvexPolygon, Plane, RigidTransform};
 use nalgebra::{Point2, Point3, Unit, Vector3};
 use std::fmt;
@@ -17,12 +18,13 @@ const N_PLANES_MAX: usize = 5;
 /// A plane needs this share of the image's samples.
 const SHARE_MIN: f64 = 0.02;
 
-/// A table with this share of the samples in range ends the search.
+/// A table with this share of the samples in range ends the search, unless
+/// enough is over it to be a table over a floor.
 const SHARE_CLEAR: f64 = 0.5;
 
 /// A plane this far under another one, seen by the same camera, is the floor
 /// under the table, metres; the tops of objects are nearer to their table.
-const FLOOR_GAP_M: f64 = 0.35;
+pub(crate) const FLOOR_GAP_M: f64 = 0.35;
 
 /// The upper of two parallel planes is a table, and no object's top, when it
 /// has this share of the lower one's samples.
@@ -67,11 +69,13 @@ impl Table {
     }
 }
 
-/// Why a plane is the table.
+/// Why a surface is the table. Two tables of one height are two surfaces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TableChoice {
-    /// No other plane could be a table.
+    /// No other surface could be a table.
     Only,
+    /// It shows so much of itself that no other was looked for.
+    Most,
     /// It shows more of itself than the others.
     Largest {
         /// How many others there are.
@@ -82,13 +86,17 @@ pub enum TableChoice {
         /// How many others there are.
         n_others: usize,
     },
+    /// It is seen around a larger surface a little over it, the top of an object.
+    Around,
 }
 
 impl fmt::Display for TableChoice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let others = |n: usize| if n == 1 { "plane" } else { "planes" };
+        let others = |n: usize| if n == 1 { "surface" } else { "surfaces" };
         match *self {
-            Self::Only => write!(f, "the only plane that can be a table"),
+            Self::Only => write!(f, "the only surface that can be a table"),
+            Self::Around => write!(f, "around the top of an object that covers most of it"),
+            Self::Most => write!(f, "most of what is in range"),
             Self::Largest { n_others: n } => {
                 write!(f, "larger than {n} other {} that can be a table", others(n))
             }
@@ -107,6 +115,7 @@ pub(crate) struct TableBuffers {
     pub(crate) search: SearchBuffers,
     pub(crate) region: RegionBuffers,
     found: Vec<FoundPlane>,
+    pub(crate) under: UnderBuffers,
     /// The table of an earlier frame, whose memory the next one takes.
     spare: Option<Table>,
 }
@@ -122,6 +131,8 @@ impl TableBuffers {
 struct FoundPlane {
     plane: Plane,
     n_samples: usize,
+    /// Number of its parts that are large enough for a table.
+    n_surfaces: usize,
     likeness: Likeness,
 }
 
@@ -156,22 +167,43 @@ pub(crate) fn find_table(
     let n_clear =
         ((0..samples.len()).filter(|&i| samples.is_free(i)).count() as f64 * SHARE_CLEAR) as usize;
     buffers.found.clear();
+    let mut is_all = true;
     for _ in 0..N_PLANES_MAX {
         let Some(plane) =
             largest_plane(samples, limit.as_ref(), n_min, random, &mut buffers.search)
         else {
             break;
         };
-        let found = connected(samples, plane, up_in_camera, &mut buffers.region);
+        let found = connected(samples, plane, up_in_camera, n_min, &mut buffers.region);
         samples.take_inliers(&Axis::from(&plane));
         buffers.found.push(found);
-        if found.likeness == Likeness::Likely && found.n_samples >= n_clear {
+        if found.likeness == Likeness::Likely
+            && found.n_samples >= n_clear
+            && !may_be_floor(samples, &found)
+        {
+            is_all = false;
             break;
         }
     }
     samples.free_all(config);
-    let (chosen, choice) = choose(&buffers.found, n_min)?;
-    outlined(samples, chosen.plane, choice, buffers)
+    let (chosen, mut choice) = choose(&buffers.found, n_min)?;
+    if choice == TableChoice::Only && !is_all {
+        choice = TableChoice::Most;
+    }
+    if let Some(plane) = table_under(samples, &chosen.plane, config, n_min, buffers) {
+        return outlined(samples, plane, Parts::All, TableChoice::Around, buffers);
+    }
+    outlined(samples, chosen.plane, Parts::Wide, choice, buffers)
+}
+
+/// Whether so much of what is left lies over a plane that a table may be there.
+fn may_be_floor(samples: &Samples, found: &FoundPlane) -> bool {
+    let height = Axis::from(&found.plane);
+    let is_over = |&sample: &usize| {
+        samples.is_free(sample) && f64::from(samples.along(&height, sample)) >= FLOOR_GAP_M
+    };
+    let n_over = (0..samples.len()).filter(is_over).count();
+    n_over as f64 >= TABLE_SHARE_OF_FLOOR * found.n_samples as f64
 }
 
 /// The plane through its own largest connected part.
@@ -179,18 +211,21 @@ fn connected(
     samples: &Samples,
     plane: Plane,
     up_in_camera: Option<Unit<Vector3<f64>>>,
+    n_min: usize,
     region: &mut RegionBuffers,
 ) -> FoundPlane {
-    let n_samples = find_region(samples, &plane, &plane.plane_from_source(), region);
+    let plane_from_camera = plane.plane_from_source();
+    let n_samples = find_region(samples, &plane, &plane_from_camera, Parts::Wide, region);
     let plane = region_plane(samples, region).unwrap_or(plane);
     FoundPlane {
         plane,
         n_samples,
+        n_surfaces: region.n_of_at_least(n_min),
         likeness: likeness(&plane, up_in_camera),
     }
 }
 
-fn region_plane(samples: &Samples, region: &RegionBuffers) -> Option<Plane> {
+pub(crate) fn region_plane(samples: &Samples, region: &RegionBuffers) -> Option<Plane> {
     let axes = region_moments(samples, region).principal_axes()?;
     let normal = Unit::try_new(axes.axes.column(2).into_owned(), 0.5)?;
     Some(Plane::through(&axes.centroid, normal).facing(&Point3::origin()))
@@ -220,7 +255,7 @@ fn choose(found: &[FoundPlane], n_min: usize) -> Option<(FoundPlane, TableChoice
         return None;
     }
     let tables = || large().filter(|plane| plane.likeness == likeness);
-    let n_others = tables().count() - 1;
+    let n_others = tables().map(|plane| plane.n_surfaces).sum::<usize>() - 1;
     let mut choice = match n_others {
         0 => TableChoice::Only,
         n_others => TableChoice::Largest { n_others },
@@ -247,12 +282,13 @@ fn lies_over(upper: &FoundPlane, lower: &FoundPlane) -> bool {
 fn outlined(
     samples: &Samples,
     plane: Plane,
+    parts: Parts,
     choice: TableChoice,
     buffers: &mut TableBuffers,
 ) -> Option<Table> {
     let region = &mut buffers.region;
     let table_from_camera = plane.plane_from_source();
-    let n_samples = find_region(samples, &plane, &table_from_camera, region);
+    let n_samples = find_region(samples, &plane, &table_from_camera, parts, region);
     let (mut polygon, mut outline) = match buffers.spare.take() {
         Some(spare) => (spare.polygon, spare.outline),
         None => Default::default(),

@@ -20,10 +20,16 @@ const CELL_SAMPLES_MIN: u32 = 2;
 /// parts of it.
 const GAP_CELLS: isize = 3;
 
+/// A sensor sees nothing at the border of its image, in registered depth, up to
+/// this share of a side; where depth ends farther inside, something ends.
+const MARGIN_SHARE_MAX: f64 = 0.1;
+
 /// Buffers, and the region found last.
 #[derive(Debug, Default)]
 pub(crate) struct RegionBuffers {
     inliers: Vec<Inlier>,
+    /// Number of samples of each connected part.
+    sizes: Vec<u32>,
     n_in_cell: Vec<u32>,
     is_table: Vec<bool>,
     region_of_cell: Vec<u32>,
@@ -38,6 +44,14 @@ struct Inlier {
     sample: u32,
     u: f32,
     v: f32,
+}
+
+impl RegionBuffers {
+    /// Number of connected parts of the plane with at least so many samples.
+    pub(crate) fn n_of_at_least(&self, n_min: usize) -> usize {
+        let is_large = |&&size: &&u32| size as usize >= n_min;
+        self.sizes.iter().filter(is_large).count()
+    }
 }
 
 /// The cells that cover a set of inliers.
@@ -77,16 +91,27 @@ impl CellGrid {
     }
 }
 
+/// Which parts of a plane count.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Parts {
+    /// Those that are somewhere wider than a strip.
+    Wide,
+    /// Strips too.
+    All,
+}
+
 /// Keeps the largest connected part of a plane's inliers in `buffers`.
 /// Returns its number of samples.
 pub(crate) fn find_region(
     samples: &Samples,
     plane: &Plane,
     plane_from_camera: &RigidTransform,
+    parts: Parts,
     buffers: &mut RegionBuffers,
 ) -> usize {
     let height = Axis::from(plane);
     let [u, v, _] = Axis::of_transform(plane_from_camera);
+    buffers.sizes.clear();
     buffers.inliers.clear();
     buffers.inliers.extend(
         (0..samples.len())
@@ -106,7 +131,14 @@ pub(crate) fn find_region(
     for inlier in &buffers.inliers {
         buffers.n_in_cell[grid.cell_of(inlier)] += 1;
     }
-    keep_wide_parts(&grid, buffers);
+    match parts {
+        Parts::Wide => keep_wide_parts(&grid, buffers),
+        Parts::All => {
+            let covered = buffers.n_in_cell.iter().map(|&n| n >= CELL_SAMPLES_MIN);
+            buffers.is_table.clear();
+            buffers.is_table.extend(covered);
+        }
+    }
     let largest = largest_region(&grid, buffers);
     let regions = &buffers.region_of_cell;
     buffers
@@ -150,13 +182,14 @@ fn keep_wide_parts(grid: &CellGrid, buffers: &mut RegionBuffers) {
 fn largest_region(grid: &CellGrid, buffers: &mut RegionBuffers) -> u32 {
     buffers.region_of_cell.clear();
     buffers.region_of_cell.resize(buffers.n_in_cell.len(), 0);
-    let (mut n_regions, mut largest, mut n_largest) = (0, u32::MAX, 0);
+    let (mut largest, mut n_largest) = (u32::MAX, 0);
     for start in 0..buffers.n_in_cell.len() {
         if buffers.is_table[start] && buffers.region_of_cell[start] == 0 {
-            n_regions += 1;
-            let n_samples = flood(grid, start, n_regions, buffers);
+            let region = buffers.sizes.len() as u32 + 1;
+            let n_samples = flood(grid, start, region, buffers);
+            buffers.sizes.push(n_samples);
             if n_samples > n_largest {
-                (largest, n_largest) = (n_regions, n_samples);
+                (largest, n_largest) = (region, n_samples);
             }
         }
     }
@@ -213,13 +246,19 @@ pub(crate) fn region_polygon(
     let corner = |inlier: &Inlier| Point2::new(f64::from(inlier.u), f64::from(inlier.v));
     let row_of = |inlier: &Inlier| inlier.sample as usize / samples.width();
     let seen = samples.seen();
+    let is_margin = |at: usize, n: usize| {
+        let margin = MARGIN_SHARE_MAX * n as f64;
+        (at.min(n - 1 - at) as f64) <= margin
+    };
     buffers.outline.clear();
     buffers.view_ends.clear();
     for row in buffers.inliers.chunk_by(|a, b| row_of(a) == row_of(b)) {
         for inlier in [&row[0], &row[row.len() - 1]] {
             buffers.outline.push(corner(inlier));
             let (column, row) = (inlier.sample as usize % samples.width(), row_of(inlier));
-            if seen.is_border(column, row) {
+            let is_at_margin =
+                is_margin(column, samples.width()) || is_margin(row, samples.height());
+            if is_at_margin && seen.is_border(column, row) {
                 buffers.view_ends.push(corner(inlier));
             }
         }

@@ -23,8 +23,18 @@ const OVERHANG_M: f64 = 0.10;
 /// A sample this far below the plane is seen through it, metres.
 const SEEN_THROUGH_M: f32 = 0.03;
 
+/// A sample this near to the plane may be table, metres.
+const LEVEL_M: f32 = 0.015;
+
+/// A surface that goes on below the plane is looked for down to here, metres.
+const BELOW_M: f32 = 0.10;
+
 /// So many samples seen through a cell show that there is no table.
 const THROUGH_SAMPLES_MIN: u8 = 2;
+
+/// So many samples right below and right above a cell show that something passes
+/// through it that stands on the floor.
+const PIERCING_SAMPLES_MIN: i32 = 2;
 
 /// Holes smaller than this are noise, square metres.
 const HOLES_AREA_MIN_M2: f64 = 0.01;
@@ -41,7 +51,12 @@ pub(crate) struct TableSurface {
     is_near: Vec<bool>,
     /// Samples seen through each cell.
     n_through: Vec<u8>,
+    /// Samples level with each cell, less those above it.
+    n_level: Vec<i32>,
+    /// Samples right below each cell.
+    n_below: Vec<i32>,
     is_hole: Vec<bool>,
+    front: Vec<u32>,
     scratch: Vec<bool>,
 }
 
@@ -52,6 +67,7 @@ impl TableSurface {
         self.lay_grid(&table.polygon);
         self.fill_polygon(&table.polygon);
         self.count_through(table, samples);
+        self.find_holes();
         self.cut_holes();
         dilate(
             &self.is_table,
@@ -154,14 +170,27 @@ impl TableSurface {
         }
     }
 
-    /// Counts, for each cell, the samples that are seen through it.
+    /// Counts, for each cell, the samples that are seen through it, and those
+    /// level with it, above and below it.
     fn count_through(&mut self, table: &Table, samples: &Samples) {
         self.n_through.clear();
         self.n_through.resize(self.is_table.len(), 0);
+        for counts in [&mut self.n_level, &mut self.n_below] {
+            counts.clear();
+            counts.resize(self.is_table.len(), 0);
+        }
         let [u, v, height] = Axis::of_transform(&table.table_from_camera);
         let camera_height = height.at(0.0, 0.0, 0.0);
-        for sample in (0..samples.len()).filter(|&sample| samples.is_free(sample)) {
+        for sample in (0..samples.len()).filter(|&sample| samples.depth(sample) > 0.0) {
             let above = samples.along(&height, sample);
+            if above >= -BELOW_M {
+                let cell = self.cell_of(samples.along(&u, sample), samples.along(&v, sample));
+                if let Some(cell) = cell {
+                    self.n_level[cell] += i32::from(above.abs() <= LEVEL_M);
+                    self.n_level[cell] -= i32::from(above > LEVEL_M);
+                    self.n_below[cell] += i32::from(above < -SEEN_THROUGH_M);
+                }
+            }
             if above < -SEEN_THROUGH_M {
                 // Where the ray from the camera to the sample meets the plane.
                 let share = camera_height / (camera_height - above);
@@ -176,9 +205,9 @@ impl TableSurface {
         }
     }
 
-    /// Takes the holes out of the table, when they are more than noise: cells
-    /// seen through, without those that stand alone.
-    fn cut_holes(&mut self) {
+    /// Finds the holes of the table, when they are more than noise: cells seen
+    /// through, without those that stand alone.
+    fn find_holes(&mut self) {
         let size = (self.width, self.height);
         let not_through = self.n_through.iter().map(|&n| n < THROUGH_SAMPLES_MIN);
         self.is_near.clear();
@@ -196,8 +225,55 @@ impl TableSurface {
         if (n_holes as f64) * cell_m2 < HOLES_AREA_MIN_M2 {
             self.is_hole.fill(false);
         }
+    }
+
+    /// Takes the holes out of the table, with what is hidden by things that
+    /// stand in a hole and reach up through it.
+    fn cut_holes(&mut self) {
+        if self.has_holes() {
+            self.grow_holes();
+        }
         for (is_table, is_hole) in self.is_table.iter_mut().zip(&self.is_hole) {
             *is_table &= !is_hole;
+        }
+    }
+
+    /// Gives each hidden cell to what is nearer to it: a place where the table
+    /// is seen or one that something passes through.
+    fn grow_holes(&mut self) {
+        let Self {
+            front,
+            is_near: is_known,
+            is_hole,
+            ..
+        } = self;
+        front.clear();
+        is_known.clear();
+        for (cell, is_hole) in is_hole.iter_mut().enumerate() {
+            let (is_table, n_level) = (self.is_table[cell], self.n_level[cell]);
+            let is_pierced = is_table
+                && n_level <= -PIERCING_SAMPLES_MIN
+                && self.n_below[cell] >= PIERCING_SAMPLES_MIN;
+            let is_source = is_pierced || is_table && n_level > 0 && !*is_hole;
+            *is_hole |= is_pierced;
+            is_known.push(is_source || *is_hole || !is_table);
+            if is_source {
+                front.push(cell as u32);
+            }
+        }
+        let mut next = 0;
+        while let Some(&cell) = front.get(next) {
+            next += 1;
+            let cell = cell as usize;
+            // Around the table are cells that are none, but for enormous cells.
+            for step in [-1, 1, -(self.width as isize), self.width as isize] {
+                let near = cell.wrapping_add_signed(step);
+                if is_known.get(near) == Some(&false) {
+                    is_known[near] = true;
+                    is_hole[near] = is_hole[cell];
+                    front.push(near as u32);
+                }
+            }
         }
     }
 }

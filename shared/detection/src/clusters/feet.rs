@@ -7,23 +7,25 @@ const FOOT_PX: usize = 6;
 
 impl Clusters {
     /// Lets each cluster grow from its pixels by `step`, the neighbour towards
-    /// the table, while `is_foot` holds for what no cluster has. `joined` are the
-    /// pixels the clusters were joined from, in image order.
+    /// the table, while `is_foot` holds for what no cluster has and the pixel
+    /// before. `joined` are the pixels the clusters were joined from, in image
+    /// order.
     pub(crate) fn grow_feet(
         &mut self,
         joined: &[u32],
         step: isize,
-        is_foot: impl Fn(usize) -> bool,
+        is_foot: impl Fn(usize, usize) -> bool,
     ) {
         self.front.clear();
         for &pixel in &self.pixels {
             let mut pixel = pixel as usize;
             let cluster = self.cluster_of[pixel];
             for _ in 0..FOOT_PX {
-                pixel = pixel.wrapping_add_signed(step);
-                if self.cluster_of.get(pixel) != Some(&OUTSIDE) || !is_foot(pixel) {
+                let next = pixel.wrapping_add_signed(step);
+                if self.cluster_of.get(next) != Some(&OUTSIDE) || !is_foot(next, pixel) {
                     break;
                 }
+                pixel = next;
                 self.cluster_of[pixel] = cluster;
                 self.front.push(pixel as u32);
             }

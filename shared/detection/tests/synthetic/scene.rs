@@ -1,0 +1,318 @@
+//! Scenes of polygons, boxes and hollow cylinders, seen by a camera anywhere.
+//!
+//! World frame: z up, the floor at 0. Every pixel knows what it shows.
+
+use geometry::PinholeCamera;
+use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Unit, UnitQuaternion, Vector3};
+use point_cloud::{Point, Rgba};
+
+/// What a pixel shows when it shows nothing.
+pub(crate) const NOTHING: u16 = 0;
+pub(crate) const TABLE: u16 = 1;
+pub(crate) const FLOOR: u16 = 2;
+pub(crate) const WALL: u16 = 3;
+/// Objects count from here.
+pub(crate) const OBJECT: u16 = 10;
+
+/// Steps of inverse depth of a Kinect v1, 1/metre: 2.85 mm at 1 m.
+const INVERSE_DEPTH_STEP: f64 = 0.002_85;
+
+/// A shape in its own frame; it stands on z = 0.
+#[derive(Debug, Clone)]
+pub(crate) enum Shape {
+    /// A patch of z = 0, seen from both sides; need not be convex.
+    Polygon(Vec<[f64; 2]>),
+    /// Full sides, centred over the origin.
+    Box([f64; 3]),
+    /// Upright; with a bore down to its floor, or through it where that is 0.
+    Cylinder {
+        radius: f64,
+        height: f64,
+        bore: f64,
+        floor: f64,
+    },
+}
+
+/// A shape in the world.
+#[derive(Debug, Clone)]
+pub(crate) struct Solid {
+    shape: Shape,
+    world_from_shape: Isometry3<f64>,
+    rgb: [u8; 3],
+    label: u16,
+}
+
+impl Solid {
+    pub(crate) fn new(shape: Shape, at: [f64; 3], label: u16) -> Self {
+        Self {
+            shape,
+            world_from_shape: Isometry3::translation(at[0], at[1], at[2]),
+            rgb: color_of(label),
+            label,
+        }
+    }
+
+    pub(crate) fn polygon(corners: &[[f64; 2]], z: f64, label: u16) -> Self {
+        Self::new(Shape::Polygon(corners.to_vec()), [0.0, 0.0, z], label)
+    }
+
+    /// A rectangle around the world's z axis.
+    pub(crate) fn rectangle(sides: [f64; 2], z: f64, label: u16) -> Self {
+        let [x, y] = sides.map(|side| 0.5 * side);
+        Self::polygon(&[[-x, -y], [x, -y], [x, y], [-x, y]], z, label)
+    }
+
+    pub(crate) fn cuboid(sides: [f64; 3], at: [f64; 3], label: u16) -> Self {
+        Self::new(Shape::Box(sides), at, label)
+    }
+
+    /// A solid cylinder.
+    pub(crate) fn cylinder(radius: f64, height: f64, at: [f64; 3], label: u16) -> Self {
+        let (bore, floor) = (0.0, 0.0);
+        let shape = Shape::Cylinder {
+            radius,
+            height,
+            bore,
+            floor,
+        };
+        Self::new(shape, at, label)
+    }
+
+    /// A wall across the view, behind everything.
+    pub(crate) fn wall(y: f64) -> Self {
+        let mut wall = Self::rectangle([8.0, 8.0], 0.0, WALL);
+        wall.world_from_shape = Isometry3::new(
+            Vector3::new(0.0, y, 0.0),
+            Vector3::x() * std::f64::consts::FRAC_PI_2,
+        );
+        wall
+    }
+
+    pub(crate) fn floor() -> Self {
+        Self::rectangle([8.0, 8.0], 0.0, FLOOR)
+    }
+
+    /// Turned about its own upright axis.
+    pub(crate) fn turned(mut self, yaw_deg: f64) -> Self {
+        self.world_from_shape.rotation *=
+            UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw_deg.to_radians());
+        self
+    }
+
+    /// Turned about an axis of the world through its own origin.
+    pub(crate) fn tilted(mut self, axis: Unit<Vector3<f64>>, deg: f64) -> Self {
+        let turn = UnitQuaternion::from_axis_angle(&axis, deg.to_radians());
+        self.world_from_shape.rotation = turn * self.world_from_shape.rotation;
+        self
+    }
+
+    pub(crate) fn painted(mut self, rgb: [u8; 3]) -> Self {
+        self.rgb = rgb;
+        self
+    }
+
+    /// Where a ray first meets it.
+    fn meet(&self, eye: &Point3<f64>, ray: &Vector3<f64>) -> Option<f64> {
+        let eye = self.world_from_shape.inverse_transform_point(eye);
+        let ray = self.world_from_shape.inverse_transform_vector(ray);
+        match &self.shape {
+            Shape::Polygon(corners) => meet_polygon(&eye, &ray, corners),
+            Shape::Box(sides) => meet_box(&eye, &ray, sides),
+            &Shape::Cylinder {
+                radius,
+                height,
+                bore,
+                floor,
+            } => {
+                let meet = meet_cylinder(&eye, &ray, [radius, height, bore, floor]);
+                meet.into_iter().flatten().min_by(f64::total_cmp)
+            }
+        }
+    }
+}
+
+/// Colours that differ from label to label.
+fn color_of(label: u16) -> [u8; 3] {
+    const COLORS: [[u8; 3]; 10] = [
+        [200, 30, 30],
+        [30, 160, 40],
+        [40, 60, 200],
+        [220, 200, 40],
+        [160, 40, 170],
+        [40, 190, 190],
+        [230, 130, 30],
+        [90, 60, 40],
+        [240, 240, 240],
+        [30, 30, 30],
+    ];
+    match label {
+        TABLE => [160, 120, 80],
+        FLOOR => [90, 90, 90],
+        WALL => [220, 220, 210],
+        _ => COLORS[usize::from(label - OBJECT) % COLORS.len()],
+    }
+}
+
+fn meet_polygon(eye: &Point3<f64>, ray: &Vector3<f64>, corners: &[[f64; 2]]) -> Option<f64> {
+    let t = -eye.z / ray.z;
+    let at = eye + ray * t;
+    let next = corners.iter().cycle().skip(1);
+    let crossings = corners.iter().zip(next).filter(|(a, b)| {
+        (a[1] > at.y) != (b[1] > at.y)
+            && at.x < a[0] + (at.y - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
+    });
+    (t > 0.0 && crossings.count() % 2 == 1).then_some(t)
+}
+
+/// Slab method.
+fn meet_box(eye: &Point3<f64>, ray: &Vector3<f64>, sides: &[f64; 3]) -> Option<f64> {
+    let (mut near, mut far) = (f64::MIN, f64::MAX);
+    for axis in 0..3 {
+        let middle = if axis == 2 { 0.5 * sides[2] } else { 0.0 };
+        let half = 0.5 * sides[axis];
+        let t = [-half, half].map(|side| (middle + side - eye[axis]) / ray[axis]);
+        near = near.max(t[0].min(t[1]));
+        far = far.min(t[0].max(t[1]));
+    }
+    (near <= far && near > 0.0).then_some(near)
+}
+
+/// All places where a ray meets the surface of a cylinder: its side, that of
+/// its bore, its upper side and its floor.
+fn meet_cylinder(
+    eye: &Point3<f64>,
+    ray: &Vector3<f64>,
+    [radius, height, bore, floor]: [f64; 4],
+) -> [Option<f64>; 6] {
+    let (a, b) = (ray.xy().norm_squared(), eye.coords.xy().dot(&ray.xy()));
+    let side = |radius: f64, sign: f64, from: f64| {
+        let root = b * b - a * (eye.coords.xy().norm_squared() - radius * radius);
+        let t = (sign * root.max(0.0).sqrt() - b) / a;
+        (root >= 0.0 && t > 0.0 && (from..=height).contains(&(eye.z + t * ray.z))).then_some(t)
+    };
+    let level = |z: f64, from: f64, to: f64| {
+        let t = (z - eye.z) / ray.z;
+        let away = (eye.coords.xy() + ray.xy() * t).norm();
+        (t > 0.0 && (from..=to).contains(&away)).then_some(t)
+    };
+    let has_floor = bore > 0.0 && floor > 0.0;
+    [
+        side(radius, -1.0, 0.0),
+        side(radius, 1.0, 0.0).filter(|_| bore > 0.0),
+        side(bore, 1.0, floor).filter(|_| bore > 0.0),
+        side(bore, -1.0, floor).filter(|_| bore > 0.0),
+        level(height, bore, radius),
+        level(floor, 0.0, bore).filter(|_| has_floor),
+    ]
+}
+
+/// Solids and the camera that sees them.
+#[derive(Debug, Clone)]
+pub(crate) struct Scene {
+    pub(crate) camera: PinholeCamera,
+    pub(crate) camera_from_world: Isometry3<f64>,
+    pub(crate) solids: Vec<Solid>,
+    /// Standard deviation of the noise of depth at 1 m, metres; it grows with
+    /// squared depth.
+    pub(crate) noise_m: f64,
+    /// Whether depth comes in the steps of a Kinect v1.
+    pub(crate) is_stepped: bool,
+}
+
+impl Scene {
+    /// An empty one, seen from `eye` by a camera that looks at `target`, rows
+    /// level.
+    pub(crate) fn seen_from(eye: [f64; 3], target: [f64; 3]) -> Self {
+        let (eye, target) = (Point3::from(eye), Point3::from(target));
+        let forward = (target - eye).normalize();
+        let right = forward.cross(&Vector3::z());
+        let right = right.try_normalize(1e-6).unwrap_or_else(Vector3::x);
+        let rows = [right, forward.cross(&right), forward].map(|axis| axis.transpose());
+        let rotation = Rotation3::from_matrix_unchecked(Matrix3::from_rows(&rows));
+        Self {
+            camera: PinholeCamera::KINECT_V1,
+            camera_from_world: Isometry3::from_parts(
+                (-(rotation * eye.coords)).into(),
+                rotation.into(),
+            ),
+            solids: Vec::new(),
+            noise_m: 0.0005,
+            is_stepped: false,
+        }
+    }
+
+    pub(crate) fn with(mut self, solids: impl IntoIterator<Item = Solid>) -> Self {
+        self.solids.extend(solids);
+        self
+    }
+
+    /// The same in an image `factor` times as large.
+    pub(crate) fn scaled(mut self, factor: f64) -> Self {
+        let camera = &mut self.camera;
+        (camera.fx_px, camera.fy_px) = (factor * camera.fx_px, factor * camera.fy_px);
+        camera.cx_px = factor * (camera.cx_px + 0.5) - 0.5;
+        camera.cy_px = factor * (camera.cy_px + 0.5) - 0.5;
+        camera.width = (factor * f64::from(camera.width)) as u32;
+        camera.height = (factor * f64::from(camera.height)) as u32;
+        self
+    }
+
+    /// The same without the image's last columns.
+    pub(crate) fn narrowed(mut self, n_columns: u32) -> Self {
+        self.camera.width -= n_columns;
+        self
+    }
+
+    pub(crate) fn up_in_camera(&self) -> Unit<Vector3<f64>> {
+        self.camera_from_world.rotation * Vector3::z_axis()
+    }
+
+    /// Points and what each shows, by a ray through every pixel.
+    pub(crate) fn render(&self) -> (Vec<Point>, Vec<u16>) {
+        let world_from_camera = self.camera_from_world.inverse();
+        let eye = world_from_camera * Point3::origin();
+        let width = self.camera.width as usize;
+        let pixel = |i: usize| {
+            let (column, row) = ((i % width) as f64, (i / width) as f64);
+            let ray = world_from_camera.rotation * self.camera.ray(column, row);
+            let meets = self.solids.iter().filter_map(|solid| {
+                let t = solid.meet(&eye, &ray)?;
+                Some((t, solid))
+            });
+            let Some((z, solid)) = meets.min_by(|a, b| a.0.total_cmp(&b.0)) else {
+                return (Point::without_depth(Rgba::default()), NOTHING);
+            };
+            let p = self.camera.back_project(column, row, self.measured(z, i));
+            let [red, green, blue] = solid.rgb;
+            let point = Point {
+                x: p.x as f32,
+                y: p.y as f32,
+                z: p.z as f32,
+                color: Rgba::opaque(red, green, blue),
+            };
+            (point, solid.label)
+        };
+        (0..self.camera.n_pixels()).map(pixel).unzip()
+    }
+
+    /// A depth as the sensor of pixel `i` gives it.
+    fn measured(&self, z: f64, i: usize) -> f64 {
+        let draw = |k: usize| scrambled((4 * i + k) as u64);
+        // A sum of four even draws is nearly normal; its variance is a third.
+        let normal = ((0..4).map(draw).sum::<f64>() - 2.0) * 3_f64.sqrt();
+        let noisy = z + self.noise_m * normal * z * z;
+        if self.is_stepped {
+            1.0 / ((1.0 / noisy / INVERSE_DEPTH_STEP).round() * INVERSE_DEPTH_STEP)
+        } else {
+            noisy
+        }
+    }
+}
+
+/// A number from 0 to 1 (`SplitMix64`, Steele, Lea and Flood 2014).
+fn scrambled(seed: u64) -> f64 {
+    let mut bits = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    bits = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    bits = (bits ^ (bits >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    ((bits ^ (bits >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+}
