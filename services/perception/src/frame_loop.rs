@@ -9,6 +9,7 @@ use crate::key_view_outbox::{OnDisk, Outbox};
 use crate::learned::CatchUp;
 use crate::observation_round::{Actors, Outcome};
 use crate::scene_report;
+use crate::table_log::TableLog;
 use crate::track_ids::TrackIds;
 use crate::world::World;
 use actor::WorkerPool;
@@ -35,6 +36,7 @@ pub(crate) struct FrameLoop {
     detector: Detector,
     rule: Text,
     assumption_log: AssumptionLog,
+    table_log: TableLog,
     pool: WorkerPool,
     table: TrackTable,
     actors: Actors,
@@ -110,6 +112,7 @@ impl FrameLoop {
             detector,
             rule: Text::truncated(&rule),
             assumption_log: AssumptionLog::default(),
+            table_log: TableLog::default(),
             pool: given.pool,
             table: TrackTable::new(config.pipeline),
             actors: given.actors,
@@ -314,6 +317,7 @@ impl FrameLoop {
         );
         self.assumption_log
             .tell(Assumptions::from_bits(summary.assumptions));
+        self.table_log.tell(detected.detection.table.as_ref());
         summary.stamps.published_ns = monotonic_ns();
         self.world.set(&summary, &self.objects);
         self.ports.scene.send_copy(summary, &self.objects)

@@ -13,6 +13,7 @@ mod object_actor;
 mod observation_round;
 mod run;
 mod scene_report;
+mod table_log;
 mod track_ids;
 mod world;
 

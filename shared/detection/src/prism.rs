@@ -119,6 +119,10 @@ impl<'a> Prism<'a> {
     /// Whether a point lies as high as the prism. Without a branch: the answer
     /// changes too often from pixel to pixel to be foreseen.
     #[inline]
+    #[expect(
+        clippy::needless_bitwise_bool,
+        reason = "branches that can not be foreseen cost more than comparisons"
+    )]
     fn is_high(&self, point: &Point) -> bool {
         let height = self.height.at(point.x, point.y, point.z);
         is_in_range(point, self.z_range[0], self.z_range[1])
@@ -129,6 +133,10 @@ impl<'a> Prism<'a> {
     /// [`is_high`](Self::is_high) of each point of a block, coordinate by
     /// coordinate, which the compiler turns into vector instructions.
     #[inline]
+    #[expect(
+        clippy::needless_bitwise_bool,
+        reason = "branches that can not be foreseen cost more than comparisons"
+    )]
     fn are_high(&self, block: &[Point; BLOCK]) -> [bool; BLOCK] {
         let (mut x, mut y, mut z) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
         for i in 0..BLOCK {

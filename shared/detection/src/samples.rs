@@ -56,6 +56,10 @@ pub(crate) fn side_max_m(z_max: f32) -> f32 {
 /// Whether a point can be used: in the range of depth and not absurdly far to
 /// the side. False for whatever is not finite.
 #[inline]
+#[expect(
+    clippy::needless_bitwise_bool,
+    reason = "branches that can not be foreseen cost more than comparisons"
+)]
 pub(crate) fn is_in_range(point: &Point, z_min: f32, z_max: f32) -> bool {
     let side_max = side_max_m(z_max);
     (point.z >= z_min)

@@ -122,6 +122,10 @@ impl TableSurface {
     }
 
     #[inline]
+    #[expect(
+        clippy::needless_bitwise_bool,
+        reason = "branches that can not be foreseen cost more than comparisons"
+    )]
     fn cell_of(&self, u: f32, v: f32) -> Option<usize> {
         let column = (u - self.u_min) * self.cells_per_m;
         let row = (v - self.v_min) * self.cells_per_m;
