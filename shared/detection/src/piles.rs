@@ -6,10 +6,10 @@ use crate::footprint::Footprint;
 use point_cloud::OrganizedCloud;
 
 /// A cluster with a longer side may be several objects, metres,
-const LONGEST_SIDE_M: f64 = 0.15;
+const LONGEST_SIDE_M: f64 = 0.17;
 
 /// as may one that covers more of the table, square metres.
-const FOOTPRINT_M2: f64 = 0.01;
+const FOOTPRINT_M2: f64 = 0.013;
 
 /// A cluster is measured over about this many points.
 const N_SAMPLES: usize = 512;

@@ -233,7 +233,7 @@ fn a_thinned_cloud_is_searched_with_larger_cells() {
 }
 
 #[test]
-fn what_hangs_over_a_seen_table_is_no_candidate() {
+fn what_hangs_over_a_seen_table_is_carried_by_nothing() {
     let table_from_camera = camera_from_table().inverse();
     let below = render(&[BLUE], 1.0);
     let plate = BoxOnTable {
@@ -246,12 +246,16 @@ fn what_hangs_over_a_seen_table_is_no_candidate() {
     let with_plate = render(&[BLUE, plate], 1.0);
     let mut points = moved(&without_gaps(&below), &table_from_camera);
     points.extend(moved(&without_gaps(&with_plate), &table_from_camera));
-    assert_eq!(found(&points, Some(Vector3::z())).candidates.len(), 1);
+    let n_carried = |detection: &Detection| {
+        let carried = |c: &&detection::Candidate| c.support.is_some();
+        detection.candidates.iter().filter(carried).count()
+    };
+    assert_eq!(n_carried(&found(&points, Some(Vector3::z()))), 1);
     // Where the table under it was never seen it may stand on something.
     points.retain(|p| !(p.z < 0.02 && (-0.39..-0.21).contains(&p.x) && p.y.abs() < 0.06));
     let detection = found(&points, Some(Vector3::z()));
     let hidden = |c: &&detection::Candidate| c.support == Some(Support::Hidden);
-    assert_eq!(detection.candidates.len(), 2);
+    assert_eq!(n_carried(&detection), 2);
     assert_eq!(detection.candidates.iter().filter(hidden).count(), 1);
 }
 

