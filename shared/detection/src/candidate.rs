@@ -106,6 +106,36 @@ pub(crate) struct Body {
     pub(crate) is_limb: bool,
 }
 
+impl Body {
+    /// The body of some points of a cloud, of which nothing is known yet but
+    /// whether it stands on the table; `None` without points.
+    pub(crate) fn of(
+        cluster: u32,
+        indices: &[u32],
+        cloud: &OrganizedCloud<'_>,
+        table_axes: &[Axis; 3],
+        config: &RawConfig,
+    ) -> Option<Self> {
+        if indices.is_empty() {
+            return None;
+        }
+        let summary = Summary::of(indices, cloud, &table_axes[2], config);
+        let [lowest_m, highest_m] = summary.height_m.map(f64::from);
+        let heights_m = [if summary.stands { 0.0 } else { lowest_m }, highest_m];
+        let upright_box = UprightBox::around(indices, cloud.points(), table_axes, heights_m)?;
+        let sides = config.side_min_m..=config.side_max_m;
+        Some(Self {
+            cluster,
+            summary,
+            upright_box,
+            support: summary.stands.then_some(Support::Table),
+            is_lower_end_unseen: false,
+            is_object_sized: sides.contains(&upright_box.longest_side_m()),
+            is_limb: false,
+        })
+    }
+}
+
 /// Sums over a cluster.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Summary {

@@ -1,7 +1,7 @@
 //! One frame, from cloud to candidates.
 
 use crate::axis::Axis;
-use crate::candidate::{Body, Candidate, Summary, Support, UprightBox};
+use crate::candidate::{Body, Candidate};
 use crate::clusters::Clusters;
 use crate::constraint::{
     Assumption, Assumptions, Constraint, ConstraintSet, Expression, Judge, Limbs, Truth,
@@ -314,12 +314,9 @@ fn find_bodies(
         if !over_table.holds(pixels, cloud) {
             return None;
         }
-        let body = body_of(pixels, cloud, &table_axes, config)?;
-        Some(Body {
-            cluster,
-            is_limb,
-            ..body
-        })
+        let body = Body::of(cluster, pixels, cloud, &table_axes, config)?;
+        let n_min = config.points_min_at_1m / body.summary.centroid.z.powi(2);
+        (pixels.len() as f64 >= n_min).then_some(Body { is_limb, ..body })
     }));
     find_supports(cloud, clusters, &table.plane.normal, bodies);
     let distance = |body: &Body| body.summary.centroid.coords.norm_squared();
@@ -328,32 +325,6 @@ fn find_bodies(
             .total_cmp(&distance(b))
             .then((a.is_limb, a.cluster).cmp(&(b.is_limb, b.cluster)))
     });
-}
-
-/// The pixels of a cluster as a body; `None` when they are too few.
-fn body_of(
-    pixels: &[u32],
-    cloud: &OrganizedCloud<'_>,
-    table_axes: &[Axis; 3],
-    config: &RawConfig,
-) -> Option<Body> {
-    let summary = Summary::of(pixels, cloud, &table_axes[2], config);
-    if (pixels.len() as f64) < config.points_min_at_1m / summary.centroid.z.powi(2) {
-        return None;
-    }
-    let [lowest_m, highest_m] = summary.height_m.map(f64::from);
-    let heights_m = [if summary.stands { 0.0 } else { lowest_m }, highest_m];
-    let upright_box = UprightBox::around(pixels, cloud.points(), table_axes, heights_m)?;
-    let sides = config.side_min_m..=config.side_max_m;
-    Some(Body {
-        cluster: 0,
-        summary,
-        upright_box,
-        support: summary.stands.then_some(Support::Table),
-        is_lower_end_unseen: false,
-        is_object_sized: sides.contains(&upright_box.longest_side_m()),
-        is_limb: false,
-    })
 }
 
 /// Judges the bodies and writes them as candidates.

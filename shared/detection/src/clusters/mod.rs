@@ -185,7 +185,7 @@ fn unite(parents: &mut [u32], a: u32, b: u32) -> u32 {
 
 /// The root of a cluster, with path halving.
 #[inline]
-fn root(parents: &mut [u32], mut cluster: u32) -> u32 {
+pub(crate) fn root(parents: &mut [u32], mut cluster: u32) -> u32 {
     while parents[cluster as usize] != cluster {
         parents[cluster as usize] = parents[parents[cluster as usize] as usize];
         cluster = parents[cluster as usize];

@@ -4,6 +4,7 @@ use super::NOWHERE;
 use super::groups::Groups;
 use super::voxels::Voxels;
 use crate::axis::Axis;
+use crate::clusters::root;
 use point_cloud::Point;
 
 /// A part grows by this many cells to its sides while it grows by one upwards
@@ -178,16 +179,6 @@ fn grow(cluster_of_cell: &mut [u32], fronts: &mut [Vec<u32>; N_FRONTS], voxels: 
     }
     front.clear();
     fronts[0] = front;
-}
-
-/// The root of a cell, with path halving.
-#[inline]
-fn root(parents: &mut [u32], mut cell: u32) -> u32 {
-    while parents[cell as usize] != cell {
-        parents[cell as usize] = parents[parents[cell as usize] as usize];
-        cell = parents[cell as usize];
-    }
-    cell
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use super::voxel_clusters::VoxelClusters;
 use super::voxel_table::{TableSearch, VoxelTable};
 use super::voxels::Voxels;
 use crate::axis::Axis;
-use crate::candidate::{Body, Summary, Support, UprightBox};
+use crate::candidate::{Body, Support};
 use crate::constraint::{Judge, Limbs};
 use crate::detect::{self, Detection, Frame, Workspace};
 use crate::random::Random;
@@ -152,7 +152,8 @@ impl VoxelPath {
         let table_axes = Axis::of_transform(&table.table_from_camera);
         for cluster in 0..n_joined {
             self.list_members(cluster);
-            let Some((_, upright_box)) = judged(&self.indices, cloud, &table_axes, config) else {
+            let body = Body::of(0, &self.indices, cloud, &table_axes, config);
+            let Some(Body { upright_box, .. }) = body else {
                 continue;
             };
             if upright_box.longest_side_m() <= LONGEST_SIDE_M
@@ -200,21 +201,9 @@ impl VoxelPath {
         self.bodies.clear();
         for cluster in 0..self.clusters.len() {
             self.list_members(cluster);
-            let sides = config.side_min_m..=config.side_max_m;
-            if (self.indices.len() as f64) < self.n_points_min {
-                continue;
-            }
-            let judged = judged(&self.indices, cloud, table_axes, config);
-            if let Some((summary, upright_box)) = judged {
-                self.bodies.push(Body {
-                    cluster: cluster as u32,
-                    summary,
-                    upright_box,
-                    support: summary.stands.then_some(Support::Table),
-                    is_lower_end_unseen: false,
-                    is_object_sized: sides.contains(&upright_box.longest_side_m()),
-                    is_limb: false,
-                });
+            if self.indices.len() as f64 >= self.n_points_min {
+                let body = Body::of(cluster as u32, &self.indices, cloud, table_axes, config);
+                self.bodies.extend(body);
             }
         }
         self.keep_largest();
@@ -287,23 +276,6 @@ impl VoxelPath {
             detection.candidates.push(candidate);
         }
     }
-}
-
-/// Sums over points and the upright box around them; `None` without points.
-fn judged(
-    indices: &[u32],
-    cloud: &OrganizedCloud<'_>,
-    table_axes: &[Axis; 3],
-    config: &RawConfig,
-) -> Option<(Summary, UprightBox)> {
-    if indices.is_empty() {
-        return None;
-    }
-    let summary = Summary::of(indices, cloud, &table_axes[2], config);
-    let [lowest_m, highest_m] = summary.height_m.map(f64::from);
-    let heights_m = [if summary.stands { 0.0 } else { lowest_m }, highest_m];
-    let upright_box = UprightBox::around(indices, cloud.points(), table_axes, heights_m)?;
-    Some((summary, upright_box))
 }
 
 fn coordinates(point: &Point) -> [f32; 3] {
