@@ -3,8 +3,8 @@
 
 use channel::topic::{ArmStates, PersonBodies, Topic};
 use channel::{Domain, Error, Received, Subscriber};
-use detection::Surroundings;
-use geometry::{Capsule, OrientedBox, RigidTransform};
+use detection::{ExpectedTrack, Surroundings};
+use geometry::{Capsule, RigidTransform};
 use message::{ArmState, PersonBody, SCHEMA_VERSION, WireCapsule};
 use std::collections::VecDeque;
 
@@ -167,8 +167,8 @@ impl Body {
 pub(crate) struct Known {
     robot: Body,
     people: Body,
-    /// Boxes of the live tracks, predicted to the frame.
-    pub(crate) tracks: Vec<OrientedBox>,
+    /// The live tracks, predicted to the frame.
+    pub(crate) tracks: Vec<ExpectedTrack>,
 }
 
 impl Known {

@@ -18,6 +18,7 @@ use channel::{Domain, Error, Publisher};
 use detection::Assumptions;
 use message::{
     FrameDone, ObjectCloudHeader, PlainHeader, ProcessKind, SceneObject, SceneSummary, Text,
+    points,
 };
 use pipeline::{Step, TrackTable};
 use service::{HealthBoard, monotonic_ns};
@@ -222,8 +223,13 @@ impl FrameLoop {
     fn associate(&mut self, arrived: &Arrived, detected: &Detected) {
         let frame = arrived.circumstances();
         let ids = &self.ids;
-        self.table
-            .step(&detected.detection, &frame, || ids.take(), &mut self.step);
+        self.table.step(
+            &detected.detection,
+            points(arrived.frame.items()),
+            &frame,
+            || ids.take(),
+            &mut self.step,
+        );
         for sighting in self
             .step
             .sightings

@@ -29,6 +29,7 @@ impl Arrived {
         Frame {
             capture_ns: self.frame.header().capture_stamp_ns,
             world_from_camera: self.checked.world_from_camera.unwrap_or_default(),
+            camera: Some(self.checked.camera),
         }
     }
 }

@@ -110,6 +110,6 @@ impl Actor for ObjectActor {
     }
 
     fn checkpoint(&self) -> ObjectState {
-        self.state
+        self.state.clone()
     }
 }

@@ -12,13 +12,13 @@ use message::{
 use pipeline::{DESCRIPTOR_KIND, Sighting, Track};
 use point_cloud::Rgba;
 use std::collections::BTreeMap;
-use tracking::TrackPhase;
+use tracking::{Sight, TrackPhase};
 
 /// One object of the summary. `memory_sequence` belongs to its label.
 fn object(track: &Track, memory_sequence: u64) -> SceneObject {
     let body = track.box_in_world();
     let state = match track.phase() {
-        _ if !track.is_seen => TrackState::Missing,
+        _ if track.sight() != Sight::Seen => TrackState::Missing,
         TrackPhase::Tentative => TrackState::Tentative,
         _ => TrackState::Tracked,
     };

@@ -2,7 +2,7 @@
 
 use crate::axis::Axis;
 use crate::candidate::{Body, Candidate};
-use crate::clusters::Clusters;
+use crate::clusters::{Clusters, TrackClaims};
 use crate::constraint::{
     Assumption, Assumptions, Constraint, ConstraintSet, Expression, Judge, Limbs, Truth,
 };
@@ -65,8 +65,24 @@ pub struct Surroundings<'a> {
     pub instructor: Option<&'a [Capsule]>,
     /// The links of the robot; `None` when nobody tells where it is.
     pub robot: Option<&'a [Capsule]>,
-    /// Boxes of the live tracks, predicted to this frame.
-    pub tracks: &'a [OrientedBox],
+    /// The live tracks, predicted to this frame.
+    pub tracks: &'a [ExpectedTrack],
+}
+
+/// A live track as it is expected in a frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ExpectedTrack {
+    /// Its box, camera frame.
+    pub shape: OrientedBox,
+    /// How many points it had when it was seen last; 0 for a box in which it may
+    /// or may not be, by which no cluster is parted.
+    pub n_points: usize,
+}
+
+impl From<OrientedBox> for ExpectedTrack {
+    fn from(shape: OrientedBox) -> Self {
+        Self { shape, n_points: 0 }
+    }
 }
 
 /// What was found. Reused from frame to frame.
@@ -109,6 +125,7 @@ pub struct Workspace {
     whole: Clusters,
     creases: Creases,
     may_be_pile: Vec<bool>,
+    track_claims: TrackClaims,
     islands: Islands,
     bodies: Vec<Body>,
     pub(crate) unorganized: Option<Box<unorganized::Buffers>>,
@@ -154,6 +171,7 @@ pub fn detect(
         list_over(&frame.cloud, &table, raw, workspace);
         join(frame, &table, raw, workspace);
         split_piles(&frame.cloud, &table, workspace);
+        split_tracked(frame, workspace);
         grow_feet(&frame.cloud, &table, workspace);
         find_bodies(&frame.cloud, &table, raw, workspace);
         write(frame, &table, config, workspace, detection);
@@ -256,6 +274,16 @@ fn split_piles(cloud: &OrganizedCloud<'_>, table: &Table, workspace: &mut Worksp
         std::mem::swap(whole, clusters);
         clusters.split(cloud, whole, creases, PART_PIXELS_MIN);
     }
+}
+
+/// Parts the clusters that are several tracked objects that have come together.
+fn split_tracked(frame: &Frame<'_>, workspace: &mut Workspace) {
+    let Workspace {
+        clusters,
+        track_claims,
+        ..
+    } = workspace;
+    clusters.part_by_tracks(&frame.cloud, frame.surroundings.tracks, track_claims);
 }
 
 /// Lets the clusters grow down to the table.

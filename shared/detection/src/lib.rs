@@ -44,7 +44,7 @@ pub use constraint::{
     Assumption, Assumptions, Constraint, ConstraintSet, Expression, Finding, Findings,
     InvalidExpression, Reason, Truth,
 };
-pub use detect::{Detection, Frame, Surroundings, Workspace, detect};
+pub use detect::{Detection, ExpectedTrack, Frame, Surroundings, Workspace, detect};
 pub use error::Error;
 pub use outline::Outline;
 pub use sensor_noise::kinect_depth_sigma_m;

@@ -2,7 +2,7 @@
 
 mod synthetic;
 
-use detection::{Candidate, Config, Detection, Frame, Surroundings, Workspace, detect};
+use detection::{Candidate, Config, Detection, ExpectedTrack, Frame, Surroundings, Workspace, detect};
 use geometry::{Capsule, OrientedBox};
 use nalgebra::{Isometry3, Point3, Vector3};
 use point_cloud::OrganizedCloud;
@@ -52,11 +52,14 @@ fn a_frame_in_steady_state_allocates_nothing() {
     let cloud = OrganizedCloud::new(&points, 640, 480).unwrap();
     let (mut workspace, mut detection) = (Workspace::default(), Detection::default());
     let config = Config::default();
-    // A track, and an arm over the left box.
-    let tracks = [OrientedBox {
-        frame_from_box: camera_from_table() * Isometry3::translation(0.25, 0.0, 0.06),
-        half_sides_m: Vector3::new(0.05, 0.035, 0.06),
-    }];
+    // Two tracks, and an arm over the left box.
+    let tracks = [0.0, 0.25].map(|x| ExpectedTrack {
+        shape: OrientedBox {
+            frame_from_box: camera_from_table() * Isometry3::translation(x, 0.0, 0.06),
+            half_sides_m: Vector3::new(0.05, 0.035, 0.06),
+        },
+        n_points: 3000,
+    });
     let link = Capsule {
         from: Point3::new(-0.5, 0.0, 0.06),
         to: Point3::new(-0.3, 0.0, 0.06),

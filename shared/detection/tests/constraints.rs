@@ -3,7 +3,7 @@
 mod synthetic;
 
 use detection::{
-    Assumption, Candidate, Config, Constraint, Detection, Findings, Frame, RawConfig, Reason,
+    Assumption, Candidate, Config, Constraint, Detection, ExpectedTrack, Findings, Frame, RawConfig, Reason,
     Surroundings, Truth, Workspace, detect,
 };
 use geometry::{Capsule, OrientedBox};
@@ -135,12 +135,51 @@ fn what_was_taken_for_granted_is_told() {
     );
 }
 
+/// Two boxes of one colour that stand side by side look like one longer box.
+#[test]
+fn two_tracks_that_have_come_together_stay_two() {
+    let sides = [0.08, 0.08, 0.12];
+    let pair = [box_at(-0.04, 0.0, sides), box_at(0.04, 0.0, sides)];
+    let points = render(&pair, 1.0);
+    let with = |tracks: &[ExpectedTrack]| {
+        let surroundings = Surroundings {
+            tracks,
+            ..Surroundings::default()
+        };
+        found(&points, surroundings, &Config::default())
+    };
+    let whole = with(&[]);
+    assert_eq!(whole.candidates.len(), 1);
+    let n_points = whole.candidates[0].n_points() / 2;
+    let track = |solid: &BoxOnTable, n_points: usize| ExpectedTrack {
+        shape: box_in_camera(solid, [0.004, 0.003, 0.0]),
+        n_points,
+    };
+    let both = pair.each_ref().map(|solid| track(solid, n_points));
+    let parted = with(&both);
+    assert_eq!(parted.candidates.len(), 2);
+    for solid in &pair {
+        let [x, y] = solid.centre;
+        let half = near(&parted, [x, y, 0.06]);
+        let middle = camera_from_table() * Point3::new(x, y, 0.06);
+        assert!((half.oriented_box.centre() - middle).norm() < 0.012, "{half:?}");
+        assert!(half.n_points() > n_points * 8 / 10);
+    }
+    // One track of the whole, one where an object may have been, two of one object.
+    let twice = box_at(0.0, 0.0, [0.16, 0.08, 0.12]);
+    let unseen = pair.each_ref().map(|solid| track(solid, 0));
+    for tracks in [vec![track(&twice, 2 * n_points)], unseen.to_vec(), vec![track(&twice, 2 * n_points); 2]] {
+        assert_eq!(with(&tracks).candidates.len(), 1);
+    }
+}
+
 #[test]
 fn what_a_track_explains_begins_no_other() {
     let points = render(&[MIDDLE], 1.0);
-    let judged = |tracks: &[OrientedBox]| {
+    let judged = |boxes: &[OrientedBox]| {
+        let tracks: Vec<ExpectedTrack> = boxes.iter().map(|shape| (*shape).into()).collect();
         let surroundings = Surroundings {
-            tracks,
+            tracks: &tracks,
             ..Surroundings::default()
         };
         let detection = found(&points, surroundings, &Config::default());

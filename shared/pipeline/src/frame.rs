@@ -2,9 +2,16 @@
 
 use crate::{Config, Error};
 use detection::Candidate;
-use geometry::RigidTransform;
-use nalgebra::Point3;
-use tracking::{Appearance, Measurement, Observed};
+use geometry::{PinholeCamera, RigidTransform};
+use nalgebra::{Point3, Unit, Vector3};
+use point_cloud::{Moments, Point};
+use tracking::{
+    Appearance, Circumstances, ColorHistogram, DepthView, Measurement, Observed,
+};
+
+/// An object's colours and the spread of its points are taken from about this
+/// many of them.
+const N_SAMPLES: usize = 400;
 
 /// The circumstances of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -13,6 +20,16 @@ pub struct Frame {
     pub capture_ns: u64,
     /// Pose of the camera; the identity when it is not known.
     pub world_from_camera: RigidTransform,
+    /// The camera, where the cloud is its image; without it nothing is known of
+    /// what hides an object.
+    pub camera: Option<PinholeCamera>,
+}
+
+impl Frame {
+    /// A view into the frame's cloud, where it is an image.
+    pub fn view<'a>(&self, cloud: &'a [Point]) -> Option<DepthView<'a>> {
+        DepthView::new(cloud, self.camera?, &self.world_from_camera)
+    }
 }
 
 /// What a frame says of one candidate.
@@ -22,8 +39,8 @@ pub struct Measured {
     pub measurement: Measurement,
     /// Centre of the box in the camera's frame.
     pub centre_in_camera: Point3<f64>,
-    /// Pose of the camera.
-    pub world_from_camera: RigidTransform,
+    /// The frame it was seen in.
+    pub frame: Frame,
     /// Coarse looks.
     pub appearance: Appearance,
     /// Mean red, green, blue; 0 to 255.
@@ -38,24 +55,37 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// The measurement of a candidate.
+    /// The measurement of a candidate from its points.
     ///
     /// # Errors
     /// When the candidate's box is no possible measurement.
-    pub fn of(candidate: &Candidate, frame: &Frame) -> Result<Self, Error> {
+    pub fn of(
+        candidate: &Candidate,
+        indices: &[u32],
+        cloud: &[Point],
+        frame: &Frame,
+    ) -> Result<Self, Error> {
         let box_in_world = candidate.oriented_box.transformed(&frame.world_from_camera);
         let is_cut_by_image = candidate.touches_image_border;
-        let is_cut = is_cut_by_image || candidate.is_touched();
-        let depth_m = candidate.centroid.z;
-        let measurement = Measurement::new(frame.capture_ns, box_in_world, depth_m, is_cut)
-            .map_err(Error::Tracking)?;
+        let is_handled = candidate.is_touched();
+        let is_cut = is_cut_by_image || is_handled;
+        let seen = Circumstances {
+            depth_m: candidate.centroid.z,
+            ray_in_world: ray(candidate, &frame.world_from_camera),
+            variances_m2: variances_m2(candidate, indices, cloud),
+            is_cut,
+            is_handled,
+        };
+        let measurement =
+            Measurement::new(frame.capture_ns, box_in_world, seen).map_err(Error::Tracking)?;
+        let colors = sampled(indices, cloud).map(|point| point.color);
         Ok(Self {
             measurement,
             centre_in_camera: candidate.oriented_box.centre(),
-            world_from_camera: frame.world_from_camera,
+            frame: *frame,
             appearance: Appearance {
                 volume_m3: box_in_world.volume_m3(),
-                mean_rgb: candidate.mean_rgb,
+                colors: ColorHistogram::of(colors),
                 is_cut,
             },
             mean_rgb: candidate.mean_rgb,
@@ -65,16 +95,36 @@ impl Measured {
         })
     }
 
-    pub(crate) fn observed(
-        &self,
-        candidate: &Candidate,
-        frame: &Frame,
-        config: &Config,
-    ) -> Observed {
+    pub(crate) fn observed(&self, config: &Config) -> Observed {
         Observed {
-            position: frame.world_from_camera * candidate.oriented_box.centre(),
+            box_in_world: *self.measurement.box_in_world(),
             position_variance_m2: self.measurement.position_variance_m2(config.motion()),
             appearance: self.appearance,
         }
     }
+}
+
+/// Some of the points of an object, evenly.
+fn sampled<'a>(indices: &'a [u32], cloud: &'a [Point]) -> impl Iterator<Item = &'a Point> {
+    let stride = indices.len().div_ceil(N_SAMPLES).max(1);
+    let index = indices.iter().step_by(stride);
+    index.filter_map(|index| cloud.get(*index as usize))
+}
+
+/// Variances of the points along the axes of the box, square metres.
+fn variances_m2(candidate: &Candidate, indices: &[u32], cloud: &[Point]) -> Vector3<f64> {
+    let mut moments = Moments::default();
+    for point in sampled(indices, cloud) {
+        moments.add(&point.position());
+    }
+    let axes = candidate.oriented_box.frame_from_box.rotation.to_rotation_matrix();
+    let spread = moments.covariance_m2().unwrap_or_default();
+    (axes.transpose() * spread * axes.matrix()).diagonal().map(|variance| variance.max(0.0))
+}
+
+/// From the camera to a candidate, world frame.
+fn ray(candidate: &Candidate, world_from_camera: &RigidTransform) -> Unit<Vector3<f64>> {
+    let ray_in_camera = candidate.oriented_box.centre().coords;
+    let ray = Unit::try_new(world_from_camera.rotation * ray_in_camera, 1e-9);
+    ray.unwrap_or_else(|| world_from_camera.rotation * Vector3::z_axis())
 }

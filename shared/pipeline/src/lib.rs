@@ -17,13 +17,18 @@
 
 mod box_frame;
 mod config;
+mod departed;
 mod error;
 mod frame;
+mod key_views;
 mod object;
+mod search;
+mod track;
 mod track_table;
 
 pub use config::{Config, DESCRIPTOR_DIMENSION, DESCRIPTOR_KIND, METRIC};
 pub use error::Error;
 pub use frame::{Frame, Measured};
 pub use object::{ObjectState, ObjectTools, Observation, Posterior};
-pub use track_table::{Sighting, Step, Track, TrackTable};
+pub use track::Track;
+pub use track_table::{Sighting, Step, TrackTable};

@@ -3,19 +3,22 @@
 use crate::box_frame::{N_READINGS, box_frame};
 use crate::config::descriptor;
 use crate::frame::Measured;
+use crate::key_views::KeyViews;
 use crate::{Config, Error};
 use description::{Descriptor, Good, ObjectPoints};
 use geometry::OrientedBox;
 use learning::{CategoryIndex, CategoryName, Recognition};
 use point_cloud::Point;
-use tracking::{KeyViewRule, MotionFilter};
+use tracking::MotionFilter;
 
-/// What is known of one object; small, without heap memory, so that a copy of it
-/// is a checkpoint.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+/// A view shows an object whole with this share of its box.
+const WHOLE_SHARE: f64 = 0.9;
+
+/// What is known of one object; small, so that a copy of it is a checkpoint.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct ObjectState {
     filter: Option<MotionFilter>,
-    key_views: KeyViewRule,
+    key_views: KeyViews,
     n_views: u32,
 }
 
@@ -89,7 +92,10 @@ impl ObjectState {
             measured,
         } = observation;
         let filter = match &self.filter {
-            Some(filter) => filter.updated(&measured.measurement, config.motion()),
+            Some(filter) => {
+                let view = measured.frame.view(cloud);
+                filter.updated(&measured.measurement, view.as_ref(), config.motion())
+            }
             None => Ok(MotionFilter::start(&measured.measurement, config.motion())),
         }
         .map_err(Error::Tracking)?;
@@ -98,9 +104,10 @@ impl ObjectState {
         let answer = recognise(points, &tracked_box, taught, config, tools)?;
         descriptor.clone_from(&tools.readings[0]);
         let pose = filter.box_in_world().frame_from_box;
-        let is_key_view = self
-            .key_views
-            .take(filter.stamp_ns(), &pose, measured.is_cut);
+        let is_whole = !measured.is_cut && filter.completeness() >= WHOLE_SHARE;
+        let is_key_view =
+            self.key_views
+                .take(filter.stamp_ns(), &pose, is_whole, &tools.readings);
         let view_id = self.n_views;
         self.n_views = self.n_views.saturating_add(1);
         self.filter = Some(filter);
@@ -147,7 +154,7 @@ fn recognise(
 fn tracked_box_in_camera(filter: &MotionFilter, measured: &Measured) -> OrientedBox {
     let mut tracked = filter
         .box_in_world()
-        .transformed(&measured.world_from_camera.inverse());
+        .transformed(&measured.frame.world_from_camera.inverse());
     tracked.frame_from_box.translation = measured.centre_in_camera.into();
     tracked
 }

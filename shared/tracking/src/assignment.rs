@@ -1,28 +1,39 @@
 //! The cheapest assignment of rows to columns.
 
+use pathfinding::kuhn_munkres::kuhn_munkres_min;
+use pathfinding::matrix::Matrix;
+
+/// Steps of a cost of one: the library wants whole numbers.
+const STEPS: f64 = 1e6;
+
+/// Dearer than any sum of allowed costs, and far from overflowing.
+const FORBIDDEN: i64 = 1 << 40;
+
+/// Greatest cost, so that sums stay below [`FORBIDDEN`].
+const COST_MAX: f64 = 1e3;
+
 /// Buffers of [`assign`], reused from call to call.
 #[derive(Debug, Default)]
 pub struct AssignmentBuffers {
-    row_price: Vec<f64>,
-    column_price: Vec<f64>,
-    row_of_column: Vec<usize>,
-    distance: Vec<f64>,
-    previous_column: Vec<usize>,
-    is_reached: Vec<bool>,
     column_of_row: Vec<Option<usize>>,
+    row_of_column: Vec<usize>,
+    groups: Groups,
+    rows: Vec<usize>,
+    columns: Vec<usize>,
 }
 
-const FREE: usize = usize::MAX;
-
 /// Assigns rows to columns, each at most once, at least total cost, where a
-/// row left without a column costs `unassigned_cost`. Returns each row's column.
+/// row left without a column costs `unassigned_cost` (below 1000). Returns each
+/// row's column.
 ///
 /// `costs` is `n_rows x n_columns`, row-major; an entry that is not a number,
-/// or not below `unassigned_cost`, is never chosen.
+/// or not below `unassigned_cost`, is never chosen. Costs are compared to a
+/// millionth; of equally cheap assignments the same one is always chosen.
 ///
-/// Shortest augmenting paths with prices (Jonker and Volgenant 1987), exact,
-/// O(rows² · (rows + columns)): each row has a column of its own that stands
-/// for none. Of equally cheap assignments the same one is always chosen.
+/// Rows and columns fall into groups that share no allowed pair. A group in
+/// which every row's cheapest column is another one is decided by that; only
+/// rows that compete go to the Hungarian method (Kuhn 1955, Munkres 1957) of the
+/// library, which allocates: on a table that is a few rows now and then.
 pub fn assign<'a>(
     costs: &[f64],
     n_columns: usize,
@@ -30,122 +41,135 @@ pub fn assign<'a>(
     buffers: &'a mut AssignmentBuffers,
 ) -> &'a [Option<usize>] {
     let n_rows = costs.len().checked_div(n_columns).unwrap_or(0);
-    buffers.reset(n_rows, n_columns + n_rows);
-    let cost = |row: usize, column: usize| {
-        if column >= n_columns {
-            return if column - n_columns == row {
-                unassigned_cost
-            } else {
-                f64::INFINITY
-            };
-        }
-        let cost = costs[row * n_columns + column];
-        if cost < unassigned_cost {
-            cost
-        } else {
-            f64::INFINITY
-        }
+    let pairs = Pairs {
+        costs,
+        n_columns,
+        unassigned_cost: unassigned_cost.min(COST_MAX),
     };
-    for row in 0..n_rows {
-        buffers.augment(row, &cost);
-    }
-    for column in 0..n_columns {
-        let row = buffers.row_of_column[column];
-        if row != FREE {
-            buffers.column_of_row[row] = Some(column);
+    buffers.column_of_row.clear();
+    buffers.column_of_row.resize(n_rows, None);
+    buffers.groups.refill(&pairs, n_rows);
+    buffers.take_cheapest(&pairs);
+    for root in 0..n_rows {
+        if buffers.groups.root(root) == root && buffers.competes(root) {
+            buffers.settle(root, &pairs);
         }
     }
     &buffers.column_of_row
 }
 
+/// The allowed pairs and their costs.
+struct Pairs<'a> {
+    costs: &'a [f64],
+    n_columns: usize,
+    unassigned_cost: f64,
+}
+
+impl Pairs<'_> {
+    /// The cost of an allowed pair. Whatever is not a number is not allowed.
+    fn cost(&self, row: usize, column: usize) -> Option<f64> {
+        let cost = self.costs[row * self.n_columns + column];
+        (cost < self.unassigned_cost).then_some(cost.max(-COST_MAX))
+    }
+
+    fn cheapest(&self, row: usize) -> Option<usize> {
+        (0..self.n_columns)
+            .filter_map(|column| Some((column, self.cost(row, column)?)))
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .map(|(column, _)| column)
+    }
+}
+
+const NONE: usize = usize::MAX;
+
 impl AssignmentBuffers {
-    fn reset(&mut self, n_rows: usize, n_columns: usize) {
-        fn refill<T: Clone>(values: &mut Vec<T>, n: usize, value: T) {
-            values.clear();
-            values.resize(n, value);
-        }
-        refill(&mut self.row_price, n_rows, 0.0);
-        refill(&mut self.column_price, n_columns, 0.0);
-        refill(&mut self.row_of_column, n_columns, FREE);
-        refill(&mut self.distance, n_columns, f64::INFINITY);
-        refill(&mut self.previous_column, n_columns, FREE);
-        refill(&mut self.is_reached, n_columns, false);
-        refill(&mut self.column_of_row, n_rows, None);
-    }
-
-    /// Gives a row a column, moving others along the cheapest path.
-    fn augment(&mut self, start: usize, cost: &impl Fn(usize, usize) -> f64) {
-        self.distance.fill(f64::INFINITY);
-        self.previous_column.fill(FREE);
-        self.is_reached.fill(false);
-        let (mut row, mut from, mut travelled) = (start, FREE, 0.0);
-        let end = loop {
-            self.relax(row, from, travelled, cost);
-            // The row's own column for none keeps a finite way open.
-            let Some(next) = self.nearest_unreached() else {
-                return;
+    /// Gives each row its cheapest column; a column wanted twice marks its rows'
+    /// group as one of competitors.
+    fn take_cheapest(&mut self, pairs: &Pairs<'_>) {
+        self.row_of_column.clear();
+        self.row_of_column.resize(pairs.n_columns, NONE);
+        for row in 0..self.column_of_row.len() {
+            let Some(column) = pairs.cheapest(row) else {
+                continue;
             };
-            travelled = self.distance[next];
-            self.is_reached[next] = true;
-            if self.row_of_column[next] == FREE {
-                break next;
+            self.column_of_row[row] = Some(column);
+            if std::mem::replace(&mut self.row_of_column[column], row) != NONE {
+                let root = self.groups.root(row);
+                self.groups.has_conflict[root] = true;
             }
-            (row, from) = (self.row_of_column[next], next);
+        }
+    }
+
+    fn competes(&self, root: usize) -> bool {
+        self.groups.has_conflict[root]
+    }
+
+    /// Decides among the rows of a group.
+    fn settle(&mut self, root: usize, pairs: &Pairs<'_>) {
+        let Self {
+            rows,
+            columns,
+            groups,
+            column_of_row,
+            ..
+        } = self;
+        rows.clear();
+        rows.extend((0..column_of_row.len()).filter(|row| groups.root(*row) == root));
+        columns.clear();
+        let is_wanted = |column: &usize| rows.iter().any(|row| pairs.cost(*row, *column).is_some());
+        columns.extend((0..pairs.n_columns).filter(is_wanted));
+        // Behind the columns each row has one of its own that stands for none.
+        let (n_rows, n_columns) = (rows.len(), columns.len());
+        let weight = |(row, column): (usize, usize)| {
+            let cost = match columns.get(column) {
+                Some(column) => pairs.cost(rows[row], *column),
+                None => (column - n_columns == row).then_some(pairs.unassigned_cost),
+            };
+            cost.map_or(FORBIDDEN, |cost| (cost * STEPS).round() as i64)
         };
-        self.raise_prices(start, travelled);
-        self.turn_path(start, end);
+        let weights = Matrix::from_fn(n_rows, n_columns + n_rows, weight);
+        let (_, chosen) = kuhn_munkres_min(&weights);
+        for (row, column) in rows.iter().zip(chosen) {
+            column_of_row[*row] = columns.get(column).copied();
+        }
     }
+}
 
-    fn relax(
-        &mut self,
-        row: usize,
-        from: usize,
-        travelled: f64,
-        cost: &impl Fn(usize, usize) -> f64,
-    ) {
-        for column in 0..self.distance.len() {
-            if !self.is_reached[column] {
-                let reduced = cost(row, column) - self.row_price[row] - self.column_price[column];
-                let distance = travelled + reduced;
-                if distance < self.distance[column] {
-                    self.distance[column] = distance;
-                    self.previous_column[column] = from;
+/// Rows that share a column, directly or through others, by union-find.
+#[derive(Debug, Default)]
+struct Groups {
+    parent: Vec<usize>,
+    has_conflict: Vec<bool>,
+}
+
+impl Groups {
+    fn refill(&mut self, pairs: &Pairs<'_>, n_rows: usize) {
+        self.parent.clear();
+        self.parent.extend(0..n_rows);
+        self.has_conflict.clear();
+        self.has_conflict.resize(n_rows, false);
+        for column in 0..pairs.n_columns {
+            let mut first = None;
+            for row in (0..n_rows).filter(|row| pairs.cost(*row, column).is_some()) {
+                match first {
+                    None => first = Some(row),
+                    Some(first) => self.join(first, row),
                 }
             }
         }
     }
 
-    fn nearest_unreached(&self) -> Option<usize> {
-        (0..self.distance.len())
-            .filter(|&column| !self.is_reached[column] && self.distance[column].is_finite())
-            .min_by(|&a, &b| self.distance[a].total_cmp(&self.distance[b]))
+    fn root(&self, mut row: usize) -> usize {
+        while self.parent[row] != row {
+            row = self.parent[row];
+        }
+        row
     }
 
-    fn raise_prices(&mut self, start: usize, travelled: f64) {
-        self.row_price[start] += travelled;
-        for column in 0..self.distance.len() {
-            if self.is_reached[column] {
-                let gain = travelled - self.distance[column];
-                self.column_price[column] -= gain;
-                let row = self.row_of_column[column];
-                if row != FREE {
-                    self.row_price[row] += gain;
-                }
-            }
-        }
-    }
-
-    fn turn_path(&mut self, start: usize, end: usize) {
-        let mut column = end;
-        loop {
-            let previous = self.previous_column[column];
-            if previous == FREE {
-                self.row_of_column[column] = start;
-                break;
-            }
-            self.row_of_column[column] = self.row_of_column[previous];
-            column = previous;
-        }
+    /// The smaller number becomes the root, so that groups do not depend on order.
+    fn join(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.root(a), self.root(b));
+        self.parent[a.max(b)] = a.min(b);
     }
 }
 
@@ -184,7 +208,7 @@ mod tests {
     }
 
     fn matrix() -> impl Strategy<Value = (Vec<f64>, usize)> {
-        let entry = prop_oneof![8 => 0.0..12.0_f64, 1 => Just(f64::INFINITY), 1 => Just(f64::NAN), 1 => Just(3.0)];
+        let entry = prop_oneof![8 => 0.0..12.0_f64, 4 => Just(f64::INFINITY), 1 => Just(f64::NAN), 1 => Just(3.0)];
         (1..=6_usize, 1..=6_usize).prop_flat_map(move |(rows, columns)| {
             (
                 prop::collection::vec(entry.clone(), rows * columns),
@@ -205,7 +229,7 @@ mod tests {
             prop_assert_eq!(used.len(), n_used);
             let best = best_by_trying(&costs, n_columns, unassigned, 0, 0);
             let found = total(&costs, n_columns, unassigned, columns);
-            prop_assert!((found - best).abs() < 1e-9, "{} instead of {}", found, best);
+            prop_assert!((found - best).abs() < 2e-5, "{} instead of {}", found, best);
         }
     }
 

@@ -1,17 +1,28 @@
 //! Which candidate is which track's object.
 
-use crate::Error;
 use crate::assignment::{AssignmentBuffers, assign};
+use crate::color_histogram::ColorHistogram;
 use crate::error::check_settings;
-use nalgebra::Point3;
+use crate::Error;
+use geometry::OrientedBox;
+use nalgebra::{Matrix3, Point3};
+
+/// A part of an object sticks out of its box by this at most, metres.
+const PART_MARGIN_M: f64 = 0.012;
+
+/// Steps of a side of a box in which it is looked whether it is a part.
+const N_PART_STEPS: usize = 3;
+
+/// Share of a part that lies in the box of the whole.
+const PART_SHARE_MIN: f64 = 0.85;
 
 /// What an object looks like, coarsely.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Appearance {
     /// Volume of its box, cubic metres.
     pub volume_m3: f64,
-    /// Mean red, green, blue; 0 to 255.
-    pub mean_rgb: [f32; 3],
+    /// Its colours.
+    pub colors: ColorHistogram,
     /// Whether a part of it may be missing; then its size says nothing.
     pub is_cut: bool,
 }
@@ -19,10 +30,10 @@ pub struct Appearance {
 /// A track, predicted to the frame's capture stamp.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Predicted {
-    /// Expected centre, world frame.
-    pub position: Point3<f64>,
-    /// Variance of the expected centre, each axis, square metres.
-    pub position_variance_m2: f64,
+    /// Expected box, world frame.
+    pub box_in_world: OrientedBox,
+    /// Covariance of its centre, square metres, world axes.
+    pub covariance_m2: Matrix3<f64>,
     /// What its object looked like before.
     pub appearance: Appearance,
 }
@@ -30,8 +41,8 @@ pub struct Predicted {
 /// A candidate of the frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Observed {
-    /// Measured centre, world frame.
-    pub position: Point3<f64>,
+    /// Measured box, world frame.
+    pub box_in_world: OrientedBox,
     /// Variance of the measured centre, each axis, square metres.
     pub position_variance_m2: f64,
     /// What it looks like.
@@ -46,13 +57,16 @@ pub struct AssociationConfig {
     pub distance2_max: f64,
     /// Cost of a volume e times as large or small; 0 to 100.
     pub volume_weight: f64,
-    /// Cost of a colour as different as `color_distance_max`; 0 to 100.
+    /// Cost of colours that have nothing in common; 0 to 100.
     pub color_weight: f64,
     /// A volume that differs by this factor is another object's; 1.1 to 1000.
     pub volume_ratio_max: f64,
-    /// A mean colour this far away is another object's; 1 to 442, the distance
-    /// of black and white.
-    pub color_distance_max: f64,
+    /// Colours that are less alike are another object's; 0 to 1, see
+    /// [`ColorHistogram::similarity`].
+    pub color_similarity_min: f64,
+    /// Cost of a candidate that lies in the track's box as a part of its object
+    /// does, whatever its centre; 0 to 1000.
+    pub part_cost: f64,
 }
 
 impl Default for AssociationConfig {
@@ -62,7 +76,8 @@ impl Default for AssociationConfig {
             volume_weight: 0.5,
             color_weight: 2.0,
             volume_ratio_max: 4.0,
-            color_distance_max: 60.0,
+            color_similarity_min: 0.45,
+            part_cost: 9.0,
         }
     }
 }
@@ -78,7 +93,8 @@ impl AssociationConfig {
             ("volume_weight", self.volume_weight, 0.0, 100.0),
             ("color_weight", self.color_weight, 0.0, 100.0),
             ("volume_ratio_max", self.volume_ratio_max, 1.1, 1000.0),
-            ("color_distance_max", self.color_distance_max, 1.0, 442.0),
+            ("color_similarity_min", self.color_similarity_min, 0.0, 1.0),
+            ("part_cost", self.part_cost, 0.0, 1000.0),
         ])?;
         Ok(self)
     }
@@ -86,7 +102,7 @@ impl AssociationConfig {
     /// More than any allowed pair costs.
     fn unassigned_cost(&self) -> f64 {
         let volume = self.volume_weight * self.volume_ratio_max.ln();
-        1.0 + self.distance2_max + volume + self.color_weight
+        1.0 + self.distance2_max.max(self.part_cost) + volume + self.color_weight
     }
 }
 
@@ -100,11 +116,11 @@ pub struct AssociationBuffers {
 /// For each track its candidate, `None` for a track that was not observed.
 /// A candidate named for no track is a new object's.
 ///
-/// A pair is allowed within the gate of distance and where size and colour do
-/// not tell different objects; of the allowed pairs the cheapest assignment is
-/// chosen that leaves as little as possible unassigned. Place alone does not
-/// make a candidate the track's object: scenes are exchanged under a running
-/// camera.
+/// A pair is allowed within the gate of distance, or where the candidate can be
+/// what is left of an object partly hidden, and where size and colour do not tell
+/// different objects; of the allowed pairs the cheapest assignment is chosen that
+/// leaves as little as possible unassigned. Place alone does not make a candidate
+/// the track's object: scenes are exchanged under a running camera.
 pub fn associate<'a>(
     tracks: &[Predicted],
     candidates: &[Observed],
@@ -131,16 +147,38 @@ pub fn associate<'a>(
 
 /// Cost of taking a candidate for a track's object; `None` where it is not.
 fn pair_cost(track: &Predicted, candidate: &Observed, config: &AssociationConfig) -> Option<f64> {
-    let variance_m2 = track.position_variance_m2 + candidate.position_variance_m2;
-    let distance2 = (candidate.position - track.position).norm_squared() / variance_m2;
-    let volume = volume_difference(&track.appearance, &candidate.appearance);
-    let color =
-        color_distance(&track.appearance, &candidate.appearance) / config.color_distance_max;
+    let between = candidate.box_in_world.centre() - track.box_in_world.centre();
+    let covariance = track.covariance_m2 + Matrix3::identity() * candidate.position_variance_m2;
+    if !covariance.trace().is_finite() {
+        return None;
+    }
+    // Most pairs are far apart: no direction is wider than the trace.
+    let is_far = between.norm_squared() > config.distance2_max * covariance.trace();
+    let distance2 = if is_far {
+        f64::INFINITY
+    } else {
+        (between.transpose() * covariance.try_inverse()? * between).x
+    };
+    if distance2 <= config.distance2_max {
+        let look = look_cost(&track.appearance, &candidate.appearance, config)?;
+        return Some(distance2 + look);
+    }
+    let is_part = share_inside(&candidate.box_in_world, &track.box_in_world) >= PART_SHARE_MIN;
+    let similarity = track.appearance.colors.similarity(&candidate.appearance.colors);
+    (is_part && similarity >= config.color_similarity_min)
+        .then_some(config.part_cost + config.color_weight * (1.0 - similarity))
+}
+
+/// Cost of the difference of size and colour; `None` where they tell different
+/// objects. The more colours are alike, the more sizes may differ.
+pub fn look_cost(a: &Appearance, b: &Appearance, config: &AssociationConfig) -> Option<f64> {
+    let volume = volume_difference(a, b);
     let volume_share = volume / config.volume_ratio_max.ln();
+    let unlike = 1.0 - a.colors.similarity(&b.colors);
+    let color_share = unlike / (1.0 - config.color_similarity_min).max(1e-6);
     // Written so that whatever is not a number is refused.
-    let same = volume_share * volume_share + color * color <= 1.0;
-    (distance2 <= config.distance2_max && same)
-        .then_some(distance2 + config.volume_weight * volume + config.color_weight * color)
+    (volume_share * volume_share + color_share * color_share <= 1.0)
+        .then_some(config.volume_weight * volume + config.color_weight * unlike)
 }
 
 /// Absolute logarithm of the ratio of volumes; 0 where one is cut. A cubic
@@ -152,46 +190,61 @@ fn volume_difference(a: &Appearance, b: &Appearance) -> f64 {
     ((a.volume_m3 + 1e-6) / (b.volume_m3 + 1e-6)).ln().abs()
 }
 
-fn color_distance(a: &Appearance, b: &Appearance) -> f64 {
-    let squares = a
-        .mean_rgb
-        .iter()
-        .zip(b.mean_rgb)
-        .map(|(a, b)| f64::from(a - b).powi(2));
-    squares.sum::<f64>().sqrt()
+/// Share of a box that lies in another one, to the width of a part's margin.
+pub fn share_inside(part: &OrientedBox, whole: &OrientedBox) -> f64 {
+    let place = |step: usize| step as f64 / (N_PART_STEPS - 1) as f64 * 2.0 - 1.0;
+    let mut n_inside = 0_usize;
+    for i in 0..N_PART_STEPS.pow(3) {
+        let [x, y, z] = [i, i / N_PART_STEPS, i / N_PART_STEPS.pow(2)].map(|i| place(i % N_PART_STEPS));
+        let half = part.half_sides_m;
+        let corner = Point3::new(x * half.x, y * half.y, z * half.z);
+        let point = part.frame_from_box * corner;
+        n_inside += usize::from(whole.contains(&point, PART_MARGIN_M));
+    }
+    n_inside as f64 / N_PART_STEPS.pow(3) as f64
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use geometry::RigidTransform;
+    use nalgebra::Vector3;
+    use point_cloud::Rgba;
     use proptest::prelude::*;
 
-    fn looking(volume_m3: f64, mean_rgb: [f32; 3]) -> Appearance {
+    fn looking(volume_m3: f64, [red, green, blue]: [u8; 3]) -> Appearance {
         Appearance {
             volume_m3,
-            mean_rgb,
+            colors: ColorHistogram::of([Rgba::opaque(red, green, blue); 20]),
             is_cut: false,
+        }
+    }
+
+    fn cube(x: f64, half_side_m: f64) -> OrientedBox {
+        OrientedBox {
+            frame_from_box: RigidTransform::translation(x, 0.0, 0.0),
+            half_sides_m: Vector3::repeat(half_side_m),
         }
     }
 
     fn track(x: f64, appearance: Appearance) -> Predicted {
         Predicted {
-            position: Point3::new(x, 0.0, 0.0),
-            position_variance_m2: 1e-5,
+            box_in_world: cube(x, 0.01),
+            covariance_m2: Matrix3::identity() * 1e-5,
             appearance,
         }
     }
 
     fn candidate(x: f64, appearance: Appearance) -> Observed {
         Observed {
-            position: Point3::new(x, 0.0, 0.0),
+            box_in_world: cube(x, 0.01),
             position_variance_m2: 1e-5,
             appearance,
         }
     }
 
-    const RED: [f32; 3] = [200.0, 40.0, 40.0];
-    const BLUE: [f32; 3] = [40.0, 40.0, 200.0];
+    const RED: [u8; 3] = [200, 40, 40];
+    const BLUE: [u8; 3] = [40, 40, 200];
 
     fn check(tracks: &[Predicted], candidates: &[Observed], expected: &[Option<usize>]) {
         let mut buffers = AssociationBuffers::default();
@@ -242,7 +295,7 @@ mod tests {
         );
         check(
             &[track(0.0, red_mug)],
-            &[candidate(0.0, looking(1.3e-3, [190.0, 50.0, 45.0]))],
+            &[candidate(0.0, looking(1.3e-3, [190, 50, 45]))],
             &[Some(0)],
         );
     }
@@ -261,13 +314,28 @@ mod tests {
     }
 
     #[test]
+    fn what_is_left_of_a_hidden_object_goes_on_with_its_track() {
+        let box_of = |x: f64, half_side_m: f64| cube(x, half_side_m);
+        let whole = Predicted {
+            box_in_world: box_of(0.0, 0.08),
+            ..track(0.0, looking(4e-3, RED))
+        };
+        let part = |x: f64, rgb| Observed {
+            box_in_world: box_of(x, 0.02),
+            ..candidate(0.0, looking(6e-5, rgb))
+        };
+        check(&[whole], &[part(0.06, RED)], &[Some(0)]);
+        check(&[whole], &[part(0.06, BLUE)], &[None]);
+        check(&[whole], &[part(0.10, RED)], &[None]);
+    }
+
+    #[test]
     fn what_is_not_a_number_belongs_to_nobody() {
         let mug = looking(1e-3, RED);
         for odd in [
             candidate(f64::NAN, mug),
             candidate(0.0, looking(f64::NAN, RED)),
             candidate(0.0, looking(-5.0, RED)),
-            candidate(0.0, looking(1e-3, [f32::NAN, 0.0, 0.0])),
             Observed {
                 position_variance_m2: f64::NAN,
                 ..candidate(0.0, mug)
@@ -308,8 +376,9 @@ mod tests {
             let pairs = |tracks: &[Predicted], candidates: &[Observed]| {
                 let mut buffers = AssociationBuffers::default();
                 let found = associate(tracks, candidates, &config, &mut buffers);
+                let x = |shape: &OrientedBox| shape.centre().x.to_bits();
                 let place = |i: usize, column: &Option<usize>| {
-                    (tracks[i].position.x.to_bits(), column.map(|c| candidates[c].position.x.to_bits()))
+                    (x(&tracks[i].box_in_world), column.map(|c| x(&candidates[c].box_in_world)))
                 };
                 let mut pairs: Vec<_> = found.iter().enumerate().map(|(i, c)| place(i, c)).collect();
                 pairs.sort_unstable();

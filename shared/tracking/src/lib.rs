@@ -11,16 +11,26 @@
 
 mod assignment;
 mod association;
+mod axis_filter;
+mod color_histogram;
+mod depth_view;
 mod error;
+mod faces;
 mod key_view;
+mod measurement;
 mod motion_filter;
+mod orientation;
 mod track_life;
 
 pub use assignment::{AssignmentBuffers, assign};
 pub use association::{
     Appearance, AssociationBuffers, AssociationConfig, Observed, Predicted, associate,
+    look_cost, share_inside,
 };
+pub use color_histogram::ColorHistogram;
+pub use depth_view::DepthView;
 pub use error::Error;
 pub use key_view::{KeyViewRule, MotionPhase};
-pub use motion_filter::{Measurement, MotionConfig, MotionFilter};
-pub use track_life::{Place, TrackLife, TrackPhase};
+pub use measurement::{Circumstances, Measurement};
+pub use motion_filter::{MotionConfig, MotionFilter};
+pub use track_life::{Place, Sight, TrackLife, TrackPhase};

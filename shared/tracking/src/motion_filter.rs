@@ -1,59 +1,81 @@
 //! Where an object is, how fast it moves, how it is turned and how large it is.
 
 use crate::Error;
+use crate::axis_filter::{End, SlideCovariance, TurnCovariance};
+use crate::depth_view::DepthView;
 use crate::error::check_settings;
-use detection::kinect_depth_sigma_m;
+use crate::faces::{self, Trust};
+use crate::measurement::{HALF_SIDE_MAX_M, Measurement};
+use crate::orientation::{nearest_reading, turn_sigmas_rad};
 use geometry::{OrientedBox, RigidTransform};
-use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
-
-/// Farthest coordinate of an object, metres.
-const COORDINATE_MAX_M: f64 = 1e5;
-
-/// Longest half side of an object, metres.
-const HALF_SIDE_MAX_M: f64 = 50.0;
+use nalgebra::{Matrix3, Point3, Translation3, UnitQuaternion, Vector3};
+use std::f64::consts::PI;
 
 /// Nothing on a table is faster, metres a second.
 const SPEED_MAX_M_S: f64 = 5.0;
 
+/// Nothing on a table turns faster, radians a second.
+const TURN_SPEED_MAX_RAD_S: f64 = 12.0;
+
 /// An object that is not seen is not thought to move on for longer than this,
 /// seconds.
-const COAST_MAX_S: f64 = 1.0;
+const COAST_MAX_S: f64 = 0.3;
 
 /// The uncertainty does not grow for longer than this, seconds.
 const GROWTH_MAX_S: f64 = 10.0;
 
-/// A box cut by the border of the image has its centre somewhere else: this
-/// share of its longest side is added to the noise of the position.
+/// What turns goes on turning for about this long, seconds.
+const TURN_DAMPING_S: f64 = 0.3;
+
+/// Thinnest box, half of a side, metres.
+const HALF_SIDE_MIN_M: f64 = 1e-3;
+
+/// Noise of a face that contradicts what was seen before, metres.
+const DOUBT_SIGMA_M: f64 = 0.010;
+
+/// A half side of which a part may be missing is uncertain by this share.
 const CUT_SHARE: f64 = 0.25;
 
-/// Sides may differ by this factor before a quarter turn explains them better
-/// than a turn by 45 degrees.
-const SIDE_RATIO_TURN: f64 = 1.65;
+/// Where a side face is not sure, the footprint says less of the turn by this factor.
+const PART_TURN_FACTOR: f64 = 3.0;
+
+/// A surprise of more sigma than this is a hand's doing (99.7 %) ...
+const MANOEUVRE_SIGMAS: f64 = 3.0;
+
+/// ... and one of more than this, with a hand's noise, no motion but a new place.
+const JUMP_SIGMAS: f64 = 6.0;
 
 /// What is expected of objects and of the sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotionConfig {
-    /// Standard deviation of the acceleration, m/s²; 0.01 to 100.
+    /// Standard deviation of the acceleration of what a hand moves, m/s²; 0.01 to
+    /// 100.
     pub acceleration_sigma_m_s2: f64,
-    /// Least standard deviation of a measured box centre, metres; 0.0001 to
-    /// 0.1. Where the depth noise of the sensor is more, it counts. The default
-    /// covers what a handle seen in one frame and not in the next moves a box.
+    /// Standard deviation of the acceleration of what nothing touches, m/s²; 0.001
+    /// to 100. A surprise too large for it is taken for a hand's doing.
+    pub resting_acceleration_sigma_m_s2: f64,
+    /// Standard deviation of the angular acceleration of what a hand turns,
+    /// rad/s²; 0.01 to 1000. What nothing touches has a tenth of it.
+    pub turn_acceleration_sigma_rad_s2: f64,
+    /// How far a half side walks at random in a second, metres; 0.00001 to 0.1.
+    pub resizing_sigma_m: f64,
+    /// Least standard deviation of a face of a measured box, metres; 0.0001 to 0.1.
+    pub face_sigma_min_m: f64,
+    /// Least standard deviation of a measured box centre where objects are told
+    /// apart, metres; 0.0001 to 0.1. The default covers what a handle seen in one
+    /// frame and not in the next moves a box.
     pub position_sigma_min_m: f64,
-    /// Time in which a changed orientation is followed to 63 %, seconds;
-    /// 0.001 to 10.
-    pub turning_time_s: f64,
-    /// Time in which a changed size is followed to 63 %, seconds; 0.001 to 100.
-    pub resizing_time_s: f64,
 }
 
 impl Default for MotionConfig {
     fn default() -> Self {
         Self {
             acceleration_sigma_m_s2: 1.5,
+            resting_acceleration_sigma_m_s2: 0.1,
+            turn_acceleration_sigma_rad_s2: 15.0,
+            resizing_sigma_m: 0.002,
+            face_sigma_min_m: 0.002,
             position_sigma_min_m: 0.008,
-            turning_time_s: 0.15,
-            resizing_time_s: 0.6,
         }
     }
 }
@@ -71,253 +93,233 @@ impl MotionConfig {
                 0.01,
                 100.0,
             ),
+            (
+                "resting_acceleration_sigma_m_s2",
+                self.resting_acceleration_sigma_m_s2,
+                1e-3,
+                100.0,
+            ),
+            (
+                "turn_acceleration_sigma_rad_s2",
+                self.turn_acceleration_sigma_rad_s2,
+                0.01,
+                1000.0,
+            ),
+            ("resizing_sigma_m", self.resizing_sigma_m, 1e-5, 0.1),
+            ("face_sigma_min_m", self.face_sigma_min_m, 1e-4, 0.1),
             ("position_sigma_min_m", self.position_sigma_min_m, 1e-4, 0.1),
-            ("turning_time_s", self.turning_time_s, 1e-3, 10.0),
-            ("resizing_time_s", self.resizing_time_s, 1e-3, 100.0),
         ])?;
         Ok(self)
     }
 }
 
-/// What one frame says of an object.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Measurement {
-    stamp_ns: u64,
-    box_in_world: OrientedBox,
-    depth_m: f64,
-    is_cut: bool,
-}
-
-impl Measurement {
-    /// A box measured at a distance of `depth_m` along the camera's axis.
-    /// `is_cut` says that the border of the image cuts it.
-    ///
-    /// # Errors
-    /// When a number is not finite, a coordinate is beyond 100 km, a half side
-    /// is negative or beyond 50 m, or the rotation is none.
-    pub fn new(
-        stamp_ns: u64,
-        box_in_world: OrientedBox,
-        depth_m: f64,
-        is_cut: bool,
-    ) -> Result<Self, Error> {
-        let wrong = |rule| Err(Error::ImpossibleMeasurement { rule });
-        let near = |value: &f64| value.abs() <= COORDINATE_MAX_M;
-        if !box_in_world.centre().iter().all(near) {
-            return wrong("its centre must lie within 100 km");
-        }
-        if !box_in_world
-            .half_sides_m
-            .iter()
-            .all(|side| (0.0..=HALF_SIDE_MAX_M).contains(side))
-        {
-            return wrong("its half sides must lie between 0 and 50 m");
-        }
-        let norm = box_in_world.frame_from_box.rotation.norm();
-        if !(0.999..=1.001).contains(&norm) {
-            return wrong("its orientation must be a unit quaternion");
-        }
-        if !depth_m.is_finite() {
-            return wrong("its depth must be a number");
-        }
-        Ok(Self {
-            stamp_ns,
-            box_in_world,
-            depth_m,
-            is_cut,
-        })
-    }
-
-    /// Variance of the position, each axis, square metres.
-    pub fn position_variance_m2(&self, config: &MotionConfig) -> f64 {
-        let sensor_m = kinect_depth_sigma_m(self.depth_m).max(config.position_sigma_min_m);
-        let cut_m = if self.is_cut {
-            CUT_SHARE * self.box_in_world.sides_m().max()
-        } else {
-            0.0
-        };
-        sensor_m * sensor_m + cut_m * cut_m
-    }
+/// Whether a hand may be at work.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Motion {
+    Resting,
+    Handled,
 }
 
 /// The state of one object, world frame.
 ///
-/// A Kalman filter (Kalman 1960) with constant velocity and white acceleration
-/// for the centre of the box; since the noise is the same along all axes, the
-/// three share one covariance of position and velocity. Orientation and size
-/// follow their measurements with fixed time constants.
+/// A Kalman filter (Kalman 1960) on the position, velocity, orientation, angular
+/// velocity and half sides of its box. Each face of a measured box is a measurement
+/// of centre and side together, and left out where something hides the object
+/// there, so that what is half hidden neither moves nor shrinks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotionFilter {
     stamp_ns: u64,
     position: Point3<f64>,
     velocity_m_s: Vector3<f64>,
-    covariance: Covariance,
     rotation: UnitQuaternion<f64>,
+    /// Along the axes of the box.
+    turn_speed_rad_s: Vector3<f64>,
     half_sides_m: Vector3<f64>,
-    has_whole_size: bool,
-}
-
-/// Covariance of position and velocity of one axis.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Covariance {
-    position_m2: f64,
-    mixed_m2_s: f64,
-    velocity_m2_s2: f64,
-}
-
-impl Covariance {
-    /// After `dt_s` of constant velocity and white acceleration (Bar-Shalom,
-    /// Li and Kirubarajan 2001, eq. 6.3.2-4).
-    fn grown(&self, dt_s: f64, acceleration_sigma_m_s2: f64) -> Self {
-        let jerk = acceleration_sigma_m_s2 * dt_s;
-        Self {
-            position_m2: self.position_m2
-                + dt_s * (2.0 * self.mixed_m2_s + dt_s * self.velocity_m2_s2)
-                + 0.25 * (jerk * dt_s).powi(2),
-            mixed_m2_s: self.mixed_m2_s + dt_s * self.velocity_m2_s2 + 0.5 * jerk * jerk * dt_s,
-            velocity_m2_s2: (self.velocity_m2_s2 + jerk * jerk).min(SPEED_MAX_M_S * SPEED_MAX_M_S),
-        }
-        .settled()
-    }
-
-    /// After a measurement of the position.
-    fn measured(&self, variance_m2: f64) -> Self {
-        let sum_m2 = self.position_m2 + variance_m2;
-        let left = variance_m2 / sum_m2;
-        Self {
-            position_m2: left * self.position_m2,
-            mixed_m2_s: left * self.mixed_m2_s,
-            velocity_m2_s2: self.velocity_m2_s2 - self.mixed_m2_s * self.mixed_m2_s / sum_m2,
-        }
-        .settled()
-    }
-
-    /// Kept positive semi-definite against rounding and the limit of speed.
-    fn settled(self) -> Self {
-        let velocity_m2_s2 = self.velocity_m2_s2.max(0.0);
-        let limit = (self.position_m2 * velocity_m2_s2).sqrt();
-        Self {
-            velocity_m2_s2,
-            mixed_m2_s: self.mixed_m2_s.clamp(-limit, limit),
-            ..self
-        }
-    }
+    slides: [SlideCovariance; 3],
+    turns: [TurnCovariance; 3],
+    completeness: f64,
 }
 
 impl MotionFilter {
     /// A track's first state: at rest, as far as is known.
     pub fn start(measurement: &Measurement, config: &MotionConfig) -> Self {
+        let shape = measurement.box_in_world();
+        let rotation = shape.frame_from_box.rotation;
+        let sigmas_m = measurement.face_sigmas_m(&axes(&rotation), config);
         // Not seen before, it may have any speed a hand gives it.
-        let speed_sigma_m_s = 0.5 * config.acceleration_sigma_m_s2;
+        let speed_m_s = (0.5 * config.acceleration_sigma_m_s2).min(SPEED_MAX_M_S);
+        let missing_m = if measurement.seen().is_cut {
+            CUT_SHARE * shape.half_sides_m.max()
+        } else {
+            0.0
+        };
+        let slide = |axis: usize| {
+            let variance_m2 = sigmas_m[axis].powi(2) + missing_m * missing_m;
+            SlideCovariance::of(variance_m2, speed_m_s * speed_m_s, variance_m2)
+        };
+        let turns = turn_sigmas_rad(&measurement.seen().variances_m2);
         Self {
-            stamp_ns: measurement.stamp_ns,
-            position: measurement.box_in_world.centre(),
+            stamp_ns: measurement.stamp_ns(),
+            position: shape.centre(),
             velocity_m_s: Vector3::zeros(),
-            covariance: Covariance {
-                position_m2: measurement.position_variance_m2(config),
-                mixed_m2_s: 0.0,
-                velocity_m2_s2: speed_sigma_m_s.min(SPEED_MAX_M_S).powi(2),
-            },
-            rotation: measurement.box_in_world.frame_from_box.rotation,
-            half_sides_m: measurement.box_in_world.half_sides_m,
-            has_whole_size: !measurement.is_cut,
+            rotation,
+            turn_speed_rad_s: Vector3::zeros(),
+            half_sides_m: shape.half_sides_m.map(|half| half.max(HALF_SIDE_MIN_M)),
+            slides: std::array::from_fn(slide),
+            turns: std::array::from_fn(|axis| TurnCovariance::of(turns[axis].powi(2), 1.0)),
+            completeness: 1.0,
         }
     }
 
-    /// The state expected at a later time; at an earlier one, the state as it is.
+    /// The state expected at a later time, when a hand may move the object; at an
+    /// earlier one, the state as it is.
     #[must_use]
     pub fn predicted(&self, stamp_ns: u64, config: &MotionConfig) -> Self {
+        self.moved_on(stamp_ns, Motion::Handled, config)
+    }
+
+    fn moved_on(&self, stamp_ns: u64, motion: Motion, config: &MotionConfig) -> Self {
         let dt_s = stamp_ns.saturating_sub(self.stamp_ns) as f64 * 1e-9;
+        let (slide_m_s2, turn_share) = match motion {
+            Motion::Handled => (config.acceleration_sigma_m_s2, 1.0),
+            Motion::Resting => (config.resting_acceleration_sigma_m_s2, 0.1),
+        };
+        let turn_rad_s2 = config.turn_acceleration_sigma_rad_s2 * turn_share;
+        let (growth_s, coast_s) = (dt_s.min(GROWTH_MAX_S), dt_s.min(COAST_MAX_S));
+        let resizing_m2_s = config.resizing_sigma_m * config.resizing_sigma_m;
+        let turn = UnitQuaternion::from_scaled_axis(self.turn_speed_rad_s * coast_s);
         Self {
             stamp_ns: stamp_ns.max(self.stamp_ns),
-            position: self.position + self.velocity_m_s * dt_s.min(COAST_MAX_S),
-            covariance: self
-                .covariance
-                .grown(dt_s.min(GROWTH_MAX_S), config.acceleration_sigma_m_s2),
+            position: self.position + self.velocity_m_s * coast_s,
+            rotation: UnitQuaternion::new_normalize((self.rotation * turn).into_inner()),
+            turn_speed_rad_s: self.turn_speed_rad_s * (-dt_s / TURN_DAMPING_S).exp(),
+            slides: self.slides.map(|slide| {
+                slide
+                    .grown(growth_s, slide_m_s2, resizing_m2_s)
+                    .settled(SPEED_MAX_M_S)
+            }),
+            turns: self.turns.map(|turn| {
+                turn.grown(growth_s, turn_rad_s2, TURN_DAMPING_S)
+                    .settled(PI, TURN_SPEED_MAX_RAD_S)
+            }),
             ..*self
         }
     }
 
-    /// The state after a measurement.
+    /// The state after a measurement; `view` shows what could be seen in the frame.
     ///
     /// # Errors
     /// When the measurement is older than the state.
-    pub fn updated(&self, measurement: &Measurement, config: &MotionConfig) -> Result<Self, Error> {
-        if measurement.stamp_ns < self.stamp_ns {
-            let (stamp_ns, state_stamp_ns) = (measurement.stamp_ns, self.stamp_ns);
+    pub fn updated(
+        &self,
+        measurement: &Measurement,
+        view: Option<&DepthView<'_>>,
+        config: &MotionConfig,
+    ) -> Result<Self, Error> {
+        let stamp_ns = measurement.stamp_ns();
+        if stamp_ns < self.stamp_ns {
             return Err(Error::OutOfOrder {
                 stamp_ns,
-                state_stamp_ns,
+                state_stamp_ns: self.stamp_ns,
             });
         }
-        let dt_s = (measurement.stamp_ns - self.stamp_ns) as f64 * 1e-9;
-        let mut state = self.predicted(measurement.stamp_ns, config);
-        state.take_position(measurement, config);
-        state.take_shape(measurement, dt_s, config);
+        let resting = self.moved_on(stamp_ns, Motion::Resting, config);
+        let surprise = resting.surprise_sigmas(measurement, config);
+        let mut state = if measurement.seen().is_handled || surprise > MANOEUVRE_SIGMAS {
+            self.moved_on(stamp_ns, Motion::Handled, config)
+        } else {
+            resting
+        };
+        let surprise = state.surprise_sigmas(measurement, config);
+        if surprise > JUMP_SIGMAS {
+            state.allow_jump(measurement);
+        }
+        let reading = nearest_reading(measurement.box_in_world(), &state.box_in_world());
+        let sigmas_m = measurement.face_sigmas_m(&axes(&state.rotation), config);
+        let is_cut = measurement.seen().is_cut;
+        let trust = faces::trust(&reading, &state.box_in_world(), &sigmas_m, is_cut, view);
+        state.take_turn(&reading, &trust, measurement);
+        state.take_faces(&reading, &trust, &sigmas_m);
         Ok(state)
     }
 
-    fn take_position(&mut self, measurement: &Measurement, config: &MotionConfig) {
-        let variance_m2 = measurement.position_variance_m2(config);
-        let innovation = measurement.box_in_world.centre() - self.position;
-        let sum_m2 = self.covariance.position_m2 + variance_m2;
-        self.position += innovation * (self.covariance.position_m2 / sum_m2);
-        self.velocity_m_s += innovation * (self.covariance.mixed_m2_s / sum_m2);
-        self.velocity_m_s = self.velocity_m_s.cap_magnitude(SPEED_MAX_M_S);
-        self.covariance = self.covariance.measured(variance_m2);
+    /// How many sigma the measured centre lies from the expected one, on the worst
+    /// axis.
+    fn surprise_sigmas(&self, measurement: &Measurement, config: &MotionConfig) -> f64 {
+        let rotation = axes(&self.rotation);
+        let between = rotation.tr_mul(&(measurement.box_in_world().centre() - self.position));
+        let sigmas_m = measurement.face_sigmas_m(&rotation, config);
+        let sigmas = (0..3).map(|axis| {
+            let variance_m2 = self.slides[axis].centre_m2() + sigmas_m[axis].powi(2);
+            between[axis].abs() / variance_m2.sqrt()
+        });
+        sigmas.fold(0.0, f64::max)
     }
 
-    fn take_shape(&mut self, measurement: &Measurement, dt_s: f64, config: &MotionConfig) {
-        let share = |time_s: f64| 1.0 - (-dt_s / time_s).exp();
-        let (rotation, half_sides_m) = self.nearest_reading(&measurement.box_in_world);
-        if !self.has_whole_size && !measurement.is_cut {
-            self.has_whole_size = true;
-            self.half_sides_m = half_sides_m;
-        } else if !measurement.is_cut {
-            self.half_sides_m += (half_sides_m - self.half_sides_m) * share(config.resizing_time_s);
+    /// Lets the object be where it is measured now.
+    fn allow_jump(&mut self, measurement: &Measurement) {
+        let jump_m2 = (measurement.box_in_world().centre() - self.position).norm_squared();
+        for slide in &mut self.slides {
+            *slide = slide.displaced(jump_m2).settled(SPEED_MAX_M_S);
         }
-        let turn = self
-            .rotation
-            .rotation_to(&rotation)
-            .powf(share(config.turning_time_s));
-        self.rotation = UnitQuaternion::new_normalize((turn * self.rotation).into_inner());
     }
 
-    /// A box reads the same after a half turn about its upright axis, and with
-    /// its sides exchanged after a quarter turn: the reading nearest to this
-    /// state, so that the pose does not flip.
-    fn nearest_reading(&self, measured: &OrientedBox) -> (UnitQuaternion<f64>, Vector3<f64>) {
-        let mut best = (
-            f64::INFINITY,
-            measured.frame_from_box.rotation,
-            measured.half_sides_m,
-        );
-        for quarter in 0..4 {
-            let turn = FRAC_PI_2 * f64::from(quarter);
-            let turned = measured.frame_from_box.rotation
-                * UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn);
-            let sides = measured.half_sides_m;
-            let sides = if quarter % 2 == 1 {
-                Vector3::new(sides.y, sides.x, sides.z)
-            } else {
-                sides
-            };
-            let cost = self.rotation.angle_to(&turned) / FRAC_PI_4 + self.side_mismatch(&sides);
-            if cost < best.0 {
-                best = (cost, turned, sides);
+    fn take_turn(
+        &mut self,
+        reading: &OrientedBox,
+        trust: &[[Trust; 2]; 3],
+        measurement: &Measurement,
+    ) {
+        let turn = (self.rotation.inverse() * reading.frame_from_box.rotation).scaled_axis();
+        let is_whole = trust[..2].iter().flatten().all(|face| *face == Trust::Sure);
+        let factor = if is_whole { 1.0 } else { PART_TURN_FACTOR };
+        let sigmas_rad = turn_sigmas_rad(&measurement.seen().variances_m2) * factor;
+        let mut correction = Vector3::zeros();
+        for axis in 0..3 {
+            let (measured, gain) = self.turns[axis].measured(sigmas_rad[axis].powi(2));
+            self.turns[axis] = measured.settled(PI, TURN_SPEED_MAX_RAD_S);
+            correction[axis] = gain[0] * turn[axis];
+            self.turn_speed_rad_s[axis] += gain[1] * turn[axis];
+        }
+        self.turn_speed_rad_s = self.turn_speed_rad_s.cap_magnitude(TURN_SPEED_MAX_RAD_S);
+        let turned = self.rotation * UnitQuaternion::from_scaled_axis(correction);
+        self.rotation = UnitQuaternion::new_normalize(turned.into_inner());
+    }
+
+    fn take_faces(
+        &mut self,
+        reading: &OrientedBox,
+        trust: &[[Trust; 2]; 3],
+        sigmas_m: &Vector3<f64>,
+    ) {
+        let world_from_axes = axes(&self.rotation);
+        let shift = world_from_axes.tr_mul(&(reading.centre() - self.position));
+        let (mut moved, mut sped) = (Vector3::<f64>::zeros(), Vector3::<f64>::zeros());
+        let mut completeness = 1.0_f64;
+        for axis in 0..3 {
+            let measured_half_m = reading.half_sides_m[axis];
+            for (end, trust) in [End::Low, End::High].into_iter().zip(trust[axis]) {
+                let sigma_m = match trust {
+                    Trust::Sure => sigmas_m[axis],
+                    Trust::Doubtful => DOUBT_SIGMA_M.max(sigmas_m[axis]),
+                    Trust::Hidden => continue,
+                };
+                let sign = end.sign();
+                let surprise_m = (shift[axis] + sign * measured_half_m)
+                    - (moved[axis] + sign * self.half_sides_m[axis]);
+                let (measured, gain) = self.slides[axis].face_measured(end, sigma_m * sigma_m);
+                self.slides[axis] = measured.settled(SPEED_MAX_M_S);
+                moved[axis] += gain[0] * surprise_m;
+                sped[axis] += gain[1] * surprise_m;
+                let half_m: f64 = self.half_sides_m[axis] + gain[2] * surprise_m;
+                self.half_sides_m[axis] = half_m.clamp(HALF_SIDE_MIN_M, HALF_SIDE_MAX_M);
             }
+            completeness *= (measured_half_m / self.half_sides_m[axis]).clamp(0.0, 1.0);
         }
-        (best.1, best.2)
-    }
-
-    /// How badly the horizontal sides fit; 1 for a factor of [`SIDE_RATIO_TURN`].
-    fn side_mismatch(&self, half_sides_m: &Vector3<f64>) -> f64 {
-        let ratio = |i: usize| {
-            ((half_sides_m[i] + 1e-3) / (self.half_sides_m[i] + 1e-3))
-                .ln()
-                .abs()
-        };
-        (ratio(0) + ratio(1)) / SIDE_RATIO_TURN.ln()
+        self.position += world_from_axes * moved;
+        self.velocity_m_s += world_from_axes * sped;
+        self.velocity_m_s = self.velocity_m_s.cap_magnitude(SPEED_MAX_M_S);
+        self.completeness = completeness;
     }
 
     /// Capture stamp of the state.
@@ -330,9 +332,25 @@ impl MotionFilter {
         self.velocity_m_s
     }
 
-    /// Variance of the position, each axis, square metres.
-    pub fn position_variance_m2(&self) -> f64 {
-        self.covariance.position_m2
+    /// Angular velocity, world frame, radians a second.
+    pub fn angular_velocity_rad_s(&self) -> Vector3<f64> {
+        self.rotation * self.turn_speed_rad_s
+    }
+
+    /// Covariance of the position, world axes, square metres.
+    pub fn position_covariance_m2(&self) -> Matrix3<f64> {
+        in_world(&self.rotation, self.slides.map(|slide| slide.centre_m2()))
+    }
+
+    /// Covariance of the orientation, as a turn about the world's axes, square
+    /// radians.
+    pub fn rotation_covariance_rad2(&self) -> Matrix3<f64> {
+        in_world(&self.rotation, self.turns.map(|turn| turn.turn_rad2()))
+    }
+
+    /// Share of the box that the last measurement showed, 0 to 1.
+    pub fn completeness(&self) -> f64 {
+        self.completeness
     }
 
     /// The box, world frame; its centre and axes are the object's pose.
@@ -343,6 +361,17 @@ impl MotionFilter {
             half_sides_m: self.half_sides_m,
         }
     }
+}
+
+/// The axes of a box as columns, world frame.
+fn axes(rotation: &UnitQuaternion<f64>) -> Matrix3<f64> {
+    rotation.to_rotation_matrix().into_inner()
+}
+
+/// Variances along the axes of a box as a covariance in the world.
+fn in_world(rotation: &UnitQuaternion<f64>, variances: [f64; 3]) -> Matrix3<f64> {
+    let world_from_axes = axes(rotation);
+    world_from_axes * Matrix3::from_diagonal(&variances.into()) * world_from_axes.transpose()
 }
 
 #[cfg(test)]

@@ -1,10 +1,13 @@
 //! Connected parts of the image.
 
+mod by_tracks;
 mod feet;
 mod parting;
 
 use crate::borders::Borders;
 use point_cloud::{OrganizedCloud, Point};
+
+pub(crate) use by_tracks::TrackClaims;
 
 /// Mark of a pixel that is in no cluster.
 pub(crate) const OUTSIDE: u32 = u32::MAX;

@@ -75,14 +75,14 @@ impl Judge<'_> {
         if tracks.is_empty() {
             return Constraint::Track.when_absent();
         }
-        let overlaps = tracks.iter().map(|track| overlap(body_box, track));
+        let overlaps = tracks.iter().map(|track| overlap(body_box, &track.shape));
         let greatest = overlaps.fold(0.0, f64::max);
         if greatest >= self.config.track_overlap_max {
             let overlap = greatest as f32;
             return finding(false, Reason::OverlapsTrack { overlap });
         }
         let share = self.share(pixels, |point| {
-            tracks.iter().any(|track| grown(track).contains(point, 0.0))
+            tracks.iter().any(|track| grown(&track.shape).contains(point, 0.0))
         });
         if f64::from(share) >= self.config.track_points_share_max {
             return finding(false, Reason::InsideTrack { share });

@@ -1,0 +1,178 @@
+//! Clusters that are several tracked objects that touch.
+
+use super::Clusters;
+use crate::detect::ExpectedTrack;
+use nalgebra::{Point3, Vector3};
+use point_cloud::{OrganizedCloud, Point};
+
+/// A point sticks out of its object's expected box by this at most, metres.
+const MARGIN_M: f64 = 0.008;
+
+/// Every so many points of a cluster one is asked whose it is.
+const STRIDE: usize = 8;
+
+/// A track claims a cluster with this share of the points it had.
+const CLAIM_SHARE: f64 = 0.35;
+
+/// Boxes that share more of their points than this are two tracks of one object.
+const COMMON_SHARE_MAX: f64 = 0.3;
+
+/// What is farther from every claimed box is something else, metres.
+const ELSEWHERE_M: f64 = 0.03;
+
+/// What a track finds of a cluster in its box.
+#[derive(Debug, Clone, Copy)]
+struct Claim {
+    track: usize,
+    /// Points asked that lie in the box, and those that lie best in it.
+    n_inside: usize,
+    n_best: usize,
+}
+
+/// Buffers.
+#[derive(Debug, Default)]
+pub(crate) struct TrackClaims {
+    near: Vec<Claim>,
+}
+
+impl TrackClaims {
+    /// The tracks that claim a cluster; fewer than two when it is to stay whole.
+    fn find(&mut self, points: &[Point], pixels: &[u32], tracks: &[ExpectedTrack]) {
+        let (low, high) = bounds(points, pixels);
+        self.near.clear();
+        let near = tracks.iter().enumerate().filter(|(_, track)| {
+            let centre = track.shape.centre();
+            let reach = track.shape.half_sides_m.norm() + MARGIN_M;
+            track.n_points > 0
+                && (0..3).all(|i| (low[i] - reach..=high[i] + reach).contains(&centre[i]))
+        });
+        self.near.extend(near.map(|(track, _)| Claim {
+            track,
+            n_inside: 0,
+            n_best: 0,
+        }));
+        if self.near.len() < 2 {
+            return;
+        }
+        self.count(points, pixels, tracks);
+        self.near.retain(|claim| {
+            let n_least = CLAIM_SHARE * tracks[claim.track].n_points as f64;
+            let is_own = claim.n_best as f64
+                >= (1.0 - COMMON_SHARE_MAX) * claim.n_inside as f64;
+            is_own && (claim.n_best * STRIDE) as f64 >= n_least
+        });
+    }
+
+    fn count(&mut self, points: &[Point], pixels: &[u32], tracks: &[ExpectedTrack]) {
+        for &pixel in pixels.iter().step_by(STRIDE) {
+            let point = points[pixel as usize].position();
+            let mut best: Option<(usize, f64)> = None;
+            for (i, claim) in self.near.iter_mut().enumerate() {
+                let outside_m = outside_m(&tracks[claim.track], &point);
+                if outside_m <= MARGIN_M {
+                    claim.n_inside += 1;
+                    if best.is_none_or(|(_, least)| outside_m < least) {
+                        best = Some((i, outside_m));
+                    }
+                }
+            }
+            if let Some((i, _)) = best {
+                self.near[i].n_best += 1;
+            }
+        }
+    }
+}
+
+impl Clusters {
+    /// Parts clusters in which two or more tracks find most of their objects:
+    /// each point goes to the box it lies in or nearest to, and what is far from
+    /// all of them is a cluster of its own. Returns whether anything was parted.
+    ///
+    /// Boxes of the tracks in the camera's frame.
+    pub(crate) fn part_by_tracks(
+        &mut self,
+        cloud: &OrganizedCloud<'_>,
+        tracks: &[ExpectedTrack],
+        claims: &mut TrackClaims,
+    ) -> bool {
+        if tracks.len() < 2 {
+            return false;
+        }
+        let n_before = self.len();
+        let mut n_clusters = n_before as u32;
+        for cluster in 0..n_before {
+            claims.find(cloud.points(), self.pixels(cluster), tracks);
+            if claims.near.len() < 2 {
+                continue;
+            }
+            let [first, end] = [self.starts[cluster], self.starts[cluster + 1]];
+            for place in first as usize..end as usize {
+                let pixel = self.pixels[place] as usize;
+                let point = cloud.points()[pixel].position();
+                let part = claims.nearest(tracks, &point);
+                if part > 0 {
+                    self.cluster_of[pixel] = n_clusters + part as u32 - 1;
+                }
+            }
+            n_clusters += claims.near.len() as u32;
+        }
+        if n_clusters as usize == n_before {
+            return false;
+        }
+        self.regroup(n_clusters as usize);
+        true
+    }
+
+    /// Groups the pixels anew by what `cluster_of` says now.
+    fn regroup(&mut self, n_clusters: usize) {
+        self.ungrouped.clear();
+        self.ungrouped.extend_from_slice(&self.pixels);
+        self.starts.clear();
+        self.starts.resize(n_clusters + 1, 0);
+        for &pixel in &self.ungrouped {
+            self.starts[self.cluster_of[pixel as usize] as usize + 1] += 1;
+        }
+        for i in 0..n_clusters {
+            self.starts[i + 1] += self.starts[i];
+        }
+        self.number_of.clear();
+        self.number_of.extend_from_slice(&self.starts);
+        for &pixel in &self.ungrouped {
+            let place = &mut self.number_of[self.cluster_of[pixel as usize] as usize];
+            self.pixels[*place as usize] = pixel;
+            *place += 1;
+        }
+    }
+}
+
+impl TrackClaims {
+    /// The number of the claim a point belongs to; that behind the last one for
+    /// what belongs to none.
+    fn nearest(&self, tracks: &[ExpectedTrack], point: &Point3<f64>) -> usize {
+        let outside = |claim: &Claim| outside_m(&tracks[claim.track], point);
+        let best = (0..self.near.len())
+            .map(|i| (i, outside(&self.near[i])))
+            .min_by(|a, b| a.1.total_cmp(&b.1));
+        match best {
+            Some((i, outside_m)) if outside_m <= ELSEWHERE_M => i,
+            _ => self.near.len(),
+        }
+    }
+}
+
+/// How far a point lies outside the box of a track, metres; negative within it.
+fn outside_m(track: &ExpectedTrack, point: &Point3<f64>) -> f64 {
+    let place = track.shape.frame_from_box.inverse_transform_point(point);
+    let beyond = |i: usize| place[i].abs() - track.shape.half_sides_m[i];
+    (0..3).map(beyond).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// The corners of the box along the camera's axes around some of the points.
+fn bounds(points: &[Point], pixels: &[u32]) -> (Vector3<f64>, Vector3<f64>) {
+    let (mut low, mut high) = (Vector3::repeat(f64::MAX), Vector3::repeat(f64::MIN));
+    for &pixel in pixels.iter().step_by(STRIDE) {
+        let point = points[pixel as usize].position().coords;
+        (low, high) = (low.inf(&point), high.sup(&point));
+    }
+    (low, high)
+}

@@ -1,0 +1,175 @@
+//! Which faces of a measured box are those of the object.
+//!
+//! What hides a part of an object moves a face of its measured box, not the object.
+//! So each face is a measurement of its own, and believed only where the surface
+//! could have been seen.
+
+use crate::depth_view::DepthView;
+use geometry::OrientedBox;
+use nalgebra::{Translation3, Vector3};
+
+/// Sides differ by noise up to so many sigma, and at least by this, metres.
+const NOISE_SIGMAS: f64 = 3.0;
+const NOISE_MIN_M: f64 = 0.006;
+
+/// A box that grows by more from one frame to the next has taken in something
+/// else, or shows what was hidden: it has to last, metres.
+const GROWTH_MAX_M: f64 = 0.02;
+
+/// A slab is drawn in at its rim: it is the middle of a face that counts.
+const SLAB_SHARE: f64 = 0.85;
+
+/// A slab is at least so thick, metres.
+const SLAB_MIN_M: f64 = 0.004;
+
+/// How far a face is to be believed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Trust {
+    /// The object ends there.
+    Sure,
+    /// It seems to end there, against what was seen before.
+    Doubtful,
+    /// What lies beyond is hidden: it says nothing.
+    Hidden,
+}
+
+/// A measured box beside the expected one, along one axis of the latter.
+#[derive(Debug, Clone, Copy)]
+struct Interval {
+    expected_half_m: f64,
+    /// Measured centre minus expected one.
+    shift_m: f64,
+    measured_half_m: f64,
+    noise_m: f64,
+}
+
+impl Interval {
+    /// How far the face at an end (-1, 1) lies beyond the expected one.
+    fn beyond_m(&self, sign: f64) -> f64 {
+        sign * self.shift_m + self.measured_half_m - self.expected_half_m
+    }
+
+    fn growth_m(&self) -> f64 {
+        2.0 * (self.measured_half_m - self.expected_half_m)
+    }
+}
+
+/// The trust in each face of a measured box, `[low, high]` for each axis.
+///
+/// `measured` is read along the axes of `expected`; `sigmas_m` is the noise of a
+/// face along them. Without a view into the frame a face within the expected box
+/// is `Hidden` where the object `is_cut`, and `Doubtful` otherwise.
+pub(crate) fn trust(
+    measured: &OrientedBox,
+    expected: &OrientedBox,
+    sigmas_m: &Vector3<f64>,
+    is_cut: bool,
+    view: Option<&DepthView<'_>>,
+) -> [[Trust; 2]; 3] {
+    let shift = expected.frame_from_box.inverse() * measured.centre();
+    std::array::from_fn(|axis| {
+        let interval = Interval {
+            expected_half_m: expected.half_sides_m[axis],
+            shift_m: shift[axis],
+            measured_half_m: measured.half_sides_m[axis],
+            noise_m: (NOISE_SIGMAS * sigmas_m[axis]).max(NOISE_MIN_M),
+        };
+        [-1.0, 1.0].map(|sign| {
+            face_trust(&interval, sign, || match view {
+                Some(view) => view.is_obstructed(&slab(expected, axis, sign, &interval)),
+                None => is_cut,
+            })
+        })
+    })
+}
+
+fn face_trust(interval: &Interval, sign: f64, is_obstructed: impl FnOnce() -> bool) -> Trust {
+    let (growth_m, beyond_m) = (interval.growth_m(), interval.beyond_m(sign));
+    if growth_m > GROWTH_MAX_M {
+        // The end that has grown less is the object's.
+        return if beyond_m > 0.5 * growth_m {
+            Trust::Doubtful
+        } else {
+            Trust::Sure
+        };
+    }
+    if growth_m >= -interval.noise_m || beyond_m >= -0.5 * interval.noise_m {
+        Trust::Sure
+    } else if is_obstructed() {
+        Trust::Hidden
+    } else {
+        Trust::Doubtful
+    }
+}
+
+/// The place between an expected face and the measured one within it.
+fn slab(expected: &OrientedBox, axis: usize, sign: f64, interval: &Interval) -> OrientedBox {
+    let outer_m = interval.expected_half_m;
+    let thickness_m = (-interval.beyond_m(sign)).clamp(SLAB_MIN_M, 2.0 * outer_m.max(SLAB_MIN_M));
+    let mut centre = Vector3::zeros();
+    centre[axis] = sign * (outer_m - 0.5 * thickness_m);
+    let mut half_sides_m = expected.half_sides_m * SLAB_SHARE;
+    half_sides_m[axis] = 0.5 * thickness_m;
+    OrientedBox {
+        frame_from_box: expected.frame_from_box * Translation3::from(centre),
+        half_sides_m,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use geometry::RigidTransform;
+    use Trust::{Doubtful, Hidden, Sure};
+
+    /// The trust along x of a box from `low` to `high` where -0.1 to 0.1 is expected.
+    fn along_x(low: f64, high: f64, is_cut: bool) -> [Trust; 2] {
+        let shape = |low: f64, high: f64| OrientedBox {
+            frame_from_box: RigidTransform::translation(0.5 * (low + high), 0.0, 0.0),
+            half_sides_m: Vector3::new(0.5 * (high - low), 0.05, 0.05),
+        };
+        let sigmas_m = Vector3::repeat(0.002);
+        trust(&shape(low, high), &shape(-0.1, 0.1), &sigmas_m, is_cut, None)[0]
+    }
+
+    #[test]
+    fn a_box_of_the_expected_size_is_believed_wherever_it_is() {
+        for shift in [0.0, 0.003, -0.05, 0.2] {
+            assert_eq!(along_x(-0.1 + shift, 0.101 + shift, true), [Sure; 2]);
+        }
+    }
+
+    #[test]
+    fn a_smaller_box_is_believed_at_the_end_that_stays() {
+        assert_eq!(along_x(-0.1, 0.05, true), [Sure, Hidden]);
+        assert_eq!(along_x(-0.1, 0.05, false), [Sure, Doubtful]);
+        assert_eq!(along_x(-0.06, 0.1, true), [Hidden, Sure]);
+        assert_eq!(along_x(-0.06, 0.06, true), [Hidden, Hidden]);
+        // It has moved out on one side: that side is seen.
+        assert_eq!(along_x(-0.03, 0.13, true), [Hidden, Sure]);
+    }
+
+    #[test]
+    fn a_sudden_growth_is_believed_at_the_end_that_stays() {
+        assert_eq!(along_x(-0.1, 0.11, false), [Sure, Sure]);
+        assert_eq!(along_x(-0.1, 0.16, false), [Sure, Doubtful]);
+        assert_eq!(along_x(-0.17, 0.1, false), [Doubtful, Sure]);
+    }
+
+    #[test]
+    fn a_slab_lies_between_the_faces() {
+        let expected = OrientedBox {
+            frame_from_box: RigidTransform::translation(0.0, 0.0, 1.0),
+            half_sides_m: Vector3::new(0.1, 0.05, 0.08),
+        };
+        let interval = Interval {
+            expected_half_m: 0.1,
+            shift_m: -0.02,
+            measured_half_m: 0.08,
+            noise_m: 0.006,
+        };
+        let between = slab(&expected, 0, 1.0, &interval);
+        assert!((between.centre().x - 0.08).abs() < 1e-12);
+        assert!((between.half_sides_m.x - 0.02).abs() < 1e-12);
+    }
+}
