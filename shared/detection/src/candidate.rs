@@ -43,6 +43,9 @@ pub struct Candidate {
     /// the table's normal, x along the longer side of the footprint. Reaches
     /// down to the table when the candidate stands on it.
     pub oriented_box: OrientedBox,
+    /// Lower part of the box's height in which nothing was seen, because what is
+    /// round hides the place it stands on, metres.
+    pub unseen_foot_m: f64,
     /// Mean red, green, blue; 0 to 255.
     pub mean_rgb: [f32; 3],
     /// What it stands on; `None` when nothing is known to carry it.
@@ -136,6 +139,23 @@ impl Body {
     }
 }
 
+impl Body {
+    /// Lower part of its box in which nothing was seen, metres.
+    pub(crate) fn unseen_foot_m(&self) -> f64 {
+        let Summary {
+            stands,
+            is_low,
+            height_m,
+            ..
+        } = self.summary;
+        if stands && !is_low {
+            f64::from(height_m[0]).max(0.0)
+        } else {
+            0.0
+        }
+    }
+}
+
 /// Sums over a cluster.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Summary {
@@ -143,6 +163,9 @@ pub(crate) struct Summary {
     pub(crate) mean_rgb: [f32; 3],
     pub(crate) seen: SeenRectangle,
     pub(crate) height_m: [f32; 2],
+    /// Whether enough of its points are low for it to stand on the table.
+    pub(crate) is_low: bool,
+    /// Whether it stands on the table: also what is round, whose foot is hidden.
     pub(crate) stands: bool,
 }
 
@@ -175,12 +198,14 @@ impl Summary {
         let n = pixels.len().max(1) as f64;
         let [lowest_m, highest_m] = height_m;
         let is_round = lowest_m <= (ROUND_GAP_SHARE * highest_m).min(ROUND_GAP_MAX_M);
+        let is_low = f64::from(n_low) >= (STANDING_SHARE * n).max(3.0);
         Self {
             centroid: (position / n).into(),
             mean_rgb: rgb.map(|sum| (sum as f64 / n) as f32),
             seen,
             height_m,
-            stands: is_round || f64::from(n_low) >= (STANDING_SHARE * n).max(3.0),
+            is_low,
+            stands: is_round || is_low,
         }
     }
 }

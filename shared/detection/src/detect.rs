@@ -171,7 +171,7 @@ pub fn detect(
         list_over(&frame.cloud, &table, raw, workspace);
         join(frame, &table, raw, workspace);
         split_piles(&frame.cloud, &table, workspace);
-        split_tracked(frame, workspace);
+        regroup_tracked(frame, workspace);
         grow_feet(&frame.cloud, &table, workspace);
         find_bodies(&frame.cloud, &table, raw, workspace);
         write(frame, &table, config, workspace, detection);
@@ -251,7 +251,8 @@ fn join(frame: &Frame<'_>, table: &Table, config: &RawConfig, workspace: &mut Wo
         ..
     } = workspace;
     limbs.refill(&frame.surroundings, table, config);
-    limbs.separate(&frame.cloud, over_table, of_limbs);
+    let tracks = frame.surroundings.tracks;
+    limbs.separate(&frame.cloud, tracks, over_table, of_limbs);
     let n_min = (config.points_min_at_1m / (config.range_max_m * config.range_max_m)) as u32;
     clusters.join(&frame.cloud, over_table, n_min);
     if !of_limbs.is_empty() {
@@ -276,14 +277,17 @@ fn split_piles(cloud: &OrganizedCloud<'_>, table: &Table, workspace: &mut Worksp
     }
 }
 
-/// Parts the clusters that are several tracked objects that have come together.
-fn split_tracked(frame: &Frame<'_>, workspace: &mut Workspace) {
+/// Parts the clusters that are several tracked objects that have come together, and
+/// joins those that are fragments of one.
+fn regroup_tracked(frame: &Frame<'_>, workspace: &mut Workspace) {
     let Workspace {
         clusters,
         track_claims,
         ..
     } = workspace;
-    clusters.part_by_tracks(&frame.cloud, frame.surroundings.tracks, track_claims);
+    let tracks = frame.surroundings.tracks;
+    clusters.part_by_tracks(&frame.cloud, tracks, track_claims);
+    clusters.join_by_tracks(&frame.cloud, tracks);
 }
 
 /// Lets the clusters grow down to the table.
@@ -402,6 +406,7 @@ pub(crate) fn judged(
         range,
         centroid: body.summary.centroid,
         oriented_box,
+        unseen_foot_m: body.unseen_foot_m(),
         mean_rgb: body.summary.mean_rgb,
         support: body.support,
         touches_image_border: is_cut,

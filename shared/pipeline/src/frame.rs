@@ -1,9 +1,9 @@
 //! When and from where a frame was seen, and what it says of a candidate.
 
 use crate::{Config, Error};
-use detection::Candidate;
-use geometry::{PinholeCamera, RigidTransform};
-use nalgebra::{Point3, Unit, Vector3};
+use detection::{Candidate, Support};
+use geometry::{OrientedBox, PinholeCamera, RigidTransform};
+use nalgebra::{Point3, Translation3, Unit, Vector3};
 use point_cloud::{Moments, Point};
 use tracking::{
     Appearance, Circumstances, ColorHistogram, DepthView, Measurement, Observed,
@@ -65,7 +65,8 @@ impl Measured {
         cloud: &[Point],
         frame: &Frame,
     ) -> Result<Self, Error> {
-        let box_in_world = candidate.oriented_box.transformed(&frame.world_from_camera);
+        let box_in_camera = seen_box(candidate);
+        let box_in_world = box_in_camera.transformed(&frame.world_from_camera);
         let is_cut_by_image = candidate.touches_image_border;
         let is_handled = candidate.is_touched();
         let is_cut = is_cut_by_image || is_handled;
@@ -73,6 +74,7 @@ impl Measured {
             depth_m: candidate.centroid.z,
             ray_in_world: ray(candidate, &frame.world_from_camera),
             variances_m2: variances_m2(candidate, indices, cloud),
+            stands_on_table: stands_on_table(candidate),
             is_cut,
             is_handled,
         };
@@ -81,7 +83,7 @@ impl Measured {
         let colors = sampled(indices, cloud).map(|point| point.color);
         Ok(Self {
             measurement,
-            centre_in_camera: candidate.oriented_box.centre(),
+            centre_in_camera: box_in_camera.centre(),
             frame: *frame,
             appearance: Appearance {
                 volume_m3: box_in_world.volume_m3(),
@@ -102,6 +104,22 @@ impl Measured {
             appearance: self.appearance,
         }
     }
+}
+
+/// The box around what was seen of a candidate, without the foot it is thought to
+/// have: whether that is there changes when it is lifted.
+fn seen_box(candidate: &Candidate) -> OrientedBox {
+    let whole = &candidate.oriented_box;
+    let half_foot_m = (0.5 * candidate.unseen_foot_m).min(whole.half_sides_m.z);
+    OrientedBox {
+        frame_from_box: whole.frame_from_box * Translation3::new(0.0, 0.0, half_foot_m),
+        half_sides_m: whole.half_sides_m - Vector3::z() * half_foot_m,
+    }
+}
+
+/// Whether a candidate's box was seen to end at the table.
+fn stands_on_table(candidate: &Candidate) -> bool {
+    candidate.support == Some(Support::Table) && candidate.unseen_foot_m == 0.0
 }
 
 /// Some of the points of an object, evenly.

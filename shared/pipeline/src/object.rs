@@ -9,7 +9,7 @@ use description::{Descriptor, Good, ObjectPoints};
 use geometry::OrientedBox;
 use learning::{CategoryIndex, CategoryName, Recognition};
 use point_cloud::Point;
-use tracking::MotionFilter;
+use tracking::{Evidence, MotionFilter};
 
 /// A view shows an object whole with this share of its box.
 const WHOLE_SHARE: f64 = 0.9;
@@ -93,8 +93,13 @@ impl ObjectState {
         } = observation;
         let filter = match &self.filter {
             Some(filter) => {
-                let view = measured.frame.view(cloud);
-                filter.updated(&measured.measurement, view.as_ref(), config.motion())
+                let evidence = Evidence {
+                    cloud,
+                    indices,
+                    world_from_camera: measured.frame.world_from_camera,
+                    view: measured.frame.view(cloud),
+                };
+                filter.updated(&measured.measurement, Some(&evidence), config.motion())
             }
             None => Ok(MotionFilter::start(&measured.measurement, config.motion())),
         }

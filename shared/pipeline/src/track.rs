@@ -31,6 +31,8 @@ pub struct Track {
     /// The same, predicted to the last step.
     pub(crate) filter: MotionFilter,
     pub(crate) appearance: Appearance,
+    /// Capture stamp of the last sighting in a hand; 0 for never.
+    pub(crate) last_handled_ns: u64,
 }
 
 impl Track {

@@ -20,6 +20,13 @@ const SEARCH_SIGMA_MAX_M: f64 = 0.04;
 /// A view shows an object whole with this share of its box.
 const WHOLE_SHARE: f64 = 0.9;
 
+/// Near what was handled so lately, ...
+const HANDLED_NS: u64 = 500_000_000;
+
+/// ... nearer to its box than this, metres, nothing new begins: it may be a part of
+/// what the hand cuts in two.
+const HANDLED_MARGIN_M: f64 = 0.03;
+
 /// A candidate that is a track's object.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sighting {
@@ -98,12 +105,11 @@ impl TrackTable {
         let camera_from_world = frame.world_from_camera.inverse();
         expected.clear();
         for track in &self.tracks {
-            let is_seen = track.sight() == Sight::Seen;
             expected.push(ExpectedTrack {
                 shape: track.box_in_world().transformed(&camera_from_world),
-                n_points: if is_seen { track.measured.n_points } else { 0 },
+                n_points: track.measured.n_points,
             });
-            if !is_seen {
+            if track.sight() != Sight::Seen {
                 let last_seen = track.posterior.box_in_world();
                 expected.push(last_seen.transformed(&camera_from_world).into());
             }
@@ -293,6 +299,9 @@ impl TrackTable {
             let Some(measured) = measured.take().filter(|_| is_object) else {
                 continue;
             };
+            if is_part_of_handled(&self.tracks, &measured, frame) {
+                continue;
+            }
             let Some(track_id) = next_id() else { return };
             step.sightings.push(Sighting {
                 track_id,
@@ -314,15 +323,28 @@ impl TrackTable {
                 posterior: filter,
                 filter,
                 appearance: measured.appearance,
+                last_handled_ns: 0,
             });
         }
     }
+}
+
+/// Whether a candidate may be a part of an object that a hand has just had.
+fn is_part_of_handled(tracks: &[Track], measured: &Measured, frame: &Frame) -> bool {
+    let centre = measured.measurement.box_in_world().centre();
+    tracks.iter().any(|track| {
+        let handled_ago_ns = frame.capture_ns.saturating_sub(track.last_handled_ns);
+        handled_ago_ns < HANDLED_NS && track.box_in_world().contains(&centre, HANDLED_MARGIN_M)
+    })
 }
 
 /// A track goes on with a candidate.
 fn see(track: &mut Track, candidate: usize, measured: &Measured, frame: &Frame, step: &mut Step) {
     track.life = track.life.seen(frame.capture_ns);
     track.last_seen_ns = frame.capture_ns;
+    if measured.measurement.seen().is_handled {
+        track.last_handled_ns = frame.capture_ns;
+    }
     track.measured = *measured;
     let is_whole = !measured.is_cut && track.posterior.completeness() >= WHOLE_SHARE;
     track.remember(&measured.appearance, is_whole);

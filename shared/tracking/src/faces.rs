@@ -5,6 +5,7 @@
 //! could have been seen.
 
 use crate::depth_view::DepthView;
+use crate::measurement::Circumstances;
 use geometry::OrientedBox;
 use nalgebra::{Translation3, Vector3};
 
@@ -21,6 +22,9 @@ const SLAB_SHARE: f64 = 0.85;
 
 /// A slab is at least so thick, metres.
 const SLAB_MIN_M: f64 = 0.004;
+
+/// The axis of a box that points up.
+const UPRIGHT: usize = 2;
 
 /// How far a face is to be believed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -57,13 +61,14 @@ impl Interval {
 /// The trust in each face of a measured box, `[low, high]` for each axis.
 ///
 /// `measured` is read along the axes of `expected`; `sigmas_m` is the noise of a
-/// face along them. Without a view into the frame a face within the expected box
-/// is `Hidden` where the object `is_cut`, and `Doubtful` otherwise.
+/// face along them. What stands on the table is `Sure` to end there. Without a view
+/// into the frame a face within the expected box is `Hidden` where the object is
+/// cut, and `Doubtful` otherwise.
 pub(crate) fn trust(
     measured: &OrientedBox,
     expected: &OrientedBox,
     sigmas_m: &Vector3<f64>,
-    is_cut: bool,
+    seen: &Circumstances,
     view: Option<&DepthView<'_>>,
 ) -> [[Trust; 2]; 3] {
     let shift = expected.frame_from_box.inverse() * measured.centre();
@@ -75,9 +80,12 @@ pub(crate) fn trust(
             noise_m: (NOISE_SIGMAS * sigmas_m[axis]).max(NOISE_MIN_M),
         };
         [-1.0, 1.0].map(|sign| {
+            if seen.stands_on_table && axis == UPRIGHT && sign < 0.0 {
+                return Trust::Sure;
+            }
             face_trust(&interval, sign, || match view {
                 Some(view) => view.is_obstructed(&slab(expected, axis, sign, &interval)),
-                None => is_cut,
+                None => seen.is_cut,
             })
         })
     })
@@ -93,9 +101,12 @@ fn face_trust(interval: &Interval, sign: f64, is_obstructed: impl FnOnce() -> bo
             Trust::Sure
         };
     }
-    if growth_m >= -interval.noise_m || beyond_m >= -0.5 * interval.noise_m {
+    if growth_m >= -interval.noise_m || beyond_m >= interval.noise_m {
         Trust::Sure
-    } else if is_obstructed() {
+    } else if beyond_m >= -interval.noise_m || is_obstructed() {
+        // A part that ends about where the whole does tells of no motion: the
+        // outermost points of what is round may be hidden, and following them
+        // would creep.
         Trust::Hidden
     } else {
         Trust::Doubtful
@@ -128,8 +139,16 @@ mod tests {
             frame_from_box: RigidTransform::translation(0.5 * (low + high), 0.0, 0.0),
             half_sides_m: Vector3::new(0.5 * (high - low), 0.05, 0.05),
         };
+        let seen = Circumstances {
+            depth_m: 1.0,
+            ray_in_world: Vector3::y_axis(),
+            variances_m2: Vector3::repeat(1e-3),
+            stands_on_table: false,
+            is_cut,
+            is_handled: false,
+        };
         let sigmas_m = Vector3::repeat(0.002);
-        trust(&shape(low, high), &shape(-0.1, 0.1), &sigmas_m, is_cut, None)[0]
+        trust(&shape(low, high), &shape(-0.1, 0.1), &sigmas_m, &seen, None)[0]
     }
 
     #[test]
@@ -140,13 +159,20 @@ mod tests {
     }
 
     #[test]
-    fn a_smaller_box_is_believed_at_the_end_that_stays() {
-        assert_eq!(along_x(-0.1, 0.05, true), [Sure, Hidden]);
-        assert_eq!(along_x(-0.1, 0.05, false), [Sure, Doubtful]);
-        assert_eq!(along_x(-0.06, 0.1, true), [Hidden, Sure]);
+    fn a_smaller_box_is_believed_where_it_sticks_out() {
+        assert_eq!(along_x(-0.11, 0.05, true), [Sure, Hidden]);
+        assert_eq!(along_x(-0.11, 0.05, false), [Sure, Doubtful]);
+        assert_eq!(along_x(-0.06, 0.11, true), [Hidden, Sure]);
         assert_eq!(along_x(-0.06, 0.06, true), [Hidden, Hidden]);
         // It has moved out on one side: that side is seen.
         assert_eq!(along_x(-0.03, 0.13, true), [Hidden, Sure]);
+    }
+
+    #[test]
+    fn a_smaller_box_at_rest_tells_of_no_motion() {
+        for end in [0.097, 0.1, 0.103] {
+            assert_eq!(along_x(-0.06, end, true), [Hidden, Hidden]);
+        }
     }
 
     #[test]

@@ -15,6 +15,7 @@ mod axis_filter;
 mod color_histogram;
 mod depth_view;
 mod error;
+mod evidence;
 mod faces;
 mod key_view;
 mod measurement;
@@ -30,6 +31,7 @@ pub use association::{
 pub use color_histogram::ColorHistogram;
 pub use depth_view::DepthView;
 pub use error::Error;
+pub use evidence::Evidence;
 pub use key_view::{KeyViewRule, MotionPhase};
 pub use measurement::{Circumstances, Measurement};
 pub use motion_filter::{MotionConfig, MotionFilter};

@@ -32,6 +32,8 @@ pub struct Circumstances {
     pub ray_in_world: Unit<Vector3<f64>>,
     /// Variances of its points along the axes of its box, square metres.
     pub variances_m2: Vector3<f64>,
+    /// Whether it was seen to stand on the table, so that its box ends there.
+    pub stands_on_table: bool,
     /// Whether a part of it may be missing, at the border of the image or behind
     /// what touches it.
     pub is_cut: bool,

@@ -2,8 +2,8 @@
 
 use crate::Error;
 use crate::axis_filter::{End, SlideCovariance, TurnCovariance};
-use crate::depth_view::DepthView;
 use crate::error::check_settings;
+use crate::evidence::Evidence;
 use crate::faces::{self, Trust};
 use crate::measurement::{HALF_SIDE_MAX_M, Measurement};
 use crate::orientation::{nearest_reading, turn_sigmas_rad};
@@ -27,6 +27,10 @@ const GROWTH_MAX_S: f64 = 10.0;
 /// What turns goes on turning for about this long, seconds.
 const TURN_DAMPING_S: f64 = 0.3;
 
+/// What is hidden is not thought to go on moving for longer than about this,
+/// seconds.
+const UNSEEN_DAMPING_S: f64 = 0.15;
+
 /// Thinnest box, half of a side, metres.
 const HALF_SIDE_MIN_M: f64 = 1e-3;
 
@@ -35,6 +39,9 @@ const DOUBT_SIGMA_M: f64 = 0.010;
 
 /// A half side of which a part may be missing is uncertain by this share.
 const CUT_SHARE: f64 = 0.25;
+
+/// A box smaller than the expected one by this factor is that of a part.
+const PART_VOLUME_SHARE: f64 = 0.8;
 
 /// Where a side face is not sure, the footprint says less of the turn by this factor.
 const PART_TURN_FACTOR: f64 = 3.0;
@@ -206,14 +213,15 @@ impl MotionFilter {
         }
     }
 
-    /// The state after a measurement; `view` shows what could be seen in the frame.
+    /// The state after a measurement; `evidence` is what the frame shows of the
+    /// object and around it.
     ///
     /// # Errors
     /// When the measurement is older than the state.
     pub fn updated(
         &self,
         measurement: &Measurement,
-        view: Option<&DepthView<'_>>,
+        evidence: Option<&Evidence<'_>>,
         config: &MotionConfig,
     ) -> Result<Self, Error> {
         let stamp_ns = measurement.stamp_ns();
@@ -234,12 +242,23 @@ impl MotionFilter {
         if surprise > JUMP_SIGMAS {
             state.allow_jump(measurement);
         }
-        let reading = nearest_reading(measurement.box_in_world(), &state.box_in_world());
+        let expected = state.box_in_world();
+        let reading = nearest_reading(measurement.box_in_world(), &expected);
+        let whole_m3 = PART_VOLUME_SHARE * expected.volume_m3();
+        let part = evidence
+            .filter(|_| reading.volume_m3() < whole_m3)
+            .and_then(|evidence| evidence.box_along(&expected));
+        // The box around a part of an object is turned anyhow.
+        let is_part = part.is_some();
+        let reading = part.unwrap_or(reading);
         let sigmas_m = measurement.face_sigmas_m(&axes(&state.rotation), config);
-        let is_cut = measurement.seen().is_cut;
-        let trust = faces::trust(&reading, &state.box_in_world(), &sigmas_m, is_cut, view);
-        state.take_turn(&reading, &trust, measurement);
+        let view = evidence.and_then(|evidence| evidence.view.as_ref());
+        let trust = faces::trust(&reading, &expected, &sigmas_m, measurement.seen(), view);
+        if !is_part {
+            state.take_turn(&reading, &trust, measurement);
+        }
         state.take_faces(&reading, &trust, &sigmas_m);
+        state.slow_unseen(&trust, (stamp_ns - self.stamp_ns) as f64 * 1e-9);
         Ok(state)
     }
 
@@ -320,6 +339,18 @@ impl MotionFilter {
         self.velocity_m_s += world_from_axes * sped;
         self.velocity_m_s = self.velocity_m_s.cap_magnitude(SPEED_MAX_M_S);
         self.completeness = completeness;
+    }
+
+    /// Along an axis of which neither face was seen nothing says that the object
+    /// goes on moving.
+    fn slow_unseen(&mut self, trust: &[[Trust; 2]; 3], dt_s: f64) {
+        let keep = (-dt_s / UNSEEN_DAMPING_S).exp();
+        let shares = trust.map(|ends| match ends {
+            [Trust::Hidden, Trust::Hidden] => keep,
+            _ => 1.0,
+        });
+        let along = self.rotation.inverse() * self.velocity_m_s;
+        self.velocity_m_s = self.rotation * along.component_mul(&Vector3::from(shares));
     }
 
     /// Capture stamp of the state.

@@ -1,4 +1,4 @@
-//! Clusters that are several tracked objects that touch.
+//! Clusters that are several tracked objects that touch, or parts of one.
 
 use super::Clusters;
 use crate::detect::ExpectedTrack;
@@ -10,6 +10,11 @@ const MARGIN_M: f64 = 0.008;
 
 /// Every so many points of a cluster one is asked whose it is.
 const STRIDE: usize = 8;
+
+/// As many points of a cluster are asked whether it is a fragment, and when none of
+/// the first ones lies in the box, no more.
+const N_ASKED_MAX: usize = 64;
+const N_ASKED_FIRST: usize = 4;
 
 /// A track claims a cluster with this share of the points it had.
 const CLAIM_SHARE: f64 = 0.35;
@@ -165,6 +170,81 @@ fn outside_m(track: &ExpectedTrack, point: &Point3<f64>) -> f64 {
     let place = track.shape.frame_from_box.inverse_transform_point(point);
     let beyond = |i: usize| place[i].abs() - track.shape.half_sides_m[i];
     (0..3).map(beyond).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Clusters of which this share lies in the box of a track are its object's, ...
+const PART_SHARE: f64 = 0.85;
+
+/// ... the main one with at least this share of the points it had, ...
+const MAIN_SHARE: f64 = 0.4;
+
+/// ... and the others, like the handle of a mug seen end on, with at most this: what
+/// is larger is another object, like an apple in a bowl.
+const FRAGMENT_SHARE: f64 = 0.15;
+
+impl Clusters {
+    /// Joins the fragments of tracked objects with their main clusters. Returns
+    /// whether anything was joined.
+    ///
+    /// Boxes of the tracks in the camera's frame.
+    pub(crate) fn join_by_tracks(
+        &mut self,
+        cloud: &OrganizedCloud<'_>,
+        tracks: &[ExpectedTrack],
+    ) -> bool {
+        let mut is_joined = false;
+        for track in tracks.iter().filter(|track| track.n_points > 0) {
+            let n_expected = track.n_points as f64;
+            let (mut main, mut has_fragments) = (None, false);
+            for cluster in 0..self.len() {
+                let pixels = self.pixels(cluster);
+                let n = pixels.len() as f64;
+                let is_fragment = n <= FRAGMENT_SHARE * n_expected;
+                if (is_fragment || n >= MAIN_SHARE * n_expected)
+                    && share_inside(cloud.points(), pixels, track) >= PART_SHARE
+                {
+                    has_fragments |= is_fragment;
+                    if !is_fragment {
+                        main = Some(cluster as u32);
+                    }
+                }
+            }
+            let Some(main) = main.filter(|_| has_fragments) else {
+                continue;
+            };
+            for cluster in 0..self.len() {
+                let [first, end] = [self.starts[cluster], self.starts[cluster + 1]];
+                let pixels = &self.pixels[first as usize..end as usize];
+                let is_fragment = pixels.len() as f64 <= FRAGMENT_SHARE * n_expected;
+                if is_fragment && share_inside(cloud.points(), pixels, track) >= PART_SHARE {
+                    for &pixel in pixels {
+                        self.cluster_of[pixel as usize] = main;
+                    }
+                    is_joined = true;
+                }
+            }
+        }
+        if is_joined {
+            self.regroup(self.len());
+        }
+        is_joined
+    }
+}
+
+/// Share of a cluster's points in the box of a track.
+fn share_inside(points: &[Point], pixels: &[u32], track: &ExpectedTrack) -> f64 {
+    let stride = pixels.len().div_ceil(N_ASKED_MAX).max(1);
+    let (mut n, mut n_inside) = (0_usize, 0_usize);
+    for &pixel in pixels.iter().step_by(stride) {
+        n += 1;
+        let point = points[pixel as usize].position();
+        n_inside += usize::from(outside_m(track, &point) <= MARGIN_M);
+        // Mostly it lies elsewhere altogether.
+        if n == N_ASKED_FIRST && n_inside == 0 {
+            return 0.0;
+        }
+    }
+    n_inside as f64 / n.max(1) as f64
 }
 
 /// The corners of the box along the camera's axes around some of the points.

@@ -4,11 +4,18 @@
 //! that a hand at a cup, or a gripper on a box, does not melt with it.
 
 use crate::RawConfig;
-use crate::detect::Surroundings;
+use crate::detect::{ExpectedTrack, Surroundings};
 use crate::table_plane::Table;
 use geometry::Capsule;
 use nalgebra::{Point3, Vector3};
 use point_cloud::{OrganizedCloud, Point};
+
+/// What is nearer to a capsule than this is the limb itself, metres; the rest of the
+/// margin is there for what the capsules do not tell.
+const BODY_MARGIN_M: f32 = 0.012;
+
+/// A point sticks out of its object's expected box by this at most, metres.
+const TRACK_MARGIN_M: f64 = 0.008;
 
 /// Whose body a capsule is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -52,7 +59,10 @@ struct Limb {
     from: Vector3<f32>,
     axis: Vector3<f32>,
     per_length2: f32,
+    /// With the margin.
     radius: f32,
+    /// Without.
+    body_radius: f32,
     bounds: Bounds,
 }
 
@@ -67,6 +77,7 @@ impl Limb {
             axis,
             per_length2: 1.0 / axis.norm_squared().max(1e-12),
             radius,
+            body_radius: capsule.radius_m as f32,
             bounds: Bounds {
                 low: from.inf(&to) - reach,
                 high: from.sup(&to) + reach,
@@ -89,13 +100,29 @@ impl Limb {
 
     #[inline]
     fn contains(&self, point: &Point) -> bool {
-        if !self.bounds.contains(point) {
-            return false;
-        }
+        self.bounds.contains(point) && self.squared_distance(point) <= self.radius * self.radius
+    }
+
+    /// Whether a point is the limb's own, not only in its margin.
+    fn owns(&self, point: &Point) -> bool {
+        let own = self.radius.min(self.body_radius + BODY_MARGIN_M);
+        self.squared_distance(point) <= own * own
+    }
+
+    /// From the capsule's axis, square metres.
+    #[inline]
+    fn squared_distance(&self, point: &Point) -> f32 {
         let away = Vector3::new(point.x, point.y, point.z) - self.from;
         let along = (away.dot(&self.axis) * self.per_length2).clamp(0.0, 1.0);
-        (away - self.axis * along).norm_squared() <= self.radius * self.radius
+        (away - self.axis * along).norm_squared()
     }
+}
+
+/// Whether a point lies where a live track's object is expected.
+fn is_expected(tracks: &[ExpectedTrack], point: &Point) -> bool {
+    let point = point.position();
+    let mut shapes = tracks.iter().map(|track| &track.shape);
+    shapes.any(|shape| shape.contains(&point, TRACK_MARGIN_M))
 }
 
 /// What of a person and of the robot reaches over the table. Reused from frame
@@ -143,10 +170,12 @@ impl Limbs {
     }
 
     /// Moves the pixels of limbs out of `pixels` into `of_limbs`, both in image
-    /// order.
+    /// order. What lies in the margin of a limb only, and where the object of a
+    /// live track is expected, is the object's: a hand holds it.
     pub(crate) fn separate(
         &self,
         cloud: &OrganizedCloud<'_>,
+        tracks: &[ExpectedTrack],
         pixels: &mut Vec<u32>,
         of_limbs: &mut Vec<u32>,
     ) {
@@ -156,8 +185,9 @@ impl Limbs {
         }
         pixels.retain(|&pixel| {
             let point = &cloud.points()[pixel as usize];
-            let is_limb =
-                self.bounds.contains(point) && self.limbs.iter().any(|limb| limb.contains(point));
+            let is_limb = self.bounds.contains(point)
+                && self.limbs.iter().any(|limb| limb.contains(point))
+                && (self.limbs.iter().any(|limb| limb.owns(point)) || !is_expected(tracks, point));
             if is_limb {
                 of_limbs.push(pixel);
             }

@@ -19,6 +19,7 @@ fn circumstances(is_cut: bool) -> Circumstances {
         depth_m: 1.0,
         ray_in_world: Vector3::y_axis(),
         variances_m2: Vector3::new(3.3e-3, 5e-4, 2e-3),
+        stands_on_table: false,
         is_cut,
         is_handled: false,
     }
