@@ -1,10 +1,8 @@
-//! What an actor costs beside a bare tokio task that does the same.
+//! What an actor costs, inline and on the pool.
 //!
 //! Each figure is for one round over all actors of the argument; divan's
-//! item throughput is actors (or messages) a second. `bare` is a task that owns
-//! the state and answers through a oneshot channel; `inline` and `pool` are
-//! supervised actors. Ours also keeps a committed copy of the state, catches
-//! panics, and can be found by id.
+//! item throughput is actors (or messages) a second. `tests/peers` compares
+//! inline actors with bare tasks and with other libraries.
 
 use std::convert::Infallible;
 use std::num::NonZeroUsize;
@@ -18,9 +16,8 @@ use actor::{
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use tokio::runtime::{Builder, Runtime};
-use tokio::sync::{mpsc, oneshot};
 
-const N_ACTORS: [usize; 3] = [1, 100, 10_000];
+const N_ACTORS: [usize; 2] = [1, 100];
 const MAILBOX: usize = 4;
 
 fn main() {
@@ -91,34 +88,7 @@ fn pool() -> Placement {
     Placement::Pool(WorkerPool::start(config).expect("threads"))
 }
 
-type Question = (u64, oneshot::Sender<u64>);
-
-/// The bare task: what one would write without this crate.
-async fn bare(mut mailbox: mpsc::Receiver<Question>) {
-    let mut total = 0;
-    while let Some((n, reply)) = mailbox.recv().await {
-        total += n;
-        let _ = reply.send(total);
-    }
-}
-
-fn spawn_bare() -> (mpsc::Sender<Question>, tokio::task::JoinHandle<()>) {
-    let (sender, receiver) = mpsc::channel(MAILBOX);
-    (sender, tokio::spawn(bare(receiver)))
-}
-
 /// Asks all, then awaits all: the frame loop's way.
-async fn round_bare(tasks: &[mpsc::Sender<Question>], answers: &mut Vec<oneshot::Receiver<u64>>) {
-    for task in tasks {
-        let (reply, answer) = oneshot::channel();
-        task.try_send((1, reply)).expect("there is room");
-        answers.push(answer);
-    }
-    for answer in answers.drain(..) {
-        divan::black_box(answer.await.expect("it answers"));
-    }
-}
-
 async fn round(actors: &[Address<Adder>], answers: &mut Vec<actor::Answer<u64>>) {
     for actor in actors {
         answers.push(actor.ask(0, 1).expect("it lives"));
@@ -129,20 +99,7 @@ async fn round(actors: &[Address<Adder>], answers: &mut Vec<actor::Answer<u64>>)
 }
 
 mod steady_message {
-    use super::{
-        Bencher, ItemsCount, N_ACTORS, Placement, round, round_bare, runtime, spawn_bare,
-        supervisor,
-    };
-
-    #[divan::bench(args = N_ACTORS)]
-    fn bare(bencher: Bencher, n: usize) {
-        let runtime = runtime();
-        let tasks: Vec<_> = runtime.block_on(async { (0..n).map(|_| spawn_bare().0).collect() });
-        let mut answers = Vec::with_capacity(n);
-        bencher
-            .counter(ItemsCount::new(n))
-            .bench_local(|| runtime.block_on(round_bare(&tasks, &mut answers)));
-    }
+    use super::{Bencher, ItemsCount, N_ACTORS, Placement, round, runtime, supervisor};
 
     fn ours(bencher: Bencher, n: usize, placement: Placement) {
         let runtime = runtime();
@@ -168,26 +125,7 @@ mod steady_message {
 }
 
 mod spawn_message_stop {
-    use super::{
-        Bencher, ItemsCount, N_ACTORS, Placement, round, round_bare, runtime, spawn_bare,
-        supervisor,
-    };
-
-    #[divan::bench(args = N_ACTORS)]
-    fn bare(bencher: Bencher, n: usize) {
-        let runtime = runtime();
-        let mut answers = Vec::with_capacity(n);
-        bencher.counter(ItemsCount::new(n)).bench_local(|| {
-            runtime.block_on(async {
-                let (tasks, ends): (Vec<_>, Vec<_>) = (0..n).map(|_| spawn_bare()).unzip();
-                round_bare(&tasks, &mut answers).await;
-                drop(tasks);
-                for end in ends {
-                    end.await.expect("it ends");
-                }
-            });
-        });
-    }
+    use super::{Bencher, ItemsCount, N_ACTORS, Placement, round, runtime, supervisor};
 
     fn ours(bencher: Bencher, n: usize, placement: &Placement) {
         let runtime = runtime();

@@ -19,7 +19,8 @@ pub(crate) fn discard<T>(value: T) {
     let _ = guarded(|| drop(value));
 }
 
-fn message_of(payload: Box<dyn Any + Send>) -> String {
+/// What a caught panic said.
+pub(crate) fn message_of(payload: Box<dyn Any + Send>) -> String {
     let payload = match payload.downcast::<&'static str>() {
         Ok(text) => return (*text).to_owned(),
         Err(other) => other,

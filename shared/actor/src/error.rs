@@ -29,6 +29,13 @@ pub enum Error {
         /// The id that was to be spawned.
         id: String,
     },
+    /// Two children of a tree have the same id.
+    DuplicateChild {
+        /// The id.
+        id: &'static str,
+    },
+    /// A life that was left behind has not ended, and there must not be two.
+    StillAtWork,
 }
 
 impl fmt::Display for Error {
@@ -54,6 +61,15 @@ impl fmt::Display for Error {
                 f,
                 "The actor {id} was not spawned, because its supervisor has ended; \
                  look for the escalation among its events and start a new supervisor."
+            ),
+            Self::DuplicateChild { id } => write!(
+                f,
+                "The tree was not built, because two of its children are called {id}; \
+                 give each its own name."
+            ),
+            Self::StillAtWork => f.write_str(
+                "The actor was not started again, because its previous life hangs and was left \
+                 behind; restart the process.",
             ),
         }
     }

@@ -44,20 +44,24 @@ pub enum Event<I> {
         /// Which actor.
         id: I,
     },
-    /// Restarts exceeded the policy: all actors were stopped, no more can be
-    /// spawned. The last event.
-    Escalated {
-        /// Whose failure was one too many.
-        id: I,
-        /// What that failure was.
-        cause: Cause,
-        /// The tag of the message at work; `None` outside `handle`.
-        tag: Option<u64>,
-        /// The limit that was exceeded.
-        max_restarts: u32,
-        /// Within which time.
-        window: Duration,
-    },
+    /// Restarts exceeded the policy: all actors were stopped, and no more can
+    /// be spawned. The last event, unless a supervisor above begins anew.
+    Escalated(Escalation<I>),
+}
+
+/// A supervisor gave up, after it had stopped all its actors.
+#[derive(Debug, Clone)]
+pub struct Escalation<I> {
+    /// Whose failure was one too many.
+    pub id: I,
+    /// What that failure was.
+    pub cause: Cause,
+    /// The tag of the message at work; `None` outside `handle`.
+    pub tag: Option<u64>,
+    /// The limit that was exceeded.
+    pub max_restarts: u32,
+    /// Within which time.
+    pub window: Duration,
 }
 
 /// Why an actor's life ended.
@@ -135,26 +139,38 @@ impl<I: fmt::Debug> fmt::Display for Event<I> {
                     "Actor {id:?} did not stop within the shutdown time and was left behind."
                 )
             }
-            Self::Escalated {
-                id,
-                cause,
-                tag,
-                max_restarts,
-                window,
-            } => {
-                write!(
-                    f,
-                    "All actors were stopped, because more than {max_restarts} restarts within \
-                     {} s were needed, the last by actor {id:?}: ",
-                    window.as_secs_f64()
-                )?;
-                write_failure(f, cause, *tag)
-            }
+            Self::Escalated(escalation) => escalation.fmt(f),
+        }
+    }
+}
+
+impl<I: fmt::Debug> fmt::Display for Escalation<I> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "All actors were stopped, because more than {} restarts within {} s were needed, \
+             the last by actor {:?}: ",
+            self.max_restarts,
+            self.window.as_secs_f64(),
+            self.id
+        )?;
+        write_failure(f, &self.cause, self.tag)
+    }
+}
+
+impl<I: fmt::Debug> std::error::Error for Escalation<I> {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match &self.cause {
+            Cause::Failed(error) => Some(error.as_ref()),
+            _ => None,
         }
     }
 }
 
 fn write_failure(f: &mut fmt::Formatter<'_>, cause: &Cause, tag: Option<u64>) -> fmt::Result {
+    // An error may be a sentence of its own.
+    let cause = cause.to_string();
+    let cause = cause.trim_end_matches('.');
     match tag {
         Some(tag) => write!(f, "{cause} (at message {tag}, which is lost)."),
         None => write!(f, "{cause}."),

@@ -3,11 +3,11 @@
 
 use std::fmt;
 use std::pin::Pin;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::task::{Context, Poll, Waker};
 
 use crate::border::{discard, guarded};
 use crate::progress::Progress;
+use crate::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Why a job has no result.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -205,79 +205,5 @@ where
 {
     fn drop(&mut self) {
         self.0.cancel();
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use std::task::Waker;
-
-    use super::*;
-
-    type Work = Box<dyn FnOnce(&Progress) -> u8 + Send>;
-
-    fn poll_now(result: &mut JobResult<Work, u8>) -> Poll<Result<u8, JobLost>> {
-        Pin::new(result).poll(&mut Context::from_waker(Waker::noop()))
-    }
-
-    fn job(work: impl FnOnce(&Progress) -> u8 + Send + 'static) -> Arc<Job<Work, u8>> {
-        Arc::new(Job::new(Box::new(work)))
-    }
-
-    #[test]
-    fn what_has_ended_cannot_be_lost() {
-        let job = job(|_| 7);
-        let mut result = JobResult(Arc::clone(&job));
-        assert!(job.run(&Progress::default()));
-        assert!(!job.lose(JobLost::Stalled));
-        assert_eq!(poll_now(&mut result), Poll::Ready(Ok(7)));
-        drop(result);
-        assert!(!job.lose(JobLost::Stalled), "fetched and dropped");
-    }
-
-    #[test]
-    fn what_was_dropped_before_it_began_neither_runs_nor_is_lost() {
-        let job = job(|_| unreachable!("nobody wants it"));
-        drop(JobResult(Arc::clone(&job)));
-        assert!(!job.lose(JobLost::Stalled));
-        assert!(job.run(&Progress::default()));
-    }
-
-    /// Runs a job in whose middle `event` happens to it.
-    fn run_with(event: impl FnOnce(JobResult<Work, u8>) + Send + 'static) -> (bool, bool) {
-        let slot: Arc<Mutex<Option<JobResult<Work, u8>>>> = Arc::default();
-        let inside = Arc::clone(&slot);
-        let job = job(move |_| {
-            event(inside.lock().unwrap().take().unwrap());
-            1
-        });
-        *slot.lock().unwrap() = Some(JobResult(Arc::clone(&job)));
-        let is_kept = job.run(&Progress::default());
-        (is_kept, job.lose(JobLost::Stalled))
-    }
-
-    #[test]
-    fn who_runs_a_job_that_nobody_awaits_any_more_keeps_the_post() {
-        assert_eq!(run_with(drop), (true, false));
-    }
-
-    #[test]
-    fn who_runs_a_job_declared_lost_has_been_replaced() {
-        let lose = |mut result: JobResult<Work, u8>| {
-            assert!(result.0.lose(JobLost::Stalled));
-            assert!(!result.0.lose(JobLost::Stalled), "only once");
-            assert_eq!(poll_now(&mut result), Poll::Ready(Err(JobLost::Stalled)));
-        };
-        assert_eq!(run_with(lose), (false, false));
-    }
-
-    #[test]
-    fn a_job_that_hangs_is_lost_whether_awaited_or_not() {
-        let lose_unwanted = |result: JobResult<Work, u8>| {
-            let job = Arc::clone(&result.0);
-            drop(result);
-            assert!(job.lose(JobLost::Stalled));
-        };
-        assert_eq!(run_with(lose_unwanted), (false, false));
     }
 }

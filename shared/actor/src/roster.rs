@@ -16,13 +16,14 @@ use crate::actor::{Actor, Identity};
 use crate::address::{Address, Envelope};
 use crate::config::Config;
 use crate::error::Error;
-use crate::event::{Cause, Event, Events, StopReason};
+use crate::event::{Cause, Escalation, Event, Events, StopReason};
+use crate::life::Terms;
 use crate::mailbox::{KeepLatest, Receiver, Sender, mailbox};
-use crate::restart_policy::{RestartHistory, Verdict};
+use crate::restart_policy::{RestartHistory, RestartPolicy, Verdict};
 
 pub(crate) struct Roster<I: Identity, A: Actor> {
     pub(crate) config: Config,
-    pub(crate) context: Arc<A::Context>,
+    pub(crate) terms: Arc<Terms<A>>,
     pub(crate) runtime: Handle,
     events: Sender<Event<I>, KeepLatest>,
     table: Mutex<Table<I, A>>,
@@ -35,23 +36,32 @@ struct Table<I, A: Actor> {
     n_spawned: u64,
     /// Nothing is spawned or restarted any more.
     has_ended: bool,
+    /// Who waits for an escalation: the supervisor above.
+    parent: Option<oneshot::Sender<Escalation<I>>>,
 }
 
 struct Entry<A: Actor> {
     /// Tells an actor from a later one with the same id.
     serial: u64,
     address: Address<A>,
-    /// The restarts of this actor alone: its back-off.
-    history: RestartHistory,
-    /// Dropped, and thereby resolved, when the actor has ended.
-    waiters: Vec<oneshot::Sender<()>>,
+    /// The restarts of this actor alone: its back-off. Few ever have one.
+    history: Option<Box<RestartHistory>>,
+    /// Dropped when the actor has ended.
+    waiters: Vec<Waiter>,
 }
 
-/// An actor told to stop, as the one who waits for its end knows it.
+/// Somebody who waits until the last clone of it is dropped.
+type Waiter = Arc<oneshot::Sender<()>>;
+
+/// Actors told to stop, as the one who waits for their end knows them.
 pub(crate) struct Leaving<I> {
-    id: I,
-    serial: u64,
+    who: Who<I>,
     ended: oneshot::Receiver<()>,
+}
+
+enum Who<I> {
+    One { id: I, serial: u64 },
+    All,
 }
 
 impl<I: Identity, A: Actor> Roster<I, A> {
@@ -61,23 +71,26 @@ impl<I: Identity, A: Actor> Roster<I, A> {
         runtime: Handle,
     ) -> (Self, Events<I>) {
         let (events, reader) = mailbox(config.event_capacity);
-        let history = RestartHistory::new(config.policy);
         let table = Table {
             entries: BTreeMap::new(),
-            history,
+            history: RestartHistory::new(config.policy),
             n_spawned: 0,
             has_ended: false,
+            parent: None,
         };
-        (
-            Self {
-                config,
-                context,
-                runtime,
-                events,
-                table: Mutex::new(table),
-            },
-            reader,
-        )
+        let terms = Terms {
+            context,
+            placement: config.placement.clone(),
+            patience: Some(config.shutdown),
+        };
+        let roster = Self {
+            config,
+            terms: Arc::new(terms),
+            runtime,
+            events,
+            table: Mutex::new(table),
+        };
+        (roster, reader)
     }
 
     /// No foreign code but `Ord` and `Clone` of ids runs under the lock, and it
@@ -101,6 +114,17 @@ impl<I: Identity, A: Actor> Roster<I, A> {
             .get(id)
             .map(|entry| entry.address.clone())
     }
+
+    /// Begins anew, as after [`new`](Self::new), and tells of the escalation.
+    /// Actors that are there stay.
+    pub(crate) fn open(&self) -> oneshot::Receiver<Escalation<I>> {
+        let (parent, escalation) = oneshot::channel();
+        let mut table = self.lock();
+        table.has_ended = false;
+        table.history = RestartHistory::new(self.config.policy);
+        table.parent = Some(parent);
+        escalation
+    }
 }
 
 /// Coming and going.
@@ -123,7 +147,7 @@ impl<I: Identity, A: Actor> Roster<I, A> {
         let entry = Entry {
             serial: table.n_spawned,
             address: address.clone(),
-            history: RestartHistory::new(self.config.policy),
+            history: None,
             waiters: Vec::new(),
         };
         let serial = entry.serial;
@@ -170,42 +194,58 @@ impl<I: Identity, A: Actor> Roster<I, A> {
 
     /// Tells one actor to stop, for somebody who will wait for it.
     pub(crate) fn dismiss_awaited(&self, id: &I) -> Option<Leaving<I>> {
-        let (leaving, address) = {
+        let (waiter, ended) = oneshot::channel();
+        let (serial, address) = {
             let mut table = self.lock();
             let entry = table.entries.get_mut(id)?;
-            (entry.leaving(id), entry.address.clone())
+            entry.waiters.push(Arc::new(waiter));
+            (entry.serial, entry.address.clone())
         };
         address.close();
-        Some(leaving)
+        let id = id.clone();
+        let who = Who::One { id, serial };
+        Some(Leaving { who, ended })
     }
 
     /// Tells all actors to stop and lets no new one in.
-    pub(crate) fn dismiss_all(&self) -> Vec<Leaving<I>> {
+    pub(crate) fn dismiss_all(&self) -> Leaving<I> {
+        let (waiter, ended) = oneshot::channel();
+        let waiter = Arc::new(waiter);
         let mut table = self.lock();
         table.has_ended = true;
-        let (leaving, addresses): (Vec<_>, Vec<_>) = table
-            .entries
-            .iter_mut()
-            .map(|(id, entry)| (entry.leaving(id), entry.address.clone()))
-            .unzip();
+        let mut addresses = Vec::with_capacity(table.entries.len());
+        for entry in table.entries.values_mut() {
+            entry.waiters.reserve_exact(1);
+            entry.waiters.push(Arc::clone(&waiter));
+            addresses.push(entry.address.clone());
+        }
         drop(table);
         // Outside the lock, for closing drops foreign messages.
         addresses.iter().for_each(Address::close);
-        leaving
+        let who = Who::All;
+        Leaving { who, ended }
     }
 
     /// Waits at most the shutdown time for actors told to stop, and gives up
     /// those that have not ended then; returns how many.
-    pub(crate) async fn see_off(&self, leaving: Vec<Leaving<I>>) -> usize {
+    pub(crate) async fn see_off(&self, leaving: Leaving<I>) -> usize {
         let deadline = Instant::now() + self.config.shutdown;
-        let mut n_abandoned = 0;
-        for Leaving { id, serial, ended } in leaving {
-            if timeout_at(deadline, ended).await.is_err() {
-                let is_left_behind = self.leave(&id, serial, Event::Abandoned { id: id.clone() });
-                n_abandoned += usize::from(is_left_behind);
-            }
+        if timeout_at(deadline, leaving.ended).await.is_ok() {
+            return 0;
         }
-        n_abandoned
+        let left_behind = match leaving.who {
+            Who::One { id, serial } => vec![(id, serial)],
+            Who::All => {
+                let table = self.lock();
+                let entries = table.entries.iter();
+                entries.map(|(id, e)| (id.clone(), e.serial)).collect()
+            }
+        };
+        let abandon = |(id, serial): (I, u64)| {
+            let last_word = Event::Abandoned { id: id.clone() };
+            usize::from(self.leave(&id, serial, last_word))
+        };
+        left_behind.into_iter().map(abandon).sum()
     }
 }
 
@@ -220,17 +260,18 @@ impl<I: Identity, A: Actor> Roster<I, A> {
         cause: &Cause,
         tag: Option<u64>,
     ) -> Option<Duration> {
+        let policy = self.config.policy;
         // A statement of its own, so that the lock is released before the match.
-        let verdict = self.lock().judge(id, Instant::now().into_std())?;
+        let verdict = self.lock().judge(id, policy, Instant::now().into_std())?;
         match verdict {
             Verdict::Restart { after } => Some(after),
             Verdict::GiveUp => {
-                self.escalate(Event::Escalated {
+                self.escalate(Escalation {
                     id: id.clone(),
                     cause: cause.clone(),
                     tag,
-                    max_restarts: self.config.policy.max_restarts(),
-                    window: self.config.policy.window(),
+                    max_restarts: policy.max_restarts(),
+                    window: policy.window(),
                 });
                 None
             }
@@ -238,42 +279,40 @@ impl<I: Identity, A: Actor> Roster<I, A> {
     }
 
     /// Stops everybody, waits for them in a task of its own, then reports.
-    fn escalate(self: &Arc<Self>, reason: Event<I>) {
+    fn escalate(self: &Arc<Self>, escalation: Escalation<I>) {
         let leaving = self.dismiss_all();
+        // Now, while the one who failed is still here: nobody can have begun
+        // anew.
+        let parent = self.lock().parent.take();
         let roster = Arc::clone(self);
         self.runtime.spawn(async move {
             roster.see_off(leaving).await;
-            roster.report(reason);
+            roster.report(Event::Escalated(escalation.clone()));
+            if let Some(parent) = parent {
+                // Who was told to stop meanwhile does not listen any more.
+                let _ = parent.send(escalation);
+            }
         });
     }
 }
 
 impl<I: Identity, A: Actor> Table<I, A> {
     /// The limit counts all actors' restarts, the back-off only this one's.
-    fn judge(&mut self, id: &I, now: std::time::Instant) -> Option<Verdict> {
+    fn judge(&mut self, id: &I, policy: RestartPolicy, now: std::time::Instant) -> Option<Verdict> {
         if self.has_ended {
             return None;
         }
         let entry = self.entries.get_mut(id)?;
         let verdict = match self.history.on_failure(now) {
-            Verdict::Restart { .. } => entry.history.on_failure(now),
+            Verdict::Restart { .. } => entry
+                .history
+                .get_or_insert_with(|| Box::new(RestartHistory::new(policy)))
+                .on_failure(now),
             Verdict::GiveUp => Verdict::GiveUp,
         };
         // Ended in the same moment, so that nobody escalates twice.
         self.has_ended = verdict == Verdict::GiveUp;
         Some(verdict)
-    }
-}
-
-impl<A: Actor> Entry<A> {
-    fn leaving<I: Clone>(&mut self, id: &I) -> Leaving<I> {
-        let (waiter, ended) = oneshot::channel();
-        self.waiters.push(waiter);
-        Leaving {
-            id: id.clone(),
-            serial: self.serial,
-            ended,
-        }
     }
 }
 
@@ -290,24 +329,31 @@ pub(crate) struct Membership<I: Identity, A: Actor> {
     pub(crate) roster: Arc<Roster<I, A>>,
     pub(crate) id: I,
     serial: u64,
-    last_word: Option<Event<I>>,
+    /// On the heap, for it is needed once.
+    last_word: Option<Box<StopReason>>,
 }
 
 impl<I: Identity, A: Actor> Membership<I, A> {
+    pub(crate) fn started(&self) {
+        let id = self.id.clone();
+        self.roster.report(Event::Started { id });
+    }
+
     pub(crate) fn stopped(&mut self, reason: StopReason) {
-        self.last_word = Some(Event::Stopped {
-            id: self.id.clone(),
-            reason,
-        });
+        self.last_word = Some(Box::new(reason));
     }
 }
 
 impl<I: Identity, A: Actor> Drop for Membership<I, A> {
     fn drop(&mut self) {
-        let last_word = self.last_word.take();
-        let last_word = last_word.unwrap_or_else(|| Event::Abandoned {
-            id: self.id.clone(),
-        });
+        let id = self.id.clone();
+        let last_word = match self.last_word.take() {
+            Some(reason) => Event::Stopped {
+                id,
+                reason: *reason,
+            },
+            None => Event::Abandoned { id },
+        };
         self.roster.leave(&self.id, self.serial, last_word);
     }
 }

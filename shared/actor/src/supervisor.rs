@@ -11,6 +11,7 @@ use crate::child::Child;
 use crate::config::Config;
 use crate::error::Error;
 use crate::event::Events;
+use crate::life::Life;
 use crate::roster::{Newcomer, Roster};
 
 /// Spawns actors by id, restarts those that fail, one for one, and stops them.
@@ -26,6 +27,10 @@ impl<I: Identity, A: Actor> Supervisor<I, A> {
         (Self(Arc::new(roster)), events)
     }
 
+    pub(crate) fn roster(&self) -> Arc<Roster<I, A>> {
+        Arc::clone(&self.0)
+    }
+
     /// Begins an actor from a first state. Returns before it has started;
     /// messages sent meanwhile wait in its mailbox.
     ///
@@ -38,7 +43,8 @@ impl<I: Identity, A: Actor> Supervisor<I, A> {
             mailbox,
             address,
         } = self.0.enter(id)?;
-        let child = Child::new(membership, mailbox, checkpoint);
+        let life = Life::new(mailbox, checkpoint, Arc::clone(&self.0.terms));
+        let child = Child::new(membership, life);
         self.0.runtime.spawn(child.run());
         Ok(address)
     }
@@ -65,7 +71,7 @@ impl<I: Identity, A: Actor> Supervisor<I, A> {
     /// when it was left behind.
     pub async fn stop(&self, id: &I) -> bool {
         match self.0.dismiss_awaited(id) {
-            Some(leaving) => self.0.see_off(vec![leaving]).await == 0,
+            Some(leaving) => self.0.see_off(leaving).await == 0,
             None => true,
         }
     }

@@ -6,6 +6,10 @@ use proptest::prelude::*;
 use tokio::time::timeout;
 
 use super::*;
+use std::collections::VecDeque;
+use std::num::NonZeroUsize;
+use std::sync::Arc;
+use std::task::{Context, Poll};
 
 /// Far beyond any healthy run, paused clocks included.
 const WATCHDOG: Duration = Duration::from_secs(60);

@@ -66,7 +66,7 @@ async fn verdict(events: &mut Events<u64>) -> Option<(u64, Option<u64>)> {
             Event::Restarting { id, after, .. } => {
                 return Some((id, u64::try_from(after.as_millis()).ok()));
             }
-            Event::Escalated { id, .. } => return Some((id, None)),
+            Event::Escalated(escalation) => return Some((escalation.id, None)),
             _ => {}
         }
     }

@@ -1,0 +1,241 @@
+//! Every order of send, displace, receive, close, wait and drop.
+
+use std::num::NonZeroUsize;
+use std::pin::pin;
+use std::task::{Context, Poll, Waker};
+
+use loom::future::block_on;
+use loom::sync::Arc;
+use loom::sync::atomic::{AtomicUsize, Ordering};
+use loom::thread;
+
+use crate::explore;
+use crate::mailbox::ends::{Receiver, Sender, mailbox};
+use crate::mailbox::overflow::{Block, Immediate, KeepLatest, Overflow, Refuse};
+use crate::mailbox::send_error::SendError;
+
+fn open<P: Overflow>(capacity: usize) -> (Sender<Message, P>, Receiver<Message, P>, Living) {
+    let (sender, receiver) = mailbox(NonZeroUsize::new(capacity).expect("not empty"));
+    (sender, receiver, Living::default())
+}
+
+/// How many messages are alive: each stands for a loan of shared memory.
+#[derive(Clone, Default)]
+struct Living(Arc<AtomicUsize>);
+
+impl Living {
+    fn message(&self, n: u32) -> Message {
+        self.0.fetch_add(1, Ordering::Relaxed);
+        Message(n, self.clone())
+    }
+
+    fn count(&self) -> usize {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+struct Message(u32, Living);
+
+impl Drop for Message {
+    fn drop(&mut self) {
+        self.1.0.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
+/// Receives until the end.
+fn drain<P: Overflow>(receiver: &mut Receiver<Message, P>) -> Vec<u32> {
+    block_on(async {
+        let mut received = Vec::new();
+        while let Some(message) = receiver.recv().await {
+            received.push(message.0);
+        }
+        received
+    })
+}
+
+/// Sends the numbers from a thread of its own; returns those accepted.
+fn send_all<P: Immediate>(
+    sender: Sender<Message, P>,
+    living: &Living,
+    numbers: [u32; 2],
+) -> thread::JoinHandle<Vec<u32>> {
+    let living = living.clone();
+    thread::spawn(move || {
+        let accepted = |n: &u32| sender.send(living.message(*n)).is_ok();
+        numbers.into_iter().filter(accepted).collect()
+    })
+}
+
+#[test]
+fn who_receives_is_woken_for_each_message_and_for_the_end() {
+    explore(|| {
+        let (sender, mut receiver, living) = open::<Refuse>(2);
+        let other = send_all(sender.clone(), &living, [1, 2]);
+        let accepted = sender.send(living.message(10)).is_ok();
+        drop(sender);
+        let received = drain(&mut receiver);
+        let mut sent = other.join().unwrap();
+        let of_other: Vec<_> = received.iter().copied().filter(|n| *n < 10).collect();
+        assert_eq!(of_other, sent, "in the order of sending");
+        sent.extend(accepted.then_some(10));
+        assert_eq!(received.len(), sent.len());
+        assert_eq!(living.count(), 0);
+    });
+}
+
+#[test]
+fn what_is_displaced_is_the_oldest_and_counted() {
+    explore(|| {
+        let (sender, mut receiver, living) = open::<KeepLatest>(1);
+        let other = send_all(sender.clone(), &living, [1, 2]);
+        sender.send(living.message(10)).unwrap();
+        drop(sender);
+        let received = drain(&mut receiver);
+        assert_eq!(other.join().unwrap(), [1, 2], "never refused");
+        assert_eq!(received.len() as u64 + receiver.dropped(), 3);
+        assert!(received.is_sorted_by_key(|n| n % 10), "{received:?}");
+        assert!(matches!(received.last(), Some(2 | 10)), "{received:?}");
+        assert_eq!(living.count(), 0);
+    });
+}
+
+#[test]
+fn closing_while_sending_leaves_nothing_behind() {
+    explore(|| {
+        let (sender, mut receiver, living) = open::<KeepLatest>(1);
+        let closer = sender.clone();
+        let other = send_all(sender, &living, [1, 2]);
+        let closing = thread::spawn(move || closer.close());
+        let received = drain(&mut receiver);
+        let accepted = other.join().unwrap();
+        closing.join().unwrap();
+        assert!(received.iter().all(|n| accepted.contains(n)));
+        assert!(received.is_sorted());
+        assert_eq!(living.count(), 0, "returned before the receiver is dropped");
+    });
+}
+
+#[test]
+fn dropping_the_receiver_while_sending_leaves_nothing_behind() {
+    explore(|| {
+        let (sender, receiver, living) = open::<Refuse>(1);
+        let keeper = sender.clone();
+        let other = send_all(sender, &living, [1, 2]);
+        drop(receiver);
+        other.join().unwrap();
+        assert!(keeper.is_closed());
+        assert_eq!(living.count(), 0);
+    });
+}
+
+/// Sends numbers from a thread of its own, waiting for room.
+fn send_waiting(
+    sender: Sender<Message, Block>,
+    living: &Living,
+    numbers: &'static [u32],
+) -> thread::JoinHandle<Vec<u32>> {
+    let living = living.clone();
+    thread::spawn(move || {
+        block_on(async {
+            let mut sent = Vec::new();
+            for n in numbers {
+                match sender.send(living.message(*n)).await {
+                    Ok(()) => sent.push(*n),
+                    Err(error) => assert!(matches!(error, SendError::Closed(_))),
+                }
+            }
+            sent
+        })
+    })
+}
+
+#[test]
+fn who_waits_for_room_gets_it_and_nothing_is_lost_or_overtaken() {
+    explore(|| {
+        let (sender, mut receiver, living) = open::<Block>(1);
+        let first = send_waiting(sender.clone(), &living, &[1, 2]);
+        let second = send_waiting(sender, &living, &[10]);
+        let received = drain(&mut receiver);
+        assert_eq!(first.join().unwrap(), [1, 2]);
+        assert_eq!(second.join().unwrap(), [10]);
+        let of_first: Vec<_> = received.iter().filter(|n| **n < 10).collect();
+        assert_eq!(of_first, [&1, &2]);
+        assert_eq!(received.len(), 3);
+        assert_eq!(living.count(), 0);
+    });
+}
+
+#[test]
+fn room_for_two_lets_in_two_who_wait() {
+    explore(|| {
+        let (sender, mut receiver, living) = open::<Block>(2);
+        block_on(sender.send(living.message(1))).unwrap();
+        block_on(sender.send(living.message(2))).unwrap();
+        let first = send_waiting(sender.clone(), &living, &[3]);
+        let second = send_waiting(sender, &living, &[4]);
+        for n in [1, 2] {
+            assert_eq!(block_on(receiver.recv()).map(|m| m.0), Some(n));
+        }
+        // Nothing more is received until both are in.
+        first.join().unwrap();
+        second.join().unwrap();
+        assert_eq!(drain(&mut receiver).len(), 2);
+    });
+}
+
+#[test]
+fn who_gives_up_waiting_passes_the_room_on() {
+    explore(|| {
+        let (sender, mut receiver, living) = open::<Block>(1);
+        block_on(sender.send(living.message(1))).unwrap();
+        let mut context = Context::from_waker(Waker::noop());
+        let mut impatient = Box::pin({
+            let (sender, message) = (sender.clone(), living.message(2));
+            async move { sender.send(message).await }
+        });
+        assert!(impatient.as_mut().poll(&mut context).is_pending());
+        let patient = send_waiting(sender, &living, &[3]);
+        let giving_up = thread::spawn(move || drop(impatient));
+        let received = drain(&mut receiver);
+        giving_up.join().unwrap();
+        assert_eq!(patient.join().unwrap(), [3]);
+        assert_eq!(received, [1, 3]);
+        assert_eq!(living.count(), 0);
+    });
+}
+
+#[test]
+fn closing_sends_everybody_home_who_waits_for_room() {
+    explore(|| {
+        let (sender, mut receiver, living) = open::<Block>(1);
+        let waiting = send_waiting(sender.clone(), &living, &[1, 2]);
+        let other = send_waiting(sender.clone(), &living, &[3]);
+        sender.close();
+        let received = drain(&mut receiver);
+        assert!(received.is_empty(), "closed before it began to receive");
+        waiting.join().unwrap();
+        other.join().unwrap();
+        assert_eq!(living.count(), 0);
+    });
+}
+
+#[test]
+fn what_waited_at_a_close_does_not_come_in_after_it() {
+    explore(|| {
+        let (sender, mut receiver, living) = open::<Block>(1);
+        block_on(sender.send(living.message(1))).unwrap();
+        let mut context = Context::from_waker(Waker::noop());
+        let mut sending = pin!(sender.send(living.message(2)));
+        assert!(sending.as_mut().poll(&mut context).is_pending());
+        let keeper = sender.clone();
+        let closing = thread::spawn(move || keeper.close());
+        let n_early = drain(&mut receiver).len();
+        closing.join().unwrap();
+        receiver.reopen();
+        let late = sending.as_mut().poll(&mut context);
+        assert!(n_early <= 1);
+        assert!(matches!(late, Poll::Ready(Err(SendError::Closed(_)))));
+        block_on(sender.send(living.message(3))).unwrap();
+        assert_eq!(block_on(receiver.recv()).map(|m| m.0), Some(3));
+    });
+}
