@@ -574,6 +574,30 @@ fn views_are_written_for_learning() {
     assert!(sentence.contains("unicorn"), "{sentence}");
 }
 
+#[test]
+fn tracks_are_compared_with_the_truth_of_a_scene() {
+    let place = Place::new();
+    let (folder, source) = scene_file(&format!("duration_s = 1.0\n{BREAKFAST}"));
+    let scene = source.strip_prefix("simulation:").unwrap();
+    let out = folder.path().join("tracks");
+    let out = out.to_str().unwrap();
+    let words = ["--json", "evaluate", "tracking", scene, "--seeds", "1"];
+    let output = place.tabula(&[&words[..], &["--out", out]].concat());
+    assert!(output.status.success(), "{output:?}");
+    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(report["n_objects"], 6, "{report:#}");
+    assert_eq!(report["id_switches"], 0, "{report:#}");
+    for key in ["mota", "idf1"] {
+        assert!(report[key].as_f64() > Some(0.8), "{report:#}");
+    }
+    let centre_mm = &report["centre_error_mm"]["median"];
+    assert!(centre_mm.as_f64() < Some(15.0), "{report:#}");
+    let unknown = ["evaluate", "tracking", "--scene", "dance", "--out", out];
+    let (code, sentence) = refused(&place, &unknown);
+    assert_eq!(code, USAGE);
+    assert!(sentence.contains("crossing"), "{sentence}");
+}
+
 fn refused(place: &Place, arguments: &[&str]) -> (i32, String) {
     let output = place.tabula(arguments);
     assert!(!output.status.success(), "{arguments:?}: {output:?}");

@@ -149,6 +149,8 @@ pub(crate) struct ViewsArguments {
 pub(crate) enum EvaluateVerb {
     /// Compare what detection finds with labelled scenes, and time it on one thread
     Detection(DetectionArguments),
+    /// Track the objects of simulated scenes and compare with the truth
+    Tracking(TrackingArguments),
 }
 
 /// Which scenes, and where the results go.
@@ -168,6 +170,29 @@ pub(crate) struct DetectionArguments {
     /// How often detection is timed on each scene
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub(crate) repeats: u32,
+}
+
+/// Which scenes, and where the results go.
+#[derive(Debug, Args)]
+pub(crate) struct TrackingArguments {
+    /// A scene file (TOML), a folder of them, or a recorded sequence with poses [default: the
+    /// scenes of this program]
+    pub(crate) dataset: Option<PathBuf>,
+    /// Folder for the figures, the page and the pictures
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// How many seeds each scene is played from
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u64).range(1..=10_000))]
+    pub(crate) seeds: u64,
+    /// The first seed
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Only the scene of this name; can be given several times
+    #[arg(long, value_name = "NAME")]
+    pub(crate) scene: Vec<String>,
+    /// What the tracks of a recording without truth are: lines of `track_id,object-name`
+    #[arg(long, value_name = "FILE")]
+    pub(crate) labels: Option<PathBuf>,
 }
 
 impl SceneArguments {

@@ -4,6 +4,7 @@ mod detection;
 mod document;
 mod report;
 mod stopwatch;
+mod tracking;
 mod whole_file;
 
 use crate::arguments::EvaluateVerb;
@@ -15,6 +16,7 @@ use std::process::ExitCode;
 pub(crate) fn run(verb: &EvaluateVerb, output: &Output) -> Result<ExitCode, Failure> {
     match verb {
         EvaluateVerb::Detection(arguments) => detection::run(arguments, output),
+        EvaluateVerb::Tracking(arguments) => tracking::run(arguments, output),
     }
 }
 

@@ -20,7 +20,7 @@ impl fmt::Display for DrawingError {
 
 impl std::error::Error for DrawingError {}
 
-fn failed(error: impl fmt::Display) -> DrawingError {
+pub(crate) fn failed(error: impl fmt::Display) -> DrawingError {
     DrawingError(error.to_string())
 }
 

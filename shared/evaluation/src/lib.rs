@@ -6,19 +6,31 @@
 //! [`labelled_scenes`] reads scenes whose objects are known,
 //! [`segmentation_score`] says how well a detection agrees with them, and
 //! [`scene_picture`] and [`score_page`] show it. [`sensor_error`] compares the
-//! simulated sensor with the published law.
+//! simulated sensor with the published law. [`tracking_score`] says how well tracks
+//! agree with the truth of [`tracked_frame`]s.
 //!
 //! This crate never starts a process, never reads a clock, writes no file, and
 //! knows nothing of channels. Durations are measured by the caller and come in
 //! as numbers, see [`durations`].
 
+pub mod box_picture;
+pub mod clear_mot;
 pub mod durations;
 mod figure;
 pub mod hypothesis_image;
+pub mod id_f1;
 pub mod labelled_scenes;
 pub mod scene_picture;
 pub mod score_page;
 pub mod segmentation_score;
 pub mod sensor_error;
+pub mod spread;
+pub mod track_drift;
+pub mod track_figure;
+pub mod track_page;
+pub mod tracked_frame;
+pub mod tracking_score;
+pub mod true_shape;
+mod upright_outline;
 
 pub use figure::DrawingError;

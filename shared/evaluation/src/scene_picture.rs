@@ -73,7 +73,7 @@ pub fn draw(
     encode(&image, width, grid.height)
 }
 
-fn encode(image: &[u8], width: usize, height: usize) -> Result<Vec<u8>, EncodingError> {
+pub(crate) fn encode(image: &[u8], width: usize, height: usize) -> Result<Vec<u8>, EncodingError> {
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, width as u32, height as u32);
     encoder.set_color(ColorType::Rgb);
@@ -143,7 +143,7 @@ fn painted(point: &Point, paint: Paint, is_stripe: bool) -> [u8; 3] {
 }
 
 /// Colours that differ from each other and from the table's.
-fn thing_color(index: usize) -> [u8; 3] {
+pub(crate) fn thing_color(index: usize) -> [u8; 3] {
     const COLORS: [[u8; 3]; 12] = [
         [230, 25, 35],
         [30, 90, 255],

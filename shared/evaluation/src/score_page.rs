@@ -3,7 +3,7 @@
 use crate::segmentation_score::{MEASURE_NAMES, SegmentationScore};
 use std::fmt::Write;
 
-const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;margin:2em auto;max-width:1400px;\
+pub(crate) const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;margin:2em auto;max-width:1400px;\
     padding:0 1em;color:#222}table{border-collapse:collapse;margin:1em 0}\
     caption{text-align:left;font-weight:bold}th,td{padding:.2em .7em;text-align:right;border-bottom:1px solid #ddd;\
     font-variant-numeric:tabular-nums}th:first-child,td:first-child{text-align:left}\
@@ -121,7 +121,7 @@ fn figure(scene: &PicturedScene) -> String {
 }
 
 /// Text within HTML.
-fn escaped(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for character in text.chars() {
         match character {
@@ -137,7 +137,7 @@ fn escaped(text: &str) -> String {
 
 /// A relative path as a link: what is not plain is written by its bytes
 /// (RFC 3986).
-fn link(path: &str) -> String {
+pub(crate) fn link(path: &str) -> String {
     let mut link = String::new();
     for byte in path.bytes() {
         if byte.is_ascii_alphanumeric() || b"-_.~/".contains(&byte) {

@@ -16,11 +16,24 @@ use crate::scene::ModelChoice;
 use nalgebra::Point3;
 
 impl Action {
+    /// Number of the object it is done to; `None` for one that is brought.
+    pub(crate) fn object(&self) -> Option<usize> {
+        match self {
+            Self::Put { .. } => None,
+            Self::Move { object, .. }
+            | Self::Slide { object, .. }
+            | Self::Lift { object, .. }
+            | Self::Hide { object, .. }
+            | Self::Remove { object } => Some(usize::from(*object)),
+        }
+    }
+
     /// As words in a sentence: `to move object 3`.
     pub(crate) fn words(&self) -> String {
         match self {
             Self::Put { model, .. } => format!("to put a {}", model.category()),
             Self::Move { object, .. } => format!("to move object {object}"),
+            Self::Slide { object, .. } => format!("to slide object {object}"),
             Self::Lift { object, .. } => format!("to lift object {object}"),
             Self::Hide { object, .. } => format!("to hide object {object}"),
             Self::Remove { object } => format!("to remove object {object}"),
@@ -40,6 +53,13 @@ pub enum Action {
     },
     /// Move an object.
     Move {
+        /// Which.
+        object: u16,
+        /// Where to, world x and y, metres.
+        to_m: [f64; 2],
+    },
+    /// Push an object over the table without lifting it; it pushes what it meets.
+    Slide {
         /// Which.
         object: u16,
         /// Where to, world x and y, metres.
@@ -76,13 +96,26 @@ pub struct TimedAction {
 }
 
 /// What a person does.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct PersonPlan {
     /// The script, by time.
     pub script: Vec<TimedAction>,
+    /// How fast the hand moves, times the usual.
+    pub pace: f64,
     /// Shortest and longest pause between actions by chance, seconds; `None` for
     /// the script alone.
     pub by_chance_every_s: Option<[f64; 2]>,
+}
+
+impl Default for PersonPlan {
+    /// A person who stands there and does nothing.
+    fn default() -> Self {
+        Self {
+            script: Vec::new(),
+            pace: 1.0,
+            by_chance_every_s: None,
+        }
+    }
 }
 
 /// The person while the world runs.
@@ -140,7 +173,7 @@ impl Person {
             }
         }
         let errand = self.errand.as_mut()?;
-        let event = errand.step(dt_s, &mut self.hand);
+        let event = errand.step(dt_s, self.plan.pace, &mut self.hand);
         if errand.has_ended() {
             self.errand = None;
             if let Some(chance) = &mut self.chance {

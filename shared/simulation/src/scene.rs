@@ -228,6 +228,8 @@ pub struct Scene {
     pub person: Option<PersonPlan>,
     /// Errors of the simulated Kinect.
     pub sensor: SensorModel,
+    /// How long its story is, seconds; `None` when nobody says.
+    pub duration_s: Option<f64>,
 }
 
 impl Default for Scene {
@@ -242,6 +244,7 @@ impl Default for Scene {
             arm: None,
             person: None,
             sensor: SensorModel::KINECT_V1,
+            duration_s: None,
         }
     }
 }

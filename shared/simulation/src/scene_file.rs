@@ -5,6 +5,7 @@
 //! that are not known are errors.
 
 mod raw;
+mod variation;
 
 use crate::arm::ArmMount;
 use crate::arrangement;
@@ -80,8 +81,8 @@ impl Scene {
         scene.objects = placed(&scene, SceneKind::Isolated, choices, library)?;
         scene.arm = Some(ArmMount::default());
         scene.person = Some(PersonPlan {
-            script: Vec::new(),
             by_chance_every_s: Some(BY_CHANCE_EVERY_S),
+            ..PersonPlan::default()
         });
         Ok(scene)
     }

@@ -35,6 +35,7 @@ fn busy_world() -> World {
             },
         }],
         by_chance_every_s: Some([0.5, 1.5]),
+        ..PersonPlan::default()
     });
     World::new(scene, library).unwrap()
 }

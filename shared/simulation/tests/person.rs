@@ -47,7 +47,7 @@ fn world(action: Action) -> World {
         ],
         person: Some(PersonPlan {
             script: vec![TimedAction { at_s: 0.5, action }],
-            by_chance_every_s: None,
+            ..PersonPlan::default()
         }),
         sensor: SensorModel::PERFECT,
         ..Scene::default()
@@ -103,6 +103,56 @@ fn a_moved_object_stands_at_its_goal_and_the_others_where_they_were() {
     for (id, before) in [2, 3].into_iter().zip(before) {
         assert!((position(&world, id) - before).norm() < 1e-3);
     }
+}
+
+#[test]
+fn a_slid_object_stays_down_and_pushes_what_it_meets() {
+    // The mug is nearer to its goal than a can and a mug are wide.
+    let mut world = world(Action::Slide {
+        object: 1,
+        to_m: [-0.04, 0.12],
+    });
+    let before = position(&world, 3);
+    let table_m = world.scene().table.height_m;
+    let mut highest_m: f64 = 0.0;
+    run(&mut world, |world| {
+        let can = world.find(1).unwrap();
+        highest_m = highest_m.max(position(world, 1).z - table_m - can.model.half_sides_m.z);
+    });
+    assert!(highest_m < 0.005, "{highest_m}");
+    assert_settled_at(&world, 1, [-0.04, 0.12]);
+    assert!((position(&world, 3) - before).norm() > 0.01);
+    let box_m = position(&world, 2);
+    assert!((box_m.x + 0.25).hypot(box_m.y + 0.12) < 1e-3);
+}
+
+#[test]
+fn a_brisk_person_needs_less_time() {
+    let n_steps = |pace: f64| {
+        let script = vec![TimedAction {
+            at_s: 0.0,
+            action: Action::Lift {
+                object: 1,
+                for_s: 0.0,
+            },
+        }];
+        let scene = Scene {
+            objects: vec![upright("soda-can", [0.22, -0.05])],
+            person: Some(PersonPlan {
+                script,
+                pace,
+                ..PersonPlan::default()
+            }),
+            ..Scene::default()
+        };
+        let mut world = World::new(scene, ModelLibrary::generated()).unwrap();
+        let mut n_steps = 0;
+        run(&mut world, |_| n_steps += 1);
+        f64::from(n_steps)
+    };
+    // The fingers wait as long as ever.
+    let ratio = n_steps(1.0) / n_steps(2.0);
+    assert!((1.8..2.0).contains(&ratio), "{ratio}");
 }
 
 #[test]

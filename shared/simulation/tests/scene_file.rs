@@ -1,8 +1,12 @@
 //! Scene files: what is good, and which sentence each fault gets.
 
-#![expect(clippy::panic, reason = "a set-up that fails fails its test")]
+#![expect(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a set-up that fails fails its test"
+)]
 
-use simulation::{ModelLibrary, ObjectState, Placing, Scene, World};
+use simulation::{ModelChoice, ModelLibrary, ObjectPlan, ObjectState, Placing, Scene, World};
 use std::path::Path;
 
 fn parsed(text: &str) -> Result<(Scene, ModelLibrary), simulation::Error> {
@@ -115,6 +119,79 @@ fn everything_that_can_be_said_is_taken_over() {
     let world = World::new(scene, library).unwrap();
     assert!(world.arm_status().is_some());
     assert!(!world.person_capsules().is_empty());
+}
+
+/// A story with two alike objects, of which the script names the first.
+const STORY: &str = r#"
+duration_s = 9.5
+
+[vary]
+instances = 1000
+shift_m = 0.02
+turn_deg = 90.0
+shuffle = true
+
+[[object]]
+category = "mug"
+position_m = [0.0, -0.2]
+
+[[object]]
+category = "mug"
+position_m = [-0.3, 0.0]
+
+[[object]]
+category = "soda-can"
+position_m = [0.3, 0.0]
+
+[[object]]
+category = "bowl"
+position_m = [0.0, 0.2]
+
+[person]
+pace = 2
+
+[[person.action]]
+at_s = 1
+do = "move"
+object = 1
+to_m = [0.1, 0.0]
+"#;
+
+/// Instances and places of a story's objects.
+fn told(seed: u64) -> Vec<(u64, [f64; 2])> {
+    let (scene, _) = Scene::from_toml(STORY, Path::new(""), Some(seed)).unwrap();
+    assert_eq!(scene.duration_s, Some(9.5));
+    assert_eq!(scene.person.unwrap().pace, 2.0);
+    let objects = scene.objects.iter().map(|plan| match plan {
+        ObjectPlan {
+            model: ModelChoice::Generated { instance, .. },
+            placing: Placing::Upright { position_m, .. },
+        } => (*instance, *position_m),
+        other => panic!("{other:?}"),
+    });
+    objects.collect()
+}
+
+#[test]
+fn a_story_is_told_with_other_objects_in_other_places() {
+    let places = [[0.0, -0.2], [-0.3, 0.0], [0.3, 0.0], [0.0, 0.2]];
+    let mut is_shuffled = false;
+    for seed in 1..=20 {
+        let objects = told(seed);
+        assert_eq!(objects, told(seed));
+        assert_eq!(objects[0].0, objects[1].0, "alike objects stay alike");
+        assert_ne!(objects, told(seed + 20));
+        let place_of = |at: &[f64; 2]| {
+            let is_near = |place: &&[f64; 2]| (0..2).all(|i| (at[i] - place[i]).abs() <= 0.02);
+            places.iter().position(|place| is_near(&place)).unwrap()
+        };
+        let mut found: Vec<usize> = objects.iter().map(|(_, at)| place_of(at)).collect();
+        assert_eq!(found[0], 0, "the script's object stays");
+        is_shuffled |= found != [0, 1, 2, 3];
+        found.sort_unstable();
+        assert_eq!(found, [0, 1, 2, 3], "each place is taken once");
+    }
+    assert!(is_shuffled);
 }
 
 #[test]

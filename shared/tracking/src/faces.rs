@@ -101,12 +101,11 @@ fn face_trust(interval: &Interval, sign: f64, is_obstructed: impl FnOnce() -> bo
             Trust::Sure
         };
     }
+    // A part that ends about where the whole does is not surely its end: the
+    // outermost points of what is round may be hidden, and following them creeps.
     if growth_m >= -interval.noise_m || beyond_m >= interval.noise_m {
         Trust::Sure
-    } else if beyond_m >= -interval.noise_m || is_obstructed() {
-        // A part that ends about where the whole does tells of no motion: the
-        // outermost points of what is round may be hidden, and following them
-        // would creep.
+    } else if is_obstructed() {
         Trust::Hidden
     } else {
         Trust::Doubtful

@@ -78,6 +78,7 @@ impl Errand {
         let legs = match action {
             Action::Put { model, to_m } => put(model, *to_m, around)?,
             Action::Move { object, to_m } => relocate(*object, *to_m, around)?,
+            Action::Slide { object, to_m } => slide(*object, *to_m, around)?,
             Action::Lift { object, for_s } => lift(*object, *for_s, around)?,
             Action::Hide { object, for_s } => hide(*object, *for_s, around)?,
             Action::Remove { object } => remove(*object, around)?,
@@ -93,12 +94,17 @@ impl Errand {
         self.legs.is_empty()
     }
 
-    /// Moves the hand; the event of this step, if any.
-    pub(crate) fn step(&mut self, dt_s: f64, hand: &mut Point3<f64>) -> Option<HandEvent> {
+    /// Moves the hand, `pace` times as fast as usual; the event of this step, if any.
+    pub(crate) fn step(
+        &mut self,
+        dt_s: f64,
+        pace: f64,
+        hand: &mut Point3<f64>,
+    ) -> Option<HandEvent> {
         self.spent_s += dt_s;
         let has_ended = match self.legs.front()? {
             Leg::To(to, speed) => {
-                let duration_s = 1.5 * (to - self.from).norm() / speed;
+                let duration_s = 1.5 * (to - self.from).norm() / (speed * pace);
                 let share = if duration_s > 0.0 {
                     (self.spent_s / duration_s).min(1.0)
                 } else {
@@ -170,6 +176,24 @@ fn relocate(object: u16, [x, y]: [f64; 2], around: &dyn Surroundings) -> Option<
     let mut legs = take(top, object);
     legs.extend(put_down(grip(Point3::new(x, y, new_top))));
     Some(legs)
+}
+
+fn slide(object: u16, [x, y]: [f64; 2], around: &dyn Surroundings) -> Option<Vec<Leg>> {
+    let (top, _) = around.object(object)?;
+    let held = grip(top + Vector3::z() * LET_GO_M);
+    let there = Point3::new(x, y, held.z);
+    Some(vec![
+        Leg::To(above(held), HAND_SPEED_M_S),
+        Leg::To(grip(top), CAREFUL_SPEED_M_S),
+        Leg::Do(HandEvent::Takes(object)),
+        Leg::Wait(0.2),
+        Leg::To(held, CAREFUL_SPEED_M_S),
+        Leg::To(there, CAREFUL_SPEED_M_S),
+        Leg::Do(HandEvent::LetsGo),
+        Leg::Wait(0.2),
+        Leg::To(above(there), CAREFUL_SPEED_M_S),
+        Leg::To(body::RESTING_HAND, HAND_SPEED_M_S),
+    ])
 }
 
 fn lift(object: u16, for_s: f64, around: &dyn Surroundings) -> Option<Vec<Leg>> {

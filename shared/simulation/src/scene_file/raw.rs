@@ -1,5 +1,6 @@
 //! The file as written, and its check.
 
+use super::variation::Variation;
 use super::{BY_CHANCE_EVERY_S, MOST_OBJECTS, generated_objects};
 use crate::arm::ArmMount;
 use crate::error::Error;
@@ -23,6 +24,8 @@ struct RawScene {
     kind: Option<String>,
     objects: Option<usize>,
     models: Option<String>,
+    duration_s: Option<f64>,
+    vary: Option<RawVariation>,
     arm: Option<RawArm>,
     #[serde(default)]
     table: RawTable,
@@ -70,6 +73,15 @@ struct RawArm {
     yaw_deg: Option<f64>,
 }
 
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+struct RawVariation {
+    instances: u64,
+    shift_m: f64,
+    turn_deg: f64,
+    shuffle: bool,
+}
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct RawObject {
@@ -93,6 +105,7 @@ struct RawPerson {
     #[serde(default)]
     by_chance: bool,
     every_s: Option<[f64; 2]>,
+    pace: Option<f64>,
     #[serde(default)]
     action: Vec<RawAction>,
 }
@@ -160,6 +173,7 @@ pub(super) fn scene(
         arm: raw.arm.as_ref().map(arm).transpose()?,
         person: raw.person.as_ref().map(person).transpose()?,
         sensor: sensor(&raw.sensor)?,
+        duration_s: duration_s(raw.duration_s)?,
     };
     if let Some(kind) = kind {
         let n_objects = raw.objects.unwrap_or(kind.usual_number());
@@ -175,6 +189,9 @@ pub(super) fn scene(
             .objects
             .push(object(raw, index, folder, &scene.table)?);
     }
+    if let Some(raw) = &raw.vary {
+        variation(raw)?.apply(&mut scene);
+    }
     if scene.objects.len() > MOST_OBJECTS {
         let n = scene.objects.len();
         return Err(wrong(
@@ -183,6 +200,20 @@ pub(super) fn scene(
         ));
     }
     Ok((scene, library))
+}
+
+fn duration_s(raw: Option<f64>) -> Result<Option<f64>, Error> {
+    raw.map(|duration_s| checked("duration_s", duration_s, 0.1..=86_400.0))
+        .transpose()
+}
+
+fn variation(raw: &RawVariation) -> Result<Variation, Error> {
+    Ok(Variation {
+        n_instances: raw.instances,
+        shift_m: checked("[vary] shift_m", raw.shift_m, 0.0..=0.5)?,
+        turn_rad: checked("[vary] turn_deg", raw.turn_deg, 0.0..=180.0)?.to_radians(),
+        is_shuffled: raw.shuffle,
+    })
 }
 
 fn table(raw: &RawTable) -> Result<Table, Error> {
@@ -346,8 +377,10 @@ fn person(raw: &RawPerson) -> Result<PersonPlan, Error> {
         script.push(timed_action(raw, index)?);
     }
     script.sort_by(|a, b| a.at_s.total_cmp(&b.at_s));
+    let pace = checked("[person] pace", raw.pace.unwrap_or(1.0), 0.1..=10.0)?;
     Ok(PersonPlan {
         script,
+        pace,
         by_chance_every_s,
     })
 }
@@ -379,6 +412,10 @@ fn timed_action(raw: &RawAction, index: usize) -> Result<TimedAction, Error> {
             object: object()?,
             to_m: to_m()?,
         },
+        "slide" => Action::Slide {
+            object: object()?,
+            to_m: to_m()?,
+        },
         "lift" => Action::Lift {
             object: object()?,
             for_s,
@@ -392,7 +429,7 @@ fn timed_action(raw: &RawAction, index: usize) -> Result<TimedAction, Error> {
             return Err(wrong(
                 place("do"),
                 format!(
-                    "`{other}` is nothing a person does; there are put, move, lift, hide, remove"
+                    "`{other}` is nothing a person does; there are put, move, slide, lift, hide, remove"
                 ),
             ));
         }

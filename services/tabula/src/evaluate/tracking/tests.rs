@@ -1,0 +1,159 @@
+use super::*;
+use crate::arguments::{SceneArguments, SimulateVerb};
+use crate::simulate;
+use serde_json::Value;
+
+/// Three objects apart for a second.
+const SCENE: &str = r#"
+duration_s = 1.0
+
+[[object]]
+category = "soda-can"
+position_m = [-0.2, -0.1]
+
+[[object]]
+category = "soda-can"
+position_m = [0.2, -0.1]
+
+[[object]]
+category = "juice-box"
+position_m = [0.0, 0.1]
+yaw_deg = 30.0
+"#;
+
+fn arguments(dataset: &Path, out: &Path) -> TrackingArguments {
+    TrackingArguments {
+        dataset: Some(dataset.to_owned()),
+        out: out.to_owned(),
+        seeds: 2,
+        seed: 1,
+        scene: Vec::new(),
+        labels: None,
+    }
+}
+
+fn document(out: &Path) -> Value {
+    serde_json::from_slice(&std::fs::read(out.join("tracking.json")).unwrap()).unwrap()
+}
+
+/// Tracks at rest are nearly perfect after the first frames, in which nothing is
+/// believed yet.
+fn check_at_rest(figures: &Value, context: &str) {
+    let number = |key: &str| {
+        figures[key]
+            .as_f64()
+            .unwrap_or_else(|| panic!("{context}: {key} in {figures}"))
+    };
+    assert!(
+        (0.8..=1.0).contains(&number("mota")),
+        "{context}: {figures}"
+    );
+    assert!((0.8..=1.0).contains(&number("idf1")), "{context}");
+    assert_eq!(
+        (number("id_switches"), number("lost")),
+        (0.0, 0.0),
+        "{context}"
+    );
+    assert_eq!(number("ids_per_object"), 1.0, "{context}");
+    let median_mm = figures["centre_error_mm"]["median"].as_f64().unwrap();
+    assert!((0.0..15.0).contains(&median_mm), "{context}: {median_mm}");
+    let turn_deg = figures["orientation_error_deg"]["median"].as_f64().unwrap();
+    assert!((0.0..10.0).contains(&turn_deg), "{context}: {turn_deg}");
+}
+
+#[test]
+fn a_scene_at_rest_is_tracked_live_and_from_its_recording() {
+    let folder = tempfile::tempdir().unwrap();
+    let scenes = folder.path().join("scenes");
+    std::fs::create_dir(&scenes).unwrap();
+    let file = scenes.join("rest.toml");
+    std::fs::write(&file, SCENE).unwrap();
+    let output = Output::new(true);
+    let live = folder.path().join("live");
+    run(&arguments(&scenes, &live), &output).unwrap();
+    let found = document(&live);
+    check_at_rest(&found, "live");
+    let rest = &found["scenes"]["rest"];
+    check_at_rest(rest, "scene");
+    assert_eq!(rest["per_seed"][1]["seed"], 2);
+    assert_eq!(
+        (&found["n_runs"], &found["n_objects"]),
+        (&2.into(), &6.into())
+    );
+    let page = std::fs::read_to_string(live.join("index.html")).unwrap();
+    assert!(page.contains("tracks/rest-2.svg") && live.join("tracks/rest-2.svg").exists());
+    // The same of a recording of it, without people, and with the sensor's depth.
+    let recording = folder.path().join("recording");
+    let verb = SimulateVerb::Scene(SceneArguments {
+        file: Some(file),
+        kind: None,
+        objects: None,
+        models: None,
+        seed: Some(1),
+        frames: 20,
+        rate: 30.0,
+        out: recording.clone(),
+    });
+    simulate::run(&verb, &output).unwrap();
+    let replayed = folder.path().join("replayed");
+    run(&arguments(&recording, &replayed), &output).unwrap();
+    check_at_rest(&document(&replayed)["scenes"]["recording"], "recorded");
+    without_its_truth(&recording, folder.path());
+}
+
+/// The same recording when nobody knows what is there.
+fn without_its_truth(recording: &Path, folder: &Path) {
+    for entry in std::fs::read_dir(recording).unwrap() {
+        let path = entry.unwrap().path();
+        if path
+            .extension()
+            .is_some_and(|extension| extension == "json")
+        {
+            std::fs::remove_file(path).unwrap();
+        }
+    }
+    let out = folder.join("unknown");
+    let labels = folder.join("labels.csv");
+    std::fs::write(
+        &labels,
+        "track_id,object-name\n1,first\n2,second\n3,first\n",
+    )
+    .unwrap();
+    let arguments = TrackingArguments {
+        labels: Some(labels),
+        ..arguments(recording, &out)
+    };
+    run(&arguments, &Output::new(true)).unwrap();
+    let found = document(&out);
+    assert_eq!(
+        (&found["n_frames"], &found["n_ids"]),
+        (&20.into(), &3.into())
+    );
+    assert_eq!(found["ids_per_object"], 1.5);
+    assert_eq!(found["objects"]["first"]["ids"], serde_json::json!([1, 3]));
+    for track in found["tracks"].as_array().unwrap() {
+        let drift_mm = track["drift_mm"].as_f64().unwrap();
+        assert!((0.0..20.0).contains(&drift_mm), "{track}");
+    }
+    assert!(out.join("frames/000000.png").exists() && out.join("tracks/recording.svg").exists());
+}
+
+#[test]
+fn what_can_not_be_used_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = Output::new(true);
+    let out = folder.path().join("out");
+    let check = |arguments: &TrackingArguments, part: &str| {
+        let failure = run(arguments, &output).unwrap_err().to_string();
+        assert!(failure.contains(part), "{failure}");
+    };
+    check(&arguments(folder.path(), &out), "holds no frames");
+    let file = folder.path().join("broken.toml");
+    std::fs::write(&file, "tables = 1").unwrap();
+    check(&arguments(&file, &out), "broken");
+    let labelled = TrackingArguments {
+        labels: Some(file.clone()),
+        ..arguments(&file, &out)
+    };
+    check(&labelled, "--labels");
+}

@@ -1,0 +1,59 @@
+//! How errors spread.
+
+/// Mean and percentiles of a set of values.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Spread {
+    /// How many values there are.
+    pub n: usize,
+    /// Their mean.
+    pub mean: f64,
+    /// Half of them are not greater.
+    pub median: f64,
+    /// 95 of 100 are not greater.
+    pub p95: f64,
+    /// 99 of 100 are not greater.
+    pub p99: f64,
+    /// The greatest.
+    pub max: f64,
+}
+
+impl Spread {
+    /// Percentiles by nearest rank; `None` without values.
+    pub fn of(values: &[f64]) -> Option<Self> {
+        let mut values = values.to_vec();
+        values.sort_unstable_by(f64::total_cmp);
+        let n = values.len();
+        let at = |share: f64| {
+            let rank = (share * n as f64).ceil() as usize;
+            values.get(rank.max(1) - 1).copied()
+        };
+        Some(Self {
+            n,
+            mean: values.iter().sum::<f64>() / n.max(1) as f64,
+            median: at(0.5)?,
+            p95: at(0.95)?,
+            p99: at(0.99)?,
+            max: at(1.0)?,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn percentiles_are_values_by_nearest_rank() {
+        let values: Vec<f64> = (1..=200).rev().map(f64::from).collect();
+        let expected = Spread {
+            n: 200,
+            mean: 100.5,
+            median: 100.0,
+            p95: 190.0,
+            p99: 198.0,
+            max: 200.0,
+        };
+        assert_eq!(Spread::of(&values), Some(expected));
+        assert_eq!(Spread::of(&[]), None);
+    }
+}

@@ -1,0 +1,195 @@
+//! The figure of a run.
+
+use super::{Row, Span, TrackFigure, Way, Who};
+use crate::clear_mot::Match;
+use crate::tracked_frame::{TrackState, TrackedFrame};
+use nalgebra::{Point3, UnitQuaternion, UnitVector3, Vector3};
+use std::collections::BTreeMap;
+
+/// Points of a way nearer to the last one are left out, metres.
+const STEP_M: f64 = 0.002;
+/// A pause up to this does not break a line of the timeline, seconds.
+const PAUSE_S: f64 = 0.1;
+
+/// The figure of a run with truth, whose world has z upwards: true ways are grey, tracks have a colour for
+/// each id. The timeline shows for each object the tracks it was matched with, and
+/// below the tracks that show nothing.
+pub fn of_run(
+    title: &str,
+    frames: &[TrackedFrame],
+    matches: &[Vec<Match>],
+    names: &BTreeMap<u64, String>,
+) -> TrackFigure {
+    let mut truths = Ways::default();
+    let mut timelines: BTreeMap<u64, Timeline> = BTreeMap::new();
+    let mut nothing = Timeline::default();
+    for (frame, of_frame) in frames.iter().zip(matches) {
+        for object in &frame.objects {
+            let who = if object.counts {
+                Who::Truth
+            } else {
+                Who::DoubtfulTruth
+            };
+            let centre = object.reference_box().centre();
+            truths.add(object.id, Who::Truth, &centre);
+            let timeline = timelines.entry(object.id).or_default();
+            timeline.truth.add(who, frame.time_s);
+        }
+        for (index, track) in outputs(frame) {
+            let matched = of_frame.iter().find(|m| m.track == index);
+            let timeline = match matched {
+                Some(m) => timelines.entry(frame.objects[m.object].id).or_default(),
+                None => &mut nothing,
+            };
+            timeline.tracks.add(Who::Track(track.id), frame.time_s);
+        }
+    }
+    let name = |id: &u64| {
+        let name = names.get(id).map_or("", String::as_str);
+        format!("{id} {name}")
+    };
+    let rows = timelines.iter();
+    let mut rows: Vec<Row> = rows.map(|(id, times)| times.row(name(id))).collect();
+    rows.push(nothing.row("no object".to_owned()));
+    let mut ways = truths.finish();
+    ways.extend(track_ways(frames, &Vector3::z_axis()));
+    TrackFigure {
+        title: title.to_owned(),
+        ways,
+        rows,
+        duration_s: duration_s(frames),
+    }
+}
+
+/// The figure of a run without truth: a row for each track that was believed. The
+/// view from above is that against `up_in_world`; where this is not z, the world is
+/// turned on the shortest way until it is.
+pub fn of_tracks(
+    title: &str,
+    frames: &[TrackedFrame],
+    up_in_world: &UnitVector3<f64>,
+) -> TrackFigure {
+    let mut timelines: BTreeMap<u64, Timeline> = BTreeMap::new();
+    for frame in frames {
+        for (_, track) in outputs(frame) {
+            let timeline = timelines.entry(track.id).or_default();
+            timeline.tracks.add(Who::Track(track.id), frame.time_s);
+        }
+    }
+    let rows = timelines.iter();
+    TrackFigure {
+        title: title.to_owned(),
+        ways: track_ways(frames, up_in_world),
+        rows: rows
+            .map(|(id, times)| times.row(format!("track {id}")))
+            .collect(),
+        duration_s: duration_s(frames),
+    }
+}
+
+fn outputs(frame: &TrackedFrame) -> impl Iterator<Item = (usize, &TrackState)> {
+    let tracks = frame.tracks.iter().enumerate();
+    tracks.filter(|(_, track)| track.is_output)
+}
+
+fn track_ways(frames: &[TrackedFrame], up_in_world: &UnitVector3<f64>) -> Vec<Way> {
+    let turn = UnitQuaternion::rotation_between_axis(up_in_world, &Vector3::z_axis());
+    // Straight downwards every way is as short.
+    let turn = turn.unwrap_or_else(|| {
+        UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI)
+    });
+    let mut ways = Ways::default();
+    for frame in frames {
+        for (_, track) in outputs(frame) {
+            let centre = turn * track.box_in_world.centre();
+            ways.add(track.id, Who::Track(track.id), &centre);
+        }
+    }
+    ways.finish()
+}
+
+fn duration_s(frames: &[TrackedFrame]) -> f64 {
+    frames.last().map_or(0.0, |frame| frame.time_s)
+}
+
+/// Ways by number.
+#[derive(Default)]
+struct Ways(BTreeMap<u64, Way>);
+
+impl Ways {
+    fn add(&mut self, number: u64, who: Who, centre: &Point3<f64>) {
+        let (x, y) = (centre.x, centre.y);
+        let way = self.0.entry(number).or_insert_with(|| Way {
+            who,
+            points: Vec::new(),
+        });
+        let is_far = |last: &(f64, f64)| (last.0 - x).hypot(last.1 - y) >= STEP_M;
+        if way.points.last().is_none_or(is_far) {
+            way.points.push((x, y));
+        }
+    }
+
+    fn finish(self) -> Vec<Way> {
+        self.0.into_values().collect()
+    }
+}
+
+/// One row while it is made.
+#[derive(Default)]
+struct Timeline {
+    truth: Spans,
+    tracks: Spans,
+}
+
+impl Timeline {
+    fn row(&self, name: String) -> Row {
+        let spans = self.truth.0.iter().chain(&self.tracks.0);
+        Row {
+            name,
+            spans: spans.cloned().collect(),
+        }
+    }
+}
+
+#[derive(Default)]
+struct Spans(Vec<Span>);
+
+impl Spans {
+    /// Goes on with the span of the same, if it has just been there.
+    fn add(&mut self, who: Who, time_s: f64) {
+        let same = self.0.iter_mut().rev().find(|span| span.who == who);
+        match same {
+            Some(span) if time_s - span.time_s.end <= PAUSE_S => span.time_s.end = time_s,
+            _ => self.0.push(Span {
+                who,
+                time_s: time_s..time_s,
+            }),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn short_pauses_do_not_break_a_line_and_long_ones_do() {
+        let mut spans = Spans::default();
+        for time_s in [0.0, 0.03, 0.1, 0.5, 0.53] {
+            spans.add(Who::Track(1), time_s);
+            spans.add(Who::Track(2), time_s);
+        }
+        let of_first = spans.0.iter().filter(|span| span.who == Who::Track(1));
+        let times: Vec<_> = of_first.map(|span| span.time_s.clone()).collect();
+        assert_eq!(times, [0.0..0.1, 0.5..0.53]);
+    }
+
+    #[test]
+    fn a_way_leaves_out_what_does_not_move() {
+        let mut ways = Ways::default();
+        for x in [0.0, 0.001, 0.0015, 0.004, 0.0045] {
+            ways.add(1, Who::Truth, &Point3::new(x, 0.0, 0.8));
+        }
+        assert_eq!(ways.finish()[0].points, [(0.0, 0.0), (0.004, 0.0)]);
+    }
+}

@@ -1,0 +1,88 @@
+//! Figures and pictures of tracks as a page of HTML.
+
+use crate::score_page::{STYLE, escaped, link};
+
+/// A picture and what is said of it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PicturedRun {
+    /// What it shows.
+    pub caption: String,
+    /// Where it is, relative to the page; plain text.
+    pub picture: String,
+}
+
+/// A table; the first row has the heads.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PageTable {
+    /// What it is about.
+    pub title: String,
+    /// Cells, row by row.
+    pub rows: Vec<Vec<String>>,
+}
+
+/// A page that needs no other file but the pictures, which stand in the order in
+/// which they are given.
+pub fn html(title: &str, notes: &[String], tables: &[PageTable], runs: &[PicturedRun]) -> String {
+    let title = escaped(title);
+    let mut parts = vec![format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<title>{title}</title>\n\
+         <style>{STYLE}</style>\n<h1>{title}</h1>"
+    )];
+    parts.extend(notes.iter().map(|note| format!("<p>{}</p>", escaped(note))));
+    parts.extend(tables.iter().map(table));
+    parts.extend(runs.iter().map(figure));
+    parts.push("</html>\n".to_owned());
+    parts.join("\n")
+}
+
+fn table(table: &PageTable) -> String {
+    let row = |(index, cells): (usize, &Vec<String>)| {
+        let tag = if index == 0 { "th" } else { "td" };
+        let cells = cells
+            .iter()
+            .map(|cell| format!("<{tag}>{}</{tag}>", escaped(cell)));
+        format!("<tr>{}</tr>", cells.collect::<String>())
+    };
+    let rows: Vec<String> = table.rows.iter().enumerate().map(row).collect();
+    format!(
+        "<table>\n<caption>{}</caption>\n{}\n</table>",
+        escaped(&table.title),
+        rows.join("\n")
+    )
+}
+
+fn figure(run: &PicturedRun) -> String {
+    let (caption, link) = (escaped(&run.caption), link(&run.picture));
+    format!(
+        "<figure>\n<figcaption>{caption}</figcaption>\n<a href=\"{link}\"><img loading=\"lazy\" \
+         src=\"{link}\" alt=\"{caption}\"></a>\n</figure>"
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_can_not_break_the_page() {
+        let table = PageTable {
+            title: "a & b".into(),
+            rows: vec![vec!["<scene>".into()], vec!["1".into()]],
+        };
+        let run = PicturedRun {
+            caption: "seed \"1\"".into(),
+            picture: "tracks/a b.svg".into(),
+        };
+        let page = html("t", &["x < y".into()], &[table], &[run]);
+        for part in [
+            "x &lt; y",
+            "<caption>a &amp; b</caption>",
+            "<th>&lt;scene&gt;</th>",
+            "<td>1</td>",
+            "seed &quot;1&quot;",
+            "src=\"tracks/a%20b.svg\"",
+        ] {
+            assert!(page.contains(part), "{part} is not in {page}");
+        }
+    }
+}

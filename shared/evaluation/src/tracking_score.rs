@@ -1,0 +1,304 @@
+//! How well tracks agree with the truth.
+
+use crate::clear_mot::{ClearMot, Correspondence, Match, Placed};
+use crate::id_f1::{IdentityCounts, IdentityScore};
+use crate::tracked_frame::{TrackState, TrackedFrame, TrueObject};
+use crate::true_shape::Symmetry;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Objects and tracks whose boxes' centres are farther apart are never matched, metres.
+pub const GATE_M: f64 = 0.05;
+/// An orientation that jumps by more than this against the object is a flip, radians.
+const FLIP_RAD: f64 = std::f64::consts::PI / 6.0;
+/// What counts as 1 m away, metres.
+const ONE_METRE: std::ops::RangeInclusive<f64> = 0.8..=1.2;
+
+/// Figures of one run, or of several.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct TrackingScore {
+    /// Sums over frames.
+    pub mot: ClearMot,
+    /// Identities.
+    pub identity: IdentityScore,
+    /// Of each matched track that is seen, from the box of the surface seen so far.
+    pub errors: Errors,
+    /// Frames in which a published orientation jumped against its object.
+    pub n_flips: u64,
+    /// Objects that counted in at least one frame.
+    pub n_objects: usize,
+    /// Tracks that were believed and seen at least once.
+    pub n_tracks: usize,
+    /// Such tracks that never were at an object that counts.
+    pub n_tracks_of_nothing: usize,
+    /// Tracks that ended although their object was to be tracked later on.
+    pub n_lost: usize,
+    /// Different tracks of each object, summed over objects.
+    pub n_ids: usize,
+    /// From the last frame in which a removed object was visible to the end of its
+    /// track, seconds; `None` when it never ended.
+    pub removed_after_s: Vec<Option<f64>>,
+}
+
+/// Errors of single frames.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Errors {
+    /// Distance of the centres, millimetres.
+    pub centre_mm: Vec<f64>,
+    /// The same of objects 0.8 to 1.2 m away.
+    pub centre_at_1_m_mm: Vec<f64>,
+    /// Its part along the table.
+    pub horizontal_mm: Vec<f64>,
+    /// Its part along the vertical, positive when the track is too high.
+    pub vertical_mm: Vec<f64>,
+    /// Distance from the centre of the whole object's box, millimetres.
+    pub whole_mm: Vec<f64>,
+    /// Deviation from the whole object's box, up to its symmetry, degrees.
+    pub orientation_deg: Vec<f64>,
+    /// The same of objects whose footprint has a direction.
+    pub angular_deg: Vec<f64>,
+    /// Of the same the deviation up to quarter turns: an error that remains when it
+    /// does not matter which side is the longer one.
+    pub up_to_quarter_deg: Vec<f64>,
+}
+
+impl TrackingScore {
+    /// Of the frames of one run, in their order. Also the matches of each frame,
+    /// which are indices of its objects and tracks.
+    pub fn of(frames: &[TrackedFrame]) -> (Self, Vec<Vec<Match>>) {
+        let mut scorer = Scorer::new();
+        let matches: Vec<Vec<Match>> = frames.iter().map(|frame| scorer.step(frame)).collect();
+        scorer.finish(frames);
+        (scorer.score, matches)
+    }
+
+    /// Adds the figures of another run.
+    pub fn add(&mut self, other: &Self) {
+        self.mot.add(&other.mot);
+        self.identity.add(&other.identity);
+        self.errors.add(&other.errors);
+        self.n_flips += other.n_flips;
+        self.n_objects += other.n_objects;
+        self.n_tracks += other.n_tracks;
+        self.n_tracks_of_nothing += other.n_tracks_of_nothing;
+        self.n_lost += other.n_lost;
+        self.n_ids += other.n_ids;
+        self.removed_after_s.extend(&other.removed_after_s);
+    }
+
+    /// Tracks lost for each object; `None` without objects.
+    pub fn lost(&self) -> Option<f64> {
+        (self.n_objects > 0).then(|| self.n_lost as f64 / self.n_objects as f64)
+    }
+}
+
+impl Errors {
+    fn add(&mut self, other: &Self) {
+        let Self {
+            centre_mm,
+            centre_at_1_m_mm,
+            horizontal_mm,
+            vertical_mm,
+            whole_mm,
+            orientation_deg,
+            angular_deg,
+            up_to_quarter_deg,
+        } = self;
+        centre_mm.extend(&other.centre_mm);
+        centre_at_1_m_mm.extend(&other.centre_at_1_m_mm);
+        horizontal_mm.extend(&other.horizontal_mm);
+        vertical_mm.extend(&other.vertical_mm);
+        whole_mm.extend(&other.whole_mm);
+        orientation_deg.extend(&other.orientation_deg);
+        angular_deg.extend(&other.angular_deg);
+        up_to_quarter_deg.extend(&other.up_to_quarter_deg);
+    }
+
+    fn take(&mut self, object: &TrueObject, track: &TrackState) {
+        let centre = track.box_in_world.centre();
+        let Some(seen_box) = &object.seen_box else {
+            return;
+        };
+        let apart = centre - seen_box.centre();
+        self.centre_mm.push(1e3 * apart.norm());
+        if ONE_METRE.contains(&object.range_m) {
+            self.centre_at_1_m_mm.push(1e3 * apart.norm());
+        }
+        self.horizontal_mm.push(1e3 * apart.xy().norm());
+        self.vertical_mm.push(1e3 * apart.z);
+        self.whole_mm
+            .push(1e3 * (centre - object.whole_box.centre()).norm());
+        let deviation_deg = |symmetry: Symmetry| {
+            let found = &track.box_in_world.frame_from_box.rotation;
+            let whole = &object.whole_box.frame_from_box.rotation;
+            symmetry.deviation_rad(found, whole).to_degrees()
+        };
+        self.orientation_deg.push(deviation_deg(object.symmetry));
+        if object.symmetry != Symmetry::Round {
+            self.angular_deg.push(deviation_deg(object.symmetry));
+            self.up_to_quarter_deg
+                .push(deviation_deg(Symmetry::Quarter));
+        }
+    }
+}
+
+/// Follows a run.
+struct Scorer {
+    score: TrackingScore,
+    correspondence: Correspondence,
+    identities: IdentityCounts,
+    /// The object that each track showed last.
+    object_of: BTreeMap<u64, u64>,
+    /// Pairs of the last frame, with what they were like.
+    last_pairs: Vec<(TrueObject, TrackState)>,
+    ids_of_object: BTreeMap<u64, BTreeSet<u64>>,
+    believed: BTreeSet<u64>,
+}
+
+impl Scorer {
+    fn new() -> Self {
+        Self {
+            score: TrackingScore::default(),
+            correspondence: Correspondence::new(GATE_M),
+            identities: IdentityCounts::default(),
+            object_of: BTreeMap::new(),
+            last_pairs: Vec::new(),
+            ids_of_object: BTreeMap::new(),
+            believed: BTreeSet::new(),
+        }
+    }
+
+    fn step(&mut self, frame: &TrackedFrame) -> Vec<Match> {
+        let outputs: Vec<usize> = (0..frame.tracks.len())
+            .filter(|i| frame.tracks[*i].is_output)
+            .collect();
+        let objects: Vec<Placed> = frame.objects.iter().map(TrueObject::placed).collect();
+        let placed = outputs.iter().map(|i| frame.tracks[*i].placed());
+        let placed: Vec<Placed> = placed.collect();
+        let matches = self.correspondence.step(&objects, &placed).to_vec();
+        self.count_identities(&objects, &placed, &matches);
+        self.believed.extend(placed.iter().map(|track| track.id));
+        let matches: Vec<Match> = matches
+            .into_iter()
+            .map(|Match { object, track }| Match {
+                object,
+                track: outputs[track],
+            })
+            .collect();
+        self.measure(frame, &matches);
+        matches
+    }
+
+    fn count_identities(&mut self, objects: &[Placed], tracks: &[Placed], matches: &[Match]) {
+        let counted = || objects.iter().filter(|object| object.counts);
+        for object in counted() {
+            self.identities.add_object(object.id);
+            self.ids_of_object.entry(object.id).or_default();
+        }
+        for (index, track) in tracks.iter().enumerate() {
+            let matched = matches.iter().find(|m| m.track == index);
+            if matched.is_some_and(|m| !objects[m.object].counts) {
+                continue;
+            }
+            self.identities.add_track(track.id);
+            for object in counted() {
+                if (object.position - track.position).norm() <= GATE_M {
+                    self.identities.add_together(object.id, track.id);
+                }
+            }
+        }
+    }
+
+    fn measure(&mut self, frame: &TrackedFrame, matches: &[Match]) {
+        let mut pairs = Vec::with_capacity(matches.len());
+        for Match { object, track } in matches {
+            let (object, track) = (frame.objects[*object], frame.tracks[*track]);
+            self.object_of.insert(track.id, object.id);
+            let before = self
+                .last_pairs
+                .iter()
+                .find(|(o, t)| o.id == object.id && t.id == track.id);
+            let is_flip =
+                before.is_some_and(|before| jump_rad(before, &(object, track)) > FLIP_RAD);
+            self.score.n_flips += u64::from(is_flip);
+            pairs.push((object, track));
+            if object.counts {
+                self.score.errors.take(&object, &track);
+                let ids = self.ids_of_object.entry(object.id).or_default();
+                ids.insert(track.id);
+            }
+        }
+        self.last_pairs = pairs;
+    }
+
+    fn finish(&mut self, frames: &[TrackedFrame]) {
+        let score = &mut self.score;
+        score.mot = self.correspondence.sums();
+        score.identity = self.identities.score();
+        score.n_objects = self.ids_of_object.len();
+        score.n_ids = self.ids_of_object.values().map(BTreeSet::len).sum();
+        score.n_tracks = self.believed.len();
+        let of_objects: BTreeSet<u64> = self.ids_of_object.values().flatten().copied().collect();
+        score.n_tracks_of_nothing = self.believed.difference(&of_objects).count();
+        score.n_lost = n_lost(frames, &self.object_of);
+        score.removed_after_s = removed_after_s(frames, &self.object_of);
+    }
+}
+
+/// By how much the orientation of a track has turned against its object's, radians.
+fn jump_rad(before: &(TrueObject, TrackState), after: &(TrueObject, TrackState)) -> f64 {
+    let object_from_box = |(object, track): &(TrueObject, TrackState)| {
+        object.world_from_object.rotation.inverse() * track.box_in_world.frame_from_box.rotation
+    };
+    object_from_box(before).angle_to(&object_from_box(after))
+}
+
+/// Tracks that ended before the last frame in which their object counts.
+fn n_lost(frames: &[TrackedFrame], object_of: &BTreeMap<u64, u64>) -> usize {
+    let mut last_counted: BTreeMap<u64, usize> = BTreeMap::new();
+    for (index, frame) in frames.iter().enumerate() {
+        let counted = frame.objects.iter().filter(|object| object.counts);
+        last_counted.extend(counted.map(|object| (object.id, index)));
+    }
+    let ended = frames.iter().enumerate().flat_map(|(index, frame)| {
+        let ended = frame.ended.iter();
+        ended.map(move |track| (index, track))
+    });
+    ended
+        .filter(|(index, track)| {
+            let object = object_of.get(track);
+            let last = object.and_then(|object| last_counted.get(object));
+            last.is_some_and(|last| index < last)
+        })
+        .count()
+}
+
+/// How long the tracks of objects that went away live on.
+fn removed_after_s(frames: &[TrackedFrame], object_of: &BTreeMap<u64, u64>) -> Vec<Option<f64>> {
+    let Some(last) = frames.last() else {
+        return Vec::new();
+    };
+    let mut last_visible_s: BTreeMap<u64, f64> = BTreeMap::new();
+    for frame in frames {
+        let visible = frame.objects.iter().filter(|object| object.is_visible);
+        last_visible_s.extend(visible.map(|object| (object.id, frame.time_s)));
+    }
+    let is_there = |id: u64| last.objects.iter().any(|object| object.id == id);
+    let gone = last_visible_s.iter().filter(|(id, _)| !is_there(**id));
+    let mut waits_s = Vec::new();
+    for (object, visible_s) in gone {
+        let tracks = object_of.iter().filter(|(_, of)| *of == object);
+        for (track, _) in tracks {
+            let end = frames.iter().find(|frame| frame.ended.contains(track));
+            match end {
+                None => waits_s.push(None),
+                Some(end) if end.time_s >= *visible_s => waits_s.push(Some(end.time_s - visible_s)),
+                // It had been lost before.
+                Some(_) => {}
+            }
+        }
+    }
+    waits_s
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,220 @@
+//! The smallest upright box around points, and how well it is determined.
+
+use geometry::{ConvexPolygon, OrientedBox, RigidTransform};
+use nalgebra::{Point2, Point3, Rotation2, Translation3, UnitQuaternion, UnitVector3, Vector3};
+use std::f64::consts::FRAC_PI_2;
+
+/// The outline of points as seen from above, and how high they reach.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct UprightOutline {
+    /// A frame whose z is up.
+    upright_from_object: UnitQuaternion<f64>,
+    hull: ConvexPolygon,
+    /// Points since the hull was made.
+    added: Vec<Point2<f64>>,
+    height_m: [f64; 2],
+}
+
+/// A rectangle with its longer side along `yaw_rad`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Rectangle {
+    centre: Point2<f64>,
+    half_sides_m: [f64; 2],
+    yaw_rad: f64,
+}
+
+impl UprightOutline {
+    /// An outline without points; `up` is given in the frame of the points.
+    pub(crate) fn new(up: &UnitVector3<f64>) -> Self {
+        let upright_from_object = UnitQuaternion::rotation_between_axis(up, &Vector3::z_axis())
+            .unwrap_or_else(|| {
+                UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI)
+            });
+        Self {
+            upright_from_object,
+            hull: ConvexPolygon::default(),
+            added: Vec::new(),
+            height_m: [f64::INFINITY, f64::NEG_INFINITY],
+        }
+    }
+
+    /// The upward direction it was made for.
+    pub(crate) fn up(&self) -> UnitVector3<f64> {
+        self.upright_from_object.inverse() * Vector3::z_axis()
+    }
+
+    /// Adds a finite point.
+    pub(crate) fn add(&mut self, point: &Point3<f64>) {
+        let p = self.upright_from_object * point;
+        self.height_m = [self.height_m[0].min(p.z), self.height_m[1].max(p.z)];
+        if !self.hull.contains(&p.xy()) {
+            self.added.push(p.xy());
+        }
+    }
+
+    /// The upright box of least footprint, in the frame of the points: z is up, x
+    /// along the longer side of the footprint. `None` of fewer than three points,
+    /// or of points on a line.
+    pub(crate) fn smallest_box(&mut self) -> Option<OrientedBox> {
+        self.join_added();
+        let rectangle = self.smallest_rectangle()?;
+        let [low_m, high_m] = self.height_m;
+        let centre = Translation3::new(
+            rectangle.centre.x,
+            rectangle.centre.y,
+            f64::midpoint(low_m, high_m),
+        );
+        let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), rectangle.yaw_rad);
+        let [long_m, short_m] = rectangle.half_sides_m;
+        let upright_from_box = RigidTransform::from_parts(centre, yaw);
+        let object_from_upright = RigidTransform::from_parts(
+            Translation3::identity(),
+            self.upright_from_object.inverse(),
+        );
+        Some(OrientedBox {
+            frame_from_box: object_from_upright * upright_from_box,
+            half_sides_m: Vector3::new(long_m, short_m, 0.5 * (high_m - low_m)),
+        })
+    }
+
+    /// By how much the footprint's area grows when the rectangle around it is
+    /// turned by `turn_rad` away from the smallest, to the side where it grows
+    /// less; 1 when it does not. `None` as for [`smallest_box`](Self::smallest_box).
+    pub(crate) fn growth_when_turned(&mut self, turn_rad: f64) -> Option<f64> {
+        self.join_added();
+        let smallest = self.smallest_rectangle()?;
+        let grown = [turn_rad, -turn_rad].map(|turn_rad| {
+            self.rectangle_at(smallest.yaw_rad + turn_rad).area_m2() / smallest.area_m2()
+        });
+        Some(grown[0].min(grown[1]))
+    }
+
+    fn join_added(&mut self) {
+        if !self.added.is_empty() {
+            self.added.extend(self.hull.corners());
+            self.hull.become_hull_of(&mut self.added);
+            if !self.hull.corners().is_empty() {
+                self.added.clear();
+            }
+        }
+    }
+
+    /// One side of the smallest rectangle lies on an edge of the hull (Freeman and
+    /// Shapira 1975).
+    fn smallest_rectangle(&self) -> Option<Rectangle> {
+        let corners = self.hull.corners();
+        let edges = corners.iter().zip(corners.iter().cycle().skip(1));
+        let rectangles = edges.map(|(a, b)| self.rectangle_at((b.y - a.y).atan2(b.x - a.x)));
+        rectangles.min_by(|a, b| a.area_m2().total_cmp(&b.area_m2()))
+    }
+
+    fn rectangle_at(&self, yaw_rad: f64) -> Rectangle {
+        let turned_from_upright = Rotation2::new(-yaw_rad);
+        let (mut low, mut high) = (
+            Point2::new(f64::MAX, f64::MAX),
+            Point2::new(f64::MIN, f64::MIN),
+        );
+        for corner in self.hull.corners() {
+            let turned = turned_from_upright * corner;
+            (low, high) = (low.inf(&turned), high.sup(&turned));
+        }
+        let half = 0.5 * (high - low);
+        let centre = turned_from_upright.inverse() * nalgebra::center(&low, &high);
+        let (half_sides_m, yaw_rad) = if half.x >= half.y {
+            ([half.x, half.y], yaw_rad)
+        } else {
+            ([half.y, half.x], yaw_rad + FRAC_PI_2)
+        };
+        Rectangle {
+            centre,
+            half_sides_m,
+            yaw_rad,
+        }
+    }
+}
+
+impl Rectangle {
+    fn area_m2(&self) -> f64 {
+        4.0 * self.half_sides_m[0] * self.half_sides_m[1]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn corners(sides_m: [f64; 3]) -> impl Iterator<Item = Point3<f64>> {
+        (0..8).map(move |i| {
+            let sign = |bit: usize| if i >> bit & 1 == 1 { 0.5 } else { -0.5 };
+            Point3::new(
+                sides_m[0] * sign(0),
+                sides_m[1] * sign(1),
+                sides_m[2] * sign(2),
+            )
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn a_turned_box_is_found_again(
+            yaw in -3.0..3.0_f64, long in 0.1..0.3_f64, share in 0.2..0.95_f64, x in -1.0..1.0_f64,
+        ) {
+            let pose = RigidTransform::new(Vector3::new(x, 0.2, 0.7), Vector3::z() * yaw);
+            let mut outline = UprightOutline::new(&Vector3::z_axis());
+            for corner in corners([long, share * long, 0.1]) {
+                outline.add(&(pose * corner));
+            }
+            let found = outline.smallest_box().unwrap();
+            prop_assert!((found.sides_m() - Vector3::new(long, share * long, 0.1)).norm() < 1e-9);
+            prop_assert!((found.centre() - pose.translation.vector).coords.norm() < 1e-9);
+            let turn = found.frame_from_box.rotation.inverse() * pose.rotation;
+            prop_assert!((turn * Vector3::x()).y.abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn what_lies_on_its_side_stands_upright_in_its_box() {
+        let tipped = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), FRAC_PI_2);
+        let up = tipped.inverse() * Vector3::z_axis();
+        let mut outline = UprightOutline::new(&up);
+        corners([0.1, 0.2, 0.3]).for_each(|corner| outline.add(&corner));
+        let in_world = outline
+            .smallest_box()
+            .unwrap()
+            .transformed(&RigidTransform::from_parts(
+                Translation3::identity(),
+                tipped,
+            ));
+        assert!((in_world.sides_m() - Vector3::new(0.3, 0.2, 0.1)).norm() < 1e-9);
+        let z = in_world.frame_from_box.rotation * Vector3::z();
+        assert!((z - Vector3::z()).norm() < 1e-9);
+    }
+
+    #[test]
+    fn a_box_is_sharp_and_a_cylinder_is_not() {
+        let mut square = UprightOutline::new(&Vector3::z_axis());
+        corners([0.1, 0.1, 0.1]).for_each(|corner| square.add(&corner));
+        let mut round = UprightOutline::new(&Vector3::z_axis());
+        for i in 0..360 {
+            let (sin, cos) = f64::from(i).to_radians().sin_cos();
+            round.add(&Point3::new(0.1 * cos, 0.1 * sin, 0.0));
+        }
+        let turn_rad = 15_f64.to_radians();
+        // (sin 15° + cos 15°)² = 1.5
+        assert!((square.growth_when_turned(turn_rad).unwrap() - 1.5).abs() < 1e-9);
+        assert!((round.growth_when_turned(turn_rad).unwrap() - 1.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn points_on_a_line_have_no_box() {
+        let mut outline = UprightOutline::new(&Vector3::z_axis());
+        assert!(outline.smallest_box().is_none());
+        for i in 0..5 {
+            outline.add(&Point3::new(f64::from(i), 0.0, 0.0));
+        }
+        assert!(outline.smallest_box().is_none());
+        outline.add(&Point3::new(0.0, 1.0, 0.5));
+        assert!((outline.smallest_box().unwrap().sides_m().z - 0.5).abs() < 1e-12);
+    }
+}
