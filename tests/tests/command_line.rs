@@ -31,8 +31,15 @@ enum Kind {
     Truth,
     List,
     Vector(usize),
+    VectorOrNull(usize),
+    CountOrNull,
+    Document(&'static [(&'static str, Kind)]),
+    DocumentOrNull(&'static [(&'static str, Kind)]),
 }
-use Kind::{Count, List, Number, NumberOrNull, Text, TextOrNull, Truth, Vector};
+use Kind::{
+    Count, CountOrNull, Document, DocumentOrNull, List, Number, NumberOrNull, Text, TextOrNull,
+    Truth, Vector, VectorOrNull,
+};
 
 impl Kind {
     fn fits(self, value: &Value) -> bool {
@@ -44,6 +51,13 @@ impl Kind {
             TextOrNull => value.is_string() || value.is_null(),
             Truth => value.is_boolean(),
             List => value.is_array(),
+            VectorOrNull(length) => value.is_null() || Vector(length).fits(value),
+            CountOrNull => value.is_u64() || value.is_null(),
+            Document(shape) => {
+                check_shape(value, shape);
+                true
+            }
+            DocumentOrNull(shape) => value.is_null() || Document(shape).fits(value),
             Vector(length) => value.as_array().is_some_and(|values| {
                 values.len() == length && values.iter().all(Value::is_number)
             }),
@@ -79,6 +93,24 @@ const OBJECT: &[(&str, Kind)] = &[
     ("mean_rgb", Vector(3)),
     ("cut_by_image", Truth),
     ("memory_sequence", Count),
+    ("covariance", DocumentOrNull(COVARIANCE)),
+    ("velocity_m_s", VectorOrNull(3)),
+    ("angular_velocity_rad_s", VectorOrNull(3)),
+    ("view", CountOrNull),
+    ("is_key_view", Truth),
+    ("n_key_views", Count),
+    ("categories", List),
+    ("linked_to", CountOrNull),
+    ("stamps", Document(STAMPS)),
+];
+const COVARIANCE: &[(&str, Kind)] = &[("position_m2", Vector(6)), ("rotation_rad2", Vector(6))];
+const NEAR_CATEGORY: &[(&str, Kind)] = &[("label", Text), ("distance", Number)];
+const STAMPS: &[(&str, Kind)] = &[
+    ("asked_ns", CountOrNull),
+    ("begun_ns", CountOrNull),
+    ("described_ns", CountOrNull),
+    ("recognised_ns", CountOrNull),
+    ("answered_ns", CountOrNull),
 ];
 const LEARNED: &[(&str, Kind)] = &[
     ("sequence", Count),
@@ -103,6 +135,8 @@ const PROCESS: &[(&str, Kind)] = &[
     ("resident_bytes", Count),
     ("shared_memory_bytes", Count),
     ("restarts", Count),
+    ("actors", Count),
+    ("abandoned", Count),
     ("note", Text),
 ];
 const STARTED: &[(&str, Kind)] = &[
@@ -173,7 +207,13 @@ fn each_command_answers_with_exactly_the_documented_keys() {
     eventually("the label is answered", || {
         let known = daemon.ask(&["ask", &track]);
         check_shape(&known, OBJECT);
-        known["label"] == "bowl" && known["distance"].is_number()
+        let is_known = known["label"] == "bowl" && known["distance"].is_number();
+        if is_known {
+            check_list(&known["categories"], NEAR_CATEGORY);
+            assert_eq!(known["categories"][0]["label"], "bowl");
+            assert_eq!(known["categories"][0]["distance"], known["distance"]);
+        }
+        is_known
     });
     check_shape(&daemon.ask(&["forget", "bowl", "--author", "Ada"]), LEARNED);
 

@@ -36,6 +36,36 @@ static PROGRAMS: LazyLock<PathBuf> = LazyLock::new(|| {
     folder
 });
 
+/// A folder of the same programs, in which perception is the one whose actors panic
+/// when the section `[perception]` says `fault_panic_every_ms`. Hard links: a program
+/// looks for the others in the folder it was started from.
+pub(crate) static FAULTY_PROGRAMS: LazyLock<PathBuf> = LazyLock::new(|| {
+    const FAULTY: &str = "tabula-perception-faulty";
+    let folder = PROGRAMS.join("with-faulty-perception");
+    let mut build = Command::new(env!("CARGO"));
+    let feature = "perception/fault-injection";
+    build.args(["build", "--workspace", "--quiet", "--features", feature]);
+    build.args(["--bin", FAULTY]);
+    if PROGRAMS.ends_with("release") {
+        build.arg("--release");
+    }
+    assert!(build.status().unwrap().success(), "{FAULTY} was not built");
+    std::fs::create_dir_all(&folder).unwrap();
+    for (from, to) in [
+        ("tabula", "tabula"),
+        ("tabula-camera", "tabula-camera"),
+        ("tabula-memory", "tabula-memory"),
+        // `tabula run` checks the configuration of the process that does not run, too.
+        ("tabula-simulator", "tabula-simulator"),
+        (FAULTY, "tabula-perception"),
+    ] {
+        let link = folder.join(to);
+        let _ = std::fs::remove_file(&link);
+        std::fs::hard_link(PROGRAMS.join(from), link).unwrap();
+    }
+    folder
+});
+
 /// The processes of a daemon with a camera, in the order they are started.
 pub(crate) const WITH_CAMERA: [ProcessKind; 3] = [
     ProcessKind::Memory,
@@ -55,6 +85,7 @@ pub(crate) struct Place {
     pub(crate) domain: DomainName,
     runtime_dir: Arc<TempDir>,
     home: TempDir,
+    programs: &'static Path,
 }
 
 impl Place {
@@ -66,6 +97,15 @@ impl Place {
                 .unwrap(),
             runtime_dir: Arc::new(tempfile::tempdir_in("/dev/shm").unwrap()),
             home: tempfile::tempdir().unwrap(),
+            programs: &PROGRAMS,
+        }
+    }
+
+    /// A place for daemons whose object actors can be told to panic.
+    pub(crate) fn with_faulty_perception() -> Self {
+        Self {
+            programs: &FAULTY_PROGRAMS,
+            ..Self::new()
         }
     }
 
@@ -75,6 +115,7 @@ impl Place {
             domain: format!("{}-b", self.domain).parse().unwrap(),
             runtime_dir: self.runtime_dir.clone(),
             home: tempfile::tempdir().unwrap(),
+            programs: self.programs,
         }
     }
 
@@ -95,7 +136,7 @@ impl Place {
 
     /// A program with this place's environment.
     pub(crate) fn command(&self, name: &str) -> Command {
-        let mut command = Command::new(program(name));
+        let mut command = Command::new(self.programs.join(name));
         command
             .env("XDG_RUNTIME_DIR", self.runtime_dir.path())
             .env("TABULA_DOMAIN", self.domain.to_string())

@@ -206,7 +206,8 @@ fn tracks(folder: &str, scene: usize) -> Vec<OrientedBox> {
     recorder.wait_for("the scene", |scenes| !scenes.is_empty());
     let (scenes, _) = recorder.stop();
     daemon.stop();
-    let is_seen = |object: &&SceneObject| object.state != TrackState::Missing.code();
+    let seen = [TrackState::Tentative, TrackState::Tracked].map(TrackState::code);
+    let is_seen = |object: &&SceneObject| seen.contains(&object.state);
     scenes[0].items.iter().filter(is_seen).map(box_of).collect()
 }
 

@@ -4,7 +4,7 @@
 use crate::daemon::{Daemon, Place, eventually};
 use crate::real_data;
 use crate::recorder::{Recorded, SceneRecorder};
-use message::{ProcessKind, StageStamps};
+use message::{ActorStamps, ProcessKind, StageStamps};
 use rustix::process::Signal;
 use std::path::Path;
 
@@ -18,6 +18,9 @@ pub(crate) fn repeatable(scene: &Recorded) -> String {
         scheduled_ns: scene.header.stamps.scheduled_ns,
         ..StageStamps::default()
     };
+    for object in &mut scene.items {
+        object.stamps = ActorStamps::default();
+    }
     format!("{scene:?}")
 }
 

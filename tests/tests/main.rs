@@ -23,11 +23,15 @@ mod figures;
 mod layering;
 /// Runs in lockstep repeat each other to the bit.
 mod lockstep;
+/// Panics of one object's actor: the others lose nothing, too many end the process.
+mod panics;
 /// Real scenes: known again after a restart, steady while the camera moves.
 mod real_scenes;
 /// The simulated table: truth, arm, person, recordings.
 mod simulation;
 /// Start, see, teach, restart, recognise, stop.
 mod skeleton;
+/// Many tracks at once.
+mod stress;
 /// The cloud is written once, and nobody allocates a frame's worth.
 mod zero_copy;

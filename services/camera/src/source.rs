@@ -29,10 +29,10 @@ pub(crate) struct Playback {
 /// be opened.
 pub(crate) fn open(spec: &SourceSpec, playback: &Playback) -> Result<Box<dyn Source>, SourceError> {
     match spec {
-        SourceSpec::Synthetic(arrangement) => Ok(Box::new(synthetic_table::Synthetic::new(
-            *arrangement,
-            playback,
-        ))),
+        SourceSpec::Synthetic(arrangement) => Ok(Box::new(
+            synthetic_table::Synthetic::arrangement(*arrangement, playback),
+        )),
+        SourceSpec::Crowd(n) => Ok(Box::new(synthetic_table::Synthetic::crowd(*n, playback))),
         SourceSpec::Kinect => Ok(Box::new(kinect::KinectSource::real()?)),
         SourceSpec::Fakenect(folder) => Ok(Box::new(kinect::KinectSource::fake(folder)?)),
         SourceSpec::Folder(folder) => match dataset::detect_kind(folder) {

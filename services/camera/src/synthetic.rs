@@ -20,6 +20,9 @@ mod tests;
 
 pub use arrangement::TableObject;
 
+/// The most blocks of [`SyntheticTable::crowd`].
+pub const CROWD_MAX: u32 = arrangement::CROWD_MAX;
+
 use depth_sensor::{BASELINE_M, DepthSensor, N_BLIND_COLUMNS, PixelModel, Surroundings};
 use geometry::{PinholeCamera, RigidTransform};
 use nalgebra::{Point3, Unit, Vector3};
@@ -32,11 +35,29 @@ pub const TABLE_HEIGHT_M: f64 = 0.72;
 /// Half of the table's sides along world x and y, metres.
 pub const TABLE_HALF_SIDES_M: [f64; 2] = [0.65, 0.4];
 
-/// Distance of the camera from the table's middle, metres.
-const CAMERA_DISTANCE_M: f64 = 1.0;
-/// How steeply it looks down, and how far it stands to the right, degrees.
-const CAMERA_ELEVATION_DEG: f64 = 43.0;
-const CAMERA_AZIMUTH_DEG: f64 = 5.0;
+/// Where the camera stands.
+#[derive(Debug, Clone, Copy)]
+struct Stand {
+    /// Distance from the table's middle, metres.
+    distance_m: f64,
+    /// How steeply it looks down, and how far it stands to the right, degrees.
+    elevation_deg: f64,
+    azimuth_deg: f64,
+}
+
+/// Where a person would look at a few objects from.
+const BEFORE_THE_TABLE: Stand = Stand {
+    distance_m: 1.0,
+    elevation_deg: 43.0,
+    azimuth_deg: 5.0,
+};
+
+/// From where the whole table is seen and no block hides another.
+const OVER_THE_TABLE: Stand = Stand {
+    distance_m: 1.4,
+    elevation_deg: 60.0,
+    azimuth_deg: 0.0,
+};
 /// A pixel further away than its neighbour by this lies behind an edge, metres.
 const EDGE_JUMP_M: f64 = 0.02;
 
@@ -73,9 +94,26 @@ impl SyntheticTable {
         Self::with_objects(arrangement, objects, PinholeCamera::KINECT_V1)
     }
 
+    /// Lays the table with many small blocks in rows, each apart from the next by
+    /// at least 22 mm, and looks at it from above. At most [`CROWD_MAX`]; more
+    /// are left out.
+    pub fn crowd(n: u32) -> Self {
+        let camera = PinholeCamera::KINECT_V1;
+        Self::seen_from(&OVER_THE_TABLE, n, arrangement::crowd(n), camera)
+    }
+
     fn with_objects(arrangement: u32, objects: Vec<TableObject>, camera: PinholeCamera) -> Self {
+        Self::seen_from(&BEFORE_THE_TABLE, arrangement, objects, camera)
+    }
+
+    fn seen_from(
+        stand: &Stand,
+        arrangement: u32,
+        objects: Vec<TableObject>,
+        camera: PinholeCamera,
+    ) -> Self {
         let scene = Scene::new(&objects);
-        let world_from_camera = camera_pose();
+        let world_from_camera = camera_pose(stand);
         let sensor = DepthSensor::new(camera.fx_px);
         let pixels = pixel_models(&scene, &camera, &world_from_camera, sensor);
         Self {
@@ -154,16 +192,16 @@ impl SyntheticTable {
     }
 }
 
-/// Looks at the table's middle from in front of it, upright.
-fn camera_pose() -> RigidTransform {
+/// Looks at the table's middle, upright.
+fn camera_pose(stand: &Stand) -> RigidTransform {
     let (elevation, azimuth) = (
-        CAMERA_ELEVATION_DEG.to_radians(),
-        CAMERA_AZIMUTH_DEG.to_radians(),
+        stand.elevation_deg.to_radians(),
+        stand.azimuth_deg.to_radians(),
     );
     let level = Vector3::new(azimuth.sin(), -azimuth.cos(), 0.0);
     let towards_camera = level * elevation.cos() + Vector3::z() * elevation.sin();
     let middle = Point3::new(0.0, 0.0, TABLE_HEIGHT_M);
-    let eye = middle + towards_camera * CAMERA_DISTANCE_M;
+    let eye = middle + towards_camera * stand.distance_m;
     RigidTransform::face_towards(&eye, &middle, &-Vector3::z())
 }
 

@@ -1,5 +1,7 @@
 //! The configuration, checked.
 
+#[cfg(feature = "fault-injection")]
+use crate::fault::FaultConfig;
 use channel::topic::{CameraCloud, Topic};
 use detection::InvalidConfig;
 use message::Text;
@@ -14,6 +16,10 @@ use tracking::{AssociationConfig, MotionConfig};
 /// each worker, one for the loop, and one to come.
 const MAX_WORKERS: usize = CameraCloud::LIMITS.borrowed - 2;
 
+/// Each restart that counts is remembered.
+const RESTARTS_MAX: u32 = 10_000;
+const RESTART_WINDOW_MAX_S: f64 = 86_400.0;
+
 /// The section `[perception]` as written.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -22,6 +28,8 @@ struct RawConfig {
     unknown_distance: f32,
     actor_deadline_ms: u64,
     worker_stall_ms: u64,
+    actor_restarts_max: u32,
+    actor_restart_window_s: f64,
     range_min_m: f64,
     range_max_m: f64,
     object_height_max_m: f64,
@@ -31,6 +39,10 @@ struct RawConfig {
     rim_distance_m: f64,
     robot_margin_m: f64,
     person_margin_m: f64,
+    #[cfg(feature = "fault-injection")]
+    fault_panic_every_ms: u64,
+    #[cfg(feature = "fault-injection")]
+    fault_panic_track_id: u64,
 }
 
 impl Default for RawConfig {
@@ -41,6 +53,8 @@ impl Default for RawConfig {
             unknown_distance: 0.75,
             actor_deadline_ms: 100,
             worker_stall_ms: 2_000,
+            actor_restarts_max: 30,
+            actor_restart_window_s: 60.0,
             range_min_m: detection.range_min_m,
             range_max_m: detection.range_max_m,
             object_height_max_m: detection.height_max_m,
@@ -50,6 +64,10 @@ impl Default for RawConfig {
             rim_distance_m: detection.rim_distance_m,
             robot_margin_m: detection.robot_margin_m,
             person_margin_m: detection.person_margin_m,
+            #[cfg(feature = "fault-injection")]
+            fault_panic_every_ms: 0,
+            #[cfg(feature = "fault-injection")]
+            fault_panic_track_id: 1,
         }
     }
 }
@@ -63,6 +81,13 @@ pub(crate) struct Config {
     pub(crate) actor_deadline: Duration,
     /// A worker without progress for this long is replaced.
     pub(crate) worker_stall: Duration,
+    /// Restarts of object actors, all together, that are allowed within the window.
+    pub(crate) actor_restarts_max: u32,
+    /// How long a restart counts.
+    pub(crate) actor_restart_window: Duration,
+    /// Faults on purpose.
+    #[cfg(feature = "fault-injection")]
+    pub(crate) fault: FaultConfig,
     /// Detection.
     pub(crate) detection: detection::Config,
     /// Tracking and recognition.
@@ -94,11 +119,36 @@ impl Config {
             })?,
             actor_deadline: milliseconds("actor_deadline_ms", raw.actor_deadline_ms, 1)?,
             worker_stall: milliseconds("worker_stall_ms", raw.worker_stall_ms, 100)?,
+            actor_restarts_max: restarts_max(&raw).map_err(|rule| wrong(&rule))?,
+            actor_restart_window: restart_window(&raw).map_err(|rule| wrong(&rule))?,
+            #[cfg(feature = "fault-injection")]
+            fault: FaultConfig {
+                panic_every: Duration::from_millis(raw.fault_panic_every_ms),
+                track_id: raw.fault_panic_track_id,
+            },
             detection: detection(&raw).map_err(|sentence| wrong(&sentence))?,
             pipeline: pipeline::Config::new(motion, association, raw.unknown_distance)
                 .map_err(|rule| wrong(&format!("unknown_distance: {rule}")))?,
         })
     }
+}
+
+fn restarts_max(raw: &RawConfig) -> Result<u32, String> {
+    let given = raw.actor_restarts_max;
+    (given <= RESTARTS_MAX).then_some(given).ok_or_else(|| {
+        format!("actor_restarts_max must lie between 0 and {RESTARTS_MAX}, not {given}")
+    })
+}
+
+fn restart_window(raw: &RawConfig) -> Result<Duration, String> {
+    let given = raw.actor_restart_window_s;
+    // Written so that what is no number is refused.
+    if (1.0..=RESTART_WINDOW_MAX_S).contains(&given) {
+        return Ok(Duration::from_secs_f64(given));
+    }
+    Err(format!(
+        "actor_restart_window_s must lie between 1 and {RESTART_WINDOW_MAX_S}, not {given}"
+    ))
 }
 
 /// The settings of detection, or what is wrong with them.
@@ -139,6 +189,25 @@ mod tests {
             candidate_rule: rule.into(),
             ..RawConfig::default()
         })
+    }
+
+    #[test]
+    fn what_is_no_limit_of_restarts_is_named() {
+        let raw = |max, window| RawConfig {
+            actor_restarts_max: max,
+            actor_restart_window_s: window,
+            ..RawConfig::default()
+        };
+        assert_eq!(restarts_max(&raw(0, 60.0)), Ok(0));
+        assert!(restarts_max(&raw(10_001, 60.0)).is_err());
+        assert_eq!(
+            restart_window(&raw(5, 1.5)),
+            Ok(Duration::from_millis(1500))
+        );
+        for wrong in [f64::NAN, 0.0, -1.0, f64::INFINITY] {
+            let sentence = restart_window(&raw(5, wrong)).unwrap_err();
+            assert!(sentence.contains("actor_restart_window_s"), "{sentence}");
+        }
     }
 
     #[test]

@@ -17,7 +17,7 @@ fn answer(world: &World, command: &Command) -> Reply {
     match command {
         Command::Objects => Reply::Objects(world.objects()),
         Command::Ask { track_id } => match world.object(*track_id) {
-            Some(object) => Reply::Object(object),
+            Some(object) => Reply::Object(Box::new(object)),
             None => Reply::Refused(no_such_track(world, *track_id)),
         },
         other => Reply::Refused(Refusal::new(

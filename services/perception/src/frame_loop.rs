@@ -7,6 +7,7 @@ use crate::detector::{DetectFailed, Detected, Detector};
 use crate::intake::{Arrived, Intake};
 use crate::key_view_outbox::{OnDisk, Outbox};
 use crate::learned::CatchUp;
+use crate::newest_view::NewestView;
 use crate::observation_round::{Actors, Outcome};
 use crate::scene_report;
 use crate::table_log::TableLog;
@@ -17,8 +18,7 @@ use channel::topic::{FrameFinished, ObjectCloud, ObjectView, Scene, Topic};
 use channel::{Domain, Error, Publisher};
 use detection::Assumptions;
 use message::{
-    FrameDone, ObjectCloudHeader, PlainHeader, ProcessKind, SceneObject, SceneSummary, Text,
-    points,
+    FrameDone, ObjectCloudHeader, PlainHeader, ProcessKind, SceneObject, SceneSummary, Text, points,
 };
 use pipeline::{Step, TrackTable};
 use service::{HealthBoard, monotonic_ns};
@@ -51,7 +51,7 @@ pub(crate) struct FrameLoop {
     step: Step,
     outcomes: Vec<Outcome>,
     objects: Vec<SceneObject>,
-    memory_sequences: BTreeMap<u64, u64>,
+    newest_views: BTreeMap<u64, NewestView>,
     last_capture_ns: u64,
     last_finished: Option<FrameDone>,
 }
@@ -127,7 +127,7 @@ impl FrameLoop {
             step: Step::default(),
             outcomes: Vec::new(),
             objects: Vec::new(),
-            memory_sequences: BTreeMap::new(),
+            newest_views: BTreeMap::new(),
             last_capture_ns: 0,
             last_finished: None,
         })
@@ -159,7 +159,18 @@ impl FrameLoop {
         if self.pool.run(|_| ()).await.is_ok() {
             self.health.tick();
         }
+        self.report_actors();
         self.ports.scene.greet_new_subscribers()
+    }
+
+    fn report_actors(&self) {
+        let count = |n: usize| n as u64;
+        self.health
+            .actors
+            .store(count(self.actors.n_actors()), Ordering::Relaxed);
+        self.health
+            .abandoned
+            .store(count(self.pool.abandoned()), Ordering::Relaxed);
     }
 
     async fn frame(&mut self, arrived: &Arrived) -> Result<(), Error> {
@@ -244,7 +255,7 @@ impl FrameLoop {
     fn dismiss_gone(&mut self) {
         for track_id in &self.step.gone {
             self.actors.dismiss(*track_id);
-            self.memory_sequences.remove(track_id);
+            self.newest_views.remove(track_id);
         }
     }
 
@@ -259,11 +270,13 @@ impl FrameLoop {
         actors
             .observe(arrived, detected, &step.sightings, deadline, outcomes)
             .await;
+        for view in self.newest_views.values_mut() {
+            view.is_key_view = false;
+        }
         for (sighting, observed) in &self.outcomes {
             if let Some(observed) = observed {
                 self.table.absorb(sighting.track_id, &observed.posterior);
-                self.memory_sequences
-                    .insert(sighting.track_id, observed.memory_sequence);
+                self.newest_views.insert(sighting.track_id, observed.into());
             }
         }
     }
@@ -283,8 +296,10 @@ impl FrameLoop {
         let wants_clouds = self.ports.clouds.has_subscribers();
         for (sighting, observed) in &self.outcomes {
             if wants_views && let Some(observed) = observed {
-                let header =
-                    scene_report::object_view(arrived, sighting, observed, detected.location);
+                let tracks = self.table.tracks();
+                let track = tracks.iter().find(|track| track.id == sighting.track_id);
+                let mut header = scene_report::object_view(arrived, sighting, observed, track);
+                header.detection_location = detected.location;
                 say_unsent(self.ports.views.send_copy(header, &observed.descriptor));
             }
             if wants_clouds {
@@ -306,7 +321,7 @@ impl FrameLoop {
         detected: &Detected,
     ) -> Result<(), Error> {
         let tracks = self.table.tracks();
-        scene_report::objects(tracks, &self.memory_sequences, &mut self.objects);
+        scene_report::objects(tracks, &self.newest_views, &mut self.objects);
         summary.n_objects_total = tracks.len() as u32;
         summary.rule = self.rule;
         summary.n_late = self
@@ -344,6 +359,7 @@ impl FrameLoop {
         self.health
             .frames_dropped
             .store(self.intake.n_dropped(), Ordering::Relaxed);
+        self.report_actors();
         self.health.tick();
         if arrived.is_lockstep() {
             for stored in on_disk {

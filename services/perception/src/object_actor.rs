@@ -4,8 +4,9 @@ use crate::detector::Detected;
 use crate::intake::Arrived;
 use crate::learned::SharedLearned;
 use actor::{Actor, Flow, KeepLatest, Progress};
-use message::{SegmentLocation, points};
-use pipeline::{Config, Error, Measured, ObjectState, ObjectTools, Observation, Posterior};
+use message::{ActorStamps, SegmentLocation, points};
+use pipeline::{Config, Error, Measured, ObjectState, ObjectTools, Observation, Posterior, Stages};
+use service::monotonic_ns;
 use std::sync::{Arc, PoisonError};
 
 /// Tracks, describes and recognises one object.
@@ -34,6 +35,11 @@ pub(crate) struct Observe {
     pub(crate) measured: Measured,
     /// Memory for the descriptor.
     pub(crate) descriptor: Vec<f32>,
+    /// When it was handed over, monotonic.
+    pub(crate) asked_ns: u64,
+    /// Whether the actor is to panic at it.
+    #[cfg(feature = "fault-injection")]
+    pub(crate) is_to_panic: bool,
 }
 
 /// The actor's answer.
@@ -48,8 +54,8 @@ pub(crate) struct Observed {
     pub(crate) location: SegmentLocation,
     /// The first of them.
     pub(crate) first_point_index: u32,
-    /// When the view was finished, monotonic.
-    pub(crate) described_ns: u64,
+    /// When the view passed the actor; answered when the frame loop has it.
+    pub(crate) stamps: ActorStamps,
 }
 
 impl Actor for ObjectActor {
@@ -70,12 +76,17 @@ impl Actor for ObjectActor {
     }
 
     fn handle(&mut self, message: Observe, _: &Progress) -> Result<Flow<Observed>, Error> {
+        let begun_ns = monotonic_ns();
+        #[cfg(feature = "fault-injection")]
+        assert!(!message.is_to_panic, "a fault on purpose");
         let Observe {
             arrived,
             detected,
             candidate,
             measured,
             mut descriptor,
+            asked_ns,
+            ..
         } = message;
         let indices = match detected.detection.candidates.get(candidate) {
             Some(candidate) => detected.detection.points_of(candidate),
@@ -92,12 +103,17 @@ impl Actor for ObjectActor {
             .learned
             .read()
             .unwrap_or_else(PoisonError::into_inner);
-        let posterior = self.state.observe(
+        let mut described_ns = 0;
+        let stages = Stages {
+            descriptor: &mut descriptor,
+            on_described: &mut || described_ns = monotonic_ns(),
+        };
+        let posterior = self.state.observe_in_stages(
             &observation,
             &learned.index,
             &self.context.config,
             &mut self.tools,
-            &mut descriptor,
+            stages,
         )?;
         Ok(Flow::Continue(Observed {
             posterior,
@@ -105,7 +121,13 @@ impl Actor for ObjectActor {
             memory_sequence: learned.sequence,
             location: arrived.frame.location(),
             first_point_index: indices.first().copied().unwrap_or(0),
-            described_ns: service::monotonic_ns(),
+            stamps: ActorStamps {
+                asked_ns,
+                begun_ns,
+                described_ns,
+                recognised_ns: monotonic_ns(),
+                answered_ns: 0,
+            },
         }))
     }
 

@@ -1,5 +1,6 @@
 //! The process.
 
+use crate::actor_events::EventDesk;
 use crate::config::Config;
 use crate::control;
 use crate::frame_loop::{FrameLoop, Surroundings};
@@ -7,22 +8,21 @@ use crate::key_view_outbox::outbox;
 use crate::learned::{Follower, SharedLearned};
 use crate::object_actor::{ObjectActor, ObjectContext};
 use crate::observation_round::Actors;
+use crate::resting::Resting;
 use crate::track_ids::TrackIds;
 use crate::world::World;
-use actor::{Event, Events, Placement, PoolConfig, Restart, RestartPolicy, Supervisor, WorkerPool};
+use actor::{Events, Placement, PoolConfig, Restart, RestartPolicy, Supervisor, WorkerPool};
 use channel::control::{Client, Server};
 use message::{ProcessKind, ProcessState};
-use service::{Context, Failure, HealthBoard, exit_code};
+use service::{Context, Failure, exit_code};
 use std::fmt::Display;
 use std::num::NonZeroUsize;
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
 use std::time::Duration;
 use tokio::runtime::Handle;
 
-/// Actors may fail this often within a minute, all together.
-const MAX_ACTOR_RESTARTS: u32 = 30;
-const RESTART_WINDOW: Duration = Duration::from_secs(60);
+/// How soon an actor that has failed starts again; each further time within the
+/// window twice as late.
 const FIRST_BACKOFF: Duration = Duration::from_millis(50);
 const LONGEST_BACKOFF: Duration = Duration::from_secs(1);
 /// An actor gets this long to finish the message at work.
@@ -31,7 +31,8 @@ const ACTOR_SHUTDOWN: Duration = Duration::from_secs(2);
 const MAX_ABANDONED: NonZeroUsize = NonZeroUsize::new(3).unwrap();
 /// A newer frame replaces the one an actor has not begun.
 const MAILBOX: NonZeroUsize = NonZeroUsize::new(1).unwrap();
-const EVENTS: NonZeroUsize = NonZeroUsize::new(256).unwrap();
+/// All actors may come and go in one frame.
+const EVENTS: NonZeroUsize = NonZeroUsize::new(1024).unwrap();
 
 fn failed(error: impl Display) -> Failure {
     Failure::new(exit_code::FAILURE, error)
@@ -57,10 +58,12 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
         ProcessKind::Perception,
         control::handler(world.clone()),
     )?;
+    let resting = Arc::new(Resting::default());
+    let mut desk = EventDesk::new(domain, events, resting.clone(), health.clone())?;
     let (follower, catch_up) = Follower::new(domain, memory.clone(), learned)?;
     let given = Surroundings {
         pool: pool.clone(),
-        actors: Actors::new(supervisor),
+        actors: actors(&config, supervisor, resting),
         ids: ids.clone(),
         outbox,
         catch_up,
@@ -80,11 +83,26 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
         () = courier.run() => Ok(()),
         () = ids.clone().keep(memory.clone()) => Ok(()),
         () = pool.exhausted() => Err(failed("too many worker threads have stalled")),
-        escalated = watch(events, &health) => Err(escalated),
+        escalated = desk.watch() => Err(failed(escalated)),
         () = context.shutdown.requested() => Ok(()),
     };
     frames.stop().await;
     outcome
+}
+
+fn actors(
+    config: &Config,
+    supervisor: Supervisor<u64, ObjectActor>,
+    resting: Arc<Resting>,
+) -> Actors {
+    #[cfg(not(feature = "fault-injection"))]
+    let _ = config;
+    Actors::new(
+        supervisor,
+        resting,
+        #[cfg(feature = "fault-injection")]
+        config.fault,
+    )
 }
 
 fn start_pool(config: &Config) -> Result<WorkerPool, Failure> {
@@ -105,8 +123,8 @@ fn start_supervisor(
     learned: SharedLearned,
 ) -> Result<(Supervisor<u64, ObjectActor>, Events<u64>), Failure> {
     let policy = RestartPolicy::new(
-        MAX_ACTOR_RESTARTS,
-        RESTART_WINDOW,
+        config.actor_restarts_max,
+        config.actor_restart_window,
         FIRST_BACKOFF,
         LONGEST_BACKOFF,
     )
@@ -124,20 +142,4 @@ fn start_supervisor(
         learned,
     });
     Ok(Supervisor::new(supervision, context, Handle::current()))
-}
-
-/// Says what happens to the actors; returns when they have failed too often.
-async fn watch(mut events: Events<u64>, health: &HealthBoard) -> Failure {
-    while let Some(event) = events.recv().await {
-        match &event {
-            Event::Escalated { .. } => return failed(event),
-            Event::Restarting { .. } => {
-                health.restarts.fetch_add(1, Ordering::Relaxed);
-                tracing::warn!("{event}");
-            }
-            Event::Abandoned { .. } => tracing::warn!("{event}"),
-            _ => tracing::debug!("{event}"),
-        }
-    }
-    failed("the supervisor of the object actors is gone")
 }

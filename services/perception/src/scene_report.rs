@@ -1,31 +1,66 @@
 //! From tracks to messages.
 
 use crate::intake::Arrived;
+use crate::newest_view::NewestView;
 use crate::object_actor::Observed;
 use detection::{Assumption, Candidate, Detection};
 use geometry::RigidTransform;
+use learning::{N_NEAREST, Neighbour};
 use message::control::{StoredView, ViewId};
 use message::{
-    IgnoredBlob, MAX_IGNORED, MAX_SCENE_OBJECTS, ObjectViewHeader, SceneObject, SceneSummary,
-    SegmentLocation, StageStamps, Text, TrackState, WirePose,
+    IgnoredBlob, MAX_IGNORED, MAX_NEAR_CATEGORIES, MAX_SCENE_OBJECTS, NearCategory,
+    ObjectViewHeader, SceneObject, SceneSummary, StageStamps, Text, TrackState, WirePose,
+    symmetric,
 };
 use pipeline::{DESCRIPTOR_KIND, Sighting, Track};
 use point_cloud::Rgba;
 use std::collections::BTreeMap;
 use tracking::{Sight, TrackPhase};
 
-/// One object of the summary. `memory_sequence` belongs to its label.
-fn object(track: &Track, memory_sequence: u64) -> SceneObject {
+const _: () = assert!(N_NEAREST == MAX_NEAR_CATEGORIES);
+
+fn state(track: &Track) -> TrackState {
+    match (track.sight(), track.phase()) {
+        (Sight::Occluded, _) => TrackState::Occluded,
+        (Sight::OutOfView, _) => TrackState::OutOfView,
+        (Sight::Missing, _) => TrackState::Missing,
+        (Sight::Seen, TrackPhase::Tentative) => TrackState::Tentative,
+        (Sight::Seen, _) => TrackState::Tracked,
+    }
+}
+
+/// The distance as messages have it: NaN when nothing was taught.
+fn wire_distance(distance: f32) -> f32 {
+    if distance.is_finite() {
+        distance
+    } else {
+        f32::NAN
+    }
+}
+
+/// The nearest categories, and how many there are.
+fn near_categories(
+    nearest: &[Option<Neighbour>; N_NEAREST],
+) -> ([NearCategory; MAX_NEAR_CATEGORIES], u32) {
+    let mut categories = [NearCategory::default(); MAX_NEAR_CATEGORIES];
+    let found = nearest.iter().flatten();
+    for (place, neighbour) in categories.iter_mut().zip(found) {
+        *place = NearCategory {
+            label: Text::truncated(neighbour.category.as_str()),
+            distance: neighbour.distance,
+        };
+    }
+    (categories, nearest.iter().flatten().count() as u32)
+}
+
+/// One object of the summary.
+fn object(track: &Track, view: &NewestView) -> SceneObject {
     let body = track.box_in_world();
-    let state = match track.phase() {
-        _ if track.sight() != Sight::Seen => TrackState::Missing,
-        TrackPhase::Tentative => TrackState::Tentative,
-        _ => TrackState::Tracked,
-    };
+    let (categories, n_categories) = near_categories(&track.nearest);
     let [red, green, blue] = track.measured.mean_rgb.map(|channel| channel as u8);
     SceneObject {
         track_id: track.id,
-        state: state.code(),
+        state: state(track).code(),
         cut_by_image: u32::from(track.measured.is_cut_by_image),
         first_seen_ns: track.first_seen_ns,
         last_seen_ns: track.last_seen_ns,
@@ -34,18 +69,25 @@ fn object(track: &Track, memory_sequence: u64) -> SceneObject {
         n_points: track.measured.n_points as u32,
         n_views: track.n_views,
         mean_argb: Rgba::opaque(red, green, blue).0,
-        distance: if track.distance.is_finite() {
-            track.distance
-        } else {
-            f32::NAN
-        },
+        distance: wire_distance(track.distance),
         is_labelled: u32::from(track.label.is_some()),
         label: track
             .label
             .as_ref()
             .map(|label| Text::truncated(label.as_str()))
             .unwrap_or_default(),
-        memory_sequence,
+        n_categories,
+        memory_sequence: view.memory_sequence,
+        linked_to: track.linked_to.unwrap_or(0),
+        view_id: track.n_views.saturating_sub(1),
+        is_key_view: u32::from(view.is_key_view),
+        n_key_views: track.n_key_views,
+        position_covariance_m2: symmetric(&track.position_covariance_m2()),
+        rotation_covariance_rad2: symmetric(&track.rotation_covariance_rad2()),
+        velocity_m_s: track.velocity_m_s().cast().into(),
+        angular_velocity_rad_s: track.angular_velocity_rad_s().cast().into(),
+        categories,
+        stamps: view.stamps,
         ..SceneObject::default()
     }
 }
@@ -53,16 +95,16 @@ fn object(track: &Track, memory_sequence: u64) -> SceneObject {
 /// Replaces `objects` by those of the tracks, as many as a summary holds.
 pub(crate) fn objects(
     tracks: &[Track],
-    memory_sequences: &BTreeMap<u64, u64>,
+    newest_views: &BTreeMap<u64, NewestView>,
     objects: &mut Vec<SceneObject>,
 ) {
-    let sequence = |track: &Track| memory_sequences.get(&track.id).copied().unwrap_or(0);
+    let view = |track: &Track| newest_views.get(&track.id).copied().unwrap_or_default();
     objects.clear();
     objects.extend(
         tracks
             .iter()
             .take(MAX_SCENE_OBJECTS)
-            .map(|track| object(track, sequence(track))),
+            .map(|track| object(track, &view(track))),
     );
 }
 
@@ -125,37 +167,43 @@ fn ignored(candidate: &Candidate, world_from_camera: &RigidTransform) -> Ignored
     }
 }
 
-/// The header of one described view.
+/// The header of one described view; where detection read it is left open.
 pub(crate) fn object_view(
     arrived: &Arrived,
     sighting: &Sighting,
     observed: &Observed,
-    detection_location: SegmentLocation,
+    track: Option<&Track>,
 ) -> ObjectViewHeader {
     let header = arrived.frame.header();
     let posterior = &observed.posterior;
     let body = posterior.filter.box_in_world();
-    ObjectViewHeader {
+    let (categories, n_categories) = near_categories(&posterior.nearest);
+    let mut view = ObjectViewHeader {
         track_id: sighting.track_id,
         view_id: posterior.view_id,
         is_key_view: u32::from(posterior.is_key_view),
         session: header.session,
         sequence: header.sequence,
         capture_ns: header.capture_stamp_ns,
-        described_ns: observed.described_ns,
+        stamps: observed.stamps,
         pose: WirePose::from(&body.frame_from_box),
         size_m: body.sides_m().map(|side| side as f32).into(),
         n_points: sighting.measured.n_points as u32,
         frame_location: observed.location,
         first_point_index: observed.first_point_index,
-        distance: if posterior.distance.is_finite() {
-            posterior.distance
-        } else {
-            f32::NAN
-        },
-        detection_location,
+        distance: wire_distance(posterior.distance),
+        n_key_views: posterior.n_key_views,
+        n_categories,
+        categories,
         ..ObjectViewHeader::default()
+    };
+    if let Some(track) = track {
+        view.position_covariance_m2 = symmetric(&track.position_covariance_m2());
+        view.rotation_covariance_rad2 = symmetric(&track.rotation_covariance_rad2());
+        view.velocity_m_s = track.velocity_m_s().cast().into();
+        view.angular_velocity_rad_s = track.angular_velocity_rad_s().cast().into();
     }
+    view
 }
 
 /// A key view for the memory.

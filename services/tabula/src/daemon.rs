@@ -97,7 +97,7 @@ fn keep_running(
     let mut next_question = Instant::now();
     while !stop.is_raised() {
         for child in &mut *children {
-            child.look_after(|text| output.say(text))?;
+            child.look_after(|text| output.tell(text))?;
         }
         if !is_announced && next_question <= Instant::now() {
             is_announced = is_ready(children, common);

@@ -105,14 +105,17 @@ fn watch(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure>
     Ok(ExitCode::SUCCESS)
 }
 
-const HEADING: [&str; 8] = [
+const HEADING: [&str; 11] = [
     "id",
     "label",
     "distance",
     "position m",
+    "± mm",
+    "m/s",
     "size m",
     "age s",
     "points",
+    "key views",
     "state",
 ];
 
@@ -164,6 +167,17 @@ fn metres(values: [f64; 3]) -> String {
     values.map(|value| format!("{value:.3}")).join(" ")
 }
 
+/// Standard deviation of the position, mean over the directions.
+fn deviation_mm(object: &ObjectReport) -> Option<f64> {
+    let [xx, _, _, yy, _, zz] = object.covariance.as_ref()?.position_m2;
+    Some(1e3 * ((xx + yy + zz) / 3.0).sqrt())
+}
+
+fn speed_m_s(object: &ObjectReport) -> Option<f64> {
+    let [x, y, z] = object.velocity_m_s?;
+    Some((x * x + y * y + z * z).sqrt())
+}
+
 fn row(object: &ObjectReport) -> Vec<String> {
     vec![
         object.track_id.to_string(),
@@ -172,9 +186,12 @@ fn row(object: &ObjectReport) -> Vec<String> {
             .distance
             .map_or_else(|| "-".into(), |distance| format!("{distance:.3}")),
         metres(object.position_m),
+        deviation_mm(object).map_or_else(|| "-".into(), |mm| format!("{mm:.1}")),
+        speed_m_s(object).map_or_else(|| "-".into(), |speed| format!("{speed:.2}")),
         metres(object.size_m),
         format!("{:.1}", object.age_s),
         object.n_points.to_string(),
+        object.n_key_views.to_string(),
         object.state.clone(),
     ]
 }
@@ -201,13 +218,25 @@ fn answer_text(object: &ObjectReport) -> String {
         distance,
         ..
     } = object;
+    let nearest: Vec<String> = object
+        .categories
+        .iter()
+        .map(|near| format!("{} {:.3}", near.label, near.distance))
+        .collect();
     match (label, distance) {
-        (Some(label), Some(distance)) => {
-            format!("track {track_id} is {label} (distance {distance:.3})")
-        }
+        (Some(label), Some(distance)) => match nearest.get(1..) {
+            Some([_, ..]) => format!(
+                "track {track_id} is {label} (distance {distance:.3}; then {})",
+                nearest[1..].join(", ")
+            ),
+            _ => format!("track {track_id} is {label} (distance {distance:.3})"),
+        },
         (Some(label), None) => format!("track {track_id} is {label}"),
         (None, Some(distance)) => {
-            format!("track {track_id} is unknown (the nearest stored view is at {distance:.3})")
+            let what = nearest
+                .first()
+                .map_or_else(|| format!("{distance:.3}"), Clone::clone);
+            format!("track {track_id} is unknown (nearest is {what})")
         }
         (None, None) => format!("track {track_id} is unknown; nothing has been taught yet"),
     }
@@ -238,6 +267,8 @@ fn status_text(document: &StatusDocument) -> String {
         "frames",
         "dropped",
         "late",
+        "actors",
+        "restarts",
         "resident MB",
         "note",
     ];
@@ -253,6 +284,8 @@ fn status_text(document: &StatusDocument) -> String {
                 process.frames.to_string(),
                 process.frames_dropped.to_string(),
                 process.frames_late.to_string(),
+                process.actors.to_string(),
+                process.restarts.to_string(),
                 (process.resident_bytes / 1_000_000).to_string(),
                 process.note.clone(),
             ]

@@ -46,6 +46,15 @@ impl Output {
         }
     }
 
+    /// Prints what happens meanwhile: for scripts on standard error, where the log is.
+    pub(crate) fn tell(self, text: &str) {
+        if self.json {
+            eprintln!("tabula: {text}");
+        } else {
+            print(text);
+        }
+    }
+
     /// Prints why a command failed: on standard error, for scripts also as document.
     pub(crate) fn failure(self, failure: &Failure) {
         eprintln!("tabula: {failure}");

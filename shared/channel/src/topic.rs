@@ -3,9 +3,10 @@
 use bytemuck::AnyBitPattern;
 use iceoryx2::prelude::ZeroCopySend;
 use message::{
-    ArmState, CloudPoint, Counted, FrameDone, FrameHeader, Health, MAX_CAPSULES, MAX_SCENE_OBJECTS,
-    MAX_TRUE_OBJECTS, MaskPixel, MemoryChange, ObjectCloudHeader, ObjectViewHeader, PersonBody,
-    PlainHeader, SceneObject, SceneSummary, TrueObject, TruthHeader, WireCapsule, service_name,
+    ActorEvent, ArmState, CloudPoint, Counted, FrameDone, FrameHeader, Health, MAX_CAPSULES,
+    MAX_SCENE_OBJECTS, MAX_TRUE_OBJECTS, MaskPixel, MemoryChange, ObjectCloudHeader,
+    ObjectViewHeader, PersonBody, PlainHeader, SceneObject, SceneSummary, TrueObject, TruthHeader,
+    WireCapsule, service_name,
 };
 use std::fmt::Debug;
 
@@ -116,6 +117,9 @@ topics! {
     /// Clouds of single objects.
     ObjectCloud { OBJECT_CLOUD, ObjectCloudHeader, [CloudPoint; 65_536], DropOldest,
         Limits { publishers: 1, subscribers: 2, buffer: 8, borrowed: 2, history: 0, loaned: 2 } }
+    /// What happens to the object actors. Who comes late gets the newest ones.
+    ActorEvents { ACTOR_EVENT, PlainHeader, [ActorEvent; 1], DropOldest,
+        Limits { publishers: 1, subscribers: 4, buffer: 64, borrowed: 2, history: 16, loaned: 2 } }
     /// The arm.
     ArmStates { ARM_STATE, ArmState, [WireCapsule; MAX_CAPSULES], DropOldest,
         Limits { publishers: 1, subscribers: 6, buffer: 8, borrowed: 2, history: 1, loaned: 2 } }

@@ -183,8 +183,8 @@ async fn too_many_items_are_refused() {
     let place = Place::new();
     let publisher = Publisher::<Scene>::new(&place.join()).unwrap();
     assert!(matches!(
-        publisher.loan(65),
-        Err(Error::TooLong { max: 64, .. })
+        publisher.loan(257),
+        Err(Error::TooLong { max: 256, .. })
     ));
 }
 

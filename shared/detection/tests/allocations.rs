@@ -2,7 +2,9 @@
 
 mod synthetic;
 
-use detection::{Candidate, Config, Detection, ExpectedTrack, Frame, Surroundings, Workspace, detect};
+use detection::{
+    Candidate, Config, Detection, ExpectedTrack, Frame, Surroundings, Workspace, detect,
+};
 use geometry::{Capsule, OrientedBox};
 use nalgebra::{Isometry3, Point3, Vector3};
 use point_cloud::OrganizedCloud;

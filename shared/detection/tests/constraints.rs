@@ -3,8 +3,8 @@
 mod synthetic;
 
 use detection::{
-    Assumption, Candidate, Config, Constraint, Detection, ExpectedTrack, Findings, Frame, RawConfig, Reason,
-    Surroundings, Truth, Workspace, detect,
+    Assumption, Candidate, Config, Constraint, Detection, ExpectedTrack, Findings, Frame,
+    RawConfig, Reason, Surroundings, Truth, Workspace, detect,
 };
 use geometry::{Capsule, OrientedBox};
 use nalgebra::{Isometry3, Point3, Vector3};
@@ -162,13 +162,20 @@ fn two_tracks_that_have_come_together_stay_two() {
         let [x, y] = solid.centre;
         let half = near(&parted, [x, y, 0.06]);
         let middle = camera_from_table() * Point3::new(x, y, 0.06);
-        assert!((half.oriented_box.centre() - middle).norm() < 0.012, "{half:?}");
+        assert!(
+            (half.oriented_box.centre() - middle).norm() < 0.012,
+            "{half:?}"
+        );
         assert!(half.n_points() > n_points * 8 / 10);
     }
     // One track of the whole, one where an object may have been, two of one object.
     let twice = box_at(0.0, 0.0, [0.16, 0.08, 0.12]);
     let unseen = pair.each_ref().map(|solid| track(solid, 0));
-    for tracks in [vec![track(&twice, 2 * n_points)], unseen.to_vec(), vec![track(&twice, 2 * n_points); 2]] {
+    for tracks in [
+        vec![track(&twice, 2 * n_points)],
+        unseen.to_vec(),
+        vec![track(&twice, 2 * n_points); 2],
+    ] {
         assert_eq!(with(&tracks).candidates.len(), 1);
     }
 }

@@ -162,8 +162,33 @@ impl CategoryIndex {
     /// # Errors
     /// As for [`insert`](Self::insert).
     pub fn recognise(&self, descriptor: &[f32], threshold: f32) -> Result<Recognition, Error> {
-        self.check(descriptor)?;
+        self.recognise_any(&[descriptor], threshold)
+    }
+
+    /// Finds the category of an object that was described in several ways: what is
+    /// nearest to any of the descriptors is nearest to the object. Without a
+    /// descriptor nothing is.
+    ///
+    /// *Complexity*: as for [`recognise`](Self::recognise) with each descriptor, or
+    /// less: what one of them was near to ends the comparisons of the next earlier.
+    ///
+    /// # Errors
+    /// As for [`insert`](Self::insert).
+    pub fn recognise_any(
+        &self,
+        descriptors: &[impl AsRef<[f32]>],
+        threshold: f32,
+    ) -> Result<Recognition, Error> {
         let mut found = NearestCategories::default();
+        for descriptor in descriptors {
+            let descriptor = descriptor.as_ref();
+            self.check(descriptor)?;
+            self.compare(descriptor, &mut found);
+        }
+        Ok(self.answer(found, threshold))
+    }
+
+    fn compare(&self, descriptor: &[f32], found: &mut NearestCategories) {
         let rows = self.descriptors.chunks_exact(self.dimension.max(1));
         for (row, (view, stored)) in self.views.iter().zip(rows).enumerate() {
             let bound = found.bound(view.category);
@@ -176,7 +201,6 @@ impl CategoryIndex {
                 });
             }
         }
-        Ok(self.answer(found, threshold))
     }
 
     fn answer(&self, found: NearestCategories, threshold: f32) -> Recognition {

@@ -25,7 +25,7 @@ impl Candidate {
     }
 }
 
-/// At most three candidates of different categories, nearest first.
+/// At most [`N_NEAREST`] candidates of different categories, nearest first.
 ///
 /// A category that was pushed out needs no memory: what pushed it out is nearer
 /// than all it had, so only a nearer view can bring it back.

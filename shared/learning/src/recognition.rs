@@ -3,7 +3,7 @@
 use crate::{CategoryName, ViewId};
 
 /// Most categories named in an answer.
-pub const N_NEAREST: usize = 3;
+pub const N_NEAREST: usize = 4;
 
 /// What an object was recognised as, and why.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,8 +13,8 @@ pub struct Recognition {
     pub label: Option<CategoryName>,
     /// Distance of the nearest view; infinite when nothing was taught.
     pub distance: f32,
-    /// The nearest view of each of the nearest categories, nearest first; `None`
-    /// behind the last one.
+    /// The nearest view of each of the nearest categories, nearest first, whatever
+    /// the threshold; `None` behind the last one.
     pub nearest: [Option<Neighbour>; N_NEAREST],
 }
 

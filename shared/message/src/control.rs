@@ -16,7 +16,10 @@ pub use learning::{
     ChangesPage, LearnedChange, LearnedView, MutationId, SnapshotPage, StoredView, ViewId,
 };
 pub use refusal::{Refusal, RefusalKind};
-pub use report::{CategoryReport, LearningReport, ObjectReport, ObjectsReport, ProcessReport};
+pub use report::{
+    ActorStampsReport, CategoryReport, CovarianceReport, LearningReport, NearCategoryReport,
+    ObjectReport, ObjectsReport, ProcessReport,
+};
 
 use crate::ProcessKind;
 use serde::{Deserialize, Serialize};
@@ -124,7 +127,7 @@ pub enum Reply {
     /// To [`Command::Objects`].
     Objects(ObjectsReport),
     /// To [`Command::Ask`].
-    Object(ObjectReport),
+    Object(Box<ObjectReport>),
     /// To [`Command::Health`].
     Health(Vec<ProcessReport>),
     /// To teach, correct and forget: on disk.

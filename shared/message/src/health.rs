@@ -101,7 +101,7 @@ impl ProcessState {
 
 /// State and counters of one process, about once a second.
 #[derive(Debug, Clone, Copy, PartialEq, AnyBitPattern, ZeroCopySend)]
-#[type_name("tabula.Health.v1")]
+#[type_name("tabula.Health.v3")]
 #[repr(C)]
 pub struct Health {
     /// [`SCHEMA_VERSION`] of the writer.
@@ -132,6 +132,10 @@ pub struct Health {
     pub shared_memory_bytes: u64,
     /// Restarts inside the process (object actors).
     pub restarts: u64,
+    /// Actors now.
+    pub actors: u64,
+    /// Worker threads that were left behind, for they showed no progress.
+    pub abandoned: u64,
     /// Bumped by each step of real progress; what the watchdog looks at.
     pub progress: u64,
     /// A sentence about the state, empty when all is well.
@@ -140,7 +144,7 @@ pub struct Health {
     pub reserved: u32,
 }
 
-const _: () = assert!(size_of::<Health>() == 240);
+const _: () = assert!(size_of::<Health>() == 256);
 
 impl Default for Health {
     fn default() -> Self {
@@ -159,6 +163,8 @@ impl Default for Health {
             resident_bytes: 0,
             shared_memory_bytes: 0,
             restarts: 0,
+            actors: 0,
+            abandoned: 0,
             progress: 0,
             note: Text::default(),
             reserved: 0,

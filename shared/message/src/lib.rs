@@ -10,12 +10,14 @@
 //!
 //! This crate does no I/O; only iceoryx2's marker trait is used here.
 
+mod actor_event;
 pub mod control;
 mod counted;
 mod frame;
 mod health;
 mod ignored;
 mod memory_change;
+mod near_category;
 mod object;
 mod pose;
 mod robot;
@@ -24,19 +26,23 @@ pub mod service_name;
 mod text;
 mod truth;
 
+pub use actor_event::{ActorEvent, ActorEventKind};
 pub use counted::{Counted, PlainHeader};
 pub use frame::{CheckedFrame, CloudPoint, FrameDone, FrameHeader, InvalidFrame, SegmentLocation};
 pub use frame::{frame_flag, points, points_mut};
 pub use health::{Health, ProcessKind, ProcessState};
 pub use ignored::{IgnoredBlob, MAX_IGNORED, WireFinding};
 pub use memory_change::MemoryChange;
+pub use near_category::{MAX_NEAR_CATEGORIES, NearCategory};
 pub use object::{ObjectCloudHeader, ObjectViewHeader};
-pub use pose::{WirePose, WireTransform};
+pub use pose::{WirePose, WireTransform, symmetric};
 pub use robot::{ARM_JOINTS, ArmActivity, ArmState, MAX_CAPSULES, PersonBody, WireCapsule};
-pub use scene::{MAX_SCENE_OBJECTS, SceneObject, SceneSummary, StageStamps, TrackState};
+pub use scene::{
+    ActorStamps, MAX_SCENE_OBJECTS, SceneObject, SceneSummary, StageStamps, TrackState,
+};
 pub use text::Text;
 pub use truth::{MAX_TRUE_OBJECTS, MaskPixel, TrueObject, TrueState, TruthHeader};
 
 /// Version of the types in this crate, written into their headers. A type's name
 /// in shared memory carries the version in which the type last changed.
-pub const SCHEMA_VERSION: u32 = 2;
+pub const SCHEMA_VERSION: u32 = 3;

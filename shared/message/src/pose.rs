@@ -97,6 +97,25 @@ impl WirePose {
     }
 }
 
+/// The six different numbers of a symmetric matrix: xx, xy, xz, yy, yz, zz.
+pub fn symmetric(matrix: &Matrix3<f64>) -> [f32; 6] {
+    [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|place| matrix[place] as f32)
+}
+
+/// Whether six numbers can be a covariance: finite, no variance below zero, and no
+/// covariance above what the variances allow.
+pub(crate) fn is_covariance(&[xx, xy, xz, yy, yz, zz]: &[f32; 6]) -> bool {
+    let within = |ab: f32, aa: f32, bb: f32| {
+        let [ab, aa, bb] = [ab, aa, bb].map(f64::from);
+        ab.is_finite() && ab * ab <= aa * bb * (1.0 + 1e-5)
+    };
+    let is_variance = |v: f32| v.is_finite() && v >= 0.0;
+    [xx, yy, zz].into_iter().all(is_variance)
+        && within(xy, xx, yy)
+        && within(xz, xx, zz)
+        && within(yz, yy, zz)
+}
+
 impl From<&RigidTransform> for WirePose {
     fn from(pose: &RigidTransform) -> Self {
         Self {
@@ -118,6 +137,19 @@ mod tests {
         for back in [matrix, parts] {
             assert!((back.inverse() * pose).translation.vector.norm() < 1e-12);
             assert!((back.inverse() * pose).rotation.angle() < 1e-7);
+        }
+    }
+
+    #[test]
+    fn a_covariance_survives_and_what_is_none_is_told() {
+        let root = Matrix3::new(0.1, 0.0, 0.0, 0.03, 0.2, 0.0, -0.1, 0.05, 0.3);
+        let wire = symmetric(&(root * root.transpose()));
+        assert!((wire[1] - 0.003).abs() < 1e-9 && (wire[5] - 0.1025).abs() < 1e-7);
+        assert!(is_covariance(&wire) && is_covariance(&[0.0; 6]));
+        for (i, wrong) in [(0, -1.0), (1, f32::NAN), (3, f32::INFINITY), (2, 1e9)] {
+            let mut wire = wire;
+            wire[i] = wrong;
+            assert!(!is_covariance(&wire), "{wire:?}");
         }
     }
 

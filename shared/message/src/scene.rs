@@ -1,12 +1,13 @@
 //! The live world model.
 
+use crate::near_category::{MAX_NEAR_CATEGORIES, NearCategory};
 use crate::pose::WirePose;
 use crate::{IgnoredBlob, MAX_IGNORED, SCHEMA_VERSION, Text};
 use bytemuck::AnyBitPattern;
 use iceoryx2::prelude::ZeroCopySend;
 
 /// Most objects in one summary.
-pub const MAX_SCENE_OBJECTS: usize = 64;
+pub const MAX_SCENE_OBJECTS: usize = 256;
 
 /// The state of a track, as a number in [`SceneObject::state`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,10 +18,20 @@ pub enum TrackState {
     Tracked,
     /// Not seen in this frame, expected to come back.
     Missing,
+    /// Not seen in this frame, for something stands before its place.
+    Occluded,
+    /// Not seen in this frame, for its place is not in the image.
+    OutOfView,
 }
 
 impl TrackState {
-    const ALL: [Self; 3] = [Self::Tentative, Self::Tracked, Self::Missing];
+    const ALL: [Self; 5] = [
+        Self::Tentative,
+        Self::Tracked,
+        Self::Missing,
+        Self::Occluded,
+        Self::OutOfView,
+    ];
 
     /// The number on the wire.
     pub fn code(self) -> u32 {
@@ -38,6 +49,8 @@ impl TrackState {
             Self::Tentative => "tentative",
             Self::Tracked => "tracked",
             Self::Missing => "missing",
+            Self::Occluded => "occluded",
+            Self::OutOfView => "out-of-view",
         }
     }
 }
@@ -63,9 +76,27 @@ pub struct StageStamps {
     pub published_ns: u64,
 }
 
+/// When one object's newest view passed its actor, monotonic clock; 0 where it has
+/// not.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, AnyBitPattern, ZeroCopySend)]
+#[type_name("tabula.ActorStamps.v3")]
+#[repr(C)]
+pub struct ActorStamps {
+    /// When the view was handed to the actor.
+    pub asked_ns: u64,
+    /// When the actor began it.
+    pub begun_ns: u64,
+    /// When it was described.
+    pub described_ns: u64,
+    /// When it was compared with what was taught.
+    pub recognised_ns: u64,
+    /// When the frame loop had the answer.
+    pub answered_ns: u64,
+}
+
 /// One object of the summary.
 #[derive(Debug, Clone, Copy, PartialEq, AnyBitPattern, ZeroCopySend)]
-#[type_name("tabula.SceneObject.v1")]
+#[type_name("tabula.SceneObject.v3")]
 #[repr(C)]
 pub struct SceneObject {
     /// The track-id; never used twice.
@@ -94,10 +125,33 @@ pub struct SceneObject {
     pub is_labelled: u32,
     /// The category, when labelled.
     pub label: Text,
-    /// Zero.
-    pub reserved: u32,
+    /// How many of `categories` are meant.
+    pub n_categories: u32,
     /// History sequence of the memory this label was made with.
     pub memory_sequence: u64,
+    /// The lost track this object is taken to continue; 0 for none.
+    pub linked_to: u64,
+    /// Number of the newest view, from 0; meant when `n_views` is not 0.
+    pub view_id: u32,
+    /// 1 when this frame's view of the object is a key view.
+    pub is_key_view: u32,
+    /// Key views so far.
+    pub n_key_views: u32,
+    /// Zero.
+    pub reserved: u32,
+    /// Covariance of the position: xx, xy, xz, yy, yz, zz, world axes, square metres.
+    pub position_covariance_m2: [f32; 6],
+    /// Covariance of a small rotation vector about the world's axes: xx, xy, xz, yy,
+    /// yz, zz, square radians.
+    pub rotation_covariance_rad2: [f32; 6],
+    /// Velocity of the box's centre, world axes, metres a second.
+    pub velocity_m_s: [f32; 3],
+    /// Angular velocity, world axes, radians a second.
+    pub angular_velocity_rad_s: [f32; 3],
+    /// The nearest categories, nearest first.
+    pub categories: [NearCategory; MAX_NEAR_CATEGORIES],
+    /// When the newest view passed the object's actor.
+    pub stamps: ActorStamps,
 }
 
 /// The world after one frame; the payload beside it is the objects, by track-id.
@@ -142,7 +196,11 @@ pub struct SceneSummary {
     pub sent: u64,
 }
 
-const _: () = assert!(size_of::<StageStamps>() == 56 && size_of::<SceneObject>() == 264);
+const _: () = assert!(
+    size_of::<StageStamps>() == 56
+        && size_of::<ActorStamps>() == 40
+        && size_of::<SceneObject>() == 944
+);
 const _: () = assert!(size_of::<SceneSummary>() == 280 + 136 + MAX_IGNORED * 176);
 
 impl Default for SceneObject {
@@ -161,8 +219,19 @@ impl Default for SceneObject {
             distance: f32::NAN,
             is_labelled: 0,
             label: Text::default(),
-            reserved: 0,
+            n_categories: 0,
             memory_sequence: 0,
+            linked_to: 0,
+            view_id: 0,
+            is_key_view: 0,
+            n_key_views: 0,
+            reserved: 0,
+            position_covariance_m2: [f32::NAN; 6],
+            rotation_covariance_rad2: [f32::NAN; 6],
+            velocity_m_s: [0.0; 3],
+            angular_velocity_rad_s: [0.0; 3],
+            categories: [NearCategory::default(); MAX_NEAR_CATEGORIES],
+            stamps: ActorStamps::default(),
         }
     }
 }
@@ -207,6 +276,22 @@ impl SceneObject {
             None
         }
     }
+
+    /// Number of the newest view; `None` before the first.
+    pub fn view(&self) -> Option<u32> {
+        (self.n_views > 0).then_some(self.view_id)
+    }
+
+    /// The track this object is taken to continue.
+    pub fn linked_to(&self) -> Option<u64> {
+        (self.linked_to != 0).then_some(self.linked_to)
+    }
+
+    /// The nearest categories with their distances, nearest first. What is no name
+    /// or no distance is left out.
+    pub fn categories(&self) -> impl Iterator<Item = (&str, f32)> {
+        NearCategory::meant(&self.categories, self.n_categories)
+    }
 }
 
 #[cfg(test)]
@@ -219,6 +304,16 @@ mod tests {
             assert_eq!(TrackState::from_code(state.code()), Some(state));
         }
         assert_eq!(TrackState::from_code(77), None);
+        let words = TrackState::ALL.map(TrackState::word);
+        assert!(words.contains(&"occluded") && words.contains(&"out-of-view"));
+    }
+
+    #[test]
+    fn before_the_first_view_there_is_none() {
+        let mut object = SceneObject::default();
+        assert_eq!((object.view(), object.linked_to()), (None, None));
+        (object.n_views, object.view_id, object.linked_to) = (4, 3, 9);
+        assert_eq!((object.view(), object.linked_to()), (Some(3), Some(9)));
     }
 
     #[test]

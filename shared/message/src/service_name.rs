@@ -12,6 +12,8 @@ pub const OBJECT_VIEW: &str = "object/view";
 /// The points of one object, only while someone subscribes:
 /// [`ObjectCloudHeader`](crate::ObjectCloudHeader) and points.
 pub const OBJECT_CLOUD: &str = "object/cloud";
+/// What happens to the object actors: [`ActorEvent`](crate::ActorEvent).
+pub const ACTOR_EVENT: &str = "actor/event";
 /// New history sequences of the memory: [`MemoryChange`](crate::MemoryChange).
 pub const MEMORY_CHANGE: &str = "memory/change";
 /// State and counters of each process: [`Health`](crate::Health).

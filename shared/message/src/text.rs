@@ -1,10 +1,10 @@
 //! Short text in a message of fixed size.
 
-use bytemuck::AnyBitPattern;
+use bytemuck::{Pod, Zeroable};
 use iceoryx2::prelude::ZeroCopySend;
 
 /// UTF-8 text of at most 128 bytes; bytes behind `len` are zero.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, AnyBitPattern, ZeroCopySend)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable, ZeroCopySend)]
 #[type_name("tabula.Text.v1")]
 #[repr(C)]
 pub struct Text {

@@ -5,9 +5,7 @@ use detection::{Candidate, Support};
 use geometry::{OrientedBox, PinholeCamera, RigidTransform};
 use nalgebra::{Point3, Translation3, Unit, Vector3};
 use point_cloud::{Moments, Point};
-use tracking::{
-    Appearance, Circumstances, ColorHistogram, DepthView, Measurement, Observed,
-};
+use tracking::{Appearance, Circumstances, ColorHistogram, DepthView, Measurement, Observed};
 
 /// An object's colours and the spread of its points are taken from about this
 /// many of them.
@@ -135,9 +133,15 @@ fn variances_m2(candidate: &Candidate, indices: &[u32], cloud: &[Point]) -> Vect
     for point in sampled(indices, cloud) {
         moments.add(&point.position());
     }
-    let axes = candidate.oriented_box.frame_from_box.rotation.to_rotation_matrix();
+    let axes = candidate
+        .oriented_box
+        .frame_from_box
+        .rotation
+        .to_rotation_matrix();
     let spread = moments.covariance_m2().unwrap_or_default();
-    (axes.transpose() * spread * axes.matrix()).diagonal().map(|variance| variance.max(0.0))
+    (axes.transpose() * spread * axes.matrix())
+        .diagonal()
+        .map(|variance| variance.max(0.0))
 }
 
 /// From the camera to a candidate, world frame.

@@ -29,6 +29,6 @@ mod track_table;
 pub use config::{Config, DESCRIPTOR_DIMENSION, DESCRIPTOR_KIND, METRIC};
 pub use error::Error;
 pub use frame::{Frame, Measured};
-pub use object::{ObjectState, ObjectTools, Observation, Posterior};
+pub use object::{ObjectState, ObjectTools, Observation, Posterior, Stages};
 pub use track::Track;
 pub use track_table::{Sighting, Step, TrackTable};

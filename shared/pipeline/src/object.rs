@@ -7,7 +7,7 @@ use crate::key_views::KeyViews;
 use crate::{Config, Error};
 use description::{Descriptor, Good, ObjectPoints};
 use geometry::OrientedBox;
-use learning::{CategoryIndex, CategoryName, Recognition};
+use learning::{CategoryIndex, CategoryName, N_NEAREST, Neighbour, Recognition};
 use point_cloud::Point;
 use tracking::{Evidence, MotionFilter};
 
@@ -20,6 +20,7 @@ pub struct ObjectState {
     filter: Option<MotionFilter>,
     key_views: KeyViews,
     n_views: u32,
+    n_key_views: u32,
 }
 
 /// Scratch memory for observing; one for each object or worker.
@@ -66,6 +67,18 @@ pub struct Posterior {
     pub label: Option<CategoryName>,
     /// Distance to the nearest stored view; infinite when nothing was taught.
     pub distance: f32,
+    /// The nearest stored view of each of the nearest categories, nearest first.
+    pub nearest: [Option<Neighbour>; N_NEAREST],
+    /// Key views of the object so far, this one included.
+    pub n_key_views: u32,
+}
+
+/// What becomes of a view while it is observed.
+pub struct Stages<'a> {
+    /// Becomes the first reading's descriptor, which is the one to be stored.
+    pub descriptor: &'a mut Vec<f32>,
+    /// Called between describing and recognising: who has a clock may read it.
+    pub on_described: &'a mut dyn FnMut(),
 }
 
 impl ObjectState {
@@ -86,6 +99,30 @@ impl ObjectState {
         tools: &mut ObjectTools,
         descriptor: &mut Vec<f32>,
     ) -> Result<Posterior, Error> {
+        let on_described = &mut || {};
+        let stages = Stages {
+            descriptor,
+            on_described,
+        };
+        self.observe_in_stages(observation, taught, config, tools, stages)
+    }
+
+    /// Like [`observe`](Self::observe), and tells when a stage is over.
+    ///
+    /// # Errors
+    /// As for [`observe`](Self::observe).
+    pub fn observe_in_stages(
+        &mut self,
+        observation: &Observation<'_>,
+        taught: &CategoryIndex,
+        config: &Config,
+        tools: &mut ObjectTools,
+        stages: Stages<'_>,
+    ) -> Result<Posterior, Error> {
+        let Stages {
+            descriptor,
+            on_described,
+        } = stages;
         let Observation {
             cloud,
             indices,
@@ -106,15 +143,18 @@ impl ObjectState {
         .map_err(Error::Tracking)?;
         let points = ObjectPoints::selected(cloud, indices).map_err(Error::Description)?;
         let tracked_box = tracked_box_in_camera(&filter, measured);
-        let answer = recognise(points, &tracked_box, taught, config, tools)?;
+        describe(points, &tracked_box, tools)?;
+        on_described();
+        let answer = recognise(taught, config, tools)?;
         descriptor.clone_from(&tools.readings[0]);
         let pose = filter.box_in_world().frame_from_box;
         let is_whole = !measured.is_cut && filter.completeness() >= WHOLE_SHARE;
-        let is_key_view =
-            self.key_views
-                .take(filter.stamp_ns(), &pose, is_whole, &tools.readings);
+        let is_key_view = self
+            .key_views
+            .take(filter.stamp_ns(), &pose, is_whole, &tools.readings);
         let view_id = self.n_views;
         self.n_views = self.n_views.saturating_add(1);
+        self.n_key_views = self.n_key_views.saturating_add(u32::from(is_key_view));
         self.filter = Some(filter);
         Ok(Posterior {
             filter,
@@ -122,36 +162,37 @@ impl ObjectState {
             is_key_view,
             label: answer.label,
             distance: answer.distance,
+            nearest: answer.nearest,
+            n_key_views: self.n_key_views,
         })
     }
 }
 
-/// Describes all readings of an object's box and gives the best answer of all.
-fn recognise(
+/// Describes all readings of an object's box.
+fn describe(
     points: ObjectPoints<'_>,
     tracked_box: &OrientedBox,
-    taught: &CategoryIndex,
-    config: &Config,
     tools: &mut ObjectTools,
-) -> Result<Recognition, Error> {
-    let mut best: Option<Recognition> = None;
+) -> Result<(), Error> {
     for (reading, descriptor) in (0..N_READINGS).zip(&mut tools.readings) {
         let frame = box_frame(tracked_box, reading);
         tools
             .good
             .compute(points, &frame, descriptor)
             .map_err(Error::Description)?;
-        let answer = taught
-            .recognise(descriptor, config.unknown_distance())
-            .map_err(Error::Learning)?;
-        if best
-            .as_ref()
-            .is_none_or(|best| answer.distance < best.distance)
-        {
-            best = Some(answer);
-        }
     }
-    best.ok_or(Error::Description(description::Error::NoPoints))
+    Ok(())
+}
+
+/// The best answer to all readings.
+fn recognise(
+    taught: &CategoryIndex,
+    config: &Config,
+    tools: &ObjectTools,
+) -> Result<Recognition, Error> {
+    taught
+        .recognise_any(&tools.readings, config.unknown_distance())
+        .map_err(Error::Learning)
 }
 
 /// The tracked box, whose axes and sides are steadier than one frame's, where

@@ -91,10 +91,16 @@ impl Search {
             }
         }
         let most = 2.0 + config.volume_weight * config.volume_ratio_max.ln() + config.color_weight;
-        let assigned = assign(&self.costs, self.candidates.len(), most, &mut self.assignment);
+        let assigned = assign(
+            &self.costs,
+            self.candidates.len(),
+            most,
+            &mut self.assignment,
+        );
         let pairs = self.tracks.iter().zip(assigned);
-        self.pairs
-            .extend(pairs.filter_map(|(track, column)| Some((*track, self.candidates[(*column)?]))));
+        self.pairs.extend(
+            pairs.filter_map(|(track, column)| Some((*track, self.candidates[(*column)?]))),
+        );
     }
 
     /// The pairs found last: a track and a candidate, by their places.

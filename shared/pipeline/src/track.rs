@@ -2,7 +2,7 @@
 
 use crate::frame::Measured;
 use geometry::OrientedBox;
-use learning::CategoryName;
+use learning::{CategoryName, N_NEAREST, Neighbour};
 use nalgebra::{Matrix3, Vector3};
 use tracking::{Appearance, MotionFilter, Sight, TrackLife, TrackPhase};
 
@@ -23,6 +23,10 @@ pub struct Track {
     pub label: Option<CategoryName>,
     /// Distance to the nearest stored view; infinite when nothing was taught.
     pub distance: f32,
+    /// The nearest stored view of each of the nearest categories, nearest first.
+    pub nearest: [Option<Neighbour>; N_NEAREST],
+    /// Key views described.
+    pub n_key_views: u32,
     /// The lost track whose object this one is taken to be, by its looks.
     pub linked_to: Option<u64>,
     pub(crate) life: TrackLife,

@@ -171,6 +171,8 @@ impl TrackTable {
         track.n_views = posterior.view_id + 1;
         track.label.clone_from(&posterior.label);
         track.distance = posterior.distance;
+        track.nearest.clone_from(&posterior.nearest);
+        track.n_key_views = posterior.n_key_views;
     }
 
     fn measure(&mut self, detection: &Detection, cloud: &[Point], frame: &Frame) {
@@ -318,6 +320,8 @@ impl TrackTable {
                 n_views: 0,
                 label: None,
                 distance: f32::INFINITY,
+                nearest: Default::default(),
+                n_key_views: 0,
                 linked_to: self.departed.claim(&measured.appearance, frame.capture_ns),
                 life: TrackLife::start(frame.capture_ns),
                 posterior: filter,

@@ -19,6 +19,10 @@ pub struct HealthBoard {
     pub shared_memory_bytes: AtomicU64,
     /// Restarts inside the process.
     pub restarts: AtomicU64,
+    /// Actors now.
+    pub actors: AtomicU64,
+    /// Worker threads that were left behind.
+    pub abandoned: AtomicU64,
     progress: AtomicU64,
 }
 
@@ -31,6 +35,8 @@ impl Default for HealthBoard {
             frames_late: AtomicU64::new(0),
             shared_memory_bytes: AtomicU64::new(0),
             restarts: AtomicU64::new(0),
+            actors: AtomicU64::new(0),
+            abandoned: AtomicU64::new(0),
             progress: AtomicU64::new(0),
         }
     }

@@ -94,6 +94,8 @@ impl Reporter {
             resident_bytes: resident_bytes(),
             shared_memory_bytes: board.shared_memory_bytes.load(Ordering::Relaxed),
             restarts: board.restarts.load(Ordering::Relaxed),
+            actors: board.actors.load(Ordering::Relaxed),
+            abandoned: board.abandoned.load(Ordering::Relaxed),
             progress: board.progress(),
             note,
             ..Health::default()

@@ -1,9 +1,9 @@
 //! Which candidate is which track's object.
 
+use crate::Error;
 use crate::assignment::{AssignmentBuffers, assign};
 use crate::color_histogram::ColorHistogram;
 use crate::error::check_settings;
-use crate::Error;
 use geometry::OrientedBox;
 use nalgebra::{Matrix3, Point3};
 
@@ -164,7 +164,10 @@ fn pair_cost(track: &Predicted, candidate: &Observed, config: &AssociationConfig
         return Some(distance2 + look);
     }
     let is_part = share_inside(&candidate.box_in_world, &track.box_in_world) >= PART_SHARE_MIN;
-    let similarity = track.appearance.colors.similarity(&candidate.appearance.colors);
+    let similarity = track
+        .appearance
+        .colors
+        .similarity(&candidate.appearance.colors);
     (is_part && similarity >= config.color_similarity_min)
         .then_some(config.part_cost + config.color_weight * (1.0 - similarity))
 }
@@ -195,7 +198,8 @@ pub fn share_inside(part: &OrientedBox, whole: &OrientedBox) -> f64 {
     let place = |step: usize| step as f64 / (N_PART_STEPS - 1) as f64 * 2.0 - 1.0;
     let mut n_inside = 0_usize;
     for i in 0..N_PART_STEPS.pow(3) {
-        let [x, y, z] = [i, i / N_PART_STEPS, i / N_PART_STEPS.pow(2)].map(|i| place(i % N_PART_STEPS));
+        let [x, y, z] =
+            [i, i / N_PART_STEPS, i / N_PART_STEPS.pow(2)].map(|i| place(i % N_PART_STEPS));
         let half = part.half_sides_m;
         let corner = Point3::new(x * half.x, y * half.y, z * half.z);
         let point = part.frame_from_box * corner;

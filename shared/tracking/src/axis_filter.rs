@@ -152,7 +152,8 @@ mod tests {
 
     fn is_covariance(matrix: &Matrix3<f64>) -> bool {
         let values = matrix.symmetric_eigenvalues();
-        matrix.iter().all(|value| value.is_finite()) && values.min() > -1e-9 * values.max().max(1e-9)
+        matrix.iter().all(|value| value.is_finite())
+            && values.min() > -1e-9 * values.max().max(1e-9)
     }
 
     #[test]

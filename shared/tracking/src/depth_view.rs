@@ -110,15 +110,18 @@ impl<'a> DepthView<'a> {
     /// What the frame shows where a box is expected that is not seen as such. The
     /// box stands upright: its z axis points up.
     pub fn place_of(&self, box_in_world: &OrientedBox) -> Place {
-        let counts = self.look_through(&top_of(box_in_world), |depth_m, [entry_m, exit_m], apart_m| {
-            if depth_m < entry_m - apart_m {
-                Seen::Nearer
-            } else if depth_m > exit_m + apart_m {
-                Seen::Farther
-            } else {
-                Seen::At
-            }
-        });
+        let counts = self.look_through(
+            &top_of(box_in_world),
+            |depth_m, [entry_m, exit_m], apart_m| {
+                if depth_m < entry_m - apart_m {
+                    Seen::Nearer
+                } else if depth_m > exit_m + apart_m {
+                    Seen::Farther
+                } else {
+                    Seen::At
+                }
+            },
+        );
         let share = |n: u32| f64::from(n) / counts.total();
         let n_seen = counts.at + counts.farther;
         if share(counts.outside) > OUT_OF_VIEW_SHARE {
@@ -265,7 +268,8 @@ mod tests {
 
     /// A box of 16 cm at a depth, upright for a camera whose y points down.
     fn box_at(x: f64, z: f64) -> OrientedBox {
-        let upright = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::FRAC_PI_2);
+        let upright =
+            UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::FRAC_PI_2);
         OrientedBox {
             frame_from_box: RigidTransform::from_parts(Vector3::new(x, 0.0, z).into(), upright),
             half_sides_m: Vector3::repeat(0.08),
@@ -283,7 +287,11 @@ mod tests {
         let shape = box_at(0.0, 1.0);
         assert_eq!(place(|_| 1.5, &shape), Place::Free);
         assert_eq!(place(|_| 0.6, &shape), Place::Hidden);
-        assert_eq!(place(|_| 0.93, &shape), Place::Unknown, "its own front is seen");
+        assert_eq!(
+            place(|_| 0.93, &shape),
+            Place::Unknown,
+            "its own front is seen"
+        );
         assert_eq!(place(|_| f32::NAN, &shape), Place::Unknown);
         assert_eq!(place(|_| 1.5, &box_at(2.0, 1.0)), Place::OutOfView);
         assert_eq!(place(|_| 1.5, &box_at(0.0, -1.0)), Place::OutOfView);
@@ -292,9 +300,18 @@ mod tests {
     #[test]
     fn half_hidden_and_the_other_half_empty_is_empty() {
         let shape = box_at(0.0, 1.0);
-        assert_eq!(place(|column| if column < 320 { 0.6 } else { 1.5 }, &shape), Place::Free);
-        assert_eq!(place(|column| if column < 320 { 0.6 } else { 1.0 }, &shape), Place::Hidden);
-        assert_eq!(place(|column| if column < 320 { 1.0 } else { 1.5 }, &shape), Place::Unknown);
+        assert_eq!(
+            place(|column| if column < 320 { 0.6 } else { 1.5 }, &shape),
+            Place::Free
+        );
+        assert_eq!(
+            place(|column| if column < 320 { 0.6 } else { 1.0 }, &shape),
+            Place::Hidden
+        );
+        assert_eq!(
+            place(|column| if column < 320 { 1.0 } else { 1.5 }, &shape),
+            Place::Unknown
+        );
     }
 
     #[test]

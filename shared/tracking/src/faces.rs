@@ -129,8 +129,8 @@ fn slab(expected: &OrientedBox, axis: usize, sign: f64, interval: &Interval) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use geometry::RigidTransform;
     use Trust::{Doubtful, Hidden, Sure};
+    use geometry::RigidTransform;
 
     /// The trust along x of a box from `low` to `high` where -0.1 to 0.1 is expected.
     fn along_x(low: f64, high: f64, is_cut: bool) -> [Trust; 2] {

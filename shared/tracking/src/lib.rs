@@ -25,8 +25,8 @@ mod track_life;
 
 pub use assignment::{AssignmentBuffers, assign};
 pub use association::{
-    Appearance, AssociationBuffers, AssociationConfig, Observed, Predicted, associate,
-    look_cost, share_inside,
+    Appearance, AssociationBuffers, AssociationConfig, Observed, Predicted, associate, look_cost,
+    share_inside,
 };
 pub use color_histogram::ColorHistogram;
 pub use depth_view::DepthView;

@@ -144,5 +144,8 @@ fn broken_rule(shape: &OrientedBox, seen: &Circumstances) -> Option<&'static str
             "the variances of its points must lie between 0 and 2500 m²",
         ),
     ];
-    rules.iter().find(|(holds, _)| !holds).map(|(_, rule)| *rule)
+    rules
+        .iter()
+        .find(|(holds, _)| !holds)
+        .map(|(_, rule)| *rule)
 }

@@ -188,7 +188,10 @@ mod tests {
     fn what_was_hidden_gets_time_to_be_found_again() {
         let hidden = confirmed_at(0).missed(6000 * MS, Place::Hidden);
         let uncovered = hidden.missed(6033 * MS, Place::Unknown);
-        assert_eq!((uncovered.phase(), uncovered.sight()), (Confirmed, Sight::Missing));
+        assert_eq!(
+            (uncovered.phase(), uncovered.sight()),
+            (Confirmed, Sight::Missing)
+        );
         assert_eq!(uncovered.missed(7500 * MS, Place::Unknown).phase(), Lost);
         assert_eq!(hidden.missed(6033 * MS, Place::Free).phase(), Lost);
     }

@@ -1,5 +1,6 @@
 //! What is written behind `--source`.
 
+use crate::synthetic::CROWD_MAX;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -8,6 +9,8 @@ use std::str::FromStr;
 pub(crate) enum SourceSpec {
     /// The synthetic table with an arrangement's number.
     Synthetic(u32),
+    /// The synthetic table with so many small blocks.
+    Crowd(u32),
     /// A Kinect.
     Kinect,
     /// A recording played by fakenect.
@@ -37,6 +40,13 @@ impl FromStr for SourceSpec {
                     "synthetic:{number} needs a number, for example synthetic:1"
                 )),
             },
+            ("crowd", _) => Err("crowd needs a number of blocks: crowd:200".into()),
+            (_, Some(("crowd", number))) => match number.parse() {
+                Ok(n @ 1..=CROWD_MAX) => Ok(Self::Crowd(n)),
+                _ => Err(format!(
+                    "crowd:{number} needs a number of blocks from 1 to {CROWD_MAX}"
+                )),
+            },
             (_, Some(("fakenect", ""))) | ("fakenect", _) => {
                 Err("fakenect needs the folder of a recording: fakenect:FOLDER".into())
             }
@@ -55,6 +65,7 @@ mod tests {
         let parse = str::parse::<SourceSpec>;
         assert_eq!(parse("synthetic"), Ok(SourceSpec::Synthetic(0)));
         assert_eq!(parse("synthetic:3"), Ok(SourceSpec::Synthetic(3)));
+        assert_eq!(parse("crowd:200"), Ok(SourceSpec::Crowd(200)));
         assert_eq!(parse("kinect"), Ok(SourceSpec::Kinect));
         assert_eq!(
             parse("fakenect:a/b"),
@@ -67,6 +78,9 @@ mod tests {
             "simulation:bin",
             "synthetic:",
             "synthetic:-1",
+            "crowd",
+            "crowd:0",
+            "crowd:257",
             "fakenect",
             "fakenect:",
         ] {

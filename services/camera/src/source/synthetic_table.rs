@@ -16,10 +16,21 @@ pub(super) struct Synthetic {
 }
 
 impl Synthetic {
-    pub(super) fn new(arrangement: u32, playback: &Playback) -> Self {
+    /// An arrangement of a few objects.
+    pub(super) fn arrangement(number: u32, playback: &Playback) -> Self {
+        let table = SyntheticTable::new(number);
+        Self::new(table, format!("synthetic:{number}"), playback)
+    }
+
+    /// A crowd of blocks.
+    pub(super) fn crowd(n: u32, playback: &Playback) -> Self {
+        Self::new(SyntheticTable::crowd(n), format!("crowd:{n}"), playback)
+    }
+
+    fn new(table: SyntheticTable, name: String, playback: &Playback) -> Self {
         Self {
-            table: SyntheticTable::new(arrangement),
-            name: format!("synthetic:{arrangement}"),
+            table,
+            name,
             rate_hz: playback.rate_hz.unwrap_or(DEFAULT_RATE_HZ),
             playback: *playback,
             next: playback.from.unwrap_or(0),

@@ -1,7 +1,7 @@
 //! Which object stands where.
 
 use super::TABLE_HEIGHT_M;
-use super::catalogue::{KINDS, Kind};
+use super::catalogue::{BLOCKS, KINDS, Kind};
 use super::random;
 use geometry::{OrientedBox, RigidTransform};
 use nalgebra::{Point3, UnitQuaternion, Vector3};
@@ -77,6 +77,30 @@ pub(super) fn objects(arrangement: u32) -> Vec<TableObject> {
         TableObject::standing(&KINDS[kind_idx], at, yaw_rad(kind_idx, arrangement))
     };
     PLACES_M.iter().enumerate().map(place_of).collect()
+}
+
+/// Columns and rows of a crowd, along world x and y.
+const CROWD_PLACES: [u32; 2] = [20, 13];
+
+/// Distance from a block of a crowd to the next, along x and along y, metres.
+const CROWD_PITCH_M: [f64; 2] = [0.061, 0.056];
+
+/// The most blocks of a crowd.
+pub(super) const CROWD_MAX: u32 = 256;
+
+/// Blocks in rows, the first `n` places of the crowd.
+pub(super) fn crowd(n: u32) -> Vec<TableObject> {
+    let [n_columns, n_rows] = CROWD_PLACES;
+    let along = |i: u32, n: u32, pitch: f64| (f64::from(i) - 0.5 * f64::from(n - 1)) * pitch;
+    let block = |i: u32| {
+        let x = along(i % n_columns, n_columns, CROWD_PITCH_M[0]);
+        let y = along(i / n_columns, n_rows, CROWD_PITCH_M[1]);
+        let bits = random::mixed(u64::from(i));
+        let yaw_rad = 0.4 * (random::unit(bits) - 0.5);
+        let kind = &BLOCKS[(bits & 3) as usize];
+        TableObject::standing(kind, Point3::new(x, y, TABLE_HEIGHT_M), yaw_rad)
+    };
+    (0..n.min(CROWD_MAX)).map(block).collect()
 }
 
 /// Steps of the golden section spread any number of yaws over the range, with

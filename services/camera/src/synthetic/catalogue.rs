@@ -109,6 +109,42 @@ pub(super) static KINDS: [Kind; 8] = [
     },
 ];
 
+/// Small blocks, each of one colour, of which a crowd stands on one table.
+pub(super) static BLOCKS: [Kind; 4] = [
+    Kind {
+        name: "block",
+        corners: [[-0.014, -0.013, 0.0], [0.014, 0.013, 0.036]],
+        parts: &[(
+            Surface::cuboid([-0.014, -0.013, 0.0], [0.014, 0.013, 0.036]),
+            BLUE,
+        )],
+    },
+    Kind {
+        name: "block",
+        corners: [[-0.013, -0.014, 0.0], [0.013, 0.014, 0.042]],
+        parts: &[(
+            Surface::cuboid([-0.013, -0.014, 0.0], [0.013, 0.014, 0.042]),
+            YELLOW,
+        )],
+    },
+    Kind {
+        name: "block",
+        corners: [[-0.015, -0.013, 0.0], [0.015, 0.013, 0.040]],
+        parts: &[(
+            Surface::cuboid([-0.015, -0.013, 0.0], [0.015, 0.013, 0.040]),
+            RED,
+        )],
+    },
+    Kind {
+        name: "block",
+        corners: [[-0.013, -0.013, 0.0], [0.013, 0.013, 0.034]],
+        parts: &[(
+            Surface::cuboid([-0.013, -0.013, 0.0], [0.013, 0.013, 0.034]),
+            TEAL,
+        )],
+    },
+];
+
 /// Outer radii of the rims, where the spheres end below their centres.
 const BOWL_RIM: f64 = 0.082_614;
 const PLATE_RIM: f64 = 0.090_355;
@@ -152,6 +188,7 @@ const MINT: Paint = Paint::plain([210, 235, 225]);
 const YELLOW: Paint = Paint::plain([220, 220, 80]);
 const VIOLET: Paint = Paint::plain([150, 130, 185]);
 const LILAC: Paint = Paint::plain([225, 220, 235]);
+const RED: Paint = Paint::plain([200, 50, 45]);
 const SILVER: Paint = Paint::plain([175, 178, 182]);
 const DARK_WOOD: Paint = Paint::plain([90, 65, 45]);
 const CEREAL: Paint = Paint::new(Pattern::Checks(0.06), [[235, 190, 50], [150, 95, 40]]);

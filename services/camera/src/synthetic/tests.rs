@@ -414,3 +414,42 @@ fn a_camera_that_looks_away_sees_nothing() {
     let view = table.render(&HALF, &up);
     assert!(view.depth_m.iter().all(|z| z.is_nan()) && view.rgb.iter().all(|c| *c == 0));
 }
+
+#[test]
+fn the_blocks_of_a_crowd_stand_apart_from_each_other_and_from_the_rim() {
+    let blocks = arrangement::crowd(CROWD_MAX);
+    assert_eq!(blocks.len(), CROWD_MAX as usize);
+    for (i, block) in blocks.iter().enumerate() {
+        for p in footprint(block) {
+            let to_rim = |axis: usize| TABLE_HALF_SIDES_M[axis] - p[axis].abs();
+            assert!(to_rim(0).min(to_rim(1)) >= 0.04, "{block:?}");
+        }
+        let centre = block.centre_in_world();
+        let is_near = |other: &&TableObject| (other.centre_in_world() - centre).norm() < 0.09;
+        for other in blocks[..i].iter().filter(is_near) {
+            let free = free_space_m(block, other);
+            assert!(free >= 0.022, "{block:?} {other:?} {free}");
+        }
+    }
+}
+
+#[test]
+fn every_block_of_a_crowd_is_in_view() {
+    let table = SyntheticTable::crowd(CROWD_MAX);
+    let camera_from_world = table.world_from_camera().inverse();
+    let [width, height] = [table.camera().width, table.camera().height].map(f64::from);
+    for block in table.objects() {
+        for p in footprint(block) {
+            let [x, y] = table
+                .camera()
+                .project(&(camera_from_world * p))
+                .unwrap()
+                .into();
+            let right = width - N_BLIND_COLUMNS as f64;
+            assert!(
+                x > 10.0 && x < right - 10.0 && y > 10.0 && y < height - 10.0,
+                "{x} {y}"
+            );
+        }
+    }
+}

@@ -62,6 +62,12 @@ pub(super) fn decode_reply(bytes: &[u8]) -> Reply {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use detection::{Constraint, Finding, Findings, Reason, Truth};
+    use message::control::ObjectsReport;
+    use message::{
+        ActorStamps, IgnoredBlob, MAX_IGNORED, MAX_NEAR_CATEGORIES, MAX_SCENE_OBJECTS,
+        NearCategory, SceneObject, SceneSummary, Text,
+    };
 
     #[test]
     fn requests_survive_and_other_versions_are_refused() {
@@ -75,6 +81,70 @@ mod tests {
         let refusal = decode_request(&encode(&newer).unwrap()).unwrap_err();
         assert_eq!(refusal.kind, RefusalKind::Version);
         assert!(decode_request(b"rubbish").is_err() && decode_request(b"").is_err());
+    }
+
+    /// Whatever is on the table is told in one message.
+    #[test]
+    fn the_longest_list_of_objects_fits() {
+        let name = Text::truncated(&"x".repeat(64));
+        let near = NearCategory {
+            label: name,
+            distance: 0.123_456_7,
+        };
+        let object = SceneObject {
+            track_id: u64::MAX,
+            n_points: u32::MAX,
+            n_views: u32::MAX,
+            n_key_views: u32::MAX,
+            view_id: u32::MAX,
+            linked_to: u64::MAX,
+            memory_sequence: u64::MAX,
+            label: name,
+            is_labelled: 1,
+            n_categories: MAX_NEAR_CATEGORIES as u32,
+            categories: [near; MAX_NEAR_CATEGORIES],
+            mean_argb: u32::MAX,
+            distance: 0.123_456_7,
+            position_covariance_m2: [1.234_567_8e-5; 6],
+            rotation_covariance_rad2: [1.234_567_8e-5; 6],
+            velocity_m_s: [0.123_456_7; 3],
+            angular_velocity_rad_s: [0.123_456_7; 3],
+            stamps: ActorStamps {
+                asked_ns: u64::MAX,
+                begun_ns: u64::MAX,
+                described_ns: u64::MAX,
+                recognised_ns: u64::MAX,
+                answered_ns: u64::MAX,
+            },
+            ..SceneObject::default()
+        };
+        let mut findings = Findings::default();
+        for constraint in Constraint::ALL {
+            let reason = Reason::Robot {
+                share: 0.876_543_2,
+                margin_m: 0.123_456_7,
+            };
+            let truth = Truth::Unknown;
+            findings.set(constraint, Finding { truth, reason });
+        }
+        let blob = IgnoredBlob {
+            decisive: u32::MAX,
+            findings: IgnoredBlob::wire_findings(&findings),
+            ..IgnoredBlob::default()
+        };
+        let scene = SceneSummary {
+            n_objects_total: u32::MAX,
+            n_rejected: u32::MAX,
+            n_ignored: MAX_IGNORED as u32,
+            ignored: [blob; MAX_IGNORED],
+            assumptions: u32::MAX,
+            rule: Text::truncated(&"x".repeat(Text::CAPACITY)),
+            source_name: Text::truncated(&"x".repeat(Text::CAPACITY)),
+            ..SceneSummary::default()
+        };
+        let report = ObjectsReport::new(&scene, &vec![object; MAX_SCENE_OBJECTS]);
+        let bytes = encode(&Reply::Objects(report.clone())).unwrap();
+        assert_eq!(decode_reply(&bytes), Reply::Objects(report));
     }
 
     #[test]

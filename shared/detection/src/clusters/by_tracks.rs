@@ -62,8 +62,7 @@ impl TrackClaims {
         self.count(points, pixels, tracks);
         self.near.retain(|claim| {
             let n_least = CLAIM_SHARE * tracks[claim.track].n_points as f64;
-            let is_own = claim.n_best as f64
-                >= (1.0 - COMMON_SHARE_MAX) * claim.n_inside as f64;
+            let is_own = claim.n_best as f64 >= (1.0 - COMMON_SHARE_MAX) * claim.n_inside as f64;
             is_own && (claim.n_best * STRIDE) as f64 >= n_least
         });
     }

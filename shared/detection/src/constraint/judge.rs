@@ -82,7 +82,9 @@ impl Judge<'_> {
             return finding(false, Reason::OverlapsTrack { overlap });
         }
         let share = self.share(pixels, |point| {
-            tracks.iter().any(|track| grown(&track.shape).contains(point, 0.0))
+            tracks
+                .iter()
+                .any(|track| grown(&track.shape).contains(point, 0.0))
         });
         if f64::from(share) >= self.config.track_points_share_max {
             return finding(false, Reason::InsideTrack { share });

@@ -128,6 +128,34 @@ proptest! {
     }
 
     #[test]
+    fn of_several_descriptors_the_nearest_of_each_category_counts(
+        changes in prop::collection::vec(change(), 0..120),
+        queries in prop::collection::vec(any::<u8>(), 0..5),
+        threshold in 0.0_f32..2.0,
+    ) {
+        let (index, model) = filled(&changes, Metric::default());
+        let queries: Vec<_> = queries.into_iter().map(descriptor).collect();
+        let answer = index.recognise_any(&queries, threshold).unwrap();
+        let distance = |category: &CategoryName| {
+            let of_category = model.values().filter(|(name, _)| name == category);
+            let pairs = of_category.flat_map(|(_, stored)| queries.iter().map(move |q| (q, stored)));
+            let distances = pairs.map(|(q, stored)| index.metric().distance(q, stored).unwrap());
+            distances.fold(f32::INFINITY, f32::min)
+        };
+        let mut expected: Vec<f32> = index.categories().map(|(name, _)| distance(name)).collect();
+        expected.retain(|distance| distance.is_finite());
+        expected.sort_by(f32::total_cmp);
+        expected.truncate(N_NEAREST);
+        let found: Vec<_> = answer.nearest.iter().flatten().collect();
+        prop_assert_eq!(found.iter().map(|n| n.distance).collect::<Vec<_>>(), expected);
+        for neighbour in &found {
+            prop_assert_eq!(neighbour.distance, distance(&neighbour.category));
+        }
+        let known = found.first().filter(|first| first.distance <= threshold);
+        prop_assert_eq!(answer.label.as_ref(), known.map(|first| &first.category));
+    }
+
+    #[test]
     fn counts_are_those_of_the_model(changes in prop::collection::vec(change(), 0..120)) {
         let (index, model) = filled(&changes, Metric::default());
         let mut counts: BTreeMap<&CategoryName, usize> = BTreeMap::new();

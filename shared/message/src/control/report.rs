@@ -1,7 +1,10 @@
 //! Reports to people and scripts: the documents that `--json` prints.
 
 use crate::control::ignored::{AssumptionReport, IgnoredReport};
-use crate::{Health, ProcessKind, ProcessState, SceneObject, SceneSummary, TrackState};
+use crate::pose::is_covariance;
+use crate::{
+    ActorStamps, Health, ProcessKind, ProcessState, SceneObject, SceneSummary, TrackState,
+};
 use detection::Assumptions;
 use serde::{Deserialize, Serialize};
 
@@ -39,7 +42,7 @@ pub struct ObjectsReport {
 pub struct ObjectReport {
     /// The track-id.
     pub track_id: u64,
-    /// `tentative`, `tracked` or `missing`.
+    /// `tentative`, `tracked`, `missing`, `occluded` or `out-of-view`.
     pub state: String,
     /// The category; null when unknown.
     pub label: Option<String>,
@@ -65,6 +68,94 @@ pub struct ObjectReport {
     pub cut_by_image: bool,
     /// History sequence of the memory the label was made with.
     pub memory_sequence: u64,
+    /// How uncertain the pose is; null when that is not known.
+    #[serde(default)]
+    pub covariance: Option<CovarianceReport>,
+    /// Velocity of the box's centre, world axes, metres a second; null when not known.
+    #[serde(default)]
+    pub velocity_m_s: Option<[f64; 3]>,
+    /// Angular velocity, world axes, radians a second; null when not known.
+    #[serde(default)]
+    pub angular_velocity_rad_s: Option<[f64; 3]>,
+    /// Number of the newest view, from 0; null before the first.
+    #[serde(default)]
+    pub view: Option<u32>,
+    /// Whether this frame's view is a key view.
+    #[serde(default)]
+    pub is_key_view: bool,
+    /// Key views so far.
+    #[serde(default)]
+    pub n_key_views: u32,
+    /// The nearest categories, nearest first.
+    #[serde(default)]
+    pub categories: Vec<NearCategoryReport>,
+    /// The lost track this object is taken to continue; null for none.
+    #[serde(default)]
+    pub linked_to: Option<u64>,
+    /// When the newest view passed the object's actor.
+    #[serde(default)]
+    pub stamps: ActorStampsReport,
+}
+
+/// How uncertain a pose is: xx, xy, xz, yy, yz, zz of each matrix, world axes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CovarianceReport {
+    /// Of the position, square metres.
+    pub position_m2: [f64; 6],
+    /// Of a small rotation, square radians.
+    pub rotation_rad2: [f64; 6],
+}
+
+/// A category and how far an object is from it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct NearCategoryReport {
+    /// The category.
+    pub label: String,
+    /// Dissimilarity to its nearest view.
+    pub distance: f64,
+}
+
+/// When a view passed its actor, nanoseconds of the monotonic clock; null where it
+/// has not.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct ActorStampsReport {
+    /// Handed to the actor.
+    pub asked_ns: Option<u64>,
+    /// Begun by the actor.
+    pub begun_ns: Option<u64>,
+    /// Described.
+    pub described_ns: Option<u64>,
+    /// Compared with what was taught.
+    pub recognised_ns: Option<u64>,
+    /// Answered to the frame loop.
+    pub answered_ns: Option<u64>,
+}
+
+impl From<&ActorStamps> for ActorStampsReport {
+    fn from(stamps: &ActorStamps) -> Self {
+        let stamp = |ns: u64| (ns != 0).then_some(ns);
+        Self {
+            asked_ns: stamp(stamps.asked_ns),
+            begun_ns: stamp(stamps.begun_ns),
+            described_ns: stamp(stamps.described_ns),
+            recognised_ns: stamp(stamps.recognised_ns),
+            answered_ns: stamp(stamps.answered_ns),
+        }
+    }
+}
+
+impl CovarianceReport {
+    fn of(object: &SceneObject) -> Option<Self> {
+        let given = [
+            &object.position_covariance_m2,
+            &object.rotation_covariance_rad2,
+        ];
+        let [position_m2, rotation_rad2] = given.map(|six| six.map(f64::from));
+        given.into_iter().all(is_covariance).then_some(Self {
+            position_m2,
+            rotation_rad2,
+        })
+    }
 }
 
 /// A change of what was learned, on disk.
@@ -116,6 +207,12 @@ pub struct ProcessReport {
     pub shared_memory_bytes: u64,
     /// Restarts inside the process.
     pub restarts: u64,
+    /// Actors now.
+    #[serde(default)]
+    pub actors: u64,
+    /// Worker threads that were left behind.
+    #[serde(default)]
+    pub abandoned: u64,
     /// A sentence about the state, empty when all is well.
     pub note: String,
 }
@@ -170,8 +267,29 @@ impl ObjectReport {
             mean_rgb: [red, green, blue],
             cut_by_image: object.cut_by_image == 1,
             memory_sequence: object.memory_sequence,
+            covariance: CovarianceReport::of(object),
+            velocity_m_s: finite(object.velocity_m_s),
+            angular_velocity_rad_s: finite(object.angular_velocity_rad_s),
+            view: object.view(),
+            is_key_view: object.is_key_view == 1,
+            n_key_views: object.n_key_views,
+            categories: object
+                .categories()
+                .map(|(label, distance)| NearCategoryReport {
+                    label: label.to_owned(),
+                    distance: shortest(distance),
+                })
+                .collect(),
+            linked_to: object.linked_to(),
+            stamps: (&object.stamps).into(),
         }
     }
+}
+
+/// Three numbers that are numbers.
+fn finite(values: [f32; 3]) -> Option<[f64; 3]> {
+    let are_finite = values.iter().all(|value| value.is_finite());
+    are_finite.then(|| values.map(shortest))
 }
 
 /// An `f32` as the `f64` that prints with as few digits: to a tenth of a micrometre.
@@ -198,7 +316,12 @@ impl ProcessReport {
             resident_bytes: health.resident_bytes,
             shared_memory_bytes: health.shared_memory_bytes,
             restarts: health.restarts,
+            actors: health.actors,
+            abandoned: health.abandoned,
             note: health.note.as_str().unwrap_or_default().into(),
         })
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,6 +1,6 @@
 use super::*;
-use geometry::OrientedBox;
 use detection::{Candidate, Constraint, ConstraintSet, Finding, Findings, Reason, Support};
+use geometry::OrientedBox;
 use geometry::RigidTransform;
 use nalgebra::{Point3, Vector3};
 use point_cloud::Rgba;
@@ -93,7 +93,8 @@ impl Story {
             *last_id += 1;
             Some(*last_id)
         };
-        self.table.step(&detection, &cloud(), &frame, next_id, &mut self.step);
+        self.table
+            .step(&detection, &cloud(), &frame, next_id, &mut self.step);
     }
 
     fn ids(&self) -> Vec<u64> {
@@ -222,7 +223,9 @@ fn what_is_left_of_an_object_in_a_hand_does_not_shrink_its_track() {
         story.frame_of(vec![touched.clone()]);
     }
     let track = &story.table.tracks()[0];
-    assert!(track.sight() == Sight::Seen && track.measured.is_cut && !track.measured.is_cut_by_image);
+    assert!(
+        track.sight() == Sight::Seen && track.measured.is_cut && !track.measured.is_cut_by_image
+    );
     assert!(
         track.appearance.volume_m3 > 0.9e-3,
         "{:?}",

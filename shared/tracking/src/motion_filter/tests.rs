@@ -217,18 +217,35 @@ fn impossible_measurements_and_settings_are_refused() {
 #[test]
 fn a_size_that_lasts_is_taken_and_a_flicker_is_not() {
     let config = MotionConfig::default();
-    let small = upright(Point3::new(-0.02, 0.0, 0.0), 0.0, Vector3::new(0.08, 0.04, 0.08));
+    let small = upright(
+        Point3::new(-0.02, 0.0, 0.0),
+        0.0,
+        Vector3::new(0.08, 0.04, 0.08),
+    );
     let mut filter = MotionFilter::start(&seen(0, Point3::origin(), 0.0), &config);
     for frame in 1..=10 {
-        filter = filter.updated(&seen(frame, Point3::origin(), 0.0), None, &config).unwrap();
+        filter = filter
+            .updated(&seen(frame, Point3::origin(), 0.0), None, &config)
+            .unwrap();
     }
-    filter = filter.updated(&measured(11, small, false), None, &config).unwrap();
-    assert!(filter.box_in_world().half_sides_m.x > 0.098, "one frame says little");
+    filter = filter
+        .updated(&measured(11, small, false), None, &config)
+        .unwrap();
+    assert!(
+        filter.box_in_world().half_sides_m.x > 0.098,
+        "one frame says little"
+    );
     for frame in 12..400 {
-        filter = filter.updated(&measured(frame, small, false), None, &config).unwrap();
+        filter = filter
+            .updated(&measured(frame, small, false), None, &config)
+            .unwrap();
     }
     let half_m = filter.box_in_world().half_sides_m.x;
-    assert!((half_m - 0.08).abs() < 2e-3, "{half_m} {}", filter.box_in_world().centre());
+    assert!(
+        (half_m - 0.08).abs() < 2e-3,
+        "{half_m} {}",
+        filter.box_in_world().centre()
+    );
     assert!((filter.box_in_world().centre().x + 0.02).abs() < 2e-3);
 }
 
@@ -238,7 +255,11 @@ fn a_jump_is_followed_at_once_and_rest_is_quiet() {
     let mut filter = MotionFilter::start(&seen(0, Point3::origin(), 0.0), &config);
     let noisy = |frame: u64, x: f64| {
         let noise = Vector3::new(wobble(frame), wobble(3 * frame + 1), wobble(7 * frame + 2));
-        seen(frame, Point3::from(Vector3::x() * x + 0.003 * noise), 0.02 * wobble(5 * frame))
+        seen(
+            frame,
+            Point3::from(Vector3::x() * x + 0.003 * noise),
+            0.02 * wobble(5 * frame),
+        )
     };
     for frame in 1..60 {
         filter = filter.updated(&noisy(frame, 0.0), None, &config).unwrap();

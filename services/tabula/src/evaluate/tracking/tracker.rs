@@ -117,8 +117,13 @@ impl Tracker {
             *last_id += 1;
             Some(*last_id)
         };
-        self.table
-            .step(&self.detection, seen.cloud.points(), &frame, next_id, &mut self.step);
+        self.table.step(
+            &self.detection,
+            seen.cloud.points(),
+            &frame,
+            next_id,
+            &mut self.step,
+        );
         self.observe(seen)
     }
 

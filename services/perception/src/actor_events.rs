@@ -1,0 +1,241 @@
+//! What happens to the object actors: told to the log, to health, and to whoever
+//! listens on `actor/event`.
+
+use crate::resting::Resting;
+use actor::{Cause, Escalation, Event, Events, StopReason};
+use channel::topic::{ActorEvents, Topic};
+use channel::{Domain, Error, Publisher};
+use message::{ActorEvent, ActorEventKind, PlainHeader, Text};
+use service::{HealthBoard, monotonic_ns};
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+
+/// Who has subscribed meanwhile gets the newest events this often.
+const GREET: Duration = Duration::from_secs(1);
+
+/// Takes the supervisor's events.
+pub(crate) struct EventDesk {
+    events: Events<u64>,
+    publisher: Publisher<ActorEvents>,
+    resting: Arc<Resting>,
+    health: Arc<HealthBoard>,
+    n_abandoned: u64,
+}
+
+impl EventDesk {
+    /// A desk for the events of a supervisor.
+    pub(crate) fn new(
+        domain: &Domain,
+        events: Events<u64>,
+        resting: Arc<Resting>,
+        health: Arc<HealthBoard>,
+    ) -> Result<Self, Error> {
+        Ok(Self {
+            events,
+            publisher: Publisher::new(domain)?,
+            resting,
+            health,
+            n_abandoned: 0,
+        })
+    }
+
+    /// Tells what happens; returns with a sentence when the actors have failed too
+    /// often.
+    pub(crate) async fn watch(&mut self) -> String {
+        let mut greet = tokio::time::interval(GREET);
+        loop {
+            let event = tokio::select! {
+                event = self.events.recv() => event,
+                _ = greet.tick() => {
+                    say_unsent(self.publisher.greet_new_subscribers());
+                    continue;
+                }
+            };
+            let Some(event) = event else {
+                return "the supervisor of the object actors is gone".into();
+            };
+            self.take(&event);
+            if matches!(event, Event::Escalated { .. }) {
+                return sentence(&event);
+            }
+        }
+    }
+
+    fn take(&mut self, event: &Event<u64>) {
+        match event {
+            Event::Restarting { id, after, .. } => {
+                self.resting.rest(*id, *after);
+                self.health.restarts.fetch_add(1, Ordering::Relaxed);
+                tracing::warn!("{}", sentence(event));
+            }
+            Event::Stopped { id, reason } => {
+                self.resting.forget(*id);
+                if matches!(reason, StopReason::Failed { .. }) {
+                    tracing::warn!("{}", sentence(event));
+                } else {
+                    tracing::debug!("{}", sentence(event));
+                }
+            }
+            Event::Abandoned { .. } => {
+                self.n_abandoned += 1;
+                tracing::warn!("{}", sentence(event));
+            }
+            // Whoever ends the process because of it tells it.
+            Event::Escalated { .. } => {}
+            _ => tracing::debug!("{}", sentence(event)),
+        }
+        if let Some(message) = self.message(event) {
+            say_unsent(self.publisher.send_copy(PlainHeader::default(), &[message]));
+        }
+    }
+
+    /// The event for outsiders; `None` for kinds they do not know.
+    fn message(&self, event: &Event<u64>) -> Option<ActorEvent> {
+        let (kind, track_id, failure) = parts(event)?;
+        let (cause, frame) = failure.unzip();
+        let frame = frame.flatten();
+        let after = match event {
+            Event::Restarting { after, .. } => after.as_nanos() as u64,
+            _ => 0,
+        };
+        Some(ActorEvent {
+            kind: kind.code(),
+            track_id,
+            frame: frame.unwrap_or(0),
+            has_frame: u32::from(frame.is_some()),
+            pid: std::process::id(),
+            stamp_ns: monotonic_ns(),
+            restart_after_ns: after,
+            n_actors: self.health.actors.load(Ordering::Relaxed),
+            n_restarts: self.health.restarts.load(Ordering::Relaxed),
+            n_abandoned: self.n_abandoned,
+            n_lost: self.events.dropped(),
+            cause: cause
+                .map(|cause| Text::truncated(&cause.to_string()))
+                .unwrap_or_default(),
+            ..ActorEvent::default()
+        })
+    }
+}
+
+/// A failure, and the frame at work.
+type Failed<'a> = (&'a Cause, Option<u64>);
+
+fn parts(event: &Event<u64>) -> Option<(ActorEventKind, u64, Option<Failed<'_>>)> {
+    Some(match event {
+        Event::Started { id } => (ActorEventKind::Started, *id, None),
+        Event::Restarting { id, cause, tag, .. } => {
+            (ActorEventKind::Restarting, *id, Some((cause, *tag)))
+        }
+        Event::Stopped { id, reason } => {
+            let failure = match reason {
+                StopReason::Failed { cause, tag } => Some((cause, *tag)),
+                _ => None,
+            };
+            (ActorEventKind::Stopped, *id, failure)
+        }
+        Event::Abandoned { id } => (ActorEventKind::Abandoned, *id, None),
+        Event::Escalated(Escalation { id, cause, tag, .. }) => {
+            (ActorEventKind::Escalated, *id, Some((cause, *tag)))
+        }
+        _ => return None,
+    })
+}
+
+/// What happened, for people.
+fn sentence(event: &Event<u64>) -> String {
+    let Some((kind, track_id, failure)) = parts(event) else {
+        return event.to_string();
+    };
+    let why = match failure {
+        None => String::new(),
+        Some((cause, None)) => format!(": {cause}"),
+        Some((cause, Some(frame))) => format!(": {cause} (at frame {frame}, which it loses)"),
+    };
+    let actor = format!("the actor of track {track_id}");
+    match (kind, event) {
+        (ActorEventKind::Started, _) => format!("{actor} is ready"),
+        (_, Event::Restarting { after, .. }) => {
+            format!("{actor} starts again in {} ms{why}", after.as_millis())
+        }
+        (ActorEventKind::Abandoned, _) => {
+            format!("{actor} did not stop in time and was left behind")
+        }
+        (
+            _,
+            Event::Escalated(Escalation {
+                max_restarts,
+                window,
+                ..
+            }),
+        ) => format!(
+            "the object actors needed more than {max_restarts} restarts within {} s, the last one \
+             {actor}{why}; this process ends, to begin anew. [perception] actor_restarts_max and \
+             actor_restart_window_s set the limit",
+            window.as_secs_f64()
+        ),
+        _ if failure.is_some() => format!("{actor} has stopped for good{why}"),
+        _ => format!("{actor} has stopped"),
+    }
+}
+
+/// That outsiders are not told is no reason to stop.
+fn say_unsent(sent: Result<(), Error>) {
+    if let Err(error) = sent {
+        tracing::warn!(
+            "an event on {} was not published: {error}",
+            ActorEvents::NAME
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn people_read_which_track_lost_which_frame_and_why() {
+        let cause = || Cause::Panicked("out of luck".into());
+        let restarting = sentence(&Event::Restarting {
+            id: 7,
+            cause: cause(),
+            tag: Some(31),
+            after: Duration::from_millis(50),
+        });
+        let escalated = sentence(&Event::Escalated(Escalation {
+            id: 7,
+            cause: cause(),
+            tag: Some(31),
+            max_restarts: 5,
+            window: Duration::from_secs(60),
+        }));
+        for said in [restarting, escalated] {
+            for word in ["track 7", "frame 31", "panicked: out of luck"] {
+                assert!(said.contains(word), "{said}");
+            }
+        }
+        let stopped = sentence(&Event::Stopped {
+            id: 7,
+            reason: StopReason::Asked,
+        });
+        assert_eq!(stopped, "the actor of track 7 has stopped");
+    }
+
+    #[test]
+    fn each_event_has_its_kind() {
+        let (kind, track_id, failure) = parts(&Event::Started { id: 4 }).unwrap();
+        assert_eq!((kind, track_id), (ActorEventKind::Started, 4));
+        assert!(failure.is_none());
+        let failed = Event::Stopped {
+            id: 4,
+            reason: StopReason::Failed {
+                cause: Cause::Finished,
+                tag: None,
+            },
+        };
+        let (kind, _, failure) = parts(&failed).unwrap();
+        assert_eq!(kind, ActorEventKind::Stopped);
+        assert!(matches!(failure, Some((Cause::Finished, None))));
+    }
+}

@@ -1,0 +1,110 @@
+use super::*;
+use crate::{ActorEvent, NearCategory, ObjectViewHeader, Text};
+use bytemuck::AnyBitPattern;
+
+/// A message as shared memory may hold it: whatever the bytes are.
+fn of_any_bytes<T: AnyBitPattern>() -> impl Iterator<Item = T> {
+    let mut state = 1_u64;
+    let mut random = move || {
+        // Knuth's linear congruential generator; its upper bits are good enough.
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 56) as u8
+    };
+    let of = |bytes: &[u8]| bytemuck::pod_read_unaligned(bytes);
+    let mut bytes = vec![0_u8; size_of::<T>()];
+    let constant = [0, 1, 0x7f, 0x80, 0xff].map(|byte| of(&vec![byte; size_of::<T>()]));
+    let any = std::iter::repeat_with(move || {
+        bytes.fill_with(&mut random);
+        of(&bytes)
+    });
+    constant.into_iter().chain(any.take(2_000))
+}
+
+#[test]
+fn whatever_the_bytes_are_a_report_is_made_of_them() {
+    for object in of_any_bytes::<SceneObject>() {
+        let report = ObjectReport::new(&object, u64::MAX);
+        assert!(report.categories.len() <= crate::MAX_NEAR_CATEGORIES);
+        assert!(report.view.is_none() == (report.n_views == 0));
+        let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
+        let far = report.categories.iter().map(|near| near.distance);
+        assert!(finite(&far.collect::<Vec<_>>()));
+        for velocity in [report.velocity_m_s, report.angular_velocity_rad_s] {
+            assert!(velocity.is_none_or(|velocity| finite(&velocity)));
+        }
+        if let Some(covariance) = report.covariance {
+            assert!(finite(&covariance.position_m2) && finite(&covariance.rotation_rad2));
+        }
+    }
+}
+
+#[test]
+fn whatever_the_bytes_are_views_events_and_health_are_read() {
+    for view in of_any_bytes::<ObjectViewHeader>() {
+        let distances = view.categories().map(|(_, distance)| distance);
+        assert!(distances.into_iter().all(f32::is_finite));
+    }
+    for event in of_any_bytes::<ActorEvent>() {
+        assert_eq!(event.frame().is_some(), event.has_frame == 1);
+        let known = event.kind().map(crate::ActorEventKind::code);
+        assert!(known.is_none_or(|code| code == event.kind));
+        assert!(
+            event
+                .cause
+                .as_str()
+                .is_none_or(|cause| cause.len() <= Text::CAPACITY)
+        );
+    }
+    for health in of_any_bytes::<Health>() {
+        let report = ProcessReport::new(&health);
+        assert!(report.is_none_or(|report| report.note.len() <= Text::CAPACITY));
+    }
+}
+
+#[test]
+fn what_the_object_is_like_and_how_certain_it_is_are_told() {
+    let mut object = SceneObject {
+        n_views: 8,
+        view_id: 7,
+        is_key_view: 1,
+        n_key_views: 2,
+        n_categories: 2,
+        position_covariance_m2: [1e-6, 0.0, 0.0, 1e-6, 0.0, 4e-6],
+        rotation_covariance_rad2: [0.01; 6],
+        velocity_m_s: [0.5, 0.0, -0.25],
+        stamps: ActorStamps {
+            asked_ns: 5,
+            ..ActorStamps::default()
+        },
+        ..SceneObject::default()
+    };
+    for (place, (name, distance)) in
+        object
+            .categories
+            .iter_mut()
+            .zip([("mug", 0.25), ("bowl", 0.5), ("forgotten", 0.6)])
+    {
+        *place = NearCategory {
+            label: Text::truncated(name),
+            distance,
+        };
+    }
+    let report = ObjectReport::new(&object, 0);
+    let near: Vec<_> = report
+        .categories
+        .iter()
+        .map(|near| (near.label.as_str(), near.distance))
+        .collect();
+    assert_eq!(near, [("mug", 0.25), ("bowl", 0.5)]);
+    assert_eq!((report.view, report.n_key_views), (Some(7), 2));
+    assert!(report.is_key_view && report.linked_to.is_none());
+    assert_eq!(report.velocity_m_s, Some([0.5, 0.0, -0.25]));
+    assert_eq!(
+        report.covariance.unwrap().position_m2[5],
+        f64::from(4e-6_f32)
+    );
+    assert_eq!(report.stamps.asked_ns, Some(5));
+    assert_eq!(report.stamps.begun_ns, None);
+}

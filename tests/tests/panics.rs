@@ -1,0 +1,227 @@
+//! A panic in one object's actor: the others lose nothing, and too many of them end
+//! the process, exactly as the configuration says.
+
+use crate::daemon::{Daemon, Place, eventually};
+use crate::recorder::{Recorded, Recorder, SceneRecorder};
+use crate::skeleton::wait_for_all;
+use channel::topic::ActorEvents;
+use message::{ActorEvent, ActorEventKind, ProcessKind, SceneObject};
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+/// Slowly: several daemons share the machine's cores.
+const TABLE: [&str; 4] = ["--source", "synthetic:0", "--rate", "10"];
+/// The first id of a new memory.
+const FAULTY_TRACK: u64 = 1;
+
+/// A configuration with a panic of one actor every second.
+fn configure(place: &Place, restarts_max: u32, window_s: f64) {
+    let text = format!(
+        "[perception]\n\
+         actor_restarts_max = {restarts_max}\n\
+         actor_restart_window_s = {window_s:?}\n\
+         # Nobody is late on a busy machine; who waited for the actor that starts again\n\
+         # would stand out.\n\
+         actor_deadline_ms = 5000\n\
+         fault_panic_every_ms = 1000\n\
+         fault_panic_track_id = {FAULTY_TRACK}\n"
+    );
+    std::fs::write(place.home().join("tabula.toml"), text).unwrap();
+}
+
+fn others(scene: &Recorded) -> impl Iterator<Item = &SceneObject> {
+    let is_other = |object: &&SceneObject| object.track_id != FAULTY_TRACK;
+    scene.items.iter().filter(is_other)
+}
+
+fn sequence(scene: &Recorded) -> u64 {
+    scene.header.sequence
+}
+
+/// From scene to scene each track but the faulty one has one view more.
+fn check_gapless(scenes: &[Recorded]) {
+    for pair in scenes.windows(2) {
+        let [before, after] = [&pair[0], &pair[1]];
+        let views: BTreeMap<u64, u32> = others(before)
+            .map(|object| (object.track_id, object.n_views))
+            .collect();
+        for object in others(after) {
+            let expected = views.get(&object.track_id).map_or(1, |n| n + 1);
+            assert_eq!(
+                object.n_views,
+                expected,
+                "track {} in frame {}",
+                object.track_id,
+                sequence(after)
+            );
+        }
+        assert!(after.header.n_late <= 1);
+    }
+}
+
+fn of_kind(events: &[ActorEvent], kind: ActorEventKind) -> Vec<&ActorEvent> {
+    events
+        .iter()
+        .filter(|event| event.kind() == Some(kind))
+        .collect()
+}
+
+/// Frames that the faulty track has lost by a panic, as a log tells them.
+fn frames_in_log(daemon: &Daemon<'_>) -> Vec<u64> {
+    let said = format!("the actor of track {FAULTY_TRACK} starts again");
+    let frame = |line: &str| {
+        let (_, rest) = line.split_once("(at frame ")?;
+        rest.split(',').next()?.parse().ok()
+    };
+    let log = daemon.log();
+    let lines = log.lines().filter(|line| line.contains(&said));
+    lines
+        .map(|line| frame(line).unwrap_or_else(|| panic!("{line}")))
+        .collect()
+}
+
+fn items(events: Vec<crate::recorder::Recording<ActorEvents>>) -> Vec<ActorEvent> {
+    events.into_iter().flat_map(|event| event.items).collect()
+}
+
+/// Health, log and events of the daemon agree about what happened; the number of
+/// restarts.
+fn check_agreement(daemon: &Daemon<'_>, events: &[ActorEvent]) -> u64 {
+    let restarting = of_kind(events, ActorEventKind::Restarting);
+    for (i, event) in restarting.iter().enumerate() {
+        assert_eq!(event.track_id, FAULTY_TRACK, "{event:?}");
+        assert_eq!(event.n_restarts, i as u64 + 1, "{event:?}");
+        assert_eq!(
+            event.cause.as_str(),
+            Some("it panicked: a fault on purpose")
+        );
+    }
+    assert!(events.iter().all(|event| event.n_lost == 0));
+    let frames: Vec<u64> = restarting
+        .iter()
+        .map(|event| event.frame().unwrap())
+        .collect();
+    // The next one may have been logged meanwhile.
+    assert!(frames_in_log(daemon).starts_with(&frames));
+    restarting.len() as u64
+}
+
+/// A panic every second, fewer than what is allowed: nobody else notices.
+fn panic_every_second(length: Duration) {
+    let place = Place::with_faulty_perception();
+    configure(&place, 5, 2.0);
+    let events = Recorder::<ActorEvents>::start(&place);
+    let daemon = place.start(&TABLE);
+    wait_for_all(&daemon, 0);
+    let scenes = SceneRecorder::start(&place);
+    std::thread::sleep(length);
+    let (scenes, n_lost_scenes) = scenes.stop();
+    // What has happened by now is told by all of them in time.
+    let restarts = || {
+        daemon.health("perception").unwrap()["restarts"]
+            .as_u64()
+            .unwrap()
+    };
+    eventually("health, log and events agree", || {
+        let mut n_told = 0;
+        events.is(|events| {
+            let all = events.iter().flat_map(|event| &event.items);
+            let restarting = Some(ActorEventKind::Restarting);
+            n_told = all.filter(|event| event.kind() == restarting).count() as u64;
+            true
+        });
+        n_told == restarts() && n_told == frames_in_log(&daemon).len() as u64
+    });
+    let health = daemon.health("perception").unwrap();
+    let (events, n_lost_events) = events.stop();
+    assert_eq!((n_lost_scenes, n_lost_events), (0, 0));
+    let n_restarts = check_agreement(&daemon, &items(events));
+    // The interval of the panics, and the time to the next frame.
+    let least = length.as_secs() * 8 / 10;
+    assert!(n_restarts >= least, "{n_restarts} panics in {length:?}");
+    check_gapless(&scenes);
+    let n_frames = sequence(scenes.last().unwrap()) - sequence(&scenes[0]) + 1;
+    let n_dropped = n_frames - scenes.len() as u64;
+    // A busy machine may drop one; waiting for the actor drops one at every panic.
+    assert!(n_dropped < n_restarts / 4, "{n_dropped} of {n_frames}");
+    assert_eq!(health["actors"], 5, "{health:#}");
+    let faulty = |scene: &Recorded| {
+        let track = scene
+            .items
+            .iter()
+            .find(|object| object.track_id == FAULTY_TRACK);
+        track.map(|track| track.n_views)
+    };
+    let [first, last] = [&scenes[0], scenes.last().unwrap()].map(faulty);
+    assert!(last > first, "the faulty actor has described nothing more");
+    daemon.stop();
+}
+
+#[test]
+fn a_panic_every_second_costs_the_others_no_frame() {
+    panic_every_second(Duration::from_secs(20));
+}
+
+#[test]
+#[ignore = "long"]
+fn long_a_panic_every_second_costs_the_others_no_frame() {
+    panic_every_second(Duration::from_secs(300));
+}
+
+/// Waits until perception runs as another process than before.
+fn wait_for_another(daemon: &Daemon<'_>, before: u32) {
+    eventually("perception is started again", || {
+        daemon
+            .pid(ProcessKind::Perception)
+            .is_some_and(|pid| pid != before)
+    });
+}
+
+#[test]
+fn one_panic_more_than_is_allowed_ends_the_process_which_begins_anew() {
+    const MAX: u32 = 3;
+    let place = Place::with_faulty_perception();
+    configure(&place, MAX, 60.0);
+    let events = Recorder::<ActorEvents>::start(&place);
+    let daemon = place.start(&TABLE);
+    wait_for_all(&daemon, 0);
+    let before = daemon.pid(ProcessKind::Perception).unwrap();
+    wait_for_another(&daemon, before);
+    // The new tracks have other ids: nothing panics any more.
+    wait_for_all(&daemon, 0);
+    let (events, n_lost) = events.stop();
+    let events = items(events);
+    let (of_first, of_second): (Vec<ActorEvent>, Vec<ActorEvent>) =
+        events.into_iter().partition(|event| event.pid == before);
+    assert_eq!(n_lost, 0);
+    assert_eq!(check_agreement(&daemon, &of_first), u64::from(MAX));
+    let escalated = of_kind(&of_first, ActorEventKind::Escalated);
+    assert_eq!(escalated.len(), 1);
+    assert_eq!(escalated[0].track_id, FAULTY_TRACK);
+    let last = of_first.last().unwrap();
+    assert_eq!(last.kind(), Some(ActorEventKind::Escalated), "{last:?}");
+    let spread = last.stamp_ns - of_kind(&of_first, ActorEventKind::Restarting)[0].stamp_ns;
+    assert!(spread < 60_000_000_000);
+    assert_eq!(of_kind(&of_second, ActorEventKind::Restarting).len(), 0);
+    assert_eq!(of_kind(&of_second, ActorEventKind::Started).len(), 5);
+    assert_eq!(frames_in_log(&daemon).len(), MAX as usize);
+    check_log(&daemon.log(), MAX, escalated[0].frame().unwrap());
+    let health: Value = daemon.health("perception").unwrap();
+    assert_eq!(health["restarts"], 0, "{health:#}");
+    daemon.stop();
+}
+
+fn check_log(log: &str, max: u32, frame: u64) {
+    let escalation = format!(
+        "the object actors needed more than {max} restarts within 60 s, the last one the actor of \
+         track {FAULTY_TRACK}: it panicked: a fault on purpose (at frame {frame}, which it loses)"
+    );
+    for said in [
+        escalation.as_str(),
+        "tabula-perception has ended (exit status: 1); starting it again",
+        "tabula-perception was started again",
+    ] {
+        assert_eq!(log.matches(said).count(), 1, "{said}\n{log}");
+    }
+}
