@@ -45,6 +45,8 @@ pub struct Measured {
     pub mean_rgb: [f32; 3],
     /// Number of points.
     pub n_points: usize,
+    /// Whether it lies where a person or the robot is.
+    pub is_limb: bool,
     /// Whether the border of the image cuts the object.
     pub is_cut_by_image: bool,
     /// Whether a part of it may be missing: the border of the image cuts it, or a
@@ -66,7 +68,8 @@ impl Measured {
         let box_in_camera = seen_box(candidate);
         let box_in_world = box_in_camera.transformed(&frame.world_from_camera);
         let is_cut_by_image = candidate.touches_image_border;
-        let is_handled = candidate.is_touched();
+        let is_limb = candidate.findings.is_limb();
+        let is_handled = is_limb || candidate.is_touched();
         let is_cut = is_cut_by_image || is_handled;
         let seen = Circumstances {
             depth_m: candidate.centroid.z,
@@ -90,6 +93,7 @@ impl Measured {
             },
             mean_rgb: candidate.mean_rgb,
             n_points: candidate.n_points(),
+            is_limb,
             is_cut_by_image,
             is_cut,
         })
@@ -100,6 +104,7 @@ impl Measured {
             box_in_world: *self.measurement.box_in_world(),
             position_variance_m2: self.measurement.position_variance_m2(config.motion()),
             appearance: self.appearance,
+            is_limb: self.is_limb,
         }
     }
 }

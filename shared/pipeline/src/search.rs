@@ -22,6 +22,9 @@ const SIMILARITY_MIN: f64 = 0.75;
 /// last: an empty place says nothing of it for a while.
 const CARRIED_MIN_M_S: f64 = 0.1;
 
+/// What a hand had so lately may be anywhere.
+const HANDLED_NS: u64 = 1_000_000_000;
+
 /// For this long.
 const CARRIED_UNSEEN_NS: u64 = 300_000_000;
 
@@ -30,7 +33,8 @@ const CARRIED_UNSEEN_NS: u64 = 300_000_000;
 pub(crate) fn unseen_place(track: &Track, now_ns: u64, view: &DepthView<'_>) -> Place {
     let ahead = view.place_of(&track.filter.box_in_world());
     let before = view.place_of(&track.posterior.box_in_world());
-    let was_carried = track.posterior.velocity_m_s().norm() > CARRIED_MIN_M_S;
+    let was_carried = was_handled(track, now_ns)
+        || (!track.measured.is_cut && track.posterior.velocity_m_s().norm() > CARRIED_MIN_M_S);
     match [ahead, before] {
         [Place::Free, Place::Free]
             if was_carried && track.life.missed_for_ns(now_ns) < CARRIED_UNSEEN_NS =>
@@ -45,6 +49,11 @@ pub(crate) fn unseen_place(track: &Track, now_ns: u64, view: &DepthView<'_>) -> 
         [Place::OutOfView, _] => Place::OutOfView,
         _ => Place::Unknown,
     }
+}
+
+/// Whether a hand had the object lately.
+fn was_handled(track: &Track, now_ns: u64) -> bool {
+    track.last_handled_ns > 0 && now_ns.saturating_sub(track.last_handled_ns) < HANDLED_NS
 }
 
 /// Pairs tracks whose place is empty with candidates elsewhere.
@@ -72,12 +81,16 @@ impl Search {
         self.tracks.clear();
         self.candidates.clear();
         let is_sought = |i: &usize| {
-            let is_empty = matches!(places[*i], Some(Place::Free | Place::Unknown));
-            is_empty && tracks[*i].phase() == TrackPhase::Confirmed
+            let may_have_gone = match places[*i] {
+                Some(Place::Free) => true,
+                Some(Place::Unknown) => was_handled(&tracks[*i], now_ns),
+                _ => false,
+            };
+            may_have_gone && tracks[*i].phase() == TrackPhase::Confirmed
         };
         self.tracks.extend((0..tracks.len()).filter(is_sought));
         self.candidates
-            .extend((0..measured.len()).filter(|i| measured[*i].is_some()));
+            .extend((0..measured.len()).filter(|i| is_offered(measured[*i].as_ref())));
         if self.tracks.is_empty() || self.candidates.is_empty() {
             return;
         }
@@ -107,6 +120,11 @@ impl Search {
     pub(crate) fn pairs(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
         self.pairs.clone().into_iter()
     }
+}
+
+/// Whether a measured candidate can be an object that has moved: a hand is none.
+fn is_offered(measured: Option<&Measured>) -> bool {
+    measured.is_some_and(|measured| !measured.is_limb)
 }
 
 fn cost(

@@ -37,6 +37,8 @@ pub struct Track {
     pub(crate) appearance: Appearance,
     /// Capture stamp of the last sighting in a hand; 0 for never.
     pub(crate) last_handled_ns: u64,
+    /// Frames in which it had no candidate and lay in what another track saw.
+    pub(crate) n_swallowed: u32,
 }
 
 impl Track {

@@ -9,7 +9,7 @@ use detection::{Detection, ExpectedTrack, Truth};
 use point_cloud::Point;
 use tracking::{
     AssociationBuffers, MotionFilter, Observed, Place, Predicted, Sight, TrackLife, TrackPhase,
-    associate,
+    associate, share_inside,
 };
 
 /// Where a track that was not seen for a while is looked for: the uncertainty of
@@ -26,6 +26,15 @@ const HANDLED_NS: u64 = 500_000_000;
 /// ... nearer to its box than this, metres, nothing new begins: it may be a part of
 /// what the hand cuts in two.
 const HANDLED_MARGIN_M: f64 = 0.03;
+
+/// A track whose box lies in what another one sees, by this share, ...
+const SWALLOWED_SHARE: f64 = 0.8;
+
+/// ... which is at least about as large, ...
+const SWALLOWING_RATIO_MIN: f64 = 0.9;
+
+/// ... and which has no candidate of its own in so many frames, has no object.
+const N_SWALLOWED_MAX: u32 = 3;
 
 /// A candidate that is a track's object.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -121,8 +130,8 @@ impl TrackTable {
     /// whose place is empty or which were not seen for too long.
     ///
     /// A track goes on with its candidate whatever the rule says of it, at the
-    /// table's rim or held in the air, but never with a part of a person or of
-    /// the robot. `next_id` gives ids in ascending order, `None` while there are
+    /// table's rim or held in the air; where a person or the robot is, only with
+    /// what looks like its object. `next_id` gives ids in ascending order, `None` while there are
     /// none. `cloud` is that of the detection.
     pub fn step(
         &mut self,
@@ -139,7 +148,8 @@ impl TrackTable {
         self.predict_tracks(frame);
         self.associate(frame, step);
         self.look_for_unseen(cloud, frame);
-        self.find_again(detection, frame, step);
+        self.end_swallowed();
+        self.find_again(frame, step);
         self.miss(frame);
         self.end_lost(frame, step);
         self.begin(detection, frame, &mut next_id, step);
@@ -182,7 +192,7 @@ impl TrackTable {
         for (i, candidate) in detection.candidates.iter().enumerate() {
             let indices = detection.points_of(candidate);
             let measured = candidate
-                .can_continue_track()
+                .is_object_sized
                 .then(|| Measured::of(candidate, indices, cloud, frame).ok())
                 .flatten();
             if let Some(measured) = &measured {
@@ -249,7 +259,7 @@ impl TrackTable {
 
     /// Gives tracks whose place is empty the candidates left over that they can
     /// have become since: what a hand takes is faster than any gate.
-    fn find_again(&mut self, detection: &Detection, frame: &Frame, step: &mut Step) {
+    fn find_again(&mut self, frame: &Frame, step: &mut Step) {
         let config = self.config.association();
         self.search.pair(
             &self.tracks,
@@ -259,12 +269,31 @@ impl TrackTable {
             config,
         );
         for (track, place) in self.search.pairs() {
-            let candidate = &detection.candidates[place];
-            if let Some(measured) = self.measured[place].take()
-                && candidate.can_continue_track()
-            {
+            if let Some(measured) = self.measured[place].take() {
                 see(&mut self.tracks[track], place, &measured, frame, step);
                 self.places[track] = None;
+            }
+        }
+    }
+
+    /// Two tracks of one object, which was seen in two parts when they began: the
+    /// smaller one ends when again and again it lies in what the other one sees.
+    fn end_swallowed(&mut self) {
+        for i in 0..self.tracks.len() {
+            if self.places[i] != Some(Place::Unknown) {
+                continue;
+            }
+            let own = self.tracks[i].box_in_world();
+            let is_swallowed = self.tracks.iter().zip(&self.places).any(|(other, place)| {
+                let seen = other.measured.measurement.box_in_world();
+                place.is_none()
+                    && seen.volume_m3() >= own.volume_m3() * SWALLOWING_RATIO_MIN
+                    && share_inside(&own, seen) >= SWALLOWED_SHARE
+            });
+            let track = &mut self.tracks[i];
+            track.n_swallowed += u32::from(is_swallowed);
+            if track.n_swallowed >= N_SWALLOWED_MAX {
+                self.places[i] = Some(Place::Free);
             }
         }
     }
@@ -328,6 +357,7 @@ impl TrackTable {
                 filter,
                 appearance: measured.appearance,
                 last_handled_ns: 0,
+                n_swallowed: 0,
             });
         }
     }

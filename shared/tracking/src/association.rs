@@ -13,8 +13,15 @@ const PART_MARGIN_M: f64 = 0.012;
 /// Steps of a side of a box in which it is looked whether it is a part.
 const N_PART_STEPS: usize = 3;
 
+/// They reach so far from its middle: the corners of a box are not filled.
+const PART_REACH: f64 = 0.8;
+
 /// Share of a part that lies in the box of the whole.
 const PART_SHARE_MIN: f64 = 0.85;
+
+/// What lies where a hand is and is larger than the object by more than this is the
+/// hand, or both.
+const LIMB_VOLUME_RATIO_MAX: f64 = 1.6;
 
 /// What an object looks like, coarsely.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,6 +54,9 @@ pub struct Observed {
     pub position_variance_m2: f64,
     /// What it looks like.
     pub appearance: Appearance,
+    /// Whether it lies where a person or the robot is: it may be the object in the
+    /// hand, or the hand.
+    pub is_limb: bool,
 }
 
 /// How much place, size and colour count.
@@ -64,6 +74,8 @@ pub struct AssociationConfig {
     /// Colours that are less alike are another object's; 0 to 1, see
     /// [`ColorHistogram::similarity`].
     pub color_similarity_min: f64,
+    /// The same for what lies where a person or the robot is.
+    pub limb_similarity_min: f64,
     /// Cost of a candidate that lies in the track's box as a part of its object
     /// does, whatever its centre; 0 to 1000.
     pub part_cost: f64,
@@ -77,6 +89,7 @@ impl Default for AssociationConfig {
             color_weight: 2.0,
             volume_ratio_max: 4.0,
             color_similarity_min: 0.45,
+            limb_similarity_min: 0.85,
             part_cost: 9.0,
         }
     }
@@ -94,6 +107,7 @@ impl AssociationConfig {
             ("color_weight", self.color_weight, 0.0, 100.0),
             ("volume_ratio_max", self.volume_ratio_max, 1.1, 1000.0),
             ("color_similarity_min", self.color_similarity_min, 0.0, 1.0),
+            ("limb_similarity_min", self.limb_similarity_min, 0.0, 1.0),
             ("part_cost", self.part_cost, 0.0, 1000.0),
         ])?;
         Ok(self)
@@ -152,6 +166,12 @@ fn pair_cost(track: &Predicted, candidate: &Observed, config: &AssociationConfig
     if !covariance.trace().is_finite() {
         return None;
     }
+    let is_part = || share_inside(&candidate.box_in_world, &track.box_in_world) >= PART_SHARE_MIN;
+    let similarity = || track.appearance.colors.similarity(&candidate.appearance.colors);
+    let is_swollen = candidate.appearance.volume_m3 > LIMB_VOLUME_RATIO_MAX * track.appearance.volume_m3;
+    if candidate.is_limb && (is_swollen || similarity() < config.limb_similarity_min) {
+        return None;
+    }
     // Most pairs are far apart: no direction is wider than the trace.
     let is_far = between.norm_squared() > config.distance2_max * covariance.trace();
     let distance2 = if is_far {
@@ -195,7 +215,7 @@ fn volume_difference(a: &Appearance, b: &Appearance) -> f64 {
 
 /// Share of a box that lies in another one, to the width of a part's margin.
 pub fn share_inside(part: &OrientedBox, whole: &OrientedBox) -> f64 {
-    let place = |step: usize| step as f64 / (N_PART_STEPS - 1) as f64 * 2.0 - 1.0;
+    let place = |step: usize| PART_REACH * (step as f64 / (N_PART_STEPS - 1) as f64 * 2.0 - 1.0);
     let mut n_inside = 0_usize;
     for i in 0..N_PART_STEPS.pow(3) {
         let [x, y, z] =
@@ -244,6 +264,7 @@ mod tests {
             box_in_world: cube(x, 0.01),
             position_variance_m2: 1e-5,
             appearance,
+            is_limb: false,
         }
     }
 
@@ -331,6 +352,21 @@ mod tests {
         check(&[whole], &[part(0.06, RED)], &[Some(0)]);
         check(&[whole], &[part(0.06, BLUE)], &[None]);
         check(&[whole], &[part(0.10, RED)], &[None]);
+    }
+
+    #[test]
+    fn what_lies_where_a_hand_is_must_look_like_the_object() {
+        let whole = Predicted {
+            box_in_world: cube(0.0, 0.04),
+            ..track(0.0, looking(5e-4, RED))
+        };
+        let limb = |x: f64, rgb| Observed {
+            box_in_world: cube(x, 0.03),
+            is_limb: true,
+            ..candidate(0.0, looking(2e-4, rgb))
+        };
+        check(&[whole], &[limb(0.01, RED)], &[Some(0)]);
+        check(&[whole], &[limb(0.01, [180, 130, 100])], &[None]);
     }
 
     #[test]

@@ -74,11 +74,10 @@ impl SlideCovariance {
         (Self(measured), gain)
     }
 
-    /// With a centre that may have gone elsewhere.
-    pub(crate) fn displaced(&self, by_m2: f64) -> Self {
-        let mut displaced = self.0;
-        displaced[(0, 0)] += by_m2;
-        Self(displaced)
+    /// With a centre that has gone elsewhere and may have any speed.
+    pub(crate) fn displaced(&self, by_m2: f64, speed_m2_s2: f64) -> Self {
+        let (centre_m2, half_side_m2) = (self.0[(0, 0)], self.0[(2, 2)]);
+        Self::of(centre_m2 + by_m2, speed_m2_s2, half_side_m2)
     }
 
     /// Variance of the centre, square metres.

@@ -20,8 +20,8 @@ const GROWTH_MAX_M: f64 = 0.02;
 /// A slab is drawn in at its rim: it is the middle of a face that counts.
 const SLAB_SHARE: f64 = 0.85;
 
-/// A slab is at least so thick, metres.
-const SLAB_MIN_M: f64 = 0.004;
+/// A slab is at least so thick, half of it, metres.
+const SLAB_HALF_MIN_M: f64 = 0.002;
 
 /// The axis of a box that points up.
 const UPRIGHT: usize = 2;
@@ -58,6 +58,24 @@ impl Interval {
     }
 }
 
+/// How far the object must have moved along each axis of the expected box for its
+/// ends to fit what was measured of it, metres: not at all where the measured box
+/// lies within the expected one, as that of a part does.
+pub(crate) fn least_shifts_m(measured: &OrientedBox, expected: &OrientedBox) -> Vector3<f64> {
+    let shift = (expected.frame_from_box.inverse() * measured.centre()).coords;
+    let growth = measured.half_sides_m - expected.half_sides_m;
+    shift.zip_map(&growth, |shift, growth| {
+        let (low, high) = (shift - growth, shift + growth);
+        if low * high <= 0.0 {
+            0.0
+        } else if low.abs() < high.abs() {
+            low
+        } else {
+            high
+        }
+    })
+}
+
 /// The trust in each face of a measured box, `[low, high]` for each axis.
 ///
 /// `measured` is read along the axes of `expected`; `sigmas_m` is the noise of a
@@ -79,47 +97,73 @@ pub(crate) fn trust(
             measured_half_m: measured.half_sides_m[axis],
             noise_m: (NOISE_SIGMAS * sigmas_m[axis]).max(NOISE_MIN_M),
         };
-        [-1.0, 1.0].map(|sign| {
-            if seen.stands_on_table && axis == UPRIGHT && sign < 0.0 {
-                return Trust::Sure;
+        let is_obstructed = |ends_m: [f64; 2]| match view {
+            Some(view) => view.is_obstructed(&slab(expected, axis, ends_m)),
+            None => seen.is_cut,
+        };
+        let [low, high] = trust_along(&interval, is_obstructed).map(|trust| {
+            // A hand that is taken for a part of the object does not make it grow.
+            if seen.is_handled && trust == Trust::Doubtful && interval.growth_m() > 0.0 {
+                Trust::Hidden
+            } else {
+                trust
             }
-            face_trust(&interval, sign, || match view {
-                Some(view) => view.is_obstructed(&slab(expected, axis, sign, &interval)),
-                None => seen.is_cut,
-            })
-        })
+        });
+        if seen.stands_on_table && axis == UPRIGHT {
+            [Trust::Sure, high]
+        } else {
+            [low, high]
+        }
     })
 }
 
-fn face_trust(interval: &Interval, sign: f64, is_obstructed: impl FnOnce() -> bool) -> Trust {
-    let (growth_m, beyond_m) = (interval.growth_m(), interval.beyond_m(sign));
+/// The trust in the two faces along an axis. `is_obstructed` is asked of places
+/// between two coordinates on it.
+fn trust_along(interval: &Interval, is_obstructed: impl Fn([f64; 2]) -> bool) -> [Trust; 2] {
+    const SIGNS: [f64; 2] = [-1.0, 1.0];
+    let growth_m = interval.growth_m();
     if growth_m > GROWTH_MAX_M {
         // The end that has grown less is the object's.
-        return if beyond_m > 0.5 * growth_m {
-            Trust::Doubtful
-        } else {
+        return SIGNS.map(|sign| {
+            if interval.beyond_m(sign) > 0.5 * growth_m {
+                Trust::Doubtful
+            } else {
+                Trust::Sure
+            }
+        });
+    }
+    if growth_m >= -interval.noise_m {
+        return [Trust::Sure; 2];
+    }
+    SIGNS.map(|sign| {
+        let beyond_m = interval.beyond_m(sign);
+        let seen_m = interval.shift_m + sign * interval.measured_half_m;
+        let other_seen_m = interval.shift_m - sign * interval.measured_half_m;
+        if beyond_m >= interval.noise_m {
             Trust::Sure
-        };
-    }
-    // A part that ends about where the whole does is not surely its end: the
-    // outermost points of what is round may be hidden, and following them creeps.
-    if growth_m >= -interval.noise_m || beyond_m >= interval.noise_m {
-        Trust::Sure
-    } else if is_obstructed() {
-        Trust::Hidden
-    } else {
-        Trust::Doubtful
-    }
+        } else if is_obstructed([seen_m, sign * interval.expected_half_m]) {
+            Trust::Hidden
+        } else if beyond_m < -interval.noise_m
+            && is_obstructed([other_seen_m, other_seen_m + sign * growth_m])
+        {
+            // It is seen to end here, and has room behind something at the other
+            // end: it has moved. What has moved less is not surely an end: the
+            // outermost points of what is round may be hidden, and following them
+            // creeps.
+            Trust::Sure
+        } else {
+            Trust::Doubtful
+        }
+    })
 }
 
-/// The place between an expected face and the measured one within it.
-fn slab(expected: &OrientedBox, axis: usize, sign: f64, interval: &Interval) -> OrientedBox {
-    let outer_m = interval.expected_half_m;
-    let thickness_m = (-interval.beyond_m(sign)).clamp(SLAB_MIN_M, 2.0 * outer_m.max(SLAB_MIN_M));
+/// The place between two coordinates along an axis of the expected box.
+fn slab(expected: &OrientedBox, axis: usize, ends_m: [f64; 2]) -> OrientedBox {
+    let [from_m, to_m] = ends_m;
     let mut centre = Vector3::zeros();
-    centre[axis] = sign * (outer_m - 0.5 * thickness_m);
+    centre[axis] = 0.5 * (from_m + to_m);
     let mut half_sides_m = expected.half_sides_m * SLAB_SHARE;
-    half_sides_m[axis] = 0.5 * thickness_m;
+    half_sides_m[axis] = (0.5 * (to_m - from_m).abs()).max(SLAB_HALF_MIN_M);
     OrientedBox {
         frame_from_box: expected.frame_from_box * Translation3::from(centre),
         half_sides_m,
@@ -175,6 +219,20 @@ mod tests {
     }
 
     #[test]
+    fn an_end_that_is_seen_free_moves_when_the_other_is_hidden() {
+        let lifted = Interval {
+            expected_half_m: 0.1,
+            shift_m: 0.03,
+            measured_half_m: 0.07,
+            noise_m: 0.006,
+        };
+        let hidden_above = trust_along(&lifted, |[from, to]| from.max(to) > 0.1);
+        assert_eq!(hidden_above, [Sure, Doubtful]);
+        assert_eq!(trust_along(&lifted, |_| false), [Doubtful, Doubtful]);
+        assert_eq!(trust_along(&lifted, |_| true), [Hidden, Hidden]);
+    }
+
+    #[test]
     fn a_sudden_growth_is_believed_at_the_end_that_stays() {
         assert_eq!(along_x(-0.1, 0.11, false), [Sure, Sure]);
         assert_eq!(along_x(-0.1, 0.16, false), [Sure, Doubtful]);
@@ -187,13 +245,7 @@ mod tests {
             frame_from_box: RigidTransform::translation(0.0, 0.0, 1.0),
             half_sides_m: Vector3::new(0.1, 0.05, 0.08),
         };
-        let interval = Interval {
-            expected_half_m: 0.1,
-            shift_m: -0.02,
-            measured_half_m: 0.08,
-            noise_m: 0.006,
-        };
-        let between = slab(&expected, 0, 1.0, &interval);
+        let between = slab(&expected, 0, [0.06, 0.1]);
         assert!((between.centre().x - 0.08).abs() < 1e-12);
         assert!((between.half_sides_m.x - 0.02).abs() < 1e-12);
     }

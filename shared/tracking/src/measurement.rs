@@ -1,10 +1,12 @@
 //! What one frame says of an object.
 
 use crate::Error;
+use crate::evidence::Evidence;
 use crate::motion_filter::MotionConfig;
+use crate::orientation::nearest_reading;
 use detection::kinect_depth_sigma_m;
 use geometry::OrientedBox;
-use nalgebra::{Matrix3, Unit, Vector3};
+use nalgebra::{Matrix3, Translation3, Unit, Vector3};
 
 /// Farthest coordinate of an object, metres.
 const COORDINATE_MAX_M: f64 = 1e5;
@@ -40,6 +42,9 @@ pub struct Circumstances {
     /// Whether a hand may be moving it, as far as is known.
     pub is_handled: bool,
 }
+
+/// The points of what stands on a table begin so much over it at most, metres.
+const FOOT_MAX_M: f64 = 0.03;
 
 /// What one frame says of an object.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -94,6 +99,29 @@ impl Measurement {
             0.0
         };
         sensor_m * sensor_m + cut_m * cut_m
+    }
+
+    /// The box around what was measured, along the axes of an expected one: around
+    /// the object's points where they are given, since a box that is turned otherwise
+    /// says little of these axes. Frame: world.
+    pub(crate) fn box_along(
+        &self,
+        expected: &OrientedBox,
+        evidence: Option<&Evidence<'_>>,
+    ) -> OrientedBox {
+        let around_points = evidence.and_then(|evidence| evidence.box_along(expected));
+        let Some(mut around) = around_points else {
+            return nearest_reading(&self.box_in_world, expected);
+        };
+        if self.seen.stands_on_table {
+            // The lowest points over a table are not told from it.
+            let foot = around.frame_from_box.inverse() * self.box_in_world.centre();
+            let missing_m = (self.box_in_world.half_sides_m.z - foot.z - around.half_sides_m.z)
+                .clamp(0.0, FOOT_MAX_M);
+            around.frame_from_box *= Translation3::new(0.0, 0.0, -0.5 * missing_m);
+            around.half_sides_m.z += 0.5 * missing_m;
+        }
+        around
     }
 
     /// Standard deviation of a face of the box, along each axis of a frame, metres:

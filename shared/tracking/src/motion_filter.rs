@@ -153,8 +153,7 @@ impl MotionFilter {
         let shape = measurement.box_in_world();
         let rotation = shape.frame_from_box.rotation;
         let sigmas_m = measurement.face_sigmas_m(&axes(&rotation), config);
-        // Not seen before, it may have any speed a hand gives it.
-        let speed_m_s = (0.5 * config.acceleration_sigma_m_s2).min(SPEED_MAX_M_S);
+        let speed_m_s = first_speed_m_s(config);
         let missing_m = if measurement.seen().is_cut {
             CUT_SHARE * shape.half_sides_m.max()
         } else {
@@ -231,64 +230,50 @@ impl MotionFilter {
                 state_stamp_ns: self.stamp_ns,
             });
         }
-        let resting = self.moved_on(stamp_ns, Motion::Resting, config);
-        let surprise = resting.surprise_sigmas(measurement, config);
-        let mut state = if measurement.seen().is_handled || surprise > MANOEUVRE_SIGMAS {
-            self.moved_on(stamp_ns, Motion::Handled, config)
-        } else {
-            resting
-        };
-        let surprise = state.surprise_sigmas(measurement, config);
-        if surprise > JUMP_SIGMAS {
-            state.allow_jump(measurement);
-        }
+        let mut state = self.moved_on(stamp_ns, Motion::Resting, config);
         let expected = state.box_in_world();
-        let reading = nearest_reading(measurement.box_in_world(), &expected);
-        let whole_m3 = PART_VOLUME_SHARE * expected.volume_m3();
-        let part = evidence
-            .filter(|_| reading.volume_m3() < whole_m3)
-            .and_then(|evidence| evidence.box_along(&expected));
-        // The box around a part of an object is turned anyhow.
-        let is_part = part.is_some();
-        let reading = part.unwrap_or(reading);
+        let measured = measurement.box_along(&expected, evidence);
         let sigmas_m = measurement.face_sigmas_m(&axes(&state.rotation), config);
-        let view = evidence.and_then(|evidence| evidence.view.as_ref());
-        let trust = faces::trust(&reading, &expected, &sigmas_m, measurement.seen(), view);
-        if !is_part {
-            state.take_turn(&reading, &trust, measurement);
+        let shifts_m = faces::least_shifts_m(&measured, &expected);
+        let is_surprising = state.surprise_sigmas(&shifts_m, &sigmas_m) > MANOEUVRE_SIGMAS;
+        if measurement.seen().is_handled || is_surprising {
+            state = self.moved_on(stamp_ns, Motion::Handled, config);
+            if state.surprise_sigmas(&shifts_m, &sigmas_m) > JUMP_SIGMAS {
+                state.allow_jump(&shifts_m, config);
+            }
         }
-        state.take_faces(&reading, &trust, &sigmas_m);
+        let view = evidence.and_then(|evidence| evidence.view.as_ref());
+        let trust = faces::trust(&measured, &expected, &sigmas_m, measurement.seen(), view);
+        // The box around a part of an object is turned anyhow.
+        if measured.volume_m3() >= PART_VOLUME_SHARE * expected.volume_m3() {
+            state.take_turn(&trust, measurement);
+        }
+        state.take_faces(&measured, &trust, &sigmas_m);
         state.slow_unseen(&trust, (stamp_ns - self.stamp_ns) as f64 * 1e-9);
         Ok(state)
     }
 
-    /// How many sigma the measured centre lies from the expected one, on the worst
-    /// axis.
-    fn surprise_sigmas(&self, measurement: &Measurement, config: &MotionConfig) -> f64 {
-        let rotation = axes(&self.rotation);
-        let between = rotation.tr_mul(&(measurement.box_in_world().centre() - self.position));
-        let sigmas_m = measurement.face_sigmas_m(&rotation, config);
+    /// How many sigma the object must have moved from where it is expected, on the
+    /// worst axis.
+    fn surprise_sigmas(&self, shifts_m: &Vector3<f64>, sigmas_m: &Vector3<f64>) -> f64 {
         let sigmas = (0..3).map(|axis| {
             let variance_m2 = self.slides[axis].centre_m2() + sigmas_m[axis].powi(2);
-            between[axis].abs() / variance_m2.sqrt()
+            shifts_m[axis].abs() / variance_m2.sqrt()
         });
         sigmas.fold(0.0, f64::max)
     }
 
-    /// Lets the object be where it is measured now.
-    fn allow_jump(&mut self, measurement: &Measurement) {
-        let jump_m2 = (measurement.box_in_world().centre() - self.position).norm_squared();
-        for slide in &mut self.slides {
-            *slide = slide.displaced(jump_m2).settled(SPEED_MAX_M_S);
+    /// Lets the object be where it is measured now, at rest as far as is known: what
+    /// brought it there was no motion that could be followed.
+    fn allow_jump(&mut self, shifts_m: &Vector3<f64>, config: &MotionConfig) {
+        self.velocity_m_s = Vector3::zeros();
+        for (slide, shift_m) in self.slides.iter_mut().zip(shifts_m.iter()) {
+            *slide = slide.displaced(shift_m * shift_m, first_speed_m_s(config).powi(2));
         }
     }
 
-    fn take_turn(
-        &mut self,
-        reading: &OrientedBox,
-        trust: &[[Trust; 2]; 3],
-        measurement: &Measurement,
-    ) {
+    fn take_turn(&mut self, trust: &[[Trust; 2]; 3], measurement: &Measurement) {
+        let reading = nearest_reading(measurement.box_in_world(), &self.box_in_world());
         let turn = (self.rotation.inverse() * reading.frame_from_box.rotation).scaled_axis();
         let is_whole = trust[..2].iter().flatten().all(|face| *face == Trust::Sure);
         let factor = if is_whole { 1.0 } else { PART_TURN_FACTOR };
@@ -307,16 +292,16 @@ impl MotionFilter {
 
     fn take_faces(
         &mut self,
-        reading: &OrientedBox,
+        measured: &OrientedBox,
         trust: &[[Trust; 2]; 3],
         sigmas_m: &Vector3<f64>,
     ) {
         let world_from_axes = axes(&self.rotation);
-        let shift = world_from_axes.tr_mul(&(reading.centre() - self.position));
+        let shift = world_from_axes.tr_mul(&(measured.centre() - self.position));
         let (mut moved, mut sped) = (Vector3::<f64>::zeros(), Vector3::<f64>::zeros());
         let mut completeness = 1.0_f64;
         for axis in 0..3 {
-            let measured_half_m = reading.half_sides_m[axis];
+            let measured_half_m = measured.half_sides_m[axis];
             for (end, trust) in [End::Low, End::High].into_iter().zip(trust[axis]) {
                 let sigma_m = match trust {
                     Trust::Sure => sigmas_m[axis],
@@ -326,8 +311,8 @@ impl MotionFilter {
                 let sign = end.sign();
                 let surprise_m = (shift[axis] + sign * measured_half_m)
                     - (moved[axis] + sign * self.half_sides_m[axis]);
-                let (measured, gain) = self.slides[axis].face_measured(end, sigma_m * sigma_m);
-                self.slides[axis] = measured.settled(SPEED_MAX_M_S);
+                let (slide, gain) = self.slides[axis].face_measured(end, sigma_m * sigma_m);
+                self.slides[axis] = slide.settled(SPEED_MAX_M_S);
                 moved[axis] += gain[0] * surprise_m;
                 sped[axis] += gain[1] * surprise_m;
                 let half_m: f64 = self.half_sides_m[axis] + gain[2] * surprise_m;
@@ -392,6 +377,12 @@ impl MotionFilter {
             half_sides_m: self.half_sides_m,
         }
     }
+}
+
+/// Standard deviation of the speed of what was not seen moving: a hand's, metres a
+/// second.
+fn first_speed_m_s(config: &MotionConfig) -> f64 {
+    (0.5 * config.acceleration_sigma_m_s2).min(SPEED_MAX_M_S)
 }
 
 /// The axes of a box as columns, world frame.
