@@ -75,7 +75,7 @@ impl Measured {
             depth_m: candidate.centroid.z,
             ray_in_world: ray(candidate, &frame.world_from_camera),
             variances_m2: variances_m2(candidate, indices, cloud),
-            stands_on_table: stands_on_table(candidate),
+            stands_on_table: stands_on_table(candidate) && !is_handled,
             is_cut,
             is_handled,
         };

@@ -72,6 +72,7 @@ pub struct TrackTable {
     predicted: Vec<Predicted>,
     observed: Vec<Observed>,
     association: AssociationBuffers,
+    rows: Vec<usize>,
     places: Vec<Option<Place>>,
     search: Search,
 }
@@ -88,6 +89,7 @@ impl TrackTable {
             predicted: Vec::new(),
             observed: Vec::new(),
             association: AssociationBuffers::default(),
+            rows: Vec::new(),
             places: Vec::new(),
             search: Search::default(),
         }
@@ -187,43 +189,55 @@ impl TrackTable {
 
     fn measure(&mut self, detection: &Detection, cloud: &[Point], frame: &Frame) {
         self.measured.clear();
-        self.usable.clear();
-        self.observed.clear();
-        for (i, candidate) in detection.candidates.iter().enumerate() {
+        for candidate in &detection.candidates {
             let indices = detection.points_of(candidate);
             let measured = candidate
                 .is_object_sized
                 .then(|| Measured::of(candidate, indices, cloud, frame).ok())
                 .flatten();
-            if let Some(measured) = &measured {
-                self.usable.push(i);
-                self.observed.push(measured.observed(&self.config));
-            }
             self.measured.push(measured);
         }
     }
 
     fn predict_tracks(&mut self, frame: &Frame) {
-        self.predicted.clear();
-        let trace_max_m2 = 3.0 * SEARCH_SIGMA_MAX_M * SEARCH_SIGMA_MAX_M;
         for track in &mut self.tracks {
             // Always from the measured state: predicting a prediction would let
             // a track that is not seen coast for ever.
             track.filter = track
                 .posterior
                 .predicted(frame.capture_ns, self.config.motion());
-            let covariance_m2 = track.filter.position_covariance_m2();
-            let share = (trace_max_m2 / covariance_m2.trace()).min(1.0);
-            self.predicted.push(Predicted {
-                box_in_world: track.filter.box_in_world(),
-                covariance_m2: covariance_m2 * share,
-                appearance: track.appearance,
-            });
         }
     }
 
-    /// Gives each track its candidate; used candidates leave `measured`.
+    /// Gives each track its candidate; used candidates leave `measured`. First come
+    /// the tracks that were seen just now: one that is searched for in a wide place
+    /// must not take theirs.
     fn associate(&mut self, frame: &Frame, step: &mut Step) {
+        self.places.clear();
+        self.places.resize(self.tracks.len(), Some(Place::Unknown));
+        for is_sure in [true, false] {
+            self.associate_some(is_sure, frame, step);
+        }
+    }
+
+    fn associate_some(&mut self, is_sure: bool, frame: &Frame, step: &mut Step) {
+        self.predicted.clear();
+        self.observed.clear();
+        self.usable.clear();
+        self.rows.clear();
+        for (i, track) in self.tracks.iter().enumerate() {
+            let was_sure = track.sight() == Sight::Seen && track.phase() == TrackPhase::Confirmed;
+            if self.places[i].is_some() && was_sure == is_sure {
+                self.rows.push(i);
+                self.predicted.push(predicted(track));
+            }
+        }
+        for (i, measured) in self.measured.iter().enumerate() {
+            if let Some(measured) = measured {
+                self.usable.push(i);
+                self.observed.push(measured.observed(&self.config));
+            }
+        }
         let config = self.config.association();
         let pairs = associate(
             &self.predicted,
@@ -231,17 +245,13 @@ impl TrackTable {
             config,
             &mut self.association,
         );
-        self.places.clear();
-        for (track, pair) in self.tracks.iter_mut().zip(pairs) {
+        for (row, pair) in self.rows.iter().zip(pairs) {
             let candidate = pair.map(|usable| self.usable[usable]);
             let taken = candidate.and_then(|i| Some((i, self.measured[i].take()?)));
-            self.places.push(match taken {
-                Some((candidate, measured)) => {
-                    see(track, candidate, &measured, frame, step);
-                    None
-                }
-                None => Some(Place::Unknown),
-            });
+            if let Some((candidate, measured)) = taken {
+                see(&mut self.tracks[*row], candidate, &measured, frame, step);
+                self.places[*row] = None;
+            }
         }
     }
 
@@ -360,6 +370,18 @@ impl TrackTable {
                 n_swallowed: 0,
             });
         }
+    }
+}
+
+/// Where a track is expected, and what it looks like.
+fn predicted(track: &Track) -> Predicted {
+    let trace_max_m2 = 3.0 * SEARCH_SIGMA_MAX_M * SEARCH_SIGMA_MAX_M;
+    let covariance_m2 = track.filter.position_covariance_m2();
+    let share = (trace_max_m2 / covariance_m2.trace()).min(1.0);
+    Predicted {
+        box_in_world: track.filter.box_in_world(),
+        covariance_m2: covariance_m2 * share,
+        appearance: track.appearance,
     }
 }
 

@@ -204,13 +204,17 @@ pub fn look_cost(a: &Appearance, b: &Appearance, config: &AssociationConfig) -> 
         .then_some(config.volume_weight * volume + config.color_weight * unlike)
 }
 
-/// Absolute logarithm of the ratio of volumes; 0 where one is cut. A cubic
-/// centimetre is added to both, so that the noise of thin boxes counts little.
-fn volume_difference(a: &Appearance, b: &Appearance) -> f64 {
-    if a.is_cut || b.is_cut {
-        return 0.0;
+/// Absolute logarithm of the ratio of volumes. What is cut may be a part of the
+/// other one, not more than it; where both are, sizes say nothing. A cubic centimetre
+/// is added to both, so that the noise of thin boxes counts little.
+fn volume_difference(track: &Appearance, candidate: &Appearance) -> f64 {
+    let growth = ((candidate.volume_m3 + 1e-6) / (track.volume_m3 + 1e-6)).ln();
+    match (track.is_cut, candidate.is_cut) {
+        (false, false) => growth.abs(),
+        (false, true) => growth.max(0.0),
+        (true, false) => (-growth).max(0.0),
+        (true, true) => 0.0,
     }
-    ((a.volume_m3 + 1e-6) / (b.volume_m3 + 1e-6)).ln().abs()
 }
 
 /// Share of a box that lies in another one, to the width of a part's margin.

@@ -25,6 +25,9 @@ const LATERAL_SIGMA_RAD: f64 = 0.002_1;
 /// of its longest side is added to the noise of the position.
 const CUT_SHARE: f64 = 0.25;
 
+/// But at most this, metres: a table that is cut is no mug.
+const CUT_MAX_M: f64 = 0.08;
+
 /// How an object was seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Circumstances {
@@ -94,7 +97,7 @@ impl Measurement {
     pub fn position_variance_m2(&self, config: &MotionConfig) -> f64 {
         let sensor_m = kinect_depth_sigma_m(self.seen.depth_m).max(config.position_sigma_min_m);
         let cut_m = if self.seen.is_cut {
-            CUT_SHARE * self.box_in_world.sides_m().max()
+            (CUT_SHARE * self.box_in_world.sides_m().max()).min(CUT_MAX_M)
         } else {
             0.0
         };

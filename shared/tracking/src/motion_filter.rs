@@ -263,10 +263,12 @@ impl MotionFilter {
         sigmas.fold(0.0, f64::max)
     }
 
-    /// Lets the object be where it is measured now, at rest as far as is known: what
-    /// brought it there was no motion that could be followed.
+    /// Lets the object be where it is measured now. A jump against its velocity says
+    /// that this was wrong.
     fn allow_jump(&mut self, shifts_m: &Vector3<f64>, config: &MotionConfig) {
-        self.velocity_m_s = Vector3::zeros();
+        if (self.rotation * shifts_m).dot(&self.velocity_m_s) < 0.0 {
+            self.velocity_m_s = Vector3::zeros();
+        }
         for (slide, shift_m) in self.slides.iter_mut().zip(shifts_m.iter()) {
             *slide = slide.displaced(shift_m * shift_m, first_speed_m_s(config).powi(2));
         }
