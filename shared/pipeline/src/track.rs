@@ -82,7 +82,10 @@ impl Track {
     /// nothing of size, and its colours may be another thing's.
     pub(crate) fn remember(&mut self, looks: &Appearance, is_whole: bool) {
         if self.appearance.is_cut {
-            self.appearance = *looks;
+            // What is smaller than a part is a smaller part, cut or not.
+            if looks.volume_m3 >= AS_LARGE_SHARE * self.appearance.volume_m3 {
+                self.appearance = *looks;
+            }
         } else if is_whole {
             let colors = &self.appearance.colors;
             self.appearance.colors = colors.blended(&looks.colors, COLOR_RATE);
@@ -90,6 +93,9 @@ impl Track {
         }
     }
 }
+
+/// What has this share of a volume is about as large.
+const AS_LARGE_SHARE: f64 = 0.8;
 
 /// Share of a frame's colours in what is remembered.
 const COLOR_RATE: f32 = 0.05;

@@ -5,7 +5,7 @@ use crate::frame::{Frame, Measured};
 use crate::search::{Search, unseen_place};
 use crate::track::Track;
 use crate::{Config, Posterior};
-use detection::{Detection, ExpectedTrack, Truth};
+use detection::{Candidate, Detection, ExpectedTrack, Support, Truth};
 use point_cloud::Point;
 use tracking::{
     AssociationBuffers, MotionFilter, Observed, Place, Predicted, Sight, TrackLife, TrackPhase,
@@ -20,12 +20,24 @@ const SEARCH_SIGMA_MAX_M: f64 = 0.04;
 /// A view shows an object whole with this share of its box.
 const WHOLE_SHARE: f64 = 0.9;
 
+/// A fragment of an object has a smaller share of the volume of its box.
+const WHOLE_VOLUME_SHARE: f64 = 0.7;
+
 /// Near what was handled so lately, ...
 const HANDLED_NS: u64 = 500_000_000;
 
 /// ... nearer to its box than this, metres, nothing new begins: it may be a part of
 /// what the hand cuts in two.
 const HANDLED_MARGIN_M: f64 = 0.03;
+
+/// What has at most this share of the points of a larger thing, ...
+const PART_POINTS_SHARE: f64 = 0.12;
+
+/// ... whose middle is no farther from its box, metres, ...
+const PART_REACH_M: f64 = 0.035;
+
+/// ... and whose mean colour is as near, of 255, may be a part of it.
+const PART_COLOR_DISTANCE_MAX: f32 = 45.0;
 
 /// A track whose box lies in what another one sees, by this share, ...
 const SWALLOWED_SHARE: f64 = 0.8;
@@ -340,7 +352,9 @@ impl TrackTable {
             let Some(measured) = measured.take().filter(|_| is_object) else {
                 continue;
             };
-            if is_part_of_handled(&self.tracks, &measured, frame) {
+            if is_part_of_handled(&self.tracks, &measured, frame)
+                || is_part_of_larger(&detection.candidates[candidate], &detection.candidates)
+            {
                 continue;
             }
             let Some(track_id) = next_id() else { return };
@@ -390,8 +404,32 @@ fn is_part_of_handled(tracks: &[Track], measured: &Measured, frame: &Frame) -> b
     let centre = measured.measurement.box_in_world().centre();
     tracks.iter().any(|track| {
         let handled_ago_ns = frame.capture_ns.saturating_sub(track.last_handled_ns);
-        handled_ago_ns < HANDLED_NS && track.box_in_world().contains(&centre, HANDLED_MARGIN_M)
+        track.last_handled_ns > 0
+            && handled_ago_ns < HANDLED_NS
+            && track.box_in_world().contains(&centre, HANDLED_MARGIN_M)
     })
+}
+
+/// Whether a candidate is a part of a larger one, like the handle of a mug that the
+/// sensor has lost the connection to: small, of the same colour, at its side, and in
+/// the air.
+fn is_part_of_larger(part: &Candidate, candidates: &[Candidate]) -> bool {
+    let is_like = |whole: &Candidate| {
+        let pairs = part.mean_rgb.iter().zip(whole.mean_rgb);
+        let squares = pairs.map(|(a, b)| (a - b) * (a - b));
+        squares.sum::<f32>().sqrt() <= PART_COLOR_DISTANCE_MAX
+    };
+    let centre = part.oriented_box.centre();
+    part.support != Some(Support::Table)
+        && candidates.iter().any(|whole| {
+            let place = whole.oriented_box.frame_from_box.inverse() * centre;
+            let half = whole.oriented_box.half_sides_m;
+            part.n_points() as f64 <= PART_POINTS_SHARE * whole.n_points() as f64
+                && place.x.abs() <= half.x + PART_REACH_M
+                && place.y.abs() <= half.y + PART_REACH_M
+                && place.z.abs() <= half.z
+                && is_like(whole)
+        })
 }
 
 /// A track goes on with a candidate.
@@ -402,7 +440,10 @@ fn see(track: &mut Track, candidate: usize, measured: &Measured, frame: &Frame, 
         track.last_handled_ns = frame.capture_ns;
     }
     track.measured = *measured;
-    let is_whole = !measured.is_cut && track.posterior.completeness() >= WHOLE_SHARE;
+    let whole_m3 = WHOLE_VOLUME_SHARE * track.filter.box_in_world().volume_m3();
+    let is_whole = !measured.is_cut
+        && track.posterior.completeness() >= WHOLE_SHARE
+        && measured.appearance.volume_m3 >= whole_m3;
     track.remember(&measured.appearance, is_whole);
     step.sightings.push(Sighting {
         track_id: track.id,

@@ -19,6 +19,10 @@ const PART_REACH: f64 = 0.8;
 /// Share of a part that lies in the box of the whole.
 const PART_SHARE_MIN: f64 = 0.85;
 
+/// Share of a cut candidate's box that lies in that of its object, or of the latter
+/// in the former.
+const CUT_SHARE_MIN: f64 = 0.5;
+
 /// What lies where a hand is and is larger than the object by more than this is the
 /// hand, or both.
 const LIMB_VOLUME_RATIO_MAX: f64 = 1.6;
@@ -166,9 +170,14 @@ fn pair_cost(track: &Predicted, candidate: &Observed, config: &AssociationConfig
     if !covariance.trace().is_finite() {
         return None;
     }
-    let is_part = || share_inside(&candidate.box_in_world, &track.box_in_world) >= PART_SHARE_MIN;
-    let similarity = || track.appearance.colors.similarity(&candidate.appearance.colors);
-    let is_swollen = candidate.appearance.volume_m3 > LIMB_VOLUME_RATIO_MAX * track.appearance.volume_m3;
+    let similarity = || {
+        track
+            .appearance
+            .colors
+            .similarity(&candidate.appearance.colors)
+    };
+    let is_swollen =
+        candidate.appearance.volume_m3 > LIMB_VOLUME_RATIO_MAX * track.appearance.volume_m3;
     if candidate.is_limb && (is_swollen || similarity() < config.limb_similarity_min) {
         return None;
     }
@@ -179,7 +188,7 @@ fn pair_cost(track: &Predicted, candidate: &Observed, config: &AssociationConfig
     } else {
         (between.transpose() * covariance.try_inverse()? * between).x
     };
-    if distance2 <= config.distance2_max {
+    if distance2 <= config.distance2_max && !is_cut_elsewhere(track, candidate) {
         let look = look_cost(&track.appearance, &candidate.appearance, config)?;
         return Some(distance2 + look);
     }
@@ -190,6 +199,15 @@ fn pair_cost(track: &Predicted, candidate: &Observed, config: &AssociationConfig
         .similarity(&candidate.appearance.colors);
     (is_part && similarity >= config.color_similarity_min)
         .then_some(config.part_cost + config.color_weight * (1.0 - similarity))
+}
+
+/// Whether a candidate of which a part may be missing lies elsewhere: the place of
+/// its centre says little, but what is seen of it lies where the object is.
+fn is_cut_elsewhere(track: &Predicted, candidate: &Observed) -> bool {
+    let (of_track, of_candidate) = (&track.box_in_world, &candidate.box_in_world);
+    candidate.appearance.is_cut
+        && share_inside(of_candidate, of_track) < CUT_SHARE_MIN
+        && share_inside(of_track, of_candidate) < CUT_SHARE_MIN
 }
 
 /// Cost of the difference of size and colour; `None` where they tell different

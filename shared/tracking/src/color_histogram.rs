@@ -13,8 +13,9 @@ const N_GREYS: usize = 4;
 
 const N_BINS: usize = N_HUES * N_SATURATIONS + N_GREYS;
 
-/// Below this chroma, of 255, hue is noise; at twice of it, colour counts whole.
-const CHROMA_MIN: f32 = 16.0;
+/// Below this chroma, of 255, hue is noise; with so much more, colour counts whole.
+const CHROMA_MIN: f32 = 12.0;
+const CHROMA_RAMP: f32 = 32.0;
 
 /// Share of every bin that is taken for granted, so that a few stray points do
 /// not tell objects apart.
@@ -71,7 +72,7 @@ fn add(bins: &mut [f32; N_BINS], color: Rgba) {
     let [red, green, blue] = color.rgb().map(f32::from);
     let value = red.max(green).max(blue);
     let chroma = value - red.min(green).min(blue);
-    let colored = ((chroma - CHROMA_MIN) / CHROMA_MIN).clamp(0.0, 1.0);
+    let colored = ((chroma - CHROMA_MIN) / CHROMA_RAMP).clamp(0.0, 1.0);
     if colored < 1.0 {
         let (first, second, share) = neighbours(value / 256.0, N_GREYS);
         let greys = &mut bins[N_HUES * N_SATURATIONS..];

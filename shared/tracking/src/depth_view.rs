@@ -33,9 +33,6 @@ const SEEN_SHARE_MIN: f64 = 0.25;
 /// With this share behind something nearer the place is hidden.
 const HIDDEN_SHARE: f64 = 0.3;
 
-/// Something more than this in a slab: its surface may be there, unseen.
-const OBSTRUCTED_SHARE: f64 = 0.15;
-
 /// A frame into which can be looked: an organised cloud, its camera, and from
 /// where it was taken.
 #[derive(Debug, Clone, Copy)]
@@ -137,10 +134,10 @@ impl<'a> DepthView<'a> {
         }
     }
 
-    /// Whether a surface could be in a box and not be seen: something stands
-    /// before the box's far side, or the box lies outside the image. What lies at
-    /// the far side itself, as a table does, is no obstacle.
-    pub fn is_obstructed(&self, box_in_world: &OrientedBox) -> bool {
+    /// Share of a box in which a surface could be and not be seen, 0 to 1: something
+    /// stands before the box's far side, or the box lies outside the image. What lies
+    /// at the far side itself, as a table does, is no obstacle.
+    pub fn obstructed_share(&self, box_in_world: &OrientedBox) -> f64 {
         let counts = self.look_through(box_in_world, |depth_m, [_, exit_m], apart_m| {
             if depth_m < exit_m - apart_m {
                 Seen::Nearer
@@ -148,7 +145,7 @@ impl<'a> DepthView<'a> {
                 Seen::Farther
             }
         });
-        f64::from(counts.outside + counts.nearer) > OBSTRUCTED_SHARE * counts.total()
+        f64::from(counts.outside + counts.nearer) / counts.total()
     }
 
     /// What the rays through the places of a box show. `judge` is given the seen
@@ -320,7 +317,11 @@ mod tests {
         for (depth_m, is_obstructed) in [(0.7, true), (1.0, true), (1.09, false), (1.4, false)] {
             let (cloud, camera) = wall(|_| depth_m);
             let view = DepthView::new(&cloud, camera, &RigidTransform::identity()).unwrap();
-            assert_eq!(view.is_obstructed(&slab), is_obstructed, "{depth_m}");
+            assert_eq!(
+                view.obstructed_share(&slab) > 0.5,
+                is_obstructed,
+                "{depth_m}"
+            );
         }
     }
 

@@ -23,6 +23,11 @@ const SLAB_SHARE: f64 = 0.85;
 /// A slab is at least so thick, half of it, metres.
 const SLAB_HALF_MIN_M: f64 = 0.002;
 
+/// With more than this share of a slab hidden, a surface may be there, unseen. An
+/// object hides the most of what is under it when it is lifted.
+const OBSTRUCTED_SHARE: f64 = 0.15;
+const FOOT_OBSTRUCTED_SHARE: f64 = 0.7;
+
 /// The axis of a box that points up.
 const UPRIGHT: usize = 2;
 
@@ -98,7 +103,15 @@ pub(crate) fn trust(
             noise_m: (NOISE_SIGMAS * sigmas_m[axis]).max(NOISE_MIN_M),
         };
         let is_obstructed = |ends_m: [f64; 2]| match view {
-            Some(view) => view.is_obstructed(&slab(expected, axis, ends_m)),
+            Some(view) => {
+                let is_foot = axis == UPRIGHT && ends_m[1] < ends_m[0];
+                let share_max = if is_foot {
+                    FOOT_OBSTRUCTED_SHARE
+                } else {
+                    OBSTRUCTED_SHARE
+                };
+                view.obstructed_share(&slab(expected, axis, ends_m)) > share_max
+            }
             None => seen.is_cut,
         };
         let [low, high] = trust_along(&interval, is_obstructed).map(|trust| {

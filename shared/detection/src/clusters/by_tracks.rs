@@ -182,8 +182,8 @@ const MAIN_SHARE: f64 = 0.4;
 const FRAGMENT_SHARE: f64 = 0.15;
 
 impl Clusters {
-    /// Joins the fragments of tracked objects with their main clusters. Returns
-    /// whether anything was joined.
+    /// Joins the fragments of tracked objects with their main clusters, unless they
+    /// are tracked themselves. Returns whether anything was joined.
     ///
     /// Boxes of the tracks in the camera's frame.
     pub(crate) fn join_by_tracks(
@@ -192,32 +192,26 @@ impl Clusters {
         tracks: &[ExpectedTrack],
     ) -> bool {
         let mut is_joined = false;
-        for track in tracks.iter().filter(|track| track.n_points > 0) {
-            let n_expected = track.n_points as f64;
-            let (mut main, mut has_fragments) = (None, false);
-            for cluster in 0..self.len() {
-                let pixels = self.pixels(cluster);
-                let n = pixels.len() as f64;
-                let is_fragment = n <= FRAGMENT_SHARE * n_expected;
-                if (is_fragment || n >= MAIN_SHARE * n_expected)
-                    && share_inside(cloud.points(), pixels, track) >= PART_SHARE
-                {
-                    has_fragments |= is_fragment;
-                    if !is_fragment {
-                        main = Some(cluster as u32);
-                    }
-                }
-            }
-            let Some(main) = main.filter(|_| has_fragments) else {
+        for (i, track) in tracks.iter().enumerate() {
+            let fits = |pixels: &[u32], share: f64| {
+                let n = pixels.len() as f64 / track.n_points.max(1) as f64;
+                n >= share && share_inside(cloud.points(), pixels, track) >= PART_SHARE
+            };
+            let main = (0..self.len()).find(|cluster| fits(self.pixels(*cluster), MAIN_SHARE));
+            let Some(main) = main.filter(|_| track.n_points > 0) else {
                 continue;
             };
             for cluster in 0..self.len() {
                 let [first, end] = [self.starts[cluster], self.starts[cluster + 1]];
                 let pixels = &self.pixels[first as usize..end as usize];
-                let is_fragment = pixels.len() as f64 <= FRAGMENT_SHARE * n_expected;
-                if is_fragment && share_inside(cloud.points(), pixels, track) >= PART_SHARE {
+                let is_fragment = pixels.len() as f64 <= FRAGMENT_SHARE * track.n_points as f64;
+                let others = tracks.iter().enumerate().filter(|(other, _)| *other != i);
+                if is_fragment
+                    && fits(pixels, 0.0)
+                    && !is_tracked(cloud.points(), pixels, others.map(|(_, other)| other))
+                {
                     for &pixel in pixels {
-                        self.cluster_of[pixel as usize] = main;
+                        self.cluster_of[pixel as usize] = main as u32;
                     }
                     is_joined = true;
                 }
@@ -228,6 +222,19 @@ impl Clusters {
         }
         is_joined
     }
+}
+
+/// Whether a cluster is what one of some tracks saw.
+fn is_tracked<'a>(
+    points: &[Point],
+    pixels: &[u32],
+    mut tracks: impl Iterator<Item = &'a ExpectedTrack>,
+) -> bool {
+    tracks.any(|track| {
+        track.n_points > 0
+            && pixels.len() as f64 >= CLAIM_SHARE * track.n_points as f64
+            && share_inside(points, pixels, track) >= PART_SHARE
+    })
 }
 
 /// Share of a cluster's points in the box of a track.

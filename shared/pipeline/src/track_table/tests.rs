@@ -1,5 +1,5 @@
 use super::*;
-use detection::{Candidate, Constraint, ConstraintSet, Finding, Findings, Reason, Support};
+use detection::{Constraint, ConstraintSet, Finding, Findings, Reason};
 use geometry::OrientedBox;
 use geometry::RigidTransform;
 use nalgebra::{Point3, Vector3};
@@ -28,9 +28,31 @@ fn candidate_at(x: f64) -> Candidate {
     }
 }
 
-/// A hundred grey points, which all candidates share.
+/// A hundred grey points, which all objects share, and a hundred of a sleeve.
 fn cloud() -> Vec<Point> {
-    vec![Point::without_depth(Rgba::opaque(120, 120, 120)); 100]
+    let mut points = vec![Point::without_depth(Rgba::opaque(120, 120, 120)); 100];
+    points.resize(200, Point::without_depth(Rgba::opaque(30, 40, 160)));
+    points
+}
+
+/// A part of the object beside it.
+fn small_at(x: f64) -> Candidate {
+    let mut small = candidate_at(x);
+    small.oriented_box.half_sides_m = Vector3::repeat(0.02);
+    small
+}
+
+/// What an actor would answer to the last sighting of a track.
+fn posterior_of(track: &Track) -> Posterior {
+    Posterior {
+        filter: track.filter,
+        view_id: track.n_views,
+        is_key_view: false,
+        label: None,
+        distance: f32::INFINITY,
+        nearest: Default::default(),
+        n_key_views: 0,
+    }
 }
 
 /// The same, of which the rule is not true.
@@ -45,6 +67,7 @@ fn ignored_at(x: f64, verdict: Truth) -> Candidate {
 /// The same as a part of the robot or of a person.
 fn limb_at(x: f64, constraint: Constraint) -> Candidate {
     let mut limb = ignored_at(x, Truth::False);
+    limb.range = 100..200;
     let reason = Reason::NotJudged;
     let truth = Truth::True;
     limb.findings.set(constraint, Finding { truth, reason });
@@ -79,7 +102,7 @@ impl Story {
     fn frame_of(&mut self, candidates: Vec<Candidate>) {
         let detection = Detection {
             candidates,
-            point_indices: (0..100).collect(),
+            point_indices: (0..200).collect(),
             ..Detection::default()
         };
         let frame = Frame {
@@ -148,7 +171,7 @@ fn without_ids_nothing_begins_and_clearing_ends_all() {
     assert_eq!((gone, story.ids()), (vec![1], vec![]));
     let detection = Detection {
         candidates: vec![candidate_at(0.0)],
-        point_indices: (0..100).collect(),
+        point_indices: (0..200).collect(),
         ..Detection::default()
     };
     let frame = Frame {
@@ -202,6 +225,11 @@ fn a_track_never_goes_on_with_a_hand_or_the_arm() {
         };
         story.frame_of(vec![oversized]);
         assert_ne!(story.table.tracks()[0].sight(), Sight::Seen);
+        // What a hand holds lies where the hand is, and looks like the object.
+        let mut held = limb_at(0.0, constraint);
+        held.range = 0..100;
+        story.frame_of(vec![held]);
+        assert_eq!(story.table.tracks()[0].sight(), Sight::Seen);
         assert_eq!(story.ids(), [1]);
     }
 }
@@ -230,6 +258,41 @@ fn what_is_left_of_an_object_in_a_hand_does_not_shrink_its_track() {
         track.appearance.volume_m3 > 0.9e-3,
         "{:?}",
         track.appearance
+    );
+}
+
+#[test]
+fn two_tracks_of_one_object_become_one() {
+    let mut story = Story::new();
+    story.frame_of(vec![candidate_at(0.0), small_at(0.02)]);
+    story.frame_of(vec![candidate_at(0.0), small_at(0.02)]);
+    assert_eq!(story.ids(), [1, 2]);
+    // Now and then detection sees the whole.
+    for _ in 0..3 {
+        story.frame(&[0.0]);
+    }
+    assert_eq!(story.ids(), [1]);
+}
+
+#[test]
+fn what_comes_back_is_linked_to_what_it_was() {
+    let mut story = Story::new();
+    for _ in 0..10 {
+        story.frame(&[0.0]);
+        let posterior = posterior_of(&story.table.tracks()[0]);
+        story.table.absorb(1, &posterior);
+    }
+    for _ in 0..60 {
+        story.frame(&[]);
+    }
+    assert_eq!(story.ids(), [0_u64; 0]);
+    story.frame(&[0.4]);
+    assert_eq!(story.table.tracks()[0].linked_to, Some(1));
+    story.frame(&[0.4, 0.9]);
+    assert_eq!(
+        story.table.tracks()[1].linked_to,
+        None,
+        "it is back already"
     );
 }
 
