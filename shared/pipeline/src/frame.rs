@@ -3,7 +3,7 @@
 use crate::{Config, Error};
 use detection::{Candidate, Support};
 use geometry::{OrientedBox, PinholeCamera, RigidTransform};
-use nalgebra::{Point3, Translation3, Unit, Vector3};
+use nalgebra::{Translation3, Unit, Vector3};
 use point_cloud::{Moments, Point};
 use tracking::{Appearance, Circumstances, ColorHistogram, DepthView, Measurement, Observed};
 
@@ -35,8 +35,6 @@ impl Frame {
 pub struct Measured {
     /// The box in the world and its stamp.
     pub measurement: Measurement,
-    /// Centre of the box in the camera's frame.
-    pub centre_in_camera: Point3<f64>,
     /// The frame it was seen in.
     pub frame: Frame,
     /// Coarse looks.
@@ -84,7 +82,6 @@ impl Measured {
         let colors = sampled(indices, cloud).map(|point| point.color);
         Ok(Self {
             measurement,
-            centre_in_camera: box_in_camera.centre(),
             frame: *frame,
             appearance: Appearance {
                 volume_m3: box_in_world.volume_m3(),

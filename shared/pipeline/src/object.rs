@@ -195,12 +195,8 @@ fn recognise(
         .map_err(Error::Learning)
 }
 
-/// The tracked box, whose axes and sides are steadier than one frame's, where
-/// this frame shows it.
+/// The tracked box, which is steadier than one frame's.
 fn tracked_box_in_camera(filter: &MotionFilter, measured: &Measured) -> OrientedBox {
-    let mut tracked = filter
-        .box_in_world()
-        .transformed(&measured.frame.world_from_camera.inverse());
-    tracked.frame_from_box.translation = measured.centre_in_camera.into();
-    tracked
+    let camera_from_world = measured.frame.world_from_camera.inverse();
+    filter.box_in_world().transformed(&camera_from_world)
 }

@@ -31,6 +31,15 @@ const TURN_DAMPING_S: f64 = 0.3;
 /// seconds.
 const UNSEEN_DAMPING_S: f64 = 0.15;
 
+/// However it is turned when it is seen first is how it is turned, for what is round:
+/// standard deviation of the first orientation at most, radians (3 degrees), and of
+/// its first speed, radians a second.
+const FIRST_TURN_SIGMA_RAD: f64 = 0.05;
+const FIRST_TURN_SPEED_RAD_S: f64 = 0.05;
+
+/// What nothing touches is turned by this share of what a hand may do.
+const RESTING_TURN_SHARE: f64 = 0.02;
+
 /// Thinnest box, half of a side, metres.
 const HALF_SIDE_MIN_M: f64 = 1e-3;
 
@@ -62,7 +71,7 @@ pub struct MotionConfig {
     /// to 100. A surprise too large for it is taken for a hand's doing.
     pub resting_acceleration_sigma_m_s2: f64,
     /// Standard deviation of the angular acceleration of what a hand turns,
-    /// rad/s²; 0.01 to 1000. What nothing touches has a tenth of it.
+    /// rad/s²; 0.01 to 1000. What nothing touches has a fiftieth of it.
     pub turn_acceleration_sigma_rad_s2: f64,
     /// How far a half side walks at random in a second, metres; 0.00001 to 0.1.
     pub resizing_sigma_m: f64,
@@ -172,7 +181,10 @@ impl MotionFilter {
             turn_speed_rad_s: Vector3::zeros(),
             half_sides_m: shape.half_sides_m.map(|half| half.max(HALF_SIDE_MIN_M)),
             slides: std::array::from_fn(slide),
-            turns: std::array::from_fn(|axis| TurnCovariance::of(turns[axis].powi(2), 1.0)),
+            turns: std::array::from_fn(|axis| {
+                let turn_rad = turns[axis].min(FIRST_TURN_SIGMA_RAD);
+                TurnCovariance::of(turn_rad.powi(2), FIRST_TURN_SPEED_RAD_S.powi(2))
+            }),
             completeness: 1.0,
         }
     }
@@ -188,7 +200,7 @@ impl MotionFilter {
         let dt_s = stamp_ns.saturating_sub(self.stamp_ns) as f64 * 1e-9;
         let (slide_m_s2, turn_share) = match motion {
             Motion::Handled => (config.acceleration_sigma_m_s2, 1.0),
-            Motion::Resting => (config.resting_acceleration_sigma_m_s2, 0.1),
+            Motion::Resting => (config.resting_acceleration_sigma_m_s2, RESTING_TURN_SHARE),
         };
         let turn_rad_s2 = config.turn_acceleration_sigma_rad_s2 * turn_share;
         let (growth_s, coast_s) = (dt_s.min(GROWTH_MAX_S), dt_s.min(COAST_MAX_S));
@@ -235,7 +247,9 @@ impl MotionFilter {
         let measured = measurement.box_along(&expected, evidence);
         let sigmas_m = measurement.face_sigmas_m(&axes(&state.rotation), config);
         let shifts_m = faces::least_shifts_m(&measured, &expected);
-        let is_surprising = state.surprise_sigmas(&shifts_m, &sigmas_m) > MANOEUVRE_SIGMAS;
+        let is_whole = measured.volume_m3() >= PART_VOLUME_SHARE * expected.volume_m3();
+        let is_surprising = state.surprise_sigmas(&shifts_m, &sigmas_m) > MANOEUVRE_SIGMAS
+            || (is_whole && state.turn_surprise_sigmas(measurement) > MANOEUVRE_SIGMAS);
         if measurement.seen().is_handled || is_surprising {
             state = self.moved_on(stamp_ns, Motion::Handled, config);
             if state.surprise_sigmas(&shifts_m, &sigmas_m) > JUMP_SIGMAS {
@@ -245,7 +259,7 @@ impl MotionFilter {
         let view = evidence.and_then(|evidence| evidence.view.as_ref());
         let trust = faces::trust(&measured, &expected, &sigmas_m, measurement.seen(), view);
         // The box around a part of an object is turned anyhow.
-        if measured.volume_m3() >= PART_VOLUME_SHARE * expected.volume_m3() {
+        if is_whole {
             state.take_turn(&trust, measurement);
         }
         state.take_faces(&measured, &trust, &sigmas_m);
@@ -263,6 +277,24 @@ impl MotionFilter {
         sigmas.fold(0.0, f64::max)
     }
 
+    /// The same of how it is turned.
+    fn turn_surprise_sigmas(&self, measurement: &Measurement) -> f64 {
+        let turn = self.turn_to(measurement);
+        let sigmas_rad = turn_sigmas_rad(&measurement.seen().variances_m2);
+        let sigmas = (0..3).map(|axis| {
+            let variance_rad2 = self.turns[axis].turn_rad2() + sigmas_rad[axis].powi(2);
+            turn[axis].abs() / variance_rad2.sqrt()
+        });
+        sigmas.fold(0.0, f64::max)
+    }
+
+    /// From the expected orientation to the nearest reading of the measured one, about
+    /// the axes of the box, radians.
+    fn turn_to(&self, measurement: &Measurement) -> Vector3<f64> {
+        let reading = nearest_reading(measurement.box_in_world(), &self.box_in_world());
+        (self.rotation.inverse() * reading.frame_from_box.rotation).scaled_axis()
+    }
+
     /// Lets the object be where it is measured now. A jump against its velocity says
     /// that this was wrong.
     fn allow_jump(&mut self, shifts_m: &Vector3<f64>, config: &MotionConfig) {
@@ -275,8 +307,7 @@ impl MotionFilter {
     }
 
     fn take_turn(&mut self, trust: &[[Trust; 2]; 3], measurement: &Measurement) {
-        let reading = nearest_reading(measurement.box_in_world(), &self.box_in_world());
-        let turn = (self.rotation.inverse() * reading.frame_from_box.rotation).scaled_axis();
+        let turn = self.turn_to(measurement);
         let is_whole = trust[..2].iter().flatten().all(|face| *face == Trust::Sure);
         let factor = if is_whole { 1.0 } else { PART_TURN_FACTOR };
         let sigmas_rad = turn_sigmas_rad(&measurement.seen().variances_m2) * factor;
