@@ -143,6 +143,10 @@ fn panic_every_second(length: Duration) {
     check_gapless(&scenes);
     let n_frames = sequence(scenes.last().unwrap()) - sequence(&scenes[0]) + 1;
     let n_dropped = n_frames - scenes.len() as u64;
+    let n_late: u32 = scenes.iter().map(|scene| scene.header.n_late).sum();
+    println!(
+        "{length:?}: {n_restarts} panics, {n_frames} frames, {n_dropped} dropped, {n_late} answers late"
+    );
     // A busy machine may drop one; waiting for the actor drops one at every panic.
     assert!(n_dropped < n_restarts / 4, "{n_dropped} of {n_frames}");
     assert_eq!(health["actors"], 5, "{health:#}");

@@ -1,8 +1,12 @@
 //! The walking skeleton: start, see, teach, restart, recognise, stop.
 
 use crate::daemon::{Daemon, Place, nearest};
+use crate::recorder::SceneRecorder;
 use camera::synthetic::SyntheticTable;
 use serde_json::Value;
+
+/// Frames in which nothing moves.
+const N_STILL_FRAMES: usize = 150;
 
 /// Where an object of an arrangement stands.
 pub(crate) fn place_of(arrangement: u32, name: &str) -> [f64; 3] {
@@ -44,6 +48,31 @@ fn what_was_taught_is_named_by_its_shape_and_not_by_its_place() {
     assert_eq!(label("box"), "cereal box", "{objects:#?}");
     for never_taught in ["can", "ball", "mug"] {
         assert_eq!(label(never_taught), Value::Null, "{objects:#?}");
+    }
+    daemon.stop();
+}
+
+/// What round things are turned by is noise, and so is which part of a handle is seen.
+#[test]
+fn what_stands_still_keeps_its_name_and_has_one_key_view() {
+    let place = Place::new();
+    let daemon = place.start(&["--source", "synthetic:0"]);
+    let objects = wait_for_all(&daemon, 0);
+    for object in &objects {
+        daemon.ask(&["teach", &id(object), &format!("object {}", id(object))]);
+    }
+    daemon.wait_for("all are named", |objects| {
+        objects.iter().all(|object| object["label"] != Value::Null)
+    });
+    let scenes = SceneRecorder::start(&place);
+    scenes.wait_for("frames go by", |scenes| scenes.len() >= N_STILL_FRAMES);
+    let (scenes, _) = scenes.stop();
+    for object in scenes.iter().flat_map(|scene| &scene.items) {
+        let id = object.track_id;
+        let (label, distance) = (object.label.as_str(), object.distance);
+        assert_eq!(object.is_labelled, 1, "track {id}: distance {distance}");
+        assert_eq!(label, Some(format!("object {id}").as_str()));
+        assert_eq!(object.n_key_views, 1, "track {id}");
     }
     daemon.stop();
 }

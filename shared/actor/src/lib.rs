@@ -31,7 +31,7 @@
 //! # Ok(()) }
 //! ```
 //!
-//! //! Invariants:
+//! Invariants:
 //! - Handlers are synchronous and know nothing of tasks, threads or clocks.
 //! - User code never runs while a lock of this crate is held.
 //! - A message is delivered at most once; the one that broke its actor never

@@ -20,6 +20,7 @@ mod figure;
 pub mod hypothesis_image;
 pub mod id_f1;
 pub mod labelled_scenes;
+mod page;
 pub mod scene_picture;
 pub mod score_page;
 pub mod segmentation_score;

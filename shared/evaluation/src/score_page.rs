@@ -1,14 +1,7 @@
 //! Scores and pictures of scenes as a page of HTML.
 
+use crate::page::{self, escaped, linked_picture};
 use crate::segmentation_score::{MEASURE_NAMES, SegmentationScore};
-use std::fmt::Write;
-
-pub(crate) const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;margin:2em auto;max-width:1400px;\
-    padding:0 1em;color:#222}table{border-collapse:collapse;margin:1em 0}\
-    caption{text-align:left;font-weight:bold}th,td{padding:.2em .7em;text-align:right;border-bottom:1px solid #ddd;\
-    font-variant-numeric:tabular-nums}th:first-child,td:first-child{text-align:left}\
-    figure{margin:2em 0}img{width:100%;height:auto;display:block}\
-    figcaption{margin-bottom:.4em}h2{margin-top:2em}";
 
 const LEGEND: &str = "<h2>Scenes, worst first</h2>\n<p>Left the colour image, in the middle the \
     truth, on the right the result. A hypothesis has the colour of the object that it is matched \
@@ -60,17 +53,13 @@ pub fn html(
     tables: &[ScoreTable],
     scenes: &[PicturedScene],
 ) -> String {
-    let title = escaped(title);
-    let mut parts = vec![format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<title>{title}</title>\n\
-         <style>{STYLE}</style>\n<h1>{title}</h1>"
-    )];
-    parts.extend(notes.iter().map(|note| format!("<p>{}</p>", escaped(note))));
-    parts.extend(tables.iter().map(table));
-    parts.push(LEGEND.to_owned());
-    parts.extend(scenes.iter().map(figure));
-    parts.push("</html>\n".to_owned());
-    parts.join("\n")
+    let tables = tables.iter().map(table);
+    let legend = std::iter::once(LEGEND.to_owned());
+    page::html(
+        title,
+        notes,
+        tables.chain(legend).chain(scenes.iter().map(figure)),
+    )
 }
 
 fn table(ScoreTable { title, lines }: &ScoreTable) -> String {
@@ -110,44 +99,13 @@ fn figure(scene: &PicturedScene) -> String {
     let (name, group) = (escaped(&scene.name), escaped(&scene.group));
     format!(
         "<figure id=\"{name}\">\n<figcaption><b>{name}</b> ({group}): {}; {} hypotheses, {} \
-         objects; {:.2} ms</figcaption>\n<a href=\"{link}\"><img loading=\"lazy\" src=\"{link}\" \
-         alt=\"{name}: colour, truth, result\"></a>\n</figure>",
+         objects; {:.2} ms</figcaption>\n{}\n</figure>",
         measures.join(" "),
         score.n_hypotheses,
         score.n_objects,
         scene.detection_ms,
-        link = link(&scene.picture)
+        linked_picture(&scene.picture, &format!("{name}: colour, truth, result"))
     )
-}
-
-/// Text within HTML.
-pub(crate) fn escaped(text: &str) -> String {
-    let mut escaped = String::with_capacity(text.len());
-    for character in text.chars() {
-        match character {
-            '&' => escaped += "&amp;",
-            '<' => escaped += "&lt;",
-            '>' => escaped += "&gt;",
-            '"' => escaped += "&quot;",
-            other => escaped.push(other),
-        }
-    }
-    escaped
-}
-
-/// A relative path as a link: what is not plain is written by its bytes
-/// (RFC 3986).
-pub(crate) fn link(path: &str) -> String {
-    let mut link = String::new();
-    for byte in path.bytes() {
-        if byte.is_ascii_alphanumeric() || b"-_.~/".contains(&byte) {
-            link.push(char::from(byte));
-        } else {
-            // Writing to a string can not fail.
-            let _ = write!(link, "%{byte:02X}");
-        }
-    }
-    link
 }
 
 #[cfg(test)]

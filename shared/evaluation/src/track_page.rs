@@ -1,6 +1,6 @@
 //! Figures and pictures of tracks as a page of HTML.
 
-use crate::score_page::{STYLE, escaped, link};
+use crate::page::{self, escaped, linked_picture};
 
 /// A picture and what is said of it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -23,16 +23,8 @@ pub struct PageTable {
 /// A page that needs no other file but the pictures, which stand in the order in
 /// which they are given.
 pub fn html(title: &str, notes: &[String], tables: &[PageTable], runs: &[PicturedRun]) -> String {
-    let title = escaped(title);
-    let mut parts = vec![format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<title>{title}</title>\n\
-         <style>{STYLE}</style>\n<h1>{title}</h1>"
-    )];
-    parts.extend(notes.iter().map(|note| format!("<p>{}</p>", escaped(note))));
-    parts.extend(tables.iter().map(table));
-    parts.extend(runs.iter().map(figure));
-    parts.push("</html>\n".to_owned());
-    parts.join("\n")
+    let tables = tables.iter().map(table);
+    page::html(title, notes, tables.chain(runs.iter().map(figure)))
 }
 
 fn table(table: &PageTable) -> String {
@@ -52,11 +44,9 @@ fn table(table: &PageTable) -> String {
 }
 
 fn figure(run: &PicturedRun) -> String {
-    let (caption, link) = (escaped(&run.caption), link(&run.picture));
-    format!(
-        "<figure>\n<figcaption>{caption}</figcaption>\n<a href=\"{link}\"><img loading=\"lazy\" \
-         src=\"{link}\" alt=\"{caption}\"></a>\n</figure>"
-    )
+    let caption = escaped(&run.caption);
+    let picture = linked_picture(&run.picture, &caption);
+    format!("<figure>\n<figcaption>{caption}</figcaption>\n{picture}\n</figure>")
 }
 
 #[cfg(test)]
