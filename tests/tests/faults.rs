@@ -212,9 +212,9 @@ fn the_next_start_cleans_up_when_everything_was_killed_at_once() {
     // which are told to stop when it dies.
     let children = place.processes();
     assert_eq!(children.len(), WITH_CAMERA.len());
-    children
-        .iter()
-        .for_each(|pid| signal_pid(*pid, Signal::STOP));
+    for pid in &children {
+        signal_pid(*pid, Signal::STOP);
+    }
     daemon.signal_parent(Signal::KILL);
     children.into_iter().for_each(kill_pid);
     daemon.wait(PATIENCE);
