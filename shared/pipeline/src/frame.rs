@@ -76,6 +76,7 @@ impl Measured {
             stands_on_table: stands_on_table(candidate) && !is_handled,
             is_cut,
             is_handled,
+            is_limb,
         };
         let measurement =
             Measurement::new(frame.capture_ns, box_in_world, seen).map_err(Error::Tracking)?;

@@ -62,6 +62,7 @@ fn update_filter(bencher: Bencher<'_, '_>) {
         stands_on_table: true,
         is_cut: false,
         is_handled: false,
+        is_limb: false,
     };
     let seen = |stamp_ns| Measurement::new(stamp_ns, shape, circumstances);
     let (Ok(first), Ok(second)) = (seen(0), seen(33_000_000)) else {

@@ -114,6 +114,10 @@ pub(crate) fn trust(
             }
             None => seen.is_cut,
         };
+        if seen.is_limb && interval.growth_m() > interval.noise_m {
+            // Which end of it is the hand's is not known.
+            return [Trust::Hidden; 2];
+        }
         let [low, high] = trust_along(&interval, is_obstructed).map(|trust| {
             // A hand that is taken for a part of the object does not make it grow.
             if seen.is_handled && trust == Trust::Doubtful && interval.growth_m() > 0.0 {
@@ -202,6 +206,7 @@ mod tests {
             stands_on_table: false,
             is_cut,
             is_handled: false,
+            is_limb: false,
         };
         let sigmas_m = Vector3::repeat(0.002);
         trust(&shape(low, high), &shape(-0.1, 0.1), &sigmas_m, &seen, None)[0]

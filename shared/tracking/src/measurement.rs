@@ -44,6 +44,8 @@ pub struct Circumstances {
     pub is_cut: bool,
     /// Whether a hand may be moving it, as far as is known.
     pub is_handled: bool,
+    /// Whether its points lie where a hand is, so that some of them may be the hand's.
+    pub is_limb: bool,
 }
 
 /// The points of what stands on a table begin so much over it at most, metres.

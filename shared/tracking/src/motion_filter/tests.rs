@@ -22,6 +22,7 @@ fn circumstances(is_cut: bool) -> Circumstances {
         stands_on_table: false,
         is_cut,
         is_handled: false,
+        is_limb: false,
     }
 }
 
