@@ -5,7 +5,9 @@ use detection::{Candidate, Support};
 use geometry::{OrientedBox, PinholeCamera, RigidTransform};
 use nalgebra::{Translation3, Unit, Vector3};
 use point_cloud::{Moments, Point};
-use tracking::{Appearance, Circumstances, ColorHistogram, DepthView, Measurement, Observed};
+use tracking::{
+    Appearance, Circumstances, ColorHistogram, DepthView, Handling, Measurement, Observed,
+};
 
 /// An object's colours and the spread of its points are taken from about this
 /// many of them.
@@ -67,7 +69,12 @@ impl Measured {
         let box_in_world = box_in_camera.transformed(&frame.world_from_camera);
         let is_cut_by_image = candidate.touches_image_border;
         let is_limb = candidate.findings.is_limb();
-        let is_handled = is_limb || candidate.is_touched();
+        let handling = match (is_limb, candidate.is_touched()) {
+            (true, _) => Handling::WithinHand,
+            (false, true) => Handling::Touched,
+            (false, false) => Handling::Alone,
+        };
+        let is_handled = handling != Handling::Alone;
         let is_cut = is_cut_by_image || is_handled;
         let seen = Circumstances {
             depth_m: candidate.centroid.z,
@@ -75,8 +82,7 @@ impl Measured {
             variances_m2: variances_m2(candidate, indices, cloud),
             stands_on_table: stands_on_table(candidate) && !is_handled,
             is_cut,
-            is_handled,
-            is_limb,
+            handling,
         };
         let measurement =
             Measurement::new(frame.capture_ns, box_in_world, seen).map_err(Error::Tracking)?;

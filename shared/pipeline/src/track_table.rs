@@ -436,7 +436,7 @@ fn is_part_of_larger(part: &Candidate, candidates: &[Candidate]) -> bool {
 fn see(track: &mut Track, candidate: usize, measured: &Measured, frame: &Frame, step: &mut Step) {
     track.life = track.life.seen(frame.capture_ns);
     track.last_seen_ns = frame.capture_ns;
-    if measured.measurement.seen().is_handled {
+    if measured.measurement.seen().is_handled() {
         track.last_handled_ns = frame.capture_ns;
     }
     track.measured = *measured;

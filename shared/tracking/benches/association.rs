@@ -5,8 +5,8 @@ use geometry::{OrientedBox, RigidTransform};
 use nalgebra::{Matrix3, Vector3};
 use point_cloud::Rgba;
 use tracking::{
-    Appearance, AssociationBuffers, AssociationConfig, Circumstances, ColorHistogram, Measurement,
-    MotionConfig, MotionFilter, Observed, Predicted, associate,
+    Appearance, AssociationBuffers, AssociationConfig, Circumstances, ColorHistogram, Handling,
+    Measurement, MotionConfig, MotionFilter, Observed, Predicted, associate,
 };
 
 fn main() {
@@ -61,8 +61,7 @@ fn update_filter(bencher: Bencher<'_, '_>) {
         variances_m2: Vector3::new(8e-4, 5e-4, 3e-3),
         stands_on_table: true,
         is_cut: false,
-        is_handled: false,
-        is_limb: false,
+        handling: Handling::Alone,
     };
     let seen = |stamp_ns| Measurement::new(stamp_ns, shape, circumstances);
     let (Ok(first), Ok(second)) = (seen(0), seen(33_000_000)) else {

@@ -5,7 +5,7 @@
 //! could have been seen.
 
 use crate::depth_view::DepthView;
-use crate::measurement::Circumstances;
+use crate::measurement::{Circumstances, Handling};
 use geometry::OrientedBox;
 use nalgebra::{Translation3, Vector3};
 
@@ -114,13 +114,13 @@ pub(crate) fn trust(
             }
             None => seen.is_cut,
         };
-        if seen.is_limb && interval.growth_m() > interval.noise_m {
+        if seen.handling == Handling::WithinHand && interval.growth_m() > interval.noise_m {
             // Which end of it is the hand's is not known.
             return [Trust::Hidden; 2];
         }
         let [low, high] = trust_along(&interval, is_obstructed).map(|trust| {
             // A hand that is taken for a part of the object does not make it grow.
-            if seen.is_handled && trust == Trust::Doubtful && interval.growth_m() > 0.0 {
+            if seen.is_handled() && trust == Trust::Doubtful && interval.growth_m() > 0.0 {
                 Trust::Hidden
             } else {
                 trust
@@ -205,8 +205,7 @@ mod tests {
             variances_m2: Vector3::repeat(1e-3),
             stands_on_table: false,
             is_cut,
-            is_handled: false,
-            is_limb: false,
+            handling: Handling::Alone,
         };
         let sigmas_m = Vector3::repeat(0.002);
         trust(&shape(low, high), &shape(-0.1, 0.1), &sigmas_m, &seen, None)[0]

@@ -33,6 +33,6 @@ pub use depth_view::DepthView;
 pub use error::Error;
 pub use evidence::Evidence;
 pub use key_view::{KeyViewRule, MotionPhase};
-pub use measurement::{Circumstances, Measurement};
+pub use measurement::{Circumstances, Handling, Measurement};
 pub use motion_filter::{MotionConfig, MotionFilter};
 pub use track_life::{Place, Sight, TrackLife, TrackPhase};

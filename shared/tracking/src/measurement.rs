@@ -28,6 +28,17 @@ const CUT_SHARE: f64 = 0.25;
 /// But at most this, metres: a table that is cut is no mug.
 const CUT_MAX_M: f64 = 0.08;
 
+/// What a hand, a person's or the robot's, has to do with an object.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Handling {
+    /// Nothing.
+    Alone,
+    /// It is at it, and may be moving it.
+    Touched,
+    /// The object's points lie where the hand is: some of them may be the hand's.
+    WithinHand,
+}
+
 /// How an object was seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Circumstances {
@@ -42,10 +53,8 @@ pub struct Circumstances {
     /// Whether a part of it may be missing, at the border of the image or behind
     /// what touches it.
     pub is_cut: bool,
-    /// Whether a hand may be moving it, as far as is known.
-    pub is_handled: bool,
-    /// Whether its points lie where a hand is, so that some of them may be the hand's.
-    pub is_limb: bool,
+    /// What a hand has to do with it, as far as is known.
+    pub handling: Handling,
 }
 
 /// The points of what stands on a table begin so much over it at most, metres.
@@ -57,6 +66,13 @@ pub struct Measurement {
     stamp_ns: u64,
     box_in_world: OrientedBox,
     seen: Circumstances,
+}
+
+impl Circumstances {
+    /// Whether a hand may be moving the object.
+    pub fn is_handled(&self) -> bool {
+        self.handling != Handling::Alone
+    }
 }
 
 impl Measurement {

@@ -6,7 +6,7 @@ use crate::error::check_settings;
 use crate::evidence::Evidence;
 use crate::faces::{self, Trust};
 use crate::measurement::{HALF_SIDE_MAX_M, Measurement};
-use crate::orientation::{nearest_reading, turn_sigmas_rad};
+use crate::orientation::{SIGMA_MAX_RAD, nearest_reading, turn_sigmas_rad};
 use geometry::{OrientedBox, RigidTransform};
 use nalgebra::{Matrix3, Point3, Translation3, UnitQuaternion, Vector3};
 use std::f64::consts::PI;
@@ -248,9 +248,10 @@ impl MotionFilter {
         let sigmas_m = measurement.face_sigmas_m(&axes(&state.rotation), config);
         let shifts_m = faces::least_shifts_m(&measured, &expected);
         let is_whole = measured.volume_m3() >= PART_VOLUME_SHARE * expected.volume_m3();
-        let is_surprising = state.surprise_sigmas(&shifts_m, &sigmas_m) > MANOEUVRE_SIGMAS
+        let is_moved = measurement.seen().is_handled()
+            || state.surprise_sigmas(&shifts_m, &sigmas_m) > MANOEUVRE_SIGMAS
             || (is_whole && state.turn_surprise_sigmas(measurement) > MANOEUVRE_SIGMAS);
-        if measurement.seen().is_handled || is_surprising {
+        if is_moved {
             state = self.moved_on(stamp_ns, Motion::Handled, config);
             if state.surprise_sigmas(&shifts_m, &sigmas_m) > JUMP_SIGMAS {
                 state.allow_jump(&shifts_m, config);
@@ -260,7 +261,7 @@ impl MotionFilter {
         let trust = faces::trust(&measured, &expected, &sigmas_m, measurement.seen(), view);
         // The box around a part of an object is turned anyhow.
         if is_whole {
-            state.take_turn(&trust, measurement);
+            state.take_turn(&trust, measurement, is_moved);
         }
         state.take_faces(&measured, &trust, &sigmas_m);
         state.slow_unseen(&trust, (stamp_ns - self.stamp_ns) as f64 * 1e-9);
@@ -306,13 +307,16 @@ impl MotionFilter {
         }
     }
 
-    fn take_turn(&mut self, trust: &[[Trust; 2]; 3], measurement: &Measurement) {
+    /// How what is round is turned can not be seen: as long as nothing moves it, it is
+    /// turned as it was.
+    fn take_turn(&mut self, trust: &[[Trust; 2]; 3], measurement: &Measurement, is_moved: bool) {
         let turn = self.turn_to(measurement);
         let is_whole = trust[..2].iter().flatten().all(|face| *face == Trust::Sure);
         let factor = if is_whole { 1.0 } else { PART_TURN_FACTOR };
-        let sigmas_rad = turn_sigmas_rad(&measurement.seen().variances_m2) * factor;
+        let clear_rad = turn_sigmas_rad(&measurement.seen().variances_m2);
+        let sigmas_rad = clear_rad * factor;
         let mut correction = Vector3::zeros();
-        for axis in 0..3 {
+        for axis in (0..3).filter(|axis| is_moved || clear_rad[*axis] < SIGMA_MAX_RAD) {
             let (measured, gain) = self.turns[axis].measured(sigmas_rad[axis].powi(2));
             self.turns[axis] = measured.settled(PI, TURN_SPEED_MAX_RAD_S);
             correction[axis] = gain[0] * turn[axis];
