@@ -27,12 +27,13 @@ const LAYERS: [&[&str]; 11] = [
 ];
 
 /// Foreign libraries and the only crates that may name them.
-const OWNERS: [(&str, &[&str]); 11] = [
+const OWNERS: [(&str, &[&str]); 12] = [
     ("iceoryx2", &["channel", "message"]),
     ("iceoryx2-log", &["channel"]),
     ("rusty-leveldb", &["store"]),
     ("libloading", &["freenect"]),
     ("rapier3d", &["simulation"]),
+    ("pathfinding", &["tracking"]),
     ("indicatif", &["tabula"]),
     ("plotters", &["evaluation"]),
     ("ciborium", &["channel", "store"]),
