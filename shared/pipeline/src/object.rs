@@ -6,18 +6,23 @@ use crate::frame::Measured;
 use crate::key_views::KeyViews;
 use crate::{Config, Error};
 use description::{Descriptor, Good, ObjectPoints};
-use geometry::OrientedBox;
+use geometry::{OrientedBox, RigidTransform};
 use learning::{CategoryIndex, CategoryName, N_NEAREST, Neighbour, Recognition};
 use point_cloud::Point;
-use tracking::{Evidence, MotionFilter};
+use tracking::{DescribedAxes, Evidence, MotionFilter};
 
 /// A view shows an object whole with this share of its box.
 const WHOLE_SHARE: f64 = 0.9;
+
+/// An object whose shorter side is at least so long, as a share of the longer one,
+/// may be round.
+const ROUND_RATIO: f64 = 0.75;
 
 /// What is known of one object; small, so that a copy of it is a checkpoint.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ObjectState {
     filter: Option<MotionFilter>,
+    axes: Option<DescribedAxes>,
     key_views: KeyViews,
     n_views: u32,
     n_key_views: u32,
@@ -128,26 +133,29 @@ impl ObjectState {
             indices,
             measured,
         } = observation;
+        let evidence = Evidence {
+            cloud,
+            indices,
+            world_from_camera: measured.frame.world_from_camera,
+            view: measured.frame.view(cloud),
+        };
         let filter = match &self.filter {
-            Some(filter) => {
-                let evidence = Evidence {
-                    cloud,
-                    indices,
-                    world_from_camera: measured.frame.world_from_camera,
-                    view: measured.frame.view(cloud),
-                };
-                filter.updated(&measured.measurement, Some(&evidence), config.motion())
-            }
+            Some(filter) => filter.updated(&measured.measurement, Some(&evidence), config.motion()),
             None => Ok(MotionFilter::start(&measured.measurement, config.motion())),
         }
         .map_err(Error::Tracking)?;
         let points = ObjectPoints::selected(cloud, indices).map_err(Error::Description)?;
-        let tracked_box = tracked_box_in_camera(&filter, measured);
-        describe(points, &tracked_box, tools)?;
+        let axes = match &self.axes {
+            Some(axes) => axes.updated(&measured.measurement),
+            None => DescribedAxes::start(&measured.measurement),
+        };
+        let camera_from_world = measured.frame.world_from_camera.inverse();
+        let described_box = axes.box_in_world().transformed(&camera_from_world);
+        describe(points, &described_box, tools)?;
         on_described();
         let answer = recognise(taught, config, tools)?;
         descriptor.clone_from(&tools.readings[0]);
-        let pose = filter.box_in_world().frame_from_box;
+        let pose = pose_that_tells(&filter.box_in_world());
         let is_whole = !measured.is_cut && filter.completeness() >= WHOLE_SHARE;
         let is_key_view = self
             .key_views
@@ -156,6 +164,7 @@ impl ObjectState {
         self.n_views = self.n_views.saturating_add(1);
         self.n_key_views = self.n_key_views.saturating_add(u32::from(is_key_view));
         self.filter = Some(filter);
+        self.axes = Some(axes);
         Ok(Posterior {
             filter,
             view_id,
@@ -165,6 +174,17 @@ impl ObjectState {
             nearest: answer.nearest,
             n_key_views: self.n_key_views,
         })
+    }
+}
+
+/// The pose from which it is told whether an object was moved: how what is round is
+/// turned is the noise of its footprint.
+fn pose_that_tells(shape: &OrientedBox) -> RigidTransform {
+    let [x, y] = [shape.half_sides_m.x, shape.half_sides_m.y];
+    if x.min(y) < ROUND_RATIO * x.max(y) {
+        shape.frame_from_box
+    } else {
+        RigidTransform::from(shape.frame_from_box.translation)
     }
 }
 
@@ -193,10 +213,4 @@ fn recognise(
     taught
         .recognise_any(&tools.readings, config.unknown_distance())
         .map_err(Error::Learning)
-}
-
-/// The tracked box, which is steadier than one frame's.
-fn tracked_box_in_camera(filter: &MotionFilter, measured: &Measured) -> OrientedBox {
-    let camera_from_world = measured.frame.world_from_camera.inverse();
-    filter.box_in_world().transformed(&camera_from_world)
 }

@@ -29,7 +29,7 @@ const OBSTRUCTED_SHARE: f64 = 0.15;
 const FOOT_OBSTRUCTED_SHARE: f64 = 0.7;
 
 /// The axis of a box that points up.
-const UPRIGHT: usize = 2;
+pub(crate) const UPRIGHT: usize = 2;
 
 /// How far a face is to be believed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

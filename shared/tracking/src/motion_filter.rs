@@ -4,9 +4,9 @@ use crate::Error;
 use crate::axis_filter::{End, SlideCovariance, TurnCovariance};
 use crate::error::check_settings;
 use crate::evidence::Evidence;
-use crate::faces::{self, Trust};
+use crate::faces::{self, Trust, UPRIGHT};
 use crate::measurement::{HALF_SIDE_MAX_M, Measurement};
-use crate::orientation::{SIGMA_MAX_RAD, nearest_reading, turn_sigmas_rad};
+use crate::orientation::{nearest_reading, turn_sigmas_rad};
 use geometry::{OrientedBox, RigidTransform};
 use nalgebra::{Matrix3, Point3, Translation3, UnitQuaternion, Vector3};
 use std::f64::consts::PI;
@@ -36,6 +36,16 @@ const UNSEEN_DAMPING_S: f64 = 0.15;
 /// its first speed, radians a second.
 const FIRST_TURN_SIGMA_RAD: f64 = 0.05;
 const FIRST_TURN_SPEED_RAD_S: f64 = 0.05;
+
+/// With more noise of its turn than this, radians (8 degrees, of sides like 5 and 3),
+/// an object counts as round.
+const CLEAR_SIGMA_RAD: f64 = 0.14;
+
+/// So may one whose shorter side on the ground has this share of the longer one.
+const SQUARE_RATIO: f64 = 0.85;
+
+/// With less than this, radians (6 degrees), it is known how it is turned.
+const KNOWN_SIGMA_RAD: f64 = 0.105;
 
 /// What nothing touches is turned by this share of what a hand may do.
 const RESTING_TURN_SHARE: f64 = 0.02;
@@ -182,7 +192,12 @@ impl MotionFilter {
             half_sides_m: shape.half_sides_m.map(|half| half.max(HALF_SIDE_MIN_M)),
             slides: std::array::from_fn(slide),
             turns: std::array::from_fn(|axis| {
-                let turn_rad = turns[axis].min(FIRST_TURN_SIGMA_RAD);
+                // But the box of a part is turned anyhow.
+                let turn_rad = if measurement.seen().is_cut {
+                    turns[axis]
+                } else {
+                    turns[axis].min(FIRST_TURN_SIGMA_RAD)
+                };
                 TurnCovariance::of(turn_rad.powi(2), FIRST_TURN_SPEED_RAD_S.powi(2))
             }),
             completeness: 1.0,
@@ -296,6 +311,12 @@ impl MotionFilter {
         (self.rotation.inverse() * reading.frame_from_box.rotation).scaled_axis()
     }
 
+    /// Whether the ground of its box is about square, so that it may be round.
+    fn is_square(&self) -> bool {
+        let [x, y] = [self.half_sides_m.x, self.half_sides_m.y];
+        x.min(y) >= SQUARE_RATIO * x.max(y)
+    }
+
     /// Lets the object be where it is measured now. A jump against its velocity says
     /// that this was wrong.
     fn allow_jump(&mut self, shifts_m: &Vector3<f64>, config: &MotionConfig) {
@@ -316,7 +337,12 @@ impl MotionFilter {
         let clear_rad = turn_sigmas_rad(&measurement.seen().variances_m2);
         let sigmas_rad = clear_rad * factor;
         let mut correction = Vector3::zeros();
-        for axis in (0..3).filter(|axis| is_moved || clear_rad[*axis] < SIGMA_MAX_RAD) {
+        for axis in 0..3 {
+            let is_known = self.turns[axis].turn_rad2() <= KNOWN_SIGMA_RAD * KNOWN_SIGMA_RAD;
+            let is_round = axis == UPRIGHT && self.is_square();
+            if !is_moved && is_known && (is_round || clear_rad[axis] >= CLEAR_SIGMA_RAD) {
+                continue;
+            }
             let (measured, gain) = self.turns[axis].measured(sigmas_rad[axis].powi(2));
             self.turns[axis] = measured.settled(PI, TURN_SPEED_MAX_RAD_S);
             correction[axis] = gain[0] * turn[axis];

@@ -16,7 +16,7 @@ const AXIS_SIGMA_RAD: f64 = 0.087;
 const SIGMA_MIN_RAD: f64 = 0.026;
 
 /// However round the object, its box is not turned more wrongly, radians (20 degrees).
-pub(crate) const SIGMA_MAX_RAD: f64 = 0.35;
+const SIGMA_MAX_RAD: f64 = 0.35;
 
 /// The sides of a reading differ from the expected ones by a factor of e at most
 /// this often before they count no more.
