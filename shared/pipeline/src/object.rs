@@ -4,15 +4,13 @@ use crate::box_frame::{N_READINGS, box_frame};
 use crate::config::descriptor;
 use crate::frame::Measured;
 use crate::key_views::KeyViews;
+use crate::track::WHOLE_SHARE;
 use crate::{Config, Error};
 use description::{Descriptor, Good, ObjectPoints};
 use geometry::{OrientedBox, RigidTransform};
 use learning::{CategoryIndex, CategoryName, N_NEAREST, Neighbour, Recognition};
 use point_cloud::Point;
 use tracking::{DescribedAxes, Evidence, MotionFilter};
-
-/// A view shows an object whole with this share of its box.
-const WHOLE_SHARE: f64 = 0.9;
 
 /// An object whose shorter side is at least so long, as a share of the longer one,
 /// may be round.

@@ -22,18 +22,18 @@ const SIMILARITY_MIN: f64 = 0.75;
 /// last: an empty place says nothing of it for a while.
 const CARRIED_MIN_M_S: f64 = 0.1;
 
-/// What a hand had so lately may be anywhere.
-const HANDLED_NS: u64 = 1_000_000_000;
-
 /// For this long.
 const CARRIED_UNSEEN_NS: u64 = 300_000_000;
+
+/// What a hand had so lately may be anywhere.
+const HANDLED_NS: u64 = 1_000_000_000;
 
 /// What the frame shows where a track that has no candidate can be: where it was
 /// going, and where it was seen last.
 pub(crate) fn unseen_place(track: &Track, now_ns: u64, view: &DepthView<'_>) -> Place {
     let ahead = view.place_of(&track.filter.box_in_world());
     let before = view.place_of(&track.posterior.box_in_world());
-    let was_carried = was_handled(track, now_ns)
+    let was_carried = track.was_handled(now_ns, HANDLED_NS)
         || (!track.measured.is_cut && track.posterior.velocity_m_s().norm() > CARRIED_MIN_M_S);
     match [ahead, before] {
         [Place::Free, Place::Free]
@@ -49,11 +49,6 @@ pub(crate) fn unseen_place(track: &Track, now_ns: u64, view: &DepthView<'_>) -> 
         [Place::OutOfView, _] => Place::OutOfView,
         _ => Place::Unknown,
     }
-}
-
-/// Whether a hand had the object lately.
-fn was_handled(track: &Track, now_ns: u64) -> bool {
-    track.last_handled_ns > 0 && now_ns.saturating_sub(track.last_handled_ns) < HANDLED_NS
 }
 
 /// Pairs tracks whose place is empty with candidates elsewhere.
@@ -83,7 +78,7 @@ impl Search {
         let is_sought = |i: &usize| {
             let may_have_gone = match places[*i] {
                 Some(Place::Free) => true,
-                Some(Place::Unknown) => was_handled(&tracks[*i], now_ns),
+                Some(Place::Unknown) => tracks[*i].was_handled(now_ns, HANDLED_NS),
                 _ => false,
             };
             may_have_gone && tracks[*i].phase() == TrackPhase::Confirmed

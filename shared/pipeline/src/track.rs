@@ -77,6 +77,11 @@ impl Track {
         self.filter.rotation_covariance_rad2()
     }
 
+    /// Whether a hand has had the object within a time before a capture stamp.
+    pub(crate) fn was_handled(&self, now_ns: u64, within_ns: u64) -> bool {
+        self.last_handled_ns > 0 && now_ns.saturating_sub(self.last_handled_ns) < within_ns
+    }
+
     /// Takes another look into what is remembered of the object's looks. What a
     /// hand, the border of the image or another object hides a part of says
     /// nothing of size, and its colours may be another thing's.
@@ -93,6 +98,9 @@ impl Track {
         }
     }
 }
+
+/// A view shows an object whole with this share of its box.
+pub(crate) const WHOLE_SHARE: f64 = 0.9;
 
 /// What has this share of a volume is about as large.
 const AS_LARGE_SHARE: f64 = 0.8;

@@ -3,7 +3,7 @@
 use crate::departed::Departed;
 use crate::frame::{Frame, Measured};
 use crate::search::{Search, unseen_place};
-use crate::track::Track;
+use crate::track::{Track, WHOLE_SHARE};
 use crate::{Config, Posterior};
 use detection::{Candidate, Detection, ExpectedTrack, Support, Truth};
 use point_cloud::Point;
@@ -16,9 +16,6 @@ use tracking::{
 /// its place does not grow beyond this, metres. On a table, what is farther away
 /// is another object, whose views must not become this one's.
 const SEARCH_SIGMA_MAX_M: f64 = 0.04;
-
-/// A view shows an object whole with this share of its box.
-const WHOLE_SHARE: f64 = 0.9;
 
 /// A fragment of an object has a smaller share of the volume of its box.
 const WHOLE_VOLUME_SHARE: f64 = 0.7;
@@ -145,8 +142,8 @@ impl TrackTable {
     ///
     /// A track goes on with its candidate whatever the rule says of it, at the
     /// table's rim or held in the air; where a person or the robot is, only with
-    /// what looks like its object. `next_id` gives ids in ascending order, `None` while there are
-    /// none. `cloud` is that of the detection.
+    /// what looks like its object. `next_id` gives ids in ascending order, `None` while
+    /// there are none. `cloud` is that of the detection.
     pub fn step(
         &mut self,
         detection: &Detection,
@@ -403,9 +400,7 @@ fn predicted(track: &Track) -> Predicted {
 fn is_part_of_handled(tracks: &[Track], measured: &Measured, frame: &Frame) -> bool {
     let centre = measured.measurement.box_in_world().centre();
     tracks.iter().any(|track| {
-        let handled_ago_ns = frame.capture_ns.saturating_sub(track.last_handled_ns);
-        track.last_handled_ns > 0
-            && handled_ago_ns < HANDLED_NS
+        track.was_handled(frame.capture_ns, HANDLED_NS)
             && track.box_in_world().contains(&centre, HANDLED_MARGIN_M)
     })
 }

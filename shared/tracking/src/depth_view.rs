@@ -99,11 +99,6 @@ impl<'a> DepthView<'a> {
         })
     }
 
-    /// The camera.
-    pub fn camera(&self) -> &PinholeCamera {
-        &self.camera
-    }
-
     /// What the frame shows where a box is expected that is not seen as such. The
     /// box stands upright: its z axis points up.
     pub fn place_of(&self, box_in_world: &OrientedBox) -> Place {

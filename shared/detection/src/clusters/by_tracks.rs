@@ -90,7 +90,7 @@ impl TrackClaims {
 impl Clusters {
     /// Parts clusters in which two or more tracks find most of their objects:
     /// each point goes to the box it lies in or nearest to, and what is far from
-    /// all of them is a cluster of its own. Returns whether anything was parted.
+    /// all of them is a cluster of its own.
     ///
     /// Boxes of the tracks in the camera's frame.
     pub(crate) fn part_by_tracks(
@@ -98,9 +98,9 @@ impl Clusters {
         cloud: &OrganizedCloud<'_>,
         tracks: &[ExpectedTrack],
         claims: &mut TrackClaims,
-    ) -> bool {
+    ) {
         if tracks.len() < 2 {
-            return false;
+            return;
         }
         let n_before = self.len();
         let mut n_clusters = n_before as u32;
@@ -120,11 +120,9 @@ impl Clusters {
             }
             n_clusters += claims.near.len() as u32;
         }
-        if n_clusters as usize == n_before {
-            return false;
+        if n_clusters as usize > n_before {
+            self.regroup(n_clusters as usize);
         }
-        self.regroup(n_clusters as usize);
-        true
     }
 
     /// Groups the pixels anew by what `cluster_of` says now.
@@ -183,14 +181,10 @@ const FRAGMENT_SHARE: f64 = 0.15;
 
 impl Clusters {
     /// Joins the fragments of tracked objects with their main clusters, unless they
-    /// are tracked themselves. Returns whether anything was joined.
+    /// are tracked themselves.
     ///
     /// Boxes of the tracks in the camera's frame.
-    pub(crate) fn join_by_tracks(
-        &mut self,
-        cloud: &OrganizedCloud<'_>,
-        tracks: &[ExpectedTrack],
-    ) -> bool {
+    pub(crate) fn join_by_tracks(&mut self, cloud: &OrganizedCloud<'_>, tracks: &[ExpectedTrack]) {
         let mut is_joined = false;
         for (i, track) in tracks.iter().enumerate() {
             let fits = |pixels: &[u32], share: f64| {
@@ -220,7 +214,6 @@ impl Clusters {
         if is_joined {
             self.regroup(self.len());
         }
-        is_joined
     }
 }
 
