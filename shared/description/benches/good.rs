@@ -1,9 +1,11 @@
 //! One object of 5 000 points, chosen by index from a frame of 640 x 480: its
-//! frame and its descriptor.
+//! frame and its descriptor. The authors' programs do both in one.
 
-use description::{Descriptor, DescriptorFrame, Good, ObjectPoints, object_frame, reference_frame};
+use description::{
+    Appearance, AppearanceWeights, Descriptor, DescriptorFrame, Good, GoodVariant, ObjectPoints,
+    Support, WarpedGood, object_axes, reference_frame,
+};
 use divan::{Bencher, black_box};
-use nalgebra::Point3;
 use point_cloud::{Point, Rgba};
 
 const N_POINTS: u32 = 5000;
@@ -32,25 +34,36 @@ fn scene() -> (Vec<Point>, Vec<u32>) {
 }
 
 fn frame_of(points: ObjectPoints<'_>) -> DescriptorFrame {
-    let frame = object_frame(points, &Point3::origin()).expect("the object has many points");
-    frame.descriptor_frame()
+    let axes = object_axes(points, None).expect("the object has many points");
+    axes.object_from_source
 }
 
-#[divan::bench(args = [5, 15, 50])]
-fn good(bencher: Bencher<'_, '_>, n_bins: usize) {
+fn good(bencher: Bencher<'_, '_>, n_bins: usize, variant: GoodVariant) {
     let (cloud, indices) = scene();
     let points = ObjectPoints::selected(&cloud, &indices).expect("the indices fit");
     let frame = frame_of(points);
-    let mut good = Good::new(n_bins, 0.0015).expect("the parameters are valid");
+    let mut good = Good::new(n_bins, variant).expect("the parameters are valid");
     let mut out = Vec::new();
     bencher.bench_local(|| good.compute(black_box(points), &frame, &mut out));
+}
+
+#[divan::bench(args = [5, 15, 50])]
+fn published(bencher: Bencher<'_, '_>, n_bins: usize) {
+    let sign_threshold_m = 0.0015;
+    good(bencher, n_bins, GoodVariant::Published { sign_threshold_m });
+}
+
+#[divan::bench(args = [5, 15, 50])]
+fn workspace(bencher: Bencher<'_, '_>, n_bins: usize) {
+    let support = Support::Adaptive;
+    good(bencher, n_bins, GoodVariant::Workspace { support });
 }
 
 #[divan::bench]
 fn own_frame(bencher: Bencher<'_, '_>) {
     let (cloud, indices) = scene();
     let points = ObjectPoints::selected(&cloud, &indices).expect("the indices fit");
-    bencher.bench_local(|| object_frame(black_box(points), &Point3::origin()));
+    bencher.bench_local(|| object_axes(black_box(points), None));
 }
 
 #[divan::bench]
@@ -58,4 +71,39 @@ fn frame_of_the_reference(bencher: Bencher<'_, '_>) {
     let (cloud, indices) = scene();
     let points = ObjectPoints::selected(&cloud, &indices).expect("the indices fit");
     bencher.bench_local(|| reference_frame(black_box(points)));
+}
+
+/// The frame and the descriptor, which is what the authors' programs are timed for.
+#[divan::bench]
+fn published_15_with_its_frame(bencher: Bencher<'_, '_>) {
+    let (cloud, indices) = scene();
+    let points = ObjectPoints::selected(&cloud, &indices).expect("the indices fit");
+    let sign_threshold_m = 0.0015;
+    let variant = GoodVariant::Published { sign_threshold_m };
+    let mut good = Good::new(15, variant).expect("the parameters are valid");
+    let mut out = Vec::new();
+    bencher.bench_local(|| {
+        let frame = reference_frame(black_box(points)).expect("the object has many points");
+        good.compute(points, &frame, &mut out)
+    });
+}
+
+/// Frame, shape, size, colour and all readings.
+#[divan::bench(args = [false, true])]
+fn appearance(bencher: Bencher<'_, '_>, is_upright: bool) {
+    let (cloud, indices) = scene();
+    let points = ObjectPoints::selected(&cloud, &indices).expect("the indices fit");
+    let up = is_upright.then(nalgebra::Vector3::z_axis);
+    let mut appearance =
+        Appearance::new(AppearanceWeights::default()).expect("the weights are valid");
+    bencher.bench_local(|| appearance.describe(black_box(points), up.as_ref()).is_ok());
+}
+
+#[divan::bench]
+fn warped_good(bencher: Bencher<'_, '_>) {
+    let (cloud, indices) = scene();
+    let points = ObjectPoints::selected(&cloud, &indices).expect("the indices fit");
+    let frame = frame_of(points);
+    let (mut good, mut out) = (WarpedGood::new(), Vec::new());
+    bencher.bench_local(|| good.compute(black_box(points), &frame, &mut out));
 }

@@ -10,6 +10,10 @@ pub enum Error {
     BinCount(usize),
     /// The sign threshold is negative or not a number.
     SignThreshold(f32),
+    /// The side of a fixed support is not a length.
+    SupportSide(f64),
+    /// The weight of a part is negative, too large or not a number.
+    Weight(f32),
     /// An index points behind the cloud.
     IndexOutsideCloud {
         /// The largest index.
@@ -17,7 +21,7 @@ pub enum Error {
         /// Number of points in the cloud.
         n_points: usize,
     },
-    /// No point has finite coordinates in the frame.
+    /// Too few points have finite coordinates in the frame.
     NoPoints,
     /// The points are so far apart that their extent overflows.
     Extent,
@@ -37,13 +41,23 @@ impl fmt::Display for Error {
                 "the sign threshold of GOOD can not be {t} m: choose a finite length >= 0, \
                  0.0015 m usually"
             ),
+            Self::SupportSide(side) => write!(
+                f,
+                "the support of GOOD can not have sides of {side} m: choose a finite length > 0, \
+                 0.2 m usually"
+            ),
+            Self::Weight(weight) => write!(
+                f,
+                "a part of a description can not have the weight {weight}: choose a number from 0 \
+                 to 100, 1 usually"
+            ),
             Self::IndexOutsideCloud { index, n_points } => write!(
                 f,
                 "the object has a point with index {index}, but its cloud has {n_points} points: \
                  give the cloud that the indices were made for"
             ),
             Self::NoPoints => {
-                f.write_str("the object has no finite point to describe: skip this view")
+                f.write_str("the object has too few finite points to describe: skip this view")
             }
             Self::Extent => f.write_str(
                 "the extent of the object is not a finite number: check the units and the frame \

@@ -1,7 +1,7 @@
 //! The points of one object within a larger cloud.
 
 use crate::Error;
-use point_cloud::Point;
+use point_cloud::{Point, Rgba};
 
 /// Borrowed points of one object: a whole cloud, or a choice of a frame's points
 /// by index. Nothing is copied.
@@ -56,12 +56,43 @@ impl<'a> ObjectPoints<'a> {
             Some(indices) => indices.iter().for_each(|&i| visit(&self.cloud[i as usize])),
         }
     }
+
+    /// Visits the points in order, `N` at once; the last block is filled up with
+    /// points without depth.
+    #[inline]
+    pub(crate) fn for_each_block<const N: usize>(&self, mut visit: impl FnMut(&[Point; N])) {
+        let nothing = [Point::without_depth(Rgba(0)); N];
+        match self.indices {
+            None => {
+                let (blocks, rest) = self.cloud.as_chunks();
+                blocks.iter().for_each(&mut visit);
+                if !rest.is_empty() {
+                    let mut last = nothing;
+                    last[..rest.len()].copy_from_slice(rest);
+                    visit(&last);
+                }
+            }
+            Some(indices) => {
+                let point = |&i: &u32| self.cloud[i as usize];
+                let (blocks, rest) = indices.as_chunks::<N>();
+                for block in blocks {
+                    visit(&block.each_ref().map(point));
+                }
+                if !rest.is_empty() {
+                    let mut last = nothing;
+                    for (place, i) in last.iter_mut().zip(rest) {
+                        *place = point(i);
+                    }
+                    visit(&last);
+                }
+            }
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use point_cloud::Rgba;
 
     #[test]
     fn a_selection_visits_its_points_in_order() {
@@ -77,6 +108,24 @@ mod tests {
             points.for_each(|p| seen.push(p.color.0));
             seen
         };
+        let seen_in_blocks = |points: ObjectPoints<'_>| {
+            let mut seen = Vec::new();
+            points.for_each_block(|block: &[Point; 4]| seen.extend(*block));
+            let behind = seen.split_off(points.len());
+            assert_eq!(
+                behind.len(),
+                points.len().next_multiple_of(4) - points.len()
+            );
+            assert!(behind.iter().all(|p| !p.is_finite()));
+            seen.iter().map(|p| p.color.0).collect::<Vec<_>>()
+        };
+        for n in 0..=9 {
+            let indices: Vec<u32> = (0..n).rev().collect();
+            let selection = ObjectPoints::selected(&cloud, &indices).unwrap();
+            assert_eq!(seen_in_blocks(selection), indices);
+            let whole = ObjectPoints::all(&cloud[..n as usize]);
+            assert_eq!(seen_in_blocks(whole), seen(whole));
+        }
         let selection = ObjectPoints::selected(&cloud, &[8, 0, 3, 3]).unwrap();
         assert_eq!(seen(selection), [8, 0, 3, 3]);
         assert_eq!(selection.len(), 4);

@@ -10,7 +10,7 @@ use point_cloud::Point;
 /// Sums are single-precision and sequential, in the order of the points, since
 /// the reference's rounding decides its bins. The signs change when the object
 /// turns: for anything but reproducing published numbers use
-/// [`object_frame`](crate::object_frame).
+/// [`Appearance`](crate::Appearance).
 ///
 /// `None` when no point is finite or the sums overflow.
 ///

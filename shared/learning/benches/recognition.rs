@@ -1,5 +1,6 @@
 //! One query against 1 000 and 10 000 taught views of GOOD with 15 bins, in 20
-//! categories; the descriptors are sparse, as GOOD's are.
+//! categories, and one pair in each metric; the descriptors are sparse, as GOOD's
+//! are.
 
 use divan::{Bencher, black_box};
 use learning::{CategoryIndex, CategoryName, Metric, ViewId};
@@ -78,4 +79,11 @@ fn all_pairs_half_chi_squared_root(bencher: Bencher<'_, '_>, n_views: u64) {
             .filter_map(|view| distance(view).ok())
             .fold(f32::INFINITY, f32::min)
     });
+}
+
+/// One pair of descriptors.
+#[divan::bench(args = Metric::ALL)]
+fn pair(bencher: Bencher<'_, '_>, metric: Metric) {
+    let (a, b) = (descriptor(3, 1), descriptor(4, 2));
+    bencher.bench_local(|| metric.distance(black_box(&a), black_box(&b)));
 }

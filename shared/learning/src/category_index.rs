@@ -1,6 +1,5 @@
 //! The taught views, ready to be compared with.
 
-use crate::metric::MAX_VALUE;
 use crate::nearest_categories::{Candidate, NearestCategories};
 use crate::{CategoryName, Error, Metric, Neighbour, Recognition, ViewId};
 use std::collections::{BTreeMap, HashMap};
@@ -57,8 +56,8 @@ impl CategoryIndex {
     /// Adds a view to a category. A view with the same id is replaced.
     ///
     /// # Errors
-    /// When the descriptor has another length, or a value that is not finite or not
-    /// in 0 to 1e6; the index is unchanged then.
+    /// When the descriptor has another length, or a value that the metric does not
+    /// take; the index is unchanged then.
     pub fn insert(
         &mut self,
         id: ViewId,
@@ -154,10 +153,11 @@ impl CategoryIndex {
     /// with the smaller id counts, so the order of teaching has no say.
     ///
     /// A category with a single view can win, and a view that was taught is found at
-    /// distance 0.
+    /// the metric's least distance, 0 with all but Motyka's.
     ///
-    /// *Complexity*: linear in the views; a comparison ends as soon as the view can
-    /// not belong to the nearest categories. No allocation.
+    /// *Complexity*: linear in the views; where the metric allows it, a comparison
+    /// ends as soon as the view can not belong to the nearest categories. No
+    /// allocation.
     ///
     /// # Errors
     /// As for [`insert`](Self::insert).
@@ -192,9 +192,9 @@ impl CategoryIndex {
         let rows = self.descriptors.chunks_exact(self.dimension.max(1));
         for (row, (view, stored)) in self.views.iter().zip(rows).enumerate() {
             let bound = found.bound(view.category);
-            if let Some(sum) = self.metric.sum(descriptor, stored, bound) {
+            if let Some(score) = self.metric.bounded_score(descriptor, stored, bound) {
                 found.offer(Candidate {
-                    sum,
+                    score,
                     view: view.id,
                     category: view.category,
                     row,
@@ -205,11 +205,15 @@ impl CategoryIndex {
 
     fn answer(&self, found: NearestCategories, threshold: f32) -> Recognition {
         let nearest = found.candidates().map(|candidate| {
-            candidate.map(|Candidate { sum, view, row, .. }| Neighbour {
-                view,
-                category: self.views[row].name.clone(),
-                distance: self.metric.distance_from_sum(sum),
-            })
+            candidate.map(
+                |Candidate {
+                     score, view, row, ..
+                 }| Neighbour {
+                    view,
+                    category: self.views[row].name.clone(),
+                    distance: self.metric.distance_from_score(score, self.dimension),
+                },
+            )
         });
         let distance = nearest[0]
             .as_ref()
@@ -230,11 +234,13 @@ impl CategoryIndex {
                 found: descriptor.len(),
             });
         }
-        let is_wrong = |value: &f32| !(0.0..=MAX_VALUE).contains(value);
+        let values = self.metric.values();
+        let is_wrong = |value: &f32| !values.contains(value);
         match descriptor.iter().position(is_wrong) {
             Some(position) => Err(Error::Value {
                 position,
                 value: descriptor[position],
+                metric: self.metric,
             }),
             None => Ok(()),
         }

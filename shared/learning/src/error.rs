@@ -1,5 +1,6 @@
 //! Why descriptors can not be compared.
 
+use crate::Metric;
 use std::fmt;
 
 /// Why a descriptor was refused.
@@ -13,12 +14,14 @@ pub enum Error {
         /// Values of this one.
         found: usize,
     },
-    /// One of its values can not belong to a histogram.
+    /// One of its values is none that the metric takes.
     Value {
         /// Which one, from 0.
         position: usize,
         /// The value.
         value: f32,
+        /// The metric.
+        metric: Metric,
     },
 }
 
@@ -30,11 +33,16 @@ impl fmt::Display for Error {
                 "a descriptor of {found} values can not be compared with descriptors of \
                  {expected}: describe both in the same way"
             ),
-            Self::Value { position, value } => write!(
+            Self::Value {
+                position,
+                value,
+                metric,
+            } => write!(
                 f,
-                "value {position} of the descriptor is {value}, but a histogram has finite values \
-                 from 0 to {}: describe the view again",
-                crate::metric::MAX_VALUE
+                "value {position} of the descriptor is {value}, but the metric {metric} takes \
+                 finite values from {} to {}: describe the view again",
+                metric.values().start(),
+                metric.values().end()
             ),
         }
     }

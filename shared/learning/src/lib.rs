@@ -25,6 +25,6 @@ pub use category_index::CategoryIndex;
 pub use category_name::{CategoryName, InvalidCategoryName};
 pub use conceptualizer::{Refusal, ViewChange, ViewRecord, correct, forget, teach};
 pub use error::Error;
-pub use metric::Metric;
+pub use metric::{Metric, UnknownMetric};
 pub use recognition::{N_NEAREST, Neighbour, Recognition};
 pub use view_id::ViewId;

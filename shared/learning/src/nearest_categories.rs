@@ -6,9 +6,9 @@ use crate::recognition::N_NEAREST;
 /// A view that was compared.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Candidate {
-    /// Sum over the bins: orders candidates as their distances do.
-    pub(crate) sum: f32,
-    /// Decides between equal sums.
+    /// Orders candidates as their distances do.
+    pub(crate) score: f32,
+    /// Decides between equal scores.
     pub(crate) view: ViewId,
     /// Number of its category.
     pub(crate) category: u64,
@@ -18,8 +18,8 @@ pub(crate) struct Candidate {
 
 impl Candidate {
     fn is_before(&self, other: &Self) -> bool {
-        self.sum
-            .total_cmp(&other.sum)
+        self.score
+            .total_cmp(&other.score)
             .then(self.view.cmp(&other.view))
             .is_lt()
     }
@@ -40,10 +40,10 @@ impl NearestCategories {
         self.candidates
     }
 
-    /// The largest sum with which a view of the category can still matter.
+    /// The largest score with which a view of the category can still matter.
     #[inline]
     pub(crate) fn bound(&self, category: u64) -> f32 {
-        self.candidates[self.place_of(category)].map_or(f32::INFINITY, |present| present.sum)
+        self.candidates[self.place_of(category)].map_or(f32::INFINITY, |present| present.score)
     }
 
     /// Takes a candidate if it is nearer than what is there.

@@ -68,5 +68,8 @@ pub const DESCRIPTOR_DIMENSION: usize = 3 * N_BINS * N_BINS;
 pub const METRIC: Metric = Metric::HalfChiSquaredRoot;
 
 pub(crate) fn descriptor() -> Result<description::Good, Error> {
-    description::Good::new(N_BINS, SIGN_THRESHOLD_M).map_err(Error::Description)
+    let variant = description::GoodVariant::Published {
+        sign_threshold_m: SIGN_THRESHOLD_M,
+    };
+    description::Good::new(N_BINS, variant).map_err(Error::Description)
 }

@@ -1,12 +1,35 @@
 //! The order of the three parts of a descriptor.
 
-/// Indices of the parts: the one of most entropy first, the first of equal ones;
-/// then the other two by ascending variance, in their own order when equal.
-pub(super) fn order_of_parts(parts: [&[f32]; 3]) -> [usize; 3] {
-    let entropies = parts.map(entropy_bits);
+/// What makes a part the first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Leader {
+    /// Shannon's entropy, as published.
+    MostEntropy,
+    /// The number of bins that are not empty: what the workspace's program calls
+    /// entropy takes each of them for equally full.
+    MostOccupiedBins,
+}
+
+impl Leader {
+    fn score(self, shares: &[f32]) -> f32 {
+        match self {
+            Self::MostEntropy => entropy_bits(shares),
+            Self::MostOccupiedBins => shares
+                .iter()
+                .map(|&s| u16::from(s != 0.0))
+                .sum::<u16>()
+                .into(),
+        }
+    }
+}
+
+/// Indices of the parts: the leader first, the first of equal ones; then the other
+/// two by ascending variance, in their own order when equal.
+pub(super) fn order_of_parts(parts: [&[f32]; 3], leader: Leader) -> [usize; 3] {
+    let scores = parts.map(|shares| leader.score(shares));
     let mut first = 0;
     for part in 1..3 {
-        if entropies[part] > entropies[first] {
+        if scores[part] > scores[first] {
             first = part;
         }
     }
@@ -41,19 +64,35 @@ fn index_variance(shares: &[f32]) -> f32 {
 mod tests {
     use super::*;
 
+    fn order(parts: [&[f32]; 3]) -> [usize; 3] {
+        order_of_parts(parts, Leader::MostEntropy)
+    }
+
     #[test]
     fn entropy_leads_and_variance_orders_the_rest() {
         let even = [0.25; 4];
         let narrow = [0.5, 0.5, 0.0, 0.0];
         let wide = [0.5, 0.0, 0.0, 0.5];
-        assert_eq!(order_of_parts([&wide, &narrow, &even]), [2, 1, 0]);
-        assert_eq!(order_of_parts([&wide, &even, &narrow]), [1, 2, 0]);
-        assert_eq!(order_of_parts([&even, &narrow, &wide]), [0, 1, 2]);
+        assert_eq!(order([&wide, &narrow, &even]), [2, 1, 0]);
+        assert_eq!(order([&wide, &even, &narrow]), [1, 2, 0]);
+        assert_eq!(order([&even, &narrow, &wide]), [0, 1, 2]);
+    }
+
+    #[test]
+    fn occupied_bins_lead_where_entropy_does_not() {
+        let even = [0.5, 0.0, 0.0, 0.5];
+        let spread = [0.96, 0.02, 0.02, 0.0];
+        let single = [0.0, 1.0, 0.0, 0.0];
+        let parts: [&[f32]; 3] = [&even, &spread, &single];
+        assert_eq!(order(parts), [0, 2, 1]);
+        assert_eq!(order_of_parts(parts, Leader::MostOccupiedBins), [1, 2, 0]);
     }
 
     #[test]
     fn equal_parts_keep_their_order() {
         let part = [0.1, 0.2, 0.3, 0.4];
-        assert_eq!(order_of_parts([&part, &part, &part]), [0, 1, 2]);
+        for leader in [Leader::MostEntropy, Leader::MostOccupiedBins] {
+            assert_eq!(order_of_parts([&part, &part, &part], leader), [0, 1, 2]);
+        }
     }
 }

@@ -1,28 +1,42 @@
-//! The published rule for the direction of the projections.
+//! The rule for the direction of the projections.
 
-use super::projected_points::ProjectedPoints;
+use crate::projected_points::{Block, LANES, ProjectedPoints};
 
-/// One sign for both axes of the plane, +1 or -1: the product of the signs along
-/// x and y. `n_points` counts the points without depth too.
-pub(super) fn shared_sign(points: &ProjectedPoints, n_points: usize, threshold_m: f32) -> f32 {
-    axis_sign(&points.x, n_points, threshold_m) * axis_sign(&points.y, n_points, threshold_m)
+/// When an axis is turned around.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SignRule {
+    /// Points nearer than this to the middle are not counted, metres.
+    pub(super) band_m: f32,
+    /// By so many the points below must outnumber those above.
+    pub(super) margin_points: usize,
 }
 
-/// -1 when the points below `-threshold_m` outnumber those above `threshold_m`
-/// by a tenth of all points or more, else +1.
-fn axis_sign(coordinates_m: &[f32], n_points: usize, threshold_m: f32) -> f32 {
-    let count = |outside: fn(f32, f32) -> bool| {
-        coordinates_m
-            .iter()
-            .map(|&a| u32::from(outside(a, threshold_m)))
-            .sum::<u32>() as usize
-    };
-    let above = count(|a, t| a > t);
-    let below = count(|a, t| a < -t);
-    if above < below && below - above >= n_points / 10 {
-        -1.0
-    } else {
-        1.0
+impl SignRule {
+    /// One sign for both axes of the plane, +1 or -1: the product of the signs
+    /// along x and y.
+    pub(super) fn shared_sign(self, points: &ProjectedPoints) -> f32 {
+        self.axis_sign(points.blocks(), |block| &block.x)
+            * self.axis_sign(points.blocks(), |block| &block.y)
+    }
+
+    /// -1 when the points below the band outnumber those above it by the margin or
+    /// more, else +1.
+    fn axis_sign(self, blocks: &[Block], axis: impl Fn(&Block) -> &[f32; LANES]) -> f32 {
+        let (mut above, mut below) = ([0_u32; LANES], [0_u32; LANES]);
+        for block in blocks {
+            let coordinates_m = axis(block);
+            for i in 0..LANES {
+                above[i] += u32::from(coordinates_m[i] > self.band_m);
+                below[i] += u32::from(coordinates_m[i] < -self.band_m);
+            }
+        }
+        let total = |lanes: [u32; LANES]| lanes.iter().map(|&n| n as usize).sum::<usize>();
+        let (above, below) = (total(above), total(below));
+        if above < below && below - above >= self.margin_points {
+            -1.0
+        } else {
+            1.0
+        }
     }
 }
 
@@ -30,21 +44,47 @@ fn axis_sign(coordinates_m: &[f32], n_points: usize, threshold_m: f32) -> f32 {
 mod tests {
     use super::*;
 
+    fn check(rule: SignRule, below: usize, above: usize, expected: f32) {
+        let values = [vec![-0.02; below], vec![0.02; above], vec![-0.001; 5]].concat();
+        let blocks: Vec<Block> = values
+            .chunks(LANES)
+            .map(|chunk| {
+                let mut block = Block::EMPTY;
+                block.x[..chunk.len()].copy_from_slice(chunk);
+                block
+            })
+            .collect();
+        let sign = rule.axis_sign(&blocks, |block| &block.x);
+        assert_eq!(sign, expected, "{below} {above} {rule:?}");
+    }
+
     #[test]
-    fn a_majority_of_a_tenth_turns_an_axis() {
-        let check = |below: usize, above: usize, n_points: usize, expected: f32| {
-            let values = [vec![-0.01; below], vec![0.01; above], vec![-0.001; 5]].concat();
-            assert_eq!(
-                axis_sign(&values, n_points, 0.0015),
-                expected,
-                "{below} {above}"
-            );
+    fn a_majority_of_the_margin_turns_an_axis() {
+        let rule = |margin_points| SignRule {
+            band_m: 0.0015,
+            margin_points,
         };
-        check(10, 9, 10, -1.0);
-        check(10, 9, 20, 1.0);
-        check(11, 9, 20, -1.0);
-        check(11, 9, 30, 1.0);
-        check(9, 10, 9, 1.0);
-        check(5, 5, 5, 1.0);
+        check(rule(1), 10, 9, -1.0);
+        check(rule(2), 10, 9, 1.0);
+        check(rule(2), 11, 9, -1.0);
+        check(rule(3), 11, 9, 1.0);
+        check(rule(0), 9, 10, 1.0);
+        check(rule(0), 5, 5, 1.0);
+    }
+
+    #[test]
+    fn points_within_the_band_have_no_say() {
+        for (band_m, expected) in [(0.019, -1.0), (0.02, 1.0)] {
+            let margin_points = 1;
+            check(
+                SignRule {
+                    band_m,
+                    margin_points,
+                },
+                10,
+                0,
+                expected,
+            );
+        }
     }
 }

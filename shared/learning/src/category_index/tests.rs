@@ -72,17 +72,21 @@ fn apply_to_model(model: &mut Model, change: &Change) {
     }
 }
 
-/// All views sorted by sum, then id; the first of each category.
+/// All views sorted by score, then id; the first of each category.
 fn brute_force(model: &Model, metric: Metric, query: &[f32]) -> Vec<Neighbour> {
+    let score = |stored: &[f32]| {
+        let unbounded = metric.bounded_score(query, stored, f32::INFINITY);
+        unbounded.unwrap()
+    };
     let mut all: Vec<(f32, ViewId, &CategoryName)> = model
         .iter()
-        .map(|(id, (name, stored))| (metric.sum(query, stored, f32::INFINITY).unwrap(), *id, name))
+        .map(|(id, (name, stored))| (score(stored), *id, name))
         .collect();
     all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let mut nearest: Vec<Neighbour> = Vec::new();
-    for (sum, view, category) in all {
+    for (score, view, category) in all {
         if nearest.len() < N_NEAREST && nearest.iter().all(|n| n.category != *category) {
-            let distance = metric.distance_from_sum(sum);
+            let distance = metric.distance_from_score(score, DIMENSION);
             nearest.push(Neighbour {
                 view,
                 category: category.clone(),
@@ -115,7 +119,7 @@ proptest! {
         query in any::<u8>(),
         threshold in 0.0_f32..2.0,
     ) {
-        for metric in [Metric::HalfChiSquaredRoot, Metric::Manhattan] {
+        for metric in Metric::ALL {
             let (index, model) = filled(&changes, metric);
             let expected = brute_force(&model, metric, &descriptor(query));
             let answer = index.recognise(&descriptor(query), threshold).unwrap();

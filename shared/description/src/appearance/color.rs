@@ -1,0 +1,109 @@
+//! What colours an object has.
+
+use super::soft_bins::{SoftBins, add, tame};
+use crate::ObjectPoints;
+
+/// Bins of a side of chromaticity.
+const SIDE: usize = 8;
+/// Cells of chromaticity.
+const N_CHROMATICITIES: usize = SIDE * SIDE;
+/// Bins of lightness.
+const N_LIGHTNESSES: usize = 8;
+/// Values of the block.
+pub(super) const N_COLORS: usize = N_CHROMATICITIES + N_LIGHTNESSES;
+
+/// Shares of red and green from which the bins reach, and how far.
+const CHROMATICITY_MIN: f32 = 0.1;
+const CHROMATICITY_RANGE: f32 = 0.6;
+
+/// Added to each channel, of 255: what is nearly black has no colour but noise.
+const DARKNESS: f32 = 16.0;
+
+/// Lightness says less than chromaticity, since lamps differ in strength.
+const LIGHTNESS_WEIGHT: f32 = 0.55;
+
+/// Scratch memory for the histograms of one object's colours.
+#[derive(Debug, Clone)]
+pub(super) struct Colors {
+    chromaticities: [f32; N_CHROMATICITIES],
+    lightnesses: [f32; N_LIGHTNESSES],
+}
+
+impl Colors {
+    pub(super) fn new() -> Self {
+        Self {
+            chromaticities: [0.0; N_CHROMATICITIES],
+            lightnesses: [0.0; N_LIGHTNESSES],
+        }
+    }
+
+    /// Appends the block, multiplied by `weight`: shares of red and green in a
+    /// pixel's sum, which do not change with the strength of light, then lightness.
+    pub(super) fn append(&mut self, points: ObjectPoints<'_>, weight: f32, out: &mut Vec<f32>) {
+        self.chromaticities.fill(0.0);
+        self.lightnesses.fill(0.0);
+        let (sides, lightness_bins) = (SoftBins::new(SIDE), SoftBins::new(N_LIGHTNESSES));
+        points.for_each(|point| {
+            if !point.is_finite() {
+                return;
+            }
+            let [red, green, blue] = point.color.rgb().map(f32::from);
+            let sum = red + green + blue;
+            let place = |channel: f32| {
+                let share = (channel + DARKNESS) / (sum + 3.0 * DARKNESS);
+                sides.place((share - CHROMATICITY_MIN) / CHROMATICITY_RANGE)
+            };
+            add(&mut self.chromaticities, SIDE, place(red), place(green));
+            let (bin, share) = lightness_bins.place(sum / (3.0 * 255.0));
+            self.lightnesses[bin as usize] += 1.0 - share;
+            self.lightnesses[bin as usize + 1] += share;
+        });
+        tame(&mut self.chromaticities);
+        tame(&mut self.lightnesses);
+        out.extend(self.chromaticities.iter().map(|value| weight * value));
+        let weight = weight * LIGHTNESS_WEIGHT;
+        out.extend(self.lightnesses.iter().map(|value| weight * value));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use point_cloud::{Point, Rgba};
+
+    fn block(color: Rgba) -> Vec<f32> {
+        let cloud = [Point {
+            color,
+            ..Point::default()
+        }; 9];
+        let mut out = Vec::new();
+        Colors::new().append(ObjectPoints::all(&cloud), 1.0, &mut out);
+        out
+    }
+
+    fn distance(a: &[f32], b: &[f32]) -> f32 {
+        let squares = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b));
+        squares.sum::<f32>().sqrt()
+    }
+
+    #[test]
+    fn strength_of_light_changes_less_than_hue() {
+        let red = block(Rgba::opaque(180, 40, 30));
+        let dim_red = block(Rgba::opaque(140, 31, 23));
+        let blue = block(Rgba::opaque(30, 40, 180));
+        assert_eq!(red.len(), N_COLORS);
+        assert!(2.0 * distance(&red, &dim_red) < distance(&red, &blue));
+    }
+
+    #[test]
+    fn the_noise_of_what_is_black_is_no_colour() {
+        let black = block(Rgba::opaque(2, 3, 1));
+        assert!(distance(&black, &block(Rgba::opaque(3, 1, 2))) < 0.5);
+    }
+
+    #[test]
+    fn white_and_black_differ() {
+        let (white, black) = (Rgba::opaque(230, 230, 230), Rgba::opaque(20, 20, 20));
+        assert!(distance(&block(white), &block(black)) > 0.5);
+    }
+}

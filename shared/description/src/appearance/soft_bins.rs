@@ -1,0 +1,97 @@
+//! Bins that share a value between neighbours.
+
+/// A side of `n` bins over 0 to 1. A value between the middles of two bins counts
+/// for both, by its distance: a small change of the value is a small change of
+/// the histogram.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SoftBins {
+    n: f32,
+    /// Just below the middle of the last bin, so that there is always a next one.
+    last: f32,
+}
+
+impl SoftBins {
+    pub(super) const fn new(n: usize) -> Self {
+        Self {
+            n: n as f32,
+            last: n as f32 - 1.000_01,
+        }
+    }
+
+    /// The lower of the two bins and the share of the upper one. Values outside
+    /// of the range are counted at its ends.
+    #[inline]
+    pub(super) fn place(self, value: f32) -> (u32, f32) {
+        let place = (value * self.n - 0.5).max(0.0).min(self.last);
+        let bin = place as u32;
+        (bin, place - bin as f32)
+    }
+}
+
+/// Adds one to the four cells of a row-major histogram around a place.
+#[inline]
+pub(super) fn add(cells: &mut [f32], n_columns: usize, row: (u32, f32), column: (u32, f32)) {
+    let first = row.0 as usize * n_columns + column.0 as usize;
+    let Some(around) = cells.get_mut(first..first + n_columns + 2) else {
+        return;
+    };
+    let (upper, lower) = (row.1, 1.0 - row.1);
+    around[0] += lower * (1.0 - column.1);
+    around[1] += lower * column.1;
+    around[n_columns] += upper * (1.0 - column.1);
+    around[n_columns + 1] += upper * column.1;
+}
+
+/// Replaces counts by their fourth roots, of unit length together. Roots tame
+/// what is counted often (Arandjelović and Zisserman 2012 take square roots);
+/// how densely a surface is sampled depends on how it was turned to the camera.
+pub(super) fn tame(cells: &mut [f32]) {
+    let mut squares = 0.0;
+    for cell in &mut *cells {
+        let root = cell.sqrt();
+        squares += root;
+        *cell = root.sqrt();
+    }
+    if squares > 0.0 {
+        let scale = squares.sqrt().recip();
+        for cell in cells {
+            *cell *= scale;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_value_is_shared_between_its_neighbours() {
+        let bins = SoftBins::new(4);
+        assert_eq!(bins.place(0.125), (0, 0.0));
+        assert_eq!(bins.place(0.25), (0, 0.5));
+        assert_eq!(bins.place(0.0), (0, 0.0));
+        let (bin, share) = bins.place(1.0);
+        assert!(bin == 2 && share > 0.999);
+        assert_eq!(bins.place(f32::NEG_INFINITY), (0, 0.0));
+    }
+
+    #[test]
+    fn what_is_added_is_one_in_all() {
+        let mut cells = [0.0; 12];
+        add(&mut cells, 4, (1, 0.25), (2, 0.5));
+        assert!((cells.iter().sum::<f32>() - 1.0).abs() < 1e-6);
+        assert_eq!(cells[6], 0.375);
+        assert_eq!(cells[11], 0.125);
+    }
+
+    #[test]
+    fn roots_have_unit_length_and_nothing_stays_nothing() {
+        let mut cells = [16.0, 0.0, 1.0];
+        tame(&mut cells);
+        assert!((cells.iter().map(|c| c * c).sum::<f32>() - 1.0).abs() < 1e-6);
+        assert!((cells[0] / cells[2] - 2.0).abs() < 1e-6);
+        let mut nothing = [0.0; 3];
+        tame(&mut nothing);
+        assert_eq!(nothing, [0.0; 3]);
+    }
+}

@@ -1,0 +1,202 @@
+use super::*;
+use geometry::RigidTransform;
+use nalgebra::{Matrix3, Point3, Unit, Vector3};
+use point_cloud::{Point, Rgba};
+use proptest::prelude::*;
+
+/// A bent, lopsided sheet with three different sides, a metre away.
+fn sheet(n_points: u16) -> Vec<Point> {
+    (0..n_points)
+        .map(|i| {
+            let t = f64::from(i);
+            let (u, v) = ((t * 0.618_034).fract(), (t * 0.754_878).fract());
+            let at = Point3::new(
+                0.2 * u * u,
+                0.1 * (v - 0.5) * (1.2 - u),
+                0.9 + 0.05 * (u - 0.3) * (u - 0.3) + 0.02 * v * v,
+            );
+            point(&at, Rgba::opaque(200, (200.0 * u) as u8, 40))
+        })
+        .collect()
+}
+
+fn point(at: &Point3<f64>, color: Rgba) -> Point {
+    Point {
+        x: at.x as f32,
+        y: at.y as f32,
+        z: at.z as f32,
+        color,
+    }
+}
+
+fn mapped(cloud: &[Point], map: impl Fn(Point3<f64>) -> Point3<f64>) -> Vec<Point> {
+    cloud
+        .iter()
+        .map(|p| point(&map(p.position()), p.color))
+        .collect()
+}
+
+fn described(cloud: &[Point], up: Option<&UnitVector3<f64>>) -> [Vec<f32>; N_READINGS] {
+    let mut appearance = Appearance::new(AppearanceWeights::default()).unwrap();
+    let points = ObjectPoints::all(cloud);
+    appearance.describe(points, up).unwrap().clone()
+}
+
+/// Distance of an object to a stored view.
+fn distance(readings: &[Vec<f32>; N_READINGS], stored: &[f32]) -> f32 {
+    let to = |reading: &Vec<f32>| {
+        let squares = reading.iter().zip(stored).map(|(a, b)| (a - b) * (a - b));
+        squares.sum::<f32>().sqrt()
+    };
+    readings.iter().map(to).fold(f32::INFINITY, f32::min)
+}
+
+fn motion() -> impl Strategy<Value = RigidTransform> {
+    let three = |r: f64| prop::array::uniform3(-r..r).prop_map(Vector3::from);
+    (three(1.0), three(3.0)).prop_map(|(shift, turn)| RigidTransform::new(shift, turn))
+}
+
+proptest! {
+    #[test]
+    fn an_object_moved_or_turned_in_any_way_is_the_same(motion in motion()) {
+        let cloud = sheet(2000);
+        let still = described(&cloud, None);
+        let moved = described(&mapped(&cloud, |p| motion * p), None);
+        prop_assert!(distance(&moved, &still[0]) < 0.02, "{}", distance(&moved, &still[0]));
+    }
+
+    #[test]
+    fn an_object_moved_or_turned_with_its_up_is_the_same(motion in motion(), yaw_rad in -3.1_f64..3.1) {
+        let cloud = sheet(2000);
+        let up = Unit::new_normalize(Vector3::new(0.1, -0.9, -0.4));
+        let still = described(&cloud, Some(&up));
+        let turn = RigidTransform::new(Vector3::zeros(), up.into_inner() * yaw_rad);
+        let moved = mapped(&cloud, |p| motion * turn * p);
+        let moved = described(&moved, Some(&(motion.rotation * up)));
+        prop_assert!(distance(&moved, &still[0]) < 0.02, "{}", distance(&moved, &still[0]));
+    }
+
+    #[test]
+    fn the_order_of_points_has_no_say(cloud in Just(sheet(500)).prop_shuffle()) {
+        let sorted = described(&sheet(500), None);
+        prop_assert!(distance(&described(&cloud, None), &sorted[0]) < 1e-3);
+    }
+
+    #[test]
+    fn density_says_little(n_points in 600_u16..6000) {
+        let dense = described(&sheet(6000), None);
+        let thin = described(&sheet(n_points), None);
+        let narrow = mapped(&sheet(6000), |p| Point3::new(p.x, 0.7 * p.y, p.z));
+        let other = distance(&described(&narrow, None), &dense[0]);
+        prop_assert!(distance(&thin, &dense[0]) < 0.5 * other, "{other}");
+    }
+
+    #[test]
+    fn hostile_points_do_no_harm(
+        points in prop::collection::vec(prop::array::uniform3(any::<f32>()), 0..20),
+        is_upright in any::<bool>(),
+    ) {
+        let cloud: Vec<_> =
+            points.iter().map(|&[x, y, z]| Point { x, y, z, color: Rgba(0) }).collect();
+        let mut appearance = Appearance::new(AppearanceWeights::default()).unwrap();
+        let up = is_upright.then(Vector3::y_axis);
+        if let Ok(readings) = appearance.describe(ObjectPoints::all(&cloud), up.as_ref()) {
+            for reading in readings {
+                prop_assert_eq!(reading.len(), Appearance::DIMENSION);
+                prop_assert!(reading.iter().all(|value| value.is_finite()));
+            }
+        }
+    }
+}
+
+#[test]
+fn every_reading_is_that_of_the_turned_frame() {
+    let cloud = sheet(800);
+    let points = ObjectPoints::all(&cloud);
+    let quarters = [0.0, 1.0, 2.0, 3.0].map(|n| Vector3::z() * (n * std::f64::consts::FRAC_PI_2));
+    let halves = [Vector3::zeros(), Vector3::x(), Vector3::y(), Vector3::z()]
+        .map(|axis| axis * std::f64::consts::PI);
+    let up = UnitVector3::new_unchecked(Vector3::z());
+    for (up, turns) in [(None, halves), (Some(&up), quarters)] {
+        let readings = described(&cloud, up);
+        let axes = object_axes(points, up).unwrap();
+        let matrix =
+            Matrix3::from_fn(|i, j| f64::from(axes.object_from_source.object_from_source[i][j]));
+        let mut good = WarpedGood::new();
+        let mut found = Vec::new();
+        for turn in turns {
+            let turned = nalgebra::Rotation3::new(turn).matrix().transpose() * matrix;
+            let rows = [0, 1, 2]
+                .map(|i| [0, 1, 2, 3].map(|j| if j < 3 { turned[(i, j)] as f32 } else { 0.0 }));
+            let frame = crate::DescriptorFrame {
+                object_from_source: rows,
+            };
+            let sides = good
+                .append(points, &frame, {
+                    found.clear();
+                    &mut found
+                })
+                .unwrap();
+            found.extend(sides.map(|side| (side + THICKNESS_M).ln()));
+            let is_it =
+                |reading: &Vec<f32>| found.iter().zip(reading).all(|(a, b)| (a - b).abs() < 1e-3);
+            assert_eq!(
+                readings.iter().filter(|reading| is_it(reading)).count(),
+                1,
+                "{turn}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_mirrored_object_is_another_one() {
+    let cloud = sheet(2000);
+    let stored = &described(&cloud, None)[0];
+    let mirrored = described(&mapped(&cloud, |p| Point3::new(-p.x, p.y, p.z)), None);
+    assert!(distance(&mirrored, stored) > 0.2);
+}
+
+#[test]
+fn size_and_colour_are_seen() {
+    let cloud = sheet(2000);
+    let stored = &described(&cloud, None)[0];
+    let middle = Point3::new(0.1, 0.0, 0.9);
+    let larger = mapped(&cloud, |p| middle + 1.3 * (p - middle));
+    assert!(distance(&described(&larger, None), stored) > 0.3);
+    let mut blue = cloud.clone();
+    for p in &mut blue {
+        p.color = Rgba::opaque(30, 40, 180);
+    }
+    assert!(distance(&described(&blue, None), stored) > 0.5);
+    let mut appearance = Appearance::new(AppearanceWeights::shape_only()).unwrap();
+    let stored = appearance
+        .describe(ObjectPoints::all(&cloud), None)
+        .unwrap()[0]
+        .clone();
+    let blind = appearance.describe(ObjectPoints::all(&blue), None).unwrap();
+    assert_eq!(distance(blind, &stored), 0.0);
+}
+
+#[test]
+fn weights_out_of_range_and_too_few_points_are_refused_by_sentences() {
+    for shape in [-0.1, 101.0, f32::NAN] {
+        let weights = AppearanceWeights {
+            shape,
+            ..AppearanceWeights::default()
+        };
+        let error = Appearance::new(weights).unwrap_err();
+        assert!(
+            error.to_string().contains("choose a number from 0 to 100"),
+            "{error}"
+        );
+    }
+    let mut appearance = Appearance::new(AppearanceWeights::default()).unwrap();
+    let error = appearance
+        .describe(ObjectPoints::all(&sheet(2)), None)
+        .unwrap_err();
+    assert!(
+        error.to_string().contains("too few finite points"),
+        "{error}"
+    );
+}

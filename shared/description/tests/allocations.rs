@@ -1,0 +1,85 @@
+//! Describing an object allocates nothing in steady state.
+
+use description::{Descriptor, DescriptorFrame, Good, GoodVariant, ObjectPoints, Support};
+use point_cloud::{Point, Rgba};
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+thread_local! {
+    static N_ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
+}
+
+struct Counting;
+
+#[expect(unsafe_code, reason = "an allocator can not be written without")]
+// SAFETY: everything is handed on to the system's allocator unchanged.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        N_ALLOCATIONS.with(|n| n.set(n.get() + 1));
+        // SAFETY: the caller keeps the contract of `alloc`.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: the pointer comes from `System.alloc` above.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, new_size: usize) -> *mut u8 {
+        N_ALLOCATIONS.with(|n| n.set(n.get() + 1));
+        // SAFETY: the pointer comes from `System.alloc` above.
+        unsafe { System.realloc(pointer, layout, new_size) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+const FRAME: DescriptorFrame = DescriptorFrame {
+    object_from_source: [
+        [1.0, 0.0, 0.0, -0.1],
+        [0.0, 1.0, 0.0, -0.1],
+        [0.0, 0.0, 1.0, -0.05],
+    ],
+};
+
+fn cloud(n_points: u32) -> Vec<Point> {
+    let point = |i: u32| {
+        let t = f64::from(i);
+        let at = |step: f64, side_m: f64| ((t * step).fract() * side_m) as f32;
+        Point {
+            x: at(0.618_034, 0.2),
+            y: at(0.754_878, 0.15),
+            z: at(0.569_84, 0.1),
+            color: Rgba(0),
+        }
+    };
+    (0..n_points).map(point).collect()
+}
+
+#[test]
+fn nothing_is_allocated_once_the_largest_object_was_seen() {
+    let cloud = cloud(5000);
+    let indices: Vec<u32> = (0..5000).rev().collect();
+    let published = GoodVariant::Published {
+        sign_threshold_m: 0.0015,
+    };
+    let workspace = GoodVariant::Workspace {
+        support: Support::Adaptive,
+    };
+    for variant in [published, workspace] {
+        let mut good = Good::new(15, variant).unwrap();
+        let mut out = Vec::new();
+        good.compute(ObjectPoints::all(&cloud), &FRAME, &mut out)
+            .unwrap();
+        let before = N_ALLOCATIONS.get();
+        assert!(before > 0, "the first call has to allocate");
+        for n in [10, 5000, 1, 4999] {
+            let whole = ObjectPoints::all(&cloud[..n]);
+            good.compute(whole, &FRAME, &mut out).unwrap();
+            let selected = ObjectPoints::selected(&cloud, &indices[..n]).unwrap();
+            good.compute(selected, &FRAME, &mut out).unwrap();
+        }
+        assert_eq!(N_ALLOCATIONS.get(), before);
+    }
+}
