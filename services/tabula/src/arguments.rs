@@ -1,5 +1,11 @@
 //! The command line.
 
+mod recognition;
+
+pub(crate) use recognition::{
+    CrossValidationArguments, DescriptionArguments, OpenEndedArguments, Up, Variant, ViewProtocol,
+};
+
 use crate::sensor::Sensor;
 use clap::{Args, Parser, Subcommand};
 use service::{CommonArguments, Failure, exit_code};
@@ -151,6 +157,10 @@ pub(crate) enum EvaluateVerb {
     Detection(DetectionArguments),
     /// Track the objects of simulated scenes and compare with the truth
     Tracking(TrackingArguments),
+    /// Let a simulated teacher introduce categories, ask and correct
+    OpenEnded(OpenEndedArguments),
+    /// Recognise each part of the views by the others
+    CrossValidation(CrossValidationArguments),
 }
 
 /// Which scenes, and where the results go.

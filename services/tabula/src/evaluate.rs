@@ -1,10 +1,16 @@
 //! `tabula evaluate`: how good and how fast the kernels are.
 
+mod cross_validation;
+mod csv;
 mod detection;
 mod document;
+mod object_views;
+mod open_ended;
+mod parallel;
 mod report;
 mod stopwatch;
 mod tracking;
+mod variant;
 mod whole_file;
 
 use crate::arguments::EvaluateVerb;
@@ -17,6 +23,8 @@ pub(crate) fn run(verb: &EvaluateVerb, output: &Output) -> Result<ExitCode, Fail
     match verb {
         EvaluateVerb::Detection(arguments) => detection::run(arguments, output),
         EvaluateVerb::Tracking(arguments) => tracking::run(arguments, output),
+        EvaluateVerb::OpenEnded(arguments) => open_ended::run(arguments, output),
+        EvaluateVerb::CrossValidation(arguments) => cross_validation::run(arguments, output),
     }
 }
 

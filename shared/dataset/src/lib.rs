@@ -1,5 +1,5 @@
 //! File formats: point clouds (PCD), meshes (PLY, OBJ), RGB-D sequences,
-//! fakenect folders and the Washington data set of objects.
+//! fakenect folders and sets of views of single objects.
 //!
 //! Each format is a pure function over the bytes of a file, with a thin
 //! wrapper that reads the file. What a file says about its size is compared
@@ -27,6 +27,7 @@ pub mod fakenect_folder;
 pub mod mesh;
 pub mod models;
 pub mod obj;
+pub mod object_views;
 pub mod pcd;
 pub mod ply;
 pub mod recording_kind;

@@ -26,6 +26,7 @@ pub(crate) fn failed(error: impl fmt::Display) -> DrawingError {
 
 /// One curve.
 pub(crate) struct Curve<'a> {
+    /// What it is in the legend; empty when it is not there.
     pub(crate) name: &'a str,
     pub(crate) color: RGBColor,
     pub(crate) points: Vec<(f64, f64)>,
@@ -41,6 +42,8 @@ pub(crate) struct Diagram<'a> {
     pub(crate) x_range: Range<f64>,
     pub(crate) y_range: Range<f64>,
     pub(crate) curves: Vec<Curve<'a>>,
+    /// Where the legend is out of the way.
+    pub(crate) legend: SeriesLabelPosition,
 }
 
 /// Diagrams side by side, as SVG text.
@@ -58,7 +61,7 @@ pub(crate) fn side_by_side(diagrams: &[Diagram<'_>]) -> Result<String, DrawingEr
     Ok(svg)
 }
 
-fn draw(
+pub(crate) fn draw(
     area: &DrawingArea<SVGBackend<'_>, Shift>,
     diagram: &Diagram<'_>,
 ) -> Result<(), DrawingError> {
@@ -73,6 +76,8 @@ fn draw(
         .configure_mesh()
         .x_desc(diagram.x_label)
         .y_desc(diagram.y_label)
+        .x_label_formatter(&|value| number(*value, &diagram.x_range))
+        .y_label_formatter(&|value| number(*value, &diagram.y_range))
         .light_line_style(WHITE)
         .draw()
         .map_err(failed)?;
@@ -82,16 +87,29 @@ fn draw(
         if curve.is_marked {
             series = series.point_size(3);
         }
-        chart
-            .draw_series(series)
-            .map_err(failed)?
-            .label(curve.name)
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], color.stroke_width(2)));
+        let series = chart.draw_series(series).map_err(failed)?;
+        if !curve.name.is_empty() {
+            series.label(curve.name).legend(move |(x, y)| {
+                PathElement::new([(x, y), (x + 18, y)], color.stroke_width(2))
+            });
+        }
+    }
+    if diagram.curves.iter().all(|curve| curve.name.is_empty()) {
+        return Ok(());
     }
     chart
         .configure_series_labels()
-        .position(SeriesLabelPosition::UpperLeft)
+        .position(diagram.legend.clone())
         .background_style(WHITE)
         .draw()
         .map_err(failed)
+}
+
+/// A number at an axis: without decimals when the axis is long.
+pub(crate) fn number(value: f64, range: &Range<f64>) -> String {
+    if range.end - range.start > 5.0 {
+        format!("{value:.0}")
+    } else {
+        format!("{value:.1}")
+    }
 }

@@ -7,7 +7,8 @@
 //! [`segmentation_score`] says how well a detection agrees with them, and
 //! [`scene_picture`] and [`score_page`] show it. [`sensor_error`] compares the
 //! simulated sensor with the published law. [`tracking_score`] says how well tracks
-//! agree with the truth of [`tracked_frame`]s.
+//! agree with the truth of [`tracked_frame`]s. [`open_ended`] and [`cross_validation`]
+//! say how well a [`recogniser`] learns views of objects.
 //!
 //! This crate never starts a process, never reads a clock, writes no file, and
 //! knows nothing of channels. Durations are measured by the caller and come in
@@ -15,12 +16,17 @@
 
 pub mod box_picture;
 pub mod clear_mot;
+pub mod cross_validation;
 pub mod durations;
 mod figure;
+pub mod figure_page;
 pub mod hypothesis_image;
 pub mod id_f1;
 pub mod labelled_scenes;
+pub mod open_ended;
 mod page;
+mod random;
+pub mod recogniser;
 pub mod scene_picture;
 pub mod score_page;
 pub mod segmentation_score;
@@ -28,7 +34,6 @@ pub mod sensor_error;
 pub mod spread;
 pub mod track_drift;
 pub mod track_figure;
-pub mod track_page;
 pub mod tracked_frame;
 pub mod tracking_score;
 pub mod true_shape;

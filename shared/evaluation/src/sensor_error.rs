@@ -8,7 +8,7 @@ use crate::figure::{Curve, Diagram, DrawingError, side_by_side};
 use geometry::{PinholeCamera, RigidTransform};
 use mesh::{Surface, Triangle, TriangleMesh, Vertex};
 use nalgebra::{Point3, UnitQuaternion, Vector3};
-use plotters::prelude::{BLUE, RED};
+use plotters::prelude::{BLUE, RED, SeriesLabelPosition};
 use point_cloud::Point;
 use rendering::kinect::{AxialNoise, KinectSensor, SensorModel, Shot};
 use rendering::{Error, Instance, PreparedMesh, Rasterizer};
@@ -131,6 +131,7 @@ fn diagram<'a>(
         y_label: "standard deviation (mm)",
         x_range: ends.0..ends.1,
         y_range: 0.0..highest_mm * 1.1,
+        legend: SeriesLabelPosition::UpperLeft,
         curves: vec![
             Curve {
                 name: "Nguyen et al. 2012",

@@ -6,7 +6,7 @@ use super::image::{decode_color, decode_depth, decode_mask};
 use super::location::parse_location;
 use super::view::View;
 use super::view_name::ViewName;
-use super::{CLOUD_SUFFIX, COLOR_SUFFIX, DEPTH_SUFFIX, LOCATION_SUFFIX, MASK_SUFFIX};
+use super::{CAMERA, CLOUD_SUFFIX, COLOR_SUFFIX, DEPTH_SUFFIX, LOCATION_SUFFIX, MASK_SUFFIX};
 use crate::bounded_file::{file_names, folder_names, read_file};
 use crate::pcd;
 use point_cloud::Point;
@@ -189,6 +189,28 @@ impl ObjectDataset {
         self.read(listed, 4, pcd::MAX_BYTES, &mut file, |bytes| {
             Ok(read_cloud(bytes)?)
         })
+    }
+
+    /// Reads the points of a view: from its PCD file if it has one, else from its
+    /// images by the camera [`CAMERA`].
+    ///
+    /// *Frame*: camera, metres.
+    ///
+    /// # Errors
+    /// When there is no such view, or a file can not be read or is wrong.
+    pub fn load_points(&self, index: usize) -> Result<Vec<Point>, Error> {
+        if self.has_images(index) && !self.has_cloud(index) {
+            self.load(index)?.points(&CAMERA)
+        } else {
+            self.load_cloud(index)
+        }
+    }
+
+    /// The file that [`load_points`](Self::load_points) reads, of several the first;
+    /// `None` behind the last view.
+    pub fn points_file(&self, index: usize) -> Option<PathBuf> {
+        let suffix = if self.has_cloud(index) { 4 } else { 0 };
+        Some(self.path(self.views.get(index)?, suffix))
     }
 
     fn listed(&self, index: usize, wanted: u8, what: &'static str) -> Result<&Listed, Error> {

@@ -2,7 +2,7 @@
 
 use super::document::{Document, Figures, Percentiles, SeedFigures};
 use crate::table::table;
-use evaluation::track_page::{PageTable, PicturedRun, html};
+use evaluation::figure_page::{PageFigure, PageTable, html};
 
 /// Heads of the columns.
 const HEADS: [&str; 16] = [
@@ -48,13 +48,13 @@ fn rank(run: &SeedFigures) -> f64 {
     accuracy - run.figures.id_switches as f64
 }
 
-fn pictured(name: &str, run: &SeedFigures) -> PicturedRun {
+fn pictured(name: &str, run: &SeedFigures) -> PageFigure {
     let figures = &run.figures;
     let seed = run
         .seed
         .map_or(String::new(), |seed| format!(", seed {seed}"));
     let share = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.3}"));
-    PicturedRun {
+    PageFigure {
         caption: format!(
             "{name}{seed}: MOTA {}, IDF1 {}, {} switches, {} misses, {} false positives, {} lost",
             share(figures.mota),

@@ -10,9 +10,9 @@ use crate::output::Output;
 use crate::simulate::progress;
 use crate::table::table;
 use evaluation::box_picture::{self, NumberedBox};
+use evaluation::figure_page::{PageFigure, PageTable, html};
 use evaluation::track_drift::{TrackSpan, track_spans};
 use evaluation::track_figure;
-use evaluation::track_page::{PageTable, PicturedRun, html};
 use serde::Serialize;
 use service::{Failure, exit_code};
 use std::collections::BTreeMap;
@@ -245,12 +245,12 @@ fn page(document: &Document, recording: &Recording, picture: String) -> String {
         title: "Tracks that were seen and believed".to_owned(),
         rows: all,
     };
-    let mut runs = vec![PicturedRun {
+    let mut runs = vec![PageFigure {
         caption: "The table from above, and the tracks over time".to_owned(),
         picture,
     }];
     let drawn = (0..document.n_frames).step_by(FRAMES_A_PICTURE);
-    runs.extend(drawn.map(|index| PicturedRun {
+    runs.extend(drawn.map(|index| PageFigure {
         caption: format!("frame {index}"),
         picture: format!("{FRAMES}/{index:06}.png"),
     }));

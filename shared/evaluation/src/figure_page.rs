@@ -1,10 +1,10 @@
-//! Figures and pictures of tracks as a page of HTML.
+//! Tables and figures as a page of HTML.
 
 use crate::page::{self, escaped, linked_picture};
 
 /// A picture and what is said of it.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct PicturedRun {
+pub struct PageFigure {
     /// What it shows.
     pub caption: String,
     /// Where it is, relative to the page; plain text.
@@ -22,9 +22,9 @@ pub struct PageTable {
 
 /// A page that needs no other file but the pictures, which stand in the order in
 /// which they are given.
-pub fn html(title: &str, notes: &[String], tables: &[PageTable], runs: &[PicturedRun]) -> String {
+pub fn html(title: &str, notes: &[String], tables: &[PageTable], figures: &[PageFigure]) -> String {
     let tables = tables.iter().map(table);
-    page::html(title, notes, tables.chain(runs.iter().map(figure)))
+    page::html(title, notes, tables.chain(figures.iter().map(figure)))
 }
 
 fn table(table: &PageTable) -> String {
@@ -43,9 +43,9 @@ fn table(table: &PageTable) -> String {
     )
 }
 
-fn figure(run: &PicturedRun) -> String {
-    let caption = escaped(&run.caption);
-    let picture = linked_picture(&run.picture, &caption);
+fn figure(figure: &PageFigure) -> String {
+    let caption = escaped(&figure.caption);
+    let picture = linked_picture(&figure.picture, &caption);
     format!("<figure>\n<figcaption>{caption}</figcaption>\n{picture}\n</figure>")
 }
 
@@ -59,7 +59,7 @@ mod tests {
             title: "a & b".into(),
             rows: vec![vec!["<scene>".into()], vec!["1".into()]],
         };
-        let run = PicturedRun {
+        let run = PageFigure {
             caption: "seed \"1\"".into(),
             picture: "tracks/a b.svg".into(),
         };

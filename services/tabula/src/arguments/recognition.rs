@@ -1,0 +1,166 @@
+//! The arguments of experiments with views of single objects.
+
+use clap::{Args, ValueEnum};
+use learning::Metric;
+use std::path::PathBuf;
+
+/// How objects are described and learned.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Variant {
+    /// GOOD as published, in the frame of its published program
+    Published,
+    /// GOOD as in the authors' evaluations, in the same frame
+    Workspace,
+    /// Shape, size and colour, in all readings of the object's axes
+    Ours,
+}
+
+/// What is against gravity in the files of a data set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Up {
+    /// Nobody knows
+    Unknown,
+    /// The x axis
+    X,
+    /// The y axis
+    Y,
+    /// The z axis
+    Z,
+    /// Against the y axis, as in the frame of a level camera
+    MinusY,
+}
+
+/// Which views are taught and which are asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ViewProtocol {
+    /// Any views of a category
+    View,
+    /// Views of other objects than those that were taught
+    InstanceDisjoint,
+}
+
+/// Which views, and how they are described and compared.
+#[derive(Debug, Args)]
+pub(crate) struct DescriptionArguments {
+    /// Folder of views in the layout of the Washington dataset, or with a folder of PCD files for
+    /// each category
+    pub(crate) dataset: PathBuf,
+    /// How objects are described and learned
+    #[arg(long, value_name = "NAME", value_enum, default_value_t = Variant::Ours)]
+    pub(crate) variant: Variant,
+    /// How views are compared [default: half-chi-squared-root for published, manhattan for
+    /// workspace, euclidean for ours]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) distance: Option<Metric>,
+    /// Leave out colour; only `ours` has any
+    #[arg(long)]
+    pub(crate) shape_only: bool,
+    /// What is up in the frame of the points, for `ours` [default: what the data set tells]
+    #[arg(long, value_name = "AXIS", value_enum)]
+    pub(crate) up: Option<Up>,
+    /// Bins of GOOD along each side
+    #[arg(long, value_name = "N", default_value_t = 15, value_parser = bins)]
+    pub(crate) bins: usize,
+    /// Distance of the nearest view above which an object is unknown [default: none]
+    #[arg(long, value_name = "D", value_parser = threshold)]
+    pub(crate) threshold: Option<f32>,
+    /// Most views of each category, spread evenly over those there are [default: all]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) views_max: Option<u32>,
+}
+
+/// The experiment with the simulated teacher.
+#[derive(Debug, Args)]
+pub(crate) struct OpenEndedArguments {
+    #[command(flatten)]
+    pub(crate) description: DescriptionArguments,
+    /// Folder for the figures and the page
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// Number of runs
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..=10_000))]
+    pub(crate) runs: u64,
+    /// Seed of the first run; the next run has the next seed
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Accuracy at which a category is learned
+    #[arg(long, value_name = "A", default_value_t = 0.67)]
+    pub(crate) tau: f64,
+    /// Which views are taught and which are asked
+    #[arg(long, value_name = "NAME", value_enum, default_value_t = ViewProtocol::View)]
+    pub(crate) protocol: ViewProtocol,
+    /// Share of the questions that show a category which was not taught yet, 0 to 0.9
+    #[arg(long, value_name = "P", default_value_t = 0.0)]
+    pub(crate) open_set_share: f64,
+    /// File for every question and its answer, comma-separated
+    #[arg(long, value_name = "FILE")]
+    pub(crate) log: Option<PathBuf>,
+}
+
+/// The experiment in which each part is asked of who was taught the rest.
+#[derive(Debug, Args)]
+pub(crate) struct CrossValidationArguments {
+    #[command(flatten)]
+    pub(crate) description: DescriptionArguments,
+    /// Folder for the figures, the page and the confusion matrix
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// Number of parts
+    #[arg(long, value_name = "K", default_value_t = 10, value_parser = clap::value_parser!(u32).range(2..=1000))]
+    pub(crate) folds: u32,
+    /// Seed of the parts
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Whether the views of an object stay together [default: where objects are known]
+    #[arg(long, value_name = "NAME", value_enum, conflicts_with = "contiguous")]
+    pub(crate) protocol: Option<ViewProtocol>,
+    /// Slices of the views as they are listed, not shuffled
+    #[arg(long)]
+    pub(crate) contiguous: bool,
+    /// File for every question and its answer, comma-separated
+    #[arg(long, value_name = "FILE")]
+    pub(crate) log: Option<PathBuf>,
+}
+
+impl ViewProtocol {
+    /// The name on the command line.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::View => "view",
+            Self::InstanceDisjoint => "instance-disjoint",
+        }
+    }
+}
+
+impl Variant {
+    /// The name on the command line.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Published => "published",
+            Self::Workspace => "workspace",
+            Self::Ours => "ours",
+        }
+    }
+}
+
+impl DescriptionArguments {
+    /// The metric that was asked for, or that of the variant.
+    pub(crate) fn metric(&self) -> Metric {
+        self.distance.unwrap_or(match self.variant {
+            Variant::Published => Metric::HalfChiSquaredRoot,
+            Variant::Workspace => Metric::Manhattan,
+            Variant::Ours => Metric::Euclidean,
+        })
+    }
+}
+
+fn bins(text: &str) -> Result<usize, String> {
+    let number = text.parse().ok().filter(|n| (2..=64).contains(n));
+    number.ok_or_else(|| "choose from 2 to 64, 15 usually".to_owned())
+}
+
+fn threshold(text: &str) -> Result<f32, String> {
+    let number = text.parse().ok();
+    let number = number.filter(|number: &f32| number.is_finite() && *number >= 0.0);
+    number.ok_or_else(|| "choose a distance of 0 or more".to_owned())
+}

@@ -1,0 +1,95 @@
+//! The figures of `tabula evaluate cross-validation` for people.
+
+use super::document::{CategoryFigures, Document};
+use crate::table::table;
+use evaluation::figure_page::{PageFigure, PageTable, html};
+
+/// Heads of the columns.
+const HEADS: [&str; 4] = ["category", "views", "right %", "taken for"];
+
+/// The text that is printed.
+pub(super) fn text(document: &Document) -> String {
+    let mut lines = vec![table(&HEADS, &rows(document)), String::new()];
+    lines.extend(notes(document));
+    lines.extend([document.page.clone(), document.file.clone()]);
+    lines.join("\n")
+}
+
+/// The page with the confusion matrix.
+pub(super) fn page(document: &Document) -> String {
+    let heads: Vec<String> = HEADS.iter().map(|head| (*head).to_owned()).collect();
+    let mut all = vec![heads];
+    all.extend(rows(document));
+    let table = PageTable {
+        title: "Categories, worst first".to_owned(),
+        rows: all,
+    };
+    let confusion = PageFigure {
+        caption: "A row for each category, a column for each answer, in percent; blue is right, \
+                  red is wrong"
+            .to_owned(),
+        picture: "confusion.svg".to_owned(),
+    };
+    html("Cross-validation", &notes(document), &[table], &[confusion])
+}
+
+/// The categories, worst first.
+fn rows(document: &Document) -> Vec<Vec<String>> {
+    let right = |figures: &CategoryFigures| {
+        100.0 * f64::from(figures.n_right) / f64::from(figures.n_asked.max(1))
+    };
+    let mut categories: Vec<_> = document.categories.iter().collect();
+    categories.sort_by(|(_, a), (_, b)| right(a).total_cmp(&right(b)));
+    let row = |(name, figures): (&String, &CategoryFigures)| {
+        vec![
+            name.clone(),
+            figures.n_asked.to_string(),
+            format!("{:5.1}", right(figures)),
+            figures.taken_for.clone().unwrap_or_default(),
+        ]
+    };
+    categories.into_iter().map(row).collect()
+}
+
+/// The figures, one sentence each.
+fn notes(document: &Document) -> Vec<String> {
+    let (settings, timing) = (&document.settings, &document.timing);
+    let accuracies = document.folds.iter().filter_map(|fold| fold.accuracy);
+    let (least, most) = accuracies.fold((1.0_f64, 0.0_f64), |(least, most), accuracy| {
+        (least.min(accuracy), most.max(accuracy))
+    });
+    let mut notes = vec![
+        format!(
+            "accuracy {:.4} (macro {:.4}), F1 {:.4} (macro {:.4}); folds from {least:.4} to \
+             {most:.4}",
+            document.accuracy_micro, document.accuracy_macro, document.f1_micro, document.f1_macro
+        ),
+        format!(
+            "{} categories, {} views in {} folds, {}; {}",
+            document.n_categories,
+            document.n_views,
+            document.folds.len(),
+            dealing(document),
+            settings.description.text()
+        ),
+        format!(
+            "a view is described in {:.3} ms and compared in {:.3} ms on one thread, means; all \
+             comparisons took {:.1} s",
+            timing.describe_ms, timing.ask_ms, timing.test_s
+        ),
+    ];
+    notes.extend(document.left_out.iter().cloned());
+    notes
+}
+
+fn dealing(document: &Document) -> String {
+    let settings = &document.settings;
+    match settings.folds {
+        "instance-disjoint" => format!(
+            "the views of an object together in {} of the categories",
+            settings.n_grouped
+        ),
+        "contiguous" => "in the order of their names".to_owned(),
+        _ => "view by view".to_owned(),
+    }
+}

@@ -1,0 +1,155 @@
+use super::super::open_ended::tests::{description, write_points};
+use super::*;
+use crate::arguments::DescriptionArguments;
+use dataset::washington::{CAMERA, View, ViewName, write_view};
+use point_cloud::Point;
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+
+fn arguments(dataset: &Path, out: &Path) -> CrossValidationArguments {
+    CrossValidationArguments {
+        description: description(dataset),
+        out: out.to_owned(),
+        folds: 5,
+        seed: 1,
+        protocol: None,
+        contiguous: false,
+        log: Some(out.join("log.csv")),
+    }
+}
+
+fn document(out: &Path) -> Value {
+    let bytes = fs::read(out.join("cross-validation.json")).unwrap();
+    serde_json::from_slice(&bytes).unwrap()
+}
+
+/// Two categories that can not be mistaken: a line and a square.
+fn write_shapes(root: &Path, n_views: u16) {
+    for (name, width_m) in [("line", 0.01), ("square", 0.2)] {
+        fs::create_dir_all(root.join(name)).unwrap();
+        for view in 0..n_views {
+            let point = |i: u16| {
+                let t = f32::from(i) + f32::from(view) * 0.37;
+                Point {
+                    x: 0.2 * (t * 0.7).sin(),
+                    y: width_m * (t * 1.9).cos(),
+                    z: 0.005 * (t * 0.3).sin(),
+                    ..Point::default()
+                }
+            };
+            let points: Vec<Point> = (0..300).map(point).collect();
+            write_points(&root.join(format!("{name}/{view}.pcd")), &points);
+        }
+    }
+}
+
+#[test]
+fn each_view_is_asked_once_and_the_log_gives_the_accuracy() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = folder.path().join("data");
+    write_shapes(&data, 12);
+    let arguments = arguments(&data, &folder.path().join("out"));
+    run(&arguments, &Output::new(true)).unwrap();
+    let document = document(&arguments.out);
+    assert_eq!(document["accuracy_micro"], 1.0, "{document}");
+    assert_eq!(document["f1_macro"], 1.0);
+    assert_eq!(document["settings"]["folds"], "view");
+    let log = fs::read_to_string(arguments.out.join("log.csv")).unwrap();
+    let mut asked: Vec<&str> = log
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').nth(1).unwrap())
+        .collect();
+    asked.sort_unstable();
+    asked.dedup();
+    assert_eq!(asked.len(), 24);
+    assert!(
+        fs::read_to_string(arguments.out.join("confusion.svg"))
+            .unwrap()
+            .contains("square")
+    );
+}
+
+#[test]
+fn contiguous_parts_are_slices_of_the_list() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = folder.path().join("data");
+    write_shapes(&data, 10);
+    let mut arguments = arguments(&data, &folder.path().join("out"));
+    arguments.contiguous = true;
+    run(&arguments, &Output::new(true)).unwrap();
+    let log = fs::read_to_string(arguments.out.join("log.csv")).unwrap();
+    let first: Vec<&str> = log.lines().filter(|line| line.starts_with("0,")).collect();
+    let files: Vec<&str> = first
+        .iter()
+        .map(|line| line.split(',').nth(1).unwrap())
+        .collect();
+    assert_eq!(
+        files,
+        ["line/0.pcd", "line/1.pcd", "square/0.pcd", "square/1.pcd"]
+    );
+}
+
+/// A view of a square of pixels at 1 m.
+fn square_view(side: u32) -> View {
+    let n_pixels = (side * side) as usize;
+    View {
+        size: (side, side),
+        top_left: (300, 200),
+        color: vec![90; 3 * n_pixels],
+        depth_mm: vec![1000; n_pixels],
+        mask: vec![255; n_pixels],
+    }
+}
+
+#[test]
+fn views_of_a_known_object_stay_together_unless_told_otherwise() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = folder.path().join("data");
+    for (category, side) in [("cup", 20), ("pan", 40)] {
+        for instance in 1..=5 {
+            for frame in 1..=3 {
+                let name = ViewName::new(category, instance, 1, frame).unwrap();
+                write_view(&data, &name, &square_view(side + frame), Some(&CAMERA)).unwrap();
+            }
+        }
+    }
+    let mut arguments = arguments(&data, &folder.path().join("out"));
+    run(&arguments, &Output::new(true)).unwrap();
+    let grouped = document(&arguments.out);
+    assert_eq!(grouped["settings"]["folds"], "instance-disjoint");
+    assert_eq!(grouped["settings"]["n_grouped"], 2);
+    let log = fs::read_to_string(arguments.out.join("log.csv")).unwrap();
+    let fold_of = |object: &str| {
+        let lines = log.lines().filter(|line| line.contains(object));
+        let mut folds: Vec<&str> = lines.map(|line| line.split(',').next().unwrap()).collect();
+        folds.dedup();
+        folds
+    };
+    for object in ["cup_1/", "cup_5/", "pan_3/"] {
+        assert_eq!(fold_of(object).len(), 1, "{object}");
+    }
+    arguments.protocol = Some(ViewProtocol::View);
+    run(&arguments, &Output::new(true)).unwrap();
+    assert_eq!(document(&arguments.out)["settings"]["folds"], "view");
+}
+
+#[test]
+fn what_is_too_far_is_unknown() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = folder.path().join("data");
+    write_shapes(&data, 10);
+    let mut arguments = arguments(&data, &folder.path().join("out"));
+    arguments.description = DescriptionArguments {
+        threshold: Some(0.0),
+        ..description(&data)
+    };
+    run(&arguments, &Output::new(true)).unwrap();
+    let document = document(&arguments.out);
+    assert_eq!(
+        (&document["accuracy_micro"], &document["f1_micro"]),
+        (&0.0.into(), &0.0.into())
+    );
+    assert_eq!(document["categories"]["line"]["taken_for"], Value::Null);
+}

@@ -1,0 +1,230 @@
+//! Views of single objects, read and described once for an experiment.
+
+use super::{failed, parallel};
+use crate::arguments::DescriptionArguments;
+use crate::output::Output;
+use crate::simulate::progress;
+use dataset::object_views::{ObjectView, ObjectViews, ViewFile};
+use evaluation::recogniser::LabelledView;
+use service::{Failure, exit_code};
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::time::Instant;
+
+/// Most sentences about what was left out that are kept.
+const MOST_SENTENCES: usize = 20;
+
+/// The views of a data set that an experiment uses.
+pub(super) struct Catalogue {
+    views: ObjectViews,
+    /// Indices of the views that are used, in order.
+    chosen: Vec<usize>,
+}
+
+/// What is known of the views that could be described.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct ViewTable {
+    /// Names of the categories by number; each has a view.
+    pub(super) categories: Vec<String>,
+    /// Category and object of each view.
+    pub(super) labels: Vec<LabelledView>,
+    /// File of each view, relative to the data set.
+    pub(super) files: Vec<String>,
+    pub(super) left_out: LeftOut,
+    /// Mean time to describe a view on one thread, reading not included, milliseconds.
+    pub(super) describe_ms: f64,
+}
+
+/// What is not part of an experiment.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub(super) struct LeftOut {
+    /// Views and folders of categories.
+    pub(super) n: usize,
+    /// Why, one sentence each; of many the first.
+    pub(super) reasons: Vec<String>,
+}
+
+impl LeftOut {
+    pub(super) fn add(&mut self, n: usize, reason: impl FnOnce() -> String) {
+        self.n += n;
+        if self.reasons.len() < MOST_SENTENCES {
+            self.reasons.push(reason());
+        }
+    }
+
+    /// For people: the sentences, and how many are not shown.
+    pub(super) fn sentences(&self) -> Vec<String> {
+        let reasons = self.reasons.iter();
+        let mut sentences: Vec<String> = reasons.map(|r| format!("left out: {r}")).collect();
+        if self.n > 0 {
+            sentences.push(format!("{} views were left out", self.n));
+        }
+        sentences
+    }
+}
+
+impl Catalogue {
+    /// Lists a data set and chooses the views.
+    pub(super) fn open(arguments: &DescriptionArguments) -> Result<Self, Failure> {
+        let views = ObjectViews::open(&arguments.dataset)
+            .map_err(|error| Failure::new(exit_code::USAGE, error))?;
+        let most = arguments.views_max.map_or(usize::MAX, |n| n as usize);
+        Ok(Self {
+            chosen: chosen(views.files(), most),
+            views,
+        })
+    }
+
+    /// Whether of all views it is known what is up.
+    pub(super) fn tell_up(&self) -> bool {
+        self.views.tell_up()
+    }
+
+    /// Reads and describes the views on all cores. What can not be read or described is
+    /// left out with its reason.
+    pub(super) fn describe<Own, T: Send, E: std::fmt::Display>(
+        &self,
+        output: &Output,
+        own: impl Fn() -> Own + Sync,
+        describe: impl Fn(&mut Own, &ObjectView) -> Result<T, E> + Sync,
+    ) -> Result<(ViewTable, Vec<T>), Failure> {
+        let bar = progress::bar(self.chosen.len() as u64, "views", output);
+        let described = parallel::map(self.chosen.len(), &bar, own, |own, job| {
+            let index = self.chosen[job];
+            let view = self.views.load(index).map_err(|error| error.to_string())?;
+            let begin = Instant::now();
+            let description = describe(own, &view).map_err(|error| {
+                let path = self.views.files()[index].path.display();
+                format!("the view {path} can not be described: {error}")
+            })?;
+            Ok((description, begin.elapsed().as_secs_f64() * 1e3))
+        });
+        bar.finish_and_clear();
+        self.table(described?)
+    }
+
+    fn table<T>(
+        &self,
+        described: Vec<Result<(T, f64), String>>,
+    ) -> Result<(ViewTable, Vec<T>), Failure> {
+        let mut left_out = self.left_out();
+        let (mut files, mut descriptions, mut sum_ms) = (Vec::new(), Vec::new(), 0.0);
+        for (&index, result) in self.chosen.iter().zip(described) {
+            match result {
+                Ok((description, ms)) => {
+                    files.push(&self.views.files()[index]);
+                    descriptions.push(description);
+                    sum_ms += ms;
+                }
+                Err(reason) => left_out.add(1, || reason),
+            }
+        }
+        if files.is_empty() {
+            let first = left_out.reasons.first().map_or("", String::as_str);
+            return Err(failed(format!(
+                "none of the {} views can be used; the first: {first}",
+                left_out.n
+            )));
+        }
+        let (categories, labels) = numbered(&files);
+        let table = ViewTable {
+            categories,
+            labels,
+            files: files.iter().map(|file| text_of(&file.path)).collect(),
+            left_out,
+            describe_ms: sum_ms / descriptions.len() as f64,
+        };
+        Ok((table, descriptions))
+    }
+
+    /// What was left out by listing.
+    fn left_out(&self) -> LeftOut {
+        let mut left_out = LeftOut::default();
+        for error in self.views.unusable() {
+            left_out.add(1, || error.to_string());
+        }
+        let n = self.views.n_incomplete();
+        if n > 0 {
+            left_out.add(n, || {
+                format!("{n} views have neither all of their images nor points")
+            });
+        }
+        left_out
+    }
+}
+
+fn text_of(path: &Path) -> String {
+    path.display().to_string()
+}
+
+/// Indices of at most so many views of each category, spread evenly over all of
+/// them.
+fn chosen(files: &[ViewFile], most: usize) -> Vec<usize> {
+    let mut chosen = Vec::new();
+    let mut first = 0;
+    for of_category in files.chunk_by(|a, b| a.category == b.category) {
+        let n = of_category.len().min(most);
+        chosen.extend((0..n).map(|i| first + i * of_category.len() / n));
+        first += of_category.len();
+    }
+    chosen
+}
+
+/// Names of the categories in order, and the labels of the views.
+fn numbered(files: &[&ViewFile]) -> (Vec<String>, Vec<LabelledView>) {
+    let mut categories: Vec<String> = Vec::new();
+    let mut instances: BTreeMap<(&str, &str), u32> = BTreeMap::new();
+    let mut labels = Vec::new();
+    for file in files {
+        if categories.last() != Some(&file.category) {
+            categories.push(file.category.clone());
+        }
+        let instance = file.instance.as_deref().map(|instance| {
+            let n = instances.len() as u32;
+            *instances.entry((&file.category, instance)).or_insert(n)
+        });
+        labels.push(LabelledView {
+            category: categories.len() as u32 - 1,
+            instance,
+        });
+    }
+    (categories, labels)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn file(category: &str, instance: Option<&str>) -> ViewFile {
+        ViewFile {
+            path: category.into(),
+            category: category.into(),
+            instance: instance.map(str::to_owned),
+        }
+    }
+
+    #[test]
+    fn few_views_of_many_are_spread_over_them() {
+        let files: Vec<ViewFile> = (0..13)
+            .map(|i| file(if i < 10 { "a" } else { "b" }, None))
+            .collect();
+        assert_eq!(chosen(&files, 4), [0, 2, 5, 7, 10, 11, 12]);
+        assert_eq!(chosen(&files, usize::MAX), (0..13).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn objects_of_the_same_number_are_others_in_another_category() {
+        let files = [
+            file("a", Some("1")),
+            file("a", Some("2")),
+            file("b", Some("1")),
+            file("b", Some("1")),
+            file("c", None),
+        ];
+        let (categories, labels) = numbered(&files.iter().collect::<Vec<_>>());
+        assert_eq!(categories, ["a", "b", "c"]);
+        let instances: Vec<_> = labels.iter().map(|label| label.instance).collect();
+        assert_eq!(instances, [Some(0), Some(1), Some(2), Some(2), None]);
+        assert_eq!(labels.last().unwrap().category, 2);
+    }
+}

@@ -1,0 +1,136 @@
+//! `tabula evaluate open-ended`: a simulated teacher introduces categories, asks and
+//! corrects.
+
+mod document;
+mod log;
+mod report;
+
+use super::object_views::ViewTable;
+use super::variant::{Learner, described};
+use super::whole_file::{make_folder, write};
+use super::{failed, parallel};
+use crate::arguments::{OpenEndedArguments, ViewProtocol};
+use crate::output::Output;
+use crate::simulate::progress;
+use document::Document;
+use evaluation::open_ended::{self as teacher, Protocol, Run, Split, overview_svg, run_svg};
+use service::{Failure, exit_code};
+use std::process::ExitCode;
+use std::time::Instant;
+
+/// Folder of the figures of single runs, within that of the results.
+const PICTURES: &str = "runs";
+
+/// A run, and how long its questions took.
+struct Played {
+    run: Run,
+    play_ms: f64,
+}
+
+/// Plays all runs, and scores and draws them.
+pub(super) fn run(arguments: &OpenEndedArguments, output: &Output) -> Result<ExitCode, Failure> {
+    let protocol = protocol(arguments);
+    let (mut views, learner) = described(&arguments.description, output)?;
+    leave_out(&protocol, &mut views)?;
+    make_folder(&arguments.out.join(PICTURES))?;
+    let played = play_all(arguments, &protocol, &views, learner.as_ref(), output)?;
+    let n_questions: usize = played.iter().map(|played| played.run.questions.len()).sum();
+    let sum_ms: f64 = played.iter().map(|played| played.play_ms).sum();
+    let ask_ms = sum_ms / n_questions.max(1) as f64;
+    let runs: Vec<Run> = played.into_iter().map(|played| played.run).collect();
+    draw(arguments, &protocol, &views, &runs)?;
+    if let Some(path) = &arguments.log {
+        write(path, log::csv(&runs, &views).as_bytes())?;
+    }
+    let document = Document::of(arguments, &protocol, &views, &runs, ask_ms);
+    let json = serde_json::to_string_pretty(&document).map_err(failed)?;
+    write(&arguments.out.join("open-ended.json"), json.as_bytes())?;
+    let page = report::page(&document);
+    write(&arguments.out.join("index.html"), page.as_bytes())?;
+    output.answer(&document, || report::text(&document));
+    Ok(ExitCode::SUCCESS)
+}
+
+fn protocol(arguments: &OpenEndedArguments) -> Protocol {
+    Protocol {
+        tau: arguments.tau,
+        open_set_share: arguments.open_set_share,
+        split: match arguments.protocol {
+            ViewProtocol::View => Split::ByView,
+            ViewProtocol::InstanceDisjoint => Split::InstanceDisjoint,
+        },
+        ..Protocol::default()
+    }
+}
+
+/// Says which categories take no part.
+fn leave_out(protocol: &Protocol, views: &mut ViewTable) -> Result<(), Failure> {
+    let categories = teacher::usable_categories(protocol, &views.labels)
+        .map_err(|error| Failure::new(exit_code::USAGE, error))?;
+    for (category, reason) in categories {
+        let Some(reason) = reason else { continue };
+        let of_category = views.labels.iter().filter(|view| view.category == category);
+        let n_views = of_category.count();
+        let name = &views.categories[category as usize];
+        views.left_out.add(n_views, || match reason {
+            teacher::LeftOut::TooFewViews { n_views } => format!(
+                "the category {name} has {n_views} views, and {} are needed",
+                protocol.n_views_at_start + 1
+            ),
+            teacher::LeftOut::TooFewInstances => {
+                format!("the category {name} has no two objects that are known")
+            }
+        });
+    }
+    Ok(())
+}
+
+fn play_all(
+    arguments: &OpenEndedArguments,
+    protocol: &Protocol,
+    views: &ViewTable,
+    learner: &dyn Learner,
+    output: &Output,
+) -> Result<Vec<Played>, Failure> {
+    let bar = progress::bar(arguments.runs, "runs", output);
+    let n_runs = arguments.runs as usize;
+    let played = parallel::map(
+        n_runs,
+        &bar,
+        || (),
+        |(), index| {
+            let begin = Instant::now();
+            let seed = arguments.seed.wrapping_add(index as u64);
+            let mut recogniser = learner.recogniser();
+            let run = teacher::run(recogniser.as_mut(), &views.labels, protocol, seed);
+            let play_ms = begin.elapsed().as_secs_f64() * 1e3;
+            run.map(|run| Played { run, play_ms }).map_err(failed)
+        },
+    );
+    bar.finish_and_clear();
+    played?.into_iter().collect()
+}
+
+/// The figure of all runs, and that of each.
+fn draw(
+    arguments: &OpenEndedArguments,
+    protocol: &Protocol,
+    views: &ViewTable,
+    runs: &[Run],
+) -> Result<(), Failure> {
+    let overview = overview_svg(runs).map_err(failed)?;
+    write(&arguments.out.join("overview.svg"), overview.as_bytes())?;
+    for run in runs {
+        let svg = run_svg(run, &views.categories, protocol.tau).map_err(failed)?;
+        write(&arguments.out.join(picture(run.seed)), svg.as_bytes())?;
+    }
+    Ok(())
+}
+
+/// Where the figure of a run is, relative to the folder of the results.
+fn picture(seed: u64) -> String {
+    format!("{PICTURES}/seed-{seed}.svg")
+}
+
+#[cfg(test)]
+pub(super) mod tests;

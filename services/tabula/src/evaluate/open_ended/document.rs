@@ -1,0 +1,199 @@
+//! The figures of `tabula evaluate open-ended` as a document.
+
+use super::super::object_views::ViewTable;
+use super::picture;
+use super::super::variant::DescriptionSettings;
+use crate::arguments::OpenEndedArguments;
+use evaluation::open_ended::{
+    MeanAndStd, Metrics, NoveltyScore, Protocol, Run, StopReason, Summary,
+};
+use serde::Serialize;
+
+/// All figures.
+#[derive(Debug, Serialize)]
+pub(super) struct Document {
+    version: &'static str,
+    dataset: String,
+    pub(super) n_categories: usize,
+    pub(super) n_views: usize,
+    pub(super) runs: Vec<RunFigures>,
+    pub(super) mean: Figures,
+    pub(super) std: Figures,
+    /// Of the open-set questions of all runs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) open_set: Option<OpenSet>,
+    pub(super) settings: Settings,
+    n_left_out: usize,
+    pub(super) left_out: Vec<String>,
+    pub(super) timing: Timing,
+    pub(super) page: String,
+    pub(super) file: String,
+}
+
+/// The figures of the published table.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Figures {
+    pub(super) qci: Option<f64>,
+    pub(super) tlc: Option<f64>,
+    pub(super) aic: Option<f64>,
+    pub(super) gca: Option<f64>,
+    pub(super) apa: Option<f64>,
+}
+
+/// One run.
+#[derive(Debug, Serialize)]
+pub(super) struct RunFigures {
+    pub(super) seed: u64,
+    pub(super) qci: u32,
+    pub(super) tlc: u32,
+    pub(super) aic: f64,
+    pub(super) gca: f64,
+    pub(super) apa: Option<f64>,
+    pub(super) corrections: u32,
+    pub(super) stop: &'static str,
+    pub(super) picture: String,
+}
+
+/// How well what was never taught is told from the rest.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(super) struct OpenSet {
+    pub(super) n: usize,
+    n_known: usize,
+    pub(super) auroc: f64,
+    pub(super) false_alarms_at_95: f64,
+    pub(super) rejected: f64,
+    pub(super) known_rejected: f64,
+}
+
+/// How the figures were made.
+#[derive(Debug, Serialize)]
+pub(super) struct Settings {
+    #[serde(flatten)]
+    pub(super) description: DescriptionSettings,
+    pub(super) protocol: &'static str,
+    pub(super) tau: f64,
+    views_at_start: usize,
+    window: usize,
+    stall_limit: u32,
+    open_set_share: f64,
+    n_runs: u64,
+    seed: u64,
+}
+
+/// Durations on one thread; the only figures that differ from time to time.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(super) struct Timing {
+    pub(super) describe_ms: f64,
+    pub(super) ask_ms: f64,
+}
+
+impl Document {
+    /// Of runs in the order of their seeds.
+    pub(super) fn of(
+        arguments: &OpenEndedArguments,
+        protocol: &Protocol,
+        views: &ViewTable,
+        runs: &[Run],
+        ask_ms: f64,
+    ) -> Self {
+        let metrics: Vec<Metrics> = runs.iter().map(Run::metrics).collect();
+        let summary = Summary::of(&metrics);
+        let path = |name: &str| arguments.out.join(name).display().to_string();
+        Self {
+            version: env!("CARGO_PKG_VERSION"),
+            dataset: arguments.description.dataset.display().to_string(),
+            n_categories: views.categories.len(),
+            n_views: views.labels.len(),
+            runs: runs.iter().map(RunFigures::of).collect(),
+            mean: Figures::of(&summary, |spread| Some(spread.mean)),
+            std: Figures::of(&summary, |spread| spread.std),
+            open_set: NoveltyScore::of(runs).map(OpenSet::of),
+            settings: Settings::of(arguments, protocol),
+            n_left_out: views.left_out.n,
+            left_out: views.left_out.sentences(),
+            timing: Timing {
+                describe_ms: views.describe_ms,
+                ask_ms,
+            },
+            page: path("index.html"),
+            file: path("open-ended.json"),
+        }
+    }
+}
+
+impl Figures {
+    fn of(summary: &Summary, value: fn(&MeanAndStd) -> Option<f64>) -> Self {
+        let of = |spread: &Option<MeanAndStd>| spread.as_ref().and_then(value);
+        Self {
+            qci: of(&summary.qci),
+            tlc: of(&summary.tlc),
+            aic: of(&summary.aic),
+            gca: of(&summary.gca),
+            apa: of(&summary.apa),
+        }
+    }
+}
+
+impl RunFigures {
+    fn of(run: &Run) -> Self {
+        let Metrics {
+            qci,
+            tlc,
+            aic,
+            gca,
+            apa,
+        } = run.metrics();
+        Self {
+            seed: run.seed,
+            qci,
+            tlc,
+            aic,
+            gca,
+            apa,
+            corrections: run.n_corrections(),
+            stop: match run.stop {
+                StopReason::AllLearned => "all-learned",
+                StopReason::Stalled => "stalled",
+                StopReason::LackOfData => "lack-of-data",
+            },
+            picture: picture(run.seed),
+        }
+    }
+}
+
+impl OpenSet {
+    fn of(score: NoveltyScore) -> Self {
+        let NoveltyScore {
+            n,
+            n_known,
+            auroc,
+            false_alarms_at_95,
+            rejected,
+            known_rejected,
+        } = score;
+        Self {
+            n,
+            n_known,
+            auroc,
+            false_alarms_at_95,
+            rejected,
+            known_rejected,
+        }
+    }
+}
+
+impl Settings {
+    fn of(arguments: &OpenEndedArguments, protocol: &Protocol) -> Self {
+        Self {
+            description: DescriptionSettings::of(&arguments.description),
+            protocol: arguments.protocol.name(),
+            tau: protocol.tau,
+            views_at_start: protocol.n_views_at_start,
+            window: protocol.window,
+            stall_limit: protocol.stall_limit,
+            open_set_share: protocol.open_set_share,
+            n_runs: arguments.runs,
+            seed: arguments.seed,
+        }
+    }
+}

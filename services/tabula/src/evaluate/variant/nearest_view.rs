@@ -1,0 +1,96 @@
+//! The nearest taught view decides, as in the live system.
+
+use super::super::object_views::ViewTable;
+use super::{Learner, Readings};
+use crate::arguments::DescriptionArguments;
+use evaluation::recogniser::{Answer, Recogniser};
+use learning::{CategoryIndex, CategoryName, Error, Metric, ViewId};
+
+/// Descriptors of all views, and how they are compared.
+pub(super) struct NearestView {
+    metric: Metric,
+    /// Infinite when nothing is unknown.
+    threshold: f32,
+    names: Vec<CategoryName>,
+    descriptors: Vec<Readings>,
+    dimension: usize,
+}
+
+/// The views that were taught.
+struct Taught<'a> {
+    views: &'a NearestView,
+    index: CategoryIndex,
+}
+
+impl NearestView {
+    /// Checks the descriptors, which have the order of the table.
+    pub(super) fn new(
+        arguments: &DescriptionArguments,
+        table: &ViewTable,
+        descriptors: Vec<Readings>,
+    ) -> Result<Self, Error> {
+        let dimension = descriptors.first().map_or(0, |readings| readings[0].len());
+        let views = Self {
+            metric: arguments.metric(),
+            threshold: arguments.threshold.unwrap_or(f32::INFINITY),
+            names: names(table.categories.len()),
+            descriptors,
+            dimension,
+        };
+        let index = CategoryIndex::new(dimension, views.metric);
+        for readings in &views.descriptors {
+            index.recognise_any(readings, 0.0)?;
+        }
+        Ok(views)
+    }
+}
+
+/// A name for each number: those of a data set need not be names of the live system.
+fn names(n: usize) -> Vec<CategoryName> {
+    let number = |i: usize| CategoryName::new(&i.to_string());
+    // Digits are always a name.
+    (0..n).filter_map(|i| number(i).ok()).collect()
+}
+
+impl Learner for NearestView {
+    fn recogniser(&self) -> Box<dyn Recogniser + '_> {
+        Box::new(Taught {
+            views: self,
+            index: CategoryIndex::new(self.dimension, self.metric),
+        })
+    }
+}
+
+impl Recogniser for Taught<'_> {
+    fn teach(&mut self, category: u32, view: usize) {
+        let views = self.views;
+        let id = ViewId {
+            track_id: view as u64,
+            view_id: category,
+        };
+        let name = &views.names[category as usize];
+        // The descriptors were checked, so nothing is refused.
+        let _ = self.index.insert(id, name, &views.descriptors[view][0]);
+    }
+
+    fn ask(&mut self, view: usize) -> Answer {
+        let views = self.views;
+        let found = self
+            .index
+            .recognise_any(&views.descriptors[view], views.threshold);
+        let nothing = Answer {
+            category: None,
+            distance: f32::INFINITY,
+            novelty: f32::INFINITY,
+        };
+        found.map_or(nothing, |recognition| {
+            let label = recognition.label.as_ref();
+            let nearest = recognition.nearest[0].as_ref();
+            Answer {
+                category: label.and(nearest).map(|nearest| nearest.view.view_id),
+                distance: recognition.distance,
+                novelty: recognition.distance,
+            }
+        })
+    }
+}

@@ -1,0 +1,65 @@
+//! A folder of PCD files for each category.
+
+use super::error::Error;
+use super::object_view::ObjectView;
+use crate::bounded_file::{file_names, folder_names};
+use crate::pcd;
+use crate::scene_folder::is_scene_name;
+use std::path::{Path, PathBuf};
+
+/// Most views of a data set.
+const MAX_VIEWS: usize = 1 << 20;
+
+/// The PCD files of the folders of a folder, in natural order.
+#[derive(Debug)]
+pub(super) struct CategoryFolders {
+    root: PathBuf,
+    categories: Vec<String>,
+    /// Index of the category, and path below the root.
+    files: Vec<(usize, PathBuf)>,
+}
+
+impl CategoryFolders {
+    /// Lists the files. Of a folder that can not be listed it is said why.
+    pub(super) fn open(root: &Path) -> Result<(Self, Vec<Error>), Error> {
+        let categories = folder_names(root)?;
+        let (mut files, mut unusable) = (Vec::new(), Vec::new());
+        for (category, folder) in categories.iter().enumerate() {
+            match file_names(&root.join(folder), is_scene_name) {
+                Ok(names) => {
+                    let paths = names.iter().map(|name| Path::new(folder).join(name));
+                    files.extend(paths.map(|path| (category, path)));
+                }
+                Err(error) => unusable.push(error.into()),
+            }
+            if files.len() > MAX_VIEWS {
+                return Err(Error::TooLarge(root.to_owned()));
+            }
+        }
+        if files.is_empty() {
+            let first = unusable.into_iter().next();
+            return Err(first.unwrap_or_else(|| Error::NoViews(root.to_owned())));
+        }
+        let folders = Self {
+            root: root.to_owned(),
+            categories,
+            files,
+        };
+        Ok((folders, unusable))
+    }
+
+    /// The categories and paths of all files.
+    pub(super) fn files(&self) -> impl Iterator<Item = (&str, &Path)> {
+        let files = self.files.iter();
+        files.map(|(category, path)| (self.categories[*category].as_str(), path.as_path()))
+    }
+
+    /// Reads a file; the index must be that of one.
+    pub(super) fn load(&self, index: usize) -> Result<ObjectView, Error> {
+        let path = self.root.join(&self.files[index].1);
+        match pcd::open(&path) {
+            Ok(cloud) => Ok(ObjectView::of_pcd(cloud)),
+            Err(source) => Err(Error::Pcd { path, source }),
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! The points of a view, and what is known of its camera.
+
+use crate::pcd::PcdCloud;
+use crate::washington::{self, ObjectDataset};
+use geometry::RigidTransform;
+use nalgebra::{Point3, UnitVector3, Vector3};
+use point_cloud::Point;
+
+/// A view of one object.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ObjectView {
+    /// The finite points, metres.
+    pub points: Vec<Point>,
+    /// Where the camera was, in the frame of the points, metres.
+    pub viewpoint_m: Option<Point3<f64>>,
+    /// What was up, in the frame of the points.
+    pub up: Option<UnitVector3<f64>>,
+}
+
+impl ObjectView {
+    /// The points are in the frame of the camera, which looks down on the turntable.
+    pub(super) fn of_washington(
+        dataset: &ObjectDataset,
+        index: usize,
+    ) -> Result<Self, washington::Error> {
+        let sequence = dataset.name(index).map(washington::ViewName::sequence);
+        Ok(Self {
+            points: dataset.load_points(index)?,
+            viewpoint_m: Some(Point3::origin()),
+            up: sequence.and_then(elevation_deg).map(up_in_camera),
+        })
+    }
+
+    /// A PCD file tells where the camera was when its viewpoint is not the identity,
+    /// which writers put there when they do not know. It never tells what was up.
+    pub(super) fn of_pcd(cloud: PcdCloud) -> Self {
+        let mut points = cloud.points;
+        points.retain(Point::is_finite);
+        let is_known = cloud.viewpoint != RigidTransform::identity();
+        Self {
+            points,
+            viewpoint_m: is_known.then(|| cloud.viewpoint.translation.vector.into()),
+            up: None,
+        }
+    }
+}
+
+/// How far the camera of a sequence looks down, degrees (Lai et al. 2011).
+pub(super) fn elevation_deg(sequence: u32) -> Option<f64> {
+    match sequence {
+        1 => Some(30.0),
+        2 => Some(45.0),
+        4 => Some(60.0),
+        _ => None,
+    }
+}
+
+/// Up for a level camera that looks down; x right, y down, z ahead.
+fn up_in_camera(elevation_deg: f64) -> UnitVector3<f64> {
+    let (sin, cos) = elevation_deg.to_radians().sin_cos();
+    UnitVector3::new_normalize(Vector3::new(0.0, -cos, -sin))
+}

@@ -1,0 +1,9 @@
+//! Cross-validation: each part of a data set is asked of who was taught the rest.
+
+mod confusion_picture;
+mod folds;
+mod scores;
+
+pub use confusion_picture::svg as confusion_svg;
+pub use folds::{Dealing, Error, Folds};
+pub use scores::{Confusion, Scores};

@@ -1,0 +1,177 @@
+//! The questions between one category and the next.
+
+use super::protocol::Protocol;
+use super::record::Question;
+
+/// How a stage goes on after a question.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Verdict {
+    /// The next question.
+    GoOn,
+    /// The next category. The share of right answers that counts for APA; `None` when
+    /// it is the threshold itself, which ends a stage and does not count.
+    Passed(Option<f64>),
+    /// The end of the run, with the share that counts for APA.
+    Stalled(f64),
+}
+
+/// Right and wrong answers.
+#[derive(Debug, Clone, Copy, Default)]
+struct Counts {
+    true_positives: u32,
+    false_positives: u32,
+    false_negatives: u32,
+}
+
+/// What was asked since a category was introduced.
+#[derive(Debug)]
+pub(super) struct StageState {
+    n_categories: usize,
+    answers: Vec<Counts>,
+    n_below: u32,
+}
+
+impl Counts {
+    /// A wrong name is false for one category and lacks for the other; "unknown" only
+    /// lacks.
+    fn of(question: &Question) -> Self {
+        let is_right = question.is_right();
+        let is_wrong_name = !is_right && question.answer.category.is_some();
+        Self {
+            true_positives: is_right.into(),
+            false_positives: is_wrong_name.into(),
+            false_negatives: (!is_right).into(),
+        }
+    }
+
+    fn f1(answers: &[Self]) -> f64 {
+        let sum = |of: fn(&Self) -> u32| answers.iter().map(of).sum::<u32>();
+        let right = 2 * sum(|answer| answer.true_positives);
+        let wrong = sum(|answer| answer.false_positives + answer.false_negatives);
+        f64::from(right) / f64::from((right + wrong).max(1))
+    }
+}
+
+impl StageState {
+    pub(super) fn new(n_categories: usize) -> Self {
+        Self {
+            n_categories,
+            answers: Vec::new(),
+            n_below: 0,
+        }
+    }
+
+    /// Counts an answer. The protocol accuracy is micro F1 of all answers of the stage,
+    /// or of the last 3 n when there are more; `None` before each category could be
+    /// asked once.
+    pub(super) fn count(
+        &mut self,
+        question: &Question,
+        protocol: &Protocol,
+    ) -> (Option<f64>, Verdict) {
+        self.answers.push(Counts::of(question));
+        let (n_asked, window) = (self.answers.len(), protocol.window * self.n_categories);
+        if n_asked < self.n_categories {
+            return (None, Verdict::GoOn);
+        }
+        let first = n_asked.saturating_sub(window);
+        let accuracy = Counts::f1(&self.answers[first..]);
+        let is_above = accuracy > protocol.tau;
+        if n_asked > window && !is_above {
+            self.n_below += 1;
+            if self.n_below > protocol.stall_limit {
+                return (Some(accuracy), Verdict::Stalled(accuracy));
+            }
+        }
+        let verdict = if accuracy < protocol.tau {
+            Verdict::GoOn
+        } else {
+            Verdict::Passed(is_above.then_some(accuracy))
+        };
+        (Some(accuracy), verdict)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recogniser::Answer;
+
+    fn question(answer: Option<u32>) -> Question {
+        Question {
+            iteration: 1,
+            n_categories: 2,
+            view: 0,
+            truth: 1,
+            is_open_set: false,
+            answer: Answer {
+                category: answer,
+                distance: 0.0,
+                novelty: 0.0,
+            },
+            accuracy: None,
+        }
+    }
+
+    /// Answers of a stage with two categories: right, wrong, unknown.
+    fn play(answers: &str, tau: f64) -> Vec<(Option<f64>, Verdict)> {
+        let protocol = Protocol {
+            tau,
+            stall_limit: 2,
+            ..Protocol::default()
+        };
+        let mut stage = StageState::new(2);
+        let answer = |letter| match letter {
+            'r' => Some(1),
+            'w' => Some(0),
+            _ => None,
+        };
+        answers
+            .chars()
+            .map(|letter| stage.count(&question(answer(letter)), &protocol))
+            .collect()
+    }
+
+    #[test]
+    fn a_stage_needs_as_many_questions_as_categories() {
+        assert_eq!(
+            play("rr", 0.67),
+            [
+                (None, Verdict::GoOn),
+                (Some(1.0), Verdict::Passed(Some(1.0)))
+            ]
+        );
+    }
+
+    #[test]
+    fn the_threshold_itself_ends_a_stage_and_does_not_count() {
+        assert_eq!(play("rw", 0.5)[1], (Some(0.5), Verdict::Passed(None)));
+        assert_eq!(play("rw", 0.49)[1].1, Verdict::Passed(Some(0.5)));
+        assert_eq!(play("rw", 0.51)[1].1, Verdict::GoOn);
+    }
+
+    #[test]
+    fn unknown_is_less_wrong_than_a_wrong_name() {
+        assert_eq!(play("rw", 0.9)[1].0, Some(0.5));
+        assert_eq!(play("ru", 0.9)[1].0, Some(2.0 / 3.0));
+    }
+
+    #[test]
+    fn the_window_is_three_times_the_categories_and_then_a_stall_is_counted() {
+        let stage = play("wwrrrrwww", 0.9);
+        let accuracies: Vec<f64> = stage.iter().filter_map(|(accuracy, _)| *accuracy).collect();
+        // Six answers at most: the two wrong ones of the beginning leave the window.
+        let expected = [0.0, 1.0, 2.0, 3.0, 4.0, 4.0, 4.0, 3.0];
+        let sizes = [2.0, 3.0, 4.0, 5.0, 6.0, 6.0, 6.0, 6.0];
+        let expected: Vec<f64> = expected.iter().zip(sizes).map(|(r, n)| r / n).collect();
+        assert!(
+            accuracies
+                .iter()
+                .zip(&expected)
+                .all(|(a, b)| (a - b).abs() < 1e-12)
+        );
+        // With a limit of two, the third answer behind the window ends the run.
+        assert_eq!(stage[7].1, Verdict::GoOn);
+        assert_eq!(stage[8].1, Verdict::Stalled(0.5));
+    }
+}

@@ -1,0 +1,88 @@
+//! Figures of several runs.
+
+use super::record::Metrics;
+
+/// Mean and standard deviation of one figure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeanAndStd {
+    /// The mean.
+    pub mean: f64,
+    /// Of the sample, n - 1; `None` of a single value.
+    pub std: Option<f64>,
+}
+
+impl MeanAndStd {
+    /// `None` without values.
+    pub fn of(values: &[f64]) -> Option<Self> {
+        let n = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / n;
+        let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+        (!values.is_empty()).then(|| Self {
+            mean,
+            std: (values.len() > 1).then(|| (squares / (n - 1.0)).sqrt()),
+        })
+    }
+}
+
+/// How the figures of runs spread; `None` without runs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Summary {
+    /// Questions.
+    pub qci: Option<MeanAndStd>,
+    /// Categories.
+    pub tlc: Option<MeanAndStd>,
+    /// Views of a category.
+    pub aic: Option<MeanAndStd>,
+    /// Share of right answers.
+    pub gca: Option<MeanAndStd>,
+    /// Accuracy at the ends of stages, of the runs that have one.
+    pub apa: Option<MeanAndStd>,
+}
+
+impl Summary {
+    /// Of runs.
+    pub fn of(runs: &[Metrics]) -> Self {
+        let spread = |value: fn(&Metrics) -> f64| {
+            MeanAndStd::of(&runs.iter().map(value).collect::<Vec<_>>())
+        };
+        let apa: Vec<f64> = runs.iter().filter_map(|run| run.apa).collect();
+        Self {
+            qci: spread(|run| run.qci.into()),
+            tlc: spread(|run| run.tlc.into()),
+            aic: spread(|run| run.aic),
+            gca: spread(|run| run.gca),
+            apa: MeanAndStd::of(&apa),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_published_table_has_its_means_and_deviations() {
+        // Table 2 of Kasaei et al. 2018: QCI and TLC of ten experiments.
+        let qci = [1669, 2014, 1759, 1952, 1592, 1366, 1547, 2087, 1066, 1540];
+        let spread = MeanAndStd::of(&qci.map(f64::from)).unwrap();
+        assert!((spread.mean - 1659.0).abs() < 0.5);
+        assert!((spread.std.unwrap() - 311.6).abs() < 0.05);
+        let tlc = [37, 40, 43, 43, 37, 37, 35, 41, 34, 45].map(f64::from);
+        let spread = MeanAndStd::of(&tlc).unwrap();
+        assert!((spread.mean - 39.2).abs() < 1e-9);
+        assert!((spread.std.unwrap() - 3.73).abs() < 0.01);
+    }
+
+    #[test]
+    fn one_value_does_not_spread_and_none_has_no_mean() {
+        let one = MeanAndStd::of(&[0.5]);
+        assert_eq!(
+            one,
+            Some(MeanAndStd {
+                mean: 0.5,
+                std: None
+            })
+        );
+        assert_eq!(MeanAndStd::of(&[]), None);
+    }
+}
