@@ -50,7 +50,7 @@ impl Default for RawConfig {
         let detection = detection::RawConfig::default();
         Self {
             workers: 2,
-            unknown_distance: 0.75,
+            unknown_distance: 0.9,
             actor_deadline_ms: 100,
             worker_stall_ms: 2_000,
             actor_restarts_max: 30,

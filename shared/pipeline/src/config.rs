@@ -1,23 +1,15 @@
 //! Settings of the step.
 
 use crate::Error;
+use description::Appearance;
 use learning::Metric;
 use tracking::{AssociationConfig, MotionConfig};
 
 /// How the descriptors of this version are made; only equal kinds compare.
-pub const DESCRIPTOR_KIND: &str = "good-published-15-box-frame";
+pub const DESCRIPTOR_KIND: &str = "appearance-1-upright";
 
-/// Bins a side of the descriptor, as in the paper.
-const N_BINS: usize = 15;
-
-/// Points nearer than this to an axis have no say in its sign, metres. Larger
-/// than any object: all readings of the box are compared, which leaves no sign
-/// to decide, and a rule that turns at ten points in a hundred turns with noise.
-const SIGN_THRESHOLD_M: f32 = 100.0;
-
-/// A little more than the largest distance of the metric, the square root of 3,
-/// at which two descriptors have no bin in common.
-const MAX_DISTANCE: f32 = 1.75;
+/// Larger than any distance of two descriptors of things that fit on a table.
+const MAX_DISTANCE: f32 = 10.0;
 
 /// Settings of tracking and recognition, checked.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,14 +54,7 @@ impl Config {
 }
 
 /// Values of a descriptor.
-pub const DESCRIPTOR_DIMENSION: usize = 3 * N_BINS * N_BINS;
+pub const DESCRIPTOR_DIMENSION: usize = Appearance::DIMENSION;
 
 /// The metric in which descriptors are compared.
-pub const METRIC: Metric = Metric::HalfChiSquaredRoot;
-
-pub(crate) fn descriptor() -> Result<description::Good, Error> {
-    let variant = description::GoodVariant::Published {
-        sign_threshold_m: SIGN_THRESHOLD_M,
-    };
-    description::Good::new(N_BINS, variant).map_err(Error::Description)
-}
+pub const METRIC: Metric = Metric::Euclidean;

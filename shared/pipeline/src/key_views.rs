@@ -6,8 +6,8 @@ use std::sync::Arc;
 use tracking::KeyViewRule;
 
 /// A view less different from every key view before it shows nothing new. Two
-/// frames of the same standing object differ by about a third of it.
-const NOVELTY_MIN: f32 = 0.15;
+/// frames of the same standing object differ by about half of it.
+const NOVELTY_MIN: f32 = 0.3;
 
 /// Key views with which new ones are compared.
 const N_COMPARED: usize = 16;

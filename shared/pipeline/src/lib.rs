@@ -15,7 +15,6 @@
 //! This crate never reads a clock, draws no random numbers, does no I/O, and
 //! knows nothing of threads, actors or messages.
 
-mod box_frame;
 mod config;
 mod departed;
 mod error;

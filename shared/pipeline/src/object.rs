@@ -1,16 +1,15 @@
 //! One object's half of the step.
 
-use crate::box_frame::{N_READINGS, box_frame};
-use crate::config::descriptor;
 use crate::frame::Measured;
 use crate::key_views::KeyViews;
 use crate::track::WHOLE_SHARE;
 use crate::{Config, Error};
-use description::{Descriptor, Good, ObjectPoints};
+use description::{Appearance, AppearanceWeights, N_READINGS, ObjectPoints};
 use geometry::{OrientedBox, RigidTransform};
-use learning::{CategoryIndex, CategoryName, N_NEAREST, Neighbour, Recognition};
+use learning::{CategoryIndex, CategoryName, N_NEAREST, Neighbour};
+use nalgebra::Vector3;
 use point_cloud::Point;
-use tracking::{DescribedAxes, Evidence, MotionFilter};
+use tracking::{Evidence, MotionFilter};
 
 /// An object whose shorter side is at least so long, as a share of the longer one,
 /// may be round.
@@ -20,7 +19,6 @@ const ROUND_RATIO: f64 = 0.75;
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ObjectState {
     filter: Option<MotionFilter>,
-    axes: Option<DescribedAxes>,
     key_views: KeyViews,
     n_views: u32,
     n_key_views: u32,
@@ -29,8 +27,7 @@ pub struct ObjectState {
 /// Scratch memory for observing; one for each object or worker.
 #[derive(Debug, Clone)]
 pub struct ObjectTools {
-    good: Good,
-    readings: [Vec<f32>; N_READINGS as usize],
+    appearance: Appearance,
 }
 
 impl ObjectTools {
@@ -40,8 +37,8 @@ impl ObjectTools {
     /// When the descriptor is impossible.
     pub fn new() -> Result<Self, Error> {
         Ok(Self {
-            good: descriptor()?,
-            readings: Default::default(),
+            appearance: Appearance::new(AppearanceWeights::default())
+                .map_err(Error::Description)?,
         })
     }
 }
@@ -143,26 +140,21 @@ impl ObjectState {
         }
         .map_err(Error::Tracking)?;
         let points = ObjectPoints::selected(cloud, indices).map_err(Error::Description)?;
-        let axes = match &self.axes {
-            Some(axes) => axes.updated(&measured.measurement),
-            None => DescribedAxes::start(&measured.measurement),
-        };
-        let camera_from_world = measured.frame.world_from_camera.inverse();
-        let described_box = axes.box_in_world().transformed(&camera_from_world);
-        describe(points, &described_box, tools)?;
+        let readings = describe(points, measured, &mut tools.appearance)?;
         on_described();
-        let answer = recognise(taught, config, tools)?;
-        descriptor.clone_from(&tools.readings[0]);
+        let answer = taught
+            .recognise_any(readings, config.unknown_distance())
+            .map_err(Error::Learning)?;
+        descriptor.clone_from(&readings[0]);
         let pose = pose_that_tells(&filter.box_in_world());
         let is_whole = !measured.is_cut && filter.completeness() >= WHOLE_SHARE;
         let is_key_view = self
             .key_views
-            .take(filter.stamp_ns(), &pose, is_whole, &tools.readings);
+            .take(filter.stamp_ns(), &pose, is_whole, readings);
         let view_id = self.n_views;
         self.n_views = self.n_views.saturating_add(1);
         self.n_key_views = self.n_key_views.saturating_add(u32::from(is_key_view));
         self.filter = Some(filter);
-        self.axes = Some(axes);
         Ok(Posterior {
             filter,
             view_id,
@@ -186,29 +178,16 @@ fn pose_that_tells(shape: &OrientedBox) -> RigidTransform {
     }
 }
 
-/// Describes all readings of an object's box.
-fn describe(
+/// Describes an object upright: its box stands on the table.
+fn describe<'a>(
     points: ObjectPoints<'_>,
-    tracked_box: &OrientedBox,
-    tools: &mut ObjectTools,
-) -> Result<(), Error> {
-    for (reading, descriptor) in (0..N_READINGS).zip(&mut tools.readings) {
-        let frame = box_frame(tracked_box, reading);
-        tools
-            .good
-            .compute(points, &frame, descriptor)
-            .map_err(Error::Description)?;
-    }
-    Ok(())
-}
-
-/// The best answer to all readings.
-fn recognise(
-    taught: &CategoryIndex,
-    config: &Config,
-    tools: &ObjectTools,
-) -> Result<Recognition, Error> {
-    taught
-        .recognise_any(&tools.readings, config.unknown_distance())
-        .map_err(Error::Learning)
+    measured: &Measured,
+    appearance: &'a mut Appearance,
+) -> Result<&'a [Vec<f32>; N_READINGS], Error> {
+    let camera_from_world = measured.frame.world_from_camera.rotation.inverse();
+    let world_from_box = measured.measurement.box_in_world().frame_from_box.rotation;
+    let up = camera_from_world * world_from_box * Vector3::z_axis();
+    appearance
+        .describe(points, Some(&up))
+        .map_err(Error::Description)
 }

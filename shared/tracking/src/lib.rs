@@ -14,7 +14,6 @@ mod association;
 mod axis_filter;
 mod color_histogram;
 mod depth_view;
-mod described_axes;
 mod error;
 mod evidence;
 mod faces;
@@ -31,7 +30,6 @@ pub use association::{
 };
 pub use color_histogram::ColorHistogram;
 pub use depth_view::DepthView;
-pub use described_axes::DescribedAxes;
 pub use error::Error;
 pub use evidence::Evidence;
 pub use key_view::{KeyViewRule, MotionPhase};

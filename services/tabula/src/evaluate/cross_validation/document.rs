@@ -1,8 +1,8 @@
 //! The figures of `tabula evaluate cross-validation` as a document.
 
 use super::super::object_views::ViewTable;
-use super::FoldResult;
 use super::super::variant::DescriptionSettings;
+use super::FoldResult;
 use crate::arguments::CrossValidationArguments;
 use evaluation::cross_validation::{Confusion, Dealing, Folds};
 use serde::Serialize;

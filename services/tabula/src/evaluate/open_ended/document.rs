@@ -1,8 +1,8 @@
 //! The figures of `tabula evaluate open-ended` as a document.
 
 use super::super::object_views::ViewTable;
-use super::picture;
 use super::super::variant::DescriptionSettings;
+use super::picture;
 use crate::arguments::OpenEndedArguments;
 use evaluation::open_ended::{
     MeanAndStd, Metrics, NoveltyScore, Protocol, Run, StopReason, Summary,

@@ -5,9 +5,7 @@ use super::Readings;
 use crate::arguments::{DescriptionArguments, Variant};
 use crate::output::Output;
 use dataset::object_views::ObjectView;
-use description::{
-    Descriptor, Error, Good, GoodVariant, ObjectPoints, Support, reference_frame,
-};
+use description::{Descriptor, Error, Good, GoodVariant, ObjectPoints, Support, reference_frame};
 use service::{Failure, exit_code};
 
 /// Points nearer to the middle have no say in the signs of published GOOD, metres.
