@@ -11,6 +11,8 @@ mod recorder;
 
 /// Input that is refused with a sentence, while the daemon goes on.
 mod bad_input;
+/// A folder of labelled views is learned.
+mod batch_learning;
 /// Documents, the choice of the daemon, other accounts, the doctor.
 mod command_line;
 /// A recording played through the real libfreenect.

@@ -3,7 +3,8 @@
 mod recognition;
 
 pub(crate) use recognition::{
-    CrossValidationArguments, DescriptionArguments, OpenEndedArguments, Up, Variant, ViewProtocol,
+    CrossValidationArguments, DescriptionArguments, LearnArguments, OpenEndedArguments, Up,
+    Variant, ViewProtocol,
 };
 
 use crate::sensor::Sensor;
@@ -56,6 +57,8 @@ pub(crate) enum Verb {
         #[arg(long, value_name = "NAME")]
         author: Option<String>,
     },
+    /// Learn a folder of labelled views
+    Learn(LearnArguments),
     /// List the learned categories
     Categories,
     /// Move the arm, or say how it is

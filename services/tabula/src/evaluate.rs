@@ -6,7 +6,7 @@ mod detection;
 mod document;
 mod object_views;
 mod open_ended;
-mod parallel;
+pub(crate) mod parallel;
 mod report;
 mod stopwatch;
 mod tracking;

@@ -114,13 +114,13 @@ fn labelling(label: &LabelArguments) -> Result<Labelling, Failure> {
     })
 }
 
-fn author_or_user(author: Option<&str>) -> String {
+pub(crate) fn author_or_user(author: Option<&str>) -> String {
     let user = || std::env::var("USER").ok().filter(|name| !name.is_empty());
     let uid = || format!("uid {}", rustix::process::getuid().as_raw());
     author.map(str::to_owned).or_else(user).unwrap_or_else(uid)
 }
 
-fn mutation_id() -> Result<MutationId, Failure> {
+pub(crate) fn mutation_id() -> Result<MutationId, Failure> {
     let mut bytes = [0; 16];
     getrandom::fill(&mut bytes).map_err(|error| {
         Failure::new(

@@ -7,6 +7,7 @@ mod daemon;
 mod doctor;
 mod evaluate;
 mod learn;
+mod learn_folder;
 mod objects;
 mod output;
 mod sensor;
@@ -44,6 +45,7 @@ fn execute(arguments: &Arguments, output: &Output) -> Result<ExitCode, Failure> 
         Verb::Forget { category, author } => {
             learn::forget(&arguments.common, category, author.as_deref(), output)
         }
+        Verb::Learn(folder) => learn_folder::run(&arguments.common, folder, output),
         Verb::Categories => learn::categories(&arguments.common, output),
         Verb::Simulate { verb } => simulate::run(verb, output),
         Verb::Evaluate { verb } => evaluate::run(verb, output),

@@ -307,7 +307,7 @@ async fn the_socket_answers_people_and_refuses_rubbish() {
             let reply = client.call(Command::Ask { track_id }).unwrap();
             assert_eq!(reply, Reply::TrackIds { first: track_id });
         }
-        let internal = client.call(Command::LeaseTrackIds { count: 1 }).unwrap();
+        let internal = client.call(Command::Snapshot { after: None }).unwrap();
         assert!(matches!(internal, Reply::Refused(_)));
         for rubbish in [vec![0xff; 4], vec![3, 0, 0, 0, 1, 2, 3], vec![1]] {
             let mut stream = std::os::unix::net::UnixStream::connect(&path).unwrap();

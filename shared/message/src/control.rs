@@ -84,7 +84,7 @@ pub enum Command {
         /// How many.
         count: u32,
     },
-    /// Store key views durably.
+    /// Store key views durably; their track-ids are leased by who stores them.
     StoreViews {
         /// Identity of this mutation.
         id: MutationId,
@@ -163,12 +163,6 @@ impl Command {
 
     /// Whether only the daemon's own processes may send it.
     pub fn is_internal(&self) -> bool {
-        matches!(
-            self,
-            Self::LeaseTrackIds { .. }
-                | Self::StoreViews { .. }
-                | Self::Snapshot { .. }
-                | Self::Changes { .. }
-        )
+        matches!(self, Self::Snapshot { .. } | Self::Changes { .. })
     }
 }

@@ -2,6 +2,7 @@
 
 use clap::{Args, ValueEnum};
 use learning::Metric;
+use nalgebra::{UnitVector3, Vector3};
 use std::path::PathBuf;
 
 /// How objects are described and learned.
@@ -69,6 +70,20 @@ pub(crate) struct DescriptionArguments {
     pub(crate) views_max: Option<u32>,
 }
 
+/// Which views are learned.
+#[derive(Debug, Args)]
+pub(crate) struct LearnArguments {
+    /// Folder of views in the layout of the Washington dataset, or with a folder of PCD files for
+    /// each category
+    pub(crate) folder: PathBuf,
+    /// What is up in the frame of the points [default: what the data set tells]
+    #[arg(long, value_name = "AXIS", value_enum)]
+    pub(crate) up: Option<Up>,
+    /// Who teaches [default: the user's name]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) author: Option<String>,
+}
+
 /// The experiment with the simulated teacher.
 #[derive(Debug, Args)]
 pub(crate) struct OpenEndedArguments {
@@ -120,6 +135,19 @@ pub(crate) struct CrossValidationArguments {
     /// File for every question and its answer, comma-separated
     #[arg(long, value_name = "FILE")]
     pub(crate) log: Option<PathBuf>,
+}
+
+impl Up {
+    /// The direction; `None` if nobody knows.
+    pub(crate) fn direction(self) -> Option<UnitVector3<f64>> {
+        match self {
+            Self::Unknown => None,
+            Self::X => Some(Vector3::x_axis()),
+            Self::Y => Some(Vector3::y_axis()),
+            Self::Z => Some(Vector3::z_axis()),
+            Self::MinusY => Some(-Vector3::y_axis()),
+        }
+    }
 }
 
 impl ViewProtocol {

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Does `n_jobs` jobs on as many threads as the machine runs at once; the results are
 /// in the order of the jobs. Each thread has what it reuses from job to job.
-pub(super) fn map<Own, T: Send>(
+pub(crate) fn map<Own, T: Send>(
     n_jobs: usize,
     bar: &ProgressBar,
     own: impl Fn() -> Own + Sync,

@@ -2,7 +2,6 @@ use super::*;
 use crate::arguments::{DescriptionArguments, Variant};
 use dataset::pcd::{self, Encoding, PcdView};
 use geometry::RigidTransform;
-use learning::Metric;
 use point_cloud::Point;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -13,7 +12,9 @@ pub(crate) fn description(dataset: &Path) -> DescriptionArguments {
     DescriptionArguments {
         dataset: dataset.to_owned(),
         variant: Variant::Published,
-        distance: Metric::HalfChiSquaredRoot,
+        distance: None,
+        shape_only: false,
+        up: None,
         bins: 15,
         threshold: None,
         views_max: None,

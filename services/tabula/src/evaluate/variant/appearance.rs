@@ -7,7 +7,6 @@ use crate::arguments::{DescriptionArguments, Up};
 use crate::output::Output;
 use dataset::object_views::ObjectView;
 use description::{Appearance, AppearanceWeights, Error, ObjectPoints};
-use nalgebra::{UnitVector3, Vector3};
 use service::Failure;
 
 /// Describes all views, upright where what is up is known of all of them.
@@ -22,7 +21,7 @@ pub(super) fn describe(
         AppearanceWeights::default()
     };
     let appearance = Appearance::new(weights).map_err(failed)?;
-    let told = arguments.up.map(direction);
+    let told = arguments.up.map(Up::direction);
     let is_told_by_all = catalogue.tell_up();
     let describe = |appearance: &mut Appearance, view: &ObjectView| {
         let up = match told {
@@ -33,14 +32,4 @@ pub(super) fn describe(
         Ok::<_, Error>(readings.to_vec())
     };
     catalogue.describe(output, || appearance.clone(), describe)
-}
-
-fn direction(up: Up) -> Option<UnitVector3<f64>> {
-    match up {
-        Up::Unknown => None,
-        Up::X => Some(Vector3::x_axis()),
-        Up::Y => Some(Vector3::y_axis()),
-        Up::Z => Some(Vector3::z_axis()),
-        Up::MinusY => Some(-Vector3::y_axis()),
-    }
 }
