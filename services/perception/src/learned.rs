@@ -19,7 +19,7 @@ const GRACE: Duration = Duration::from_secs(2);
 const LOOK_AGAIN: Duration = Duration::from_secs(1);
 
 /// All taught views, and how far the history of the memory is known.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Learned {
     /// The taught views.
     pub(crate) index: CategoryIndex,
@@ -28,8 +28,24 @@ pub(crate) struct Learned {
     store_id: Option<u128>,
 }
 
-/// Read by every actor, written when something is learned.
-pub(crate) type SharedLearned = Arc<RwLock<Learned>>;
+/// Read by every actor, replaced when something is learned. Who reads keeps the
+/// state of that moment; nobody waits for a reader or for what is being learned.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct SharedLearned(Arc<RwLock<Arc<Learned>>>);
+
+impl SharedLearned {
+    /// What is known at this moment.
+    pub(crate) fn get(&self) -> Arc<Learned> {
+        self.0
+            .read()
+            .unwrap_or_else(PoisonError::into_inner)
+            .clone()
+    }
+
+    fn set(&self, learned: Learned) {
+        *self.0.write().unwrap_or_else(PoisonError::into_inner) = Arc::new(learned);
+    }
+}
 
 impl Default for Learned {
     fn default() -> Self {
@@ -140,7 +156,7 @@ impl Follower {
     async fn catch_up(&mut self) -> Result<(), FollowFailed> {
         loop {
             let (store_id, since) = {
-                let learned = self.learned.read().unwrap_or_else(PoisonError::into_inner);
+                let learned = self.learned.get();
                 (learned.store_id, learned.sequence)
             };
             let Some(store_id) = store_id else {
@@ -201,20 +217,21 @@ impl Follower {
             return Ok(());
         };
         let n_views = views.len();
-        let mut learned = self.learned.write().unwrap_or_else(PoisonError::into_inner);
-        learned.index.clear();
+        let mut learned = Learned::default();
         for view in views {
             insert(&mut learned.index, &view, &mut self.is_kind_told);
         }
         learned.store_id = Some(store_id);
         learned.sequence = sequence;
         let n_categories = learned.index.categories().len();
+        self.learned.set(learned);
         tracing::info!("loaded {n_views} taught views of {n_categories} categories");
         Ok(())
     }
 
     fn apply(&mut self, up_to: u64, changes: Vec<LearnedChange>) {
-        let mut learned = self.learned.write().unwrap_or_else(PoisonError::into_inner);
+        // The clone shares all views that do not change.
+        let mut learned = Learned::clone(&self.learned.get());
         for change in changes {
             match change {
                 LearnedChange::Assigned(view) => {
@@ -226,6 +243,7 @@ impl Follower {
             }
         }
         learned.sequence = up_to;
+        self.learned.set(learned);
     }
 
     async fn call(&self, command: Command) -> Result<Reply, FollowFailed> {

@@ -7,7 +7,7 @@ use actor::{Actor, Flow, KeepLatest, Progress};
 use message::{ActorStamps, SegmentLocation, points};
 use pipeline::{Config, Error, Measured, ObjectState, ObjectTools, Observation, Posterior, Stages};
 use service::monotonic_ns;
-use std::sync::{Arc, PoisonError};
+use std::sync::Arc;
 
 /// Tracks, describes and recognises one object.
 pub(crate) struct ObjectActor {
@@ -98,11 +98,7 @@ impl Actor for ObjectActor {
             indices,
             measured: &measured,
         };
-        let learned = self
-            .context
-            .learned
-            .read()
-            .unwrap_or_else(PoisonError::into_inner);
+        let learned = self.context.learned.get();
         let mut described_ns = 0;
         let stages = Stages {
             descriptor: &mut descriptor,

@@ -46,6 +46,12 @@ impl NearestCategories {
         self.candidates[self.place_of(category)].map_or(f32::INFINITY, |present| present.score)
     }
 
+    /// The largest score with which a view of any category can still matter.
+    #[inline]
+    pub(crate) fn farthest(&self) -> f32 {
+        self.candidates[N_NEAREST - 1].map_or(f32::INFINITY, |last| last.score)
+    }
+
     /// Takes a candidate if it is nearer than what is there.
     pub(crate) fn offer(&mut self, candidate: Candidate) {
         let mut place = self.place_of(candidate.category);

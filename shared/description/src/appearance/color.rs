@@ -4,9 +4,9 @@ use super::soft_bins::{SoftBins, add, tame};
 use crate::ObjectPoints;
 
 /// Bins of a side of chromaticity.
-const SIDE: usize = 8;
+pub(super) const CHROMATICITY_SIDE: usize = 8;
 /// Cells of chromaticity.
-const N_CHROMATICITIES: usize = SIDE * SIDE;
+pub(super) const N_CHROMATICITIES: usize = CHROMATICITY_SIDE * CHROMATICITY_SIDE;
 /// Bins of lightness.
 const N_LIGHTNESSES: usize = 8;
 /// Values of the block.
@@ -42,7 +42,10 @@ impl Colors {
     pub(super) fn append(&mut self, points: ObjectPoints<'_>, weight: f32, out: &mut Vec<f32>) {
         self.chromaticities.fill(0.0);
         self.lightnesses.fill(0.0);
-        let (sides, lightness_bins) = (SoftBins::new(SIDE), SoftBins::new(N_LIGHTNESSES));
+        let (sides, lightness_bins) = (
+            SoftBins::new(CHROMATICITY_SIDE),
+            SoftBins::new(N_LIGHTNESSES),
+        );
         points.for_each(|point| {
             if !point.is_finite() {
                 return;
@@ -53,7 +56,12 @@ impl Colors {
                 let share = (channel + DARKNESS) / (sum + 3.0 * DARKNESS);
                 sides.place((share - CHROMATICITY_MIN) / CHROMATICITY_RANGE)
             };
-            add(&mut self.chromaticities, SIDE, place(red), place(green));
+            add(
+                &mut self.chromaticities,
+                CHROMATICITY_SIDE,
+                place(red),
+                place(green),
+            );
             let (bin, share) = lightness_bins.place(sum / (3.0 * 255.0));
             self.lightnesses[bin as usize] += 1.0 - share;
             self.lightnesses[bin as usize + 1] += share;

@@ -11,6 +11,7 @@
 
 mod color;
 mod cosine_transform;
+mod layout;
 mod readings;
 mod soft_bins;
 mod warp;
@@ -18,14 +19,15 @@ mod warped_good;
 
 use crate::object_axes::object_axes;
 use crate::{Error, ObjectPoints};
-use color::{Colors, N_COLORS};
+use color::{Colors, N_CHROMATICITIES, N_COLORS};
 use nalgebra::UnitVector3;
 use readings::Readings;
 
 pub use readings::N_READINGS;
 pub use warped_good::WarpedGood;
 
-/// Where the sides and the colours stand in a descriptor, and its length.
+/// Where the sides and the colours stand behind the shape as they are computed, and
+/// the length of a descriptor. Stored values stand in the order of [`layout`].
 const SIZE_AT: usize = WarpedGood::DIMENSION;
 const COLOR_AT: usize = SIZE_AT + 3;
 const DIMENSION: usize = COLOR_AT + N_COLORS;
@@ -82,6 +84,7 @@ pub struct Appearance {
     shape: WarpedGood,
     colors: Colors,
     readings: Readings,
+    computed: Vec<f32>,
     described: [Vec<f32>; N_READINGS],
 }
 
@@ -99,6 +102,7 @@ impl Appearance {
             shape: WarpedGood::new(),
             colors: Colors::new(),
             readings: Readings::new(),
+            computed: Vec::with_capacity(DIMENSION),
             described: Default::default(),
         })
     }
@@ -107,7 +111,8 @@ impl Appearance {
     /// gravity in their frame. Descriptions with and without `up` can not be
     /// compared with each other.
     ///
-    /// The result are all readings of the object's axes. One of them, say the
+    /// The result are all readings of the object's axes, in each first the values
+    /// that differ most between objects. One of them, say the
     /// first, is stored for a view; the distance of an object to a stored view is
     /// the least of its readings' Euclidean distances. That distance does not
     /// change when the object is moved or turned (about `up`, if it is given), nor
@@ -123,17 +128,19 @@ impl Appearance {
         up: Option<&UnitVector3<f64>>,
     ) -> Result<&[Vec<f32>; N_READINGS], Error> {
         let axes = object_axes(points, up).ok_or(Error::NoPoints)?;
-        let [first, others @ ..] = &mut self.described;
-        first.clear();
-        let sides_m = self.shape.append(points, &axes.object_from_source, first)?;
-        for value in &mut *first {
+        let computed = &mut self.computed;
+        computed.clear();
+        let sides_m = self
+            .shape
+            .append(points, &axes.object_from_source, computed)?;
+        for value in &mut *computed {
             *value *= self.weights.shape;
         }
         let log_side = |side_m: f32| self.weights.size * (side_m + THICKNESS_M).ln();
-        first.extend(sides_m.map(log_side));
-        self.colors.append(points, self.weights.color, first);
-        for (reading, other) in (1..).zip(others) {
-            self.readings.read(axes.kind, reading, first, other);
+        computed.extend(sides_m.map(log_side));
+        self.colors.append(points, self.weights.color, computed);
+        for (reading, described) in self.described.iter_mut().enumerate() {
+            self.readings.read(axes.kind, reading, computed, described);
         }
         Ok(&self.described)
     }

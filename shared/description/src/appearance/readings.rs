@@ -1,7 +1,7 @@
 //! The same object, its axes read in another way.
 
 use super::cosine_transform::{N_COEFFICIENTS, frequencies};
-use super::{COLOR_AT, DIMENSION, SIZE_AT};
+use super::{COLOR_AT, DIMENSION, SIZE_AT, layout};
 use crate::AxesKind;
 
 /// In how many ways the axes of an object can be read.
@@ -50,7 +50,8 @@ impl Readings {
         Self { principal, upright }
     }
 
-    /// Replaces the content of `out` by one reading of a descriptor.
+    /// Replaces the content of `out` by one reading of a descriptor's values as they
+    /// are computed.
     pub(super) fn read(
         &self,
         kind: AxesKind,
@@ -82,7 +83,11 @@ impl Reading {
         source.extend(turn.axis.map(|axis| (SIZE_AT + axis) as u16));
         source.extend(COLOR_AT as u16..DIMENSION as u16);
         sign.resize(DIMENSION, 1.0);
-        Self { source, sign }
+        let places = layout::places();
+        Self {
+            source: places.iter().map(|&place| source[place]).collect(),
+            sign: places.iter().map(|&place| sign[place]).collect(),
+        }
     }
 }
 

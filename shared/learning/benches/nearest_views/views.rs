@@ -1,0 +1,194 @@
+//! Views of objects, described.
+
+use dataset::washington::ObjectDataset;
+use description::{Appearance, AppearanceWeights, ObjectPoints};
+use household::{categories, generate};
+use mesh::TriangleMesh;
+use nalgebra::{Point3, UnitVector3, Vector3};
+use point_cloud::{Point, Rgba};
+use std::path::Path;
+
+pub(crate) use description::N_READINGS;
+pub(crate) const DIMENSION: usize = Appearance::DIMENSION;
+
+/// Views of one generated object, in turns of 32 at three heights, and their points.
+const N_VIEWS_OF_OBJECT: usize = 96;
+const N_POINTS: usize = 800;
+
+/// A view of an object of a category.
+pub(crate) struct View {
+    pub(crate) category: String,
+    pub(crate) readings: [Vec<f32>; N_READINGS],
+}
+
+/// The points of a view and the direction against gravity in their frame.
+struct Seen {
+    category: String,
+    points: Vec<Point>,
+    up: UnitVector3<f64>,
+}
+
+/// Numbers from a seed (Steele, Lea and Flood 2014).
+struct Noise(u64);
+
+impl Noise {
+    /// From 0 to 1.
+    fn share(&mut self) -> f32 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 40) as f32 / (1_u64 << 24) as f32
+    }
+
+    /// Of variance 1, nearly normal.
+    fn normal(&mut self) -> f32 {
+        let sum: f32 = (0..12).map(|_| self.share()).sum();
+        sum - 6.0
+    }
+
+    fn vector(&mut self) -> Vector3<f32> {
+        Vector3::new(self.normal(), self.normal(), self.normal())
+    }
+}
+
+/// So many views, those of an object one after the other.
+pub(crate) fn views(n_views: usize) -> Vec<View> {
+    let mut appearance =
+        Appearance::new(AppearanceWeights::default()).expect("the weights are valid");
+    let mut views = Vec::with_capacity(n_views);
+    let mut add = |seen: &Seen| {
+        if let Ok(readings) = appearance.describe(ObjectPoints::all(&seen.points), Some(&seen.up)) {
+            views.push(View {
+                category: seen.category.clone(),
+                readings: readings.clone(),
+            });
+        }
+    };
+    match std::env::var_os("TABULA_VIEWS") {
+        Some(folder) => see_folder(Path::new(&folder), n_views, &mut add),
+        None => see_generated(n_views, &mut add),
+    }
+    views
+}
+
+/// Views of a data set; each is repeated with disturbed points until there are
+/// enough.
+fn see_folder(folder: &Path, n_views: usize, add: &mut impl FnMut(&Seen)) {
+    let dataset = ObjectDataset::open(folder).expect("TABULA_VIEWS names a folder of views");
+    let mut noise = Noise(7);
+    let n_copies = n_views.div_ceil(dataset.n_views());
+    for (i, name) in dataset.names().enumerate() {
+        let elevation_deg = match name.sequence() {
+            1 => 30.0_f64,
+            2 => 45.0,
+            _ => 60.0,
+        };
+        let (sin, cos) = elevation_deg.to_radians().sin_cos();
+        let points = dataset.load_cloud(i).expect("a view has points");
+        let mut seen = Seen {
+            category: name.category().to_owned(),
+            points: points.clone(),
+            up: UnitVector3::new_normalize(Vector3::new(0.0, -sin, -cos)),
+        };
+        add(&seen);
+        for _ in 1..n_copies {
+            seen.points = disturbed(&points, &mut noise);
+            add(&seen);
+        }
+    }
+}
+
+/// Another size by 6 % at most, noise of 2 mm at most, and up to a quarter of the
+/// points, on one side, missing.
+fn disturbed(points: &[Point], noise: &mut Noise) -> Vec<Point> {
+    let centre = points
+        .iter()
+        .fold(Vector3::zeros(), |sum, p| sum + position(p))
+        / points.len().max(1) as f32;
+    let scale = 0.94 + 0.12 * noise.share();
+    let deviation_m = 0.002 * noise.share();
+    let direction = noise.vector();
+    let along = |p: &Point| (position(p) - centre).dot(&direction);
+    let mut sorted: Vec<f32> = points.iter().map(along).collect();
+    sorted.sort_by(f32::total_cmp);
+    let kept = 1.0 - 0.25 * noise.share();
+    let limit = sorted.get((kept * sorted.len() as f32) as usize);
+    let limit = limit.copied().unwrap_or(f32::INFINITY);
+    let remaining = points.iter().filter(|p| along(p) <= limit);
+    remaining
+        .map(|p| {
+            let place = centre + scale * (position(p) - centre) + deviation_m * noise.vector();
+            Point {
+                x: place.x,
+                y: place.y,
+                z: place.z,
+                ..*p
+            }
+        })
+        .collect()
+}
+
+fn position(point: &Point) -> Vector3<f32> {
+    Vector3::new(point.x, point.y, point.z)
+}
+
+/// Views of generated objects of all categories: points on the faces that are
+/// turned to the viewer. What hides them is left out of account.
+fn see_generated(n_views: usize, add: &mut impl FnMut(&Seen)) {
+    let mut noise = Noise(7);
+    let n_instances = n_views.div_ceil(N_VIEWS_OF_OBJECT * categories().len()) as u64;
+    for category in categories() {
+        for instance in 0..n_instances {
+            let object = generate(category, instance);
+            for view in 0..N_VIEWS_OF_OBJECT {
+                let yaw_rad = view as f32 * std::f32::consts::TAU / 32.0;
+                let pitch_rad = [0.5_f32, 0.8, 1.05][view / 32 % 3];
+                let (sin, cos) = pitch_rad.sin_cos();
+                let viewer = Vector3::new(cos * yaw_rad.cos(), cos * yaw_rad.sin(), sin);
+                add(&Seen {
+                    category: category.name.to_owned(),
+                    points: sampled(&object.mesh, &viewer, &mut noise),
+                    up: Vector3::z_axis(),
+                });
+            }
+        }
+    }
+}
+
+/// Points on the faces turned to the viewer, as dense as the viewer sees them, with
+/// noise of a millimetre.
+fn sampled(mesh: &TriangleMesh, viewer: &Vector3<f32>, noise: &mut Noise) -> Vec<Point> {
+    let mut seen_area = 0.0;
+    let mut faces = Vec::new();
+    for triangle in &mesh.triangles {
+        let [a, b, c] = triangle.vertices.map(|i| mesh.vertices[i as usize]);
+        let (ab, ac) = (b.position - a.position, c.position - a.position);
+        let area = 0.5 * ab.cross(&ac).dot(viewer);
+        if area > 0.0 {
+            seen_area += area;
+            faces.push((seen_area, a, ab, ac));
+        }
+    }
+    (0..N_POINTS)
+        .filter_map(|_| {
+            let wanted = noise.share() * seen_area;
+            let face = faces.partition_point(|face| face.0 < wanted);
+            let (_, corner, ab, ac) = faces.get(face)?;
+            let (u, v) = (noise.share(), noise.share());
+            let (u, v) = if u + v > 1.0 {
+                (1.0 - u, 1.0 - v)
+            } else {
+                (u, v)
+            };
+            let place: Point3<f32> = corner.position + ab * u + ac * v + 0.001 * noise.vector();
+            let [red, green, blue] = corner.color;
+            Some(Point {
+                x: place.x,
+                y: place.y,
+                z: place.z,
+                color: Rgba::opaque(red, green, blue),
+            })
+        })
+        .collect()
+}

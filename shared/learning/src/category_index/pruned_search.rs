@@ -1,0 +1,111 @@
+//! The nearest views by Euclidean distance, most of them never compared in full.
+
+use super::sketch::{Bounds, Level, N_TOGETHER, QuerySketch};
+use super::view_table::{BLOCK, ViewBlock, ViewTable};
+use crate::Metric;
+use crate::nearest_categories::{Candidate, NearestCategories};
+use std::sync::Arc;
+
+/// Blocks that are put in order at once, the most promising first, so that the
+/// others have little left to offer.
+const GROUP: usize = 512;
+
+/// The readings that are compared, and the nearest views so far.
+struct Search<'a> {
+    readings: &'a [&'a [f32]],
+    coarse: QuerySketch,
+    fine: QuerySketch,
+    bounds: Bounds,
+    found: &'a mut NearestCategories,
+    n_compared: usize,
+}
+
+/// Offers what is nearest to one to four readings of an object, as a comparison of
+/// all pairs with [`Metric::Euclidean`] does, to the bit: lower bounds decide which
+/// views are compared, their distance is computed as always. Returns how many views
+/// were compared.
+pub(super) fn search(
+    table: &ViewTable,
+    readings: &[&[f32]],
+    found: &mut NearestCategories,
+) -> usize {
+    let mut search = Search {
+        readings,
+        coarse: QuerySketch::new(readings, Level::Coarse),
+        fine: QuerySketch::new(readings, Level::Fine),
+        bounds: [[0.0; BLOCK]; N_TOGETHER],
+        found,
+        n_compared: 0,
+    };
+    for (group, blocks) in table.blocks().chunks(GROUP).enumerate() {
+        search.look_at_group(blocks, group * GROUP * BLOCK);
+    }
+    search.n_compared
+}
+
+impl Search<'_> {
+    fn look_at_group(&mut self, blocks: &[Arc<ViewBlock>], first_row: usize) {
+        let mut order = [(f32::INFINITY, 0); GROUP];
+        for (i, block) in blocks.iter().enumerate() {
+            if let Some(sketches) = block.sketches() {
+                order[i] = (self.coarse.bound(sketches, &mut self.bounds), i);
+            }
+        }
+        let order = &mut order[..blocks.len()];
+        order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        for &(least, i) in &*order {
+            if least > self.found.farthest() {
+                return;
+            }
+            if let Some(sketches) = blocks[i].sketches()
+                && self.fine.bound(sketches, &mut self.bounds) <= self.found.farthest()
+            {
+                self.look_at_block(&blocks[i], first_row + i * BLOCK);
+            }
+        }
+    }
+
+    /// Compares the views of a block that may be near enough, the most promising
+    /// first.
+    fn look_at_block(&mut self, block: &ViewBlock, first_row: usize) {
+        let farthest = self.found.farthest();
+        let mut promising = [(0.0, 0); BLOCK];
+        let mut n_promising = 0;
+        for place in 0..block.views().len() {
+            let of_readings = self.bounds.each_ref().map(|bounds| bounds[place]);
+            let least = of_readings.into_iter().fold(f32::INFINITY, f32::min);
+            if least <= farthest {
+                promising[n_promising] = (least, place);
+                n_promising += 1;
+            }
+        }
+        let promising = &mut promising[..n_promising];
+        promising.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        for &(least, place) in &*promising {
+            if least > self.found.farthest() {
+                return;
+            }
+            self.compare(block, place, first_row);
+        }
+    }
+
+    fn compare(&mut self, block: &ViewBlock, place: usize, first_row: usize) {
+        let view = &block.views()[place];
+        let stored = block.descriptor(place);
+        self.n_compared += 1;
+        for (reading, bounds) in self.readings.iter().zip(&self.bounds) {
+            let farthest = self.found.bound(view.category);
+            if bounds[place] > farthest {
+                continue;
+            }
+            if let Some(score) = Metric::Euclidean.bounded_score(reading, stored, farthest) {
+                self.found.offer(Candidate {
+                    score,
+                    view: view.id,
+                    category: view.category,
+                    row: first_row + place,
+                });
+            }
+        }
+    }
+}
