@@ -1,14 +1,19 @@
 //! The taught views, ready to be compared with.
 
+mod calibrated;
 mod pruned_search;
 mod sketch;
+mod spread;
 mod view_rows;
 mod view_table;
 
+use crate::calibration::{Calibration, Distances};
 use crate::nearest_categories::{Candidate, NearestCategories};
-use crate::{CategoryName, Error, Metric, Neighbour, Recognition, ViewId};
+use crate::{CategoryName, Error, Metric, Neighbour, Recognition, UnknownRule, ViewId};
 use sketch::N_TOGETHER;
+use spread::Spread;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use view_rows::ViewRows;
 use view_table::{BLOCK, IndexedView, ViewTable};
 
@@ -37,14 +42,19 @@ pub struct CategoryIndex {
     rows: ViewRows,
     categories: BTreeMap<CategoryName, Category>,
     next_category: u64,
+    calibration: Option<Calibration>,
+    /// Of all categories together.
+    distances: Distances,
 }
 
 /// A category with at least one view.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 struct Category {
     /// Never used again when the category is gone.
     number: u64,
     n_views: usize,
+    /// Empty without a calibration.
+    spread: Arc<Spread>,
 }
 
 impl CategoryIndex {
@@ -59,7 +69,20 @@ impl CategoryIndex {
             rows: ViewRows::new(),
             categories: BTreeMap::new(),
             next_category: 0,
+            calibration: None,
+            distances: Distances::default(),
         }
+    }
+
+    /// The same, which also says how probable its answers are.
+    ///
+    /// *Complexity*: what is taught is compared with all views of its category, what
+    /// is removed costs the same for each view whose nearest it was.
+    #[must_use]
+    pub fn with_calibration(mut self, calibration: Calibration) -> Self {
+        self.clear();
+        self.calibration = Some(calibration);
+        self
     }
 
     /// Adds a view to a category. A view with the same id is replaced.
@@ -75,8 +98,10 @@ impl CategoryIndex {
     ) -> Result<(), Error> {
         self.check(descriptor)?;
         if let Some(row) = self.rows.get(id) {
+            self.leave_spread(row);
             self.views.describe(row, descriptor);
             self.assign(row, category);
+            self.enter_spread(row);
         } else {
             let number = self.enter(category);
             self.rows.insert(id, self.views.len());
@@ -86,6 +111,7 @@ impl CategoryIndex {
                 category: number,
             };
             self.views.push(view, descriptor);
+            self.enter_spread(self.views.len() - 1);
         }
         Ok(())
     }
@@ -94,16 +120,20 @@ impl CategoryIndex {
     pub fn move_view(&mut self, id: ViewId, category: &CategoryName) -> bool {
         let row = self.rows.get(id);
         if let Some(row) = row {
+            self.leave_spread(row);
             self.assign(row, category);
+            self.enter_spread(row);
         }
         row.is_some()
     }
 
     /// Removes a view; says whether it was there.
     pub fn remove_view(&mut self, id: ViewId) -> bool {
-        let Some(row) = self.rows.remove(id) else {
+        let Some(row) = self.rows.get(id) else {
             return false;
         };
+        self.leave_spread(row);
+        self.rows.remove(id);
         if let Some(removed) = self.views.swap_remove(row) {
             self.leave(&removed.name);
         }
@@ -132,6 +162,7 @@ impl CategoryIndex {
         self.views.clear();
         self.rows = ViewRows::new();
         self.categories.clear();
+        self.distances = Distances::default();
     }
 
     /// The metric of the distances.
@@ -156,8 +187,8 @@ impl CategoryIndex {
             .map(|(name, category)| (name, category.n_views))
     }
 
-    /// Finds the category of a descriptor: that of the nearest of all views if its
-    /// distance is at most `threshold`, else none. Of equally near views the one
+    /// Finds the category of a descriptor: that of the nearest of all views unless
+    /// `rule` says that it is unknown. Of equally near views the one
     /// with the smaller id counts, so the order of teaching has no say.
     ///
     /// A category with a single view can win, and a view that was taught is found at
@@ -171,8 +202,12 @@ impl CategoryIndex {
     ///
     /// # Errors
     /// As for [`insert`](Self::insert).
-    pub fn recognise(&self, descriptor: &[f32], threshold: f32) -> Result<Recognition, Error> {
-        self.recognise_any(&[descriptor], threshold)
+    pub fn recognise(
+        &self,
+        descriptor: &[f32],
+        rule: impl Into<UnknownRule>,
+    ) -> Result<Recognition, Error> {
+        self.recognise_any(&[descriptor], rule)
     }
 
     /// Finds the category of an object that was described in several ways: what is
@@ -189,7 +224,7 @@ impl CategoryIndex {
     pub fn recognise_any(
         &self,
         descriptors: &[impl AsRef<[f32]>],
-        threshold: f32,
+        rule: impl Into<UnknownRule>,
     ) -> Result<Recognition, Error> {
         let mut found = NearestCategories::default();
         for descriptors in descriptors.chunks(N_TOGETHER) {
@@ -206,7 +241,7 @@ impl CategoryIndex {
                 _ => self.compare_all(readings, &mut found),
             }
         }
-        Ok(self.answer(found, threshold))
+        Ok(self.answer(found, rule.into()))
     }
 
     fn compare_all(&self, readings: &[&[f32]], found: &mut NearestCategories) {
@@ -228,7 +263,7 @@ impl CategoryIndex {
         }
     }
 
-    fn answer(&self, found: NearestCategories, threshold: f32) -> Recognition {
+    fn answer(&self, found: NearestCategories, rule: UnknownRule) -> Recognition {
         let nearest = found.candidates().map(|candidate| {
             candidate.map(
                 |Candidate {
@@ -243,11 +278,20 @@ impl CategoryIndex {
         let distance = nearest[0]
             .as_ref()
             .map_or(f32::INFINITY, |first| first.distance);
-        let is_known = distance <= threshold;
+        let novelty = self.novelty(&nearest);
+        let probability = self
+            .calibration
+            .and_then(|calibration| novelty.map(|novelty| calibration.probability(novelty)));
+        let is_known = match rule {
+            UnknownRule::FartherThan(threshold) => distance <= threshold,
+            UnknownRule::LessProbableThan(least) => probability.is_none_or(|p| p >= least),
+        };
         let winner = nearest[0].as_ref().filter(|_| is_known);
         Recognition {
             label: winner.map(|first| first.category.clone()),
             distance,
+            novelty,
+            probability,
             nearest,
         }
     }
@@ -290,6 +334,7 @@ impl CategoryIndex {
             Category {
                 number: *next,
                 n_views: 0,
+                spread: Arc::default(),
             }
         });
         entry.n_views += 1;

@@ -15,16 +15,18 @@ mod view_id;
 
 mod metric;
 
+mod calibration;
 mod category_index;
 mod nearest_categories;
 mod recognition;
 
 mod conceptualizer;
 
+pub use calibration::Calibration;
 pub use category_index::CategoryIndex;
 pub use category_name::{CategoryName, InvalidCategoryName};
 pub use conceptualizer::{Refusal, ViewChange, ViewRecord, correct, forget, teach};
 pub use error::Error;
 pub use metric::{Metric, UnknownMetric};
-pub use recognition::{N_NEAREST, Neighbour, Recognition};
+pub use recognition::{N_NEAREST, Neighbour, Recognition, UnknownRule};
 pub use view_id::ViewId;

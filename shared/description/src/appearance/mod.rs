@@ -17,11 +17,12 @@ mod soft_bins;
 mod warp;
 mod warped_good;
 
-use crate::object_axes::object_axes;
+use crate::object_axes::{AxesKind, object_axes};
 use crate::{Error, ObjectPoints};
 use color::{Colors, N_CHROMATICITIES, N_COLORS};
 use nalgebra::UnitVector3;
 use readings::Readings;
+use std::sync::LazyLock;
 
 pub use readings::N_READINGS;
 pub use warped_good::WarpedGood;
@@ -143,6 +144,22 @@ impl Appearance {
             self.readings.read(axes.kind, reading, computed, described);
         }
         Ok(&self.described)
+    }
+
+    /// All readings of a stored description, itself the first: what
+    /// [`describe`](Self::describe) would have given, had it begun with that reading.
+    /// Values that are missing are taken for 0.
+    pub fn readings_of(stored: &[f32], kind: AxesKind) -> [Vec<f32>; N_READINGS] {
+        static READINGS: LazyLock<Readings> = LazyLock::new(Readings::new);
+        let mut computed = vec![0.0; DIMENSION];
+        for (place, &value) in layout::places().into_iter().zip(stored) {
+            computed[place] = value;
+        }
+        std::array::from_fn(|reading| {
+            let mut described = Vec::with_capacity(DIMENSION);
+            READINGS.read(kind, reading, &computed, &mut described);
+            described
+        })
     }
 }
 

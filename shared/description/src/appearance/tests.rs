@@ -153,6 +153,16 @@ fn every_reading_is_that_of_the_turned_frame() {
 }
 
 #[test]
+fn the_readings_of_a_stored_view_are_those_of_the_object() {
+    let cloud = sheet(800);
+    let up = Vector3::z_axis();
+    for (up, kind) in [(None, AxesKind::Principal), (Some(&up), AxesKind::Upright)] {
+        let readings = described(&cloud, up);
+        assert_eq!(Appearance::readings_of(&readings[0], kind), readings);
+    }
+}
+
+#[test]
 fn a_mirrored_object_is_another_one() {
     let cloud = sheet(2000);
     let stored = &described(&cloud, None)[0];

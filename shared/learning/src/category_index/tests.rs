@@ -112,7 +112,42 @@ fn answers(index: &CategoryIndex) -> Vec<Recognition> {
         .collect()
 }
 
+/// Two views have two readings: one is the other backwards.
+const CALIBRATION: Calibration = Calibration {
+    readings_of: |stored| vec![stored.to_vec(), stored.iter().rev().copied().collect()],
+    spread: 0.5,
+    far: 1.5,
+    even_novelty: 0.9,
+    steepness: 4.0,
+};
+
+fn calibrated() -> CategoryIndex {
+    CategoryIndex::new(DIMENSION, Metric::Euclidean).with_calibration(CALIBRATION)
+}
+
 proptest! {
+    #[test]
+    fn how_an_index_came_about_has_no_say_in_its_probabilities(
+        changes in prop::collection::vec(change(), 0..40),
+        asked in any::<u8>(),
+    ) {
+        let (mut index, mut model) = (calibrated(), Model::new());
+        for change in &changes {
+            apply(&mut index, change);
+            apply_to_model(&mut model, change);
+        }
+        let mut fresh = calibrated();
+        for (id, (name, descriptor)) in &model {
+            fresh.insert(*id, name, descriptor).unwrap();
+        }
+        let rule = UnknownRule::LessProbableThan(0.5);
+        let found = index.recognise(&descriptor(asked), rule).unwrap();
+        let expected = fresh.recognise(&descriptor(asked), rule).unwrap();
+        prop_assert_eq!(&found.nearest, &expected.nearest);
+        let (found, expected) = (found.novelty.unwrap(), expected.novelty.unwrap());
+        prop_assert!(found == expected || (found - expected).abs() < 1e-4 * expected.abs());
+    }
+
     #[test]
     fn answers_equal_those_of_brute_force(
         changes in prop::collection::vec(change(), 0..120),
@@ -294,4 +329,32 @@ fn a_cleared_index_starts_anew() {
     assert_eq!((index.n_views(), index.categories().len()), (0, 0));
     assert_eq!(index.recognise(&descriptor(3), 1.0).unwrap().label, None);
     assert!(!index.move_view(id, &name(2)) && !index.remove_view(id));
+}
+
+#[test]
+fn what_is_unlike_all_that_was_taught_is_improbable_and_unknown() {
+    let mut index = calibrated();
+    let rule = UnknownRule::LessProbableThan(0.5);
+    let at = |place: usize, value: f32| {
+        let mut values = vec![0.0; DIMENSION];
+        values[place] = value;
+        values
+    };
+    let nothing = index.recognise(&at(0, 1.0), rule).unwrap();
+    assert_eq!((nothing.label, nothing.probability), (None, Some(0.0)));
+    for (view_id, place, value) in [(0, 0, 1.0), (1, 0, 1.2), (2, 60, 1.0), (3, 60, 1.3)] {
+        let id = ViewId {
+            track_id: 1,
+            view_id,
+        };
+        index
+            .insert(id, &name(place as u8), &at(place, value))
+            .unwrap();
+    }
+    let known = index.recognise(&at(0, 1.1), rule).unwrap();
+    assert_eq!(known.label, Some(name(0)));
+    assert!(known.probability.unwrap() > 0.9);
+    let strange = index.recognise(&at(30, 1.0), rule).unwrap();
+    assert_eq!(strange.label, None);
+    assert!(strange.probability.unwrap() < 0.1);
 }

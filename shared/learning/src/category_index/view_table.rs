@@ -64,6 +64,10 @@ impl ViewTable {
         &mut Arc::make_mut(&mut self.blocks[row / BLOCK]).views[row % BLOCK]
     }
 
+    pub(super) fn descriptor(&self, row: usize) -> &[f32] {
+        self.blocks[row / BLOCK].descriptor(row % BLOCK)
+    }
+
     /// Replaces the descriptor of a view.
     pub(super) fn describe(&mut self, row: usize, descriptor: &[f32]) {
         Arc::make_mut(&mut self.blocks[row / BLOCK]).describe(row % BLOCK, descriptor);
