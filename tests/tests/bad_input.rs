@@ -240,7 +240,10 @@ fn wrong_configurations_are_refused_with_what_is_wrong() {
     check("[camera]\nrate_hz = \"fast\"", "rate_hz");
     check("[perception]\nworkers = 0", "workers");
     check("[perception]\nworkers = -1", "workers");
-    check("[perception]\nunknown_distance = nan", "unknown_distance");
+    check(
+        "[perception]\nknown_probability_min = nan",
+        "known_probability_min",
+    );
     check("[perception]\nrange_min_m = nan", "range_min_m");
     check("[perception]\nactor_deadline_ms = 0", "actor_deadline_ms");
     check("[memory]\nqueue_requests = 0", "queue_requests");

@@ -83,6 +83,7 @@ const OBJECT: &[(&str, Kind)] = &[
     ("state", Text),
     ("label", TextOrNull),
     ("distance", NumberOrNull),
+    ("probability", NumberOrNull),
     ("position_m", Vector(3)),
     ("orientation_xyzw", Vector(4)),
     ("size_m", Vector(3)),

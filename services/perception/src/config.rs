@@ -25,7 +25,7 @@ const RESTART_WINDOW_MAX_S: f64 = 86_400.0;
 #[serde(deny_unknown_fields, default)]
 struct RawConfig {
     workers: usize,
-    unknown_distance: f32,
+    known_probability_min: f32,
     actor_deadline_ms: u64,
     worker_stall_ms: u64,
     actor_restarts_max: u32,
@@ -50,7 +50,7 @@ impl Default for RawConfig {
         let detection = detection::RawConfig::default();
         Self {
             workers: 2,
-            unknown_distance: 0.9,
+            known_probability_min: 0.5,
             actor_deadline_ms: 100,
             worker_stall_ms: 2_000,
             actor_restarts_max: 30,
@@ -127,8 +127,8 @@ impl Config {
                 track_id: raw.fault_panic_track_id,
             },
             detection: detection(&raw).map_err(|sentence| wrong(&sentence))?,
-            pipeline: pipeline::Config::new(motion, association, raw.unknown_distance)
-                .map_err(|rule| wrong(&format!("unknown_distance: {rule}")))?,
+            pipeline: pipeline::Config::new(motion, association, raw.known_probability_min)
+                .map_err(|rule| wrong(&format!("known_probability_min: {rule}")))?,
         })
     }
 }

@@ -5,7 +5,7 @@ use channel::topic::MemoryChanged;
 use channel::{Domain, Error, Subscriber};
 use learning::{CategoryIndex, CategoryName, ViewId};
 use message::control::{ChangesPage, Command, LearnedChange, LearnedView, Reply, SnapshotPage};
-use pipeline::{DESCRIPTOR_DIMENSION, DESCRIPTOR_KIND, METRIC};
+use pipeline::{DESCRIPTOR_KIND, category_index};
 use std::fmt::{self, Display, Formatter};
 use std::sync::{Arc, PoisonError, RwLock};
 use std::time::{Duration, Instant};
@@ -49,7 +49,7 @@ impl SharedLearned {
 
 impl Default for Learned {
     fn default() -> Self {
-        let index = CategoryIndex::new(DESCRIPTOR_DIMENSION, METRIC);
+        let index = category_index();
         Self {
             index,
             sequence: 0,

@@ -70,6 +70,7 @@ fn object(track: &Track, view: &NewestView) -> SceneObject {
         n_views: track.n_views,
         mean_argb: Rgba::opaque(red, green, blue).0,
         distance: wire_distance(track.distance),
+        probability: track.probability.unwrap_or(f32::NAN),
         is_labelled: u32::from(track.label.is_some()),
         label: track
             .label
@@ -88,7 +89,6 @@ fn object(track: &Track, view: &NewestView) -> SceneObject {
         angular_velocity_rad_s: track.angular_velocity_rad_s().cast().into(),
         categories,
         stamps: view.stamps,
-        ..SceneObject::default()
     }
 }
 

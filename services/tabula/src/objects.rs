@@ -105,9 +105,10 @@ fn watch(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure>
     Ok(ExitCode::SUCCESS)
 }
 
-const HEADING: [&str; 11] = [
+const HEADING: [&str; 12] = [
     "id",
     "label",
+    "sure %",
     "distance",
     "position m",
     "± mm",
@@ -183,6 +184,9 @@ fn row(object: &ObjectReport) -> Vec<String> {
         object.track_id.to_string(),
         object.label.clone().unwrap_or_else(|| "unknown".into()),
         object
+            .probability
+            .map_or_else(|| "-".into(), |p| format!("{:.0}", 100.0 * p)),
+        object
             .distance
             .map_or_else(|| "-".into(), |distance| format!("{distance:.3}")),
         metres(object.position_m),
@@ -223,20 +227,23 @@ fn answer_text(object: &ObjectReport) -> String {
         .iter()
         .map(|near| format!("{} {:.3}", near.label, near.distance))
         .collect();
+    let sure = object
+        .probability
+        .map_or_else(String::new, |p| format!("{:.0} % sure, ", 100.0 * p));
     match (label, distance) {
         (Some(label), Some(distance)) => match nearest.get(1..) {
             Some([_, ..]) => format!(
-                "track {track_id} is {label} (distance {distance:.3}; then {})",
+                "track {track_id} is {label} ({sure}distance {distance:.3}; then {})",
                 nearest[1..].join(", ")
             ),
-            _ => format!("track {track_id} is {label} (distance {distance:.3})"),
+            _ => format!("track {track_id} is {label} ({sure}distance {distance:.3})"),
         },
         (Some(label), None) => format!("track {track_id} is {label}"),
         (None, Some(distance)) => {
             let what = nearest
                 .first()
                 .map_or_else(|| format!("{distance:.3}"), Clone::clone);
-            format!("track {track_id} is unknown (nearest is {what})")
+            format!("track {track_id} is unknown ({sure}nearest is {what})")
         }
         (None, None) => format!("track {track_id} is unknown; nothing has been taught yet"),
     }

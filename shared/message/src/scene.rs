@@ -96,7 +96,7 @@ pub struct ActorStamps {
 
 /// One object of the summary.
 #[derive(Debug, Clone, Copy, PartialEq, AnyBitPattern, ZeroCopySend)]
-#[type_name("tabula.SceneObject.v3")]
+#[type_name("tabula.SceneObject.v4")]
 #[repr(C)]
 pub struct SceneObject {
     /// The track-id; never used twice.
@@ -137,8 +137,9 @@ pub struct SceneObject {
     pub is_key_view: u32,
     /// Key views so far.
     pub n_key_views: u32,
-    /// Zero.
-    pub reserved: u32,
+    /// Probability that the object belongs to the nearest category, 0 to 1; NaN when
+    /// nothing is stored.
+    pub probability: f32,
     /// Covariance of the position: xx, xy, xz, yy, yz, zz, world axes, square metres.
     pub position_covariance_m2: [f32; 6],
     /// Covariance of a small rotation vector about the world's axes: xx, xy, xz, yy,
@@ -225,7 +226,7 @@ impl Default for SceneObject {
             view_id: 0,
             is_key_view: 0,
             n_key_views: 0,
-            reserved: 0,
+            probability: f32::NAN,
             position_covariance_m2: [f32::NAN; 6],
             rotation_covariance_rad2: [f32::NAN; 6],
             velocity_m_s: [0.0; 3],

@@ -6,8 +6,8 @@ use std::fmt;
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum Error {
-    /// The distance beyond which objects are unknown.
-    UnknownDistance(f32),
+    /// The probability below which objects are unknown.
+    KnownProbability(f32),
     /// A setting or measurement of the tracking.
     Tracking(tracking::Error),
     /// The points can not be described.
@@ -19,9 +19,9 @@ pub enum Error {
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::UnknownDistance(value) => write!(
+            Self::KnownProbability(value) => write!(
                 f,
-                "the distance beyond which objects are unknown must lie between 0 and 1.75, not {value}"
+                "the probability below which objects are unknown must lie between 0 and 1, not {value}"
             ),
             Self::Tracking(error) => error.fmt(f),
             Self::Description(error) => error.fmt(f),
@@ -33,7 +33,7 @@ impl fmt::Display for Error {
 impl std::error::Error for Error {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         match self {
-            Self::UnknownDistance(_) => None,
+            Self::KnownProbability(_) => None,
             Self::Tracking(error) => Some(error),
             Self::Description(error) => Some(error),
             Self::Learning(error) => Some(error),

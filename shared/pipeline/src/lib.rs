@@ -25,7 +25,7 @@ mod search;
 mod track;
 mod track_table;
 
-pub use config::{Config, DESCRIPTOR_DIMENSION, DESCRIPTOR_KIND, METRIC};
+pub use config::{Config, DESCRIPTOR_KIND, calibration, category_index};
 pub use error::Error;
 pub use frame::{Frame, Measured};
 pub use object::{ObjectState, ObjectTools, Observation, Posterior, Stages};

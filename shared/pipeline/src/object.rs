@@ -67,6 +67,9 @@ pub struct Posterior {
     pub label: Option<CategoryName>,
     /// Distance to the nearest stored view; infinite when nothing was taught.
     pub distance: f32,
+    /// Probability that it belongs to the nearest category; `None` when nothing was
+    /// taught.
+    pub probability: Option<f32>,
     /// The nearest stored view of each of the nearest categories, nearest first.
     pub nearest: [Option<Neighbour>; N_NEAREST],
     /// Key views of the object so far, this one included.
@@ -143,7 +146,7 @@ impl ObjectState {
         let readings = describe(points, measured, &mut tools.appearance)?;
         on_described();
         let answer = taught
-            .recognise_any(readings, config.unknown_distance())
+            .recognise_any(readings, config.unknown_rule())
             .map_err(Error::Learning)?;
         descriptor.clone_from(&readings[0]);
         let pose = pose_that_tells(&filter.box_in_world());
@@ -161,6 +164,7 @@ impl ObjectState {
             is_key_view,
             label: answer.label,
             distance: answer.distance,
+            probability: answer.probability.filter(|_| answer.nearest[0].is_some()),
             nearest: answer.nearest,
             n_key_views: self.n_key_views,
         })

@@ -23,6 +23,9 @@ pub struct Track {
     pub label: Option<CategoryName>,
     /// Distance to the nearest stored view; infinite when nothing was taught.
     pub distance: f32,
+    /// Probability that it belongs to the nearest category; `None` when nothing was
+    /// taught.
+    pub probability: Option<f32>,
     /// The nearest stored view of each of the nearest categories, nearest first.
     pub nearest: [Option<Neighbour>; N_NEAREST],
     /// Key views described.

@@ -192,6 +192,7 @@ impl TrackTable {
         track.n_views = posterior.view_id + 1;
         track.label.clone_from(&posterior.label);
         track.distance = posterior.distance;
+        track.probability = posterior.probability;
         track.nearest.clone_from(&posterior.nearest);
         track.n_key_views = posterior.n_key_views;
     }
@@ -370,6 +371,7 @@ impl TrackTable {
                 n_views: 0,
                 label: None,
                 distance: f32::INFINITY,
+                probability: None,
                 nearest: Default::default(),
                 n_key_views: 0,
                 linked_to: self.departed.claim(&measured.appearance, frame.capture_ns),

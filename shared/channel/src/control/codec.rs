@@ -105,6 +105,7 @@ mod tests {
             categories: [near; MAX_NEAR_CATEGORIES],
             mean_argb: u32::MAX,
             distance: 0.123_456_7,
+            probability: 0.123_456_7,
             position_covariance_m2: [1.234_567_8e-5; 6],
             rotation_covariance_rad2: [1.234_567_8e-5; 6],
             velocity_m_s: [0.123_456_7; 3],

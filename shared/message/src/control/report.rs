@@ -48,6 +48,9 @@ pub struct ObjectReport {
     pub label: Option<String>,
     /// Dissimilarity to the nearest stored view; null when nothing is stored.
     pub distance: Option<f64>,
+    /// Probability that it belongs to the nearest category; null when nothing is
+    /// stored.
+    pub probability: Option<f64>,
     /// Centre of the box in the world, metres.
     pub position_m: [f64; 3],
     /// Orientation of the box in the world: x, y, z, w.
@@ -257,6 +260,10 @@ impl ObjectReport {
                 .distance
                 .is_finite()
                 .then(|| shortest(object.distance)),
+            probability: object
+                .probability
+                .is_finite()
+                .then(|| shortest(object.probability)),
             position_m: object.pose.position_m,
             orientation_xyzw: object.pose.orientation_xyzw,
             size_m: object.size_m.map(shortest),

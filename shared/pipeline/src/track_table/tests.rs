@@ -50,6 +50,7 @@ fn posterior_of(track: &Track) -> Posterior {
         is_key_view: false,
         label: None,
         distance: f32::INFINITY,
+        probability: None,
         nearest: Default::default(),
         n_key_views: 0,
     }

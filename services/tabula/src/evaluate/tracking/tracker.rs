@@ -6,15 +6,14 @@ use geometry::{Capsule, OrientedBox, PinholeCamera, RigidTransform};
 use learning::CategoryIndex;
 use nalgebra::{Unit, Vector3};
 use pipeline::{
-    Config, DESCRIPTOR_DIMENSION, Frame, METRIC, ObjectState, ObjectTools, Observation, Step,
-    TrackTable,
+    Config, Frame, ObjectState, ObjectTools, Observation, Step, TrackTable, category_index,
 };
 use point_cloud::OrganizedCloud;
 use std::collections::BTreeMap;
 use tracking::{AssociationConfig, MotionConfig, Sight, TrackPhase};
 
-/// Objects farther from all that was taught are unknown; nothing was taught.
-const UNKNOWN_DISTANCE: f32 = 0.75;
+/// Objects less probable to be known are unknown; nothing was taught.
+const KNOWN_PROBABILITY_MIN: f32 = 0.5;
 
 /// A frame and what is told beside it.
 #[derive(Debug, Clone, Copy)]
@@ -61,7 +60,7 @@ pub(super) struct Tracker {
 impl Tracker {
     pub(super) fn new() -> Result<Self, pipeline::Error> {
         let (motion, association) = (MotionConfig::default(), AssociationConfig::default());
-        let config = Config::new(motion, association, UNKNOWN_DISTANCE)?;
+        let config = Config::new(motion, association, KNOWN_PROBABILITY_MIN)?;
         Ok(Self {
             detection_config: detection::Config::default(),
             config,
@@ -71,7 +70,7 @@ impl Tracker {
             step: Step::default(),
             states: BTreeMap::new(),
             tools: ObjectTools::new()?,
-            taught: CategoryIndex::new(DESCRIPTOR_DIMENSION, METRIC),
+            taught: category_index(),
             descriptor: Vec::new(),
             expected: Vec::new(),
             last_id: 0,
