@@ -1,8 +1,6 @@
 //! The nearest taught view decides, as in the live system.
 
-use super::super::object_views::ViewTable;
 use super::{Learner, Readings};
-use crate::arguments::DescriptionArguments;
 use evaluation::recogniser::{Answer, Recogniser};
 use learning::{CategoryIndex, CategoryName, Error, Metric, ViewId};
 
@@ -23,17 +21,18 @@ struct Taught<'a> {
 }
 
 impl NearestView {
-    /// Checks the descriptors, which have the order of the table.
+    /// Checks the descriptors, which have the order of the views.
     pub(super) fn new(
-        arguments: &DescriptionArguments,
-        table: &ViewTable,
+        metric: Metric,
+        threshold: f32,
+        n_categories: usize,
         descriptors: Vec<Readings>,
     ) -> Result<Self, Error> {
         let dimension = descriptors.first().map_or(0, |readings| readings[0].len());
         let views = Self {
-            metric: arguments.metric(),
-            threshold: arguments.threshold.unwrap_or(f32::INFINITY),
-            names: names(table.categories.len()),
+            metric,
+            threshold,
+            names: names(n_categories),
             descriptors,
             dimension,
         };
