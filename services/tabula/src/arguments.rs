@@ -3,8 +3,8 @@
 mod recognition;
 
 pub(crate) use recognition::{
-    CrossValidationArguments, DescriptionArguments, LearnArguments, OpenEndedArguments, Up,
-    Variant, ViewProtocol,
+    AblationArguments, AblationVariant, CrossValidationArguments, DescriptionArguments,
+    LearnArguments, OpenEndedArguments, Up, Variant, ViewProtocol,
 };
 
 use crate::sensor::Sensor;
@@ -162,6 +162,8 @@ pub(crate) enum EvaluateVerb {
     Tracking(TrackingArguments),
     /// Let a simulated teacher introduce categories, ask and correct
     OpenEnded(OpenEndedArguments),
+    /// Let the simulated teacher compare variants on the same questions
+    Ablation(AblationArguments),
     /// Recognise each part of the views by the others
     CrossValidation(CrossValidationArguments),
 }

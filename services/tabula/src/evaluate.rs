@@ -1,13 +1,16 @@
 //! `tabula evaluate`: how good and how fast the kernels are.
 
+mod ablation;
 mod cross_validation;
 mod csv;
 mod detection;
 mod document;
 mod object_views;
 mod open_ended;
+mod open_set;
 pub(crate) mod parallel;
 mod report;
+mod scene_views;
 mod stopwatch;
 mod tracking;
 mod variant;
@@ -24,6 +27,7 @@ pub(crate) fn run(verb: &EvaluateVerb, output: &Output) -> Result<ExitCode, Fail
         EvaluateVerb::Detection(arguments) => detection::run(arguments, output),
         EvaluateVerb::Tracking(arguments) => tracking::run(arguments, output),
         EvaluateVerb::OpenEnded(arguments) => open_ended::run(arguments, output),
+        EvaluateVerb::Ablation(arguments) => ablation::run(arguments, output),
         EvaluateVerb::CrossValidation(arguments) => cross_validation::run(arguments, output),
     }
 }

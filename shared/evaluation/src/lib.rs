@@ -8,12 +8,14 @@
 //! [`scene_picture`] and [`score_page`] show it. [`sensor_error`] compares the
 //! simulated sensor with the published law. [`tracking_score`] says how well tracks
 //! agree with the truth of [`tracked_frame`]s. [`open_ended`] and [`cross_validation`]
-//! say how well a [`recogniser`] learns views of objects.
+//! say how well a [`recogniser`] learns views of objects, [`novelty_score`] how well it
+//! tells what it was never taught, and [`bootstrap`] how certain the figures of runs are.
 //!
 //! This crate never starts a process, never reads a clock, writes no file, and
 //! knows nothing of channels. Durations are measured by the caller and come in
 //! as numbers, see [`durations`].
 
+pub mod bootstrap;
 pub mod box_picture;
 pub mod clear_mot;
 pub mod cross_validation;
@@ -22,7 +24,9 @@ mod figure;
 pub mod figure_page;
 pub mod hypothesis_image;
 pub mod id_f1;
+pub mod interval_figure;
 pub mod labelled_scenes;
+pub mod novelty_score;
 pub mod open_ended;
 mod page;
 mod random;

@@ -60,6 +60,24 @@ impl Scene {
         Ok(scene)
     }
 
+    /// These objects apart from each other, standing as they are used, at random free
+    /// places and turns.
+    ///
+    /// # Errors
+    /// When they do not all find a place, or a model can not be used.
+    pub fn isolated(
+        choices: Vec<ModelChoice>,
+        seed: u64,
+        library: &mut ModelLibrary,
+    ) -> Result<Self, Error> {
+        let mut scene = Self {
+            seed,
+            ..Self::default()
+        };
+        scene.objects = placed(&scene, SceneKind::Isolated, choices, library)?;
+        Ok(scene)
+    }
+
     /// The scene the daemon shows when nobody says otherwise: some objects, and a
     /// person who now and then moves, adds or takes one.
     ///

@@ -7,7 +7,8 @@
 )]
 
 use simulation::{
-    Error, ModelLibrary, ObjectModel, ObjectState, Placing, Scene, SceneKind, World, category_names,
+    Error, ModelChoice, ModelLibrary, ObjectModel, ObjectState, Placing, Scene, SceneKind, World,
+    category_names,
 };
 use std::path::Path;
 
@@ -50,6 +51,34 @@ fn a_scene_has_as_many_objects_as_were_asked_for() {
             }
         }
     }
+}
+
+#[test]
+fn named_objects_are_laid_apart_in_their_order_and_too_many_are_refused() {
+    let named = |names: &[&str]| -> Vec<ModelChoice> {
+        let choice = |name: &&str| ModelChoice::Generated {
+            category: (*name).to_owned(),
+            instance: 3,
+        };
+        names.iter().map(choice).collect()
+    };
+    let names = ["mug", "cereal-box", "spoon"];
+    let lay = |seed| Scene::isolated(named(&names), seed, &mut ModelLibrary::generated());
+    let scene = lay(8).unwrap();
+    let laid: Vec<String> = scene.objects.iter().map(|p| p.model.category()).collect();
+    assert_eq!(laid, names);
+    let placed = footprints(&scene);
+    for (i, (radius_m, [x, y])) in placed.iter().enumerate() {
+        for (other_m, [other_x, other_y]) in &placed[..i] {
+            let gap_m = (x - other_x).hypot(y - other_y) - radius_m - other_m;
+            assert!(gap_m > GAP_M, "{gap_m} m");
+        }
+    }
+    assert_eq!(scene.objects, lay(8).unwrap().objects);
+    assert_ne!(scene.objects, lay(9).unwrap().objects);
+    let crowd = vec!["pot"; 40];
+    let refused = Scene::isolated(named(&crowd), 8, &mut ModelLibrary::generated());
+    assert!(matches!(refused, Err(Error::NoRoom { n_objects: 40, .. })));
 }
 
 #[test]

@@ -40,12 +40,9 @@ pub(crate) enum ViewProtocol {
     InstanceDisjoint,
 }
 
-/// Which views, and how they are described and compared.
+/// How views are described and compared, and how many of them.
 #[derive(Debug, Args)]
 pub(crate) struct DescriptionArguments {
-    /// Folder of views in the layout of the Washington dataset, or with a folder of PCD files for
-    /// each category
-    pub(crate) dataset: PathBuf,
     /// How objects are described and learned
     #[arg(long, value_name = "NAME", value_enum, default_value_t = Variant::Ours)]
     pub(crate) variant: Variant,
@@ -87,6 +84,9 @@ pub(crate) struct LearnArguments {
 /// The experiment with the simulated teacher.
 #[derive(Debug, Args)]
 pub(crate) struct OpenEndedArguments {
+    /// Folder of views in the layout of the Washington dataset, or with a folder of PCD files for
+    /// each category
+    pub(crate) dataset: PathBuf,
     #[command(flatten)]
     pub(crate) description: DescriptionArguments,
     /// Folder for the figures and the page
@@ -112,9 +112,73 @@ pub(crate) struct OpenEndedArguments {
     pub(crate) log: Option<PathBuf>,
 }
 
+/// What an ablation compares.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum AblationVariant {
+    /// GOOD as published, in the frame of its published program
+    Published,
+    /// GOOD as in the authors' evaluations, in the same frame
+    Workspace,
+    /// Shape, size and colour, in all readings of the object's axes
+    Ours,
+    /// Ours without colour
+    OursShapeOnly,
+    /// Ours without size
+    OursNoSize,
+    /// Ours without the projections: size and colour
+    OursNoShape,
+    /// Ours without size and colour: the projections
+    OursProjectionsOnly,
+    /// Ours, only the first reading of the axes compared
+    OursSingleReading,
+    /// Ours, not knowing what is up
+    OursPrincipal,
+}
+
+/// The experiment with the simulated teacher, for each of several variants.
+#[derive(Debug, Args)]
+pub(crate) struct AblationArguments {
+    /// Folder of views in the layout of the Washington dataset, or with a folder of PCD files for
+    /// each category
+    pub(crate) dataset: PathBuf,
+    /// Which variants [default: all]; `ours` is always among them
+    #[arg(long, value_name = "NAMES", value_enum, value_delimiter = ',')]
+    pub(crate) variants: Vec<AblationVariant>,
+    /// Folder for the figures and the page
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// Number of runs of each variant
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u64).range(2..=10_000))]
+    pub(crate) runs: u64,
+    /// Seed of the first run; the next run has the next seed
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Accuracy at which a category is learned
+    #[arg(long, value_name = "A", default_value_t = 0.67)]
+    pub(crate) tau: f64,
+    /// Which views are taught and which are asked
+    #[arg(long, value_name = "NAME", value_enum, default_value_t = ViewProtocol::View)]
+    pub(crate) protocol: ViewProtocol,
+    /// Bins of GOOD along each side
+    #[arg(long, value_name = "N", default_value_t = 15, value_parser = bins)]
+    pub(crate) bins: usize,
+    /// Most views of each category, spread evenly over those there are [default: all]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) views_max: Option<u32>,
+}
+
 /// The experiment in which each part is asked of who was taught the rest.
 #[derive(Debug, Args)]
 pub(crate) struct CrossValidationArguments {
+    /// Folder of views in the layout of the Washington dataset, or with a folder of PCD files for
+    /// each category
+    #[arg(required_unless_present = "scenes")]
+    pub(crate) dataset: Option<PathBuf>,
+    /// Simulate so many scenes, and use the objects that detection finds in them [default: 360]
+    #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "360",
+        conflicts_with_all = ["dataset", "views_max", "protocol", "contiguous", "open_set_share"],
+        value_parser = clap::value_parser!(u32).range(12..=100_000))]
+    pub(crate) scenes: Option<u32>,
     #[command(flatten)]
     pub(crate) description: DescriptionArguments,
     /// Folder for the figures, the page and the confusion matrix
@@ -129,6 +193,9 @@ pub(crate) struct CrossValidationArguments {
     /// Whether the views of an object stay together [default: where objects are known]
     #[arg(long, value_name = "NAME", value_enum, conflicts_with = "contiguous")]
     pub(crate) protocol: Option<ViewProtocol>,
+    /// Share of the categories that are never taught in a part, and asked, 0 to 0.9
+    #[arg(long, value_name = "P", default_value_t = 0.0, value_parser = open_set_share)]
+    pub(crate) open_set_share: f64,
     /// Slices of the views as they are listed, not shuffled
     #[arg(long)]
     pub(crate) contiguous: bool,
@@ -160,6 +227,23 @@ impl ViewProtocol {
     }
 }
 
+impl AblationVariant {
+    /// The name on the command line.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Published => "published",
+            Self::Workspace => "workspace",
+            Self::Ours => "ours",
+            Self::OursShapeOnly => "ours-shape-only",
+            Self::OursNoSize => "ours-no-size",
+            Self::OursNoShape => "ours-no-shape",
+            Self::OursProjectionsOnly => "ours-projections-only",
+            Self::OursSingleReading => "ours-single-reading",
+            Self::OursPrincipal => "ours-principal",
+        }
+    }
+}
+
 impl Variant {
     /// The name on the command line.
     pub(crate) fn name(self) -> &'static str {
@@ -185,6 +269,14 @@ impl DescriptionArguments {
 fn bins(text: &str) -> Result<usize, String> {
     let number = text.parse().ok().filter(|n| (2..=64).contains(n));
     number.ok_or_else(|| "choose from 2 to 64, 15 usually".to_owned())
+}
+
+fn open_set_share(text: &str) -> Result<f64, String> {
+    let number = text
+        .parse()
+        .ok()
+        .filter(|share| (0.0..=0.9).contains(share));
+    number.ok_or_else(|| "choose from 0 to 0.9".to_owned())
 }
 
 fn threshold(text: &str) -> Result<f32, String> {

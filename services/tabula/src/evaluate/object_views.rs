@@ -1,10 +1,11 @@
 //! Views of single objects, read and described once for an experiment.
 
+use super::variant::{Describer, Method, Readings};
 use super::{failed, parallel};
-use crate::arguments::DescriptionArguments;
 use crate::output::Output;
 use crate::simulate::progress;
 use dataset::object_views::{ObjectView, ObjectViews, ViewFile};
+use description::ObjectPoints;
 use evaluation::recogniser::LabelledView;
 use service::{Failure, exit_code};
 use std::collections::BTreeMap;
@@ -31,7 +32,10 @@ pub(super) struct ViewTable {
     /// File of each view, relative to the data set.
     pub(super) files: Vec<String>,
     pub(super) left_out: LeftOut,
-    /// Mean time to describe a view on one thread, reading not included, milliseconds.
+    /// Whether of all views it is known what is up.
+    pub(super) tells_up: bool,
+    /// Mean time to describe a view on one thread, by all methods together, reading not
+    /// included, milliseconds.
     pub(super) describe_ms: f64,
 }
 
@@ -65,44 +69,53 @@ impl LeftOut {
 
 impl Catalogue {
     /// Lists a data set and chooses the views.
-    pub(super) fn open(arguments: &DescriptionArguments) -> Result<Self, Failure> {
-        let views = ObjectViews::open(&arguments.dataset)
-            .map_err(|error| Failure::new(exit_code::USAGE, error))?;
-        let most = arguments.views_max.map_or(usize::MAX, |n| n as usize);
+    pub(super) fn open(dataset: &Path, views_max: Option<u32>) -> Result<Self, Failure> {
+        let views =
+            ObjectViews::open(dataset).map_err(|error| Failure::new(exit_code::USAGE, error))?;
+        let most = views_max.map_or(usize::MAX, |n| n as usize);
         Ok(Self {
             chosen: chosen(views.files(), most),
             views,
         })
     }
 
-    /// Whether of all views it is known what is up.
-    pub(super) fn tell_up(&self) -> bool {
-        self.views.tell_up()
-    }
-
-    /// Reads and describes the views on all cores. What can not be read or described is
-    /// left out with its reason.
-    pub(super) fn describe<Own, T: Send, E: std::fmt::Display>(
+    /// Reads the views on all cores and describes each by all methods, upright where
+    /// what is up is known of all views. What can not be read, or not be described by
+    /// one of them, is left out of all, with its reason.
+    ///
+    /// The second are the descriptions by method, in the order of the views.
+    pub(super) fn describe_by(
         &self,
+        methods: &[Method],
         output: &Output,
-        own: impl Fn() -> Own + Sync,
-        describe: impl Fn(&mut Own, &ObjectView) -> Result<T, E> + Sync,
-    ) -> Result<(ViewTable, Vec<T>), Failure> {
+    ) -> Result<(ViewTable, Vec<Vec<Readings>>), Failure> {
+        let describers = methods.iter().map(Method::describer);
+        let describers: Vec<Describer> = describers.collect::<Result<_, _>>()?;
+        let knows_up = self.views.tell_up();
         let bar = progress::bar(self.chosen.len() as u64, "views", output);
-        let described = parallel::map(self.chosen.len(), &bar, own, |own, job| {
+        let own = || describers.clone();
+        let described = parallel::map(self.chosen.len(), &bar, own, |describers, job| {
             let index = self.chosen[job];
             let view = self.views.load(index).map_err(|error| error.to_string())?;
             let begin = Instant::now();
-            let description = describe(own, &view).map_err(|error| {
+            let descriptions = describe(describers, &view, knows_up).map_err(|error| {
                 let path = self.views.files()[index].path.display();
                 format!("the view {path} can not be described: {error}")
             })?;
-            Ok((description, begin.elapsed().as_secs_f64() * 1e3))
+            Ok((descriptions, begin.elapsed().as_secs_f64() * 1e3))
         });
         bar.finish_and_clear();
-        self.table(described?)
+        let (table, of_views) = self.table(described?)?;
+        let mut by_method: Vec<Vec<Readings>> = methods.iter().map(|_| Vec::new()).collect();
+        for of_view in of_views {
+            for (of_method, readings) in by_method.iter_mut().zip(of_view) {
+                of_method.push(readings);
+            }
+        }
+        Ok((table, by_method))
     }
 
+    /// The views that could be described, with the descriptions.
     fn table<T>(
         &self,
         described: Vec<Result<(T, f64), String>>,
@@ -132,6 +145,7 @@ impl Catalogue {
             labels,
             files: files.iter().map(|file| text_of(&file.path)).collect(),
             left_out,
+            tells_up: self.views.tell_up(),
             describe_ms: sum_ms / descriptions.len() as f64,
         };
         Ok((table, descriptions))
@@ -151,6 +165,17 @@ impl Catalogue {
         }
         left_out
     }
+}
+
+fn describe(
+    describers: &mut [Describer],
+    view: &ObjectView,
+    knows_up: bool,
+) -> Result<Vec<Readings>, description::Error> {
+    let up = view.up.as_ref().filter(|_| knows_up);
+    let points = ObjectPoints::all(&view.points);
+    let describe = |describer: &mut Describer| describer.describe(points, up);
+    describers.iter_mut().map(describe).collect()
 }
 
 fn text_of(path: &Path) -> String {

@@ -30,7 +30,7 @@ struct Played {
 /// Plays all runs, and scores and draws them.
 pub(super) fn run(arguments: &OpenEndedArguments, output: &Output) -> Result<ExitCode, Failure> {
     let protocol = protocol(arguments);
-    let (mut views, learner) = described(&arguments.description, output)?;
+    let (mut views, learner) = described(&arguments.dataset, &arguments.description, output)?;
     leave_out(&protocol, &mut views)?;
     make_folder(&arguments.out.join(PICTURES))?;
     let played = play_all(arguments, &protocol, &views, learner.as_ref(), output)?;
@@ -55,16 +55,21 @@ fn protocol(arguments: &OpenEndedArguments) -> Protocol {
     Protocol {
         tau: arguments.tau,
         open_set_share: arguments.open_set_share,
-        split: match arguments.protocol {
-            ViewProtocol::View => Split::ByView,
-            ViewProtocol::InstanceDisjoint => Split::InstanceDisjoint,
-        },
+        split: split(arguments.protocol),
         ..Protocol::default()
     }
 }
 
+/// The rule of the protocol of this name.
+pub(super) fn split(protocol: ViewProtocol) -> Split {
+    match protocol {
+        ViewProtocol::View => Split::ByView,
+        ViewProtocol::InstanceDisjoint => Split::InstanceDisjoint,
+    }
+}
+
 /// Says which categories take no part.
-fn leave_out(protocol: &Protocol, views: &mut ViewTable) -> Result<(), Failure> {
+pub(super) fn leave_out(protocol: &Protocol, views: &mut ViewTable) -> Result<(), Failure> {
     let categories = teacher::usable_categories(protocol, &views.labels)
         .map_err(|error| Failure::new(exit_code::USAGE, error))?;
     for (category, reason) in categories {

@@ -1,15 +1,19 @@
 //! The ways to describe and learn objects that experiments compare.
 
-mod appearance;
-mod good;
+mod describer;
+mod method;
 mod nearest_view;
 mod settings;
 
 use super::object_views::{Catalogue, ViewTable};
-use crate::arguments::{DescriptionArguments, Variant};
+use crate::arguments::DescriptionArguments;
 use crate::output::Output;
 use evaluation::recogniser::Recogniser;
 use service::Failure;
+use std::path::Path;
+
+pub(super) use describer::Describer;
+pub(super) use method::Method;
 pub(super) use settings::DescriptionSettings;
 
 /// Views that are described and ready to be learned.
@@ -20,18 +24,18 @@ pub(super) trait Learner: Sync {
 
 /// All readings of a view: the first is stored when it is taught, all are compared
 /// with what is stored when it is asked.
-type Readings = Vec<Vec<f32>>;
+pub(super) type Readings = Vec<Vec<f32>>;
 
-/// Reads and describes the views that the arguments choose.
+/// Reads and describes the views of a data set as the arguments say.
 pub(super) fn described(
+    dataset: &Path,
     arguments: &DescriptionArguments,
     output: &Output,
 ) -> Result<(ViewTable, Box<dyn Learner>), Failure> {
-    let catalogue = Catalogue::open(arguments)?;
-    let (table, descriptors) = match arguments.variant {
-        Variant::Published | Variant::Workspace => good::describe(arguments, &catalogue, output),
-        Variant::Ours => appearance::describe(arguments, &catalogue, output),
-    }?;
-    let learner = nearest_view::NearestView::new(arguments, &table, descriptors);
-    Ok((table, Box::new(learner.map_err(super::failed)?)))
+    let catalogue = Catalogue::open(dataset, arguments.views_max)?;
+    let method = Method::of(arguments);
+    let (table, mut descriptions) = catalogue.describe_by(&[method], output)?;
+    let descriptions = descriptions.pop().unwrap_or_default();
+    let learner = method.learner(&table, descriptions)?;
+    Ok((table, learner))
 }

@@ -3,7 +3,9 @@
 mod confusion_picture;
 mod folds;
 mod scores;
+mod withheld;
 
 pub use confusion_picture::svg as confusion_svg;
 pub use folds::{Dealing, Error, Folds};
 pub use scores::{Confusion, Scores};
+pub use withheld::withheld;

@@ -12,7 +12,6 @@
 
 mod curriculum;
 mod figures;
-mod novelty_score;
 mod protocol;
 mod record;
 mod stage;
@@ -20,7 +19,6 @@ mod summary;
 
 pub use curriculum::LeftOut;
 pub use figures::{overview_svg, run_svg};
-pub use novelty_score::NoveltyScore;
 pub use protocol::{Error, Protocol, Split, run, usable_categories};
 pub use record::{Metrics, Question, Run, Stage, StopReason};
 pub use summary::{MeanAndStd, Summary};

@@ -115,6 +115,13 @@ impl Run {
         }
     }
 
+    /// The answers to its open-set questions, or to the others.
+    pub fn answers(&self, is_open_set: bool) -> impl Iterator<Item = Answer> {
+        let of_kind = self.questions.iter();
+        let of_kind = of_kind.filter(move |question| question.is_open_set == is_open_set);
+        of_kind.map(|question| question.answer)
+    }
+
     /// Number of corrections: one for each wrong answer.
     pub fn n_corrections(&self) -> u32 {
         let counted = self

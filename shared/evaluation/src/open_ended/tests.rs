@@ -1,4 +1,5 @@
 use super::*;
+use crate::novelty_score::NoveltyScore;
 use crate::random::Random;
 use crate::recogniser::{Answer, LabelledView, Recogniser};
 use std::collections::{HashMap, HashSet};
@@ -273,8 +274,12 @@ fn open_set_questions_leave_the_figures_as_they_are() {
     );
     assert_eq!(without.metrics(), with.metrics());
     assert_eq!(without.taught, with.taught);
-    assert_eq!(NoveltyScore::of(&[without]), None);
-    let score = NoveltyScore::of(std::slice::from_ref(&with)).unwrap();
+    let novelty = |run: &Run| {
+        let [open, known] = [true, false].map(|kind| run.answers(kind).collect::<Vec<_>>());
+        NoveltyScore::of(&open, &known)
+    };
+    assert_eq!(novelty(&without), None);
+    let score = novelty(&with).unwrap();
     assert_eq!((score.auroc, score.false_alarms_at_95), (1.0, 0.0));
     assert_eq!((score.rejected, score.known_rejected), (1.0, 0.0));
     let share = score.n as f64 / (score.n + score.n_known) as f64;

@@ -1,10 +1,15 @@
 //! The figures of `tabula evaluate cross-validation` as a document.
 
 use super::super::object_views::ViewTable;
+use super::super::open_set::OpenSet;
 use super::super::variant::DescriptionSettings;
-use super::FoldResult;
+use super::fold_result::FoldResult;
+use super::material::Material;
+use super::scene_figures::SceneFigures;
 use crate::arguments::CrossValidationArguments;
-use evaluation::cross_validation::{Confusion, Dealing, Folds};
+use evaluation::cross_validation::Confusion;
+use evaluation::novelty_score::NoveltyScore;
+use evaluation::recogniser::Answer;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -22,6 +27,11 @@ pub(super) struct Document {
     pub(super) folds: Vec<FoldFigures>,
     /// Share of right answers by category.
     pub(super) categories: BTreeMap<String, CategoryFigures>,
+    /// Of the views of categories that were not taught in their fold.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) open_set: Option<OpenSet>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) scenes: Option<SceneFigures>,
     pub(super) settings: Settings,
     n_left_out: usize,
     pub(super) left_out: Vec<String>,
@@ -43,6 +53,12 @@ pub(super) struct FoldFigures {
 pub(super) struct CategoryFigures {
     pub(super) n_asked: u32,
     pub(super) n_right: u32,
+    /// Objects in scenes that detection did not find.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) n_missed: Option<u32>,
+    /// False candidates in scenes that are parts of its object.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) n_parts: Option<u32>,
     /// What it was most often taken for when it was not recognised; null for "unknown"
     /// and when all answers were right.
     pub(super) taken_for: Option<String>,
@@ -57,6 +73,7 @@ pub(super) struct Settings {
     pub(super) folds: &'static str,
     /// Categories of which the views of an object stay together.
     pub(super) n_grouped: usize,
+    open_set_share: f64,
     seed: u64,
 }
 
@@ -77,18 +94,17 @@ impl Document {
     /// `None` when nothing was asked.
     pub(super) fn of(
         arguments: &CrossValidationArguments,
-        dealing: Dealing,
-        folds: &Folds,
-        views: &ViewTable,
+        material: &Material,
         results: &[FoldResult],
         confusion: &Confusion,
     ) -> Option<Self> {
+        let views = &material.views;
         let scores = confusion.scores()?;
         let path = |name: &str| arguments.out.join(name).display().to_string();
         let names = views.categories.iter().enumerate();
         Some(Self {
             version: env!("CARGO_PKG_VERSION"),
-            dataset: arguments.description.dataset.display().to_string(),
+            dataset: material.source.clone(),
             n_views: views.labels.len(),
             n_categories: views.categories.len(),
             accuracy_micro: scores.accuracy_micro,
@@ -100,9 +116,17 @@ impl Document {
                 .map(|result| FoldFigures::of(result, views))
                 .collect(),
             categories: names
-                .map(|(index, name)| (name.clone(), CategoryFigures::of(index, views, confusion)))
+                .map(|(index, name)| {
+                    let figures = CategoryFigures::of(index, material, confusion);
+                    (name.clone(), figures)
+                })
                 .collect(),
-            settings: Settings::of(arguments, dealing, folds),
+            open_set: novelty(results).map(OpenSet::of),
+            scenes: material
+                .scenes
+                .as_ref()
+                .map(|scenes| SceneFigures::of(scenes, results, confusion)),
+            settings: Settings::of(arguments, material),
             n_left_out: views.left_out.n,
             left_out: views.left_out.sentences(),
             timing: Timing::of(views, results),
@@ -112,9 +136,18 @@ impl Document {
     }
 }
 
+/// Of the answers of all folds.
+fn novelty(results: &[FoldResult]) -> Option<NoveltyScore> {
+    let answers = |of_fold: fn(&FoldResult) -> &[(usize, Answer)]| -> Vec<Answer> {
+        let questions = results.iter().flat_map(of_fold);
+        questions.map(|(_, answer)| *answer).collect()
+    };
+    NoveltyScore::of(&answers(|fold| &fold.open), &answers(|fold| &fold.answers))
+}
+
 impl FoldFigures {
     fn of(result: &FoldResult, views: &ViewTable) -> Self {
-        let is_right = |(view, answer): &&(usize, evaluation::recogniser::Answer)| {
+        let is_right = |(view, answer): &&(usize, Answer)| {
             answer.category == Some(views.labels[*view].category)
         };
         let n_asked = result.answers.len();
@@ -128,30 +161,32 @@ impl FoldFigures {
 }
 
 impl CategoryFigures {
-    fn of(index: usize, views: &ViewTable, confusion: &Confusion) -> Self {
+    fn of(index: usize, material: &Material, confusion: &Confusion) -> Self {
+        let categories = &material.views.categories;
         let row = confusion.row(index);
         let wrong = row.iter().enumerate();
         let wrong = wrong.filter(|&(answer, &count)| answer != index && count > 0);
         // Of equally frequent ones the first.
         let most = wrong.rev().max_by_key(|(_, count)| **count);
+        let n_asked = row.iter().sum();
+        let scenes = material.scenes.as_ref();
         Self {
-            n_asked: row.iter().sum(),
+            n_asked,
             n_right: row[index],
-            taken_for: most.and_then(|(answer, _)| views.categories.get(answer).cloned()),
+            n_missed: scenes.map(|scenes| scenes.n_visible[index].saturating_sub(n_asked)),
+            n_parts: scenes.map(|scenes| scenes.n_parts[index]),
+            taken_for: most.and_then(|(answer, _)| categories.get(answer).cloned()),
         }
     }
 }
 
 impl Settings {
-    fn of(arguments: &CrossValidationArguments, dealing: Dealing, folds: &Folds) -> Self {
+    fn of(arguments: &CrossValidationArguments, material: &Material) -> Self {
         Self {
             description: DescriptionSettings::of(&arguments.description),
-            folds: match dealing {
-                Dealing::ByView => "view",
-                Dealing::ByInstance => "instance-disjoint",
-                Dealing::Contiguous => "contiguous",
-            },
-            n_grouped: folds.n_grouped,
+            folds: material.dealing,
+            n_grouped: material.folds.n_grouped,
+            open_set_share: arguments.open_set_share,
             seed: arguments.seed,
         }
     }
@@ -161,9 +196,12 @@ impl Timing {
     fn of(views: &ViewTable, results: &[FoldResult]) -> Self {
         let sum = |ms: fn(&FoldResult) -> f64| results.iter().map(ms).sum::<f64>();
         let ask_ms = sum(|result| result.ask_ms);
+        let n_asked =
+            |result: &FoldResult| result.answers.len() + result.open.len() + result.clutter.len();
+        let n_asked: usize = results.iter().map(n_asked).sum();
         Self {
             describe_ms: views.describe_ms,
-            ask_ms: ask_ms / views.labels.len().max(1) as f64,
+            ask_ms: ask_ms / n_asked.max(1) as f64,
             teach_s: 1e-3 * sum(|result| result.teach_ms),
             test_s: 1e-3 * ask_ms,
         }

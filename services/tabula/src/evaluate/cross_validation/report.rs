@@ -1,23 +1,41 @@
 //! The figures of `tabula evaluate cross-validation` for people.
 
 use super::document::{CategoryFigures, Document};
+use super::material::Material;
+use super::scene_figures::SceneFigures;
+use crate::evaluate::open_set::OpenSet;
 use crate::table::table;
 use evaluation::figure_page::{PageFigure, PageTable, html};
 
-/// Heads of the columns.
-const HEADS: [&str; 4] = ["category", "views", "right %", "taken for"];
+/// Heads of the columns; the last two only of scenes.
+const HEADS: [&str; 6] = [
+    "category",
+    "views",
+    "right %",
+    "taken for",
+    "missed",
+    "parts",
+];
 
 /// The text that is printed.
 pub(super) fn text(document: &Document) -> String {
-    let mut lines = vec![table(&HEADS, &rows(document)), String::new()];
+    let mut lines = vec![table(heads(document), &rows(document)), String::new()];
     lines.extend(notes(document));
     lines.extend([document.page.clone(), document.file.clone()]);
     lines.join("\n")
 }
 
-/// The page with the confusion matrix.
-pub(super) fn page(document: &Document) -> String {
-    let heads: Vec<String> = HEADS.iter().map(|head| (*head).to_owned()).collect();
+fn heads(document: &Document) -> &'static [&'static str] {
+    let n_columns = if document.scenes.is_some() { 6 } else { 4 };
+    &HEADS[..n_columns]
+}
+
+/// The page with the confusion matrix, and with the drawn scenes.
+pub(super) fn page(document: &Document, material: &Material) -> String {
+    let heads: Vec<String> = heads(document)
+        .iter()
+        .map(|head| (*head).to_owned())
+        .collect();
     let mut all = vec![heads];
     all.extend(rows(document));
     let table = PageTable {
@@ -30,7 +48,13 @@ pub(super) fn page(document: &Document) -> String {
             .to_owned(),
         picture: "confusion.svg".to_owned(),
     };
-    html("Cross-validation", &notes(document), &[table], &[confusion])
+    let scenes = material.scenes.iter().flat_map(|scenes| &scenes.pictures);
+    let scenes = scenes.map(|(name, picture)| PageFigure {
+        caption: format!("{name}: colour, truth and what is found; what is striped is ignored"),
+        picture: picture.clone(),
+    });
+    let figures: Vec<PageFigure> = std::iter::once(confusion).chain(scenes).collect();
+    html("Cross-validation", &notes(document), &[table], &figures)
 }
 
 /// The categories, worst first.
@@ -41,12 +65,15 @@ fn rows(document: &Document) -> Vec<Vec<String>> {
     let mut categories: Vec<_> = document.categories.iter().collect();
     categories.sort_by(|(_, a), (_, b)| right(a).total_cmp(&right(b)));
     let row = |(name, figures): (&String, &CategoryFigures)| {
-        vec![
+        let mut cells = vec![
             name.clone(),
             figures.n_asked.to_string(),
             format!("{:5.1}", right(figures)),
             figures.taken_for.clone().unwrap_or_default(),
-        ]
+        ];
+        let of_scenes = [figures.n_missed, figures.n_parts];
+        cells.extend(of_scenes.iter().flatten().map(u32::to_string));
+        cells
     };
     categories.into_iter().map(row).collect()
 }
@@ -78,6 +105,8 @@ fn notes(document: &Document) -> Vec<String> {
             timing.describe_ms, timing.ask_ms, timing.test_s
         ),
     ];
+    notes.extend(document.open_set.as_ref().map(OpenSet::sentence));
+    notes.extend(document.scenes.iter().flat_map(SceneFigures::sentences));
     notes.extend(document.left_out.iter().cloned());
     notes
 }
@@ -89,6 +118,7 @@ fn dealing(document: &Document) -> String {
             "the views of an object together in {} of the categories",
             settings.n_grouped
         ),
+        "scene" => "scene by scene".to_owned(),
         "contiguous" => "in the order of their names".to_owned(),
         _ => "view by view".to_owned(),
     }

@@ -1,6 +1,6 @@
 use super::super::open_ended::tests::{description, write_points};
 use super::*;
-use crate::arguments::DescriptionArguments;
+use crate::arguments::{DescriptionArguments, Variant, ViewProtocol};
 use dataset::washington::{CAMERA, View, ViewName, write_view};
 use point_cloud::Point;
 use serde_json::Value;
@@ -9,7 +9,10 @@ use std::path::Path;
 
 fn arguments(dataset: &Path, out: &Path) -> CrossValidationArguments {
     CrossValidationArguments {
-        description: description(dataset),
+        dataset: Some(dataset.to_owned()),
+        scenes: None,
+        description: description(),
+        open_set_share: 0.0,
         out: out.to_owned(),
         folds: 5,
         seed: 1,
@@ -143,7 +146,7 @@ fn what_is_too_far_is_unknown() {
     let mut arguments = arguments(&data, &folder.path().join("out"));
     arguments.description = DescriptionArguments {
         threshold: Some(0.0),
-        ..description(&data)
+        ..description()
     };
     run(&arguments, &Output::new(true)).unwrap();
     let document = document(&arguments.out);
@@ -152,4 +155,93 @@ fn what_is_too_far_is_unknown() {
         (&0.0.into(), &0.0.into())
     );
     assert_eq!(document["categories"]["line"]["taken_for"], Value::Null);
+}
+
+#[test]
+fn categories_that_were_never_taught_are_told_from_the_rest_and_count_nowhere_else() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = folder.path().join("data");
+    write_shapes(&data, 20);
+    let mut arguments = arguments(&data, &folder.path().join("out"));
+    arguments.open_set_share = 0.5;
+    run(&arguments, &Output::new(true)).unwrap();
+    let document = document(&arguments.out);
+    // Of two categories one is taught in each of five folds; four views of each are asked.
+    let open_set = &document["open_set"];
+    assert_eq!(
+        (&open_set["n"], &open_set["n_known"]),
+        (&20.into(), &20.into())
+    );
+    // A line and a square are never like each other.
+    assert_eq!(open_set["auroc"], 1.0, "{document}");
+    assert_eq!(open_set["false_alarms_at_95"], 0.0);
+    assert_eq!(document["accuracy_micro"], 1.0);
+    let folds = document["folds"].as_array().unwrap();
+    for fold in folds {
+        assert_eq!(
+            (&fold["n_taught"], &fold["n_asked"]),
+            (&16.into(), &4.into())
+        );
+    }
+    let log = fs::read_to_string(arguments.out.join("log.csv")).unwrap();
+    let n_open = log.lines().filter(|line| line.ends_with(",1")).count();
+    assert_eq!(n_open, 20);
+}
+
+#[test]
+fn without_open_set_questions_there_are_no_figures_of_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = folder.path().join("data");
+    write_shapes(&data, 10);
+    let arguments = arguments(&data, &folder.path().join("out"));
+    run(&arguments, &Output::new(true)).unwrap();
+    let document = document(&arguments.out);
+    assert_eq!(document.get("open_set"), None);
+    assert_eq!(document.get("scenes"), None);
+}
+
+#[test]
+fn of_scenes_every_object_is_found_or_missed_and_false_candidates_cost_precision() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut arguments = arguments(folder.path(), &folder.path().join("out"));
+    arguments.dataset = None;
+    arguments.scenes = Some(24);
+    arguments.folds = 2;
+    arguments.description.variant = Variant::Ours;
+    run(&arguments, &Output::new(true)).unwrap();
+    let document = document(&arguments.out);
+    let scenes = &document["scenes"];
+    let n = |value: &Value| value.as_u64().unwrap();
+    assert_eq!(n(&scenes["n_objects"]) + n(&scenes["n_hidden"]), 4 * 41);
+    assert_eq!(
+        n(&scenes["n_found"]) + n(&scenes["n_missed"]),
+        n(&scenes["n_objects"])
+    );
+    assert_eq!(n(&scenes["n_found"]), n(&document["n_views"]));
+    let categories = document["categories"].as_object().unwrap();
+    let sum = |key: &str| {
+        categories
+            .values()
+            .map(|figures| n(&figures[key]))
+            .sum::<u64>()
+    };
+    assert_eq!(sum("n_missed"), n(&scenes["n_missed"]));
+    assert_eq!(sum("n_parts"), n(&scenes["n_parts"]));
+    let n_right = sum("n_right") as f64;
+    let n_named = n(&scenes["n_found"]) + n(&scenes["n_false_names"]);
+    let figure = |key: &str| scenes[key].as_f64().unwrap();
+    assert!((figure("precision") - n_right / n_named as f64).abs() < 1e-12);
+    assert!((figure("recall") - n_right / n(&scenes["n_objects"]) as f64).abs() < 1e-12);
+    assert!(
+        document["accuracy_micro"].as_f64().unwrap() > 0.5,
+        "{document}"
+    );
+    assert_eq!(document["settings"]["folds"], "scene");
+    // Both views of an object in the same kind of scene are never in one part.
+    let log = fs::read_to_string(arguments.out.join("log.csv")).unwrap();
+    let fold_of = |view: &str| {
+        let line = log.lines().find(|line| line.contains(view)).unwrap();
+        line.split(',').next().unwrap().to_owned()
+    };
+    assert_ne!(fold_of("scene-0/"), fold_of("scene-12/"));
 }

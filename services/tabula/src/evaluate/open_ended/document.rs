@@ -1,12 +1,13 @@
 //! The figures of `tabula evaluate open-ended` as a document.
 
 use super::super::object_views::ViewTable;
+use super::super::open_set::OpenSet;
 use super::super::variant::DescriptionSettings;
 use super::picture;
 use crate::arguments::OpenEndedArguments;
-use evaluation::open_ended::{
-    MeanAndStd, Metrics, NoveltyScore, Protocol, Run, StopReason, Summary,
-};
+use evaluation::novelty_score::NoveltyScore;
+use evaluation::open_ended::{MeanAndStd, Metrics, Protocol, Run, StopReason, Summary};
+use evaluation::recogniser::Answer;
 use serde::Serialize;
 
 /// All figures.
@@ -54,17 +55,6 @@ pub(super) struct RunFigures {
     pub(super) picture: String,
 }
 
-/// How well what was never taught is told from the rest.
-#[derive(Debug, Clone, Copy, Serialize)]
-pub(super) struct OpenSet {
-    pub(super) n: usize,
-    n_known: usize,
-    pub(super) auroc: f64,
-    pub(super) false_alarms_at_95: f64,
-    pub(super) rejected: f64,
-    pub(super) known_rejected: f64,
-}
-
 /// How the figures were made.
 #[derive(Debug, Serialize)]
 pub(super) struct Settings {
@@ -101,13 +91,13 @@ impl Document {
         let path = |name: &str| arguments.out.join(name).display().to_string();
         Self {
             version: env!("CARGO_PKG_VERSION"),
-            dataset: arguments.description.dataset.display().to_string(),
+            dataset: arguments.dataset.display().to_string(),
             n_categories: views.categories.len(),
             n_views: views.labels.len(),
             runs: runs.iter().map(RunFigures::of).collect(),
             mean: Figures::of(&summary, |spread| Some(spread.mean)),
             std: Figures::of(&summary, |spread| spread.std),
-            open_set: NoveltyScore::of(runs).map(OpenSet::of),
+            open_set: novelty(runs).map(OpenSet::of),
             settings: Settings::of(arguments, protocol),
             n_left_out: views.left_out.n,
             left_out: views.left_out.sentences(),
@@ -161,25 +151,13 @@ impl RunFigures {
     }
 }
 
-impl OpenSet {
-    fn of(score: NoveltyScore) -> Self {
-        let NoveltyScore {
-            n,
-            n_known,
-            auroc,
-            false_alarms_at_95,
-            rejected,
-            known_rejected,
-        } = score;
-        Self {
-            n,
-            n_known,
-            auroc,
-            false_alarms_at_95,
-            rejected,
-            known_rejected,
-        }
-    }
+/// Of the questions of all runs.
+fn novelty(runs: &[Run]) -> Option<NoveltyScore> {
+    let answers = |is_open_set: bool| -> Vec<Answer> {
+        let of_runs = runs.iter().flat_map(|run| run.answers(is_open_set));
+        of_runs.collect()
+    };
+    NoveltyScore::of(&answers(true), &answers(false))
 }
 
 impl Settings {

@@ -1,5 +1,6 @@
 //! The figures of `tabula evaluate open-ended` for people.
 
+use super::super::open_set::OpenSet;
 use super::document::{Document, Figures, RunFigures};
 use crate::table::table;
 use evaluation::figure_page::{PageFigure, PageTable, html};
@@ -88,17 +89,7 @@ fn notes(document: &Document) -> Vec<String> {
             document.timing.describe_ms, document.timing.ask_ms
         ),
     ];
-    notes.extend(document.open_set.map(|score| {
-        format!(
-            "{} open-set questions: AUROC {:.3}, {:.1} % false alarms where 95 % are found; \
-             {:.1} % answered with unknown, and {:.1} % of the others",
-            score.n,
-            score.auroc,
-            100.0 * score.false_alarms_at_95,
-            100.0 * score.rejected,
-            100.0 * score.known_rejected
-        )
-    }));
+    notes.extend(document.open_set.as_ref().map(OpenSet::sentence));
     notes.extend(document.left_out.iter().cloned());
     notes
 }

@@ -8,9 +8,8 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-pub(crate) fn description(dataset: &Path) -> DescriptionArguments {
+pub(crate) fn description() -> DescriptionArguments {
     DescriptionArguments {
-        dataset: dataset.to_owned(),
         variant: Variant::Published,
         distance: None,
         shape_only: false,
@@ -23,7 +22,8 @@ pub(crate) fn description(dataset: &Path) -> DescriptionArguments {
 
 fn arguments(dataset: &Path, out: &Path) -> OpenEndedArguments {
     OpenEndedArguments {
-        description: description(dataset),
+        dataset: dataset.to_owned(),
+        description: description(),
         out: out.to_owned(),
         runs: 3,
         seed: 5,
@@ -36,7 +36,7 @@ fn arguments(dataset: &Path, out: &Path) -> OpenEndedArguments {
 
 /// Bars of different proportions, one category each; their widths overlap, so that
 /// some are mistaken.
-fn write_bars(root: &Path, n_categories: u16, n_views: u16) {
+pub(crate) fn write_bars(root: &Path, n_categories: u16, n_views: u16) {
     for category in 0..n_categories {
         let folder = root.join(format!("bar, {category}"));
         fs::create_dir_all(&folder).unwrap();

@@ -1,19 +1,17 @@
 //! The nearest taught view decides, as in the live system.
 
-use super::super::object_views::ViewTable;
 use super::{Learner, Readings};
-use crate::arguments::DescriptionArguments;
 use evaluation::recogniser::{Answer, Recogniser};
-use learning::{CategoryIndex, CategoryName, Error, Metric, ViewId};
+use learning::{CategoryIndex, CategoryName, Error, ViewId};
 
 /// Descriptors of all views, and how they are compared.
 pub(super) struct NearestView {
-    metric: Metric,
+    /// Nothing is taught in it.
+    empty: CategoryIndex,
     /// Infinite when nothing is unknown.
     threshold: f32,
     names: Vec<CategoryName>,
     descriptors: Vec<Readings>,
-    dimension: usize,
 }
 
 /// The views that were taught.
@@ -23,23 +21,21 @@ struct Taught<'a> {
 }
 
 impl NearestView {
-    /// Checks the descriptors, which have the order of the table.
+    /// Checks the descriptors, which have the order of the views.
     pub(super) fn new(
-        arguments: &DescriptionArguments,
-        table: &ViewTable,
+        empty: CategoryIndex,
+        threshold: f32,
+        n_categories: usize,
         descriptors: Vec<Readings>,
     ) -> Result<Self, Error> {
-        let dimension = descriptors.first().map_or(0, |readings| readings[0].len());
         let views = Self {
-            metric: arguments.metric(),
-            threshold: arguments.threshold.unwrap_or(f32::INFINITY),
-            names: names(table.categories.len()),
+            empty,
+            threshold,
+            names: names(n_categories),
             descriptors,
-            dimension,
         };
-        let index = CategoryIndex::new(dimension, views.metric);
         for readings in &views.descriptors {
-            index.recognise_any(readings, 0.0)?;
+            views.empty.recognise_any(readings, 0.0)?;
         }
         Ok(views)
     }
@@ -56,7 +52,7 @@ impl Learner for NearestView {
     fn recogniser(&self) -> Box<dyn Recogniser + '_> {
         Box::new(Taught {
             views: self,
-            index: CategoryIndex::new(self.dimension, self.metric),
+            index: self.empty.clone(),
         })
     }
 }
@@ -89,7 +85,7 @@ impl Recogniser for Taught<'_> {
             Answer {
                 category: label.and(nearest).map(|nearest| nearest.view.view_id),
                 distance: recognition.distance,
-                novelty: recognition.distance,
+                novelty: recognition.novelty.unwrap_or(recognition.distance),
             }
         })
     }

@@ -1,0 +1,114 @@
+//! `tabula evaluate ablation`: the simulated teacher asks several variants the same.
+
+mod document;
+mod report;
+
+use super::object_views::{Catalogue, ViewTable};
+use super::open_ended::{leave_out, split};
+use super::variant::{Learner, Method};
+use super::whole_file::{make_folder, write};
+use super::{failed, parallel};
+use crate::arguments::{AblationArguments, AblationVariant};
+use crate::output::Output;
+use crate::simulate::progress;
+use clap::ValueEnum;
+use document::Document;
+use evaluation::interval_figure;
+use evaluation::open_ended::{self as teacher, Metrics, Protocol};
+use service::Failure;
+use std::process::ExitCode;
+
+/// What the others are compared with.
+const REFERENCE: AblationVariant = AblationVariant::Ours;
+
+/// A variant and its runs, in the order of their seeds.
+struct Played {
+    variant: AblationVariant,
+    runs: Vec<Metrics>,
+}
+
+/// Plays all runs of all variants, and compares and draws them.
+pub(super) fn run(arguments: &AblationArguments, output: &Output) -> Result<ExitCode, Failure> {
+    let variants = chosen(&arguments.variants);
+    let protocol = Protocol {
+        tau: arguments.tau,
+        split: split(arguments.protocol),
+        ..Protocol::default()
+    };
+    let methods: Vec<Method> = variants
+        .iter()
+        .map(|&variant| Method::of_ablation(variant, arguments.bins))
+        .collect();
+    let catalogue = Catalogue::open(&arguments.dataset, arguments.views_max)?;
+    let (mut views, descriptions) = catalogue.describe_by(&methods, output)?;
+    leave_out(&protocol, &mut views)?;
+    make_folder(&arguments.out)?;
+    let learners = methods.iter().zip(descriptions);
+    let learners = learners.map(|(method, of_views)| method.learner(&views, of_views));
+    let learners: Vec<Box<dyn Learner>> = learners.collect::<Result<_, _>>()?;
+    let metrics = play_all(arguments, &protocol, &views, &learners, output)?;
+    let of_variants = variants.into_iter().zip(metrics);
+    let played: Vec<Played> = of_variants
+        .map(|(variant, runs)| Played { variant, runs })
+        .collect();
+    write_all(arguments, &protocol, &views, &played, output)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// All without names; the reference in any case. In the order of the program.
+fn chosen(named: &[AblationVariant]) -> Vec<AblationVariant> {
+    let is_chosen = |variant: &&AblationVariant| {
+        named.is_empty() || named.contains(variant) || **variant == REFERENCE
+    };
+    let variants = AblationVariant::value_variants().iter();
+    variants.filter(is_chosen).copied().collect()
+}
+
+/// The figures of the runs of each learner.
+fn play_all(
+    arguments: &AblationArguments,
+    protocol: &Protocol,
+    views: &ViewTable,
+    learners: &[Box<dyn Learner>],
+    output: &Output,
+) -> Result<Vec<Vec<Metrics>>, Failure> {
+    let n_runs = arguments.runs as usize;
+    let n_jobs = learners.len() * n_runs;
+    let bar = progress::bar(n_jobs as u64, "runs", output);
+    let played = parallel::map(
+        n_jobs,
+        &bar,
+        || (),
+        |(), job| {
+            let mut recogniser = learners[job / n_runs].recogniser();
+            let seed = arguments.seed.wrapping_add((job % n_runs) as u64);
+            let run = teacher::run(recogniser.as_mut(), &views.labels, protocol, seed);
+            run.map(|run| run.metrics()).map_err(failed)
+        },
+    );
+    bar.finish_and_clear();
+    let metrics: Vec<Metrics> = played?.into_iter().collect::<Result<_, _>>()?;
+    Ok(metrics.chunks(n_runs).map(<[Metrics]>::to_vec).collect())
+}
+
+fn write_all(
+    arguments: &AblationArguments,
+    protocol: &Protocol,
+    views: &ViewTable,
+    played: &[Played],
+    output: &Output,
+) -> Result<(), Failure> {
+    let document = Document::of(arguments, protocol, views, played);
+    let rows = report::figure_rows(&document);
+    let svg = interval_figure::svg(report::CAPTION, "global classification accuracy", &rows);
+    let out = &arguments.out;
+    write(&out.join(report::PICTURE), svg.map_err(failed)?.as_bytes())?;
+    let json = serde_json::to_string_pretty(&document).map_err(failed)?;
+    write(&out.join("ablation.json"), json.as_bytes())?;
+    write(&out.join("index.html"), report::page(&document).as_bytes())?;
+    output.answer(&document, || report::text(&document));
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests;

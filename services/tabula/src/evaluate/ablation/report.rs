@@ -1,0 +1,104 @@
+//! The figures of `tabula evaluate ablation` for people.
+
+use super::document::{Document, Interval, VariantFigures};
+use crate::table::table;
+use evaluation::figure_page::{PageFigure, PageTable, html};
+use evaluation::interval_figure::IntervalRow;
+
+/// Heads of the columns.
+const HEADS: [&str; 8] = [
+    "variant",
+    "qci",
+    "tlc",
+    "aic",
+    "gca",
+    "apa",
+    "gca − ours",
+    "error / ours",
+];
+/// Name of the figure.
+pub(super) const PICTURE: &str = "gca.svg";
+/// What the figure shows.
+pub(super) const CAPTION: &str = "Mean GCA of each variant with its 95 % interval";
+
+/// The text that is printed.
+pub(super) fn text(document: &Document) -> String {
+    let mut lines = vec![table(&HEADS, &rows(document)), String::new()];
+    lines.extend(notes(document));
+    lines.extend([document.page.clone(), document.file.clone()]);
+    lines.join("\n")
+}
+
+/// The page with table and figure.
+pub(super) fn page(document: &Document) -> String {
+    let heads: Vec<String> = HEADS.iter().map(|head| (*head).to_owned()).collect();
+    let mut all = vec![heads];
+    all.extend(rows(document));
+    let table = PageTable {
+        title: "Variants".to_owned(),
+        rows: all,
+    };
+    let figure = PageFigure {
+        caption: CAPTION.to_owned(),
+        picture: PICTURE.to_owned(),
+    };
+    html("Ablation", &notes(document), &[table], &[figure])
+}
+
+/// A row of the figure for each variant.
+pub(super) fn figure_rows(document: &Document) -> Vec<IntervalRow> {
+    let row = |variant: &VariantFigures| IntervalRow {
+        name: variant.name.to_owned(),
+        estimate: variant.gca.map(Into::into),
+        is_reference: variant.name == document.settings.reference,
+    };
+    document.variants.iter().map(row).collect()
+}
+
+fn rows(document: &Document) -> Vec<Vec<String>> {
+    let row = |variant: &VariantFigures| {
+        vec![
+            variant.name.to_owned(),
+            cell(variant.qci, 0),
+            cell(variant.tlc, 1),
+            cell(variant.aic, 2),
+            cell(variant.gca, 3),
+            cell(variant.apa, 3),
+            cell(variant.gca_difference, 3),
+            cell(variant.error_ratio, 2),
+        ]
+    };
+    document.variants.iter().map(row).collect()
+}
+
+/// `0.712 (0.690–0.731)`.
+fn cell(interval: Option<Interval>, digits: usize) -> String {
+    interval.map_or(String::new(), |Interval { value, low, high }| {
+        format!("{value:.digits$} ({low:.digits$} to {high:.digits$})")
+    })
+}
+
+/// What else is said, one sentence each.
+fn notes(document: &Document) -> Vec<String> {
+    let settings = &document.settings;
+    let mut notes = vec![
+        format!(
+            "{} categories, {} views; {} runs of each variant from the seeds {} to {}, protocol \
+             {}, accuracy {} to learn",
+            document.n_categories,
+            document.n_views,
+            settings.n_runs,
+            settings.seed,
+            settings.seed.wrapping_add(settings.n_runs - 1),
+            settings.protocol,
+            settings.tau
+        ),
+        format!(
+            "means over the runs, and in brackets between which bounds they lie with 95 %, by {} \
+             bootstrap resamples of the runs; the last two columns compare runs of the same seed",
+            settings.n_resamples
+        ),
+    ];
+    notes.extend(document.left_out.iter().cloned());
+    notes
+}

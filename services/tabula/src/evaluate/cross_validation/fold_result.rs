@@ -1,0 +1,68 @@
+//! One fold: who was taught the rest is asked.
+
+use super::material::Material;
+use crate::arguments::CrossValidationArguments;
+use evaluation::cross_validation::withheld;
+use evaluation::recogniser::Answer;
+use std::time::Instant;
+
+/// What came out of one fold.
+pub(super) struct FoldResult {
+    pub(super) n_taught: usize,
+    /// Views of taught categories that were asked, and the answers.
+    pub(super) answers: Vec<(usize, Answer)>,
+    /// The same of categories that were not taught.
+    pub(super) open: Vec<(usize, Answer)>,
+    /// The answers to candidates that are no object.
+    pub(super) clutter: Vec<Answer>,
+    pub(super) teach_ms: f64,
+    pub(super) ask_ms: f64,
+}
+
+/// Teaches all views but those of the fold and of the categories that are withheld, and
+/// asks those of the fold.
+pub(super) fn play(
+    material: &Material,
+    fold: u32,
+    arguments: &CrossValidationArguments,
+) -> FoldResult {
+    let (views, folds) = (&material.views, &material.folds);
+    let mut recogniser = material.learner.recogniser();
+    let n_categories = views.categories.len();
+    let is_withheld = withheld(n_categories, arguments.open_set_share, fold, arguments.seed);
+    let begin = Instant::now();
+    let (mut known, mut unknown, mut n_taught) = (Vec::new(), Vec::new(), 0);
+    for (view, (label, &of_view)) in views.labels.iter().zip(&folds.of_view).enumerate() {
+        match (of_view == fold, is_withheld[label.category as usize]) {
+            (true, false) => known.push(view),
+            (true, true) => unknown.push(view),
+            (false, false) => {
+                recogniser.teach(label.category, view);
+                n_taught += 1;
+            }
+            (false, true) => {}
+        }
+    }
+    let teach_ms = begin.elapsed().as_secs_f64() * 1e3;
+    let begin = Instant::now();
+    let mut asked = |view: usize| (view, recogniser.ask(view));
+    FoldResult {
+        n_taught,
+        answers: known.into_iter().map(&mut asked).collect(),
+        open: unknown.into_iter().map(&mut asked).collect(),
+        clutter: clutter(material, fold).map(|view| asked(view).1).collect(),
+        teach_ms,
+        ask_ms: begin.elapsed().as_secs_f64() * 1e3,
+    }
+}
+
+/// The candidates of the fold that are no object, which stand behind the views.
+fn clutter(material: &Material, fold: u32) -> impl Iterator<Item = usize> {
+    let n_views = material.views.labels.len();
+    let scenes = material.scenes.iter();
+    let folds = scenes.flat_map(|scenes| &scenes.folds_of_clutter);
+    let of_fold = folds
+        .enumerate()
+        .filter(move |(_, of_view)| **of_view == fold);
+    of_fold.map(move |(index, _)| n_views + index)
+}

@@ -1,0 +1,144 @@
+//! What is dealt into parts: the views of a data set, or those of simulated scenes.
+
+use crate::arguments::{CrossValidationArguments, ViewProtocol};
+use crate::evaluate::object_views::ViewTable;
+use crate::evaluate::scene_views::{self, SceneViews};
+use crate::evaluate::variant::{Learner, Method, described};
+use crate::output::Output;
+use evaluation::cross_validation::{Dealing, Folds};
+use evaluation::recogniser::LabelledView;
+use service::{Failure, exit_code};
+
+/// Views with their descriptions and parts.
+pub(super) struct Material {
+    /// What it was made from.
+    pub(super) source: String,
+    pub(super) views: ViewTable,
+    pub(super) learner: Box<dyn Learner>,
+    pub(super) folds: Folds,
+    /// How the views were dealt out.
+    pub(super) dealing: &'static str,
+    pub(super) scenes: Option<Scenes>,
+}
+
+/// What only scenes have.
+pub(super) struct Scenes {
+    pub(super) n_scenes: usize,
+    /// Fold of each candidate that is no object, or a smaller part of one; its description stands behind those of
+    /// the views, in the same order.
+    pub(super) folds_of_clutter: Vec<u32>,
+    /// By category: how many of these are parts of its object.
+    pub(super) n_parts: Vec<u32>,
+    /// By category: objects that show a pixel with depth.
+    pub(super) n_visible: Vec<u32>,
+    /// Objects that show none.
+    pub(super) n_hidden: u32,
+    /// Drawn scenes: what they are, and where.
+    pub(super) pictures: Vec<(String, String)>,
+}
+
+impl Material {
+    /// What the command line names, described and dealt out.
+    pub(super) fn of(
+        arguments: &CrossValidationArguments,
+        output: &Output,
+    ) -> Result<Self, Failure> {
+        match arguments.scenes {
+            Some(n_scenes) => Self::of_scenes(n_scenes, arguments, output),
+            None => Self::of_data_set(arguments, output),
+        }
+    }
+
+    fn of_data_set(arguments: &CrossValidationArguments, output: &Output) -> Result<Self, Failure> {
+        let dataset = arguments.dataset.as_ref().ok_or_else(|| {
+            let rule = "name a data set, or let scenes be simulated with --scenes";
+            Failure::new(exit_code::USAGE, rule)
+        })?;
+        let (views, learner) = described(dataset, &arguments.description, output)?;
+        let dealing = dealing(arguments, &views);
+        Ok(Self {
+            source: dataset.display().to_string(),
+            folds: deal(&views.labels, dealing, arguments)?,
+            views,
+            learner,
+            dealing: match dealing {
+                Dealing::ByView => "view",
+                Dealing::ByInstance => "instance-disjoint",
+                Dealing::Contiguous => "contiguous",
+            },
+            scenes: None,
+        })
+    }
+
+    /// All views of a scene are in one part, and each part has as many scenes of each
+    /// set and camera.
+    fn of_scenes(
+        n_scenes: u32,
+        arguments: &CrossValidationArguments,
+        output: &Output,
+    ) -> Result<Self, Failure> {
+        let method = Method::of(&arguments.description);
+        let (seed, out) = (arguments.seed, &arguments.out);
+        let SceneViews {
+            table,
+            scenes,
+            scenes_of_clutter,
+            n_parts,
+            descriptions,
+            kinds,
+            n_visible,
+            n_hidden,
+            pictures,
+        } = scene_views::simulate(n_scenes, seed, method, out, output)?;
+        let kind = |&category: &u32| LabelledView {
+            category,
+            instance: None,
+        };
+        let kinds: Vec<LabelledView> = kinds.iter().map(kind).collect();
+        let of_scenes = deal(&kinds, Dealing::ByView, arguments)?;
+        let fold_of = |scenes: &[usize]| -> Vec<u32> {
+            scenes
+                .iter()
+                .map(|&scene| of_scenes.of_view[scene])
+                .collect()
+        };
+        Ok(Self {
+            source: format!("{n_scenes} simulated scenes"),
+            folds: Folds {
+                of_view: fold_of(&scenes),
+                ..of_scenes
+            },
+            learner: method.learner(&table, descriptions)?,
+            views: table,
+            dealing: "scene",
+            scenes: Some(Scenes {
+                n_scenes: n_scenes as usize,
+                folds_of_clutter: fold_of(&scenes_of_clutter),
+                n_parts,
+                n_visible,
+                n_hidden,
+                pictures,
+            }),
+        })
+    }
+}
+
+fn deal(
+    views: &[LabelledView],
+    dealing: Dealing,
+    arguments: &CrossValidationArguments,
+) -> Result<Folds, Failure> {
+    Folds::deal(views, arguments.folds, dealing, arguments.seed)
+        .map_err(|error| Failure::new(exit_code::USAGE, error))
+}
+
+/// Object by object where objects are known, unless something else is wished.
+fn dealing(arguments: &CrossValidationArguments, views: &ViewTable) -> Dealing {
+    let is_known = views.labels.iter().any(|view| view.instance.is_some());
+    match arguments.protocol {
+        _ if arguments.contiguous => Dealing::Contiguous,
+        Some(ViewProtocol::InstanceDisjoint) => Dealing::ByInstance,
+        None if is_known => Dealing::ByInstance,
+        Some(ViewProtocol::View) | None => Dealing::ByView,
+    }
+}

@@ -1,0 +1,118 @@
+//! Objects that our own detection finds in simulated scenes, labelled by the truth.
+
+mod describe_scene;
+mod label;
+mod stage;
+
+use super::object_views::{LeftOut, ViewTable};
+use super::parallel;
+use super::variant::{Method, Readings};
+use crate::output::Output;
+use crate::simulate::progress;
+pub(super) use describe_scene::PICTURES;
+use describe_scene::{Bench, DescribedScene};
+use evaluation::recogniser::LabelledView;
+use service::Failure;
+use stage::Stage;
+use std::path::Path;
+
+/// What was found in all scenes.
+pub(super) struct SceneViews {
+    /// The objects that were found, scene by scene.
+    pub(super) table: ViewTable,
+    /// Scene of each of these objects.
+    pub(super) scenes: Vec<usize>,
+    /// Scene of each candidate that is no object, or a smaller part of one.
+    pub(super) scenes_of_clutter: Vec<usize>,
+    /// By category: how many of these are parts of its object.
+    pub(super) n_parts: Vec<u32>,
+    /// Of the objects, then of the clutter, in their order.
+    pub(super) descriptions: Vec<Readings>,
+    /// Set and camera of each scene as one number.
+    pub(super) kinds: Vec<u32>,
+    /// By category: objects that show a pixel with depth.
+    pub(super) n_visible: Vec<u32>,
+    /// Objects that show none.
+    pub(super) n_hidden: u32,
+    /// Drawn scenes: what they are, and where, relative to the folder of the results.
+    pub(super) pictures: Vec<(String, String)>,
+}
+
+/// Simulates so many scenes on all cores, detects and describes what is in them, and
+/// draws the first of each kind into the folder of the results.
+pub(super) fn simulate(
+    n_scenes: u32,
+    seed: u64,
+    method: Method,
+    out: &Path,
+    output: &Output,
+) -> Result<SceneViews, Failure> {
+    let stage = Stage::new(seed)?;
+    let describer = method.describer()?;
+    let bar = progress::bar(n_scenes.into(), "scenes", output);
+    let own = || Bench::new(describer.clone());
+    let scenes = parallel::map(n_scenes as usize, &bar, own, |bench, scene| {
+        bench.describe(&stage, scene, out)
+    });
+    bar.finish_and_clear();
+    let scenes: Vec<DescribedScene> = scenes?.into_iter().collect::<Result<_, _>>()?;
+    Ok(collected(&stage, scenes))
+}
+
+fn collected(stage: &Stage, scenes: Vec<DescribedScene>) -> SceneViews {
+    let categories: Vec<String> = stage.categories().iter().map(|&n| n.to_owned()).collect();
+    let mut views = SceneViews {
+        n_visible: vec![0; categories.len()],
+        n_parts: vec![0; categories.len()],
+        table: ViewTable {
+            categories,
+            labels: Vec::new(),
+            files: Vec::new(),
+            left_out: LeftOut::default(),
+            tells_up: true,
+            describe_ms: 0.0,
+        },
+        scenes: Vec::new(),
+        scenes_of_clutter: Vec::new(),
+        descriptions: Vec::new(),
+        kinds: Vec::new(),
+        n_hidden: 0,
+        pictures: Vec::new(),
+    };
+    let (mut of_clutter, mut sum_ms) = (Vec::new(), 0.0);
+    for (number, scene) in scenes.into_iter().enumerate() {
+        views.kinds.push(Stage::kind_of(number) as u32);
+        views.n_hidden += scene.n_hidden;
+        views.pictures.extend(scene.picture);
+        sum_ms += scene.describe_ms;
+        for category in scene.visible {
+            views.n_visible[category as usize] += 1;
+        }
+        for category in scene.parts {
+            views.n_parts[category as usize] += 1;
+        }
+        for (category, readings) in scene.found {
+            views.table.labels.push(LabelledView {
+                category,
+                instance: None,
+            });
+            let name = &views.table.categories[category as usize];
+            views.table.files.push(format!("scene-{number}/{name}"));
+            views.scenes.push(number);
+            views.descriptions.push(readings);
+        }
+        for readings in scene.clutter {
+            views.scenes_of_clutter.push(number);
+            of_clutter.push(readings);
+        }
+        for reason in scene.left_out {
+            views.table.left_out.add(1, || reason);
+        }
+    }
+    views.descriptions.extend(of_clutter);
+    views.table.describe_ms = sum_ms / views.descriptions.len().max(1) as f64;
+    views
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,30 @@
+use super::*;
+use crate::arguments::AblationVariant;
+use std::fs;
+
+#[test]
+fn most_objects_are_found_in_twelve_kinds_of_scenes_and_the_seed_decides() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir_all(folder.path().join(PICTURES)).unwrap();
+    let method = Method::of_ablation(AblationVariant::Ours, 15);
+    let output = Output::new(true);
+    let simulated = || simulate(12, 4, method, folder.path(), &output).unwrap();
+    let views = simulated();
+    let n_visible: u32 = views.n_visible.iter().sum();
+    assert_eq!(n_visible + views.n_hidden, 2 * 41);
+    let n_found = views.table.labels.len();
+    assert!(
+        n_found > 60 && n_found <= n_visible as usize,
+        "{n_found} of {n_visible}"
+    );
+    let n_clutter = views.scenes_of_clutter.len();
+    assert_eq!(views.descriptions.len(), n_found + n_clutter);
+    assert_eq!(views.kinds, (0..12).collect::<Vec<_>>());
+    for (_, place) in &views.pictures {
+        assert!(folder.path().join(place).is_file(), "{place}");
+    }
+    assert_eq!(views.pictures.len(), 12);
+    let again = simulated();
+    assert_eq!(again.table.labels, views.table.labels);
+    assert_eq!(again.descriptions, views.descriptions);
+}
