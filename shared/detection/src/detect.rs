@@ -74,11 +74,6 @@ pub struct Surroundings<'a> {
 pub struct ExpectedTrack {
     /// Its box, camera frame.
     pub shape: OrientedBox,
-    /// The box around what was seen of it last, camera frame. A young track's own one
-    /// follows it slowly.
-    pub seen: OrientedBox,
-    /// Mean red, green, blue of that; 0 to 255.
-    pub mean_rgb: [f32; 3],
     /// How many points it had when it was seen last; 0 for a box in which it may
     /// or may not be, by which no cluster is parted.
     pub n_points: usize,
@@ -86,12 +81,7 @@ pub struct ExpectedTrack {
 
 impl From<OrientedBox> for ExpectedTrack {
     fn from(shape: OrientedBox) -> Self {
-        Self {
-            shape,
-            seen: shape,
-            mean_rgb: [0.0; 3],
-            n_points: 0,
-        }
+        Self { shape, n_points: 0 }
     }
 }
 
@@ -180,10 +170,8 @@ pub fn detect(
     if let Some(table) = find_surface(frame, raw, workspace) {
         list_over(&frame.cloud, &table, raw, workspace);
         join(frame, &table, raw, workspace);
-        part_tracked(frame, workspace);
-        split_piles(frame, &table, workspace);
-        let Workspace { clusters, .. } = workspace;
-        clusters.join_by_tracks(&frame.cloud, frame.surroundings.tracks);
+        split_piles(&frame.cloud, &table, workspace);
+        regroup_tracked(frame, workspace);
         grow_feet(&frame.cloud, &table, workspace);
         find_bodies(&frame.cloud, &table, raw, workspace);
         write(frame, &table, config, workspace, detection);
@@ -266,46 +254,40 @@ fn join(frame: &Frame<'_>, table: &Table, config: &RawConfig, workspace: &mut Wo
     let tracks = frame.surroundings.tracks;
     limbs.separate(&frame.cloud, tracks, over_table, of_limbs);
     let n_min = (config.points_min_at_1m / (config.range_max_m * config.range_max_m)) as u32;
+    clusters.join(&frame.cloud, over_table, n_min);
     if !of_limbs.is_empty() {
         limb_clusters.join(&frame.cloud, of_limbs, n_min);
-        if Limbs::return_expected(&frame.cloud, tracks, limb_clusters, over_table, of_limbs) {
-            limb_clusters.join(&frame.cloud, of_limbs, n_min);
-        }
     }
-    clusters.join(&frame.cloud, over_table, n_min);
 }
 
-/// Parts the clusters that are several tracked objects that have come together: before
-/// creases are searched, which run through the objects as well as between them.
-fn part_tracked(frame: &Frame<'_>, workspace: &mut Workspace) {
-    let Workspace {
-        clusters,
-        track_claims,
-        ..
-    } = workspace;
-    clusters.part_by_tracks(&frame.cloud, frame.surroundings.tracks, track_claims);
-}
-
-/// Parts the clusters that are several objects along their creases, but no tracked
-/// object.
-fn split_piles(frame: &Frame<'_>, table: &Table, workspace: &mut Workspace) {
+/// Parts the clusters that are several objects along their creases.
+fn split_piles(cloud: &OrganizedCloud<'_>, table: &Table, workspace: &mut Workspace) {
     let Workspace {
         whole,
         clusters,
         creases,
         may_be_pile,
-        track_claims,
         ..
     } = workspace;
-    let cloud = &frame.cloud;
     let table_axes = Axis::of_transform(&table.table_from_camera);
     find_piles(cloud, clusters, &table_axes, may_be_pile);
     if creases.find(cloud, clusters, may_be_pile) {
         std::mem::swap(whole, clusters);
         clusters.split(cloud, whole, creases, PART_PIXELS_MIN);
-        let tracks = frame.surroundings.tracks;
-        clusters.rejoin_by_tracks(cloud, whole, tracks, track_claims);
     }
+}
+
+/// Parts the clusters that are several tracked objects that have come together, and
+/// joins those that are fragments of one.
+fn regroup_tracked(frame: &Frame<'_>, workspace: &mut Workspace) {
+    let Workspace {
+        clusters,
+        track_claims,
+        ..
+    } = workspace;
+    let tracks = frame.surroundings.tracks;
+    clusters.part_by_tracks(&frame.cloud, tracks, track_claims);
+    clusters.join_by_tracks(&frame.cloud, tracks);
 }
 
 /// Lets the clusters grow down to the table.

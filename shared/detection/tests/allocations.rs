@@ -56,12 +56,11 @@ fn a_frame_in_steady_state_allocates_nothing() {
     let config = Config::default();
     // Two tracks, and an arm over the left box.
     let tracks = [0.0, 0.25].map(|x| ExpectedTrack {
-        n_points: 3000,
-        ..OrientedBox {
+        shape: OrientedBox {
             frame_from_box: camera_from_table() * Isometry3::translation(x, 0.0, 0.06),
             half_sides_m: Vector3::new(0.05, 0.035, 0.06),
-        }
-        .into()
+        },
+        n_points: 3000,
     });
     let link = Capsule {
         from: Point3::new(-0.5, 0.0, 0.06),

@@ -152,8 +152,8 @@ fn two_tracks_that_have_come_together_stay_two() {
     assert_eq!(whole.candidates.len(), 1);
     let n_points = whole.candidates[0].n_points() / 2;
     let track = |solid: &BoxOnTable, n_points: usize| ExpectedTrack {
+        shape: box_in_camera(solid, [0.004, 0.003, 0.0]),
         n_points,
-        ..box_in_camera(solid, [0.004, 0.003, 0.0]).into()
     };
     let both = pair.each_ref().map(|solid| track(solid, n_points));
     let parted = with(&both);
@@ -178,62 +178,6 @@ fn two_tracks_that_have_come_together_stay_two() {
     ] {
         assert_eq!(with(&tracks).candidates.len(), 1);
     }
-}
-
-/// A high box and a low one of one colour before it meet in a crease.
-#[test]
-fn what_looks_as_its_track_did_is_not_parted_along_a_crease() {
-    let high = box_at(0.0, 0.0, [0.16, 0.08, 0.16]);
-    let low = box_at(0.0, -0.08, [0.16, 0.08, 0.06]);
-    let points = render(&[high, low], 1.0);
-    let n_candidates = |mean_rgb: [f32; 3], half_y_m: f64| {
-        let whole = box_at(0.0, -0.04, [0.16, 2.0 * half_y_m, 0.16]);
-        let track = ExpectedTrack {
-            mean_rgb,
-            n_points: 8000,
-            ..box_in_camera(&whole, [0.0; 3]).into()
-        };
-        let surroundings = Surroundings {
-            tracks: &[track],
-            ..Surroundings::default()
-        };
-        let detection = found(&points, surroundings, &Config::default());
-        detection.candidates.len()
-    };
-    let red = MIDDLE.rgb.map(f32::from);
-    assert_eq!(n_candidates(red, 0.08), 1);
-    assert_eq!(n_candidates([30.0, 30.0, 200.0], 0.08), 2, "another colour");
-    assert_eq!(n_candidates(red, 0.04), 2, "more than the track saw");
-}
-
-/// What of an object lies near a hand is not the hand's, unless the hand is there too.
-#[test]
-fn a_part_of_a_tracked_object_near_a_hand_stays_with_it() {
-    let points = render(&[MIDDLE], 1.0);
-    let hand = Capsule {
-        from: Point3::new(0.07, -0.1, 0.06),
-        to: Point3::new(0.07, 0.1, 0.06),
-        radius_m: 0.04,
-    };
-    let hand = [hand.transformed(&camera_from_table())];
-    let n_points = |instructor: &[Capsule], tracks: &[ExpectedTrack]| {
-        let surroundings = Surroundings {
-            instructor: Some(instructor),
-            tracks,
-            ..Surroundings::default()
-        };
-        let detection = found(&points, surroundings, &Config::default());
-        let candidates = detection.candidates.iter();
-        candidates.map(Candidate::n_points).collect::<Vec<_>>()
-    };
-    let track = [ExpectedTrack {
-        n_points: 4000,
-        ..box_in_camera(&MIDDLE, [0.0; 3]).into()
-    }];
-    let alone = n_points(&[], &[]);
-    assert_eq!(n_points(&hand, &track), alone);
-    let unknown = n_points(&hand, &[]);
-    assert!(unknown.len() == 2 && unknown[0] < alone[0], "{unknown:?}");
 }
 
 #[test]

@@ -60,11 +60,6 @@ impl Track {
         self.filter.box_in_world()
     }
 
-    /// The box around what was seen last, world frame.
-    pub(crate) fn box_seen_last(&self) -> &OrientedBox {
-        self.measured.measurement.box_in_world()
-    }
-
     /// Velocity of the box's centre, world frame, metres a second.
     pub fn velocity_m_s(&self) -> Vector3<f64> {
         self.filter.velocity_m_s()

@@ -28,17 +28,13 @@ const HANDLED_NS: u64 = 500_000_000;
 const HANDLED_MARGIN_M: f64 = 0.03;
 
 /// What has at most this share of the points of a larger thing, ...
-const PART_POINTS_SHARE: f64 = 0.14;
+const PART_POINTS_SHARE: f64 = 0.12;
 
 /// ... whose middle is no farther from its box, metres, ...
 const PART_REACH_M: f64 = 0.035;
 
-/// ... and whose mean colour is as near, of 255, may be a part of it: what is so thin
-/// has much of the table's colour. It is one unless it stands on the table.
-const PART_COLOR_DISTANCE_MAX: f32 = 70.0;
-
-/// What is this much higher than wide does not stand by itself.
-const SLENDER_RATIO: f64 = 3.0;
+/// ... and whose mean colour is as near, of 255, may be a part of it.
+const PART_COLOR_DISTANCE_MAX: f32 = 45.0;
 
 /// A track whose box lies in what another one sees, by this share, ...
 const SWALLOWED_SHARE: f64 = 0.8;
@@ -46,8 +42,7 @@ const SWALLOWED_SHARE: f64 = 0.8;
 /// ... which is at least about as large, ...
 const SWALLOWING_RATIO_MIN: f64 = 0.9;
 
-/// ... and which has no candidate of its own in so many frames, or in one before it
-/// is believed, has no object.
+/// ... and which has no candidate of its own in so many frames, has no object.
 const N_SWALLOWED_MAX: u32 = 3;
 
 /// A candidate that is a track's object.
@@ -132,8 +127,6 @@ impl TrackTable {
         for track in &self.tracks {
             expected.push(ExpectedTrack {
                 shape: track.box_in_world().transformed(&camera_from_world),
-                seen: track.box_seen_last().transformed(&camera_from_world),
-                mean_rgb: track.measured.mean_rgb,
                 n_points: track.measured.n_points,
             });
             if track.sight() != Sight::Seen {
@@ -319,11 +312,7 @@ impl TrackTable {
             });
             let track = &mut self.tracks[i];
             track.n_swallowed += u32::from(is_swallowed);
-            let most = match track.phase() {
-                TrackPhase::Tentative => 1,
-                _ => N_SWALLOWED_MAX,
-            };
-            if track.n_swallowed >= most {
+            if track.n_swallowed >= N_SWALLOWED_MAX {
                 self.places[i] = Some(Place::Free);
             }
         }
@@ -420,8 +409,7 @@ fn is_part_of_handled(tracks: &[Track], measured: &Measured, frame: &Frame) -> b
 
 /// Whether a candidate is a part of a larger one, like the handle of a mug that the
 /// sensor has lost the connection to: small, of the same colour, at its side, and in
-/// the air or too slender to stand. The lower end of a handle is as near to the table
-/// as the foot of what stands on it.
+/// the air.
 fn is_part_of_larger(part: &Candidate, candidates: &[Candidate]) -> bool {
     let is_like = |whole: &Candidate| {
         let pairs = part.mean_rgb.iter().zip(whole.mean_rgb);
@@ -429,9 +417,7 @@ fn is_part_of_larger(part: &Candidate, candidates: &[Candidate]) -> bool {
         squares.sum::<f32>().sqrt() <= PART_COLOR_DISTANCE_MAX
     };
     let centre = part.oriented_box.centre();
-    let half_m = &part.oriented_box.half_sides_m;
-    let is_slender = half_m.z > SLENDER_RATIO * half_m.x.min(half_m.y);
-    (part.support != Some(Support::Table) || is_slender)
+    part.support != Some(Support::Table)
         && candidates.iter().any(|whole| {
             let place = whole.oriented_box.frame_from_box.inverse() * centre;
             let half = whole.oriented_box.half_sides_m;

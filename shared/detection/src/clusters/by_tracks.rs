@@ -2,7 +2,6 @@
 
 use super::Clusters;
 use crate::detect::ExpectedTrack;
-use geometry::OrientedBox;
 use nalgebra::{Point3, Vector3};
 use point_cloud::{OrganizedCloud, Point};
 
@@ -30,18 +29,9 @@ const ELSEWHERE_M: f64 = 0.03;
 #[derive(Debug, Clone, Copy)]
 struct Claim {
     track: usize,
-    /// Points asked that lie in the box, without a margin: of an object half hidden
-    /// its neighbour has more points there than it has itself.
+    /// Points asked that lie in the box, and those that lie best in it.
     n_inside: usize,
-    /// Points asked that lie better in it than in other boxes, or near it.
     n_best: usize,
-}
-
-impl Claim {
-    /// Whether enough of the track's points are there.
-    fn is_made(&self, tracks: &[ExpectedTrack]) -> bool {
-        (self.n_best * STRIDE) as f64 >= CLAIM_SHARE * tracks[self.track].n_points as f64
-    }
 }
 
 /// Buffers.
@@ -53,39 +43,6 @@ pub(crate) struct TrackClaims {
 impl TrackClaims {
     /// The tracks that claim a cluster; fewer than two when it is to stay whole.
     fn find(&mut self, points: &[Point], pixels: &[u32], tracks: &[ExpectedTrack]) {
-        self.list_near(points, pixels, tracks);
-        if self.near.len() < 2 {
-            return;
-        }
-        self.count(points, pixels, tracks);
-        self.near.retain(|claim| {
-            let is_own = claim.n_best as f64 >= (1.0 - COMMON_SHARE_MAX) * claim.n_inside as f64;
-            is_own && claim.is_made(tracks)
-        });
-    }
-
-    /// The track of which a cluster is the whole object; `None` when nobody claims
-    /// it, or more than one track does.
-    fn owner<'a>(
-        &mut self,
-        points: &[Point],
-        pixels: &[u32],
-        tracks: &'a [ExpectedTrack],
-    ) -> Option<&'a ExpectedTrack> {
-        self.list_near(points, pixels, tracks);
-        self.count(points, pixels, tracks);
-        let mut claims = self.near.iter().filter(|claim| claim.is_made(tracks));
-        let track = &tracks[claims.next()?.track];
-        let is_whole = [&track.shape, &track.seen]
-            .iter()
-            .any(|shape| share_inside(points, pixels, shape) >= PART_SHARE);
-        let unlike = mean_rgb(points, pixels) - Vector3::from(track.mean_rgb);
-        let is_like = unlike.norm() <= SAME_COLOR_DISTANCE_MAX;
-        (claims.next().is_none() && is_whole && is_like).then_some(track)
-    }
-
-    /// The tracks that may find anything of a cluster in their boxes.
-    fn list_near(&mut self, points: &[Point], pixels: &[u32], tracks: &[ExpectedTrack]) {
         let (low, high) = bounds(points, pixels);
         self.near.clear();
         let near = tracks.iter().enumerate().filter(|(_, track)| {
@@ -99,6 +56,15 @@ impl TrackClaims {
             n_inside: 0,
             n_best: 0,
         }));
+        if self.near.len() < 2 {
+            return;
+        }
+        self.count(points, pixels, tracks);
+        self.near.retain(|claim| {
+            let n_least = CLAIM_SHARE * tracks[claim.track].n_points as f64;
+            let is_own = claim.n_best as f64 >= (1.0 - COMMON_SHARE_MAX) * claim.n_inside as f64;
+            is_own && (claim.n_best * STRIDE) as f64 >= n_least
+        });
     }
 
     fn count(&mut self, points: &[Point], pixels: &[u32], tracks: &[ExpectedTrack]) {
@@ -106,9 +72,9 @@ impl TrackClaims {
             let point = points[pixel as usize].position();
             let mut best: Option<(usize, f64)> = None;
             for (i, claim) in self.near.iter_mut().enumerate() {
-                let outside_m = outside_m(&tracks[claim.track].shape, &point);
+                let outside_m = outside_m(&tracks[claim.track], &point);
                 if outside_m <= MARGIN_M {
-                    claim.n_inside += usize::from(outside_m <= 0.0);
+                    claim.n_inside += 1;
                     if best.is_none_or(|(_, least)| outside_m < least) {
                         best = Some((i, outside_m));
                     }
@@ -159,13 +125,6 @@ impl Clusters {
         }
     }
 
-    /// Makes the pixels of a cluster another one's, to be grouped anew.
-    fn give(&mut self, cluster: usize, to: usize) {
-        for place in self.starts[cluster]..self.starts[cluster + 1] {
-            self.cluster_of[self.pixels[place as usize] as usize] = to as u32;
-        }
-    }
-
     /// Groups the pixels anew by what `cluster_of` says now.
     fn regroup(&mut self, n_clusters: usize) {
         self.ungrouped.clear();
@@ -192,7 +151,7 @@ impl TrackClaims {
     /// The number of the claim a point belongs to; that behind the last one for
     /// what belongs to none.
     fn nearest(&self, tracks: &[ExpectedTrack], point: &Point3<f64>) -> usize {
-        let outside = |claim: &Claim| outside_m(&tracks[claim.track].shape, point);
+        let outside = |claim: &Claim| outside_m(&tracks[claim.track], point);
         let best = (0..self.near.len())
             .map(|i| (i, outside(&self.near[i])))
             .min_by(|a, b| a.1.total_cmp(&b.1));
@@ -203,10 +162,10 @@ impl TrackClaims {
     }
 }
 
-/// How far a point lies outside a box, metres; negative within it.
-fn outside_m(shape: &OrientedBox, point: &Point3<f64>) -> f64 {
-    let place = shape.frame_from_box.inverse_transform_point(point);
-    let beyond = |i: usize| place[i].abs() - shape.half_sides_m[i];
+/// How far a point lies outside the box of a track, metres; negative within it.
+fn outside_m(track: &ExpectedTrack, point: &Point3<f64>) -> f64 {
+    let place = track.shape.frame_from_box.inverse_transform_point(point);
+    let beyond = |i: usize| place[i].abs() - track.shape.half_sides_m[i];
     (0..3).map(beyond).fold(f64::NEG_INFINITY, f64::max)
 }
 
@@ -220,9 +179,6 @@ const MAIN_SHARE: f64 = 0.4;
 /// is larger is another object, like an apple in a bowl.
 const FRAGMENT_SHARE: f64 = 0.15;
 
-/// From frame to frame the mean colour of an object changes by this at most, of 255.
-const SAME_COLOR_DISTANCE_MAX: f32 = 12.0;
-
 impl Clusters {
     /// Joins the fragments of tracked objects with their main clusters, unless they
     /// are tracked themselves.
@@ -233,7 +189,7 @@ impl Clusters {
         for (i, track) in tracks.iter().enumerate() {
             let fits = |pixels: &[u32], share: f64| {
                 let n = pixels.len() as f64 / track.n_points.max(1) as f64;
-                n >= share && share_inside(cloud.points(), pixels, &track.shape) >= PART_SHARE
+                n >= share && share_inside(cloud.points(), pixels, track) >= PART_SHARE
             };
             let main = (0..self.len()).find(|cluster| fits(self.pixels(*cluster), MAIN_SHARE));
             let Some(main) = main.filter(|_| track.n_points > 0) else {
@@ -248,7 +204,9 @@ impl Clusters {
                     && fits(pixels, 0.0)
                     && !is_tracked(cloud.points(), pixels, others.map(|(_, other)| other))
                 {
-                    self.give(cluster, main);
+                    for &pixel in pixels {
+                        self.cluster_of[pixel as usize] = main as u32;
+                    }
                     is_joined = true;
                 }
             }
@@ -257,53 +215,6 @@ impl Clusters {
             self.regroup(self.len());
         }
     }
-}
-
-impl Clusters {
-    /// Joins the parts again into which the creases of a cluster of `whole` have parted
-    /// it, where all of it is one tracked object: the wall of a bowl meets its inside
-    /// in a crease that is found in one frame and not in the next. With an apple in it
-    /// the bowl does not look as it did.
-    ///
-    /// Boxes of the tracks in the camera's frame.
-    pub(crate) fn rejoin_by_tracks(
-        &mut self,
-        cloud: &OrganizedCloud<'_>,
-        whole: &Self,
-        tracks: &[ExpectedTrack],
-        claims: &mut TrackClaims,
-    ) {
-        let points = cloud.points();
-        let mut is_joined = false;
-        for cluster in 0..whole.len() {
-            let pixels = whole.pixels(cluster);
-            let part_of = |clusters: &Self, pixel: u32| clusters.cluster_of[pixel as usize];
-            let Some(first) = pixels.first().map(|pixel| part_of(self, *pixel)) else {
-                continue;
-            };
-            let is_parted = pixels.iter().any(|pixel| part_of(self, *pixel) != first);
-            if !is_parted || claims.owner(points, pixels, tracks).is_none() {
-                continue;
-            }
-            for &pixel in pixels {
-                self.cluster_of[pixel as usize] = first;
-            }
-            is_joined = true;
-        }
-        if is_joined {
-            self.regroup(self.len());
-        }
-    }
-}
-
-/// Mean red, green, blue of some of the points; 0 to 255.
-fn mean_rgb(points: &[Point], pixels: &[u32]) -> Vector3<f32> {
-    let (mut n, mut sum) = (0.0, Vector3::zeros());
-    for &pixel in pixels.iter().step_by(STRIDE) {
-        sum += Vector3::from(points[pixel as usize].color.rgb().map(f32::from));
-        n += 1.0;
-    }
-    sum / f32::max(n, 1.0)
 }
 
 /// Whether a cluster is what one of some tracks saw.
@@ -315,18 +226,18 @@ fn is_tracked<'a>(
     tracks.any(|track| {
         track.n_points > 0
             && pixels.len() as f64 >= CLAIM_SHARE * track.n_points as f64
-            && share_inside(points, pixels, &track.shape) >= PART_SHARE
+            && share_inside(points, pixels, track) >= PART_SHARE
     })
 }
 
-/// Share of a cluster's points in a box.
-fn share_inside(points: &[Point], pixels: &[u32], shape: &OrientedBox) -> f64 {
+/// Share of a cluster's points in the box of a track.
+fn share_inside(points: &[Point], pixels: &[u32], track: &ExpectedTrack) -> f64 {
     let stride = pixels.len().div_ceil(N_ASKED_MAX).max(1);
     let (mut n, mut n_inside) = (0_usize, 0_usize);
     for &pixel in pixels.iter().step_by(stride) {
         n += 1;
         let point = points[pixel as usize].position();
-        n_inside += usize::from(outside_m(shape, &point) <= MARGIN_M);
+        n_inside += usize::from(outside_m(track, &point) <= MARGIN_M);
         // Mostly it lies elsewhere altogether.
         if n == N_ASKED_FIRST && n_inside == 0 {
             return 0.0;

@@ -4,7 +4,6 @@
 //! that a hand at a cup, or a gripper on a box, does not melt with it.
 
 use crate::RawConfig;
-use crate::clusters::Clusters;
 use crate::detect::{ExpectedTrack, Surroundings};
 use crate::table_plane::Table;
 use geometry::Capsule;
@@ -17,10 +16,6 @@ const BODY_MARGIN_M: f32 = 0.012;
 
 /// A point sticks out of its object's expected box by this at most, metres.
 const TRACK_MARGIN_M: f64 = 0.008;
-
-/// Of what is taken for a limb, but is an object's, at least this share lies where
-/// objects are expected.
-const EXPECTED_SHARE: f32 = 0.85;
 
 /// Whose body a capsule is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -198,35 +193,6 @@ impl Limbs {
             }
             !is_limb
         });
-    }
-
-    /// Moves clusters of limbs that lie where the objects of live tracks are expected
-    /// back to the objects' `pixels`: a limb is larger than that, and is joined with
-    /// what it belongs to. It is the part of an object that a hand comes near to, and
-    /// where it touches another one, parts of both would be one candidate otherwise.
-    /// Whether there were any.
-    pub(crate) fn return_expected(
-        cloud: &OrganizedCloud<'_>,
-        tracks: &[ExpectedTrack],
-        limb_clusters: &Clusters,
-        pixels: &mut Vec<u32>,
-        of_limbs: &mut Vec<u32>,
-    ) -> bool {
-        let n_before = pixels.len();
-        for cluster in 0..limb_clusters.len() {
-            let own = limb_clusters.pixels(cluster);
-            let points = own.iter().map(|pixel| &cloud.points()[*pixel as usize]);
-            let n_expected = points.filter(|point| is_expected(tracks, point)).count();
-            if n_expected as f32 >= EXPECTED_SHARE * own.len() as f32 {
-                pixels.extend_from_slice(own);
-            }
-        }
-        if pixels.len() == n_before {
-            return false;
-        }
-        pixels.sort_unstable();
-        of_limbs.retain(|pixel| pixels.binary_search(pixel).is_err());
-        true
     }
 
     /// Whether nobody reaches over the table.

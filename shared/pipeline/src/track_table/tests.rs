@@ -275,33 +275,6 @@ fn two_tracks_of_one_object_become_one() {
     assert_eq!(story.ids(), [1]);
 }
 
-/// The first frame may show one thing as two, the next one as what it is.
-#[test]
-fn what_is_not_yet_believed_ends_in_what_another_track_sees() {
-    let mut story = Story::new();
-    story.frame_of(vec![candidate_at(0.0), small_at(0.03)]);
-    assert_eq!(story.ids(), [1, 2]);
-    story.frame(&[0.0]);
-    assert_eq!(story.ids(), [1]);
-}
-
-/// The handle of a mug, which the sensor has cut off, comes as near to the table as
-/// the mug.
-#[test]
-fn what_is_too_slender_to_stand_is_a_part_of_what_it_is_at() {
-    let at_its_side = |half_y_m: f64| {
-        let mut part = candidate_at(0.065);
-        part.range = 0..10;
-        part.oriented_box.half_sides_m = Vector3::new(0.014, half_y_m, 0.04);
-        part
-    };
-    for (half_y_m, ids) in [(0.008, vec![1]), (0.014, vec![1, 2])] {
-        let mut story = Story::new();
-        story.frame_of(vec![candidate_at(0.0), at_its_side(half_y_m)]);
-        assert_eq!(story.ids(), ids);
-    }
-}
-
 #[test]
 fn what_comes_back_is_linked_to_what_it_was() {
     let mut story = Story::new();
