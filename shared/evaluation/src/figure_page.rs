@@ -20,6 +20,17 @@ pub struct PageTable {
     pub rows: Vec<Vec<String>>,
 }
 
+impl PageTable {
+    /// A table whose first row are the heads of its columns.
+    pub fn new(title: &str, heads: &[&str], rows: Vec<Vec<String>>) -> Self {
+        let heads = heads.iter().map(|head| (*head).to_owned()).collect();
+        Self {
+            title: title.to_owned(),
+            rows: std::iter::once(heads).chain(rows).collect(),
+        }
+    }
+}
+
 /// A page that needs no other file but the pictures, which stand in the order in
 /// which they are given.
 pub fn html(title: &str, notes: &[String], tables: &[PageTable], figures: &[PageFigure]) -> String {

@@ -151,8 +151,9 @@ impl Appearance {
     /// Values that are missing are taken for 0.
     pub fn readings_of(stored: &[f32], kind: AxesKind) -> [Vec<f32>; N_READINGS] {
         static READINGS: LazyLock<Readings> = LazyLock::new(Readings::new);
+        static PLACES: LazyLock<Vec<usize>> = LazyLock::new(layout::places);
         let mut computed = vec![0.0; DIMENSION];
-        for (place, &value) in layout::places().into_iter().zip(stored) {
+        for (&place, &value) in PLACES.iter().zip(stored) {
             computed[place] = value;
         }
         std::array::from_fn(|reading| {

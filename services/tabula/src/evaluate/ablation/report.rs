@@ -31,13 +31,7 @@ pub(super) fn text(document: &Document) -> String {
 
 /// The page with table and figure.
 pub(super) fn page(document: &Document) -> String {
-    let heads: Vec<String> = HEADS.iter().map(|head| (*head).to_owned()).collect();
-    let mut all = vec![heads];
-    all.extend(rows(document));
-    let table = PageTable {
-        title: "Variants".to_owned(),
-        rows: all,
-    };
+    let table = PageTable::new("Variants", &HEADS, rows(document));
     let figure = PageFigure {
         caption: CAPTION.to_owned(),
         picture: PICTURE.to_owned(),

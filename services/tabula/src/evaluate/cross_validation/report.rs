@@ -32,16 +32,7 @@ fn heads(document: &Document) -> &'static [&'static str] {
 
 /// The page with the confusion matrix, and with the drawn scenes.
 pub(super) fn page(document: &Document, material: &Material) -> String {
-    let heads: Vec<String> = heads(document)
-        .iter()
-        .map(|head| (*head).to_owned())
-        .collect();
-    let mut all = vec![heads];
-    all.extend(rows(document));
-    let table = PageTable {
-        title: "Categories, worst first".to_owned(),
-        rows: all,
-    };
+    let table = PageTable::new("Categories, worst first", heads(document), rows(document));
     let confusion = PageFigure {
         caption: "A row for each category, a column for each answer, in percent; blue is right, \
                   red is wrong"

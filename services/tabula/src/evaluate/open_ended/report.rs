@@ -18,13 +18,7 @@ pub(super) fn text(document: &Document) -> String {
 
 /// The page with the figures of all runs.
 pub(super) fn page(document: &Document) -> String {
-    let heads: Vec<String> = HEADS.iter().map(|head| (*head).to_owned()).collect();
-    let mut all = vec![heads];
-    all.extend(rows(document));
-    let table = PageTable {
-        title: "Runs".to_owned(),
-        rows: all,
-    };
+    let table = PageTable::new("Runs", &HEADS, rows(document));
     let overview = PageFigure {
         caption: "All runs".to_owned(),
         picture: "overview.svg".to_owned(),

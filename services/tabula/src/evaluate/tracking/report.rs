@@ -20,13 +20,7 @@ pub(super) fn text(document: &Document) -> String {
 
 /// The page with the figure of each run; within a scene the worst first.
 pub(super) fn page(document: &Document) -> String {
-    let heads: Vec<String> = HEADS.iter().map(|head| (*head).to_owned()).collect();
-    let mut all = vec![heads];
-    all.extend(rows(document));
-    let table = PageTable {
-        title: "Scenes".to_owned(),
-        rows: all,
-    };
+    let table = PageTable::new("Scenes", &HEADS, rows(document));
     let mut notes = vec![
         "Left the table from above: true ways are grey, each track has a colour and stands with \
          its id where it begins. Right the tracks that were matched with each object; light grey \

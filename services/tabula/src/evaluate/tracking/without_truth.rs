@@ -238,13 +238,8 @@ fn text(document: &Document) -> String {
 }
 
 fn page(document: &Document, recording: &Recording, picture: String) -> String {
-    let heads = HEADS.iter().map(|head| (*head).to_owned()).collect();
-    let mut all = vec![heads];
-    all.extend(rows(document));
-    let tracks = PageTable {
-        title: "Tracks that were seen and believed".to_owned(),
-        rows: all,
-    };
+    let title = "Tracks that were seen and believed";
+    let tracks = PageTable::new(title, &HEADS, rows(document));
     let mut runs = vec![PageFigure {
         caption: "The table from above, and the tracks over time".to_owned(),
         picture,
