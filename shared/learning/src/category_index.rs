@@ -297,22 +297,7 @@ impl CategoryIndex {
     }
 
     fn check(&self, descriptor: &[f32]) -> Result<(), Error> {
-        if descriptor.len() != self.dimension {
-            return Err(Error::Dimension {
-                expected: self.dimension,
-                found: descriptor.len(),
-            });
-        }
-        let values = self.metric.values();
-        let is_wrong = |value: &f32| !values.contains(value);
-        match descriptor.iter().position(is_wrong) {
-            Some(position) => Err(Error::Value {
-                position,
-                value: descriptor[position],
-                metric: self.metric,
-            }),
-            None => Ok(()),
-        }
+        self.metric.check(descriptor, self.dimension)
     }
 
     fn assign(&mut self, row: usize, category: &CategoryName) {

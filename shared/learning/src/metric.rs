@@ -129,6 +129,26 @@ impl Metric {
         }
     }
 
+    /// Whether a descriptor is one of `dimension` values that the metric takes.
+    pub(crate) fn check(self, descriptor: &[f32], dimension: usize) -> Result<(), Error> {
+        if descriptor.len() != dimension {
+            return Err(Error::Dimension {
+                expected: dimension,
+                found: descriptor.len(),
+            });
+        }
+        let values = self.values();
+        let is_wrong = |value: &f32| !values.contains(value);
+        match descriptor.iter().position(is_wrong) {
+            Some(position) => Err(Error::Value {
+                position,
+                value: descriptor[position],
+                metric: self,
+            }),
+            None => Ok(()),
+        }
+    }
+
     /// A number that orders pairs as their distances do and needs no root; `None`
     /// when it is larger than `bound`.
     ///

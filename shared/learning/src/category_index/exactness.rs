@@ -2,6 +2,7 @@
 //! pairs: the same views, in the same order, with the same bits of distances.
 
 use super::*;
+use crate::noise::noise;
 use crate::recognition::N_NEAREST;
 use proptest::prelude::*;
 
@@ -65,18 +66,6 @@ fn check(views: &[Taught], readings: &[Vec<f32>]) {
     let answer = index.recognise_any(readings, 1.0).unwrap();
     let found: Vec<_> = answer.nearest.into_iter().flatten().collect();
     assert_eq!(found, brute_force(all, readings));
-}
-
-/// Numbers from -1 to 1 (Steele, Lea and Flood 2014).
-fn noise(seed: u64) -> impl Iterator<Item = f32> {
-    (1_u64..).map(move |i| {
-        let mut z = (seed << 32)
-            .wrapping_add(i)
-            .wrapping_mul(0x9e37_79b9_7f4a_7c15);
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 40) as f32 / (1_u64 << 23) as f32 - 1.0
-    })
 }
 
 /// A point near one of a few centres, so that some views are near and most are not.
