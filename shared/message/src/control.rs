@@ -7,6 +7,7 @@
 mod arm;
 mod ignored;
 mod learning;
+mod packed_cloud;
 mod refusal;
 mod report;
 
@@ -15,6 +16,7 @@ pub use ignored::{AssumptionReport, FindingReport, IgnoredReport};
 pub use learning::{
     ChangesPage, LearnedChange, LearnedView, MutationId, SnapshotPage, StoredView, ViewId,
 };
+pub use packed_cloud::{InvalidCloud, MAX_CLOUD_POINTS, PackedCloud, pack_cloud};
 pub use refusal::{Refusal, RefusalKind};
 pub use report::{
     ActorStampsReport, CategoryReport, CovarianceReport, LearningReport, NearCategoryReport,

@@ -45,6 +45,36 @@ pub struct StoredView {
     pub frame_sequence: u64,
     /// Name of the source or file of the frame.
     pub source_name: String,
+    /// The object's points in the frame of the box, as [`pack_cloud`] packs them;
+    /// empty when they are not kept.
+    ///
+    /// [`pack_cloud`]: super::pack_cloud
+    #[serde(default, with = "serde_bytes")]
+    pub points: Vec<u8>,
+    /// Mean red, green, blue of the points, where they have colours.
+    #[serde(default)]
+    pub mean_rgb: Option<[u8; 3]>,
+}
+
+/// Longest encoding of a view without its texts, descriptor and points, bytes: names,
+/// numbers and lengths.
+const MAX_FIXED_BYTES: usize = 512;
+
+impl StoredView {
+    /// Most that the views of one request may have by [`max_encoded_bytes`]: all of a
+    /// message but 1 KiB for the request around them.
+    ///
+    /// [`max_encoded_bytes`]: Self::max_encoded_bytes
+    pub const MAX_REQUEST_BYTES: usize = super::MAX_MESSAGE_BYTES - 1024;
+
+    /// No fewer bytes than the view has in a request.
+    pub fn max_encoded_bytes(&self) -> usize {
+        MAX_FIXED_BYTES
+            + self.descriptor_kind.len()
+            + self.descriptor.len()
+            + self.source_name.len()
+            + self.points.len()
+    }
 }
 
 /// A view and the category it was taught as.
@@ -126,9 +156,98 @@ pub(super) mod hex_id {
 
 #[cfg(test)]
 mod tests {
+    use super::super::{Command, MAX_CLOUD_POINTS, MAX_MESSAGE_BYTES, Request, pack_cloud};
     use super::*;
+    use geometry::RigidTransform;
+    use point_cloud::Point;
     use serde::de::IntoDeserializer;
     use serde::de::value::{Error, StrDeserializer};
+
+    /// A view whose numbers take as many bytes as numbers can.
+    fn longest_view(n_points: usize) -> StoredView {
+        let cloud = vec![Point::default(); n_points];
+        StoredView {
+            id: ViewId {
+                track_id: u64::MAX,
+                view_id: u32::MAX,
+            },
+            descriptor_kind: "shape and colour".into(),
+            descriptor: vec![255; 309 * 4],
+            position_m: [0.1; 3],
+            orientation_xyzw: [0.1; 4],
+            size_m: [0.1; 3],
+            captured_ns: i64::MIN,
+            frame_sequence: u64::MAX,
+            source_name: "s".repeat(300),
+            points: pack_cloud(cloud.iter(), &RigidTransform::identity()),
+            mean_rgb: Some([255; 3]),
+        }
+    }
+
+    fn encoded<T: Serialize>(value: &T) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        ciborium::into_writer(value, &mut bytes).unwrap();
+        bytes
+    }
+
+    #[test]
+    fn a_view_is_no_longer_than_it_says_and_survives() {
+        for n_points in [0, 1, 1000, MAX_CLOUD_POINTS] {
+            let view = longest_view(n_points);
+            let bytes = encoded(&view);
+            assert!(bytes.len() <= view.max_encoded_bytes(), "{n_points}");
+            let read: StoredView = ciborium::from_reader(bytes.as_slice()).unwrap();
+            assert_eq!(read, view);
+        }
+    }
+
+    #[test]
+    fn a_request_of_as_many_views_as_are_allowed_is_a_message() {
+        for n_points in [0, 10, 1000, MAX_CLOUD_POINTS] {
+            let view = longest_view(n_points);
+            let n_views = StoredView::MAX_REQUEST_BYTES / view.max_encoded_bytes();
+            assert!(n_views > 0, "{n_points}");
+            let command = Command::StoreViews {
+                id: MutationId(u128::MAX),
+                views: vec![view; n_views],
+            };
+            let n_bytes = encoded(&Request::from(command)).len();
+            assert!(n_bytes <= MAX_MESSAGE_BYTES, "{n_points}: {n_bytes}");
+        }
+    }
+
+    /// Programs that were written before views had points send none.
+    #[test]
+    fn a_view_needs_neither_points_nor_colour() {
+        #[derive(Serialize)]
+        struct Sent {
+            id: ViewId,
+            descriptor_kind: &'static str,
+            descriptor: serde_bytes::ByteBuf,
+            position_m: [f64; 3],
+            orientation_xyzw: [f64; 4],
+            size_m: [f64; 3],
+            captured_ns: i64,
+            frame_sequence: u64,
+            source_name: &'static str,
+        }
+        let sent = Sent {
+            id: ViewId {
+                track_id: 1,
+                view_id: 0,
+            },
+            descriptor_kind: "good",
+            descriptor: serde_bytes::ByteBuf::from([0; 4]),
+            position_m: [0.0; 3],
+            orientation_xyzw: [0.0, 0.0, 0.0, 1.0],
+            size_m: [0.1; 3],
+            captured_ns: 0,
+            frame_sequence: 0,
+            source_name: "",
+        };
+        let view: StoredView = ciborium::from_reader(encoded(&sent).as_slice()).unwrap();
+        assert_eq!((view.points, view.mean_rgb), (vec![], None));
+    }
 
     #[test]
     fn identities_are_32_hexadecimal_digits() {
