@@ -4,8 +4,8 @@ use geometry::OrientedBox;
 use learning::{CategoryName, Refusal as Lesson, ViewId};
 use message::WirePose;
 use message::control::{
-    CategoryReport, ChangesPage, LearnedChange, LearnedView, Refusal, RefusalKind, SnapshotPage,
-    StoredView, ViewId as WireViewId,
+    CategoryReport, ChangesPage, LearnedChange, LearnedView, PackedCloud, Refusal, RefusalKind,
+    SnapshotPage, StoredView, ViewId as WireViewId,
 };
 use nalgebra::Vector3;
 use store::{Change, Changes, Descriptor, Error, LabelledView, NameChange, View};
@@ -39,6 +39,10 @@ fn view(view: StoredView) -> Result<View, Refusal> {
         .ok_or_else(|| refused("its pose is not a pose"))?;
     let values = f32_values(&view.descriptor)
         .ok_or_else(|| refused("its descriptor is not a list of 32-bit numbers"))?;
+    let points = Some(view.points).filter(|points| !points.is_empty());
+    if let Some(Err(error)) = points.as_deref().map(PackedCloud::checked) {
+        return Err(refused(&error.to_string()));
+    }
     Ok(View {
         id: ViewId {
             track_id: view.id.track_id,
@@ -55,7 +59,7 @@ fn view(view: StoredView) -> Result<View, Refusal> {
         captured_ns: view.captured_ns.max(0) as u64,
         frame_sequence: view.frame_sequence,
         source: view.source_name,
-        points: None,
+        points,
     })
 }
 
@@ -163,6 +167,9 @@ pub(crate) fn refusal(error: &Error) -> Refusal {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use geometry::RigidTransform;
+    use message::control::pack_cloud;
+    use point_cloud::Point;
 
     fn sent() -> StoredView {
         StoredView {
@@ -181,6 +188,8 @@ mod tests {
             captured_ns: 5,
             frame_sequence: 9,
             source_name: "test".into(),
+            points: Vec::new(),
+            mean_rgb: None,
         }
     }
 
@@ -189,6 +198,21 @@ mod tests {
         let view = view(sent()).unwrap();
         assert_eq!(view.descriptor.values, [1.0, 0.25]);
         assert!((view.box_in_world.half_sides_m.z - 0.1).abs() < 1e-12);
+        assert_eq!(view.points, None);
+    }
+
+    #[test]
+    fn a_view_keeps_its_points() {
+        let point = Point {
+            z: 1.0,
+            ..Point::default()
+        };
+        let points = pack_cloud([point].iter(), &RigidTransform::identity());
+        let sent = StoredView {
+            points: points.clone(),
+            ..sent()
+        };
+        assert_eq!(view(sent).unwrap().points, Some(points));
     }
 
     #[test]
@@ -204,6 +228,10 @@ mod tests {
             },
             StoredView {
                 position_m: [f64::NAN; 3],
+                ..sent()
+            },
+            StoredView {
+                points: vec![1, 2, 3],
                 ..sent()
             },
         ] {

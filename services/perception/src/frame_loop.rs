@@ -281,10 +281,10 @@ impl FrameLoop {
         }
     }
 
-    fn send_key_views(&self, arrived: &Arrived) -> Vec<OnDisk> {
-        let key_views = self.outcomes.iter().filter_map(|(sighting, observed)| {
+    fn send_key_views(&mut self, arrived: &Arrived) -> Vec<OnDisk> {
+        let key_views = self.outcomes.iter_mut().filter_map(|(sighting, observed)| {
             let observed = observed
-                .as_ref()
+                .as_mut()
                 .filter(|observed| observed.posterior.is_key_view)?;
             Some(scene_report::stored_view(arrived, sighting, observed))
         });

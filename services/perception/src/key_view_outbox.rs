@@ -4,12 +4,10 @@ use channel::control::Client;
 use message::control::{Command, MutationId, Reply, StoredView};
 use std::sync::Arc;
 use std::time::Duration;
-use tokio::sync::{mpsc, oneshot};
+use tokio::sync::{OwnedSemaphorePermit, Semaphore, mpsc, oneshot};
 
-/// Key views that may wait; the memory is away for minutes before one is lost.
-const CAPACITY: usize = 4096;
-/// Views of one request.
-const BATCH: usize = 32;
+/// What may wait, bytes; the memory is away for minutes before a view is lost.
+const CAPACITY_BYTES: usize = 256 << 20;
 /// How long the memory may take to answer.
 const DEADLINE: Duration = Duration::from_secs(5);
 /// How soon it is asked again after a failure.
@@ -21,22 +19,46 @@ pub(crate) type OnDisk = oneshot::Receiver<()>;
 struct Waiting {
     view: StoredView,
     on_disk: oneshot::Sender<()>,
+    /// Given back when the view is delivered.
+    _room: OwnedSemaphorePermit,
 }
 
-/// Takes key views.
+/// Takes key views. Its bound is that of their bytes; when it is full, the newest is
+/// lost.
 #[derive(Clone)]
-pub(crate) struct Outbox(mpsc::Sender<Waiting>);
+pub(crate) struct Outbox {
+    queue: mpsc::UnboundedSender<Waiting>,
+    /// One permit a byte.
+    room: Arc<Semaphore>,
+}
 
 /// Sends key views.
 pub(crate) struct Courier {
-    waiting: mpsc::Receiver<Waiting>,
+    queue: Queue,
     client: Arc<Client>,
+}
+
+/// What waits for the courier, in order.
+struct Queue {
+    waiting: mpsc::UnboundedReceiver<Waiting>,
+    /// What did not fit into the last request.
+    next: Option<Waiting>,
 }
 
 /// An outbox, and the courier who empties it.
 pub(crate) fn outbox(client: Arc<Client>) -> (Outbox, Courier) {
-    let (sender, waiting) = mpsc::channel(CAPACITY);
-    (Outbox(sender), Courier { waiting, client })
+    let (outbox, queue) = queue(CAPACITY_BYTES);
+    (outbox, Courier { queue, client })
+}
+
+fn queue(capacity_bytes: usize) -> (Outbox, Queue) {
+    let (sender, waiting) = mpsc::unbounded_channel();
+    let outbox = Outbox {
+        queue: sender,
+        room: Arc::new(Semaphore::new(capacity_bytes)),
+    };
+    let next = None;
+    (outbox, Queue { waiting, next })
 }
 
 impl Outbox {
@@ -44,22 +66,59 @@ impl Outbox {
     pub(crate) fn put(&self, view: StoredView) -> Option<OnDisk> {
         let id = view.id;
         let (on_disk, resolved) = oneshot::channel();
-        if self.0.try_send(Waiting { view, on_disk }).is_err() {
+        if self.try_put(view, on_disk).is_none() {
             tracing::error!(
-                "a key view of track {} is lost: the memory has not answered for {CAPACITY} views",
-                id.track_id
+                "a key view of track {} is lost: the memory has not answered for {} MB of views",
+                id.track_id,
+                CAPACITY_BYTES / 1_000_000
             );
             return None;
         }
         Some(resolved)
+    }
+
+    fn try_put(&self, view: StoredView, on_disk: oneshot::Sender<()>) -> Option<()> {
+        let n_bytes = u32::try_from(view.max_encoded_bytes()).ok()?;
+        let room = self.room.clone().try_acquire_many_owned(n_bytes).ok()?;
+        let waiting = Waiting {
+            view,
+            on_disk,
+            _room: room,
+        };
+        self.queue.send(waiting).ok()
+    }
+}
+
+impl Queue {
+    /// Waits for views and takes as many as one request holds; none when no more
+    /// will come.
+    async fn take_batch(&mut self, batch: &mut Vec<Waiting>) {
+        let mut next = match self.next.take() {
+            Some(waiting) => Some(waiting),
+            None => self.waiting.recv().await,
+        };
+        let mut n_bytes = 0;
+        while let Some(waiting) = next {
+            n_bytes += waiting.view.max_encoded_bytes();
+            if n_bytes > StoredView::MAX_REQUEST_BYTES && !batch.is_empty() {
+                self.next = Some(waiting);
+                return;
+            }
+            batch.push(waiting);
+            next = self.waiting.try_recv().ok();
+        }
     }
 }
 
 impl Courier {
     /// Delivers in order until the future is dropped.
     pub(crate) async fn run(mut self) {
-        let mut batch = Vec::with_capacity(BATCH);
-        while self.waiting.recv_many(&mut batch, BATCH).await > 0 {
+        let mut batch = Vec::new();
+        loop {
+            self.queue.take_batch(&mut batch).await;
+            if batch.is_empty() {
+                return;
+            }
             let views: Vec<_> = batch.iter().map(|waiting| waiting.view.clone()).collect();
             self.deliver(views).await;
             for waiting in batch.drain(..) {
@@ -110,5 +169,72 @@ fn random_id() -> u128 {
         Ok(()) => u128::from_le_bytes(bytes),
         // Without randomness: unique on this machine for as long as it runs.
         Err(_) => u128::from(service::monotonic_ns()) << 32 | u128::from(std::process::id()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use message::control::ViewId;
+
+    fn view(number: u32, n_bytes: usize) -> StoredView {
+        StoredView {
+            id: ViewId {
+                track_id: 1,
+                view_id: number,
+            },
+            descriptor_kind: String::new(),
+            descriptor: Vec::new(),
+            position_m: [0.0; 3],
+            orientation_xyzw: [0.0, 0.0, 0.0, 1.0],
+            size_m: [0.1; 3],
+            captured_ns: 0,
+            frame_sequence: 0,
+            source_name: String::new(),
+            points: vec![0; n_bytes],
+            mean_rgb: None,
+        }
+    }
+
+    async fn batch_of(queue: &mut Queue) -> Vec<u32> {
+        let mut batch = Vec::new();
+        queue.take_batch(&mut batch).await;
+        batch
+            .iter()
+            .map(|waiting| waiting.view.id.view_id)
+            .collect()
+    }
+
+    #[tokio::test]
+    async fn a_request_holds_as_many_views_as_fit_in_order() {
+        let (outbox, mut queue) = queue(CAPACITY_BYTES);
+        let third = StoredView::MAX_REQUEST_BYTES / 3;
+        let sizes = [third, third, 0, third, 2 * third, 3 * third, 9 * third, 0];
+        for (number, n_bytes) in (0..).zip(sizes) {
+            assert!(outbox.put(view(number, n_bytes)).is_some());
+        }
+        drop(outbox);
+        let mut batches = Vec::new();
+        loop {
+            let batch = batch_of(&mut queue).await;
+            if batch.is_empty() {
+                break;
+            }
+            batches.push(batch);
+        }
+        let expected: [&[u32]; 6] = [&[0, 1, 2], &[3], &[4], &[5], &[6], &[7]];
+        assert_eq!(batches, expected);
+    }
+
+    #[tokio::test]
+    async fn what_waits_has_a_bound_in_bytes_and_delivery_makes_room() {
+        let one = view(0, 1000).max_encoded_bytes();
+        let (outbox, mut queue) = queue(2 * one);
+        assert!(outbox.put(view(0, 1000)).is_some());
+        assert!(outbox.put(view(1, 1000)).is_some());
+        assert!(outbox.put(view(2, 0)).is_none());
+        assert_eq!(batch_of(&mut queue).await, [0, 1]);
+        assert!(outbox.put(view(3, 1000)).is_some());
+        assert_eq!(batch_of(&mut queue).await, [3]);
     }
 }

@@ -4,8 +4,10 @@ use crate::detector::Detected;
 use crate::intake::Arrived;
 use crate::learned::SharedLearned;
 use actor::{Actor, Flow, KeepLatest, Progress};
+use message::control::pack_cloud;
 use message::{ActorStamps, SegmentLocation, points};
 use pipeline::{Config, Error, Measured, ObjectState, ObjectTools, Observation, Posterior, Stages};
+use point_cloud::Point;
 use service::monotonic_ns;
 use std::sync::Arc;
 
@@ -48,6 +50,8 @@ pub(crate) struct Observed {
     pub(crate) posterior: Posterior,
     /// The descriptor of the view.
     pub(crate) descriptor: Vec<f32>,
+    /// The points of a key view in the world, packed; empty for others.
+    pub(crate) packed_cloud: Vec<u8>,
     /// History sequence of the memory the label was made with.
     pub(crate) memory_sequence: u64,
     /// Where the points were read.
@@ -111,9 +115,17 @@ impl Actor for ObjectActor {
             &mut self.tools,
             stages,
         )?;
+        let recognised_ns = monotonic_ns();
+        let packed_cloud = if posterior.is_key_view {
+            let world_from_camera = arrived.circumstances().world_from_camera;
+            pack_cloud(points_at(cloud, indices), &world_from_camera)
+        } else {
+            Vec::new()
+        };
         Ok(Flow::Continue(Observed {
             posterior,
             descriptor,
+            packed_cloud,
             memory_sequence: learned.sequence,
             location: arrived.frame.location(),
             first_point_index: indices.first().copied().unwrap_or(0),
@@ -121,7 +133,7 @@ impl Actor for ObjectActor {
                 asked_ns,
                 begun_ns,
                 described_ns,
-                recognised_ns: monotonic_ns(),
+                recognised_ns,
                 answered_ns: 0,
             },
         }))
@@ -130,4 +142,10 @@ impl Actor for ObjectActor {
     fn checkpoint(&self) -> ObjectState {
         self.state.clone()
     }
+}
+
+fn points_at<'a>(cloud: &'a [Point], indices: &'a [u32]) -> impl Iterator<Item = &'a Point> {
+    indices
+        .iter()
+        .filter_map(|index| cloud.get(*index as usize))
 }

@@ -12,9 +12,10 @@ use message::{
     ObjectViewHeader, SceneObject, SceneSummary, StageStamps, Text, TrackState, WirePose,
     symmetric,
 };
-use pipeline::{DESCRIPTOR_KIND, Sighting, Track};
+use pipeline::{DESCRIPTOR_KIND, Measured, Sighting, Track};
 use point_cloud::Rgba;
 use std::collections::BTreeMap;
+use std::mem;
 use tracking::{Sight, TrackPhase};
 
 const _: () = assert!(N_NEAREST == MAX_NEAR_CATEGORIES);
@@ -53,11 +54,15 @@ fn near_categories(
     (categories, nearest.iter().flatten().count() as u32)
 }
 
+fn mean_rgb(measured: &Measured) -> [u8; 3] {
+    measured.mean_rgb.map(|channel| channel as u8)
+}
+
 /// One object of the summary.
 fn object(track: &Track, view: &NewestView) -> SceneObject {
     let body = track.box_in_world();
     let (categories, n_categories) = near_categories(&track.nearest);
-    let [red, green, blue] = track.measured.mean_rgb.map(|channel| channel as u8);
+    let [red, green, blue] = mean_rgb(&track.measured);
     SceneObject {
         track_id: track.id,
         state: state(track).code(),
@@ -206,11 +211,11 @@ pub(crate) fn object_view(
     view
 }
 
-/// A key view for the memory.
+/// A key view for the memory; its cloud is taken out of the answer.
 pub(crate) fn stored_view(
     arrived: &Arrived,
     sighting: &Sighting,
-    observed: &Observed,
+    observed: &mut Observed,
 ) -> StoredView {
     let header = arrived.frame.header();
     let body = observed.posterior.filter.box_in_world();
@@ -232,5 +237,7 @@ pub(crate) fn stored_view(
         captured_ns: (header.capture_stamp_ns as i64).saturating_add(header.wall_clock_offset_ns),
         frame_sequence: header.sequence,
         source_name: header.source_name.as_str().unwrap_or_default().to_owned(),
+        points: mem::take(&mut observed.packed_cloud),
+        mean_rgb: Some(mean_rgb(&sighting.measured)),
     }
 }
