@@ -7,7 +7,7 @@ mod control;
 mod process_table;
 mod run;
 mod scene_follower;
-mod translate;
+mod upkeep;
 
 use clap::Parser;
 use config::Config;

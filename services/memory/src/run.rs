@@ -6,14 +6,15 @@ use crate::config::Config;
 use crate::control;
 use crate::process_table::ProcessTable;
 use crate::scene_follower::SceneFollower;
+use crate::upkeep;
 use channel::control::Client;
+use memory_control::{MemoryDesk, MemoryDeskConfig};
 use message::{ProcessKind, ProcessState};
 use service::{Context, Failure, HealthBoard, exit_code, wall_clock_ns};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 use store::{OpenReport, StoreConfig, StoreHandle, StoreThread};
-use tokio::sync::watch;
 
 /// How often the store is asked whether it still answers.
 const PROBE: Duration = Duration::from_millis(500);
@@ -28,6 +29,7 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
     let (thread, store, report) = StoreThread::start(StoreConfig {
         folder,
         queue_capacity: config.queue_requests,
+        limits: config.limits,
         wall_clock: || wall_clock_ns().max(0) as u64,
         on_reopened: Box::new({
             let health = context.health.clone();
@@ -39,18 +41,19 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
     })
     .map_err(failed)?;
     tell(&context.health, &report);
-    let position = store
-        .read_and_wait(|memory| Ok(memory.position()))
-        .map_err(failed)?;
-    let (position, positions) = watch::channel(position);
+    let (desk, positions) = MemoryDesk::new(MemoryDeskConfig {
+        store: store.clone(),
+        scratch: context.home.path().join("exchange"),
+        descriptor_kind: pipeline::DESCRIPTOR_KIND,
+    })
+    .map_err(failed)?;
     let domain = &context.domain;
     let processes = Arc::new(ProcessTable::new(domain)?);
     let answerer = Answerer {
-        store: store.clone(),
+        desk,
         perception: Client::new(domain, ProcessKind::Perception)?,
         arm: Client::new(domain, ProcessKind::Simulator)?,
         processes: processes.clone(),
-        position,
     };
     let announcer = Announcer::new(domain, positions)?;
     let follower = SceneFollower::new(domain, context.health.clone())?;
@@ -64,6 +67,7 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
         () = announcer.run() => {}
         () = follower.run() => {}
         () = probe(&store, &context.health, &processes) => {}
+        () = upkeep::run(&store, config.forgotten_kept) => {}
         () = context.shutdown.requested() => {}
     }
     thread.stop().map_err(failed)
@@ -74,6 +78,9 @@ fn tell(health: &HealthBoard, report: &OpenReport) {
     if report.is_loss() {
         tracing::error!("{report}");
         health.set_state(ProcessState::Degraded, &report.to_string());
+    } else if report.is_damage() {
+        tracing::warn!("{report}");
+        health.set_state(ProcessState::Ready, &report.to_string());
     } else {
         tracing::info!("{report}");
         health.set_state(ProcessState::Ready, "");

@@ -1,5 +1,6 @@
 //! The name of a category.
 
+use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::sync::Arc;
 
@@ -11,8 +12,10 @@ const MAX_BYTES: usize = 64;
 /// White space around the name is dropped and runs of it inside become one
 /// space, so that what looks equal is equal. Apart from that, equal names are the
 /// same text, letter for letter and with the same case: whoever uses a name as a
-/// key may use either of two equal ones.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
+/// key may use either of two equal ones. Serialised as its text, and checked when
+/// it is read back.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(into = "String", try_from = "String")]
 pub struct CategoryName(Arc<str>);
 
 /// Why a text can not be the name of a category.
@@ -78,6 +81,20 @@ fn is_invisible(c: char) -> bool {
 impl AsRef<str> for CategoryName {
     fn as_ref(&self) -> &str {
         self.as_str()
+    }
+}
+
+impl From<CategoryName> for String {
+    fn from(name: CategoryName) -> Self {
+        name.as_str().to_owned()
+    }
+}
+
+impl TryFrom<String> for CategoryName {
+    type Error = InvalidCategoryName;
+
+    fn try_from(text: String) -> Result<Self, InvalidCategoryName> {
+        Self::new(&text)
     }
 }
 

@@ -1,10 +1,28 @@
 //! Identity of a view.
 
+use serde::{Deserialize, Serialize};
+
 /// One view of one tracked object; never used twice. Ordered by track, then view.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+/// Serialised as the two numbers.
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
+)]
+#[serde(into = "(u64, u32)", from = "(u64, u32)")]
 pub struct ViewId {
     /// The track.
     pub track_id: u64,
     /// The view of the track.
     pub view_id: u32,
+}
+
+impl From<ViewId> for (u64, u32) {
+    fn from(id: ViewId) -> Self {
+        (id.track_id, id.view_id)
+    }
+}
+
+impl From<(u64, u32)> for ViewId {
+    fn from((track_id, view_id): (u64, u32)) -> Self {
+        Self { track_id, view_id }
+    }
 }

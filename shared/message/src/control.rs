@@ -7,6 +7,7 @@
 mod arm;
 mod ignored;
 mod learning;
+mod memory;
 mod packed_cloud;
 mod refusal;
 mod report;
@@ -14,9 +15,14 @@ mod report;
 pub use arm::{ArmCommand, ArmReport};
 pub use ignored::{AssumptionReport, FindingReport, IgnoredReport};
 pub use learning::{
-    ChangesPage, LearnedChange, LearnedView, MutationId, SnapshotPage, StoredView, ViewId,
+    ChangesPage, LearnedChange, LearnedView, MutationId, SnapshotCursor, SnapshotPage, StoredView, ViewId,
 };
 pub use packed_cloud::{InvalidCloud, MAX_CLOUD_POINTS, PackedCloud, pack_cloud};
+pub use memory::{
+    DocumentKind, DocumentName, DocumentReport, ExportReport, HistoryReport, ImportReport,
+    JobCommand, JobKind, JobOutcome, JobReport, MemoryAnswer, MemoryQuery, MemoryStats, Revision,
+    RevisionChange, VerificationReport, ViewReport,
+};
 pub use refusal::{Refusal, RefusalKind};
 pub use report::{
     ActorStampsReport, CategoryReport, CovarianceReport, LearningReport, NearCategoryReport,
@@ -27,7 +33,7 @@ use crate::ProcessKind;
 use serde::{Deserialize, Serialize};
 
 /// Version of the requests and replies.
-pub const PROTOCOL_VERSION: u32 = 1;
+pub const PROTOCOL_VERSION: u32 = 2;
 
 /// Longest encoded request or reply, bytes; longer answers come in pages.
 pub const MAX_MESSAGE_BYTES: usize = 512 * 1024;
@@ -79,6 +85,12 @@ pub enum Command {
     },
     /// What has been learned.
     Categories,
+    /// Change what is known, besides teaching.
+    Revise(Revision),
+    /// Look into the memory.
+    Memory(MemoryQuery),
+    /// Long work on the memory.
+    Job(JobCommand),
     /// Something for the arm.
     Arm(ArmCommand),
     /// A block of track-ids that nobody else will ever get.
@@ -95,8 +107,8 @@ pub enum Command {
     },
     /// One page of all labelled views.
     Snapshot {
-        /// Where the last page ended; `None` for the first page.
-        after: Option<ViewId>,
+        /// What the last page gave as next; `None` for the first page.
+        after: Option<SnapshotCursor>,
     },
     /// What has been learned since a history sequence.
     Changes {
@@ -132,8 +144,18 @@ pub enum Reply {
     Object(Box<ObjectReport>),
     /// To [`Command::Health`].
     Health(Vec<ProcessReport>),
-    /// To teach, correct and forget: on disk.
+    /// To teach, correct, forget and revise: on disk.
     Learned(LearningReport),
+    /// To [`Command::Memory`].
+    Memory(MemoryAnswer),
+    /// To [`Command::Job`].
+    Job(JobReport),
+    /// To [`JobCommand::Read`].
+    JobBytes {
+        /// Bytes from the offset on; empty when there are none yet.
+        #[serde(with = "serde_bytes")]
+        bytes: Vec<u8>,
+    },
     /// To [`Command::Categories`].
     Categories(Vec<CategoryReport>),
     /// To [`Command::Arm`]: how the arm is, now that it has the command.

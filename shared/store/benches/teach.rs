@@ -13,7 +13,7 @@ use learning::{CategoryName, ViewId};
 use nalgebra::{Isometry3, Vector3};
 use store::{
     Change, Descriptor, Mutation, MutationId, PerceptualMemory, StoreConfig, StoreHandle,
-    StoreThread, View,
+    StoreThread, Target, View,
 };
 use tempfile::TempDir;
 
@@ -59,13 +59,15 @@ fn view(track_id: u64, view_id: u32, cloud_bytes: usize) -> View {
         captured_ns: wall_clock(),
         frame_sequence: track_id,
         source: "bench".to_owned(),
+        mean_rgb: None,
         points: (cloud_bytes > 0).then(|| vec![view_id as u8; cloud_bytes]),
     }
 }
 
 fn teach(track_id: u64, n: u64) -> Mutation {
     let category = CategoryName::new(&format!("category {n}")).expect("a name");
-    mutation(Change::Correct { track_id, category })
+    let target = Target::Track(track_id);
+    mutation(Change::Correct { target, category })
 }
 
 /// A store with one view of each of `n_tracks`, all taught.
@@ -94,6 +96,7 @@ fn start(folder: &TempDir) -> (StoreThread, StoreHandle) {
     let config = StoreConfig {
         folder: folder.path().to_owned(),
         queue_capacity: 1024,
+        limits: store::Limits::default(),
         wall_clock,
         on_reopened: Box::new(|_| {}),
     };

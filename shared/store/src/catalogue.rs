@@ -1,41 +1,41 @@
-//! The index in memory: which views there are, what they are called, which
-//! mutations were answered. About a hundred bytes a view; descriptors and clouds
-//! stay on disk.
+//! The index in memory: which views there are and what they stand for, which
+//! mutations were answered, which documents there are. Descriptors, clouds and the
+//! content of documents stay on disk.
 
-use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::collections::btree_map::Entry as Slot;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::ops::Bound;
+use std::sync::Arc;
 
 use learning::{CategoryName, ViewId, ViewRecord};
 
+use crate::digest::Digest;
+use crate::document::{DocumentKey, DocumentSummary, DocumentVersion};
+use crate::facts::{Extent, Facts};
 use crate::mutation::MutationId;
-use crate::view::Facts;
+use crate::standing::{Decided, Register, Standing};
+use crate::view::Origin;
 
 /// What is kept of each view.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Entry {
-    /// Bytes of its descriptor on disk.
-    pub(crate) n_descriptor_bytes: u32,
-    /// Bytes of its cloud on disk.
-    n_points_bytes: u32,
-    /// Of its content, to tell whether another view with its id is the same.
-    pub(crate) fingerprint: u64,
-    /// Its name and when that was given.
-    pub(crate) label: Option<(CategoryName, u64)>,
+    pub(crate) identity: Digest,
+    pub(crate) descriptor: Extent,
+    pub(crate) points: Option<Extent>,
+    pub(crate) descriptor_kind: Arc<str>,
+    pub(crate) captured_ns: u64,
+    pub(crate) origin: Origin,
+    pub(crate) register: Register,
 }
 
 impl Entry {
-    /// For a view without a name, by its small record, which names the checksums
-    /// of the large ones.
-    pub(crate) fn of(record: &[u8], facts: &Facts) -> Self {
-        Self {
-            n_descriptor_bytes: facts.descriptor.n_bytes,
-            n_points_bytes: facts.points.map_or(0, |extent| extent.n_bytes),
-            fingerprint: (crc32fast::hash(record) as u64) << 32 | facts.descriptor.crc32 as u64,
-            label: None,
-        }
+    pub(crate) fn n_bytes(&self) -> u64 {
+        let points = self.points.map_or(0, |extent| extent.n_bytes);
+        self.descriptor.n_bytes as u64 + points as u64
     }
 
-    fn n_bytes(&self) -> u64 {
-        self.n_descriptor_bytes as u64 + self.n_points_bytes as u64
+    fn is_forgotten(&self) -> bool {
+        self.register.standing == Standing::Forgotten
     }
 }
 
@@ -46,7 +46,7 @@ pub struct CategorySummary {
     pub name: CategoryName,
     /// Number of views that carry it, at least one.
     pub n_views: u64,
-    /// Bytes of their descriptors and clouds on disk.
+    /// Bytes of their descriptors and clouds.
     pub n_bytes: u64,
     /// When one of them was last given the name, nanoseconds since 1970, UTC.
     pub last_taught_ns: u64,
@@ -57,33 +57,99 @@ pub struct CategorySummary {
 pub(crate) struct Catalogue {
     views: BTreeMap<ViewId, Entry>,
     categories: BTreeMap<CategoryName, BTreeSet<ViewId>>,
-    pub(crate) answered: HashSet<MutationId>,
+    n_forgotten: usize,
+    identities: HashMap<Digest, ViewId>,
+    /// Tracks here, by memory and track of their first view's origin.
+    tracks_of_origins: HashMap<(u128, u64), u64>,
+    /// Views by their descriptor's content.
+    descriptors: BTreeMap<Digest, BTreeSet<ViewId>>,
+    /// How many views and versions of documents have this content.
+    blobs: HashMap<Digest, u32>,
+    documents: BTreeMap<DocumentKey, BTreeMap<u64, DocumentVersion>>,
+    pub(crate) tombstones: BTreeMap<Digest, Decided>,
+    /// Sequence of the entry about each mutation.
+    pub(crate) answered: HashMap<MutationId, u64>,
+    kinds: BTreeSet<Arc<str>>,
+    /// First and last sequence of entries that a damaged store has lost.
+    pub(crate) lost: Vec<(u64, u64)>,
 }
 
+/// History.
 impl Catalogue {
+    /// Whether the entry went with a damaged store.
+    pub(crate) fn is_lost(&self, sequence: u64) -> bool {
+        self.lost
+            .iter()
+            .any(|(first, last)| (*first..=*last).contains(&sequence))
+    }
+
+    /// How many entries did.
+    pub(crate) fn n_lost(&self) -> u64 {
+        self.lost.iter().map(|(first, last)| last - first + 1).sum()
+    }
+}
+
+/// Views.
+impl Catalogue {
+    /// Any view whose content is there, forgotten or not.
     pub(crate) fn get(&self, view: ViewId) -> Option<&Entry> {
         self.views.get(&view)
     }
 
-    pub(crate) fn n_views(&self) -> usize {
+    /// All of them, in order.
+    pub(crate) fn all(&self) -> impl Iterator<Item = (ViewId, &Entry)> {
+        self.views.iter().map(|(view, entry)| (*view, entry))
+    }
+
+    /// Those from a bound on, in order.
+    pub(crate) fn range(&self, from: Bound<ViewId>) -> impl Iterator<Item = (ViewId, &Entry)> {
+        let views = self.views.range((from, Bound::Unbounded));
+        views.map(|(view, entry)| (*view, entry))
+    }
+
+    pub(crate) fn n_all(&self) -> usize {
         self.views.len()
+    }
+
+    pub(crate) fn n_forgotten(&self) -> usize {
+        self.n_forgotten
+    }
+
+    pub(crate) fn n_named(&self) -> usize {
+        self.categories.values().map(BTreeSet::len).sum()
+    }
+
+    pub(crate) fn n_unnamed(&self) -> usize {
+        self.views.len() - self.n_forgotten - self.n_named()
     }
 
     pub(crate) fn n_categories(&self) -> usize {
         self.categories.len()
     }
 
-    pub(crate) fn n_labelled(&self) -> usize {
-        self.categories.values().map(BTreeSet::len).sum()
+    pub(crate) fn by_identity(&self, identity: Digest) -> Option<(ViewId, &Entry)> {
+        let view = *self.identities.get(&identity)?;
+        Some((view, self.views.get(&view)?))
     }
 
-    /// The views from `from` on, in order.
-    pub(crate) fn views_from(&self, from: ViewId) -> impl Iterator<Item = (ViewId, &Entry)> {
-        self.views.range(from..).map(|(view, entry)| (*view, entry))
+    /// The track in which views of a foreign track are kept, and its next view.
+    pub(crate) fn track_of_origin(&self, origin: Origin) -> Option<(u64, u32)> {
+        let origin = (origin.memory_id, origin.view.track_id);
+        let track_id = *self.tracks_of_origins.get(&origin)?;
+        let (last, _) = self.whole_track(track_id).next_back()?;
+        Some((track_id, last.view_id.checked_add(1)?))
     }
 
-    /// The views of a track, in order.
+    /// The views of a track that are not forgotten, in order.
     pub(crate) fn track(&self, track_id: u64) -> impl Iterator<Item = (ViewId, &Entry)> + Clone {
+        self.whole_track(track_id)
+            .filter(|(_, entry)| !entry.is_forgotten())
+    }
+
+    fn whole_track(
+        &self,
+        track_id: u64,
+    ) -> impl DoubleEndedIterator<Item = (ViewId, &Entry)> + Clone {
         let first = ViewId {
             track_id,
             view_id: 0,
@@ -102,24 +168,32 @@ impl Catalogue {
         &self,
         track_id: u64,
     ) -> impl Iterator<Item = ViewRecord<'_>> + Clone {
-        self.track(track_id).map(|(id, entry)| {
-            let category = entry.label.as_ref().map(|(name, _)| name);
-            ViewRecord { id, category }
+        self.track(track_id).map(|(id, entry)| ViewRecord {
+            id,
+            category: entry.register.standing.category(),
         })
     }
 
-    /// The views called `name` as the rules of teaching want them.
-    pub(crate) fn records_of_category(
+    /// The views called `name`, in order.
+    pub(crate) fn category(
         &self,
         name: &CategoryName,
-    ) -> impl Iterator<Item = ViewRecord<'_>> {
-        let views = self.categories.get_key_value(name).into_iter();
-        views.flat_map(|(name, views)| {
-            views.iter().map(move |&id| ViewRecord {
-                id,
-                category: Some(name),
-            })
-        })
+    ) -> impl Iterator<Item = (ViewId, &Entry)> + Clone {
+        let views = self.categories.get(name).into_iter().flatten();
+        views.filter_map(|view| Some((*view, self.views.get(view)?)))
+    }
+
+    pub(crate) fn n_views_of(&self, name: &CategoryName) -> usize {
+        self.categories.get(name).map_or(0, BTreeSet::len)
+    }
+
+    /// The categories with more views than that.
+    pub(crate) fn larger_categories(&self, n_views: usize) -> Vec<CategoryName> {
+        let larger = self
+            .categories
+            .iter()
+            .filter(|(_, views)| views.len() > n_views);
+        larger.map(|(name, _)| name.clone()).collect()
     }
 
     /// The greatest track-id of any view.
@@ -127,44 +201,192 @@ impl Catalogue {
         self.views.last_key_value().map(|(view, _)| view.track_id)
     }
 
-    pub(crate) fn insert(&mut self, view: ViewId, entry: Entry) {
-        self.views.insert(view, entry);
+    /// Contents of descriptors from `from` on, each with the views that have it.
+    pub(crate) fn descriptors_from(
+        &self,
+        from: Digest,
+    ) -> impl Iterator<Item = (Digest, impl Iterator<Item = (ViewId, &Entry)>)> {
+        self.descriptors.range(from..).map(|(digest, views)| {
+            let views = views
+                .iter()
+                .filter_map(|view| Some((*view, self.views.get(view)?)));
+            (*digest, views)
+        })
     }
 
-    /// Gives a view a name, or takes it away; a view that is not there is left out.
-    pub(crate) fn relabel(&mut self, view: ViewId, label: Option<(CategoryName, u64)>) {
+    /// Whether any view has this descriptor.
+    pub(crate) fn has_descriptor(&self, digest: Digest) -> bool {
+        self.descriptors.contains_key(&digest)
+    }
+
+    /// Whether any view or document has this content.
+    pub(crate) fn has_blob(&self, digest: Digest) -> bool {
+        self.blobs.contains_key(&digest)
+    }
+
+    pub(crate) fn insert(&mut self, view: ViewId, facts: &Facts, register: Register) {
+        let identity = facts.identity();
+        let origin = facts.origin();
+        let kind: Arc<str> = match self.kinds.get(facts.descriptor_kind.as_str()) {
+            Some(kind) => Arc::clone(kind),
+            None => facts.descriptor_kind.as_str().into(),
+        };
+        self.kinds.insert(Arc::clone(&kind));
+        self.identities.insert(identity, view);
+        self.tracks_of_origins
+            .entry((origin.memory_id, origin.view.track_id))
+            .or_insert(view.track_id);
+        let descriptor = facts.descriptor;
+        self.descriptors
+            .entry(descriptor.digest)
+            .or_default()
+            .insert(view);
+        if let Some(points) = &facts.points {
+            *self.blobs.entry(points.digest).or_default() += 1;
+        }
+        let entry = Entry {
+            identity,
+            descriptor,
+            points: facts.points,
+            descriptor_kind: kind,
+            captured_ns: facts.captured_ns,
+            origin,
+            register: Register::untouched(register.sequence),
+        };
+        self.views.insert(view, entry);
+        self.set(view, register);
+    }
+
+    /// Has a view stand for something else; one that is not there is left out.
+    pub(crate) fn set(&mut self, view: ViewId, register: Register) {
         let Some(entry) = self.views.get_mut(&view) else {
             return;
         };
-        if let Some((before, _)) = entry.label.take()
-            && let Some(views) = self.categories.get_mut(&before)
+        let before = std::mem::replace(&mut entry.register, register);
+        self.n_forgotten += usize::from(entry.is_forgotten());
+        self.n_forgotten -= usize::from(before.standing == Standing::Forgotten);
+        if let Some(name) = before.standing.category()
+            && let Some(views) = self.categories.get_mut(name)
         {
             views.remove(&view);
             if views.is_empty() {
-                self.categories.remove(&before);
+                self.categories.remove(name);
             }
         }
-        if let Some((name, _)) = &label {
-            self.categories
-                .entry(name.clone())
-                .or_default()
-                .insert(view);
+        if let Some(name) = entry.register.standing.category() {
+            let name = name.clone();
+            self.categories.entry(name).or_default().insert(view);
         }
-        entry.label = label;
+    }
+
+    /// Takes a view out; returns what it was.
+    pub(crate) fn remove(&mut self, view: ViewId) -> Option<Entry> {
+        self.set(view, Register::untouched(0));
+        let entry = self.views.remove(&view)?;
+        self.identities.remove(&entry.identity);
+        if let Slot::Occupied(mut views) = self.descriptors.entry(entry.descriptor.digest) {
+            views.get_mut().remove(&view);
+            if views.get().is_empty() {
+                views.remove();
+            }
+        }
+        if let Some(points) = &entry.points {
+            self.release_blob(points.digest);
+        }
+        Some(entry)
+    }
+
+    fn release_blob(&mut self, digest: Digest) {
+        let left = self.blobs.get_mut(&digest).map_or(0, |n| {
+            *n -= 1;
+            *n
+        });
+        if left == 0 {
+            self.blobs.remove(&digest);
+        }
     }
 
     /// Every category that a view carries, by name.
     pub(crate) fn summaries(&self) -> Vec<CategorySummary> {
         let summary = |(name, views): (&CategoryName, &BTreeSet<ViewId>)| {
             let entries = || views.iter().filter_map(|view| self.views.get(view));
-            let taught_ns = |entry: &Entry| entry.label.as_ref().map(|(_, wall_ns)| *wall_ns);
             CategorySummary {
                 name: name.clone(),
                 n_views: views.len() as u64,
                 n_bytes: entries().map(Entry::n_bytes).sum(),
-                last_taught_ns: entries().filter_map(taught_ns).max().unwrap_or(0),
+                last_taught_ns: entries()
+                    .map(|entry| entry.register.decided.stamp_ns)
+                    .max()
+                    .unwrap_or(0),
             }
         };
         self.categories.iter().map(summary).collect()
+    }
+}
+
+/// Documents.
+impl Catalogue {
+    /// The present version; it may say that the document was removed.
+    pub(crate) fn document(&self, key: &DocumentKey) -> Option<(u64, &DocumentVersion)> {
+        let (sequence, version) = self.documents.get(key)?.last_key_value()?;
+        Some((*sequence, version))
+    }
+
+    /// All that are there.
+    pub(crate) fn documents(&self) -> impl Iterator<Item = DocumentSummary> {
+        self.documents.iter().filter_map(|(key, versions)| {
+            let (sequence, version) = versions.last_key_value()?;
+            Some(DocumentSummary {
+                key: key.clone(),
+                content: version.content.clone()?,
+                decided: version.decided.clone(),
+                sequence: *sequence,
+            })
+        })
+    }
+
+    /// Every version, with when it was replaced; the present one was not.
+    pub(crate) fn versions(
+        &self,
+    ) -> impl Iterator<Item = (&DocumentKey, u64, &DocumentVersion, Option<u64>)> {
+        self.documents.iter().flat_map(|(key, versions)| {
+            let later = versions.values().skip(1);
+            let replaced = later.map(|version| Some(version.decided.stamp_ns));
+            let replaced = replaced.chain(std::iter::once(None));
+            let all = versions.iter().zip(replaced);
+            all.map(move |((sequence, version), replaced_ns)| {
+                (key, *sequence, version, replaced_ns)
+            })
+        })
+    }
+
+    pub(crate) fn insert_version(
+        &mut self,
+        key: &DocumentKey,
+        sequence: u64,
+        version: DocumentVersion,
+    ) {
+        if let Some(content) = &version.content {
+            *self.blobs.entry(content.digest).or_default() += 1;
+        }
+        let versions = self.documents.entry(key.clone()).or_default();
+        versions.insert(sequence, version);
+    }
+
+    /// Takes a version out; returns what it was.
+    pub(crate) fn remove_version(
+        &mut self,
+        key: &DocumentKey,
+        sequence: u64,
+    ) -> Option<DocumentVersion> {
+        let versions = self.documents.get_mut(key)?;
+        let version = versions.remove(&sequence)?;
+        if versions.is_empty() {
+            self.documents.remove(key);
+        }
+        if let Some(content) = &version.content {
+            self.release_blob(content.digest);
+        }
+        Some(version)
     }
 }

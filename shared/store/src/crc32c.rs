@@ -65,6 +65,26 @@ fn extend(mut crc: u32, bytes: &[u8]) -> u32 {
     crc
 }
 
+/// A checksum in the making, of bytes whose number is not known yet.
+pub(crate) struct Running(u32);
+
+impl Default for Running {
+    fn default() -> Self {
+        Self(!0)
+    }
+}
+
+impl Running {
+    pub(crate) fn push(&mut self, byte: u8) {
+        self.0 = extend(self.0, &[byte]);
+    }
+
+    /// The checksum of all bytes so far and one more.
+    pub(crate) fn with(&self, byte: u8) -> u32 {
+        !extend(self.0, &[byte])
+    }
+}
+
 /// The checksum as it was before LevelDB masked it for storage.
 pub(crate) fn unmask(masked: u32) -> u32 {
     masked.wrapping_sub(MASK_DELTA).rotate_left(15)
@@ -89,6 +109,13 @@ mod tests {
             let (head, tail) = bytes.split_at(cut);
             assert_eq!(crc32c(&[head, tail]), crc32c(&[&bytes]));
         }
+    }
+
+    #[test]
+    fn a_running_checksum_is_that_of_all_its_bytes() {
+        let mut running = Running::default();
+        b"12345678".iter().for_each(|byte| running.push(*byte));
+        assert_eq!(running.with(b'9'), crc32c(&[b"123456789"]));
     }
 
     #[test]

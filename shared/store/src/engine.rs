@@ -78,6 +78,12 @@ impl Engine {
         self.check()
     }
 
+    /// Merges the tables that have keys from `from` to `to`.
+    pub(crate) fn compact(&mut self, from: &[u8], to: &[u8]) -> Result<(), Error> {
+        guarded(&self.health, || self.db.compact_range(from, to))?;
+        self.check()
+    }
+
     /// Writes everything out and closes the database.
     pub(crate) fn close(mut self) -> Result<(), Error> {
         guarded(&self.health, || self.db.close())

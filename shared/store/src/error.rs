@@ -5,8 +5,9 @@ use std::io;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use learning::ViewId;
+use learning::{CategoryName, ViewId};
 
+use crate::document::DocumentKey;
 use crate::env_health::Failure;
 
 /// Why the store did not do what it was asked. Cloned when one failed commit
@@ -88,7 +89,68 @@ pub enum Refusal {
         /// Most bytes that one mutation may store.
         most: usize,
     },
-    /// The author's name is too long.
+    /// There is no such view, or it was forgotten.
+    UnknownView {
+        /// The view.
+        view: ViewId,
+    },
+    /// A category was to get a name that another has.
+    NameTaken {
+        /// The category.
+        from: CategoryName,
+        /// The name.
+        to: CategoryName,
+    },
+    /// A document cannot be stored.
+    InvalidDocument {
+        /// Which one.
+        document: DocumentKey,
+        /// What is wrong with it.
+        reason: &'static str,
+    },
+    /// There is no such document.
+    UnknownDocument {
+        /// Which one.
+        document: DocumentKey,
+    },
+    /// The history has no such entry.
+    UnknownEntry {
+        /// Its sequence.
+        sequence: u64,
+    },
+    /// The entry changed nothing, or there is none to take back.
+    NothingToUndo,
+    /// A view was touched since by another entry.
+    ViewChangedSince {
+        /// The entry that was to be undone.
+        sequence: u64,
+        /// The view.
+        view: ViewId,
+        /// The entry that touched it since.
+        by: u64,
+    },
+    /// A document was replaced since.
+    DocumentChangedSince {
+        /// The entry that was to be undone.
+        sequence: u64,
+        /// The document.
+        document: DocumentKey,
+    },
+    /// What the entry changed has been removed for good.
+    GoneForGood {
+        /// The entry.
+        sequence: u64,
+    },
+    /// Another memory decided something in the future.
+    DecidedInTheFuture {
+        /// How far, hours.
+        ahead_h: u64,
+    },
+    /// A folder holds a store already.
+    NotEmpty,
+    /// There are no numbers left for new tracks.
+    TrackIdsExhausted,
+    /// The author's name, or that of a source, is too long.
     AuthorTooLong {
         /// Its length, bytes.
         n_bytes: usize,
@@ -107,6 +169,12 @@ pub enum Refusal {
 impl From<Refusal> for Error {
     fn from(refusal: Refusal) -> Self {
         Self::Refused(refusal)
+    }
+}
+
+impl From<learning::Refusal> for Refusal {
+    fn from(refusal: learning::Refusal) -> Self {
+        Self::Lesson(refusal)
     }
 }
 
@@ -219,10 +287,62 @@ impl fmt::Display for Refusal {
                 f,
                 "views of {n_bytes} bytes were sent to be stored at once; send at most {most}"
             ),
+            Self::UnknownView { view } => write!(
+                f,
+                "{} is not stored; list the views of the track to see which there are",
+                in_words(*view)
+            ),
+            Self::NameTaken { from, to } => write!(
+                f,
+                "{from} cannot be renamed to {to}, since there is a category of that name; merge \
+                 the two if they mean the same"
+            ),
+            Self::InvalidDocument { document, reason } => write!(
+                f,
+                "{document} cannot be stored because {reason}; send it again corrected"
+            ),
+            Self::UnknownDocument { document } => {
+                write!(f, "{document} is not stored; list the documents to see which there are")
+            }
+            Self::UnknownEntry { sequence } => write!(
+                f,
+                "the history has no entry {sequence}; read the history to see which there are"
+            ),
+            Self::NothingToUndo => write!(
+                f,
+                "there is nothing to undo; name an entry of the history that changed something"
+            ),
+            Self::ViewChangedSince { sequence, view, by } => write!(
+                f,
+                "entry {sequence} cannot be undone, since entry {by} changed {} after it; undo \
+                 that one first",
+                in_words(*view)
+            ),
+            Self::DocumentChangedSince { sequence, document } => write!(
+                f,
+                "entry {sequence} cannot be undone, since {document} was changed after it; undo \
+                 that change first"
+            ),
+            Self::GoneForGood { sequence } => write!(
+                f,
+                "entry {sequence} cannot be undone, since what it changed was removed for good; \
+                 teach it again"
+            ),
+            Self::TrackIdsExhausted => write!(
+                f,
+                "there are no numbers left for new tracks; export this memory and import it into \
+                 a new one"
+            ),
+            Self::DecidedInTheFuture { ahead_h } => write!(
+                f,
+                "the other memory was taught {ahead_h} h from now by the clock of this robot; set \
+                 the clock that is wrong, and import it again"
+            ),
+            Self::NotEmpty => write!(f, "the folder holds a store already; name an empty one"),
             Self::AuthorTooLong { n_bytes, most } => {
                 write!(
                     f,
-                    "the author's name has {n_bytes} bytes; use at most {most}"
+                    "the name of an author or a source has {n_bytes} bytes; use at most {most}"
                 )
             }
             Self::LeaseSize { count, most } => {

@@ -1,25 +1,27 @@
 //! The keys of the database: one letter for the table, then big-endian numbers,
 //! so that the order of the bytes is the order of what they mean.
 
-use learning::{CategoryName, ViewId};
+use learning::ViewId;
 
-use crate::mutation::MutationId;
+use crate::digest::Digest;
+use crate::document::{DocumentKey, DocumentKind};
 
-/// Category to view: `c`, length and bytes of the name, track, view.
-pub(crate) const CATEGORY_INDEX: u8 = b'c';
-/// Descriptor of a view: `d`, track, view.
+/// Clouds and documents: `b`, digest of the content.
+pub(crate) const BLOB: u8 = b'b';
+/// Descriptors: `d`, digest of the content.
 pub(crate) const DESCRIPTOR: u8 = b'd';
 /// History: `h`, sequence.
 pub(crate) const HISTORY: u8 = b'h';
-/// Answer to a mutation: `i`, the client's id.
-pub(crate) const ANSWER: u8 = b'i';
-/// Label of a view: `l`, track, view.
-pub(crate) const LABEL: u8 = b'l';
+/// Standing of a view, unless nobody has touched it since it was stored: `l`,
+/// track, view.
+pub(crate) const REGISTER: u8 = b'l';
 /// The one meta record: `m`.
 pub(crate) const META: u8 = b'm';
-/// Cloud of a key view: `p`, track, view.
-pub(crate) const POINTS: u8 = b'p';
-/// A view without its large parts: `v`, track, view.
+/// A version of a document: `o`, kind, length and bytes of the name, sequence.
+pub(crate) const DOCUMENT: u8 = b'o';
+/// What is remembered of a forgotten view whose content is gone: `t`, identity.
+pub(crate) const TOMBSTONE: u8 = b't';
+/// A view without its content: `v`, track, view.
 pub(crate) const VIEW: u8 = b'v';
 
 /// A key of the tables that hold something of a view.
@@ -52,29 +54,40 @@ pub(crate) fn sequence_of(key: &[u8]) -> Option<u64> {
     Some(u64::from_be_bytes(*key[1..].first_chunk()?))
 }
 
-/// Key of the answer to a mutation.
-pub(crate) fn answer_key(id: MutationId) -> [u8; 17] {
-    let mut key = [ANSWER; 17];
-    key[1..].copy_from_slice(&id.0.to_be_bytes());
+/// A key of the tables of content.
+pub(crate) fn digest_key(table: u8, digest: Digest) -> [u8; 17] {
+    let mut key = [table; 17];
+    key[1..].copy_from_slice(&digest.0.to_be_bytes());
     key
 }
 
-/// The mutation an answer's key is about.
-pub(crate) fn mutation_of(key: &[u8]) -> Option<MutationId> {
+/// The digest in a key of the tables of content.
+pub(crate) fn digest_of(key: &[u8]) -> Option<Digest> {
     let key: &[u8; 17] = key.try_into().ok()?;
-    Some(MutationId(u128::from_be_bytes(*key[1..].first_chunk()?)))
+    Some(Digest(u128::from_be_bytes(*key[1..].first_chunk()?)))
 }
 
-/// Key of an entry in the category index. The name's length comes first, so
-/// that no name can run into the numbers behind it.
-pub(crate) fn category_key(category: &CategoryName, view: ViewId) -> Vec<u8> {
-    let name = category.as_str().as_bytes();
-    let mut key = Vec::with_capacity(3 + name.len() + 12);
-    key.push(CATEGORY_INDEX);
-    key.extend_from_slice(&(name.len() as u16).to_be_bytes());
-    key.extend_from_slice(name);
-    key.extend_from_slice(&view_key(CATEGORY_INDEX, view)[1..]);
+/// Key of a version of a document. The name's length comes first, so that no name
+/// can run into the number behind it.
+pub(crate) fn document_key(document: &DocumentKey, sequence: u64) -> Vec<u8> {
+    let name = document.name.as_bytes();
+    let mut key = Vec::with_capacity(4 + name.len() + 8);
+    key.extend([DOCUMENT, document.kind.code()]);
+    key.extend((name.len() as u16).to_be_bytes());
+    key.extend(name);
+    key.extend(sequence.to_be_bytes());
     key
+}
+
+/// The document and the sequence in such a key.
+pub(crate) fn document_of(key: &[u8]) -> Option<(DocumentKey, u64)> {
+    let (&[_, kind, high, low], rest) = key.split_first_chunk::<4>()?;
+    let (name, sequence) = rest.split_at_checked(u16::from_be_bytes([high, low]) as usize)?;
+    let document = DocumentKey {
+        kind: DocumentKind::from_code(kind)?,
+        name: str::from_utf8(name).ok()?.into(),
+    };
+    Some((document, u64::from_be_bytes(sequence.try_into().ok()?)))
 }
 
 #[cfg(test)]
@@ -89,15 +102,18 @@ mod tests {
     proptest! {
         #[test]
         fn keys_keep_content_and_order(a in views(), b in views(), s in any::<u64>(), t in any::<u64>()) {
-            prop_assert_eq!(view_of(&view_key(LABEL, a)), Some(a));
+            prop_assert_eq!(view_of(&view_key(REGISTER, a)), Some(a));
             prop_assert_eq!(view_key(VIEW, a).cmp(&view_key(VIEW, b)), a.cmp(&b));
             prop_assert_eq!(sequence_of(&history_key(s)), Some(s));
             prop_assert_eq!(history_key(s).cmp(&history_key(t)), s.cmp(&t));
         }
 
         #[test]
-        fn ids_are_read_back(id in any::<u128>()) {
-            prop_assert_eq!(mutation_of(&answer_key(MutationId(id))), Some(MutationId(id)));
+        fn digests_and_documents_are_read_back(digest in any::<u128>(), name in ".{0,40}", s in any::<u64>()) {
+            let digest = Digest(digest);
+            prop_assert_eq!(digest_of(&digest_key(BLOB, digest)), Some(digest));
+            let document = DocumentKey { kind: DocumentKind::ObjectModel, name: name.as_str().into() };
+            prop_assert_eq!(document_of(&document_key(&document, s)), Some((document, s)));
         }
     }
 }

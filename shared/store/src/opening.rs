@@ -5,10 +5,10 @@ use std::path::PathBuf;
 
 use crate::engine::Engine;
 use crate::error::Error;
-use crate::examination::{Examination, examine};
-use crate::meta::Meta;
+use crate::examination::{self, Examination, examine};
+use crate::meta::{Meta, SCHEMA};
 use crate::perceptual_memory::PerceptualMemory;
-use crate::salvage::{Loss, salvage};
+use crate::salvage::{Loss, Salvaged, salvage};
 use crate::store_folder::StoreFolder;
 use crate::watermark::{Mark, Watermark};
 use crate::writes::Writes;
@@ -18,13 +18,13 @@ use crate::writes::Writes;
 pub struct OpenReport {
     /// In which state it was.
     pub condition: Condition,
-    /// Number of views now in it.
+    /// Number of views now in it, without those that are forgotten.
     pub n_views: u64,
     /// Number of those that have a name.
     pub n_labelled: u64,
     /// Number of different names.
     pub n_categories: u64,
-    /// Number of history entries.
+    /// Sequence of the last history entry.
     pub n_history: u64,
     /// What is worth knowing and lost nothing, in words.
     pub notes: Vec<String>,
@@ -47,18 +47,40 @@ pub enum Condition {
         /// Where the damaged database is kept.
         set_aside: Option<PathBuf>,
     },
-    /// It could not be opened at all; an empty one was begun.
+    /// It was written by an older version; all of it was brought into the new form.
+    Migrated {
+        /// The older schema.
+        schema: u32,
+        /// Where the database of the older version is kept.
+        set_aside: Option<PathBuf>,
+    },
+    /// Nothing in it was whole; an empty one was begun.
     Replaced {
         /// What was wrong, in words.
         reason: String,
+        /// What it had.
+        loss: Loss,
         /// Where the damaged database is kept, unless there was none left.
         set_aside: Option<PathBuf>,
     },
 }
 
 impl OpenReport {
-    /// Whether anything that was acknowledged may be gone: to be told loudly.
+    /// What was acknowledged and is gone.
+    pub fn loss(&self) -> Loss {
+        match &self.condition {
+            Condition::Rebuilt { loss, .. } | Condition::Replaced { loss, .. } => *loss,
+            _ => Loss::default(),
+        }
+    }
+
+    /// Whether anything that was acknowledged is gone: to be told loudly.
     pub fn is_loss(&self) -> bool {
+        self.loss() != Loss::default()
+    }
+
+    /// Whether anything was damaged, even if all of it could be restored.
+    pub fn is_damage(&self) -> bool {
         matches!(
             self.condition,
             Condition::Rebuilt { .. } | Condition::Replaced { .. }
@@ -85,9 +107,22 @@ impl fmt::Display for OpenReport {
                 kept(set_aside),
                 findings.join("; ")
             )?,
-            Condition::Replaced { reason, set_aside } => write!(
+            Condition::Migrated { schema, set_aside } => write!(
                 f,
-                "the store could not be opened and an empty one was begun; {} ({reason})",
+                "the store was brought from schema {schema} to {SCHEMA}; {}",
+                match set_aside {
+                    Some(path) => format!("the old database is kept as {}", path.display()),
+                    None => "the old database is gone".to_owned(),
+                }
+            )?,
+            Condition::Replaced {
+                reason,
+                loss,
+                set_aside,
+            } => write!(
+                f,
+                "nothing in the store was whole and an empty one was begun; lost: {loss}; {} \
+                 ({reason})",
                 kept(set_aside)
             )?,
         }
@@ -113,7 +148,7 @@ pub(crate) fn open(
     wall_ns: u64,
     must_rebuild: bool,
 ) -> Result<(PerceptualMemory, OpenReport), Error> {
-    folder.finish_interrupted_rebuild()?;
+    folder.tidy()?;
     let path = folder.watermark();
     let (watermark, mark) = Watermark::open(&path).map_err(Error::io("opening", path))?;
     let mut notes = Vec::new();
@@ -130,6 +165,7 @@ pub(crate) fn open(
             what: "a store just begun has no record about it".to_owned(),
         });
     };
+    notes.extend(clock_note(wall_ns, examination.last_wall_ns));
     let catalogue = examination.catalogue;
     let next_by_views = catalogue
         .last_track_id()
@@ -139,8 +175,8 @@ pub(crate) fn open(
     mark_and_sync(&watermark, &meta.mark()).map_err(Error::io("writing", folder.watermark()))?;
     let report = OpenReport {
         condition,
-        n_views: catalogue.n_views() as u64,
-        n_labelled: catalogue.n_labelled() as u64,
+        n_views: (catalogue.n_all() - catalogue.n_forgotten()) as u64,
+        n_labelled: catalogue.n_named() as u64,
         n_categories: catalogue.n_categories() as u64,
         n_history: meta.sequence,
         notes,
@@ -149,6 +185,18 @@ pub(crate) fn open(
         PerceptualMemory::new(engine, catalogue, meta, watermark, folder),
         report,
     ))
+}
+
+/// Entries are ordered by their numbers, so a clock that was set back loses nothing;
+/// but whoever reads the history should know.
+fn clock_note(wall_ns: u64, last_wall_ns: u64) -> Option<String> {
+    let behind_s = last_wall_ns.checked_sub(wall_ns)? / 1_000_000_000;
+    (behind_s > 0).then(|| {
+        format!(
+            "the clock is {behind_s} s behind the last history entry: it was set back, or was \
+             wrong then; entries keep their order"
+        )
+    })
 }
 
 fn mark_and_sync(watermark: &Watermark, mark: &Mark) -> std::io::Result<()> {
@@ -165,55 +213,72 @@ fn open_database(
     wall_ns: u64,
     must_rebuild: bool,
 ) -> Result<Opened, Error> {
+    let rebuild = |findings: Vec<String>| rebuild(folder, mark, wall_ns, findings);
     if folder.database_is_headless()? {
-        return replace(folder, mark, "its file CURRENT is missing".to_owned());
+        return rebuild(vec!["its file CURRENT is missing".to_owned()]);
     }
     let mut engine = match Engine::open(&folder.database()) {
         Ok(engine) => engine,
-        Err(Error::Damaged { what }) => return replace(folder, mark, what),
+        Err(Error::Damaged { what }) => return rebuild(vec![what]),
         Err(error) => return Err(error),
     };
-    let examination = match examine(&mut engine, mark) {
-        Ok(examination) => examination,
-        Err(Error::Damaged { what }) => {
-            drop(engine);
-            return replace(folder, mark, what);
+    // An older schema is rebuilt in the new form.
+    let schema = match examination::schema(&mut engine) {
+        Err(error @ Error::NewerSchema { .. }) => return Err(error),
+        schema => schema.unwrap_or(None),
+    };
+    let examined = match schema {
+        Some(schema) if schema < SCHEMA => None,
+        _ => Some(examine(&mut engine, mark)),
+    };
+    let findings = match examined {
+        None => Vec::new(),
+        Some(Ok(examination)) if examination.is_empty() => return begin(engine, mark),
+        Some(Ok(examination)) if examination.findings.is_empty() && !must_rebuild => {
+            engine.accept()?;
+            return Ok((engine, examination, Condition::Sound));
         }
-        Err(error) => return Err(error),
+        Some(Ok(examination)) => examination.findings.into_words(),
+        Some(Err(Error::Damaged { what })) => vec![what],
+        Some(Err(error)) => return Err(error),
     };
-    if examination.is_empty() {
-        engine.accept()?;
-        let lost = mark.is_some_and(|mark| mark.sequence > 0);
-        let (engine, examination) = begin(engine, mark)?;
-        let condition = if lost {
-            let reason = "the folder of the database is missing or empty".to_owned();
-            Condition::Replaced {
-                reason,
-                set_aside: None,
-            }
-        } else {
-            Condition::New
-        };
-        return Ok((engine, examination, condition));
+    // What is damaged cannot be closed cleanly, and is kept as it is.
+    drop(engine);
+    rebuild(findings)
+}
+
+/// An empty database: a new one, or all that is left of one that is gone.
+fn begin(mut engine: Engine, mark: Option<&Mark>) -> Result<Opened, Error> {
+    engine.accept()?;
+    let examination = commit_empty(&mut engine, mark)?;
+    let condition = match mark.filter(|mark| mark.sequence > 0) {
+        None => Condition::New,
+        Some(lost) => Condition::Replaced {
+            reason: "the folder of the database is missing or empty".to_owned(),
+            loss: all_of(lost),
+            set_aside: None,
+        },
+    };
+    Ok((engine, examination, condition))
+}
+
+fn all_of(mark: &Mark) -> Loss {
+    Loss {
+        n_history: mark.sequence,
+        n_views: mark.n_views,
+        ..Loss::default()
     }
-    if examination.findings.is_empty() && !must_rebuild {
-        engine.accept()?;
-        return Ok((engine, examination, Condition::Sound));
-    }
-    rebuild(folder, engine, examination, mark, wall_ns)
 }
 
 /// Commits the record about an empty store.
-fn begin(mut engine: Engine, mark: Option<&Mark>) -> Result<(Engine, Examination), Error> {
-    let meta = Meta::new(mark.map_or(1, |mark| mark.next_track_id))?;
-    Writes::default().commit(&mut engine, &meta)?;
-    Ok((
-        engine,
-        Examination {
-            meta: Some(meta),
-            ..Examination::default()
-        },
-    ))
+fn commit_empty(engine: &mut Engine, mark: Option<&Mark>) -> Result<Examination, Error> {
+    let memory_id = mark.map(|mark| mark.memory_id);
+    let meta = Meta::new(memory_id, mark.map_or(1, |mark| mark.next_track_id))?;
+    Writes::default().commit(engine, &meta)?;
+    Ok(Examination {
+        meta: Some(meta),
+        ..Examination::default()
+    })
 }
 
 /// Sets the database aside and begins an empty one.
@@ -221,61 +286,53 @@ fn replace(folder: &StoreFolder, mark: Option<&Mark>, reason: String) -> Result<
     let set_aside = Some(folder.set_aside()?);
     let mut engine = Engine::open(&folder.database())?;
     engine.accept()?;
-    let (engine, examination) = begin(engine, mark)?;
-    Ok((
-        engine,
-        examination,
-        Condition::Replaced { reason, set_aside },
-    ))
+    let examination = commit_empty(&mut engine, mark)?;
+    let condition = Condition::Replaced {
+        reason,
+        loss: mark.map_or_else(Loss::default, all_of),
+        set_aside,
+    };
+    Ok((engine, examination, condition))
 }
 
-/// Copies what is whole, sets the damaged database aside, and opens the copy.
+/// Makes a database of what is whole, sets the other one aside, and opens the new.
 fn rebuild(
     folder: &StoreFolder,
-    mut damaged: Engine,
-    examination: Examination,
     mark: Option<&Mark>,
     wall_ns: u64,
+    findings: Vec<String>,
 ) -> Result<Opened, Error> {
     let mut copy = Engine::open(&folder.rebuilding())?;
     copy.accept()?;
-    let salvaged = salvage(
-        &mut damaged,
-        &mut copy,
-        examination.meta.as_ref(),
-        mark,
-        wall_ns,
-    );
-    // What is damaged cannot be closed cleanly, and is kept as it is.
-    drop(damaged);
-    let loss = match salvaged {
-        Ok(loss) => loss,
-        Err(Error::Damaged { what }) => {
-            drop(copy);
-            return replace(folder, mark, what);
-        }
-        Err(error) => return Err(error),
+    let salvaged = salvage(&folder.database(), &mut copy, mark, wall_ns)?;
+    let Some(Salvaged {
+        loss,
+        migrated_from,
+    }) = salvaged
+    else {
+        drop(copy);
+        return replace(folder, mark, findings.join("; "));
     };
     copy.close()?;
     let set_aside = folder.replace_by_rebuilding()?;
     let mut engine = Engine::open(&folder.database())?;
     let copied = examine(&mut engine, None)?;
-    if let Some(finding) = copied.findings.first() {
+    if !copied.findings.is_empty() {
+        let findings = copied.findings.into_words().join("; ");
         return Err(Error::Damaged {
-            what: format!("a copy just made is damaged: {finding}"),
+            what: format!("a copy just made is damaged: {findings}"),
         });
     }
     engine.accept()?;
-    let findings = examination.findings;
-    Ok((
-        engine,
-        copied,
-        Condition::Rebuilt {
+    let condition = match migrated_from {
+        Some(schema) if loss == Loss::default() => Condition::Migrated { schema, set_aside },
+        _ => Condition::Rebuilt {
             findings,
             loss,
             set_aside,
         },
-    ))
+    };
+    Ok((engine, copied, condition))
 }
 
 #[cfg(test)]
@@ -297,7 +354,7 @@ mod tests {
             let held = StoreFolder::hold(folder.path()).unwrap();
             let refused = open(held, 2, must_rebuild).map(|_| ()).unwrap_err();
             assert!(
-                matches!(refused, Error::NewerSchema { found: 2, known: 1 }),
+                matches!(refused, Error::NewerSchema { found: 3, known: 2 }),
                 "{refused}"
             );
         }

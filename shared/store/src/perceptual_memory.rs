@@ -1,27 +1,30 @@
 //! The perceptual memory: the database, its index in memory, and its changes.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use learning::{CategoryName, ViewChange, ViewId};
-
-use crate::catalogue::{Catalogue, Entry};
+use crate::applying::Target;
+use crate::catalogue::Catalogue;
+use crate::decision::{Contents, Decision, decide};
+use crate::economy::Limits;
 use crate::engine::{Engine, Reader};
 use crate::error::{Error, Refusal};
-use crate::history::{HistoryEntry, Operation, PackedEntry};
-use crate::keys;
+use crate::history::HistoryEntry;
 use crate::meta::{Meta, StoreId};
 use crate::mutation::{Answer, Change, Mutation, MutationId};
 use crate::opening::{self, OpenReport};
-use crate::record::{seal, unseal};
+use crate::reading::read_entry;
 use crate::store_folder::StoreFolder;
-use crate::view::{Extent, Facts, PackedDescriptor, PackedLabel, View};
+use crate::undo;
 use crate::watermark::Watermark;
 use crate::writes::Writes;
 
 /// Most track-ids one lease gives.
 pub const MAX_LEASE: u64 = 1 << 20;
+
+/// Entries among which somebody's last lesson is looked for.
+const UNDO_LOOKS_BACK: u64 = 4096;
 
 /// The store, open in this process alone.
 ///
@@ -31,18 +34,22 @@ pub struct PerceptualMemory {
     pub(crate) engine: Engine,
     pub(crate) catalogue: Catalogue,
     pub(crate) meta: Meta,
+    pub(crate) limits: Limits,
+    /// When the last change was asked for, for entries the store makes by itself.
+    pub(crate) last_wall_ns: u64,
     watermark: Watermark,
     staged: Staged,
     failure: Option<Arc<Error>>,
     /// Last, so that the folder is held until the database is closed.
-    _folder: StoreFolder,
+    pub(crate) folder: StoreFolder,
 }
 
 /// Changes made to the index and not yet to the disk.
 #[derive(Default)]
 struct Staged {
     writes: Writes,
-    answers: HashMap<MutationId, Answer>,
+    /// By sequence.
+    entries: HashMap<u64, HistoryEntry>,
 }
 
 impl PerceptualMemory {
@@ -85,16 +92,29 @@ impl PerceptualMemory {
             engine,
             catalogue,
             meta,
+            limits: Limits::default(),
+            last_wall_ns: 0,
             watermark,
             staged,
             failure: None,
-            _folder: folder,
+            folder,
         }
     }
 
     /// Which store this is.
     pub fn store_id(&self) -> StoreId {
         self.meta.store_id()
+    }
+
+    /// Whose memory this is: what was stored here says so on every robot. It stays
+    /// when the store is rebuilt.
+    pub fn memory_id(&self) -> u128 {
+        self.meta.memory_id()
+    }
+
+    /// Has the store hold limits from the next change on; there are none at first.
+    pub fn set_limits(&mut self, limits: Limits) {
+        self.limits = limits;
     }
 
     /// Sequence of the last history entry; zero when there is none.
@@ -142,48 +162,95 @@ impl PerceptualMemory {
     /// staged later sees it.
     pub(crate) fn stage(&mut self, mutation: &Mutation) -> Result<Answer, Error> {
         self.usable()?;
-        if self.catalogue.answered.contains(&mutation.id) {
-            return self.first_answer(mutation.id);
+        if let Some(&sequence) = self.catalogue.answered.get(&mutation.id) {
+            return Ok(self.entry(sequence)?.answer());
         }
         mutation.check()?;
-        let catalogue = &self.catalogue;
-        let (operation, stored, changes) = match &mutation.change {
-            Change::StoreViews(views) => (Operation::StoreViews, self.stage_views(views)?, vec![]),
-            Change::Teach { track_id, category } => {
-                let records = catalogue.records_of_track(*track_id);
-                (
-                    Operation::Teach,
-                    vec![],
-                    learning::teach(records, *track_id, category)?,
-                )
-            }
-            Change::Correct { track_id, category } => {
-                let records = catalogue.records_of_track(*track_id);
-                (
-                    Operation::Correct,
-                    vec![],
-                    learning::correct(records, *track_id, category)?,
-                )
-            }
-            Change::Forget { category } => {
-                let records = catalogue.records_of_category(category);
-                (
-                    Operation::Forget,
-                    vec![],
-                    learning::forget(records, category)?,
-                )
-            }
+        let decision = match &mutation.change {
+            Change::Undo { sequence } => self.decide_undo(*sequence, &mutation.author)?,
+            change => decide(&self.catalogue, &self.meta, change)?,
         };
+        let id = Some(mutation.id);
+        self.last_wall_ns = mutation.wall_ns;
+        Ok(self.stage_decision(id, &mutation.author, mutation.wall_ns, decision))
+    }
+
+    /// Stages what was decided, as the next entry of the history.
+    pub(crate) fn stage_decision(
+        &mut self,
+        mutation: Option<MutationId>,
+        author: &str,
+        wall_ns: u64,
+        decision: Decision,
+    ) -> Answer {
         let entry = HistoryEntry {
             sequence: self.meta.sequence + 1,
-            wall_ns: mutation.wall_ns,
-            author: mutation.author.clone(),
-            operation,
-            mutation: Some(mutation.id),
-            stored,
-            changes,
+            previous: self.meta.head,
+            wall_ns,
+            author: author.into(),
+            operation: decision.operation,
+            mutation,
+            effects: decision.effects,
+            contradiction: decision.contradiction,
         };
-        Ok(self.stage_history(mutation.id, &entry))
+        self.stage_entry(entry, &decision.contents)
+    }
+
+    /// Stages an entry as it is.
+    pub(crate) fn stage_entry(&mut self, entry: HistoryEntry, contents: &Contents) -> Answer {
+        let mut target = Target {
+            catalogue: &mut self.catalogue,
+            meta: &mut self.meta,
+            writes: &mut self.staged.writes,
+        };
+        target.apply(&entry, contents);
+        let answer = entry.answer();
+        self.staged.entries.insert(entry.sequence, entry);
+        answer
+    }
+
+    /// Has an empty store be another one.
+    pub(crate) fn begin_as(&mut self, meta: Meta) -> Result<(), Error> {
+        self.meta = meta;
+        self.staged.writes.touch();
+        self.commit()
+    }
+
+    fn decide_undo(&mut self, sequence: Option<u64>, author: &str) -> Result<Decision, Error> {
+        let sequence = match sequence {
+            Some(sequence) => sequence,
+            None => self.last_lesson(author)?,
+        };
+        let entry = self.entry(sequence)?;
+        Ok(undo::decide(&self.catalogue, &entry)?)
+    }
+
+    /// The last entry in which this author taught something that still holds.
+    fn last_lesson(&mut self, author: &str) -> Result<u64, Error> {
+        let first = self.meta.sequence.saturating_sub(UNDO_LOOKS_BACK);
+        for sequence in (first + 1..=self.meta.sequence).rev() {
+            if self.catalogue.is_lost(sequence) {
+                continue;
+            }
+            let entry = self.entry(sequence)?;
+            let is_own = &*entry.author == author && undo::is_lesson(&entry.operation);
+            if is_own && undo::decide(&self.catalogue, &entry).is_ok() {
+                return Ok(sequence);
+            }
+        }
+        Err(Refusal::NothingToUndo.into())
+    }
+
+    /// An entry, staged or on disk.
+    fn entry(&mut self, sequence: u64) -> Result<HistoryEntry, Error> {
+        if let Some(entry) = self.staged.entries.get(&sequence) {
+            return Ok(entry.clone());
+        }
+        let is_known = (1..=self.meta.sequence).contains(&sequence);
+        if !is_known || self.catalogue.is_lost(sequence) {
+            return Err(Refusal::UnknownEntry { sequence }.into());
+        }
+        self.read(|reader| read_entry(reader, sequence))
     }
 
     /// Makes a lease; [`Self::commit`] makes it on disk.
@@ -205,7 +272,16 @@ impl PerceptualMemory {
     }
 
     /// Has all staged changes on disk, with one sync; none when nothing is staged.
+    /// What exceeds a limit then is given up, with another.
     pub(crate) fn commit(&mut self) -> Result<(), Error> {
+        self.commit_staged()?;
+        if self.stage_economies()? {
+            self.commit_staged()?;
+        }
+        Ok(())
+    }
+
+    fn commit_staged(&mut self) -> Result<(), Error> {
         self.usable()?;
         let staged = std::mem::take(&mut self.staged);
         if staged.writes.is_empty() {
@@ -246,18 +322,6 @@ impl PerceptualMemory {
         error
     }
 
-    fn first_answer(&mut self, id: MutationId) -> Result<Answer, Error> {
-        if let Some(answer) = self.staged.answers.get(&id) {
-            return Ok(*answer);
-        }
-        let key = keys::answer_key(id);
-        self.read(|reader| {
-            let record = reader.get(&key)?.ok_or("it is missing");
-            let answer = record.and_then(|record| unseal(&key, &record));
-            answer.map_err(|wrong| Error::record(&key, wrong))
-        })
-    }
-
     /// Reads something; an error makes the store unusable until it is opened again.
     pub(crate) fn read<T>(
         &mut self,
@@ -269,118 +333,5 @@ impl PerceptualMemory {
             .reader()
             .and_then(|mut reader| read(&mut reader));
         found.map_err(|error| self.fail(error))
-    }
-
-    /// Stages those of the views that are new, or refuses all.
-    fn stage_views(&mut self, views: &[View]) -> Result<Vec<ViewId>, Refusal> {
-        let mut new = BTreeMap::new();
-        for view in views {
-            let packed = PackedView::of(view);
-            let known = self.catalogue.get(view.id);
-            let known = known.or(new.get(&view.id).map(|packed: &PackedView| &packed.entry));
-            match known {
-                None => {
-                    new.insert(view.id, packed);
-                }
-                Some(known) if known.fingerprint == packed.entry.fingerprint => {}
-                Some(_) => return Err(Refusal::ViewDiffers { view: view.id }),
-            }
-        }
-        let stored = new.keys().copied().collect();
-        for (id, packed) in new {
-            packed.stage(&mut self.staged.writes);
-            self.catalogue.insert(id, packed.entry);
-            self.meta.n_views += 1;
-            // A view may come with an id this store never leased: that of a lost one.
-            self.meta.next_track_id = self.meta.next_track_id.max(id.track_id + 1);
-        }
-        Ok(stored)
-    }
-
-    /// Stages an entry of the history with the labels it changes, unless it
-    /// changes nothing, and the answer.
-    fn stage_history(&mut self, id: MutationId, entry: &HistoryEntry) -> Answer {
-        let n_views = (entry.stored.len() + entry.changes.len()) as u64;
-        if n_views > 0 {
-            self.meta.sequence = entry.sequence;
-            for change in &entry.changes {
-                self.stage_label(entry, change);
-            }
-            let key = keys::history_key(entry.sequence);
-            self.staged.writes.put(&key, &PackedEntry::of(entry));
-        }
-        let answer = Answer {
-            sequence: self.meta.sequence,
-            n_views,
-        };
-        self.staged.writes.put(&keys::answer_key(id), &answer);
-        self.staged.answers.insert(id, answer);
-        self.catalogue.answered.insert(id);
-        answer
-    }
-
-    fn stage_label(&mut self, entry: &HistoryEntry, change: &ViewChange) {
-        let label = PackedLabel::given_by(entry, change);
-        put_label(
-            &mut self.staged.writes,
-            change.id,
-            &label,
-            change.after.as_ref(),
-        );
-        if let Some(before) = &change.before {
-            self.staged
-                .writes
-                .delete(&keys::category_key(before, change.id));
-        }
-        let label = change.after.clone().map(|name| (name, entry.wall_ns));
-        self.catalogue.relabel(change.id, label);
-    }
-}
-
-/// Writes a label, and its entry in the category index.
-pub(crate) fn put_label(
-    writes: &mut Writes,
-    view: ViewId,
-    label: &PackedLabel,
-    category: Option<&CategoryName>,
-) {
-    writes.put(&keys::view_key(keys::LABEL, view), label);
-    if let Some(name) = category {
-        writes.put(&keys::category_key(name, view), &());
-    }
-}
-
-/// A view's records.
-struct PackedView {
-    /// Key and record of facts, descriptor and cloud.
-    records: Vec<([u8; 13], Vec<u8>)>,
-    entry: Entry,
-}
-
-impl PackedView {
-    fn of(view: &View) -> Self {
-        let key = keys::view_key(keys::DESCRIPTOR, view.id);
-        let descriptor = seal(&key, &PackedDescriptor::from(&view.descriptor));
-        let descriptor_extent = Extent::of(&descriptor);
-        let mut records = vec![(key, descriptor)];
-        let mut points_extent = None;
-        if let Some(points) = &view.points {
-            let key = keys::view_key(keys::POINTS, view.id);
-            let record = seal(&key, &serde_bytes::Bytes::new(points));
-            points_extent = Some(Extent::of(&record));
-            records.push((key, record));
-        }
-        let facts = Facts::of(view, descriptor_extent, points_extent);
-        let key = keys::view_key(keys::VIEW, view.id);
-        let record = seal(&key, &facts);
-        let entry = Entry::of(&record, &facts);
-        records.push((key, record));
-        Self { records, entry }
-    }
-
-    fn stage(&self, writes: &mut Writes) {
-        for (key, record) in &self.records {
-            writes.put_sealed(key, record);
-        }
     }
 }

@@ -2,19 +2,22 @@
 
 use std::ops::ControlFlow;
 
-use learning::{CategoryName, ViewChange, ViewId};
+use learning::{CategoryName, ViewId};
 use serde::de::DeserializeOwned;
+use serde_bytes::ByteBuf;
 
-use crate::catalogue::CategorySummary;
+use crate::catalogue::{Catalogue, CategorySummary, Entry};
+use crate::digest::Digest;
+use crate::document::{Document, DocumentKey, DocumentSummary};
 use crate::engine::Reader;
-use crate::error::Error;
-use crate::examination::category_of;
-use crate::history::{HistoryEntry, PackedEntry};
+use crate::error::{Error, Refusal};
+use crate::facts::{self, Facts, ViewParts};
+use crate::history::{Effect, HistoryEntry};
 use crate::keys;
 use crate::meta::StoreId;
 use crate::perceptual_memory::PerceptualMemory;
 use crate::record::unseal;
-use crate::view::{Descriptor, Facts, Label, PackedDescriptor, PackedLabel, StoredView};
+use crate::view::{Descriptor, StoredView};
 
 /// Unwanted records passed by in the time of one seek; see the bench `load_snapshot`.
 const SKIPPED_PER_SEEK: usize = 16;
@@ -48,10 +51,10 @@ pub struct LabelledView {
 pub struct SnapshotPage {
     /// The state the page shows.
     pub position: Position,
-    /// Labelled views in order.
+    /// Labelled views, in the order of their descriptors' digests.
     pub views: Vec<LabelledView>,
     /// Where the next page begins; none after the last one.
-    pub next: Option<ViewId>,
+    pub next: Option<Digest>,
 }
 
 /// What changed since a position.
@@ -100,21 +103,22 @@ impl PerceptualMemory {
         self.catalogue.summaries()
     }
 
-    /// Everything stored of a track, in order of the views; empty for an unknown track.
+    /// Everything stored of a track, in order of the views, without those that are
+    /// forgotten; empty for an unknown track.
     ///
     /// # Errors
     ///
     /// [`Error::Damaged`] or [`Error::Failed`].
     pub fn views_of_track(&mut self, track_id: u64) -> Result<Vec<StoredView>, Error> {
-        let views: Vec<ViewId> = self
+        let views: Vec<(ViewId, Entry)> = self
             .catalogue
             .track(track_id)
-            .map(|(view, _)| view)
+            .map(|(view, entry)| (view, entry.clone()))
             .collect();
         self.read(|reader| {
             views
-                .into_iter()
-                .map(|view| read_view(reader, view))
+                .iter()
+                .map(|(view, entry)| read_view(reader, *view, entry))
                 .collect()
         })
     }
@@ -128,35 +132,11 @@ impl PerceptualMemory {
     /// [`Error::Damaged`] or [`Error::Failed`].
     pub fn snapshot(
         &mut self,
-        cursor: Option<ViewId>,
+        cursor: Option<Digest>,
         max_bytes: usize,
     ) -> Result<SnapshotPage, Error> {
         let position = self.position();
-        let from = cursor.unwrap_or(ViewId {
-            track_id: 0,
-            view_id: 0,
-        });
-        let mut next = None;
-        let mut n_bytes = 0;
-        let mut n_skipped = 0;
-        let mut runs: Vec<Vec<(ViewId, CategoryName)>> = vec![Vec::new()];
-        for (view, entry) in self.catalogue.views_from(from) {
-            let Some((category, _)) = &entry.label else {
-                n_skipped += 1;
-                continue;
-            };
-            if n_bytes > max_bytes {
-                next = Some(view);
-                break;
-            }
-            n_bytes += entry.n_descriptor_bytes as usize;
-            if std::mem::take(&mut n_skipped) > SKIPPED_PER_SEEK {
-                runs.push(Vec::new());
-            }
-            runs.last_mut()
-                .into_iter()
-                .for_each(|run| run.push((view, category.clone())));
-        }
+        let (runs, next) = runs_from(&self.catalogue, cursor.unwrap_or_default(), max_bytes);
         let views = self.read(|reader| {
             let mut views = Vec::new();
             runs.into_iter()
@@ -200,36 +180,71 @@ impl PerceptualMemory {
         })
     }
 
-    /// Up to `max` entries of the history from sequence `from` on.
+    /// Up to `max` entries of the history from sequence `from` on; those that a
+    /// damaged store has lost are left out.
     ///
     /// # Errors
     ///
     /// [`Error::Damaged`] or [`Error::Failed`].
     pub fn history(&mut self, from: u64, max: usize) -> Result<Vec<HistoryEntry>, Error> {
-        let last = self
-            .sequence()
-            .min(from.saturating_add(max as u64).saturating_sub(1));
-        let sequences = from.max(1)..=last;
+        let sequences: Vec<u64> = (from.max(1)..=self.sequence())
+            .filter(|sequence| !self.catalogue.is_lost(*sequence))
+            .take(max)
+            .collect();
         self.read(|reader| {
             sequences
+                .into_iter()
                 .map(|sequence| read_entry(reader, sequence))
                 .collect()
+        })
+    }
+
+    /// All documents, without their content.
+    pub fn documents(&self) -> Vec<DocumentSummary> {
+        self.catalogue.documents().collect()
+    }
+
+    /// A document.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Refused`] when there is none, [`Error::Damaged`] or [`Error::Failed`].
+    pub fn document(&mut self, key: &DocumentKey) -> Result<Document, Error> {
+        let present = self.catalogue.document(key);
+        let Some(content) = present.and_then(|(_, version)| version.content.clone()) else {
+            let document = key.clone();
+            return Err(Refusal::UnknownDocument { document }.into());
+        };
+        let bytes = self.read(|reader| {
+            read_content(reader, &keys::digest_key(keys::BLOB, content.digest))
+        })?;
+        Ok(Document {
+            key: key.clone(),
+            media_type: content.media_type,
+            content: bytes,
         })
     }
 
     /// One history entry's effect on names.
     fn change(&mut self, sequence: u64) -> Result<ChangeEntry, Error> {
         let entry = self.read(|reader| read_entry(reader, sequence))?;
-        // A rebuilt store has the history of views that are lost.
-        let after = |change: ViewChange| {
-            let is_stored = self.catalogue.get(change.id).is_some();
-            (change.id, change.after.filter(|_| is_stored))
+        let name = |effect| match effect {
+            Effect::Changed { view, after, .. } => Some((view, after.category().cloned())),
+            Effect::Purged { view } => Some((view, None)),
+            _ => None,
         };
-        let known: Vec<(ViewId, Option<CategoryName>)> =
-            entry.changes.into_iter().map(after).collect();
+        let named: Vec<(ViewId, Option<CategoryName>)> =
+            entry.effects.into_iter().filter_map(name).collect();
+        // What was purged since has no content any more; a later entry says so.
+        let known: Vec<_> = named
+            .into_iter()
+            .map(|(view, after)| (view, after.zip(self.catalogue.get(view).cloned())))
+            .collect();
         let names = self.read(|reader| {
             let name = |(view, after)| match after {
-                Some(category) => Ok(NameChange::Assigned(read_labelled(reader, view, category)?)),
+                Some((category, entry)) => {
+                    Ok(NameChange::Assigned(read_labelled(reader, view, category, &entry)?))
+                }
                 None => Ok(NameChange::Unassigned(view)),
             };
             known.into_iter().map(name).collect()
@@ -238,8 +253,50 @@ impl PerceptualMemory {
     }
 }
 
+/// Named views with descriptors that lie close together, by their content.
+type Run = Vec<(Digest, Vec<(ViewId, CategoryName, String)>)>;
+
+/// What belongs to a page, and where the next begins.
+fn runs_from(
+    catalogue: &Catalogue,
+    from: Digest,
+    max_bytes: usize,
+) -> (Vec<Run>, Option<Digest>) {
+    let mut n_bytes = 0;
+    let mut n_skipped = 0;
+    let mut runs: Vec<Run> = vec![Vec::new()];
+    for (digest, views) in catalogue.descriptors_from(from) {
+        let mut size = 0;
+        let mut named = Vec::new();
+        for (view, entry) in views {
+            if let Some(name) = entry.register.standing.category() {
+                named.push((view, name.clone(), entry.descriptor_kind.to_string()));
+                size += entry.descriptor.n_bytes as usize;
+            }
+        }
+        if named.is_empty() {
+            n_skipped += 1;
+            continue;
+        }
+        if n_bytes > max_bytes {
+            return (runs, Some(digest));
+        }
+        n_bytes += size;
+        if std::mem::take(&mut n_skipped) > SKIPPED_PER_SEEK {
+            runs.push(Vec::new());
+        }
+        if let Some(run) = runs.last_mut() {
+            run.push((digest, named));
+        }
+    }
+    (runs, None)
+}
+
 /// Reads a record that must be there.
-fn read_record<T: DeserializeOwned>(reader: &mut Reader, key: &[u8]) -> Result<T, Error> {
+pub(crate) fn read_record<T: DeserializeOwned>(
+    reader: &mut Reader,
+    key: &[u8],
+) -> Result<T, Error> {
     let record = reader.get(key)?;
     let value = record
         .ok_or("it is missing")
@@ -247,111 +304,113 @@ fn read_record<T: DeserializeOwned>(reader: &mut Reader, key: &[u8]) -> Result<T
     value.map_err(|wrong| Error::record(key, wrong))
 }
 
-fn read_descriptor(reader: &mut Reader, view: ViewId) -> Result<Descriptor, Error> {
-    let key = keys::view_key(keys::DESCRIPTOR, view);
-    Ok(read_record::<PackedDescriptor>(reader, &key)?.into())
+/// Reads content that must be there and be what its digest says.
+pub(crate) fn read_content(reader: &mut Reader, key: &[u8]) -> Result<Vec<u8>, Error> {
+    Ok(read_record::<ByteBuf>(reader, key)?.into_vec())
 }
 
 fn read_labelled(
     reader: &mut Reader,
     view: ViewId,
     category: CategoryName,
+    entry: &Entry,
 ) -> Result<LabelledView, Error> {
+    let key = keys::digest_key(keys::DESCRIPTOR, entry.descriptor.digest);
+    let values = read_content(reader, &key)?;
     Ok(LabelledView {
         view,
         category,
-        descriptor: read_descriptor(reader, view)?,
+        descriptor: facts::descriptor(entry.descriptor_kind.to_string(), &values),
     })
 }
 
 /// Reads descriptors that lie close together, in the order of their keys.
-fn read_run(
-    reader: &mut Reader,
-    run: Vec<(ViewId, CategoryName)>,
-    views: &mut Vec<LabelledView>,
-) -> Result<(), Error> {
-    let Some(&(first, _)) = run.first() else {
+fn read_run(reader: &mut Reader, run: Run, views: &mut Vec<LabelledView>) -> Result<(), Error> {
+    let Some((first, _)) = run.first() else {
         return Ok(());
     };
+    let first = keys::digest_key(keys::DESCRIPTOR, *first);
     let mut wanted = run.into_iter().peekable();
-    let mut wrong = "it is missing";
-    reader.scan(&keys::view_key(keys::DESCRIPTOR, first), |key, record| {
-        let is_wanted = |(view, _): &(ViewId, _)| keys::view_key(keys::DESCRIPTOR, *view) == key;
-        if wanted.peek().is_some_and(is_wanted) {
-            match unseal::<PackedDescriptor>(key, record) {
-                Ok(packed) => views.extend(wanted.next().map(|(view, category)| LabelledView {
-                    view,
-                    category,
-                    descriptor: packed.into(),
+    let mut damaged = None;
+    reader.scan(&first, |key, record| {
+        let is_here = |(digest, _): &(Digest, _)| keys::digest_key(keys::DESCRIPTOR, *digest) == key;
+        if let Some((digest, named)) = wanted.next_if(is_here) {
+            match unseal::<ByteBuf>(key, record) {
+                Ok(values) => views.extend(named.into_iter().map(|(view, category, kind)| {
+                    LabelledView {
+                        view,
+                        category,
+                        descriptor: facts::descriptor(kind, &values),
+                    }
                 })),
-                Err(what) => {
-                    wrong = what;
+                Err(wrong) => {
+                    damaged = Some((digest, wrong));
                     return ControlFlow::Break(());
                 }
             }
         }
-        let is_before =
-            |(view, _): &(ViewId, _)| &keys::view_key(keys::DESCRIPTOR, *view)[..] > key;
+        let is_before = |(digest, _): &(Digest, _)| {
+            &keys::digest_key(keys::DESCRIPTOR, *digest)[..] > key
+        };
         if wanted.peek().is_some_and(is_before) {
             ControlFlow::Continue(())
         } else {
             ControlFlow::Break(())
         }
     })?;
-    match wanted.next() {
-        Some((view, _)) => Err(Error::record(
-            &keys::view_key(keys::DESCRIPTOR, view),
+    let missing = wanted.next().map(|(digest, _)| (digest, "it is missing"));
+    match damaged.or(missing) {
+        Some((digest, wrong)) => Err(Error::record(
+            &keys::digest_key(keys::DESCRIPTOR, digest),
             wrong,
         )),
         None => Ok(()),
     }
 }
 
-fn read_entry(reader: &mut Reader, sequence: u64) -> Result<HistoryEntry, Error> {
+/// Reads an entry that must be there.
+pub(crate) fn read_entry(reader: &mut Reader, sequence: u64) -> Result<HistoryEntry, Error> {
     let key = keys::history_key(sequence);
-    let packed = read_record::<PackedEntry>(reader, &key)?;
-    packed
-        .unpack(sequence)
-        .ok_or_else(|| Error::record(&key, "a name in it is none"))
+    let record = reader.get(&key)?;
+    let entry = record
+        .ok_or("it is missing")
+        .and_then(|record| HistoryEntry::unseal(sequence, &record));
+    Ok(entry.map_err(|wrong| Error::record(&key, wrong))?.0)
 }
 
-fn read_view(reader: &mut Reader, view: ViewId) -> Result<StoredView, Error> {
+/// Reads all parts of a view that must be there.
+pub(crate) fn read_parts(reader: &mut Reader, view: ViewId) -> Result<ViewParts, Error> {
     let facts = read_record::<Facts>(reader, &keys::view_key(keys::VIEW, view))?;
-    let descriptor = read_descriptor(reader, view)?;
-    let mut points = None;
-    if facts.points.is_some() {
-        let key = keys::view_key(keys::POINTS, view);
-        points = Some(read_record::<serde_bytes::ByteBuf>(reader, &key)?.into_vec());
-    }
-    let label = read_label(reader, view)?;
-    Ok(StoredView {
-        view: facts.into_view(view, descriptor, points),
-        label,
+    let key = keys::digest_key(keys::DESCRIPTOR, facts.descriptor.digest);
+    let descriptor = read_content(reader, &key)?;
+    let points = match &facts.points {
+        Some(points) => Some(read_content(
+            reader,
+            &keys::digest_key(keys::BLOB, points.digest),
+        )?),
+        None => None,
+    };
+    Ok(ViewParts {
+        facts,
+        descriptor,
+        points,
     })
 }
 
-/// A view that never had a name has no record of one.
-fn read_label(reader: &mut Reader, view: ViewId) -> Result<Option<Label>, Error> {
-    let key = keys::view_key(keys::LABEL, view);
-    let Some(record) = reader.get(&key)? else {
-        return Ok(None);
-    };
-    let label = unseal::<PackedLabel>(&key, &record)
-        .and_then(|label| Ok((category_of(&label)?, label)))
-        .map_err(|wrong| Error::record(&key, wrong))?;
-    let (
-        category,
-        PackedLabel {
-            author,
-            wall_ns,
-            sequence,
-            ..
-        },
-    ) = label;
-    Ok(category.map(|category| Label {
-        category,
-        author,
-        wall_ns,
-        sequence,
-    }))
+/// Reads a view, with what it stands for by the index.
+pub(crate) fn read_view(
+    reader: &mut Reader,
+    view: ViewId,
+    entry: &Entry,
+) -> Result<StoredView, Error> {
+    let parts = read_parts(reader, view)?;
+    let register = &entry.register;
+    let is_decided = register.decided.stamp_ns > 0;
+    Ok(StoredView {
+        origin: parts.facts.origin(),
+        view: parts.into_view(view),
+        standing: register.standing.clone(),
+        decided: is_decided.then(|| register.decided.clone()),
+        sequence: register.sequence,
+    })
 }

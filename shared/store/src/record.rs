@@ -6,9 +6,11 @@
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// The only version of records so far; a change of any record's fields makes a new
-/// one, and a new schema. The meta record, which tells the schema, keeps this one.
-const VERSION: u8 = 1;
+use crate::meta::SCHEMA;
+
+/// The version of records in this schema; a change of any record's fields makes a
+/// new one, and a new schema.
+const VERSION: u8 = SCHEMA as u8;
 const HEADER_BYTES: usize = 5;
 
 /// The bytes to store under `key`.
@@ -27,21 +29,45 @@ pub(crate) fn seal<T: Serialize>(key: &[u8], value: &T) -> Vec<u8> {
 
 /// The value stored under `key`, or what is wrong with its bytes.
 pub(crate) fn unseal<T: DeserializeOwned>(key: &[u8], record: &[u8]) -> Result<T, &'static str> {
-    ciborium::from_reader(payload(key, record)?).map_err(|_| "its fields cannot be read")
+    read(payload(key, record)?)
+}
+
+/// As [`unseal`], of a record of an older or newer schema, whose number it returns.
+pub(crate) fn unseal_any<T: DeserializeOwned>(
+    key: &[u8],
+    record: &[u8],
+) -> Result<(u8, T), &'static str> {
+    let (version, payload) = versioned_payload(key, record)?;
+    Ok((version, read(payload)?))
 }
 
 /// The CBOR of the record, checked but not read.
 pub(crate) fn payload<'a>(key: &[u8], record: &'a [u8]) -> Result<&'a [u8], &'static str> {
+    match versioned_payload(key, record)? {
+        (VERSION, payload) => Ok(payload),
+        _ => Err("its version is not known"),
+    }
+}
+
+/// The version of a whole record.
+pub(crate) fn version(key: &[u8], record: &[u8]) -> Option<u8> {
+    versioned_payload(key, record)
+        .ok()
+        .map(|(version, _)| version)
+}
+
+fn read<T: DeserializeOwned>(payload: &[u8]) -> Result<T, &'static str> {
+    ciborium::from_reader(payload).map_err(|_| "its fields cannot be read")
+}
+
+fn versioned_payload<'a>(key: &[u8], record: &'a [u8]) -> Result<(u8, &'a [u8]), &'static str> {
     let Some((&[version, a, b, c, d], payload)) = record.split_first_chunk::<HEADER_BYTES>() else {
         return Err("it is too short");
     };
     if checksum(key, version, payload) != u32::from_le_bytes([a, b, c, d]) {
         return Err("its checksum is wrong");
     }
-    if version != VERSION {
-        return Err("its version is not known");
-    }
-    Ok(payload)
+    Ok((version, payload))
 }
 
 fn checksum(key: &[u8], version: u8, payload: &[u8]) -> u32 {

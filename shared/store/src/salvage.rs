@@ -1,35 +1,41 @@
-//! Copies what is whole in a damaged database into a new one, and counts the rest.
+//! Makes a new database of what is whole in a damaged or older one, and counts the
+//! rest.
 //!
-//! A view is kept when its facts and its descriptor are whole; its cloud is kept
-//! when that is whole too. Its name is what the newest whole record says, its
-//! label or an entry of the history: both carry the sequence. The history keeps
-//! its order and is numbered anew without gaps; the answers to mutations whose
-//! entry is lost go with it, so that such a mutation can be made again.
+//! The whole entries of the history are made again, one after the other, on an
+//! empty store. What the lost ones did is taken from what else is whole: one last
+//! entry says what was lost, and what had to be taken so.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
-use std::ops::ControlFlow;
+use std::path::Path;
 
-use learning::{CategoryName, ViewId};
+use learning::ViewId;
+use serde::{Deserialize, Serialize};
 
+use crate::applying::Target;
+use crate::catalogue::Catalogue;
+use crate::decision::Contents;
+use crate::digest::Digest;
+use crate::document::DocumentKey;
 use crate::engine::Engine;
 use crate::error::Error;
-use crate::examination::category_of;
-use crate::history::{HistoryEntry, Operation, PackedEntry};
-use crate::keys;
+use crate::facts::ViewParts;
+use crate::history::{Effect, HistoryEntry, Operation};
 use crate::meta::Meta;
-use crate::mutation::{Answer, MutationId};
-use crate::perceptual_memory::put_label;
-use crate::record::{payload, unseal};
-use crate::view::{Facts, PackedLabel};
+use crate::raw_database::RawDatabase;
+use crate::remains::Remains;
+use crate::standing::Standing;
 use crate::watermark::Mark;
 use crate::writes::Writes;
 
 /// Bytes gathered before they are written to the copy.
 const WRITE_BYTES: usize = 1 << 20;
 
+/// Who rebuilds, in the history.
+const AUTHOR: &str = "the store itself";
+
 /// What a rebuilt store no longer has.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Loss {
     /// Acknowledged changes that are not in the history any more.
     pub n_history: u64,
@@ -37,6 +43,8 @@ pub struct Loss {
     pub n_views: u64,
     /// Views that are there without their cloud.
     pub n_clouds: u64,
+    /// Versions of documents of which the content is gone.
+    pub n_documents: u64,
 }
 
 impl fmt::Display for Loss {
@@ -45,269 +53,270 @@ impl fmt::Display for Loss {
             n_history,
             n_views,
             n_clouds,
+            n_documents,
         } = self;
         write!(
             f,
-            "{n_history} history entries, {n_views} views, {n_clouds} clouds"
+            "{n_history} history entries, {n_views} views, {n_clouds} clouds, {n_documents} \
+             documents"
         )
     }
 }
 
-/// The whole records of a damaged database, without descriptors and clouds.
-#[derive(Default)]
-struct Found {
-    facts: BTreeMap<ViewId, Facts>,
-    descriptors: BTreeSet<ViewId>,
-    clouds: BTreeSet<ViewId>,
-    labels: BTreeMap<ViewId, PackedLabel>,
-    history: BTreeMap<u64, HistoryEntry>,
-    answers: BTreeMap<MutationId, Answer>,
-    /// Views of which any record was met, whole or not.
-    met: BTreeSet<ViewId>,
-    last_sequence_met: u64,
+/// What became of a database.
+pub(crate) struct Salvaged {
+    pub(crate) loss: Loss,
+    /// The older schema it had.
+    pub(crate) migrated_from: Option<u32>,
 }
 
-/// Copies everything whole from `damaged` to the empty `copy`, which is on disk
-/// afterwards.
+/// Makes in the empty `copy` what is whole in the database's folder; it is on disk
+/// afterwards. None when nothing is whole.
 ///
 /// # Errors
 ///
-/// [`Error::Damaged`] when not even the whole records can be walked through;
-/// [`Error::Io`] when the copy cannot be written.
+/// [`Error::NewerSchema`]; [`Error::Io`] when the folder cannot be read or the copy
+/// cannot be written.
 pub(crate) fn salvage(
-    damaged: &mut Engine,
+    damaged: &Path,
     copy: &mut Engine,
-    meta: Option<&Meta>,
     mark: Option<&Mark>,
     wall_ns: u64,
-) -> Result<Loss, Error> {
-    let mut found = find(damaged)?;
-    let loss = forget_incomplete(&mut found, meta, mark);
-    let next_track_id = meta.map_or(1, |meta| meta.next_track_id);
-    let mut new_meta = Meta::new(next_track_id.max(mark.map_or(1, |mark| mark.next_track_id)))?;
-    new_meta.n_views = found.facts.len() as u64;
-    copy_large_parts(damaged, copy, &found)?;
-    let mut writes = Writes::default();
-    for (&view, facts) in &found.facts {
-        writes.put(&keys::view_key(keys::VIEW, view), facts);
-        flush_if_large(&mut writes, copy)?;
+) -> Result<Option<Salvaged>, Error> {
+    let raw = RawDatabase::read(damaged)?;
+    let Some(remains) = Remains::find(&raw, mark)? else {
+        return Ok(None);
+    };
+    let meta = Meta::new(Some(remains.memory_id), remains.next_track_id)?;
+    let mut rebuild = Rebuild {
+        remains: &remains,
+        raw: &raw,
+        copy,
+        catalogue: Catalogue::default(),
+        meta,
+        writes: Writes::default(),
+    };
+    for (index, entry) in remains.history.values().enumerate() {
+        rebuild.make_again(entry, index == 0)?;
     }
-    let new_sequence = copy_history(copy, &mut writes, &found.history)?;
-    copy_labels(copy, &mut writes, &found, &new_sequence)?;
-    copy_answers(copy, &mut writes, &found, &new_sequence)?;
-    new_meta.sequence = found.history.len() as u64 + 1;
-    let entry = rebuild_entry(new_meta.sequence, wall_ns, loss);
-    writes.put(&keys::history_key(entry.sequence), &PackedEntry::of(&entry));
-    writes.commit(copy, &new_meta)?;
-    Ok(loss)
+    let loss = rebuild.end(wall_ns)?;
+    Ok(Some(Salvaged {
+        loss,
+        migrated_from: remains.migrated_from,
+    }))
 }
 
-/// Walks through all records; one that is not whole is passed by.
-fn find(damaged: &mut Engine) -> Result<Found, Error> {
-    let mut found = Found::default();
-    damaged.reader()?.scan(&[], |key, record| {
-        note(&mut found, key, record);
-        ControlFlow::Continue(())
-    })?;
-    Ok(found)
+struct Rebuild<'a> {
+    remains: &'a Remains,
+    raw: &'a RawDatabase,
+    copy: &'a mut Engine,
+    catalogue: Catalogue,
+    meta: Meta,
+    writes: Writes,
 }
 
-fn note(found: &mut Found, key: &[u8], record: &[u8]) -> Option<()> {
-    match *key.first()? {
-        table @ (keys::VIEW | keys::DESCRIPTOR | keys::POINTS | keys::LABEL) => {
-            let view = keys::view_of(key)?;
-            found.met.insert(view);
-            match table {
-                keys::VIEW => {
-                    found.facts.insert(view, unseal(key, record).ok()?);
+impl Rebuild<'_> {
+    /// Makes a whole entry again. A migrated history is chained anew.
+    fn make_again(&mut self, entry: &HistoryEntry, is_first: bool) -> Result<(), Error> {
+        let mut entry = entry.clone();
+        if self.remains.migrated_from.is_some() {
+            entry.previous = if is_first {
+                Digest::default()
+            } else {
+                self.meta.head
+            };
+        }
+        let contents = self.contents_of(&entry.effects);
+        self.apply(&entry, &contents)
+    }
+
+    fn apply(&mut self, entry: &HistoryEntry, contents: &Contents) -> Result<(), Error> {
+        let mut target = Target {
+            catalogue: &mut self.catalogue,
+            meta: &mut self.meta,
+            writes: &mut self.writes,
+        };
+        target.apply(entry, contents);
+        if self.writes.n_bytes() < WRITE_BYTES {
+            return Ok(());
+        }
+        std::mem::take(&mut self.writes).flush(self.copy)
+    }
+
+    /// What is whole of the content these effects bring in.
+    fn contents_of(&self, effects: &[Effect]) -> Contents {
+        let mut contents = Contents::default();
+        for effect in effects {
+            match effect {
+                Effect::Stored { identity, .. } => {
+                    let parts = self.remains.parts(self.raw, *identity);
+                    if let Some(parts) = parts.filter(ViewParts::are_complete) {
+                        contents.views.insert(*identity, parts);
+                    }
                 }
-                keys::LABEL => {
-                    found.labels.insert(view, unseal(key, record).ok()?);
+                Effect::Document {
+                    after: Some(content),
+                    ..
+                } => {
+                    if let Some(bytes) = self.remains.blob(self.raw, content.digest) {
+                        contents.documents.insert(content.digest, bytes);
+                    }
                 }
-                keys::DESCRIPTOR => {
-                    payload(key, record).ok()?;
-                    found.descriptors.insert(view);
-                }
-                _ => {
-                    payload(key, record).ok()?;
-                    found.clouds.insert(view);
-                }
+                _ => {}
             }
         }
-        keys::HISTORY => {
-            let sequence = keys::sequence_of(key)?;
-            found.last_sequence_met = found.last_sequence_met.max(sequence);
-            let entry = unseal::<PackedEntry>(key, record).ok()?.unpack(sequence)?;
-            found.met.extend(&entry.stored);
-            found.history.insert(sequence, entry);
-        }
-        keys::ANSWER => {
-            found
-                .answers
-                .insert(keys::mutation_of(key)?, unseal(key, record).ok()?);
-        }
-        // The category index is made again from the labels.
-        _ => {}
+        contents
     }
-    Some(())
-}
 
-/// Leaves only views that are whole, and counts what is gone.
-fn forget_incomplete(found: &mut Found, meta: Option<&Meta>, mark: Option<&Mark>) -> Loss {
-    let Found {
-        facts,
-        descriptors,
-        clouds,
-        ..
-    } = found;
-    facts.retain(|view, _| descriptors.contains(view));
-    let mut n_clouds = 0;
-    for (view, facts) in facts.iter_mut() {
-        if facts.points.is_some() && !clouds.contains(view) {
-            facts.points = None;
-            n_clouds += 1;
+    /// Makes the last entry, and has everything on disk.
+    fn end(mut self, wall_ns: u64) -> Result<Loss, Error> {
+        let lost = self.remains.lost_entries(self.meta.sequence);
+        let (effects, contents, mut loss) = self.what_history_does_not_say();
+        loss.n_history = lost.iter().map(|(first, last)| last - first + 1).sum();
+        let last_sequence = lost.last().map_or(0, |(_, last)| *last);
+        let is_whole = loss == Loss::default() && effects.is_empty();
+        let operation = match self.remains.migrated_from {
+            Some(schema) if is_whole => Operation::Migrate { schema },
+            _ => Operation::Rebuild { loss, lost },
+        };
+        let entry = HistoryEntry {
+            sequence: self.meta.sequence.max(last_sequence) + 1,
+            previous: self.meta.head,
+            wall_ns,
+            author: AUTHOR.into(),
+            operation,
+            mutation: None,
+            effects,
+            contradiction: None,
+        };
+        self.apply(&entry, &contents)?;
+        self.writes.commit(self.copy, &self.meta)?;
+        Ok(loss)
+    }
+
+    /// The difference between what the whole entries made and what is whole.
+    fn what_history_does_not_say(&self) -> (Vec<Effect>, Contents, Loss) {
+        let mut news = News::default();
+        let made: BTreeSet<ViewId> = self.catalogue.all().map(|(view, _)| view).collect();
+        for (&view, identity) in &self.remains.views {
+            if self.catalogue.get(view).is_none()
+                && let Some(parts) = self.remains.parts(self.raw, *identity)
+            {
+                self.take_view(view, parts, &mut news);
+            }
         }
-    }
-    let n_facts = facts.len() as u64;
-    let n_views = meta
-        .map_or(0, |meta| meta.n_views)
-        .max(found.met.len() as u64)
-        - n_facts;
-    let mark = mark.filter(|mark| meta.is_none_or(|meta| meta.store_id().0 == mark.store_id));
-    let last = meta
-        .map_or(0, |meta| meta.sequence)
-        .max(found.last_sequence_met);
-    let last = last.max(mark.map_or(0, |mark| mark.sequence));
-    Loss {
-        n_history: last - found.history.len() as u64,
-        n_views,
-        n_clouds,
-    }
-}
-
-/// Copies descriptors and clouds as they are: the keys do not change.
-fn copy_large_parts(damaged: &mut Engine, copy: &mut Engine, found: &Found) -> Result<(), Error> {
-    let mut writes = Writes::default();
-    let mut written = Ok(());
-    damaged.reader()?.scan(&[], |key, record| {
-        let is_large = matches!(key.first(), Some(&keys::DESCRIPTOR | &keys::POINTS));
-        let facts = keys::view_of(key).and_then(|view| found.facts.get(&view));
-        let is_kept =
-            facts.is_some_and(|facts| key[0] == keys::DESCRIPTOR || facts.points.is_some());
-        if is_large && is_kept {
-            writes.put_sealed(key, record);
-            written = flush_if_large(&mut writes, copy);
+        for (&view, register) in &self.remains.registers {
+            let known = self.catalogue.get(view).map(|entry| &entry.register);
+            if let Some(known) = known
+                && known.sequence < register.sequence
+                && known.standing != register.standing
+            {
+                news.effects.push(Effect::Changed {
+                    view,
+                    before: known.standing.clone(),
+                    after: register.standing.clone(),
+                    decided: Some(register.decided.clone()),
+                });
+            }
         }
-        if written.is_ok() {
-            ControlFlow::Continue(())
-        } else {
-            ControlFlow::Break(())
+        for (identity, decided) in &self.remains.tombstones {
+            if !self.catalogue.tombstones.contains_key(identity) {
+                news.effects.push(Effect::Tombstone {
+                    identity: *identity,
+                    decided: Some(decided.clone()),
+                });
+            }
         }
-    })?;
-    written?;
-    writes.flush(copy)
-}
-
-/// Copies the history without gaps; returns each old sequence with its new one.
-fn copy_history(
-    copy: &mut Engine,
-    writes: &mut Writes,
-    history: &BTreeMap<u64, HistoryEntry>,
-) -> Result<BTreeMap<u64, u64>, Error> {
-    let mut new_sequence = BTreeMap::new();
-    for (new, (&old, entry)) in (1..).zip(history) {
-        new_sequence.insert(old, new);
-        writes.put(&keys::history_key(new), &PackedEntry::of(entry));
-        flush_if_large(writes, copy)?;
+        self.take_documents(&mut news);
+        let kept = made.len() + news.n_stored;
+        news.give_up(self.remains.stored_by_history.difference(&made));
+        news.loss.n_views = self.remains.n_views_expected.saturating_sub(kept as u64);
+        (news.effects, news.contents, news.loss)
     }
-    Ok(new_sequence)
-}
 
-/// The new sequence of the last entry kept up to an old one.
-fn renumbered(new_sequence: &BTreeMap<u64, u64>, old: u64) -> u64 {
-    new_sequence
-        .range(..=old)
-        .next_back()
-        .map_or(0, |(_, new)| *new)
-}
-
-fn copy_labels(
-    copy: &mut Engine,
-    writes: &mut Writes,
-    found: &Found,
-    new_sequence: &BTreeMap<u64, u64>,
-) -> Result<(), Error> {
-    for (view, (mut label, category)) in newest_labels(found) {
-        label.sequence = renumbered(new_sequence, label.sequence);
-        put_label(writes, view, &label, category.as_ref());
-        flush_if_large(writes, copy)?;
-    }
-    Ok(())
-}
-
-/// What each kept view is called, by the newer of its label and the history.
-fn newest_labels(found: &Found) -> BTreeMap<ViewId, (PackedLabel, Option<CategoryName>)> {
-    let mut labels = BTreeMap::new();
-    for (&view, label) in &found.labels {
-        if let Ok(category) = category_of(label) {
-            labels.insert(view, (label.clone(), category));
+    /// A view whose entry is lost, or whose cloud is.
+    fn take_view(&self, view: ViewId, mut parts: ViewParts, news: &mut News) {
+        if self.remains.stored_by_history.contains(&view) {
+            // By the history it is one with a cloud.
+            news.effects.push(Effect::Purged { view });
+        }
+        if parts.facts.points.is_some() && parts.points.is_none() {
+            parts.facts.points = None;
+            news.loss.n_clouds += 1;
+        }
+        let identity = parts.facts.identity();
+        news.effects.push(Effect::Stored { view, identity });
+        news.contents.views.insert(identity, parts);
+        news.stored.insert(view);
+        news.n_stored += 1;
+        let standing = self.remains.standing(view);
+        if let Some((standing, decided)) = standing.filter(|(s, _)| *s != Standing::Unnamed) {
+            news.effects.push(Effect::Changed {
+                view,
+                before: Standing::Unnamed,
+                after: standing,
+                decided: Some(decided),
+            });
         }
     }
-    for (&sequence, entry) in &found.history {
-        for change in &entry.changes {
-            let known = labels
-                .get(&change.id)
-                .map_or(0, |(label, _)| label.sequence);
-            if sequence > known {
-                let label = PackedLabel::given_by(entry, change);
-                labels.insert(change.id, (label, change.after.clone()));
+
+    /// Present versions that the history does not give, and those whose content is gone.
+    fn take_documents(&self, news: &mut News) {
+        let mut present: BTreeMap<&DocumentKey, u64> = BTreeMap::new();
+        for (key, sequence) in self.remains.documents.keys() {
+            present.insert(key, *sequence);
+        }
+        for (key, sequence) in present {
+            let known = self.catalogue.document(key);
+            let Some(version) = self.remains.documents.get(&(key.clone(), sequence)) else {
+                continue;
+            };
+            if known.is_some_and(|(known, _)| known >= sequence) {
+                continue;
+            }
+            if let Some(content) = &version.content {
+                let Some(bytes) = self.remains.blob(self.raw, content.digest) else {
+                    let version = (key.clone(), sequence);
+                    let is_told = self.remains.versions_by_history.contains(&version);
+                    news.loss.n_documents += u64::from(!is_told);
+                    continue;
+                };
+                news.contents.documents.insert(content.digest, bytes);
+            }
+            news.effects.push(Effect::Document {
+                document: key.clone(),
+                before: known.and_then(|(_, version)| version.content.clone()),
+                after: version.content.clone(),
+                decided: Some(version.decided.clone()),
+            });
+        }
+        for (key, sequence) in &self.remains.versions_by_history {
+            if !self.catalogue.versions().any(|(k, s, ..)| (k, s) == (key, *sequence)) {
+                news.loss.n_documents += 1;
+                news.effects.push(Effect::VersionPurged {
+                    document: key.clone(),
+                    sequence: *sequence,
+                });
             }
         }
     }
-    labels.retain(|view, _| found.facts.contains_key(view));
-    labels
 }
 
-fn copy_answers(
-    copy: &mut Engine,
-    writes: &mut Writes,
-    found: &Found,
-    new_sequence: &BTreeMap<u64, u64>,
-) -> Result<(), Error> {
-    for (&id, answer) in &found.answers {
-        let entry = found.history.get(&answer.sequence);
-        let is_kept = answer.n_views == 0 || entry.is_some_and(|entry| entry.mutation == Some(id));
-        if is_kept {
-            let sequence = renumbered(new_sequence, answer.sequence);
-            writes.put(
-                &keys::answer_key(id),
-                &Answer {
-                    sequence,
-                    ..*answer
-                },
-            );
-            flush_if_large(writes, copy)?;
-        }
-    }
-    Ok(())
+/// What the last entry is to say.
+#[derive(Default)]
+struct News {
+    effects: Vec<Effect>,
+    contents: Contents,
+    stored: BTreeSet<ViewId>,
+    n_stored: usize,
+    loss: Loss,
 }
 
-/// So that the loss is told for as long as the history is kept.
-fn rebuild_entry(sequence: u64, wall_ns: u64, loss: Loss) -> HistoryEntry {
-    HistoryEntry {
-        sequence,
-        wall_ns,
-        author: format!("the store itself, having lost {loss}"),
-        operation: Operation::Rebuild,
-        mutation: None,
-        stored: Vec::new(),
-        changes: Vec::new(),
+impl News {
+    /// Views of the history that are not there any more.
+    fn give_up<'a>(&mut self, views: impl Iterator<Item = &'a ViewId>) {
+        let gone = views.filter(|view| !self.stored.contains(view));
+        let purged: Vec<Effect> = gone.map(|view| Effect::Purged { view: *view }).collect();
+        self.effects.splice(0..0, purged);
     }
-}
-
-fn flush_if_large(writes: &mut Writes, copy: &mut Engine) -> Result<(), Error> {
-    if writes.n_bytes() < WRITE_BYTES {
-        return Ok(());
-    }
-    std::mem::take(writes).flush(copy)
 }

@@ -7,6 +7,8 @@
 //! database.damaged-1/   set aside, never touched again
 //! database.rebuilding/  half a copy; removed when the store is opened
 //! database.rebuilt/     a whole copy that is about to take the database's place
+//! checkpoint-1/         the database as it was at one instant, for a long reading;
+//!                       removed after it, or when the store is opened
 //! ```
 
 use std::fs::{self, File, TryLockError};
@@ -14,6 +16,9 @@ use std::path::{Path, PathBuf};
 
 use crate::durable_env::sync_folder;
 use crate::error::Error;
+
+/// What the names of checkpoints begin with.
+const CHECKPOINT: &str = "checkpoint-";
 
 /// The folder, held against other processes until it is dropped.
 pub(crate) struct StoreFolder {
@@ -52,6 +57,17 @@ impl StoreFolder {
         }
     }
 
+    /// Takes hold of a folder that is there.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::hold`], and [`Error::Io`] when there is no store in it.
+    pub(crate) fn hold_existing(path: &Path) -> Result<Self, Error> {
+        let database = path.join("database");
+        fs::metadata(&database).map_err(Error::io("finding", database))?;
+        Self::hold(path)
+    }
+
     pub(crate) fn watermark(&self) -> PathBuf {
         self.path.join("acknowledged")
     }
@@ -68,9 +84,18 @@ impl StoreFolder {
         self.path.join("database.rebuilt")
     }
 
-    /// Removes half a copy, and puts a whole one in place that an earlier process
-    /// did not come to.
-    pub(crate) fn finish_interrupted_rebuild(&self) -> Result<(), Error> {
+    /// Removes checkpoints that an earlier process left, and half a copy; puts a
+    /// whole one in place that it did not come to.
+    pub(crate) fn tidy(&self) -> Result<(), Error> {
+        let entries = fs::read_dir(&self.path).map_err(Error::io("listing", &self.path))?;
+        for entry in entries.flatten() {
+            let is_checkpoint = entry.file_name().to_string_lossy().starts_with(CHECKPOINT);
+            if is_checkpoint && entry.path().is_dir() {
+                let path = entry.path();
+                fs::remove_dir_all(&path).map_err(Error::io("removing", path))?;
+            }
+        }
+
         let half = self.rebuilding();
         if half.exists() {
             fs::remove_dir_all(&half).map_err(Error::io("removing", half))?;
@@ -79,6 +104,13 @@ impl StoreFolder {
             self.put_rebuilt_in_place()?;
         }
         Ok(())
+    }
+
+    /// A folder for a checkpoint that is not there yet.
+    pub(crate) fn new_checkpoint(&self) -> PathBuf {
+        let paths = (1_u64..).map(|n| self.path.join(format!("{CHECKPOINT}{n}")));
+        let mut free = paths.filter(|path| !path.exists());
+        free.next().unwrap_or_else(|| self.path.join(CHECKPOINT))
     }
 
     /// Puts the closed copy in the database's place; returns where that now is.

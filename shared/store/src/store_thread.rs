@@ -13,6 +13,7 @@ use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::thread::JoinHandle;
 
+use crate::economy::Limits;
 use crate::error::Error;
 use crate::mutation::{Answer, Mutation};
 use crate::opening::OpenReport;
@@ -34,6 +35,8 @@ pub struct StoreConfig {
     pub folder: PathBuf,
     /// Most requests that may wait, at least one.
     pub queue_capacity: usize,
+    /// How much is kept.
+    pub limits: Limits,
     /// Now, nanoseconds since 1970, UTC.
     pub wall_clock: fn() -> u64,
     /// Told, on the store's thread, what was found whenever the store had to be
@@ -75,6 +78,7 @@ enum Request {
     Mutate(Mutation, Reply<Answer>),
     Lease(u64, Reply<u64>),
     Read(Read),
+    Rebuild(Reply<OpenReport>),
     Stop,
 }
 
@@ -116,6 +120,11 @@ impl StoreHandle {
         self.send(Request::Read(Box::new(move |memory| {
             reply.send(memory.and_then(read));
         })));
+    }
+
+    /// Has the store made anew from what is whole in it; `reply` gets what was found.
+    pub fn rebuild(&self, reply: impl FnOnce(Result<OpenReport, Error>) + Send + 'static) {
+        self.send(Request::Rebuild(Reply::new(reply)));
     }
 
     /// As [`Self::mutate`], and waits for the answer.
@@ -178,6 +187,7 @@ impl Request {
             Self::Mutate(_, reply) => reply.send(Err(error.clone())),
             Self::Lease(_, reply) => reply.send(Err(error.clone())),
             Self::Read(read) => read(Err(error.clone())),
+            Self::Rebuild(reply) => reply.send(Err(error.clone())),
             Self::Stop => {}
         }
     }
@@ -197,7 +207,8 @@ impl StoreThread {
     /// Those of [`PerceptualMemory::open`], and [`Error::Io`] when there is no
     /// room for a thread.
     pub fn start(config: StoreConfig) -> Result<(Self, StoreHandle, OpenReport), Error> {
-        let (memory, report) = PerceptualMemory::open(&config.folder, (config.wall_clock)())?;
+        let (mut memory, report) = PerceptualMemory::open(&config.folder, (config.wall_clock)())?;
+        memory.set_limits(config.limits);
         let capacity = config.queue_capacity.max(1);
         let (queue, requests) = sync_channel(capacity);
         let folder = config.folder.clone();
@@ -300,6 +311,10 @@ impl Owner {
                     self.memory = None;
                 }
             }
+            Request::Rebuild(reply) => {
+                self.commit();
+                reply.send(self.open_again(true));
+            }
             Request::Stop => {}
         }
     }
@@ -347,6 +362,10 @@ impl Owner {
             None => false,
         };
         self.commit();
+        self.open_again(must_rebuild).map(|_| ())
+    }
+
+    fn open_again(&mut self, must_rebuild: bool) -> Result<OpenReport, Error> {
         // Closed first: it holds the folder.
         self.memory = None;
         let open = if must_rebuild {
@@ -354,13 +373,14 @@ impl Owner {
         } else {
             PerceptualMemory::open
         };
-        let (memory, report) = match open(&self.config.folder, (self.config.wall_clock)()) {
-            Ok((memory, report)) => (Some(memory), Ok(report)),
-            Err(error) => (None, Err(error)),
-        };
-        self.memory = memory;
+        let opened = open(&self.config.folder, (self.config.wall_clock)());
+        let report = opened.map(|(mut memory, report)| {
+            memory.set_limits(self.config.limits);
+            self.memory = Some(memory);
+            report
+        });
         (self.config.on_reopened)(&report);
-        report.map(|_| ())
+        report
     }
 
     fn stop(&mut self) -> Result<(), Error> {

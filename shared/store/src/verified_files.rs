@@ -19,18 +19,18 @@ use crate::crc32c::{crc32c, unmask};
 use crate::env_health::EnvHealth;
 
 /// A table's last bytes: two block handles, padding, and the magic number.
-const FOOTER_BYTES: usize = 48;
+pub(crate) const FOOTER_BYTES: usize = 48;
 const FOOTER_MAGIC: [u8; 8] = 0xdb47_7524_8b80_fb57_u64.to_le_bytes();
 /// After each block: one byte of compression type, four of checksum.
-const TRAILER_BYTES: usize = 5;
+pub(crate) const TRAILER_BYTES: usize = 5;
 
 /// Logs are cut into blocks; no record header crosses a block's end.
 const LOG_BLOCK_BYTES: usize = 32 * 1024;
 const LOG_HEADER_BYTES: usize = 7;
 /// Record types that begin a record.
-const LOG_FULL: u8 = 1;
-const LOG_FIRST: u8 = 2;
-const LOG_LAST: u8 = 4;
+pub(crate) const LOG_FULL: u8 = 1;
+pub(crate) const LOG_FIRST: u8 = 2;
+pub(crate) const LOG_LAST: u8 = 4;
 
 /// A table file that checks what is read from it.
 pub(crate) struct VerifiedTable {
@@ -84,7 +84,8 @@ impl RandomAccess for VerifiedTable {
     }
 }
 
-fn le_u32(bytes: &[u8]) -> u32 {
+/// The first four bytes, zero when there are fewer.
+pub(crate) fn le_u32(bytes: &[u8]) -> u32 {
     bytes
         .first_chunk()
         .map_or(0, |four| u32::from_le_bytes(*four))
@@ -98,28 +99,39 @@ fn has_valid_trailer(bytes: &[u8]) -> bool {
     }
 }
 
-/// The footer has no checksum, and rusty-leveldb allocates whatever size it names.
+/// What is wrong with a footer.
 fn check_footer(footer: &[u8], n_file_bytes: u64) -> Option<&'static str> {
+    footer_handles(footer, n_file_bytes).err()
+}
+
+/// Offset and size of the two blocks that a footer names, or what is wrong with it:
+/// it has no checksum, and rusty-leveldb allocates whatever size it names.
+pub(crate) fn footer_handles(
+    footer: &[u8],
+    n_file_bytes: u64,
+) -> Result<[(u64, u64); 2], &'static str> {
     if !footer.ends_with(&FOOTER_MAGIC) {
-        return Some("the footer does not end with the magic number of a table");
+        return Err("the footer does not end with the magic number of a table");
     }
     let mut rest = footer;
-    for _ in 0..2 {
+    let mut handles = [(0, 0); 2];
+    for handle in &mut handles {
         let (Some(offset), Some(size)) = (take_varint(&mut rest), take_varint(&mut rest)) else {
-            return Some("the footer's block handle cannot be read");
+            return Err("the footer's block handle cannot be read");
         };
         let end = offset
             .checked_add(size)
             .and_then(|end| end.checked_add(TRAILER_BYTES as u64));
         if end.is_none_or(|end| end > n_file_bytes) {
-            return Some("the footer names a block beyond the end of the file");
+            return Err("the footer names a block beyond the end of the file");
         }
+        *handle = (offset, size);
     }
-    None
+    Ok(handles)
 }
 
 /// Seven bits a byte, lowest first, the top bit saying that more follow.
-fn take_varint(bytes: &mut &[u8]) -> Option<u64> {
+pub(crate) fn take_varint(bytes: &mut &[u8]) -> Option<u64> {
     let mut value = 0;
     for shift in (0..63).step_by(7) {
         let (&byte, rest) = bytes.split_first()?;
@@ -140,27 +152,64 @@ fn take_varint(bytes: &mut &[u8]) -> Option<u64> {
 /// record begins after it, since one is begun only when those before are on disk.
 pub(crate) fn check_log(log: &[u8]) -> Option<String> {
     let mut first_bad = None;
-    for (block_idx, block) in log.chunks(LOG_BLOCK_BYTES).enumerate() {
-        let mut rest = block;
-        while rest.len() >= LOG_HEADER_BYTES {
-            let offset = block_idx * LOG_BLOCK_BYTES + block.len() - rest.len();
-            let Some((kind, n_bytes)) = whole_log_record(rest) else {
-                first_bad = first_bad.or(Some(offset));
-                // Its length may be what is damaged, so the next one may begin anywhere.
-                rest = &rest[1..];
-                continue;
-            };
-            if let Some(bad) = first_bad
-                && (kind == LOG_FULL || kind == LOG_FIRST)
-            {
-                return Some(format!(
-                    "the record at byte {bad} is damaged, and a whole one follows at byte {offset}"
-                ));
-            }
-            rest = &rest[n_bytes..];
+    let mut expected = 0;
+    for piece in log_pieces(log) {
+        if piece.offset != expected {
+            first_bad = first_bad.or(Some(expected));
         }
+        if let Some(bad) = first_bad
+            && (piece.kind == LOG_FULL || piece.kind == LOG_FIRST)
+        {
+            let offset = piece.offset;
+            return Some(format!(
+                "the record at byte {bad} is damaged, and a whole one follows at byte {offset}"
+            ));
+        }
+        expected = piece.next_offset;
     }
     None
+}
+
+/// A whole piece of a record, as it lies in a log.
+pub(crate) struct LogPiece<'a> {
+    pub(crate) offset: usize,
+    /// Where the next one begins, unless something is damaged.
+    pub(crate) next_offset: usize,
+    pub(crate) kind: u8,
+    pub(crate) data: &'a [u8],
+}
+
+/// Every whole piece, also behind a damaged place.
+pub(crate) fn log_pieces(log: &[u8]) -> impl Iterator<Item = LogPiece<'_>> {
+    let mut offset = 0;
+    std::iter::from_fn(move || {
+        while offset < log.len() {
+            let end_of_block = (offset / LOG_BLOCK_BYTES + 1) * LOG_BLOCK_BYTES;
+            let rest = &log[offset..end_of_block.min(log.len())];
+            if rest.len() < LOG_HEADER_BYTES {
+                // No header crosses the end of a block.
+                offset = end_of_block;
+                continue;
+            }
+            let Some((kind, n_bytes)) = whole_log_record(rest) else {
+                // Its length may be what is damaged, so the next one may begin anywhere.
+                offset += 1;
+                continue;
+            };
+            let begin = offset;
+            offset += n_bytes;
+            if end_of_block - offset < LOG_HEADER_BYTES {
+                offset = end_of_block;
+            }
+            return Some(LogPiece {
+                offset: begin,
+                next_offset: offset,
+                kind,
+                data: &rest[LOG_HEADER_BYTES..n_bytes],
+            });
+        }
+        None
+    })
 }
 
 /// Type and length with header of the record at the beginning of `rest`, when

@@ -1,12 +1,10 @@
 //! Stored views: what is known of a track at one moment it was seen.
 
 use geometry::OrientedBox;
-use learning::{CategoryName, ViewChange, ViewId};
-use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
-use serde::{Deserialize, Serialize};
+use learning::ViewId;
 
 use crate::error::Refusal;
-use crate::history::HistoryEntry;
+use crate::standing::{Decided, Standing};
 
 /// Longest descriptor, numbers; GOOD with fifty bins a side has 7 500.
 pub const MAX_DESCRIPTOR_VALUES: usize = 65_536;
@@ -43,21 +41,19 @@ pub struct View {
     pub frame_sequence: u64,
     /// Name of the camera or recording.
     pub source: String,
+    /// Mean colour: red, green, blue.
+    pub mean_rgb: Option<[u8; 3]>,
     /// Packed points of a key view's cloud, at most [`MAX_POINTS_BYTES`].
     pub points: Option<Vec<u8>>,
 }
 
-/// The name a view carries, and where it comes from.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Label {
-    /// The name.
-    pub category: CategoryName,
-    /// Who gave it.
-    pub author: String,
-    /// When, nanoseconds since 1970, UTC.
-    pub wall_ns: u64,
-    /// Sequence of the history entry that gave it.
-    pub sequence: u64,
+/// Where a view was first stored: which robot's memory, and which view it was there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Origin {
+    /// The memory; for views learned from files, a digest of which files.
+    pub memory_id: u128,
+    /// The view there.
+    pub view: ViewId,
 }
 
 /// A view as it is in the store.
@@ -65,8 +61,14 @@ pub struct Label {
 pub struct StoredView {
     /// What was stored.
     pub view: View,
-    /// Its name, if it has one.
-    pub label: Option<Label>,
+    /// Where it was first stored.
+    pub origin: Origin,
+    /// What it stands for.
+    pub standing: Standing,
+    /// Who decided that; nobody yet when it was never named.
+    pub decided: Option<Decided>,
+    /// Sequence of the history entry that touched it last.
+    pub sequence: u64,
 }
 
 impl View {
@@ -136,131 +138,3 @@ fn is_unit(norm: f64) -> bool {
     (norm - 1.0).abs() <= UNIT_TOLERANCE
 }
 
-/// The small part of a view as it is stored; the large parts have tables of
-/// their own, so that opening the store need not read them.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Facts {
-    /// Centre, rotation as x, y, z, w, half sides.
-    box_in_world: [f64; 10],
-    captured_ns: u64,
-    frame_sequence: u64,
-    source: String,
-    pub(crate) descriptor: Extent,
-    pub(crate) points: Option<Extent>,
-}
-
-/// Size and checksum of a large part: which content belongs to these facts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Extent {
-    pub(crate) n_bytes: u32,
-    pub(crate) crc32: u32,
-}
-
-impl Extent {
-    pub(crate) fn of(record: &[u8]) -> Self {
-        Self {
-            n_bytes: record.len() as u32,
-            crc32: crc32fast::hash(record),
-        }
-    }
-}
-
-/// A descriptor as it is stored.
-#[derive(Serialize, Deserialize)]
-pub(crate) struct PackedDescriptor {
-    kind: String,
-    /// Little-endian `f32`.
-    #[serde(with = "serde_bytes")]
-    values: Vec<u8>,
-}
-
-/// A label as it is stored; a view that lost its name keeps the record without one.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(crate) struct PackedLabel {
-    pub(crate) category: Option<String>,
-    pub(crate) author: String,
-    pub(crate) wall_ns: u64,
-    pub(crate) sequence: u64,
-}
-
-impl PackedLabel {
-    /// What an entry of the history makes of a view's label.
-    pub(crate) fn given_by(entry: &HistoryEntry, change: &ViewChange) -> Self {
-        Self {
-            category: change.after.as_ref().map(|name| name.as_str().to_owned()),
-            author: entry.author.clone(),
-            wall_ns: entry.wall_ns,
-            sequence: entry.sequence,
-        }
-    }
-}
-
-impl Facts {
-    pub(crate) fn of(view: &View, descriptor: Extent, points: Option<Extent>) -> Self {
-        let pose = &view.box_in_world.frame_from_box;
-        let mut numbers = [0.0; 10];
-        numbers[..3].copy_from_slice(pose.translation.vector.as_slice());
-        numbers[3..7].copy_from_slice(pose.rotation.coords.as_slice());
-        numbers[7..].copy_from_slice(view.box_in_world.half_sides_m.as_slice());
-        Self {
-            box_in_world: numbers,
-            captured_ns: view.captured_ns,
-            frame_sequence: view.frame_sequence,
-            source: view.source.clone(),
-            descriptor,
-            points,
-        }
-    }
-
-    /// The view these facts and its large parts make.
-    pub(crate) fn into_view(
-        self,
-        id: ViewId,
-        descriptor: Descriptor,
-        points: Option<Vec<u8>>,
-    ) -> View {
-        let [cx, cy, cz, qx, qy, qz, qw, hx, hy, hz] = self.box_in_world;
-        // Unchecked, so that the very bits come back; they were checked when stored.
-        let rotation = UnitQuaternion::new_unchecked(Quaternion::new(qw, qx, qy, qz));
-        View {
-            id,
-            descriptor,
-            box_in_world: OrientedBox {
-                frame_from_box: Isometry3::from_parts(Translation3::new(cx, cy, cz), rotation),
-                half_sides_m: Vector3::new(hx, hy, hz),
-            },
-            captured_ns: self.captured_ns,
-            frame_sequence: self.frame_sequence,
-            source: self.source,
-            points,
-        }
-    }
-}
-
-impl From<&Descriptor> for PackedDescriptor {
-    fn from(descriptor: &Descriptor) -> Self {
-        let values = descriptor
-            .values
-            .iter()
-            .flat_map(|value| value.to_le_bytes())
-            .collect();
-        Self {
-            kind: descriptor.kind.clone(),
-            values,
-        }
-    }
-}
-
-impl From<PackedDescriptor> for Descriptor {
-    fn from(packed: PackedDescriptor) -> Self {
-        let (values, _) = packed.values.as_chunks::<4>();
-        let values = values
-            .iter()
-            .map(|value| f32::from_le_bytes(*value))
-            .collect();
-        Self {
-            kind: packed.kind,
-            values,
-        }
-    }
-}

@@ -113,8 +113,12 @@ pub struct SnapshotPage {
     /// The views.
     pub views: Vec<LearnedView>,
     /// Where the next page begins; `None` after the last one.
-    pub next: Option<ViewId>,
+    pub next: Option<SnapshotCursor>,
 }
+
+/// Where a page of labelled views begins.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SnapshotCursor(#[serde(with = "hex_id")] pub u128);
 
 /// Changes in the order they were made.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

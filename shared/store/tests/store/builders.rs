@@ -5,7 +5,7 @@ use learning::{CategoryName, ViewId};
 use nalgebra::{Isometry3, Vector3};
 use store::{
     Answer, Change, Descriptor, Error, Mutation, MutationId, OpenReport, PerceptualMemory, Refusal,
-    View,
+    StoredView, Target, View,
 };
 use tempfile::TempDir;
 
@@ -47,6 +47,7 @@ pub(crate) fn view(track_id: u64, view_id: u32, content: u32) -> View {
         captured_ns: u64::MAX - view_id as u64,
         frame_sequence: track_id ^ 7,
         source: "camera-\u{e9}".to_owned(),
+        mean_rgb: (content > 0).then_some([content as u8, 2, 3]),
         points: (view_id.is_multiple_of(2))
             .then(|| vec![content as u8; 16 * (view_id as usize + 1)]),
     }
@@ -79,19 +80,33 @@ pub(crate) fn correct(id: u128, track_id: u64, category: &str) -> Mutation {
     mutation(
         id,
         Change::Correct {
-            track_id,
+            target: Target::Track(track_id),
             category: name(category),
         },
     )
 }
 
 pub(crate) fn forget(id: u128, category: &str) -> Mutation {
-    mutation(
-        id,
-        Change::Forget {
-            category: name(category),
-        },
-    )
+    mutation(id, Change::Forget(Target::Category(name(category))))
+}
+
+pub(crate) fn undo(id: u128, sequence: u64) -> Mutation {
+    let sequence = Some(sequence);
+    mutation(id, Change::Undo { sequence })
+}
+
+/// What a granted mutation is answered.
+pub(crate) fn answer(sequence: u64, n_views: u64) -> Answer {
+    Answer {
+        sequence,
+        n_views,
+        contradiction: None,
+    }
+}
+
+/// The name of a stored view, if it has one.
+pub(crate) fn name_of(stored: &StoredView) -> Option<&str> {
+    stored.standing.category().map(CategoryName::as_str)
 }
 
 /// Applies mutations that must be granted.

@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use store::{Condition, PerceptualMemory, StoreConfig, StoreThread};
 
-use crate::builders::{Random, correct, folder, open, store, teach, view};
+use crate::builders::{Random, correct, folder, name_of, open, store, teach, view};
 
 /// Tells the child which folder to use, and so that it is one.
 const FOLDER: &str = "TABULA_STORE_KILL_TEST_FOLDER";
@@ -46,6 +46,7 @@ fn child_teaches_until_it_is_killed() {
     let config = StoreConfig {
         folder: folder.into(),
         queue_capacity: 16,
+        limits: store::Limits::default(),
         wall_clock: || 1,
         on_reopened: Box::new(|_| {}),
     };
@@ -127,7 +128,7 @@ fn check(memory: &mut PerceptualMemory, acknowledged: &BTreeMap<u64, usize>) {
         assert_eq!(stored.len(), VIEWS_PER_TRACK as usize, "track {track}");
         let mut names: Vec<Option<&str>> = stored
             .iter()
-            .map(|s| s.label.as_ref().map(|l| l.category.as_str()))
+            .map(name_of)
             .collect();
         names.dedup();
         assert_eq!(names.len(), 1, "track {track} is half taught: {names:?}");

@@ -12,7 +12,10 @@
 
 mod builders;
 mod damage;
+mod importing;
 mod kill;
+mod limits;
+mod migration;
 mod model;
 mod processes;
 mod reading;

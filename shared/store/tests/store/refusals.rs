@@ -3,7 +3,9 @@
 use learning::{CategoryName, Refusal as Lesson};
 use nalgebra::{Quaternion, UnitQuaternion};
 use proptest::prelude::*;
-use store::{Change, MAX_BATCH_VIEWS, MAX_LEASE, MAX_NAME_BYTES, Mutation, Refusal, View};
+use store::{
+    Change, MAX_BATCH_VIEWS, MAX_LEASE, MAX_NAME_BYTES, Mutation, Operation, Refusal, View,
+};
 
 use crate::builders::{
     apply, correct, counts, folder, forget, key, lesson, mutation, name, open, refusal, store,
@@ -26,17 +28,6 @@ fn teaching_follows_its_rules() {
         &mut memory,
         &[store(1, vec![view(1, 0, 0)]), teach(2, 1, "Mug")],
     );
-    let refused = lesson(memory.apply(&teach(3, 1, "Cup")));
-    let (present, asked) = (name("Mug"), name("Cup"));
-    assert_eq!(
-        refused,
-        Lesson::LabelledOtherwise {
-            track_id: 1,
-            present,
-            asked
-        }
-    );
-    assert!(refused.to_string().contains("correct"), "{refused}");
     let category = name("Cup");
     assert_eq!(
         lesson(memory.apply(&forget(4, "Cup"))),
@@ -48,6 +39,38 @@ fn teaching_follows_its_rules() {
     );
     // A refusal is no answer: asked again with the same id it may be granted.
     assert_eq!(apply(&mut memory, &[correct(3, 1, "Cup")])[0].n_views, 1);
+}
+
+#[test]
+fn who_contradicts_is_told_and_both_are_in_the_history() {
+    let folder = folder();
+    let (mut memory, _) = open(&folder);
+    let views = vec![view(1, 0, 0)];
+    apply(&mut memory, &[store(1, views), teach(2, 1, "Mug")]);
+    let bert = Mutation {
+        author: "bert".to_owned(),
+        ..teach(3, 1, "Cup")
+    };
+    let told = apply(&mut memory, std::slice::from_ref(&bert)).remove(0);
+    assert_eq!((told.sequence, told.n_views), (3, 0));
+    let contradiction = told.contradiction.clone().unwrap();
+    assert_eq!(contradiction.present, name("Mug"));
+    assert_eq!(&*contradiction.decided.author, "anna");
+    assert_eq!(counts(&memory), [("Mug".to_owned(), 1)]);
+    drop(memory);
+    // Asked again, also after a restart, he is told the same.
+    let (mut memory, _) = open(&folder);
+    assert_eq!(apply(&mut memory, &[bert]), [told]);
+    let history = memory.history(2, 9).unwrap();
+    let said: Vec<_> = history
+        .iter()
+        .map(|entry| match &entry.operation {
+            Operation::Teach { category, .. } => (&*entry.author, category.as_str()),
+            other => panic!("{other:?}"),
+        })
+        .collect();
+    assert_eq!(said, [("anna", "Mug"), ("bert", "Cup")]);
+    assert_eq!(history[1].contradiction, Some(contradiction));
 }
 
 #[test]
@@ -198,8 +221,8 @@ proptest! {
         let known: Vec<CategoryName> = memory.categories().into_iter().map(|c| c.name).collect();
         prop_assert_eq!(&known, &names);
         for (track_id, category) in tracks() {
-            let label = memory.views_of_track(track_id).unwrap().remove(0).label;
-            prop_assert_eq!(label.map(|l| l.category), Some(category.clone()));
+            let stored = memory.views_of_track(track_id).unwrap().remove(0);
+            prop_assert_eq!(stored.standing.category(), Some(category));
         }
     }
 }

@@ -1,11 +1,9 @@
 //! What is stored comes back, now and after the store was opened again.
 
-use learning::ViewChange;
-use store::Operation::{Correct, Forget, StoreViews, Teach};
-use store::{Answer, Condition, Label, Operation};
+use store::{Condition, Decided, Effect, Operation, Standing, Target};
 
 use crate::builders::{
-    NOW_NS, apply, correct, counts, folder, forget, key, name, open, store, teach, view,
+    NOW_NS, answer, apply, correct, counts, folder, forget, key, name, open, store, teach, view,
 };
 
 #[test]
@@ -30,34 +28,27 @@ fn views_and_labels_come_back_bit_by_bit() {
     ];
     let (mut memory, _) = open(&folder);
     let answers = apply(&mut memory, &[store(1, views.clone()), teach(2, 1, "Mug")]);
-    assert_eq!(
-        answers,
-        [
-            Answer {
-                sequence: 1,
-                n_views: 3
-            },
-            Answer {
-                sequence: 2,
-                n_views: 2
-            }
-        ]
-    );
-    let label = Label {
-        category: name("Mug"),
-        author: "anna".to_owned(),
-        wall_ns: NOW_NS + 2,
-        sequence: 2,
-    };
+    assert_eq!(answers, [answer(1, 3), answer(2, 2)]);
+    let mug = Standing::Named(name("Mug"));
+    let decided = Some(Decided {
+        author: "anna".into(),
+        stamp_ns: NOW_NS + 2,
+    });
     let check = |memory: &mut store::PerceptualMemory| {
         let stored = memory.views_of_track(1).unwrap();
         assert_eq!(
             stored.iter().map(|s| &s.view).collect::<Vec<_>>(),
             [&views[0], &views[1]]
         );
-        assert!(stored.iter().all(|s| s.label.as_ref() == Some(&label)));
-        let last = memory.views_of_track(u64::MAX - 1).unwrap();
-        assert_eq!((&last[0].view, &last[0].label), (&views[2], &None));
+        for stored in stored {
+            assert_eq!((&stored.standing, &stored.decided), (&mug, &decided));
+            assert_eq!(stored.sequence, 2);
+            assert_eq!(stored.origin.view, stored.view.id);
+            assert_eq!(stored.origin.memory_id, memory.memory_id());
+        }
+        let last = memory.views_of_track(u64::MAX - 1).unwrap().remove(0);
+        assert_eq!((&last.view, last.standing), (&views[2], Standing::Unnamed));
+        assert_eq!((last.decided, last.sequence), (None, 1));
         assert_eq!(counts(memory), [("Mug".to_owned(), 2)]);
     };
     check(&mut memory);
@@ -81,14 +72,14 @@ fn a_repeated_mutation_gets_its_first_answer_and_changes_nothing() {
     );
     apply(&mut memory, &[correct(3, 1, "Cup")]);
     // Asked now for the first time it would be refused.
-    assert_eq!(memory.apply(&teach(2, 1, "Mug")).unwrap(), first[1]);
+    assert_eq!(&memory.apply(&teach(2, 1, "Mug")).unwrap(), &first[1]);
     drop(memory);
     let (mut memory, _) = open(&folder);
     let again = apply(
         &mut memory,
         &[teach(2, 1, "Mug"), store(1, vec![view(1, 0, 0)])],
     );
-    assert_eq!(again, [first[1], first[0]]);
+    assert!(again.iter().eq(first.iter().rev()));
     assert_eq!(
         (counts(&memory), memory.sequence()),
         (vec![("Cup".to_owned(), 1)], 3)
@@ -99,10 +90,6 @@ fn a_repeated_mutation_gets_its_first_answer_and_changes_nothing() {
 fn the_same_state_asked_for_again_is_acknowledged_without_a_change() {
     let folder = folder();
     let (mut memory, _) = open(&folder);
-    let nothing = |sequence| Answer {
-        sequence,
-        n_views: 0,
-    };
     apply(
         &mut memory,
         &[store(1, vec![view(1, 0, 0)]), teach(2, 1, "Mug")],
@@ -112,16 +99,13 @@ fn the_same_state_asked_for_again_is_acknowledged_without_a_change() {
         teach(4, 1, "Mug"),
         correct(5, 1, "Mug"),
     ];
-    assert_eq!(apply(&mut memory, &again), [nothing(2); 3]);
-    assert_eq!(memory.sequence(), 2);
+    let nothing = [answer(3, 0), answer(4, 0), answer(5, 0)];
+    assert_eq!(apply(&mut memory, &again), nothing);
     // Views stored since then are what a second teaching adds.
     apply(&mut memory, &[store(6, vec![view(1, 0, 0), view(1, 1, 0)])]);
     assert_eq!(
         apply(&mut memory, &[teach(7, 1, "Mug")]),
-        [Answer {
-            sequence: 4,
-            n_views: 1
-        }]
+        [answer(7, 1)]
     );
 }
 
@@ -168,30 +152,45 @@ fn the_history_says_who_did_what_and_when() {
     );
     apply(&mut memory, &[forget(4, "Cup")]);
     let history = memory.history(1, 100).unwrap();
-    let operations: Vec<Operation> = history.iter().map(|entry| entry.operation).collect();
-    assert_eq!(operations, [StoreViews, Teach, Correct, Forget]);
-    for (entry, sequence) in history.iter().zip(1..) {
+    let operations = [
+        Operation::StoreViews,
+        Operation::Teach {
+            track_id: 3,
+            category: name("Mug"),
+        },
+        Operation::Correct {
+            target: Target::Track(3),
+            category: name("Cup"),
+        },
+        Operation::Forget {
+            target: Target::Category(name("Cup")),
+        },
+    ];
+    for ((entry, operation), sequence) in history.iter().zip(operations).zip(1..) {
+        assert_eq!(entry.operation, operation);
         assert_eq!(
             (entry.sequence, entry.wall_ns),
             (sequence, NOW_NS + sequence)
         );
-        assert_eq!(entry.author, "anna");
+        assert_eq!(&*entry.author, "anna");
         assert_eq!(entry.mutation.map(|id| id.0), Some(sequence as u128));
     }
-    assert_eq!(
-        (&history[0].stored[..], &history[0].changes[..]),
-        (&[key(3, 2)][..], &[][..])
-    );
+    let [Effect::Stored { view, .. }] = history[0].effects[..] else {
+        panic!("{:?}", history[0].effects);
+    };
+    assert_eq!(view, key(3, 2));
+    let standing = |text: Option<&str>| text.map_or(Standing::Unnamed, |t| Standing::Named(name(t)));
     let change = |before: Option<&str>, after: Option<&str>| {
-        [ViewChange {
-            id: key(3, 2),
-            before: before.map(name),
-            after: after.map(name),
+        [Effect::Changed {
+            view: key(3, 2),
+            before: standing(before),
+            after: standing(after),
+            decided: None,
         }]
     };
-    assert_eq!(history[1].changes, change(None, Some("Mug")));
-    assert_eq!(history[2].changes, change(Some("Mug"), Some("Cup")));
-    assert_eq!(history[3].changes, change(Some("Cup"), None));
+    assert_eq!(history[1].effects, change(None, Some("Mug")));
+    assert_eq!(history[2].effects, change(Some("Mug"), Some("Cup")));
+    assert_eq!(history[3].effects, change(Some("Cup"), None));
     assert_eq!(memory.history(2, 2).unwrap(), history[1..3]);
     assert_eq!(memory.history(5, 9).unwrap(), []);
     assert_eq!(memory.history(0, usize::MAX).unwrap(), history);

@@ -5,7 +5,7 @@ use learning::{CategoryName, Refusal as Lesson, ViewId};
 use message::WirePose;
 use message::control::{
     CategoryReport, ChangesPage, LearnedChange, LearnedView, PackedCloud, Refusal, RefusalKind,
-    SnapshotPage, StoredView, ViewId as WireViewId,
+    SnapshotCursor, SnapshotPage, StoredView, ViewId as WireViewId,
 };
 use nalgebra::Vector3;
 use store::{Change, Changes, Descriptor, Error, LabelledView, NameChange, View};
@@ -59,6 +59,7 @@ fn view(view: StoredView) -> Result<View, Refusal> {
         captured_ns: view.captured_ns.max(0) as u64,
         frame_sequence: view.frame_sequence,
         source: view.source_name,
+        mean_rgb: view.mean_rgb,
         points,
     })
 }
@@ -87,7 +88,16 @@ fn learned(view: LabelledView) -> LearnedView {
     }
 }
 
-fn view_id(id: ViewId) -> WireViewId {
+/// A view's id as the store has it.
+pub(crate) fn local_id(id: WireViewId) -> ViewId {
+    ViewId {
+        track_id: id.track_id,
+        view_id: id.view_id,
+    }
+}
+
+/// A view's id on the wire.
+pub(crate) fn view_id(id: ViewId) -> WireViewId {
     WireViewId {
         track_id: id.track_id,
         view_id: id.view_id,
@@ -100,7 +110,7 @@ pub(crate) fn snapshot(page: store::SnapshotPage) -> SnapshotPage {
         store_id: page.position.store_id.0,
         sequence: page.position.sequence,
         views: page.views.into_iter().map(learned).collect(),
-        next: page.next.map(view_id),
+        next: page.next.map(|digest| SnapshotCursor(digest.0)),
     }
 }
 
@@ -154,9 +164,20 @@ pub(crate) fn refusal(error: &Error) -> Refusal {
     use store::Refusal as Reason;
     let kind = match error {
         Error::Refused(
-            Reason::Lesson(Lesson::LabelledOtherwise { .. }) | Reason::ViewDiffers { .. },
+            Reason::Lesson(Lesson::LabelledOtherwise { .. })
+            | Reason::ViewDiffers { .. }
+            | Reason::NameTaken { .. }
+            | Reason::ViewChangedSince { .. }
+            | Reason::DocumentChangedSince { .. }
+            | Reason::GoneForGood { .. },
         ) => RefusalKind::Conflict,
-        Error::Refused(Reason::Lesson(_)) => RefusalKind::NotFound,
+        Error::Refused(
+            Reason::Lesson(_)
+            | Reason::UnknownView { .. }
+            | Reason::UnknownDocument { .. }
+            | Reason::UnknownEntry { .. }
+            | Reason::NothingToUndo,
+        ) => RefusalKind::NotFound,
         Error::Refused(_) => RefusalKind::Invalid,
         Error::QueueFull { .. } | Error::Failed { .. } | Error::Stopped => RefusalKind::Unavailable,
         _ => RefusalKind::Internal,

@@ -1,0 +1,57 @@
+//! Once a day what was forgotten long enough ago is removed for good.
+
+use service::wall_clock_ns;
+use std::time::Duration;
+use store::{Answer, Change, Error, Mutation, MutationId, StoreHandle};
+use tokio::sync::oneshot;
+
+/// How often.
+const PERIOD: Duration = Duration::from_secs(24 * 3600);
+/// Who asks, in the history.
+const AUTHOR: &str = "upkeep";
+
+/// Removes what is due until the future is dropped.
+pub(crate) async fn run(store: &StoreHandle, forgotten_kept: Duration) {
+    let mut period = tokio::time::interval(PERIOD);
+    loop {
+        period.tick().await;
+        match purge(store, forgotten_kept).await {
+            Ok(Answer { n_views: 0, .. }) => {}
+            Ok(answer) => tracing::info!(
+                "{} view(s) were forgotten more than {} days ago and are removed for good",
+                answer.n_views,
+                forgotten_kept.as_secs() / (24 * 3600)
+            ),
+            Err(error) => tracing::warn!("what was forgotten is not removed today: {error}"),
+        }
+    }
+}
+
+async fn purge(store: &StoreHandle, forgotten_kept: Duration) -> Result<Answer, Error> {
+    let wall_ns = wall_clock_ns().max(0) as u64;
+    let before_ns = wall_ns.saturating_sub(forgotten_kept.as_nanos() as u64);
+    let (sender, is_due) = oneshot::channel();
+    // Whoever waits below is there.
+    store.read(
+        move |memory| Ok(memory.has_purgeable(before_ns)),
+        move |answer| drop(sender.send(answer)),
+    );
+    if !is_due.await.unwrap_or(Err(Error::Stopped))? {
+        return Ok(Answer {
+            sequence: 0,
+            n_views: 0,
+            contradiction: None,
+        });
+    }
+    let mut id = [0; 16];
+    getrandom::fill(&mut id).map_err(|_| Error::Stopped)?;
+    let mutation = Mutation {
+        id: MutationId(u128::from_be_bytes(id)),
+        author: AUTHOR.to_owned(),
+        wall_ns,
+        change: Change::Purge { before_ns },
+    };
+    let (sender, purged) = oneshot::channel();
+    store.mutate(mutation, move |answer| drop(sender.send(answer)));
+    purged.await.unwrap_or(Err(Error::Stopped))
+}

@@ -1,0 +1,58 @@
+//! Removing for good what was forgotten, and merging the files, in small steps.
+
+use crate::desk::{announce, wall_ns};
+use crate::jobs::{Progress, Surroundings};
+use message::control::JobOutcome;
+use store::{Change, Error, Mutation, MutationId, PerceptualMemory};
+
+const NS_PER_S: u64 = 1_000_000_000;
+/// Who asks, in the history.
+const AUTHOR: &str = "compaction";
+
+/// Purges what was forgotten `forgotten_for_s` ago or earlier, and compacts.
+pub(crate) fn run(
+    surroundings: &Surroundings,
+    progress: &Progress,
+    forgotten_for_s: u64,
+) -> Result<JobOutcome, String> {
+    try_run(surroundings, progress, forgotten_for_s).map_err(|error| error.to_string())
+}
+
+fn try_run(
+    surroundings: &Surroundings,
+    progress: &Progress,
+    forgotten_for_s: u64,
+) -> Result<JobOutcome, Error> {
+    let store = &surroundings.store;
+    let before = store.read_and_wait(|memory| memory.stats())?;
+    let before_ns = wall_ns().saturating_sub(forgotten_for_s.saturating_mul(NS_PER_S));
+    let id = MutationId(random_id()?);
+    store.mutate_and_wait(Mutation {
+        id,
+        author: AUTHOR.to_owned(),
+        wall_ns: wall_ns(),
+        change: Change::Purge { before_ns },
+    })?;
+    announce(
+        &surroundings.position,
+        store.read_and_wait(|memory| Ok(memory.position()))?,
+    );
+    let n_steps = PerceptualMemory::N_COMPACT_STEPS;
+    for step in 0..n_steps {
+        progress.set(step as u64, n_steps as u64);
+        // A request of its own: whoever teaches meanwhile comes between two steps.
+        store.read_and_wait(move |memory| memory.compact_step(step))?;
+    }
+    let after = store.read_and_wait(|memory| memory.stats())?;
+    Ok(JobOutcome::Compacted {
+        n_purged: before.n_forgotten.saturating_sub(after.n_forgotten),
+        disk_bytes_before: before.n_disk_bytes,
+        disk_bytes: after.n_disk_bytes,
+    })
+}
+
+fn random_id() -> Result<u128, Error> {
+    let mut id = [0; 16];
+    getrandom::fill(&mut id).map_err(|_| Error::Stopped)?;
+    Ok(u128::from_be_bytes(id))
+}

@@ -1,0 +1,249 @@
+//! The desk at which the memory is asked.
+
+use crate::jobs::Jobs;
+use crate::{queries, revision, translate, words};
+use learning::CategoryName;
+use message::control::{
+    Command, Labelling, LearningReport, MutationId, Refusal, RefusalKind, Reply, Revision,
+    SnapshotCursor,
+};
+use service::wall_clock_ns;
+use std::path::PathBuf;
+use store::{
+    Answer, Change, Digest, Error, Mutation, PerceptualMemory, Position, StoreHandle, Target,
+};
+use tokio::sync::{oneshot, watch};
+
+/// Descriptors in a page; the rest of the message needs room, too.
+const PAGE_BYTES: usize = message::control::MAX_MESSAGE_BYTES / 2;
+/// Descriptors of changes that still fit one message with everything around them.
+const MAX_CHANGES_BYTES: usize = message::control::MAX_MESSAGE_BYTES / 4 * 3;
+
+/// What a desk needs.
+pub struct MemoryDeskConfig {
+    /// The store.
+    pub store: StoreHandle,
+    /// Where the bytes of an import wait until all are there.
+    pub scratch: PathBuf,
+    /// The only kind of descriptor that this robot compares: others are not imported.
+    pub descriptor_kind: &'static str,
+}
+
+/// Answers every command about the perceptual memory.
+pub struct MemoryDesk {
+    store: StoreHandle,
+    jobs: Jobs,
+    position: watch::Sender<Position>,
+}
+
+impl MemoryDesk {
+    /// A desk, and the position of the history that it has reached.
+    ///
+    /// # Errors
+    /// When the store does not answer, or the scratch folder cannot be emptied.
+    pub fn new(config: MemoryDeskConfig) -> Result<(Self, watch::Receiver<Position>), Error> {
+        let position = config.store.read_and_wait(|memory| Ok(memory.position()))?;
+        let (position, positions) = watch::channel(position);
+        let desk = Self {
+            store: config.store.clone(),
+            jobs: Jobs::new(config, position.clone()),
+            position,
+        };
+        Ok((desk, positions))
+    }
+
+    /// The answer to a command about the memory; none for any other.
+    pub async fn answer(&self, command: Command) -> Option<Result<Reply, Refusal>> {
+        Some(match command {
+            Command::Teach(label) => {
+                let teach = |track_id, category| Change::Teach { track_id, category };
+                self.label(label, teach).await
+            }
+            Command::Correct(label) => {
+                let correct = |track_id, category| Change::Correct {
+                    target: Target::Track(track_id),
+                    category,
+                };
+                self.label(label, correct).await
+            }
+            Command::Forget {
+                id,
+                author,
+                category,
+            } => self.forget(id, author, &category).await,
+            Command::Revise(revision) => self.revise(revision).await,
+            Command::Categories => {
+                let summaries = self.read(|memory| Ok(memory.categories())).await;
+                summaries.map(|summaries| {
+                    Reply::Categories(summaries.iter().map(translate::category_report).collect())
+                })
+            }
+            Command::Memory(query) => {
+                let answer = move |memory: &mut PerceptualMemory| queries::answer(memory, query);
+                match self.read(answer).await {
+                    Ok(answer) => answer.map(Reply::Memory),
+                    Err(refusal) => Err(refusal),
+                }
+            }
+            Command::Job(job) => self.jobs.answer(job),
+            other => return self.answer_perception(other).await,
+        })
+    }
+
+    /// What perception asks.
+    async fn answer_perception(&self, command: Command) -> Option<Result<Reply, Refusal>> {
+        Some(match command {
+            Command::LeaseTrackIds { count } => {
+                let lease = |reply: Reporter<u64>| {
+                    self.store
+                        .lease_track_ids(u64::from(count), |first| reply.send(first));
+                };
+                wait(lease).await.map(|first| Reply::TrackIds { first })
+            }
+            Command::StoreViews { id, views } => match translate::store_views(views) {
+                Ok(change) => {
+                    let stored = self.mutate(id, "perception".into(), change).await;
+                    stored.map(|_| Reply::Stored)
+                }
+                Err(refusal) => Err(refusal),
+            },
+            Command::Snapshot { after } => {
+                let cursor = after.map(|SnapshotCursor(digest)| Digest(digest));
+                let read = move |memory: &mut PerceptualMemory| memory.snapshot(cursor, PAGE_BYTES);
+                let page = self.read(read).await;
+                page.map(|page| Reply::Snapshot(translate::snapshot(page)))
+            }
+            Command::Changes { store_id, since } => {
+                let position = Position {
+                    store_id: store::StoreId(store_id),
+                    sequence: since,
+                };
+                let read = move |memory: &mut PerceptualMemory| memory.changes(position, PAGE_BYTES);
+                self.read(read).await.map(|changes| {
+                    Reply::Changes(translate::changes(since, changes, MAX_CHANGES_BYTES))
+                })
+            }
+            _ => return None,
+        })
+    }
+
+    async fn label(
+        &self,
+        label: Labelling,
+        change: impl FnOnce(u64, CategoryName) -> Change,
+    ) -> Result<Reply, Refusal> {
+        let Labelling {
+            id,
+            author,
+            track_id,
+            category,
+        } = label;
+        let category = translate::category(&category)?;
+        let change = change(track_id, category.clone());
+        self.learn(id, author, change, category.as_str()).await
+    }
+
+    async fn forget(
+        &self,
+        id: MutationId,
+        author: String,
+        category: &str,
+    ) -> Result<Reply, Refusal> {
+        let name = translate::category(category)?;
+        let change = Change::Forget(Target::Category(name.clone()));
+        self.learn(id, author, change, name.as_str()).await
+    }
+
+    async fn revise(&self, revision: Revision) -> Result<Reply, Refusal> {
+        let Revision { id, author, change } = revision;
+        let (change, about) = revision::change(change)?;
+        self.learn(id, author, change, &about).await
+    }
+
+    /// Makes a change that people asked for. Who contradicts somebody is told.
+    async fn learn(
+        &self,
+        id: MutationId,
+        author: String,
+        change: Change,
+        about: &str,
+    ) -> Result<Reply, Refusal> {
+        let what = words::asked(&change);
+        let Answer {
+            sequence,
+            n_views,
+            contradiction,
+        } = self.mutate(id, author, change).await?;
+        if let Some(contradiction) = contradiction {
+            tracing::info!("{what}: contradicted, history {sequence}");
+            let sentence = words::contradiction(&what, &contradiction, sequence);
+            return Err(Refusal::new(RefusalKind::Conflict, sentence));
+        }
+        tracing::info!("{what}: {n_views} view(s) changed, history {sequence}");
+        Ok(Reply::Learned(LearningReport {
+            sequence,
+            category: about.to_owned(),
+            n_views_changed: n_views,
+        }))
+    }
+
+    /// Changes the store and announces it; answered when it is on disk.
+    async fn mutate(
+        &self,
+        id: MutationId,
+        author: String,
+        change: Change,
+    ) -> Result<Answer, Refusal> {
+        let mutation = Mutation {
+            id: store::MutationId(id.0),
+            author,
+            wall_ns: wall_ns(),
+            change,
+        };
+        let ask = |reply: Reporter<Answer>| self.store.mutate(mutation, |done| reply.send(done));
+        let answer = wait(ask).await?;
+        let position = self.read(|memory| Ok(memory.position())).await?;
+        announce(&self.position, position);
+        Ok(answer)
+    }
+
+    async fn read<T: Send + 'static>(
+        &self,
+        read: impl FnOnce(&mut PerceptualMemory) -> Result<T, Error> + Send + 'static,
+    ) -> Result<T, Refusal> {
+        wait(|reply: Reporter<T>| self.store.read(read, |done| reply.send(done))).await
+    }
+}
+
+/// Now, nanoseconds since 1970, UTC.
+pub(crate) fn wall_ns() -> u64 {
+    wall_clock_ns().max(0) as u64
+}
+
+/// Tells a new position to those who follow.
+pub(crate) fn announce(to: &watch::Sender<Position>, position: Position) {
+    to.send_if_modified(|known| {
+        let is_news = *known != position;
+        *known = position;
+        is_news
+    });
+}
+
+/// Brings the store's answer from its thread to the waiting task.
+struct Reporter<T>(oneshot::Sender<Result<T, Error>>);
+
+impl<T> Reporter<T> {
+    fn send(self, answer: Result<T, Error>) {
+        // Whoever asked may have gone away; what was done is done.
+        let _ = self.0.send(answer);
+    }
+}
+
+async fn wait<T>(ask: impl FnOnce(Reporter<T>)) -> Result<T, Refusal> {
+    let (sender, answer) = oneshot::channel();
+    ask(Reporter(sender));
+    answer
+        .await
+        .unwrap_or(Err(Error::Stopped))
+        .map_err(|error| translate::refusal(&error))
+}

@@ -1,0 +1,44 @@
+//! What was found wrong, in words: all counted, the first ones told.
+
+/// Findings remembered in words.
+const MAX_TOLD: usize = 32;
+
+/// What is wrong with a database.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(crate) struct Findings {
+    told: Vec<String>,
+    n: u64,
+}
+
+impl Findings {
+    pub(crate) fn add(&mut self, finding: impl FnOnce() -> String) {
+        self.n += 1;
+        if self.told.len() < MAX_TOLD {
+            self.told.push(finding());
+        }
+    }
+
+    /// Adds findings of which only the first are in words.
+    pub(crate) fn extend(&mut self, n: u64, told: Vec<String>) {
+        let n_untold = n - (told.len() as u64).min(n);
+        told.into_iter().for_each(|finding| self.add(|| finding));
+        self.n += n_untold;
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.n == 0
+    }
+
+    pub(crate) fn count(&self) -> u64 {
+        self.n
+    }
+
+    /// In words, with their number when not all are there.
+    pub(crate) fn into_words(mut self) -> Vec<String> {
+        if self.n > self.told.len() as u64 {
+            let n = self.n;
+            self.told.push(format!("{n} findings in all"));
+        }
+        self.told
+    }
+}

@@ -1,0 +1,182 @@
+//! Merging what another memory knows into this one.
+//!
+//! Of each view and document the latest decision holds, wherever it was made, and
+//! equal times are told apart by what was decided. So it does not matter in which
+//! order memories are merged, nor how often. (A state-based last-writer-wins
+//! register: Shapiro, Preguiça, Baquero and Zawirski 2011.)
+
+use std::collections::BTreeSet;
+
+use learning::ViewId;
+
+use crate::catalogue::Catalogue;
+use crate::decision::Decision;
+use crate::digest::Digest;
+use crate::error::Refusal;
+use crate::facts::ViewParts;
+use crate::foreign::{ForeignDocument, ForeignView, Newcomers};
+use crate::history::{Effect, Operation};
+use crate::meta::Meta;
+use crate::standing::{Decided, Standing};
+use crate::view::{Origin, View};
+
+/// What of the foreign views and documents is news.
+pub(crate) fn decide(
+    catalogue: &Catalogue,
+    meta: &Meta,
+    source: &str,
+    views: &[ForeignView],
+    documents: &[ForeignDocument],
+) -> Result<Decision, Refusal> {
+    // At most one new track for each view.
+    if meta.next_track_id.checked_add(views.len() as u64 + 1).is_none() {
+        return Err(Refusal::TrackIdsExhausted);
+    }
+    let operation = Operation::Import {
+        source: source.to_owned(),
+    };
+    let mut import = Import {
+        catalogue,
+        memory_id: meta.memory_id(),
+        newcomers: Newcomers::new(meta.next_track_id),
+        met: BTreeSet::new(),
+        decision: Decision::new(operation, Vec::new()),
+    };
+    for view in views {
+        // Of a view that comes twice in one batch, the first holds; a memory that
+        // was exported has each once.
+        if import.met.insert(view.identity()) {
+            import.take_view(view);
+        }
+    }
+    for document in documents {
+        import.take_document(document);
+    }
+    Ok(import.decision)
+}
+
+struct Import<'a> {
+    catalogue: &'a Catalogue,
+    memory_id: u128,
+    newcomers: Newcomers,
+    met: BTreeSet<Digest>,
+    decision: Decision,
+}
+
+impl Import<'_> {
+    fn take_view(&mut self, foreign: &ForeignView) {
+        match foreign {
+            ForeignView::Present {
+                view,
+                origin,
+                standing,
+                decided,
+            } => self.take_present(view, *origin, standing, decided.as_ref()),
+            ForeignView::Forgotten { identity, decided } => {
+                self.take_forgotten(*identity, decided);
+            }
+        }
+    }
+
+    fn take_present(
+        &mut self,
+        view: &View,
+        origin: Origin,
+        standing: &Standing,
+        decided: Option<&Decided>,
+    ) {
+        let parts = ViewParts::of(view, origin);
+        let identity = parts.facts.identity();
+        if self.catalogue.by_identity(identity).is_some() {
+            if let Some(decided) = decided {
+                self.change_known(identity, standing, decided);
+            }
+            return;
+        }
+        if let Some(forgotten) = self.catalogue.tombstones.get(&identity) {
+            let stamp_ns = decided.map_or(0, |decided| decided.stamp_ns);
+            if (stamp_ns, standing) <= (forgotten.stamp_ns, &Standing::Forgotten) {
+                return;
+            }
+            self.decision.effects.push(Effect::Tombstone {
+                identity,
+                decided: None,
+            });
+        }
+        let view = self.id_for(origin);
+        self.decision.effects.push(Effect::Stored { view, identity });
+        self.decision.contents.views.insert(identity, parts);
+        if let Some(decided) = decided.filter(|_| *standing != Standing::Unnamed) {
+            self.decision.effects.push(Effect::Changed {
+                view,
+                before: Standing::Unnamed,
+                after: standing.clone(),
+                decided: Some(decided.clone()),
+            });
+        }
+    }
+
+    fn id_for(&mut self, origin: Origin) -> ViewId {
+        // What was stored here and got lost comes back under its id.
+        let is_own = origin.memory_id == self.memory_id;
+        let is_free = self.catalogue.get(origin.view).is_none();
+        if is_own && is_free && self.newcomers.give(origin.view) {
+            return origin.view;
+        }
+        let catalogue = self.catalogue;
+        self.newcomers
+            .id_for(origin, || catalogue.track_of_origin(origin))
+    }
+
+    fn take_forgotten(&mut self, identity: Digest, decided: &Decided) {
+        if self.catalogue.by_identity(identity).is_some() {
+            return self.change_known(identity, &Standing::Forgotten, decided);
+        }
+        let known = self.catalogue.tombstones.get(&identity);
+        if known.is_none_or(|known| known.stamp_ns < decided.stamp_ns) {
+            self.decision.effects.push(Effect::Tombstone {
+                identity,
+                decided: Some(decided.clone()),
+            });
+        }
+    }
+
+    fn change_known(&mut self, identity: Digest, standing: &Standing, decided: &Decided) {
+        let Some((view, entry)) = self.catalogue.by_identity(identity) else {
+            return;
+        };
+        let register = &entry.register;
+        if register.yields_to(decided.stamp_ns, standing) {
+            self.decision.effects.push(Effect::Changed {
+                view,
+                before: register.standing.clone(),
+                after: standing.clone(),
+                decided: Some(decided.clone()),
+            });
+        }
+    }
+
+    fn take_document(&mut self, foreign: &ForeignDocument) {
+        let after = foreign.document.as_ref().map(|document| document.summary());
+        let known = self.catalogue.document(&foreign.key);
+        let rank = |content: Option<Digest>, stamp_ns: u64| (stamp_ns, content);
+        let digest = after.as_ref().map(|content| content.digest);
+        let is_later = known.is_none_or(|(_, known)| {
+            let known_digest = known.content.as_ref().map(|content| content.digest);
+            rank(known_digest, known.decided.stamp_ns) < rank(digest, foreign.decided.stamp_ns)
+        });
+        if !is_later {
+            return;
+        }
+        if let (Some(content), Some(document)) = (&after, &foreign.document) {
+            let bytes = document.content.clone();
+            self.decision.contents.documents.insert(content.digest, bytes);
+        }
+        self.decision.effects.push(Effect::Document {
+            document: foreign.key.clone(),
+            before: known.and_then(|(_, known)| known.content.clone()),
+            after,
+            decided: Some(foreign.decided.clone()),
+        });
+    }
+}

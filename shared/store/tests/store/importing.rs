@@ -1,0 +1,201 @@
+//! Memories that are merged: in any order, any number of times, on any robot.
+
+use proptest::prelude::*;
+use store::{
+    Change, Document, DocumentKey, DocumentKind, Error, ForeignDocument, ForeignView, Mutation,
+    PerceptualMemory, Target,
+};
+use tempfile::TempDir;
+
+use crate::builders::{
+    NOW_NS, apply, correct, counts, fast_folder, forget, mutation, name, open, store, teach, view,
+};
+
+/// Everything a memory tells another.
+#[derive(Debug, Clone, PartialEq)]
+struct Exported {
+    views: Vec<ForeignView>,
+    documents: Vec<ForeignDocument>,
+}
+
+fn exported(memory: &PerceptualMemory) -> Exported {
+    let mut all = Exported {
+        views: Vec::new(),
+        documents: Vec::new(),
+    };
+    let mut reader = memory.checkpoint().unwrap().open().unwrap();
+    let Exported { views, documents } = &mut all;
+    let take_view = |view| -> Result<(), Error> {
+        views.push(view);
+        Ok(())
+    };
+    let take_document = |document| {
+        documents.push(document);
+        Ok(())
+    };
+    reader.export(take_view, take_document).unwrap();
+    all
+}
+
+/// What is exported, without the ids that views have in that memory.
+fn meaning(memory: &PerceptualMemory) -> Exported {
+    let mut all = exported(memory);
+    for view in &mut all.views {
+        if let ForeignView::Present { view, origin, .. } = view {
+            view.id = origin.view;
+        }
+    }
+    all
+}
+
+fn import(id: u128, from: &Exported) -> Mutation {
+    mutation(
+        id,
+        Change::Import {
+            source: "test".to_owned(),
+            views: from.views.clone(),
+            documents: from.documents.clone(),
+        },
+    )
+}
+
+fn put(id: u128, name: &str, content: u8) -> Mutation {
+    mutation(
+        id,
+        Change::PutDocument(Document {
+            key: DocumentKey {
+                kind: DocumentKind::ObjectModel,
+                name: name.into(),
+            },
+            media_type: "model/ply".to_owned(),
+            content: vec![content; 9],
+        }),
+    )
+}
+
+/// A robot that was taught something; `robot` is in its views and times.
+fn taught(robot: u32) -> (TempDir, PerceptualMemory) {
+    let folder = fast_folder();
+    let (mut memory, _) = open(&folder);
+    let id = u128::from(robot) * 100;
+    apply(
+        &mut memory,
+        &[
+            store(id + 1, vec![view(1, 0, robot), view(1, 1, robot), view(2, 0, robot)]),
+            teach(id + 2, 1, "Mug"),
+            teach(id + 3, 2, "Bowl"),
+            put(id + 4, "mug 1", robot as u8),
+            store(id + 5, vec![view(3, 0, robot)]),
+            mutation(id + 6, Change::Forget(Target::Track(2))),
+        ],
+    );
+    (folder, memory)
+}
+
+#[test]
+fn two_robots_memories_become_one() {
+    let (_a, mut ours) = taught(1);
+    let (_b, mut theirs) = taught(2);
+    let (from_ours, from_theirs) = (exported(&ours), exported(&theirs));
+    let answer = apply(&mut ours, &[import(900, &from_theirs)]).remove(0);
+    // Two views of the mug and one without a name; the forgotten one only as such.
+    assert_eq!(answer.n_views, 3);
+    assert_eq!(counts(&ours), [("Mug".to_owned(), 4)]);
+    apply(&mut theirs, &[import(900, &from_ours)]);
+    assert_eq!(meaning(&ours), meaning(&theirs));
+    // Views of one track stay together, apart from our own.
+    let tracks: Vec<usize> = (1..9)
+        .map(|track| ours.views_of_track(track).unwrap().len())
+        .collect();
+    assert_eq!(tracks.iter().sum::<usize>(), 6);
+    assert_eq!(tracks.iter().filter(|n| **n == 2).count(), 2);
+    // Again, and what they know of us: nothing new.
+    let before = meaning(&ours);
+    let again = apply(&mut ours, &[import(901, &from_theirs), import(902, &exported(&theirs))]);
+    assert!(again.iter().all(|answer| answer.n_views == 0));
+    assert_eq!(meaning(&ours), before);
+    let found = ours.checkpoint().unwrap().open().unwrap();
+    assert_eq!(found.verify(|_| {}).unwrap().findings, [""; 0]);
+}
+
+#[test]
+fn of_two_opinions_on_one_view_the_later_holds() {
+    let (_a, mut ours) = taught(1);
+    let (_b, mut theirs) = {
+        let folder = fast_folder();
+        let (mut memory, _) = open(&folder);
+        apply(&mut memory, &[import(1, &exported(&ours))]);
+        (folder, memory)
+    };
+    assert_eq!(counts(&theirs), [("Mug".to_owned(), 2)]);
+    apply(&mut ours, &[correct(500, 1, "Cup")]);
+    apply(&mut theirs, &[forget(600, "Mug")]);
+    let (from_ours, from_theirs) = (exported(&ours), exported(&theirs));
+    apply(&mut ours, &[import(901, &from_theirs)]);
+    apply(&mut theirs, &[import(902, &from_ours)]);
+    assert_eq!(counts(&ours), [], "forgetting was later");
+    assert_eq!(meaning(&ours), meaning(&theirs));
+}
+
+#[test]
+fn what_was_forgotten_and_purged_does_not_come_back() {
+    let (_a, mut ours) = taught(1);
+    let early = exported(&ours);
+    apply(&mut ours, &[mutation(700, Change::Forget(Target::Track(1)))]);
+    let before_ns = NOW_NS + 10_000;
+    apply(&mut ours, &[mutation(701, Change::Purge { before_ns })]);
+    assert_eq!(ours.categories(), []);
+    let answer = apply(&mut ours, &[import(702, &early)]).remove(0);
+    assert_eq!((answer.n_views, ours.categories()), (0, vec![]));
+    // Unless somebody decided so later.
+    let folder = fast_folder();
+    let (mut other, _) = open(&folder);
+    apply(&mut other, &[import(1, &early)]);
+    let track = (1..9)
+        .find(|track| other.views_of_track(*track).unwrap().len() == 2)
+        .unwrap();
+    apply(&mut other, &[correct(800, track, "Cup")]);
+    apply(&mut ours, &[import(703, &exported(&other))]);
+    assert_eq!(counts(&ours), [("Cup".to_owned(), 2)]);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
+
+    /// Three robots, each taught something of its own and some that it had from the
+    /// others: in whatever order a fourth takes them over, it knows the same.
+    #[test]
+    fn the_order_of_imports_does_not_matter(
+        opinions in prop::collection::vec((0..3_usize, 1..4_u64, 0..3_usize, 0..5_u64), 0..10),
+        order in Just([0_usize, 1, 2]).prop_shuffle(),
+        twice in 0..3_usize,
+    ) {
+        let mut robots: Vec<_> = (1..4).map(taught).collect();
+        let first = exported(&robots[0].1);
+        for (_, memory) in &mut robots[1..] {
+            apply(memory, &[import(400, &first)]);
+        }
+        for (i, (robot, track, category, later)) in opinions.into_iter().enumerate() {
+            let target = Target::Track(track);
+            let change = match category {
+                2 => Change::Forget(target),
+                _ => Change::Correct { target, category: name(["Mug", "Cup"][category]) },
+            };
+            let mut asked = mutation(1000 + i as u128, change);
+            asked.wall_ns = NOW_NS + 500 + later;
+            // A track may be forgotten already.
+            let _ = robots[robot].1.apply(&asked);
+        }
+        let all: Vec<Exported> = robots.iter().map(|(_, memory)| exported(memory)).collect();
+        let merged = |order: &[usize]| {
+            let folder = fast_folder();
+            let (mut memory, _) = open(&folder);
+            for (id, robot) in (1..).zip(order) {
+                apply(&mut memory, &[import(id, &all[*robot])]);
+            }
+            meaning(&memory)
+        };
+        let [a, b, c] = order;
+        prop_assert_eq!(merged(&[0, 1, 2]), merged(&[a, b, c, twice]));
+    }
+}

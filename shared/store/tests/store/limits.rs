@@ -1,0 +1,82 @@
+//! What exceeds a limit is given up, the least telling first.
+
+use store::{Change, Limits, Operation, View};
+
+use crate::builders::{apply, counts, fast_folder, mutation, open, store, teach, view};
+
+/// A view of which the descriptor says how far it is from the others.
+fn view_at(track_id: u64, view_id: u32, place: f32) -> View {
+    let mut view = view(track_id, view_id, 0);
+    view.descriptor.values = vec![place, 1.0];
+    view.captured_ns = u64::from(view_id);
+    view
+}
+
+#[test]
+fn a_full_category_gives_up_what_says_least() {
+    let folder = fast_folder();
+    let (mut memory, _) = open(&folder);
+    memory.set_limits(Limits {
+        max_views_per_category: 10,
+        ..Limits::default()
+    });
+    // Nine apart from each other, and two beside the first, the newest.
+    let places = [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 0.1, 0.15];
+    let views = (0..).zip(places).map(|(i, place)| view_at(1, i, place));
+    apply(&mut memory, &[store(1, views.collect()), teach(2, 1, "Mug")]);
+    assert_eq!(counts(&memory), [("Mug".to_owned(), 9)]);
+    let kept: Vec<u32> = memory
+        .views_of_track(1)
+        .unwrap()
+        .iter()
+        .map(|stored| stored.view.id.view_id)
+        .collect();
+    assert_eq!(kept, [1, 2, 3, 4, 5, 6, 7, 8, 10], "of the three alike the newest");
+    let last = memory.history(3, 1).unwrap().remove(0);
+    assert!(matches!(last.operation, Operation::Economise { .. }));
+    // It can be taken back, and then is done no more until the category grows.
+    memory.set_limits(Limits::default());
+    apply(&mut memory, &[mutation(3, Change::Undo { sequence: Some(3) })]);
+    assert_eq!(counts(&memory), [("Mug".to_owned(), 11)]);
+}
+
+#[test]
+fn views_that_nobody_named_give_way_to_newer_ones() {
+    let folder = fast_folder();
+    let (mut memory, _) = open(&folder);
+    memory.set_limits(Limits {
+        max_unnamed_views: 10,
+        ..Limits::default()
+    });
+    for track in 1..=12 {
+        apply(&mut memory, &[store(track as u128, vec![view(track, 0, 0)])]);
+    }
+    apply(&mut memory, &[teach(99, 3, "Mug")]);
+    let n_kept: Vec<usize> = (1..=12)
+        .map(|track| memory.views_of_track(track).unwrap().len())
+        .collect();
+    assert_eq!(n_kept, [0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1]);
+    drop(memory);
+    let (_, report) = open(&folder);
+    assert_eq!(report.n_views, 10);
+}
+
+#[test]
+fn equal_content_is_stored_once() {
+    let folder = fast_folder();
+    let (mut memory, _) = open(&folder);
+    let cloud = vec![7; 100_000];
+    let with_cloud = |track| View {
+        points: Some(cloud.clone()),
+        ..view_at(track, 0, 3.0)
+    };
+    for track in 1..=50 {
+        apply(&mut memory, &[store(track as u128, vec![with_cloud(track)])]);
+    }
+    let mut n_bytes = 0;
+    memory
+        .visit_records(|_, record| n_bytes += record.len())
+        .unwrap();
+    assert!(n_bytes < 2 * cloud.len(), "{n_bytes}");
+    assert_eq!(memory.views_of_track(50).unwrap()[0].view, with_cloud(50));
+}
