@@ -7,7 +7,7 @@ use std::time::Duration;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, mpsc, oneshot};
 
 /// What may wait, bytes; the memory is away for minutes before a view is lost.
-const CAPACITY_BYTES: usize = 256 << 20;
+const CAPACITY_BYTES: usize = 256_000_000;
 /// How long the memory may take to answer.
 const DEADLINE: Duration = Duration::from_secs(5);
 /// How soon it is asked again after a failure.

@@ -79,7 +79,7 @@ fn middle(points: &[(Point3<f64>, Rgba)]) -> [f32; 3] {
         let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), place| {
             (low.min(place), high.max(place))
         });
-        ((low + high) / 2.0) as f32
+        f64::midpoint(low, high) as f32
     })
 }
 
