@@ -5,10 +5,7 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::time::Instant;
 
-use crate::figures::quantile;
-
 const APPENDED_BYTES: usize = 4096;
-const N_APPENDED: usize = 500;
 
 /// The type of the file system a folder lies in.
 pub fn file_system(folder: &Path) -> io::Result<String> {
@@ -24,17 +21,17 @@ pub fn file_system(folder: &Path) -> io::Result<String> {
     Ok(nearest.map_or_else(|| "unknown".to_owned(), |(_, kind)| kind.to_owned()))
 }
 
-/// Median and 99th percentile of the milliseconds of a small append with `fdatasync`.
-pub fn sync_ms(folder: &Path) -> io::Result<[f64; 2]> {
+/// Milliseconds of so many small appends, each with `fdatasync`.
+pub fn sync_ms(folder: &Path, n_appended: usize) -> io::Result<Vec<f64>> {
     let path = folder.join("appended");
     let mut file = File::create(&path)?;
-    let mut times_ms = Vec::with_capacity(N_APPENDED);
-    for _ in 0..N_APPENDED {
+    let mut times_ms = Vec::with_capacity(n_appended);
+    for _ in 0..n_appended {
         let begin = Instant::now();
         file.write_all(&[1; APPENDED_BYTES])?;
         file.sync_data()?;
         times_ms.push(begin.elapsed().as_secs_f64() * 1e3);
     }
     fs::remove_file(path)?;
-    Ok([0.5, 0.99].map(|share| quantile(times_ms.iter().copied(), share)))
+    Ok(times_ms)
 }

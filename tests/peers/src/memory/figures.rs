@@ -3,11 +3,12 @@
 use std::time::Duration;
 
 /// Changes made one after the other or by several callers.
-#[derive(Default)]
 pub struct Run {
     pub elapsed_ns: u64,
     /// Of each change that was timed.
     pub latencies_ns: Vec<u64>,
+    /// A bare `fdatasync` just before.
+    pub sync_ms: f64,
 }
 
 /// All labelled views loaded by a process of its own.
@@ -26,11 +27,17 @@ impl Run {
         Self {
             elapsed_ns: elapsed.as_nanos() as u64,
             latencies_ns,
+            sync_ms: f64::NAN,
         }
     }
 
     pub fn per_second(&self) -> f64 {
         self.latencies_ns.len() as f64 / (self.elapsed_ns as f64 * 1e-9)
+    }
+
+    /// Milliseconds that `share` of the changes do not exceed.
+    pub fn latency_ms(&self, share: f64) -> f64 {
+        quantile(self.latencies_ns.iter().map(|&ns| ns as f64 * 1e-6), share)
     }
 }
 
@@ -59,8 +66,6 @@ pub fn quantile(values: impl IntoIterator<Item = f64>, share: f64) -> f64 {
     values[rank.clamp(1, values.len()) - 1]
 }
 
-/// Milliseconds that `share` of all changes of these runs do not exceed.
-pub fn latency_ms(runs: &[Run], share: f64) -> f64 {
-    let all = runs.iter().flat_map(|run| &run.latencies_ns);
-    quantile(all.map(|&ns| ns as f64 * 1e-6), share)
+pub fn median(values: impl IntoIterator<Item = f64>) -> f64 {
+    quantile(values, 0.5)
 }

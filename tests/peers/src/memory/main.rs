@@ -16,11 +16,14 @@ use std::process::{Command, ExitCode};
 use std::time::Instant;
 
 use cpp::Cpp;
-use figures::Run;
+use figures::{Load, Run, median, quantile};
 use plan::{Plan, Scenario};
 use report::{Disk, Row};
 
-const N_TURNS: usize = 3;
+const N_TURNS: usize = 5;
+/// Bare syncs timed at first, and before each run.
+const N_SYNCS: usize = 500;
+const N_SYNCS_PER_RUN: usize = 20;
 const N_LOADS: usize = 5;
 const N_LOADED_VIEWS: usize = 100_000;
 /// Clouds that come with the views that are loaded.
@@ -37,43 +40,50 @@ struct Asked {
     folder: PathBuf,
 }
 
-/// Times all scenarios on new databases, the systems taking turns.
+/// Times all scenarios on new databases.
 fn take_turn(
     folder: &Path,
     cpp: &Cpp,
     plan: &Plan,
-    share: f64,
+    scenarios: &[Scenario],
+    is_ours_first: bool,
 ) -> io::Result<Vec<[Option<Run>; 2]>> {
     let [of_ours, of_cpp] = ["ours", "cpp"].map(|name| folder.join(name));
     ours::prefill(&of_ours, plan);
     cpp.prefill(&of_cpp, plan);
-    let scenario_of_turn = |scenario: &Scenario| {
-        let n_steps = (scenario.steps.len() as f64 * share) as usize;
-        let first = scenario.steps.start;
-        Scenario {
-            steps: first..first + n_steps,
-            ..scenario.clone()
-        }
-    };
-    let scenarios = plan.scenarios.iter().map(scenario_of_turn);
-    let runs = scenarios.map(|scenario| {
-        let ours = ours::run(&of_ours, plan, &scenario);
-        [ours, Some(cpp.run(&of_cpp, &scenario))]
-    });
-    let runs = runs.collect();
+    let mut runs = Vec::with_capacity(scenarios.len());
+    for scenario in scenarios {
+        let run_ours = || timed(folder, || ours::run(&of_ours, plan, scenario));
+        let run_cpp = || timed(folder, || Some(cpp.run(&of_cpp, scenario)));
+        runs.push(if is_ours_first {
+            [run_ours()?, run_cpp()?]
+        } else {
+            let of_cpp = run_cpp()?;
+            [run_ours()?, of_cpp]
+        });
+    }
     fs::remove_dir_all(of_ours)?;
     fs::remove_dir_all(of_cpp)?;
     Ok(runs)
 }
 
+/// A run, and what a bare sync takes just before: disks have good and bad times.
+fn timed(folder: &Path, run: impl FnOnce() -> Option<Run>) -> io::Result<Option<Run>> {
+    let sync_ms = median(disk::sync_ms(folder, N_SYNCS_PER_RUN)?);
+    Ok(run().map(|run| Run { sync_ms, ..run }))
+}
+
+/// The systems take turns, and take turns in being first.
 fn measure_changes(folder: &Path, cpp: &Cpp, plan: &Plan) -> io::Result<Vec<Row>> {
-    take_turn(folder, cpp, plan, SHARE_OF_WARM_UP)?;
+    let fewer = |scenario: &Scenario| scenario.shortened(SHARE_OF_WARM_UP);
+    let warm_up: Vec<Scenario> = plan.scenarios.iter().map(fewer).collect();
+    take_turn(folder, cpp, plan, &warm_up, true)?;
     let mut runs: Vec<[Vec<Run>; 2]> = plan.scenarios.iter().map(|_| Default::default()).collect();
-    for _ in 0..N_TURNS {
-        for (runs, turn) in runs.iter_mut().zip(take_turn(folder, cpp, plan, 1.0)?) {
-            for (runs, run) in runs.iter_mut().zip(turn) {
-                runs.extend(run);
-            }
+    for turn in 0..N_TURNS {
+        let is_ours_first = turn.is_multiple_of(2);
+        let found = take_turn(folder, cpp, plan, &plan.scenarios, is_ours_first)?;
+        for (runs, run) in runs.iter_mut().flatten().zip(found.into_iter().flatten()) {
+            runs.extend(run);
         }
     }
     let rows = plan.scenarios.iter().zip(&runs);
@@ -82,7 +92,7 @@ fn measure_changes(folder: &Path, cpp: &Cpp, plan: &Plan) -> io::Result<Vec<Row>
 }
 
 /// Loads in a process of its own, so that nothing else is in its memory.
-fn load_ours(folder: &Path) -> figures::Load {
+fn load_ours(folder: &Path) -> Load {
     let program = std::env::current_exe().expect("this program");
     cpp::load_of(Command::new(program).arg("--load").arg(folder))
 }
@@ -121,9 +131,10 @@ fn measure(asked: &Asked) -> io::Result<(Disk, Vec<Row>)> {
     fs::create_dir_all(&asked.folder)?;
     let folder = tempfile::tempdir_in(&asked.folder)?;
     let folder = folder.path();
+    let syncs_ms = disk::sync_ms(folder, N_SYNCS)?;
     let disk = Disk {
         file_system: disk::file_system(folder)?,
-        sync_ms: disk::sync_ms(folder)?,
+        sync_ms: [0.5, 0.99].map(|share| quantile(syncs_ms.iter().copied(), share)),
     };
     let share = if asked.is_short {
         SHARE_OF_SHORT_RUN

@@ -52,10 +52,10 @@ impl Plan {
     /// A plan with `share` of all counts.
     pub fn new(share: f64) -> Self {
         let count = |n: usize| (n as f64 * share) as usize;
-        let teachings = [(1, count(500)), (8, count(2_400)), (64, count(9_600))];
-        let n_beside = count(1_500);
-        let views = [(1, count(300)), (8, count(1_200)), (64, count(3_200))];
-        let n_views_beside = count(2_000);
+        let teachings = [(1, count(400)), (8, count(1_600)), (64, count(6_400))];
+        let n_beside = count(1_000);
+        let views = [(1, count(200)), (8, count(600)), (64, count(1_200))];
+        let n_views_beside = count(800);
         let n_tracks = teachings.iter().map(|(_, n)| n).sum::<usize>() + 2 * n_beside;
         let n_views = views.iter().map(|(_, n)| n).sum::<usize>() + n_views_beside;
 
@@ -113,6 +113,18 @@ impl Plan {
         Step::StoreView {
             track_id: (self.n_tracks + 1 + n / 10) as u64,
             view_id: (n % 10) as u32,
+        }
+    }
+}
+
+impl Scenario {
+    /// The same with the first `share` of its steps.
+    pub fn shortened(&self, share: f64) -> Self {
+        let Range { start, .. } = self.steps;
+        let n_steps = (self.steps.len() as f64 * share) as usize;
+        Self {
+            steps: start..start + n_steps,
+            ..self.clone()
         }
     }
 }
