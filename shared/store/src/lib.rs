@@ -61,6 +61,8 @@ mod env_health;
 mod verified_files;
 
 #[cfg(test)]
+mod cpp_leveldb_tests;
+#[cfg(test)]
 mod power_loss_tests;
 
 pub use catalogue::CategorySummary;

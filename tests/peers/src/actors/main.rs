@@ -72,7 +72,7 @@ fn parse(arguments: impl Iterator<Item = String>) -> Option<(bool, Vec<usize>)> 
 
 fn main() -> ExitCode {
     let Some((as_json, sizes)) = parse(std::env::args().skip(1)) else {
-        eprintln!("usage: actor-peers [--json] [NUMBER OF ACTORS]...");
+        eprintln!("usage: actors [--json] [NUMBER OF ACTORS]...");
         return ExitCode::from(2);
     };
     let rows: Vec<Row> = sizes.into_iter().flat_map(measure).collect();
