@@ -1,7 +1,12 @@
 //! The command line.
 
+mod memory;
 mod recognition;
 
+pub(crate) use memory::{
+    CompactArguments, ForgetArguments, HistoryArguments, ImportArguments, InspectArguments,
+    KnowledgeVerb, MemoryVerb, PutArguments,
+};
 pub(crate) use recognition::{
     AblationArguments, AblationVariant, CrossValidationArguments, DescriptionArguments,
     LearnArguments, OpenEndedArguments, Up, Variant, ViewProtocol,
@@ -49,11 +54,33 @@ pub(crate) enum Verb {
     Teach(LabelArguments),
     /// Correct the name of a tracked object
     Correct(LabelArguments),
-    /// Forget a category; its views stay, without a name
-    Forget {
-        /// The category
-        category: String,
+    /// Forget a category, whose views then stay without a name; or a track, or a view
+    Forget(ForgetArguments),
+    /// Give a category another name
+    Rename {
+        /// Its name
+        from: String,
+        /// Its new name
+        to: String,
         /// Who asks [default: the user's name]
+        #[arg(long, value_name = "NAME")]
+        author: Option<String>,
+    },
+    /// Give all views of a category the name of another
+    Merge {
+        /// The category that will be no more
+        from: String,
+        /// The one that gets its views
+        into: String,
+        /// Who asks [default: the user's name]
+        #[arg(long, value_name = "NAME")]
+        author: Option<String>,
+    },
+    /// Take back the last lesson, or an entry of the history
+    Undo {
+        /// The entry's number [default: the last lesson of the author that still holds]
+        entry: Option<u64>,
+        /// Whose lesson [default: the user's name]
         #[arg(long, value_name = "NAME")]
         author: Option<String>,
     },
@@ -61,6 +88,18 @@ pub(crate) enum Verb {
     Learn(LearnArguments),
     /// List the learned categories
     Categories,
+    /// Look into the memory, verify and repair it, export and import it; with or without a daemon
+    Memory {
+        /// What to do
+        #[command(subcommand)]
+        verb: MemoryVerb,
+    },
+    /// What tasks need to know: named texts and files
+    Knowledge {
+        /// What to do
+        #[command(subcommand)]
+        verb: KnowledgeVerb,
+    },
     /// Move the arm, or say how it is
     Arm {
         /// What it is to do

@@ -1,10 +1,13 @@
 //! Teaching, correcting, forgetting.
 
-use crate::arguments::LabelArguments;
+use crate::arguments::{ForgetArguments, LabelArguments};
 use crate::objects::{call, connect, unexpected};
 use crate::output::Output;
 use crate::table::table;
-use message::control::{CategoryReport, Command, Labelling, LearningReport, MutationId, Reply};
+use message::control::{
+    CategoryReport, Command, Labelling, LearningReport, MutationId, Reply, Revision,
+    RevisionChange, ViewId,
+};
 use serde::Serialize;
 use service::{CommonArguments, Failure, exit_code};
 use std::process::ExitCode;
@@ -34,14 +37,25 @@ pub(crate) fn correct(
 /// `tabula forget`
 pub(crate) fn forget(
     common: &CommonArguments,
-    category: &str,
-    author: Option<&str>,
+    arguments: &ForgetArguments,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
+    let author = arguments.author.as_deref();
+    let Some(category) = &arguments.category else {
+        let change = match (arguments.track, arguments.view) {
+            (Some(track_id), Some(view_id)) => RevisionChange::ForgetView {
+                view: ViewId { track_id, view_id },
+            },
+            (track_id, _) => RevisionChange::ForgetTrack {
+                track_id: track_id.unwrap_or_default(),
+            },
+        };
+        return revise(common, change, author, output);
+    };
     let command = Command::Forget {
         id: mutation_id()?,
         author: author_or_user(author),
-        category: category.to_owned(),
+        category: category.clone(),
     };
     let report = learn(common, command)?;
     output.answer(&report, || {
@@ -49,6 +63,37 @@ pub(crate) fn forget(
             "forgot {}: {} view(s) have no name now",
             report.category, report.n_views_changed
         )
+    });
+    Ok(ExitCode::SUCCESS)
+}
+
+/// `tabula rename`, `tabula merge`, `tabula undo`, and forgetting tracks and views.
+pub(crate) fn revise(
+    common: &CommonArguments,
+    change: RevisionChange,
+    author: Option<&str>,
+    output: &Output,
+) -> Result<ExitCode, Failure> {
+    let done = match &change {
+        RevisionChange::ForgetTrack { track_id } => format!("forgot track {track_id}"),
+        RevisionChange::ForgetView { view } => {
+            format!("forgot view {} of track {}", view.view_id, view.track_id)
+        }
+        RevisionChange::Rename { from, to } => format!("{from} is called {to} now"),
+        RevisionChange::Merge { from, into } => format!("{from} is {into} now"),
+        _ => "taken back".to_owned(),
+    };
+    let report = learn(
+        common,
+        Command::Revise(Revision {
+            id: mutation_id()?,
+            author: author_or_user(author),
+            change,
+        }),
+    )?;
+    output.answer(&report, || {
+        let (n, sequence) = (report.n_views_changed, report.sequence);
+        format!("{done}: {n} view(s), history {sequence}, on disk")
     });
     Ok(ExitCode::SUCCESS)
 }

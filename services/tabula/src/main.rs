@@ -6,17 +6,22 @@ mod child;
 mod daemon;
 mod doctor;
 mod evaluate;
+mod knowledge;
 mod learn;
 mod learn_folder;
+mod memory;
+mod memory_access;
 mod objects;
 mod output;
 mod sensor;
 mod simulate;
 mod stop_signal;
 mod table;
+mod time;
 
 use arguments::{Arguments, Verb};
 use clap::Parser;
+use message::control::RevisionChange;
 use output::Output;
 use service::Failure;
 use std::process::ExitCode;
@@ -42,11 +47,25 @@ fn execute(arguments: &Arguments, output: &Output) -> Result<ExitCode, Failure> 
         Verb::Status => objects::status(&arguments.common, output),
         Verb::Teach(label) => learn::teach(&arguments.common, label, output),
         Verb::Correct(label) => learn::correct(&arguments.common, label, output),
-        Verb::Forget { category, author } => {
-            learn::forget(&arguments.common, category, author.as_deref(), output)
+        Verb::Forget(forget) => learn::forget(&arguments.common, forget, output),
+        Verb::Rename { from, to, author } => {
+            let (from, to) = (from.clone(), to.clone());
+            let change = RevisionChange::Rename { from, to };
+            learn::revise(&arguments.common, change, author.as_deref(), output)
+        }
+        Verb::Merge { from, into, author } => {
+            let (from, into) = (from.clone(), into.clone());
+            let change = RevisionChange::Merge { from, into };
+            learn::revise(&arguments.common, change, author.as_deref(), output)
+        }
+        Verb::Undo { entry, author } => {
+            let change = RevisionChange::Undo { sequence: *entry };
+            learn::revise(&arguments.common, change, author.as_deref(), output)
         }
         Verb::Learn(folder) => learn_folder::run(&arguments.common, folder, output),
         Verb::Categories => learn::categories(&arguments.common, output),
+        Verb::Memory { verb } => memory::run(&arguments.common, verb, output),
+        Verb::Knowledge { verb } => knowledge::run(&arguments.common, verb, output),
         Verb::Simulate { verb } => simulate::run(verb, output),
         Verb::Evaluate { verb } => evaluate::run(verb, output),
         Verb::Arm { verb } => arm::run(&arguments.common, verb, output),

@@ -5,7 +5,7 @@ use crate::stop_signal::StopSignal;
 use crate::table::table;
 use channel::RunFolder;
 use channel::control::{CallError, SocketClient};
-use message::control::{Command, IgnoredReport, ObjectReport, ObjectsReport, RefusalKind, Reply};
+use message::control::{Command, IgnoredReport, ObjectReport, ObjectsReport, Refusal, RefusalKind, Reply};
 use serde::Serialize;
 use service::{CommonArguments, Failure, exit_code};
 use std::process::ExitCode;
@@ -25,16 +25,19 @@ pub(crate) fn connect(common: &CommonArguments) -> Result<SocketClient, Failure>
 /// Asks, and turns a refusal into a failure.
 pub(crate) fn call(client: &mut SocketClient, command: Command) -> Result<Reply, Failure> {
     match client.call(command).map_err(|error| call_failed(&error))? {
-        Reply::Refused(refusal) => {
-            let code = match refusal.kind {
-                RefusalKind::Unavailable => exit_code::NO_DAEMON,
-                RefusalKind::Internal | RefusalKind::Version => exit_code::FAILURE,
-                _ => exit_code::REFUSED,
-            };
-            Err(Failure::new(code, refusal))
-        }
+        Reply::Refused(refusal) => Err(refused(refusal)),
         reply => Ok(reply),
     }
+}
+
+/// A refusal with its exit code.
+pub(crate) fn refused(refusal: Refusal) -> Failure {
+    let code = match refusal.kind {
+        RefusalKind::Unavailable => exit_code::NO_DAEMON,
+        RefusalKind::Internal | RefusalKind::Version => exit_code::FAILURE,
+        _ => exit_code::REFUSED,
+    };
+    Failure::new(code, refusal)
 }
 
 fn call_failed(error: &CallError) -> Failure {

@@ -5,13 +5,17 @@
 //! answered together when they are on disk. A read sees all changes asked for
 //! before it.
 //!
+//! When nobody asks for anything, the tables are merged in small steps, so that
+//! this need not be done while somebody waits.
+//!
 //! When the store fails, the callers of that moment get the error, and the
 //! thread opens it again before the next request.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
-use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
 use std::thread::JoinHandle;
+use std::time::Duration;
 
 use crate::economy::Limits;
 use crate::error::Error;
@@ -23,6 +27,10 @@ use crate::perceptual_memory::PerceptualMemory;
 const GROUP_REQUESTS: usize = 256;
 /// Most bytes gathered before they are written.
 const GROUP_BYTES: usize = 4 << 20;
+/// Without requests for this long the store tidies up.
+const IDLE: Duration = Duration::from_millis(200);
+/// Bytes written since the last tidying that are worth another.
+const TIDY_BYTES: usize = 32 << 20;
 
 /// Told what was found when the store was opened again.
 pub type OnReopened = Box<dyn FnMut(&Result<OpenReport, Error>) + Send>;
@@ -216,6 +224,8 @@ impl StoreThread {
             config,
             memory: Some(memory),
             waiting: Vec::new(),
+            n_untidy_bytes: 0,
+            tidy_step: 0,
         };
         let thread = std::thread::Builder::new()
             .name("store".to_owned())
@@ -269,11 +279,22 @@ struct Owner {
     memory: Option<PerceptualMemory>,
     /// Answers to be given when what is staged is on disk, or is not.
     waiting: Vec<Answering<()>>,
+    n_untidy_bytes: usize,
+    /// The next step of the tidying under way.
+    tidy_step: usize,
 }
 
 impl Owner {
     fn run(&mut self, requests: &Receiver<Request>) -> Result<(), Error> {
-        while let Ok(request) = requests.recv() {
+        loop {
+            let request = match requests.recv_timeout(IDLE) {
+                Ok(request) => request,
+                Err(RecvTimeoutError::Timeout) => {
+                    self.tidy();
+                    continue;
+                }
+                Err(RecvTimeoutError::Disconnected) => break,
+            };
             let others = requests.try_iter().take(GROUP_REQUESTS - 1);
             for request in std::iter::once(request).chain(others) {
                 if matches!(request, Request::Stop) {
@@ -284,6 +305,24 @@ impl Owner {
             self.commit();
         }
         self.stop()
+    }
+
+    /// Makes one step of merging the tables, when much was written since the last time.
+    fn tidy(&mut self) {
+        let Some(memory) = &mut self.memory else {
+            return;
+        };
+        if self.n_untidy_bytes < TIDY_BYTES || memory.failure().is_some() {
+            return;
+        }
+        // A failure makes the store unusable, which the next request finds.
+        if memory.compact_step(self.tidy_step).is_err() {
+            return;
+        }
+        self.tidy_step += 1;
+        if self.tidy_step == PerceptualMemory::N_COMPACT_STEPS {
+            (self.tidy_step, self.n_untidy_bytes) = (0, 0);
+        }
     }
 
     fn serve(&mut self, request: Request) {
@@ -344,7 +383,10 @@ impl Owner {
             return;
         }
         let committed = match &mut self.memory {
-            Some(memory) => memory.commit(),
+            Some(memory) => {
+                self.n_untidy_bytes += memory.n_staged_bytes();
+                memory.commit()
+            }
             None => Err(Error::Stopped),
         };
         for answer in self.waiting.drain(..) {

@@ -82,6 +82,7 @@ fn view(track_id: u64, view_id: u32, cloud_bytes: usize) -> View {
         captured_ns: 1_700_000_000_000_000_000 + track_id,
         frame_sequence: track_id,
         source: "kinect".to_owned(),
+        mean_rgb: None,
         points: (cloud_bytes > 0)
             .then(|| (0..cloud_bytes as u64).map(|i| noise(i) as u8).collect()),
     }
@@ -91,6 +92,7 @@ fn start(folder: &Path) -> (StoreThread, StoreHandle) {
     let config = StoreConfig {
         folder: folder.to_owned(),
         queue_capacity: 1024,
+        limits: store::Limits::default(),
         wall_clock: || 1,
         on_reopened: Box::new(|_| panic!("the store had to be opened again")),
     };
@@ -114,10 +116,12 @@ fn mutate(handle: &StoreHandle, mutation: Mutation) -> u64 {
     begin.elapsed().as_nanos() as u64
 }
 
-/// Has a compaction of everything made and waits for it; false when the store
-/// offers none.
-fn compact(_handle: &StoreHandle) -> bool {
-    false
+/// Has a compaction of everything made and waits for it.
+fn compact(handle: &StoreHandle) -> bool {
+    (0..PerceptualMemory::N_COMPACT_STEPS).all(|step| {
+        let compacted = handle.read_and_wait(move |memory| memory.compact_step(step));
+        compacted.is_ok()
+    })
 }
 
 /// Times the scenario; nothing when the store does not offer what it is about.

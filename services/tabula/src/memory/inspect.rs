@@ -1,0 +1,171 @@
+//! Sizes, views, history.
+
+use crate::arguments::{HistoryArguments, InspectArguments};
+use crate::memory_access::MemoryAccess;
+use crate::objects::unexpected;
+use crate::output::Output;
+use crate::table::table;
+use crate::time::utc;
+use message::control::{
+    Command, HistoryReport, MemoryAnswer, MemoryQuery, MemoryStats, Reply, ViewReport,
+};
+use serde::Serialize;
+use service::{CommonArguments, Failure};
+use std::process::ExitCode;
+
+fn ask(memory: &mut MemoryAccess, query: MemoryQuery) -> Result<MemoryAnswer, Failure> {
+    match memory.call(Command::Memory(query))? {
+        Reply::Memory(answer) => Ok(answer),
+        other => Err(unexpected(&other)),
+    }
+}
+
+fn strange(answer: MemoryAnswer) -> Failure {
+    unexpected(&Reply::Memory(answer))
+}
+
+/// `tabula memory stats`
+pub(super) fn stats(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure> {
+    let mut memory = MemoryAccess::open(common, output)?;
+    let stats = match ask(&mut memory, MemoryQuery::Stats)? {
+        MemoryAnswer::Stats(stats) => stats,
+        other => return Err(strange(other)),
+    };
+    output.answer(&stats, || stats_text(&stats));
+    Ok(ExitCode::SUCCESS)
+}
+
+fn stats_text(stats: &MemoryStats) -> String {
+    let row = |name: &str, value: String| vec![name.to_owned(), value];
+    let mut rows = vec![
+        row("named views", stats.n_named.to_string()),
+        row("categories", stats.n_categories.to_string()),
+        row("views without a name", stats.n_unnamed.to_string()),
+        row("forgotten views", stats.n_forgotten.to_string()),
+        row("documents", stats.n_documents.to_string()),
+        row("bytes of content", stats.content_bytes.to_string()),
+        row("bytes on disk", stats.disk_bytes.to_string()),
+        row("history entries", stats.sequence.to_string()),
+        row("next track", stats.next_track_id.to_string()),
+        row("schema", stats.schema.to_string()),
+        row("memory", format!("{:032x}", stats.memory_id)),
+        row("store", format!("{:032x}", stats.store_id)),
+    ];
+    if stats.n_lost_entries > 0 {
+        rows.insert(8, row("lost entries", stats.n_lost_entries.to_string()));
+    }
+    table(&["what", "how much"], &rows)
+}
+
+#[derive(Serialize)]
+struct ViewsDocument {
+    views: Vec<ViewReport>,
+}
+
+/// `tabula memory inspect`
+pub(super) fn views(
+    common: &CommonArguments,
+    arguments: &InspectArguments,
+    output: &Output,
+) -> Result<ExitCode, Failure> {
+    let mut memory = MemoryAccess::open(common, output)?;
+    let mut all = Vec::new();
+    let mut after = None;
+    loop {
+        let query = MemoryQuery::Views {
+            category: arguments.category.clone(),
+            track_id: arguments.track,
+            after,
+        };
+        let next = match ask(&mut memory, query)? {
+            MemoryAnswer::Views { views, next } => {
+                all.extend(views);
+                next
+            }
+            other => return Err(strange(other)),
+        };
+        after = next;
+        if after.is_none() {
+            break;
+        }
+    }
+    let document = ViewsDocument { views: all };
+    output.answer(&document, || views_text(&document.views));
+    Ok(ExitCode::SUCCESS)
+}
+
+fn views_text(views: &[ViewReport]) -> String {
+    if views.is_empty() {
+        return "no such view is stored".to_owned();
+    }
+    let row = |view: &ViewReport| {
+        let [x, y, z] = view.size_m.map(|side| format!("{:.0}", 1e3 * side));
+        let name = view.category.clone();
+        vec![
+            format!("{}/{}", view.id.track_id, view.id.view_id),
+            name.unwrap_or_else(|| "-".to_owned()),
+            if view.decided_ns == 0 { "-".to_owned() } else { view.author.clone() },
+            if view.decided_ns == 0 { "-".to_owned() } else { utc(view.decided_ns) },
+            utc(view.captured_ns),
+            format!("{} frame {}", view.source, view.frame_sequence),
+            format!("{x} x {y} x {z}"),
+            (view.descriptor_bytes + view.cloud_bytes).to_string(),
+        ]
+    };
+    let heading = [
+        "track/view", "category", "by", "taught", "captured", "source", "size mm", "bytes",
+    ];
+    table(&heading, &views.iter().map(row).collect::<Vec<_>>())
+}
+
+#[derive(Serialize)]
+struct HistoryDocument {
+    entries: Vec<HistoryReport>,
+    last_sequence: u64,
+}
+
+/// `tabula memory history`
+pub(super) fn history(
+    common: &CommonArguments,
+    arguments: &HistoryArguments,
+    output: &Output,
+) -> Result<ExitCode, Failure> {
+    let mut memory = MemoryAccess::open(common, output)?;
+    let query = MemoryQuery::History {
+        from: arguments.from,
+        max: arguments.count,
+    };
+    let document = match ask(&mut memory, query)? {
+        MemoryAnswer::History {
+            entries,
+            last_sequence,
+        } => HistoryDocument {
+            entries,
+            last_sequence,
+        },
+        other => return Err(strange(other)),
+    };
+    output.answer(&document, || history_text(&document.entries));
+    Ok(ExitCode::SUCCESS)
+}
+
+fn history_text(entries: &[HistoryReport]) -> String {
+    if entries.is_empty() {
+        return "there are no such entries".to_owned();
+    }
+    let row = |entry: &HistoryReport| {
+        let what = match &entry.contradiction {
+            Some(why) => format!("{}: {why}", entry.what),
+            None => entry.what.clone(),
+        };
+        vec![
+            entry.sequence.to_string(),
+            utc(entry.wall_ns),
+            entry.author.clone(),
+            what,
+            entry.n_views.to_string(),
+        ]
+    };
+    let heading = ["entry", "when", "by", "what", "views"];
+    table(&heading, &entries.iter().map(row).collect::<Vec<_>>())
+}

@@ -1,0 +1,145 @@
+//! Verifying, repairing, compacting.
+
+use crate::arguments::CompactArguments;
+use crate::memory_access::{MemoryAccess, daemon, local_folder};
+use crate::objects::unexpected;
+use crate::output::Output;
+use crate::simulate::progress;
+use message::control::{JobKind, JobOutcome, Reply, VerificationReport};
+use service::{CommonArguments, Failure, exit_code};
+use std::process::ExitCode;
+
+const S_PER_DAY: u64 = 24 * 3600;
+
+/// Runs a job, with a bar.
+fn job(
+    memory: &mut MemoryAccess,
+    kind: JobKind,
+    unit: &'static str,
+    output: &Output,
+) -> Result<JobOutcome, Failure> {
+    let report = memory.begin(kind)?;
+    let bar = progress::bar(report.total, unit, output);
+    let outcome = memory.wait(report.job, |report| {
+        bar.set_length(report.total);
+        bar.set_position(report.done);
+    });
+    bar.finish_and_clear();
+    outcome
+}
+
+fn strange(outcome: JobOutcome) -> Failure {
+    unexpected(&Reply::Job(message::control::JobReport {
+        job: 0,
+        done: 0,
+        total: 0,
+        outcome: Some(outcome),
+    }))
+}
+
+/// `tabula memory verify`: without a daemon a copy is read, and nothing is changed.
+pub(super) fn verify(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure> {
+    let found = match daemon(common)? {
+        Some(client) => {
+            let mut memory = MemoryAccess::Daemon(client);
+            match job(&mut memory, JobKind::Verify, "views", output)? {
+                JobOutcome::Verified(found) => found,
+                other => return Err(strange(other)),
+            }
+        }
+        None => verify_folder(common, output)?,
+    };
+    output.answer(&found, || text(&found));
+    Ok(if found.n_findings == 0 {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::from(exit_code::FAILURE)
+    })
+}
+
+fn verify_folder(common: &CommonArguments, output: &Output) -> Result<VerificationReport, Failure> {
+    let folder = local_folder(common)?;
+    let bar = progress::bar(0, "views", output);
+    let found = store::verify_folder(&folder, |done, total| {
+        bar.set_length(total);
+        bar.set_position(done);
+    });
+    bar.finish_and_clear();
+    let found = found.map_err(|error| Failure::new(exit_code::FAILURE, error))?;
+    Ok(VerificationReport {
+        sequence: found.position.sequence,
+        n_history: found.n_history,
+        n_views: found.n_views,
+        n_documents: found.n_documents,
+        content_bytes: found.n_content_bytes,
+        n_findings: found.n_findings,
+        findings: found.findings,
+    })
+}
+
+fn text(found: &VerificationReport) -> String {
+    let VerificationReport {
+        n_history,
+        n_views,
+        n_documents,
+        content_bytes,
+        n_findings,
+        ..
+    } = found;
+    let read = format!(
+        "read {n_history} history entries, {n_views} views, {n_documents} documents, \
+         {content_bytes} bytes of content"
+    );
+    if *n_findings == 0 {
+        return format!("the memory is sound: {read}");
+    }
+    let mut lines = vec![format!(
+        "the memory is damaged, {n_findings} finding(s): {read}"
+    )];
+    lines.extend(found.findings.iter().map(|finding| format!("- {finding}")));
+    lines.push("repair it with: tabula memory repair".to_owned());
+    lines.join("\n")
+}
+
+/// `tabula memory repair`
+pub(super) fn repair(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure> {
+    let mut memory = MemoryAccess::open(common, output)?;
+    let outcome = job(&mut memory, JobKind::Repair, "views", output)?;
+    let JobOutcome::Repaired { what, is_loss, .. } = &outcome else {
+        return Err(strange(outcome));
+    };
+    output.answer(&outcome, || what.clone());
+    Ok(if *is_loss {
+        ExitCode::from(exit_code::FAILURE)
+    } else {
+        ExitCode::SUCCESS
+    })
+}
+
+/// `tabula memory compact`
+pub(super) fn compact(
+    common: &CommonArguments,
+    arguments: &CompactArguments,
+    output: &Output,
+) -> Result<ExitCode, Failure> {
+    let mut memory = MemoryAccess::open(common, output)?;
+    let kind = JobKind::Compact {
+        forgotten_for_s: u64::from(arguments.forgotten_days) * S_PER_DAY,
+    };
+    let outcome = job(&mut memory, kind, "steps", output)?;
+    let JobOutcome::Compacted {
+        n_purged,
+        disk_bytes_before,
+        disk_bytes,
+    } = outcome
+    else {
+        return Err(strange(outcome));
+    };
+    output.answer(&outcome, || {
+        format!(
+            "removed {n_purged} forgotten view(s) for good; the files have {disk_bytes} bytes, \
+             before they had {disk_bytes_before}"
+        )
+    });
+    Ok(ExitCode::SUCCESS)
+}
