@@ -33,16 +33,21 @@ pub(crate) struct LocalMemory {
 /// The folder of the memory, when there is one and no daemon has it.
 pub(crate) fn local_folder(common: &CommonArguments) -> Result<PathBuf, Failure> {
     let folder = common.home().perceptual_memory();
-    if folder.join("database").is_dir() {
+    let Err(error) = std::fs::metadata(folder.join("database")) else {
         return Ok(folder);
-    }
+    };
+    let why = match error.kind() {
+        std::io::ErrorKind::NotFound => "there is no memory there; name its folder by --home",
+        std::io::ErrorKind::PermissionDenied => {
+            "it belongs to another user; ask as that user, or let the daemon answer"
+        }
+        _ => "see that the disk is there",
+    };
+    let (domain, folder) = (&common.domain, folder.display());
     Err(Failure::new(
         exit_code::NO_DAEMON,
         format!(
-            "no daemon runs in the domain {}, and there is no memory in {}; name its folder by \
-             --home",
-            common.domain,
-            folder.display()
+            "no daemon runs in the domain {domain}, and {folder} cannot be opened ({error}): {why}"
         ),
     ))
 }

@@ -9,6 +9,7 @@ use learning::{CategoryName, ViewId};
 
 use crate::document::DocumentKey;
 use crate::env_health::Failure;
+use crate::keys;
 
 /// Why the store did not do what it was asked. Cloned when one failed commit
 /// answers many callers.
@@ -213,7 +214,7 @@ impl Error {
     /// A record that is not what was written.
     pub(crate) fn record(key: &[u8], wrong: &str) -> Self {
         Self::Damaged {
-            what: format!("the record {}: {wrong}", key.escape_ascii()),
+            what: format!("{}: {wrong}", keys::in_words(key)),
         }
     }
 }

@@ -103,10 +103,30 @@ impl Import<'_> {
                 decided: None,
             });
         }
-        let view = self.id_for(origin);
+        let view = match self.without_its_cloud(&parts) {
+            // It is this one, of which the cloud was lost: the whole one comes back.
+            Some(view) => {
+                self.decision.effects.push(Effect::Purged { view });
+                view
+            }
+            None => self.id_for(origin),
+        };
         self.decision.effects.push(Effect::Stored { view, identity });
         self.decision.contents.views.insert(identity, parts);
-        if let Some(decided) = decided.filter(|_| *standing != Standing::Unnamed) {
+        self.decide(view, standing, decided);
+    }
+
+    /// Has a view that just came in stand for what the latest decision says.
+    fn decide(&mut self, view: ViewId, standing: &Standing, decided: Option<&Decided>) {
+        let before = self.catalogue.get(view).map(|entry| &entry.register);
+        let theirs = decided.map(|decided| (standing, decided));
+        // Of the view it replaces.
+        let ours = before.map(|register| (&register.standing, &register.decided));
+        let latest = theirs
+            .into_iter()
+            .chain(ours)
+            .max_by_key(|(standing, decided)| (decided.stamp_ns, *standing));
+        if let Some((standing, decided)) = latest.filter(|(s, _)| **s != Standing::Unnamed) {
             self.decision.effects.push(Effect::Changed {
                 view,
                 before: Standing::Unnamed,
@@ -114,6 +134,19 @@ impl Import<'_> {
                 decided: Some(decided.clone()),
             });
         }
+    }
+
+    /// The view here that is this one but for its cloud, which went with a damaged
+    /// store.
+    fn without_its_cloud(&self, whole: &ViewParts) -> Option<ViewId> {
+        let origin = whole.facts.origin();
+        let (track_id, _) = self.catalogue.track_of_origin(origin)?;
+        let mut of_track = self.catalogue.track(track_id);
+        let (view, known) = of_track.find(|(_, known)| known.origin == origin)?;
+        let is_same = known.descriptor == whole.facts.descriptor
+            && known.captured_ns == whole.facts.captured_ns;
+        let lacks_cloud = known.points.is_none() && whole.facts.points.is_some();
+        (is_same && lacks_cloud).then_some(view)
     }
 
     fn id_for(&mut self, origin: Origin) -> ViewId {

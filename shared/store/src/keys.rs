@@ -90,6 +90,26 @@ pub(crate) fn document_of(key: &[u8]) -> Option<(DocumentKey, u64)> {
     Some((document, u64::from_be_bytes(sequence.try_into().ok()?)))
 }
 
+/// What a record is about, for people.
+pub(crate) fn in_words(key: &[u8]) -> String {
+    let table = key.first().copied().unwrap_or_default();
+    let view = view_of(key).map(crate::error::in_words);
+    let digest = digest_of(key);
+    match (table, view, digest, sequence_of(key), document_of(key)) {
+        (VIEW, Some(view), ..) => view,
+        (REGISTER, Some(view), ..) => format!("the standing of {view}"),
+        (DESCRIPTOR, _, Some(digest), ..) => format!("the descriptor {digest}"),
+        (BLOB, _, Some(digest), ..) => format!("the cloud or document {digest}"),
+        (TOMBSTONE, _, Some(digest), ..) => format!("the note of the forgotten view {digest}"),
+        (HISTORY, _, _, Some(sequence), _) => format!("history entry {sequence}"),
+        (DOCUMENT, .., Some((document, sequence))) => {
+            format!("{document}, as of entry {sequence}")
+        }
+        (META, ..) => "the record about the store".to_owned(),
+        _ => format!("the record {}", key.escape_ascii()),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

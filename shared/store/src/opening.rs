@@ -91,7 +91,7 @@ impl OpenReport {
 impl fmt::Display for OpenReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let kept = |path: &Option<PathBuf>| match path {
-            Some(path) => format!("the damaged database is kept as {}", path.display()),
+            Some(path) => format!("the old database is kept as {}", path.display()),
             None => "nothing of the old database is left".to_owned(),
         };
         match &self.condition {
@@ -103,9 +103,12 @@ impl fmt::Display for OpenReport {
                 set_aside,
             } => write!(
                 f,
-                "the store was damaged and has been rebuilt; lost: {loss}; {} ({})",
+                "the store was made anew from what is whole; lost: {loss}; {}{}",
                 kept(set_aside),
-                findings.join("; ")
+                match findings.join("; ") {
+                    none if none.is_empty() => none,
+                    findings => format!(" ({findings})"),
+                }
             )?,
             Condition::Migrated { schema, set_aside } => write!(
                 f,

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use store::{
     Change, Document, DocumentKey, DocumentKind, Error, ForeignDocument, ForeignView, Mutation,
-    PerceptualMemory, Target,
+    PerceptualMemory, Target, View,
 };
 use tempfile::TempDir;
 
@@ -197,5 +197,43 @@ proptest! {
         };
         let [a, b, c] = order;
         prop_assert_eq!(merged(&[0, 1, 2]), merged(&[a, b, c, twice]));
+    }
+}
+
+/// A store that lost a cloud gets it back from what was exported before.
+#[test]
+fn a_backup_brings_a_lost_cloud_back() {
+    let folder = fast_folder();
+    let (mut memory, _) = open(&folder);
+    let with_cloud = View {
+        // Larger than a block of the table, so that it has one for itself.
+        points: Some(vec![0xa5; 100_000]),
+        ..view(1, 0, 0)
+    };
+    let views = vec![with_cloud, view(1, 1, 0)];
+    apply(&mut memory, &[store(1, views), teach(2, 1, "Mug")]);
+    let backup = exported(&memory);
+    let before = meaning(&memory);
+    drop(memory);
+    drop(open(&folder));
+    let files = std::fs::read_dir(folder.path().join("database")).unwrap();
+    let mut n_damaged = 0;
+    for path in files.flatten().map(|entry| entry.path()) {
+        let mut bytes = std::fs::read(&path).unwrap();
+        if let Some(at) = bytes.windows(1000).position(|run| run == [0xa5; 1000]) {
+            bytes[at] ^= 0x10;
+            std::fs::write(&path, bytes).unwrap();
+            n_damaged += 1;
+        }
+    }
+    assert_eq!(n_damaged, 1);
+    let (mut memory, report) = PerceptualMemory::open_and_rebuild(folder.path(), NOW_NS).unwrap();
+    let loss = report.loss();
+    assert_eq!((loss.n_views, loss.n_clouds), (0, 1), "{report}");
+    assert_eq!(counts(&memory), [("Mug".to_owned(), 2)]);
+    assert_ne!(meaning(&memory), before);
+    for id in [900, 901] {
+        apply(&mut memory, &[import(id, &backup)]);
+        assert_eq!(meaning(&memory), before);
     }
 }
