@@ -1,7 +1,9 @@
 //! What the memory answers to each command.
 
+use crate::event_report;
 use crate::process_table::ProcessTable;
 use crate::translate;
+use crate::world::{World, now_ns};
 use channel::control::Client;
 use learning::{CategoryName, ViewId};
 use message::ProcessKind;
@@ -30,6 +32,7 @@ pub(crate) struct Answerer {
     pub(crate) arm: Client,
     pub(crate) processes: Arc<ProcessTable>,
     pub(crate) position: watch::Sender<Position>,
+    pub(crate) world: Arc<World>,
 }
 
 impl Answerer {
@@ -79,6 +82,7 @@ impl Answerer {
                     summaries.iter().map(translate::category_report).collect(),
                 ))
             }
+            Command::World(command) => self.world.answer(command).await,
             other => self.try_answer_internal(other).await,
         }
     }
@@ -152,7 +156,12 @@ impl Answerer {
         category: &str,
     ) -> Result<Reply, Refusal> {
         let what = what(&change);
+        let lesson = event_report::lesson(&change, category, &author);
         let Answer { sequence, n_views } = self.mutate(id, author, change).await?;
+        if let Some(lesson) = lesson.filter(|_| n_views > 0) {
+            self.world
+                .with(|model| model.note_lesson(lesson(sequence), now_ns()));
+        }
         tracing::info!("{what} {category:?}: {n_views} view(s) changed, history {sequence}");
         Ok(Reply::Learned(LearningReport {
             sequence,

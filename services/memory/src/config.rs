@@ -2,37 +2,120 @@
 
 use serde::Deserialize;
 use service::{ConfigFile, Failure};
+use std::time::Duration;
+use store::working::WorldConfig;
+
+/// When an object was last seen is on disk at least this exactly.
+const SEEN_PERIOD_NS: u64 = 10_000_000_000;
 
 /// The section `[memory]` as written.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 struct RawConfig {
     queue_requests: usize,
+    world_period_ms: u64,
+    world_move_min_m: f64,
+    world_turn_min_deg: f64,
+    world_keep_hours: f64,
+    world_kept_max: usize,
 }
 
 impl Default for RawConfig {
     fn default() -> Self {
         Self {
             queue_requests: 1024,
+            world_period_ms: 250,
+            world_move_min_m: 0.02,
+            world_turn_min_deg: 30.0,
+            world_keep_hours: 168.0,
+            world_kept_max: 50_000,
         }
     }
 }
 
 /// What the memory does.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Config {
     /// Most requests that wait for the store; one more is refused.
     pub(crate) queue_requests: usize,
+    /// Time between two looks at the world, and between two writes of what changed.
+    pub(crate) world_period: Duration,
+    /// What the working memory remembers.
+    pub(crate) world: WorldConfig,
 }
 
 impl Config {
     /// The section `[memory]` of the file.
     pub(crate) fn new(file: &ConfigFile) -> Result<Self, Failure> {
-        let RawConfig { queue_requests } = file.section("memory")?;
-        if !(1..=1_000_000).contains(&queue_requests) {
-            let rule = "[memory] queue_requests must lie between 1 and 1000000";
-            return Err(file.wrong(rule).into());
+        let raw: RawConfig = file.section("memory")?;
+        raw.check().map_err(|rule| file.wrong(rule))?;
+        Ok(Self {
+            queue_requests: raw.queue_requests,
+            world_period: Duration::from_millis(raw.world_period_ms),
+            world: WorldConfig {
+                move_min_m: raw.world_move_min_m,
+                turn_min_rad: raw.world_turn_min_deg.to_radians(),
+                keep_ns: (raw.world_keep_hours * 3.6e12) as u64,
+                n_kept_most: raw.world_kept_max,
+                seen_period_ns: SEEN_PERIOD_NS,
+            },
+        })
+    }
+}
+
+impl RawConfig {
+    /// The rule that is broken, if one is; no rule holds for NaN.
+    fn check(&self) -> Result<(), &'static str> {
+        let rules = [
+            (
+                (1..=1_000_000).contains(&self.queue_requests),
+                "[memory] queue_requests must lie between 1 and 1000000",
+            ),
+            (
+                (50..=60_000).contains(&self.world_period_ms),
+                "[memory] world_period_ms must lie between 50 and 60000",
+            ),
+            (
+                (0.001..=1.0).contains(&self.world_move_min_m),
+                "[memory] world_move_min_m must lie between 0.001 and 1",
+            ),
+            (
+                (1.0..=180.0).contains(&self.world_turn_min_deg),
+                "[memory] world_turn_min_deg must lie between 1 and 180",
+            ),
+            (
+                (0.001..=87_600.0).contains(&self.world_keep_hours),
+                "[memory] world_keep_hours must lie between 0.001 and 87600",
+            ),
+            (
+                (100..=1_000_000).contains(&self.world_kept_max),
+                "[memory] world_kept_max must lie between 100 and 1000000",
+            ),
+        ];
+        match rules.into_iter().find(|(is_kept, _)| !is_kept) {
+            Some((_, rule)) => Err(rule),
+            None => Ok(()),
         }
-        Ok(Self { queue_requests })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_out_of_range_and_no_numbers_break_a_rule() {
+        assert_eq!(RawConfig::default().check(), Ok(()));
+        let breaks = |change: &dyn Fn(&mut RawConfig)| {
+            let mut raw = RawConfig::default();
+            change(&mut raw);
+            raw.check().is_err()
+        };
+        assert!(breaks(&|raw| raw.queue_requests = 0));
+        assert!(breaks(&|raw| raw.world_period_ms = 49));
+        assert!(breaks(&|raw| raw.world_move_min_m = f64::NAN));
+        assert!(breaks(&|raw| raw.world_turn_min_deg = 0.0));
+        assert!(breaks(&|raw| raw.world_keep_hours = f64::NAN));
+        assert!(breaks(&|raw| raw.world_kept_max = 0));
     }
 }

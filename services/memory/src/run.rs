@@ -6,6 +6,8 @@ use crate::config::Config;
 use crate::control;
 use crate::process_table::ProcessTable;
 use crate::scene_follower::SceneFollower;
+use crate::world::World;
+use crate::world_feed::WorldFeed;
 use channel::control::Client;
 use message::{ProcessKind, ProcessState};
 use service::{Context, Failure, HealthBoard, exit_code, wall_clock_ns};
@@ -39,6 +41,8 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
     })
     .map_err(failed)?;
     tell(&context.health, &report);
+    let (world_thread, world) = World::start(&context, &config)?;
+    let world = Arc::new(world);
     let position = store
         .read_and_wait(|memory| Ok(memory.position()))
         .map_err(failed)?;
@@ -51,9 +55,11 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
         arm: Client::new(domain, ProcessKind::Simulator)?,
         processes: processes.clone(),
         position,
+        world: world.clone(),
     };
     let announcer = Announcer::new(domain, positions)?;
-    let follower = SceneFollower::new(domain, context.health.clone())?;
+    let feed = WorldFeed::new(domain, world)?;
+    let follower = SceneFollower::new(domain, context.health.clone(), feed, config.world_period)?;
     let reserved_bytes = announcer.reserved_bytes() + follower.reserved_bytes();
     context
         .health
@@ -66,7 +72,8 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
         () = probe(&store, &context.health, &processes) => {}
         () = context.shutdown.requested() => {}
     }
-    thread.stop().map_err(failed)
+    let world_stopped = world_thread.stop();
+    thread.stop().and(world_stopped).map_err(failed)
 }
 
 /// Says what was found when the store was opened, loudly when something is lost.

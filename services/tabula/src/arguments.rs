@@ -1,11 +1,14 @@
 //! The command line.
 
 mod recognition;
+mod world;
 
 pub(crate) use recognition::{
     AblationArguments, AblationVariant, CrossValidationArguments, DescriptionArguments,
     LearnArguments, OpenEndedArguments, Up, Variant, ViewProtocol,
 };
+
+pub(crate) use world::{EventsArguments, HistoryArguments, Point, Time, WorldArguments, WorldVerb};
 
 use crate::sensor::Sensor;
 use clap::{Args, Parser, Subcommand};
@@ -61,6 +64,8 @@ pub(crate) enum Verb {
     Learn(LearnArguments),
     /// List the learned categories
     Categories,
+    /// Show what is and was known of the world: objects, robot, events, tasks
+    World(WorldArguments),
     /// Move the arm, or say how it is
     Arm {
         /// What it is to do

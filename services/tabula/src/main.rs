@@ -14,6 +14,7 @@ mod sensor;
 mod simulate;
 mod stop_signal;
 mod table;
+mod world;
 
 use arguments::{Arguments, Verb};
 use clap::Parser;
@@ -49,6 +50,7 @@ fn execute(arguments: &Arguments, output: &Output) -> Result<ExitCode, Failure> 
         Verb::Categories => learn::categories(&arguments.common, output),
         Verb::Simulate { verb } => simulate::run(verb, output),
         Verb::Evaluate { verb } => evaluate::run(verb, output),
+        Verb::World(world) => world::run(&arguments.common, world.verb.as_ref(), output),
         Verb::Arm { verb } => arm::run(&arguments.common, verb, output),
     }
 }
