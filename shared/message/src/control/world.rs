@@ -66,7 +66,7 @@ pub enum WorldCommand {
 }
 
 /// Which facts are wanted: those that held at an instant at which all of this is so.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct FactFilter {
     /// Only facts about this object.
@@ -83,6 +83,21 @@ pub struct FactFilter {
     pub before: Option<u64>,
     /// Most facts of the page, up to [`MAX_PAGE_FACTS`].
     pub limit: u32,
+}
+
+impl Default for FactFilter {
+    /// A page of all facts.
+    fn default() -> Self {
+        Self {
+            track_id: None,
+            label: None,
+            region: None,
+            since_ns: None,
+            until_ns: None,
+            before: None,
+            limit: MAX_PAGE_FACTS as u32,
+        }
+    }
 }
 
 /// A part of the world, metres.

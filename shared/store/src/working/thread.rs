@@ -11,7 +11,7 @@
 use std::path::PathBuf;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::on_disk::{WorkingMemory, WorldReport};
 use super::world_config::WorldConfig;
@@ -111,7 +111,7 @@ impl WorldThread {
             config,
             shared: Arc::clone(&shared),
             memory: Some(memory),
-            failed_at: None,
+            is_failed: false,
         };
         let thread = std::thread::Builder::new()
             .name("world".to_owned())
@@ -153,7 +153,7 @@ struct Writer {
     shared: Arc<Shared>,
     /// None when writing failed and it is not open again.
     memory: Option<WorkingMemory>,
-    failed_at: Option<Instant>,
+    is_failed: bool,
 }
 
 impl Writer {
@@ -168,7 +168,6 @@ impl Writer {
             let is_stopping = state.is_stopping;
             if is_stopping {
                 state.model.note_all_seen();
-                self.failed_at = None;
             }
             drop(state);
             let written = self.write();
@@ -179,16 +178,18 @@ impl Writer {
             if let Err(error) = written {
                 self.fail(error);
             }
-            drop(shared.wait(self.config.period, |state| !state.is_stopping));
+            let rest = match self.memory {
+                Some(_) => self.config.period,
+                None => self.config.period.max(RETRY),
+            };
+            drop(shared.wait(rest, |state| !state.is_stopping));
         }
     }
 
-    /// Has all on disk that changed until now. While the database is failed,
-    /// nothing is done until it is time to open it again.
+    /// Has all on disk that changed until now; opens a failed database again.
     fn write(&mut self) -> Result<(), Error> {
         let mut memory = match self.memory.take() {
             Some(memory) => memory,
-            None if self.failed_at.is_some_and(|at| at.elapsed() < RETRY) => return Ok(()),
             None => self.open_again()?,
         };
         loop {
@@ -213,15 +214,14 @@ impl Writer {
         let (memory, on_disk, report) =
             WorkingMemory::open(folder, *world, (self.config.wall_clock)())?;
         self.shared.lock().model.rewrite_over(&on_disk);
-        self.failed_at = None;
+        self.is_failed = false;
         (self.config.on_trouble)(&Ok(report));
         Ok(memory)
     }
 
     /// The database was closed by the failure: its folder is free again.
     fn fail(&mut self, error: Error) {
-        let is_new = self.failed_at.replace(Instant::now()).is_none();
-        if is_new {
+        if !std::mem::replace(&mut self.is_failed, true) {
             (self.config.on_trouble)(&Err(error));
         }
     }
