@@ -189,18 +189,30 @@ fn events_are_followed_as_they_happen() {
     daemon.stop();
 }
 
+/// A memory without the rest of the daemon; killed when it is dropped.
+struct MemoryAlone(Child);
+
+impl Drop for MemoryAlone {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
 /// Starts a memory alone, and waits until it answers.
-fn start_memory(place: &Place) -> Child {
-    let child = place
-        .command("tabula-memory")
-        .arg(format!("--domain={}", place.domain))
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap();
+fn start_memory(place: &Place) -> MemoryAlone {
+    let alone = MemoryAlone(
+        place
+            .command("tabula-memory")
+            .arg(format!("--domain={}", place.domain))
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap(),
+    );
     eventually("the memory answers", || {
         place.tabula(&["world"]).status.success()
     });
-    child
+    alone
 }
 
 fn connect(place: &Place) -> SocketClient {
@@ -250,7 +262,7 @@ fn events_since(client: &mut SocketClient, since: u64, wait_ms: u64) -> EventsRe
 fn a_task_is_noted_once_is_waited_for_and_outlives_the_memory() {
     let place = Place::new();
     // Nobody looks at anything, so that only the task happens.
-    let mut memory = start_memory(&place);
+    let memory = start_memory(&place);
     let mut client = connect(&place);
     let started = task(&mut client, start_task()).unwrap();
     assert_eq!((started.task_id, started.state.as_str()), (1, "running"));
@@ -267,8 +279,7 @@ fn a_task_is_noted_once_is_waited_for_and_outlives_the_memory() {
     assert_eq!(told[0].event, "task_failed");
     assert!(told[0].sentence.contains("the mug slipped"), "{told:?}");
 
-    memory.kill().unwrap();
-    memory.wait().unwrap();
+    drop(memory);
     let mut memory = start_memory(&place);
     let mut client = connect(&place);
     // What was answered is on disk: a retry is still answered, not done again.
@@ -281,8 +292,8 @@ fn a_task_is_noted_once_is_waited_for_and_outlives_the_memory() {
         task(&mut client, end_task(4, 77)),
         Err(RefusalKind::NotFound)
     );
-    memory.kill().unwrap();
-    memory.wait().unwrap();
+    kill_process(Pid::from_child(&memory.0), Signal::TERM).unwrap();
+    assert!(memory.0.wait().unwrap().success());
 }
 
 #[test]

@@ -159,6 +159,10 @@ struct Writer {
 impl Writer {
     fn run(&mut self) -> Result<(), Error> {
         let shared = Arc::clone(&self.shared);
+        // What was read is on disk: that is told without a change.
+        if let Err(error) = self.write() {
+            self.fail(error);
+        }
         loop {
             let mut state = shared.wait(EXPIRY_PERIOD, |state| {
                 !state.is_stopping && !state.model.has_changes()

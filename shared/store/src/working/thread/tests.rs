@@ -81,6 +81,14 @@ fn what_was_written_is_found_again_without_a_stop() {
 }
 
 #[test]
+fn what_was_read_is_told_to_be_on_disk() {
+    let folder = tempfile::tempdir_in("/dev/shm").unwrap();
+    let (thread, handle, versions, _) = start(&folder);
+    wait_until_written(&versions, handle.with(|model| model.version()));
+    thread.stop().unwrap();
+}
+
+#[test]
 fn a_stop_writes_what_waits() {
     let folder = tempfile::tempdir_in("/dev/shm").unwrap();
     let (thread, handle, ..) = start(&folder);
