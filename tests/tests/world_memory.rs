@@ -38,6 +38,16 @@ fn n_events(events: &[Value], kind: &str) -> usize {
     events.iter().filter(|event| event["event"] == kind).count()
 }
 
+/// A process of a test's own, killed when it is dropped.
+struct Killed(Child);
+
+impl Drop for Killed {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
 /// Kills the memory, and waits until another one answers.
 fn kill_memory(daemon: &Daemon<'_>) {
     let killed = daemon.pid(ProcessKind::Memory);
@@ -156,13 +166,10 @@ fn events_are_followed_as_they_happen() {
     let daemon = place.start(&["--source", "synthetic:0"]);
     let objects = wait_for_all(&daemon, 0);
     wait_for_world(&daemon, objects.len());
-    let mut follower = place
-        .command("tabula")
-        .args(["world", "events", "--follow", "--since", "0", "--json"])
-        .stdout(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let lines = BufReader::new(follower.stdout.take().unwrap()).lines();
+    let mut follower = place.command("tabula");
+    follower.args(["world", "events", "--follow", "--since", "0", "--json"]);
+    let mut follower = Killed(follower.stdout(Stdio::piped()).spawn().unwrap());
+    let lines = BufReader::new(follower.0.stdout.take().unwrap()).lines();
     let (sender, told) = std::sync::mpsc::channel();
     std::thread::spawn(move || {
         for line in lines.map_while(Result::ok) {
@@ -184,24 +191,13 @@ fn events_are_followed_as_they_happen() {
     assert!(taught["sentence"].as_str().unwrap().contains("anna"));
     kill_memory(&daemon);
     wait_for("started");
-    follower.kill().unwrap();
-    follower.wait().unwrap();
+    drop(follower);
     daemon.stop();
 }
 
-/// A memory without the rest of the daemon; killed when it is dropped.
-struct MemoryAlone(Child);
-
-impl Drop for MemoryAlone {
-    fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
-}
-
 /// Starts a memory alone, and waits until it answers.
-fn start_memory(place: &Place) -> MemoryAlone {
-    let alone = MemoryAlone(
+fn start_memory(place: &Place) -> Killed {
+    let alone = Killed(
         place
             .command("tabula-memory")
             .arg(format!("--domain={}", place.domain))

@@ -254,7 +254,7 @@ pub struct FactsReport {
 /// Something that happened.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct EventReport {
-    /// Counts the events.
+    /// Grows from event to event; a start of the memory leaves a gap.
     pub sequence: u64,
     /// When it was noticed.
     pub wall_ns: u64,

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// Something that happened.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Event {
-    /// Counts the events from one, without gaps.
+    /// Grows by one from event to event, from one; a start of the memory leaves a gap.
     pub sequence: u64,
     /// When it was noticed, nanoseconds since 1970.
     pub wall_ns: u64,

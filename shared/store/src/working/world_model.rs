@@ -16,6 +16,9 @@ use super::task_table::TaskTable;
 use super::touched::Touched;
 use super::world_config::WorldConfig;
 
+/// Events that an earlier process may have told and not written any more: their
+/// sequences are not given again, for somebody may wait for what comes after them.
+const UNWRITTEN_EVENTS: u64 = 1000;
 /// Most things that are forgotten in one step.
 const FORGOTTEN_AT_ONCE: usize = 256;
 
@@ -158,6 +161,9 @@ impl WorldModel {
                 // Its object or task was not written any more: it ends as it began.
                 self.facts.cease(subject, property, 0, &mut self.touched);
             }
+        }
+        if self.events.newest > 0 {
+            self.events.newest += UNWRITTEN_EVENTS;
         }
         self.events
             .add(Happening::Started, now_ns, &mut self.touched);
