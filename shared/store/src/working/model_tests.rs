@@ -458,8 +458,8 @@ fn the_end_of_an_action_is_told_once() {
     let mut model = WorldModel::new(CONFIG);
     let mut tell = |command_id, outcome| {
         let sighting = RobotSighting {
-            command_id,
             outcome,
+            command_id,
             ..robot(false)
         };
         let newest = model.newest_event();
@@ -470,11 +470,10 @@ fn the_end_of_an_action_is_told_once() {
     assert_eq!(tell(3, succeeded), [], "it was over before");
     assert_eq!(tell(4, None), []);
     let ended = |command_id, outcome| {
-        let note = String::new();
         [Happening::ActionEnded {
             command_id,
             outcome,
-            note,
+            note: String::new(),
         }]
     };
     assert_eq!(tell(4, succeeded), ended(4, Outcome::Succeeded));
