@@ -35,5 +35,7 @@ mod simulation;
 mod skeleton;
 /// Many tracks at once.
 mod stress;
+/// The working memory: facts, events, tasks, kept through a kill.
+mod world_memory;
 /// The cloud is written once, and nobody allocates a frame's worth.
 mod zero_copy;

@@ -1,6 +1,8 @@
 //! What the memory process answers to each command.
 
+use crate::event_report;
 use crate::process_table::ProcessTable;
+use crate::world::{World, now_ns};
 use channel::control::Client;
 use memory_control::MemoryDesk;
 use message::ProcessKind;
@@ -17,6 +19,7 @@ pub(crate) struct Answerer {
     pub(crate) perception: Client,
     pub(crate) arm: Client,
     pub(crate) processes: Arc<ProcessTable>,
+    pub(crate) world: Arc<World>,
 }
 
 impl Answerer {
@@ -33,13 +36,28 @@ impl Answerer {
             ProcessKind::Simulator => return ask(&self.arm, command).await,
             ProcessKind::Memory | ProcessKind::Camera => {}
         }
-        if matches!(command, Command::Health) {
-            return Ok(Reply::Health(self.processes.reports()));
+        match command {
+            Command::Health => Ok(Reply::Health(self.processes.reports())),
+            Command::World(command) => self.world.answer(command).await,
+            command => self.answer_from_memory(command).await,
         }
-        self.desk.answer(command).await.unwrap_or_else(|| {
+    }
+
+    /// The desk's answer; a lesson is an event of the world, too.
+    async fn answer_from_memory(&self, command: Command) -> Result<Reply, Refusal> {
+        let lesson = event_report::lesson(&command);
+        let answer = self.desk.answer(command).await.unwrap_or_else(|| {
             let sentence = "tabula-memory does not answer this command".to_owned();
             Err(Refusal::new(RefusalKind::Internal, sentence))
-        })
+        });
+        if let (Some(lesson), Ok(Reply::Learned(report))) = (lesson, &answer)
+            && report.n_views_changed > 0
+        {
+            let learned = lesson(report);
+            self.world
+                .with(|model| model.note_lesson(learned, now_ns()));
+        }
+        answer
     }
 }
 

@@ -4,6 +4,10 @@ use serde::Deserialize;
 use service::{ConfigFile, Failure};
 use std::time::Duration;
 use store::Limits;
+use store::working::WorldConfig;
+
+/// When an object was last seen is on disk at least this exactly.
+const SEEN_PERIOD_NS: u64 = 10_000_000_000;
 
 /// The section `[memory]` as written.
 #[derive(Debug, Clone, Deserialize)]
@@ -13,6 +17,11 @@ struct RawConfig {
     max_views_per_category: usize,
     max_unnamed_views: usize,
     forgotten_kept_days: u64,
+    world_period_ms: u64,
+    world_move_min_m: f64,
+    world_turn_min_deg: f64,
+    world_keep_hours: f64,
+    world_kept_max: usize,
 }
 
 impl Default for RawConfig {
@@ -22,12 +31,17 @@ impl Default for RawConfig {
             max_views_per_category: 1000,
             max_unnamed_views: 20_000,
             forgotten_kept_days: 30,
+            world_period_ms: 250,
+            world_move_min_m: 0.02,
+            world_turn_min_deg: 30.0,
+            world_keep_hours: 168.0,
+            world_kept_max: 50_000,
         }
     }
 }
 
 /// What the memory does.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Config {
     /// Most requests that wait for the store; one more is refused.
     pub(crate) queue_requests: usize,
@@ -35,40 +49,104 @@ pub(crate) struct Config {
     pub(crate) limits: Limits,
     /// How long what was forgotten can be taken back.
     pub(crate) forgotten_kept: Duration,
+    /// Time between two looks at the world, and between two writes of what changed.
+    pub(crate) world_period: Duration,
+    /// What the working memory remembers.
+    pub(crate) world: WorldConfig,
 }
 
 impl Config {
     /// The section `[memory]` of the file.
     pub(crate) fn new(file: &ConfigFile) -> Result<Self, Failure> {
-        let RawConfig {
-            queue_requests,
-            max_views_per_category,
-            max_unnamed_views,
-            forgotten_kept_days,
-        } = file.section("memory")?;
-        if !(1..=1_000_000).contains(&queue_requests) {
-            let rule = "[memory] queue_requests must lie between 1 and 1000000";
-            return Err(file.wrong(rule).into());
-        }
-        if !(10..=10_000).contains(&max_views_per_category) {
-            let rule = "[memory] max_views_per_category must lie between 10 and 10000";
-            return Err(file.wrong(rule).into());
-        }
-        if !(100..=1_000_000).contains(&max_unnamed_views) {
-            let rule = "[memory] max_unnamed_views must lie between 100 and 1000000";
-            return Err(file.wrong(rule).into());
-        }
-        if forgotten_kept_days > 36_500 {
-            let rule = "[memory] forgotten_kept_days must lie between 0 and 36500";
-            return Err(file.wrong(rule).into());
-        }
+        let raw: RawConfig = file.section("memory")?;
+        raw.check().map_err(|rule| file.wrong(rule))?;
         Ok(Self {
-            queue_requests,
+            queue_requests: raw.queue_requests,
             limits: Limits {
-                max_views_per_category,
-                max_unnamed_views,
+                max_views_per_category: raw.max_views_per_category,
+                max_unnamed_views: raw.max_unnamed_views,
             },
-            forgotten_kept: Duration::from_secs(forgotten_kept_days * 24 * 3600),
+            forgotten_kept: Duration::from_secs(raw.forgotten_kept_days * 24 * 3600),
+            world_period: Duration::from_millis(raw.world_period_ms),
+            world: WorldConfig {
+                move_min_m: raw.world_move_min_m,
+                turn_min_rad: raw.world_turn_min_deg.to_radians(),
+                keep_ns: (raw.world_keep_hours * 3.6e12) as u64,
+                n_kept_most: raw.world_kept_max,
+                seen_period_ns: SEEN_PERIOD_NS,
+            },
         })
+    }
+}
+
+impl RawConfig {
+    /// The rule that is broken, if one is; no rule holds for NaN.
+    fn check(&self) -> Result<(), &'static str> {
+        let rules = [
+            (
+                (1..=1_000_000).contains(&self.queue_requests),
+                "[memory] queue_requests must lie between 1 and 1000000",
+            ),
+            (
+                (10..=10_000).contains(&self.max_views_per_category),
+                "[memory] max_views_per_category must lie between 10 and 10000",
+            ),
+            (
+                (100..=1_000_000).contains(&self.max_unnamed_views),
+                "[memory] max_unnamed_views must lie between 100 and 1000000",
+            ),
+            (
+                self.forgotten_kept_days <= 36_500,
+                "[memory] forgotten_kept_days must lie between 0 and 36500",
+            ),
+            (
+                (50..=60_000).contains(&self.world_period_ms),
+                "[memory] world_period_ms must lie between 50 and 60000",
+            ),
+            (
+                (0.001..=1.0).contains(&self.world_move_min_m),
+                "[memory] world_move_min_m must lie between 0.001 and 1",
+            ),
+            (
+                (1.0..=180.0).contains(&self.world_turn_min_deg),
+                "[memory] world_turn_min_deg must lie between 1 and 180",
+            ),
+            (
+                (0.001..=87_600.0).contains(&self.world_keep_hours),
+                "[memory] world_keep_hours must lie between 0.001 and 87600",
+            ),
+            (
+                (100..=1_000_000).contains(&self.world_kept_max),
+                "[memory] world_kept_max must lie between 100 and 1000000",
+            ),
+        ];
+        match rules.into_iter().find(|(is_kept, _)| !is_kept) {
+            Some((_, rule)) => Err(rule),
+            None => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_out_of_range_and_no_numbers_break_a_rule() {
+        assert_eq!(RawConfig::default().check(), Ok(()));
+        let breaks = |change: &dyn Fn(&mut RawConfig)| {
+            let mut raw = RawConfig::default();
+            change(&mut raw);
+            raw.check().is_err()
+        };
+        assert!(breaks(&|raw| raw.queue_requests = 0));
+        assert!(breaks(&|raw| raw.max_views_per_category = 9));
+        assert!(breaks(&|raw| raw.max_unnamed_views = 99));
+        assert!(breaks(&|raw| raw.forgotten_kept_days = 36_501));
+        assert!(breaks(&|raw| raw.world_period_ms = 49));
+        assert!(breaks(&|raw| raw.world_move_min_m = f64::NAN));
+        assert!(breaks(&|raw| raw.world_turn_min_deg = 0.0));
+        assert!(breaks(&|raw| raw.world_keep_hours = f64::NAN));
+        assert!(breaks(&|raw| raw.world_kept_max = 0));
     }
 }

@@ -4,10 +4,15 @@ mod announcer;
 mod answer;
 mod config;
 mod control;
+mod event_report;
 mod process_table;
 mod run;
 mod scene_follower;
 mod upkeep;
+mod world;
+mod world_answer;
+mod world_feed;
+mod world_report;
 
 use clap::Parser;
 use config::Config;

@@ -7,6 +7,8 @@ use crate::control;
 use crate::process_table::ProcessTable;
 use crate::scene_follower::SceneFollower;
 use crate::upkeep;
+use crate::world::World;
+use crate::world_feed::WorldFeed;
 use channel::control::Client;
 use memory_control::{MemoryDesk, MemoryDeskConfig};
 use message::{ProcessKind, ProcessState};
@@ -41,6 +43,8 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
     })
     .map_err(failed)?;
     tell(&context.health, &report);
+    let (world_thread, world) = World::start(&context, &config)?;
+    let world = Arc::new(world);
     let (desk, positions) = MemoryDesk::new(MemoryDeskConfig {
         store: store.clone(),
         scratch: context.home.path().join("exchange"),
@@ -54,9 +58,11 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
         perception: Client::new(domain, ProcessKind::Perception)?,
         arm: Client::new(domain, ProcessKind::Simulator)?,
         processes: processes.clone(),
+        world: world.clone(),
     };
     let announcer = Announcer::new(domain, positions)?;
-    let follower = SceneFollower::new(domain, context.health.clone())?;
+    let feed = WorldFeed::new(domain, world)?;
+    let follower = SceneFollower::new(domain, context.health.clone(), feed, config.world_period)?;
     let reserved_bytes = announcer.reserved_bytes() + follower.reserved_bytes();
     context
         .health
@@ -70,7 +76,8 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
         () = upkeep::run(&store, config.forgotten_kept) => {}
         () = context.shutdown.requested() => {}
     }
-    thread.stop().map_err(failed)
+    let world_stopped = world_thread.stop();
+    thread.stop().and(world_stopped).map_err(failed)
 }
 
 /// Says what was found when the store was opened, loudly when something is lost.

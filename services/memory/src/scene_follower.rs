@@ -1,25 +1,39 @@
-//! Following the scenes: a lockstep source waits for the memory, too.
+//! Following the scenes: the working memory looks at them now and then, and a
+//! lockstep source waits for the memory, too.
 
+use crate::world_feed::WorldFeed;
 use channel::topic::{FrameFinished, Scene};
 use channel::{Domain, Error, Publisher, Received, Subscriber};
 use message::{FrameDone, PlainHeader, ProcessKind, SceneSummary, frame_flag};
 use service::HealthBoard;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
+use std::time::Duration;
+use tokio::time::MissedTickBehavior;
 
 /// Sees every scene and reports it finished where the source waits.
 pub(crate) struct SceneFollower {
     scenes: Subscriber<Scene>,
     finished: Publisher<FrameFinished>,
     health: Arc<HealthBoard>,
+    feed: WorldFeed,
+    look_period: Duration,
 }
 
 impl SceneFollower {
-    pub(crate) fn new(domain: &Domain, health: Arc<HealthBoard>) -> Result<Self, Error> {
+    /// A follower that shows the working memory what is new once in `look_period`.
+    pub(crate) fn new(
+        domain: &Domain,
+        health: Arc<HealthBoard>,
+        feed: WorldFeed,
+        look_period: Duration,
+    ) -> Result<Self, Error> {
         Ok(Self {
             scenes: Subscriber::waiting(domain)?,
             finished: Publisher::new(domain)?,
             health,
+            feed,
+            look_period,
         })
     }
 
@@ -29,9 +43,14 @@ impl SceneFollower {
     }
 
     pub(crate) async fn run(mut self) {
+        let mut looks = tokio::time::interval(self.look_period);
+        looks.set_missed_tick_behavior(MissedTickBehavior::Delay);
         loop {
-            self.scenes.woken().await;
-            if let Err(error) = self.take_all() {
+            let followed = tokio::select! {
+                () = self.scenes.woken() => self.take_all(),
+                _ = looks.tick() => self.feed.look(),
+            };
+            if let Err(error) = followed {
                 tracing::warn!("a scene was not followed: {error}");
             }
         }
@@ -43,10 +62,11 @@ impl SceneFollower {
             self.health
                 .frames_dropped
                 .store(self.scenes.n_lost(), Ordering::Relaxed);
-            let scene: &SceneSummary = scene.header();
-            if scene.frame_flags & frame_flag::LOCKSTEP != 0 {
-                self.report(scene)?;
+            let header: &SceneSummary = scene.header();
+            if header.frame_flags & frame_flag::LOCKSTEP != 0 {
+                self.report(header)?;
             }
+            self.feed.keep(scene);
         }
         Ok(())
     }

@@ -2,15 +2,18 @@
 
 mod memory;
 mod recognition;
+mod world;
 
 pub(crate) use memory::{
-    CompactArguments, ForgetArguments, HistoryArguments, ImportArguments, InspectArguments,
+    CompactArguments, EntriesArguments, ForgetArguments, ImportArguments, InspectArguments,
     KnowledgeVerb, MemoryVerb, PutArguments,
 };
 pub(crate) use recognition::{
     AblationArguments, AblationVariant, CrossValidationArguments, DescriptionArguments,
     LearnArguments, OpenEndedArguments, Up, Variant, ViewProtocol,
 };
+
+pub(crate) use world::{EventsArguments, HistoryArguments, Point, Time, WorldArguments, WorldVerb};
 
 use crate::sensor::Sensor;
 use clap::{Args, Parser, Subcommand};
@@ -100,6 +103,8 @@ pub(crate) enum Verb {
         #[command(subcommand)]
         verb: KnowledgeVerb,
     },
+    /// Show what is and was known of the world: objects, robot, events, tasks
+    World(WorldArguments),
     /// Move the arm, or say how it is
     Arm {
         /// What it is to do

@@ -18,6 +18,7 @@ mod simulate;
 mod stop_signal;
 mod table;
 mod time;
+mod world;
 
 use arguments::{Arguments, Verb};
 use clap::Parser;
@@ -68,6 +69,7 @@ fn execute(arguments: &Arguments, output: &Output) -> Result<ExitCode, Failure> 
         Verb::Knowledge { verb } => knowledge::run(&arguments.common, verb, output),
         Verb::Simulate { verb } => simulate::run(verb, output),
         Verb::Evaluate { verb } => evaluate::run(verb, output),
+        Verb::World(world) => world::run(&arguments.common, world.verb.as_ref(), output),
         Verb::Arm { verb } => arm::run(&arguments.common, verb, output),
     }
 }

@@ -167,7 +167,7 @@ fn ignored_line(ignored: &IgnoredReport) -> String {
     )
 }
 
-fn metres(values: [f64; 3]) -> String {
+pub(crate) fn metres(values: [f64; 3]) -> String {
     values.map(|value| format!("{value:.3}")).join(" ")
 }
 

@@ -11,6 +11,7 @@ mod memory;
 mod packed_cloud;
 mod refusal;
 mod report;
+mod world;
 
 pub use arm::{ArmCommand, ArmReport};
 pub use ignored::{AssumptionReport, FindingReport, IgnoredReport};
@@ -27,6 +28,12 @@ pub use refusal::{Refusal, RefusalKind};
 pub use report::{
     ActorStampsReport, CategoryReport, CovarianceReport, LearningReport, NearCategoryReport,
     ObjectReport, ObjectsReport, ProcessReport,
+};
+pub use world::{
+    EventReport, EventsReport, FactFilter, FactReport, FactsReport, MAX_EVENT_WAIT_MS,
+    MAX_PAGE_EVENTS, MAX_PAGE_FACTS, MAX_PAGE_TASKS, PlaceReport, TaskOutcome, TaskReport,
+    TasksReport, WorldCommand, WorldObjectReport, WorldRegion, WorldReply, WorldReport,
+    WorldRobotReport,
 };
 
 use crate::ProcessKind;
@@ -93,6 +100,8 @@ pub enum Command {
     Job(JobCommand),
     /// Something for the arm.
     Arm(ArmCommand),
+    /// Something for the working memory.
+    World(WorldCommand),
     /// A block of track-ids that nobody else will ever get.
     LeaseTrackIds {
         /// How many.
@@ -160,6 +169,8 @@ pub enum Reply {
     Categories(Vec<CategoryReport>),
     /// To [`Command::Arm`]: how the arm is, now that it has the command.
     Arm(ArmReport),
+    /// To [`Command::World`].
+    World(Box<WorldReply>),
     /// To [`Command::LeaseTrackIds`]: the first id of the block.
     TrackIds {
         /// The first id; the others follow it.

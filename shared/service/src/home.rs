@@ -39,4 +39,9 @@ impl Home {
     pub fn perceptual_memory(&self) -> PathBuf {
         self.0.join("perceptual-memory")
     }
+
+    /// Folder of the working memory's database.
+    pub fn working_memory(&self) -> PathBuf {
+        self.0.join("working-memory")
+    }
 }

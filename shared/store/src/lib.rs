@@ -1,5 +1,6 @@
 //! Perceptual memory over rusty-leveldb with a durable environment: what a
-//! person taught, and the views it was taught with.
+//! person taught, and the views it was taught with. And the [working] memory:
+//! what is and was there.
 //!
 //! A change is acknowledged when it is on disk, is made whole or not at all, and
 //! is made once however often it is asked for. What is damaged is found when the
@@ -59,6 +60,8 @@ mod durable_env;
 mod engine;
 mod env_health;
 mod verified_files;
+
+pub mod working;
 
 #[cfg(test)]
 mod cpp_leveldb_tests;

@@ -34,7 +34,7 @@ pub(crate) enum MemoryVerb {
     /// List stored views, and who taught them
     Inspect(InspectArguments),
     /// What was changed, when, and by whom
-    History(HistoryArguments),
+    History(EntriesArguments),
     /// Remove for good what was forgotten, and give room back
     Compact(CompactArguments),
     /// Write everything into one file
@@ -59,7 +59,7 @@ pub(crate) struct InspectArguments {
 
 /// Which entries.
 #[derive(Debug, Args)]
-pub(crate) struct HistoryArguments {
+pub(crate) struct EntriesArguments {
     /// First entry [default: so that the last ones are shown]
     #[arg(long, value_name = "ENTRY")]
     pub(crate) from: Option<u64>,

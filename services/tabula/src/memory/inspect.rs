@@ -1,6 +1,6 @@
 //! Sizes, views, history.
 
-use crate::arguments::{HistoryArguments, InspectArguments};
+use crate::arguments::{EntriesArguments, InspectArguments};
 use crate::memory_access::MemoryAccess;
 use crate::objects::unexpected;
 use crate::output::Output;
@@ -127,7 +127,7 @@ struct HistoryDocument {
 /// `tabula memory history`
 pub(super) fn history(
     common: &CommonArguments,
-    arguments: &HistoryArguments,
+    arguments: &EntriesArguments,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
     let mut memory = MemoryAccess::open(common, output)?;

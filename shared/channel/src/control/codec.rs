@@ -63,11 +63,17 @@ pub(super) fn decode_reply(bytes: &[u8]) -> Reply {
 mod tests {
     use super::*;
     use detection::{Constraint, Finding, Findings, Reason, Truth};
-    use message::control::ObjectsReport;
+    use message::control::{
+        EventReport, EventsReport, FactFilter, FactReport, FactsReport, MAX_PAGE_EVENTS,
+        MAX_PAGE_FACTS, MAX_PAGE_TASKS, ObjectsReport, PlaceReport, TaskReport, TasksReport,
+        WorldCommand, WorldReply,
+    };
     use message::{
         ActorStamps, IgnoredBlob, MAX_IGNORED, MAX_NEAR_CATEGORIES, MAX_SCENE_OBJECTS,
         NearCategory, SceneObject, SceneSummary, Text,
     };
+
+    use std::collections::BTreeMap;
 
     #[test]
     fn requests_survive_and_other_versions_are_refused() {
@@ -146,6 +152,86 @@ mod tests {
         let report = ObjectsReport::new(&scene, &vec![object; MAX_SCENE_OBJECTS]);
         let bytes = encode(&Reply::Objects(report.clone())).unwrap();
         assert_eq!(decode_reply(&bytes), Reply::Objects(report));
+    }
+
+    /// The longest pages of what the working memory knows fit, too.
+    #[test]
+    fn the_longest_pages_of_the_world_fit() {
+        let name = "x".repeat(128);
+        let place = PlaceReport {
+            position_m: [0.123_456_789; 3],
+            orientation_xyzw: [0.123_456_789; 4],
+            size_m: [0.123_456_789; 3],
+        };
+        let fact = FactReport {
+            fact: u64::MAX,
+            subject: "object".into(),
+            track_id: Some(u64::MAX),
+            task_id: None,
+            property: "activity".into(),
+            value: Some(name.clone()),
+            place: Some(place),
+            start_ns: u64::MAX,
+            end_ns: Some(u64::MAX),
+        };
+        let event = EventReport {
+            sequence: u64::MAX,
+            wall_ns: u64::MAX,
+            event: "action_succeeded".into(),
+            track_id: Some(u64::MAX),
+            task_id: Some(u64::MAX),
+            label: Some(name.clone()),
+            sentence: "x".repeat(2048 + 256),
+        };
+        let task = TaskReport {
+            task_id: u64::MAX,
+            kind: "x".repeat(64),
+            parameters: "x".repeat(2048),
+            author: "x".repeat(256),
+            state: "succeeded".into(),
+            started_ns: u64::MAX,
+            ended_ns: Some(u64::MAX),
+            reason: "x".repeat(2048),
+        };
+        let next = Some(u64::MAX);
+        let replies = [
+            WorldReply::Facts(FactsReport {
+                facts: vec![fact; MAX_PAGE_FACTS],
+                next,
+            }),
+            WorldReply::Events(EventsReport {
+                events: vec![event; MAX_PAGE_EVENTS],
+                newest: u64::MAX,
+            }),
+            WorldReply::Tasks(TasksReport {
+                tasks: vec![task; MAX_PAGE_TASKS],
+                next,
+            }),
+        ];
+        for reply in replies {
+            let reply = Reply::World(Box::new(reply));
+            let bytes = encode(&reply).expect("it fits");
+            assert_eq!(decode_reply(&bytes), reply);
+        }
+    }
+
+    /// A client may leave out what it does not ask for.
+    #[test]
+    fn a_filter_without_words_asks_for_a_page_of_all() {
+        let words = BTreeMap::from([("track_id", 7)]);
+        let facts = BTreeMap::from([("facts", words)]);
+        let command = BTreeMap::from([("world", facts)]);
+        let mut bytes = Vec::new();
+        ciborium::into_writer(&command, &mut bytes).unwrap();
+        let filter = FactFilter {
+            track_id: Some(7),
+            ..FactFilter::default()
+        };
+        let expected = Command::World(WorldCommand::Facts(filter));
+        assert_eq!(
+            ciborium::from_reader::<Command, _>(&*bytes).unwrap(),
+            expected
+        );
     }
 
     #[test]

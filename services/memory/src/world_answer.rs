@@ -1,0 +1,133 @@
+//! What the working memory answers.
+
+use crate::event_report::event;
+use crate::world::{World, now_ns};
+use crate::world_report as report;
+use message::control::{
+    EventsReport, MAX_EVENT_WAIT_MS, MAX_PAGE_EVENTS, MAX_PAGE_TASKS, Refusal, RefusalKind, Reply,
+    TaskReport, TasksReport, WorldCommand, WorldReply,
+};
+use std::time::Duration;
+use store::MutationId;
+use store::working::{NewTask, Task, TaskEnd, TaskRefusal, WorldModel};
+use tokio::time::{Instant, timeout, timeout_at};
+
+/// How long a task's start or end may take to be on disk, less than a client waits.
+const ON_DISK: Duration = Duration::from_millis(1500);
+
+impl World {
+    /// The answer, or the refusal that says why there is none.
+    pub(crate) async fn answer(&self, command: WorldCommand) -> Result<Reply, Refusal> {
+        let reply = match command {
+            WorldCommand::Now => WorldReply::Now(self.with(|model| report::world(model, now_ns()))),
+            WorldCommand::Facts(filter) => {
+                let query = report::query(filter)?;
+                let page = self.with(|model| model.facts(&query));
+                WorldReply::Facts(report::facts(&page))
+            }
+            WorldCommand::Events { since, wait_ms } => {
+                WorldReply::Events(self.events_after(since, wait_ms).await)
+            }
+            WorldCommand::Tasks { before, limit } => {
+                let n_most = (limit as usize).clamp(1, MAX_PAGE_TASKS);
+                WorldReply::Tasks(self.with(|model| tasks(model, before, n_most)))
+            }
+            WorldCommand::StartTask {
+                id,
+                kind,
+                parameters,
+                author,
+            } => {
+                let new = NewTask {
+                    id: MutationId(id.0),
+                    kind,
+                    parameters,
+                    author,
+                };
+                WorldReply::Task(
+                    self.note_task(|model| model.start_task(&new, now_ns()))
+                        .await?,
+                )
+            }
+            WorldCommand::EndTask {
+                id,
+                task_id,
+                outcome,
+                reason,
+            } => {
+                let end = TaskEnd {
+                    id: MutationId(id.0),
+                    task: task_id,
+                    outcome: report::outcome(outcome),
+                    reason,
+                };
+                WorldReply::Task(
+                    self.note_task(|model| model.end_task(&end, now_ns()))
+                        .await?,
+                )
+            }
+            other => {
+                let sentence = format!("tabula-memory does not answer {other:?}");
+                return Err(Refusal::new(RefusalKind::Internal, sentence));
+            }
+        };
+        Ok(Reply::World(Box::new(reply)))
+    }
+
+    /// The events after one; waits for the first of them, but not for ever.
+    async fn events_after(&self, since: u64, wait_ms: u64) -> EventsReport {
+        let deadline = Instant::now() + Duration::from_millis(wait_ms.min(MAX_EVENT_WAIT_MS));
+        let mut news = self.events();
+        loop {
+            news.mark_unchanged();
+            let answer = self.with(|model| events(model, since));
+            let is_begun_anew = answer.newest < since;
+            if !answer.events.is_empty() || is_begun_anew {
+                return answer;
+            }
+            if !matches!(timeout_at(deadline, news.changed()).await, Ok(Ok(()))) {
+                return answer;
+            }
+        }
+    }
+
+    /// Notes the start or end of a task; answered when it is on disk.
+    async fn note_task(
+        &self,
+        note: impl FnOnce(&mut WorldModel) -> Result<&Task, TaskRefusal>,
+    ) -> Result<TaskReport, Refusal> {
+        let (noted, version) = self.with(|model| {
+            let noted = note(model).map(report::task);
+            (noted, model.version())
+        });
+        let task = noted.map_err(|refusal| report::task_refusal(&refusal))?;
+        let mut written = self.written();
+        match timeout(ON_DISK, written.wait_for(|written| *written >= version)).await {
+            Ok(Ok(_)) => Ok(task),
+            _ => Err(Refusal::new(
+                RefusalKind::Unavailable,
+                format!(
+                    "task {} is noted but not on disk yet; send the same request again, with the \
+                     same id, and see the daemon's log if that goes on",
+                    task.task_id
+                ),
+            )),
+        }
+    }
+}
+
+fn events(model: &WorldModel, since: u64) -> EventsReport {
+    let events = model.events_since(since).take(MAX_PAGE_EVENTS);
+    EventsReport {
+        events: events.map(event).collect(),
+        newest: model.newest_event(),
+    }
+}
+
+fn tasks(model: &WorldModel, before: Option<u64>, n_most: usize) -> TasksReport {
+    let mut known = model.tasks_before(before.unwrap_or(u64::MAX));
+    let tasks: Vec<TaskReport> = known.by_ref().take(n_most).map(report::task).collect();
+    let has_more = known.next().is_some();
+    let next = tasks.last().map(|task| task.task_id).filter(|_| has_more);
+    TasksReport { tasks, next }
+}

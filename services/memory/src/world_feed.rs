@@ -1,0 +1,195 @@
+//! What the working memory gets to see: the newest scene and the arm, a few times
+//! a second. A scene is read where it lies; what has not changed costs no memory.
+
+use crate::world::{World, now_ns};
+use channel::topic::{ArmStates, Scene};
+use channel::{Domain, Error, SharedFrame, Subscriber};
+use message::{ArmActivity, ArmState, SceneObject, SceneSummary, TrackState, frame_flag};
+use service::monotonic_ns;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+use store::working::{Outcome, Place, RobotSighting, Sighting, WorldModel};
+
+/// An arm that says nothing for this long is not there.
+const ARM_SILENCE: Duration = Duration::from_secs(5);
+
+/// Shows the world model what there is to see.
+pub(crate) struct WorldFeed {
+    world: Arc<World>,
+    arm: Subscriber<ArmStates>,
+    arm_heard: Instant,
+    /// The newest scene, unless it has been shown already.
+    scene: Option<SharedFrame<Scene>>,
+}
+
+impl WorldFeed {
+    pub(crate) fn new(domain: &Domain, world: Arc<World>) -> Result<Self, Error> {
+        Ok(Self {
+            world,
+            arm: Subscriber::polled(domain)?,
+            arm_heard: Instant::now(),
+            scene: None,
+        })
+    }
+
+    /// Keeps a scene until the next look; the one before is let go.
+    pub(crate) fn keep(&mut self, scene: SharedFrame<Scene>) {
+        self.scene = Some(scene);
+    }
+
+    /// Shows the model the newest scene and the arm.
+    pub(crate) fn look(&mut self) -> Result<(), Error> {
+        if let Some(scene) = self.scene.take() {
+            self.show(scene.header(), scene.items());
+        }
+        if let Some(arm) = self.arm.latest()? {
+            self.arm_heard = Instant::now();
+            if let Some(robot) = robot(arm.header()) {
+                self.world
+                    .with(|model| model.observe_robot(&robot, now_ns()));
+            }
+        } else if self.arm_heard.elapsed() > ARM_SILENCE {
+            self.world.with(WorldModel::lose_robot);
+        }
+        Ok(())
+    }
+
+    fn show(&self, scene: &SceneSummary, objects: &[SceneObject]) {
+        let captured_ns = now_ns().saturating_sub(age_ns(scene, monotonic_ns()));
+        let seen = objects
+            .iter()
+            .filter_map(|object| sighting(object, scene.stamps.capture_ns, captured_ns));
+        let is_whole = scene.n_objects_total as usize <= objects.len();
+        self.world
+            .with(|model| model.observe(seen, is_whole, captured_ns));
+    }
+}
+
+/// How long ago a scene was captured. In lockstep its stamps are of no clock here,
+/// and it counts as captured now.
+fn age_ns(scene: &SceneSummary, monotonic_ns: u64) -> u64 {
+    if scene.frame_flags & frame_flag::LOCKSTEP != 0 {
+        return 0;
+    }
+    monotonic_ns.saturating_sub(scene.stamps.capture_ns)
+}
+
+/// An object as the model sees it; `None` when it is not to be believed yet, or its
+/// numbers are none. The stamps count from `capture_ns`, which was at `captured_ns`.
+fn sighting(object: &SceneObject, capture_ns: u64, captured_ns: u64) -> Option<Sighting<'_>> {
+    let state = TrackState::from_code(object.state)?;
+    if state == TrackState::Tentative {
+        return None;
+    }
+    object.pose.checked()?;
+    let size_m = object.size_m.map(f64::from);
+    if !size_m.iter().all(|side| side.is_finite()) {
+        return None;
+    }
+    let wall_ns = |stamp_ns: u64| captured_ns.saturating_sub(capture_ns.saturating_sub(stamp_ns));
+    Some(Sighting {
+        track_id: object.track_id,
+        state: state.word(),
+        label: object.label(),
+        place: Place {
+            position_m: object.pose.position_m,
+            orientation_xyzw: object.pose.orientation_xyzw,
+            size_m,
+        },
+        first_seen_ns: wall_ns(object.first_seen_ns),
+        last_seen_ns: wall_ns(object.last_seen_ns),
+    })
+}
+
+/// The arm as the model sees it; `None` when its numbers are none.
+fn robot(arm: &ArmState) -> Option<RobotSighting<'_>> {
+    let activity = ArmActivity::from_code(arm.activity)?;
+    arm.world_from_gripper.checked()?;
+    let mut numbers = arm.joint_angles_rad.iter().chain([&arm.opening_m]);
+    if !numbers.all(|number| number.is_finite()) {
+        return None;
+    }
+    let outcome = match activity {
+        ArmActivity::Idle => Some(Outcome::Succeeded),
+        ArmActivity::Failed => Some(Outcome::Failed),
+        ArmActivity::Stopped => Some(Outcome::Cancelled),
+        ArmActivity::Moving | ArmActivity::Opening | ArmActivity::Closing => None,
+    };
+    Some(RobotSighting {
+        activity: activity.word(),
+        outcome,
+        command_id: arm.command_id,
+        note: arm.note.as_str().unwrap_or_default(),
+        is_holding: arm.is_holding == 1,
+        opening_m: arm.opening_m,
+        joint_angles_rad: &arm.joint_angles_rad,
+        position_m: arm.world_from_gripper.position_m,
+        orientation_xyzw: arm.world_from_gripper.orientation_xyzw,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use message::WirePose;
+
+    fn object() -> SceneObject {
+        SceneObject {
+            track_id: 7,
+            state: TrackState::Tracked.code(),
+            pose: WirePose {
+                position_m: [0.1, 0.2, 0.3],
+                orientation_xyzw: [0.0, 0.0, 0.0, 1.0],
+            },
+            first_seen_ns: 100,
+            last_seen_ns: 900,
+            ..SceneObject::default()
+        }
+    }
+
+    #[test]
+    fn stamps_become_times_of_the_wall_clock() {
+        let object = object();
+        let seen = sighting(&object, 1_000, 50_000).unwrap();
+        assert_eq!((seen.first_seen_ns, seen.last_seen_ns), (49_100, 49_900));
+        let mut scene = SceneSummary::default();
+        scene.stamps.capture_ns = 1_000;
+        assert_eq!(age_ns(&scene, 1_500), 500);
+        scene.frame_flags = frame_flag::LOCKSTEP;
+        assert_eq!(age_ns(&scene, 1_500), 0);
+    }
+
+    #[test]
+    fn what_is_not_believed_or_is_no_pose_is_not_seen() {
+        let seen = |change: &dyn Fn(&mut SceneObject)| {
+            let mut object = object();
+            change(&mut object);
+            sighting(&object, 1_000, 1_000).is_some()
+        };
+        assert!(seen(&|_| ()));
+        assert!(!seen(&|o| o.state = TrackState::Tentative.code()));
+        assert!(!seen(&|o| o.state = 77));
+        assert!(!seen(&|o| o.pose.position_m[1] = f64::NAN));
+        assert!(!seen(&|o| o.pose.orientation_xyzw = [0.0; 4]));
+        assert!(!seen(&|o| o.size_m[2] = f32::INFINITY));
+    }
+
+    #[test]
+    fn an_arm_says_how_its_command_ended() {
+        let arm = |activity: ArmActivity| ArmState {
+            activity: activity.code(),
+            world_from_gripper: object().pose,
+            ..ArmState::default()
+        };
+        let outcome = |activity| robot(&arm(activity)).unwrap().outcome;
+        assert_eq!(outcome(ArmActivity::Moving), None);
+        assert_eq!(outcome(ArmActivity::Idle), Some(Outcome::Succeeded));
+        assert_eq!(outcome(ArmActivity::Failed), Some(Outcome::Failed));
+        assert_eq!(outcome(ArmActivity::Stopped), Some(Outcome::Cancelled));
+        let broken = ArmState {
+            opening_m: f64::NAN,
+            ..arm(ArmActivity::Idle)
+        };
+        assert!(robot(&broken).is_none());
+    }
+}

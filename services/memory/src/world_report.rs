@@ -1,0 +1,214 @@
+//! Between the control protocol's types and the working memory's.
+
+use message::control::{
+    FactFilter, FactReport, FactsReport, MAX_PAGE_FACTS, PlaceReport, Refusal, RefusalKind,
+    TaskOutcome, TaskReport, WorldObjectReport, WorldRegion, WorldReport, WorldRobotReport,
+};
+use store::working::{
+    Fact, FactPage, FactQuery, Object, Outcome, Place, Property, Region, Robot, Subject, Task,
+    TaskRefusal, TaskState, Value, Window, WorldModel,
+};
+
+/// The objects and the robot as they are known now.
+pub(crate) fn world(model: &WorldModel, now_ns: u64) -> WorldReport {
+    WorldReport {
+        now_ns,
+        objects: model.objects().map(|one| object(model, one)).collect(),
+        robot: model.robot().map(robot),
+        newest_event: model.newest_event(),
+    }
+}
+
+fn object(model: &WorldModel, object: &Object) -> WorldObjectReport {
+    let since_ns = |property| model.since_ns(Subject::Object(object.track_id), property);
+    WorldObjectReport {
+        track_id: object.track_id,
+        state: object.state.clone(),
+        state_since_ns: since_ns(Property::State).unwrap_or(object.first_seen_ns),
+        label: object.label.clone(),
+        label_since_ns: since_ns(Property::Label),
+        place: place(&object.place),
+        place_since_ns: since_ns(Property::Place).unwrap_or(object.first_seen_ns),
+        first_seen_ns: object.first_seen_ns,
+        last_seen_ns: object.last_seen_ns,
+    }
+}
+
+fn place(place: &Place) -> PlaceReport {
+    PlaceReport {
+        position_m: place.position_m,
+        orientation_xyzw: place.orientation_xyzw,
+        size_m: place.size_m,
+    }
+}
+
+fn robot(robot: &Robot) -> WorldRobotReport {
+    WorldRobotReport {
+        activity: robot.activity.clone(),
+        is_holding: robot.is_holding,
+        note: robot.note.clone(),
+        opening_m: robot.opening_m,
+        joint_angles_rad: robot.joint_angles_rad.clone(),
+        position_m: robot.position_m,
+        orientation_xyzw: robot.orientation_xyzw,
+        last_heard_ns: robot.last_heard_ns,
+        is_heard: robot.is_heard,
+    }
+}
+
+/// The query of a filter.
+pub(crate) fn query(filter: FactFilter) -> Result<FactQuery, Refusal> {
+    let invalid = |rule: &str| Refusal::new(RefusalKind::Invalid, rule);
+    let window = Window {
+        from_ns: filter.since_ns.unwrap_or(0),
+        to_ns: filter.until_ns.unwrap_or(u64::MAX),
+    };
+    if window.from_ns > window.to_ns {
+        return Err(invalid(
+            "the end of the time asked for lies before its beginning",
+        ));
+    }
+    let region = filter.region.map(region).transpose().map_err(invalid)?;
+    Ok(FactQuery {
+        subject: filter.track_id.map(Subject::Object),
+        label: filter.label,
+        region,
+        window: Some(window),
+        before: filter.before,
+        n_most: (filter.limit as usize).clamp(1, MAX_PAGE_FACTS),
+    })
+}
+
+fn region(region: WorldRegion) -> Result<Region, &'static str> {
+    let are_finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
+    match region {
+        WorldRegion::Ball { centre_m, radius_m } => {
+            if !are_finite(&centre_m) || !radius_m.is_finite() || radius_m < 0.0 {
+                return Err("a ball has a finite centre and a radius of 0 m or more");
+            }
+            Ok(Region::Ball { centre_m, radius_m })
+        }
+        WorldRegion::Box { min_m, max_m } => {
+            if !are_finite(&min_m) || !are_finite(&max_m) {
+                return Err("the corners of a box are finite");
+            }
+            Ok(Region::Box { min_m, max_m })
+        }
+    }
+}
+
+/// A page of facts.
+pub(crate) fn facts(page: &FactPage) -> FactsReport {
+    FactsReport {
+        facts: page.facts.iter().map(fact).collect(),
+        next: page.next,
+    }
+}
+
+fn fact(fact: &Fact) -> FactReport {
+    let (subject, track_id, task_id) = match fact.subject {
+        Subject::Object(track_id) => ("object", Some(track_id), None),
+        Subject::Robot => ("robot", None, None),
+        Subject::Task(task) => ("task", None, Some(task)),
+    };
+    let word = |is_holding| if is_holding { "yes" } else { "no" };
+    let (property, value) = match &fact.value {
+        Value::State(state) => ("state", Some(state.clone())),
+        Value::Label(label) => ("label", Some(label.clone())),
+        Value::Place(_) => ("place", None),
+        Value::Activity(activity) => ("activity", Some(activity.clone())),
+        Value::Holding(is_holding) => ("holding", Some(word(*is_holding).to_owned())),
+    };
+    let place = match &fact.value {
+        Value::Place(known) => Some(place(known)),
+        _ => None,
+    };
+    FactReport {
+        fact: fact.number,
+        subject: subject.to_owned(),
+        track_id,
+        task_id,
+        property: property.to_owned(),
+        value,
+        place,
+        start_ns: fact.start_ns,
+        end_ns: fact.end_ns,
+    }
+}
+
+/// A task.
+pub(crate) fn task(task: &Task) -> TaskReport {
+    let (state, ended_ns, reason) = match &task.state {
+        TaskState::Running => ("running", None, ""),
+        TaskState::Ended {
+            outcome,
+            reason,
+            ended_ns,
+            ..
+        } => (word(*outcome), Some(*ended_ns), reason.as_str()),
+    };
+    TaskReport {
+        task_id: task.number,
+        kind: task.kind.clone(),
+        parameters: task.parameters.clone(),
+        author: task.author.clone(),
+        state: state.to_owned(),
+        started_ns: task.started_ns,
+        ended_ns,
+        reason: reason.to_owned(),
+    }
+}
+
+pub(crate) fn word(outcome: Outcome) -> &'static str {
+    match outcome {
+        Outcome::Succeeded => "succeeded",
+        Outcome::Failed => "failed",
+        Outcome::Cancelled => "cancelled",
+    }
+}
+
+/// How a task ended.
+pub(crate) fn outcome(outcome: TaskOutcome) -> Outcome {
+    match outcome {
+        TaskOutcome::Succeeded => Outcome::Succeeded,
+        TaskOutcome::Failed => Outcome::Failed,
+        TaskOutcome::Cancelled => Outcome::Cancelled,
+    }
+}
+
+/// Why a task was not noted.
+pub(crate) fn task_refusal(refusal: &TaskRefusal) -> Refusal {
+    let kind = match refusal {
+        TaskRefusal::Unknown { .. } => RefusalKind::NotFound,
+        TaskRefusal::HasEnded { .. } | TaskRefusal::TooMany { .. } => RefusalKind::Conflict,
+        _ => RefusalKind::Invalid,
+    };
+    Refusal::new(kind, refusal.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_filter_of_no_numbers_or_no_time_is_refused() {
+        let ball = |centre_m, radius_m| FactFilter {
+            region: Some(WorldRegion::Ball { centre_m, radius_m }),
+            ..FactFilter::default()
+        };
+        let backwards = FactFilter {
+            since_ns: Some(2),
+            until_ns: Some(1),
+            ..FactFilter::default()
+        };
+        let wrong = [ball([f64::NAN; 3], 1.0), ball([0.0; 3], -1.0), backwards];
+        for filter in wrong {
+            assert_eq!(query(filter).unwrap_err().kind, RefusalKind::Invalid);
+        }
+        let limited = query(FactFilter {
+            limit: u32::MAX,
+            ..ball([0.0; 3], 0.0)
+        });
+        assert_eq!(limited.unwrap().n_most, MAX_PAGE_FACTS);
+    }
+}

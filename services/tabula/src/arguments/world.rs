@@ -1,0 +1,172 @@
+//! The arguments of `tabula world`.
+
+use clap::{Args, Subcommand};
+
+/// What is asked of the working memory.
+#[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true)]
+pub(crate) struct WorldArguments {
+    #[command(subcommand)]
+    pub(crate) verb: Option<WorldVerb>,
+}
+
+/// What else is asked than what there is now.
+#[derive(Debug, Subcommand)]
+pub(crate) enum WorldVerb {
+    /// Show what was known: facts with beginning and end, newest first
+    History(HistoryArguments),
+    /// Show what happened, oldest first
+    Events(EventsArguments),
+    /// Show the tasks, newest first
+    Tasks {
+        /// Most tasks
+        #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..))]
+        limit: u32,
+    },
+}
+
+/// Which facts.
+#[derive(Debug, Args)]
+#[command(after_help = TIME_HELP)]
+pub(crate) struct HistoryArguments {
+    /// Only of this track
+    #[arg(long, value_name = "TRACK")]
+    pub(crate) track: Option<u64>,
+    /// Only while it was called so
+    #[arg(long, value_name = "NAME")]
+    pub(crate) label: Option<String>,
+    /// Only while its centre was near a point of the world, metres
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "radius")]
+    pub(crate) near: Option<Point>,
+    /// How near, metres
+    #[arg(long, value_name = "R", value_parser = radius, requires = "near")]
+    pub(crate) radius: Option<f64>,
+    /// Only what held at this time
+    #[arg(long, value_name = "TIME", value_parser = time, allow_hyphen_values = true, conflicts_with_all = ["since", "until"])]
+    pub(crate) at: Option<Time>,
+    /// Only what held at this time or later
+    #[arg(long, value_name = "TIME", value_parser = time, allow_hyphen_values = true)]
+    pub(crate) since: Option<Time>,
+    /// Only what held at this time or earlier
+    #[arg(long, value_name = "TIME", value_parser = time, allow_hyphen_values = true)]
+    pub(crate) until: Option<Time>,
+    /// Most facts
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) limit: u32,
+}
+
+/// Which events.
+#[derive(Debug, Args)]
+pub(crate) struct EventsArguments {
+    /// Go on with each event as it happens, until Ctrl-C
+    #[arg(long)]
+    pub(crate) follow: bool,
+    /// Only events after this one [default: all; with --follow those from now on]
+    #[arg(long, value_name = "SEQUENCE")]
+    pub(crate) since: Option<u64>,
+}
+
+const TIME_HELP: &str = "TIME is a time ago: -90s, -10m, -2h, -3d; or seconds since 1970: \
+                         1735689600, as `date +%s` prints them.";
+
+/// A point of the world, metres.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Point(pub(crate) [f64; 3]);
+
+/// An instant as people give it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Time {
+    /// So long ago, nanoseconds.
+    Ago(u64),
+    /// Nanoseconds since 1970.
+    Absolute(u64),
+}
+
+impl Time {
+    /// Nanoseconds since 1970, when it is `now_ns`.
+    pub(crate) fn at(self, now_ns: u64) -> u64 {
+        match self {
+            Self::Ago(ns) => now_ns.saturating_sub(ns),
+            Self::Absolute(ns) => ns,
+        }
+    }
+}
+
+fn point(text: &str) -> Result<Point, String> {
+    let values: Result<Vec<f64>, _> = text.split(',').map(|value| value.trim().parse()).collect();
+    let values = values.unwrap_or_default();
+    match <[f64; 3]>::try_from(values) {
+        Ok(point) if point.iter().all(|value| value.is_finite()) => Ok(Point(point)),
+        _ => Err("a point is three numbers with commas between them: 0.1,-0.2,0.75".into()),
+    }
+}
+
+fn radius(text: &str) -> Result<f64, String> {
+    let value = text.parse().unwrap_or(f64::NAN);
+    if (0.0..=1e6).contains(&value) {
+        return Ok(value);
+    }
+    Err("a radius is a number of metres, 0 or more".into())
+}
+
+fn time(text: &str) -> Result<Time, String> {
+    parse_time(text).ok_or_else(|| {
+        "a time is -90s, -10m, -2h or -3d for a time ago, or seconds since 1970".into()
+    })
+}
+
+fn parse_time(text: &str) -> Option<Time> {
+    const LATEST_S: f64 = 1e10;
+    let seconds_in = |value: &str, unit_s: f64| {
+        let seconds = value.parse::<f64>().ok()? * unit_s;
+        (0.0..=LATEST_S)
+            .contains(&seconds)
+            .then_some((seconds * 1e9) as u64)
+    };
+    let Some(ago) = text.strip_prefix('-') else {
+        return seconds_in(text, 1.0).map(Time::Absolute);
+    };
+    let unit = ago.chars().last()?;
+    let unit_s = match unit {
+        's' => 1.0,
+        'm' => 60.0,
+        'h' => 3600.0,
+        'd' => 86_400.0,
+        _ => return None,
+    };
+    seconds_in(&ago[..ago.len() - unit.len_utf8()], unit_s).map(Time::Ago)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_offsets_or_seconds() {
+        let second = 1_000_000_000;
+        assert_eq!(time("-90s"), Ok(Time::Ago(90 * second)));
+        assert_eq!(time("-1.5m"), Ok(Time::Ago(90 * second)));
+        assert_eq!(time("-2h"), Ok(Time::Ago(7200 * second)));
+        assert_eq!(time("-3d"), Ok(Time::Ago(3 * 86_400 * second)));
+        assert_eq!(
+            time("1735689600"),
+            Ok(Time::Absolute(1_735_689_600 * second))
+        );
+        for wrong in [
+            "", "-", "-m", "-10", "-10é", "noon", "nan", "-infs", "1e300",
+        ] {
+            assert!(time(wrong).is_err(), "{wrong}");
+        }
+        assert_eq!(Time::Ago(5).at(3), 0);
+        assert_eq!((Time::Ago(5).at(8), Time::Absolute(5).at(8)), (3, 5));
+    }
+
+    #[test]
+    fn points_are_three_numbers() {
+        assert_eq!(point("0.1,-0.2, 0.75"), Ok(Point([0.1, -0.2, 0.75])));
+        for wrong in ["", "1,2", "1,2,3,4", "1,2,nan", "a,b,c"] {
+            assert!(point(wrong).is_err(), "{wrong}");
+        }
+        assert!(radius("-1").is_err() && radius("nan").is_err() && radius("0.5") == Ok(0.5));
+    }
+}

@@ -1,0 +1,392 @@
+//! `tabula world`: what the working memory knows and knew.
+
+use crate::arguments::{EventsArguments, HistoryArguments, Point, Time, WorldVerb};
+use crate::objects::{call, connect, metres, unexpected};
+use crate::output::Output;
+use crate::stop_signal::StopSignal;
+use crate::table::table;
+use channel::control::SocketClient;
+use message::control::{
+    Command, EventReport, EventsReport, FactFilter, FactReport, FactsReport, Reply, TaskReport,
+    TasksReport, WorldCommand, WorldObjectReport, WorldRegion, WorldReply, WorldReport,
+    WorldRobotReport,
+};
+use service::{CommonArguments, Failure, wall_clock_ns};
+use std::process::ExitCode;
+use std::time::Duration;
+
+/// How long one question for events waits; Ctrl-C acts after that at the latest.
+const EVENT_WAIT_MS: u64 = 1000;
+/// Rest before a daemon that has gone away is asked again.
+const ASK_AGAIN: Duration = Duration::from_millis(500);
+
+/// Shows what is asked for.
+pub(crate) fn run(
+    common: &CommonArguments,
+    verb: Option<&WorldVerb>,
+    output: &Output,
+) -> Result<ExitCode, Failure> {
+    let mut client = connect(common)?;
+    match verb {
+        None => {
+            let report = now(&mut client)?;
+            output.answer(&report, || world_text(&report));
+        }
+        Some(WorldVerb::History(wanted)) => {
+            let report = history(&mut client, wanted)?;
+            output.answer(&report, || history_text(&report, now_ns()));
+        }
+        Some(WorldVerb::Events(wanted)) if wanted.follow => {
+            return follow(common, client, wanted.since, output);
+        }
+        Some(WorldVerb::Events(wanted)) => {
+            let report = events(&mut client, wanted)?;
+            output.answer(&report, || events_text(&report.events, now_ns()));
+        }
+        Some(WorldVerb::Tasks { limit }) => {
+            let report = tasks(&mut client, *limit)?;
+            output.answer(&report, || tasks_text(&report, now_ns()));
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn now_ns() -> u64 {
+    wall_clock_ns().max(0) as u64
+}
+
+fn ask(client: &mut SocketClient, command: WorldCommand) -> Result<WorldReply, Failure> {
+    match call(client, Command::World(command))? {
+        Reply::World(reply) => Ok(*reply),
+        other => Err(unexpected(&other)),
+    }
+}
+
+fn unfit(reply: WorldReply) -> Failure {
+    unexpected(&Reply::World(Box::new(reply)))
+}
+
+fn now(client: &mut SocketClient) -> Result<WorldReport, Failure> {
+    match ask(client, WorldCommand::Now)? {
+        WorldReply::Now(report) => Ok(report),
+        other => Err(unfit(other)),
+    }
+}
+
+/// Asks for pages until there are as many facts as wanted, or no more.
+fn history(client: &mut SocketClient, wanted: &HistoryArguments) -> Result<FactsReport, Failure> {
+    let mut filter = filter(wanted, now_ns());
+    let mut facts = Vec::new();
+    loop {
+        let page = match ask(client, WorldCommand::Facts(filter.clone()))? {
+            WorldReply::Facts(page) => page,
+            other => return Err(unfit(other)),
+        };
+        facts.extend(page.facts);
+        filter.before = page.next;
+        filter.limit = wanted.limit - (facts.len() as u32).min(wanted.limit);
+        if page.next.is_none() || filter.limit == 0 {
+            let next = page.next;
+            return Ok(FactsReport { facts, next });
+        }
+    }
+}
+
+fn filter(wanted: &HistoryArguments, now_ns: u64) -> FactFilter {
+    let instant = |time: Option<Time>| time.map(|time| time.at(now_ns));
+    let region = wanted.near.zip(wanted.radius);
+    FactFilter {
+        track_id: wanted.track,
+        label: wanted.label.clone(),
+        region: region.map(|(Point(centre_m), radius_m)| WorldRegion::Ball { centre_m, radius_m }),
+        since_ns: instant(wanted.at.or(wanted.since)),
+        until_ns: instant(wanted.at.or(wanted.until)),
+        before: None,
+        limit: wanted.limit,
+    }
+}
+
+fn events_page(
+    client: &mut SocketClient,
+    since: u64,
+    wait_ms: u64,
+) -> Result<EventsReport, Failure> {
+    match ask(client, WorldCommand::Events { since, wait_ms })? {
+        WorldReply::Events(page) => Ok(page),
+        other => Err(unfit(other)),
+    }
+}
+
+/// Asks for pages until there are no more events.
+fn events(client: &mut SocketClient, wanted: &EventsArguments) -> Result<EventsReport, Failure> {
+    let mut since = wanted.since.unwrap_or(0);
+    let mut events = Vec::new();
+    loop {
+        let page = events_page(client, since, 0)?;
+        let last = page
+            .events
+            .last()
+            .map_or(page.newest, |event| event.sequence);
+        events.extend(page.events);
+        if last >= page.newest {
+            let newest = page.newest;
+            return Ok(EventsReport { events, newest });
+        }
+        since = last;
+    }
+}
+
+/// Prints each event as it happens, with `--json` a document a line. A daemon that
+/// restarts is waited for.
+fn follow(
+    common: &CommonArguments,
+    mut client: SocketClient,
+    since: Option<u64>,
+    output: &Output,
+) -> Result<ExitCode, Failure> {
+    let stop = StopSignal::install()?;
+    let mut since = match since {
+        Some(since) => since,
+        None => now(&mut client)?.newest_event,
+    };
+    let mut connected = Some(client);
+    while !stop.is_raised() {
+        let page = match &mut connected {
+            Some(client) => events_page(client, since, EVENT_WAIT_MS),
+            None => connect(common).and_then(|mut fresh| {
+                let page = events_page(&mut fresh, since, EVENT_WAIT_MS);
+                connected = Some(fresh);
+                page
+            }),
+        };
+        let Ok(page) = page else {
+            connected = None;
+            stop.sleep(ASK_AGAIN);
+            continue;
+        };
+        for event in &page.events {
+            output.answer(event, || event_line(event, now_ns()));
+        }
+        // A memory that was begun anew counts from the beginning.
+        let last = page.events.last().map(|event| event.sequence);
+        since = last.unwrap_or(if page.newest < since { 0 } else { since });
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Asks for pages until there are as many tasks as wanted, or no more.
+fn tasks(client: &mut SocketClient, wanted: u32) -> Result<TasksReport, Failure> {
+    let mut tasks = Vec::new();
+    let (mut before, mut limit) = (None, wanted);
+    loop {
+        let page = match ask(client, WorldCommand::Tasks { before, limit })? {
+            WorldReply::Tasks(page) => page,
+            other => return Err(unfit(other)),
+        };
+        tasks.extend(page.tasks);
+        before = page.next;
+        limit = wanted - (tasks.len() as u32).min(wanted);
+        if before.is_none() || limit == 0 {
+            return Ok(TasksReport {
+                tasks,
+                next: before,
+            });
+        }
+    }
+}
+
+fn world_text(report: &WorldReport) -> String {
+    let now_ns = report.now_ns;
+    let row = |object: &WorldObjectReport| {
+        vec![
+            object.track_id.to_string(),
+            object.label.clone().unwrap_or_else(|| "unknown".into()),
+            object
+                .label_since_ns
+                .map_or_else(|| "-".into(), |since_ns| ago(since_ns, now_ns)),
+            metres(object.place.position_m),
+            ago(object.place_since_ns, now_ns),
+            metres(object.place.size_m),
+            object.state.clone(),
+            ago(object.state_since_ns, now_ns),
+            ago(object.first_seen_ns, now_ns),
+            ago(object.last_seen_ns, now_ns),
+        ]
+    };
+    let heading = [
+        "id",
+        "label",
+        "since",
+        "position m",
+        "since",
+        "size m",
+        "state",
+        "since",
+        "first seen",
+        "last seen",
+    ];
+    let rows: Vec<_> = report.objects.iter().map(row).collect();
+    let objects = match rows.as_slice() {
+        [] => "no objects".into(),
+        rows => table(&heading, rows),
+    };
+    match &report.robot {
+        Some(robot) => format!("{objects}\n{}", robot_line(robot, now_ns)),
+        None => objects,
+    }
+}
+
+fn robot_line(robot: &WorldRobotReport, now_ns: u64) -> String {
+    let hand = if robot.is_holding {
+        "holding something"
+    } else {
+        "empty"
+    };
+    if !robot.is_heard {
+        let last = ago(robot.last_heard_ns, now_ns);
+        return format!(
+            "the arm says nothing since {last} ago; then it was {}",
+            robot.activity
+        );
+    }
+    let place = metres(robot.position_m);
+    format!(
+        "the arm is {}, {hand}, gripper at {place} m",
+        robot.activity
+    )
+}
+
+fn history_text(report: &FactsReport, now_ns: u64) -> String {
+    let row = |fact: &FactReport| {
+        let of = match (fact.track_id, fact.task_id) {
+            (Some(id), _) | (None, Some(id)) => format!("{} {id}", fact.subject),
+            (None, None) => fact.subject.clone(),
+        };
+        let end = fact
+            .end_ns
+            .map_or_else(|| "holds".into(), |end_ns| ago(end_ns, now_ns));
+        vec![
+            fact.fact.to_string(),
+            of,
+            fact.property.clone(),
+            value_text(fact),
+            ago(fact.start_ns, now_ns),
+            end,
+        ]
+    };
+    let rows: Vec<_> = report.facts.iter().map(row).collect();
+    if rows.is_empty() {
+        return "no such fact is known".into();
+    }
+    let heading = ["fact", "of", "property", "value", "from (ago)", "to (ago)"];
+    let more = report
+        .next
+        .map_or("", |_| "\nand older ones; --limit shows more");
+    format!("{}{more}", table(&heading, &rows))
+}
+
+fn value_text(fact: &FactReport) -> String {
+    match (&fact.place, &fact.value) {
+        (Some(place), _) => format!("({}) m", metres(place.position_m)),
+        (None, Some(value)) => value.clone(),
+        (None, None) => "-".into(),
+    }
+}
+
+fn events_text(events: &[EventReport], now_ns: u64) -> String {
+    if events.is_empty() {
+        return "nothing happened".into();
+    }
+    let lines = events.iter().map(|event| event_line(event, now_ns));
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+fn event_line(event: &EventReport, now_ns: u64) -> String {
+    let when = ago(event.wall_ns, now_ns);
+    format!("{} {when} ago: {}", event.sequence, event.sentence)
+}
+
+fn tasks_text(report: &TasksReport, now_ns: u64) -> String {
+    let row = |task: &TaskReport| {
+        vec![
+            task.task_id.to_string(),
+            task.kind.clone(),
+            task.state.clone(),
+            ago(task.started_ns, now_ns),
+            task.ended_ns
+                .map_or_else(|| "-".into(), |end_ns| ago(end_ns, now_ns)),
+            task.author.clone(),
+            task.parameters.clone(),
+            task.reason.clone(),
+        ]
+    };
+    let rows: Vec<_> = report.tasks.iter().map(row).collect();
+    if rows.is_empty() {
+        return "no task is known".into();
+    }
+    let heading = [
+        "id",
+        "kind",
+        "state",
+        "began (ago)",
+        "ended (ago)",
+        "by",
+        "parameters",
+        "reason",
+    ];
+    let more = report
+        .next
+        .map_or("", |_| "\nand older ones; --limit shows more");
+    format!("{}{more}", table(&heading, &rows))
+}
+
+/// How long ago, in two units at most; what lies ahead is now.
+fn ago(then_ns: u64, now_ns: u64) -> String {
+    let ns = now_ns.saturating_sub(then_ns);
+    let s = ns / 1_000_000_000;
+    match s {
+        0..60 => format!("{:.1}s", ns as f64 * 1e-9),
+        60..3600 => format!("{}m {:02}s", s / 60, s % 60),
+        3600..86_400 => format!("{}h {:02}m", s / 3600, s / 60 % 60),
+        _ => format!("{}d {:02}h", s / 86_400, s / 3600 % 24),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn people_read_how_long_ago() {
+        const SECOND: u64 = 1_000_000_000;
+        let check = |seconds: u64, expected: &str| assert_eq!(ago(0, seconds * SECOND), expected);
+        check(0, "0.0s");
+        check(59, "59.0s");
+        check(61, "1m 01s");
+        check(3660, "1h 01m");
+        check(90_000, "1d 01h");
+        assert_eq!(ago(5, 3), "0.0s", "the clock stepped back");
+    }
+
+    #[test]
+    fn an_instant_is_both_ends_of_the_time_asked_for() {
+        let wanted = HistoryArguments {
+            track: Some(3),
+            label: None,
+            near: Some(Point([0.1, 0.2, 0.3])),
+            radius: Some(0.5),
+            at: Some(Time::Ago(400)),
+            since: None,
+            until: None,
+            limit: 7,
+        };
+        let filter = filter(&wanted, 1000);
+        assert_eq!((filter.since_ns, filter.until_ns), (Some(600), Some(600)));
+        assert_eq!((filter.track_id, filter.limit), (Some(3), 7));
+        let ball = WorldRegion::Ball {
+            centre_m: [0.1, 0.2, 0.3],
+            radius_m: 0.5,
+        };
+        assert_eq!(filter.region, Some(ball));
+    }
+}

@@ -1,0 +1,66 @@
+//! What happened, in its order.
+
+use std::collections::BTreeMap;
+use std::ops::Bound;
+
+use super::event::{Event, Happening};
+use super::expiry::Expiry;
+use super::keys::Entry;
+use super::touched::Touched;
+
+#[derive(Debug, Default)]
+pub(super) struct EventLog {
+    events: BTreeMap<u64, Event>,
+    over: Expiry,
+    /// Sequence of the last event; zero before the first.
+    pub(super) newest: u64,
+}
+
+impl EventLog {
+    pub(super) fn add(&mut self, happening: Happening, now_ns: u64, touched: &mut Touched) {
+        let event = Event {
+            sequence: self.newest + 1,
+            wall_ns: now_ns,
+            happening,
+        };
+        touched.add(Entry::Event(event.sequence));
+        touched.add(Entry::Meta);
+        self.insert(event);
+    }
+
+    pub(super) fn insert(&mut self, event: Event) {
+        self.newest = self.newest.max(event.sequence);
+        self.over.insert(event.wall_ns, event.sequence);
+        self.events.insert(event.sequence, event);
+    }
+
+    pub(super) fn get(&self, sequence: u64) -> Option<&Event> {
+        self.events.get(&sequence)
+    }
+
+    /// The events after one, in their order.
+    pub(super) fn since(&self, sequence: u64) -> impl DoubleEndedIterator<Item = &Event> {
+        let after = (Bound::Excluded(sequence), Bound::Unbounded);
+        self.events.range(after).map(|(_, event)| event)
+    }
+
+    pub(super) fn all(&self) -> impl DoubleEndedIterator<Item = &Event> {
+        self.events.values()
+    }
+
+    /// Forgets one event that is to be forgotten; false when there is none.
+    pub(super) fn expire(
+        &mut self,
+        now_ns: u64,
+        keep_ns: u64,
+        n_most: usize,
+        touched: &mut Touched,
+    ) -> bool {
+        let Some(sequence) = self.over.take(now_ns, keep_ns, n_most) else {
+            return false;
+        };
+        self.events.remove(&sequence);
+        touched.add(Entry::Event(sequence));
+        true
+    }
+}

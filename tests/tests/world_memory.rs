@@ -1,0 +1,319 @@
+//! The working memory: what was known is kept through a kill, and ends when it was
+//! last seen.
+
+use crate::daemon::{Daemon, PATIENCE, Place, WITH_CAMERA, eventually, nearest};
+use crate::skeleton::{id, place_of, wait_for_all};
+use channel::control::SocketClient;
+use message::ProcessKind;
+use message::control::{
+    Command, EventsReport, MutationId, RefusalKind, Reply, TaskOutcome, TaskReport, WorldCommand,
+    WorldReply,
+};
+use rustix::process::{Pid, Signal, kill_process};
+use serde_json::Value;
+use std::io::{BufRead, BufReader};
+use std::process::{Child, Stdio};
+use std::time::Duration;
+
+fn list(document: &Value, name: &str) -> Vec<Value> {
+    document[name].as_array().unwrap().clone()
+}
+
+fn world(daemon: &Daemon<'_>) -> Vec<Value> {
+    let output = daemon.place.tabula(&["world", "--json"]);
+    let document: Value = serde_json::from_slice(&output.stdout).unwrap_or_default();
+    document["objects"].as_array().cloned().unwrap_or_default()
+}
+
+fn facts(daemon: &Daemon<'_>, arguments: &[&str]) -> Vec<Value> {
+    let document = daemon.ask(&[&["world", "history"], arguments].concat());
+    list(&document, "facts")
+}
+
+fn events(daemon: &Daemon<'_>) -> Vec<Value> {
+    list(&daemon.ask(&["world", "events"]), "events")
+}
+
+fn n_events(events: &[Value], kind: &str) -> usize {
+    events.iter().filter(|event| event["event"] == kind).count()
+}
+
+/// A process of a test's own, killed when it is dropped.
+struct Killed(Child);
+
+impl Drop for Killed {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// Kills the memory, and waits until another one answers.
+fn kill_memory(daemon: &Daemon<'_>) {
+    let killed = daemon.pid(ProcessKind::Memory);
+    daemon.signal(ProcessKind::Memory, Signal::KILL);
+    eventually("another memory answers", || {
+        daemon
+            .pid(ProcessKind::Memory)
+            .is_some_and(|pid| Some(pid) != killed)
+    });
+}
+
+/// Waits until the working memory knows as many objects.
+fn wait_for_world(daemon: &Daemon<'_>, n_objects: usize) {
+    eventually("the working memory sees the objects", || {
+        world(daemon).len() == n_objects
+    });
+}
+
+/// What must be on disk is, a little later.
+fn wait_until_written() {
+    std::thread::sleep(Duration::from_secs(1));
+}
+
+#[test]
+fn facts_are_kept_through_a_kill_and_end_when_their_object_was_last_seen() {
+    let place = Place::new();
+    let daemon = place.start(&["--source", "synthetic:0"]);
+    let objects = wait_for_all(&daemon, 0);
+    wait_for_world(&daemon, objects.len());
+    let bowl = nearest(&objects, place_of(0, "bowl"));
+    let track = id(bowl);
+    daemon.ask(&["teach", &track, "bowl"]);
+    eventually("the label is a fact", || {
+        !facts(&daemon, &["--track", &track, "--label", "bowl"]).is_empty()
+    });
+    let before = facts(&daemon, &["--track", &track]);
+    let property = |facts: &[Value], name: &str| {
+        let found = facts.iter().find(|fact| fact["property"] == name);
+        found
+            .unwrap_or_else(|| panic!("{name} in {facts:#?}"))
+            .clone()
+    };
+    let (label, place_then) = (property(&before, "label"), property(&before, "place"));
+    assert_eq!(label["value"], "bowl");
+    assert_eq!(label["end_ns"], Value::Null);
+    wait_until_written();
+    kill_memory(&daemon);
+    wait_for_world(&daemon, objects.len());
+
+    let after = facts(&daemon, &["--track", &track]);
+    for known in [&label, &place_then] {
+        let found = after.iter().find(|fact| fact["fact"] == known["fact"]);
+        let found = found.unwrap_or_else(|| panic!("{known} in {after:#?}"));
+        assert_eq!(found["value"], known["value"]);
+        assert_eq!(found["start_ns"], known["start_ns"]);
+        let (start, end) = (found["start_ns"].as_u64(), found["end_ns"].as_u64());
+        assert!(end >= start, "ended: {found}");
+    }
+    let holds = property(&after, "label");
+    assert_eq!(holds["end_ns"], Value::Null, "it is seen again: {after:#?}");
+    let seen = events(&daemon);
+    assert_eq!(n_events(&seen, "started"), 2, "{seen:#?}");
+    assert_eq!(n_events(&seen, "appeared"), objects.len(), "{seen:#?}");
+    assert_eq!(n_events(&seen, "taught"), 1, "{seen:#?}");
+    daemon.stop();
+
+    // Another session: all that was known of the tracks before is over.
+    let daemon = place.start(&["--source", "synthetic:1"]);
+    wait_for_all(&daemon, 1);
+    let kept = facts(&daemon, &["--track", &track]);
+    assert!(kept.len() >= after.len(), "{kept:#?}");
+    assert!(kept.iter().all(|fact| fact["end_ns"].is_u64()), "{kept:#?}");
+    daemon.stop();
+}
+
+#[test]
+fn facts_are_found_by_name_place_and_time() {
+    let place = Place::new();
+    let daemon = place.start(&["--source", "synthetic:0"]);
+    let objects = wait_for_all(&daemon, 0);
+    wait_for_world(&daemon, objects.len());
+    let mug = place_of(0, "mug");
+    let track = id(nearest(&objects, mug));
+    let near = format!("{},{},{}", mug[0], mug[1], mug[2]);
+    let tracks = |facts: &[Value]| {
+        let mut tracks: Vec<String> = facts
+            .iter()
+            .map(|fact| fact["track_id"].to_string())
+            .collect();
+        tracks.sort();
+        tracks.dedup();
+        tracks
+    };
+    let there = facts(&daemon, &["--near", &near, "--radius", "0.06"]);
+    assert_eq!(tracks(&there), [track.as_str()], "{there:#?}");
+    // A day ago there was no table; now there are all.
+    assert!(facts(&daemon, &["--at", "-1d"]).is_empty());
+    assert_eq!(
+        tracks(&facts(&daemon, &["--since", "-1d"])).len(),
+        objects.len()
+    );
+    let (code, sentence) = daemon.refused(&["world", "history", "--at", "noon"]);
+    assert!(code == 2 && sentence.contains("-10m"), "{sentence}");
+    let (code, sentence) =
+        daemon.refused(&["world", "history", "--since", "-1m", "--until", "-2m"]);
+    assert!(code == 4 && sentence.contains("lies before"), "{sentence}");
+    // A page after the other is the whole.
+    let all = facts(&daemon, &["--limit", "1000"]);
+    assert!(facts(&daemon, &["--limit", "2"]).len() == 2 && all.len() > 2);
+    daemon.stop();
+}
+
+#[test]
+fn events_are_followed_as_they_happen() {
+    let place = Place::new();
+    let daemon = place.start(&["--source", "synthetic:0"]);
+    let objects = wait_for_all(&daemon, 0);
+    wait_for_world(&daemon, objects.len());
+    let mut follower = place.command("tabula");
+    follower.args(["world", "events", "--follow", "--since", "0", "--json"]);
+    let mut follower = Killed(follower.stdout(Stdio::piped()).spawn().unwrap());
+    let lines = BufReader::new(follower.0.stdout.take().unwrap()).lines();
+    let (sender, told) = std::sync::mpsc::channel();
+    std::thread::spawn(move || {
+        for line in lines.map_while(Result::ok) {
+            let event: Value = serde_json::from_str(&line).unwrap();
+            if sender.send(event).is_err() {
+                return;
+            }
+        }
+    });
+    let wait_for = |kind: &str| loop {
+        let event = told.recv_timeout(PATIENCE).unwrap();
+        if event["event"] == kind {
+            return event;
+        }
+    };
+    assert_eq!(wait_for("started")["sequence"], 1);
+    daemon.ask(&["teach", &id(&objects[0]), "thing", "--author", "anna"]);
+    let taught = wait_for("taught");
+    assert!(taught["sentence"].as_str().unwrap().contains("anna"));
+    kill_memory(&daemon);
+    wait_for("started");
+    drop(follower);
+    daemon.stop();
+}
+
+/// Starts a memory alone, and waits until it answers.
+fn start_memory(place: &Place) -> Killed {
+    let alone = Killed(
+        place
+            .command("tabula-memory")
+            .arg(format!("--domain={}", place.domain))
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap(),
+    );
+    eventually("the memory answers", || {
+        place.tabula(&["world"]).status.success()
+    });
+    alone
+}
+
+fn connect(place: &Place) -> SocketClient {
+    SocketClient::connect(&place.domain, &[place.run_folder()], PATIENCE).unwrap()
+}
+
+fn task(client: &mut SocketClient, command: WorldCommand) -> Result<TaskReport, RefusalKind> {
+    match client.call(Command::World(command)).unwrap() {
+        Reply::World(reply) => match *reply {
+            WorldReply::Task(task) => Ok(task),
+            other => panic!("{other:?}"),
+        },
+        Reply::Refused(refusal) => Err(refusal.kind),
+        other => panic!("{other:?}"),
+    }
+}
+
+fn start_task() -> WorldCommand {
+    WorldCommand::StartTask {
+        id: MutationId(1),
+        kind: "clear_table".into(),
+        parameters: "{}".into(),
+        author: "executive".into(),
+    }
+}
+
+fn end_task(id: u128, task_id: u64) -> WorldCommand {
+    WorldCommand::EndTask {
+        id: MutationId(id),
+        task_id,
+        outcome: TaskOutcome::Failed,
+        reason: "the mug slipped".into(),
+    }
+}
+
+fn events_since(client: &mut SocketClient, since: u64, wait_ms: u64) -> EventsReport {
+    match client.call(Command::World(WorldCommand::Events { since, wait_ms })) {
+        Ok(Reply::World(reply)) => match *reply {
+            WorldReply::Events(events) => events,
+            other => panic!("{other:?}"),
+        },
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn a_task_is_noted_once_is_waited_for_and_outlives_the_memory() {
+    let place = Place::new();
+    // Nobody looks at anything, so that only the task happens.
+    let memory = start_memory(&place);
+    let mut client = connect(&place);
+    let started = task(&mut client, start_task()).unwrap();
+    assert_eq!((started.task_id, started.state.as_str()), (1, "running"));
+    assert_eq!(task(&mut client, start_task()), Ok(started.clone()));
+    let newest = events_since(&mut client, 0, 0).newest;
+    assert_eq!(events_since(&mut client, newest, 10).events, []);
+    let waiting = std::thread::spawn({
+        let mut client = connect(&place);
+        move || events_since(&mut client, newest, 20_000).events
+    });
+    let ended = task(&mut client, end_task(2, 1)).unwrap();
+    assert_eq!(ended.state, "failed");
+    let told = waiting.join().unwrap();
+    assert_eq!(told[0].event, "task_failed");
+    assert!(told[0].sentence.contains("the mug slipped"), "{told:?}");
+
+    drop(memory);
+    let mut memory = start_memory(&place);
+    let mut client = connect(&place);
+    // What was answered is on disk: a retry is still answered, not done again.
+    assert_eq!(task(&mut client, end_task(2, 1)), Ok(ended));
+    assert_eq!(
+        task(&mut client, end_task(3, 1)),
+        Err(RefusalKind::Conflict)
+    );
+    assert_eq!(
+        task(&mut client, end_task(4, 77)),
+        Err(RefusalKind::NotFound)
+    );
+    kill_process(Pid::from_child(&memory.0), Signal::TERM).unwrap();
+    assert!(memory.0.wait().unwrap().success());
+}
+
+#[test]
+fn a_damaged_working_memory_is_told_and_does_not_stop_the_daemon() {
+    let place = Place::new();
+    let daemon = place.start(&["--source", "synthetic:0"]);
+    wait_for_world(&daemon, wait_for_all(&daemon, 0).len());
+    daemon.stop();
+    let database = place.home().join("working-memory/database");
+    std::fs::write(database.join("CURRENT"), "rubbish\n").unwrap();
+    let daemon = place.start(&["--source", "synthetic:0"]);
+    wait_for_world(&daemon, wait_for_all(&daemon, 0).len());
+    for process in WITH_CAMERA {
+        assert!(daemon.pid(process).is_some(), "{}", process.name());
+    }
+    let log = daemon.log();
+    assert!(log.contains("begun anew"), "{log}");
+    assert!(
+        place
+            .home()
+            .join("working-memory/database.damaged-1")
+            .is_dir()
+    );
+    let health = daemon.health("memory").unwrap();
+    assert_eq!(health["state"], "degraded", "{health}");
+    daemon.stop();
+}
