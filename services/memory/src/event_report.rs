@@ -25,9 +25,7 @@ pub(crate) fn event(event: &Event) -> EventReport {
 }
 
 /// The event of a lesson, given what was answered; `None` for a command that is none.
-pub(crate) fn lesson(
-    command: &Command,
-) -> Option<impl FnOnce(&LearningReport) -> Learned + use<>> {
+pub(crate) fn lesson(command: &Command) -> Option<impl FnOnce(&LearningReport) -> Learned + use<>> {
     let (lesson, track_id, author) = match command {
         Command::Teach(label) => (Lesson::Taught, Some(label.track_id), &label.author),
         Command::Correct(label) => (Lesson::Corrected, Some(label.track_id), &label.author),

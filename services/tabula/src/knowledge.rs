@@ -162,10 +162,16 @@ fn read(arguments: &PutArguments) -> Result<Vec<u8>, Failure> {
     let result = match &arguments.file {
         Some(file) => std::fs::File::open(file)
             .and_then(|file| file.take(MAX_BYTES + 1).read_to_end(&mut content)),
-        None => std::io::stdin().lock().take(MAX_BYTES + 1).read_to_end(&mut content),
+        None => std::io::stdin()
+            .lock()
+            .take(MAX_BYTES + 1)
+            .read_to_end(&mut content),
     };
     result.map_err(|error| {
-        Failure::new(exit_code::FAILURE, format!("{from} could not be read: {error}"))
+        Failure::new(
+            exit_code::FAILURE,
+            format!("{from} could not be read: {error}"),
+        )
     })?;
     if content.len() as u64 > MAX_BYTES {
         let sentence = format!("{from} is too long: store at most {MAX_BYTES} bytes under a name");

@@ -5,7 +5,9 @@ use crate::stop_signal::StopSignal;
 use crate::table::table;
 use channel::RunFolder;
 use channel::control::{CallError, SocketClient};
-use message::control::{Command, IgnoredReport, ObjectReport, ObjectsReport, Refusal, RefusalKind, Reply};
+use message::control::{
+    Command, IgnoredReport, ObjectReport, ObjectsReport, Refusal, RefusalKind, Reply,
+};
 use serde::Serialize;
 use service::{CommonArguments, Failure, exit_code};
 use std::process::ExitCode;

@@ -4,9 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// One view of one tracked object; never used twice. Ordered by track, then view.
 /// Serialised as the two numbers.
-#[derive(
-    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
-)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(into = "(u64, u32)", from = "(u64, u32)")]
 pub struct ViewId {
     /// The track.

@@ -118,7 +118,8 @@ impl MemoryDesk {
                     store_id: store::StoreId(store_id),
                     sequence: since,
                 };
-                let read = move |memory: &mut PerceptualMemory| memory.changes(position, PAGE_BYTES);
+                let read =
+                    move |memory: &mut PerceptualMemory| memory.changes(position, PAGE_BYTES);
                 self.read(read).await.map(|changes| {
                     Reply::Changes(translate::changes(since, changes, MAX_CHANGES_BYTES))
                 })

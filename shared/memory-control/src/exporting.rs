@@ -22,8 +22,12 @@ pub(crate) struct Buffer {
 /// Exports a checkpoint of the store.
 pub(crate) fn run(surroundings: &Surroundings, progress: &Progress) -> Result<JobOutcome, String> {
     let failed = |error: Error| error.to_string();
-    let checkpoint = surroundings.store.read_and_wait(|memory| memory.checkpoint());
-    let mut reader = checkpoint.and_then(store::Checkpoint::open).map_err(failed)?;
+    let checkpoint = surroundings
+        .store
+        .read_and_wait(|memory| memory.checkpoint());
+    let mut reader = checkpoint
+        .and_then(store::Checkpoint::open)
+        .map_err(failed)?;
     let sequence = reader.position().sequence;
     let total = reader.n_views() as u64;
     progress.set(0, total);

@@ -193,7 +193,9 @@ impl Jobs {
             let outcome = work(&surroundings, &progress).unwrap_or_else(JobOutcome::Failed);
             *lock(&progress.outcome) = Some(outcome);
         };
-        let spawned = std::thread::Builder::new().name("memory-job".into()).spawn(run);
+        let spawned = std::thread::Builder::new()
+            .name("memory-job".into())
+            .spawn(run);
         spawned.map(drop).map_err(|error| {
             let sentence = format!("no thread can be started for this job: {error}");
             Refusal::new(RefusalKind::Unavailable, sentence)

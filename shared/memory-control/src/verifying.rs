@@ -33,7 +33,9 @@ pub(crate) fn repair(
     }
     let (sender, receiver) = sync_channel(1);
     // The receiver waits below.
-    surroundings.store.rebuild(move |report| drop(sender.send(report)));
+    surroundings
+        .store
+        .rebuild(move |report| drop(sender.send(report)));
     let opened = receiver.recv().unwrap_or(Err(Error::Stopped));
     let opened = opened.map_err(|error| error.to_string())?;
     Ok(JobOutcome::Repaired {
@@ -44,7 +46,9 @@ pub(crate) fn repair(
 }
 
 fn read_all(surroundings: &Surroundings, progress: &Progress) -> Result<Verification, Error> {
-    let checkpoint = surroundings.store.read_and_wait(|memory| memory.checkpoint())?;
+    let checkpoint = surroundings
+        .store
+        .read_and_wait(|memory| memory.checkpoint())?;
     let reader = checkpoint.open()?;
     let total = reader.n_views() as u64;
     progress.set(0, total);

@@ -16,14 +16,15 @@ mod world;
 pub use arm::{ArmCommand, ArmReport};
 pub use ignored::{AssumptionReport, FindingReport, IgnoredReport};
 pub use learning::{
-    ChangesPage, LearnedChange, LearnedView, MutationId, SnapshotCursor, SnapshotPage, StoredView, ViewId,
+    ChangesPage, LearnedChange, LearnedView, MutationId, SnapshotCursor, SnapshotPage, StoredView,
+    ViewId,
 };
-pub use packed_cloud::{InvalidCloud, MAX_CLOUD_POINTS, PackedCloud, pack_cloud};
 pub use memory::{
     DocumentKind, DocumentName, DocumentReport, ExportReport, HistoryReport, ImportReport,
     JobCommand, JobKind, JobOutcome, JobReport, MemoryAnswer, MemoryQuery, MemoryStats, Revision,
     RevisionChange, VerificationReport, ViewReport,
 };
+pub use packed_cloud::{InvalidCloud, MAX_CLOUD_POINTS, PackedCloud, pack_cloud};
 pub use refusal::{Refusal, RefusalKind};
 pub use report::{
     ActorStampsReport, CategoryReport, CovarianceReport, LearningReport, NearCategoryReport,

@@ -118,8 +118,8 @@ pub fn verify_folder(
     mut progress: impl FnMut(u64, u64),
 ) -> Result<Verification, Error> {
     let folder = StoreFolder::hold_existing(folder)?;
-    let (_, mark) = Watermark::open(&folder.watermark())
-        .map_err(Error::io("opening", folder.watermark()))?;
+    let (_, mark) =
+        Watermark::open(&folder.watermark()).map_err(Error::io("opening", folder.watermark()))?;
     let nowhere = Position {
         store_id: StoreId(0),
         sequence: 0,
@@ -137,7 +137,9 @@ pub fn verify_folder(
         Err(error) => return Err(error),
     };
     if folder.database_is_headless()? {
-        reader.findings.add(|| "its file CURRENT is missing".to_owned());
+        reader
+            .findings
+            .add(|| "its file CURRENT is missing".to_owned());
     }
     let n_views = reader.n_views() as u64;
     reader.verify(|done| progress(done, n_views))
@@ -268,11 +270,7 @@ impl CheckpointReader {
         }
     }
 
-    fn verify_document(
-        &mut self,
-        document: &DocumentKey,
-        digest: Digest,
-    ) -> Result<(), Error> {
+    fn verify_document(&mut self, document: &DocumentKey, digest: Digest) -> Result<(), Error> {
         let mut reader = self.engine.reader()?;
         match read_content(&mut reader, &keys::digest_key(keys::BLOB, digest)) {
             Ok(content) if Digest::of(&content) == digest => Ok(()),
@@ -353,11 +351,7 @@ impl CheckpointReader {
         })
     }
 
-    fn document(
-        &mut self,
-        key: &DocumentKey,
-        content: DocumentContent,
-    ) -> Result<Document, Error> {
+    fn document(&mut self, key: &DocumentKey, content: DocumentContent) -> Result<Document, Error> {
         let blob = keys::digest_key(keys::BLOB, content.digest);
         Ok(Document {
             key: key.clone(),

@@ -89,7 +89,10 @@ impl PerceptualMemory {
                     let content = read_content(reader, &key)?;
                     Ok(facts::descriptor(kind.clone(), &content).values)
                 };
-                of_kind.iter().map(values).collect::<Result<Vec<_>, Error>>()
+                of_kind
+                    .iter()
+                    .map(values)
+                    .collect::<Result<Vec<_>, Error>>()
             })?;
             let n_drop = n_left_to_drop.min(of_kind.len().saturating_sub(1));
             // Of different lengths: a kind that is none. The oldest go.

@@ -303,7 +303,10 @@ impl fmt::Display for Refusal {
                 "{document} cannot be stored because {reason}; send it again corrected"
             ),
             Self::UnknownDocument { document } => {
-                write!(f, "{document} is not stored; list the documents to see which there are")
+                write!(
+                    f,
+                    "{document} is not stored; list the documents to see which there are"
+                )
             }
             Self::UnknownEntry { sequence } => write!(
                 f,

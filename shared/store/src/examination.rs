@@ -149,11 +149,7 @@ fn read_history(
 }
 
 /// After the history, which tells what touched the views that nobody has decided on.
-fn read_registers(
-    reader: &mut Reader,
-    found: &mut Examination,
-    fold: &Fold,
-) -> Result<(), Error> {
+fn read_registers(reader: &mut Reader, found: &mut Examination, fold: &Fold) -> Result<(), Error> {
     for (&view, folded) in &fold.views {
         let register = Register::untouched(folded.sequence);
         found.catalogue.set(view, register);
@@ -190,9 +186,7 @@ fn read_documents(reader: &mut Reader, found: &mut Examination) -> Result<(), Er
         let version = unseal::<DocumentVersion>(key, record);
         match (keys::document_of(key), version) {
             (Some((document, sequence)), Ok(version)) => {
-                found
-                    .catalogue
-                    .insert_version(&document, sequence, version);
+                found.catalogue.insert_version(&document, sequence, version);
             }
             (Some((document, sequence)), Err(wrong)) => found
                 .findings

@@ -135,7 +135,10 @@ impl Fold {
                 Some(entry) if entry.register.standing != folded.standing => {
                     let (is, must) = (&entry.register.standing, &folded.standing);
                     findings.add(|| {
-                        format!("{} stands for {is}, by the history for {must}", in_words(view))
+                        format!(
+                            "{} stands for {is}, by the history for {must}",
+                            in_words(view)
+                        )
                     });
                 }
                 Some(_) => {}
@@ -160,7 +163,10 @@ impl Fold {
             .iter()
             .filter(|identity| !catalogue.tombstones.contains_key(identity))
             .count()
-            + catalogue.tombstones.len().saturating_sub(self.tombstones.len());
+            + catalogue
+                .tombstones
+                .len()
+                .saturating_sub(self.tombstones.len());
         if n_differing > 0 {
             findings.add(|| format!("{n_differing} notes of forgotten views are missing"));
         }

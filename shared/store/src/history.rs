@@ -249,7 +249,9 @@ impl HistoryEntry {
     /// The entry in a record, and its digest.
     pub(crate) fn unseal(sequence: u64, record: &[u8]) -> Result<(Self, Digest), &'static str> {
         let packed: Packed = unseal(&keys::history_key(sequence), record)?;
-        let mutation = packed.mutation.map(|id| u128::from_be_bytes(id.into_array()));
+        let mutation = packed
+            .mutation
+            .map(|id| u128::from_be_bytes(id.into_array()));
         let entry = Self {
             sequence,
             previous: packed.previous,
@@ -274,9 +276,7 @@ impl HistoryEntry {
     /// What is answered to whoever asked for it.
     pub(crate) fn answer(&self) -> Answer {
         // An import may bring nothing but a later decision for the same.
-        let is_change = |effect: &&Effect| {
-            !matches!(effect, Effect::Changed { before, after, .. } if before == after)
-        };
+        let is_change = |effect: &&Effect| !matches!(effect, Effect::Changed { before, after, .. } if before == after);
         let changes = self.effects.iter().filter(is_change);
         let views: BTreeSet<ViewId> = changes.filter_map(Effect::view).collect();
         Answer {

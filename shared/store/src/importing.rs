@@ -29,7 +29,11 @@ pub(crate) fn decide(
     documents: &[ForeignDocument],
 ) -> Result<Decision, Refusal> {
     // At most one new track for each view.
-    if meta.next_track_id.checked_add(views.len() as u64 + 1).is_none() {
+    if meta
+        .next_track_id
+        .checked_add(views.len() as u64 + 1)
+        .is_none()
+    {
         return Err(Refusal::TrackIdsExhausted);
     }
     let operation = Operation::Import {
@@ -111,7 +115,9 @@ impl Import<'_> {
             }
             None => self.id_for(origin),
         };
-        self.decision.effects.push(Effect::Stored { view, identity });
+        self.decision
+            .effects
+            .push(Effect::Stored { view, identity });
         self.decision.contents.views.insert(identity, parts);
         self.decide(view, standing, decided);
     }
@@ -203,7 +209,10 @@ impl Import<'_> {
         }
         if let (Some(content), Some(document)) = (&after, &foreign.document) {
             let bytes = document.content.clone();
-            self.decision.contents.documents.insert(content.digest, bytes);
+            self.decision
+                .contents
+                .documents
+                .insert(content.digest, bytes);
         }
         self.decision.effects.push(Effect::Document {
             document: foreign.key.clone(),

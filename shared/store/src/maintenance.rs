@@ -56,8 +56,7 @@ pub struct Stats {
 
 impl PerceptualMemory {
     /// Number of steps of [`Self::compact_step`].
-    pub const N_COMPACT_STEPS: usize =
-        CONTENT_TABLES.len() * CONTENT_STEPS + OTHER_TABLES.len();
+    pub const N_COMPACT_STEPS: usize = CONTENT_TABLES.len() * CONTENT_STEPS + OTHER_TABLES.len();
 
     /// Merges the tables of a part of the keys, so that what was removed leaves the
     /// disk. Nothing is lost when not all steps are made.
@@ -114,7 +113,10 @@ fn range_of(step: usize) -> (Vec<u8>, Vec<u8>) {
         let width = 256 / CONTENT_STEPS;
         let first = step % CONTENT_STEPS * width;
         let (first, last) = (first as u8, (first + width - 1) as u8);
-        return (vec![table, first], vec![table, last, 0xff, 0xff, 0xff, 0xff]);
+        return (
+            vec![table, first],
+            vec![table, last, 0xff, 0xff, 0xff, 0xff],
+        );
     }
     let table = OTHER_TABLES[(step - n_content) % OTHER_TABLES.len()];
     (vec![table], vec![table, 0xff, 0xff, 0xff, 0xff])

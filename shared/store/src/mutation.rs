@@ -153,7 +153,10 @@ impl Mutation {
         }
         match &self.change {
             Change::StoreViews(views) => {
-                check_batch(views.len().max(1), views.iter().map(View::n_large_bytes).sum())?;
+                check_batch(
+                    views.len().max(1),
+                    views.iter().map(View::n_large_bytes).sum(),
+                )?;
                 if views.is_empty() {
                     return Err(batch_size(0));
                 }
@@ -163,11 +166,16 @@ impl Mutation {
                 views, documents, ..
             } => {
                 let n_bytes = views.iter().map(ForeignView::n_large_bytes).sum::<usize>()
-                    + documents.iter().map(ForeignDocument::n_bytes).sum::<usize>();
+                    + documents
+                        .iter()
+                        .map(ForeignDocument::n_bytes)
+                        .sum::<usize>();
                 check_batch(views.len() + documents.len(), n_bytes)?;
                 let now_ns = self.wall_ns;
                 views.iter().try_for_each(|view| view.check(now_ns))?;
-                documents.iter().try_for_each(|document| document.check(now_ns))
+                documents
+                    .iter()
+                    .try_for_each(|document| document.check(now_ns))
             }
             Change::PutDocument(document) => document.check(),
             _ => Ok(()),

@@ -101,12 +101,12 @@ impl fmt::Display for PortableError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Io(error) => write!(f, "{error}"),
-            Self::NoMemory => f.write_str(
-                "it is no exported memory; export one with: tabula memory export FILE",
-            ),
-            Self::Newer => f.write_str(
-                "it was exported by a newer version of this program; update this one",
-            ),
+            Self::NoMemory => {
+                f.write_str("it is no exported memory; export one with: tabula memory export FILE")
+            }
+            Self::Newer => {
+                f.write_str("it was exported by a newer version of this program; update this one")
+            }
             Self::Damaged { offset, reason } => write!(
                 f,
                 "it is damaged at byte {offset}: {reason}; nothing of it was taken over, export it \
@@ -278,7 +278,11 @@ impl<R: Read> PortableReader<R> {
         let is_whole = read_whole(&mut from, &mut magic)?;
         if !is_whole || &magic != MAGIC {
             let is_any = magic.starts_with(MAGIC_OF_ALL);
-            return Err(if is_any { PortableError::Newer } else { PortableError::NoMemory });
+            return Err(if is_any {
+                PortableError::Newer
+            } else {
+                PortableError::NoMemory
+            });
         }
         let mut hasher = Hasher::new(b"");
         hasher.add(&magic);
@@ -347,7 +351,10 @@ impl<R: Read> PortableReader<R> {
             FORGOTTEN => {
                 self.counts.n_forgotten += 1;
                 let ForgottenBody { identity, decided } = decode(&body).map_err(damaged)?;
-                Ok(Some(Item::View(ForeignView::Forgotten { identity, decided })))
+                Ok(Some(Item::View(ForeignView::Forgotten {
+                    identity,
+                    decided,
+                })))
             }
             DOCUMENT => {
                 self.counts.n_documents += 1;
@@ -388,7 +395,9 @@ impl<R: Read> PortableReader<R> {
         }
         // Grows with what is there, whatever length the file claims.
         let mut body = Vec::new();
-        (&mut self.from).take(n_bytes as u64).read_to_end(&mut body)?;
+        (&mut self.from)
+            .take(n_bytes as u64)
+            .read_to_end(&mut body)?;
         if body.len() != n_bytes {
             return Err(damaged("it ends too early"));
         }
@@ -429,7 +438,8 @@ fn view_of(body: ViewBody) -> Result<ForeignView, &'static str> {
     }
     let origin = parts.facts.origin();
     let view = parts.into_view(origin.view);
-    view.check().map_err(|_| "a view has values that none can have")?;
+    view.check()
+        .map_err(|_| "a view has values that none can have")?;
     Ok(ForeignView::Present {
         view: Box::new(view),
         origin,

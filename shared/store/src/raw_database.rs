@@ -100,7 +100,10 @@ impl RawDatabase {
 
     /// All keys that begin with this letter, with their records, in no order.
     pub(crate) fn table(&self, table: u8) -> impl Iterator<Item = (&[u8], Vec<u8>)> {
-        let of_table = self.newest.iter().filter(move |(key, _)| key.first() == Some(&table));
+        let of_table = self
+            .newest
+            .iter()
+            .filter(move |(key, _)| key.first() == Some(&table));
         of_table.filter_map(|(key, newest)| Some((&key[..], self.value(newest)?)))
     }
 

@@ -215,9 +215,8 @@ impl PerceptualMemory {
             let document = key.clone();
             return Err(Refusal::UnknownDocument { document }.into());
         };
-        let bytes = self.read(|reader| {
-            read_content(reader, &keys::digest_key(keys::BLOB, content.digest))
-        })?;
+        let bytes = self
+            .read(|reader| read_content(reader, &keys::digest_key(keys::BLOB, content.digest)))?;
         Ok(Document {
             key: key.clone(),
             media_type: content.media_type,
@@ -242,9 +241,9 @@ impl PerceptualMemory {
             .collect();
         let names = self.read(|reader| {
             let name = |(view, after)| match after {
-                Some((category, entry)) => {
-                    Ok(NameChange::Assigned(read_labelled(reader, view, category, &entry)?))
-                }
+                Some((category, entry)) => Ok(NameChange::Assigned(read_labelled(
+                    reader, view, category, &entry,
+                )?)),
                 None => Ok(NameChange::Unassigned(view)),
             };
             known.into_iter().map(name).collect()
@@ -257,11 +256,7 @@ impl PerceptualMemory {
 type Run = Vec<(Digest, Vec<(ViewId, CategoryName, String)>)>;
 
 /// What belongs to a page, and where the next begins.
-fn runs_from(
-    catalogue: &Catalogue,
-    from: Digest,
-    max_bytes: usize,
-) -> (Vec<Run>, Option<Digest>) {
+fn runs_from(catalogue: &Catalogue, from: Digest, max_bytes: usize) -> (Vec<Run>, Option<Digest>) {
     let mut n_bytes = 0;
     let mut n_skipped = 0;
     let mut runs: Vec<Run> = vec![Vec::new()];
@@ -333,25 +328,29 @@ fn read_run(reader: &mut Reader, run: Run, views: &mut Vec<LabelledView>) -> Res
     let mut wanted = run.into_iter().peekable();
     let mut damaged = None;
     reader.scan(&first, |key, record| {
-        let is_here = |(digest, _): &(Digest, _)| keys::digest_key(keys::DESCRIPTOR, *digest) == key;
+        let is_here =
+            |(digest, _): &(Digest, _)| keys::digest_key(keys::DESCRIPTOR, *digest) == key;
         if let Some((digest, named)) = wanted.next_if(is_here) {
             match unseal::<ByteBuf>(key, record) {
-                Ok(values) => views.extend(named.into_iter().map(|(view, category, kind)| {
-                    LabelledView {
-                        view,
-                        category,
-                        descriptor: facts::descriptor(kind, &values),
-                    }
-                })),
+                Ok(values) => {
+                    views.extend(
+                        named
+                            .into_iter()
+                            .map(|(view, category, kind)| LabelledView {
+                                view,
+                                category,
+                                descriptor: facts::descriptor(kind, &values),
+                            }),
+                    )
+                }
                 Err(wrong) => {
                     damaged = Some((digest, wrong));
                     return ControlFlow::Break(());
                 }
             }
         }
-        let is_before = |(digest, _): &(Digest, _)| {
-            &keys::digest_key(keys::DESCRIPTOR, *digest)[..] > key
-        };
+        let is_before =
+            |(digest, _): &(Digest, _)| &keys::digest_key(keys::DESCRIPTOR, *digest)[..] > key;
         if wanted.peek().is_some_and(is_before) {
             ControlFlow::Continue(())
         } else {

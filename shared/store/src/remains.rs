@@ -147,7 +147,11 @@ impl Remains {
         let last_met = self.history.keys().next_back().copied().unwrap_or(0);
         let last_told = told.clone().map(|told| told.sequence).max().unwrap_or(0);
         self.last_sequence = last_met.max(last_told);
-        self.next_track_id = told.clone().map(|told| told.next_track_id).max().unwrap_or(1);
+        self.next_track_id = told
+            .clone()
+            .map(|told| told.next_track_id)
+            .max()
+            .unwrap_or(1);
         self.memory_id = match told.filter_map(|told| told.memory_id).next() {
             Some(memory_id) => memory_id,
             None => Meta::new(None, 1)?.memory_id(),
@@ -203,7 +207,9 @@ impl Remains {
     pub(crate) fn parts(&self, raw: &RawDatabase, identity: Digest) -> Option<ViewParts> {
         let facts = self.facts.get(&identity)?.clone();
         let descriptor = self.content(raw, keys::DESCRIPTOR, facts.descriptor.digest)?;
-        let points = facts.points.and_then(|points| self.blob(raw, points.digest));
+        let points = facts
+            .points
+            .and_then(|points| self.blob(raw, points.digest));
         Some(ViewParts {
             facts,
             descriptor,

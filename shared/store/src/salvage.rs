@@ -291,7 +291,11 @@ impl Rebuild<'_> {
             });
         }
         for (key, sequence) in &self.remains.versions_by_history {
-            if !self.catalogue.versions().any(|(k, s, ..)| (k, s) == (key, *sequence)) {
+            if !self
+                .catalogue
+                .versions()
+                .any(|(k, s, ..)| (k, s) == (key, *sequence))
+            {
                 news.loss.n_documents += 1;
                 news.effects.push(Effect::VersionPurged {
                     document: key.clone(),

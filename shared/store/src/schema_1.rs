@@ -94,8 +94,7 @@ pub(crate) fn read_records(raw: &RawDatabase, remains: &mut Remains) -> Option<C
         }
     }
     for (key, record) in raw.table(keys::HISTORY) {
-        if let (Some(sequence), Some(entry)) =
-            (keys::sequence_of(key), unseal_1(key, Some(record)))
+        if let (Some(sequence), Some(entry)) = (keys::sequence_of(key), unseal_1(key, Some(record)))
         {
             let entry = converted(sequence, entry, remains);
             remains.history.insert(sequence, entry);
@@ -173,14 +172,15 @@ fn converted(sequence: u64, entry: Entry1, remains: &Remains) -> HistoryEntry {
         // Unknown when the view is lost: then it is given up.
         identity: remains.views.get(&view).copied().unwrap_or_default(),
     });
-    let changed = entry.changes.iter().map(|&(track, view, before, after)| {
-        Effect::Changed {
+    let changed = entry
+        .changes
+        .iter()
+        .map(|&(track, view, before, after)| Effect::Changed {
             view: ViewId::from((track, view)),
             before: Standing::of(name(before)),
             after: Standing::of(name(after)),
             decided: None,
-        }
-    });
+        });
     let first = entry.changes.first().copied();
     let track_id = first.map_or(0, |(track_id, ..)| track_id);
     let before = first.and_then(|(_, _, before, _)| name(before));

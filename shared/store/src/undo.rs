@@ -57,7 +57,10 @@ pub(crate) fn decide(catalogue: &Catalogue, entry: &HistoryEntry) -> Result<Deci
                         document: document.clone(),
                     });
                 };
-                if before.as_ref().is_some_and(|b| !catalogue.has_blob(b.digest)) {
+                if before
+                    .as_ref()
+                    .is_some_and(|b| !catalogue.has_blob(b.digest))
+                {
                     return Err(Refusal::GoneForGood { sequence });
                 }
                 effects.push(Effect::Document {

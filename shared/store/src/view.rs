@@ -137,4 +137,3 @@ impl View {
 fn is_unit(norm: f64) -> bool {
     (norm - 1.0).abs() <= UNIT_TOLERANCE
 }
-

@@ -104,8 +104,16 @@ fn views_text(views: &[ViewReport]) -> String {
         vec![
             format!("{}/{}", view.id.track_id, view.id.view_id),
             name.unwrap_or_else(|| "-".to_owned()),
-            if view.decided_ns == 0 { "-".to_owned() } else { view.author.clone() },
-            if view.decided_ns == 0 { "-".to_owned() } else { utc(view.decided_ns) },
+            if view.decided_ns == 0 {
+                "-".to_owned()
+            } else {
+                view.author.clone()
+            },
+            if view.decided_ns == 0 {
+                "-".to_owned()
+            } else {
+                utc(view.decided_ns)
+            },
             utc(view.captured_ns),
             format!("{} frame {}", view.source, view.frame_sequence),
             format!("{x} x {y} x {z}"),
@@ -113,7 +121,14 @@ fn views_text(views: &[ViewReport]) -> String {
         ]
     };
     let heading = [
-        "track/view", "category", "by", "taught", "captured", "source", "size mm", "bytes",
+        "track/view",
+        "category",
+        "by",
+        "taught",
+        "captured",
+        "source",
+        "size mm",
+        "bytes",
     ];
     table(&heading, &views.iter().map(row).collect::<Vec<_>>())
 }

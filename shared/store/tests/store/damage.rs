@@ -211,8 +211,7 @@ fn check_damaged(folder: &TempDir, what: &str) -> OpenReport {
             "{what}: {failed}"
         );
         drop(memory);
-        (memory, report) =
-            PerceptualMemory::open_and_rebuild(folder.path(), NOW_NS).unwrap();
+        (memory, report) = PerceptualMemory::open_and_rebuild(folder.path(), NOW_NS).unwrap();
         assert!(report.is_damage(), "{what}: {report}");
     }
     if let Condition::Replaced { .. } = report.condition {
@@ -285,7 +284,9 @@ fn a_damaged_byte_in_the_log_costs_one_change() {
     };
     assert_eq!(loss.n_history, 1, "{report}");
     assert!(
-        findings.iter().any(|finding| finding.contains("acknowledged")),
+        findings
+            .iter()
+            .any(|finding| finding.contains("acknowledged")),
         "{report}"
     );
     let (memory, _) = open(&folder);
@@ -362,7 +363,14 @@ fn damage(path: &Path, random: &mut Random) -> String {
 fn check_random_damage(n_rounds: usize, seed: u64) {
     let mut random = Random(seed);
     let wholes = [whole_store(false), whole_store(true)];
-    let kinds = [".log", ".ldb", "MANIFEST", "CURRENT", "acknowledged", "LOCK"];
+    let kinds = [
+        ".log",
+        ".ldb",
+        "MANIFEST",
+        "CURRENT",
+        "acknowledged",
+        "LOCK",
+    ];
     let (mut n_damages, mut n_losses) = (0, 0);
     for round in 0..n_rounds {
         let is_reopened = random.below(2) as usize;

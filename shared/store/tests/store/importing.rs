@@ -81,7 +81,10 @@ fn taught(robot: u32) -> (TempDir, PerceptualMemory) {
     apply(
         &mut memory,
         &[
-            store(id + 1, vec![view(1, 0, robot), view(1, 1, robot), view(2, 0, robot)]),
+            store(
+                id + 1,
+                vec![view(1, 0, robot), view(1, 1, robot), view(2, 0, robot)],
+            ),
             teach(id + 2, 1, "Mug"),
             teach(id + 3, 2, "Bowl"),
             put(id + 4, "mug 1", robot as u8),
@@ -111,7 +114,10 @@ fn two_robots_memories_become_one() {
     assert_eq!(tracks.iter().filter(|n| **n == 2).count(), 2);
     // Again, and what they know of us: nothing new.
     let before = meaning(&ours);
-    let again = apply(&mut ours, &[import(901, &from_theirs), import(902, &exported(&theirs))]);
+    let again = apply(
+        &mut ours,
+        &[import(901, &from_theirs), import(902, &exported(&theirs))],
+    );
     assert!(again.iter().all(|answer| answer.n_views == 0));
     assert_eq!(meaning(&ours), before);
     let found = ours.checkpoint().unwrap().open().unwrap();
@@ -141,7 +147,10 @@ fn of_two_opinions_on_one_view_the_later_holds() {
 fn what_was_forgotten_and_purged_does_not_come_back() {
     let (_a, mut ours) = taught(1);
     let early = exported(&ours);
-    apply(&mut ours, &[mutation(700, Change::Forget(Target::Track(1)))]);
+    apply(
+        &mut ours,
+        &[mutation(700, Change::Forget(Target::Track(1)))],
+    );
     let before_ns = NOW_NS + 10_000;
     apply(&mut ours, &[mutation(701, Change::Purge { before_ns })]);
     assert_eq!(ours.categories(), []);

@@ -126,10 +126,7 @@ fn check(memory: &mut PerceptualMemory, acknowledged: &BTreeMap<u64, usize>) {
     for (&track, &step) in acknowledged {
         let stored = memory.views_of_track(track).unwrap();
         assert_eq!(stored.len(), VIEWS_PER_TRACK as usize, "track {track}");
-        let mut names: Vec<Option<&str>> = stored
-            .iter()
-            .map(name_of)
-            .collect();
+        let mut names: Vec<Option<&str>> = stored.iter().map(name_of).collect();
         names.dedup();
         assert_eq!(names.len(), 1, "track {track} is half taught: {names:?}");
         let reached = names[0].map_or(0, |name| 1 + NAMES.iter().position(|n| *n == name).unwrap());

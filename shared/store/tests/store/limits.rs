@@ -21,9 +21,14 @@ fn a_full_category_gives_up_what_says_least() {
         ..Limits::default()
     });
     // Nine apart from each other, and two beside the first, the newest.
-    let places = [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 0.1, 0.15];
+    let places = [
+        0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 0.1, 0.15,
+    ];
     let views = (0..).zip(places).map(|(i, place)| view_at(1, i, place));
-    apply(&mut memory, &[store(1, views.collect()), teach(2, 1, "Mug")]);
+    apply(
+        &mut memory,
+        &[store(1, views.collect()), teach(2, 1, "Mug")],
+    );
     assert_eq!(counts(&memory), [("Mug".to_owned(), 9)]);
     let kept: Vec<u32> = memory
         .views_of_track(1)
@@ -31,12 +36,19 @@ fn a_full_category_gives_up_what_says_least() {
         .iter()
         .map(|stored| stored.view.id.view_id)
         .collect();
-    assert_eq!(kept, [1, 2, 3, 4, 5, 6, 7, 8, 10], "of the three alike the newest");
+    assert_eq!(
+        kept,
+        [1, 2, 3, 4, 5, 6, 7, 8, 10],
+        "of the three alike the newest"
+    );
     let last = memory.history(3, 1).unwrap().remove(0);
     assert!(matches!(last.operation, Operation::Economise { .. }));
     // It can be taken back, and then is done no more until the category grows.
     memory.set_limits(Limits::default());
-    apply(&mut memory, &[mutation(3, Change::Undo { sequence: Some(3) })]);
+    apply(
+        &mut memory,
+        &[mutation(3, Change::Undo { sequence: Some(3) })],
+    );
     assert_eq!(counts(&memory), [("Mug".to_owned(), 11)]);
 }
 
@@ -49,7 +61,10 @@ fn views_that_nobody_named_give_way_to_newer_ones() {
         ..Limits::default()
     });
     for track in 1..=12 {
-        apply(&mut memory, &[store(track as u128, vec![view(track, 0, 0)])]);
+        apply(
+            &mut memory,
+            &[store(track as u128, vec![view(track, 0, 0)])],
+        );
     }
     apply(&mut memory, &[teach(99, 3, "Mug")]);
     let n_kept: Vec<usize> = (1..=12)
@@ -71,7 +86,10 @@ fn equal_content_is_stored_once() {
         ..view_at(track, 0, 3.0)
     };
     for track in 1..=50 {
-        apply(&mut memory, &[store(track as u128, vec![with_cloud(track)])]);
+        apply(
+            &mut memory,
+            &[store(track as u128, vec![with_cloud(track)])],
+        );
     }
     let mut n_bytes = 0;
     memory

@@ -45,7 +45,11 @@ fn check_content(memory: &mut PerceptualMemory) {
 fn a_store_of_schema_1_is_brought_over_whole() {
     let folder = fixture();
     let (mut memory, report) = open(&folder);
-    let Condition::Migrated { schema: 1, set_aside } = &report.condition else {
+    let Condition::Migrated {
+        schema: 1,
+        set_aside,
+    } = &report.condition
+    else {
         panic!("{report}");
     };
     assert!(set_aside.as_ref().unwrap().join("CURRENT").exists());

@@ -212,12 +212,15 @@ impl Model {
     fn undone(&self, sequence: u64, wall_ns: u64) -> Option<State> {
         let index = sequence.checked_sub(1)? as usize;
         let entry = self.entries.get(index)?;
-        if entry.is_purge || (entry.touched_views.is_empty() && entry.touched_documents.is_empty()) {
+        if entry.is_purge || (entry.touched_views.is_empty() && entry.touched_documents.is_empty())
+        {
             return None;
         }
         for later in &self.entries[index + 1..] {
             let is_free = later.touched_views.is_disjoint(&entry.touched_views)
-                && later.touched_documents.is_disjoint(&entry.touched_documents);
+                && later
+                    .touched_documents
+                    .is_disjoint(&entry.touched_documents);
             if !is_free {
                 return None;
             }
@@ -247,16 +250,21 @@ impl Model {
             return false;
         };
         let mut since = self.entries.iter().skip((*n as usize).saturating_sub(1));
-        let is_of_document = since.next().is_some_and(|e| !e.touched_documents.is_empty());
+        let is_of_document = since
+            .next()
+            .is_some_and(|e| !e.touched_documents.is_empty());
         is_of_document && since.any(|entry| entry.is_purge)
     }
 
     fn check(&self, memory: &mut PerceptualMemory) {
         assert_eq!(memory.sequence(), self.entries.len() as u64);
         let present = |track: u64| {
-            self.state.views.values().filter_map(move |(view, standing)| {
-                (view.id.track_id == track).then_some((view, standing.as_ref().ok()?))
-            })
+            self.state
+                .views
+                .values()
+                .filter_map(move |(view, standing)| {
+                    (view.id.track_id == track).then_some((view, standing.as_ref().ok()?))
+                })
         };
         for track in 0..N_TRACKS {
             let stored = memory.views_of_track(track).unwrap();

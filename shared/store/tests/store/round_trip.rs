@@ -103,10 +103,7 @@ fn the_same_state_asked_for_again_is_acknowledged_without_a_change() {
     assert_eq!(apply(&mut memory, &again), nothing);
     // Views stored since then are what a second teaching adds.
     apply(&mut memory, &[store(6, vec![view(1, 0, 0), view(1, 1, 0)])]);
-    assert_eq!(
-        apply(&mut memory, &[teach(7, 1, "Mug")]),
-        [answer(7, 1)]
-    );
+    assert_eq!(apply(&mut memory, &[teach(7, 1, "Mug")]), [answer(7, 1)]);
 }
 
 #[test]
@@ -179,7 +176,8 @@ fn the_history_says_who_did_what_and_when() {
         panic!("{:?}", history[0].effects);
     };
     assert_eq!(view, key(3, 2));
-    let standing = |text: Option<&str>| text.map_or(Standing::Unnamed, |t| Standing::Named(name(t)));
+    let standing =
+        |text: Option<&str>| text.map_or(Standing::Unnamed, |t| Standing::Named(name(t)));
     let change = |before: Option<&str>, after: Option<&str>| {
         [Effect::Changed {
             view: key(3, 2),

@@ -7,8 +7,9 @@ use learning::Refusal;
 use store::{Answer, Error, StoreConfig, StoreHandle, StoreThread};
 use tempfile::TempDir;
 
-use crate::builders::{answer, name_of, 
-    correct, counts, fast_folder, folder, lesson, open, store as store_views, teach, view,
+use crate::builders::{
+    answer, correct, counts, fast_folder, folder, lesson, name_of, open, store as store_views,
+    teach, view,
 };
 
 /// Longer than anything here takes, so that a deadlock is a failure.
