@@ -117,7 +117,14 @@ impl EnvHealth {
         const EUCLEAN: i32 = 117;
         let is_lost = matches!(
             error.kind(),
-            io::ErrorKind::NotFound | io::ErrorKind::UnexpectedEof | io::ErrorKind::InvalidData
+            io::ErrorKind::NotFound
+                | io::ErrorKind::UnexpectedEof
+                | io::ErrorKind::InvalidData
+                // Of a name that none of our files has, read from a damaged one.
+                | io::ErrorKind::InvalidInput
+                | io::ErrorKind::InvalidFilename
+                | io::ErrorKind::IsADirectory
+                | io::ErrorKind::NotADirectory
         ) || matches!(error.raw_os_error(), Some(EIO | EBADMSG | EUCLEAN));
         if is_lost {
             self.note_damage(format!("{}: {error}", path.display()));
