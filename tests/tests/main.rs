@@ -25,6 +25,10 @@ mod figures;
 mod layering;
 /// Runs in lockstep repeat each other to the bit.
 mod lockstep;
+/// The memory is looked into, taken care of, given to another robot.
+mod memory_care;
+/// The memory is killed while people teach.
+mod memory_kill;
 /// Panics of one object's actor: the others lose nothing, too many end the process.
 mod panics;
 /// Real scenes: known again after a restart, steady while the camera moves.

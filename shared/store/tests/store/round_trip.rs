@@ -207,3 +207,35 @@ fn a_track_id_is_leased_once() {
     apply(&mut memory, &[store(1, vec![view(100, 0, 0)])]);
     assert_eq!(memory.lease_track_ids(1).unwrap(), 101);
 }
+
+#[test]
+fn a_clock_that_was_set_back_is_told_and_loses_nothing() {
+    const HOUR_NS: u64 = 3_600_000_000_000;
+    let folder = folder();
+    let (mut memory, _) = open(&folder);
+    apply(
+        &mut memory,
+        &[store(1, vec![view(1, 0, 0)]), teach(2, 1, "Mug")],
+    );
+    drop(memory);
+    let early = NOW_NS - 3 * HOUR_NS;
+    let (mut memory, report) = store::PerceptualMemory::open(folder.path(), early).unwrap();
+    assert_eq!(report.condition, Condition::Sound);
+    assert!(
+        report.to_string().contains("the clock is 10800 s behind"),
+        "{report}"
+    );
+    // What is decided now is later than what was, whatever the clock says.
+    let mut late = correct(3, 1, "Cup");
+    late.wall_ns = early;
+    apply(&mut memory, &[late]);
+    let stored = memory.views_of_track(1).unwrap().remove(0);
+    assert_eq!(stored.decided.unwrap().stamp_ns, NOW_NS + 3);
+    let order: Vec<u64> = memory
+        .history(1, 9)
+        .unwrap()
+        .iter()
+        .map(|entry| entry.wall_ns)
+        .collect();
+    assert_eq!(order, [NOW_NS + 1, NOW_NS + 2, early]);
+}

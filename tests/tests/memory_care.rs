@@ -1,0 +1,247 @@
+//! `tabula memory` and its neighbours, beside a running daemon and without one.
+
+use crate::daemon::{Daemon, Place, with_mounts};
+use crate::skeleton::{id, wait_for_all};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// A daemon that has taught its first object, and that object's track.
+fn taught(place: &Place) -> (Daemon<'_>, String) {
+    let daemon = place.start(&["--source", "synthetic:0"]);
+    let objects = wait_for_all(&daemon, 0);
+    let track = id(&objects[0]);
+    daemon.ask(&["teach", &track, "mug", "--author", "anna"]);
+    (daemon, track)
+}
+
+fn names(document: &Value) -> Vec<(String, u64)> {
+    let categories = document["categories"].as_array().unwrap().iter();
+    let named = categories.map(|category| {
+        let name = category["category"].as_str().unwrap().to_owned();
+        (name, category["n_views"].as_u64().unwrap())
+    });
+    named.collect()
+}
+
+/// What `tabula` prints without a daemon.
+fn offline(place: &Place, arguments: &[&str]) -> Value {
+    let output = place.tabula(&[arguments, &["--json"]].concat());
+    assert!(output.status.success(), "{arguments:?}: {output:?}");
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+#[test]
+fn lessons_are_taken_back_renamed_and_merged() {
+    let place = Place::new();
+    let (daemon, track) = taught(&place);
+    let contradicted = daemon
+        .refused(&["teach", &track, "bowl", "--author", "bert"])
+        .1;
+    assert!(
+        contradicted.contains("anna taught it as mug"),
+        "{contradicted}"
+    );
+    daemon.ask(&["correct", &track, "bowl", "--author", "bert"]);
+    daemon.ask(&["undo", "--author", "bert"]);
+    assert_eq!(names(&daemon.ask(&["categories"]))[0].0, "mug");
+    let (_, nothing) = daemon.refused(&["undo", "--author", "bert"]);
+    assert!(nothing.contains("nothing to undo"), "{nothing}");
+    daemon.ask(&["rename", "mug", "coffee mug"]);
+    let (_, unknown) = daemon.refused(&["merge", "coffee mug", "cup"]);
+    assert!(unknown.contains("cup"), "{unknown}");
+    assert_eq!(names(&daemon.ask(&["categories"]))[0].0, "coffee mug");
+    daemon.ask(&["forget", "--track", &track]);
+    assert_eq!(names(&daemon.ask(&["categories"])), []);
+    daemon.ask(&["undo"]);
+    assert_eq!(names(&daemon.ask(&["categories"]))[0].0, "coffee mug");
+    let history = daemon.ask(&["memory", "history"]);
+    let entries = history["entries"].as_array().unwrap();
+    let said: Vec<&str> = entries
+        .iter()
+        .filter_map(|e| e["author"].as_str())
+        .collect();
+    assert!(said.contains(&"anna") && said.contains(&"bert"), "{said:?}");
+    let bert = entries.iter().find(|e| e["author"] == "bert").unwrap();
+    assert!(bert["contradiction"].is_string(), "{bert}");
+    daemon.stop();
+}
+
+#[test]
+fn what_is_exported_is_known_by_another_robot() {
+    let (ours, theirs) = (Place::new(), Place::new());
+    let file = ours.home().join("memory.export");
+    let file = file.to_str().unwrap();
+    let (daemon, track) = taught(&ours);
+    let put = ["knowledge", "put", "shelf of the mugs"];
+    let text = ours.home().join("note.txt");
+    std::fs::write(&text, "upper\n").unwrap();
+    daemon.ask(&[&put[..], &[text.to_str().unwrap()]].concat());
+    let exported = daemon.ask(&["memory", "export", file]);
+    assert!(exported["n_views"].as_u64().unwrap() > 0, "{exported}");
+    assert_eq!(exported["n_documents"], 1);
+    let inspected = daemon.ask(&["memory", "inspect", "--track", &track]);
+    let view = &inspected["views"][0];
+    assert_eq!(view["author"], "anna", "{view}");
+    assert!(view["cloud_bytes"].as_u64().unwrap() > 100, "{view}");
+    daemon.stop();
+
+    // Another robot, which need not have seen anything.
+    theirs.start(&["--source", "synthetic:0"]).stop();
+    let import = ["memory", "import", file, "--rename", "mug=cup"];
+    let imported = offline(&theirs, &import);
+    assert!(
+        imported["n_views_changed"].as_u64().unwrap() > 0,
+        "{imported}"
+    );
+    let again = offline(&theirs, &import);
+    assert_eq!(again["n_views_changed"], 0, "{again}");
+    let daemon = theirs.start(&["--source", "synthetic:0"]);
+    assert_eq!(names(&daemon.ask(&["categories"]))[0].0, "cup");
+    let note = daemon.ask(&["knowledge", "get", "shelf of the mugs"]);
+    assert_eq!(note["text"], "upper\n");
+    daemon.wait_for("the object is compared with the imported one", |objects| {
+        objects.iter().any(|object| object["label"] == "cup")
+    });
+    let verified = daemon.ask(&["memory", "verify"]);
+    assert_eq!(verified["n_findings"], 0, "{verified}");
+    daemon.stop();
+}
+
+#[test]
+fn what_is_no_whole_export_is_refused_and_nothing_is_taken_over() {
+    let place = Place::new();
+    let (daemon, _) = taught(&place);
+    let file = place.home().join("memory.export");
+    daemon.ask(&["memory", "export", file.to_str().unwrap()]);
+    let whole = std::fs::read(&file).unwrap();
+    let before = daemon.ask(&["memory", "stats"])["sequence"].clone();
+    let refuse = |bytes: &[u8]| {
+        let path = place.home().join("hostile");
+        std::fs::write(&path, bytes).unwrap();
+        daemon
+            .refused(&["memory", "import", path.to_str().unwrap()])
+            .1
+    };
+    assert!(refuse(b"").contains("no exported memory"));
+    assert!(refuse(b"TABULA MEMORY 9\nxxxx").contains("newer version"));
+    for at in (16..whole.len()).step_by(whole.len() / 20) {
+        assert!(refuse(&whole[..at]).contains("damaged"), "cut at {at}");
+        let mut flipped = whole.clone();
+        flipped[at] ^= 1;
+        assert!(refuse(&flipped).contains("damaged"), "flipped at {at}");
+    }
+    let twice = [&whole[..], &whole[..]].concat();
+    assert!(refuse(&twice).contains("damaged"));
+    assert_eq!(daemon.ask(&["memory", "stats"])["sequence"], before);
+    daemon.stop();
+}
+
+/// The largest file of the database.
+fn largest(folder: &Path) -> PathBuf {
+    let files = std::fs::read_dir(folder).unwrap().flatten();
+    let files = files.map(|entry| entry.path()).filter(|path| {
+        let extension = path.extension().and_then(|e| e.to_str());
+        matches!(extension, Some("ldb" | "log"))
+    });
+    files
+        .max_by_key(|path| path.metadata().unwrap().len())
+        .unwrap()
+}
+
+#[test]
+fn damage_is_found_told_and_repaired() {
+    let place = Place::new();
+    let (daemon, _) = taught(&place);
+    daemon.ask(&["memory", "compact", "--forgotten-days", "0"]);
+    daemon.stop();
+    let database = place.home().join("perceptual-memory/database");
+    let file = largest(&database);
+    let mut bytes = std::fs::read(&file).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    std::fs::write(&file, &bytes).unwrap();
+    // Verifying changes nothing.
+    let verified = place.tabula(&["memory", "verify", "--json"]);
+    assert_eq!(verified.status.code(), Some(1), "{verified:?}");
+    assert_eq!(std::fs::read(&file).unwrap(), bytes);
+    // The daemon comes up with what is left and says what it lost, or it was repaired
+    // before that.
+    let repaired = place.tabula(&["memory", "repair", "--json"]);
+    let document: Value = serde_json::from_slice(&repaired.stdout).unwrap();
+    let what = document["repaired"]["what"].as_str().unwrap();
+    assert!(what.contains("lost:"), "{what}");
+    assert!(
+        place
+            .home()
+            .join("perceptual-memory/database.damaged-1")
+            .exists()
+    );
+    assert_eq!(offline(&place, &["memory", "verify"])["n_findings"], 0);
+    let daemon = place.start(&["--source", "synthetic:0"]);
+    assert_eq!(daemon.ask(&["memory", "verify"])["n_findings"], 0);
+    daemon.stop();
+}
+
+/// Runs `tabula` where the home folder is mounted in another way; its sentence.
+fn with_home_mounted(place: &Place, mounts: &str, arguments: &[&str]) -> String {
+    let home = place.home().to_str().unwrap();
+    let mounts = mounts.replace("HOME", home);
+    let mut command = place.command("tabula");
+    let output = with_mounts(command.args(arguments), &mounts)
+        .output()
+        .unwrap();
+    assert!(!output.status.success(), "{output:?}");
+    String::from_utf8(output.stderr).unwrap()
+}
+
+#[test]
+fn as_root_a_disk_that_is_read_only_or_full_is_a_sentence_and_loses_nothing() {
+    let place = Place::new();
+    let (daemon, _) = taught(&place);
+    let file = place.home().join("memory.export");
+    let file = file.to_str().unwrap();
+    daemon.ask(&["memory", "export", file]);
+    daemon.stop();
+    let before = offline(&place, &["memory", "stats"])["sequence"].clone();
+
+    let read_only = "mount --bind HOME HOME && mount -o remount,ro,bind HOME";
+    let sentence = with_home_mounted(&place, read_only, &["memory", "stats"]);
+    assert!(sentence.contains("Read-only file system"), "{sentence}");
+    assert!(
+        sentence.contains("belongs to the daemon's user"),
+        "{sentence}"
+    );
+
+    // A copy of the home folder on a disk that has no room for anything more.
+    let full = "mkdir -p /tmp/full-$$ && cp -r HOME/. /tmp/full-$$ && \
+                mount -t tmpfs -o size=2m none HOME && cp -r /tmp/full-$$/. HOME && \
+                rm -r /tmp/full-$$ && (head -c 4m /dev/zero > HOME/rubbish; true)";
+    let put = ["knowledge", "put", "large", "/proc/cpuinfo"];
+    let sentence = with_home_mounted(&place, full, &put);
+    assert!(sentence.contains("No space left on device"), "{sentence}");
+    assert!(
+        sentence.contains("see that the disk has room"),
+        "{sentence}"
+    );
+
+    assert_eq!(offline(&place, &["memory", "verify"])["n_findings"], 0);
+    assert_eq!(offline(&place, &["memory", "stats"])["sequence"], before);
+}
+
+#[test]
+fn a_second_process_on_the_same_memory_is_refused() {
+    let place = Place::new();
+    let (daemon, _) = taught(&place);
+    // Of another domain, so that it finds no daemon and opens the memory itself.
+    let mut command = place.command("tabula");
+    command.env("TABULA_DOMAIN", format!("{}-b", place.domain));
+    let output = command.args(["memory", "stats"]).output().unwrap();
+    assert!(!output.status.success());
+    let sentence = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        sentence.contains("is open in another process"),
+        "{sentence}"
+    );
+    assert_eq!(names(&daemon.ask(&["categories"]))[0].0, "mug");
+    daemon.stop();
+}
