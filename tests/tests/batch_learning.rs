@@ -52,6 +52,73 @@ fn a_folder_of_views_is_learned_and_kept() {
 }
 
 #[test]
+fn a_folder_learned_twice_is_known_once_and_named_again_when_it_was_forgotten() {
+    let place = Place::new();
+    let folder = tempfile::tempdir().unwrap();
+    write_views(&place, folder.path());
+    let path = folder.path().to_str().unwrap();
+    let daemon = place.start(&["--source", "synthetic:0"]);
+    let learn = || daemon.ask(&["learn", path]);
+    let categories = || without_times(daemon.ask(&["categories"]));
+    let first = learn();
+    let n_views = first["n_views"].as_u64().unwrap();
+    assert_eq!(first["n_views_changed"], n_views, "{first}");
+    let known = categories();
+
+    let again = learn();
+    assert_eq!(again["n_views"], n_views, "{again}");
+    assert_eq!(again["n_views_changed"], 0, "{again}");
+    assert_eq!(categories(), known);
+    let stats = daemon.ask(&["memory", "stats"]);
+    assert_eq!(stats["n_named"], n_views, "{stats}");
+
+    let forgot = daemon.ask(&["forget", "bowl"]);
+    let n_bowls = forgot["n_views_changed"].as_u64().unwrap();
+    assert!((1..n_views).contains(&n_bowls), "{forgot}");
+    let named_again = learn();
+    assert_eq!(named_again["n_views_changed"], n_bowls, "{named_again}");
+    assert_eq!(categories(), known);
+    daemon.stop();
+}
+
+/// When a name was given last changes with each lesson.
+fn without_times(mut categories: Value) -> Value {
+    for category in categories["categories"].as_array_mut().unwrap() {
+        let times = category.as_object_mut().unwrap().remove("last_taught_ns");
+        assert!(times.is_some(), "{category}");
+    }
+    categories
+}
+
+#[test]
+fn two_robots_that_learn_a_folder_know_the_same_views() {
+    let (ours, theirs) = (Place::new(), Place::new());
+    let folder = tempfile::tempdir().unwrap();
+    write_views(&ours, folder.path());
+    let path = folder.path().to_str().unwrap();
+    let exported = folder.path().join("theirs.tabula");
+    let exported = exported.to_str().unwrap();
+    let daemon = theirs.start(&["--source", "synthetic:0"]);
+    daemon.ask(&["learn", path]);
+    daemon.ask(&["memory", "export", exported]);
+    daemon.stop();
+    let daemon = ours.start(&["--source", "synthetic:0"]);
+    let learned = daemon.ask(&["learn", path]);
+    let known = without_times(daemon.ask(&["categories"]));
+    let imported = daemon.ask(&["memory", "import", exported]);
+    // Besides the folder's, the key views of the other table, which have no name.
+    let n_views = imported["n_views"].as_u64().unwrap();
+    assert!(
+        n_views >= learned["n_views"].as_u64().unwrap(),
+        "{imported}"
+    );
+    assert_eq!(without_times(daemon.ask(&["categories"])), known);
+    let stats = daemon.ask(&["memory", "stats"]);
+    assert_eq!(stats["n_named"], learned["n_views"], "{stats}");
+    daemon.stop();
+}
+
+#[test]
 fn what_does_not_tell_what_is_up_or_holds_no_views_is_refused() {
     let place = Place::new();
     let folder = tempfile::tempdir().unwrap();

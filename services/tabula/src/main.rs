@@ -6,6 +6,7 @@ mod child;
 mod daemon;
 mod doctor;
 mod evaluate;
+mod importing;
 mod knowledge;
 mod learn;
 mod learn_folder;

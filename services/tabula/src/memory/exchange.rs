@@ -1,25 +1,24 @@
 //! Exporting and importing.
 
 use crate::arguments::ImportArguments;
-use crate::learn::{author_or_user, mutation_id};
+use crate::importing::{Import, import as import_file};
+use crate::learn::author_or_user;
 use crate::memory_access::MemoryAccess;
 use crate::objects::unexpected;
 use crate::output::Output;
 use crate::simulate::progress;
 use message::control::{
-    Command, ExportReport, ImportReport, JobCommand, JobKind, JobOutcome, MAX_MESSAGE_BYTES, Reply,
+    Command, ExportReport, ImportReport, JobCommand, JobKind, JobOutcome, Reply,
 };
 use serde::Serialize;
 use service::{CommonArguments, Failure, exit_code};
 use std::fs::{self, File};
-use std::io::{BufReader, Read, Write};
+use std::io::{self, BufReader, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 use store::PortableReader;
 
-/// Bytes of a file in one request.
-const WRITE_BYTES: usize = MAX_MESSAGE_BYTES / 2;
 /// How soon an export is asked again for bytes that it had not yet.
 const ASK_AGAIN: Duration = Duration::from_millis(20);
 
@@ -74,7 +73,7 @@ fn partial(file: &Path) -> PathBuf {
     file.with_file_name(name)
 }
 
-fn file_failed(doing: &str, file: &Path, error: &std::io::Error) -> Failure {
+fn file_failed(doing: &str, file: &Path, error: &io::Error) -> Failure {
     let sentence = format!("{} could not be {doing}: {error}", file.display());
     Failure::new(exit_code::FAILURE, sentence)
 }
@@ -84,7 +83,7 @@ fn write_export(
     path: &Path,
     output: &Output,
 ) -> Result<ExportReport, Failure> {
-    let failed = |error: std::io::Error| file_failed("written", path, &error);
+    let failed = |error: io::Error| file_failed("written", path, &error);
     let mut file = File::create(path).map_err(failed)?;
     let begun = memory.begin(JobKind::Export)?;
     let bar = progress::bar(begun.total, "views", output);
@@ -130,28 +129,16 @@ pub(super) fn import(
         })
     });
     let renames = renames.collect::<Result<Vec<_>, _>>()?;
-    check(&arguments.file)?;
+    let mut file = check(&arguments.file)?;
     let mut memory = MemoryAccess::open(common, output)?;
-    let job = upload(&mut memory, &arguments.file, output)?;
     let source = arguments.file.file_name().unwrap_or_default();
-    memory.job(JobCommand::Import {
-        job,
-        id: mutation_id()?,
+    let request = Import {
         author: author_or_user(arguments.author.as_deref()),
         source: source.to_string_lossy().into_owned(),
         renames,
         prefix: arguments.prefix.clone(),
-    })?;
-    let bar = progress::bar(0, "bytes", output);
-    let outcome = memory.wait(job, |report| {
-        bar.set_length(report.total);
-        bar.set_position(report.done);
-    })?;
-    bar.finish_and_clear();
-    let JobOutcome::Imported(report) = outcome else {
-        let sentence = format!("the daemon answered something else: {outcome:?}");
-        return Err(Failure::new(exit_code::FAILURE, sentence));
     };
+    let report = import_file(&mut memory, &mut file, request, output)?;
     output.answer(&report, || {
         let ImportReport {
             n_views,
@@ -167,37 +154,17 @@ pub(super) fn import(
     Ok(ExitCode::SUCCESS)
 }
 
-/// Reads the whole file once, so that a damaged one is told before anything is sent.
-fn check(path: &Path) -> Result<(), Failure> {
-    let file = File::open(path).map_err(|error| file_failed("opened", path, &error))?;
+/// Reads the whole file once, so that a damaged one is told before anything is sent;
+/// returns it, to be read from its beginning.
+fn check(path: &Path) -> Result<File, Failure> {
+    let failed = |error: io::Error| file_failed("opened", path, &error);
+    let mut file = File::open(path).map_err(failed)?;
     let refused = |error| {
         let sentence = format!("{} cannot be imported: {error}", path.display());
         Failure::new(exit_code::REFUSED, sentence)
     };
-    let mut reader = PortableReader::new(BufReader::new(file)).map_err(refused)?;
+    let mut reader = PortableReader::new(BufReader::new(&file)).map_err(refused)?;
     while reader.batch().map_err(refused)?.is_some() {}
-    Ok(())
-}
-
-fn upload(memory: &mut MemoryAccess, path: &Path, output: &Output) -> Result<u64, Failure> {
-    let failed = |error: std::io::Error| file_failed("read", path, &error);
-    let mut file = File::open(path).map_err(failed)?;
-    let n_bytes = file.metadata().map_err(failed)?.len();
-    let job = memory.begin(JobKind::Import)?.job;
-    let bar = progress::bar(n_bytes, "bytes sent", output);
-    let mut offset = 0;
-    loop {
-        let mut bytes = Vec::with_capacity(WRITE_BYTES);
-        let part = Read::by_ref(&mut file).take(WRITE_BYTES as u64);
-        { part }.read_to_end(&mut bytes).map_err(failed)?;
-        if bytes.is_empty() {
-            break;
-        }
-        let n_part = bytes.len() as u64;
-        memory.job(JobCommand::Write { job, offset, bytes })?;
-        offset += n_part;
-        bar.set_position(offset);
-    }
-    bar.finish_and_clear();
-    Ok(job)
+    file.rewind().map_err(failed)?;
+    Ok(file)
 }
