@@ -64,7 +64,6 @@ pub(crate) fn run(
     drop(connect(common)?);
     let author = author_or_user(arguments.author.as_deref());
     let folder = Folder {
-        root: arguments.folder.clone(),
         views: &views,
         up,
         decided: Decided {

@@ -3,8 +3,11 @@
 const NS_PER_S: u64 = 1_000_000_000;
 const S_PER_DAY: u64 = 24 * 3600;
 
-/// Nanoseconds since 1970 as `2026-11-22 10:30:00Z`.
+/// Nanoseconds since 1970 as `2026-11-22 10:30:00Z`; zero is a time nobody knows.
 pub(crate) fn utc(wall_ns: u64) -> String {
+    if wall_ns == 0 {
+        return "-".to_owned();
+    }
     let seconds = wall_ns / NS_PER_S;
     let (year, month, day) = civil(seconds / S_PER_DAY);
     let (hour, minute, second) = (
@@ -42,12 +45,13 @@ mod tests {
     #[test]
     fn times_are_those_of_the_calendar() {
         for (seconds, text) in [
-            (0, "1970-01-01 00:00:00Z"),
+            (1, "1970-01-01 00:00:01Z"),
             (951_782_400, "2000-02-29 00:00:00Z"),
             (1_700_000_000, "2023-11-14 22:13:20Z"),
             (4_102_444_799, "2099-12-31 23:59:59Z"),
         ] {
             assert_eq!(utc(seconds * NS_PER_S), text);
         }
+        assert_eq!(utc(0), "-");
     }
 }

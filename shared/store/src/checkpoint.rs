@@ -9,9 +9,10 @@ use std::path::{Path, PathBuf};
 
 use learning::ViewId;
 
-use crate::catalogue::Catalogue;
+use crate::catalogue::{Catalogue, Entry};
 use crate::digest::Digest;
 use crate::document::{Document, DocumentContent, DocumentKey};
+use crate::economy;
 use crate::engine::Engine;
 use crate::error::{Error, in_words};
 use crate::examination::{Examination, examine, schema};
@@ -288,7 +289,8 @@ impl CheckpointReader {
     }
 
     /// Everything another memory can take over, in an order that depends only on
-    /// what is known: views by identity, then documents by name.
+    /// what is known: views by identity, then documents by name. What was given up
+    /// for a limit of this store is left out: another robot may have room for it.
     ///
     /// # Errors
     ///
@@ -298,11 +300,12 @@ impl CheckpointReader {
         mut take_view: impl FnMut(ForeignView) -> Result<(), E>,
         mut take_document: impl FnMut(ForeignDocument) -> Result<(), E>,
     ) -> Result<(), E> {
-        let mut identities: Vec<_> = self
-            .catalogue
-            .all()
-            .map(|(_, entry)| entry.identity)
-            .collect();
+        let is_told = |entry: &Entry| {
+            let register = &entry.register;
+            register.standing != Standing::Forgotten || !economy::is_own_limit(&register.decided)
+        };
+        let told = self.catalogue.all().filter(|(_, entry)| is_told(entry));
+        let mut identities: Vec<_> = told.map(|(_, entry)| entry.identity).collect();
         identities.extend(self.catalogue.tombstones.keys());
         identities.sort_unstable();
         for identity in identities {

@@ -11,10 +11,16 @@ use crate::history::{Effect, Operation};
 use crate::keys;
 use crate::perceptual_memory::PerceptualMemory;
 use crate::reading::read_content;
-use crate::standing::Standing;
+use crate::standing::{Decided, Standing};
 
 /// Who does it, in the history.
-const AUTHOR: &str = "the store itself";
+const AUTHOR: &str = "the store itself, to hold a limit";
+
+/// Whether something was given up for a limit of this store: no other robot need
+/// follow.
+pub(crate) fn is_own_limit(decided: &Decided) -> bool {
+    &*decided.author == AUTHOR
+}
 
 /// How much is kept.
 ///

@@ -265,6 +265,7 @@ impl fmt::Display for Error {
 }
 
 impl fmt::Display for Refusal {
+    #[expect(clippy::too_many_lines, reason = "a sentence for each refusal")]
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Lesson(refusal) => write!(f, "{refusal}"),

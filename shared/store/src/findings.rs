@@ -21,7 +21,9 @@ impl Findings {
     /// Adds findings of which only the first are in words.
     pub(crate) fn extend(&mut self, n: u64, told: Vec<String>) {
         let n_untold = n - (told.len() as u64).min(n);
-        told.into_iter().for_each(|finding| self.add(|| finding));
+        for finding in told {
+            self.add(|| finding);
+        }
         self.n += n_untold;
     }
 

@@ -179,9 +179,10 @@ impl Newcomers {
                 track_id: *track_id,
                 view_id: *next_view,
             };
-            match next_view.checked_add(1) {
-                Some(next) => *next_view = next,
-                None => (*track_id, *next_view) = begin_track(),
+            if let Some(next) = next_view.checked_add(1) {
+                *next_view = next;
+            } else {
+                (*track_id, *next_view) = begin_track();
             }
             if self.given.insert(view) {
                 return view;

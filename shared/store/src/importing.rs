@@ -12,6 +12,7 @@ use learning::ViewId;
 use crate::catalogue::Catalogue;
 use crate::decision::Decision;
 use crate::digest::Digest;
+use crate::document::Document;
 use crate::error::Refusal;
 use crate::facts::ViewParts;
 use crate::foreign::{ForeignDocument, ForeignView, Newcomers};
@@ -196,7 +197,7 @@ impl Import<'_> {
     }
 
     fn take_document(&mut self, foreign: &ForeignDocument) {
-        let after = foreign.document.as_ref().map(|document| document.summary());
+        let after = foreign.document.as_ref().map(Document::summary);
         let known = self.catalogue.document(&foreign.key);
         let rank = |content: Option<Digest>, stamp_ns: u64| (stamp_ns, content);
         let digest = after.as_ref().map(|content| content.digest);

@@ -430,7 +430,7 @@ fn view_of(body: ViewBody) -> Result<ForeignView, &'static str> {
         descriptor: body.descriptor.into_vec(),
         points: body.points.map(ByteBuf::into_vec),
     };
-    if !parts.is_what_it_says() || parts.descriptor.len() % size_of::<f32>() != 0 {
+    if !parts.is_what_it_says() || !parts.descriptor.len().is_multiple_of(size_of::<f32>()) {
         return Err("the content of a view is not what its digest says");
     }
     if body.standing == Standing::Forgotten {

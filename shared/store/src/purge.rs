@@ -3,11 +3,13 @@
 
 use crate::catalogue::{Catalogue, Entry};
 use crate::decision::Decision;
+use crate::economy;
 use crate::history::{Effect, Operation};
 use crate::standing::Standing;
 
 /// Purges what was forgotten or replaced before `before_ns`. A forgotten view
-/// leaves a tombstone, so that no import brings it back.
+/// leaves a tombstone, so that no import brings it back, unless it only exceeded a
+/// limit.
 pub(crate) fn decide(catalogue: &Catalogue, before_ns: u64) -> Decision {
     let is_due = |entry: &Entry| {
         let register = &entry.register;
@@ -16,10 +18,12 @@ pub(crate) fn decide(catalogue: &Catalogue, before_ns: u64) -> Decision {
     let mut effects = Vec::new();
     for (view, entry) in catalogue.all().filter(|(_, entry)| is_due(entry)) {
         effects.push(Effect::Purged { view });
-        effects.push(Effect::Tombstone {
-            identity: entry.identity,
-            decided: Some(entry.register.decided.clone()),
-        });
+        if !economy::is_own_limit(&entry.register.decided) {
+            effects.push(Effect::Tombstone {
+                identity: entry.identity,
+                decided: Some(entry.register.decided.clone()),
+            });
+        }
     }
     for (document, sequence, _, replaced_ns) in catalogue.versions() {
         if replaced_ns.is_some_and(|replaced_ns| replaced_ns < before_ns) {

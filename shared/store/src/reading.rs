@@ -333,15 +333,12 @@ fn read_run(reader: &mut Reader, run: Run, views: &mut Vec<LabelledView>) -> Res
         if let Some((digest, named)) = wanted.next_if(is_here) {
             match unseal::<ByteBuf>(key, record) {
                 Ok(values) => {
-                    views.extend(
-                        named
-                            .into_iter()
-                            .map(|(view, category, kind)| LabelledView {
-                                view,
-                                category,
-                                descriptor: facts::descriptor(kind, &values),
-                            }),
-                    )
+                    let view = |(view, category, kind)| LabelledView {
+                        view,
+                        category,
+                        descriptor: facts::descriptor(kind, &values),
+                    };
+                    views.extend(named.into_iter().map(view));
                 }
                 Err(wrong) => {
                     damaged = Some((digest, wrong));

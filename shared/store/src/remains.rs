@@ -87,7 +87,7 @@ impl Remains {
             remains.migrated_from = Some(schema);
             schema_1::read_records(raw, &mut remains)
         };
-        remains.sum_up(counts, mark)?;
+        remains.sum_up(counts.as_ref(), mark)?;
         Ok(Some(remains))
     }
 
@@ -127,7 +127,7 @@ impl Remains {
     }
 
     /// What the records say about the whole.
-    fn sum_up(&mut self, counts: Option<Counts>, mark: Option<&Mark>) -> Result<(), Error> {
+    fn sum_up(&mut self, counts: Option<&Counts>, mark: Option<&Mark>) -> Result<(), Error> {
         let purged = self.fold_history();
         self.views.retain(|view, _| !purged.contains(view));
         let mut known = self.stored_by_history.clone();
@@ -140,7 +140,7 @@ impl Remains {
             sequence: mark.sequence,
             n_views: mark.n_views,
         });
-        let told = counts.iter().chain(&marked);
+        let told = counts.into_iter().chain(&marked);
         let newest = told.clone().max_by_key(|told| told.sequence);
         let n_told = newest.map_or(0, |newest| newest.n_views);
         self.n_views_expected = n_told.max(known.len() as u64);
@@ -152,7 +152,7 @@ impl Remains {
             .map(|told| told.next_track_id)
             .max()
             .unwrap_or(1);
-        self.memory_id = match told.filter_map(|told| told.memory_id).next() {
+        self.memory_id = match told.clone().find_map(|told| told.memory_id) {
             Some(memory_id) => memory_id,
             None => Meta::new(None, 1)?.memory_id(),
         };

@@ -9,8 +9,6 @@ use message::control::pack_cloud;
 use nalgebra::{UnitVector3, Vector3};
 use pipeline::DESCRIPTOR_KIND;
 use point_cloud::{Point, Rgba};
-use std::path::{Path, PathBuf};
-use std::time::UNIX_EPOCH;
 use store::{Decided, Descriptor, Digest, ForeignView, MAX_NAME_BYTES, Origin, Standing, View};
 
 /// Keeps digests of where a view comes from apart from all others.
@@ -18,7 +16,6 @@ const ORIGIN_PURPOSE: &str = "tabula files";
 
 /// Whatever is needed to describe the views of a folder.
 pub(super) struct Folder<'a> {
-    pub(super) root: PathBuf,
     pub(super) views: &'a ObjectViews,
     /// What is up, when it was told.
     pub(super) up: Option<UnitVector3<f64>>,
@@ -61,7 +58,8 @@ impl Folder<'_> {
                 frame_from_box: RigidTransform::identity(),
                 half_sides_m: extent_m(&view) / 2.0,
             },
-            captured_ns: modified_ns(&self.root.join(path)),
+            // Not known: when the file was written changes when it is copied.
+            captured_ns: 0,
             frame_sequence: 0,
             source,
             mean_rgb: mean_rgb(&view.points),
@@ -92,15 +90,6 @@ fn origin(object: &Object, source: &str) -> Origin {
             view_id: file.0 as u32,
         },
     }
-}
-
-/// When the file was written, nanoseconds since 1970; zero when that is not known.
-fn modified_ns(file: &Path) -> u64 {
-    let modified = std::fs::metadata(file).and_then(|metadata| metadata.modified());
-    let since_1970 = modified
-        .ok()
-        .and_then(|at| at.duration_since(UNIX_EPOCH).ok());
-    since_1970.map_or(0, |since| since.as_nanos() as u64)
 }
 
 /// The mean colour; `None` where a file has no colours, which is read as zeros.

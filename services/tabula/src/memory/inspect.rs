@@ -109,11 +109,7 @@ fn views_text(views: &[ViewReport]) -> String {
             } else {
                 view.author.clone()
             },
-            if view.decided_ns == 0 {
-                "-".to_owned()
-            } else {
-                utc(view.decided_ns)
-            },
+            utc(view.decided_ns),
             utc(view.captured_ns),
             format!("{} frame {}", view.source, view.frame_sequence),
             format!("{x} x {y} x {z}"),

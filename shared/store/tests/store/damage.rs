@@ -409,7 +409,14 @@ fn long_whatever_is_damaged_the_loss_told_is_what_is_missing() {
 #[test]
 fn a_name_that_no_file_can_have_is_damage() {
     let long = "x".repeat(4000);
-    for current in ["MAN\0\0-000004\n", "\n", "..\n", "/\n", "CURRENT/x\n", &long] {
+    for current in [
+        "MAN\0\0-000004\n",
+        "\n",
+        "..\n",
+        "/\n",
+        "CURRENT/x\n",
+        &long,
+    ] {
         let folder = whole_store(true);
         fs::write(folder.path().join("database/CURRENT"), current).unwrap();
         let report = check_damaged(&folder, &format!("CURRENT is {current:?}"));

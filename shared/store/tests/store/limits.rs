@@ -43,6 +43,15 @@ fn a_full_category_gives_up_what_says_least() {
     );
     let last = memory.history(3, 1).unwrap().remove(0);
     assert!(matches!(last.operation, Operation::Economise { .. }));
+    // Another robot is not told to forget them.
+    let mut n_told = 0;
+    let mut reader = memory.checkpoint().unwrap().open().unwrap();
+    let take_view = |_| -> Result<(), store::Error> {
+        n_told += 1;
+        Ok(())
+    };
+    reader.export(take_view, |_| Ok(())).unwrap();
+    assert_eq!(n_told, 9);
     // It can be taken back, and then is done no more until the category grows.
     memory.set_limits(Limits::default());
     apply(

@@ -168,15 +168,14 @@ impl Model {
                 let views = state.of(target)?;
                 state.rename(&views, category);
             }
-            Change::Forget(target @ Target::Category(_)) => {
-                for view in state.of(target)? {
-                    state.set(view, Ok(None));
-                }
-            }
             Change::Forget(target) => {
                 let stamp_ns = mutation.wall_ns;
+                let standing = match target {
+                    Target::Category(_) => Ok(None),
+                    _ => Err(Forgotten { stamp_ns }),
+                };
                 for view in state.of(target)? {
-                    state.set(view, Err(Forgotten { stamp_ns }));
+                    state.set(view, standing.clone());
                 }
             }
             Change::Rename { from, to } => {
@@ -192,9 +191,8 @@ impl Model {
                 state.rename(&views, into);
             }
             Change::Undo { sequence } => return self.undone(sequence.unwrap(), mutation.wall_ns),
-            Change::PutDocument(document) => {
-                let name = document.key.name.to_string();
-                state.documents.insert(name, document.content.clone());
+            Change::PutDocument(Document { key, content, .. }) => {
+                state.documents.insert(key.name.to_string(), content.clone());
             }
             Change::RemoveDocument(key) => {
                 state.documents.remove(&*key.name)?;
