@@ -81,7 +81,8 @@ pub(crate) fn revise(
         }
         RevisionChange::Rename { from, to } => format!("{from} is called {to} now"),
         RevisionChange::Merge { from, into } => format!("{from} is {into} now"),
-        _ => "taken back".to_owned(),
+        // What that was is in the answer.
+        _ => String::new(),
     };
     let report = learn(
         common,
@@ -93,6 +94,11 @@ pub(crate) fn revise(
     )?;
     output.answer(&report, || {
         let (n, sequence) = (report.n_views_changed, report.sequence);
+        let done = if done.is_empty() {
+            format!("took back \"{}\"", report.category)
+        } else {
+            done
+        };
         format!("{done}: {n} view(s), history {sequence}, on disk")
     });
     Ok(ExitCode::SUCCESS)

@@ -10,7 +10,8 @@ use message::control::{
 use service::wall_clock_ns;
 use std::path::PathBuf;
 use store::{
-    Answer, Change, Digest, Error, Mutation, PerceptualMemory, Position, StoreHandle, Target,
+    Answer, Change, Digest, Error, Mutation, Operation, PerceptualMemory, Position, StoreHandle,
+    Target,
 };
 use tokio::sync::{oneshot, watch};
 
@@ -158,7 +159,13 @@ impl MemoryDesk {
     async fn revise(&self, revision: Revision) -> Result<Reply, Refusal> {
         let Revision { id, author, change } = revision;
         let (change, about) = revision::change(change)?;
-        self.learn(id, author, change, &about).await
+        let is_undo = matches!(change, Change::Undo { .. });
+        let mut reply = self.learn(id, author, change, &about).await?;
+        if is_undo && let Reply::Learned(report) = &mut reply {
+            let sequence = report.sequence;
+            report.category = self.read(move |memory| undone(memory, sequence)).await?;
+        }
+        Ok(reply)
     }
 
     /// Makes a change that people asked for. Who contradicts somebody is told.
@@ -214,6 +221,19 @@ impl MemoryDesk {
     ) -> Result<T, Refusal> {
         wait(|reply: Reporter<T>| self.store.read(read, |done| reply.send(done))).await
     }
+}
+
+/// What an entry took back, in words.
+fn undone(memory: &mut PerceptualMemory, sequence: u64) -> Result<String, Error> {
+    let entry = memory.history(sequence, 1)?;
+    let Some(Operation::Undo { sequence }) = entry.first().map(|entry| &entry.operation) else {
+        return Ok(String::new());
+    };
+    let undone = memory.history(*sequence, 1)?;
+    let what = undone
+        .first()
+        .map(|entry| words::operation(&entry.operation));
+    Ok(what.unwrap_or_default())
 }
 
 /// Now, nanoseconds since 1970, UTC.
