@@ -49,8 +49,7 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
         store: store.clone(),
         scratch: context.home.path().join("exchange"),
         descriptor_kind: pipeline::DESCRIPTOR_KIND,
-    })
-    .map_err(failed)?;
+    });
     let domain = &context.domain;
     let processes = Arc::new(ProcessTable::new(domain)?);
     let answerer = Answerer {

@@ -88,8 +88,7 @@ impl MemoryAccess {
             store,
             scratch,
             descriptor_kind: pipeline::DESCRIPTOR_KIND,
-        })
-        .map_err(failed)?;
+        });
         let runtime = tokio::runtime::Builder::new_current_thread().build();
         let runtime = runtime.map_err(|error| Failure::new(exit_code::FAILURE, error))?;
         Ok(Self::Local(Box::new(LocalMemory {

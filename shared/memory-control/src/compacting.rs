@@ -33,10 +33,7 @@ fn try_run(
         wall_ns: wall_ns(),
         change: Change::Purge { before_ns },
     })?;
-    announce(
-        &surroundings.position,
-        store.read_and_wait(|memory| Ok(memory.position()))?,
-    );
+    announce(&surroundings.position, store.position());
     let n_steps = PerceptualMemory::N_COMPACT_STEPS;
     for step in 0..n_steps {
         progress.set(step as u64, n_steps as u64);

@@ -39,18 +39,14 @@ pub struct MemoryDesk {
 
 impl MemoryDesk {
     /// A desk, and the position of the history that it has reached.
-    ///
-    /// # Errors
-    /// When the store does not answer, or the scratch folder cannot be emptied.
-    pub fn new(config: MemoryDeskConfig) -> Result<(Self, watch::Receiver<Position>), Error> {
-        let position = config.store.read_and_wait(|memory| Ok(memory.position()))?;
-        let (position, positions) = watch::channel(position);
+    pub fn new(config: MemoryDeskConfig) -> (Self, watch::Receiver<Position>) {
+        let (position, positions) = watch::channel(config.store.position());
         let desk = Self {
             store: config.store.clone(),
             jobs: Jobs::new(config, position.clone()),
             position,
         };
-        Ok((desk, positions))
+        (desk, positions)
     }
 
     /// The answer to a command about the memory; none for any other.
@@ -210,8 +206,7 @@ impl MemoryDesk {
         };
         let ask = |reply: Reporter<Answer>| self.store.mutate(mutation, |done| reply.send(done));
         let answer = wait(ask).await?;
-        let position = self.read(|memory| Ok(memory.position())).await?;
-        announce(&self.position, position);
+        announce(&self.position, self.store.position());
         Ok(answer)
     }
 

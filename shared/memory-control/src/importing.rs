@@ -108,9 +108,7 @@ fn try_run(
         part += 1;
         progress.set(n_bytes + reader.n_bytes_read(), 2 * n_bytes);
     }
-    let store = &surroundings.store;
-    let position = store.read_and_wait(|memory| Ok(memory.position()));
-    let position = position.map_err(|error| error.to_string())?;
+    let position = surroundings.store.position();
     announce(&surroundings.position, position);
     let counts = reader.counts();
     Ok(ImportReport {

@@ -14,6 +14,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -22,6 +23,7 @@ use crate::error::Error;
 use crate::mutation::{Answer, Mutation};
 use crate::opening::OpenReport;
 use crate::perceptual_memory::PerceptualMemory;
+use crate::reading::Position;
 
 /// Most requests taken from the queue before what they changed is written.
 const GROUP_REQUESTS: usize = 256;
@@ -97,9 +99,15 @@ pub struct StoreHandle {
     /// dropped, and dropping answers it.
     queue: SyncSender<Request>,
     capacity: usize,
+    position: Arc<Mutex<Position>>,
 }
 
 impl StoreHandle {
+    /// What is on disk now; nobody waits for it.
+    pub fn position(&self) -> Position {
+        *self.position.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// Asks for a change; `reply` gets the answer when it is on disk.
     pub fn mutate(
         &self,
@@ -217,6 +225,7 @@ impl StoreThread {
     pub fn start(config: StoreConfig) -> Result<(Self, StoreHandle, OpenReport), Error> {
         let (mut memory, report) = PerceptualMemory::open(&config.folder, (config.wall_clock)())?;
         memory.set_limits(config.limits);
+        let position = Arc::new(Mutex::new(memory.position()));
         let capacity = config.queue_capacity.max(1);
         let (queue, requests) = sync_channel(capacity);
         let folder = config.folder.clone();
@@ -226,6 +235,7 @@ impl StoreThread {
             waiting: Vec::new(),
             n_untidy_bytes: 0,
             tidy_step: 0,
+            position: Arc::clone(&position),
         };
         let thread = std::thread::Builder::new()
             .name("store".to_owned())
@@ -234,6 +244,7 @@ impl StoreThread {
         let handle = StoreHandle {
             queue: queue.clone(),
             capacity,
+            position,
         };
         Ok((
             Self {
@@ -282,6 +293,8 @@ struct Owner {
     n_untidy_bytes: usize,
     /// The next step of the tidying under way.
     tidy_step: usize,
+    /// What is on disk, for all handles.
+    position: Arc<Mutex<Position>>,
 }
 
 impl Owner {
@@ -389,8 +402,16 @@ impl Owner {
             }
             None => Err(Error::Stopped),
         };
+        self.publish_position();
         for answer in self.waiting.drain(..) {
             answer(committed.clone());
+        }
+    }
+
+    fn publish_position(&self) {
+        if let Some(memory) = self.memory.as_ref().filter(|m| m.failure().is_none()) {
+            let mut position = self.position.lock().unwrap_or_else(PoisonError::into_inner);
+            *position = memory.position();
         }
     }
 
@@ -421,6 +442,7 @@ impl Owner {
             self.memory = Some(memory);
             report
         });
+        self.publish_position();
         (self.config.on_reopened)(&report);
         report
     }
