@@ -471,6 +471,9 @@ fn framed(body: &[u8]) -> Vec<u8> {
     message
 }
 
+/// The protocol version that the daemon speaks.
+const OURS: u8 = message::control::PROTOCOL_VERSION as u8;
+
 /// CBOR of `{"protocol": version, "command": …}`, version below 24.
 fn request(version: u8, command: &[u8]) -> Vec<u8> {
     [b"\xa2\x68protocol", &[version][..], b"\x67command", command].concat()
@@ -506,13 +509,13 @@ fn hostile_bytes_on_the_control_socket_harm_nobody() {
     };
     let health = b"\x66health";
     assert!(
-        String::from_utf8_lossy(&say(&socket, &framed(&request(1, health)))).contains("camera")
+        String::from_utf8_lossy(&say(&socket, &framed(&request(OURS, health)))).contains("camera")
     );
 
     is_refused(&framed(&request(9, health)), "protocol version 9");
     is_refused(&framed(b""), "not understood");
     is_refused(&framed(&[0xff; 1000]), "not understood");
-    is_refused(&framed(&request(1, b"\x67unknown")), "not understood");
+    is_refused(&framed(&request(OURS, b"\x67unknown")), "not understood");
     // Depth, and lengths that are not there.
     is_refused(&framed(&vec![0x81; 500_000]), "not understood");
     is_refused(
@@ -526,10 +529,10 @@ fn hostile_bytes_on_the_control_socket_harm_nobody() {
     is_refused(&u32::MAX.to_le_bytes(), "at most");
     // What only the daemon's own processes may ask.
     let snapshot = b"\xa1\x68snapshot\xa1\x65after\xf6";
-    is_refused(&framed(&request(1, snapshot)), "own processes");
+    is_refused(&framed(&request(OURS, snapshot)), "own processes");
     // Cut off in the middle: no answer, and no harm.
     assert_eq!(say(&socket, &[1]), b"");
-    assert_eq!(say(&socket, &framed(&request(1, health))[..9]), b"");
+    assert_eq!(say(&socket, &framed(&request(OURS, health))[..9]), b"");
 
     // Silent connections, and one that asks and never listens.
     let _silent: Vec<_> = (0..20)
@@ -538,7 +541,7 @@ fn hostile_bytes_on_the_control_socket_harm_nobody() {
     let mut deaf = UnixStream::connect(&socket).unwrap();
     deaf.set_write_timeout(Some(Duration::from_millis(200)))
         .unwrap();
-    let many = framed(&request(1, health)).repeat(100);
+    let many = framed(&request(OURS, health)).repeat(100);
     while deaf.write_all(&many).is_ok() {}
 
     assert_eq!(pids(&daemon), before);
