@@ -43,10 +43,8 @@ async fn purge(store: &StoreHandle, forgotten_kept: Duration) -> Result<Answer, 
             contradiction: None,
         });
     }
-    let mut id = [0; 16];
-    getrandom::fill(&mut id).map_err(|_| Error::Stopped)?;
     let mutation = Mutation {
-        id: MutationId(u128::from_be_bytes(id)),
+        id: MutationId::random()?,
         author: AUTHOR.to_owned(),
         wall_ns,
         change: Change::Purge { before_ns },

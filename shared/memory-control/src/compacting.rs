@@ -26,9 +26,8 @@ fn try_run(
     let store = &surroundings.store;
     let before = store.read_and_wait(|memory| memory.stats())?;
     let before_ns = wall_ns().saturating_sub(forgotten_for_s.saturating_mul(NS_PER_S));
-    let id = MutationId(random_id()?);
     store.mutate_and_wait(Mutation {
-        id,
+        id: MutationId::random()?,
         author: AUTHOR.to_owned(),
         wall_ns: wall_ns(),
         change: Change::Purge { before_ns },
@@ -46,10 +45,4 @@ fn try_run(
         disk_bytes_before: before.n_disk_bytes,
         disk_bytes: after.n_disk_bytes,
     })
-}
-
-fn random_id() -> Result<u128, Error> {
-    let mut id = [0; 16];
-    getrandom::fill(&mut id).map_err(|_| Error::Stopped)?;
-    Ok(u128::from_be_bytes(id))
 }

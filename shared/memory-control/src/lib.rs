@@ -17,3 +17,4 @@ mod importing;
 mod verifying;
 
 pub use desk::{MemoryDesk, MemoryDeskConfig};
+pub use verifying::verification_report;

@@ -14,7 +14,7 @@ pub(crate) fn verify(
     progress: &Progress,
 ) -> Result<JobOutcome, String> {
     let found = read_all(surroundings, progress).map_err(|error| error.to_string())?;
-    Ok(JobOutcome::Verified(report(found)))
+    Ok(JobOutcome::Verified(verification_report(found)))
 }
 
 /// Verifies, and rebuilds if anything is wrong.
@@ -23,7 +23,7 @@ pub(crate) fn repair(
     progress: &Progress,
 ) -> Result<JobOutcome, String> {
     let found = read_all(surroundings, progress).map_err(|error| error.to_string())?;
-    let verification = report(found);
+    let verification = verification_report(found);
     if verification.n_findings == 0 {
         return Ok(JobOutcome::Repaired {
             verification,
@@ -59,7 +59,8 @@ fn read_all(surroundings: &Surroundings, progress: &Progress) -> Result<Verifica
     })
 }
 
-fn report(found: Verification) -> VerificationReport {
+/// What a whole reading found, as it is told.
+pub fn verification_report(found: Verification) -> VerificationReport {
     VerificationReport {
         sequence: found.position.sequence,
         n_history: found.n_history,

@@ -12,6 +12,7 @@ use learning::{CategoryName, ViewId, ViewRecord};
 use crate::digest::Digest;
 use crate::document::{DocumentKey, DocumentSummary, DocumentVersion};
 use crate::facts::{Extent, Facts};
+use crate::history::is_among;
 use crate::mutation::MutationId;
 use crate::standing::{Decided, Register, Standing};
 use crate::view::Origin;
@@ -78,9 +79,7 @@ pub(crate) struct Catalogue {
 impl Catalogue {
     /// Whether the entry went with a damaged store.
     pub(crate) fn is_lost(&self, sequence: u64) -> bool {
-        self.lost
-            .iter()
-            .any(|(first, last)| (*first..=*last).contains(&sequence))
+        is_among(&self.lost, sequence)
     }
 
     /// How many entries did.

@@ -9,7 +9,7 @@ use crate::digest::Digest;
 use crate::document::DocumentKey;
 use crate::error::in_words;
 use crate::findings::Findings;
-use crate::history::{Effect, HistoryEntry, Operation};
+use crate::history::{Effect, HistoryEntry, Operation, is_among};
 use crate::standing::Standing;
 
 /// A view by the history.
@@ -104,10 +104,7 @@ impl Fold {
     /// Entries that are missing without that being known, and entries that do not
     /// follow the one before.
     pub(crate) fn check_chain(&self, findings: &mut Findings) {
-        let is_lost = |sequence: u64| {
-            let mut lost = self.lost.iter();
-            lost.any(|(first, last)| (*first..=*last).contains(&sequence))
-        };
+        let is_lost = |sequence| is_among(&self.lost, sequence);
         let mut before = (0, Digest::default());
         for &(sequence, previous, digest) in &self.links {
             if sequence == before.0 + 1 {

@@ -186,6 +186,12 @@ impl Effect {
     }
 }
 
+/// Whether a sequence lies in one of the ranges, each of a first and a last one.
+pub(crate) fn is_among(ranges: &[(u64, u64)], sequence: u64) -> bool {
+    let mut ranges = ranges.iter();
+    ranges.any(|(first, last)| (*first..=*last).contains(&sequence))
+}
+
 /// Somebody said something else than what holds.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Contradiction {

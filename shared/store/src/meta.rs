@@ -77,7 +77,8 @@ impl Meta {
     }
 }
 
-fn random_id() -> Result<[u8; 16], Error> {
+/// A number that nobody else draws.
+pub(crate) fn random_id() -> Result<[u8; 16], Error> {
     let mut id = [0; 16];
     getrandom::fill(&mut id)
         .map_err(|error| std::io::Error::other(error.to_string()))

@@ -6,9 +6,10 @@ use learning::{CategoryName, ViewId};
 use serde::{Deserialize, Serialize};
 
 use crate::document::{Document, DocumentKey};
-use crate::error::Refusal;
+use crate::error::{Error, Refusal};
 use crate::foreign::{ForeignDocument, ForeignView};
 use crate::history::Contradiction;
+use crate::meta::random_id;
 use crate::view::{MAX_NAME_BYTES, View};
 
 /// Most views one mutation may store.
@@ -22,6 +23,17 @@ pub const MAX_BATCH_BYTES: usize = 64 << 20;
 /// asks again, so that a repeated mutation is answered and not made twice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct MutationId(pub u128);
+
+impl MutationId {
+    /// A number that nobody else draws.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Io`] when the kernel gives no random numbers.
+    pub fn random() -> Result<Self, Error> {
+        Ok(Self(u128::from_be_bytes(random_id()?)))
+    }
+}
 
 /// A change asked for, and by whom.
 #[derive(Debug, Clone, PartialEq)]

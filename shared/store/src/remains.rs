@@ -12,7 +12,7 @@ use crate::error::Error;
 use crate::examination::schema_of;
 use crate::facts::{Facts, ViewParts};
 use crate::fold::Fold;
-use crate::history::{Effect, HistoryEntry};
+use crate::history::{Effect, HistoryEntry, is_among};
 use crate::keys;
 use crate::meta::{Meta, SCHEMA};
 use crate::raw_database::RawDatabase;
@@ -185,13 +185,9 @@ impl Remains {
 
     /// First and last sequence of entries that are lost and were not told yet.
     pub(crate) fn lost_entries(&self, last_whole: u64) -> Vec<(u64, u64)> {
-        let is_known = |sequence: u64| {
-            let mut lost = self.known_lost.iter();
-            lost.any(|(first, last)| (*first..=*last).contains(&sequence))
-        };
         let mut lost: Vec<(u64, u64)> = Vec::new();
         for sequence in 1..=self.last_sequence.max(last_whole) {
-            if self.history.contains_key(&sequence) || is_known(sequence) {
+            if self.history.contains_key(&sequence) || is_among(&self.known_lost, sequence) {
                 continue;
             }
             match lost.last_mut() {

@@ -15,7 +15,6 @@ use serde::{Deserialize, Serialize};
 use crate::applying::Target;
 use crate::catalogue::Catalogue;
 use crate::decision::Contents;
-use crate::digest::Digest;
 use crate::document::DocumentKey;
 use crate::engine::Engine;
 use crate::error::Error;
@@ -96,8 +95,8 @@ pub(crate) fn salvage(
         meta,
         writes: Writes::default(),
     };
-    for (index, entry) in remains.history.values().enumerate() {
-        rebuild.make_again(entry, index == 0)?;
+    for entry in remains.history.values() {
+        rebuild.make_again(entry)?;
     }
     let loss = rebuild.end(wall_ns)?;
     Ok(Some(Salvaged {
@@ -117,14 +116,10 @@ struct Rebuild<'a> {
 
 impl Rebuild<'_> {
     /// Makes a whole entry again. A migrated history is chained anew.
-    fn make_again(&mut self, entry: &HistoryEntry, is_first: bool) -> Result<(), Error> {
+    fn make_again(&mut self, entry: &HistoryEntry) -> Result<(), Error> {
         let mut entry = entry.clone();
         if self.remains.migrated_from.is_some() {
-            entry.previous = if is_first {
-                Digest::default()
-            } else {
-                self.meta.head
-            };
+            entry.previous = self.meta.head;
         }
         let contents = self.contents_of(&entry.effects);
         self.apply(&entry, &contents)

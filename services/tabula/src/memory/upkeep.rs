@@ -66,15 +66,7 @@ fn verify_folder(common: &CommonArguments, output: &Output) -> Result<Verificati
     });
     bar.finish_and_clear();
     let found = found.map_err(|error| Failure::new(exit_code::FAILURE, error))?;
-    Ok(VerificationReport {
-        sequence: found.position.sequence,
-        n_history: found.n_history,
-        n_views: found.n_views,
-        n_documents: found.n_documents,
-        content_bytes: found.n_content_bytes,
-        n_findings: found.n_findings,
-        findings: found.findings,
-    })
+    Ok(memory_control::verification_report(found))
 }
 
 fn text(found: &VerificationReport) -> String {
