@@ -4,8 +4,8 @@
 use crate::world_feed::WorldFeed;
 use channel::topic::{FrameFinished, Scene};
 use channel::{Domain, Error, Publisher, Received, Subscriber};
-use message::{FrameDone, PlainHeader, ProcessKind, SceneSummary, frame_flag};
-use service::HealthBoard;
+use message::{FrameDone, PlainHeader, ProcessKind, SceneSummary, Span, Stage, frame_flag};
+use service::{HealthBoard, TracePublisher, monotonic_ns};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -15,6 +15,7 @@ use tokio::time::MissedTickBehavior;
 pub(crate) struct SceneFollower {
     scenes: Subscriber<Scene>,
     finished: Publisher<FrameFinished>,
+    trace: TracePublisher,
     health: Arc<HealthBoard>,
     feed: WorldFeed,
     look_period: Duration,
@@ -31,15 +32,16 @@ impl SceneFollower {
         Ok(Self {
             scenes: Subscriber::waiting(domain)?,
             finished: Publisher::new(domain)?,
+            trace: TracePublisher::new(domain, ProcessKind::Memory)?,
             health,
             feed,
             look_period,
         })
     }
 
-    /// Shared memory of the publisher.
+    /// Shared memory of the publishers.
     pub(crate) fn reserved_bytes(&self) -> u64 {
-        self.finished.reservation().bytes()
+        self.finished.reservation().bytes() + self.trace.reserved_bytes()
     }
 
     pub(crate) async fn run(mut self) {
@@ -48,7 +50,7 @@ impl SceneFollower {
         loop {
             let followed = tokio::select! {
                 () = self.scenes.woken() => self.take_all(),
-                _ = looks.tick() => self.feed.look(),
+                _ = looks.tick() => self.feed.look(&mut self.trace),
             };
             if let Err(error) = followed {
                 tracing::warn!("a scene was not followed: {error}");
@@ -63,6 +65,9 @@ impl SceneFollower {
                 .frames_dropped
                 .store(self.scenes.n_lost(), Ordering::Relaxed);
             let header: &SceneSummary = scene.header();
+            let published_ns = header.stamps.published_ns;
+            let hop = Span::waiting(Stage::LabelHop, 0, published_ns, monotonic_ns());
+            self.trace.send(header, &[hop]);
             if header.frame_flags & frame_flag::LOCKSTEP != 0 {
                 self.report(header)?;
             }

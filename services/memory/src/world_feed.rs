@@ -4,8 +4,10 @@
 use crate::world::{World, now_ns};
 use channel::topic::{ArmStates, Scene};
 use channel::{Domain, Error, SharedFrame, Subscriber};
-use message::{ArmActivity, ArmState, SceneObject, SceneSummary, TrackState, frame_flag};
-use service::monotonic_ns;
+use message::{
+    ArmActivity, ArmState, SceneObject, SceneSummary, Span, Stage, TrackState, frame_flag,
+};
+use service::{Stopwatch, TracePublisher, monotonic_ns};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use store::working::{Outcome, Place, RobotSighting, Sighting, WorldModel};
@@ -37,10 +39,15 @@ impl WorldFeed {
         self.scene = Some(scene);
     }
 
-    /// Shows the model the newest scene and the arm.
-    pub(crate) fn look(&mut self) -> Result<(), Error> {
+    /// Shows the model the newest scene and the arm, and tells how long that took.
+    pub(crate) fn look(&mut self, trace: &mut TracePublisher) -> Result<(), Error> {
         if let Some(scene) = self.scene.take() {
-            self.show(scene.header(), scene.items());
+            let mut watch = Stopwatch::start();
+            let (summary, begin_ns) = (scene.header(), watch.begin_ns());
+            let published_ns = summary.stamps.published_ns;
+            self.show(summary, scene.items());
+            let waited = Span::waiting(Stage::WorldWait, 0, published_ns, begin_ns);
+            trace.send(summary, &[waited, watch.lap(Stage::WorldUpdate, 0)]);
         }
         if let Some(arm) = self.arm.latest()? {
             self.arm_heard = Instant::now();

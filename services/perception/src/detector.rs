@@ -3,9 +3,10 @@
 use crate::bodies::Known;
 use crate::intake::Arrived;
 use actor::{JobLost, WorkerPool};
-use detection::{Config, Detection, Frame, Workspace};
-use message::{SegmentLocation, points};
+use detection::{Config, Detection, Frame, Step, Workspace, detect_in_steps};
+use message::{SegmentLocation, Span, Stage, points};
 use point_cloud::OrganizedCloud;
+use service::Stopwatch;
 use std::sync::Arc;
 
 /// Detects, reusing its buffers from frame to frame.
@@ -20,13 +21,16 @@ struct Buffers {
     known: Known,
     workspace: Workspace,
     detection: Detection,
+    spans: Vec<Span>,
 }
 
-/// A detection and where its points were read.
+/// A detection, where its points were read, and what it took.
 #[derive(Debug, Default)]
 pub(crate) struct Detected {
     pub(crate) detection: Detection,
     pub(crate) location: SegmentLocation,
+    /// The whole detection last, its steps before.
+    pub(crate) spans: Vec<Span>,
 }
 
 /// Why a frame gave no detection.
@@ -65,16 +69,20 @@ impl Detector {
         let (buffers, found) = job.await.map_err(DetectFailed::Lost)?;
         self.buffers = buffers;
         let location = found.map_err(DetectFailed::Unusable)?;
-        let detection = std::mem::take(&mut self.buffers.detection);
+        let Buffers {
+            detection, spans, ..
+        } = &mut self.buffers;
         Ok(Detected {
-            detection,
+            detection: std::mem::take(detection),
             location,
+            spans: std::mem::take(spans),
         })
     }
 
     /// Takes a detection's memory back for the next frame.
     pub(crate) fn recycle(&mut self, detected: Detected) {
         self.buffers.detection = detected.detection;
+        self.buffers.spans = detected.spans;
     }
 }
 
@@ -83,24 +91,47 @@ fn search(
     config: &Config,
     mut buffers: Buffers,
 ) -> (Buffers, Result<SegmentLocation, String>) {
+    let begin = Stopwatch::start();
     let header = arrived.frame.header();
     let [width, height] = header.size_px.map(|side| side as usize);
     let cloud = OrganizedCloud::new(points(arrived.frame.items()), width, height);
     let found = cloud.map_err(|error| error.to_string()).and_then(|cloud| {
-        let up_in_camera = arrived.checked.up_in_camera;
-        // The frame's own number: a replay draws the same samples.
         let Buffers {
             known,
             workspace,
             detection,
+            spans,
         } = &mut buffers;
         let frame = Frame {
             cloud,
-            up_in_camera,
+            up_in_camera: arrived.checked.up_in_camera,
+            // The frame's own number: a replay draws the same samples.
             seed: header.sequence,
             surroundings: known.surroundings(),
         };
-        detection::detect(&frame, config, workspace, detection).map_err(|error| error.to_string())
+        let mut watch = begin;
+        spans.clear();
+        let on_step = &mut |step| spans.push(watch.lap(stage(step), 0));
+        let found = detect_in_steps(&frame, config, workspace, detection, on_step);
+        // What follows the last step, where not all were taken.
+        let _ = watch.lap(Stage::Detection, 0);
+        spans.push(watch.span_since(&begin, Stage::Detection, 0));
+        found.map_err(|error| error.to_string())
     });
     (buffers, found.map(|()| arrived.frame.location()))
+}
+
+fn stage(step: Step) -> Stage {
+    match step {
+        Step::Samples => Stage::Samples,
+        Step::TablePlane => Stage::TablePlane,
+        Step::TableSurface => Stage::TableSurface,
+        Step::Prism => Stage::Prism,
+        Step::Clusters => Stage::Clusters,
+        Step::Piles => Stage::Piles,
+        Step::Regrouping => Stage::Regrouping,
+        Step::Feet => Stage::Feet,
+        Step::Boxes => Stage::Boxes,
+        Step::Judging => Stage::Judging,
+    }
 }

@@ -4,24 +4,25 @@ use crate::assumption_log::AssumptionLog;
 use crate::bodies::Bodies;
 use crate::config::Config;
 use crate::detector::{DetectFailed, Detected, Detector};
+use crate::frame_trace::FrameTrace;
 use crate::intake::{Arrived, Intake};
 use crate::key_view_outbox::{OnDisk, Outbox};
 use crate::learned::CatchUp;
 use crate::newest_view::NewestView;
 use crate::observation_round::{Actors, Outcome};
+use crate::ports::Ports;
 use crate::scene_report;
 use crate::table_log::TableLog;
 use crate::track_ids::TrackIds;
 use crate::world::World;
 use actor::WorkerPool;
-use channel::topic::{FrameFinished, ObjectCloud, ObjectView, Scene, Topic};
-use channel::{Domain, Error, Publisher};
+use channel::{Domain, Error};
 use detection::Assumptions;
 use message::{
-    FrameDone, ObjectCloudHeader, PlainHeader, ProcessKind, SceneObject, SceneSummary, Text, points,
+    FrameDone, PlainHeader, ProcessKind, SceneObject, SceneSummary, Stage, Text, points,
 };
 use pipeline::{Step, TrackTable};
-use service::{HealthBoard, monotonic_ns};
+use service::{HealthBoard, Stopwatch, monotonic_ns};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -48,38 +49,13 @@ pub(crate) struct FrameLoop {
     health: Arc<HealthBoard>,
     actor_deadline: Duration,
     ports: Ports,
+    trace: FrameTrace,
     step: Step,
     outcomes: Vec<Outcome>,
     objects: Vec<SceneObject>,
     newest_views: BTreeMap<u64, NewestView>,
     last_capture_ns: u64,
     last_finished: Option<FrameDone>,
-}
-
-/// What the loop publishes.
-struct Ports {
-    scene: Publisher<Scene>,
-    views: Publisher<ObjectView>,
-    clouds: Publisher<ObjectCloud>,
-    finished: Publisher<FrameFinished>,
-}
-
-impl Ports {
-    fn new(domain: &Domain) -> Result<Self, Error> {
-        Ok(Self {
-            scene: Publisher::new(domain)?,
-            views: Publisher::new(domain)?,
-            clouds: Publisher::new(domain)?,
-            finished: Publisher::new(domain)?,
-        })
-    }
-
-    fn reserved_bytes(&self) -> u64 {
-        self.scene.reservation().bytes()
-            + self.views.reservation().bytes()
-            + self.clouds.reservation().bytes()
-            + self.finished.reservation().bytes()
-    }
 }
 
 /// What the loop is given.
@@ -100,10 +76,11 @@ impl FrameLoop {
         given: Surroundings,
     ) -> Result<Self, Error> {
         let ports = Ports::new(domain)?;
-        given
-            .health
-            .shared_memory_bytes
-            .store(ports.reserved_bytes(), Ordering::Relaxed);
+        let trace = FrameTrace::new(domain)?;
+        given.health.shared_memory_bytes.store(
+            ports.reserved_bytes() + trace.reserved_bytes(),
+            Ordering::Relaxed,
+        );
         let detector = Detector::new(given.pool.clone(), config.detection.clone());
         let rule = detector.config().rule().to_string();
         tracing::info!("a candidate becomes an object when {rule}");
@@ -124,6 +101,7 @@ impl FrameLoop {
             health: given.health,
             actor_deadline: config.actor_deadline,
             ports,
+            trace,
             step: Step::default(),
             outcomes: Vec::new(),
             objects: Vec::new(),
@@ -182,6 +160,7 @@ impl FrameLoop {
             // A replay must know the same at the same frame.
             self.catch_up.wait().await;
         }
+        self.trace.begin(arrived);
         self.look_around(arrived)?;
         let detected = match self.detector.detect(arrived).await {
             Ok(detected) => detected,
@@ -190,15 +169,15 @@ impl FrameLoop {
                 return self.report_finished(arrived);
             }
         };
+        self.trace.detected(&detected);
         let mut summary = scene_report::summary(arrived);
-        summary.stamps.detected_ns = monotonic_ns();
+        summary.stamps.detected_ns = self.trace.at_ns();
         self.associate(arrived, &detected);
         let detected = Arc::new(detected);
         self.observe(arrived, &detected).await;
-        summary.stamps.recognised_ns = monotonic_ns();
-        let on_disk = self.send_key_views(arrived);
-        self.publish_objects(arrived, &detected);
-        self.publish_scene(summary, arrived, &detected)?;
+        summary.stamps.recognised_ns = self.trace.at_ns();
+        let on_disk = self.publish(summary, arrived, &detected)?;
+        self.trace.send(arrived);
         self.finish(arrived, detected, on_disk).await
     }
 
@@ -223,15 +202,19 @@ impl FrameLoop {
     /// Gathers what is known to be there before a frame is searched: people, the
     /// robot, and where the tracks are expected.
     fn look_around(&mut self, arrived: &Arrived) -> Result<(), Error> {
+        let mut watch = Stopwatch::since(self.trace.at_ns());
         let capture_ns = arrived.frame.header().capture_stamp_ns;
         let world_from_camera = arrived.checked.world_from_camera.as_ref();
         let known = self.detector.known_mut();
         self.table
             .predict(&arrived.circumstances(), &mut known.tracks);
-        self.bodies.at(capture_ns, world_from_camera, known)
+        self.bodies.at(capture_ns, world_from_camera, known)?;
+        self.trace.worked(watch.lap(Stage::Surroundings, 0));
+        Ok(())
     }
 
     fn associate(&mut self, arrived: &Arrived, detected: &Detected) {
+        let mut watch = Stopwatch::since(self.trace.at_ns());
         let frame = arrived.circumstances();
         let ids = &self.ids;
         self.table.step(
@@ -250,6 +233,7 @@ impl FrameLoop {
             self.actors.spawn(sighting.track_id);
         }
         self.dismiss_gone();
+        self.trace.worked(watch.lap(Stage::Association, 0));
     }
 
     fn dismiss_gone(&mut self) {
@@ -270,6 +254,33 @@ impl FrameLoop {
         actors
             .observe(arrived, detected, &step.sightings, deadline, outcomes)
             .await;
+        self.trace.observed(&self.outcomes);
+    }
+
+    /// Makes known what the frame has brought: key views to the memory, the objects
+    /// and the scene to all.
+    fn publish(
+        &mut self,
+        summary: SceneSummary,
+        arrived: &Arrived,
+        detected: &Detected,
+    ) -> Result<Vec<OnDisk>, Error> {
+        let begin = Stopwatch::since(self.trace.at_ns());
+        let mut watch = begin;
+        self.absorb();
+        let on_disk = self.send_key_views(arrived);
+        self.trace.tell(watch.lap(Stage::Outbox, 0));
+        self.publish_objects(arrived, detected);
+        self.trace.tell(watch.lap(Stage::ObjectTopics, 0));
+        self.publish_scene(summary, arrived, detected)?;
+        self.trace.tell(watch.lap(Stage::SceneTopic, 0));
+        self.trace
+            .worked(watch.span_since(&begin, Stage::Publishing, 0));
+        Ok(on_disk)
+    }
+
+    /// Takes over what the actors have found.
+    fn absorb(&mut self) {
         for view in self.newest_views.values_mut() {
             view.is_key_view = false;
         }
@@ -292,26 +303,13 @@ impl FrameLoop {
     }
 
     fn publish_objects(&mut self, arrived: &Arrived, detected: &Detected) {
-        let wants_views = self.ports.views.has_subscribers();
-        let wants_clouds = self.ports.clouds.has_subscribers();
-        for (sighting, observed) in &self.outcomes {
-            if wants_views && let Some(observed) = observed {
-                let tracks = self.table.tracks();
-                let track = tracks.iter().find(|track| track.id == sighting.track_id);
-                let mut header = scene_report::object_view(arrived, sighting, observed, track);
-                header.detection_location = detected.location;
-                say_unsent(self.ports.views.send_copy(header, &observed.descriptor));
-            }
-            if wants_clouds {
-                let indices = points_of(detected, sighting.candidate);
-                say_unsent(publish_cloud(
-                    &mut self.ports.clouds,
-                    arrived,
-                    sighting.track_id,
-                    indices,
-                ));
-            }
-        }
+        let Self {
+            ports,
+            table,
+            outcomes,
+            ..
+        } = self;
+        ports.publish_objects(arrived, detected, outcomes, table.tracks());
     }
 
     fn publish_scene(
@@ -394,39 +392,5 @@ impl FrameLoop {
             }
             DetectFailed::Lost(error) => tracing::error!("detection of frame {sequence}: {error}"),
         }
-    }
-}
-
-fn points_of(detected: &Detected, candidate: usize) -> &[u32] {
-    let candidate = detected.detection.candidates.get(candidate);
-    candidate.map_or(&[], |candidate| detected.detection.points_of(candidate))
-}
-
-fn publish_cloud(
-    clouds: &mut Publisher<ObjectCloud>,
-    arrived: &Arrived,
-    track_id: u64,
-    indices: &[u32],
-) -> Result<(), Error> {
-    let indices = &indices[..indices.len().min(ObjectCloud::MAX_ITEMS)];
-    let (header, points) = (arrived.frame.header(), arrived.frame.items());
-    let mut loan = clouds.loan(indices.len())?;
-    *loan.header_mut() = ObjectCloudHeader {
-        track_id,
-        session: header.session,
-        sequence: header.sequence,
-        capture_ns: header.capture_stamp_ns,
-        ..ObjectCloudHeader::default()
-    };
-    for (item, index) in loan.items_mut().iter_mut().zip(indices) {
-        *item = points[*index as usize];
-    }
-    clouds.send(loan)
-}
-
-/// A view that outsiders do not get is no reason to stop seeing.
-fn say_unsent(sent: Result<(), Error>) {
-    if let Err(error) = sent {
-        tracing::warn!("an object's view was not published: {error}");
     }
 }

@@ -12,12 +12,14 @@ mod detector;
 #[cfg(feature = "fault-injection")]
 mod fault;
 mod frame_loop;
+mod frame_trace;
 mod intake;
 mod key_view_outbox;
 mod learned;
 mod newest_view;
 mod object_actor;
 mod observation_round;
+mod ports;
 mod resting;
 mod run;
 mod scene_report;

@@ -5,10 +5,10 @@ use crate::intake::Arrived;
 use crate::learned::SharedLearned;
 use actor::{Actor, Flow, KeepLatest, Progress};
 use message::control::pack_cloud;
-use message::{ActorStamps, SegmentLocation, points};
+use message::{ActorStamps, SegmentLocation, Span, Stage, points};
 use pipeline::{Config, Error, Measured, ObjectState, ObjectTools, Observation, Posterior, Stages};
 use point_cloud::Point;
-use service::monotonic_ns;
+use service::Stopwatch;
 use std::sync::Arc;
 
 /// Tracks, describes and recognises one object.
@@ -33,6 +33,8 @@ pub(crate) struct Observe {
     pub(crate) detected: Arc<Detected>,
     /// The object's place in the detection.
     pub(crate) candidate: usize,
+    /// The object's track.
+    pub(crate) track_id: u64,
     /// What was measured.
     pub(crate) measured: Measured,
     /// Memory for the descriptor.
@@ -60,7 +62,17 @@ pub(crate) struct Observed {
     pub(crate) first_point_index: u32,
     /// When the view passed the actor; answered when the frame loop has it.
     pub(crate) stamps: ActorStamps,
+    /// What its stages cost, in the order of [`OBJECT_STAGES`].
+    pub(crate) spans: [Span; OBJECT_STAGES.len()],
 }
+
+/// What an actor does with a view.
+const OBJECT_STAGES: [Stage; 4] = [
+    Stage::Tracking,
+    Stage::Description,
+    Stage::Recognition,
+    Stage::KeyView,
+];
 
 impl Actor for ObjectActor {
     type Message = Observe;
@@ -80,7 +92,7 @@ impl Actor for ObjectActor {
     }
 
     fn handle(&mut self, message: Observe, _: &Progress) -> Result<Flow<Observed>, Error> {
-        let begun_ns = monotonic_ns();
+        let mut laps = Laps::start(message.track_id);
         #[cfg(feature = "fault-injection")]
         assert!(!message.is_to_panic, "a fault on purpose");
         let Observe {
@@ -103,10 +115,9 @@ impl Actor for ObjectActor {
             measured: &measured,
         };
         let learned = self.context.learned.get();
-        let mut described_ns = 0;
         let stages = Stages {
             descriptor: &mut descriptor,
-            on_described: &mut || described_ns = monotonic_ns(),
+            on_stage: &mut |_| laps.next(),
         };
         let posterior = self.state.observe_in_stages(
             &observation,
@@ -115,13 +126,13 @@ impl Actor for ObjectActor {
             &mut self.tools,
             stages,
         )?;
-        let recognised_ns = monotonic_ns();
         let packed_cloud = if posterior.is_key_view {
             let world_from_camera = arrived.circumstances().world_from_camera;
             pack_cloud(points_at(cloud, indices), &world_from_camera)
         } else {
             Vec::new()
         };
+        laps.next();
         Ok(Flow::Continue(Observed {
             posterior,
             descriptor,
@@ -129,18 +140,50 @@ impl Actor for ObjectActor {
             memory_sequence: learned.sequence,
             location: arrived.frame.location(),
             first_point_index: indices.first().copied().unwrap_or(0),
-            stamps: ActorStamps {
-                asked_ns,
-                begun_ns,
-                described_ns,
-                recognised_ns,
-                answered_ns: 0,
-            },
+            stamps: laps.stamps(asked_ns),
+            spans: laps.spans,
         }))
     }
 
     fn checkpoint(&self) -> ObjectState {
         self.state.clone()
+    }
+}
+
+/// The stages of one view, measured one after the other.
+struct Laps {
+    watch: Stopwatch,
+    track_id: u64,
+    n_ended: usize,
+    spans: [Span; OBJECT_STAGES.len()],
+}
+
+impl Laps {
+    fn start(track_id: u64) -> Self {
+        Self {
+            watch: Stopwatch::start(),
+            track_id,
+            n_ended: 0,
+            spans: [Span::default(); OBJECT_STAGES.len()],
+        }
+    }
+
+    fn next(&mut self) {
+        if let Some(stage) = OBJECT_STAGES.get(self.n_ended) {
+            self.spans[self.n_ended] = self.watch.lap(*stage, self.track_id);
+            self.n_ended += 1;
+        }
+    }
+
+    fn stamps(&self, asked_ns: u64) -> ActorStamps {
+        let [tracking, description, recognition, _] = &self.spans;
+        ActorStamps {
+            asked_ns,
+            begun_ns: tracking.begin_ns,
+            described_ns: description.end_ns,
+            recognised_ns: recognition.end_ns,
+            answered_ns: 0,
+        }
     }
 }
 

@@ -136,6 +136,7 @@ impl Actors {
             arrived: arrived.clone(),
             detected: detected.clone(),
             candidate: sighting.candidate,
+            track_id: sighting.track_id,
             measured: sighting.measured,
             descriptor: self.spare_descriptors.pop().unwrap_or_default(),
             asked_ns: monotonic_ns(),

@@ -6,8 +6,10 @@ use crate::source::{FrameInfo, FrameSize, Source};
 use crate::source_error::SourceError;
 use channel::topic::CameraCloud;
 use channel::{Loan, Publisher};
-use message::{FrameHeader, ProcessState, Text, WireTransform, frame_flag, points_mut};
-use service::{Context, Failure, exit_code, monotonic_ns, wall_clock_offset_ns};
+use message::{FrameHeader, ProcessState, Stage, Text, WireTransform, frame_flag, points_mut};
+use service::{
+    Context, Failure, Stopwatch, TracePublisher, exit_code, monotonic_ns, wall_clock_offset_ns,
+};
 use std::collections::BTreeSet;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -33,6 +35,7 @@ pub enum End {
 pub struct CaptureLoop {
     source: Box<dyn Source>,
     publisher: Publisher<CameraCloud>,
+    trace: TracePublisher,
     schedule: Option<Schedule>,
     lockstep: Option<Lockstep>,
     session: u64,
@@ -56,10 +59,11 @@ impl CaptureLoop {
         runtime: Handle,
     ) -> Result<Self, Failure> {
         let publisher = Publisher::new(&context.domain)?;
-        context
-            .health
-            .shared_memory_bytes
-            .store(publisher.reservation().bytes(), Ordering::Relaxed);
+        let trace = TracePublisher::new(&context.domain, context.process)?;
+        context.health.shared_memory_bytes.store(
+            publisher.reservation().bytes() + trace.reserved_bytes(),
+            Ordering::Relaxed,
+        );
         let start_ns = if is_lockstep {
             LOCKSTEP_START_NS
         } else {
@@ -76,6 +80,7 @@ impl CaptureLoop {
                 .map(|rate_hz| Schedule::new(start_ns, rate_hz)),
             source,
             publisher,
+            trace,
             lockstep,
             session: random_session(),
             sequence: 0,
@@ -123,15 +128,20 @@ impl CaptureLoop {
 
     /// Sends the next frame; false at the end of the recording.
     fn one_frame(&mut self) -> Result<bool, SourceError> {
+        let mut watch = Stopwatch::start();
         let Some(size) = self.source.prepare()? else {
             return Ok(false);
         };
         let (mut loan, mut info) = self.filled(size)?;
+        let making = watch.lap(Stage::Making, 0);
         if self.lockstep.is_some() {
             self.send_in_lockstep(loan, &info)?;
         } else {
             self.wait_until_due(&mut loan, &mut info)?;
-            self.send(loan, &info)?;
+            let waiting = watch.lap(Stage::ReleaseWait, 0);
+            let header = self.send(loan, &info)?;
+            let sending = watch.lap(Stage::Sending, 0);
+            self.trace.send(&header, &[making, waiting, sending]);
         }
         self.sequence += 1;
         Ok(true)
@@ -143,7 +153,11 @@ impl CaptureLoop {
         Ok((loan, info))
     }
 
-    fn send(&mut self, mut loan: Loan<CameraCloud>, info: &FrameInfo) -> Result<(), SourceError> {
+    fn send(
+        &mut self,
+        mut loan: Loan<CameraCloud>,
+        info: &FrameInfo,
+    ) -> Result<FrameHeader, SourceError> {
         let now_ns = monotonic_ns();
         let due_ns = self.schedule.map(|schedule| schedule.due_ns());
         let location = self.publisher.location(&loan);
@@ -171,7 +185,7 @@ impl CaptureLoop {
         if was_late {
             health.frames_late.fetch_add(1, Ordering::Relaxed);
         }
-        Ok(())
+        Ok(header)
     }
 
     /// Sends the frame until all followers have finished it. A repeated frame is

@@ -4,9 +4,9 @@ use bytemuck::AnyBitPattern;
 use iceoryx2::prelude::ZeroCopySend;
 use message::{
     ActorEvent, ArmState, CloudPoint, Counted, FrameDone, FrameHeader, Health, MAX_CAPSULES,
-    MAX_SCENE_OBJECTS, MAX_TRUE_OBJECTS, MaskPixel, MemoryChange, ObjectCloudHeader,
-    ObjectViewHeader, PersonBody, PlainHeader, SceneObject, SceneSummary, TrueObject, TruthHeader,
-    WireCapsule, service_name,
+    MAX_SCENE_OBJECTS, MAX_SPANS, MAX_TRUE_OBJECTS, MaskPixel, MemoryChange, ObjectCloudHeader,
+    ObjectViewHeader, PersonBody, PlainHeader, SceneObject, SceneSummary, Span, TraceHeader,
+    TrueObject, TruthHeader, WireCapsule, service_name,
 };
 use std::fmt::Debug;
 
@@ -133,6 +133,10 @@ topics! {
         Limits { publishers: 1, subscribers: 2, buffer: 2, borrowed: 2, history: 0, loaned: 2 } }
     /// Growth of the memory's history.
     MemoryChanged { MEMORY_CHANGE, PlainHeader, [MemoryChange; 1], DropOldest, STATE }
+    /// Where the time of frames goes. What nobody reads in time makes room and is
+    /// counted: measuring never makes a frame wait.
+    FrameTraces { TRACE, TraceHeader, [Span; MAX_SPANS], DropOldest,
+        Limits { publishers: 4, subscribers: 2, buffer: 32, borrowed: 2, history: 0, loaned: 2 } }
     /// Health of all processes.
     ProcessHealth { HEALTH, PlainHeader, [Health; 1], DropOldest,
         Limits { publishers: 12, subscribers: 6, buffer: 16, borrowed: 2, history: 1, loaned: 2 } }

@@ -14,6 +14,7 @@ use crate::prism::{OverTable, Prism, SeenRectangle, lowest_m};
 use crate::random::Random;
 use crate::samples::Samples;
 use crate::sensor_noise::depth_sigma_m;
+use crate::step::Step;
 use crate::support::find_supports;
 use crate::table_plane::{Table, TableBuffers, find_table};
 use crate::table_surface::TableSurface;
@@ -157,6 +158,21 @@ pub fn detect(
     workspace: &mut Workspace,
     detection: &mut Detection,
 ) -> Result<(), Error> {
+    detect_in_steps(frame, config, workspace, detection, &mut |_| {})
+}
+
+/// Like [`detect`], and tells when a step is over: who has a clock may read it. In a
+/// cloud without a grid, and without a table, not all steps are taken.
+///
+/// # Errors
+/// As for [`detect`].
+pub fn detect_in_steps(
+    frame: &Frame<'_>,
+    config: &Config,
+    workspace: &mut Workspace,
+    detection: &mut Detection,
+    on_step: &mut dyn FnMut(Step),
+) -> Result<(), Error> {
     workspace.table.recycle(detection.table.take());
     detection.candidates.clear();
     detection.point_indices.clear();
@@ -167,21 +183,33 @@ pub fn detect(
         return Ok(());
     }
     let raw = config.get();
-    if let Some(table) = find_surface(frame, raw, workspace) {
+    if let Some(table) = find_surface(frame, raw, workspace, on_step) {
         list_over(&frame.cloud, &table, raw, workspace);
+        on_step(Step::Prism);
         join(frame, &table, raw, workspace);
+        on_step(Step::Clusters);
         split_piles(&frame.cloud, &table, workspace);
+        on_step(Step::Piles);
         regroup_tracked(frame, workspace);
+        on_step(Step::Regrouping);
         grow_feet(&frame.cloud, &table, workspace);
+        on_step(Step::Feet);
         find_bodies(&frame.cloud, &table, raw, workspace);
+        on_step(Step::Boxes);
         write(frame, &table, config, workspace, detection);
         detection.table = Some(table);
+        on_step(Step::Judging);
     }
     Ok(())
 }
 
 /// The table of a frame, its cells and its outline.
-fn find_surface(frame: &Frame<'_>, config: &RawConfig, workspace: &mut Workspace) -> Option<Table> {
+fn find_surface(
+    frame: &Frame<'_>,
+    config: &RawConfig,
+    workspace: &mut Workspace,
+    on_step: &mut dyn FnMut(Step),
+) -> Option<Table> {
     let Workspace {
         samples,
         table: buffers,
@@ -191,13 +219,17 @@ fn find_surface(frame: &Frame<'_>, config: &RawConfig, workspace: &mut Workspace
         ..
     } = workspace;
     samples.refill(&frame.cloud, config);
+    on_step(Step::Samples);
     let mut random = Random::from_seed(frame.seed);
-    let mut table = find_table(samples, frame.up_in_camera, config, &mut random, buffers)?;
+    let table = find_table(samples, frame.up_in_camera, config, &mut random, buffers);
+    on_step(Step::TablePlane);
+    let mut table = table?;
     surface.refill(&table, samples);
     if surface.has_holes() {
         std::mem::swap(&mut table.outline, hull);
         table.outline.trace(surface, hull, lattice);
     }
+    on_step(Step::TableSurface);
     Some(table)
 }
 

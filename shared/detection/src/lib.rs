@@ -31,6 +31,7 @@ mod prism;
 mod random;
 mod samples;
 mod sensor_noise;
+mod step;
 mod support;
 mod table_plane;
 mod table_region;
@@ -44,8 +45,11 @@ pub use constraint::{
     Assumption, Assumptions, Constraint, ConstraintSet, Expression, Finding, Findings,
     InvalidExpression, Reason, Truth,
 };
-pub use detect::{Detection, ExpectedTrack, Frame, Surroundings, Workspace, detect};
+pub use detect::{
+    Detection, ExpectedTrack, Frame, Surroundings, Workspace, detect, detect_in_steps,
+};
 pub use error::Error;
 pub use outline::Outline;
 pub use sensor_noise::kinect_depth_sigma_m;
+pub use step::Step;
 pub use table_plane::{Table, TableChoice};

@@ -2,7 +2,7 @@
 
 use crate::{
     ArmState, FrameHeader, ObjectCloudHeader, ObjectViewHeader, PersonBody, SceneSummary,
-    TruthHeader,
+    TraceHeader, TruthHeader,
 };
 use bytemuck::AnyBitPattern;
 use iceoryx2::prelude::ZeroCopySend;
@@ -47,5 +47,6 @@ counted!(
     ObjectCloudHeader,
     ArmState,
     PersonBody,
+    TraceHeader,
     TruthHeader
 );

@@ -23,7 +23,9 @@ mod pose;
 mod robot;
 mod scene;
 pub mod service_name;
+mod stage;
 mod text;
+mod trace;
 mod truth;
 
 pub use actor_event::{ActorEvent, ActorEventKind};
@@ -40,7 +42,9 @@ pub use robot::{ARM_JOINTS, ArmActivity, ArmState, MAX_CAPSULES, PersonBody, Wir
 pub use scene::{
     ActorStamps, MAX_SCENE_OBJECTS, SceneObject, SceneSummary, StageStamps, TrackState,
 };
+pub use stage::{Place, Stage};
 pub use text::Text;
+pub use trace::{MAX_SPANS, Span, TraceHeader};
 pub use truth::{MAX_TRUE_OBJECTS, MaskPixel, TrueObject, TrueState, TruthHeader};
 
 /// Version of the types in this crate, written into their headers. A type's name

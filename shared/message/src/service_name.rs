@@ -18,6 +18,9 @@ pub const ACTOR_EVENT: &str = "actor/event";
 pub const MEMORY_CHANGE: &str = "memory/change";
 /// State and counters of each process: [`Health`](crate::Health).
 pub const HEALTH: &str = "health";
+/// Where the time of frames goes: [`TraceHeader`](crate::TraceHeader) and
+/// [`Span`](crate::Span)s.
+pub const TRACE: &str = "trace";
 /// State of the arm: [`ArmState`](crate::ArmState) and the capsules of its links.
 pub const ARM_STATE: &str = "arm/state";
 /// Where people are: [`PersonBody`](crate::PersonBody) and the capsules of their bodies.

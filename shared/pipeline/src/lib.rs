@@ -28,6 +28,6 @@ mod track_table;
 pub use config::{Config, DESCRIPTOR_KIND, calibration, category_index};
 pub use error::Error;
 pub use frame::{Frame, Measured};
-pub use object::{ObjectState, ObjectTools, Observation, Posterior, Stages};
+pub use object::{ObjectState, ObjectTools, Observation, Posterior, Stage, Stages};
 pub use track::Track;
 pub use track_table::{Sighting, Step, TrackTable};

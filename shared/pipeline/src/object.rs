@@ -76,12 +76,23 @@ pub struct Posterior {
     pub n_key_views: u32,
 }
 
+/// A stage that a view has behind it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stage {
+    /// The motion filter has taken the measurement.
+    Tracked,
+    /// The points are described.
+    Described,
+    /// The description was compared with what was taught.
+    Recognised,
+}
+
 /// What becomes of a view while it is observed.
 pub struct Stages<'a> {
     /// Becomes the first reading's descriptor, which is the one to be stored.
     pub descriptor: &'a mut Vec<f32>,
-    /// Called between describing and recognising: who has a clock may read it.
-    pub on_described: &'a mut dyn FnMut(),
+    /// Called at the end of a stage: who has a clock may read it.
+    pub on_stage: &'a mut dyn FnMut(Stage),
 }
 
 impl ObjectState {
@@ -102,10 +113,10 @@ impl ObjectState {
         tools: &mut ObjectTools,
         descriptor: &mut Vec<f32>,
     ) -> Result<Posterior, Error> {
-        let on_described = &mut || {};
+        let on_stage = &mut |_| {};
         let stages = Stages {
             descriptor,
-            on_described,
+            on_stage,
         };
         self.observe_in_stages(observation, taught, config, tools, stages)
     }
@@ -124,7 +135,7 @@ impl ObjectState {
     ) -> Result<Posterior, Error> {
         let Stages {
             descriptor,
-            on_described,
+            on_stage,
         } = stages;
         let Observation {
             cloud,
@@ -142,12 +153,14 @@ impl ObjectState {
             None => Ok(MotionFilter::start(&measured.measurement, config.motion())),
         }
         .map_err(Error::Tracking)?;
+        on_stage(Stage::Tracked);
         let points = ObjectPoints::selected(cloud, indices).map_err(Error::Description)?;
         let readings = describe(points, measured, &mut tools.appearance)?;
-        on_described();
+        on_stage(Stage::Described);
         let answer = taught
             .recognise_any(readings, config.unknown_rule())
             .map_err(Error::Learning)?;
+        on_stage(Stage::Recognised);
         descriptor.clone_from(&readings[0]);
         let pose = pose_that_tells(&filter.box_in_world());
         let is_whole = !measured.is_cut && filter.completeness() >= WHOLE_SHARE;

@@ -2,12 +2,19 @@
 #![expect(unsafe_code, reason = "a global allocator is an unsafe trait")]
 
 use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 static N_ALLOCATIONS: AtomicU64 = AtomicU64::new(0);
 static N_BYTES: AtomicU64 = AtomicU64::new(0);
 
-/// The system's allocator with two counters, which every process reports in its
+thread_local! {
+    /// Allocations and bytes of this thread. Without a destructor and without a lazy
+    /// beginning, so that counting never allocates.
+    static OF_THREAD: Cell<(u64, u64)> = const { Cell::new((0, 0)) };
+}
+
+/// The system's allocator with counters, which every process reports in its
 /// health: steady state must not allocate per frame, and the field must see it
 /// when it does. Two relaxed additions cost less than the allocation's own lock.
 #[derive(Debug)]
@@ -21,11 +28,18 @@ impl CountingAllocator {
             N_BYTES.load(Ordering::Relaxed),
         )
     }
+
+    /// Allocations and bytes that this thread has requested since its start.
+    pub fn counts_of_thread() -> (u64, u64) {
+        OF_THREAD.get()
+    }
 }
 
 fn count(n_bytes: usize) {
     N_ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
     N_BYTES.fetch_add(n_bytes as u64, Ordering::Relaxed);
+    let (n_allocations, n_thread_bytes) = OF_THREAD.get();
+    OF_THREAD.set((n_allocations + 1, n_thread_bytes + n_bytes as u64));
 }
 
 // SAFETY: every method hands its arguments unchanged to the system's allocator,

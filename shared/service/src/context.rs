@@ -2,11 +2,14 @@
 
 use crate::{ConfigFile, HealthBoard, Home, Shutdown};
 use channel::Domain;
+use message::ProcessKind;
 use std::sync::Arc;
 
 /// Everything a process needs from its surroundings.
 #[derive(Debug, Clone)]
 pub struct Context {
+    /// Which process it is.
+    pub process: ProcessKind,
     /// Membership in the domain.
     pub domain: Domain,
     /// Folder of lasting data.

@@ -18,6 +18,9 @@ mod home;
 mod log;
 mod run;
 mod shutdown;
+mod stopwatch;
+mod thread_usage;
+mod trace_publisher;
 
 pub use allocation_count::CountingAllocator;
 pub use arguments::{CommonArguments, ProcessArguments};
@@ -29,3 +32,6 @@ pub use health_board::HealthBoard;
 pub use home::Home;
 pub use run::run;
 pub use shutdown::Shutdown;
+pub use stopwatch::Stopwatch;
+pub use thread_usage::ThreadUsage;
+pub use trace_publisher::TracePublisher;

@@ -102,6 +102,7 @@ fn live<F: Future<Output = Result<(), Failure>>>(
         let reporter = Reporter::new(&domain, process, health.clone())?;
         let reporter = tokio::spawn(reporter.run(shutdown.clone()));
         let outcome = body(Context {
+            process,
             domain,
             home,
             config,

@@ -1,0 +1,95 @@
+//! What perception publishes.
+
+use crate::detector::Detected;
+use crate::intake::Arrived;
+use crate::observation_round::Outcome;
+use crate::scene_report;
+use channel::topic::{FrameFinished, ObjectCloud, ObjectView, Scene, Topic};
+use channel::{Domain, Error, Publisher};
+use message::ObjectCloudHeader;
+use pipeline::Track;
+
+/// The publishers of the frame loop.
+pub(crate) struct Ports {
+    pub(crate) scene: Publisher<Scene>,
+    views: Publisher<ObjectView>,
+    clouds: Publisher<ObjectCloud>,
+    pub(crate) finished: Publisher<FrameFinished>,
+}
+
+impl Ports {
+    pub(crate) fn new(domain: &Domain) -> Result<Self, Error> {
+        Ok(Self {
+            scene: Publisher::new(domain)?,
+            views: Publisher::new(domain)?,
+            clouds: Publisher::new(domain)?,
+            finished: Publisher::new(domain)?,
+        })
+    }
+
+    pub(crate) fn reserved_bytes(&self) -> u64 {
+        self.scene.reservation().bytes()
+            + self.views.reservation().bytes()
+            + self.clouds.reservation().bytes()
+            + self.finished.reservation().bytes()
+    }
+
+    /// Views and clouds of the objects, for those who subscribe.
+    pub(crate) fn publish_objects(
+        &mut self,
+        arrived: &Arrived,
+        detected: &Detected,
+        outcomes: &[Outcome],
+        tracks: &[Track],
+    ) {
+        let wants_views = self.views.has_subscribers();
+        let wants_clouds = self.clouds.has_subscribers();
+        for (sighting, observed) in outcomes {
+            if wants_views && let Some(observed) = observed {
+                let track = tracks.iter().find(|track| track.id == sighting.track_id);
+                let mut header = scene_report::object_view(arrived, sighting, observed, track);
+                header.detection_location = detected.location;
+                say_unsent(self.views.send_copy(header, &observed.descriptor));
+            }
+            if wants_clouds {
+                let indices = points_of(detected, sighting.candidate);
+                let clouds = &mut self.clouds;
+                say_unsent(publish_cloud(clouds, arrived, sighting.track_id, indices));
+            }
+        }
+    }
+}
+
+fn points_of(detected: &Detected, candidate: usize) -> &[u32] {
+    let candidate = detected.detection.candidates.get(candidate);
+    candidate.map_or(&[], |candidate| detected.detection.points_of(candidate))
+}
+
+fn publish_cloud(
+    clouds: &mut Publisher<ObjectCloud>,
+    arrived: &Arrived,
+    track_id: u64,
+    indices: &[u32],
+) -> Result<(), Error> {
+    let indices = &indices[..indices.len().min(ObjectCloud::MAX_ITEMS)];
+    let (header, points) = (arrived.frame.header(), arrived.frame.items());
+    let mut loan = clouds.loan(indices.len())?;
+    *loan.header_mut() = ObjectCloudHeader {
+        track_id,
+        session: header.session,
+        sequence: header.sequence,
+        capture_ns: header.capture_stamp_ns,
+        ..ObjectCloudHeader::default()
+    };
+    for (item, index) in loan.items_mut().iter_mut().zip(indices) {
+        *item = points[*index as usize];
+    }
+    clouds.send(loan)
+}
+
+/// A view that outsiders do not get is no reason to stop seeing.
+fn say_unsent(sent: Result<(), Error>) {
+    if let Err(error) = sent {
+        tracing::warn!("an object's view was not published: {error}");
+    }
+}
