@@ -21,13 +21,25 @@ const LAYERS: [&[&str]; 11] = [
     &["channel", "store", "freenect"],
     &["actor"],
     &["service", "evaluation"],
-    &["capture", "memory-control"],
-    &["camera", "simulator", "perception", "memory", "tabula"],
+    &[
+        "capture",
+        "memory-control",
+        "command-line",
+        "latency-report",
+    ],
+    &[
+        "camera",
+        "simulator",
+        "perception",
+        "memory",
+        "latency",
+        "tabula",
+    ],
     &["tests"],
 ];
 
 /// Foreign libraries and the only crates that may name them.
-const OWNERS: [(&str, &[&str]); 12] = [
+const OWNERS: [(&str, &[&str]); 14] = [
     ("iceoryx2", &["channel", "message"]),
     ("iceoryx2-log", &["channel"]),
     ("rusty-leveldb", &["store"]),
@@ -37,6 +49,8 @@ const OWNERS: [(&str, &[&str]); 12] = [
     ("indicatif", &["tabula"]),
     ("plotters", &["evaluation"]),
     ("ciborium", &["channel", "store"]),
+    ("hdrhistogram", &["latency-report"]),
+    ("libc", &["service"]),
     ("sd-notify", &["service"]),
     ("tracing-subscriber", &["service"]),
     (
@@ -47,6 +61,7 @@ const OWNERS: [(&str, &[&str]); 12] = [
             "service",
             "capture",
             "memory-control",
+            "command-line",
             "camera",
             "simulator",
             "perception",

@@ -6,7 +6,7 @@ use crate::observation_round::Outcome;
 use channel::topic::{FrameTraces, Topic};
 use channel::{Domain, Error};
 use message::{ProcessKind, Span, Stage};
-use service::{TracePublisher, monotonic_ns};
+use service::{Stopwatch, TracePublisher, monotonic_ns};
 
 /// Gathers the spans of one frame and publishes them with it.
 ///
@@ -15,6 +15,8 @@ use service::{TracePublisher, monotonic_ns};
 pub(crate) struct FrameTrace {
     publisher: TracePublisher,
     spans: Vec<Span>,
+    /// What telling of the frame before has cost.
+    telling: Option<Span>,
     /// Where the chain has come to.
     at_ns: u64,
 }
@@ -24,6 +26,7 @@ impl FrameTrace {
         Ok(Self {
             publisher: TracePublisher::new(domain, ProcessKind::Perception)?,
             spans: Vec::with_capacity(FrameTraces::MAX_ITEMS),
+            telling: None,
             at_ns: 0,
         })
     }
@@ -37,6 +40,7 @@ impl FrameTrace {
     pub(crate) fn begin(&mut self, arrived: &Arrived) {
         let header = arrived.frame.header();
         self.spans.clear();
+        self.spans.extend(self.telling.take());
         self.at_ns = header.scheduled_stamp_ns;
         self.waited(Stage::Source, header.published_stamp_ns);
         self.waited(Stage::Transport, arrived.received_ns);
@@ -100,6 +104,8 @@ impl FrameTrace {
 
     /// Publishes the frame's spans.
     pub(crate) fn send(&mut self, arrived: &Arrived) {
+        let mut watch = Stopwatch::start();
         self.publisher.send(arrived.frame.header(), &self.spans);
+        self.telling = Some(watch.lap(Stage::Telling, 0));
     }
 }

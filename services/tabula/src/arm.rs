@@ -2,7 +2,7 @@
 
 use crate::arguments::{ArmMove, ArmVerb};
 use crate::objects::{call, connect};
-use crate::output::Output;
+use command_line::Output;
 use message::control::{ArmCommand, ArmReport, Command, Reply};
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use service::{CommonArguments, Failure, exit_code};

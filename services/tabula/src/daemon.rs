@@ -3,10 +3,10 @@
 use crate::arguments::RunArguments;
 use crate::child::{self, Child};
 use crate::objects::{call, connect};
-use crate::output::Output;
 use crate::sensor::Sensor;
-use crate::stop_signal::StopSignal;
 use channel::{Domain, Role, RunFolder};
+use command_line::Output;
+use command_line::StopSignal;
 use message::ProcessKind;
 use message::control::{Command, Reply};
 use serde::Serialize;

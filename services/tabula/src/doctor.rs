@@ -2,7 +2,7 @@
 
 mod checks;
 
-use crate::output::Output;
+use command_line::Output;
 use serde::Serialize;
 use service::{CommonArguments, exit_code};
 use std::process::ExitCode;

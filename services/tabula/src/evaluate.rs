@@ -17,7 +17,7 @@ mod variant;
 mod whole_file;
 
 use crate::arguments::EvaluateVerb;
-use crate::output::Output;
+use command_line::Output;
 use service::{Failure, exit_code};
 use std::process::ExitCode;
 

@@ -3,8 +3,8 @@
 use crate::learn::mutation_id;
 use crate::memory_access::MemoryAccess;
 use crate::objects::unexpected;
-use crate::output::Output;
 use crate::simulate::progress;
+use command_line::Output;
 use message::control::{
     ImportReport, JobCommand, JobKind, JobOutcome, JobReport, MAX_MESSAGE_BYTES, Reply,
 };

@@ -4,9 +4,9 @@ use crate::arguments::{KnowledgeVerb, PutArguments};
 use crate::learn::{author_or_user, mutation_id};
 use crate::memory_access::MemoryAccess;
 use crate::objects::unexpected;
-use crate::output::Output;
-use crate::table::table;
 use crate::time::utc;
+use command_line::Output;
+use command_line::table;
 use message::control::{
     Command, DocumentKind, DocumentName, DocumentReport, LearningReport, MemoryAnswer, MemoryQuery,
     Reply, Revision, RevisionChange,

@@ -2,8 +2,8 @@
 
 use crate::arguments::{ForgetArguments, LabelArguments};
 use crate::objects::{call, connect, unexpected};
-use crate::output::Output;
-use crate::table::table;
+use command_line::Output;
+use command_line::table;
 use message::control::{
     CategoryReport, Command, Labelling, LearningReport, MutationId, Reply, Revision,
     RevisionChange, ViewId,

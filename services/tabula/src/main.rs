@@ -13,18 +13,15 @@ mod learn_folder;
 mod memory;
 mod memory_access;
 mod objects;
-mod output;
 mod sensor;
 mod simulate;
-mod stop_signal;
-mod table;
 mod time;
 mod world;
 
 use arguments::{Arguments, Verb};
 use clap::Parser;
+use command_line::Output;
 use message::control::RevisionChange;
-use output::Output;
 use service::Failure;
 use std::process::ExitCode;
 

@@ -5,7 +5,7 @@ mod inspect;
 mod upkeep;
 
 use crate::arguments::MemoryVerb;
-use crate::output::Output;
+use command_line::Output;
 use service::{CommonArguments, Failure};
 use std::process::ExitCode;
 

@@ -1,8 +1,8 @@
 //! The memory, through the daemon or, when none runs, opened here.
 
 use crate::objects::{call, connect, refused, unexpected};
-use crate::output::Output;
 use channel::control::SocketClient;
+use command_line::Output;
 use memory_control::{MemoryDesk, MemoryDeskConfig};
 use message::control::{Command, JobCommand, JobKind, JobOutcome, JobReport, Reply};
 use service::{CommonArguments, Failure, exit_code, wall_clock_ns};

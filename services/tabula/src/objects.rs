@@ -1,10 +1,10 @@
 //! Showing what the daemon sees and how it is.
 
-use crate::output::{Output, redraw};
-use crate::stop_signal::StopSignal;
-use crate::table::table;
 use channel::RunFolder;
 use channel::control::{CallError, SocketClient};
+use command_line::StopSignal;
+use command_line::table;
+use command_line::{Output, redraw};
 use message::control::{
     Command, IgnoredReport, ObjectReport, ObjectsReport, Refusal, RefusalKind, Reply,
 };

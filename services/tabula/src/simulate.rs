@@ -6,7 +6,7 @@ mod record_views;
 mod sensor_plot;
 
 use crate::arguments::SimulateVerb;
-use crate::output::Output;
+use command_line::Output;
 use serde::Serialize;
 use service::{Failure, exit_code};
 use std::process::ExitCode;

@@ -2,10 +2,10 @@
 
 use crate::arguments::{EventsArguments, HistoryArguments, Point, Time, WorldVerb};
 use crate::objects::{call, connect, metres, unexpected};
-use crate::output::Output;
-use crate::stop_signal::StopSignal;
-use crate::table::table;
 use channel::control::SocketClient;
+use command_line::Output;
+use command_line::StopSignal;
+use command_line::table;
 use message::control::{
     Command, EventReport, EventsReport, FactFilter, FactReport, FactsReport, Reply, TaskReport,
     TasksReport, WorldCommand, WorldObjectReport, WorldRegion, WorldReply, WorldReport,

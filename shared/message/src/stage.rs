@@ -114,6 +114,8 @@ stages! {
     ObjectTopics = 71, "object_topics", Place::Within(Stage::Publishing);
     /// The scene with all labels.
     SceneTopic = 72, "scene_topic", Place::Within(Stage::Publishing);
+    /// The spans of the frame before were published: what measuring costs.
+    Telling = 73, "telling", Place::Beside;
     /// From the published label to another process having it.
     LabelHop = 90, "label_hop", Place::Beside;
     /// The scene waits until the working memory looks at it, a few times a second.

@@ -17,6 +17,8 @@ pub mod exit_code {
     pub const TIMED_OUT: u8 = 5;
     /// Another daemon runs in the domain.
     pub const ALREADY_RUNNING: u8 = 6;
+    /// Something measured is over its budget.
+    pub const OVER_BUDGET: u8 = 7;
 }
 
 /// A sentence for people and an exit code for scripts.

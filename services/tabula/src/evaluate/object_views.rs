@@ -2,8 +2,8 @@
 
 use super::variant::{Describer, Method, Readings};
 use super::{failed, parallel};
-use crate::output::Output;
 use crate::simulate::progress;
+use command_line::Output;
 use dataset::object_views::{ObjectView, ObjectViews, ViewFile};
 use description::ObjectPoints;
 use evaluation::recogniser::LabelledView;

@@ -3,7 +3,7 @@
 use super::detection::{SceneResult, Skipped};
 use super::document::{Document, Halves, Part, Scores};
 use crate::arguments::DetectionArguments;
-use crate::table::table;
+use command_line::table;
 use evaluation::score_page::{PicturedScene, ScoreLine, ScoreTable, html};
 use evaluation::segmentation_score::{MEASURE_NAMES, SegmentationScore};
 

@@ -7,7 +7,7 @@ mod settings;
 
 use super::object_views::{Catalogue, ViewTable};
 use crate::arguments::DescriptionArguments;
-use crate::output::Output;
+use command_line::Output;
 use evaluation::recogniser::Recogniser;
 use service::Failure;
 use std::path::Path;

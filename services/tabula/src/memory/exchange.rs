@@ -5,8 +5,8 @@ use crate::importing::{Import, import as import_file};
 use crate::learn::author_or_user;
 use crate::memory_access::MemoryAccess;
 use crate::objects::unexpected;
-use crate::output::Output;
 use crate::simulate::progress;
+use command_line::Output;
 use message::control::{
     Command, ExportReport, ImportReport, JobCommand, JobKind, JobOutcome, Reply,
 };

@@ -3,9 +3,9 @@
 use crate::arguments::{EntriesArguments, InspectArguments};
 use crate::memory_access::MemoryAccess;
 use crate::objects::unexpected;
-use crate::output::Output;
-use crate::table::table;
 use crate::time::utc;
+use command_line::Output;
+use command_line::table;
 use message::control::{
     Command, HistoryReport, MemoryAnswer, MemoryQuery, MemoryStats, Reply, ViewReport,
 };

@@ -3,8 +3,8 @@
 use crate::arguments::CompactArguments;
 use crate::memory_access::{MemoryAccess, daemon, local_folder};
 use crate::objects::unexpected;
-use crate::output::Output;
 use crate::simulate::progress;
+use command_line::Output;
 use message::control::{JobKind, JobOutcome, Reply, VerificationReport};
 use service::{CommonArguments, Failure, exit_code};
 use std::process::ExitCode;

@@ -1,6 +1,6 @@
 //! A bar that shows how far a long run has come.
 
-use crate::output::Output;
+use command_line::Output;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// A bar on standard error for people at a terminal; nothing for scripts.

@@ -2,7 +2,7 @@
 
 use super::{failed, progress, usage};
 use crate::arguments::SceneArguments;
-use crate::output::Output;
+use command_line::Output;
 use crossbeam::channel::{Receiver, Sender, bounded};
 use dataset::rgbd_sequence::{FrameView, SequenceWriter};
 use geometry::{PinholeCamera, RigidTransform};

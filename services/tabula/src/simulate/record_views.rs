@@ -2,7 +2,7 @@
 
 use super::{failed, progress, usage};
 use crate::arguments::ViewsArguments;
-use crate::output::Output;
+use command_line::Output;
 use dataset::washington::{CAMERA, View, ViewName, write_view};
 use indicatif::ProgressBar;
 use serde::Serialize;

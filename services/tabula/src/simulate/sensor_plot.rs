@@ -1,7 +1,7 @@
 //! `tabula simulate sensor`: the simulated Kinect's noise beside the published law.
 
 use super::{failed, progress};
-use crate::output::Output;
+use command_line::Output;
 use evaluation::sensor_error;
 use serde::Serialize;
 use service::Failure;

@@ -1,7 +1,7 @@
 //! The figures of `tabula evaluate ablation` for people.
 
 use super::document::{Document, Interval, VariantFigures};
-use crate::table::table;
+use command_line::table;
 use evaluation::figure_page::{PageFigure, PageTable, html};
 use evaluation::interval_figure::IntervalRow;
 

@@ -4,7 +4,7 @@ use crate::arguments::{CrossValidationArguments, ViewProtocol};
 use crate::evaluate::object_views::ViewTable;
 use crate::evaluate::scene_views::{self, SceneViews};
 use crate::evaluate::variant::{Learner, Method, described};
-use crate::output::Output;
+use command_line::Output;
 use evaluation::cross_validation::{Dealing, Folds};
 use evaluation::recogniser::LabelledView;
 use service::{Failure, exit_code};

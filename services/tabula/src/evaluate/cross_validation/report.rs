@@ -4,7 +4,7 @@ use super::document::{CategoryFigures, Document};
 use super::material::Material;
 use super::scene_figures::SceneFigures;
 use crate::evaluate::open_set::OpenSet;
-use crate::table::table;
+use command_line::table;
 use evaluation::figure_page::{PageFigure, PageTable, html};
 
 /// Heads of the columns; the last two only of scenes.

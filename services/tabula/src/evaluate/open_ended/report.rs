@@ -2,7 +2,7 @@
 
 use super::super::open_set::OpenSet;
 use super::document::{Document, Figures, RunFigures};
-use crate::table::table;
+use command_line::table;
 use evaluation::figure_page::{PageFigure, PageTable, html};
 
 /// Heads of the columns.

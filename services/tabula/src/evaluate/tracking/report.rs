@@ -1,7 +1,7 @@
 //! The figures of `tabula evaluate tracking` for people.
 
 use super::document::{Document, Figures, Percentiles, SeedFigures};
-use crate::table::table;
+use command_line::table;
 use evaluation::figure_page::{PageFigure, PageTable, html};
 
 /// Heads of the columns.

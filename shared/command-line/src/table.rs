@@ -1,7 +1,7 @@
 //! Tables of text.
 
 /// A table with a heading and columns as wide as their widest cell.
-pub(crate) fn table(heading: &[&str], rows: &[Vec<String>]) -> String {
+pub fn table(heading: &[&str], rows: &[Vec<String>]) -> String {
     let width = |column: usize| {
         let cells = rows
             .iter()

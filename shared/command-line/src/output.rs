@@ -7,7 +7,7 @@ use std::io::{IsTerminal, Write};
 
 /// Where answers go: text, or one JSON document on standard output.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Output {
+pub struct Output {
     json: bool,
 }
 
@@ -18,17 +18,17 @@ struct ErrorDocument<'a> {
 }
 
 impl Output {
-    pub(crate) fn new(json: bool) -> Self {
+    pub fn new(json: bool) -> Self {
         Self { json }
     }
 
     /// Whether JSON is wanted.
-    pub(crate) fn is_json(self) -> bool {
+    pub fn is_json(self) -> bool {
         self.json
     }
 
     /// Prints an answer: the document, or its text.
-    pub(crate) fn answer(self, document: &impl Serialize, text: impl FnOnce() -> String) {
+    pub fn answer(self, document: &impl Serialize, text: impl FnOnce() -> String) {
         if !self.json {
             print(&text());
             return;
@@ -40,14 +40,14 @@ impl Output {
     }
 
     /// Prints a line for people, which scripts do not get.
-    pub(crate) fn say(self, text: &str) {
+    pub fn say(self, text: &str) {
         if !self.json {
             print(text);
         }
     }
 
     /// Prints what happens meanwhile: for scripts on standard error, where the log is.
-    pub(crate) fn tell(self, text: &str) {
+    pub fn tell(self, text: &str) {
         if self.json {
             eprintln!("tabula: {text}");
         } else {
@@ -56,7 +56,7 @@ impl Output {
     }
 
     /// Prints why a command failed: on standard error, for scripts also as document.
-    pub(crate) fn failure(self, failure: &Failure) {
+    pub fn failure(self, failure: &Failure) {
         eprintln!("tabula: {failure}");
         if self.json {
             let document = ErrorDocument {
@@ -69,7 +69,7 @@ impl Output {
 }
 
 /// Replaces what is on the terminal; elsewhere the text is appended.
-pub(crate) fn redraw(text: &str) {
+pub fn redraw(text: &str) {
     if std::io::stdout().is_terminal() {
         // Home, then clear to the end of each line and of the screen: no flicker.
         let lines = text.replace('\n', "\x1b[K\n");

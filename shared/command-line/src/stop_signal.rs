@@ -7,11 +7,11 @@ use tokio::signal::unix::{SignalKind, signal};
 
 /// Raised by SIGINT, SIGTERM or SIGHUP; sleeping ends when it is raised.
 #[derive(Debug, Clone)]
-pub(crate) struct StopSignal(Arc<(Mutex<bool>, Condvar)>);
+pub struct StopSignal(Arc<(Mutex<bool>, Condvar)>);
 
 impl StopSignal {
     /// Takes over the signals, on a thread of its own.
-    pub(crate) fn install() -> Result<Self, Failure> {
+    pub fn install() -> Result<Self, Failure> {
         let failed = |error| {
             Failure::new(
                 exit_code::FAILURE,
@@ -43,12 +43,12 @@ impl StopSignal {
     }
 
     /// Whether the signal was raised.
-    pub(crate) fn is_raised(&self) -> bool {
+    pub fn is_raised(&self) -> bool {
         *self.0.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Sleeps for a while, less when the signal is raised.
-    pub(crate) fn sleep(&self, time: Duration) {
+    pub fn sleep(&self, time: Duration) {
         let (raised, condition) = &*self.0;
         let guard = raised.lock().unwrap_or_else(PoisonError::into_inner);
         let _ = condition.wait_timeout_while(guard, time, |raised| !*raised);

@@ -1,0 +1,13 @@
+//! What the programs for people share: answers as text or JSON, tables, and being
+//! asked to stop.
+//!
+//! A program prints through one [`Output`] only: answers on standard output, what
+//! happens meanwhile where it disturbs no script.
+
+mod output;
+mod stop_signal;
+mod table;
+
+pub use output::{Output, redraw};
+pub use stop_signal::StopSignal;
+pub use table::table;

@@ -1,0 +1,65 @@
+//! A run in parts, to tell chance from change.
+
+use crate::percentiles::Percentiles;
+use serde::{Deserialize, Serialize};
+
+/// Parts that a run is cut into.
+pub(crate) const N_BATCHES: usize = 20;
+
+/// A duration and the frame it belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Sample {
+    pub(crate) frame: u32,
+    pub(crate) ns: u64,
+}
+
+/// Percentiles of one part of a run, milliseconds.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Batch {
+    /// Half are not longer.
+    pub p50: f64,
+    /// 9 of 10 are not longer.
+    pub p90: f64,
+    /// 99 of 100 are not longer.
+    pub p99: f64,
+}
+
+/// Cuts the samples of `n_frames` frames into parts of as many frames each; those
+/// without a sample are left out.
+pub(crate) fn batches(samples: &[Sample], n_frames: usize) -> Vec<Batch> {
+    let mut parts = vec![Vec::new(); N_BATCHES];
+    for sample in samples {
+        let part = sample.frame as usize * N_BATCHES / n_frames.max(1);
+        if let Some(part) = parts.get_mut(part) {
+            part.push(sample.ns);
+        }
+    }
+    parts
+        .iter_mut()
+        .filter(|part| !part.is_empty())
+        .map(|part| {
+            let Percentiles { p50, p90, p99, .. } = Percentiles::of(part);
+            Batch { p50, p90, p99 }
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_hold_as_many_frames_each() {
+        let sample = |frame: u32| Sample {
+            frame,
+            ns: u64::from(frame / 5) * 1_000_000,
+        };
+        let samples: Vec<_> = (0..100).map(sample).collect();
+        let parts = batches(&samples, 100);
+        assert_eq!(parts.len(), N_BATCHES);
+        for (i, part) in parts.iter().enumerate() {
+            assert_eq!(part.p50, i as f64);
+        }
+        assert!(batches(&[], 100).is_empty());
+    }
+}

@@ -1,0 +1,248 @@
+//! Limits that a report must keep.
+
+use crate::percentiles::Percentiles;
+use crate::report::Report;
+use message::Stage;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// Limits of one distribution, milliseconds; what is not given has none.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct Limits {
+    p50_ms: Option<f64>,
+    p90_ms: Option<f64>,
+    p99_ms: Option<f64>,
+    p999_ms: Option<f64>,
+    max_ms: Option<f64>,
+}
+
+/// Limits of counts and shares.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct Totals {
+    dropped_max: Option<u64>,
+    not_captured_max: Option<u64>,
+    cores_max: Option<f64>,
+    measuring_share_max: Option<f64>,
+}
+
+/// A file of limits, as written.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct RawBudget {
+    total: Totals,
+    end_to_end: Limits,
+    object_label: Limits,
+    stages: BTreeMap<String, Limits>,
+}
+
+/// Limits for stages and percentiles, checked.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Budget(RawBudget);
+
+/// Why a file is no budget.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct InvalidBudget(String);
+
+impl fmt::Display for InvalidBudget {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for InvalidBudget {}
+
+/// A figure over its limit.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Excess {
+    /// What: `end_to_end p99`.
+    pub what: String,
+    /// What was measured, milliseconds for times.
+    pub measured: f64,
+    /// The limit.
+    pub limit: f64,
+}
+
+impl Limits {
+    fn named(&self) -> [Option<f64>; 5] {
+        [
+            self.p50_ms,
+            self.p90_ms,
+            self.p99_ms,
+            self.p999_ms,
+            self.max_ms,
+        ]
+    }
+}
+
+impl Budget {
+    /// Reads a budget (TOML).
+    ///
+    /// # Errors
+    /// Says which key is unknown, which stage does not exist, or which limit is no
+    /// positive number.
+    pub fn parse(text: &str) -> Result<Self, InvalidBudget> {
+        let raw: RawBudget =
+            toml::from_str(text).map_err(|error| InvalidBudget(error.to_string()))?;
+        for word in raw.stages.keys() {
+            if Stage::from_word(word).is_none() {
+                return Err(no_stage(word));
+            }
+        }
+        let all = raw
+            .stages
+            .values()
+            .chain([&raw.end_to_end, &raw.object_label]);
+        let times = all.flat_map(Limits::named).flatten();
+        let shares = [raw.total.cores_max, raw.total.measuring_share_max];
+        for limit in times.chain(shares.into_iter().flatten()) {
+            if !(limit.is_finite() && limit > 0.0) {
+                return Err(InvalidBudget(format!(
+                    "a limit must be a positive number, not {limit}"
+                )));
+            }
+        }
+        Ok(Self(raw))
+    }
+
+    /// What is over its limit. A stage with a limit that was never passed is over it:
+    /// nothing shows that it keeps it.
+    pub fn excesses(&self, report: &Report) -> Vec<Excess> {
+        let Self(raw) = self;
+        let mut excesses = over_totals(&raw.total, report);
+        excesses.extend(over("end_to_end", &raw.end_to_end, &report.end_to_end_ms));
+        excesses.extend(over(
+            "object_label",
+            &raw.object_label,
+            &report.object_label_ms,
+        ));
+        for (word, limits) in &raw.stages {
+            match report.stages.get(word) {
+                Some(stage) => excesses.extend(over(word, limits, &stage.ms)),
+                None => excesses.push(Excess {
+                    what: format!("{word} was never passed"),
+                    measured: 0.0,
+                    limit: 0.0,
+                }),
+            }
+        }
+        excesses
+    }
+}
+
+fn no_stage(word: &str) -> InvalidBudget {
+    let words: Vec<&str> = Stage::ALL.iter().map(|stage| stage.word()).collect();
+    InvalidBudget(format!(
+        "`{word}` is no stage; there are {}",
+        words.join(", ")
+    ))
+}
+
+fn over(what: &str, limits: &Limits, measured: &Percentiles) -> Vec<Excess> {
+    let named = Percentiles::NAMED.iter().zip(limits.named());
+    named
+        .filter_map(|((name, get), limit)| {
+            let (measured, limit) = (get(measured), limit?);
+            (measured > limit).then(|| Excess {
+                what: format!("{what} {name}"),
+                measured,
+                limit,
+            })
+        })
+        .collect()
+}
+
+fn over_totals(totals: &Totals, report: &Report) -> Vec<Excess> {
+    let number = |limit: Option<u64>| limit.map(|limit| limit as f64);
+    let figures = [
+        (
+            "dropped frames",
+            number(totals.dropped_max),
+            report.dropped as f64,
+        ),
+        (
+            "instants without a frame of the source",
+            number(totals.not_captured_max),
+            report.not_captured as f64,
+        ),
+        (
+            "cores of the daemon without the source",
+            totals.cores_max,
+            report.cores_without_source(),
+        ),
+        (
+            "share of the measuring",
+            totals.measuring_share_max,
+            report.measuring.share_of_frame,
+        ),
+    ];
+    figures
+        .into_iter()
+        .filter_map(|(what, limit, measured)| {
+            let limit = limit?;
+            (measured > limit).then(|| Excess {
+                what: what.to_owned(),
+                measured,
+                limit,
+            })
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::StageReport;
+
+    fn report() -> Report {
+        let ms = Percentiles {
+            p50: 5.0,
+            p90: 6.0,
+            p99: 9.0,
+            p999: 12.0,
+            max: 20.0,
+        };
+        let detection = StageReport {
+            ms,
+            ..StageReport::default()
+        };
+        Report {
+            dropped: 2,
+            end_to_end_ms: ms,
+            stages: [("detection".to_owned(), detection)].into(),
+            ..Report::default()
+        }
+    }
+
+    fn over(text: &str) -> Vec<String> {
+        let excesses = Budget::parse(text).unwrap().excesses(&report());
+        excesses.into_iter().map(|excess| excess.what).collect()
+    }
+
+    #[test]
+    fn what_is_over_its_limit_is_named() {
+        assert_eq!(over(""), Vec::<String>::new());
+        let text = "[end_to_end]\np50_ms = 8\np99_ms = 8.5\n[total]\ndropped_max = 0";
+        assert_eq!(over(text), ["dropped frames", "end_to_end p99"]);
+        let text = "[stages.detection]\nmax_ms = 20.0\np999_ms = 11.9";
+        assert_eq!(over(text), ["detection p999"]);
+        let text = "[stages.recognition]\np50_ms = 1";
+        assert_eq!(over(text), ["recognition was never passed"]);
+    }
+
+    #[test]
+    fn what_is_no_budget_is_refused_with_its_rule() {
+        for (text, word) in [
+            ("[stages.detecton]\np50_ms = 1", "detecton"),
+            ("[end_to_end]\np95_ms = 1", "p95_ms"),
+            ("[end_to_end]\np50_ms = -1", "positive"),
+            ("[end_to_end]\np50_ms = nan", "positive"),
+            ("p50_ms = 1", "p50_ms"),
+        ] {
+            let sentence = Budget::parse(text).unwrap_err().to_string();
+            assert!(sentence.contains(word), "{sentence}");
+        }
+    }
+}

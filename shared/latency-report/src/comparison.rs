@@ -1,0 +1,234 @@
+//! Two reports beside each other: what became faster, and how sure that is.
+//!
+//! Frames that follow each other are alike, so single frames would make chance look
+//! like change. The run is cut into parts, each of which gives one percentile; the
+//! means of the parts are compared by Welch's test (Welch, "The generalization of
+//! Student's problem when several different population variances are involved",
+//! Biometrika 34, 1947). What differs from run to run, such as where memory happened
+//! to lie, is in no single run: who wants to know that repeats the runs.
+
+use crate::batches::Batch;
+use crate::report::Report;
+use message::Stage;
+use serde::Serialize;
+
+/// Differences of less than this share are told as undecided: from run to run the
+/// same program differs as much.
+const LEAST_SHARE: f64 = 0.03;
+
+/// What a comparison comes to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// The new report is faster.
+    Faster,
+    /// The new report is slower.
+    Slower,
+    /// It can not be told, or makes no difference.
+    Undecided,
+}
+
+impl Verdict {
+    /// The word for people.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Faster => "faster",
+            Self::Slower => "slower",
+            Self::Undecided => "undecided",
+        }
+    }
+}
+
+/// One percentile of one stage in both reports.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Comparison {
+    /// `end_to_end`, or the stage's word.
+    pub what: String,
+    /// `p50`, `p90` or `p99`.
+    pub percentile: &'static str,
+    /// Mean of the parts before, milliseconds.
+    pub before_ms: f64,
+    /// Mean of the parts now, milliseconds.
+    pub now_ms: f64,
+    /// Now over before.
+    pub ratio: f64,
+    /// The ratio lies between these with 95 %.
+    pub ratio_interval: [f64; 2],
+    /// What it comes to.
+    pub verdict: Verdict,
+}
+
+/// Compares end to end and all stages that both reports have.
+pub fn compare(before: &Report, now: &Report) -> Vec<Comparison> {
+    let whole = (
+        "end_to_end",
+        &before.end_to_end_batches,
+        &now.end_to_end_batches,
+    );
+    let stages = Stage::ALL.iter().filter_map(|stage| {
+        let (before, now) = (before.stage(*stage)?, now.stage(*stage)?);
+        Some((stage.word(), &before.batches, &now.batches))
+    });
+    let percentiles: [(&'static str, fn(&Batch) -> f64); 3] =
+        [("p50", |b| b.p50), ("p90", |b| b.p90), ("p99", |b| b.p99)];
+    std::iter::once(whole)
+        .chain(stages)
+        .flat_map(|(what, before, now)| {
+            percentiles.into_iter().filter_map(move |(name, get)| {
+                let before: Vec<f64> = before.iter().map(get).collect();
+                let now: Vec<f64> = now.iter().map(get).collect();
+                compared(what, name, &before, &now)
+            })
+        })
+        .collect()
+}
+
+/// `None` when there are too few parts to say anything, or nothing took any time.
+fn compared(
+    what: &str,
+    percentile: &'static str,
+    before: &[f64],
+    now: &[f64],
+) -> Option<Comparison> {
+    let (before, now) = (Mean::of(before)?, Mean::of(now)?);
+    if before.value <= 0.0 {
+        return None;
+    }
+    let half = half_interval(&before, &now);
+    let difference = now.value - before.value;
+    let ratio = |difference: f64| 1.0 + difference / before.value;
+    let interval = [ratio(difference - half), ratio(difference + half)];
+    let is_small = (ratio(difference) - 1.0).abs() < LEAST_SHARE;
+    let verdict = match interval {
+        [_, high] if high < 1.0 && !is_small => Verdict::Faster,
+        [low, _] if low > 1.0 && !is_small => Verdict::Slower,
+        _ => Verdict::Undecided,
+    };
+    Some(Comparison {
+        what: what.to_owned(),
+        percentile,
+        before_ms: before.value,
+        now_ms: now.value,
+        ratio: ratio(difference),
+        ratio_interval: interval,
+        verdict,
+    })
+}
+
+/// A mean and the variance of it.
+struct Mean {
+    value: f64,
+    variance: f64,
+    n: f64,
+}
+
+impl Mean {
+    /// `None` of fewer than three values.
+    fn of(values: &[f64]) -> Option<Self> {
+        if values.len() < 3 {
+            return None;
+        }
+        let n = values.len() as f64;
+        let value = values.iter().sum::<f64>() / n;
+        let squares: f64 = values.iter().map(|v| (v - value).powi(2)).sum();
+        Some(Self {
+            value,
+            variance: squares / (n - 1.0) / n,
+            n,
+        })
+    }
+}
+
+/// Half the length of the interval of 95 % of the difference of two means.
+fn half_interval(a: &Mean, b: &Mean) -> f64 {
+    let variance = a.variance + b.variance;
+    if variance == 0.0 {
+        return 0.0;
+    }
+    let freedom =
+        variance.powi(2) / (a.variance.powi(2) / (a.n - 1.0) + b.variance.powi(2) / (b.n - 1.0));
+    student(freedom) * variance.sqrt()
+}
+
+/// The 97.5 % point of Student's distribution, for two degrees of freedom and more
+/// within 4 %, for five and more within 0.3 %.
+///
+/// *Source*: Abramowitz and Stegun, "Handbook of Mathematical Functions", 1964, 26.7.5.
+fn student(freedom: f64) -> f64 {
+    const Z: f64 = 1.959_963_985;
+    let terms = [
+        (Z.powi(3) + Z) / 4.0,
+        (5.0 * Z.powi(5) + 16.0 * Z.powi(3) + 3.0 * Z) / 96.0,
+        (3.0 * Z.powi(7) + 19.0 * Z.powi(5) + 17.0 * Z.powi(3) - 15.0 * Z) / 384.0,
+    ];
+    terms
+        .iter()
+        .zip(1..)
+        .fold(Z, |sum, (term, power)| sum + term / freedom.powi(power))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Parts that scatter by 5 % around `mean`, by a fixed rule.
+    fn parts(mean: f64, turn: u32) -> Vec<f64> {
+        let scatter = |i: u32| (f64::from(i * 7 + turn) * 2.399).sin() * 0.05;
+        (0..20).map(|i| mean * (1.0 + scatter(i))).collect()
+    }
+
+    fn verdict(before: f64, now: f64) -> Verdict {
+        compared("detection", "p50", &parts(before, 1), &parts(now, 2))
+            .unwrap()
+            .verdict
+    }
+
+    #[test]
+    fn what_differs_by_more_than_its_scatter_is_decided() {
+        assert_eq!(verdict(10.0, 8.0), Verdict::Faster);
+        assert_eq!(verdict(10.0, 12.0), Verdict::Slower);
+        assert_eq!(verdict(10.0, 10.0), Verdict::Undecided);
+        assert_eq!(verdict(10.0, 10.2), Verdict::Undecided);
+    }
+
+    #[test]
+    fn the_interval_holds_the_ratio() {
+        let found = compared("x", "p99", &parts(10.0, 1), &parts(9.0, 5)).unwrap();
+        let [low, high] = found.ratio_interval;
+        assert!(low < found.ratio && found.ratio < high);
+        assert!((found.ratio - 0.9).abs() < 0.05, "{found:?}");
+    }
+
+    #[test]
+    fn too_little_says_nothing() {
+        assert_eq!(compared("x", "p50", &[1.0, 2.0], &parts(1.0, 1)), None);
+        assert_eq!(compared("x", "p50", &[0.0; 5], &parts(1.0, 1)), None);
+    }
+
+    #[test]
+    fn students_points_are_those_of_the_tables() {
+        for (freedom, expected) in [(5.0, 2.571), (10.0, 2.228), (30.0, 2.042), (1e6, 1.960)] {
+            let found = student(freedom);
+            assert!(
+                (found - expected).abs() < 0.003 * expected,
+                "{freedom}: {found}"
+            );
+        }
+    }
+
+    #[test]
+    fn the_same_report_is_undecided_everywhere() {
+        let part = |i: u32| Batch {
+            p50: f64::from(i),
+            p90: f64::from(i) * 1.5,
+            p99: f64::from(i) * 2.0,
+        };
+        let report = Report {
+            end_to_end_batches: (10..30).map(part).collect(),
+            ..Report::default()
+        };
+        let found = compare(&report, &report);
+        assert_eq!(found.len(), 3);
+        assert!(found.iter().all(|c| c.verdict == Verdict::Undecided));
+    }
+}

@@ -1,0 +1,154 @@
+//! Putting together what several processes tell of a frame.
+
+use crate::way::{FrameWay, Passage};
+use message::{ProcessKind, Span, Stage, TraceHeader};
+use std::collections::BTreeMap;
+
+/// A frame is handed on when so many newer ones have been published: what other
+/// processes tell of it has come by then.
+const N_NEWER: usize = 48;
+
+/// Collects the messages of one daemon and hands on whole frames, oldest first.
+///
+/// The processes tell in no order among each other, and some tell of a frame that
+/// never came to its end: such a frame is handed on without its end, or not at all
+/// when perception has not told of it.
+#[derive(Debug, Default)]
+pub struct Gathering {
+    waiting: BTreeMap<(u64, u64), FrameWay>,
+    /// Sessions in the order in which they were met: their numbers are random.
+    sessions: Vec<u64>,
+    n_unknown: u64,
+    n_left_out: u64,
+}
+
+impl Gathering {
+    /// Takes a message. Call [`next`](Self::next) until it is empty.
+    pub fn take(&mut self, header: &TraceHeader, spans: &[Span]) {
+        let Some(process) = ProcessKind::from_code(header.process) else {
+            self.n_unknown += spans.len() as u64;
+            return;
+        };
+        if !self.sessions.contains(&header.session) {
+            self.sessions.push(header.session);
+        }
+        self.n_left_out += u64::from(header.n_left_out);
+        let ordinal = self.ordinal(header.session);
+        let way = self
+            .waiting
+            .entry((ordinal, header.sequence))
+            .or_insert_with(|| FrameWay {
+                session: header.session,
+                sequence: header.sequence,
+                scheduled_ns: header.scheduled_ns,
+                passages: Vec::new(),
+            });
+        for span in spans {
+            match Stage::from_code(span.stage) {
+                Some(stage) => way.passages.push(Passage {
+                    stage,
+                    process,
+                    pid: header.pid,
+                    span: *span,
+                }),
+                None => self.n_unknown += 1,
+            }
+        }
+    }
+
+    /// The oldest frame, when nothing more is to be expected of it.
+    pub fn next(&mut self) -> Option<FrameWay> {
+        (self.waiting.len() > N_NEWER)
+            .then(|| self.waiting.pop_first())
+            .flatten()
+            .map(|(_, way)| way)
+    }
+
+    /// The frames that are still waiting, oldest first.
+    pub fn rest(&mut self) -> impl Iterator<Item = FrameWay> {
+        std::mem::take(&mut self.waiting).into_values()
+    }
+
+    /// Spans of stages and processes that this version does not know.
+    pub fn n_unknown(&self) -> u64 {
+        self.n_unknown
+    }
+
+    /// Spans that found no place in their messages.
+    pub fn n_left_out(&self) -> u64 {
+        self.n_left_out
+    }
+
+    fn ordinal(&self, session: u64) -> u64 {
+        let place = self.sessions.iter().position(|known| *known == session);
+        place.unwrap_or_default() as u64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn header(process: ProcessKind, session: u64, sequence: u64) -> TraceHeader {
+        TraceHeader {
+            process: process.code(),
+            session,
+            sequence,
+            scheduled_ns: sequence * 100,
+            ..TraceHeader::default()
+        }
+    }
+
+    fn span(stage: Stage) -> Span {
+        Span::waiting(stage, 0, 1, 2)
+    }
+
+    #[test]
+    fn what_processes_tell_of_a_frame_comes_together_in_any_order() {
+        let mut gathering = Gathering::default();
+        for sequence in 0..100 {
+            let hop = header(ProcessKind::Memory, 5, sequence);
+            gathering.take(&hop, &[span(Stage::LabelHop)]);
+            let frame = header(ProcessKind::Perception, 5, sequence);
+            gathering.take(&frame, &[span(Stage::Detection), span(Stage::Publishing)]);
+            let made = header(ProcessKind::Simulator, 5, sequence);
+            gathering.take(&made, &[span(Stage::Making)]);
+        }
+        let mut ways: Vec<FrameWay> = std::iter::from_fn(|| gathering.next()).collect();
+        assert_eq!(ways.len(), 100 - N_NEWER);
+        ways.extend(gathering.rest());
+        let sequences: Vec<u64> = ways.iter().map(|way| way.sequence).collect();
+        assert_eq!(sequences, (0..100).collect::<Vec<_>>());
+        assert!(ways.iter().all(|way| way.passages.len() == 4));
+        assert!(
+            ways.iter()
+                .all(|way| way.scheduled_ns == way.sequence * 100)
+        );
+    }
+
+    #[test]
+    fn a_new_session_comes_after_the_old_one_whatever_its_number() {
+        let mut gathering = Gathering::default();
+        for (session, sequence) in [(900, 50), (900, 51), (3, 0), (3, 1)] {
+            gathering.take(&header(ProcessKind::Perception, session, sequence), &[]);
+        }
+        let order: Vec<_> = gathering
+            .rest()
+            .map(|way| (way.session, way.sequence))
+            .collect();
+        assert_eq!(order, [(900, 50), (900, 51), (3, 0), (3, 1)]);
+    }
+
+    #[test]
+    fn rubbish_is_counted_and_left_out() {
+        let mut gathering = Gathering::default();
+        let broken = Span {
+            stage: 4_000_000,
+            ..Span::default()
+        };
+        gathering.take(&header(ProcessKind::Camera, 1, 1), &[broken]);
+        gathering.take(&TraceHeader::default(), &[broken, broken]);
+        assert_eq!(gathering.n_unknown(), 3);
+        assert!(gathering.rest().all(|way| way.passages.is_empty()));
+    }
+}

@@ -1,0 +1,206 @@
+//! Files of histograms that merge: the interval log of HdrHistogram (version 1.3),
+//! one tag a stage, which its tools in other languages read as well. Values are
+//! nanoseconds.
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use hdrhistogram::Histogram;
+use hdrhistogram::serialization::interval_log::{
+    IntervalLogHistogram, IntervalLogIterator, IntervalLogWriterBuilder, LogEntry, Tag,
+};
+use hdrhistogram::serialization::{Deserializer, V2DeflateSerializer};
+use std::collections::BTreeMap;
+use std::fmt;
+use std::time::Duration;
+
+/// Values are kept to three digits.
+const DIGITS: u8 = 3;
+
+/// The tag of end to end.
+const END_TO_END: &str = "end_to_end";
+
+/// Histograms of durations by the stages' words.
+#[derive(Debug, Clone, Default)]
+pub struct Histograms(BTreeMap<String, Histogram<u64>>);
+
+/// Why histograms could not be written or read.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct HistogramFileError(String);
+
+impl fmt::Display for HistogramFileError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "no histogram file: {}", self.0)
+    }
+}
+
+impl std::error::Error for HistogramFileError {}
+
+fn failed(cause: impl fmt::Debug) -> HistogramFileError {
+    HistogramFileError(format!("{cause:?}"))
+}
+
+impl Histograms {
+    /// Adds durations to a stage's histogram.
+    ///
+    /// # Errors
+    /// When a histogram can not be made.
+    pub fn add(&mut self, word: &str, durations_ns: &[u64]) -> Result<(), HistogramFileError> {
+        let histogram = self.of(word)?;
+        for duration_ns in durations_ns {
+            histogram.record((*duration_ns).max(1)).map_err(failed)?;
+        }
+        Ok(())
+    }
+
+    /// Adds durations end to end.
+    ///
+    /// # Errors
+    /// As [`add`](Self::add).
+    pub fn add_end_to_end(&mut self, durations_ns: &[u64]) -> Result<(), HistogramFileError> {
+        self.add(END_TO_END, durations_ns)
+    }
+
+    fn of(&mut self, word: &str) -> Result<&mut Histogram<u64>, HistogramFileError> {
+        if !self.0.contains_key(word) {
+            let histogram = Histogram::new(DIGITS).map_err(failed)?;
+            self.0.insert(word.to_owned(), histogram);
+        }
+        self.0.get_mut(word).ok_or_else(|| failed(word))
+    }
+
+    /// Adds all that another file holds.
+    ///
+    /// # Errors
+    /// When two histograms do not go together.
+    pub fn merge(&mut self, other: &Self) -> Result<(), HistogramFileError> {
+        for (word, histogram) in &other.0 {
+            self.of(word)?.add(histogram).map_err(failed)?;
+        }
+        Ok(())
+    }
+
+    /// The stages' words with how many durations they have, and a function from a
+    /// share to a duration, nanoseconds.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, u64, impl Fn(f64) -> u64)> {
+        self.0.iter().map(|(word, histogram)| {
+            let at = |share: f64| histogram.value_at_quantile(share);
+            (word.as_str(), histogram.len(), at)
+        })
+    }
+
+    /// The text of a file; `seconds` were measured.
+    ///
+    /// # Errors
+    /// When a histogram can not be written.
+    pub fn to_text(&self, seconds: f64) -> Result<String, HistogramFileError> {
+        let mut text = Vec::new();
+        let mut serializer = V2DeflateSerializer::new();
+        let mut builder = IntervalLogWriterBuilder::new();
+        let mut writer = builder
+            .add_comment("durations in nanoseconds, one tag a stage")
+            .begin_log_with(&mut text, &mut serializer)
+            .map_err(failed)?;
+        let length = Duration::from_secs_f64(seconds.max(0.0));
+        for (word, histogram) in &self.0 {
+            let tag = Tag::new(word).ok_or_else(|| failed(word))?;
+            writer
+                .write_histogram(histogram, Duration::ZERO, length, Some(tag))
+                .map_err(failed)?;
+        }
+        String::from_utf8(text).map_err(failed)
+    }
+
+    /// Reads a file. Several histograms of a stage add up.
+    ///
+    /// # Errors
+    /// When it is no such file, or damaged.
+    pub fn parse(text: &str) -> Result<Self, HistogramFileError> {
+        let mut histograms = Self::default();
+        for entry in IntervalLogIterator::new(text.as_bytes()) {
+            if let LogEntry::Interval(interval) = entry.map_err(failed)? {
+                histograms.take(&interval)?;
+            }
+        }
+        if histograms.0.is_empty() {
+            return Err(HistogramFileError("there is no histogram in it".into()));
+        }
+        Ok(histograms)
+    }
+
+    fn take(&mut self, interval: &IntervalLogHistogram<'_>) -> Result<(), HistogramFileError> {
+        let word = interval.tag().map_or(END_TO_END, |tag| tag.as_str());
+        let bytes = STANDARD
+            .decode(interval.encoded_histogram())
+            .map_err(failed)?;
+        let histogram: Histogram<u64> = Deserializer::new()
+            .deserialize(&mut bytes.as_slice())
+            .map_err(failed)?;
+        self.of(word)?.add(&histogram).map_err(failed)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn histograms(n: u64) -> Histograms {
+        let mut histograms = Histograms::default();
+        let durations: Vec<u64> = (1..=n).map(|i| i * 10_000).collect();
+        histograms.add("detection", &durations).unwrap();
+        histograms.add_end_to_end(&durations).unwrap();
+        histograms
+    }
+
+    fn median_ns(histograms: &Histograms, word: &str) -> u64 {
+        let found = histograms.iter().find(|(name, ..)| *name == word);
+        found.map(|(_, _, at)| at(0.5)).unwrap()
+    }
+
+    #[test]
+    fn a_file_holds_what_was_written_to_three_digits() {
+        let written = histograms(1000);
+        let read = Histograms::parse(&written.to_text(33.0).unwrap()).unwrap();
+        let names: Vec<_> = read
+            .iter()
+            .map(|(word, n, _)| (word.to_owned(), n))
+            .collect();
+        assert_eq!(
+            names,
+            [("detection".into(), 1000), ("end_to_end".into(), 1000)]
+        );
+        let median = median_ns(&read, "detection") as f64;
+        assert!((median / 5_000_000.0 - 1.0).abs() < 0.002, "{median}");
+    }
+
+    #[test]
+    fn merged_files_hold_all() {
+        let mut merged = histograms(1000);
+        merged.merge(&histograms(3000)).unwrap();
+        merged.add("recognition", &[7]).unwrap();
+        let counts: Vec<u64> = merged.iter().map(|(_, n, _)| n).collect();
+        assert_eq!(counts, [4000, 4000, 1]);
+    }
+
+    #[test]
+    fn what_is_no_file_is_refused() {
+        for text in [
+            "",
+            "rubbish",
+            "Tag=a,0.1,1.0,2.0,notbase64!",
+            "0.1,1.0,2.0,AAAA",
+        ] {
+            assert!(Histograms::parse(text).is_err(), "{text}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn a_damaged_file_is_no_panic(at in 0_usize..2000, byte in any::<u8>()) {
+            let mut bytes = histograms(50).to_text(1.0).unwrap().into_bytes();
+            let place = at % bytes.len();
+            bytes[place] = byte;
+            let _ = Histograms::parse(&String::from_utf8_lossy(&bytes));
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! Frames that never came, counted as long as they were missing.
+
+/// When a frame was due, and when its labels were published, monotonic.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct FrameEnd {
+    pub(crate) session: u64,
+    pub(crate) sequence: u64,
+    pub(crate) scheduled_ns: u64,
+    pub(crate) published_ns: u64,
+}
+
+/// What was due and never came.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct OpenLoop {
+    /// Time between two frames of the schedule; 0 with fewer than two frames.
+    pub period_ns: u64,
+    /// Frames of the source without labels.
+    pub n_dropped: u64,
+    /// Instants of the schedule without a frame of the source.
+    pub n_not_captured: u64,
+    /// For each of both, how long after its instant the next labels came.
+    pub missed_ns: Vec<u64>,
+}
+
+impl OpenLoop {
+    /// Of frames in the order of their sessions and sequences.
+    pub(crate) fn of(frames: &[FrameEnd]) -> Self {
+        let mut open_loop = Self {
+            period_ns: period_ns(frames),
+            ..Self::default()
+        };
+        for pair in frames.windows(2) {
+            if pair[0].session == pair[1].session {
+                open_loop.look_between(&pair[0], &pair[1]);
+            }
+        }
+        open_loop
+    }
+
+    /// The instants between two frames that follow each other. A source that falls
+    /// behind moves its schedule: what it left out that way has no sequence.
+    fn look_between(&mut self, before: &FrameEnd, after: &FrameEnd) {
+        let between_ns = after.scheduled_ns.saturating_sub(before.scheduled_ns);
+        let n_sequences = after.sequence.saturating_sub(before.sequence).max(1);
+        let n_periods = match self.period_ns {
+            0 => n_sequences,
+            period_ns => (between_ns + period_ns / 2) / period_ns,
+        };
+        let n_instants = n_periods.max(n_sequences);
+        self.n_dropped += n_sequences - 1;
+        self.n_not_captured += n_instants - n_sequences;
+        for instant in 1..n_instants {
+            let due_ns = before.scheduled_ns + between_ns * instant / n_instants;
+            self.missed_ns
+                .push(after.published_ns.saturating_sub(due_ns));
+        }
+    }
+}
+
+/// The median of the times from one frame to the next.
+fn period_ns(frames: &[FrameEnd]) -> u64 {
+    let mut periods: Vec<u64> = frames
+        .windows(2)
+        .filter(|pair| pair[0].session == pair[1].session)
+        .map(|pair| {
+            let between_ns = pair[1].scheduled_ns.saturating_sub(pair[0].scheduled_ns);
+            let n_sequences = pair[1].sequence.saturating_sub(pair[0].sequence);
+            between_ns / n_sequences.max(1)
+        })
+        .collect();
+    let middle = periods.len() / 2;
+    if periods.is_empty() {
+        return 0;
+    }
+    *periods.select_nth_unstable(middle).1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Frames every 100 ns that take 30 ns; `schedule` are their numbers in it.
+    fn frames(schedule: &[(u64, u64)]) -> Vec<FrameEnd> {
+        let frame = |&(sequence, instant): &(u64, u64)| FrameEnd {
+            session: 1,
+            sequence,
+            scheduled_ns: instant * 100,
+            published_ns: instant * 100 + 30,
+        };
+        schedule.iter().map(frame).collect()
+    }
+
+    #[test]
+    fn without_gaps_nothing_is_missed() {
+        let whole: Vec<_> = (0..20).map(|i| (i, i)).collect();
+        let open_loop = OpenLoop::of(&frames(&whole));
+        assert_eq!(open_loop.period_ns, 100);
+        assert_eq!((open_loop.n_dropped, open_loop.n_not_captured), (0, 0));
+        assert!(open_loop.missed_ns.is_empty());
+    }
+
+    #[test]
+    fn a_dropped_frame_counts_until_the_next_labels() {
+        let open_loop = OpenLoop::of(&frames(&[(0, 0), (1, 1), (2, 2), (5, 5), (6, 6)]));
+        assert_eq!((open_loop.n_dropped, open_loop.n_not_captured), (2, 0));
+        assert_eq!(open_loop.missed_ns, [230, 130]);
+    }
+
+    #[test]
+    fn an_instant_that_the_source_left_out_counts_as_well() {
+        let open_loop = OpenLoop::of(&frames(&[(0, 0), (1, 1), (2, 2), (3, 5), (4, 6)]));
+        assert_eq!((open_loop.n_dropped, open_loop.n_not_captured), (0, 2));
+        assert_eq!(open_loop.missed_ns, [230, 130]);
+    }
+
+    #[test]
+    fn between_sessions_nothing_is_missed() {
+        let mut two = frames(&[(7, 0), (8, 1), (0, 90), (1, 91)]);
+        two[2].session = 2;
+        two[3].session = 2;
+        assert!(OpenLoop::of(&two).missed_ns.is_empty());
+        assert_eq!(OpenLoop::of(&[]), OpenLoop::default());
+    }
+}

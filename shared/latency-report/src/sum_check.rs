@@ -1,0 +1,87 @@
+//! Whether the stages add up to what they are stages of.
+
+use crate::way::FrameWay;
+use message::Stage;
+use serde::{Deserialize, Serialize};
+
+/// What may be missing, or counted twice, as a share of end to end.
+const TOLERANCE: f64 = 0.01;
+
+/// How well stage and queue times add up to end to end.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct SumCheck {
+    /// Frames that were checked.
+    pub frames: u64,
+    /// Objects in frames that were checked.
+    pub objects: u64,
+    /// The largest difference of a frame's chain, as a share of its end to end.
+    pub worst_frame_share: f64,
+    /// The largest difference of an object's chain, as a share of its end to end.
+    pub worst_object_share: f64,
+    /// Chains whose difference is over 1 %.
+    pub over: u64,
+}
+
+impl SumCheck {
+    /// Whether all chains add up within 1 %.
+    pub fn passes(&self) -> bool {
+        self.over == 0
+    }
+
+    /// Checks a frame, and every object of it. One without an end is left out.
+    pub fn add(&mut self, way: &FrameWay) {
+        let Some(end_to_end_ns) = way.end_to_end_ns() else {
+            return;
+        };
+        let share = |sum_ns: u64, whole_ns: u64| {
+            sum_ns.abs_diff(whole_ns) as f64 / end_to_end_ns.max(1) as f64
+        };
+        let links_ns = way.links().map(|link| link.duration_ns()).sum();
+        let of_frame = share(links_ns, end_to_end_ns);
+        self.frames += 1;
+        self.worst_frame_share = self.worst_frame_share.max(of_frame);
+        self.over += u64::from(of_frame > TOLERANCE);
+        let objects_ns = way
+            .passage(Stage::Objects)
+            .map_or(0, |link| link.duration_ns());
+        for chain in way.objects().values() {
+            let of_object = share(
+                chain.iter().map(|link| link.duration_ns()).sum(),
+                objects_ns,
+            );
+            self.objects += 1;
+            self.worst_object_share = self.worst_object_share.max(of_object);
+            self.over += u64::from(of_object > TOLERANCE);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::way::examples::frame;
+
+    #[test]
+    fn a_chain_without_gaps_adds_up() {
+        let mut check = SumCheck::default();
+        check.add(&frame(0, 1_000, 0));
+        assert!(check.passes());
+        assert_eq!((check.frames, check.objects), (1, 1));
+        assert_eq!(check.worst_frame_share, 0.0);
+    }
+
+    #[test]
+    fn a_missing_link_is_found() {
+        let without = |stage: Stage| {
+            let mut way = frame(0, 1_000, 0);
+            way.passages.retain(|passage| passage.stage != stage);
+            let mut check = SumCheck::default();
+            check.add(&way);
+            check
+        };
+        assert!(!without(Stage::Detection).passes());
+        assert!(!without(Stage::Description).passes());
+        assert!(without(Stage::Surroundings).passes(), "0.5 % is tolerated");
+        assert_eq!(without(Stage::Publishing).frames, 0);
+    }
+}

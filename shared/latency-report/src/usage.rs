@@ -1,0 +1,43 @@
+//! What the threads used in a stage.
+
+use message::Span;
+use serde::{Deserialize, Serialize};
+
+/// What was used in all passages of a stage together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Usage {
+    /// Processor time, nanoseconds.
+    pub cpu_ns: u64,
+    /// How often a thread gave up its processor.
+    pub voluntary_switches: u64,
+    /// How often its processor was taken from a thread.
+    pub involuntary_switches: u64,
+    /// Heap allocations.
+    pub allocations: u64,
+    /// Heap bytes requested.
+    pub allocated_bytes: u64,
+    /// Page faults without disk.
+    pub minor_faults: u64,
+    /// Page faults that read from disk.
+    pub major_faults: u64,
+}
+
+impl Usage {
+    /// Adds what one passage used.
+    pub fn add(&mut self, span: &Span) {
+        let add = |sum: &mut u64, more: u64| *sum = sum.saturating_add(more);
+        add(&mut self.cpu_ns, span.cpu_ns);
+        add(
+            &mut self.voluntary_switches,
+            span.n_voluntary_switches.into(),
+        );
+        add(
+            &mut self.involuntary_switches,
+            span.n_involuntary_switches.into(),
+        );
+        add(&mut self.allocations, span.n_allocations.into());
+        add(&mut self.allocated_bytes, span.allocated_bytes);
+        add(&mut self.minor_faults, span.n_minor_faults.into());
+        add(&mut self.major_faults, span.n_major_faults.into());
+    }
+}

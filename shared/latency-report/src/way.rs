@@ -1,0 +1,122 @@
+//! One frame's way through the processes.
+
+use message::{Place, ProcessKind, Span, Stage};
+use std::collections::BTreeMap;
+
+/// A stage that was passed, and in which process.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Passage {
+    /// The stage.
+    pub stage: Stage,
+    /// The process that tells of it.
+    pub process: ProcessKind,
+    /// That process's id.
+    pub pid: u32,
+    /// When, and what it cost.
+    pub span: Span,
+}
+
+impl Passage {
+    /// How long it took.
+    pub fn duration_ns(&self) -> u64 {
+        self.span.duration_ns()
+    }
+}
+
+/// All that is known of one frame.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct FrameWay {
+    /// Session of the source.
+    pub session: u64,
+    /// The frame.
+    pub sequence: u64,
+    /// When the source should have published it, monotonic.
+    pub scheduled_ns: u64,
+    /// The stages, as the processes told of them.
+    pub passages: Vec<Passage>,
+}
+
+impl FrameWay {
+    /// The links of the frame's chain.
+    pub fn links(&self) -> impl Iterator<Item = &Passage> {
+        let is_link = |passage: &&Passage| passage.stage.place() == Place::Frame;
+        self.passages.iter().filter(is_link)
+    }
+
+    /// The first passage of a stage.
+    pub fn passage(&self, stage: Stage) -> Option<&Passage> {
+        self.passages.iter().find(|passage| passage.stage == stage)
+    }
+
+    /// When the labels were published, monotonic; `None` when they were not.
+    pub fn published_ns(&self) -> Option<u64> {
+        Some(self.passage(Stage::Publishing)?.span.end_ns)
+    }
+
+    /// From the scheduled capture to the published labels.
+    pub fn end_to_end_ns(&self) -> Option<u64> {
+        Some(self.published_ns()?.saturating_sub(self.scheduled_ns))
+    }
+
+    /// The chains of the objects, by track.
+    pub fn objects(&self) -> BTreeMap<u64, Vec<&Passage>> {
+        let mut objects: BTreeMap<u64, Vec<&Passage>> = BTreeMap::new();
+        for passage in &self.passages {
+            if passage.stage.place() == Place::Object {
+                objects
+                    .entry(passage.span.track_id)
+                    .or_default()
+                    .push(passage);
+            }
+        }
+        objects
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod examples {
+    use super::*;
+
+    /// A passage of a stage in perception.
+    pub(crate) fn passage(stage: Stage, track_id: u64, begin_ns: u64, end_ns: u64) -> Passage {
+        Passage {
+            stage,
+            process: ProcessKind::Perception,
+            pid: 7,
+            span: Span::waiting(stage, track_id, begin_ns, end_ns),
+        }
+    }
+
+    /// A frame of one object that is scheduled at `scheduled_ns` and takes 10 ms, or
+    /// longer by what its detection takes longer.
+    pub(crate) fn frame(sequence: u64, scheduled_ns: u64, longer_ns: u64) -> FrameWay {
+        let mut at_ns = scheduled_ns;
+        let links = [
+            (Stage::Source, 100_000),
+            (Stage::Transport, 50_000),
+            (Stage::Surroundings, 50_000),
+            (Stage::DetectionQueue, 20_000),
+            (Stage::Detection, 7_000_000 + longer_ns),
+            (Stage::DetectionAnswer, 30_000),
+            (Stage::Association, 250_000),
+            (Stage::Objects, 2_000_000),
+            (Stage::Publishing, 500_000),
+        ];
+        let mut passages = Vec::new();
+        for (stage, duration_ns) in links {
+            passages.push(passage(stage, 0, at_ns, at_ns + duration_ns));
+            if stage == Stage::Objects {
+                let (begin, end) = (at_ns, at_ns + duration_ns);
+                passages.push(passage(Stage::ActorQueue, 3, begin, begin + 500_000));
+                passages.push(passage(Stage::Description, 3, begin + 500_000, end));
+            }
+            at_ns += duration_ns;
+        }
+        FrameWay {
+            session: 1,
+            sequence,
+            scheduled_ns,
+            passages,
+        }
+    }
+}

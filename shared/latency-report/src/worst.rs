@@ -1,0 +1,254 @@
+//! The worst frames, and what made them so.
+
+use crate::way::{FrameWay, Passage};
+use message::{Place, Stage};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// How many are told.
+pub(crate) const N_WORST: usize = 10;
+
+/// Page faults beyond which they are told as a cause.
+const MANY_FAULTS: u32 = 50;
+
+/// A frame that took longest, and why.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct WorstFrame {
+    /// Session of the source.
+    pub session: u64,
+    /// The frame.
+    pub sequence: u64,
+    /// From the scheduled capture to the published labels.
+    pub end_to_end_ms: f64,
+    /// A sentence.
+    pub reason: String,
+}
+
+/// A frame that may be among the worst.
+#[derive(Debug, Clone)]
+pub(crate) struct Suspect {
+    pub(crate) way: FrameWay,
+    /// When the frame before was published, monotonic; 0 when there was none.
+    pub(crate) before_published_ns: u64,
+}
+
+/// The frames that took longest so far, longest first.
+#[derive(Debug, Default)]
+pub(crate) struct Suspects(Vec<Suspect>);
+
+impl Suspects {
+    pub(crate) fn add(&mut self, way: &FrameWay, before_published_ns: u64) {
+        let place = self
+            .0
+            .partition_point(|other| other.way.end_to_end_ns() >= way.end_to_end_ns());
+        if place >= N_WORST {
+            return;
+        }
+        self.0.truncate(N_WORST - 1);
+        let suspect = Suspect {
+            way: way.clone(),
+            before_published_ns,
+        };
+        self.0.insert(place, suspect);
+    }
+
+    /// Why they took so long, against what the stages usually take, nanoseconds.
+    pub(crate) fn told(&self, usual_ns: &BTreeMap<Stage, u64>) -> Vec<WorstFrame> {
+        let told = |suspect: &Suspect| WorstFrame {
+            session: suspect.way.session,
+            sequence: suspect.way.sequence,
+            end_to_end_ms: ms(suspect.way.end_to_end_ns().unwrap_or_default()),
+            reason: reason(suspect, usual_ns),
+        };
+        self.0.iter().map(told).collect()
+    }
+
+    pub(crate) fn ways(&self) -> impl Iterator<Item = &FrameWay> {
+        self.0.iter().map(|suspect| &suspect.way)
+    }
+}
+
+fn ms(ns: u64) -> f64 {
+    ns as f64 / 1e6
+}
+
+/// How much longer than usual a passage took.
+fn excess_ns(passage: &Passage, usual_ns: &BTreeMap<Stage, u64>) -> u64 {
+    let usual = usual_ns.get(&passage.stage).copied().unwrap_or_default();
+    passage.duration_ns().saturating_sub(usual)
+}
+
+fn slowest<'a>(
+    passages: impl Iterator<Item = &'a Passage>,
+    usual_ns: &BTreeMap<Stage, u64>,
+) -> Option<&'a Passage> {
+    passages.max_by_key(|passage| excess_ns(passage, usual_ns))
+}
+
+fn reason(suspect: &Suspect, usual_ns: &BTreeMap<Stage, u64>) -> String {
+    let way = &suspect.way;
+    let Some(link) = slowest(way.links(), usual_ns) else {
+        return "nothing is known of its way".into();
+    };
+    let mut sentence = format!(
+        "{} took {:.2} ms, {:.2} ms longer than usual",
+        link.stage.word(),
+        ms(link.duration_ns()),
+        ms(excess_ns(link, usual_ns)),
+    );
+    let within = within(way, link.stage, usual_ns);
+    if let Some(step) = within {
+        sentence += &format!(
+            "; in it {}{} took {:.2} ms, {:.2} ms longer",
+            step.stage.word(),
+            of_track(step),
+            ms(step.duration_ns()),
+            ms(excess_ns(step, usual_ns)),
+        );
+    }
+    let cause = match link.stage {
+        Stage::Source => late_source(way),
+        Stage::Transport if suspect.before_published_ns > link.span.begin_ns => {
+            Some("perception was still at work on the frame before".into())
+        }
+        _ => cause(within.unwrap_or(link)),
+    };
+    if let Some(cause) = cause {
+        sentence += &format!(": {cause}");
+    }
+    sentence
+}
+
+/// The slowest step within a link.
+fn within<'a>(
+    way: &'a FrameWay,
+    link: Stage,
+    usual_ns: &BTreeMap<Stage, u64>,
+) -> Option<&'a Passage> {
+    let belongs = |passage: &&Passage| match passage.stage.place() {
+        Place::Within(whole) => whole == link,
+        Place::Object => link == Stage::Objects && passage.stage != Stage::OthersAwaited,
+        Place::Frame | Place::Beside => false,
+    };
+    slowest(way.passages.iter().filter(belongs), usual_ns)
+}
+
+fn of_track(passage: &Passage) -> String {
+    match passage.span.track_id {
+        0 => String::new(),
+        track_id => format!(" of track {track_id}"),
+    }
+}
+
+/// Why a source was late.
+fn late_source(way: &FrameWay) -> Option<String> {
+    let making = way.passage(Stage::Making)?;
+    let waited = way.passage(Stage::ReleaseWait);
+    let slept_ns = waited.map_or(0, Passage::duration_ns);
+    Some(if making.span.end_ns > way.scheduled_ns {
+        format!(
+            "the source was not ready in time, it needed {:.2} ms to make the frame",
+            ms(making.duration_ns())
+        )
+    } else {
+        format!(
+            "the frame was ready, but the source woke up late from waiting {:.2} ms",
+            ms(slept_ns)
+        )
+    })
+}
+
+/// What a thread that was at work tells of a slow stage.
+fn cause(passage: &Passage) -> Option<String> {
+    let span = &passage.span;
+    if span.thread_id == 0 {
+        return Some("it waited for a processor or a worker".into());
+    }
+    if span.n_major_faults > 0 {
+        let n = span.n_major_faults;
+        return Some(format!("{n} page fault(s) read from disk"));
+    }
+    let off_ns = passage.duration_ns().saturating_sub(span.cpu_ns);
+    if off_ns > passage.duration_ns() / 4 {
+        return Some(format!(
+            "its thread had no processor for {:.2} ms (taken away {} time(s), given up {} time(s))",
+            ms(off_ns),
+            span.n_involuntary_switches,
+            span.n_voluntary_switches,
+        ));
+    }
+    if span.n_minor_faults > MANY_FAULTS {
+        let n = span.n_minor_faults;
+        return Some(format!("{n} page faults, the first use of memory"));
+    }
+    Some(format!(
+        "it worked all the time, {:.2} ms of processor time",
+        ms(span.cpu_ns)
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::way::examples::frame;
+
+    fn usual() -> BTreeMap<Stage, u64> {
+        let way = frame(0, 0, 0);
+        let of = |passage: &Passage| (passage.stage, passage.duration_ns());
+        way.passages.iter().map(of).collect()
+    }
+
+    fn reason_of(way: FrameWay, before_published_ns: u64) -> String {
+        let mut suspects = Suspects::default();
+        suspects.add(&way, before_published_ns);
+        suspects.told(&usual()).remove(0).reason
+    }
+
+    #[test]
+    fn the_ten_longest_are_kept_longest_first() {
+        let mut suspects = Suspects::default();
+        for sequence in 0..30 {
+            suspects.add(&frame(sequence, 0, (sequence * 7 % 30) * 1_000_000), 0);
+        }
+        let told = suspects.told(&usual());
+        let times: Vec<f64> = told.iter().map(|frame| frame.end_to_end_ms).collect();
+        let expected: Vec<f64> = (20..30).rev().map(|ms| 10.0 + f64::from(ms)).collect();
+        assert_eq!(times, expected);
+    }
+
+    #[test]
+    fn a_thread_without_processor_is_told() {
+        let mut way = frame(1, 0, 9_000_000);
+        let detection = way
+            .passages
+            .iter_mut()
+            .find(|passage| passage.stage == Stage::Detection);
+        let span = &mut detection.unwrap().span;
+        (span.thread_id, span.cpu_ns, span.n_involuntary_switches) = (12, 7_000_000, 3);
+        let reason = reason_of(way, 0);
+        assert!(
+            reason.contains("detection took 16.00 ms, 9.00 ms longer"),
+            "{reason}"
+        );
+        assert!(
+            reason.contains("no processor for 9.00 ms (taken away 3"),
+            "{reason}"
+        );
+    }
+
+    #[test]
+    fn a_frame_that_waited_for_the_one_before_is_told() {
+        let mut way = frame(1, 0, 0);
+        for passage in &mut way.passages {
+            if passage.stage == Stage::Transport {
+                passage.span.end_ns += 5_000_000;
+            }
+        }
+        let reason = reason_of(way, 3_000_000);
+        assert!(reason.contains("transport took 5.05 ms"), "{reason}");
+        assert!(
+            reason.contains("still at work on the frame before"),
+            "{reason}"
+        );
+    }
+}
