@@ -46,7 +46,7 @@ const OWNERS: [(&str, &[&str]); 14] = [
     ("libloading", &["freenect"]),
     ("rapier3d", &["simulation"]),
     ("pathfinding", &["tracking"]),
-    ("indicatif", &["tabula"]),
+    ("indicatif", &["command-line", "tabula"]),
     ("plotters", &["evaluation"]),
     ("ciborium", &["channel", "store"]),
     ("hdrhistogram", &["latency-report"]),

@@ -1,1 +1,39 @@
-fn main() {}
+//! `tabula-latency`: where the milliseconds go.
+
+mod arguments;
+mod chosen_daemon;
+mod compare;
+mod conditions;
+mod listener;
+mod measure;
+mod merge;
+mod own_daemon;
+mod process_usage;
+mod report_text;
+mod results;
+
+use arguments::{Arguments, Verb};
+use clap::Parser;
+use command_line::Output;
+use service::Failure;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let output = Output::new(arguments.json);
+    match execute(&arguments, &output) {
+        Ok(code) => code,
+        Err(failure) => {
+            output.failure(&failure);
+            ExitCode::from(failure.code)
+        }
+    }
+}
+
+fn execute(arguments: &Arguments, output: &Output) -> Result<ExitCode, Failure> {
+    match &arguments.verb {
+        None => measure::run(&arguments.common, &arguments.measure, output),
+        Some(Verb::Compare { before, now }) => compare::run(before, now, output),
+        Some(Verb::Merge { files, out }) => merge::run(files, out.as_deref(), output),
+    }
+}

@@ -176,7 +176,7 @@ impl FrameLoop {
         let detected = Arc::new(detected);
         self.observe(arrived, &detected).await;
         summary.stamps.recognised_ns = self.trace.at_ns();
-        let on_disk = self.publish(summary, arrived, &detected)?;
+        let on_disk = self.publish(&mut summary, arrived, &detected)?;
         self.trace.send(arrived);
         self.finish(arrived, detected, on_disk).await
     }
@@ -261,7 +261,7 @@ impl FrameLoop {
     /// and the scene to all.
     fn publish(
         &mut self,
-        summary: SceneSummary,
+        summary: &mut SceneSummary,
         arrived: &Arrived,
         detected: &Detected,
     ) -> Result<Vec<OnDisk>, Error> {
@@ -314,7 +314,7 @@ impl FrameLoop {
 
     fn publish_scene(
         &mut self,
-        mut summary: SceneSummary,
+        summary: &mut SceneSummary,
         arrived: &Arrived,
         detected: &Detected,
     ) -> Result<(), Error> {
@@ -329,7 +329,7 @@ impl FrameLoop {
             .count() as u32;
         summary.frames_dropped = self.intake.n_dropped();
         scene_report::add_detection(
-            &mut summary,
+            summary,
             &detected.detection,
             &self.step.rejected,
             arrived.checked.world_from_camera.as_ref(),
@@ -338,8 +338,8 @@ impl FrameLoop {
             .tell(Assumptions::from_bits(summary.assumptions));
         self.table_log.tell(detected.detection.table.as_ref());
         summary.stamps.published_ns = monotonic_ns();
-        self.world.set(&summary, &self.objects);
-        self.ports.scene.send_copy(summary, &self.objects)
+        self.world.set(summary, &self.objects);
+        self.ports.scene.send_copy(*summary, &self.objects)
     }
 
     async fn finish(

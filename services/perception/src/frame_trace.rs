@@ -70,7 +70,7 @@ impl FrameTrace {
             return;
         };
         self.waited(Stage::DetectionQueue, whole.begin_ns);
-        steps.iter().for_each(|step| self.tell(*step));
+        self.spans.extend_from_slice(steps);
         self.worked(*whole);
         self.waited(Stage::DetectionAnswer, monotonic_ns());
     }
@@ -87,7 +87,7 @@ impl FrameTrace {
             let finished_ns = spans.last().map_or(stamps.begun_ns, |span| span.end_ns);
             self.tell(waiting(Stage::HandOver, begin_ns, stamps.asked_ns));
             self.tell(waiting(Stage::ActorQueue, stamps.asked_ns, stamps.begun_ns));
-            spans.iter().for_each(|span| self.tell(*span));
+            self.spans.extend_from_slice(spans);
             self.tell(waiting(Stage::ActorAnswer, finished_ns, stamps.answered_ns));
             self.tell(waiting(
                 Stage::OthersAwaited,

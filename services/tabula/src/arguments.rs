@@ -19,6 +19,7 @@ use crate::sensor::Sensor;
 use clap::{Args, Parser, Subcommand};
 use service::{CommonArguments, Failure, exit_code};
 use simulation::ModelSource;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 /// The perception daemon of a service robot: finds the objects on a table,
@@ -122,6 +123,17 @@ pub(crate) enum Verb {
         /// What to measure
         #[command(subcommand)]
         verb: EvaluateVerb,
+    },
+    /// Measure where the time of frames goes; see `tabula latency --help`
+    #[command(disable_help_flag = true)]
+    Latency {
+        /// What tabula-latency understands
+        #[arg(
+            trailing_var_arg = true,
+            allow_hyphen_values = true,
+            value_name = "ARGUMENTS"
+        )]
+        arguments: Vec<OsString>,
     },
     /// Show how the daemon's processes are
     Status,
@@ -383,6 +395,9 @@ pub(crate) struct RunArguments {
     /// Check the configuration and the arguments of all processes, and do nothing else
     #[arg(long)]
     pub(crate) check_config: bool,
+    /// Stop when the process that started this one, and has this id, ends
+    #[arg(long, value_name = "PID")]
+    pub(crate) follow_parent: Option<u32>,
 }
 
 impl RunArguments {

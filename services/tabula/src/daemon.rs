@@ -5,12 +5,11 @@ use crate::child::{self, Child};
 use crate::objects::{call, connect};
 use crate::sensor::Sensor;
 use channel::{Domain, Role, RunFolder};
-use command_line::Output;
-use command_line::StopSignal;
+use command_line::{Output, StopSignal};
 use message::ProcessKind;
 use message::control::{Command, Reply};
 use serde::Serialize;
-use service::{CommonArguments, Failure};
+use service::{CommonArguments, Failure, follow_parent};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
@@ -64,6 +63,12 @@ pub(crate) fn run(
         return Ok(ExitCode::SUCCESS);
     }
     let stop = StopSignal::install()?;
+    if run
+        .follow_parent
+        .is_some_and(|parent| !follow_parent(parent))
+    {
+        return Ok(ExitCode::SUCCESS);
+    }
     // Membership until all children have gone: then nothing is left, even of
     // those that were killed.
     let domain = Domain::join(&common.domain, &RunFolder::of_user(), Role::Guest)?;

@@ -3,8 +3,7 @@
 use crate::learn::mutation_id;
 use crate::memory_access::MemoryAccess;
 use crate::objects::unexpected;
-use crate::simulate::progress;
-use command_line::Output;
+use command_line::{Output, bar};
 use message::control::{
     ImportReport, JobCommand, JobKind, JobOutcome, JobReport, MAX_MESSAGE_BYTES, Reply,
 };
@@ -43,7 +42,7 @@ pub(crate) fn import(
         renames: import.renames,
         prefix: import.prefix,
     })?;
-    let bar = progress::bar(0, "bytes", output);
+    let bar = bar(0, "bytes", output);
     let outcome = memory.wait(job, |report| {
         bar.set_length(report.total);
         bar.set_position(report.done);
@@ -67,7 +66,7 @@ fn upload(memory: &mut MemoryAccess, file: &mut File, output: &Output) -> Result
     };
     let n_bytes = file.metadata().map_err(failed)?.len();
     let job = memory.begin(JobKind::Import)?.job;
-    let bar = progress::bar(n_bytes, "bytes sent", output);
+    let bar = bar(n_bytes, "bytes sent", output);
     let mut offset = 0;
     loop {
         let mut bytes = Vec::with_capacity(WRITE_BYTES);

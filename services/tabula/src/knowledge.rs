@@ -5,8 +5,7 @@ use crate::learn::{author_or_user, mutation_id};
 use crate::memory_access::MemoryAccess;
 use crate::objects::unexpected;
 use crate::time::utc;
-use command_line::Output;
-use command_line::table;
+use command_line::{Output, table};
 use message::control::{
     Command, DocumentKind, DocumentName, DocumentReport, LearningReport, MemoryAnswer, MemoryQuery,
     Reply, Revision, RevisionChange,

@@ -2,8 +2,7 @@
 
 use crate::arguments::{ForgetArguments, LabelArguments};
 use crate::objects::{call, connect, unexpected};
-use command_line::Output;
-use command_line::table;
+use command_line::{Output, table};
 use message::control::{
     CategoryReport, Command, Labelling, LearningReport, MutationId, Reply, Revision,
     RevisionChange, ViewId,

@@ -8,8 +8,7 @@ use crate::importing::{Import, import};
 use crate::learn::author_or_user;
 use crate::memory_access::MemoryAccess;
 use crate::objects::connect;
-use crate::simulate::progress;
-use command_line::Output;
+use command_line::{Output, bar};
 use dataset::object_views::{ObjectViews, ViewFile};
 use described::Folder;
 use description::{Appearance, AppearanceWeights};
@@ -138,7 +137,7 @@ fn write(folder: &Folder<'_>, report: &mut Report, output: &Output) -> Result<Fi
     let appearance = Appearance::new(AppearanceWeights::default()).map_err(failed)?;
     let mut file = tempfile::tempfile().map_err(unwritable)?;
     let mut writer = PortableWriter::new(BufWriter::new(&file)).map_err(unwritable)?;
-    let bar = progress::bar(folder.views.files().len() as u64, "views", output);
+    let bar = bar(folder.views.files().len() as u64, "views", output);
     let mut categories = BTreeSet::new();
     for object in objects(folder.views.files(), report) {
         let work = |appearance: &mut Appearance, place| {

@@ -8,6 +8,7 @@ mod doctor;
 mod evaluate;
 mod importing;
 mod knowledge;
+mod latency;
 mod learn;
 mod learn_folder;
 mod memory;
@@ -68,6 +69,7 @@ fn execute(arguments: &Arguments, output: &Output) -> Result<ExitCode, Failure> 
         Verb::Simulate { verb } => simulate::run(verb, output),
         Verb::Evaluate { verb } => evaluate::run(verb, output),
         Verb::World(world) => world::run(&arguments.common, world.verb.as_ref(), output),
+        Verb::Latency { arguments: words } => latency::run(arguments, words),
         Verb::Arm { verb } => arm::run(&arguments.common, verb, output),
     }
 }

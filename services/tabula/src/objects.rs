@@ -2,9 +2,7 @@
 
 use channel::RunFolder;
 use channel::control::{CallError, SocketClient};
-use command_line::StopSignal;
-use command_line::table;
-use command_line::{Output, redraw};
+use command_line::{Output, StopSignal, redraw, table};
 use message::control::{
     Command, IgnoredReport, ObjectReport, ObjectsReport, Refusal, RefusalKind, Reply,
 };

@@ -1,6 +1,5 @@
 //! `tabula simulate`: recordings and views of the simulated table, as files.
 
-pub(crate) mod progress;
 mod record_scene;
 mod record_views;
 mod sensor_plot;

@@ -3,9 +3,7 @@
 use crate::arguments::{EventsArguments, HistoryArguments, Point, Time, WorldVerb};
 use crate::objects::{call, connect, metres, unexpected};
 use channel::control::SocketClient;
-use command_line::Output;
-use command_line::StopSignal;
-use command_line::table;
+use command_line::{Output, StopSignal, table};
 use message::control::{
     Command, EventReport, EventsReport, FactFilter, FactReport, FactsReport, Reply, TaskReport,
     TasksReport, WorldCommand, WorldObjectReport, WorldRegion, WorldReply, WorldReport,

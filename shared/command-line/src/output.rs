@@ -18,6 +18,7 @@ struct ErrorDocument<'a> {
 }
 
 impl Output {
+    /// Answers as documents when `json` is true, as text otherwise.
     pub fn new(json: bool) -> Self {
         Self { json }
     }

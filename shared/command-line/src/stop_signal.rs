@@ -11,6 +11,9 @@ pub struct StopSignal(Arc<(Mutex<bool>, Condvar)>);
 
 impl StopSignal {
     /// Takes over the signals, on a thread of its own.
+    ///
+    /// # Errors
+    /// When the signals can not be listened for.
     pub fn install() -> Result<Self, Failure> {
         let failed = |error| {
             Failure::new(

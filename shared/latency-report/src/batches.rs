@@ -24,6 +24,18 @@ pub struct Batch {
     pub p99: f64,
 }
 
+/// The name of a percentile, and how to get it.
+type Named = (&'static str, fn(&Batch) -> f64);
+
+impl Batch {
+    /// The percentiles by their names.
+    pub(crate) const NAMED: [Named; 3] = [
+        ("p50", |batch| batch.p50),
+        ("p90", |batch| batch.p90),
+        ("p99", |batch| batch.p99),
+    ];
+}
+
 /// Cuts the samples of `n_frames` frames into parts of as many frames each; those
 /// without a sample are left out.
 pub(crate) fn batches(samples: &[Sample], n_frames: usize) -> Vec<Batch> {

@@ -69,12 +69,10 @@ pub fn compare(before: &Report, now: &Report) -> Vec<Comparison> {
         let (before, now) = (before.stage(*stage)?, now.stage(*stage)?);
         Some((stage.word(), &before.batches, &now.batches))
     });
-    let percentiles: [(&'static str, fn(&Batch) -> f64); 3] =
-        [("p50", |b| b.p50), ("p90", |b| b.p90), ("p99", |b| b.p99)];
     std::iter::once(whole)
         .chain(stages)
         .flat_map(|(what, before, now)| {
-            percentiles.into_iter().filter_map(move |(name, get)| {
+            Batch::NAMED.iter().filter_map(move |(name, get)| {
                 let before: Vec<f64> = before.iter().map(get).collect();
                 let now: Vec<f64> = now.iter().map(get).collect();
                 compared(what, name, &before, &now)

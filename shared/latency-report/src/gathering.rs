@@ -23,7 +23,7 @@ pub struct Gathering {
 }
 
 impl Gathering {
-    /// Takes a message. Call [`next`](Self::next) until it is empty.
+    /// Takes a message. Call [`next_frame`](Self::next_frame) until it is empty.
     pub fn take(&mut self, header: &TraceHeader, spans: &[Span]) {
         let Some(process) = ProcessKind::from_code(header.process) else {
             self.n_unknown += spans.len() as u64;
@@ -57,7 +57,7 @@ impl Gathering {
     }
 
     /// The oldest frame, when nothing more is to be expected of it.
-    pub fn next(&mut self) -> Option<FrameWay> {
+    pub fn next_frame(&mut self) -> Option<FrameWay> {
         (self.waiting.len() > N_NEWER)
             .then(|| self.waiting.pop_first())
             .flatten()
@@ -114,7 +114,7 @@ mod tests {
             let made = header(ProcessKind::Simulator, 5, sequence);
             gathering.take(&made, &[span(Stage::Making)]);
         }
-        let mut ways: Vec<FrameWay> = std::iter::from_fn(|| gathering.next()).collect();
+        let mut ways: Vec<FrameWay> = std::iter::from_fn(|| gathering.next_frame()).collect();
         assert_eq!(ways.len(), 100 - N_NEWER);
         ways.extend(gathering.rest());
         let sequences: Vec<u64> = ways.iter().map(|way| way.sequence).collect();

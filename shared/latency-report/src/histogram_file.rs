@@ -1,4 +1,4 @@
-//! Files of histograms that merge: the interval log of HdrHistogram (version 1.3),
+//! Files of histograms that merge: the interval log of `HdrHistogram` (version 1.3),
 //! one tag a stage, which its tools in other languages read as well. Values are
 //! nanoseconds.
 

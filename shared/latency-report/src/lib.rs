@@ -31,7 +31,7 @@ pub use gathering::Gathering;
 pub use histogram_file::{HistogramFileError, Histograms};
 pub use measurement::Measurement;
 pub use open_loop::OpenLoop;
-pub use percentiles::Percentiles;
+pub use percentiles::{NamedPercentile, Percentiles};
 pub use report::{
     Conditions, Measuring, Objects, ProcessReport, Report, SharedMemoryReport, StageReport,
 };

@@ -19,6 +19,9 @@ pub struct Percentiles {
     pub max: f64,
 }
 
+/// The name of a percentile, and how to get it.
+pub type NamedPercentile = (&'static str, fn(&Percentiles) -> f64);
+
 impl Percentiles {
     /// Of durations in nanoseconds, which come back sorted; all 0 without any.
     pub fn of(durations_ns: &mut [u64]) -> Self {
@@ -38,7 +41,7 @@ impl Percentiles {
     }
 
     /// The names of the percentiles, as files have them, with how to get each.
-    pub const NAMED: [(&'static str, fn(&Self) -> f64); 5] = [
+    pub const NAMED: [NamedPercentile; 5] = [
         ("p50", |p| p.p50),
         ("p90", |p| p.p90),
         ("p99", |p| p.p99),

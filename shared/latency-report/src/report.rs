@@ -141,7 +141,7 @@ pub struct Report {
 
 impl Report {
     /// The report of a measurement. Of `measuring` what the spans tell is filled in.
-    pub fn new(measurement: &Measurement, measuring: Measuring, conditions: Conditions) -> Self {
+    pub fn new(measurement: &Measurement, measuring: &Measuring, conditions: Conditions) -> Self {
         let open_loop = measurement.open_loop();
         let n_frames = measurement.n_frames();
         let n_missed = open_loop.n_dropped + open_loop.n_not_captured;
@@ -205,7 +205,7 @@ fn stage_report(stage: &StageSamples, n_frames: usize) -> StageReport {
 }
 
 /// Every span costs a measured stage at most; sending them is a stage of its own.
-fn measuring_costs(measuring: Measuring, measurement: &Measurement, frame_ms: f64) -> Measuring {
+fn measuring_costs(measuring: &Measuring, measurement: &Measurement, frame_ms: f64) -> Measuring {
     let n_frames = measurement.n_frames().max(1) as f64;
     let n_spans: usize = measurement
         .stages
@@ -227,7 +227,7 @@ fn measuring_costs(measuring: Measuring, measurement: &Measurement, frame_ms: f6
         } else {
             0.0
         },
-        ..measuring
+        ..measuring.clone()
     }
 }
 
@@ -241,7 +241,7 @@ mod tests {
         for sequence in (0..200).filter(|sequence| *sequence != 77) {
             measurement.add(frame(sequence, sequence * 33_000_000, sequence * 1000));
         }
-        Report::new(&measurement, Measuring::default(), Conditions::default())
+        Report::new(&measurement, &Measuring::default(), Conditions::default())
     }
 
     #[test]

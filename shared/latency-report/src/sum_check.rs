@@ -1,6 +1,6 @@
 //! Whether the stages add up to what they are stages of.
 
-use crate::way::FrameWay;
+use crate::way::{FrameWay, Passage};
 use message::Stage;
 use serde::{Deserialize, Serialize};
 
@@ -36,14 +36,12 @@ impl SumCheck {
         let share = |sum_ns: u64, whole_ns: u64| {
             sum_ns.abs_diff(whole_ns) as f64 / end_to_end_ns.max(1) as f64
         };
-        let links_ns = way.links().map(|link| link.duration_ns()).sum();
+        let links_ns = way.links().map(Passage::duration_ns).sum();
         let of_frame = share(links_ns, end_to_end_ns);
         self.frames += 1;
         self.worst_frame_share = self.worst_frame_share.max(of_frame);
         self.over += u64::from(of_frame > TOLERANCE);
-        let objects_ns = way
-            .passage(Stage::Objects)
-            .map_or(0, |link| link.duration_ns());
+        let objects_ns = way.passage(Stage::Objects).map_or(0, Passage::duration_ns);
         for chain in way.objects().values() {
             let of_object = share(
                 chain.iter().map(|link| link.duration_ns()).sum(),

@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 /// Lines that are no thread have numbers from here on: Linux's threads have lower ones.
 const CHAIN_LINE: u64 = 1 << 32;
 
-/// A document that ui.perfetto.dev and chrome://tracing open: a group for each process
+/// A document that Perfetto and Chrome's `about:tracing` open: a group for each process
 /// with a line for each thread, and lines for the frame's chain and for the waiting
 /// times of each object.
 pub fn timeline(ways: &[&FrameWay]) -> Value {
@@ -35,9 +35,8 @@ pub fn timeline(ways: &[&FrameWay]) -> Value {
 /// The line that a passage is drawn in: its thread's, the chain's, or the object's.
 fn line(passage: &Passage) -> u64 {
     match (passage.span.thread_id, passage.stage.place()) {
-        (_, Place::Frame) => CHAIN_LINE,
         (0, Place::Object) => CHAIN_LINE + 1 + passage.span.track_id,
-        (0, _) => CHAIN_LINE,
+        (0, _) | (_, Place::Frame) => CHAIN_LINE,
         (thread_id, _) => thread_id.into(),
     }
 }

@@ -90,33 +90,29 @@ fn reason(suspect: &Suspect, usual_ns: &BTreeMap<Stage, u64>) -> String {
     let Some(link) = slowest(way.links(), usual_ns) else {
         return "nothing is known of its way".into();
     };
-    let mut sentence = format!(
-        "{} took {:.2} ms, {:.2} ms longer than usual",
-        link.stage.word(),
-        ms(link.duration_ns()),
-        ms(excess_ns(link, usual_ns)),
-    );
     let within = within(way, link.stage, usual_ns);
-    if let Some(step) = within {
-        sentence += &format!(
-            "; in it {}{} took {:.2} ms, {:.2} ms longer",
-            step.stage.word(),
-            of_track(step),
-            ms(step.duration_ns()),
-            ms(excess_ns(step, usual_ns)),
-        );
-    }
     let cause = match link.stage {
         Stage::Source => late_source(way),
         Stage::Transport if suspect.before_published_ns > link.span.begin_ns => {
             Some("perception was still at work on the frame before".into())
         }
-        _ => cause(within.unwrap_or(link)),
+        _ => Some(cause(within.unwrap_or(link))),
     };
-    if let Some(cause) = cause {
-        sentence += &format!(": {cause}");
-    }
-    sentence
+    let slow = |passage: &Passage| {
+        format!(
+            "{}{} took {:.2} ms, {:.2} ms longer than usual",
+            passage.stage.word(),
+            of_track(passage),
+            ms(passage.duration_ns()),
+            ms(excess_ns(passage, usual_ns)),
+        )
+    };
+    let parts = [
+        Some(slow(link)),
+        within.map(|step| format!("; in it {}", slow(step))),
+        cause.map(|cause| format!(": {cause}")),
+    ];
+    parts.into_iter().flatten().collect()
 }
 
 /// The slowest step within a link.
@@ -159,32 +155,32 @@ fn late_source(way: &FrameWay) -> Option<String> {
 }
 
 /// What a thread that was at work tells of a slow stage.
-fn cause(passage: &Passage) -> Option<String> {
+fn cause(passage: &Passage) -> String {
     let span = &passage.span;
     if span.thread_id == 0 {
-        return Some("it waited for a processor or a worker".into());
+        return "it waited for a processor or a worker".into();
     }
     if span.n_major_faults > 0 {
         let n = span.n_major_faults;
-        return Some(format!("{n} page fault(s) read from disk"));
+        return format!("{n} page fault(s) read from disk");
     }
     let off_ns = passage.duration_ns().saturating_sub(span.cpu_ns);
     if off_ns > passage.duration_ns() / 4 {
-        return Some(format!(
+        return format!(
             "its thread had no processor for {:.2} ms (taken away {} time(s), given up {} time(s))",
             ms(off_ns),
             span.n_involuntary_switches,
             span.n_voluntary_switches,
-        ));
+        );
     }
     if span.n_minor_faults > MANY_FAULTS {
         let n = span.n_minor_faults;
-        return Some(format!("{n} page faults, the first use of memory"));
+        return format!("{n} page faults, the first use of memory");
     }
-    Some(format!(
+    format!(
         "it worked all the time, {:.2} ms of processor time",
         ms(span.cpu_ns)
-    ))
+    )
 }
 
 #[cfg(test)]
@@ -198,9 +194,9 @@ mod tests {
         way.passages.iter().map(of).collect()
     }
 
-    fn reason_of(way: FrameWay, before_published_ns: u64) -> String {
+    fn reason_of(way: &FrameWay, before_published_ns: u64) -> String {
         let mut suspects = Suspects::default();
-        suspects.add(&way, before_published_ns);
+        suspects.add(way, before_published_ns);
         suspects.told(&usual()).remove(0).reason
     }
 
@@ -225,7 +221,7 @@ mod tests {
             .find(|passage| passage.stage == Stage::Detection);
         let span = &mut detection.unwrap().span;
         (span.thread_id, span.cpu_ns, span.n_involuntary_switches) = (12, 7_000_000, 3);
-        let reason = reason_of(way, 0);
+        let reason = reason_of(&way, 0);
         assert!(
             reason.contains("detection took 16.00 ms, 9.00 ms longer"),
             "{reason}"
@@ -244,7 +240,7 @@ mod tests {
                 passage.span.end_ns += 5_000_000;
             }
         }
-        let reason = reason_of(way, 3_000_000);
+        let reason = reason_of(&way, 3_000_000);
         assert!(reason.contains("transport took 5.05 ms"), "{reason}");
         assert!(
             reason.contains("still at work on the frame before"),

@@ -30,7 +30,7 @@ pub use context::Context;
 pub use exit::{Failure, exit_code};
 pub use health_board::HealthBoard;
 pub use home::Home;
-pub use run::run;
+pub use run::{follow_parent, run};
 pub use shutdown::Shutdown;
 pub use stopwatch::Stopwatch;
 pub use thread_usage::ThreadUsage;

@@ -38,7 +38,7 @@ where
     let common = &arguments.common;
     if arguments
         .follow_parent
-        .is_some_and(|parent| !follow(parent))
+        .is_some_and(|parent| !follow_parent(parent))
     {
         return ExitCode::SUCCESS;
     }
@@ -119,9 +119,9 @@ fn live<F: Future<Output = Result<(), Failure>>>(
     outcome
 }
 
-/// A process started by `tabula run` does not outlive it, whatever ends it. False
-/// when the parent has ended before it could be followed.
-fn follow(parent: u32) -> bool {
+/// From now on this process is asked to stop when its parent ends, whatever ends it.
+/// False when the parent has ended already.
+pub fn follow_parent(parent: u32) -> bool {
     if let Err(error) = set_parent_process_death_signal(Some(Signal::TERM)) {
         tracing::warn!("this process will not notice the end of its parent: {error}");
     }

@@ -9,9 +9,8 @@ use super::variant::{Learner, Method};
 use super::whole_file::{make_folder, write};
 use super::{failed, parallel};
 use crate::arguments::{AblationArguments, AblationVariant};
-use crate::simulate::progress;
 use clap::ValueEnum;
-use command_line::Output;
+use command_line::{Output, bar};
 use document::Document;
 use evaluation::interval_figure;
 use evaluation::open_ended::{self as teacher, Metrics, Protocol};
@@ -74,7 +73,7 @@ fn play_all(
 ) -> Result<Vec<Vec<Metrics>>, Failure> {
     let n_runs = arguments.runs as usize;
     let n_jobs = learners.len() * n_runs;
-    let bar = progress::bar(n_jobs as u64, "runs", output);
+    let bar = bar(n_jobs as u64, "runs", output);
     let played = parallel::map(
         n_jobs,
         &bar,

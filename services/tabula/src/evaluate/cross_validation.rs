@@ -11,8 +11,7 @@ mod scene_figures;
 use super::whole_file::{make_folder, write};
 use super::{failed, parallel, scene_views};
 use crate::arguments::CrossValidationArguments;
-use crate::simulate::progress;
-use command_line::Output;
+use command_line::{Output, bar};
 use document::Document;
 use evaluation::cross_validation::{Confusion, confusion_svg};
 use fold_result::{FoldResult, play};
@@ -30,7 +29,7 @@ pub(super) fn run(
         make_folder(&arguments.out.join(scene_views::PICTURES))?;
     }
     let material = Material::of(arguments, output)?;
-    let bar = progress::bar(arguments.folds.into(), "folds", output);
+    let bar = bar(arguments.folds.into(), "folds", output);
     let results = parallel::map(
         material.folds.n_folds as usize,
         &bar,

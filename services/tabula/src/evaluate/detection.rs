@@ -5,8 +5,7 @@ use super::stopwatch::durations_ms;
 use super::whole_file::{make_folder, write};
 use super::{failed, report};
 use crate::arguments::DetectionArguments;
-use crate::simulate::progress;
-use command_line::Output;
+use command_line::{Output, bar};
 use detection::{Assumptions, Config, Detection, Frame, Surroundings, Workspace, detect};
 use evaluation::durations::sum_of_words;
 use evaluation::hypothesis_image::HypothesisImages;
@@ -82,7 +81,7 @@ pub(super) fn run(arguments: &DetectionArguments, output: &Output) -> Result<Exi
     let mut skipped: Vec<Skipped> = folders.collect();
     let mut results = Vec::new();
     let mut bench = Bench::new(arguments);
-    let bar = progress::bar(scenes.entries().len() as u64, "scenes", output);
+    let bar = bar(scenes.entries().len() as u64, "scenes", output);
     for entry in scenes.entries() {
         match bench.evaluate(&scenes, entry) {
             Ok(result) => results.push(result),

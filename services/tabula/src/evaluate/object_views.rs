@@ -2,8 +2,7 @@
 
 use super::variant::{Describer, Method, Readings};
 use super::{failed, parallel};
-use crate::simulate::progress;
-use command_line::Output;
+use command_line::{Output, bar};
 use dataset::object_views::{ObjectView, ObjectViews, ViewFile};
 use description::ObjectPoints;
 use evaluation::recogniser::LabelledView;
@@ -92,7 +91,7 @@ impl Catalogue {
         let describers = methods.iter().map(Method::describer);
         let describers: Vec<Describer> = describers.collect::<Result<_, _>>()?;
         let knows_up = self.views.tell_up();
-        let bar = progress::bar(self.chosen.len() as u64, "views", output);
+        let bar = bar(self.chosen.len() as u64, "views", output);
         let own = || describers.clone();
         let described = parallel::map(self.chosen.len(), &bar, own, |describers, job| {
             let index = self.chosen[job];

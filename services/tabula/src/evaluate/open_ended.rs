@@ -10,8 +10,7 @@ use super::variant::{Learner, described};
 use super::whole_file::{make_folder, write};
 use super::{failed, parallel};
 use crate::arguments::{OpenEndedArguments, ViewProtocol};
-use crate::simulate::progress;
-use command_line::Output;
+use command_line::{Output, bar};
 use document::Document;
 use evaluation::open_ended::{self as teacher, Protocol, Run, Split, overview_svg, run_svg};
 use service::{Failure, exit_code};
@@ -97,7 +96,7 @@ fn play_all(
     learner: &dyn Learner,
     output: &Output,
 ) -> Result<Vec<Played>, Failure> {
-    let bar = progress::bar(arguments.runs, "runs", output);
+    let bar = bar(arguments.runs, "runs", output);
     let n_runs = arguments.runs as usize;
     let played = parallel::map(
         n_runs,

@@ -13,8 +13,7 @@ mod without_truth;
 use super::failed;
 use super::whole_file::{make_folder, write};
 use crate::arguments::TrackingArguments;
-use crate::simulate::progress;
-use command_line::Output;
+use command_line::{Output, bar};
 use crossbeam::channel::unbounded;
 use document::{Document, Run};
 use evaluation::track_figure;
@@ -59,7 +58,7 @@ fn run_stories(
         .iter()
         .flat_map(|story| seeds.clone().map(move |seed| (story, seed)))
         .collect();
-    let bar = progress::bar(jobs.len() as u64, "runs", output);
+    let bar = bar(jobs.len() as u64, "runs", output);
     let runs = play_all(&jobs, arguments, &bar);
     bar.finish_and_clear();
     finish(&runs?, arguments, output)
@@ -75,7 +74,7 @@ fn run_recording(
     if !recording.has_truth()? {
         return without_truth::run(&recording, arguments, output);
     }
-    let bar = progress::bar(recording.n_frames() as u64, "frames", output);
+    let bar = bar(recording.n_frames() as u64, "frames", output);
     let told = recording.play(|_| {
         bar.inc(1);
         Ok(())

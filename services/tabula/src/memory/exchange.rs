@@ -5,8 +5,7 @@ use crate::importing::{Import, import as import_file};
 use crate::learn::author_or_user;
 use crate::memory_access::MemoryAccess;
 use crate::objects::unexpected;
-use crate::simulate::progress;
-use command_line::Output;
+use command_line::{Output, bar};
 use message::control::{
     Command, ExportReport, ImportReport, JobCommand, JobKind, JobOutcome, Reply,
 };
@@ -86,7 +85,7 @@ fn write_export(
     let failed = |error: io::Error| file_failed("written", path, &error);
     let mut file = File::create(path).map_err(failed)?;
     let begun = memory.begin(JobKind::Export)?;
-    let bar = progress::bar(begun.total, "views", output);
+    let bar = bar(begun.total, "views", output);
     let mut offset = 0;
     let report = loop {
         // Asked first: what comes after it is over is all there is.

@@ -4,8 +4,7 @@ use crate::arguments::{EntriesArguments, InspectArguments};
 use crate::memory_access::MemoryAccess;
 use crate::objects::unexpected;
 use crate::time::utc;
-use command_line::Output;
-use command_line::table;
+use command_line::{Output, table};
 use message::control::{
     Command, HistoryReport, MemoryAnswer, MemoryQuery, MemoryStats, Reply, ViewReport,
 };

@@ -3,8 +3,7 @@
 use crate::arguments::CompactArguments;
 use crate::memory_access::{MemoryAccess, daemon, local_folder};
 use crate::objects::unexpected;
-use crate::simulate::progress;
-use command_line::Output;
+use command_line::{Output, bar};
 use message::control::{JobKind, JobOutcome, Reply, VerificationReport};
 use service::{CommonArguments, Failure, exit_code};
 use std::process::ExitCode;
@@ -19,7 +18,7 @@ fn job(
     output: &Output,
 ) -> Result<JobOutcome, Failure> {
     let report = memory.begin(kind)?;
-    let bar = progress::bar(report.total, unit, output);
+    let bar = bar(report.total, unit, output);
     let outcome = memory.wait(report.job, |report| {
         bar.set_length(report.total);
         bar.set_position(report.done);
@@ -59,7 +58,7 @@ pub(super) fn verify(common: &CommonArguments, output: &Output) -> Result<ExitCo
 
 fn verify_folder(common: &CommonArguments, output: &Output) -> Result<VerificationReport, Failure> {
     let folder = local_folder(common)?;
-    let bar = progress::bar(0, "views", output);
+    let bar = bar(0, "views", output);
     let found = store::verify_folder(&folder, |done, total| {
         bar.set_length(total);
         bar.set_position(done);

@@ -1,8 +1,8 @@
 //! `tabula simulate scene`: a sequence of a simulated scene.
 
-use super::{failed, progress, usage};
+use super::{failed, usage};
 use crate::arguments::SceneArguments;
-use command_line::Output;
+use command_line::{Output, bar};
 use crossbeam::channel::{Receiver, Sender, bounded};
 use dataset::rgbd_sequence::{FrameView, SequenceWriter};
 use geometry::{PinholeCamera, RigidTransform};
@@ -43,7 +43,7 @@ pub(super) fn run(arguments: &SceneArguments, output: &Output) -> Result<ExitCod
     let down = -Vector3::z_axis();
     let camera = PinholeCamera::KINECT_V1;
     let writer = SequenceWriter::create(&arguments.out, &camera, Some(down)).map_err(failed)?;
-    let bar = progress::bar(arguments.frames, "frames", output);
+    let bar = bar(arguments.frames, "frames", output);
     let (sender, receiver) = bounded(FRAMES_AHEAD);
     let (rendered, written) = std::thread::scope(|scope| {
         let renderer = scope.spawn(move || render(world, arguments, &sender));

@@ -1,8 +1,8 @@
 //! `tabula simulate views`: views of single objects for learning.
 
-use super::{failed, progress, usage};
+use super::{failed, usage};
 use crate::arguments::ViewsArguments;
-use command_line::Output;
+use command_line::{Output, bar};
 use dataset::washington::{CAMERA, View, ViewName, write_view};
 use indicatif::ProgressBar;
 use serde::Serialize;
@@ -45,7 +45,7 @@ pub(super) fn run(arguments: &ViewsArguments, output: &Output) -> Result<ExitCod
     let library = ModelLibrary::open(&arguments.models()).map_err(usage)?;
     let jobs = jobs(arguments, &library)?;
     let n_views = jobs.len() as u64 * u64::from(arguments.views);
-    let bar = progress::bar(n_views, "views", output);
+    let bar = bar(n_views, "views", output);
     let next = AtomicUsize::new(0);
     let report = Mutex::new(Report::default());
     let n_threads = std::thread::available_parallelism().map_or(1, usize::from);

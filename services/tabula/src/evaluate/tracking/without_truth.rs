@@ -6,9 +6,7 @@ use super::recorded::{Recording, Shown};
 use crate::arguments::TrackingArguments;
 use crate::evaluate::failed;
 use crate::evaluate::whole_file::{make_folder, write};
-use crate::simulate::progress;
-use command_line::Output;
-use command_line::table;
+use command_line::{Output, bar, table};
 use evaluation::box_picture::{self, NumberedBox};
 use evaluation::figure_page::{PageFigure, PageTable, html};
 use evaluation::track_drift::{TrackSpan, track_spans};
@@ -70,7 +68,7 @@ pub(super) fn run(
     let labels = arguments.labels.as_deref().map(read_labels).transpose()?;
     let frames_folder = arguments.out.join(FRAMES);
     make_folder(&frames_folder)?;
-    let bar = progress::bar(recording.n_frames() as u64, "frames", output);
+    let bar = bar(recording.n_frames() as u64, "frames", output);
     let told = recording.play(|shown| {
         bar.inc(1);
         if !shown.index.is_multiple_of(FRAMES_A_PICTURE) {

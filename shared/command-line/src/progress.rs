@@ -1,10 +1,10 @@
 //! A bar that shows how far a long run has come.
 
-use command_line::Output;
+use crate::Output;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// A bar on standard error for people at a terminal; nothing for scripts.
-pub(crate) fn bar(n_steps: u64, what: &'static str, output: &Output) -> ProgressBar {
+pub fn bar(n_steps: u64, what: &'static str, output: &Output) -> ProgressBar {
     let target = if output.is_json() {
         ProgressDrawTarget::hidden()
     } else {

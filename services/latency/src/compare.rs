@@ -1,0 +1,24 @@
+//! `tabula latency compare`: two reports beside each other.
+
+use crate::report_text;
+use crate::results::{Judgement, read_report};
+use command_line::Output;
+use latency_report::compare;
+use service::{Failure, exit_code};
+use std::path::Path;
+use std::process::ExitCode;
+
+/// Prints what is faster, slower or undecided.
+pub(crate) fn run(before: &Path, now: &Path, output: &Output) -> Result<ExitCode, Failure> {
+    let comparisons = compare(&read_report(before)?, &read_report(now)?);
+    output.answer(&comparisons, || report_text::comparison(&comparisons));
+    let judgement = Judgement {
+        excesses: None,
+        comparisons: Some(comparisons),
+    };
+    Ok(if judgement.is_over() {
+        ExitCode::from(exit_code::OVER_BUDGET)
+    } else {
+        ExitCode::SUCCESS
+    })
+}

@@ -1,0 +1,109 @@
+//! Under which conditions a measurement was made.
+
+use crate::listener::Listener;
+use crate::process_usage::ProcessUsage;
+use channel::{DomainName, SharedMemory};
+use latency_report::{Conditions, SharedMemoryReport};
+use service::{monotonic_ns, wall_clock_ns};
+
+/// What is looked at before and after the frames.
+pub(crate) struct ConditionsWatch {
+    processes: Vec<ProcessUsage>,
+    lost_before: u64,
+    clock_offset_before_ns: i64,
+}
+
+/// The pairing of the clocks may drift by this much: adjusting a wall clock is no
+/// error, but who reads stamps of both must know.
+const CLOCK_DRIFT_NS: u64 = 5_000_000;
+
+impl ConditionsWatch {
+    /// Begins with the processes that have told of frames.
+    pub(crate) fn begin(listener: &Listener) -> Self {
+        let processes = listener.processes();
+        Self {
+            processes: processes
+                .iter()
+                .filter_map(|(process, pid)| ProcessUsage::begin(*process, *pid))
+                .collect(),
+            lost_before: listener.n_lost(),
+            clock_offset_before_ns: clock_offset_ns(),
+        }
+    }
+
+    /// The conditions up to now.
+    pub(crate) fn end(
+        &self,
+        source: String,
+        domain: &DomainName,
+        listener: &Listener,
+    ) -> Conditions {
+        let lost_messages = listener.n_lost() - self.lost_before;
+        let memory = SharedMemory::of_domain(domain);
+        Conditions {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            source,
+            measured_at_s: (wall_clock_ns() / 1_000_000_000).max(0) as u64,
+            warnings: self.warnings(listener, lost_messages),
+            processes: self
+                .processes
+                .iter()
+                .filter_map(ProcessUsage::report)
+                .collect(),
+            shared_memory: SharedMemoryReport {
+                used_bytes: memory.map_or(0, |memory| memory.used_by_domain),
+                reserved_bytes: memory.map_or(0, |memory| memory.needed),
+                lost_messages,
+            },
+            machine: serde_json::Value::Null,
+        }
+    }
+
+    fn warnings(&self, listener: &Listener, lost_messages: u64) -> Vec<String> {
+        let mut warnings = Vec::new();
+        if lost_messages > 0 {
+            warnings.push(format!(
+                "{lost_messages} trace message(s) came faster than they were read, so frames \
+                 count as dropped that were not; measure fewer objects, or a lower rate"
+            ));
+        }
+        let left_out = listener.gathering().n_left_out();
+        if left_out > 0 {
+            warnings.push(format!(
+                "{left_out} span(s) found no place in their frames' messages: there are more \
+                 objects than a trace holds, and their stages are incomplete"
+            ));
+        }
+        let drift_ns = clock_offset_ns().abs_diff(self.clock_offset_before_ns);
+        if drift_ns > CLOCK_DRIFT_NS {
+            warnings.push(format!(
+                "the wall clock was set by {:.1} ms against the monotonic one meanwhile",
+                drift_ns as f64 / 1e6
+            ));
+        }
+        warnings.extend(self.gone());
+        if cfg!(debug_assertions) {
+            warnings.push(
+                "this is a build for development; measure one made with cargo build --release"
+                    .to_owned(),
+            );
+        }
+        warnings
+    }
+
+    /// A process that was started anew brings its cold start into the figures.
+    fn gone(&self) -> Option<String> {
+        let ended = self
+            .processes
+            .iter()
+            .filter(|usage| usage.report().is_none());
+        let n_ended = ended.count();
+        (n_ended > 0).then(|| {
+            format!("{n_ended} process(es) of the daemon have ended while they were measured")
+        })
+    }
+}
+
+fn clock_offset_ns() -> i64 {
+    wall_clock_ns() - monotonic_ns() as i64
+}

@@ -1,0 +1,165 @@
+//! `tabula latency`: measures frames.
+
+use crate::arguments::MeasureArguments;
+use crate::chosen_daemon::ChosenDaemon;
+use crate::conditions::ConditionsWatch;
+use crate::listener::Listener;
+use crate::report_text;
+use crate::results::{self, Judged};
+use command_line::{Output, StopSignal, bar};
+use latency_report::{Measurement, Measuring, Report};
+use message::Stage;
+use service::{CommonArguments, Failure, Stopwatch, exit_code};
+use std::hint::black_box;
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+/// How often the traces are read: their ring holds 32 frames.
+const READ: Duration = Duration::from_millis(20);
+/// Frames that stay away for this long will not come.
+const SILENCE: Duration = Duration::from_secs(10);
+/// Laps by which the cost of a lap is timed.
+const N_LAPS: u32 = 20_000;
+
+/// Measures, prints and writes; the exit code tells whether limits were kept.
+pub(crate) fn run(
+    common: &CommonArguments,
+    arguments: &MeasureArguments,
+    output: &Output,
+) -> Result<ExitCode, Failure> {
+    // Before anything is started: a mistake should not cost a minute.
+    let judged = Judged::prepare(arguments)?;
+    let stop = StopSignal::install()?;
+    let daemon = ChosenDaemon::choose(common, &arguments.source, output)?;
+    let (report, measurement) = measure(&daemon, arguments, &stop, output)?;
+    drop(daemon);
+    if let Some(folder) = &arguments.out {
+        results::write(folder, &report, &measurement)?;
+    }
+    let judgement = judged.judge(&report);
+    output.answer(&results::Document::new(&report, &judgement), || {
+        let written = arguments.out.as_ref();
+        let written = written.map(|folder| format!("\nwritten to {}", folder.display()));
+        report_text::text(&report)
+            + &report_text::judgement(&judgement)
+            + &written.unwrap_or_default()
+    });
+    Ok(exit_code(&report, &judgement))
+}
+
+/// Figures that do not add up are wrong; figures over their limits are bad.
+fn exit_code(report: &Report, judgement: &results::Judgement) -> ExitCode {
+    if !report.sum_check.passes() {
+        ExitCode::from(exit_code::FAILURE)
+    } else if judgement.is_over() {
+        ExitCode::from(exit_code::OVER_BUDGET)
+    } else {
+        ExitCode::SUCCESS
+    }
+}
+
+/// Measures until enough frames have come, the daemon is silent, or somebody wants to
+/// stop.
+pub(crate) fn measure(
+    daemon: &ChosenDaemon,
+    arguments: &MeasureArguments,
+    stop: &StopSignal,
+    output: &Output,
+) -> Result<(Report, Measurement), Failure> {
+    let mut listener = Listener::new(&daemon.domain)?;
+    let mut measurement = Measurement::new(arguments.timeline as usize);
+    let watch = warm_up(&mut listener, arguments.warm_up, stop)?;
+    let progress = bar(arguments.frames, "frames", output);
+    let mut last_frame = Instant::now();
+    while (measurement.n_frames() as u64) < arguments.frames && !stop.is_raised() {
+        stop.sleep(READ);
+        listener.read()?;
+        let n_before = measurement.n_frames();
+        while let Some(way) = listener.next_frame() {
+            measurement.add(way);
+        }
+        if measurement.n_frames() > n_before {
+            last_frame = Instant::now();
+            progress.set_position(measurement.n_frames() as u64);
+        } else if last_frame.elapsed() > SILENCE {
+            break;
+        }
+    }
+    progress.finish_and_clear();
+    if measurement.n_frames() == 0 {
+        return Err(no_frames());
+    }
+    let conditions = watch.end(
+        source_name(daemon, arguments),
+        daemon.domain.name(),
+        &listener,
+    );
+    let measuring = Measuring {
+        stage_cost_ns: stage_cost_ns(),
+        left_out: listener.gathering().n_left_out(),
+        unknown: listener.gathering().n_unknown(),
+        ..Measuring::default()
+    };
+    Ok((
+        Report::new(&measurement, &measuring, conditions),
+        measurement,
+    ))
+}
+
+/// Lets the first frames pass.
+fn warm_up(
+    listener: &mut Listener,
+    n_frames: u64,
+    stop: &StopSignal,
+) -> Result<ConditionsWatch, Failure> {
+    let mut n_passed = 0;
+    let mut last_frame = Instant::now();
+    while n_passed <= n_frames && !stop.is_raised() {
+        stop.sleep(READ);
+        listener.read()?;
+        if listener.is_lockstep() {
+            return Err(Failure::new(
+                exit_code::USAGE,
+                "this daemon's frames wait for each other (lockstep), so that there is no schedule \
+                 to be late for; start it without --lockstep",
+            ));
+        }
+        while listener.next_frame().is_some() {
+            n_passed += 1;
+            last_frame = Instant::now();
+        }
+        if last_frame.elapsed() > SILENCE {
+            return Err(no_frames());
+        }
+    }
+    Ok(ConditionsWatch::begin(listener))
+}
+
+fn no_frames() -> Failure {
+    Failure::new(
+        exit_code::TIMED_OUT,
+        format!(
+            "no frame has come for {} s; `tabula status` tells how the daemon's processes are",
+            SILENCE.as_secs()
+        ),
+    )
+}
+
+fn source_name(daemon: &ChosenDaemon, arguments: &MeasureArguments) -> String {
+    if daemon.is_own() {
+        let source = &arguments.source;
+        source.source.clone().unwrap_or_else(|| "simulation".into())
+    } else {
+        format!("the daemon of the domain {}", daemon.domain.name())
+    }
+}
+
+/// What measuring one stage costs on this computer, nanoseconds.
+fn stage_cost_ns() -> f64 {
+    let mut watch = Stopwatch::start();
+    let begun = Instant::now();
+    for _ in 0..N_LAPS {
+        black_box(watch.lap(Stage::Samples, 0));
+    }
+    begun.elapsed().as_nanos() as f64 / f64::from(N_LAPS)
+}

@@ -1,0 +1,75 @@
+//! `tabula latency merge`: histograms of several measurements as one.
+
+use crate::results::read;
+use command_line::{Output, table};
+use latency_report::Histograms;
+use serde::Serialize;
+use service::{Failure, exit_code};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Percentiles of one stage.
+#[derive(Serialize)]
+struct Merged {
+    stage: String,
+    count: u64,
+    p50: f64,
+    p90: f64,
+    p99: f64,
+    p999: f64,
+    max: f64,
+}
+
+/// Prints the percentiles of all files together, and writes the histograms.
+pub(crate) fn run(
+    files: &[PathBuf],
+    out: Option<&Path>,
+    output: &Output,
+) -> Result<ExitCode, Failure> {
+    let failed = |path: &Path, error: &dyn std::fmt::Display| {
+        Failure::new(exit_code::USAGE, format!("{}: {error}", path.display()))
+    };
+    let mut merged = Histograms::default();
+    for path in files {
+        let histograms = Histograms::parse(&read(path)?).map_err(|error| failed(path, &error))?;
+        merged
+            .merge(&histograms)
+            .map_err(|error| failed(path, &error))?;
+    }
+    if let Some(path) = out {
+        let text = merged.to_text(0.0).map_err(|error| failed(path, &error))?;
+        std::fs::write(path, text).map_err(|error| failed(path, &error))?;
+    }
+    let stages: Vec<Merged> = merged.iter().map(row).collect();
+    output.answer(&stages, || text(&stages));
+    Ok(ExitCode::SUCCESS)
+}
+
+fn row((stage, count, at): (&str, u64, impl Fn(f64) -> u64)) -> Merged {
+    let ms = |share: f64| at(share) as f64 / 1e6;
+    Merged {
+        stage: stage.to_owned(),
+        count,
+        p50: ms(0.5),
+        p90: ms(0.9),
+        p99: ms(0.99),
+        p999: ms(0.999),
+        max: ms(1.0),
+    }
+}
+
+fn text(stages: &[Merged]) -> String {
+    let rows: Vec<Vec<String>> = stages
+        .iter()
+        .map(|stage| {
+            let times = [stage.p50, stage.p90, stage.p99, stage.p999, stage.max];
+            let mut row = vec![stage.stage.clone(), stage.count.to_string()];
+            row.extend(times.map(|ms| format!("{ms:.3}")));
+            row
+        })
+        .collect();
+    table(
+        &["stage", "count", "p50 ms", "p90", "p99", "p99.9", "max"],
+        &rows,
+    )
+}

@@ -1,0 +1,142 @@
+//! A daemon of one's own, to be measured and stopped.
+
+use channel::DomainName;
+use rustix::process::{Pid, Signal, kill_process};
+use serde::Deserialize;
+use service::{Failure, exit_code};
+use std::fs::File;
+use std::io::{BufRead, BufReader};
+use std::os::unix::process::CommandExt;
+use std::path::Path;
+use std::process::{Child, ChildStdout, Command, Stdio};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::{Duration, Instant};
+use tempfile::TempDir;
+
+/// The daemon may take this long to be ready.
+const START: Duration = Duration::from_secs(60);
+/// It promises to stop within 5 s.
+const STOP: Duration = Duration::from_secs(7);
+const LOOK: Duration = Duration::from_millis(20);
+/// Lines of its log that a failure shows.
+const N_LOG_LINES: usize = 8;
+
+/// What the daemon says when it is ready.
+#[derive(Deserialize)]
+struct Started {}
+
+/// A daemon in a domain and a folder of its own; dropping it stops it.
+#[derive(Debug)]
+pub(crate) struct OwnDaemon {
+    child: Child,
+    domain: DomainName,
+    folder: TempDir,
+}
+
+fn failed(sentence: impl std::fmt::Display) -> Failure {
+    Failure::new(exit_code::FAILURE, sentence)
+}
+
+impl OwnDaemon {
+    /// Starts `tabula run` with the arguments given, and waits until it is ready.
+    ///
+    /// # Errors
+    /// When it can not be started, or does not become ready; with the end of its log.
+    pub(crate) fn start(arguments: &[String]) -> Result<Self, Failure> {
+        let folder = TempDir::with_prefix("tabula-latency-")
+            .map_err(|error| failed(format!("no folder for the daemon could be made: {error}")))?;
+        let name = format!("latency-{}", std::process::id());
+        let domain = name.parse::<DomainName>().map_err(failed)?;
+        let mut child = spawn(&domain, folder.path(), arguments)?;
+        let ready = child.stdout.take().map(wait_until_ready);
+        let mut daemon = Self {
+            child,
+            domain,
+            folder,
+        };
+        match ready {
+            Some(Ok(())) => Ok(daemon),
+            _ => Err(daemon.not_ready()),
+        }
+    }
+
+    /// Its domain.
+    pub(crate) fn domain(&self) -> &DomainName {
+        &self.domain
+    }
+
+    /// Why it did not become ready, with its own exit code when it has ended.
+    fn not_ready(&mut self) -> Failure {
+        let log = std::fs::read_to_string(log_file(self.folder.path())).unwrap_or_default();
+        let lines: Vec<&str> = log.lines().collect();
+        let end = lines[lines.len().saturating_sub(N_LOG_LINES)..].join("\n");
+        let code = match self.child.try_wait() {
+            Ok(Some(status)) => status.code().and_then(|code| u8::try_from(code).ok()),
+            _ => None,
+        };
+        Failure::new(
+            code.unwrap_or(exit_code::FAILURE),
+            format!("the daemon to be measured did not become ready; the end of its log:\n{end}"),
+        )
+    }
+}
+
+impl Drop for OwnDaemon {
+    fn drop(&mut self) {
+        if let Some(pid) = Pid::from_raw(self.child.id().cast_signed()) {
+            let _ = kill_process(pid, Signal::TERM);
+        }
+        let deadline = Instant::now() + STOP;
+        while matches!(self.child.try_wait(), Ok(None)) {
+            if Instant::now() > deadline {
+                let _ = self.child.kill();
+                let _ = self.child.wait();
+                return;
+            }
+            std::thread::sleep(LOOK);
+        }
+    }
+}
+
+fn log_file(folder: &Path) -> std::path::PathBuf {
+    folder.join("daemon.log")
+}
+
+fn spawn(domain: &DomainName, folder: &Path, arguments: &[String]) -> Result<Child, Failure> {
+    let program = std::env::current_exe()
+        .map(|own| own.with_file_name("tabula"))
+        .map_err(failed)?;
+    let log = File::create(log_file(folder)).map_err(failed)?;
+    Command::new(&program)
+        .args(["run", "--json"])
+        .arg(format!("--domain={domain}"))
+        .arg(format!("--home={}", folder.display()))
+        .arg(format!("--follow-parent={}", std::process::id()))
+        .args(arguments)
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(log)
+        // Ctrl-C reaches the measuring program only, which then stops the daemon.
+        .process_group(0)
+        .spawn()
+        .map_err(|error| {
+            failed(format!(
+                "{} could not be started: {error}; build all programs with: \
+                 cargo build --release --workspace --bins",
+                program.display()
+            ))
+        })
+}
+
+/// The daemon prints one document when all of it works.
+fn wait_until_ready(stdout: ChildStdout) -> Result<(), RecvTimeoutError> {
+    let (sender, ready) = channel();
+    std::thread::spawn(move || {
+        for line in BufReader::new(stdout).lines().map_while(Result::ok) {
+            if serde_json::from_str::<Started>(&line).is_ok() {
+                let _ = sender.send(());
+            }
+        }
+    });
+    ready.recv_timeout(START)
+}

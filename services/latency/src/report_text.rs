@@ -1,0 +1,249 @@
+//! A report as text.
+
+use crate::results::Judgement;
+use command_line::table;
+use latency_report::{Comparison, Excess, Percentiles, Report, StageReport, Verdict};
+use message::{Place, Stage};
+
+/// Headings of the table of stages.
+const HEADING: [&str; 11] = [
+    "stage", "p50 ms", "p90", "p99", "p99.9", "max", "cpu ms", "given up", "taken", "allocs",
+    "faults",
+];
+
+/// The whole report, without what it is held against.
+pub(crate) fn text(report: &Report) -> String {
+    let mut parts: Vec<String> = report
+        .conditions
+        .warnings
+        .iter()
+        .map(|warning| format!("warning: {warning}"))
+        .collect();
+    parts.push(summary(report));
+    parts.push(stages(report));
+    parts.push(processes(report));
+    parts.push(worst(report));
+    parts.push(checks(report));
+    parts.join("\n")
+}
+
+fn summary(report: &Report) -> String {
+    let Report {
+        frames,
+        dropped,
+        not_captured,
+        seconds,
+        objects,
+        period_ms,
+        ..
+    } = report;
+    format!(
+        "{frames} frames in {seconds:.1} s, one every {period_ms:.2} ms, from {}; dropped {dropped}, \
+         not captured {not_captured}; {:.1} objects in a frame, {} at most",
+        report.conditions.source, objects.mean, objects.max
+    )
+}
+
+/// Where stages are in the table, in groups.
+fn stages(report: &Report) -> String {
+    let mut rows = vec![
+        times("end to end", &report.end_to_end_ms),
+        times("label of an object", &report.object_label_ms),
+        vec![String::new()],
+    ];
+    for stage in Stage::ALL
+        .iter()
+        .filter(|stage| stage.place() == Place::Frame)
+    {
+        rows.extend(row(report, *stage, ""));
+        let steps = Stage::ALL
+            .iter()
+            .filter(|step| step.place() == Place::Within(*stage));
+        rows.extend(steps.filter_map(|step| row(report, *step, "  ")));
+        if *stage == Stage::Objects {
+            let links = Stage::ALL
+                .iter()
+                .filter(|link| link.place() == Place::Object);
+            rows.extend(links.filter_map(|link| row(report, *link, "  ")));
+        }
+    }
+    rows.push(vec!["beside".into()]);
+    let beside = Stage::ALL
+        .iter()
+        .filter(|stage| stage.place() == Place::Beside);
+    rows.extend(beside.filter_map(|stage| row(report, *stage, "  ")));
+    table(&HEADING, &rows)
+}
+
+fn times(name: &str, ms: &Percentiles) -> Vec<String> {
+    let mut row = vec![name.to_owned()];
+    row.extend(
+        Percentiles::NAMED
+            .iter()
+            .map(|(_, get)| format!("{:.3}", get(ms))),
+    );
+    row
+}
+
+/// A stage's row; what its passages used as a mean of one passage.
+fn row(report: &Report, stage: Stage, indent: &str) -> Option<Vec<String>> {
+    let StageReport {
+        ms, count, usage, ..
+    } = report.stage(stage)?;
+    let mut row = times(&format!("{indent}{}", stage.word()), ms);
+    let mean = |sum: u64| sum as f64 / (*count).max(1) as f64;
+    if usage.cpu_ns > 0 {
+        row.push(format!("{:.3}", mean(usage.cpu_ns) / 1e6));
+        let faults = usage.minor_faults + usage.major_faults;
+        let counts = [
+            usage.voluntary_switches,
+            usage.involuntary_switches,
+            usage.allocations,
+            faults,
+        ];
+        row.extend(counts.map(|sum| format!("{:.2}", mean(sum))));
+    }
+    Some(row)
+}
+
+fn processes(report: &Report) -> String {
+    let rows: Vec<Vec<String>> = report
+        .conditions
+        .processes
+        .iter()
+        .map(|process| {
+            vec![
+                process.process.clone(),
+                process.pid.to_string(),
+                format!("{:.2}", process.cores),
+                format!("{:.0}", process.resident_mb),
+                process.open_files.to_string(),
+                process.threads.to_string(),
+                format!(
+                    "{} + {}",
+                    process.voluntary_switches, process.involuntary_switches
+                ),
+                format!("{} + {}", process.minor_faults, process.major_faults),
+            ]
+        })
+        .collect();
+    let heading = [
+        "process",
+        "pid",
+        "cores",
+        "resident MB",
+        "files",
+        "threads",
+        "given up + taken",
+        "faults minor + major",
+    ];
+    let memory = &report.conditions.shared_memory;
+    format!(
+        "\n{}\nthe daemon without its source uses {:.2} cores; shared memory {:.1} of {:.0} MB",
+        table(&heading, &rows),
+        report.cores_without_source(),
+        memory.used_bytes as f64 / 1e6,
+        memory.reserved_bytes as f64 / 1e6,
+    )
+}
+
+fn worst(report: &Report) -> String {
+    let told = report.worst.iter().map(|frame| {
+        format!(
+            "  frame {}, {:.2} ms: {}",
+            frame.sequence, frame.end_to_end_ms, frame.reason
+        )
+    });
+    let lines: Vec<String> = std::iter::once("\nthe worst frames".to_owned())
+        .chain(told)
+        .collect();
+    lines.join("\n")
+}
+
+fn checks(report: &Report) -> String {
+    let check = &report.sum_check;
+    let measuring = &report.measuring;
+    let verdict = if check.passes() {
+        "the stages add up to end to end".to_owned()
+    } else {
+        format!(
+            "THE STAGES DO NOT ADD UP in {} chain(s): the figures are wrong",
+            check.over
+        )
+    };
+    format!(
+        "\n{verdict}: largest difference {:.4} % of {} frames, {:.4} % of {} objects\n\
+         measuring: {:.0} spans a frame, {:.0} ns a stage, {:.4} ms a frame, {:.2} % of it",
+        100.0 * check.worst_frame_share,
+        check.frames,
+        100.0 * check.worst_object_share,
+        check.objects,
+        measuring.spans_per_frame,
+        measuring.stage_cost_ns,
+        measuring.cost_per_frame_ms,
+        100.0 * measuring.share_of_frame,
+    )
+}
+
+/// What a report was held against; empty when against nothing.
+pub(crate) fn judgement(judgement: &Judgement) -> String {
+    let mut parts = vec![String::new()];
+    parts.extend(judgement.excesses.as_deref().map(budget));
+    parts.extend(judgement.comparisons.as_deref().map(comparison));
+    if parts.len() == 1 {
+        return String::new();
+    }
+    parts.join("\n\n")
+}
+
+fn budget(excesses: &[Excess]) -> String {
+    if excesses.is_empty() {
+        return "all limits of the budget are kept".into();
+    }
+    let told = excesses.iter().map(|excess| {
+        format!(
+            "over budget: {}, {:.3} instead of {:.3}",
+            excess.what, excess.measured, excess.limit
+        )
+    });
+    told.collect::<Vec<_>>().join("\n")
+}
+
+/// Two reports beside each other: all that is decided, and end to end in any case.
+pub(crate) fn comparison(comparisons: &[Comparison]) -> String {
+    let is_told = |comparison: &&Comparison| {
+        comparison.verdict != Verdict::Undecided || comparison.what == "end_to_end"
+    };
+    let rows: Vec<Vec<String>> = comparisons
+        .iter()
+        .filter(is_told)
+        .map(|comparison| {
+            let [low, high] = comparison.ratio_interval;
+            vec![
+                comparison.what.clone(),
+                comparison.percentile.to_owned(),
+                format!("{:.3}", comparison.before_ms),
+                format!("{:.3}", comparison.now_ms),
+                format!("{:.3} ({low:.3} to {high:.3})", comparison.ratio),
+                comparison.verdict.word().to_owned(),
+            ]
+        })
+        .collect();
+    let n_undecided = comparisons
+        .iter()
+        .filter(|comparison| comparison.verdict == Verdict::Undecided)
+        .count();
+    let heading = [
+        "stage",
+        "",
+        "before ms",
+        "now ms",
+        "now / before (95 %)",
+        "",
+    ];
+    format!(
+        "{}\n{n_undecided} of {} undecided",
+        table(&heading, &rows),
+        comparisons.len()
+    )
+}

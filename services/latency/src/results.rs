@@ -1,0 +1,142 @@
+//! What becomes of a report: files, limits, a comparison.
+
+use crate::arguments::MeasureArguments;
+use latency_report::{
+    Budget, Comparison, Excess, Histograms, Measurement, Report, Verdict, compare, timeline,
+};
+use serde::Serialize;
+use service::{Failure, exit_code};
+use std::fmt::Display;
+use std::path::Path;
+
+/// What a report is held against.
+pub(crate) struct Judged {
+    budget: Option<Budget>,
+    baseline: Option<Report>,
+}
+
+/// What came of it.
+#[derive(Debug, Default)]
+pub(crate) struct Judgement {
+    pub(crate) excesses: Option<Vec<Excess>>,
+    pub(crate) comparisons: Option<Vec<Comparison>>,
+}
+
+/// The answer for scripts.
+#[derive(Serialize)]
+pub(crate) struct Document<'a> {
+    #[serde(flatten)]
+    report: &'a Report,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    over_budget: Option<&'a [Excess]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    comparison: Option<&'a [Comparison]>,
+}
+
+impl<'a> Document<'a> {
+    pub(crate) fn new(report: &'a Report, judgement: &'a Judgement) -> Self {
+        Self {
+            report,
+            over_budget: judgement.excesses.as_deref(),
+            comparison: judgement.comparisons.as_deref(),
+        }
+    }
+}
+
+impl Judged {
+    /// Reads the files that are named.
+    ///
+    /// # Errors
+    /// When one can not be read, or is no budget or report.
+    pub(crate) fn prepare(arguments: &MeasureArguments) -> Result<Self, Failure> {
+        let budget = arguments.budget.as_deref().map(|path| {
+            let text = read(path)?;
+            Budget::parse(&text).map_err(|error| unusable(path, "budget", error))
+        });
+        Ok(Self {
+            budget: budget.transpose()?,
+            baseline: arguments.baseline.as_deref().map(read_report).transpose()?,
+        })
+    }
+
+    pub(crate) fn judge(&self, report: &Report) -> Judgement {
+        let budget = self.budget.as_ref();
+        let baseline = self.baseline.as_ref();
+        Judgement {
+            excesses: budget.map(|budget| budget.excesses(report)),
+            comparisons: baseline.map(|baseline| compare(baseline, report)),
+        }
+    }
+}
+
+impl Judgement {
+    /// Whether a limit is exceeded, or something has become slower.
+    pub(crate) fn is_over(&self) -> bool {
+        let is_over = |excesses: &Vec<Excess>| !excesses.is_empty();
+        let is_slower = |comparisons: &Vec<Comparison>| {
+            comparisons
+                .iter()
+                .any(|comparison| comparison.verdict == Verdict::Slower)
+        };
+        self.excesses.as_ref().is_some_and(is_over)
+            || self.comparisons.as_ref().is_some_and(is_slower)
+    }
+}
+
+fn unusable(path: &Path, kind: &str, error: impl Display) -> Failure {
+    let sentence = format!("{} is no {kind}: {error}", path.display());
+    Failure::new(exit_code::USAGE, sentence)
+}
+
+/// Reads a file's text.
+///
+/// # Errors
+/// When it can not be read.
+pub(crate) fn read(path: &Path) -> Result<String, Failure> {
+    std::fs::read_to_string(path).map_err(|error| {
+        let sentence = format!("{} can not be read: {error}", path.display());
+        Failure::new(exit_code::USAGE, sentence)
+    })
+}
+
+/// Reads a report.
+///
+/// # Errors
+/// When it can not be read, or is none.
+pub(crate) fn read_report(path: &Path) -> Result<Report, Failure> {
+    serde_json::from_str(&read(path)?).map_err(|error| unusable(path, "report", error))
+}
+
+/// Writes all results into a folder, which is made when it is not there.
+///
+/// # Errors
+/// When a file can not be made.
+pub(crate) fn write(
+    folder: &Path,
+    report: &Report,
+    measurement: &Measurement,
+) -> Result<(), Failure> {
+    let failed = |error: &dyn Display| {
+        let sentence = format!("the results could not be written: {error}");
+        Failure::new(exit_code::FAILURE, sentence)
+    };
+    std::fs::create_dir_all(folder).map_err(|error| failed(&error))?;
+    let put = |name: &str, text: String| {
+        std::fs::write(folder.join(name), text).map_err(|error| failed(&error))
+    };
+    let report_text = serde_json::to_string(report).map_err(|error| failed(&error))?;
+    put("report.json", report_text)?;
+    put("timeline.json", timeline(&measurement.kept()).to_string())?;
+    let histograms = histograms(measurement).map_err(|error| failed(&error))?;
+    let text = histograms.to_text(report.seconds);
+    put("latency.hlog", text.map_err(|error| failed(&error))?)
+}
+
+fn histograms(measurement: &Measurement) -> Result<Histograms, latency_report::HistogramFileError> {
+    let mut histograms = Histograms::default();
+    histograms.add_end_to_end(&measurement.end_to_end_ns(&measurement.open_loop()))?;
+    for (stage, durations_ns) in measurement.stages_ns() {
+        histograms.add(stage.word(), &durations_ns)?;
+    }
+    Ok(histograms)
+}
