@@ -18,9 +18,9 @@ pub(crate) fn run(arguments: &Arguments, words: &[OsString]) -> Result<ExitCode,
     };
     let own = std::env::current_exe().map_err(not_there)?;
     let error = Command::new(own.with_file_name("tabula-latency"))
-        .args(words)
         .args(common_arguments(&arguments.common))
         .args(arguments.json.then_some("--json"))
+        .args(words)
         .exec();
     Err(not_there(error))
 }
