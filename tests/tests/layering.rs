@@ -21,7 +21,7 @@ const LAYERS: [&[&str]; 11] = [
     &["channel", "store", "freenect"],
     &["actor"],
     &["service", "evaluation"],
-    &["capture", "memory-control"],
+    &["capture", "machine", "memory-control"],
     &["camera", "simulator", "perception", "memory", "tabula"],
     &["tests"],
 ];
@@ -46,6 +46,7 @@ const OWNERS: [(&str, &[&str]); 12] = [
             "actor",
             "service",
             "capture",
+            "machine",
             "memory-control",
             "camera",
             "simulator",
