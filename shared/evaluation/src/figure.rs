@@ -198,6 +198,8 @@ where
     let mut chart = ChartBuilder::on(area)
         .caption(diagram.title, ("sans-serif", 17))
         .margin(12)
+        // Room for half of the last number at the axis.
+        .margin_right(26)
         .x_label_area_size(40)
         .y_label_area_size(52)
         .build_cartesian_2d(x, y)

@@ -2,6 +2,7 @@
 
 use crate::effect::{AdviceKind, Effect, Verdict};
 use crate::fingerprint::Fingerprint;
+use crate::samples::Summary;
 use serde::{Deserialize, Serialize};
 
 /// One piece of advice.
@@ -24,6 +25,12 @@ pub fn advice(fingerprint: &Fingerprint, effects: &[Effect]) -> Vec<Advice> {
             "Give the threads on a frame's way SCHED_FIFO: CPUSchedulingPolicy=fifo, \
              CPUSchedulingPriority=80 and LimitRTPRIO=80 in the systemd unit.",
             measured(AdviceKind::RealTime),
+        ),
+        (
+            AdviceKind::TimerSlack,
+            "Let timers of threads without SCHED_FIFO be on time: TimerSlackNSec=1 in the systemd \
+             unit.",
+            measured(AdviceKind::TimerSlack),
         ),
         (
             AdviceKind::OneCore,
@@ -86,12 +93,13 @@ fn sentence(effect: &Effect) -> String {
             ..
         } => {
             let machine = if *is_loaded { "busy" } else { "idle" };
-            let us = |time_ns: u64| time_ns as f64 / 1000.0;
+            let us = |time_ns: u64| format!("{:.1}", time_ns as f64 / 1000.0);
+            let told = |s: &Summary| [s.p50_ns, s.p99_ns, s.p99_9_ns].map(us).join(" / ");
             format!(
-                "The {probe} on the {machine} machine is {}: p99 {:.1} µs became {:.1} µs.",
+                "The {probe} on the {machine} machine is {}: p50 / p99 / p99.9 of {} µs became {} µs.",
                 judged(*verdict),
-                us(before.p99_ns),
-                us(after.p99_ns)
+                told(before),
+                told(after)
             )
         }
         Effect::Bandwidth {
@@ -116,6 +124,7 @@ fn judged(verdict: Verdict) -> &'static str {
         Verdict::Better => "better",
         Verdict::NoDifference => "no different",
         Verdict::Worse => "worse",
+        Verdict::Mixed => "better in part and worse in part",
     }
 }
 
@@ -166,7 +175,6 @@ fn governor(fingerprint: &Fingerprint) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::samples::Summary;
     use crate::system_files::SystemFiles;
 
     fn nowhere() -> Fingerprint {
@@ -192,7 +200,8 @@ mod tests {
         };
         let said = finding(&nowhere(), &[effect], AdviceKind::RealTime);
         assert!(
-            said.contains("better") && said.contains("4000.0 µs became 12.3 µs"),
+            said.contains("better")
+                && said.contains("4000.0 / 4000.0 / 4000.0 µs became 12.3 / 12.3 / 12.3 µs"),
             "{said}"
         );
         let other = finding(&nowhere(), &[], AdviceKind::LockedMemory);

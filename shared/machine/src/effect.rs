@@ -19,6 +19,8 @@ pub enum AdviceKind {
     Isolation,
     /// `SCHED_FIFO`.
     RealTime,
+    /// Timers that are not put off.
+    TimerSlack,
     /// A core for a thread.
     OneCore,
     /// Locked memory.
@@ -37,6 +39,8 @@ pub enum Verdict {
     NoDifference,
     /// Clearly worse than without.
     Worse,
+    /// One percentile is clearly better and another one clearly worse.
+    Mixed,
 }
 
 /// What a piece of advice did to a probe here.
@@ -44,7 +48,7 @@ pub enum Verdict {
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Effect {
-    /// On times; judged by the 99th percentile.
+    /// On times; judged by the percentiles 50, 99 and 99.9.
     Latency {
         /// The advice.
         advice: AdviceKind,
@@ -108,7 +112,10 @@ impl Effect {
                 "Write madvise into /sys/kernel/mm/transparent_hugepage/enabled, on a kernel that \
                  has that file."
             }
-            AdviceKind::Governor | AdviceKind::Isolation | AdviceKind::OneCore => {
+            AdviceKind::Governor
+            | AdviceKind::Isolation
+            | AdviceKind::TimerSlack
+            | AdviceKind::OneCore => {
                 "Ask whoever limits this process's cores, see `systemctl show -p AllowedCPUs`."
             }
         };
@@ -125,55 +132,93 @@ pub(crate) fn advice_of(setting: Setting) -> Option<AdviceKind> {
     match setting {
         Setting::AsIs => None,
         Setting::RealTime => Some(AdviceKind::RealTime),
+        Setting::NoTimerSlack => Some(AdviceKind::TimerSlack),
         Setting::OneCore => Some(AdviceKind::OneCore),
         Setting::LockedMemory => Some(AdviceKind::LockedMemory),
     }
 }
 
-/// Compares each setting's trials with those as it is, of which there should be two:
-/// how much they differ is noise.
+/// Compares each setting's trials with those as it is. There should be several of
+/// each: a setting is clearly better when its worst trial is clearly better than the
+/// best one without it.
 pub fn latency_effects(trials: &[Trial]) -> Vec<Effect> {
     let probes: [fn(&Trial) -> &Samples; 2] = [|trial| &trial.timer, |trial| &trial.wake_up];
-    let effects = trials.iter().filter_map(|trial| {
-        let advice = advice_of(trial.setting)?;
-        Some(probes.map(|probe| latency_effect(advice, trial, trials, probe)))
+    let mut conditions: Vec<(bool, Setting)> = Vec::new();
+    for trial in trials {
+        let condition = (trial.is_loaded, trial.setting);
+        if !conditions.contains(&condition) {
+            conditions.push(condition);
+        }
+    }
+    let effects = conditions.into_iter().filter_map(|(is_loaded, setting)| {
+        let advice = advice_of(setting)?;
+        let of = |setting| of_condition(trials, is_loaded, setting);
+        let (before, after) = (of(Setting::AsIs), of(setting));
+        Some(probes.map(|probe| latency_effect(advice, is_loaded, &before, &after, probe)))
     });
     effects.flatten().flatten().collect()
 }
 
+fn of_condition(trials: &[Trial], is_loaded: bool, setting: Setting) -> Vec<&Trial> {
+    let alike = |trial: &&Trial| (trial.is_loaded, trial.setting) == (is_loaded, setting);
+    trials.iter().filter(alike).collect()
+}
+
 fn latency_effect(
     advice: AdviceKind,
-    trial: &Trial,
-    trials: &[Trial],
+    is_loaded: bool,
+    before: &[&Trial],
+    after: &[&Trial],
     probe: fn(&Trial) -> &Samples,
 ) -> Option<Effect> {
-    let as_is = || {
-        let same = trials
-            .iter()
-            .filter(|other| other.setting == Setting::AsIs && other.is_loaded == trial.is_loaded);
-        same.map(probe)
+    let percentiles = |trials: &[&Trial], percentile: fn(Summary) -> u64| -> Vec<f64> {
+        let summaries = trials.iter().filter_map(|trial| probe(trial).summary);
+        summaries
+            .map(|summary| percentile(summary) as f64)
+            .collect()
     };
-    let all_ns: Vec<u64> = as_is().flat_map(|s| s.values_ns.iter().copied()).collect();
-    let p99s_ns = as_is().filter_map(|samples| Some(samples.summary?.p99_ns as f64));
-    let samples = probe(trial);
-    let after = samples.summary?;
+    let judged = |percentile: fn(Summary) -> u64| {
+        verdict(
+            &percentiles(before, percentile),
+            &percentiles(after, percentile),
+        )
+    };
+    let all = |trials: &[&Trial]| {
+        let values = trials.iter().flat_map(|trial| &probe(trial).values_ns);
+        Summary::of(&values.copied().collect::<Vec<u64>>())
+    };
     Some(Effect::Latency {
         advice,
-        probe: samples.name.clone(),
-        is_loaded: trial.is_loaded,
-        before: Summary::of(&all_ns)?,
-        after,
-        verdict: verdict(&p99s_ns.collect::<Vec<_>>(), after.p99_ns as f64),
+        probe: probe(after.first()?).name.clone(),
+        is_loaded,
+        before: all(before)?,
+        after: all(after)?,
+        verdict: together(&[
+            judged(|s| s.p50_ns),
+            judged(|s| s.p99_ns),
+            judged(|s| s.p99_9_ns),
+        ]),
     })
 }
 
+/// What the verdicts on several percentiles say together.
+fn together(verdicts: &[Verdict]) -> Verdict {
+    let has = |verdict| verdicts.contains(&verdict);
+    match (has(Verdict::Better), has(Verdict::Worse)) {
+        (true, true) => Verdict::Mixed,
+        (true, false) => Verdict::Better,
+        (false, true) => Verdict::Worse,
+        (false, false) => Verdict::NoDifference,
+    }
+}
+
 /// Judges times, of which less is better.
-fn verdict(before: &[f64], after: f64) -> Verdict {
-    let least = before.iter().copied().fold(f64::INFINITY, f64::min);
-    let most = before.iter().copied().fold(0.0, f64::max);
-    if after * CLEAR_FACTOR < least {
+fn verdict(before: &[f64], after: &[f64]) -> Verdict {
+    let least = |values: &[f64]| values.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
+    if most(after) * CLEAR_FACTOR < least(before) {
         Verdict::Better
-    } else if after > most * CLEAR_FACTOR {
+    } else if least(after) > most(before) * CLEAR_FACTOR {
         Verdict::Worse
     } else {
         Verdict::NoDifference
@@ -194,7 +239,10 @@ pub fn huge_page_effects(before: &[Bandwidth], after: &[Bandwidth]) -> Vec<Effec
         before_gb_per_s: before.best_gb_per_s,
         after_gb_per_s: after.best_gb_per_s,
         // The time for one byte, of which less is better.
-        verdict: verdict(&[before.best_gb_per_s.recip()], after.best_gb_per_s.recip()),
+        verdict: verdict(
+            &[before.best_gb_per_s.recip()],
+            &[after.best_gb_per_s.recip()],
+        ),
     };
     pairs.map(effect).collect()
 }
@@ -223,20 +271,35 @@ mod tests {
 
     #[test]
     fn a_change_must_be_clearer_than_the_noise() {
-        let with = |time_ns| {
+        let with = |first_ns, second_ns| {
             verdicts(&[
                 trial(Setting::AsIs, true, 100),
-                trial(Setting::RealTime, true, time_ns),
+                trial(Setting::RealTime, true, first_ns),
                 trial(Setting::AsIs, true, 200),
+                trial(Setting::RealTime, true, second_ns),
             ])
         };
-        for (time_ns, expected) in [
-            (70, Verdict::Better),
-            (90, Verdict::NoDifference),
-            (240, Verdict::NoDifference),
-            (260, Verdict::Worse),
+        for (first_ns, second_ns, expected) in [
+            (10, 70, Verdict::Better),
+            (10, 90, Verdict::NoDifference),
+            (900, 240, Verdict::NoDifference),
+            (260, 900, Verdict::Worse),
         ] {
-            assert_eq!(with(time_ns), [expected; 2], "{time_ns} ns");
+            let found = with(first_ns, second_ns);
+            assert_eq!(found, [expected; 2], "{first_ns} and {second_ns} ns");
+        }
+    }
+
+    #[test]
+    fn percentiles_that_disagree_are_told() {
+        use Verdict::{Better, Mixed, NoDifference, Worse};
+        for (verdicts, expected) in [
+            ([Better, NoDifference, Better], Better),
+            ([NoDifference, NoDifference, Worse], Worse),
+            ([NoDifference; 3], NoDifference),
+            ([Worse, NoDifference, Better], Mixed),
+        ] {
+            assert_eq!(together(&verdicts), expected, "{verdicts:?}");
         }
     }
 

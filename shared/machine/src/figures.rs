@@ -5,14 +5,31 @@ use crate::samples::Samples;
 use crate::trial::{Setting, Trial};
 use evaluation::DrawingError;
 use evaluation::figure::{Axis, Color, Curve, Diagram, Legend, in_columns};
+use std::borrow::Cow;
 
 /// Bins of a factor of ten.
-const BINS_PER_DECADE: f64 = 20.0;
+const BINS_PER_DECADE: i32 = 20;
 /// Where an empty bin is drawn, so that a count of 1 is seen.
 const EMPTY: f64 = 0.5;
 
-/// Name in the legend, and values.
-type Series<'a> = (String, &'a [u64]);
+/// Colours that are told apart on white.
+const COLORS: [Color; 6] = [
+    Color(31, 119, 180),
+    Color(214, 39, 40),
+    Color(44, 160, 44),
+    Color(148, 103, 189),
+    Color(255, 127, 14),
+    Color(140, 86, 75),
+];
+/// What settings are compared with.
+const AS_IS: Color = Color(110, 110, 110);
+
+/// One histogram: name in the legend, colour, and values.
+struct Series<'a> {
+    name: String,
+    color: Color,
+    values_ns: Cow<'a, [u64]>,
+}
 
 /// Histograms of all latencies as SVG, log count over log µs (after cyclictest's
 /// plots): the probes and the gaps, and timer and wake-up under each setting, idle and busy.
@@ -20,18 +37,14 @@ type Series<'a> = (String, &'a [u64]);
 /// # Errors
 /// When the drawing library fails.
 pub fn histograms(report: &MachineReport) -> Result<String, DrawingError> {
-    let of_samples = |samples: &'_ Samples| samples.name.clone();
-    let mut probes: Vec<Series<'_>> = report
+    let (hops, mut noise): (Vec<&Samples>, Vec<&Samples>) = report
         .latencies
         .iter()
-        .map(|samples| (of_samples(samples), samples.values_ns.as_slice()))
-        .collect();
-    let hops = probes.split_off(probes.partition_point(|(name, _)| !name.starts_with("hop")));
-    let gaps = &report.interruptions.gaps;
-    probes.push((of_samples(gaps), &gaps.values_ns));
+        .partition(|samples| samples.name.starts_with("hop"));
+    noise.push(&report.interruptions.gaps);
     let mut panels = vec![
-        ("Noise of this machine", probes),
-        ("Hops through shared memory", hops),
+        ("Noise of this machine", of_probes(&noise)),
+        ("Hops through shared memory", of_probes(&hops)),
     ];
     let trials = |is_loaded, probe| of_trials(&report.trials, is_loaded, probe);
     panels.extend([
@@ -56,58 +69,73 @@ pub fn histograms(report: &MachineReport) -> Result<String, DrawingError> {
     in_columns(&diagrams, 2)
 }
 
-/// The trials of one probe; the second one as it is says how much they vary.
-fn of_trials(trials: &[Trial], is_loaded: bool, probe: fn(&Trial) -> &Samples) -> Vec<Series<'_>> {
-    let mut n_as_is = 0;
-    let chosen = trials.iter().filter(|trial| trial.is_loaded == is_loaded);
-    let series = chosen.map(|trial| {
-        n_as_is += usize::from(trial.setting == Setting::AsIs);
-        let is_again = trial.setting == Setting::AsIs && n_as_is > 1;
-        let name = trial.setting.name();
-        let name = if is_again {
-            format!("{name}, again")
-        } else {
-            name.to_owned()
-        };
-        (name, probe(trial).values_ns.as_slice())
+fn of_probes<'a>(probes: &[&'a Samples]) -> Vec<Series<'a>> {
+    let series = probes.iter().enumerate().map(|(index, samples)| Series {
+        name: samples.name.clone(),
+        color: COLORS[index % COLORS.len()],
+        values_ns: Cow::Borrowed(&samples.values_ns),
     });
     series.collect()
 }
 
+/// All trials of one probe under each setting; as it is in grey below the others.
+fn of_trials(
+    trials: &[Trial],
+    is_loaded: bool,
+    probe: fn(&Trial) -> &Samples,
+) -> Vec<Series<'static>> {
+    let mut series: Vec<Series<'static>> = Vec::new();
+    for trial in trials.iter().filter(|trial| trial.is_loaded == is_loaded) {
+        let name = trial.setting.name();
+        let values_ns = &probe(trial).values_ns;
+        if let Some(known) = series.iter_mut().find(|series| series.name == name) {
+            known.values_ns.to_mut().extend_from_slice(values_ns);
+        } else {
+            let color = match trial.setting {
+                Setting::AsIs => AS_IS,
+                _ => COLORS[series.len() % COLORS.len()],
+            };
+            series.push(Series {
+                name: name.to_owned(),
+                color,
+                values_ns: Cow::Owned(values_ns.clone()),
+            });
+        }
+    }
+    series
+}
+
 fn diagram<'a>(title: &'a str, series: &'a [Series<'_>]) -> Diagram<'a> {
-    let all = || series.iter().flat_map(|(_, values)| values.iter().copied());
-    let first = bin(all().min().unwrap_or(1_000));
-    let last = bin(all().max().unwrap_or(1_000)) + 1;
-    let histograms: Vec<Vec<(f64, f64)>> = series
-        .iter()
-        .map(|(_, values)| steps(values, first, last))
-        .collect();
-    let points = histograms.iter().flatten();
-    let highest = points.map(|(_, count)| *count).fold(1.0, f64::max);
-    let named = series.iter().zip(histograms).enumerate();
-    let curves = named.map(|(index, ((name, _), points))| Curve {
-        name,
-        color: Color::of_series(index),
-        points,
+    let all = || series.iter().flat_map(|series| series.values_ns.iter());
+    let whole_decades = |bin: i32| bin.div_euclid(BINS_PER_DECADE) * BINS_PER_DECADE;
+    let first = whole_decades(bin(all().min().copied().unwrap_or(1_000)));
+    let last = whole_decades(bin(all().max().copied().unwrap_or(1_000))) + BINS_PER_DECADE;
+    let curves = series.iter().map(|series| Curve {
+        name: &series.name,
+        color: series.color,
+        points: steps(&series.values_ns, first, last),
         is_marked: false,
     });
+    let curves: Vec<Curve<'_>> = curves.collect();
+    let points = curves.iter().flat_map(|curve| &curve.points);
+    let highest = points.map(|(_, count)| *count).fold(1.0, f64::max);
     Diagram {
         title,
         x: Axis::logarithmic("µs", edge_us(first)..edge_us(last)),
         y: Axis::logarithmic("samples", EMPTY..3.0 * highest),
-        curves: curves.collect(),
+        curves,
         legend: Legend::UpperRight,
     }
 }
 
 /// Number of a value's bin; 0 begins at 1 ns.
 fn bin(value_ns: u64) -> i32 {
-    (BINS_PER_DECADE * (value_ns.max(1) as f64).log10()).floor() as i32
+    (f64::from(BINS_PER_DECADE) * (value_ns.max(1) as f64).log10()).floor() as i32
 }
 
 /// Where a bin begins, µs.
 fn edge_us(bin: i32) -> f64 {
-    10_f64.powf(f64::from(bin) / BINS_PER_DECADE) / 1000.0
+    10_f64.powf(f64::from(bin) / f64::from(BINS_PER_DECADE)) / 1000.0
 }
 
 /// The outline of a histogram over the bins from `first` up to `last`.

@@ -82,6 +82,8 @@ pub struct Fingerprint {
     pub tickless_cores: Option<Vec<u32>>,
     /// The scheduler's settings `/proc/sys/kernel/sched_*`; empty when there are none.
     pub scheduler_settings: BTreeMap<String, String>,
+    /// How far this thread's timers may be put off, ns; not those of real-time threads.
+    pub timer_slack_ns: Option<u64>,
     /// Highest real-time priority without privilege (`RLIMIT_RTPRIO`).
     pub realtime_priority_limit: Limit,
     /// Bytes that may be locked without privilege (`RLIMIT_MEMLOCK`).
@@ -126,6 +128,7 @@ impl Fingerprint {
             isolated_cores: isolated_cores(files),
             tickless_cores: cores("nohz_full"),
             scheduler_settings: scheduler_settings(files),
+            timer_slack_ns: scheduling::timer_slack_ns(),
             realtime_priority_limit: privilege::realtime_priority_limit(),
             locked_memory_limit: privilege::locked_memory_limit(),
             may_use_fifo: privilege::may_use_fifo(),

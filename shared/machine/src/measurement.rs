@@ -18,6 +18,9 @@ use std::collections::BTreeMap;
 use std::io;
 use std::time::Duration;
 
+/// How often each setting is tried.
+const N_ROUNDS: usize = 2;
+
 /// How long to measure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Plan {
@@ -27,7 +30,7 @@ pub struct Plan {
     pub clock: Duration,
     /// Each hop.
     pub hop: Duration,
-    /// Each of the two probes of a trial; there are ten trials.
+    /// Each of the two probes of a trial; there are twenty trials.
     pub trial: Duration,
     /// Rounds of each operation on memory.
     pub n_rounds: usize,
@@ -41,7 +44,7 @@ impl Plan {
         probe: Duration::from_secs(4),
         clock: Duration::from_millis(200),
         hop: Duration::from_millis(1500),
-        trial: Duration::from_millis(1200),
+        trial: Duration::from_millis(650),
         n_rounds: 7,
         buffer_bytes: None,
     };
@@ -160,8 +163,8 @@ fn latencies(
     latencies
 }
 
-/// As it is comes first and last, so that what drifts meanwhile is not taken for
-/// the effect of a setting.
+/// All settings in turn, and that again, so that what comes and goes is not taken
+/// for the effect of a setting.
 fn trials(
     plan: &Plan,
     not_measured: &mut Vec<NotMeasured>,
@@ -170,14 +173,13 @@ fn trials(
     let settings = [
         Setting::AsIs,
         Setting::RealTime,
+        Setting::NoTimerSlack,
         Setting::OneCore,
         Setting::LockedMemory,
-        Setting::AsIs,
     ];
     let (mut trials, mut refused) = (Vec::new(), BTreeMap::new());
-    for is_loaded in [false, true] {
-        for setting in settings {
-            let machine = if is_loaded { "busy" } else { "idle" };
+    for (is_loaded, machine) in [(false, "idle"), (true, "busy")] {
+        for setting in settings.repeat(N_ROUNDS) {
             let name = setting.name();
             progress(&format!(
                 "Timer and wake-up on the {machine} machine: {name}."

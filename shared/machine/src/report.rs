@@ -34,7 +34,7 @@ pub fn text(report: &MachineReport) -> String {
         &memory(report),
     );
     section(
-        "Real-time settings, p50 / p99 / max in µs",
+        "Real-time settings, p50 / p99 / p99.9 in µs",
         &latency_effects(report),
     );
     section("Huge pages, GB/s on one thread", &bandwidth_effects(report));
@@ -46,7 +46,10 @@ pub fn text(report: &MachineReport) -> String {
 }
 
 fn indented(body: &str) -> String {
-    let lines = body.trim_end().lines().map(|line| format!("  {line}"));
+    let lines = body.trim_end().lines().map(|line| match line {
+        "" => String::new(),
+        line => format!("  {line}"),
+    });
     lines.collect::<Vec<_>>().join("\n")
 }
 
@@ -133,7 +136,7 @@ fn memory(report: &MachineReport) -> String {
 
 fn latency_effects(report: &MachineReport) -> String {
     let mut table = Table::new(&["", "probe", "machine", "as it is", "with it", "verdict"]);
-    let shown = |s: &Summary| [s.p50_ns, s.p99_ns, s.max_ns].map(us).join(" / ");
+    let shown = |s: &Summary| [s.p50_ns, s.p99_ns, s.p99_9_ns].map(us).join(" / ");
     for effect in &report.effects {
         if let Effect::Latency {
             advice,
@@ -185,6 +188,7 @@ fn setting(advice: AdviceKind) -> &'static str {
         AdviceKind::Governor => "governor",
         AdviceKind::Isolation => "isolated core",
         AdviceKind::RealTime => "SCHED_FIFO 80",
+        AdviceKind::TimerSlack => "no timer slack",
         AdviceKind::OneCore => "on one core",
         AdviceKind::LockedMemory => "memory locked",
         AdviceKind::HugePages => "huge pages",
@@ -196,6 +200,7 @@ fn word(verdict: Verdict) -> &'static str {
         Verdict::Better => "better",
         Verdict::NoDifference => "no difference",
         Verdict::Worse => "worse",
+        Verdict::Mixed => "mixed",
     }
 }
 

@@ -4,8 +4,10 @@ use crate::system_call::{Scheduling, schedule, scheduling};
 use crate::system_files::SystemFiles;
 use rustix::mm::{MlockAllFlags, mlockall, munlockall};
 use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
+use rustix::thread::{current_timer_slack, set_current_timer_slack};
 use std::io;
 use std::marker::PhantomData;
+use std::num::NonZeroU64;
 
 /// The priority of the experiments: below the kernel's own threads at 99 and 90.
 pub(crate) const FIFO_PRIORITY: i32 = 80;
@@ -62,6 +64,37 @@ impl Drop for OneCore {
     fn drop(&mut self) {
         let _ = sched_setaffinity(None, &self.before);
     }
+}
+
+/// The calling thread with timers that are not put off to be gathered with others;
+/// the slack it had comes back.
+#[derive(Debug)]
+pub(crate) struct NoTimerSlack {
+    before_ns: u64,
+    _thread: OfThisThread,
+}
+
+impl NoTimerSlack {
+    pub(crate) fn begin() -> io::Result<Self> {
+        let before_ns = current_timer_slack()?;
+        set_current_timer_slack(Some(NonZeroU64::MIN))?;
+        Ok(Self {
+            before_ns,
+            _thread: PhantomData,
+        })
+    }
+}
+
+impl Drop for NoTimerSlack {
+    fn drop(&mut self) {
+        // Real-time threads have a slack of 0, which no thread can ask for.
+        let _ = set_current_timer_slack(NonZeroU64::new(self.before_ns));
+    }
+}
+
+/// How far the calling thread's timers may be put off, ns.
+pub(crate) fn timer_slack_ns() -> Option<u64> {
+    current_timer_slack().ok()
 }
 
 /// All memory of the process locked into RAM; unlocked at the end.
@@ -128,6 +161,15 @@ mod tests {
         assert_eq!(usable_cores().unwrap(), before);
         assert!(OneCore::begin(CpuSet::MAX_CPU as u32 - 1).is_err() || before.len() > 1000);
         assert_eq!(usable_cores().unwrap(), before);
+    }
+
+    #[test]
+    fn the_timer_slack_comes_back() {
+        let before_ns = timer_slack_ns();
+        let guard = NoTimerSlack::begin().unwrap();
+        assert_eq!(timer_slack_ns(), Some(1));
+        drop(guard);
+        assert_eq!(timer_slack_ns(), before_ns);
     }
 
     #[test]

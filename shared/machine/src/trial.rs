@@ -5,7 +5,9 @@ use crate::noise::timer::timer;
 use crate::noise::wake_up::wake_up;
 use crate::privilege::may_lock_memory;
 use crate::samples::Samples;
-use crate::scheduling::{FIFO_PRIORITY, LockedMemory, OneCore, RealTime, usable_cores};
+use crate::scheduling::{
+    FIFO_PRIORITY, LockedMemory, NoTimerSlack, OneCore, RealTime, usable_cores,
+};
 use serde::{Deserialize, Serialize};
 use std::io;
 use std::time::Duration;
@@ -20,6 +22,8 @@ pub enum Setting {
     RealTime,
     /// One core, which it never leaves.
     OneCore,
+    /// Timers that are not put off to be gathered with others.
+    NoTimerSlack,
     /// All memory of the process locked into RAM.
     LockedMemory,
 }
@@ -31,6 +35,7 @@ impl Setting {
             Self::AsIs => "as it is",
             Self::RealTime => "SCHED_FIFO 80",
             Self::OneCore => "on one core",
+            Self::NoTimerSlack => "no timer slack",
             Self::LockedMemory => "memory locked",
         }
     }
@@ -78,6 +83,7 @@ enum Applied {
     Nothing,
     RealTime { _guard: RealTime },
     OneCore { _guard: OneCore },
+    NoTimerSlack { _guard: NoTimerSlack },
     LockedMemory { _guard: LockedMemory },
 }
 
@@ -90,6 +96,9 @@ impl Applied {
             },
             Setting::OneCore => Self::OneCore {
                 _guard: OneCore::begin(last_core()?)?,
+            },
+            Setting::NoTimerSlack => Self::NoTimerSlack {
+                _guard: NoTimerSlack::begin()?,
             },
             Setting::LockedMemory if !may_lock_memory() => {
                 return Err(io::Error::from(io::ErrorKind::PermissionDenied));

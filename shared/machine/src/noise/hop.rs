@@ -17,8 +17,12 @@ use way::{End, Stamped, Way};
 
 /// Threads of the runtime, as in the daemon's processes.
 const N_WORKERS: usize = 2;
-/// Pause of the sender before each message to a receiver that sleeps.
-const PAUSE: Duration = Duration::from_micros(500);
+/// Pause of the sender before each message to a receiver that sleeps: long enough that
+/// it does.
+const PAUSE_BLOCKING: Duration = Duration::from_micros(500);
+/// Pause before each cloud to a receiver that never sleeps: two threads that only spin
+/// and write would be put off by whole time slices on a machine with other work.
+const PAUSE_CLOUD: Duration = Duration::from_micros(50);
 
 /// Why a hop could not be measured.
 #[derive(Debug)]
@@ -99,10 +103,10 @@ pub fn hop(payload: Payload, receiver: Receiver, duration: Duration) -> Result<S
     let place = domain::Place::new()?;
     let domain = place.join()?;
     let ways_ns = match (payload, receiver) {
-        (Payload::Small, Receiver::Polled) => polled::<MemoryChanged>(&domain, 1, duration),
+        (Payload::Small, Receiver::Polled) => polled::<MemoryChanged>(&domain, 1, duration, None),
         (Payload::Small, Receiver::Blocking) => blocking::<MemoryChanged>(&domain, 1, duration),
         (Payload::Cloud, Receiver::Polled) => {
-            polled::<CameraCloud>(&domain, MAX_FRAME_POINTS, duration)
+            polled::<CameraCloud>(&domain, MAX_FRAME_POINTS, duration, Some(PAUSE_CLOUD))
         }
         (Payload::Cloud, Receiver::Blocking) => {
             blocking::<CameraCloud>(&domain, MAX_FRAME_POINTS, duration)
@@ -117,11 +121,12 @@ pub fn names(payload: Payload, receiver: Receiver) -> (&'static str, &'static st
     match (payload, receiver) {
         (Payload::Small, Receiver::Polled) => (
             "hop, 24 B, polled",
-            "one way through shared memory to a thread that never sleeps",
+            "one way through shared memory between two threads that never sleep",
         ),
         (Payload::Cloud, Receiver::Polled) => (
             "hop, cloud, polled",
-            "the same with a cloud of 4.9 MB that was just written; reading it is not included",
+            "one way of a cloud of 4.9 MB, just written by a thread that had slept, to one that \
+             never sleeps; reading it is not included",
         ),
         (Payload::Small, Receiver::Blocking) => (
             "hop, 24 B, blocking",
@@ -129,7 +134,7 @@ pub fn names(payload: Payload, receiver: Receiver) -> (&'static str, &'static st
         ),
         (Payload::Cloud, Receiver::Blocking) => (
             "hop, cloud, blocking",
-            "the same with a cloud of 4.9 MB that was just written; reading it is not included",
+            "one way of a cloud of 4.9 MB, just written, to such a task; reading it is not included",
         ),
     }
 }
@@ -138,6 +143,7 @@ fn polled<T: Stamped>(
     domain: &Domain,
     n_items: usize,
     duration: Duration,
+    pause: Option<Duration>,
 ) -> Result<Vec<u64>, HopError> {
     let has_two_cores = crate::scheduling::usable_cores().is_none_or(|cores| cores.len() > 1);
     if !has_two_cores {
@@ -152,7 +158,7 @@ fn polled<T: Stamped>(
         source,
     })?;
     let end = way.end.clone();
-    let sent = way.send_all(n_items, Duration::ZERO);
+    let sent = way.send_all(n_items, pause);
     let received = receiving.join();
     sent?;
     received.unwrap_or(Ok(()))?;
@@ -194,7 +200,7 @@ fn blocking<T: Stamped>(
         }
     });
     let end = way.end.clone();
-    let sent = way.send_all(n_items, PAUSE);
+    let sent = way.send_all(n_items, Some(PAUSE_BLOCKING));
     receiving.abort();
     let received = runtime.block_on(receiving);
     sent?;

@@ -107,7 +107,10 @@ fn rights(print: &Fingerprint) -> Vec<(&'static str, String)> {
     };
     let priority = limit(print.realtime_priority_limit, |most| most.to_string());
     let memory = limit(print.locked_memory_limit, mib);
+    let slack = print.timer_slack_ns;
+    let slack = slack.map(|slack_ns| format!("{:.1} µs", slack_ns as f64 / 1000.0));
     vec![
+        ("timer slack", told(slack)),
         ("RLIMIT_RTPRIO", priority),
         ("RLIMIT_MEMLOCK", memory),
         (
@@ -126,7 +129,7 @@ pub(super) fn of_disturbance(found: &Disturbance) -> String {
         ("measured for", format!("{:.1} s", found.duration_s)),
         ("taken by the hypervisor", percent(found.steal_share)),
         ("others' work", told(load)),
-        ("something waited for a core", percent(found.waiting_share)),
+        ("waits for a core, ours too", percent(found.waiting_share)),
         ("our major page faults", told(found.major_faults)),
         ("our involuntary switches", told(found.involuntary_switches)),
         ("frequency changes", told(found.frequency_changes)),

@@ -108,8 +108,8 @@ impl<T: Stamped> Way<T> {
     }
 
     /// Sends one message after the other, each when the one before has arrived and
-    /// after a pause, until the time is over.
-    pub(super) fn send_all(mut self, n_items: usize, pause: Duration) -> Result<(), Error> {
+    /// after a pause, if there is one, until the time is over.
+    pub(super) fn send_all(mut self, n_items: usize, pause: Option<Duration>) -> Result<(), Error> {
         for number in 1..=HOPS_MAX as u64 {
             let mut loan = self.publisher.loan(n_items)?;
             T::fill(&mut loan, number);
@@ -123,12 +123,11 @@ impl<T: Stamped> Way<T> {
     }
 
     /// Whether so many have arrived in time.
-    fn wait_for(&self, n_received: u64, pause: Duration) -> bool {
+    fn wait_for(&self, n_received: u64, pause: Option<Duration>) -> bool {
         loop {
-            if pause.is_zero() {
-                spin_loop();
-            } else {
-                std::thread::sleep(pause);
+            match pause {
+                Some(pause) => std::thread::sleep(pause),
+                None => spin_loop(),
             }
             if Instant::now() >= self.deadline {
                 return false;
