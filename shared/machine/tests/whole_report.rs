@@ -28,7 +28,7 @@ fn watched<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> T {
 
 /// Files of probes' domains of this process, in shared memory and in its run folders.
 fn leftovers() -> Vec<String> {
-    let mark = format!("machine-{}-", std::process::id());
+    let mark = format!("m{}-", std::process::id());
     let folders = ["/dev/shm".into()]
         .into_iter()
         .chain([channel::RunFolder::of_user().path().to_owned()]);
@@ -112,7 +112,7 @@ fn what_a_killed_probe_left_is_removed() {
         .lock()
         .unwrap_or_else(PoisonError::into_inner);
     let folder = channel::RunFolder::of_user();
-    let name: channel::DomainName = "machine-4294967295-0".parse().unwrap();
+    let name: channel::DomainName = "m4294967295-0".parse().unwrap();
     let abandoned = folder.of_domain(&name);
     std::fs::create_dir_all(&abandoned).unwrap();
     std::fs::write(abandoned.join("domain.lock"), "").unwrap();

@@ -5,8 +5,9 @@ use channel::{Domain, DomainName, Error, Role, RunFolder};
 use std::path::Path;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// Beginning of the names of these domains; the process id follows.
-const PREFIX: &str = "machine-";
+/// Beginning of the names of these domains; the process id follows. It is short
+/// because the name stands twice in the path of a socket, which holds 107 bytes.
+const PREFIX: &str = "m";
 
 static N_PLACES: AtomicU32 = AtomicU32::new(0);
 
@@ -53,10 +54,12 @@ fn remove_abandoned(folder: &RunFolder) {
 
 /// Whether a domain's name is that of a probe whose process is gone.
 fn is_abandoned(name: &str) -> bool {
-    let pid = name
+    let is_number = |text: &&str| text.bytes().all(|byte| byte.is_ascii_digit());
+    let numbers = name
         .strip_prefix(PREFIX)
         .and_then(|rest| rest.split_once('-'));
-    pid.and_then(|(pid, _)| pid.parse::<u32>().ok())
+    let pid = numbers.map(|(pid, _)| pid).filter(is_number);
+    pid.and_then(|pid| pid.parse::<u32>().ok())
         .is_some_and(|pid| !Path::new(&format!("/proc/{pid}")).exists())
 }
 
@@ -66,9 +69,16 @@ mod tests {
 
     #[test]
     fn only_the_dead_are_abandoned() {
-        assert!(is_abandoned("machine-4294967295-0"));
-        assert!(!is_abandoned(&format!("machine-{}-0", std::process::id())));
-        for other in ["default", "machine-", "machine-1x-0", "machine-arm-1"] {
+        assert!(is_abandoned("m4294967295-0"));
+        assert!(!is_abandoned(&format!("m{}-0", std::process::id())));
+        for other in [
+            "default",
+            "m",
+            "m1x-0",
+            "memory-1",
+            "m4294967295",
+            "m+4294967295-0",
+        ] {
             assert!(!is_abandoned(other), "{other}");
         }
     }
