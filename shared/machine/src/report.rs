@@ -3,7 +3,9 @@
 mod environment;
 mod table;
 
+use crate::disturbance::Disturbance;
 use crate::effect::{AdviceKind, Effect, Verdict};
+use crate::fingerprint::Fingerprint;
 use crate::measurement::MachineReport;
 use crate::samples::{Samples, Summary};
 use std::fmt::Write as _;
@@ -20,11 +22,8 @@ pub fn text(report: &MachineReport) -> String {
         }
     };
     let print = &report.fingerprint;
-    section("Environment", &environment::of_fingerprint(print));
-    section(
-        "Meanwhile",
-        &environment::of_disturbance(&report.disturbance),
-    );
+    section("Environment", &environment(print));
+    section("Meanwhile", &disturbance(&report.disturbance));
     section("What makes these figures untrue", &warnings(report));
     section("Latencies, µs", &latencies(report));
     section("Interruptions of a spinning thread", &interruptions(report));
@@ -43,6 +42,25 @@ pub fn text(report: &MachineReport) -> String {
     text.truncate(text.trim_end().len());
     text.push('\n');
     text
+}
+
+/// The environment alone, one line for each thing that can be told.
+pub fn environment(fingerprint: &Fingerprint) -> String {
+    environment::of_fingerprint(fingerprint)
+}
+
+/// What else went on alone, one line for each thing that can be told.
+pub fn disturbance(disturbance: &Disturbance) -> String {
+    environment::of_disturbance(disturbance)
+}
+
+/// A table of percentiles in µs, one line for each probe.
+pub fn latency_table(latencies: &[Samples]) -> String {
+    let mut table = Table::new(&["", "n", "p50", "p90", "p99", "p99.9", "max"]);
+    for samples in latencies {
+        table.row(latency_row(samples));
+    }
+    table.to_string()
 }
 
 fn indented(body: &str) -> String {
@@ -72,10 +90,7 @@ fn warnings(report: &MachineReport) -> String {
 
 /// One line for each probe, and below what they mean.
 fn latencies(report: &MachineReport) -> String {
-    let mut table = Table::new(&["", "n", "p50", "p90", "p99", "p99.9", "max"]);
-    for samples in &report.latencies {
-        table.row(latency_row(samples));
-    }
+    let table = latency_table(&report.latencies);
     let meanings = report.latencies.iter();
     let meanings = meanings.map(|samples| format!("{}: {}.\n", samples.name, samples.meaning));
     format!("{table}\n{}", meanings.collect::<String>())

@@ -12,7 +12,13 @@ const OTHER_LOAD_CORES_MAX: f64 = 0.05;
 /// A frequency that changes by more than this makes two runs differ.
 const FREQUENCY_DRIFT_SHARE_MAX: f64 = 0.1;
 /// Clock sources that are read without a call into the kernel.
-const FAST_CLOCK_SOURCES: [&str; 4] = ["tsc", "kvm-clock", "arch_sys_counter", "riscv_clocksource"];
+const FAST_CLOCK_SOURCES: [&str; 5] = [
+    "tsc",
+    "kvm-clock",
+    "arch_sys_counter",
+    "riscv_clocksource",
+    "hyperv_clocksource_tsc_page",
+];
 
 /// Something that makes measured numbers untrue, and what to do about it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
