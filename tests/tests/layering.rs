@@ -26,6 +26,7 @@ const LAYERS: [&[&str]; 11] = [
         "memory-control",
         "command-line",
         "latency-report",
+        "machine",
     ],
     &[
         "camera",
@@ -50,7 +51,7 @@ const OWNERS: [(&str, &[&str]); 14] = [
     ("plotters", &["evaluation"]),
     ("ciborium", &["channel", "store"]),
     ("hdrhistogram", &["latency-report"]),
-    ("libc", &["service"]),
+    ("libc", &["machine", "service"]),
     ("sd-notify", &["service"]),
     ("tracing-subscriber", &["service"]),
     (
@@ -60,6 +61,7 @@ const OWNERS: [(&str, &[&str]); 14] = [
             "actor",
             "service",
             "capture",
+            "machine",
             "memory-control",
             "command-line",
             "camera",

@@ -13,15 +13,18 @@ impl Percentiles {
     /// Of values of any unit, by nearest rank; `None` without values.
     pub fn of(mut values: Vec<f64>) -> Option<Self> {
         values.sort_unstable_by(f64::total_cmp);
-        let at = |share: f64| {
-            let rank = (share * values.len() as f64).ceil() as usize;
-            values.get(rank.max(1) - 1).copied()
-        };
         Some(Self {
-            p50: at(0.5)?,
-            p99: at(0.99)?,
+            p50: nearest_rank(&values, 0.5)?,
+            p99: nearest_rank(&values, 0.99)?,
         })
     }
+}
+
+/// The least of sorted values that a share of them, 0 to 1, does not exceed; `None`
+/// without values.
+pub fn nearest_rank<T: Copy>(sorted: &[T], share: f64) -> Option<T> {
+    let rank = (share * sorted.len() as f64).ceil() as usize;
+    sorted.get(rank.max(1) - 1).copied()
 }
 
 /// Adds up the bytes of a cloud, eight at a time: the least that reading a

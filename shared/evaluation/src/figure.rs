@@ -1,9 +1,12 @@
-//! Figures as SVG.
+//! Figures as SVG: curves in diagrams, diagrams beside and below each other.
+//!
+//! What is drawn with is known to this crate only; its callers say what to draw.
 
 use plotters::coord::Shift;
+use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::prelude::{
-    ChartBuilder, Color, DrawingArea, IntoDrawingArea, LineSeries, PathElement, RGBColor,
-    SVGBackend, SeriesLabelPosition, WHITE,
+    ChartBuilder, Color as _, DrawingArea, IntoDrawingArea, IntoLogRange, LineSeries, Palette,
+    Palette99, PathElement, RGBColor, SVGBackend, SeriesLabelPosition, WHITE,
 };
 use std::fmt;
 use std::ops::Range;
@@ -24,36 +27,142 @@ pub(crate) fn failed(error: impl fmt::Display) -> DrawingError {
     DrawingError(error.to_string())
 }
 
+/// A colour: red, green and blue.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Color(pub u8, pub u8, pub u8);
+
+impl Color {
+    /// Blue.
+    pub const BLUE: Self = Self(0, 0, 255);
+    /// Red.
+    pub const RED: Self = Self(255, 0, 0);
+    /// For what is only to be compared with.
+    pub const GREY: Self = Self(190, 190, 190);
+
+    /// One of 99 that are told apart well; they begin anew after that.
+    pub fn of_series(index: usize) -> Self {
+        let (red, green, blue) = Palette99::COLORS[index % Palette99::COLORS.len()];
+        Self(red, green, blue)
+    }
+}
+
+impl From<Color> for RGBColor {
+    fn from(Color(red, green, blue): Color) -> Self {
+        Self(red, green, blue)
+    }
+}
+
+/// Where the legend is out of the way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Legend {
+    /// Left above.
+    UpperLeft,
+    /// Right above.
+    UpperRight,
+    /// Left below.
+    LowerLeft,
+}
+
+impl From<Legend> for SeriesLabelPosition {
+    fn from(legend: Legend) -> Self {
+        match legend {
+            Legend::UpperLeft => Self::UpperLeft,
+            Legend::UpperRight => Self::UpperRight,
+            Legend::LowerLeft => Self::LowerLeft,
+        }
+    }
+}
+
+/// One axis of a diagram.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis<'a> {
+    /// What it shows, with its unit.
+    pub label: &'a str,
+    /// From where to where; of positive numbers when the axis is logarithmic.
+    pub range: Range<f64>,
+    /// Whether equal lengths are equal factors.
+    pub is_logarithmic: bool,
+}
+
+impl<'a> Axis<'a> {
+    /// An axis on which equal lengths are equal differences.
+    pub fn linear(label: &'a str, range: Range<f64>) -> Self {
+        Self {
+            label,
+            range,
+            is_logarithmic: false,
+        }
+    }
+
+    /// An axis of positive numbers on which equal lengths are equal factors.
+    pub fn logarithmic(label: &'a str, range: Range<f64>) -> Self {
+        Self {
+            label,
+            range,
+            is_logarithmic: true,
+        }
+    }
+
+    fn number(&self, value: f64) -> String {
+        if self.is_logarithmic {
+            let n_decimals = (-value.log10()).ceil().clamp(0.0, 9.0) as usize;
+            format!("{value:.n_decimals$}")
+        } else {
+            number(value, &self.range)
+        }
+    }
+}
+
 /// One curve.
-pub(crate) struct Curve<'a> {
+#[derive(Debug, Clone, PartialEq)]
+pub struct Curve<'a> {
     /// What it is in the legend; empty when it is not there.
-    pub(crate) name: &'a str,
-    pub(crate) color: RGBColor,
-    pub(crate) points: Vec<(f64, f64)>,
+    pub name: &'a str,
+    /// Colour of its line.
+    pub color: Color,
+    /// Its points, joined by lines; positive where an axis is logarithmic.
+    pub points: Vec<(f64, f64)>,
     /// Whether the points are marked, as measurements are.
-    pub(crate) is_marked: bool,
+    pub is_marked: bool,
 }
 
 /// One diagram.
-pub(crate) struct Diagram<'a> {
-    pub(crate) title: &'a str,
-    pub(crate) x_label: &'a str,
-    pub(crate) y_label: &'a str,
-    pub(crate) x_range: Range<f64>,
-    pub(crate) y_range: Range<f64>,
-    pub(crate) curves: Vec<Curve<'a>>,
-    /// Where the legend is out of the way.
-    pub(crate) legend: SeriesLabelPosition,
+#[derive(Debug, Clone, PartialEq)]
+pub struct Diagram<'a> {
+    /// What it shows.
+    pub title: &'a str,
+    /// To the right.
+    pub x: Axis<'a>,
+    /// Upwards.
+    pub y: Axis<'a>,
+    /// What is drawn, the last one on top.
+    pub curves: Vec<Curve<'a>>,
+    /// Where the names of the curves stand.
+    pub legend: Legend,
 }
 
 /// Diagrams side by side, as SVG text.
-pub(crate) fn side_by_side(diagrams: &[Diagram<'_>]) -> Result<String, DrawingError> {
+///
+/// # Errors
+/// When the drawing library fails.
+pub fn side_by_side(diagrams: &[Diagram<'_>]) -> Result<String, DrawingError> {
+    in_columns(diagrams, diagrams.len())
+}
+
+/// Diagrams in rows of so many, as SVG text.
+///
+/// # Errors
+/// When the drawing library fails.
+pub fn in_columns(diagrams: &[Diagram<'_>], n_columns: usize) -> Result<String, DrawingError> {
+    let n_columns = n_columns.max(1);
+    let n_rows = diagrams.len().div_ceil(n_columns).max(1);
     let mut svg = String::new();
     {
-        let width = 520 * diagrams.len() as u32;
-        let whole = SVGBackend::with_string(&mut svg, (width, 420)).into_drawing_area();
+        let size_px = (520 * n_columns as u32, 420 * n_rows as u32);
+        let whole = SVGBackend::with_string(&mut svg, size_px).into_drawing_area();
         whole.fill(&WHITE).map_err(failed)?;
-        for (area, diagram) in whole.split_evenly((1, diagrams.len())).iter().zip(diagrams) {
+        let areas = whole.split_evenly((n_rows, n_columns));
+        for (area, diagram) in areas.iter().zip(diagrams) {
             draw(area, diagram)?;
         }
         whole.present().map_err(failed)?;
@@ -65,24 +174,47 @@ pub(crate) fn draw(
     area: &DrawingArea<SVGBackend<'_>, Shift>,
     diagram: &Diagram<'_>,
 ) -> Result<(), DrawingError> {
+    let (x, y) = (diagram.x.range.clone(), diagram.y.range.clone());
+    match (diagram.x.is_logarithmic, diagram.y.is_logarithmic) {
+        (false, false) => draw_along(area, diagram, x, y),
+        (false, true) => draw_along(area, diagram, x, y.log_scale()),
+        (true, false) => draw_along(area, diagram, x.log_scale(), y),
+        (true, true) => draw_along(area, diagram, x.log_scale(), y.log_scale()),
+    }
+}
+
+fn draw_along<X, Y>(
+    area: &DrawingArea<SVGBackend<'_>, Shift>,
+    diagram: &Diagram<'_>,
+    x: X,
+    y: Y,
+) -> Result<(), DrawingError>
+where
+    X: AsRangedCoord<Value = f64>,
+    Y: AsRangedCoord<Value = f64>,
+    X::CoordDescType: ValueFormatter<f64>,
+    Y::CoordDescType: ValueFormatter<f64>,
+{
     let mut chart = ChartBuilder::on(area)
         .caption(diagram.title, ("sans-serif", 17))
         .margin(12)
+        // Room for half of the last number at the axis.
+        .margin_right(26)
         .x_label_area_size(40)
         .y_label_area_size(52)
-        .build_cartesian_2d(diagram.x_range.clone(), diagram.y_range.clone())
+        .build_cartesian_2d(x, y)
         .map_err(failed)?;
     chart
         .configure_mesh()
-        .x_desc(diagram.x_label)
-        .y_desc(diagram.y_label)
-        .x_label_formatter(&|value| number(*value, &diagram.x_range))
-        .y_label_formatter(&|value| number(*value, &diagram.y_range))
+        .x_desc(diagram.x.label)
+        .y_desc(diagram.y.label)
+        .x_label_formatter(&|value| diagram.x.number(*value))
+        .y_label_formatter(&|value| diagram.y.number(*value))
         .light_line_style(WHITE)
         .draw()
         .map_err(failed)?;
     for curve in &diagram.curves {
-        let color = curve.color;
+        let color = RGBColor::from(curve.color);
         let mut series = LineSeries::new(curve.points.iter().copied(), color.stroke_width(2));
         if curve.is_marked {
             series = series.point_size(3);
@@ -99,7 +231,7 @@ pub(crate) fn draw(
     }
     chart
         .configure_series_labels()
-        .position(diagram.legend.clone())
+        .position(diagram.legend.into())
         .background_style(WHITE)
         .draw()
         .map_err(failed)
@@ -111,5 +243,56 @@ pub(crate) fn number(value: f64, range: &Range<f64>) -> String {
         format!("{value:.0}")
     } else {
         format!("{value:.1}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn diagram(x: Axis<'static>, y: Axis<'static>) -> Diagram<'static> {
+        Diagram {
+            title: "times & counts",
+            x,
+            y,
+            curves: vec![Curve {
+                name: "timer",
+                color: Color::of_series(100),
+                points: vec![(0.1, 1.0), (10.0, 1000.0), (100.0, 1.0)],
+                is_marked: false,
+            }],
+            legend: Legend::UpperRight,
+        }
+    }
+
+    #[test]
+    fn each_kind_of_axis_is_drawn() {
+        let axes = |range: Range<f64>| {
+            [
+                Axis::linear("a", range.clone()),
+                Axis::logarithmic("a", range),
+            ]
+        };
+        for x in axes(0.1..100.0) {
+            for y in axes(0.5..2000.0) {
+                let svg = side_by_side(&[diagram(x.clone(), y)]).unwrap();
+                assert!(svg.contains("times &amp; counts") && svg.contains("timer"));
+            }
+        }
+    }
+
+    #[test]
+    fn decades_are_written_with_the_decimals_they_need() {
+        let axis = Axis::logarithmic("", 0.01..1e4);
+        let numbers = [0.01, 0.1, 1.0, 10.0, 10_000.0].map(|value| axis.number(value));
+        assert_eq!(numbers, ["0.01", "0.1", "1", "10", "10000"]);
+    }
+
+    #[test]
+    fn rows_are_as_many_as_are_needed() {
+        let one = diagram(Axis::linear("", 0.0..1.0), Axis::linear("", 0.0..1.0));
+        let svg = in_columns(&vec![one; 3], 2).unwrap();
+        assert!(svg.contains("width=\"1040\" height=\"840\""), "{svg}");
+        assert!(in_columns(&[], 0).is_ok());
     }
 }

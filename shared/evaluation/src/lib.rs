@@ -11,6 +11,8 @@
 //! say how well a [`recogniser`] learns views of objects, [`novelty_score`] how well it
 //! tells what it was never taught, and [`bootstrap`] how certain the figures of runs are.
 //!
+//! [`figure`] draws curves, also those of others.
+//!
 //! This crate never starts a process, never reads a clock, writes no file, and
 //! knows nothing of channels. Durations are measured by the caller and come in
 //! as numbers, see [`durations`].
@@ -20,7 +22,7 @@ pub mod box_picture;
 pub mod clear_mot;
 pub mod cross_validation;
 pub mod durations;
-mod figure;
+pub mod figure;
 pub mod figure_page;
 pub mod hypothesis_image;
 pub mod id_f1;

@@ -4,11 +4,10 @@
 //! 1.2 m; the spread of its measured depth is compared with the axial noise that
 //! Nguyen, Izadi and Lovell (2012) measured of a Kinect v1.
 
-use crate::figure::{Curve, Diagram, DrawingError, side_by_side};
+use crate::figure::{Axis, Color, Curve, Diagram, DrawingError, Legend, side_by_side};
 use geometry::{PinholeCamera, RigidTransform};
 use mesh::{Surface, Triangle, TriangleMesh, Vertex};
 use nalgebra::{Point3, UnitQuaternion, Vector3};
-use plotters::prelude::{BLUE, RED, SeriesLabelPosition};
 use point_cloud::Point;
 use rendering::kinect::{AxialNoise, KinectSensor, SensorModel, Shot};
 use rendering::{Error, Instance, PreparedMesh, Rasterizer};
@@ -127,21 +126,19 @@ fn diagram<'a>(
     let ends = (rows.first().map_or(0.0, &x), rows.last().map_or(1.0, &x));
     Diagram {
         title,
-        x_label,
-        y_label: "standard deviation (mm)",
-        x_range: ends.0..ends.1,
-        y_range: 0.0..highest_mm * 1.1,
-        legend: SeriesLabelPosition::UpperLeft,
+        x: Axis::linear(x_label, ends.0..ends.1),
+        y: Axis::linear("standard deviation (mm)", 0.0..highest_mm * 1.1),
+        legend: Legend::UpperLeft,
         curves: vec![
             Curve {
                 name: "Nguyen et al. 2012",
-                color: BLUE,
+                color: Color::BLUE,
                 points: curve(|row| row.published_m),
                 is_marked: false,
             },
             Curve {
                 name: "simulated Kinect",
-                color: RED,
+                color: Color::RED,
                 points: curve(|row| row.measured_m),
                 is_marked: true,
             },

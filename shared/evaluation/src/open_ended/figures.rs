@@ -1,11 +1,13 @@
 //! Runs as figures.
 
 use super::record::{Run, Stage};
-use crate::figure::{Curve, Diagram, DrawingError, draw, failed, number, side_by_side};
+use crate::figure::{
+    Axis, Color, Curve, Diagram, DrawingError, Legend, draw, failed, number, side_by_side,
+};
 use plotters::coord::Shift;
 use plotters::prelude::{
-    BLUE, ChartBuilder, Color, DrawingArea, FontTransform, IntoDrawingArea, IntoFont, Palette,
-    Palette99, RED, RGBColor, Rectangle, SVGBackend, SeriesLabelPosition, Text, TextStyle, WHITE,
+    BLUE, ChartBuilder, Color as _, DrawingArea, FontTransform, IntoDrawingArea, IntoFont,
+    RGBColor, Rectangle, SVGBackend, Text, TextStyle, WHITE,
 };
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
@@ -15,8 +17,6 @@ const RUN_PX: (u32, u32) = (1040, 420);
 const NAMES_PX: u32 = 150;
 /// Most categories whose bars have names.
 const MOST_NAMES: usize = 70;
-/// Lines that mark where a category comes.
-const GREY: RGBColor = RGBColor(190, 190, 190);
 
 /// All runs, one line each: accuracy over learned categories, and learned categories
 /// over questions, as SVG.
@@ -30,7 +30,7 @@ pub fn overview_svg(runs: &[Run]) -> Result<String, DrawingError> {
     let curves = |point: fn(&Stage) -> (f64, f64)| {
         let curve = |(index, run): (usize, &Run)| Curve {
             name: "",
-            color: color(index),
+            color: Color::of_series(index),
             points: run.stages.iter().map(point).collect(),
             is_marked: false,
         };
@@ -39,21 +39,17 @@ pub fn overview_svg(runs: &[Run]) -> Result<String, DrawingError> {
     side_by_side(&[
         Diagram {
             title: "Accuracy over all questions, one line for each run",
-            x_label: "learned categories",
-            y_label: "global classification accuracy",
-            x_range: 1.0..n_categories + 1.0,
-            y_range: 0.0..1.05,
+            x: Axis::linear("learned categories", 1.0..n_categories + 1.0),
+            y: Axis::linear("global classification accuracy", 0.0..1.05),
             curves: curves(|stage| (stage.n_categories.into(), stage.accuracy)),
-            legend: SeriesLabelPosition::UpperLeft,
+            legend: Legend::UpperLeft,
         },
         Diagram {
             title: "Learned categories, one line for each run",
-            x_label: "questions",
-            y_label: "learned categories",
-            x_range: 0.0..1.05 * n_questions,
-            y_range: 0.0..1.05 * n_categories + 1.0,
+            x: Axis::linear("questions", 0.0..1.05 * n_questions),
+            y: Axis::linear("learned categories", 0.0..1.05 * n_categories + 1.0),
             curves: curves(|stage| (stage.n_questions.into(), stage.n_categories.into())),
-            legend: SeriesLabelPosition::UpperLeft,
+            legend: Legend::UpperLeft,
         },
     ])
 }
@@ -79,11 +75,6 @@ pub fn run_svg(run: &Run, names: &[String], tau: f64) -> Result<String, DrawingE
     Ok(svg)
 }
 
-fn color(index: usize) -> RGBColor {
-    let (r, g, b) = Palette99::COLORS[index % Palette99::COLORS.len()];
-    RGBColor(r, g, b)
-}
-
 fn accuracy_diagram(run: &Run, tau: f64) -> Diagram<'static> {
     let n_questions = f64::from(run.questions.last().map_or(1, |q| q.iteration));
     let comes = run.questions.windows(2);
@@ -92,7 +83,7 @@ fn accuracy_diagram(run: &Run, tau: f64) -> Diagram<'static> {
         let iteration = f64::from(pair[1].iteration) - 0.5;
         Curve {
             name: "",
-            color: GREY,
+            color: Color::GREY,
             points: vec![(iteration, 0.0), (iteration, 1.05)],
             is_marked: false,
         }
@@ -100,19 +91,17 @@ fn accuracy_diagram(run: &Run, tau: f64) -> Diagram<'static> {
     let mut curves: Vec<Curve<'_>> = marks.collect();
     curves.push(Curve {
         name: "threshold",
-        color: RED,
+        color: Color::RED,
         points: vec![(0.0, tau), (n_questions, tau)],
         is_marked: false,
     });
     curves.extend(accuracy_curves(run));
     Diagram {
         title: "Protocol accuracy; a grey line where a category comes",
-        x_label: "questions",
-        y_label: "protocol accuracy",
-        x_range: 0.0..n_questions + 1.0,
-        y_range: 0.0..1.05,
+        x: Axis::linear("questions", 0.0..n_questions + 1.0),
+        y: Axis::linear("protocol accuracy", 0.0..1.05),
         curves,
-        legend: SeriesLabelPosition::LowerLeft,
+        legend: Legend::LowerLeft,
     }
 }
 
@@ -128,7 +117,7 @@ fn accuracy_curves(run: &Run) -> Vec<Curve<'static>> {
         let points: Vec<(f64, f64)> = points.collect();
         Curve {
             name: if index == 0 { "accuracy" } else { "" },
-            color: BLUE,
+            color: Color::BLUE,
             // A line needs two points.
             is_marked: points.len() == 1,
             points,
@@ -166,7 +155,10 @@ fn draw_bars(
         let (left, right) = (index as f64 + 0.15, index as f64 + 0.85);
         let bar =
             |from, to, color: RGBColor| Rectangle::new([(left, from), (right, to)], color.filled());
-        let bars = [bar(0.0, start, GREY), bar(start, n_views.into(), BLUE)];
+        let bars = [
+            bar(0.0, start, Color::GREY.into()),
+            bar(start, n_views.into(), BLUE),
+        ];
         chart.draw_series(bars).map_err(failed)?;
         if n_bars <= MOST_NAMES {
             let (x_px, y_px) = chart.backend_coord(&(index as f64 + 0.5, 0.0));

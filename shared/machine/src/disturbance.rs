@@ -1,0 +1,275 @@
+//! What else went on while something was measured.
+
+mod counter_text;
+
+use crate::fingerprint::{frequencies_khz, n_frequency_changes};
+use crate::system_files::SystemFiles;
+use counter_text::{CpuTime, ProcessTime};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+/// What would make measured figures untrue. `None` is what this computer does not
+/// tell.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Disturbance {
+    /// How long it was watched, seconds.
+    pub duration_s: f64,
+    /// Share of the time of all cores that the hypervisor took, 0 to 1.
+    pub steal_share: Option<f64>,
+    /// Work of other processes and of interrupts, in cores: 1 is one busy core.
+    pub other_load_cores: Option<f64>,
+    /// Share of the last 10 s in which something waited for a core, 0 to 1. Our own
+    /// threads count, too.
+    pub waiting_share: Option<f64>,
+    /// Page faults of our processes that had to wait for a disk.
+    pub major_faults: Option<u64>,
+    /// How often our processes lost a core that they wanted to keep.
+    pub involuntary_switches: Option<u64>,
+    /// Changes of frequency on all cores.
+    pub frequency_changes: Option<u64>,
+    /// Largest difference of a core's frequency between beginning and end, as a
+    /// share of that at the beginning.
+    pub frequency_drift_share: Option<f64>,
+    /// Processes of ours that had ended before the end, of which nothing is known:
+    /// their work counts as others'.
+    pub ended_pids: Vec<u32>,
+}
+
+/// The counters at the beginning of a measurement.
+#[derive(Debug)]
+pub struct Watch {
+    files: SystemFiles,
+    began: Instant,
+    cpu_time: Option<CpuTime>,
+    processes: BTreeMap<u32, Process>,
+    n_frequency_changes: Option<u64>,
+    frequencies_khz: Vec<u64>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Process {
+    time: ProcessTime,
+    involuntary_switches: u64,
+}
+
+impl Disturbance {
+    /// Begins to watch.
+    pub fn begin() -> Watch {
+        Watch::begin(SystemFiles::real())
+    }
+}
+
+impl Watch {
+    fn begin(files: SystemFiles) -> Self {
+        let names = files.names_in("proc").into_iter();
+        let pids = names.filter_map(|name| name.parse().ok());
+        Self {
+            processes: pids
+                .filter_map(|pid| Some((pid, process(&files, pid)?)))
+                .collect(),
+            cpu_time: cpu_time(&files),
+            n_frequency_changes: n_frequency_changes(&files),
+            frequencies_khz: present_frequencies_khz(&files),
+            began: Instant::now(),
+            files,
+        }
+    }
+
+    /// What has happened since the beginning, apart from the work of these processes
+    /// of ours.
+    pub fn end(self, own_pids: &[u32]) -> Disturbance {
+        let duration_s = self.began.elapsed().as_secs_f64();
+        let mut pids = own_pids.to_vec();
+        pids.sort_unstable();
+        pids.dedup();
+        let own: Vec<(u32, Option<Process>)> = pids
+            .iter()
+            .map(|&pid| (pid, self.work_since(pid)))
+            .collect();
+        let known = || own.iter().filter_map(|(_, work)| *work);
+        let own_ticks = known().map(|work| work.time.busy).sum();
+        let spent = self.cpu_time.zip(cpu_time(&self.files)).map(spent);
+        let is_any_known = known().next().is_some();
+        let sum = |of: fn(Process) -> u64| is_any_known.then(|| known().map(of).sum());
+        Disturbance {
+            duration_s,
+            steal_share: spent.and_then(steal_share),
+            other_load_cores: spent.map(|spent| other_load(spent, own_ticks, duration_s)),
+            waiting_share: self
+                .files
+                .text("proc/pressure/cpu")
+                .and_then(|pressure| counter_text::pressure_share(&pressure)),
+            major_faults: sum(|work| work.time.major_faults),
+            involuntary_switches: sum(|work| work.involuntary_switches),
+            frequency_changes: n_frequency_changes(&self.files)
+                .zip(self.n_frequency_changes)
+                .map(|(now, before)| now.saturating_sub(before)),
+            frequency_drift_share: drift_share(
+                &self.frequencies_khz,
+                &present_frequencies_khz(&self.files),
+            ),
+            ended_pids: own
+                .iter()
+                .filter(|(_, work)| work.is_none())
+                .map(|(pid, _)| *pid)
+                .collect(),
+        }
+    }
+
+    /// What a process has done since the beginning, or since it was started.
+    fn work_since(&self, pid: u32) -> Option<Process> {
+        let now = process(&self.files, pid)?;
+        let before = self.processes.get(&pid);
+        let Some(before) = before.filter(|before| before.time.start == now.time.start) else {
+            return Some(now);
+        };
+        let since = |now: u64, before: u64| now.saturating_sub(before);
+        Some(Process {
+            time: ProcessTime {
+                start: now.time.start,
+                busy: since(now.time.busy, before.time.busy),
+                major_faults: since(now.time.major_faults, before.time.major_faults),
+            },
+            involuntary_switches: since(now.involuntary_switches, before.involuntary_switches),
+        })
+    }
+}
+
+fn cpu_time(files: &SystemFiles) -> Option<CpuTime> {
+    counter_text::cpu_time(&files.text("proc/stat")?)
+}
+
+fn present_frequencies_khz(files: &SystemFiles) -> Vec<u64> {
+    frequencies_khz(files, &files.text("proc/cpuinfo").unwrap_or_default())
+}
+
+fn process(files: &SystemFiles, pid: u32) -> Option<Process> {
+    let time = counter_text::process_time(&files.text(&format!("proc/{pid}/stat"))?)?;
+    let tasks = format!("proc/{pid}/task");
+    let switches = files.names_in(&tasks).into_iter().filter_map(|task| {
+        let status = files.text(&format!("{tasks}/{task}/status"))?;
+        counter_text::involuntary_switches(&status)
+    });
+    Some(Process {
+        time,
+        involuntary_switches: switches.sum(),
+    })
+}
+
+fn spent((before, now): (CpuTime, CpuTime)) -> CpuTime {
+    CpuTime {
+        busy: now.busy.saturating_sub(before.busy),
+        // The kernel's idle time may go back a little.
+        idle: now.idle.saturating_sub(before.idle),
+        steal: now.steal.saturating_sub(before.steal),
+    }
+}
+
+fn steal_share(spent: CpuTime) -> Option<f64> {
+    let total = spent.total();
+    (total > 0).then(|| spent.steal as f64 / total as f64)
+}
+
+fn other_load(spent: CpuTime, own_ticks: u64, duration_s: f64) -> f64 {
+    let other_ticks = spent.busy.saturating_sub(own_ticks) as f64;
+    let other_s = other_ticks / rustix::param::clock_ticks_per_second() as f64;
+    if duration_s > 0.0 {
+        other_s / duration_s
+    } else {
+        0.0
+    }
+}
+
+fn drift_share(before_khz: &[u64], now_khz: &[u64]) -> Option<f64> {
+    let pairs = before_khz.iter().zip(now_khz);
+    let drifts = pairs
+        .filter(|(before, _)| **before > 0)
+        .map(|(before, now)| now.abs_diff(*before) as f64 / *before as f64);
+    drifts.max_by(f64::total_cmp)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    fn write(root: &Path, path: &str, text: &str) {
+        let path = root.join(path);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, text).unwrap();
+    }
+
+    fn write_process(root: &Path, pid: u32, start: u64, busy: u64) {
+        let stat = format!("{pid} (x) S 1 1 1 0 -1 0 0 0 3 0 {busy} 0 0 0 20 0 1 0 {start} 1");
+        write(root, &format!("proc/{pid}/stat"), &stat);
+        let status = "nonvoluntary_ctxt_switches:\t5\n";
+        write(root, &format!("proc/{pid}/task/{pid}/status"), status);
+    }
+
+    #[test]
+    fn our_own_work_is_no_disturbance() {
+        let root = tempfile::tempdir().unwrap();
+        let root = root.path();
+        write(root, "proc/stat", "cpu 1000 0 0 5000 0 0 0 100\n");
+        write_process(root, 7, 50, 200);
+        write_process(root, 8, 60, 500);
+        let watch = Watch::begin(SystemFiles::below(root));
+        // 7 has worked 30 ticks, another process took the number 8 and worked 4,
+        // 9 is not there; others worked 16, 10 of 100 ticks were stolen.
+        write(root, "proc/stat", "cpu 1050 0 0 5040 0 0 0 110\n");
+        write_process(root, 7, 50, 230);
+        write_process(root, 8, 90, 4);
+        let own_ticks: u64 = [7, 8]
+            .iter()
+            .map(|pid| watch.work_since(*pid).unwrap().time.busy)
+            .sum();
+        assert_eq!(own_ticks, 34);
+        let found = watch.end(&[8, 7, 7, 9]);
+        assert_eq!(found.steal_share, Some(0.1));
+        let ticks = found.other_load_cores.unwrap()
+            * found.duration_s
+            * rustix::param::clock_ticks_per_second() as f64;
+        assert!((ticks - 16.0).abs() < 1e-6, "{ticks}");
+        assert_eq!(found.ended_pids, [9]);
+        // Of 8 all counts, because it was started in between.
+        assert_eq!(
+            (found.major_faults, found.involuntary_switches),
+            (Some(3), Some(5))
+        );
+    }
+
+    #[test]
+    fn what_is_not_told_is_none() {
+        let root = tempfile::tempdir().unwrap();
+        let found = Watch::begin(SystemFiles::below(root.path())).end(&[1]);
+        assert_eq!(
+            (
+                found.steal_share,
+                found.other_load_cores,
+                found.major_faults
+            ),
+            (None, None, None)
+        );
+        assert_eq!(
+            (found.frequency_changes, found.frequency_drift_share),
+            (None, None)
+        );
+        assert_eq!(found.ended_pids, [1]);
+    }
+
+    #[test]
+    fn drift_is_that_of_the_worst_core() {
+        assert_eq!(drift_share(&[1000, 2000], &[1000, 1500]), Some(0.25));
+        assert_eq!(drift_share(&[], &[1]), None);
+        assert_eq!(drift_share(&[0], &[1]), None);
+    }
+
+    #[test]
+    fn this_computer_can_be_watched() {
+        let found = Disturbance::begin().end(&[std::process::id()]);
+        assert!(found.ended_pids.is_empty());
+        let text = serde_json::to_string(&found).unwrap();
+        assert!(serde_json::from_str::<Disturbance>(&text).is_ok());
+    }
+}

@@ -1,0 +1,231 @@
+//! How fast memory is (after STREAM, John `McCalpin` 1995).
+
+use crate::fingerprint::Fingerprint;
+use crate::system_call::advise_huge_pages;
+use serde::{Deserialize, Serialize};
+use service::monotonic_ns;
+use std::hint::black_box;
+use std::io;
+use std::sync::RwLock;
+use std::thread::Builder;
+
+/// Bytes of a cloud of 640 x 480 points.
+const CLOUD_BYTES: usize = 640 * 480 * 16;
+/// Bytes of a word.
+const WORD_BYTES: usize = size_of::<u64>();
+/// Least and most bytes of a buffer, and those when the cache's size is not told.
+const BUFFER_BYTES_MIN: u64 = 64 << 20;
+const BUFFER_BYTES_MAX: u64 = 512 << 20;
+const BUFFER_BYTES_UNTOLD: u64 = 256 << 20;
+
+/// What is done with memory.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Operation {
+    /// Sum of all words.
+    Read,
+    /// The same value into all words.
+    Write,
+    /// Words of one buffer into another; what is read and what is written both count.
+    Copy,
+    /// As reading, of a cloud of 4.9 MB that the same thread has just written.
+    ReadJustWritten,
+}
+
+impl Operation {
+    /// As a person says it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Read => "read",
+            Self::Write => "write",
+            Self::Copy => "copy",
+            Self::ReadJustWritten => "read a cloud just written",
+        }
+    }
+}
+
+/// Bandwidth of one operation, 10^9 bytes a second.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Bandwidth {
+    /// What was done.
+    pub operation: Operation,
+    /// On how many threads, each with its part of the buffer.
+    pub n_threads: usize,
+    /// Bytes that are read or written in a round.
+    pub n_bytes: usize,
+    /// The best round.
+    pub best_gb_per_s: f64,
+    /// Each round.
+    pub rounds_gb_per_s: Vec<f64>,
+}
+
+impl Bandwidth {
+    fn new(operation: Operation, n_threads: usize, n_bytes: usize, rounds_ns: &[u64]) -> Self {
+        let rounds_gb_per_s: Vec<f64> = rounds_ns
+            .iter()
+            .map(|round_ns| n_bytes as f64 / (*round_ns).max(1) as f64)
+            .collect();
+        Self {
+            operation,
+            n_threads,
+            n_bytes,
+            best_gb_per_s: rounds_gb_per_s.iter().copied().fold(0.0, f64::max),
+            rounds_gb_per_s,
+        }
+    }
+}
+
+/// Bytes of a buffer that no cache can help with: four times the last one, and not
+/// more than an eighth of the memory.
+pub fn buffer_bytes(fingerprint: &Fingerprint) -> usize {
+    let wanted = match fingerprint.last_level_cache_bytes {
+        Some(cache) => (4 * cache).clamp(BUFFER_BYTES_MIN, BUFFER_BYTES_MAX),
+        None => BUFFER_BYTES_UNTOLD,
+    };
+    let most = fingerprint.memory_total_bytes.map_or(wanted, |all| all / 8);
+    wanted.min(most) as usize
+}
+
+/// Two buffers whose pages are all there.
+#[derive(Debug)]
+pub struct Buffers {
+    source: Vec<u64>,
+    target: Vec<u64>,
+}
+
+impl Buffers {
+    /// Buffers of so many bytes each, on the pages that the kernel gives.
+    pub fn new(n_bytes: usize) -> Self {
+        let words = || vec![1; n_bytes / WORD_BYTES];
+        Self {
+            source: words(),
+            target: words(),
+        }
+    }
+
+    /// The same, asking for huge pages before the first one is touched.
+    ///
+    /// # Errors
+    /// When the kernel has no huge pages.
+    pub fn on_huge_pages(n_bytes: usize) -> io::Result<Self> {
+        let words = || {
+            let mut words = Vec::with_capacity(n_bytes / WORD_BYTES);
+            advise_huge_pages(words.spare_capacity_mut())?;
+            words.resize(n_bytes / WORD_BYTES, 1);
+            Ok::<_, io::Error>(words)
+        };
+        Ok(Self {
+            source: words()?,
+            target: words()?,
+        })
+    }
+
+    /// Reads, writes and copies on so many threads, some rounds each.
+    ///
+    /// # Errors
+    /// When a thread can not be started.
+    pub fn measure(&mut self, n_threads: usize, n_rounds: usize) -> io::Result<Vec<Bandwidth>> {
+        let operations = [Operation::Read, Operation::Write, Operation::Copy];
+        let measured = operations.map(|operation| {
+            let rounds_ns: io::Result<Vec<u64>> = (0..n_rounds)
+                .map(|_| self.round_ns(operation, n_threads))
+                .collect();
+            let n_buffers = if operation == Operation::Copy { 2 } else { 1 };
+            let n_bytes = n_buffers * self.source.len() * WORD_BYTES;
+            Ok(Bandwidth::new(operation, n_threads, n_bytes, &rounds_ns?))
+        });
+        measured.into_iter().collect()
+    }
+
+    /// From the first thread's beginning to the last one's end.
+    fn round_ns(&mut self, operation: Operation, n_threads: usize) -> io::Result<u64> {
+        let n_words = self.source.len().div_ceil(n_threads.max(1)).max(1);
+        let parts = self.source.chunks(n_words);
+        let parts: Vec<_> = parts.zip(self.target.chunks_mut(n_words)).collect();
+        if let [_] = parts.as_slice() {
+            return Ok(span_ns(
+                parts.into_iter().map(|part| timed(operation, part)),
+            ));
+        }
+        // The threads begin together, when the last one is there.
+        let gate = RwLock::new(());
+        std::thread::scope(|scope| {
+            let closed = gate.write();
+            let start = |part| {
+                let gate = &gate;
+                let work = move || {
+                    drop(gate.read());
+                    timed(operation, part)
+                };
+                Builder::new().spawn_scoped(scope, work)
+            };
+            let threads: io::Result<Vec<_>> = parts.into_iter().map(start).collect();
+            drop(closed);
+            let times = threads?.into_iter().filter_map(|thread| thread.join().ok());
+            Ok(span_ns(times))
+        })
+    }
+}
+
+/// Reads a cloud that this thread has just written, some rounds.
+pub fn read_just_written(n_rounds: usize) -> Bandwidth {
+    let mut cloud = vec![0_u64; CLOUD_BYTES / WORD_BYTES];
+    let rounds_ns: Vec<u64> = (0..n_rounds)
+        .map(|round| {
+            black_box(&mut cloud).fill(round as u64);
+            let (start_ns, end_ns) = timed(Operation::Read, (&cloud, &mut []));
+            end_ns - start_ns
+        })
+        .collect();
+    Bandwidth::new(Operation::ReadJustWritten, 1, CLOUD_BYTES, &rounds_ns)
+}
+
+/// Beginning and end of one part's work.
+fn timed(operation: Operation, (source, target): (&[u64], &mut [u64])) -> (u64, u64) {
+    let start_ns = monotonic_ns();
+    match operation {
+        Operation::Read | Operation::ReadJustWritten => {
+            let words = black_box(source).iter();
+            black_box(words.fold(0_u64, |sum, word| sum.wrapping_add(*word)));
+        }
+        Operation::Write => black_box(target).fill(start_ns),
+        Operation::Copy => black_box(target).copy_from_slice(black_box(source)),
+    }
+    (start_ns, monotonic_ns())
+}
+
+/// From the first beginning to the last end.
+fn span_ns(times: impl Iterator<Item = (u64, u64)>) -> u64 {
+    let (first_ns, last_ns) = times.fold((u64::MAX, 0), |(first, last), (start, end)| {
+        (start.min(first), end.max(last))
+    });
+    last_ns.saturating_sub(first_ns)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_byte_counts_once_or_twice() {
+        let mut buffers = Buffers::new(1 << 20);
+        for n_threads in [1, 3] {
+            let measured = buffers.measure(n_threads, 2).unwrap();
+            let bytes: Vec<usize> = measured.iter().map(|b| b.n_bytes).collect();
+            assert_eq!(bytes, [1 << 20, 1 << 20, 2 << 20]);
+            for one in &measured {
+                assert_eq!((one.rounds_gb_per_s.len(), one.n_threads), (2, n_threads));
+                assert!(one.rounds_gb_per_s.contains(&one.best_gb_per_s));
+            }
+        }
+        // The copy came last: all parts of the target have it.
+        assert_eq!(buffers.target, buffers.source);
+        assert_eq!(read_just_written(3).rounds_gb_per_s.len(), 3);
+    }
+
+    #[test]
+    fn rounds_span_all_threads() {
+        assert_eq!(span_ns([(10, 20), (5, 12)].into_iter()), 15);
+        assert_eq!(span_ns(std::iter::empty()), 0);
+    }
+}

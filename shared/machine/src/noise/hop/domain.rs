@@ -1,0 +1,85 @@
+//! A domain of the probe's own.
+
+use super::HopError;
+use channel::{Domain, DomainName, Error, Role, RunFolder};
+use std::path::Path;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+/// Beginning of the names of these domains; the process id follows. It is short
+/// because the name stands twice in the path of a socket, which holds 107 bytes.
+const PREFIX: &str = "m";
+
+static N_PLACES: AtomicU32 = AtomicU32::new(0);
+
+/// Where a domain of the probe's own is, which nobody else joins. The last member
+/// that leaves removes it.
+#[derive(Debug)]
+pub(super) struct Place {
+    name: DomainName,
+    folder: RunFolder,
+}
+
+impl Place {
+    /// A place with a name that no other process has. What a probe has left that was
+    /// killed is removed.
+    pub(super) fn new() -> Result<Self, HopError> {
+        let folder = RunFolder::of_user();
+        remove_abandoned(&folder);
+        let number = N_PLACES.fetch_add(1, Ordering::Relaxed);
+        let name = format!("{PREFIX}{}-{number}", std::process::id());
+        Ok(Self {
+            name: name.parse()?,
+            folder,
+        })
+    }
+
+    pub(super) fn join(&self) -> Result<Domain, Error> {
+        Domain::join(&self.name, &self.folder, Role::Guest)
+    }
+}
+
+/// Who joins a domain of the dead removes its files, and then its folder on leaving.
+fn remove_abandoned(folder: &RunFolder) {
+    let entries = std::fs::read_dir(folder.path());
+    for entry in entries.into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let Some(name) = name.to_str().filter(|name| is_abandoned(name)) else {
+            continue;
+        };
+        if let Ok(name) = name.parse() {
+            drop(Domain::join(&name, folder, Role::Guest));
+        }
+    }
+}
+
+/// Whether a domain's name is that of a probe whose process is gone.
+fn is_abandoned(name: &str) -> bool {
+    let is_number = |text: &&str| text.bytes().all(|byte| byte.is_ascii_digit());
+    let numbers = name
+        .strip_prefix(PREFIX)
+        .and_then(|rest| rest.split_once('-'));
+    let pid = numbers.map(|(pid, _)| pid).filter(is_number);
+    pid.and_then(|pid| pid.parse::<u32>().ok())
+        .is_some_and(|pid| !Path::new(&format!("/proc/{pid}")).exists())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_the_dead_are_abandoned() {
+        assert!(is_abandoned("m4294967295-0"));
+        assert!(!is_abandoned(&format!("m{}-0", std::process::id())));
+        for other in [
+            "default",
+            "m",
+            "m1x-0",
+            "memory-1",
+            "m4294967295",
+            "m+4294967295-0",
+        ] {
+            assert!(!is_abandoned(other), "{other}");
+        }
+    }
+}

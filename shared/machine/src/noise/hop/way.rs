@@ -1,0 +1,146 @@
+//! Sender and receiver of one hop.
+
+use channel::topic::{CameraCloud, MemoryChanged, Topic};
+use channel::{Domain, Error, Loan, Publisher, SharedFrame};
+use message::CloudPoint;
+use service::monotonic_ns;
+use std::hint::spin_loop;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Most hops that are measured.
+const HOPS_MAX: usize = 10_000;
+
+/// A topic with room for the instant at which its message was sent.
+pub(super) trait Stamped: Topic {
+    /// Writes all of the message's items.
+    fn fill(loan: &mut Loan<Self>, number: u64)
+    where
+        Self: Sized;
+    /// Writes the instant.
+    fn stamp(loan: &mut Loan<Self>, now_ns: u64)
+    where
+        Self: Sized;
+    /// The instant, ns of the monotonic clock.
+    fn stamp_ns(message: &SharedFrame<Self>) -> u64
+    where
+        Self: Sized;
+}
+
+impl Stamped for MemoryChanged {
+    fn fill(_: &mut Loan<Self>, _: u64) {}
+
+    fn stamp(loan: &mut Loan<Self>, now_ns: u64) {
+        for item in loan.items_mut() {
+            item.sequence = now_ns;
+        }
+    }
+
+    fn stamp_ns(message: &SharedFrame<Self>) -> u64 {
+        message.items().first().map_or(0, |item| item.sequence)
+    }
+}
+
+impl Stamped for CameraCloud {
+    fn fill(loan: &mut Loan<Self>, number: u64) {
+        loan.items_mut().fill(CloudPoint {
+            x: 0.0,
+            y: 0.0,
+            z: 1.0,
+            argb: number as u32,
+        });
+    }
+
+    fn stamp(loan: &mut Loan<Self>, now_ns: u64) {
+        loan.header_mut().published_stamp_ns = now_ns;
+    }
+
+    fn stamp_ns(message: &SharedFrame<Self>) -> u64 {
+        message.header().published_stamp_ns
+    }
+}
+
+/// Where messages arrive.
+#[derive(Debug, Default)]
+pub(super) struct End {
+    /// Set when no more are sent.
+    pub(super) is_over: AtomicBool,
+    n_received: AtomicU64,
+    ways_ns: Mutex<Vec<u64>>,
+}
+
+impl End {
+    /// Notes a message; the sender waits for that before it sends the next one, so
+    /// nothing of this is in the time of a hop.
+    pub(super) fn arrived(&self, now_ns: u64, stamp_ns: u64) {
+        let mut ways_ns = self.ways_ns.lock().unwrap_or_else(PoisonError::into_inner);
+        ways_ns.push(now_ns.saturating_sub(stamp_ns));
+        drop(ways_ns);
+        self.n_received.fetch_add(1, Ordering::Release);
+    }
+
+    /// The time of each hop, ns.
+    pub(super) fn take_ways(&self) -> Vec<u64> {
+        std::mem::take(&mut *self.ways_ns.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+/// The sender's side; the receiver is told when it is gone.
+#[derive(Debug)]
+pub(super) struct Way<T: Stamped> {
+    pub(super) end: Arc<End>,
+    publisher: Publisher<T>,
+    deadline: Instant,
+}
+
+impl<T: Stamped> Way<T> {
+    pub(super) fn new(domain: &Domain, duration: Duration) -> Result<Self, Error> {
+        let end = End {
+            ways_ns: Mutex::new(Vec::with_capacity(HOPS_MAX)),
+            ..End::default()
+        };
+        Ok(Self {
+            end: Arc::new(end),
+            publisher: Publisher::new(domain)?,
+            deadline: Instant::now() + duration,
+        })
+    }
+
+    /// Sends one message after the other, each when the one before has arrived and
+    /// after a pause, if there is one, until the time is over.
+    pub(super) fn send_all(mut self, n_items: usize, pause: Option<Duration>) -> Result<(), Error> {
+        for number in 1..=HOPS_MAX as u64 {
+            let mut loan = self.publisher.loan(n_items)?;
+            T::fill(&mut loan, number);
+            T::stamp(&mut loan, monotonic_ns());
+            self.publisher.send(loan)?;
+            if !self.wait_for(number, pause) {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether so many have arrived in time.
+    fn wait_for(&self, n_received: u64, pause: Option<Duration>) -> bool {
+        loop {
+            match pause {
+                Some(pause) => std::thread::sleep(pause),
+                None => spin_loop(),
+            }
+            if Instant::now() >= self.deadline {
+                return false;
+            }
+            if self.end.n_received.load(Ordering::Acquire) >= n_received {
+                return true;
+            }
+        }
+    }
+}
+
+impl<T: Stamped> Drop for Way<T> {
+    fn drop(&mut self) {
+        self.end.is_over.store(true, Ordering::Release);
+    }
+}

@@ -1,0 +1,120 @@
+//! How long one thread needs to wake another.
+
+use crate::samples::Samples;
+use rustix::thread::Timespec;
+use rustix::thread::futex::{self, Flags};
+use service::monotonic_ns;
+use std::io;
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+/// Pause before each ping, so that both threads really sleep.
+const PAUSE: Duration = Duration::from_micros(200);
+/// Longest sleep in the futex, so that no thread waits for one that has failed.
+const WAIT_MAX: Timespec = Timespec {
+    tv_sec: 0,
+    tv_nsec: 100_000_000,
+};
+/// Most samples.
+const SAMPLES_MAX: usize = 20_000;
+
+const PING: u32 = 1;
+const PONG: u32 = 2;
+
+/// What the two threads share: whose turn it is, and since when.
+#[derive(Debug, Default)]
+struct Table {
+    turn: AtomicU32,
+    since_ns: AtomicU64,
+    is_over: AtomicBool,
+}
+
+/// The other thread takes no more turns.
+#[derive(Debug)]
+struct IsOver;
+
+impl Table {
+    /// Gives the turn away and wakes who waits for it.
+    fn give(&self, turn: u32) {
+        self.since_ns.store(monotonic_ns(), Ordering::Relaxed);
+        self.turn.store(turn, Ordering::Release);
+        let _ = futex::wake(&self.turn, Flags::PRIVATE, 1);
+    }
+
+    /// Waits for a turn: how long it was on its way, when this thread really slept.
+    fn take(&self, turn: u32) -> Result<Option<u64>, IsOver> {
+        let mut has_slept = false;
+        loop {
+            let present = self.turn.load(Ordering::Acquire);
+            if present == turn {
+                let now_ns = monotonic_ns();
+                let since_ns = self.since_ns.load(Ordering::Relaxed);
+                return Ok(has_slept.then(|| now_ns.saturating_sub(since_ns)));
+            }
+            if self.is_over.load(Ordering::Acquire) {
+                return Err(IsOver);
+            }
+            let waited = futex::wait(&self.turn, Flags::PRIVATE, present, Some(&WAIT_MAX));
+            has_slept |= waited.is_ok();
+        }
+    }
+}
+
+/// Ends the other thread's waiting, also when this one panics.
+struct EndOf<'a>(&'a Table);
+
+impl Drop for EndOf<'_> {
+    fn drop(&mut self) {
+        self.0.is_over.store(true, Ordering::Release);
+        let _ = futex::wake(&self.0.turn, Flags::PRIVATE, 1);
+    }
+}
+
+/// Two threads wake each other through a futex, with pauses in which both sleep;
+/// each way is a sample. The second thread has the scheduling and the cores of
+/// the calling one.
+///
+/// # Errors
+/// When no thread can be started.
+pub fn wake_up(duration: Duration) -> io::Result<Samples> {
+    let end = Instant::now() + duration;
+    let table = Table::default();
+    let ways_ns = std::thread::scope(|scope| {
+        let table = &table;
+        let end_of_table = EndOf(table);
+        let pong = std::thread::Builder::new().spawn_scoped(scope, || pong(table))?;
+        let mut ways_ns = ping(table, end);
+        drop(end_of_table);
+        ways_ns.extend(pong.join().unwrap_or_default());
+        Ok::<_, io::Error>(ways_ns)
+    })?;
+    Ok(Samples::new(
+        "wake-up",
+        "from one thread's call to wake another (futex) until that one runs",
+        ways_ns,
+    ))
+}
+
+fn ping(table: &Table, end: Instant) -> Vec<u64> {
+    let mut ways_ns = Vec::with_capacity(SAMPLES_MAX / 2);
+    while Instant::now() < end && ways_ns.len() < SAMPLES_MAX / 2 {
+        std::thread::sleep(PAUSE);
+        table.give(PONG);
+        match table.take(PING) {
+            Ok(way_ns) => ways_ns.extend(way_ns),
+            Err(IsOver) => break,
+        }
+    }
+    ways_ns
+}
+
+fn pong(table: &Table) -> Vec<u64> {
+    let _end = EndOf(table);
+    let mut ways_ns = Vec::with_capacity(SAMPLES_MAX / 2);
+    while let Ok(way_ns) = table.take(PONG) {
+        // Each ping is answered, so there are as few of these as of those.
+        ways_ns.extend(way_ns);
+        table.give(PING);
+    }
+    ways_ns
+}

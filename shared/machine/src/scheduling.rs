@@ -1,0 +1,187 @@
+//! Real-time settings, each of them given back when its guard is dropped.
+
+use crate::system_call::{Scheduling, schedule, scheduling};
+use crate::system_files::SystemFiles;
+use rustix::mm::{MlockAllFlags, mlockall, munlockall};
+use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
+use rustix::thread::{current_timer_slack, set_current_timer_slack};
+use std::io;
+use std::marker::PhantomData;
+use std::num::NonZeroU64;
+
+/// The priority of the experiments: below the kernel's own threads at 99 and 90.
+pub(crate) const FIFO_PRIORITY: i32 = 80;
+
+/// A guard that must be dropped by the thread that made it.
+type OfThisThread = PhantomData<*const ()>;
+
+/// The calling thread under `SCHED_FIFO`; its former policy comes back.
+#[derive(Debug)]
+pub(crate) struct RealTime {
+    before: Scheduling,
+    _thread: OfThisThread,
+}
+
+impl RealTime {
+    pub(crate) fn begin(priority: i32) -> io::Result<Self> {
+        let before = scheduling()?;
+        schedule(Scheduling::fifo(priority))?;
+        Ok(Self {
+            before,
+            _thread: PhantomData,
+        })
+    }
+}
+
+impl Drop for RealTime {
+    fn drop(&mut self) {
+        // Going back to what a thread had is always allowed.
+        let _ = schedule(self.before);
+    }
+}
+
+/// The calling thread on one core; the cores it had come back.
+#[derive(Debug)]
+pub(crate) struct OneCore {
+    before: CpuSet,
+    _thread: OfThisThread,
+}
+
+impl OneCore {
+    pub(crate) fn begin(core: u32) -> io::Result<Self> {
+        let before = sched_getaffinity(None)?;
+        let mut only = CpuSet::new();
+        only.set(core as usize);
+        sched_setaffinity(None, &only)?;
+        Ok(Self {
+            before,
+            _thread: PhantomData,
+        })
+    }
+}
+
+impl Drop for OneCore {
+    fn drop(&mut self) {
+        let _ = sched_setaffinity(None, &self.before);
+    }
+}
+
+/// The calling thread with timers that are not put off to be gathered with others;
+/// the slack it had comes back.
+#[derive(Debug)]
+pub(crate) struct NoTimerSlack {
+    before_ns: u64,
+    _thread: OfThisThread,
+}
+
+impl NoTimerSlack {
+    pub(crate) fn begin() -> io::Result<Self> {
+        let before_ns = current_timer_slack()?;
+        set_current_timer_slack(Some(NonZeroU64::MIN))?;
+        Ok(Self {
+            before_ns,
+            _thread: PhantomData,
+        })
+    }
+}
+
+impl Drop for NoTimerSlack {
+    fn drop(&mut self) {
+        // Real-time threads have a slack of 0, which no thread can ask for.
+        let _ = set_current_timer_slack(NonZeroU64::new(self.before_ns));
+    }
+}
+
+/// How far the calling thread's timers may be put off, ns.
+pub(crate) fn timer_slack_ns() -> Option<u64> {
+    current_timer_slack().ok()
+}
+
+/// All memory of the process locked into RAM; unlocked at the end.
+#[derive(Debug)]
+pub(crate) struct LockedMemory(());
+
+impl LockedMemory {
+    /// Refused when something is locked already: unlocking is for all of the
+    /// process, and would take away what somebody else has locked.
+    pub(crate) fn begin() -> io::Result<Self> {
+        if locked_bytes() != Some(0) {
+            return Err(io::Error::other("some memory is locked already"));
+        }
+        mlockall(MlockAllFlags::CURRENT | MlockAllFlags::FUTURE)?;
+        Ok(Self(()))
+    }
+}
+
+impl Drop for LockedMemory {
+    fn drop(&mut self) {
+        let _ = munlockall();
+    }
+}
+
+/// Bytes of this process that are locked.
+pub(crate) fn locked_bytes() -> Option<u64> {
+    let status = SystemFiles::real().text("proc/self/status")?;
+    crate::fingerprint::kernel_text::meminfo_bytes(&status, "VmLck")
+}
+
+/// Cores that the calling thread may use.
+pub(crate) fn usable_cores() -> Option<Vec<u32>> {
+    let cores = sched_getaffinity(None).ok()?;
+    let all = 0..CpuSet::MAX_CPU;
+    Some(
+        all.filter(|core| cores.is_set(*core))
+            .map(|core| core as u32)
+            .collect(),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn policy_and_priority_come_back() {
+        let before = scheduling().unwrap();
+        if let Ok(guard) = RealTime::begin(FIFO_PRIORITY) {
+            assert_eq!(scheduling().unwrap(), Scheduling::fifo(FIFO_PRIORITY));
+            drop(guard);
+        }
+        assert_eq!(scheduling().unwrap(), before);
+        assert!(RealTime::begin(1000).is_err());
+        assert_eq!(scheduling().unwrap(), before);
+    }
+
+    #[test]
+    fn the_cores_come_back() {
+        let before = usable_cores().unwrap();
+        let guard = OneCore::begin(before[0]).unwrap();
+        assert_eq!(usable_cores().unwrap(), before[..1]);
+        drop(guard);
+        assert_eq!(usable_cores().unwrap(), before);
+        assert!(OneCore::begin(CpuSet::MAX_CPU as u32 - 1).is_err() || before.len() > 1000);
+        assert_eq!(usable_cores().unwrap(), before);
+    }
+
+    #[test]
+    fn the_timer_slack_comes_back() {
+        let before_ns = timer_slack_ns();
+        let guard = NoTimerSlack::begin().unwrap();
+        assert_eq!(timer_slack_ns(), Some(1));
+        drop(guard);
+        assert_eq!(timer_slack_ns(), before_ns);
+    }
+
+    #[test]
+    fn settings_come_back_when_the_thread_panics() {
+        let before = (scheduling().unwrap(), usable_cores().unwrap());
+        let core = before.1[0];
+        let broken = std::panic::catch_unwind(|| {
+            let _policy = RealTime::begin(FIFO_PRIORITY);
+            let _core = OneCore::begin(core);
+            panic!("in the middle");
+        });
+        assert!(broken.is_err());
+        assert_eq!((scheduling().unwrap(), usable_cores().unwrap()), before);
+    }
+}
