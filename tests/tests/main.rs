@@ -21,6 +21,8 @@ mod fakenect;
 mod faults;
 /// The figures the project reports.
 mod figures;
+/// Where the milliseconds go: the measuring program.
+mod latency;
 /// Crates name only crates of lower layers; foreign libraries have owners.
 mod layering;
 /// Runs in lockstep repeat each other to the bit.

@@ -30,6 +30,15 @@ pub(crate) struct Arguments {
 /// What to do, if not to measure frames.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Verb {
+    /// Measure what this computer adds to every latency, and what could be done about it
+    Machine {
+        /// A tenth of everything
+        #[arg(long)]
+        short: bool,
+        /// Folder for the report and the plot
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+    },
     /// Compare two reports: what is faster, slower, or undecided
     Compare {
         /// The report before (JSON)

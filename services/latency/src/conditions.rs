@@ -4,10 +4,20 @@ use crate::listener::Listener;
 use crate::process_usage::ProcessUsage;
 use channel::{DomainName, SharedMemory};
 use latency_report::{Conditions, SharedMemoryReport};
+use machine::{Disturbance, Fingerprint, Watch};
+use serde::Serialize;
 use service::{monotonic_ns, wall_clock_ns};
+
+/// The computer, and what else went on.
+#[derive(Serialize)]
+struct Surroundings {
+    fingerprint: Fingerprint,
+    disturbance: Disturbance,
+}
 
 /// What is looked at before and after the frames.
 pub(crate) struct ConditionsWatch {
+    machine: Watch,
     processes: Vec<ProcessUsage>,
     lost_before: u64,
     clock_offset_before_ns: i64,
@@ -22,6 +32,7 @@ impl ConditionsWatch {
     pub(crate) fn begin(listener: &Listener) -> Self {
         let processes = listener.processes();
         Self {
+            machine: Disturbance::begin(),
             processes: processes
                 .iter()
                 .filter_map(|(process, pid)| ProcessUsage::begin(*process, *pid))
@@ -33,29 +44,33 @@ impl ConditionsWatch {
 
     /// The conditions up to now.
     pub(crate) fn end(
-        &self,
+        self,
         source: String,
         domain: &DomainName,
         listener: &Listener,
     ) -> Conditions {
         let lost_messages = listener.n_lost() - self.lost_before;
         let memory = SharedMemory::of_domain(domain);
+        let mut warnings = self.warnings(listener, lost_messages);
+        let processes: Vec<_> = self
+            .processes
+            .iter()
+            .filter_map(ProcessUsage::report)
+            .collect();
+        let own_pids: Vec<u32> = processes.iter().map(|process| process.pid).collect();
+        let surroundings = surroundings(self.machine, own_pids, &mut warnings);
         Conditions {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             source,
             measured_at_s: (wall_clock_ns() / 1_000_000_000).max(0) as u64,
-            warnings: self.warnings(listener, lost_messages),
-            processes: self
-                .processes
-                .iter()
-                .filter_map(ProcessUsage::report)
-                .collect(),
+            warnings,
+            processes,
             shared_memory: SharedMemoryReport {
                 used_bytes: memory.map_or(0, |memory| memory.used_by_domain),
                 reserved_bytes: memory.map_or(0, |memory| memory.needed),
                 lost_messages,
             },
-            machine: serde_json::Value::Null,
+            machine: surroundings,
         }
     }
 
@@ -82,12 +97,6 @@ impl ConditionsWatch {
             ));
         }
         warnings.extend(self.gone());
-        if cfg!(debug_assertions) {
-            warnings.push(
-                "this is a build for development; measure one made with cargo build --release"
-                    .to_owned(),
-            );
-        }
         warnings
     }
 
@@ -102,6 +111,23 @@ impl ConditionsWatch {
             format!("{n_ended} process(es) of the daemon have ended while they were measured")
         })
     }
+}
+
+/// The computer as a document; what makes figures untrue joins the warnings. This
+/// process is no disturbance: what it costs is told as the cost of measuring.
+fn surroundings(
+    machine: Watch,
+    mut own_pids: Vec<u32>,
+    warnings: &mut Vec<String>,
+) -> serde_json::Value {
+    own_pids.push(std::process::id());
+    let surroundings = Surroundings {
+        fingerprint: Fingerprint::read(),
+        disturbance: machine.end(&own_pids),
+    };
+    let told = machine::warnings(&surroundings.fingerprint, &surroundings.disturbance);
+    warnings.extend(told.iter().map(ToString::to_string));
+    serde_json::to_value(surroundings).unwrap_or_default()
 }
 
 fn clock_offset_ns() -> i64 {

@@ -5,6 +5,7 @@ mod chosen_daemon;
 mod compare;
 mod conditions;
 mod listener;
+mod machine_report;
 mod measure;
 mod merge;
 mod own_daemon;
@@ -33,6 +34,7 @@ fn main() -> ExitCode {
 fn execute(arguments: &Arguments, output: &Output) -> Result<ExitCode, Failure> {
     match &arguments.verb {
         None => measure::run(&arguments.common, &arguments.measure, output),
+        Some(Verb::Machine { short, out }) => machine_report::run(*short, out.as_deref(), output),
         Some(Verb::Compare { before, now }) => compare::run(before, now, output),
         Some(Verb::Merge { files, out }) => merge::run(files, out.as_deref(), output),
     }

@@ -2,7 +2,8 @@
 
 use crate::arguments::MeasureArguments;
 use latency_report::{
-    Budget, Comparison, Excess, Histograms, Measurement, Report, Verdict, compare, timeline,
+    Budget, Comparison, Excess, Histograms, Measurement, Report, Verdict, compare,
+    percentile_figure, time_figure, timeline,
 };
 use serde::Serialize;
 use service::{Failure, exit_code};
@@ -116,20 +117,33 @@ pub(crate) fn write(
     report: &Report,
     measurement: &Measurement,
 ) -> Result<(), Failure> {
-    let failed = |error: &dyn Display| {
-        let sentence = format!("the results could not be written: {error}");
-        Failure::new(exit_code::FAILURE, sentence)
-    };
-    std::fs::create_dir_all(folder).map_err(|error| failed(&error))?;
-    let put = |name: &str, text: String| {
-        std::fs::write(folder.join(name), text).map_err(|error| failed(&error))
-    };
-    let report_text = serde_json::to_string(report).map_err(|error| failed(&error))?;
-    put("report.json", report_text)?;
+    std::fs::create_dir_all(folder).map_err(not_written)?;
+    let put =
+        |name: &str, text: String| std::fs::write(folder.join(name), text).map_err(not_written);
+    put(
+        "report.json",
+        serde_json::to_string(report).map_err(not_written)?,
+    )?;
     put("timeline.json", timeline(&measurement.kept()).to_string())?;
-    let histograms = histograms(measurement).map_err(|error| failed(&error))?;
-    let text = histograms.to_text(report.seconds);
-    put("latency.hlog", text.map_err(|error| failed(&error))?)
+    let histograms = histograms(measurement).map_err(not_written)?;
+    put(
+        "latency.hlog",
+        histograms.to_text(report.seconds).map_err(not_written)?,
+    )?;
+    put(
+        "percentiles.svg",
+        percentile_figure(measurement).map_err(not_written)?,
+    )?;
+    put(
+        "over-time.svg",
+        time_figure(measurement).map_err(not_written)?,
+    )
+}
+
+/// Why results are not there.
+pub(crate) fn not_written(error: impl Display) -> Failure {
+    let sentence = format!("the results could not be written: {error}");
+    Failure::new(exit_code::FAILURE, sentence)
 }
 
 fn histograms(measurement: &Measurement) -> Result<Histograms, latency_report::HistogramFileError> {

@@ -12,6 +12,7 @@
 mod batches;
 mod budget;
 mod comparison;
+mod figures;
 mod gathering;
 mod histogram_file;
 mod measurement;
@@ -27,6 +28,7 @@ mod worst;
 pub use batches::Batch;
 pub use budget::{Budget, Excess, InvalidBudget};
 pub use comparison::{Comparison, Verdict, compare};
+pub use figures::{percentile_figure, time_figure};
 pub use gathering::Gathering;
 pub use histogram_file::{HistogramFileError, Histograms};
 pub use measurement::Measurement;

@@ -48,6 +48,16 @@ impl Plan {
         n_rounds: 7,
         buffer_bytes: None,
     };
+
+    /// A tenth of everything: a first look.
+    pub const SHORT: Self = Self {
+        probe: Duration::from_millis(400),
+        clock: Duration::from_millis(20),
+        hop: Duration::from_millis(300),
+        trial: Duration::from_millis(65),
+        n_rounds: 2,
+        buffer_bytes: None,
+    };
 }
 
 /// A part that could not be measured.

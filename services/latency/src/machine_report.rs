@@ -1,0 +1,27 @@
+//! `tabula latency machine`: the noise floor of this computer.
+
+use crate::results::not_written;
+use command_line::Output;
+use machine::{MachineReport, Plan, figures, measure, report};
+use service::Failure;
+use std::path::Path;
+use std::process::ExitCode;
+
+/// Measures, prints, and writes report and plot.
+pub(crate) fn run(short: bool, out: Option<&Path>, output: &Output) -> Result<ExitCode, Failure> {
+    let plan = if short { Plan::SHORT } else { Plan::FULL };
+    let found = measure(&plan, &mut |sentence| output.tell(sentence));
+    if let Some(folder) = out {
+        write(folder, &found)?;
+    }
+    output.answer(&found, || report::text(&found));
+    Ok(ExitCode::SUCCESS)
+}
+
+fn write(folder: &Path, found: &MachineReport) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder).map_err(not_written)?;
+    let document = serde_json::to_string(found).map_err(not_written)?;
+    std::fs::write(folder.join("machine.json"), document).map_err(not_written)?;
+    let picture = figures::histograms(found).map_err(not_written)?;
+    std::fs::write(folder.join("machine.svg"), picture).map_err(not_written)
+}

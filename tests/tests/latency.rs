@@ -1,0 +1,217 @@
+//! `tabula latency`: measures a daemon that runs, and one of its own, and judges what
+//! it finds. No test says how fast anything must be.
+
+use crate::daemon::{Daemon, Place, eventually, program};
+use rustix::process::{Pid, Signal, kill_process};
+use serde_json::Value;
+use std::path::Path;
+use std::process::{Child, Output, Stdio};
+
+/// Frames of a short measurement.
+const N_FRAMES: usize = 60;
+
+/// Links of a frame's chain: together they are end to end.
+const CHAIN: [&str; 9] = [
+    "source",
+    "transport",
+    "surroundings",
+    "detection_queue",
+    "detection",
+    "detection_answer",
+    "association",
+    "objects",
+    "publishing",
+];
+
+/// Stages that every object passes.
+const OF_OBJECTS: [&str; 7] = [
+    "hand_over",
+    "actor_queue",
+    "tracking",
+    "description",
+    "recognition",
+    "key_view",
+    "actor_answer",
+];
+
+fn latency(place: &Place, words: &[&str]) -> Output {
+    let n_frames = N_FRAMES.to_string();
+    let mut command = place.command("tabula");
+    command.args(["latency", "--json", "--warm-up", "5", "--frames", &n_frames]);
+    command.args(words).output().unwrap()
+}
+
+fn document(output: &Output) -> Value {
+    let printed = String::from_utf8_lossy(&output.stdout).into_owned();
+    serde_json::from_str(&printed).unwrap_or_else(|_| panic!("{output:?}"))
+}
+
+fn p50(stage: &Value) -> f64 {
+    stage["p50"].as_f64().unwrap_or_else(|| panic!("{stage}"))
+}
+
+/// Whether the same processes of the daemon run as before.
+fn pids(daemon: &Daemon<'_>) -> Vec<Value> {
+    let status = daemon.ask(&["status"]);
+    let processes = status["processes"].as_array().unwrap();
+    processes.iter().map(|process| process["pid"].clone()).collect()
+}
+
+#[test]
+fn a_running_daemon_is_measured_and_goes_on() {
+    let place = Place::new();
+    let daemon = place.start(&["--source", "synthetic:0"]);
+    let before = pids(&daemon);
+    let measured = latency(&place, &[]);
+    assert!(measured.status.success(), "{measured:?}");
+    let report = document(&measured);
+    let stages = &report["stages"];
+    for stage in CHAIN.iter().chain(&OF_OBJECTS) {
+        assert!(p50(&stages[stage]) >= 0.0, "{stage}: {report}");
+        let frames = stages[stage]["count"].as_u64().unwrap() as usize;
+        assert!(frames >= N_FRAMES, "{stage}");
+    }
+    for beside in ["making", "release_wait", "sending", "label_hop", "telling"] {
+        assert!(stages[beside].is_object(), "{beside}: {report}");
+    }
+    let sum: f64 = CHAIN.iter().map(|stage| p50(&stages[stage])).sum();
+    assert!(sum <= report["end_to_end_ms"]["max"].as_f64().unwrap());
+    assert_eq!(report["sum_check"]["over"], 0, "{report}");
+    assert!(report["sum_check"]["objects"].as_u64().unwrap() >= 4 * N_FRAMES as u64);
+    assert_eq!(report["objects"]["max"], 5);
+    let processes = report["processes"].as_array().unwrap();
+    assert_eq!(processes.len(), 3, "{processes:?}");
+    assert!(report["machine"]["fingerprint"].is_object());
+    assert!(report["worst"].as_array().unwrap().len() == 10);
+    assert_eq!(pids(&daemon), before, "no process was started anew");
+    daemon.stop();
+}
+
+#[test]
+fn results_are_files_that_are_held_against_limits_and_earlier_ones() {
+    let place = Place::new();
+    let daemon = place.start(&["--source", "synthetic:0"]);
+    let folder = place.home().join("results");
+    let name = |file: &str| folder.join(file).to_str().unwrap().to_owned();
+    let written = latency(&place, &["--out", folder.to_str().unwrap()]);
+    assert!(written.status.success(), "{written:?}");
+    let timeline: Value = serde_json::from_slice(&read(&name("timeline.json"))).unwrap();
+    let events = timeline["traceEvents"].as_array().unwrap();
+    assert!(events.iter().any(|event| event["name"] == "detection"));
+    for picture in ["percentiles.svg", "over-time.svg"] {
+        assert!(read(&name(picture)).starts_with(b"<svg"), "{picture}");
+    }
+    let merged = daemon.ask(&["latency", "merge", &name("latency.hlog"), &name("latency.hlog")]);
+    let whole = merged.as_array().unwrap();
+    let whole = whole.iter().find(|row| row["stage"] == "end_to_end").unwrap();
+    assert_eq!(whole["count"].as_u64().unwrap() as usize % 2, 0);
+    let report = name("report.json");
+    let compared = daemon.ask(&["latency", "compare", &report, &report]);
+    let verdicts = compared.as_array().unwrap();
+    assert!(verdicts.iter().all(|c| c["verdict"] == "undecided"), "{compared}");
+
+    let budget = place.home().join("budget.toml");
+    let with_budget = |text: &str| {
+        std::fs::write(&budget, text).unwrap();
+        latency(&place, &["--budget", budget.to_str().unwrap()])
+    };
+    let kept = with_budget("[end_to_end]\np50_ms = 10000");
+    assert_eq!(document(&kept)["over_budget"], Value::Array(Vec::new()));
+    assert!(kept.status.success());
+    let exceeded = with_budget("[stages.detection]\np50_ms = 0.000001");
+    assert_eq!(exceeded.status.code(), Some(7));
+    assert_eq!(document(&exceeded)["over_budget"][0]["what"], "detection p50");
+    let wrong = with_budget("[stages.detecting]\np50_ms = 1");
+    assert_eq!(wrong.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&wrong.stderr).contains("detecting"));
+    daemon.stop();
+}
+
+fn read(path: impl AsRef<Path>) -> Vec<u8> {
+    std::fs::read(path).unwrap()
+}
+
+#[test]
+fn an_own_daemon_is_started_measured_and_stopped() {
+    let place = Place::new();
+    let measured = latency(&place, &["--source", "synthetic:2", "--rate", "20"]);
+    assert!(measured.status.success(), "{measured:?}");
+    let report = document(&measured);
+    let period_ms = report["period_ms"].as_f64().unwrap();
+    assert!((period_ms - 50.0).abs() < 0.1, "{period_ms}");
+    let processes = report["processes"].as_array().unwrap();
+    for process in processes {
+        let pid = process["pid"].as_u64().unwrap();
+        assert!(!Path::new(&format!("/proc/{pid}")).exists(), "{process}");
+    }
+    assert!(place.shared_memory_files().is_empty());
+}
+
+#[test]
+fn a_daemon_does_not_outlive_a_measurement_that_is_killed() {
+    let place = Place::new();
+    let mut measuring = place
+        .command("tabula-latency")
+        .args(["--source", "synthetic:0", "--frames", "100000"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let its_domain = format!("--domain=latency-{}", measuring.id());
+    eventually("the daemon runs", || processes_with(&its_domain).len() == 4);
+    measuring.kill().unwrap();
+    measuring.wait().unwrap();
+    eventually("the daemon has ended", || {
+        processes_with(&its_domain).is_empty()
+    });
+    assert!(program("tabula-latency").exists());
+}
+
+#[test]
+fn ctrl_c_ends_a_measurement_with_what_was_measured() {
+    let place = Place::new();
+    let daemon = place.start(&["--source", "synthetic:0"]);
+    let measuring: Child = place
+        .command("tabula-latency")
+        .args(["--json", "--warm-up", "0", "--frames", "1000000"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(std::time::Duration::from_secs(4));
+    let pid = Pid::from_raw(measuring.id().cast_signed()).unwrap();
+    kill_process(pid, Signal::INT).unwrap();
+    let output = measuring.wait_with_output().unwrap();
+    assert!(output.status.success(), "{output:?}");
+    assert!(document(&output)["frames"].as_u64().unwrap() > 10);
+    daemon.stop();
+}
+
+#[test]
+fn what_can_not_be_measured_is_told() {
+    let place = Place::new();
+    let wrong_source = latency(&place, &["--source", "no-such-folder"]);
+    assert_eq!(wrong_source.status.code(), Some(2), "{wrong_source:?}");
+    let sentence = String::from_utf8_lossy(&wrong_source.stderr).into_owned();
+    assert!(sentence.contains("no-such-folder"), "{sentence}");
+    let no_report = latency(&place, &["--baseline", "no-such-report.json"]);
+    assert_eq!(no_report.status.code(), Some(2));
+    let daemon = place.start(&["--source", "synthetic:0", "--lockstep"]);
+    let in_lockstep = latency(&place, &[]);
+    assert_eq!(in_lockstep.status.code(), Some(2));
+    let sentence = String::from_utf8_lossy(&in_lockstep.stderr).into_owned();
+    assert!(sentence.contains("lockstep"), "{sentence}");
+    daemon.stop();
+}
+
+/// Processes with a word in their command line.
+fn processes_with(word: &str) -> Vec<u32> {
+    let has_word = |pid: &u32| {
+        let words = std::fs::read(format!("/proc/{pid}/cmdline")).unwrap_or_default();
+        words.split(|byte| *byte == 0).any(|w| w == word.as_bytes())
+    };
+    let all = std::fs::read_dir("/proc").unwrap();
+    all.filter_map(|entry| entry.unwrap().file_name().to_str()?.parse().ok())
+        .filter(has_word)
+        .collect()
+}
