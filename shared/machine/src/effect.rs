@@ -225,26 +225,29 @@ fn verdict(before: &[f64], after: &[f64]) -> Verdict {
     }
 }
 
-/// Compares bandwidths on huge pages with those without, operation by operation.
+/// Compares bandwidths on huge pages with those without, operation by operation, on one
+/// thread. There should be several of each, as of trials.
 pub fn huge_page_effects(before: &[Bandwidth], after: &[Bandwidth]) -> Vec<Effect> {
-    let pairs = before.iter().filter_map(|before| {
-        let alike = |other: &&Bandwidth| {
-            (other.operation, other.n_threads) == (before.operation, before.n_threads)
-        };
-        Some((before, after.iter().find(alike)?))
-    });
-    let effect = |(before, after): (&Bandwidth, &Bandwidth)| Effect::Bandwidth {
-        advice: AdviceKind::HugePages,
-        operation: before.operation,
-        before_gb_per_s: before.best_gb_per_s,
-        after_gb_per_s: after.best_gb_per_s,
-        // The time for one byte, of which less is better.
-        verdict: verdict(
-            &[before.best_gb_per_s.recip()],
-            &[after.best_gb_per_s.recip()],
-        ),
+    let operations = [Operation::Read, Operation::Write, Operation::Copy];
+    let bests = |all: &[Bandwidth], operation| -> Vec<f64> {
+        let alike = all
+            .iter()
+            .filter(|one| one.operation == operation && one.n_threads == 1);
+        alike.map(|one| one.best_gb_per_s).collect()
     };
-    pairs.map(effect).collect()
+    let effects = operations.into_iter().filter_map(|operation| {
+        let (before, after) = (bests(before, operation), bests(after, operation));
+        // The time for one byte, of which less is better.
+        let times = |bests: &[f64]| bests.iter().map(|best| best.recip()).collect::<Vec<_>>();
+        Some(Effect::Bandwidth {
+            advice: AdviceKind::HugePages,
+            operation,
+            verdict: verdict(&times(&before), &times(&after)),
+            before_gb_per_s: before.into_iter().reduce(f64::max)?,
+            after_gb_per_s: after.into_iter().reduce(f64::max)?,
+        })
+    });
+    effects.collect()
 }
 
 #[cfg(test)]
@@ -323,14 +326,16 @@ mod tests {
             best_gb_per_s,
             rounds_gb_per_s: vec![best_gb_per_s],
         };
-        let effects = huge_page_effects(&[of(10.0)], &[of(20.0)]);
-        assert!(matches!(
-            effects.as_slice(),
-            [Effect::Bandwidth {
-                verdict: Verdict::Better,
-                ..
-            }]
-        ));
+        let judged = |after: [f64; 2]| {
+            let effects = huge_page_effects(&[of(10.0), of(12.0)], &after.map(of));
+            match effects.as_slice() {
+                [Effect::Bandwidth { verdict, .. }] => *verdict,
+                other => panic!("{other:?}"),
+            }
+        };
+        assert_eq!(judged([20.0, 16.0]), Verdict::Better);
+        assert_eq!(judged([20.0, 14.0]), Verdict::NoDifference);
+        assert_eq!(judged([5.0, 7.0]), Verdict::Worse);
         assert_eq!(huge_page_effects(&[of(10.0)], &[]), []);
     }
 

@@ -86,7 +86,7 @@ pub struct MachineReport {
     pub clocks: Vec<ClockCost>,
     /// How fast memory is, on one thread and on all.
     pub bandwidths: Vec<Bandwidth>,
-    /// The same on huge pages, on one thread.
+    /// The same on huge pages, on one thread, twice.
     pub huge_page_bandwidths: Vec<Bandwidth>,
     /// Timer and wake-up under each setting, idle and busy.
     pub trials: Vec<Trial>,
@@ -222,22 +222,29 @@ fn bandwidths(plan: &Plan, n_bytes: usize, n_cores: usize) -> io::Result<Vec<Ban
     Ok(bandwidths)
 }
 
+/// On huge pages and without in turn, so that what comes and goes is not taken for
+/// their effect.
 fn huge_pages(
     plan: &Plan,
     n_bytes: usize,
     before: &[Bandwidth],
     effects: &mut Vec<Effect>,
 ) -> Vec<Bandwidth> {
-    let measured =
-        Buffers::on_huge_pages(n_bytes).and_then(|mut buffers| buffers.measure(1, plan.n_rounds));
+    let (mut without, mut with) = (before.to_vec(), Vec::new());
+    let mut in_turn = || {
+        for round in 0..N_ROUNDS {
+            if round > 0 {
+                without.extend(Buffers::new(n_bytes).measure(1, plan.n_rounds)?);
+            }
+            let mut buffers = Buffers::on_huge_pages(n_bytes)?;
+            with.extend(buffers.measure(1, plan.n_rounds)?);
+        }
+        Ok(())
+    };
+    let measured: io::Result<()> = in_turn();
     match measured {
-        Ok(after) => {
-            effects.extend(huge_page_effects(before, &after));
-            after
-        }
-        Err(error) => {
-            effects.push(Effect::refused(AdviceKind::HugePages, &error));
-            Vec::new()
-        }
+        Ok(()) => effects.extend(huge_page_effects(&without, &with)),
+        Err(error) => effects.push(Effect::refused(AdviceKind::HugePages, &error)),
     }
+    with
 }
