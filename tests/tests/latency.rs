@@ -54,7 +54,10 @@ fn p50(stage: &Value) -> f64 {
 fn pids(daemon: &Daemon<'_>) -> Vec<Value> {
     let status = daemon.ask(&["status"]);
     let processes = status["processes"].as_array().unwrap();
-    processes.iter().map(|process| process["pid"].clone()).collect()
+    processes
+        .iter()
+        .map(|process| process["pid"].clone())
+        .collect()
 }
 
 #[test]
@@ -101,14 +104,25 @@ fn results_are_files_that_are_held_against_limits_and_earlier_ones() {
     for picture in ["percentiles.svg", "over-time.svg"] {
         assert!(read(&name(picture)).starts_with(b"<svg"), "{picture}");
     }
-    let merged = daemon.ask(&["latency", "merge", &name("latency.hlog"), &name("latency.hlog")]);
+    let merged = daemon.ask(&[
+        "latency",
+        "merge",
+        &name("latency.hlog"),
+        &name("latency.hlog"),
+    ]);
     let whole = merged.as_array().unwrap();
-    let whole = whole.iter().find(|row| row["stage"] == "end_to_end").unwrap();
+    let whole = whole
+        .iter()
+        .find(|row| row["stage"] == "end_to_end")
+        .unwrap();
     assert_eq!(whole["count"].as_u64().unwrap() as usize % 2, 0);
     let report = name("report.json");
     let compared = daemon.ask(&["latency", "compare", &report, &report]);
     let verdicts = compared.as_array().unwrap();
-    assert!(verdicts.iter().all(|c| c["verdict"] == "undecided"), "{compared}");
+    assert!(
+        verdicts.iter().all(|c| c["verdict"] == "undecided"),
+        "{compared}"
+    );
 
     let budget = place.home().join("budget.toml");
     let with_budget = |text: &str| {
@@ -120,7 +134,10 @@ fn results_are_files_that_are_held_against_limits_and_earlier_ones() {
     assert!(kept.status.success());
     let exceeded = with_budget("[stages.detection]\np50_ms = 0.000001");
     assert_eq!(exceeded.status.code(), Some(7));
-    assert_eq!(document(&exceeded)["over_budget"][0]["what"], "detection p50");
+    assert_eq!(
+        document(&exceeded)["over_budget"][0]["what"],
+        "detection p50"
+    );
     let wrong = with_budget("[stages.detecting]\np50_ms = 1");
     assert_eq!(wrong.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&wrong.stderr).contains("detecting"));
@@ -157,7 +174,7 @@ fn a_daemon_does_not_outlive_a_measurement_that_is_killed() {
         .stderr(Stdio::null())
         .spawn()
         .unwrap();
-    let its_domain = format!("--domain=latency-{}", measuring.id());
+    let its_domain = format!("--domain=lat-{}", measuring.id());
     eventually("the daemon runs", || processes_with(&its_domain).len() == 4);
     measuring.kill().unwrap();
     measuring.wait().unwrap();

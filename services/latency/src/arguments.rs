@@ -1,8 +1,15 @@
 //! The command line.
 
+use crate::sweep::Axis;
 use clap::{Args, Parser, Subcommand};
 use service::CommonArguments;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+/// Frames that are left out at the beginning, if nobody says otherwise.
+const WARM_UP: u64 = 90;
+/// What is measured when nothing is named and nothing runs.
+const USUAL_SOURCE: &str = "simulation:isolated";
+const USUAL_OBJECTS: u32 = 10;
 
 /// Measures where the time of frames goes: in the daemon of the domain, or, with a
 /// source or without a daemon, in one that it starts for itself.
@@ -39,6 +46,8 @@ pub(crate) enum Verb {
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
     },
+    /// Measure along one axis, each place with a daemon of its own
+    Sweep(SweepArguments),
     /// Compare two reports: what is faster, slower, or undecided
     Compare {
         /// The report before (JSON)
@@ -68,7 +77,7 @@ pub(crate) struct MeasureArguments {
     pub(crate) frames: u64,
 
     /// Frames to leave out at the beginning
-    #[arg(long, value_name = "N", default_value_t = 90)]
+    #[arg(long, value_name = "N", default_value_t = WARM_UP)]
     pub(crate) warm_up: u64,
 
     /// Folder for the report, the plots, the histograms and the timeline
@@ -86,6 +95,22 @@ pub(crate) struct MeasureArguments {
     /// Report (JSON) to compare with; exit code 7 when something is slower
     #[arg(long, value_name = "REPORT")]
     pub(crate) baseline: Option<PathBuf>,
+}
+
+/// What is swept.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct SweepArguments {
+    /// The axis
+    #[arg(value_enum)]
+    pub(crate) axis: Axis,
+
+    /// Frames to measure at each place
+    #[arg(long, value_name = "N", default_value_t = 600, value_parser = clap::value_parser!(u64).range(10..=1_000_000))]
+    pub(crate) frames: u64,
+
+    /// Folder for the table and the plot
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
 }
 
 /// What an own daemon gets its frames from.
@@ -108,7 +133,49 @@ pub(crate) struct SourceArguments {
     pub(crate) rate: Option<f64>,
 }
 
+impl MeasureArguments {
+    /// A measurement of which only the figures are wanted.
+    pub(crate) fn short(source: SourceArguments, frames: u64) -> Self {
+        Self {
+            source,
+            frames,
+            warm_up: WARM_UP,
+            out: None,
+            timeline: 0,
+            budget: None,
+            baseline: None,
+        }
+    }
+}
+
 impl SourceArguments {
+    /// A source, and nothing else said.
+    pub(crate) fn of(source: &str) -> Self {
+        Self {
+            source: Some(source.to_owned()),
+            objects: None,
+            seed: None,
+            rate: None,
+        }
+    }
+
+    /// As arguments of `tabula run`.
+    pub(crate) fn run_arguments(&self) -> Vec<String> {
+        let name = self.source.as_deref().unwrap_or(USUAL_SOURCE);
+        // A recording is played again and again: a measurement has a length of its own.
+        let plays_files = Path::new(name).is_dir();
+        let objects = match (self.objects, &self.source) {
+            (None, None) => Some(USUAL_OBJECTS),
+            (given, _) => given,
+        };
+        let mut arguments = vec![format!("--source={name}")];
+        arguments.extend(plays_files.then(|| "--loop".to_owned()));
+        arguments.extend(objects.map(|n| format!("--objects={n}")));
+        arguments.extend(self.seed.map(|seed| format!("--seed={seed}")));
+        arguments.extend(self.rate.map(|rate| format!("--rate={rate}")));
+        arguments
+    }
+
     /// Whether anything is said of a source.
     pub(crate) fn is_given(&self) -> bool {
         self.source.is_some()

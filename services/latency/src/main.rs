@@ -12,6 +12,7 @@ mod own_daemon;
 mod process_usage;
 mod report_text;
 mod results;
+mod sweep;
 
 use arguments::{Arguments, Verb};
 use clap::Parser;
@@ -35,6 +36,7 @@ fn execute(arguments: &Arguments, output: &Output) -> Result<ExitCode, Failure> 
     match &arguments.verb {
         None => measure::run(&arguments.common, &arguments.measure, output),
         Some(Verb::Machine { short, out }) => machine_report::run(*short, out.as_deref(), output),
+        Some(Verb::Sweep(sweep)) => sweep::run(sweep, output),
         Some(Verb::Compare { before, now }) => compare::run(before, now, output),
         Some(Verb::Merge { files, out }) => merge::run(files, out.as_deref(), output),
     }

@@ -2,6 +2,7 @@
 
 use channel::DomainName;
 use rustix::process::{Pid, Signal, kill_process};
+use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
 use serde::Deserialize;
 use service::{Failure, exit_code};
 use std::fs::File;
@@ -38,16 +39,31 @@ fn failed(sentence: impl std::fmt::Display) -> Failure {
 }
 
 impl OwnDaemon {
-    /// Starts `tabula run` with the arguments given, and waits until it is ready.
+    /// A new home for a daemon.
+    ///
+    /// # Errors
+    /// When it can not be made.
+    pub(crate) fn home() -> Result<TempDir, Failure> {
+        TempDir::with_prefix("tabula-latency-")
+            .map_err(|error| failed(format!("no folder for the daemon could be made: {error}")))
+    }
+
+    /// Starts `tabula run` with the arguments given in a home, on so many cores or on
+    /// all, and waits until it is ready.
     ///
     /// # Errors
     /// When it can not be started, or does not become ready; with the end of its log.
-    pub(crate) fn start(arguments: &[String]) -> Result<Self, Failure> {
-        let folder = TempDir::with_prefix("tabula-latency-")
-            .map_err(|error| failed(format!("no folder for the daemon could be made: {error}")))?;
-        let name = format!("latency-{}", std::process::id());
+    pub(crate) fn start(
+        folder: TempDir,
+        arguments: &[String],
+        n_cores: Option<usize>,
+    ) -> Result<Self, Failure> {
+        // Short, because it is part of a socket's path.
+        let name = format!("lat-{}", std::process::id());
         let domain = name.parse::<DomainName>().map_err(failed)?;
+        let on_cores = n_cores.map(OnCores::first).transpose()?;
         let mut child = spawn(&domain, folder.path(), arguments)?;
+        drop(on_cores);
         let ready = child.stdout.take().map(wait_until_ready);
         let mut daemon = Self {
             child,
@@ -95,6 +111,28 @@ impl Drop for OwnDaemon {
             }
             std::thread::sleep(LOOK);
         }
+    }
+}
+
+/// What this thread starts meanwhile runs on the first cores only.
+struct OnCores {
+    before: CpuSet,
+}
+
+impl OnCores {
+    fn first(n_cores: usize) -> Result<Self, Failure> {
+        let before = sched_getaffinity(None).map_err(failed)?;
+        let allowed = (0..CpuSet::MAX_CPU).filter(|core| before.is_set(*core));
+        let mut chosen = CpuSet::new();
+        allowed.take(n_cores).for_each(|core| chosen.set(core));
+        sched_setaffinity(None, &chosen).map_err(failed)?;
+        Ok(Self { before })
+    }
+}
+
+impl Drop for OnCores {
+    fn drop(&mut self) {
+        let _ = sched_setaffinity(None, &self.before);
     }
 }
 

@@ -9,6 +9,8 @@ use message::Place;
 /// Points of a percentile curve for each factor of ten.
 const POINTS_PER_DECADE: usize = 24;
 
+/// Frames in such a part at least: fewer have no percentile of 99.
+const WINDOW_MIN: usize = 100;
 /// Parts of a run over which percentiles over time are taken.
 const N_WINDOWS: usize = 60;
 
@@ -30,8 +32,8 @@ pub fn percentile_figure(measurement: &Measurement) -> Result<String, DrawingErr
         .enumerate()
         .map(|(index, (stage, durations))| percentile_curve(stage.word(), index, durations));
     side_by_side(&[
-        percentile_diagram("From scheduled capture to label", of_frame),
-        percentile_diagram("The links of the chain", links.collect()),
+        percentile_diagram("From scheduled capture to label", of_frame, 1.5),
+        percentile_diagram("The links of the chain", links.collect(), 60.0),
     ])
 }
 
@@ -56,7 +58,7 @@ fn percentile_curve(name: &str, index: usize, mut durations_ns: Vec<u64>) -> Cur
 /// Below this nothing is told apart.
 const LEAST_MS: f64 = 0.001;
 
-fn percentile_diagram<'a>(title: &'a str, curves: Vec<Curve<'a>>) -> Diagram<'a> {
+fn percentile_diagram<'a>(title: &'a str, curves: Vec<Curve<'a>>, headroom: f64) -> Diagram<'a> {
     let all = || curves.iter().flat_map(|curve| &curve.points);
     let rarest = all().map(|point| point.0).fold(10.0, f64::max);
     let least = all().map(|point| point.1).fold(f64::INFINITY, f64::min);
@@ -64,14 +66,11 @@ fn percentile_diagram<'a>(title: &'a str, curves: Vec<Curve<'a>>) -> Diagram<'a>
     Diagram {
         title,
         x: Axis::logarithmic("one in so many takes longer", 1.0..rarest),
-        y: Axis::logarithmic("ms", decade_below(least.min(longest))..longest * 1.5),
+        // Room for the names of the curves.
+        y: Axis::logarithmic("ms", 0.8 * least.min(longest)..longest * headroom),
         curves,
         legend: Legend::UpperLeft,
     }
-}
-
-fn decade_below(ms: f64) -> f64 {
-    10_f64.powf(ms.max(LEAST_MS).log10().floor())
 }
 
 /// Median, 99 of 100 and the longest end to end over the time of the run.
@@ -80,7 +79,7 @@ fn decade_below(ms: f64) -> f64 {
 /// When the drawing library fails.
 pub fn time_figure(measurement: &Measurement) -> Result<String, DrawingError> {
     let n = measurement.end_to_end.len();
-    let n_frames = n.div_ceil(N_WINDOWS).max(1);
+    let n_frames = n.div_ceil(N_WINDOWS).max(WINDOW_MIN);
     let begin_ns = measurement
         .frames
         .first()
@@ -110,7 +109,7 @@ pub fn time_figure(measurement: &Measurement) -> Result<String, DrawingError> {
     side_by_side(&[Diagram {
         title: "End to end over time",
         x: Axis::linear("s", 0.0..last_s),
-        y: Axis::linear("ms", 0.0..longest * 1.1),
+        y: Axis::linear("ms", 0.0..longest * 1.35),
         curves,
         legend: Legend::UpperRight,
     }])

@@ -20,6 +20,7 @@ mod open_loop;
 mod percentiles;
 mod report;
 mod sum_check;
+mod sweep;
 mod timeline;
 mod usage;
 mod way;
@@ -38,6 +39,7 @@ pub use report::{
     Conditions, Measuring, Objects, ProcessReport, Report, SharedMemoryReport, StageReport,
 };
 pub use sum_check::SumCheck;
+pub use sweep::{SweepRow, sweep_figure};
 pub use timeline::timeline;
 pub use usage::Usage;
 pub use way::{FrameWay, Passage};

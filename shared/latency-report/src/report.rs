@@ -204,7 +204,8 @@ fn stage_report(stage: &StageSamples, n_frames: usize) -> StageReport {
     }
 }
 
-/// Every span costs a measured stage at most; sending them is a stage of its own.
+/// A stage in which a thread worked costs a reading of its counters, all others only
+/// stamps that are taken anyway; sending the spans is a stage of its own.
 fn measuring_costs(measuring: &Measuring, measurement: &Measurement, frame_ms: f64) -> Measuring {
     let n_frames = measurement.n_frames().max(1) as f64;
     let n_spans: usize = measurement
@@ -216,11 +217,15 @@ fn measuring_costs(measuring: &Measuring, measurement: &Measurement, frame_ms: f
     let telling_ns: u64 = telling.map_or(0, |telling| {
         telling.samples.iter().map(|sample| sample.ns).sum()
     });
-    let spans_per_frame = n_spans as f64 / n_frames;
-    let cost_per_frame_ms =
-        (spans_per_frame * measuring.stage_cost_ns + telling_ns as f64 / n_frames) / 1e6;
+    let n_worked: u64 = measurement
+        .stages
+        .values()
+        .map(|stage| stage.usage.worked)
+        .sum();
+    let cost_ns = n_worked as f64 * measuring.stage_cost_ns + telling_ns as f64;
+    let cost_per_frame_ms = cost_ns / n_frames / 1e6;
     Measuring {
-        spans_per_frame,
+        spans_per_frame: n_spans as f64 / n_frames,
         cost_per_frame_ms,
         share_of_frame: if frame_ms > 0.0 {
             cost_per_frame_ms / frame_ms

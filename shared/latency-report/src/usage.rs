@@ -6,6 +6,8 @@ use serde::{Deserialize, Serialize};
 /// What was used in all passages of a stage together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Usage {
+    /// Passages in which a thread was at work, and was measured.
+    pub worked: u64,
     /// Processor time, nanoseconds.
     pub cpu_ns: u64,
     /// How often a thread gave up its processor.
@@ -26,6 +28,7 @@ impl Usage {
     /// Adds what one passage used.
     pub fn add(&mut self, span: &Span) {
         let add = |sum: &mut u64, more: u64| *sum = sum.saturating_add(more);
+        add(&mut self.worked, u64::from(span.thread_id != 0));
         add(&mut self.cpu_ns, span.cpu_ns);
         add(
             &mut self.voluntary_switches,

@@ -1,0 +1,183 @@
+//! `tabula latency sweep`: measurements along one axis, each with a daemon of its own.
+
+mod axis;
+mod box_scene;
+mod stored_views;
+
+pub(crate) use axis::Axis;
+
+use crate::arguments::{MeasureArguments, SourceArguments, SweepArguments};
+use crate::chosen_daemon::ChosenDaemon;
+use crate::measure::measure;
+use crate::own_daemon::OwnDaemon;
+use crate::results::not_written;
+use axis::Place;
+use channel::Subscriber;
+use channel::topic::Scene;
+use command_line::{Output, StopSignal, table};
+use latency_report::{SweepRow, sweep_figure};
+use serde::Serialize;
+use service::{Failure, exit_code};
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+use tempfile::TempDir;
+
+/// What was taught must be known to perception within this.
+const KNOWN: Duration = Duration::from_secs(60);
+const LOOK: Duration = Duration::from_millis(100);
+
+/// The answer for scripts.
+#[derive(Serialize)]
+struct Document<'a> {
+    axis: &'a str,
+    rows: &'a [SweepRow],
+}
+
+/// Measures place after place; a rate that the daemon does not hold ends the sweep.
+pub(crate) fn run(arguments: &SweepArguments, output: &Output) -> Result<ExitCode, Failure> {
+    let axis = arguments.axis;
+    let stop = StopSignal::install()?;
+    let mut rows = Vec::new();
+    for place in axis.places() {
+        output.tell(&format!("{} {}", axis.title(), place.value));
+        let row = measure_at(&place, axis, arguments, &stop, output)?;
+        let is_end = stop.is_raised() || (axis == Axis::Rate && row.is_broken());
+        rows.push(row);
+        if is_end {
+            break;
+        }
+    }
+    if let Some(folder) = &arguments.out {
+        std::fs::create_dir_all(folder).map_err(not_written)?;
+        let picture = sweep_figure(axis.title(), &rows).map_err(not_written)?;
+        let file = |kind: &str| folder.join(format!("sweep-{}.{kind}", axis.word()));
+        std::fs::write(file("svg"), picture).map_err(not_written)?;
+        let document = serde_json::to_string(&rows).map_err(not_written)?;
+        std::fs::write(file("json"), document).map_err(not_written)?;
+    }
+    let document = Document {
+        axis: axis.title(),
+        rows: &rows,
+    };
+    output.answer(&document, || text(axis, &rows));
+    Ok(ExitCode::SUCCESS)
+}
+
+fn measure_at(
+    place: &Place,
+    axis: Axis,
+    arguments: &SweepArguments,
+    stop: &StopSignal,
+    output: &Output,
+) -> Result<SweepRow, Failure> {
+    let home = OwnDaemon::home()?;
+    let (source, n_views) = prepare(place, &home)?;
+    let own = OwnDaemon::start(home, &source.run_arguments(), place.n_cores)?;
+    let daemon = ChosenDaemon::join_own(own)?;
+    wait_until_known(&daemon, n_views, stop)?;
+    let plan = MeasureArguments::short(source, arguments.frames);
+    let (report, _) = measure(&daemon, &plan, stop, output)?;
+    let value = match axis {
+        Axis::Points => mean_points(&daemon)?,
+        _ => place.value,
+    };
+    Ok(SweepRow::new(value, &report))
+}
+
+/// Makes what the place needs in the daemon's home; its source, and the sequence of
+/// the memory up to which perception must know it.
+fn prepare(place: &Place, home: &TempDir) -> Result<(SourceArguments, u64), Failure> {
+    let sequence = match place.n_views {
+        0 => 0,
+        n_views => stored_views::store(home.path(), n_views)?,
+    };
+    let mut source = place.source.clone();
+    if let Some(side_m) = place.box_side_m {
+        let scene = box_scene::write(home.path(), side_m).map_err(not_written)?;
+        source.source = Some(format!("simulation:{}", scene.display()));
+    }
+    Ok((source, sequence))
+}
+
+/// Waits until objects are compared with all that was taught.
+fn wait_until_known(
+    daemon: &ChosenDaemon,
+    sequence: u64,
+    stop: &StopSignal,
+) -> Result<(), Failure> {
+    let mut scenes = Subscriber::<Scene>::polled(&daemon.domain)?;
+    let deadline = Instant::now() + KNOWN;
+    while !stop.is_raised() {
+        let scene = scenes.latest()?;
+        let knows = |scene: &channel::SharedFrame<Scene>| {
+            let mut objects = scene.items().iter();
+            objects.any(|object| object.memory_sequence >= sequence)
+        };
+        if scene.as_ref().is_some_and(knows) {
+            return Ok(());
+        }
+        if Instant::now() > deadline {
+            return Err(Failure::new(
+                exit_code::TIMED_OUT,
+                "the daemon sees no objects that are compared with what was taught",
+            ));
+        }
+        stop.sleep(LOOK);
+    }
+    Ok(())
+}
+
+/// Mean number of points of the objects in the newest scene.
+fn mean_points(daemon: &ChosenDaemon) -> Result<f64, Failure> {
+    let mut scenes = Subscriber::<Scene>::polled(&daemon.domain)?;
+    let deadline = Instant::now() + KNOWN;
+    loop {
+        if let Some(scene) = scenes.latest()?
+            && !scene.items().is_empty()
+        {
+            let points = scene.items().iter().map(|object| object.n_points);
+            return Ok(points.map(f64::from).sum::<f64>() / scene.items().len() as f64);
+        }
+        if Instant::now() > deadline {
+            let sentence = "the daemon has published no scene with objects";
+            return Err(Failure::new(exit_code::TIMED_OUT, sentence));
+        }
+        std::thread::sleep(LOOK);
+    }
+}
+
+fn text(axis: Axis, rows: &[SweepRow]) -> String {
+    let cells = |row: &SweepRow| {
+        let median = |word: &str| {
+            let median = row.stage_p50_ms.get(word);
+            median.map_or("-".into(), |ms| format!("{ms:.3}"))
+        };
+        let ms = &row.end_to_end_ms;
+        let mut cells = vec![format!("{:.0}", row.value), row.frames.to_string()];
+        cells.push(format!("{} + {}", row.dropped, row.not_captured));
+        cells.push(format!("{:.1}", row.objects));
+        cells.extend([ms.p50, ms.p99, ms.max].map(|ms| format!("{ms:.2}")));
+        cells.extend(["detection", "objects", "description", "recognition"].map(median));
+        cells.push(format!("{:.2}", row.cores));
+        if row.is_broken() {
+            cells.push("the rate is not held".into());
+        }
+        cells
+    };
+    let heading = [
+        axis.title(),
+        "frames",
+        "dropped + not captured",
+        "objects",
+        "p50 ms",
+        "p99",
+        "max",
+        "detection p50",
+        "objects p50",
+        "description p50",
+        "recognition p50",
+        "cores",
+        "",
+    ];
+    table(&heading, &rows.iter().map(cells).collect::<Vec<_>>())
+}
