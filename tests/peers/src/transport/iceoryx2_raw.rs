@@ -10,14 +10,13 @@ use iceoryx2::port::notifier::Notifier;
 use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::subscriber::Subscriber;
 use iceoryx2::prelude::*;
+use iceoryx2::service::Service;
 use iceoryx2::service::port_factory::{event, publish_subscribe};
 use message::{CloudPoint, FrameHeader};
 use std::os::fd::{AsFd, AsRawFd, BorrowedFd, RawFd};
 use tokio::io::unix::AsyncFd;
 
-type Service = ipc::Service;
-
-fn node(place: &Place) -> Node<Service> {
+fn node<S: Service>(place: &Place) -> Node<S> {
     set_log_level(LogLevel::Error);
     let root = Path::new(place.root_of_iceoryx2().as_os_str().as_encoded_bytes());
     let prefix = FileName::new(place.prefix_of_iceoryx2().as_bytes());
@@ -38,9 +37,9 @@ fn name() -> ServiceName {
     "cloud".try_into().expect("a name")
 }
 
-type Clouds = publish_subscribe::PortFactory<Service, [CloudPoint], FrameHeader>;
+type Clouds<S> = publish_subscribe::PortFactory<S, [CloudPoint], FrameHeader>;
 
-fn clouds(node: &Node<Service>) -> Clouds {
+fn clouds<S: Service>(node: &Node<S>) -> Clouds<S> {
     let limits = CameraCloud::LIMITS;
     node.service_builder(&name())
         .publish_subscribe::<[CloudPoint]>()
@@ -56,20 +55,20 @@ fn clouds(node: &Node<Service>) -> Clouds {
         .expect("a service")
 }
 
-fn wake_ups(node: &Node<Service>) -> event::PortFactory<Service> {
+fn wake_ups<S: Service>(node: &Node<S>) -> event::PortFactory<S> {
     let events = node.service_builder(&name()).event();
     events.open_or_create().expect("an event")
 }
 
-pub struct Sending {
-    publisher: Publisher<Service, [CloudPoint], FrameHeader>,
+pub struct Sending<S: Service> {
+    publisher: Publisher<S, [CloudPoint], FrameHeader>,
     /// None when the receiver polls.
-    notifier: Option<Notifier<Service>>,
+    notifier: Option<Notifier<S>>,
     n_points: usize,
-    _node: Node<Service>,
+    _node: Node<S>,
 }
 
-impl Sending {
+impl<S: Service> Sending<S> {
     pub fn new(task: &Task, place: &Place) -> Self {
         let node = node(place);
         let publisher = clouds(&node)
@@ -89,7 +88,7 @@ impl Sending {
     }
 }
 
-impl ports::Sender for Sending {
+impl<S: Service> ports::Sender for Sending<S> {
     fn send(&mut self, number: u64, fill: &mut Fill) {
         let sample = self.publisher.loan_slice_uninit(self.n_points);
         // SAFETY: the memory is a mapped file, which the kernel hands out zeroed;
@@ -106,20 +105,20 @@ impl ports::Sender for Sending {
     }
 }
 
-pub struct Receiving {
-    subscriber: Subscriber<Service, [CloudPoint], FrameHeader>,
-    wait: Wait,
-    _node: Node<Service>,
+pub struct Receiving<S: Service> {
+    subscriber: Subscriber<S, [CloudPoint], FrameHeader>,
+    wait: Wait<S>,
+    _node: Node<S>,
 }
 
 /// How the receiver waits.
-enum Wait {
+enum Wait<S: Service> {
     Polled,
-    Task(Descriptor),
-    Thread(Listener<Service>),
+    Task(Descriptor<S>),
+    Thread(Listener<S>),
 }
 
-impl Receiving {
+impl<S: Service> Receiving<S> {
     pub fn new(task: &Task, place: &Place) -> Self {
         let node = node(place);
         let subscriber = clouds(&node)
@@ -144,7 +143,7 @@ impl Receiving {
 }
 
 /// Notes what is there; tells whether the last message was.
-fn drain(subscriber: &Subscriber<Service, [CloudPoint], FrameHeader>, log: &mut Log) -> bool {
+fn drain<S: Service>(subscriber: &Subscriber<S, [CloudPoint], FrameHeader>, log: &mut Log) -> bool {
     while let Some(sample) = subscriber.receive().expect("an answer") {
         let header = sample.user_header();
         let payload = bytemuck::cast_slice(sample.payload());
@@ -155,7 +154,10 @@ fn drain(subscriber: &Subscriber<Service, [CloudPoint], FrameHeader>, log: &mut 
     false
 }
 
-impl ports::Receiver for Receiving {
+impl<S: Service> ports::Receiver for Receiving<S>
+where
+    Listener<S>: FileDescriptorBased,
+{
     fn receive(self: Box<Self>, mut log: Log) -> Log {
         let Self {
             subscriber, wait, ..
@@ -186,9 +188,12 @@ impl ports::Receiver for Receiving {
 }
 
 /// The listener's descriptor as tokio wants it.
-struct Descriptor(Listener<Service>);
+struct Descriptor<S: Service>(Listener<S>);
 
-impl AsFd for Descriptor {
+impl<S: Service> AsFd for Descriptor<S>
+where
+    Listener<S>: FileDescriptorBased,
+{
     fn as_fd(&self) -> BorrowedFd<'_> {
         // SAFETY: the number is not kept beyond the borrow below.
         let number = unsafe { self.0.file_descriptor().native_handle() };
@@ -197,13 +202,19 @@ impl AsFd for Descriptor {
     }
 }
 
-impl AsRawFd for Descriptor {
+impl<S: Service> AsRawFd for Descriptor<S>
+where
+    Listener<S>: FileDescriptorBased,
+{
     fn as_raw_fd(&self) -> RawFd {
         self.as_fd().as_raw_fd()
     }
 }
 
-async fn woken(listener: &AsyncFd<Descriptor>) {
+async fn woken<S: Service>(listener: &AsyncFd<Descriptor<S>>)
+where
+    Listener<S>: FileDescriptorBased,
+{
     loop {
         let mut ready = listener.readable().await.expect("a reactor");
         let n_wake_ups = ready.get_inner().0.try_wait(|_| {}).expect("a listener");

@@ -9,6 +9,7 @@ use crate::place::{OwnPlace, Place};
 use crate::plan::Task;
 use crate::{clock, ports};
 use rustix::process::{Signal, set_parent_process_death_signal};
+use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
 use std::error::Error;
 use std::fmt::Display;
 use std::io::{self, BufRead, BufReader, Read, Write};
@@ -114,6 +115,9 @@ pub fn live_as_child(end: &str, words: &[String]) -> Option<()> {
     let (folder, words) = words.split_first()?;
     let (place, task) = (Place::at(PathBuf::from(folder))?, Task::parse(words)?);
     end_with_parent();
+    if task.is_polled() {
+        pin(end == SEND);
+    }
     match end {
         SEND => send(&task, &place),
         RECEIVE => receive(&task, &place),
@@ -130,6 +134,21 @@ fn end_with_parent() {
         eprintln!("transport: no message for too long");
         std::process::exit(3);
     });
+}
+
+/// Two that never sleep get a processor each; otherwise the kernel may leave both
+/// on one, where each waits for the other's time to be over.
+fn pin(is_sender: bool) {
+    let Ok(allowed) = sched_getaffinity(None) else {
+        return;
+    };
+    let mut processors = (0..CpuSet::MAX_CPU).filter(|&n| allowed.is_set(n));
+    let (first, last) = (processors.next(), processors.last());
+    let mut own = CpuSet::new();
+    if let Some(processor) = if is_sender { first } else { last } {
+        own.set(processor);
+        let _ = sched_setaffinity(None, &own);
+    }
 }
 
 fn say(what: impl Display) {

@@ -16,6 +16,8 @@ pub enum System {
     Iceoryx2,
     /// The same; who sleeps does so in `Listener::blocking_wait`.
     Iceoryx2Thread,
+    /// The same with ports that threads may share, which ours are made of; polled.
+    Iceoryx2Threadsafe,
     /// `shared/channel`.
     Channel,
     UnixSocket,
@@ -33,9 +35,10 @@ pub enum Mode {
 }
 
 impl System {
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Iceoryx2,
         Self::Iceoryx2Thread,
+        Self::Iceoryx2Threadsafe,
         Self::Channel,
         Self::UnixSocket,
         Self::Zenoh,
@@ -48,6 +51,7 @@ impl System {
         match self {
             Self::Iceoryx2 => "iceoryx2",
             Self::Iceoryx2Thread => "iceoryx2-thread",
+            Self::Iceoryx2Threadsafe => "iceoryx2-threadsafe",
             Self::Channel => "channel",
             Self::UnixSocket => "unix-socket",
             Self::Zenoh => "zenoh-shm",
@@ -55,11 +59,12 @@ impl System {
         }
     }
 
-    /// Whether there is something to ask without sleeping.
+    /// Whether it is measured in that mode.
     pub fn has(self, mode: Mode) -> bool {
-        match mode {
-            Mode::Polled => matches!(self, Self::Iceoryx2 | Self::Channel | Self::UnixSocket),
-            Mode::Blocking => true,
+        match self {
+            Self::Iceoryx2 | Self::Channel | Self::UnixSocket => true,
+            Self::Iceoryx2Threadsafe => mode == Mode::Polled,
+            Self::Iceoryx2Thread | Self::Zenoh | Self::RosLike => mode == Mode::Blocking,
         }
     }
 }

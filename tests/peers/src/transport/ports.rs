@@ -5,6 +5,7 @@ use crate::payload::Fill;
 use crate::place::Place;
 use crate::plan::{System, Task};
 use crate::{by_zenoh, iceoryx2_raw, ours, ros_like, unix_socket};
+use iceoryx2::prelude::{ipc, ipc_threadsafe};
 
 /// The end that sends.
 pub trait Sender {
@@ -24,8 +25,11 @@ pub trait Receiver {
 pub fn sender(task: &Task, place: &Place) -> Box<dyn Sender> {
     match task.system {
         System::Iceoryx2 | System::Iceoryx2Thread => {
-            Box::new(iceoryx2_raw::Sending::new(task, place))
+            Box::new(iceoryx2_raw::Sending::<ipc::Service>::new(task, place))
         }
+        System::Iceoryx2Threadsafe => Box::new(
+            iceoryx2_raw::Sending::<ipc_threadsafe::Service>::new(task, place),
+        ),
         System::Channel => Box::new(ours::Sending::new(task, place)),
         System::UnixSocket => Box::new(unix_socket::Sending::new(task, place)),
         System::Zenoh => Box::new(by_zenoh::Sending::new(task, place)),
@@ -36,8 +40,11 @@ pub fn sender(task: &Task, place: &Place) -> Box<dyn Sender> {
 pub fn receiver(task: &Task, place: &Place) -> Box<dyn Receiver> {
     match task.system {
         System::Iceoryx2 | System::Iceoryx2Thread => {
-            Box::new(iceoryx2_raw::Receiving::new(task, place))
+            Box::new(iceoryx2_raw::Receiving::<ipc::Service>::new(task, place))
         }
+        System::Iceoryx2Threadsafe => Box::new(
+            iceoryx2_raw::Receiving::<ipc_threadsafe::Service>::new(task, place),
+        ),
         System::Channel => Box::new(ours::Receiving::new(task, place)),
         System::UnixSocket => Box::new(unix_socket::Receiving::new(task, place)),
         System::Zenoh => Box::new(by_zenoh::Receiving::new(place)),

@@ -31,7 +31,7 @@ impl Row {
     }
 }
 
-const HEAD: &str = "mode      bytes    system                p50 µs      ×     p90 µs     p99 µs   p99.9 µs     max µs   touch µs    fill µs  cpu sender  cpu recv  lost\n";
+const HEAD: &str = "mode      bytes    system                    p50 µs      ×     p90 µs     p99 µs   p99.9 µs     max µs   touch µs    fill µs  cpu sender  cpu recv  lost\n";
 
 pub fn table(rows: &[Row]) -> String {
     let mut text = String::from(HEAD);
@@ -43,7 +43,7 @@ pub fn table(rows: &[Row]) -> String {
             ""
         };
         let (mode, bytes, system) = (row.mode.name(), row.payload_bytes, row.system.name());
-        let _ = write!(text, "{begin}{mode:<9} {bytes:<8} {system:<16}");
+        let _ = write!(text, "{begin}{mode:<9} {bytes:<8} {system:<20}");
         let _ = write!(text, "{:>12.2} {:>6.2}", f.p50_us, row.ratio(rows));
         let others = [
             f.p90_us, f.p99_us, f.p999_us, f.max_us, f.touch_us, f.fill_us,
