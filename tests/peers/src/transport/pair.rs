@@ -20,6 +20,9 @@ use std::time::Duration;
 pub const SEND: &str = "--send";
 pub const RECEIVE: &str = "--receive";
 const READY: &str = "ready\n";
+/// So long a sender spins; one that spins longer is taken from its processor when
+/// it has something to send.
+const SHORT_GAP: Duration = Duration::from_millis(1);
 /// A child that takes longer has lost its other half.
 const LONGEST_LIFE: Duration = Duration::from_secs(20);
 
@@ -169,9 +172,10 @@ fn send(task: &Task, place: &Place) {
     let mut fill = Fill::default();
     let mut cpu_begin_ns = 0;
     let gap_ns = task.gap.as_nanos() as u64;
+    let spins = task.gap < SHORT_GAP;
     let mut next_ns = clock::now_ns();
     for number in 0..task.n_all() {
-        clock::wait_until(next_ns, task.is_polled());
+        clock::wait_until(next_ns, spins);
         if number == task.n_warm_up {
             cpu_begin_ns = clock::process_ns();
         }
