@@ -72,7 +72,7 @@ impl Sending {
     }
 
     fn loan(&self) -> ZShmMut {
-        let loan = self.memory.alloc(self.layout.clone());
+        let loan = self.memory.alloc(self.layout);
         let loan = loan.with_policy::<BlockOn<GarbageCollect>>();
         loan.wait().expect("a loan")
     }

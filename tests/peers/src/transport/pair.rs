@@ -146,7 +146,7 @@ fn pin(is_sender: bool) {
         return;
     };
     let mut processors = (0..CpuSet::MAX_CPU).filter(|&n| allowed.is_set(n));
-    let (first, last) = (processors.next(), processors.last());
+    let (first, last) = (processors.next(), processors.next_back());
     let mut own = CpuSet::new();
     if let Some(processor) = if is_sender { first } else { last } {
         own.set(processor);

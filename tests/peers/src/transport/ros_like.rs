@@ -62,7 +62,7 @@ impl Receiving {
 impl ports::Receiver for Receiving {
     fn receive(self: Box<Self>, mut log: Log) -> Log {
         let mut assembly = Assembly::default();
-        let mut datagram = [0; DATAGRAM_BYTES];
+        let mut datagram = vec![0; DATAGRAM_BYTES];
         loop {
             let n_bytes = self.socket.recv(&mut datagram).expect("a datagram");
             let Some((number, bytes)) = assembly.take(&datagram[..n_bytes]) else {
