@@ -19,16 +19,22 @@ struct Mapping {
 
 impl SegmentMap {
     /// Location of an address; the default when it is in no file's mapping.
+    #[inline]
     pub(crate) fn locate(&mut self, address: usize) -> SegmentLocation {
         if let Some(location) = self.find(address) {
             return location;
         }
-        let table = std::fs::read_to_string("/proc/self/maps").unwrap_or_default();
-        self.mappings = table.lines().filter_map(parse).collect();
+        self.read_table();
         self.find(address).unwrap_or_default()
     }
 
+    fn read_table(&mut self) {
+        let table = std::fs::read_to_string("/proc/self/maps").unwrap_or_default();
+        self.mappings = table.lines().filter_map(parse).collect();
+    }
+
     /// The mapping found last comes first: mostly it is the next one, too.
+    #[inline]
     fn find(&mut self, address: usize) -> Option<SegmentLocation> {
         let holds_it = |mapping: &Mapping| mapping.addresses.contains(&address);
         let index = self.mappings.iter().position(holds_it)?;

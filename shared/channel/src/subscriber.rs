@@ -88,8 +88,11 @@ impl<T: Topic> Subscriber<T> {
             Err(ReceiveError::ExceedsMaxBorrows) => return Ok(Received::HoldsAll),
             Err(error) => return Err(Error::transport("receive from", T::NAME, error)),
         };
-        self.count(sample.origin().value(), sample.user_header().sent());
-        let frame = SharedFrame::new(sample, &mut self.segments);
+        let publisher = sample.origin().value();
+        // Takes a lock, before which no line of the other process's cache should
+        // be waited for: after it they all come together.
+        let frame = SharedFrame::<T>::new(sample, &mut self.segments);
+        self.count(publisher, frame.header().sent());
         Ok(Received::Message(frame))
     }
 
