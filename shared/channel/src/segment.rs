@@ -19,20 +19,27 @@ struct Mapping {
 
 impl SegmentMap {
     /// Location of an address; the default when it is in no file's mapping.
+    #[inline]
     pub(crate) fn locate(&mut self, address: usize) -> SegmentLocation {
         if let Some(location) = self.find(address) {
             return location;
         }
-        let table = std::fs::read_to_string("/proc/self/maps").unwrap_or_default();
-        self.mappings = table.lines().filter_map(parse).collect();
+        self.read_table();
         self.find(address).unwrap_or_default()
     }
 
-    fn find(&self, address: usize) -> Option<SegmentLocation> {
-        let mapping = self
-            .mappings
-            .iter()
-            .find(|mapping| mapping.addresses.contains(&address))?;
+    fn read_table(&mut self) {
+        let table = std::fs::read_to_string("/proc/self/maps").unwrap_or_default();
+        self.mappings = table.lines().filter_map(parse).collect();
+    }
+
+    /// The mapping found last comes first: mostly it is the next one, too.
+    #[inline]
+    fn find(&mut self, address: usize) -> Option<SegmentLocation> {
+        let holds_it = |mapping: &Mapping| mapping.addresses.contains(&address);
+        let index = self.mappings.iter().position(holds_it)?;
+        self.mappings.swap(0, index);
+        let mapping = &self.mappings[0];
         let offset = (address - mapping.addresses.start) as u64;
         Some(SegmentLocation {
             inode: mapping.inode,
@@ -73,5 +80,23 @@ mod tests {
             None
         );
         assert_eq!(parse("rubbish"), None);
+    }
+    #[test]
+    fn an_address_is_found_in_whatever_order_they_are_asked_for() {
+        let mapping = |start: usize, inode| Mapping {
+            addresses: start..start + 100,
+            file_offset: 7,
+            inode,
+        };
+        let mappings = vec![mapping(1_000, 1), mapping(2_000, 2), mapping(3_000, 3)];
+        let mut map = SegmentMap { mappings };
+        for (address, inode) in [(3_001, 3), (1_001, 1), (1_001, 1), (2_001, 2), (3_001, 3)] {
+            let location = SegmentLocation {
+                inode,
+                offset_bytes: 8,
+            };
+            assert_eq!(map.find(address), Some(location));
+        }
+        assert_eq!(map.find(999), None);
     }
 }

@@ -7,9 +7,7 @@ use crate::topic::Topic;
 use crate::wake::Sleeper;
 use crate::{Error, segment::SegmentMap};
 use iceoryx2::port::ReceiveError;
-use iceoryx2::service::header::publish_subscribe::Header as IoxHeader;
 use message::Counted;
-use std::collections::BTreeMap;
 
 type IoxSubscriber<T> =
     iceoryx2::port::subscriber::Subscriber<Service, [<T as Topic>::Item], <T as Topic>::Header>;
@@ -20,10 +18,17 @@ pub struct Subscriber<T: Topic> {
     port: IoxSubscriber<T>,
     sleeper: Option<Sleeper>,
     segments: SegmentMap,
-    /// Number of the last message of each publisher.
-    last_sent: BTreeMap<u128, u64>,
+    /// Of each publisher the last message: one mostly, and never many.
+    last: Vec<Last>,
     n_lost: u64,
     _domain: Domain,
+}
+
+/// The last message of a publisher.
+#[derive(Debug)]
+struct Last {
+    publisher: u128,
+    sent: u64,
 }
 
 /// What [`Subscriber::receive`] found.
@@ -54,7 +59,7 @@ impl<T: Topic> Subscriber<T> {
             port: subscriber,
             sleeper: None,
             segments: SegmentMap::default(),
-            last_sent: BTreeMap::new(),
+            last: Vec::new(),
             n_lost: 0,
             _domain: domain.clone(),
         })
@@ -83,9 +88,12 @@ impl<T: Topic> Subscriber<T> {
             Err(ReceiveError::ExceedsMaxBorrows) => return Ok(Received::HoldsAll),
             Err(error) => return Err(Error::transport("receive from", T::NAME, error)),
         };
-        self.count(sample.header(), sample.user_header().sent());
-        let location = self.segments.locate(sample.payload().as_ptr().addr());
-        Ok(Received::Message(SharedFrame::new(sample, location)))
+        let publisher = sample.origin().value();
+        // Takes a lock, before which no line of the other process's cache should
+        // be waited for: after it they all come together.
+        let frame = SharedFrame::<T>::new(sample, &mut self.segments);
+        self.count(publisher, frame.header().sent());
+        Ok(Received::Message(frame))
     }
 
     /// Takes the newest waiting message and drops, uncounted, what is older:
@@ -134,12 +142,16 @@ impl<T: Topic> Subscriber<T> {
         self.n_lost
     }
 
-    fn count(&mut self, header: &IoxHeader, sent: u64) {
-        let publisher = header.publisher_id().value();
-        let expected = self
-            .last_sent
-            .insert(publisher, sent)
-            .map_or(sent, |last| last + 1);
-        self.n_lost += sent.saturating_sub(expected);
+    fn count(&mut self, publisher: u128, sent: u64) {
+        let known = self
+            .last
+            .iter_mut()
+            .find(|last| last.publisher == publisher);
+        let Some(last) = known else {
+            self.last.push(Last { publisher, sent });
+            return;
+        };
+        self.n_lost += sent.saturating_sub(last.sent + 1);
+        last.sent = sent;
     }
 }

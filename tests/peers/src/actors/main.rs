@@ -29,7 +29,9 @@ const N_ACTORS: usize = 100_000;
 /// So few crews are enough, and so many, for a median.
 const N_CREWS: [usize; 2] = [15, 2_000];
 
-const SYSTEMS: [(&str, fn(usize) -> Life); 4] = [
+type System = (&'static str, fn(usize) -> Life);
+
+const SYSTEMS: [System; 4] = [
     (Bare::NAME, live::<Bare>),
     (Ours::NAME, live::<Ours>),
     (ByRactor::NAME, live::<ByRactor>),
