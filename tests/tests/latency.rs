@@ -98,11 +98,11 @@ fn results_are_files_that_are_held_against_limits_and_earlier_ones() {
     let name = |file: &str| folder.join(file).to_str().unwrap().to_owned();
     let written = latency(&place, &["--out", folder.to_str().unwrap()]);
     assert!(written.status.success(), "{written:?}");
-    let timeline: Value = serde_json::from_slice(&read(&name("timeline.json"))).unwrap();
+    let timeline: Value = serde_json::from_slice(&read(name("timeline.json"))).unwrap();
     let events = timeline["traceEvents"].as_array().unwrap();
     assert!(events.iter().any(|event| event["name"] == "detection"));
     for picture in ["percentiles.svg", "over-time.svg"] {
-        assert!(read(&name(picture)).starts_with(b"<svg"), "{picture}");
+        assert!(read(name(picture)).starts_with(b"<svg"), "{picture}");
     }
     let merged = daemon.ask(&[
         "latency",

@@ -2,9 +2,13 @@
 
 use crate::sweep::Axis;
 use clap::{Args, Parser, Subcommand};
-use service::CommonArguments;
+use service::{CommonArguments, Failure, exit_code};
 use std::path::{Path, PathBuf};
 
+/// Frames that are measured, if nobody says otherwise.
+const FRAMES: u64 = 1800;
+/// Frames of the timeline, if nobody says otherwise.
+const TIMELINE: u32 = 100;
 /// Frames that are left out at the beginning, if nobody says otherwise.
 const WARM_UP: u64 = 90;
 /// What is measured when nothing is named and nothing runs.
@@ -14,11 +18,7 @@ const USUAL_OBJECTS: u32 = 10;
 /// Measures where the time of frames goes: in the daemon of the domain, or, with a
 /// source or without a daemon, in one that it starts for itself.
 #[derive(Debug, Parser)]
-#[command(
-    name = "tabula-latency",
-    version,
-    args_conflicts_with_subcommands = true
-)]
+#[command(name = "tabula-latency", version)]
 pub(crate) struct Arguments {
     #[command(flatten)]
     pub(crate) common: CommonArguments,
@@ -67,13 +67,13 @@ pub(crate) enum Verb {
 }
 
 /// What is measured, and where the results go.
-#[derive(Debug, Clone, Args)]
+#[derive(Debug, Clone, PartialEq, Args)]
 pub(crate) struct MeasureArguments {
     #[command(flatten)]
     pub(crate) source: SourceArguments,
 
     /// Frames to measure
-    #[arg(long, value_name = "N", default_value_t = 1800, value_parser = clap::value_parser!(u64).range(10..=10_000_000))]
+    #[arg(long, value_name = "N", default_value_t = FRAMES, value_parser = clap::value_parser!(u64).range(10..=10_000_000))]
     pub(crate) frames: u64,
 
     /// Frames to leave out at the beginning
@@ -85,7 +85,7 @@ pub(crate) struct MeasureArguments {
     pub(crate) out: Option<PathBuf>,
 
     /// How many of the newest frames the timeline shows, besides the ten worst
-    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
+    #[arg(long, value_name = "N", default_value_t = TIMELINE, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
     pub(crate) timeline: u32,
 
     /// File of limits (TOML); exit code 7 when one is exceeded
@@ -114,7 +114,7 @@ pub(crate) struct SweepArguments {
 }
 
 /// What an own daemon gets its frames from.
-#[derive(Debug, Clone, Args)]
+#[derive(Debug, Clone, Default, PartialEq, Args)]
 pub(crate) struct SourceArguments {
     /// Start a daemon on this source, as `tabula run --source` does [without a daemon: simulation:isolated]
     #[arg(long, value_name = "SOURCE")]
@@ -131,6 +131,28 @@ pub(crate) struct SourceArguments {
     /// Frames per second [default: 30]
     #[arg(long, value_name = "HZ")]
     pub(crate) rate: Option<f64>,
+}
+
+impl Arguments {
+    /// The arguments of this process.
+    ///
+    /// # Errors
+    /// When options of a measurement stand before a verb that does not measure.
+    pub(crate) fn checked() -> Result<Self, Failure> {
+        let arguments = Self::parse();
+        let unsaid = MeasureArguments::short(SourceArguments::default(), FRAMES);
+        let unsaid = MeasureArguments {
+            timeline: TIMELINE,
+            ..unsaid
+        };
+        if arguments.verb.is_some() && arguments.measure != unsaid {
+            return Err(Failure::new(
+                exit_code::USAGE,
+                "options before a verb are those of a measurement; put the verb's own behind it",
+            ));
+        }
+        Ok(arguments)
+    }
 }
 
 impl MeasureArguments {
@@ -153,9 +175,7 @@ impl SourceArguments {
     pub(crate) fn of(source: &str) -> Self {
         Self {
             source: Some(source.to_owned()),
-            objects: None,
-            seed: None,
-            rate: None,
+            ..Self::default()
         }
     }
 

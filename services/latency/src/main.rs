@@ -15,21 +15,18 @@ mod results;
 mod sweep;
 
 use arguments::{Arguments, Verb};
-use clap::Parser;
 use command_line::Output;
 use service::Failure;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
-    let output = Output::new(arguments.json);
-    match execute(&arguments, &output) {
-        Ok(code) => code,
-        Err(failure) => {
-            output.failure(&failure);
-            ExitCode::from(failure.code)
-        }
-    }
+    let arguments = Arguments::checked();
+    let output = Output::new(arguments.as_ref().is_ok_and(|given| given.json));
+    let outcome = arguments.and_then(|arguments| execute(&arguments, &output));
+    outcome.unwrap_or_else(|failure| {
+        output.failure(&failure);
+        ExitCode::from(failure.code)
+    })
 }
 
 fn execute(arguments: &Arguments, output: &Output) -> Result<ExitCode, Failure> {

@@ -3,7 +3,6 @@
 use channel::DomainName;
 use rustix::process::{Pid, Signal, kill_process};
 use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
-use serde::Deserialize;
 use service::{Failure, exit_code};
 use std::fs::File;
 use std::io::{BufRead, BufReader};
@@ -21,10 +20,6 @@ const STOP: Duration = Duration::from_secs(7);
 const LOOK: Duration = Duration::from_millis(20);
 /// Lines of its log that a failure shows.
 const N_LOG_LINES: usize = 8;
-
-/// What the daemon says when it is ready.
-#[derive(Deserialize)]
-struct Started {}
 
 /// A daemon in a domain and a folder of its own; dropping it stops it.
 #[derive(Debug)]
@@ -166,13 +161,19 @@ fn spawn(domain: &DomainName, folder: &Path, arguments: &[String]) -> Result<Chi
         })
 }
 
+/// Whether a document tells that all processes work, and not why they do not.
+fn is_ready(line: &str) -> bool {
+    let document: Result<serde_json::Value, _> = serde_json::from_str(line);
+    document.is_ok_and(|document| document["processes"].is_array())
+}
+
 /// The daemon prints one document when all of it works.
 fn wait_until_ready(stdout: ChildStdout) -> Result<(), RecvTimeoutError> {
     let (sender, ready) = channel();
     std::thread::spawn(move || {
         for line in BufReader::new(stdout).lines().map_while(Result::ok) {
-            if serde_json::from_str::<Started>(&line).is_ok() {
-                let _ = sender.send(());
+            if is_ready(&line) && sender.send(()).is_err() {
+                return;
             }
         }
     });
