@@ -46,6 +46,12 @@ pub(crate) enum Verb {
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
     },
+    /// Compare the transport with what one would pick instead, in one run; builds the peers
+    Peers {
+        /// A tenth of everything
+        #[arg(long)]
+        short: bool,
+    },
     /// Measure along one axis, each place with a daemon of its own
     Sweep(SweepArguments),
     /// Compare two reports: what is faster, slower, or undecided

@@ -129,6 +129,10 @@ impl Source for SimulatorSource {
 
     fn prepare(&mut self) -> Result<Option<FrameSize>, SourceError> {
         self.requests.wake_this_thread();
+        // What came since the last frame acts from here on.
+        self.serve(0)?;
+        self.increment.advance();
+        self.n_published = 0;
         let camera = self.kinect.camera();
         Ok(Some(FrameSize {
             width: camera.width as usize,
@@ -137,16 +141,17 @@ impl Source for SimulatorSource {
     }
 
     fn fill(&mut self, points: &mut [Point]) -> Result<FrameInfo, SourceError> {
-        // What came since the last frame acts from here on.
-        self.serve(0)?;
-        self.increment.advance();
-        self.n_published = 0;
         self.look(points)
     }
 
-    fn while_waiting(&mut self, due_ns: u64, points: &mut [Point]) -> Result<Waiting, SourceError> {
+    fn while_waiting(
+        &mut self,
+        due_ns: u64,
+        points: Option<&mut [Point]>,
+    ) -> Result<Waiting, SourceError> {
         let is_another_world = self.serve(due_ns)?;
-        let rewritten = is_another_world.then(|| self.look(points)).transpose()?;
+        let drawn = points.filter(|_| is_another_world);
+        let rewritten = drawn.map(|points| self.look(points)).transpose()?;
         let again_ns = self.publish_arm(due_ns, monotonic_ns())?;
         Ok(Waiting {
             rewritten,

@@ -1,8 +1,9 @@
 //! The capture loop: loan, fill, wait for the instant, send.
 
+use crate::lead_time::LeadTime;
 use crate::lockstep::{Lockstep, Waited};
 use crate::schedule::Schedule;
-use crate::source::{FrameInfo, FrameSize, Source};
+use crate::source::{FrameInfo, FrameSize, Source, Waiting};
 use crate::source_error::SourceError;
 use channel::topic::CameraCloud;
 use channel::{Loan, Publisher};
@@ -37,6 +38,7 @@ pub struct CaptureLoop {
     publisher: Publisher<CameraCloud>,
     trace: TracePublisher,
     schedule: Option<Schedule>,
+    lead_time: LeadTime,
     lockstep: Option<Lockstep>,
     session: u64,
     sequence: u64,
@@ -78,6 +80,7 @@ impl CaptureLoop {
             schedule: source
                 .rate_hz()
                 .map(|rate_hz| Schedule::new(start_ns, rate_hz)),
+            lead_time: LeadTime::UNKNOWN,
             source,
             publisher,
             trace,
@@ -132,16 +135,21 @@ impl CaptureLoop {
         let Some(size) = self.source.prepare()? else {
             return Ok(false);
         };
+        let preparing = watch.lap(Stage::Preparing, 0);
+        self.wait_until_worthwhile()?;
+        let making_wait = watch.lap(Stage::MakingWait, 0);
         let (mut loan, mut info) = self.filled(size)?;
         let making = watch.lap(Stage::Making, 0);
+        self.lead_time.made_in(making.duration_ns());
         if self.lockstep.is_some() {
             self.send_in_lockstep(loan, &info)?;
         } else {
             self.wait_until_due(&mut loan, &mut info)?;
-            let waiting = watch.lap(Stage::ReleaseWait, 0);
+            let release_wait = watch.lap(Stage::ReleaseWait, 0);
             let header = self.send(loan, &info)?;
             let sending = watch.lap(Stage::Sending, 0);
-            self.trace.send(&header, &[making, waiting, sending]);
+            let spans = [preparing, making_wait, making, release_wait, sending];
+            self.trace.send(&header, &spans);
         }
         self.sequence += 1;
         Ok(true)
@@ -217,6 +225,20 @@ impl CaptureLoop {
         }
     }
 
+    /// Waits until the prepared frame must be made to be ready in time.
+    fn wait_until_worthwhile(&mut self) -> Result<(), SourceError> {
+        let (Some(schedule), Some(lead_ns)) = (self.schedule, self.lead_time.lead_ns()) else {
+            return Ok(());
+        };
+        if self.lockstep.is_some() {
+            return Ok(());
+        }
+        let due_ns = schedule.due_ns();
+        self.wait_until(due_ns.saturating_sub(lead_ns), |source| {
+            source.while_waiting(due_ns, None)
+        })
+    }
+
     fn wait_until_due(
         &mut self,
         loan: &mut Loan<CameraCloud>,
@@ -225,15 +247,27 @@ impl CaptureLoop {
         let Some(due_ns) = self.schedule.map(|schedule| schedule.due_ns()) else {
             return Ok(());
         };
-        while !self.context.shutdown.is_requested() {
+        self.wait_until(due_ns, |source| {
             let points = points_mut(loan.items_mut());
-            let waiting = self.source.while_waiting(due_ns, points)?;
-            if let Some(rewritten) = waiting.rewritten {
+            let mut waiting = source.while_waiting(due_ns, Some(points))?;
+            if let Some(rewritten) = waiting.rewritten.take() {
                 *info = rewritten;
             }
-            let until_ns = due_ns.min(waiting.again_ns.unwrap_or(due_ns));
+            Ok(waiting)
+        })
+    }
+
+    /// Waits until an instant, and lets the source do its small work meanwhile.
+    fn wait_until(
+        &mut self,
+        end_ns: u64,
+        mut while_waiting: impl FnMut(&mut dyn Source) -> Result<Waiting, SourceError>,
+    ) -> Result<(), SourceError> {
+        while !self.context.shutdown.is_requested() {
+            let waiting = while_waiting(&mut *self.source)?;
+            let until_ns = end_ns.min(waiting.again_ns.unwrap_or(end_ns));
             let left = Duration::from_nanos(until_ns.saturating_sub(monotonic_ns()));
-            if monotonic_ns() >= due_ns {
+            if monotonic_ns() >= end_ns {
                 return Ok(());
             }
             // A source may be waked by unparking this thread.

@@ -48,7 +48,9 @@ pub trait Source {
     /// whose frames are sent as they come.
     fn rate_hz(&self) -> Option<f64>;
 
-    /// Gets the next frame ready and says how large it is; `None` at the end.
+    /// Gets the next frame ready and says how large it is; `None` at the end. It is
+    /// filled later, as late as is safe, so that what the frame shows is done here and
+    /// drawing it there.
     ///
     /// # Errors
     /// When a frame can not be used (the next call goes on behind it), or the
@@ -61,16 +63,17 @@ pub trait Source {
     /// As [`prepare`](Self::prepare).
     fn fill(&mut self, points: &mut [Point]) -> Result<FrameInfo, SourceError>;
 
-    /// Called again and again while the filled frame waits for its instant
-    /// `due_ns`, monotonic. A source may do small work here, and may write the
-    /// frame anew when the world has changed.
+    /// Called again and again while the prepared frame waits to be filled, without
+    /// `points`, and while the filled frame waits for its instant `due_ns`,
+    /// monotonic. A source may do small work here, and may write a filled frame anew
+    /// when the world has changed.
     ///
     /// # Errors
     /// As [`prepare`](Self::prepare).
     fn while_waiting(
         &mut self,
         _due_ns: u64,
-        _points: &mut [Point],
+        _points: Option<&mut [Point]>,
     ) -> Result<Waiting, SourceError> {
         Ok(Waiting::default())
     }

@@ -4,7 +4,7 @@ use crate::percentiles::Percentiles;
 use crate::report::Report;
 use evaluation::DrawingError;
 use evaluation::figure::{Axis, Color, Curve, Diagram, Legend, side_by_side};
-use message::Stage;
+use message::{Place, Stage};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -85,8 +85,7 @@ pub fn sweep_figure(axis: &str, rows: &[SweepRow]) -> Result<String, DrawingErro
 }
 
 fn matters(stage: Stage, rows: &[SweepRow]) -> bool {
-    let is_before_label =
-        stage != Stage::Making && stage != Stage::ReleaseWait && stage != Stage::WorldWait;
+    let is_before_label = stage.place() != Place::Beside;
     let is_large = |row: &SweepRow| {
         let median = row.stage_p50_ms.get(stage.word()).copied();
         median.unwrap_or_default() > DRAWN_SHARE * row.end_to_end_ms.p50

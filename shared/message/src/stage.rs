@@ -44,8 +44,11 @@ macro_rules! stages {
 }
 
 stages! {
-    /// The source makes the frame: it reads the device, or renders. Before the
-    /// scheduled instant where the source is ahead of it.
+    /// The source gets the next frame ready: it opens a file, or simulated time goes on.
+    Preparing = 4, "preparing", Place::Beside;
+    /// The frame is not begun yet: it is made as late as is safe.
+    MakingWait = 5, "making_wait", Place::Beside;
+    /// The source makes the frame: it reads the device, or renders.
     Making = 1, "making", Place::Beside;
     /// The made frame waits for its instant.
     ReleaseWait = 2, "release_wait", Place::Beside;
