@@ -221,6 +221,43 @@ fn what_can_not_be_measured_is_told() {
     daemon.stop();
 }
 
+/// Nothing grows while objects come and go: files and shared memory not at all, memory
+/// by less than an allocator keeps. How fast frames are worked on is told, not judged.
+fn soak(n_frames: u32, rate_hz: u32) {
+    let place = Place::new();
+    let mut command = place.command("tabula-latency");
+    command.args(["soak", "--json", "--frames", &n_frames.to_string()]);
+    let output = command
+        .args(["--rate", &rate_hz.to_string()])
+        .output()
+        .unwrap();
+    let run = document(&output);
+    let frames = run["frames"].as_u64().unwrap();
+    assert!(frames >= u64::from(n_frames), "{run}");
+    let grown = run["grown"].as_array().unwrap();
+    let sentences = grown
+        .iter()
+        .map(|growth| growth["sentence"].as_str().unwrap());
+    let leaks: Vec<_> = sentences.filter(|s| !s.contains("p99")).collect();
+    println!(
+        "{frames} frames: {} dropped, grown: {grown:?}",
+        run["dropped"]
+    );
+    assert!(leaks.is_empty(), "{leaks:?}");
+    assert!(place.shared_memory_files().is_empty());
+}
+
+#[test]
+fn nothing_grows_while_objects_come_and_go() {
+    soak(1500, 60);
+}
+
+#[test]
+#[ignore = "long: half an hour"]
+fn long_nothing_grows_in_two_hundred_thousand_frames() {
+    soak(200_000, 120);
+}
+
 /// Processes with a word in their command line.
 fn processes_with(word: &str) -> Vec<u32> {
     let has_word = |pid: &u32| {

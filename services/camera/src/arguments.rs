@@ -20,7 +20,7 @@ pub struct Arguments {
 /// Which camera, and how a recording is played; they win over the configuration.
 #[derive(Debug, Clone, Default, Args)]
 pub(crate) struct SourceArguments {
-    /// synthetic[:N], crowd:N, kinect, fakenect:FOLDER, or a folder of PCD scenes or of an RGB-D sequence
+    /// synthetic[:N], crowd:N, parade:N, kinect, fakenect:FOLDER, or a folder of PCD scenes or of an RGB-D sequence
     #[arg(long, value_name = "SOURCE")]
     pub(crate) source: Option<SourceSpec>,
 

@@ -33,6 +33,7 @@ pub(crate) fn open(spec: &SourceSpec, playback: &Playback) -> Result<Box<dyn Sou
             synthetic_table::Synthetic::arrangement(*arrangement, playback),
         )),
         SourceSpec::Crowd(n) => Ok(Box::new(synthetic_table::Synthetic::crowd(*n, playback))),
+        SourceSpec::Parade(n) => Ok(Box::new(synthetic_table::Synthetic::parade(*n, playback))),
         SourceSpec::Kinect => Ok(Box::new(kinect::KinectSource::real()?)),
         SourceSpec::Fakenect(folder) => Ok(Box::new(kinect::KinectSource::fake(folder)?)),
         SourceSpec::Folder(folder) => match dataset::detect_kind(folder) {

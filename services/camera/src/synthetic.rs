@@ -20,6 +20,9 @@ mod tests;
 
 pub use arrangement::TableObject;
 
+/// Phases of [`SyntheticTable::parade`].
+pub const N_PHASES: usize = 4;
+
 /// The most blocks of [`SyntheticTable::crowd`].
 pub const CROWD_MAX: u32 = arrangement::CROWD_MAX;
 
@@ -98,8 +101,20 @@ impl SyntheticTable {
     /// at least 22 mm, and looks at it from above. At most [`CROWD_MAX`]; more
     /// are left out.
     pub fn crowd(n: u32) -> Self {
-        let camera = PinholeCamera::KINECT_V1;
-        Self::seen_from(&OVER_THE_TABLE, n, arrangement::crowd(n), camera)
+        Self::crowd_without(n, |_| false)
+    }
+
+    /// The phases of a crowd that comes and goes: in each of them every fourth block is
+    /// away, in each other ones.
+    pub fn parade(n: u32) -> [Self; N_PHASES] {
+        std::array::from_fn(|phase| {
+            Self::crowd_without(n, |place| (place as usize + phase).is_multiple_of(N_PHASES))
+        })
+    }
+
+    fn crowd_without(n: u32, is_away: impl Fn(u32) -> bool) -> Self {
+        let objects = arrangement::crowd(n, is_away);
+        Self::seen_from(&OVER_THE_TABLE, n, objects, PinholeCamera::KINECT_V1)
     }
 
     fn with_objects(arrangement: u32, objects: Vec<TableObject>, camera: PinholeCamera) -> Self {

@@ -52,6 +52,8 @@ pub(crate) enum Verb {
         #[arg(long)]
         short: bool,
     },
+    /// Run for long with objects that come and go, and tell what grows
+    Soak(SoakArguments),
     /// Measure along one axis, each place with a daemon of its own
     Sweep(SweepArguments),
     /// Compare two reports: what is faster, slower, or undecided
@@ -113,6 +115,26 @@ pub(crate) struct SweepArguments {
     /// Frames to measure at each place
     #[arg(long, value_name = "N", default_value_t = 600, value_parser = clap::value_parser!(u64).range(10..=1_000_000))]
     pub(crate) frames: u64,
+
+    /// Folder for the table and the plot
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+}
+
+/// How long, and how much.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct SoakArguments {
+    /// Frames in all
+    #[arg(long, value_name = "N", default_value_t = 200_000, value_parser = clap::value_parser!(u64).range(100..=1_000_000_000))]
+    pub(crate) frames: u64,
+
+    /// Frames per second
+    #[arg(long, value_name = "HZ", default_value_t = 120.0)]
+    pub(crate) rate: f64,
+
+    /// Objects, of which a quarter is away at any time
+    #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u32).range(1..=256))]
+    pub(crate) objects: u32,
 
     /// Folder for the table and the plot
     #[arg(long, value_name = "DIR")]

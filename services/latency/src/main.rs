@@ -13,6 +13,7 @@ mod peers;
 mod process_usage;
 mod report_text;
 mod results;
+mod soak;
 mod sweep;
 
 use arguments::{Arguments, Verb};
@@ -35,6 +36,7 @@ fn execute(arguments: &Arguments, output: &Output) -> Result<ExitCode, Failure> 
         None => measure::run(&arguments.common, &arguments.measure, output),
         Some(Verb::Machine { short, out }) => machine_report::run(*short, out.as_deref(), output),
         Some(Verb::Peers { short }) => peers::run(*short, output),
+        Some(Verb::Soak(soak)) => soak::run(soak, output),
         Some(Verb::Sweep(sweep)) => sweep::run(sweep, output),
         Some(Verb::Compare { before, now }) => compare::run(before, now, output),
         Some(Verb::Merge { files, out }) => merge::run(files, out.as_deref(), output),

@@ -14,7 +14,7 @@ use std::hint::black_box;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-/// How often the traces are read: their ring holds 32 frames.
+/// How often the traces are read: their ring holds 24 frames.
 const READ: Duration = Duration::from_millis(20);
 /// Frames that stay away for this long will not come.
 const SILENCE: Duration = Duration::from_secs(10);

@@ -366,7 +366,7 @@ pub(crate) struct LabelArguments {
 /// tabula-simulator, which check it.
 #[derive(Debug, Args)]
 pub(crate) struct RunArguments {
-    /// simulation[:SCENE], kinect, fakenect:FOLDER, synthetic[:N], crowd:N, or a folder of PCD scenes or
+    /// simulation[:SCENE], kinect, fakenect:FOLDER, synthetic[:N], crowd:N, parade:N, or a folder of PCD scenes or
     /// of an RGB-D sequence; SCENE is everyday, isolated, pile, bin, set-table or a TOML file
     /// [default: simulation]
     #[arg(long, value_name = "SOURCE")]

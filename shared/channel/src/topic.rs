@@ -136,7 +136,7 @@ topics! {
     /// Where the time of frames goes. What nobody reads in time makes room and is
     /// counted: measuring never makes a frame wait.
     FrameTraces { TRACE, TraceHeader, [Span; MAX_SPANS], DropOldest,
-        Limits { publishers: 4, subscribers: 2, buffer: 32, borrowed: 2, history: 0, loaned: 2 } }
+        Limits { publishers: 4, subscribers: 2, buffer: 24, borrowed: 2, history: 0, loaned: 2 } }
     /// Health of all processes.
     ProcessHealth { HEALTH, PlainHeader, [Health; 1], DropOldest,
         Limits { publishers: 12, subscribers: 6, buffer: 16, borrowed: 2, history: 1, loaned: 2 } }

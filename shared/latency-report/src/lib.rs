@@ -19,6 +19,7 @@ mod measurement;
 mod open_loop;
 mod percentiles;
 mod report;
+mod soak;
 mod sum_check;
 mod sweep;
 mod timeline;
@@ -38,6 +39,7 @@ pub use percentiles::{NamedPercentile, Percentiles};
 pub use report::{
     Conditions, Measuring, Objects, ProcessReport, Report, SharedMemoryReport, StageReport,
 };
+pub use soak::{Growth, SoakWindow, growths, soak_figure};
 pub use sum_check::SumCheck;
 pub use sweep::{SweepRow, sweep_figure};
 pub use timeline::timeline;

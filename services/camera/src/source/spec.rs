@@ -11,6 +11,8 @@ pub(crate) enum SourceSpec {
     Synthetic(u32),
     /// The synthetic table with so many small blocks.
     Crowd(u32),
+    /// The synthetic table with so many small blocks that come and go.
+    Parade(u32),
     /// A Kinect.
     Kinect,
     /// A recording played by fakenect.
@@ -40,19 +42,26 @@ impl FromStr for SourceSpec {
                     "synthetic:{number} needs a number, for example synthetic:1"
                 )),
             },
-            ("crowd", _) => Err("crowd needs a number of blocks: crowd:200".into()),
-            (_, Some(("crowd", number))) => match number.parse() {
-                Ok(n @ 1..=CROWD_MAX) => Ok(Self::Crowd(n)),
-                _ => Err(format!(
-                    "crowd:{number} needs a number of blocks from 1 to {CROWD_MAX}"
-                )),
-            },
+            (kind @ ("crowd" | "parade"), _) => {
+                Err(format!("{kind} needs a number of blocks: {kind}:200"))
+            }
+            (_, Some(("crowd", number))) => n_blocks("crowd", number).map(Self::Crowd),
+            (_, Some(("parade", number))) => n_blocks("parade", number).map(Self::Parade),
             (_, Some(("fakenect", ""))) | ("fakenect", _) => {
                 Err("fakenect needs the folder of a recording: fakenect:FOLDER".into())
             }
             (_, Some(("fakenect", folder))) => Ok(Self::Fakenect(folder.into())),
             _ => Ok(Self::Folder(text.into())),
         }
+    }
+}
+
+fn n_blocks(kind: &str, number: &str) -> Result<u32, String> {
+    match number.parse() {
+        Ok(n @ 1..=CROWD_MAX) => Ok(n),
+        _ => Err(format!(
+            "{kind}:{number} needs a number of blocks from 1 to {CROWD_MAX}"
+        )),
     }
 }
 
@@ -66,6 +75,7 @@ mod tests {
         assert_eq!(parse("synthetic"), Ok(SourceSpec::Synthetic(0)));
         assert_eq!(parse("synthetic:3"), Ok(SourceSpec::Synthetic(3)));
         assert_eq!(parse("crowd:200"), Ok(SourceSpec::Crowd(200)));
+        assert_eq!(parse("parade:12"), Ok(SourceSpec::Parade(12)));
         assert_eq!(parse("kinect"), Ok(SourceSpec::Kinect));
         assert_eq!(
             parse("fakenect:a/b"),
@@ -81,6 +91,8 @@ mod tests {
             "crowd",
             "crowd:0",
             "crowd:257",
+            "parade",
+            "parade:0",
             "fakenect",
             "fakenect:",
         ] {

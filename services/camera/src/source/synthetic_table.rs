@@ -6,9 +6,13 @@ use point_cloud::Point;
 
 const DEFAULT_RATE_HZ: f64 = 30.0;
 
-/// Plays the table for ever, or from and to a frame of its noise.
+/// So long each of several tables is there, one after the other, frames.
+const FRAMES_PER_TABLE: usize = 90;
+
+/// Plays one table, or several in turn, for ever, or from and to a frame of the noise.
 pub(super) struct Synthetic {
-    table: SyntheticTable,
+    /// At least one.
+    tables: Vec<SyntheticTable>,
     name: String,
     rate_hz: f64,
     playback: Playback,
@@ -19,17 +23,24 @@ impl Synthetic {
     /// An arrangement of a few objects.
     pub(super) fn arrangement(number: u32, playback: &Playback) -> Self {
         let table = SyntheticTable::new(number);
-        Self::new(table, format!("synthetic:{number}"), playback)
+        Self::new(vec![table], format!("synthetic:{number}"), playback)
     }
 
     /// A crowd of blocks.
     pub(super) fn crowd(n: u32, playback: &Playback) -> Self {
-        Self::new(SyntheticTable::crowd(n), format!("crowd:{n}"), playback)
+        let tables = vec![SyntheticTable::crowd(n)];
+        Self::new(tables, format!("crowd:{n}"), playback)
     }
 
-    fn new(table: SyntheticTable, name: String, playback: &Playback) -> Self {
+    /// A crowd of blocks that come and go.
+    pub(super) fn parade(n: u32, playback: &Playback) -> Self {
+        let tables = SyntheticTable::parade(n).into();
+        Self::new(tables, format!("parade:{n}"), playback)
+    }
+
+    fn new(tables: Vec<SyntheticTable>, name: String, playback: &Playback) -> Self {
         Self {
-            table,
+            tables,
             name,
             rate_hz: playback.rate_hz.unwrap_or(DEFAULT_RATE_HZ),
             playback: *playback,
@@ -54,7 +65,7 @@ impl Source for Synthetic {
             }
             self.next = self.playback.from.unwrap_or(0);
         }
-        let camera = self.table.camera();
+        let camera = self.tables[0].camera();
         Ok(Some(FrameSize {
             width: camera.width as usize,
             height: camera.height as usize,
@@ -64,12 +75,13 @@ impl Source for Synthetic {
     fn fill(&mut self, points: &mut [Point]) -> Result<FrameInfo, SourceError> {
         let frame = self.next;
         self.next += 1;
-        self.table.fill(frame as u64, points);
+        let table = &self.tables[frame / FRAMES_PER_TABLE % self.tables.len()];
+        table.fill(frame as u64, points);
         Ok(FrameInfo {
-            camera: self.table.camera(),
+            camera: table.camera(),
             is_calibrated: true,
-            world_from_camera: Some(self.table.world_from_camera()),
-            up_in_camera: Some(self.table.up_in_camera()),
+            world_from_camera: Some(table.world_from_camera()),
+            up_in_camera: Some(table.up_in_camera()),
             source_frame: frame,
             captured_ns: None,
         })

@@ -88,8 +88,8 @@ const CROWD_PITCH_M: [f64; 2] = [0.061, 0.056];
 /// The most blocks of a crowd.
 pub(super) const CROWD_MAX: u32 = 256;
 
-/// Blocks in rows, the first `n` places of the crowd.
-pub(super) fn crowd(n: u32) -> Vec<TableObject> {
+/// Blocks in rows, the first `n` places of the crowd, without those that are away.
+pub(super) fn crowd(n: u32, is_away: impl Fn(u32) -> bool) -> Vec<TableObject> {
     let [n_columns, n_rows] = CROWD_PLACES;
     let along = |i: u32, n: u32, pitch: f64| (f64::from(i) - 0.5 * f64::from(n - 1)) * pitch;
     let block = |i: u32| {
@@ -100,7 +100,8 @@ pub(super) fn crowd(n: u32) -> Vec<TableObject> {
         let kind = &BLOCKS[(bits & 3) as usize];
         TableObject::standing(kind, Point3::new(x, y, TABLE_HEIGHT_M), yaw_rad)
     };
-    (0..n.min(CROWD_MAX)).map(block).collect()
+    let there = (0..n.min(CROWD_MAX)).filter(|place| !is_away(*place));
+    there.map(block).collect()
 }
 
 /// Steps of the golden section spread any number of yaws over the range, with

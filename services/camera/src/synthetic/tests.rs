@@ -417,7 +417,7 @@ fn a_camera_that_looks_away_sees_nothing() {
 
 #[test]
 fn the_blocks_of_a_crowd_stand_apart_from_each_other_and_from_the_rim() {
-    let blocks = arrangement::crowd(CROWD_MAX);
+    let blocks = arrangement::crowd(CROWD_MAX, |_| false);
     assert_eq!(blocks.len(), CROWD_MAX as usize);
     for (i, block) in blocks.iter().enumerate() {
         for p in footprint(block) {
@@ -430,6 +430,22 @@ fn the_blocks_of_a_crowd_stand_apart_from_each_other_and_from_the_rim() {
             let free = free_space_m(block, other);
             assert!(free >= 0.022, "{block:?} {other:?} {free}");
         }
+    }
+}
+
+#[test]
+fn every_block_of_a_parade_is_away_in_one_phase() {
+    let place = |object: &TableObject| object.centre_in_world().coords.map(|x| (x * 1e3) as i64);
+    let whole: Vec<_> = SyntheticTable::crowd(10)
+        .objects()
+        .iter()
+        .map(place)
+        .collect();
+    let phases = SyntheticTable::parade(10);
+    for block in whole {
+        let is_there =
+            |phase: &&SyntheticTable| phase.objects().iter().map(place).any(|b| b == block);
+        assert_eq!(phases.iter().filter(is_there).count(), N_PHASES - 1);
     }
 }
 

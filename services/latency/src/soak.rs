@@ -1,0 +1,205 @@
+//! `tabula latency soak`: a long run with objects that come and go.
+
+use crate::arguments::{SoakArguments, SourceArguments};
+use crate::chosen_daemon::ChosenDaemon;
+use crate::listener::Listener;
+use crate::own_daemon::OwnDaemon;
+use crate::process_usage::ProcessUsage;
+use crate::results::not_written;
+use channel::SharedMemory;
+use command_line::{Output, StopSignal, bar, table};
+use latency_report::{
+    Growth, Measurement, Percentiles, ProcessReport, SoakWindow, growths, soak_figure,
+};
+use serde::Serialize;
+use service::{Failure, exit_code, monotonic_ns, wall_clock_ns};
+use std::path::Path;
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+/// How often the traces are read: their ring holds 24 frames, a fifth of a second at the
+/// highest rate.
+const READ: Duration = Duration::from_millis(20);
+/// Frames that stay away for this long will not come.
+const SILENCE: Duration = Duration::from_secs(10);
+/// Windows that a run is cut into.
+const N_WINDOWS: u64 = 40;
+
+/// The answer for scripts.
+#[derive(Serialize)]
+struct Document {
+    frames: u64,
+    dropped: u64,
+    not_captured: u64,
+    lost_messages: u64,
+    grown: Vec<Growth>,
+    windows: Vec<SoakWindow>,
+}
+
+/// Runs, prints and draws; exit code 7 when something has grown.
+pub(crate) fn run(arguments: &SoakArguments, output: &Output) -> Result<ExitCode, Failure> {
+    let stop = StopSignal::install()?;
+    let source = SourceArguments {
+        rate: Some(arguments.rate),
+        ..SourceArguments::of(&format!("parade:{}", arguments.objects))
+    };
+    let own = OwnDaemon::start(OwnDaemon::home()?, &source.run_arguments(), None)?;
+    let daemon = ChosenDaemon::join_own(own)?;
+    let (windows, lost_messages) = soak(&daemon, arguments, &stop, output)?;
+    drop(daemon);
+    let sum = |count: fn(&SoakWindow) -> u64| windows.iter().map(count).sum();
+    let document = Document {
+        frames: sum(|window| window.frames),
+        dropped: sum(|window| window.dropped),
+        not_captured: sum(|window| window.not_captured),
+        lost_messages,
+        grown: growths(&windows),
+        windows,
+    };
+    if let Some(folder) = &arguments.out {
+        write(folder, &document)?;
+    }
+    output.answer(&document, || text(&document));
+    Ok(if document.grown.is_empty() {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::from(exit_code::OVER_BUDGET)
+    })
+}
+
+/// Measures window after window; the windows, and how many messages were lost.
+fn soak(
+    daemon: &ChosenDaemon,
+    arguments: &SoakArguments,
+    stop: &StopSignal,
+    output: &Output,
+) -> Result<(Vec<SoakWindow>, u64), Failure> {
+    let mut listener = Listener::new(&daemon.domain)?;
+    let progress = bar(arguments.frames, "frames", output);
+    let (begun, offset_ns) = (Instant::now(), clock_offset_ns());
+    let window_frames = (arguments.frames / N_WINDOWS).max(1) as usize;
+    let mut windows = Vec::new();
+    let mut n_frames = 0;
+    while n_frames < arguments.frames && !stop.is_raised() {
+        let usages = usages(&listener);
+        let measurement = measure_window(&mut listener, window_frames, stop)?;
+        n_frames += measurement.n_frames() as u64;
+        progress.set_position(n_frames);
+        windows.push(SoakWindow {
+            at_s: begun.elapsed().as_secs_f64(),
+            clock_drift_ns: clock_offset_ns() - offset_ns,
+            shared_memory_bytes: SharedMemory::of_domain(daemon.domain.name())
+                .map_or(0, |memory| memory.used_by_domain),
+            processes: usages.iter().filter_map(ProcessUsage::report).collect(),
+            ..window(&measurement)
+        });
+    }
+    progress.finish_and_clear();
+    Ok((windows, listener.n_lost()))
+}
+
+fn usages(listener: &Listener) -> Vec<ProcessUsage> {
+    let processes = listener.processes().into_iter();
+    processes
+        .filter_map(|(process, pid)| ProcessUsage::begin(process, pid))
+        .collect()
+}
+
+fn measure_window(
+    listener: &mut Listener,
+    n_frames: usize,
+    stop: &StopSignal,
+) -> Result<Measurement, Failure> {
+    let mut measurement = Measurement::new(0);
+    let mut last_frame = Instant::now();
+    while measurement.n_frames() < n_frames && !stop.is_raised() {
+        listener.read()?;
+        while measurement.n_frames() < n_frames
+            && let Some(way) = listener.next_frame()
+        {
+            measurement.add(way);
+            last_frame = Instant::now();
+        }
+        if last_frame.elapsed() > SILENCE {
+            let sentence = "the daemon has stopped working on frames in the middle of the run";
+            return Err(Failure::new(exit_code::TIMED_OUT, sentence));
+        }
+        stop.sleep(READ);
+    }
+    Ok(measurement)
+}
+
+/// What the frames of a window say.
+fn window(measurement: &Measurement) -> SoakWindow {
+    let open_loop = measurement.open_loop();
+    let n_missed = open_loop.n_dropped + open_loop.n_not_captured;
+    SoakWindow {
+        frames: measurement.n_frames() as u64 + n_missed,
+        dropped: open_loop.n_dropped,
+        not_captured: open_loop.n_not_captured,
+        end_to_end_ms: Percentiles::of(&mut measurement.end_to_end_ns(&open_loop)),
+        ..SoakWindow::default()
+    }
+}
+
+fn clock_offset_ns() -> i64 {
+    wall_clock_ns() - monotonic_ns() as i64
+}
+
+fn write(folder: &Path, document: &Document) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder).map_err(not_written)?;
+    let json = serde_json::to_string(document).map_err(not_written)?;
+    std::fs::write(folder.join("soak.json"), json).map_err(not_written)?;
+    let picture = soak_figure(&document.windows).map_err(not_written)?;
+    std::fs::write(folder.join("soak.svg"), picture).map_err(not_written)
+}
+
+fn text(document: &Document) -> String {
+    let step = document.windows.len().div_ceil(10).max(1);
+    let rows: Vec<Vec<String>> = document.windows.iter().step_by(step).map(row).collect();
+    let heading = [
+        "minutes",
+        "frames",
+        "missed",
+        "p50 ms",
+        "p99",
+        "max",
+        "resident MB",
+        "open files",
+        "shared MB",
+        "drift ms",
+    ];
+    let grown: Vec<String> = match document.grown.as_slice() {
+        [] => vec!["nothing has grown".into()],
+        grown => grown.iter().map(|growth| growth.sentence.clone()).collect(),
+    };
+    format!(
+        "{}\n\n{} frames, {} dropped, {} not captured, {} trace messages lost\n{}",
+        table(&heading, &rows),
+        document.frames,
+        document.dropped,
+        document.not_captured,
+        document.lost_messages,
+        grown.join("\n"),
+    )
+}
+
+fn row(window: &SoakWindow) -> Vec<String> {
+    let of_processes = |figure: fn(&ProcessReport) -> String| -> String {
+        let figures: Vec<String> = window.processes.iter().map(figure).collect();
+        figures.join(" + ")
+    };
+    let ms = &window.end_to_end_ms;
+    vec![
+        format!("{:.1}", window.at_s / 60.0),
+        window.frames.to_string(),
+        (window.dropped + window.not_captured).to_string(),
+        format!("{:.2}", ms.p50),
+        format!("{:.2}", ms.p99),
+        format!("{:.2}", ms.max),
+        of_processes(|process| format!("{:.1}", process.resident_mb)),
+        of_processes(|process| process.open_files.to_string()),
+        format!("{:.2}", window.shared_memory_bytes as f64 / 1e6),
+        format!("{:.3}", window.clock_drift_ns as f64 / 1e6),
+    ]
+}
