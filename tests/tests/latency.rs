@@ -221,6 +221,36 @@ fn what_can_not_be_measured_is_told() {
     daemon.stop();
 }
 
+#[test]
+fn a_sweep_measures_each_of_its_places() {
+    let place = Place::new();
+    let out = place.home().join("sweeps");
+    let sweep = |words: &[&str]| {
+        let mut command = place.command("tabula-latency");
+        command.args(["sweep", "--json", "--frames", "20", "--out"]);
+        document(&command.arg(&out).args(words).output().unwrap())
+    };
+    let objects = sweep(&["objects", "--values", "2,5"]);
+    let rows = objects["rows"].as_array().unwrap();
+    let seen: Vec<f64> = rows
+        .iter()
+        .map(|r| r["objects"].as_f64().unwrap())
+        .collect();
+    assert_eq!(seen, [2.0, 5.0], "{objects}");
+    assert!(read(out.join("sweep-objects.svg")).starts_with(b"<svg"));
+    let views = sweep(&["views", "--values", "300"]);
+    let recognition = &views["rows"][0]["stage_p50_ms"]["recognition"];
+    assert!(recognition.as_f64().unwrap() > 0.0, "{views}");
+    let points = sweep(&["points", "--values", "80"]);
+    assert!(
+        points["rows"][0]["value"].as_f64().unwrap() > 500.0,
+        "{points}"
+    );
+    let refused = sweep(&["objects", "--values", "0"]);
+    assert_eq!(refused["exit_code"], 2);
+    assert!(place.shared_memory_files().is_empty());
+}
+
 /// Nothing grows while objects come and go: files and shared memory not at all, memory
 /// by less than an allocator keeps. How fast frames are worked on is told, not judged.
 fn soak(n_frames: u32, rate_hz: u32) {

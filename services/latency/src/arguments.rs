@@ -112,6 +112,10 @@ pub(crate) struct SweepArguments {
     #[arg(value_enum)]
     pub(crate) axis: Axis,
 
+    /// Values to measure, separated by commas [default: five to eight usual ones]
+    #[arg(long, value_name = "N,N", value_delimiter = ',')]
+    pub(crate) values: Vec<u32>,
+
     /// Frames to measure at each place
     #[arg(long, value_name = "N", default_value_t = 600, value_parser = clap::value_parser!(u64).range(10..=1_000_000))]
     pub(crate) frames: u64,

@@ -38,7 +38,7 @@ pub(crate) fn run(arguments: &SweepArguments, output: &Output) -> Result<ExitCod
     let axis = arguments.axis;
     let stop = StopSignal::install()?;
     let mut rows = Vec::new();
-    for place in axis.places() {
+    for place in axis.places(&arguments.values)? {
         output.tell(&format!("{} {}", axis.title(), place.value));
         let row = measure_at(&place, axis, arguments, &stop, output)?;
         let is_end = stop.is_raised() || (axis == Axis::Rate && row.is_broken());

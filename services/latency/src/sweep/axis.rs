@@ -2,13 +2,15 @@
 
 use crate::arguments::SourceArguments;
 use clap::ValueEnum;
+use service::{Failure, exit_code};
+use std::ops::RangeInclusive;
 
 /// An axis of a sweep.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Axis {
     /// Number of objects, 1 to 64, on a computed table
     Objects,
-    /// Points of each of six simulated boxes, by their size
+    /// Points of each of six simulated cubes; values are their sides, millimetres
     Points,
     /// Views that were taught, 10 to 100000
     Views,
@@ -34,9 +36,9 @@ pub(crate) struct Place {
 }
 
 /// A source that costs little: what is measured is the daemon.
-fn crowd(n_objects: usize) -> Place {
+fn crowd(n_objects: u32) -> Place {
     Place {
-        value: n_objects as f64,
+        value: f64::from(n_objects),
         source: SourceArguments::of(&format!("crowd:{n_objects}")),
         n_views: 0,
         box_side_m: None,
@@ -45,7 +47,7 @@ fn crowd(n_objects: usize) -> Place {
 }
 
 /// Objects of the sweeps over other things.
-const N_OBJECTS: usize = 10;
+const N_OBJECTS: u32 = 10;
 
 impl Axis {
     /// The word on the command line and in file names.
@@ -70,45 +72,84 @@ impl Axis {
         }
     }
 
-    /// Its places, in order.
-    pub(crate) fn places(self) -> Vec<Place> {
+    /// The values that are measured when none are named, in order.
+    fn usual_values(self) -> &'static [u32] {
         match self {
-            Self::Objects => [1, 2, 4, 8, 16, 32, 64].map(crowd).into(),
-            Self::Points => [0.03, 0.05, 0.08, 0.12, 0.16].map(boxes).into(),
-            Self::Views => [10, 100, 1000, 10_000, 100_000].map(taught).into(),
-            Self::Rate => [5, 10, 15, 30, 45, 60, 90, 120].map(at_rate).into(),
-            Self::Cores => [1, 2].map(on_cores).into(),
+            Self::Objects => &[1, 2, 4, 8, 16, 32, 64],
+            Self::Points => &[30, 50, 80, 120, 160],
+            Self::Views => &[10, 100, 1000, 10_000, 100_000],
+            Self::Rate => &[5, 10, 15, 30, 45, 60, 90, 120],
+            Self::Cores => &[1, 2],
         }
     }
-}
 
-fn boxes(side_m: f64) -> Place {
-    Place {
-        value: side_m,
-        box_side_m: Some(side_m),
-        ..crowd(0)
+    /// The values that can be measured.
+    fn possible_values(self) -> RangeInclusive<u32> {
+        match self {
+            Self::Objects => 1..=256,
+            Self::Points => 20..=180,
+            Self::Views => 1..=1_000_000,
+            Self::Rate => 1..=1000,
+            Self::Cores => 1..=1024,
+        }
+    }
+
+    /// The places of these values, or of the usual ones.
+    ///
+    /// # Errors
+    /// When a value can not be measured.
+    pub(crate) fn places(self, values: &[u32]) -> Result<Vec<Place>, Failure> {
+        let possible = self.possible_values();
+        if let Some(value) = values.iter().find(|value| !possible.contains(value)) {
+            let (least, most) = (possible.start(), possible.end());
+            return Err(Failure::new(
+                exit_code::USAGE,
+                format!(
+                    "a value of {} is from {least} to {most}, not {value}",
+                    self.word()
+                ),
+            ));
+        }
+        let values = if values.is_empty() {
+            self.usual_values()
+        } else {
+            values
+        };
+        Ok(values.iter().map(|value| self.place(*value)).collect())
+    }
+
+    fn place(self, value: u32) -> Place {
+        let mut place = crowd(N_OBJECTS);
+        place.value = f64::from(value);
+        match self {
+            Self::Objects => place = crowd(value),
+            Self::Points => place.box_side_m = Some(f64::from(value) / 1000.0),
+            Self::Views => place.n_views = value as usize,
+            Self::Rate => place.source.rate = Some(f64::from(value)),
+            Self::Cores => place.n_cores = Some(value as usize),
+        }
+        place
     }
 }
 
-fn taught(n_views: usize) -> Place {
-    Place {
-        value: n_views as f64,
-        n_views,
-        ..crowd(N_OBJECTS)
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn usual_values_are_possible_ones() {
+        for axis in Axis::value_variants() {
+            let places = axis.places(&[]).unwrap();
+            assert_eq!(places.len(), axis.usual_values().len());
+            assert!(axis.places(axis.usual_values()).is_ok());
+        }
     }
-}
 
-fn at_rate(rate_hz: u32) -> Place {
-    let mut place = crowd(N_OBJECTS);
-    place.value = f64::from(rate_hz);
-    place.source.rate = Some(f64::from(rate_hz));
-    place
-}
-
-fn on_cores(n_cores: usize) -> Place {
-    Place {
-        value: n_cores as f64,
-        n_cores: Some(n_cores),
-        ..crowd(N_OBJECTS)
+    #[test]
+    fn an_impossible_value_is_refused_with_its_rule() {
+        let refused = Axis::Objects.places(&[4, 0]).unwrap_err();
+        assert!(refused.sentence.contains("from 1 to 256, not 0"));
+        let chosen = Axis::Rate.places(&[60]).unwrap();
+        assert_eq!(chosen[0].source.rate, Some(60.0));
     }
 }
