@@ -251,8 +251,8 @@ fn a_sweep_measures_each_of_its_places() {
     assert!(place.shared_memory_files().is_empty());
 }
 
-/// Nothing grows while objects come and go: files and shared memory not at all, memory
-/// by less than an allocator keeps. How fast frames are worked on is told, not judged.
+/// Nothing grows while objects come and go: files not at all, memory by less than an
+/// allocator keeps. How fast frames are worked on is told, not judged.
 fn soak(n_frames: u32, rate_hz: u32) {
     let place = Place::new();
     let mut command = place.command("tabula-latency");

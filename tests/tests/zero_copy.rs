@@ -3,7 +3,7 @@
 
 use crate::daemon::{Daemon, PATIENCE, Place, eventually};
 use channel::topic::{CameraCloud, ObjectView};
-use channel::{Domain, Received, Role, Subscriber};
+use channel::{Domain, Received, Role, SharedFrame, Subscriber};
 use message::{FrameHeader, ObjectViewHeader, ProcessKind, SegmentLocation};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -22,6 +22,8 @@ struct Watcher {
     views: Subscriber<ObjectView>,
     headers: BTreeMap<(u64, u64), FrameHeader>,
     viewed: Vec<ObjectViewHeader>,
+    /// The newest frame: held, so that the camera has to write the next one elsewhere.
+    _held: Option<SharedFrame<CameraCloud>>,
 }
 
 impl Watcher {
@@ -32,6 +34,7 @@ impl Watcher {
             views: Subscriber::polled(&domain).unwrap(),
             headers: BTreeMap::new(),
             viewed: Vec::new(),
+            _held: None,
         }
     }
 
@@ -44,6 +47,7 @@ impl Watcher {
             assert_eq!(frame.location(), header.location, "{header:?}");
             self.headers
                 .insert((header.session, header.sequence), header);
+            self._held = Some(frame);
         }
         while let Received::Message(view) = self.views.receive().unwrap() {
             self.viewed.push(*view.header());

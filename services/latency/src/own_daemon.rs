@@ -17,6 +17,8 @@ use tempfile::TempDir;
 const START: Duration = Duration::from_secs(60);
 /// It promises to stop within 5 s.
 const STOP: Duration = Duration::from_secs(7);
+/// A daemon that has said why it can not run ends within this.
+const LAST_WORDS: Duration = Duration::from_secs(1);
 const LOOK: Duration = Duration::from_millis(20);
 /// Lines of its log that a failure shows.
 const N_LOG_LINES: usize = 8;
@@ -81,6 +83,11 @@ impl OwnDaemon {
         let log = std::fs::read_to_string(log_file(self.folder.path())).unwrap_or_default();
         let lines: Vec<&str> = log.lines().collect();
         let end = lines[lines.len().saturating_sub(N_LOG_LINES)..].join("\n");
+        // What it had to say came before its end.
+        let deadline = Instant::now() + LAST_WORDS;
+        while matches!(self.child.try_wait(), Ok(None)) && Instant::now() < deadline {
+            std::thread::sleep(LOOK);
+        }
         let code = match self.child.try_wait() {
             Ok(Some(status)) => status.code().and_then(|code| u8::try_from(code).ok()),
             _ => None,

@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
 /// Resident memory may grow by this share from the second quarter to the last, or by so
-/// much, megabytes: allocators keep what they had.
+/// much, megabytes: allocators keep what they had, and slots of shared memory count only
+/// when they are used for the first time.
 const MEMORY_SHARE: f64 = 0.05;
 const MEMORY_MB: f64 = 2.0;
 /// The p99 of the last quarter over that of the second: more is told as growth.
@@ -57,7 +58,7 @@ pub fn growths(windows: &[SoakWindow]) -> Vec<Growth> {
     for process in names(windows) {
         let memory = |part| mean(part, |w| of(w, &process).map(|p| p.resident_mb));
         let (then, now) = (memory(before), memory(last));
-        if now - then > MEMORY_MB.max(MEMORY_SHARE * then) {
+        if has_grown(then, now) {
             sentences.push(format!(
                 "{process} has grown from {then:.1} to {now:.1} MB of resident memory"
             ));
@@ -68,11 +69,11 @@ pub fn growths(windows: &[SoakWindow]) -> Vec<Growth> {
             sentences.push(format!("{process} has {now} files open, {then} before"));
         }
     }
-    let memory = |part| most(part, |w| w.shared_memory_bytes);
+    let memory = |part| mean(part, |w| Some(w.shared_memory_bytes as f64 / 1e6));
     let (then, now) = (memory(before), memory(last));
-    if now > then {
+    if has_grown(then, now) {
         sentences.push(format!(
-            "the domain uses {now} bytes of shared memory, {then} before"
+            "the domain has grown from {then:.1} to {now:.1} MB of shared memory"
         ));
     }
     let slow = |part| mean(part, |w| Some(w.end_to_end_ms.p99));
@@ -85,6 +86,11 @@ pub fn growths(windows: &[SoakWindow]) -> Vec<Growth> {
         .into_iter()
         .map(|sentence| Growth { sentence })
         .collect()
+}
+
+/// Whether memory has grown, megabytes.
+fn has_grown(then: f64, now: f64) -> bool {
+    now - then > MEMORY_MB.max(MEMORY_SHARE * then)
 }
 
 fn drift(windows: &[SoakWindow]) -> Option<String> {
@@ -236,7 +242,10 @@ mod tests {
             "resident",
         );
         check(&|i, w| w.processes[0].open_files += i as u64 / 20, "files");
-        check(&|i, w| w.shared_memory_bytes += i as u64, "shared memory");
+        check(
+            &|i, w| w.shared_memory_bytes += i as u64 * 200_000,
+            "shared memory",
+        );
         check(&|i, w| w.end_to_end_ms.p99 += i as f64, "p99");
         check(&|i, w| w.clock_drift_ns = i as i64 * 10_000_000, "drifted");
     }
