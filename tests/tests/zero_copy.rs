@@ -23,7 +23,7 @@ struct Watcher {
     headers: BTreeMap<(u64, u64), FrameHeader>,
     viewed: Vec<ObjectViewHeader>,
     /// The newest frame: held, so that the camera has to write the next one elsewhere.
-    _held: Option<SharedFrame<CameraCloud>>,
+    held: Vec<SharedFrame<CameraCloud>>,
 }
 
 impl Watcher {
@@ -34,7 +34,7 @@ impl Watcher {
             views: Subscriber::polled(&domain).unwrap(),
             headers: BTreeMap::new(),
             viewed: Vec::new(),
-            _held: None,
+            held: Vec::new(),
         }
     }
 
@@ -47,7 +47,8 @@ impl Watcher {
             assert_eq!(frame.location(), header.location, "{header:?}");
             self.headers
                 .insert((header.session, header.sequence), header);
-            self._held = Some(frame);
+            self.held.clear();
+            self.held.push(frame);
         }
         while let Received::Message(view) = self.views.receive().unwrap() {
             self.viewed.push(*view.header());
