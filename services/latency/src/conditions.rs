@@ -6,7 +6,7 @@ use channel::{DomainName, SharedMemory};
 use latency_report::{Conditions, SharedMemoryReport};
 use machine::{Disturbance, Fingerprint, Watch};
 use serde::Serialize;
-use service::{monotonic_ns, wall_clock_ns};
+use service::{wall_clock_ns, wall_clock_offset_ns};
 
 /// The computer, and what else went on.
 #[derive(Serialize)]
@@ -38,7 +38,7 @@ impl ConditionsWatch {
                 .filter_map(|(process, pid)| ProcessUsage::begin(*process, *pid))
                 .collect(),
             lost_before: listener.n_lost(),
-            clock_offset_before_ns: clock_offset_ns(),
+            clock_offset_before_ns: wall_clock_offset_ns(),
         }
     }
 
@@ -89,7 +89,7 @@ impl ConditionsWatch {
                  objects than a trace holds, and their stages are incomplete"
             ));
         }
-        let drift_ns = clock_offset_ns().abs_diff(self.clock_offset_before_ns);
+        let drift_ns = wall_clock_offset_ns().abs_diff(self.clock_offset_before_ns);
         if drift_ns > CLOCK_DRIFT_NS {
             warnings.push(format!(
                 "the wall clock was set by {:.1} ms against the monotonic one meanwhile",
@@ -128,8 +128,4 @@ fn surroundings(
     let told = machine::warnings(&surroundings.fingerprint, &surroundings.disturbance);
     warnings.extend(told.iter().map(ToString::to_string));
     serde_json::to_value(surroundings).unwrap_or_default()
-}
-
-fn clock_offset_ns() -> i64 {
-    wall_clock_ns() - monotonic_ns() as i64
 }

@@ -12,7 +12,7 @@ use latency_report::{
     Growth, Measurement, Percentiles, ProcessReport, SoakWindow, growths, soak_figure,
 };
 use serde::Serialize;
-use service::{Failure, exit_code, monotonic_ns, wall_clock_ns};
+use service::{Failure, exit_code, wall_clock_offset_ns};
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -76,7 +76,7 @@ fn soak(
 ) -> Result<(Vec<SoakWindow>, u64), Failure> {
     let mut listener = Listener::new(&daemon.domain)?;
     let progress = bar(arguments.frames, "frames", output);
-    let (begun, offset_ns) = (Instant::now(), clock_offset_ns());
+    let (begun, offset_ns) = (Instant::now(), wall_clock_offset_ns());
     let window_frames = (arguments.frames / N_WINDOWS).max(1) as usize;
     let mut windows = Vec::new();
     let mut n_frames = 0;
@@ -87,7 +87,7 @@ fn soak(
         progress.set_position(n_frames);
         windows.push(SoakWindow {
             at_s: begun.elapsed().as_secs_f64(),
-            clock_drift_ns: clock_offset_ns() - offset_ns,
+            clock_drift_ns: wall_clock_offset_ns() - offset_ns,
             shared_memory_bytes: SharedMemory::of_domain(daemon.domain.name())
                 .map_or(0, |memory| memory.used_by_domain),
             processes: usages.iter().filter_map(ProcessUsage::report).collect(),
@@ -140,10 +140,6 @@ fn window(measurement: &Measurement) -> SoakWindow {
         end_to_end_ms: Percentiles::of(&mut measurement.end_to_end_ns(&open_loop)),
         ..SoakWindow::default()
     }
-}
-
-fn clock_offset_ns() -> i64 {
-    wall_clock_ns() - monotonic_ns() as i64
 }
 
 fn write(folder: &Path, document: &Document) -> Result<(), Failure> {

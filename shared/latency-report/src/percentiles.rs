@@ -1,5 +1,6 @@
 //! What many durations say together.
 
+use evaluation::durations::nearest_rank;
 use serde::{Deserialize, Serialize};
 
 const NS_PER_MS: f64 = 1e6;
@@ -26,11 +27,8 @@ impl Percentiles {
     /// Of durations in nanoseconds, which come back sorted; all 0 without any.
     pub fn of(durations_ns: &mut [u64]) -> Self {
         durations_ns.sort_unstable();
-        let at = |share: f64| {
-            let rank = (share * durations_ns.len() as f64).ceil() as usize;
-            let duration = durations_ns.get(rank.max(1) - 1);
-            duration.map_or(0.0, |ns| *ns as f64 / NS_PER_MS)
-        };
+        let at =
+            |share: f64| nearest_rank(durations_ns, share).map_or(0.0, |ns| ns as f64 / NS_PER_MS);
         Self {
             p50: at(0.5),
             p90: at(0.9),
