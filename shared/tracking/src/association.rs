@@ -192,12 +192,11 @@ fn pair_cost(track: &Predicted, candidate: &Observed, config: &AssociationConfig
         let look = look_cost(&track.appearance, &candidate.appearance, config)?;
         return Some(distance2 + look);
     }
-    let is_part = share_inside(&candidate.box_in_world, &track.box_in_world) >= PART_SHARE_MIN;
-    let similarity = track
-        .appearance
-        .colors
-        .similarity(&candidate.appearance.colors);
-    (is_part && similarity >= config.color_similarity_min)
+    if share_inside(&candidate.box_in_world, &track.box_in_world) < PART_SHARE_MIN {
+        return None;
+    }
+    let similarity = similarity();
+    (similarity >= config.color_similarity_min)
         .then_some(config.part_cost + config.color_weight * (1.0 - similarity))
 }
 
@@ -237,6 +236,11 @@ fn volume_difference(track: &Appearance, candidate: &Appearance) -> f64 {
 
 /// Share of a box that lies in another one, to the width of a part's margin.
 pub fn share_inside(part: &OrientedBox, whole: &OrientedBox) -> f64 {
+    // Most boxes are nowhere near each other.
+    let between_m = (part.centre() - whole.centre()).norm();
+    if between_m > part.half_sides_m.norm() + whole.half_sides_m.norm() + 2.0 * PART_MARGIN_M {
+        return 0.0;
+    }
     let place = |step: usize| PART_REACH * (step as f64 / (N_PART_STEPS - 1) as f64 * 2.0 - 1.0);
     let mut n_inside = 0_usize;
     for i in 0..N_PART_STEPS.pow(3) {
