@@ -45,6 +45,17 @@ pub struct SimulatedKinect {
     objects: Vec<(Arc<ObjectModel>, PreparedMesh)>,
     prepared: Prepared,
     counts: Vec<u32>,
+    alone: Vec<SeenAlone>,
+}
+
+/// How many pixels an object covers where nothing is before it; the same as long as
+/// neither it nor the camera moves.
+#[derive(Debug, Clone, Copy)]
+struct SeenAlone {
+    id: u16,
+    world_from_camera: RigidTransform,
+    world_from_object: RigidTransform,
+    n_px: u32,
 }
 
 impl SimulatedKinect {
@@ -80,6 +91,7 @@ impl SimulatedKinect {
             objects: Vec::new(),
             prepared: Prepared::Nothing,
             counts: Vec::new(),
+            alone: Vec::new(),
         })
     }
 
@@ -124,7 +136,9 @@ impl SimulatedKinect {
         );
         self.rasterizer.render(&instances);
         let objects = &instances[n_room..];
-        let truth = true_objects(&mut self.rasterizer, &mut self.counts, world, objects);
+        count_pixels(&self.rasterizer, &mut self.counts, world);
+        see_alone(&mut self.rasterizer, &mut self.alone, world, objects);
+        let truth = true_objects(&self.counts, &self.alone, world);
         let shot = Shot {
             seed: self.seed,
             frame_index: frame,
@@ -228,21 +242,53 @@ fn add_moving<'a>(
     }
 }
 
-fn true_objects(
-    rasterizer: &mut Rasterizer,
-    counts: &mut Vec<u32>,
-    world: &World,
-    instances: &[Instance<'_>],
-) -> Vec<TrueObject> {
+/// Counts the pixels in which each object is seen, by its id.
+fn count_pixels(rasterizer: &Rasterizer, counts: &mut Vec<u32>, world: &World) {
     let last = world.objects().last().map_or(0, |object| object.id);
     counts.clear();
     counts.resize(usize::from(last) + 1, 0);
     rasterizer.image().count_pixels(counts);
-    let objects = world.objects().iter().zip(instances);
+}
+
+/// Draws those objects alone that have moved against the camera; `instances` begin with
+/// the objects.
+fn see_alone(
+    rasterizer: &mut Rasterizer,
+    alone: &mut Vec<SeenAlone>,
+    world: &World,
+    instances: &[Instance<'_>],
+) {
+    let world_from_camera = world.world_from_camera();
+    alone.retain(|seen| world.find(seen.id).is_some());
+    for (object, instance) in world.objects().iter().zip(instances) {
+        let known = alone.iter().position(|seen| seen.id == object.id);
+        let is_same = known.is_some_and(|at| {
+            alone[at].world_from_camera == world_from_camera
+                && alone[at].world_from_object == object.world_from_object
+        });
+        if is_same {
+            continue;
+        }
+        let seen = SeenAlone {
+            id: object.id,
+            world_from_camera,
+            world_from_object: object.world_from_object,
+            n_px: rasterizer.n_unoccluded_px(instance) as u32,
+        };
+        match known {
+            Some(at) => alone[at] = seen,
+            None => alone.push(seen),
+        }
+    }
+}
+
+fn true_objects(counts: &[u32], alone: &[SeenAlone], world: &World) -> Vec<TrueObject> {
+    let n_px = |id: u16| {
+        let seen = alone.iter().find(|seen| seen.id == id);
+        seen.map_or(0, |seen| seen.n_px)
+    };
+    let objects = world.objects().iter();
     objects
-        .map(|(object, instance)| {
-            let unoccluded = rasterizer.n_unoccluded_px(instance) as u32;
-            TrueObject::new(object, counts[usize::from(object.id)], unoccluded)
-        })
+        .map(|object| TrueObject::new(object, counts[usize::from(object.id)], n_px(object.id)))
         .collect()
 }
