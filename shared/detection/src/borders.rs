@@ -1,7 +1,7 @@
 //! Where parts of a cluster meet, and which of them are one object.
 
 use crate::lab::ColorSum;
-use point_cloud::{OrganizedCloud, Point};
+use point_cloud::Point;
 
 /// A step of depth beyond this, metres at 1 m, growing with squared depth, is
 /// an outline: of the surface there nothing is known.
@@ -104,10 +104,11 @@ impl Borders {
 
     /// Calls `join` for each two parts that are one object, the most certain
     /// first; the first takes the second in, and what is then known of it counts
-    /// for what follows. `bend` is the bend of the surface at each pixel.
+    /// for what follows. `points` and `bend` are the point and the bend of the surface
+    /// at each pixel.
     pub(crate) fn join_same(
         &mut self,
-        cloud: &OrganizedCloud<'_>,
+        points: &[Point],
         bend: &[f32],
         mut join: impl FnMut(u32, u32),
     ) {
@@ -115,7 +116,7 @@ impl Borders {
         self.borders.clear();
         let borders = self.pairs.chunk_by(|a, b| a.parts == b.parts);
         self.borders
-            .extend(borders.map(|pairs| Border::of(pairs, cloud.points(), bend)));
+            .extend(borders.map(|pairs| Border::of(pairs, points, bend)));
         while let Some(at) = self.most_certain() {
             let [keeps, goes] = self.borders.swap_remove(at).parts;
             join(keeps, goes);
@@ -229,9 +230,8 @@ mod tests {
                 borders.add_pair([part(i + 1) as u32, part(i) as u32], [i + 1, i]);
             }
         }
-        let cloud = OrganizedCloud::new(&points, WIDTH, HEIGHT).unwrap();
         let mut joined = Vec::new();
-        borders.join_same(&cloud, &bend, |a, b| joined.push((a, b)));
+        borders.join_same(&points, &bend, |a, b| joined.push((a, b)));
         joined
     }
 

@@ -181,16 +181,15 @@ impl Summary {
         let (mut rgb, mut n_low) = ([0_u64; 3], 0_u32);
         let (mut seen, mut height_m) =
             (SeenRectangle::default(), [f32::INFINITY, f32::NEG_INFINITY]);
+        // A division of 64 bits takes twice as long.
+        let width = cloud.width() as u32;
         for &pixel in pixels {
             let point = &cloud.points()[pixel as usize];
             position += point.position().coords;
             for (sum, value) in rgb.iter_mut().zip(point.color.rgb()) {
                 *sum += u64::from(value);
             }
-            seen.add(
-                pixel as usize % cloud.width(),
-                pixel as usize / cloud.width(),
-            );
+            seen.add((pixel % width) as usize, (pixel / width) as usize);
             let h = height.at(point.x, point.y, point.z);
             height_m = [height_m[0].min(h), height_m[1].max(h)];
             n_low += u32::from(h <= config.standing_gap_max_m as f32);
@@ -228,16 +227,11 @@ impl UprightBox {
     ) -> Option<Self> {
         let [u, v, _] = table_axes;
         let mut footprint = Footprint::new();
-        for &pixel in pixels
-            .iter()
-            .step_by(pixels.len().div_ceil(N_FOOTPRINT_MAX).max(1))
-        {
-            let point = &points[pixel as usize];
-            footprint.add(
-                u.at(point.x, point.y, point.z),
-                v.at(point.x, point.y, point.z),
-            );
-        }
+        let step = pixels.len().div_ceil(N_FOOTPRINT_MAX).max(1);
+        footprint.add_all(pixels.len().div_ceil(step), |i| {
+            let point = &points[pixels[i * step] as usize];
+            [u, v].map(|axis| axis.at(point.x, point.y, point.z))
+        });
         Some(Self {
             footprint: footprint.smallest_rectangle()?,
             height_m,

@@ -1,8 +1,8 @@
 //! Concave creases: lines along which one object stands on or against another.
 
-use crate::clusters::Clusters;
+use crate::patch::{Patch, PatchPixel};
 use crate::sensor_noise::depth_sigma_m;
-use point_cloud::OrganizedCloud;
+use std::ops::Range;
 
 /// The width of the image in radians, roughly; the cloud does not say it, and
 /// the measure of a crease depends on it only in proportion.
@@ -34,150 +34,161 @@ const CREASE_PIXELS_MIN: usize = 150;
 /// Buffers, and the creases found last.
 #[derive(Debug, Default)]
 pub(crate) struct Creases {
-    /// Per pixel: whether a crease runs through it.
+    /// Per place of the patch: whether a crease runs through it.
     pub(crate) is_crease: Vec<bool>,
-    /// Per pixel: the stronger bend of its row's and its column's surface, metres
-    /// a metre, concave positive; NaN where none could be measured.
+    /// Per place: the stronger bend of its row's and its column's surface, metres a
+    /// metre, concave positive; NaN where none could be measured.
     pub(crate) bend: Vec<f32>,
-    /// Per cluster: whether it has creases that may part it.
-    pub(crate) may_part: Vec<bool>,
-    line: Vec<LinePixel>,
-    turned: Vec<LinePixel>,
+    by_column: Vec<PatchPixel>,
     next_in_column: Vec<u32>,
-    sums: Vec<[f64; 2]>,
-}
-
-/// What is written, pixel by pixel.
-struct Marks<'a> {
-    is_crease: &'a mut [bool],
-    bend: &'a mut [f32],
-}
-
-/// A pixel of a cluster, while the image is read line by line.
-#[derive(Debug, Clone, Copy, Default)]
-struct LinePixel {
-    index: u32,
-    z: f32,
+    fit: BendFit,
 }
 
 impl Creases {
-    /// Marks the creases of the clusters that may be piles, seen along rows and
-    /// along columns. Returns whether any cluster has some that may part it.
-    pub(crate) fn find(
-        &mut self,
-        cloud: &OrganizedCloud<'_>,
-        clusters: &Clusters,
-        may_be_pile: &[bool],
-    ) -> bool {
-        let width = cloud.width();
+    /// Marks the creases of a cluster, seen along rows and along columns; its image
+    /// was so many pixels wide. Returns whether it has some that may part it.
+    pub(crate) fn find(&mut self, patch: &Patch, image_width: usize) -> bool {
         self.is_crease.clear();
-        self.is_crease.resize(cloud.points().len(), false);
+        self.is_crease.resize(patch.part_of.len(), false);
         self.bend.clear();
-        self.bend.resize(cloud.points().len(), f32::NAN);
-        self.may_part.clear();
-        for (cluster, &may_be_pile) in may_be_pile.iter().enumerate() {
-            if !may_be_pile {
-                self.may_part.push(false);
-                continue;
-            }
-            let pixels = clusters.pixels(cluster);
-            self.line.clear();
-            self.line.extend(pixels.iter().map(|&index| LinePixel {
-                index,
-                z: cloud.points()[index as usize].z,
-            }));
-            self.find_in_lines(width, |pixel| pixel as usize / width);
-            self.turn(width);
-            self.find_in_lines(width, |pixel| pixel as usize % width);
-            let creases = pixels
-                .iter()
-                .filter(|&&pixel| self.is_crease[pixel as usize]);
-            self.may_part.push(creases.count() >= CREASE_PIXELS_MIN);
-        }
-        self.may_part.contains(&true)
-    }
-
-    /// Sorts the line's pixels, which are row by row, column by column.
-    fn turn(&mut self, width: usize) {
-        let Self {
-            line,
-            turned,
-            next_in_column,
-            ..
-        } = self;
-        let column = |pixel: &LinePixel| pixel.index as usize % width;
-        next_in_column.clear();
-        next_in_column.resize(width + 1, 0);
-        for pixel in line.iter() {
-            next_in_column[column(pixel) + 1] += 1;
-        }
-        for column in 0..width {
-            next_in_column[column + 1] += next_in_column[column];
-        }
-        turned.clear();
-        turned.resize(line.len(), LinePixel::default());
-        for pixel in line.iter() {
-            let place = &mut next_in_column[column(pixel)];
-            turned[*place as usize] = *pixel;
-            *place += 1;
-        }
-        std::mem::swap(line, turned);
-    }
-
-    /// Looks for creases in each part of a row or column that is one surface.
-    fn find_in_lines(&mut self, width: usize, line_of: impl Fn(u32) -> usize) {
+        self.bend.resize(patch.part_of.len(), f32::NAN);
+        let pixel_rad = IMAGE_WIDTH_RAD / image_width as f32;
+        self.turn(patch);
         let Self {
             is_crease,
             bend,
-            line,
-            sums,
+            by_column,
+            fit,
             ..
         } = self;
-        let mut marks = Marks { is_crease, bend };
-        let one_surface = |a: &LinePixel, b: &LinePixel| {
-            line_of(a.index) == line_of(b.index) && (a.z - b.z).abs() <= STEP_M * a.z * a.z
-        };
-        let pixel_rad = IMAGE_WIDTH_RAD / width as f32;
-        for surface in line.chunk_by(one_surface) {
+        let mut mark = |surface: &[PatchPixel]| {
             if surface.len() > 2 * ARM_PX[0] {
-                find_in_surface(surface, pixel_rad, sums, &mut marks);
+                let bends = fit.bends(surface, pixel_rad);
+                mark_surface(surface, bends, is_crease, bend);
+            }
+        };
+        let is_near = |a: &PatchPixel, b: &PatchPixel| (a.z - b.z).abs() <= STEP_M * a.z * a.z;
+        let rows = &patch.pixels;
+        rows.chunk_by(|a, b| a.row == b.row && is_near(a, b))
+            .for_each(&mut mark);
+        by_column
+            .chunk_by(|a, b| a.column == b.column && is_near(a, b))
+            .for_each(&mut mark);
+        let n_marked = rows.iter().filter(|pixel| is_crease[pixel.place as usize]);
+        n_marked.count() >= CREASE_PIXELS_MIN
+    }
+
+    /// Sorts the pixels, which are row by row, column by column.
+    fn turn(&mut self, patch: &Patch) {
+        let Self {
+            by_column,
+            next_in_column,
+            ..
+        } = self;
+        next_in_column.clear();
+        next_in_column.resize(patch.width + 1, 0);
+        for pixel in &patch.pixels {
+            next_in_column[pixel.column as usize + 1] += 1;
+        }
+        for column in 0..patch.width {
+            next_in_column[column + 1] += next_in_column[column];
+        }
+        by_column.clear();
+        by_column.resize(patch.pixels.len(), PatchPixel::default());
+        for pixel in &patch.pixels {
+            let next = &mut next_in_column[pixel.column as usize];
+            by_column[*next as usize] = *pixel;
+            *next += 1;
+        }
+    }
+}
+
+/// Notes the bends of a surface, and the creases where they are concave enough.
+fn mark_surface(
+    surface: &[PatchPixel],
+    bends: &[f32],
+    is_crease: &mut [bool],
+    strongest: &mut [f32],
+) {
+    for (i, (pixel, &bend)) in surface.iter().zip(bends).enumerate() {
+        let stronger = &mut strongest[pixel.place as usize];
+        *stronger = stronger.max(bend);
+        if bend >= SLOPE_MIN {
+            let wide = i.saturating_sub(SPREAD_PX)..surface.len().min(i + SPREAD_PX + 1);
+            for near in &surface[wide] {
+                is_crease[near.place as usize] = true;
             }
         }
     }
 }
 
-/// Fits, around each pixel, a straight line plus a symmetric bend to the
-/// inverse depth, which is linear in the image on a plane. Prefix sums make
-/// the work independent of the length of the arms.
-fn find_in_surface(
-    surface: &[LinePixel],
-    pixel_rad: f32,
-    sums: &mut Vec<[f64; 2]>,
-    marks: &mut Marks<'_>,
-) {
-    let mut sum = [0.0; 2];
-    sums.clear();
-    sums.push(sum);
-    for (i, pixel) in surface.iter().enumerate() {
-        // Double precision: the second sum of a long row dwarfs what a bend changes.
-        let value = f64::from(1.0 / pixel.z);
-        sum = [sum[0] + value, sum[1] + i as f64 * value];
-        sums.push(sum);
+/// Fits, around each pixel of a surface, a straight line plus a symmetric bend to
+/// the inverse depth, which is linear in the image on a plane.
+#[derive(Debug, Default)]
+struct BendFit {
+    /// Prefix sums of the inverse depth and of its product with the place, which make
+    /// the work independent of the length of the arms. Double precision: the second
+    /// sum of a long row dwarfs what a bend changes.
+    sums: [Vec<f64>; 2],
+    bends: Vec<f32>,
+}
+
+impl BendFit {
+    /// The bend at each pixel, metres a metre; NaN where the arms would be too short.
+    fn bends(&mut self, surface: &[PatchPixel], pixel_rad: f32) -> &[f32] {
+        self.add_up(surface);
+        let n = surface.len();
+        self.bends.clear();
+        self.bends.resize(n, f32::NAN);
+        let most = (n - 1) / 2;
+        let arm = arm_px(surface[0].z, pixel_rad).min(most);
+        for short in ARM_PX[0]..arm {
+            self.fit(short..short + 1, short);
+            self.fit(n - 1 - short..n - short, short);
+        }
+        self.fit(arm..n - arm, arm);
+        for (bend, pixel) in self.bends.iter_mut().zip(surface) {
+            *bend = *bend * pixel.z / pixel_rad;
+        }
+        &self.bends
     }
-    let arm_wanted = arm_px(surface[0].z, pixel_rad);
-    for (i, pixel) in surface.iter().enumerate() {
-        let reach = i.min(surface.len() - 1 - i);
-        let arm = arm_wanted.min(reach);
-        if arm >= ARM_PX[0] {
-            let bend = bend_of(sums, i, arm) * pixel.z / pixel_rad;
-            let stronger = &mut marks.bend[pixel.index as usize];
-            *stronger = stronger.max(bend);
-            if bend >= SLOPE_MIN {
-                let wide = i.saturating_sub(SPREAD_PX)..surface.len().min(i + SPREAD_PX + 1);
-                for near in &surface[wide] {
-                    marks.is_crease[near.index as usize] = true;
-                }
-            }
+
+    fn add_up(&mut self, surface: &[PatchPixel]) {
+        let [plain, weighted] = &mut self.sums;
+        let mut sum = [0.0; 2];
+        for sums in [&mut *plain, &mut *weighted] {
+            sums.clear();
+            sums.push(0.0);
+        }
+        plain.extend(surface.iter().map(|pixel| {
+            sum[0] += f64::from(1.0 / pixel.z);
+            sum[0]
+        }));
+        weighted.extend(surface.iter().enumerate().map(|(i, pixel)| {
+            sum[1] += i as f64 * f64::from(1.0 / pixel.z);
+            sum[1]
+        }));
+    }
+
+    /// Slope of inverse depth, per pixel, away from each of some pixels on both
+    /// sides, over arms of a length. Without a branch, so that the compiler makes
+    /// vector instructions of it.
+    fn fit(&mut self, pixels: Range<usize>, arm: usize) {
+        let (first, n) = (pixels.start, pixels.len());
+        let [plain, weighted] = &self.sums;
+        let ends = [first - arm, first, first + 1, first + arm + 1];
+        let p = ends.map(|end| &plain[end..end + n]);
+        let w = ends.map(|end| &weighted[end..end + n]);
+        let mean = 0.5 * (arm as f64 + 1.0);
+        // Sum of (|j| - mean)² over both arms.
+        let spread = arm as f64 * ((arm * arm) as f64 - 1.0) / 6.0;
+        let bends = &mut self.bends[pixels];
+        for i in 0..n {
+            let at = (first + i) as f64;
+            let (left, right) = (p[1][i] - p[0][i], p[3][i] - p[2][i]);
+            // Sum of |j| w and of w over both arms, without the pixel itself.
+            let weighted = (w[3][i] - w[2][i]) - at * right + at * left - (w[1][i] - w[0][i]);
+            bends[i] = ((weighted - mean * (right + left)) / spread) as f32;
         }
     }
 }
@@ -190,32 +201,14 @@ fn arm_px(z: f32, pixel_rad: f32) -> usize {
     (cubed.cbrt() as usize).clamp(ARM_PX[0], ARM_PX[1])
 }
 
-/// Slope of inverse depth, per pixel, away from pixel `i` on both sides.
-#[inline]
-fn bend_of(sums: &[[f64; 2]], i: usize, arm: usize) -> f32 {
-    let between = |from: usize, to: usize, k: usize| sums[to][k] - sums[from][k];
-    let (n, at) = (arm as f64, i as f64);
-    let (left, right) = ((i - arm, i), (i + 1, i + arm + 1));
-    // Sum of |j| w and of w over both arms, without the pixel itself.
-    let weighted = between(right.0, right.1, 1) - at * between(right.0, right.1, 0)
-        + at * between(left.0, left.1, 0)
-        - between(left.0, left.1, 1);
-    let plain = between(right.0, right.1, 0) + between(left.0, left.1, 0);
-    let mean = 0.5 * (n + 1.0);
-    // Sum of (|j| - mean)² over both arms.
-    let spread = n * (n * n - 1.0) / 6.0;
-    ((weighted - mean * plain) / spread) as f32
-}
-
 #[cfg(test)]
 impl Creases {
     /// Creases as given, for tests of what follows from them.
-    pub(crate) fn from_marks(is_crease: Vec<bool>, may_part: Vec<bool>) -> Self {
+    pub(crate) fn from_marks(is_crease: Vec<bool>) -> Self {
         let bend = is_crease.iter().map(|&is| f32::from(is)).collect();
         Self {
             is_crease,
             bend,
-            may_part,
             ..Self::default()
         }
     }
@@ -224,7 +217,7 @@ impl Creases {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use point_cloud::{Point, Rgba};
+    use point_cloud::{OrganizedCloud, Point, Rgba};
     use proptest::prelude::*;
 
     const WIDTH: usize = 640;
@@ -244,12 +237,13 @@ mod tests {
             })
             .collect();
         let cloud = OrganizedCloud::new(&points, WIDTH, 40).unwrap();
-        let pixels: Vec<u32> = (0..points.len() as u32).collect();
-        let mut clusters = Clusters::default();
-        clusters.join(&cloud, &pixels, 1);
+        let cluster: Vec<u32> = (0..points.len() as u32).collect();
+        let mut patch = Patch::default();
+        patch.lay(&cloud, &cluster);
         let mut creases = Creases::default();
-        creases.find(&cloud, &clusters, &vec![true; clusters.len()]);
-        creases.is_crease
+        creases.find(&patch, WIDTH);
+        let is_crease = |pixel: &PatchPixel| creases.is_crease[pixel.place as usize];
+        patch.pixels.iter().map(is_crease).collect()
     }
 
     /// Depth of two planes that meet at column 320, each leaving the line of

@@ -2,11 +2,10 @@
 
 use crate::axis::Axis;
 use crate::candidate::{Body, Candidate};
-use crate::clusters::{Clusters, TrackClaims};
+use crate::clusters::{Clusters, Parting, TrackClaims};
 use crate::constraint::{
     Assumption, Assumptions, Constraint, ConstraintSet, Expression, Judge, Limbs, Truth,
 };
-use crate::creases::Creases;
 use crate::islands::Islands;
 use crate::outline::{Lattice, Outline};
 use crate::piles::find_piles;
@@ -30,9 +29,6 @@ const N_POINTS_MAX: usize = 1 << 26;
 
 /// A candidate this near to the border of what is seen may be cut by it, pixels.
 const BORDER_PX: usize = 3;
-
-/// A part of a cluster between creases has at least this many pixels.
-const PART_PIXELS_MIN: u32 = 150;
 
 /// Points of the foot of an object lie this high over the table, metres, or so
 /// many sigma of the depth noise where that is more.
@@ -123,9 +119,8 @@ pub struct Workspace {
     /// not empty.
     limb_clusters: Clusters,
     clusters: Clusters,
-    whole: Clusters,
-    creases: Creases,
     may_be_pile: Vec<bool>,
+    parting: Parting,
     track_claims: TrackClaims,
     islands: Islands,
     bodies: Vec<Body>,
@@ -295,18 +290,14 @@ fn join(frame: &Frame<'_>, table: &Table, config: &RawConfig, workspace: &mut Wo
 /// Parts the clusters that are several objects along their creases.
 fn split_piles(cloud: &OrganizedCloud<'_>, table: &Table, workspace: &mut Workspace) {
     let Workspace {
-        whole,
         clusters,
-        creases,
         may_be_pile,
+        parting,
         ..
     } = workspace;
     let table_axes = Axis::of_transform(&table.table_from_camera);
     find_piles(cloud, clusters, &table_axes, may_be_pile);
-    if creases.find(cloud, clusters, may_be_pile) {
-        std::mem::swap(whole, clusters);
-        clusters.split(cloud, whole, creases, PART_PIXELS_MIN);
-    }
+    clusters.part_along_creases(cloud, may_be_pile, parting);
 }
 
 /// Parts the clusters that are several tracked objects that have come together, and

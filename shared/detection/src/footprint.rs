@@ -10,10 +10,14 @@ const N_DIRECTIONS: usize = 24;
 /// Steps of the search for the yaw: one degree.
 const N_YAWS: usize = 90;
 
+/// Points are added in the order of every so many.
+const SPREAD: usize = 61;
+
 /// The outermost points of a set in the plane.
 #[derive(Debug, Clone)]
 pub(crate) struct Footprint {
-    directions: [[f32; 2]; N_DIRECTIONS],
+    /// First and second coordinates of the directions.
+    directions: [[f32; N_DIRECTIONS]; 2],
     farthest: [f32; N_DIRECTIONS],
     corners: [[f32; 2]; N_DIRECTIONS],
 }
@@ -54,22 +58,40 @@ impl Rectangle {
 
 impl Footprint {
     pub(crate) fn new() -> Self {
-        let directions = std::array::from_fn(|i| {
-            let (sin, cos) = (TAU * (i as f64 + 0.5) / N_DIRECTIONS as f64).sin_cos();
-            [cos as f32, sin as f32]
-        });
+        let angle = |i: usize| TAU * (i as f64 + 0.5) / N_DIRECTIONS as f64;
         Self {
-            directions,
+            directions: [
+                std::array::from_fn(|i| angle(i).cos() as f32),
+                std::array::from_fn(|i| angle(i).sin() as f32),
+            ],
             farthest: [f32::NEG_INFINITY; N_DIRECTIONS],
             corners: [[0.0; 2]; N_DIRECTIONS],
+        }
+    }
+
+    /// Adds `n` finite points, which are mostly given in the order of an image: those far
+    /// from each other first, so that few are outermost when their turn comes.
+    #[inline]
+    pub(crate) fn add_all(&mut self, n: usize, point: impl Fn(usize) -> [f32; 2]) {
+        for first in 0..SPREAD.min(n) {
+            for i in (first..n).step_by(SPREAD) {
+                let [u, v] = point(i);
+                self.add(u, v);
+            }
         }
     }
 
     /// Adds a finite point.
     #[inline]
     pub(crate) fn add(&mut self, u: f32, v: f32) {
-        for i in 0..N_DIRECTIONS {
-            let along = self.directions[i][0] * u + self.directions[i][1] * v;
+        let [of_u, of_v] = &self.directions;
+        let along: [f32; N_DIRECTIONS] = std::array::from_fn(|i| of_u[i] * u + of_v[i] * v);
+        // Most points lie within the others, which a few vector instructions tell.
+        let farther = (0..N_DIRECTIONS).filter(|&i| along[i] > self.farthest[i]);
+        if farther.count() == 0 {
+            return;
+        }
+        for (i, along) in along.into_iter().enumerate() {
             if along > self.farthest[i] {
                 self.farthest[i] = along;
                 self.corners[i] = [u, v];

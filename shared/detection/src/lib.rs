@@ -25,6 +25,7 @@ mod footprint;
 mod islands;
 mod lab;
 mod outline;
+mod patch;
 mod piles;
 mod plane_search;
 mod prism;

@@ -54,6 +54,15 @@ impl Outline {
         }
     }
 
+    /// Whether a place and all around it up to a distance, metres, lie inside, away
+    /// from every side.
+    pub(crate) fn holds_around(&self, place: &Point2<f64>, distance_m: f64) -> bool {
+        self.contains(place)
+            && self
+                .sides()
+                .all(|(a, b, _)| self::distance_m(place, &a, &b) > distance_m)
+    }
+
     fn sides(&self) -> impl Iterator<Item = (Point2<f64>, Point2<f64>, bool)> {
         let next = self.corners.iter().cycle().skip(1);
         let sides = self.corners.iter().zip(next).zip(&self.is_rim);

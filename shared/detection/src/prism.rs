@@ -130,6 +130,21 @@ impl<'a> Prism<'a> {
             & (height <= self.height_range[1])
     }
 
+    /// False for a block without any point of the prism's heights: most of an image is
+    /// table and what is lower.
+    #[inline]
+    #[expect(
+        clippy::needless_bitwise_bool,
+        reason = "branches that can not be foreseen cost more than comparisons"
+    )]
+    fn may_be_high(&self, block: &[Point; BLOCK]) -> bool {
+        let [lowest, highest] = self.height_range;
+        block.iter().fold(false, |any, point| {
+            let height = self.height.at(point.x, point.y, point.z);
+            any | ((height >= lowest) & (height <= highest))
+        })
+    }
+
     /// [`is_high`](Self::is_high) of each point of a block, coordinate by
     /// coordinate, which the compiler turns into vector instructions.
     #[inline]
@@ -201,6 +216,10 @@ impl<'a> Prism<'a> {
         let (mut n_high, mut column) = (0, 0);
         let (blocks, rest) = points.as_chunks::<BLOCK>();
         for block in blocks {
+            if !self.may_be_high(block) {
+                column += BLOCK as u32;
+                continue;
+            }
             for is_high in self.are_high(block) {
                 row[n_high] = column;
                 n_high += usize::from(is_high);

@@ -4,10 +4,10 @@ mod by_tracks;
 mod feet;
 mod parting;
 
-use crate::borders::Borders;
 use point_cloud::{OrganizedCloud, Point};
 
 pub(crate) use by_tracks::TrackClaims;
+pub(crate) use parting::Parting;
 
 /// Mark of a pixel that is in no cluster.
 pub(crate) const OUTSIDE: u32 = u32::MAX;
@@ -23,6 +23,16 @@ struct Links {
     /// How many pixels a link may span: holes of the sensor are bridged, the
     /// distance in space stays the judge.
     reach_px: usize,
+}
+
+impl Links {
+    /// Greatest squared distance of two linked points, one of them at a depth, square
+    /// metres.
+    #[inline]
+    fn squared_max(&self, z: f32) -> f32 {
+        let distance_max = self.floor_m + self.per_m2 * z * z;
+        distance_max * distance_max
+    }
 }
 
 /// Links of a cluster.
@@ -46,7 +56,6 @@ pub(crate) struct Clusters {
     /// Pixels grouped by cluster.
     pixels: Vec<u32>,
     ungrouped: Vec<u32>,
-    borders: Borders,
     /// Pixels from which parts grow.
     front: Vec<u32>,
 }
@@ -76,8 +85,15 @@ impl Clusters {
         self.cluster_of.clear();
         self.cluster_of.resize(cloud.points().len(), OUTSIDE);
         self.parents.clear();
+        let width = cloud.width();
+        let (mut row, mut row_start) = (0, 0);
         for i in 0..self.ungrouped.len() {
-            self.link_pixel(links, cloud, self.ungrouped[i] as usize);
+            let pixel = self.ungrouped[i] as usize;
+            while pixel >= row_start + width {
+                row_start += width;
+                row += 1;
+            }
+            self.link_pixel(links, cloud, [pixel - row_start, row]);
         }
         self.number_large(n_min);
         self.group();
@@ -86,40 +102,36 @@ impl Clusters {
     /// Gives a pixel the label of the neighbours before it that are near in
     /// space, or a new one.
     #[inline]
-    fn link_pixel(&mut self, links: &Links, cloud: &OrganizedCloud<'_>, pixel: usize) {
+    fn link_pixel(&mut self, links: &Links, cloud: &OrganizedCloud<'_>, [column, row]: [usize; 2]) {
         let (points, width) = (cloud.points(), cloud.width());
-        let column = pixel % width;
-        let point = &points[pixel];
-        let distance_max = links.floor_m + links.per_m2 * point.z * point.z;
-        let squared_max = distance_max * distance_max;
-        let mut own = OUTSIDE;
-        let mut visit = |neighbour: usize, own: &mut u32| {
-            let other = self.cluster_of[neighbour];
-            let linked =
-                other != OUTSIDE && squared_distance(point, &points[neighbour]) <= squared_max;
-            if linked && *own == OUTSIDE {
-                *own = other;
-            } else if linked && *own != other {
-                *own = unite(&mut self.parents, *own, other);
-            }
-            linked
+        let Self {
+            cluster_of,
+            parents,
+            ..
+        } = self;
+        let pixel = row * width + column;
+        let near = Near {
+            points,
+            cluster_of,
+            point: points[pixel],
+            squared_max: links.squared_max(points[pixel].z),
         };
-        let _ = (1..=links.reach_px.min(column)).any(|step| visit(pixel - step, &mut own));
-        let n_above = links.reach_px.min(pixel / width);
-        let _ = (1..=n_above).any(|step| visit(pixel - step * width, &mut own));
-        let on_left = (n_above > 0 && column > 0).then(|| pixel - width - 1);
-        let on_right = (n_above > 0 && column + 1 < width).then(|| pixel - width + 1);
+        let left = near.first_label(pixel, 1, links.reach_px.min(column));
+        let above = near.first_label(pixel, width, links.reach_px.min(row));
+        let mut own = joined(parents, left, above);
+        let on_left = (row > 0 && column > 0).then(|| pixel - width - 1);
+        let on_right = (row > 0 && column + 1 < width).then(|| pixel - width + 1);
         for diagonal in [on_left, on_right].into_iter().flatten() {
             // Mostly it has the same label already, and no distance is needed.
-            if self.cluster_of[diagonal] != own {
-                visit(diagonal, &mut own);
+            if cluster_of[diagonal] != own {
+                own = joined(parents, own, near.label(diagonal));
             }
         }
         if own == OUTSIDE {
-            own = self.parents.len() as u32;
-            self.parents.push(own);
+            own = parents.len() as u32;
+            parents.push(own);
         }
-        self.cluster_of[pixel] = own;
+        cluster_of[pixel] = own;
     }
 
     /// Numbers the clusters that are large enough, and counts their pixels.
@@ -170,11 +182,59 @@ impl Clusters {
     }
 }
 
+/// What is asked about the neighbours of a point.
+struct Near<'a> {
+    points: &'a [Point],
+    cluster_of: &'a [u32],
+    point: Point,
+    squared_max: f32,
+}
+
+impl Near<'_> {
+    /// The label of a neighbour that is linked; [`OUTSIDE`] for others.
+    #[inline]
+    fn label(&self, neighbour: usize) -> u32 {
+        let label = self.cluster_of[neighbour];
+        let squared_distance = squared_distance(&self.point, &self.points[neighbour]);
+        if label != OUTSIDE && squared_distance <= self.squared_max {
+            label
+        } else {
+            OUTSIDE
+        }
+    }
+
+    /// The label of the first linked one of `n` neighbours, each `step` before the
+    /// last.
+    #[inline]
+    fn first_label(&self, mut pixel: usize, step: usize, n: usize) -> u32 {
+        for _ in 0..n {
+            pixel -= step;
+            let label = self.label(pixel);
+            if label != OUTSIDE {
+                return label;
+            }
+        }
+        OUTSIDE
+    }
+}
+
 /// Squared distance of two points, square metres.
 #[inline]
 fn squared_distance(a: &Point, b: &Point) -> f32 {
     let (dx, dy, dz) = (a.x - b.x, a.y - b.y, a.z - b.z);
     dx * dx + dy * dy + dz * dz
+}
+
+/// Joins the clusters of two labels, either of which may be none.
+#[inline]
+fn joined(parents: &mut [u32], a: u32, b: u32) -> u32 {
+    if a == OUTSIDE || a == b {
+        b
+    } else if b == OUTSIDE {
+        a
+    } else {
+        unite(parents, a, b)
+    }
 }
 
 /// Joins two clusters under the one that began first; returns its root.

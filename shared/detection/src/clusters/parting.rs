@@ -1,8 +1,13 @@
 //! Clusters that are several objects, parted along their creases.
 
-use super::{Clusters, Links, OUTSIDE, unite};
+use super::{Clusters, Links, root, squared_distance, unite};
+use crate::borders::Borders;
 use crate::creases::Creases;
+use crate::patch::{FREE, OUTSIDE, Patch};
 use point_cloud::OrganizedCloud;
+
+/// A part of a cluster between creases has at least this many pixels.
+const PART_PIXELS_MIN: u32 = 150;
 
 /// Links between creases: narrow, since what they cut off is given back later.
 const CLOSE_LINKS: Links = Links {
@@ -12,117 +17,298 @@ const CLOSE_LINKS: Links = Links {
 };
 
 /// Columns and rows by which a part grows; across a hole of one pixel too.
-const GROWTH: [(isize, isize); 8] = [
-    (-1, 0),
-    (1, 0),
-    (0, -1),
-    (0, 1),
-    (-2, 0),
-    (2, 0),
-    (0, -2),
-    (0, 2),
+const GROWTH: [[isize; 2]; 8] = [
+    [-1, 0],
+    [1, 0],
+    [0, -1],
+    [0, 1],
+    [-2, 0],
+    [2, 0],
+    [0, -2],
+    [0, 2],
 ];
 
+/// Buffers.
+#[derive(Debug, Default)]
+pub(crate) struct Parting {
+    patch: Patch,
+    creases: Creases,
+    borders: Borders,
+    /// Per label of a part: the label it was joined with.
+    parents: Vec<u32>,
+    /// Per label: its number of pixels, then the number of its part.
+    number_of: Vec<u32>,
+    /// Places that no part has reached yet, and those reached last with their part.
+    free: Vec<u32>,
+    reached: Vec<(u32, u32)>,
+    /// Where the parts of all clusters begin, and the pixels of one in new order.
+    starts: Vec<u32>,
+    sorted: Vec<u32>,
+}
+
 impl Clusters {
-    /// Takes clusters over from `whole`, splitting those that have creases:
-    /// joins what lies between creases, keeps parts of at least `n_min`
-    /// pixels, gives every other pixel of a cluster to the part that reaches
-    /// it first, and joins parts again whose border says that they are one.
-    pub(crate) fn split(
+    /// Parts the clusters that may be piles along their creases, cluster by cluster:
+    /// joins what lies between creases, keeps parts of some size, gives every other
+    /// pixel to the part that reaches it first, and joins parts again whose border
+    /// says that they are one.
+    pub(crate) fn part_along_creases(
         &mut self,
         cloud: &OrganizedCloud<'_>,
-        whole: &Self,
-        creases: &Creases,
-        n_min: u32,
+        may_be_pile: &[bool],
+        parting: &mut Parting,
     ) {
-        self.ungrouped.clear();
-        let split = || (0..whole.len()).filter(|&cluster| creases.may_part[cluster]);
-        for cluster in split() {
-            let pixels = whole.pixels(cluster).iter().copied();
-            self.ungrouped
-                .extend(pixels.filter(|&pixel| !creases.is_crease[pixel as usize]));
+        parting.starts.clear();
+        parting.starts.push(0);
+        for (cluster, &may_be_pile) in may_be_pile.iter().enumerate() {
+            let range = self.starts[cluster] as usize..self.starts[cluster + 1] as usize;
+            let pixels = &mut self.pixels[range];
+            if may_be_pile && parting.part(cloud, pixels) {
+                parting.sort(pixels);
+            } else {
+                let end = self.starts[cluster + 1];
+                parting.starts.push(end);
+            }
         }
-        self.join_ungrouped(&CLOSE_LINKS, cloud, n_min);
-        self.grow_within(whole, split(), cloud.width());
-        let n_parts = self.len() + whole.len();
-        self.parents.clear();
-        self.parents.extend(0..n_parts as u32);
-        self.borders.clear(n_parts);
-        for cluster in split() {
-            self.find_borders(cloud, whole, whole.pixels(cluster));
+        if parting.starts.len() > self.starts.len() {
+            std::mem::swap(&mut self.starts, &mut parting.starts);
+            self.mark_pixels();
         }
+    }
+
+    /// Notes for each pixel in which cluster it is now.
+    fn mark_pixels(&mut self) {
+        for (cluster, range) in (0..).zip(self.starts.windows(2)) {
+            for &pixel in &self.pixels[range[0] as usize..range[1] as usize] {
+                self.cluster_of[pixel as usize] = cluster;
+            }
+        }
+    }
+}
+
+impl Parting {
+    /// Finds the parts of a cluster. Returns whether there are several.
+    fn part(&mut self, cloud: &OrganizedCloud<'_>, cluster: &[u32]) -> bool {
+        self.patch.lay(cloud, cluster);
+        self.creases.find(&self.patch, cloud.width()) && self.part_patch(PART_PIXELS_MIN)
+    }
+
+    /// Finds the parts, of at least `n_min` pixels each, between the creases.
+    fn part_patch(&mut self, n_min: u32) -> bool {
+        self.join_between_creases();
+        let n_parts = self.keep_large(n_min);
+        self.grow();
+        self.find_borders(n_parts);
+        self.join_same()
+    }
+
+    /// Gives each pixel beside the creases the label of the neighbours before it that
+    /// are near in space, or a new one.
+    fn join_between_creases(&mut self) {
         let Self {
-            borders, parents, ..
+            patch,
+            creases,
+            parents,
+            ..
         } = self;
-        borders.join_same(cloud, &creases.bend, |a, b| {
+        let Patch {
+            width,
+            pixels,
+            points,
+            part_of,
+        } = patch;
+        parents.clear();
+        for pixel in pixels {
+            let place = pixel.place as usize;
+            if creases.is_crease[place] {
+                continue;
+            }
+            let squared_max = CLOSE_LINKS.squared_max(pixel.z);
+            let mut own = FREE;
+            for near in [
+                place - 1,
+                place - *width,
+                place - *width - 1,
+                place - *width + 1,
+            ] {
+                let other = part_of[near];
+                if other < FREE
+                    && other != own
+                    && squared_distance(&points[place], &points[near]) <= squared_max
+                {
+                    own = match own {
+                        FREE => other,
+                        own => unite(parents, own, other),
+                    };
+                }
+            }
+            if own == FREE {
+                own = parents.len() as u32;
+                parents.push(own);
+            }
+            part_of[place] = own;
+        }
+    }
+
+    /// Numbers the parts that are large enough, in the order in which they begin, and
+    /// frees the pixels of the others. Returns the number of parts.
+    fn keep_large(&mut self, n_min: u32) -> u32 {
+        let Self {
+            patch,
+            parents,
+            number_of,
+            ..
+        } = self;
+        for label in 0..parents.len() as u32 {
+            parents[label as usize] = root(parents, label);
+        }
+        number_of.clear();
+        number_of.resize(parents.len(), 0);
+        let labels = || patch.part_of.iter().filter(|&&label| label < FREE);
+        for &label in labels() {
+            number_of[parents[label as usize] as usize] += 1;
+        }
+        let mut n_parts = 0;
+        for n in number_of.iter_mut() {
+            let is_large = *n >= n_min;
+            *n = if is_large { n_parts } else { FREE };
+            n_parts += u32::from(is_large);
+        }
+        for label in patch.part_of.iter_mut().filter(|label| **label < FREE) {
+            *label = number_of[parents[*label as usize] as usize];
+        }
+        n_parts
+    }
+
+    /// Lets the parts grow over what is free: what is as near to several parts goes to
+    /// the one in the first direction of [`GROWTH`].
+    fn grow(&mut self) {
+        let Self {
+            patch,
+            free,
+            reached,
+            ..
+        } = self;
+        let width = patch.width as isize;
+        let steps = GROWTH.map(|[columns, rows]| columns + rows * width);
+        let part_of = &mut patch.part_of;
+        let places = patch.pixels.iter().map(|pixel| pixel.place);
+        free.clear();
+        free.extend(places.filter(|&place| part_of[place as usize] == FREE));
+        loop {
+            reached.clear();
+            free.retain(|&place| {
+                let near = steps.map(|step| part_of[(place as usize).wrapping_add_signed(step)]);
+                let part = near.into_iter().find(|&part| part < FREE);
+                reached.extend(part.map(|part| (place, part)));
+                part.is_none()
+            });
+            if reached.is_empty() {
+                return;
+            }
+            for &(place, part) in reached.iter() {
+                part_of[place as usize] = part;
+            }
+        }
+    }
+
+    /// Notes where parts meet, and what they look like. What no part reaches is one
+    /// more, the last.
+    fn find_borders(&mut self, n_parts: u32) {
+        let Self { patch, borders, .. } = self;
+        for part in patch.part_of.iter_mut().filter(|part| **part == FREE) {
+            *part = n_parts;
+        }
+        borders.clear(n_parts as usize + 1);
+        for pixel in &patch.pixels {
+            let place = pixel.place as usize;
+            let part = patch.part_of[place];
+            borders.add_pixel(part, &patch.points[place]);
+            for near in [place + 1, place + patch.width] {
+                let other = patch.part_of[near];
+                if other != part && other != OUTSIDE {
+                    borders.add_pair([part, other], [place, near]);
+                }
+            }
+        }
+        self.parents.clear();
+        self.parents.extend(0..=n_parts);
+    }
+
+    /// Joins the parts whose border says that they are one, and numbers what is left.
+    /// Returns whether it is more than one.
+    fn join_same(&mut self) -> bool {
+        let Self {
+            patch,
+            creases,
+            borders,
+            parents,
+            number_of,
+            ..
+        } = self;
+        borders.join_same(&patch.points, &creases.bend, |a, b| {
             unite(parents, a, b);
         });
-        self.ungrouped.clear();
-        self.ungrouped.extend_from_slice(&whole.pixels);
-        self.number_large(1);
-        self.group();
+        number_of.clear();
+        number_of.resize(parents.len(), 0);
+        for pixel in &patch.pixels {
+            let part = &mut patch.part_of[pixel.place as usize];
+            *part = root(parents, *part);
+            number_of[*part as usize] += 1;
+        }
+        number_of.iter().filter(|&&n| n > 0).count() > 1
     }
 
-    /// Lets the clusters grow, pixel by pixel, within those of `whole`; what
-    /// no cluster reaches gets the label of its cluster in `whole`, counted on
-    /// from the own ones.
-    fn grow_within(&mut self, whole: &Self, split: impl Iterator<Item = usize>, width: usize) {
-        let n_parts = self.len() as u32;
-        let neighbours = |pixel: usize| {
-            GROWTH.iter().filter_map(move |(columns, rows)| {
-                let column = (pixel % width).checked_add_signed(*columns)?;
-                let near = pixel.wrapping_add_signed(columns + rows * width as isize);
-                let same = whole.cluster_of.get(near) == Some(&whole.cluster_of[pixel]);
-                (column < width && same).then_some(near)
-            })
-        };
-        // The front begins with the grouped pixels that have somewhere to grow.
-        self.front.clear();
-        for cluster in split {
-            for &pixel in whole.pixels(cluster) {
-                let pixel = pixel as usize;
-                let is_free = |&near: &usize| self.cluster_of[near] == OUTSIDE;
-                if self.cluster_of[pixel] == OUTSIDE {
-                    let grouped = neighbours(pixel).filter(|near| !is_free(near));
-                    self.front.extend(grouped.map(|near| near as u32));
-                }
-            }
-        }
+    /// Sorts the pixels of a cluster by the part they are in, and notes where each
+    /// part ends.
+    fn sort(&mut self, pixels: &mut [u32]) {
+        let Self {
+            patch,
+            number_of: next_of,
+            starts,
+            sorted,
+            ..
+        } = self;
+        let mut end = starts.last().copied().unwrap_or(0);
         let mut next = 0;
-        while next < self.front.len() {
-            let pixel = self.front[next] as usize;
-            next += 1;
-            for near in neighbours(pixel) {
-                if self.cluster_of[near] == OUTSIDE {
-                    self.cluster_of[near] = self.cluster_of[pixel];
-                    self.front.push(near as u32);
-                }
+        for n in next_of.iter_mut() {
+            let n_pixels = std::mem::replace(n, next);
+            next += n_pixels;
+            if n_pixels > 0 {
+                end += n_pixels;
+                starts.push(end);
             }
         }
-        for &pixel in &whole.pixels {
-            if self.cluster_of[pixel as usize] == OUTSIDE {
-                self.cluster_of[pixel as usize] = n_parts + whole.cluster_of[pixel as usize];
-            }
+        sorted.clear();
+        sorted.resize(pixels.len(), 0);
+        for (own, &pixel) in patch.pixels.iter().zip(pixels.iter()) {
+            let next = &mut next_of[patch.part_of[own.place as usize] as usize];
+            sorted[*next as usize] = pixel;
+            *next += 1;
         }
+        pixels.copy_from_slice(sorted);
     }
+}
 
-    /// Notes where parts of one cluster of `whole` meet, and what they look like.
-    fn find_borders(&mut self, cloud: &OrganizedCloud<'_>, whole: &Self, pixels: &[u32]) {
-        for &pixel in pixels {
-            let pixel = pixel as usize;
-            let part = self.cluster_of[pixel];
-            self.borders.add_pixel(part, &cloud.points()[pixel]);
-            let row_ends = (pixel + 1).is_multiple_of(cloud.width());
-            let right = if row_ends { None } else { Some(pixel + 1) };
-            for near in right.into_iter().chain([pixel + cloud.width()]) {
-                let other = self.cluster_of.get(near).copied();
-                let Some(other) = other.filter(|&other| other != part) else {
-                    continue;
-                };
-                if whole.cluster_of[near] == whole.cluster_of[pixel] {
-                    self.borders.add_pair([part, other], [pixel, near]);
-                }
-            }
+#[cfg(test)]
+impl Parting {
+    /// Parts a cluster along creases as given, for each pixel of the image; returns
+    /// where its parts end.
+    pub(super) fn part_along(
+        &mut self,
+        cloud: &OrganizedCloud<'_>,
+        cluster: &mut [u32],
+        is_crease: &[bool],
+        n_min: u32,
+    ) -> Vec<u32> {
+        self.patch.lay(cloud, cluster);
+        let mut marks = vec![false; self.patch.part_of.len()];
+        for (own, &pixel) in self.patch.pixels.iter().zip(cluster.iter()) {
+            marks[own.place as usize] = is_crease[pixel as usize];
         }
+        self.creases = Creases::from_marks(marks);
+        self.starts = vec![0];
+        self.part_patch(n_min);
+        self.sort(cluster);
+        std::mem::take(&mut self.starts)
     }
 }

@@ -1,7 +1,6 @@
 //! Clusters against brute force.
 
 use super::*;
-use crate::creases::Creases;
 use point_cloud::Rgba;
 use proptest::prelude::*;
 
@@ -77,24 +76,27 @@ proptest! {
     }
 
     #[test]
-    fn a_split_loses_no_pixel_and_joins_none(image in image(), creased in prop::collection::vec(any::<bool>(), WIDTH * 8)) {
+    fn a_parted_cluster_loses_no_pixel(
+        image in image(), creased in prop::collection::vec(any::<bool>(), WIDTH * 8),
+    ) {
         let points = points(&image);
         let pixels: Vec<u32> =
             (0..image.len() as u32).filter(|&i| image[i as usize].is_some()).collect();
         let cloud = OrganizedCloud::new(&points, WIDTH, 8).unwrap();
-        let (mut whole, mut parts) = (Clusters::default(), Clusters::default());
-        whole.join(&cloud, &pixels, 2);
-        let creases = Creases::from_marks(creased, vec![true; whole.len()]);
-        parts.split(&cloud, &whole, &creases, 3);
-        let mut left: Vec<u32> = parts.pixels.clone();
-        left.sort_unstable();
-        let mut right = whole.pixels.clone();
-        right.sort_unstable();
-        prop_assert_eq!(left, right);
-        for part in 0..parts.len() {
-            prop_assert!(parts.pixels(part).is_sorted());
-            let of = |&pixel: &u32| whole.cluster_of[pixel as usize];
-            prop_assert!(parts.pixels(part).iter().map(of).all(|c| c == of(&parts.pixels(part)[0])));
+        let (mut clusters, mut parting) = (Clusters::default(), Parting::default());
+        clusters.join(&cloud, &pixels, 2);
+        for cluster in 0..clusters.len() {
+            let whole = clusters.pixels(cluster).to_vec();
+            let mut parted = whole.clone();
+            let starts = parting.part_along(&cloud, &mut parted, &creased, 3);
+            prop_assert!(starts.len() >= 2);
+            for part in starts.windows(2) {
+                let part = &parted[part[0] as usize..part[1] as usize];
+                prop_assert!(!part.is_empty() && part.is_sorted());
+            }
+            prop_assert_eq!(starts.last().copied(), Some(whole.len() as u32));
+            parted.sort_unstable();
+            prop_assert_eq!(parted, whole);
         }
     }
 }

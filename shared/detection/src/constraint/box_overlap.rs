@@ -1,7 +1,7 @@
 //! How much of two boxes is common.
 
 use geometry::OrientedBox;
-use nalgebra::{Point3, Vector3};
+use nalgebra::Vector3;
 
 /// Samples along each side of a box: an overlap is found to a few percent.
 const N_SAMPLES: usize = 12;
@@ -32,13 +32,23 @@ pub(super) fn overlap(a: &OrientedBox, b: &OrientedBox) -> f64 {
 /// Share of `inner` that lies in `outer`.
 fn share_within(inner: &OrientedBox, outer: &OrientedBox) -> f64 {
     let outer_from_inner = outer.frame_from_box.inverse() * inner.frame_from_box;
-    let at = |i: usize| (2 * i + 1) as f64 / N_SAMPLES as f64 - 1.0;
+    let turn = outer_from_inner.rotation.to_rotation_matrix();
+    // A sample is the middle and a step along each side of the inner box.
+    let steps: [[Vector3<f64>; N_SAMPLES]; 3] = std::array::from_fn(|side| {
+        let half_side = turn.matrix().column(side) * inner.half_sides_m[side];
+        std::array::from_fn(|i| half_side * ((2 * i + 1) as f64 / N_SAMPLES as f64 - 1.0))
+    });
+    let [along_x, along_y, along_z] = steps;
     let mut n_common = 0_u32;
-    for i in 0..N_SAMPLES.pow(3) {
-        let place = [i, i / N_SAMPLES, i / N_SAMPLES.pow(2)].map(|i| at(i % N_SAMPLES));
-        let sample = Point3::from(inner.half_sides_m.component_mul(&Vector3::from(place)));
-        let seen = outer_from_inner * sample;
-        n_common += u32::from((0..3).all(|axis| seen[axis].abs() <= outer.half_sides_m[axis]));
+    for z in along_z {
+        for y in along_y {
+            let row = outer_from_inner.translation.vector + z + y;
+            for x in along_x {
+                let seen = (row + x).abs();
+                let half = &outer.half_sides_m;
+                n_common += u32::from(seen.x <= half.x && seen.y <= half.y && seen.z <= half.z);
+            }
+        }
     }
     f64::from(n_common) / N_SAMPLES.pow(3) as f64
 }

@@ -23,7 +23,10 @@ const LIMB_SHARE_MAYBE: f32 = 0.1;
 const TOUCH_M: f64 = 0.02;
 const TOUCH_SHARE: f32 = 0.05;
 
-/// Shares are counted over about this many points of a cluster.
+/// A point sticks out of its body's box by less than this, metres.
+const BOX_TOLERANCE_M: f64 = 0.02;
+
+/// Shares are counted over at most this many points of a cluster.
 const N_SAMPLES: usize = 256;
 
 /// What a body is judged by.
@@ -59,7 +62,7 @@ impl Judge<'_> {
         let [person, robot] = self.limb(body, pixels);
         findings.set(Constraint::Instructor, person);
         findings.set(Constraint::Robot, robot);
-        findings.set(Constraint::Edge, self.at_rim(pixels));
+        findings.set(Constraint::Edge, self.at_rim(body_box, pixels));
         findings.set(Constraint::KeyView, Constraint::KeyView.when_absent());
         let border = if is_cut {
             Reason::AtImageBorder
@@ -81,11 +84,7 @@ impl Judge<'_> {
             let overlap = greatest as f32;
             return finding(false, Reason::OverlapsTrack { overlap });
         }
-        let share = self.share(pixels, |point| {
-            tracks
-                .iter()
-                .any(|track| grown(&track.shape).contains(point, 0.0))
-        });
+        let share = self.share_in_tracks(body_box, pixels);
         if f64::from(share) >= self.config.track_points_share_max {
             return finding(false, Reason::InsideTrack { share });
         }
@@ -163,8 +162,32 @@ impl Judge<'_> {
         })
     }
 
-    fn at_rim(&self, pixels: &[u32]) -> Finding {
+    /// Share of a cluster's points that lie in the boxes of tracks, grown, over samples.
+    fn share_in_tracks(&self, body_box: &OrientedBox, pixels: &[u32]) -> f32 {
+        let mut is_inside = [false; N_SAMPLES];
+        let near = |track: &&OrientedBox| {
+            let reach_m = track.half_sides_m.norm() + reach_m(body_box);
+            (track.centre() - body_box.centre()).norm_squared() <= reach_m * reach_m
+        };
+        let tracks = self.surroundings.tracks.iter();
+        let grown = tracks.map(|track| grown(&track.shape));
+        for track in grown.filter(|track| near(&track)) {
+            for (is_inside, &pixel) in is_inside.iter_mut().zip(samples(pixels)) {
+                let point = self.cloud.points()[pixel as usize].position();
+                *is_inside = *is_inside || track.contains(&point, 0.0);
+            }
+        }
+        let n_inside = is_inside.into_iter().filter(|&is_inside| is_inside).count();
+        n_inside as f32 / samples(pixels).count().max(1) as f32
+    }
+
+    fn at_rim(&self, body_box: &OrientedBox, pixels: &[u32]) -> Finding {
         let distance_m = self.config.rim_distance_m;
+        let centre = self.table.table_from_camera * body_box.centre();
+        let outline = &self.table.outline;
+        if outline.holds_around(&centre.xy(), reach_m(body_box) + distance_m) {
+            return finding(false, Reason::AwayFromRim);
+        }
         let share = self.share(pixels, |point| {
             let in_table = self.table.table_from_camera * point;
             self.table.rim_distance_m(&in_table.xy()) < distance_m
@@ -232,7 +255,12 @@ fn touch_finding(constraint: Constraint, share: f32, margin_m: f32) -> Finding {
     }
 }
 
-/// About [`N_SAMPLES`] pixels of a cluster.
+/// How far from the middle of a body's box any of its points can lie, metres.
+fn reach_m(body_box: &OrientedBox) -> f64 {
+    body_box.half_sides_m.norm() + BOX_TOLERANCE_M
+}
+
+/// At most [`N_SAMPLES`] pixels of a cluster.
 fn samples(pixels: &[u32]) -> impl Iterator<Item = &u32> + Clone {
     pixels
         .iter()

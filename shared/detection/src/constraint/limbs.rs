@@ -17,6 +17,9 @@ const BODY_MARGIN_M: f32 = 0.012;
 /// A point sticks out of its object's expected box by this at most, metres.
 const TRACK_MARGIN_M: f64 = 0.008;
 
+/// So many pixels in the order of the image are looked at together.
+const BLOCK: usize = 16;
+
 /// Whose body a capsule is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Owner {
@@ -37,11 +40,18 @@ impl Bounds {
         high: Vector3::new(f32::NEG_INFINITY, f32::NEG_INFINITY, f32::NEG_INFINITY),
     };
 
-    fn around(other: &Self, grown: &Self) -> Self {
-        Self {
-            low: other.low.inf(&grown.low),
-            high: other.high.sup(&grown.high),
-        }
+    fn of<'a>(points: impl Iterator<Item = &'a Point>) -> Self {
+        points.fold(Self::NOTHING, |bounds, point| {
+            let point = Vector3::new(point.x, point.y, point.z);
+            Self {
+                low: bounds.low.inf(&point),
+                high: bounds.high.sup(&point),
+            }
+        })
+    }
+
+    fn meets(&self, other: &Self) -> bool {
+        (0..3).all(|i| self.low[i] <= other.high[i] && other.low[i] <= self.high[i])
     }
 
     #[inline]
@@ -127,19 +137,9 @@ fn is_expected(tracks: &[ExpectedTrack], point: &Point) -> bool {
 
 /// What of a person and of the robot reaches over the table. Reused from frame
 /// to frame.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Limbs {
     limbs: Vec<Limb>,
-    bounds: Bounds,
-}
-
-impl Default for Limbs {
-    fn default() -> Self {
-        Self {
-            limbs: Vec::new(),
-            bounds: Bounds::NOTHING,
-        }
-    }
 }
 
 impl Limbs {
@@ -151,7 +151,6 @@ impl Limbs {
         config: &RawConfig,
     ) {
         self.limbs.clear();
-        self.bounds = Bounds::NOTHING;
         let Surroundings {
             instructor, robot, ..
         } = surroundings;
@@ -161,9 +160,7 @@ impl Limbs {
         ] {
             for capsule in capsules.unwrap_or_default() {
                 if reaches_over(capsule, margin_m, table, config) {
-                    let limb = Limb::new(capsule, margin_m, owner);
-                    self.bounds = Bounds::around(&self.bounds, &limb.bounds);
-                    self.limbs.push(limb);
+                    self.limbs.push(Limb::new(capsule, margin_m, owner));
                 }
             }
         }
@@ -183,16 +180,28 @@ impl Limbs {
         if self.limbs.is_empty() {
             return;
         }
-        pixels.retain(|&pixel| {
-            let point = &cloud.points()[pixel as usize];
-            let is_limb = self.bounds.contains(point)
-                && self.limbs.iter().any(|limb| limb.contains(point))
-                && (self.limbs.iter().any(|limb| limb.owns(point)) || !is_expected(tracks, point));
-            if is_limb {
-                of_limbs.push(pixel);
+        let is_limb = |point: &Point| {
+            self.limbs.iter().any(|limb| limb.contains(point))
+                && (self.limbs.iter().any(|limb| limb.owns(point)) || !is_expected(tracks, point))
+        };
+        // Neighbours in the list are mostly neighbours in space, and far from all limbs.
+        let mut n_kept = 0;
+        for first in (0..pixels.len()).step_by(BLOCK) {
+            let block = first..pixels.len().min(first + BLOCK);
+            let point_of = |pixel: u32| &cloud.points()[pixel as usize];
+            let bounds = Bounds::of(pixels[block.clone()].iter().map(|&pixel| point_of(pixel)));
+            let is_far = !self.limbs.iter().any(|limb| limb.bounds.meets(&bounds));
+            for i in block {
+                let pixel = pixels[i];
+                if is_far || !is_limb(point_of(pixel)) {
+                    pixels[n_kept] = pixel;
+                    n_kept += 1;
+                } else {
+                    of_limbs.push(pixel);
+                }
             }
-            !is_limb
-        });
+        }
+        pixels.truncate(n_kept);
     }
 
     /// Whether nobody reaches over the table.

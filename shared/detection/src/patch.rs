@@ -1,0 +1,81 @@
+//! A cluster laid out on an image of its own.
+
+use point_cloud::{OrganizedCloud, Point};
+
+/// Mark of a place that is not of the cluster.
+pub(crate) const OUTSIDE: u32 = u32::MAX;
+
+/// Mark of a place of the cluster that belongs to no part of it yet.
+pub(crate) const FREE: u32 = u32::MAX - 1;
+
+/// Empty rows and columns around the cluster: who looks at neighbours up to this
+/// far need not ask where the image ends.
+pub(crate) const MARGIN_PX: usize = 2;
+
+/// The part of the image that a cluster covers, copied: what is done with each of
+/// its pixels and their neighbours then stays in the nearest caches. Reused from
+/// cluster to cluster.
+#[derive(Debug, Default)]
+pub(crate) struct Patch {
+    /// Places from one row to the next.
+    pub(crate) width: usize,
+    /// The cluster's pixels in image order.
+    pub(crate) pixels: Vec<PatchPixel>,
+    /// Per place; of places outside of the cluster left from whatever was there before.
+    pub(crate) points: Vec<Point>,
+    /// Per place: [`OUTSIDE`], [`FREE`] or the number of its part.
+    pub(crate) part_of: Vec<u32>,
+}
+
+/// A pixel of a cluster.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct PatchPixel {
+    /// Where it lies in the patch.
+    pub(crate) place: u32,
+    pub(crate) row: u32,
+    pub(crate) column: u32,
+    /// Its depth, metres.
+    pub(crate) z: f32,
+}
+
+impl Patch {
+    /// Lays out a cluster, given by its pixels in image order.
+    pub(crate) fn lay(&mut self, cloud: &OrganizedCloud<'_>, cluster: &[u32]) {
+        let image_width = cloud.width();
+        let first_row = cluster
+            .first()
+            .map_or(0, |&pixel| pixel as usize / image_width);
+        let mut row_start = first_row * image_width;
+        let (mut row, mut columns) = (MARGIN_PX, [u32::MAX, 0]);
+        self.pixels.clear();
+        self.pixels.extend(cluster.iter().map(|&pixel| {
+            while pixel as usize >= row_start + image_width {
+                row_start += image_width;
+                row += 1;
+            }
+            let column = pixel - row_start as u32;
+            columns = [columns[0].min(column), columns[1].max(column)];
+            PatchPixel {
+                place: 0,
+                row: row as u32,
+                column,
+                z: 0.0,
+            }
+        }));
+        let shift = MARGIN_PX as u32;
+        self.width = (columns[1] + 1).saturating_sub(columns[0]) as usize + 2 * MARGIN_PX;
+        let n_places = (row + 1 + MARGIN_PX) * self.width;
+        self.points
+            .resize(n_places.max(self.points.len()), Point::default());
+        self.part_of.clear();
+        self.part_of.resize(n_places, OUTSIDE);
+        for (own, &pixel) in self.pixels.iter_mut().zip(cluster) {
+            let point = &cloud.points()[pixel as usize];
+            own.column = own.column - columns[0] + shift;
+            own.place = own.row * self.width as u32 + own.column;
+            own.z = point.z;
+            self.points[own.place as usize] = *point;
+            self.part_of[own.place as usize] = FREE;
+        }
+    }
+}
