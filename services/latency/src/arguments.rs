@@ -46,11 +46,18 @@ pub(crate) enum Verb {
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
     },
-    /// Compare the transport with what one would pick instead, in one run; builds the peers
+    /// Compare the transport with what one would pick instead, or the detection with PCL's, in
+    /// one run; builds the peers
     Peers {
         /// A tenth of everything
         #[arg(long)]
         short: bool,
+        /// A script that times PCL's pipelines on scenes and prints CSV
+        #[arg(long, value_name = "SCRIPT", requires = "scenes")]
+        pcl: Option<PathBuf>,
+        /// Scenes on which the detections are compared (.pcd)
+        #[arg(requires = "pcl", value_name = "SCENE")]
+        scenes: Vec<PathBuf>,
     },
     /// Run for long with objects that come and go, and tell what grows
     Soak(SoakArguments),

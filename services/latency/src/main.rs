@@ -9,6 +9,7 @@ mod machine_report;
 mod measure;
 mod merge;
 mod own_daemon;
+mod pcl;
 mod peers;
 mod process_usage;
 mod report_text;
@@ -35,7 +36,10 @@ fn execute(arguments: &Arguments, output: &Output) -> Result<ExitCode, Failure> 
     match &arguments.verb {
         None => measure::run(&arguments.common, &arguments.measure, output),
         Some(Verb::Machine { short, out }) => machine_report::run(*short, out.as_deref(), output),
-        Some(Verb::Peers { short }) => peers::run(*short, output),
+        Some(Verb::Peers { short, pcl, scenes }) => match pcl {
+            Some(harness) => pcl::run(harness, scenes, *short, *output),
+            None => peers::run(*short, output),
+        },
         Some(Verb::Soak(soak)) => soak::run(soak, output),
         Some(Verb::Sweep(sweep)) => sweep::run(sweep, output),
         Some(Verb::Compare { before, now }) => compare::run(before, now, output),
