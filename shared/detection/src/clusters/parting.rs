@@ -38,9 +38,10 @@ pub(crate) struct Parting {
     parents: Vec<u32>,
     /// Per label: its number of pixels, then the number of its part.
     number_of: Vec<u32>,
-    /// Places that no part has reached yet, and those reached last with their part.
-    free: Vec<u32>,
-    reached: Vec<(u32, u32)>,
+    /// Places from which parts grow.
+    front: Vec<u32>,
+    /// Per place: whether the front has begun with it.
+    is_queued: Vec<bool>,
     /// Where the parts of all clusters begin, and the pixels of one in new order.
     starts: Vec<u32>,
     sorted: Vec<u32>,
@@ -179,34 +180,40 @@ impl Parting {
         n_parts
     }
 
-    /// Lets the parts grow over what is free: what is as near to several parts goes to
-    /// the one in the first direction of [`GROWTH`].
+    /// Lets the parts grow, pixel by pixel, over what is free.
     fn grow(&mut self) {
         let Self {
             patch,
-            free,
-            reached,
+            front,
+            is_queued,
             ..
         } = self;
         let width = patch.width as isize;
         let steps = GROWTH.map(|[columns, rows]| columns + rows * width);
+        let neighbours = |place: u32| steps.map(|step| (place as usize).wrapping_add_signed(step));
         let part_of = &mut patch.part_of;
+        is_queued.clear();
+        is_queued.resize(part_of.len(), false);
+        // The front begins with the parts' pixels that have somewhere to grow.
+        front.clear();
         let places = patch.pixels.iter().map(|pixel| pixel.place);
-        free.clear();
-        free.extend(places.filter(|&place| part_of[place as usize] == FREE));
-        loop {
-            reached.clear();
-            free.retain(|&place| {
-                let near = steps.map(|step| part_of[(place as usize).wrapping_add_signed(step)]);
-                let part = near.into_iter().find(|&part| part < FREE);
-                reached.extend(part.map(|part| (place, part)));
-                part.is_none()
-            });
-            if reached.is_empty() {
-                return;
+        for place in places.filter(|&place| part_of[place as usize] == FREE) {
+            for near in neighbours(place) {
+                if part_of[near] < FREE && !is_queued[near] {
+                    is_queued[near] = true;
+                    front.push(near as u32);
+                }
             }
-            for &(place, part) in reached.iter() {
-                part_of[place as usize] = part;
+        }
+        let mut next = 0;
+        while let Some(&place) = front.get(next) {
+            next += 1;
+            let part = part_of[place as usize];
+            for near in neighbours(place) {
+                if part_of[near] == FREE {
+                    part_of[near] = part;
+                    front.push(near as u32);
+                }
             }
         }
     }
