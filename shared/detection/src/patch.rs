@@ -1,9 +1,7 @@
 //! A cluster laid out on an image of its own.
 
+use crate::clusters::OUTSIDE;
 use point_cloud::{OrganizedCloud, Point};
-
-/// Mark of a place that is not of the cluster.
-pub(crate) const OUTSIDE: u32 = u32::MAX;
 
 /// Mark of a place of the cluster that belongs to no part of it yet.
 pub(crate) const FREE: u32 = u32::MAX - 1;

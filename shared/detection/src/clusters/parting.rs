@@ -1,9 +1,9 @@
 //! Clusters that are several objects, parted along their creases.
 
-use super::{Clusters, Links, root, squared_distance, unite};
+use super::{Clusters, Links, OUTSIDE, root, squared_distance, unite};
 use crate::borders::Borders;
 use crate::creases::Creases;
-use crate::patch::{FREE, OUTSIDE, Patch};
+use crate::patch::{FREE, Patch};
 use point_cloud::OrganizedCloud;
 
 /// A part of a cluster between creases has at least this many pixels.
