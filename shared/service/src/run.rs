@@ -32,7 +32,7 @@ pub fn run<C, F>(
     body: impl FnOnce(Context, C) -> F,
 ) -> ExitCode
 where
-    F: Future<Output = Result<(), Failure>>,
+    F: Future<Output = Result<(), Failure>> + Send + 'static,
 {
     log::start();
     let common = &arguments.common;
@@ -60,7 +60,7 @@ where
     }
 }
 
-fn live<F: Future<Output = Result<(), Failure>>>(
+fn live<F: Future<Output = Result<(), Failure>> + Send + 'static>(
     process: ProcessKind,
     common: &CommonArguments,
     home: Home,
@@ -101,15 +101,18 @@ fn live<F: Future<Output = Result<(), Failure>>>(
         let health = Arc::new(HealthBoard::default());
         let reporter = Reporter::new(&domain, process, health.clone())?;
         let reporter = tokio::spawn(reporter.run(shutdown.clone()));
-        let outcome = body(Context {
+        // On a thread of the reactor, which is the one that learns first what has
+        // come; this thread would have to be waked by it.
+        let outcome = tokio::spawn(body(Context {
             process,
             domain,
             home,
             config,
             shutdown,
             health,
-        })
+        }))
         .await;
+        let outcome = outcome.unwrap_or_else(|lost| std::panic::resume_unwind(lost.into_panic()));
         trigger.ask();
         let _ = reporter.await;
         tracing::info!("{program} stopped");
