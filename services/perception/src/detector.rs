@@ -1,8 +1,9 @@
 //! Detection on the worker pool.
 
 use crate::bodies::Known;
+use crate::helpers::Helpers;
 use crate::intake::Arrived;
-use actor::{JobLost, WorkerPool};
+use actor::{JobLost, Progress, WorkerPool};
 use detection::{Config, Detection, Frame, Step, Workspace, detect_in_steps};
 use message::{SegmentLocation, Span, Stage, points};
 use point_cloud::OrganizedCloud;
@@ -12,6 +13,7 @@ use std::sync::Arc;
 /// Detects, reusing its buffers from frame to frame.
 pub(crate) struct Detector {
     pool: WorkerPool,
+    helpers: Arc<Helpers>,
     config: Arc<Config>,
     buffers: Buffers,
 }
@@ -45,6 +47,7 @@ pub(crate) enum DetectFailed {
 impl Detector {
     pub(crate) fn new(pool: WorkerPool, config: Config) -> Self {
         Self {
+            helpers: Arc::new(Helpers::of(&pool)),
             pool,
             config: Arc::new(config),
             buffers: Buffers::default(),
@@ -65,7 +68,9 @@ impl Detector {
     pub(crate) async fn detect(&mut self, arrived: &Arrived) -> Result<Detected, DetectFailed> {
         let buffers = std::mem::take(&mut self.buffers);
         let (arrived, config) = (arrived.clone(), self.config.clone());
-        let job = self.pool.run(move |_| search(&arrived, &config, buffers));
+        let helpers = self.helpers.clone();
+        let search = move |_: &Progress| search(&arrived, &config, &helpers, buffers);
+        let job = self.pool.run(search);
         let (buffers, found) = job.await.map_err(DetectFailed::Lost)?;
         self.buffers = buffers;
         let location = found.map_err(DetectFailed::Unusable)?;
@@ -89,6 +94,7 @@ impl Detector {
 fn search(
     arrived: &Arrived,
     config: &Config,
+    helpers: &Helpers,
     mut buffers: Buffers,
 ) -> (Buffers, Result<SegmentLocation, String>) {
     let begin = Stopwatch::start();
@@ -112,7 +118,8 @@ fn search(
         let mut watch = begin;
         spans.clear();
         let on_step = &mut |step| spans.push(watch.lap(stage(step), 0));
-        let found = detect_in_steps(&frame, config, workspace, detection, on_step);
+        let found = detect_in_steps(&frame, config, workspace, detection, helpers, on_step);
+        helpers.tell(spans);
         // What follows the last step, where not all were taken.
         let _ = watch.lap(Stage::Detection, 0);
         spans.push(watch.span_since(&begin, Stage::Detection, 0));

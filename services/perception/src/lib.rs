@@ -13,6 +13,7 @@ mod detector;
 mod fault;
 mod frame_loop;
 mod frame_trace;
+mod helpers;
 mod intake;
 mod key_view_outbox;
 mod learned;

@@ -79,4 +79,4 @@ pub use reply::{Answer, Lost};
 pub use restart_policy::{RestartHistory, RestartPolicy, Verdict};
 pub use supervisor::Supervisor;
 pub use tree::{ActorConfig, ChildPath, ChildSpec, Reports, Stop, Strategy, Tree, reports};
-pub use worker_pool::{JobLost, PoolConfig, WorkerPool};
+pub use worker_pool::{JobLost, PoolConfig, Team, WorkerPool};

@@ -20,6 +20,9 @@ use crate::job::{Job, JobResult, Task};
 use crate::progress::Progress;
 
 pub use crate::job::JobLost;
+pub use team::Team;
+
+mod team;
 
 /// The watchdog looks this often within one stall time.
 const CHECKS_PER_STALL: u32 = 4;
@@ -140,6 +143,19 @@ impl WorkerPool {
             job.lose(JobLost::Exhausted);
         }
         JobResult(job)
+    }
+
+    /// A team for work of a job that other workers can share. A leader or a helper
+    /// that stalls is abandoned like any other worker, and the job with it.
+    ///
+    /// The workers live as long as the team.
+    pub fn team(&self) -> Team {
+        let queue = self.0.queue.clone();
+        let call = move |helper: Arc<team::Helper>| {
+            // The pool holds a receiver; without one nobody would help.
+            let _ = queue.send(helper as Arc<dyn Task>);
+        };
+        Team::new(self.0.config.n_workers.get() - 1, Box::new(call))
     }
 
     /// Abandons and replaces each worker that has shown no progress for the

@@ -6,9 +6,10 @@ use crate::clusters::{Clusters, Parting, TrackClaims};
 use crate::constraint::{
     Assumption, Assumptions, Constraint, ConstraintSet, Expression, Judge, Limbs, Truth,
 };
+use crate::crew::{Alone, Crew, Desks};
 use crate::islands::Islands;
 use crate::outline::{Lattice, Outline};
-use crate::piles::find_piles;
+use crate::piles::may_be_pile;
 use crate::prism::{OverTable, Prism, SeenRectangle, lowest_m};
 use crate::random::Random;
 use crate::samples::Samples;
@@ -112,6 +113,8 @@ pub struct Workspace {
     surface: TableSurface,
     hull: Outline,
     lattice: Lattice,
+    /// What lies over the table, by bands of the image and altogether.
+    bands: Vec<Vec<u32>>,
     over_table: Vec<u32>,
     limbs: Limbs,
     of_limbs: Vec<u32>,
@@ -119,11 +122,12 @@ pub struct Workspace {
     /// not empty.
     limb_clusters: Clusters,
     clusters: Clusters,
-    may_be_pile: Vec<bool>,
-    parting: Parting,
+    partings: Desks<Parting>,
     track_claims: TrackClaims,
     islands: Islands,
+    found_bodies: Desks<Vec<Body>>,
     bodies: Vec<Body>,
+    judged: Desks<Vec<Candidate>>,
     pub(crate) unorganized: Option<Box<unorganized::Buffers>>,
 }
 
@@ -153,11 +157,12 @@ pub fn detect(
     workspace: &mut Workspace,
     detection: &mut Detection,
 ) -> Result<(), Error> {
-    detect_in_steps(frame, config, workspace, detection, &mut |_| {})
+    detect_in_steps(frame, config, workspace, detection, &Alone, &mut |_| {})
 }
 
-/// Like [`detect`], and tells when a step is over: who has a clock may read it. In a
-/// cloud without a grid, and without a table, not all steps are taken.
+/// Like [`detect`], with the help of a crew, and tells when a step is over: who has a
+/// clock may read it. In a cloud without a grid, and without a table, not all steps
+/// are taken.
 ///
 /// # Errors
 /// As for [`detect`].
@@ -166,6 +171,7 @@ pub fn detect_in_steps(
     config: &Config,
     workspace: &mut Workspace,
     detection: &mut Detection,
+    crew: &dyn Crew,
     on_step: &mut dyn FnMut(Step),
 ) -> Result<(), Error> {
     workspace.table.recycle(detection.table.take());
@@ -179,19 +185,19 @@ pub fn detect_in_steps(
     }
     let raw = config.get();
     if let Some(table) = find_surface(frame, raw, workspace, on_step) {
-        list_over(&frame.cloud, &table, raw, workspace);
+        list_over(&frame.cloud, &table, raw, crew, workspace);
         on_step(Step::Prism);
-        join(frame, &table, raw, workspace);
+        join(frame, &table, raw, crew, workspace);
         on_step(Step::Clusters);
-        split_piles(&frame.cloud, &table, workspace);
+        split_piles(&frame.cloud, &table, crew, workspace);
         on_step(Step::Piles);
         regroup_tracked(frame, workspace);
         on_step(Step::Regrouping);
         grow_feet(&frame.cloud, &table, workspace);
         on_step(Step::Feet);
-        find_bodies(&frame.cloud, &table, raw, workspace);
+        find_bodies(&frame.cloud, &table, raw, crew, workspace);
         on_step(Step::Boxes);
-        write(frame, &table, config, workspace, detection);
+        write(frame, &table, config, crew, workspace, detection);
         detection.table = Some(table);
         on_step(Step::Judging);
     }
@@ -233,12 +239,14 @@ fn list_over(
     cloud: &OrganizedCloud<'_>,
     table: &Table,
     config: &RawConfig,
+    crew: &dyn Crew,
     workspace: &mut Workspace,
 ) {
     let Workspace {
         samples,
         surface,
         islands,
+        bands,
         over_table,
         ..
     } = workspace;
@@ -246,7 +254,7 @@ fn list_over(
     islands.find(samples, &height, |z| {
         lowest_m(z, config.height_min_m as f32)
     });
-    Prism::over(table, config, islands, surface).list(cloud, over_table);
+    Prism::over(table, config, islands, surface).list(cloud, crew, bands, over_table);
 }
 
 fn assumptions(frame: &Frame<'_>) -> Assumptions {
@@ -268,7 +276,13 @@ fn assumptions(frame: &Frame<'_>) -> Assumptions {
 
 /// Joins the points over the table to clusters: those of people and the robot
 /// among themselves, so that no object melts with what touches it.
-fn join(frame: &Frame<'_>, table: &Table, config: &RawConfig, workspace: &mut Workspace) {
+fn join(
+    frame: &Frame<'_>,
+    table: &Table,
+    config: &RawConfig,
+    crew: &dyn Crew,
+    workspace: &mut Workspace,
+) {
     let Workspace {
         over_table,
         limbs,
@@ -281,23 +295,25 @@ fn join(frame: &Frame<'_>, table: &Table, config: &RawConfig, workspace: &mut Wo
     let tracks = frame.surroundings.tracks;
     limbs.separate(&frame.cloud, tracks, over_table, of_limbs);
     let n_min = (config.points_min_at_1m / (config.range_max_m * config.range_max_m)) as u32;
-    clusters.join(&frame.cloud, over_table, n_min);
+    clusters.join(&frame.cloud, crew, over_table, n_min);
     if !of_limbs.is_empty() {
-        limb_clusters.join(&frame.cloud, of_limbs, n_min);
+        limb_clusters.join(&frame.cloud, crew, of_limbs, n_min);
     }
 }
 
 /// Parts the clusters that are several objects along their creases.
-fn split_piles(cloud: &OrganizedCloud<'_>, table: &Table, workspace: &mut Workspace) {
+fn split_piles(
+    cloud: &OrganizedCloud<'_>,
+    table: &Table,
+    crew: &dyn Crew,
+    workspace: &mut Workspace,
+) {
     let Workspace {
-        clusters,
-        may_be_pile,
-        parting,
-        ..
+        clusters, partings, ..
     } = workspace;
     let table_axes = Axis::of_transform(&table.table_from_camera);
-    find_piles(cloud, clusters, &table_axes, may_be_pile);
-    clusters.part_along_creases(cloud, may_be_pile, parting);
+    let may_be_pile = |pixels: &[u32]| may_be_pile(cloud.points(), pixels, &table_axes);
+    clusters.part_along_creases(cloud, crew, may_be_pile, partings);
 }
 
 /// Parts the clusters that are several tracked objects that have come together, and
@@ -343,12 +359,14 @@ fn find_bodies(
     cloud: &OrganizedCloud<'_>,
     table: &Table,
     config: &RawConfig,
+    crew: &dyn Crew,
     workspace: &mut Workspace,
 ) {
     let Workspace {
         of_limbs,
         limb_clusters,
         clusters,
+        found_bodies,
         bodies,
         surface,
         ..
@@ -362,17 +380,22 @@ fn find_bodies(
     };
     let limb = (0..n_limbs as u32).map(|cluster| (cluster, true));
     let all = (0..clusters.len() as u32).map(|cluster| (cluster, false));
-    bodies.clear();
-    bodies.extend(all.chain(limb).filter_map(|(cluster, is_limb)| {
+    found_bodies.all().iter_mut().for_each(Vec::clear);
+    found_bodies.each(crew, all.chain(limb), |found, (cluster, is_limb)| {
         let own = if is_limb { &*limb_clusters } else { &*clusters };
         let pixels = own.pixels(cluster as usize);
-        if !over_table.holds(pixels, cloud) {
-            return None;
+        if over_table.holds(pixels, cloud)
+            && let Some(body) = Body::of(cluster, pixels, cloud, &table_axes, config)
+            && pixels.len() as f64 >= config.points_min_at_1m / body.summary.centroid.z.powi(2)
+        {
+            found.push(Body { is_limb, ..body });
         }
-        let body = Body::of(cluster, pixels, cloud, &table_axes, config)?;
-        let n_min = config.points_min_at_1m / body.summary.centroid.z.powi(2);
-        (pixels.len() as f64 >= n_min).then_some(Body { is_limb, ..body })
-    }));
+    });
+    bodies.clear();
+    for found in found_bodies.all() {
+        bodies.append(found);
+    }
+    bodies.sort_unstable_by_key(|body| (body.is_limb, body.cluster));
     find_supports(cloud, clusters, &table.plane.normal, bodies);
     let distance = |body: &Body| body.summary.centroid.coords.norm_squared();
     bodies.sort_unstable_by(|a, b| {
@@ -387,7 +410,8 @@ fn write(
     frame: &Frame<'_>,
     table: &Table,
     config: &Config,
-    workspace: &Workspace,
+    crew: &dyn Crew,
+    workspace: &mut Workspace,
     detection: &mut Detection,
 ) {
     let seen = SeenRectangle::of(&frame.cloud);
@@ -398,15 +422,28 @@ fn write(
         limbs: &workspace.limbs,
         config: config.get(),
     };
+    let indices = &mut detection.point_indices;
     for body in &workspace.bodies {
-        let first = detection.point_indices.len();
-        let pixels = workspace.pixels(body);
-        detection.point_indices.extend_from_slice(pixels);
-        let is_cut = seen.is_reached_by(&body.summary.seen, BORDER_PX);
-        let range = first..detection.point_indices.len();
-        let candidate = judged(body, range, pixels, is_cut, &judge, config.rule());
-        detection.candidates.push(candidate);
+        indices.extend_from_slice(workspace.pixels(body));
     }
+    let mut first = 0;
+    let bodies = workspace.bodies.iter().map(|body| {
+        let range = first..first + workspace.pixels(body).len();
+        first = range.end;
+        (body, range)
+    });
+    workspace
+        .judged
+        .each(crew, bodies, |candidates, (body, range)| {
+            let pixels = &indices[range.clone()];
+            let is_cut = seen.is_reached_by(&body.summary.seen, BORDER_PX);
+            candidates.push(judged(body, range, pixels, is_cut, &judge, config.rule()));
+        });
+    for candidates in workspace.judged.all() {
+        detection.candidates.append(candidates);
+    }
+    let first = |candidate: &Candidate| candidate.range.start;
+    detection.candidates.sort_unstable_by_key(first);
 }
 
 /// The candidate that a body is, with what the rule says of it.

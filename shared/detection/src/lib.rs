@@ -19,6 +19,7 @@ mod clusters;
 mod config;
 mod constraint;
 mod creases;
+mod crew;
 mod detect;
 mod error;
 mod footprint;
@@ -46,6 +47,7 @@ pub use constraint::{
     Assumption, Assumptions, Constraint, ConstraintSet, Expression, Finding, Findings,
     InvalidExpression, Reason, Truth,
 };
+pub use crew::{Alone, Crew};
 pub use detect::{
     Detection, ExpectedTrack, Frame, Surroundings, Workspace, detect, detect_in_steps,
 };

@@ -2,6 +2,7 @@
 
 use crate::RawConfig;
 use crate::axis::Axis;
+use crate::crew::{Crew, each};
 use crate::islands::Islands;
 use crate::samples::{is_in_range, side_max_m};
 use crate::sensor_noise::depth_sigma_m;
@@ -18,6 +19,9 @@ const ROWS_STEP: usize = 8;
 
 /// Points that are looked at together.
 const BLOCK: usize = 8;
+
+/// The image is searched in so many bands of rows.
+const N_BANDS: usize = 16;
 
 /// An object has this share of its points over the table.
 const OVER_TABLE_SHARE_MIN: f64 = 0.25;
@@ -189,21 +193,41 @@ impl<'a> Prism<'a> {
                 .hold(column, row, self.height.at(point.x, point.y, point.z))
     }
 
-    /// Lists the pixels in the prism, in image order.
-    pub(crate) fn list(&self, cloud: &OrganizedCloud<'_>, pixels: &mut Vec<u32>) {
-        pixels.clear();
-        for row in 0..cloud.height() {
-            let points = cloud.row(row);
-            let start = (row * cloud.width()) as u32;
-            if self.islands.reach_row(row) {
-                let inside = (0..).zip(points).filter(|&(column, point)| {
-                    self.is_high(point) && self.is_over(point)
-                        || self.is_on_island(column as usize, row, point)
-                });
-                pixels.extend(inside.map(|(column, _)| start + column));
-            } else {
-                self.list_row(start, points, pixels);
+    /// Lists the pixels in the prism, in image order; `bands` is scratch memory.
+    pub(crate) fn list(
+        &self,
+        cloud: &OrganizedCloud<'_>,
+        crew: &dyn Crew,
+        bands: &mut Vec<Vec<u32>>,
+        pixels: &mut Vec<u32>,
+    ) {
+        let n_rows = cloud.height().div_ceil(N_BANDS).max(1);
+        bands.resize_with(cloud.height().div_ceil(n_rows), Vec::new);
+        let first_rows = (0..).step_by(n_rows);
+        each(crew, bands.iter_mut().zip(first_rows), |(band, first)| {
+            band.clear();
+            for row in first..cloud.height().min(first + n_rows) {
+                self.list_row_of(cloud, row, band);
             }
+        });
+        pixels.clear();
+        for band in bands {
+            pixels.extend_from_slice(band);
+        }
+    }
+
+    /// Lists the pixels of a row.
+    fn list_row_of(&self, cloud: &OrganizedCloud<'_>, row: usize, pixels: &mut Vec<u32>) {
+        let points = cloud.row(row);
+        let start = (row * cloud.width()) as u32;
+        if self.islands.reach_row(row) {
+            let inside = (0..).zip(points).filter(|&(column, point)| {
+                self.is_high(point) && self.is_over(point)
+                    || self.is_on_island(column as usize, row, point)
+            });
+            pixels.extend(inside.map(|(column, _)| start + column));
+        } else {
+            self.list_row(start, points, pixels);
         }
     }
 

@@ -94,6 +94,8 @@ stages! {
     Boxes = 38, "boxes", Place::Within(Stage::Detection);
     /// Constraints and rule; candidates are written.
     Judging = 39, "judging", Place::Within(Stage::Detection);
+    /// Another worker helps with one of the steps before.
+    Helping = 40, "helping", Place::Within(Stage::Detection);
     /// From the first object's question to this object's: the frame loop asks one
     /// after the other.
     HandOver = 50, "hand_over", Place::Object;

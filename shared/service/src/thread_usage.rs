@@ -63,7 +63,7 @@ fn resource_usage() -> libc::rusage {
 }
 
 /// The kernel's number of the calling thread.
-pub(crate) fn thread_id() -> u32 {
+pub fn thread_id() -> u32 {
     let known = THREAD_ID.get();
     if known != 0 {
         return known;

@@ -235,3 +235,95 @@ fn the_last_handle_lets_queued_jobs_finish() {
         assert_eq!(wait(result), Ok(n));
     }
 }
+
+/// Counts to a number, whoever takes a step; returns how many threads did.
+fn count_together(team: &Team, n_steps: usize) -> usize {
+    let (next, threads) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
+    team.together(&|| {
+        while next.fetch_add(1, Ordering::Relaxed) < n_steps {
+            let mut threads = threads.lock().unwrap();
+            if !threads.contains(&thread::current().id()) {
+                threads.push(thread::current().id());
+            }
+            drop(threads);
+            thread::sleep(Duration::from_millis(1));
+        }
+    });
+    let n_threads = threads.lock().unwrap().len();
+    assert!(next.into_inner() >= n_steps);
+    n_threads
+}
+
+#[test]
+fn idle_workers_help_the_one_who_leads() {
+    for n_workers in [1, 3] {
+        let pool = pool(n_workers, 1);
+        let team = pool.team();
+        // Each of the others needs a moment to wake up.
+        let n_threads = wait(pool.run(move |_| count_together(&team, 1_000)));
+        assert_eq!(n_threads, Ok(n_workers));
+    }
+}
+
+#[test]
+fn nobody_waits_for_a_worker_that_is_at_work_elsewhere() {
+    let pool = pool(2, 1);
+    let busy = hang(&pool);
+    let team = pool.team();
+    assert_eq!(wait(pool.run(move |_| count_together(&team, 10))), Ok(1));
+    drop(busy.gate);
+    assert_eq!(wait(busy.result), Ok("late"));
+}
+
+#[test]
+fn a_helper_that_stalls_takes_the_leaders_job_with_it_and_both_are_replaced() {
+    let pool = pool(2, 3);
+    let start = Instant::now();
+    pool.check(start);
+    let (gate, opened) = mpsc::channel::<()>();
+    let (tell, inside) = mpsc::channel();
+    let (team, opened) = (pool.team(), Mutex::new(opened));
+    let led = pool.run(move |_| {
+        team.together(&|| {
+            tell.send(()).unwrap();
+            let _ = opened.lock().unwrap().recv();
+        });
+    });
+    for _ in 0..2 {
+        inside.recv_timeout(WATCHDOG).unwrap();
+    }
+    pool.check(start + STALL / 2);
+    pool.check(start + STALL);
+    assert_eq!(pool.check(start + STALL * 3 / 2), 2);
+    assert_eq!(wait(led), Err(JobLost::Stalled));
+    assert_eq!(wait(pool.run(|_| "a successor")), Ok("a successor"));
+    drop(gate);
+    assert_eq!(wait(pool.run(|_| "still there")), Ok("still there"));
+}
+
+#[test]
+fn a_panic_of_the_leader_waits_for_the_helpers_and_is_the_jobs_own_affair() {
+    let pool = pool(2, 1);
+    let team = Arc::new(pool.team());
+    let leaders = Arc::clone(&team);
+    let (tell, inside) = mpsc::channel();
+    let n_inside = Arc::new(AtomicUsize::new(0));
+    let still_inside = Arc::clone(&n_inside);
+    let led = pool.run(move |_| {
+        let leader = thread::current().id();
+        let inside = Mutex::new(inside);
+        leaders.together(&|| {
+            if thread::current().id() == leader {
+                let _ = inside.lock().unwrap().recv_timeout(WATCHDOG);
+                panic!("the leader");
+            }
+            n_inside.fetch_add(1, Ordering::Relaxed);
+            tell.send(()).unwrap();
+            thread::sleep(Duration::from_millis(50));
+            n_inside.fetch_sub(1, Ordering::Relaxed);
+        });
+    });
+    assert_eq!(wait(led), Err(JobLost::Panicked("the leader".to_owned())));
+    assert_eq!(still_inside.load(Ordering::Relaxed), 0);
+    assert_eq!(wait(pool.run(move |_| count_together(&team, 1_000))), Ok(2));
+}

@@ -1,4 +1,4 @@
-//! The mailbox and the job under loom (a model checker; Norris and Demsky 2013):
+//! The mailbox, the job and the team under loom (a model checker; Norris and Demsky 2013):
 //! each test runs in every order of events that its threads can bring about,
 //! up to a bounded number of preemptions.
 //!
@@ -11,9 +11,14 @@
 )]
 
 mod sync {
-    pub(crate) use loom::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
-    pub(crate) use loom::sync::{Arc, Mutex, MutexGuard};
+    pub(crate) use loom::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+    pub(crate) use loom::sync::{Arc, Condvar, Mutex, MutexGuard};
     pub(crate) use std::sync::PoisonError;
+
+    /// Every number of looks is in one of the orders of no look.
+    pub(crate) const PATIENCE: usize = 0;
+
+    pub(crate) fn pause() {}
 }
 
 #[path = "../../src/mailbox"]
@@ -30,9 +35,12 @@ mod border;
 mod job;
 #[path = "../../src/progress.rs"]
 mod progress;
+#[path = "../../src/worker_pool/team.rs"]
+mod team;
 
 mod of_the_job;
 mod of_the_mailbox;
+mod of_the_team;
 
 /// Preemptions in one run: two find nearly every known error (Musuvathi and
 /// Qadeer 2007), and a third multiplies the time by ten.

@@ -1,10 +1,13 @@
 //! Connected parts of the image.
 
+mod bands;
 mod by_tracks;
 mod feet;
 mod parting;
 
-use point_cloud::{OrganizedCloud, Point};
+use point_cloud::Point;
+
+use bands::Band;
 
 pub(crate) use by_tracks::TrackClaims;
 pub(crate) use parting::Parting;
@@ -47,6 +50,7 @@ const LINKS: Links = Links {
 pub(crate) struct Clusters {
     /// Per pixel: [`OUTSIDE`] or the number of its cluster.
     pub(crate) cluster_of: Vec<u32>,
+    bands: Vec<Band>,
     /// Per label: the label it was joined with; a root is its own parent.
     parents: Vec<u32>,
     /// Per label: its number of pixels, then the number of its cluster.
@@ -56,8 +60,10 @@ pub(crate) struct Clusters {
     /// Pixels grouped by cluster.
     pixels: Vec<u32>,
     ungrouped: Vec<u32>,
-    /// Pixels from which parts grow.
+    /// Pixels that have become feet.
     front: Vec<u32>,
+    /// Clusters with the largest first.
+    by_size: Vec<u32>,
 }
 
 impl Clusters {
@@ -69,69 +75,6 @@ impl Clusters {
     /// Pixels of a cluster in image order.
     pub(crate) fn pixels(&self, cluster: usize) -> &[u32] {
         &self.pixels[self.starts[cluster] as usize..self.starts[cluster + 1] as usize]
-    }
-
-    /// Joins pixels, given in image order, to clusters of neighbours near in
-    /// space; those with fewer than `n_min` pixels are left out.
-    ///
-    /// Union-find in one pass over the pixels (after Wu, Otoo and Suzuki 2009).
-    pub(crate) fn join(&mut self, cloud: &OrganizedCloud<'_>, pixels: &[u32], n_min: u32) {
-        self.ungrouped.clear();
-        self.ungrouped.extend_from_slice(pixels);
-        self.join_ungrouped(&LINKS, cloud, n_min);
-    }
-
-    fn join_ungrouped(&mut self, links: &Links, cloud: &OrganizedCloud<'_>, n_min: u32) {
-        self.cluster_of.clear();
-        self.cluster_of.resize(cloud.points().len(), OUTSIDE);
-        self.parents.clear();
-        let width = cloud.width();
-        let (mut row, mut row_start) = (0, 0);
-        for i in 0..self.ungrouped.len() {
-            let pixel = self.ungrouped[i] as usize;
-            while pixel >= row_start + width {
-                row_start += width;
-                row += 1;
-            }
-            self.link_pixel(links, cloud, [pixel - row_start, row]);
-        }
-        self.number_large(n_min);
-        self.group();
-    }
-
-    /// Gives a pixel the label of the neighbours before it that are near in
-    /// space, or a new one.
-    #[inline]
-    fn link_pixel(&mut self, links: &Links, cloud: &OrganizedCloud<'_>, [column, row]: [usize; 2]) {
-        let (points, width) = (cloud.points(), cloud.width());
-        let Self {
-            cluster_of,
-            parents,
-            ..
-        } = self;
-        let pixel = row * width + column;
-        let near = Near {
-            points,
-            cluster_of,
-            point: points[pixel],
-            squared_max: links.squared_max(points[pixel].z),
-        };
-        let left = near.first_label(pixel, 1, links.reach_px.min(column));
-        let above = near.first_label(pixel, width, links.reach_px.min(row));
-        let mut own = joined(parents, left, above);
-        let on_left = (row > 0 && column > 0).then(|| pixel - width - 1);
-        let on_right = (row > 0 && column + 1 < width).then(|| pixel - width + 1);
-        for diagonal in [on_left, on_right].into_iter().flatten() {
-            // Mostly it has the same label already, and no distance is needed.
-            if cluster_of[diagonal] != own {
-                own = joined(parents, own, near.label(diagonal));
-            }
-        }
-        if own == OUTSIDE {
-            own = parents.len() as u32;
-            parents.push(own);
-        }
-        cluster_of[pixel] = own;
     }
 
     /// Numbers the clusters that are large enough, and counts their pixels.
@@ -182,59 +125,11 @@ impl Clusters {
     }
 }
 
-/// What is asked about the neighbours of a point.
-struct Near<'a> {
-    points: &'a [Point],
-    cluster_of: &'a [u32],
-    point: Point,
-    squared_max: f32,
-}
-
-impl Near<'_> {
-    /// The label of a neighbour that is linked; [`OUTSIDE`] for others.
-    #[inline]
-    fn label(&self, neighbour: usize) -> u32 {
-        let label = self.cluster_of[neighbour];
-        let squared_distance = squared_distance(&self.point, &self.points[neighbour]);
-        if label != OUTSIDE && squared_distance <= self.squared_max {
-            label
-        } else {
-            OUTSIDE
-        }
-    }
-
-    /// The label of the first linked one of `n` neighbours, each `step` before the
-    /// last.
-    #[inline]
-    fn first_label(&self, mut pixel: usize, step: usize, n: usize) -> u32 {
-        for _ in 0..n {
-            pixel -= step;
-            let label = self.label(pixel);
-            if label != OUTSIDE {
-                return label;
-            }
-        }
-        OUTSIDE
-    }
-}
-
 /// Squared distance of two points, square metres.
 #[inline]
 fn squared_distance(a: &Point, b: &Point) -> f32 {
     let (dx, dy, dz) = (a.x - b.x, a.y - b.y, a.z - b.z);
     dx * dx + dy * dy + dz * dz
-}
-
-/// Joins the clusters of two labels, either of which may be none.
-#[inline]
-fn joined(parents: &mut [u32], a: u32, b: u32) -> u32 {
-    if a == OUTSIDE || a == b {
-        b
-    } else if b == OUTSIDE {
-        a
-    } else {
-        unite(parents, a, b)
-    }
 }
 
 /// Joins two clusters under the one that began first; returns its root.

@@ -3,8 +3,10 @@
 use super::{Clusters, Links, OUTSIDE, root, squared_distance, unite};
 use crate::borders::Borders;
 use crate::creases::Creases;
+use crate::crew::{Crew, Desks};
 use crate::patch::{FREE, Patch};
 use point_cloud::OrganizedCloud;
+use std::cmp::Reverse;
 
 /// A part of a cluster between creases has at least this many pixels.
 const PART_PIXELS_MIN: u32 = 150;
@@ -28,7 +30,7 @@ const GROWTH: [[isize; 2]; 8] = [
     [0, 2],
 ];
 
-/// Buffers.
+/// Buffers for one cluster after the other, and the clusters that were parted.
 #[derive(Debug, Default)]
 pub(crate) struct Parting {
     patch: Patch,
@@ -42,9 +44,10 @@ pub(crate) struct Parting {
     front: Vec<u32>,
     /// Per place: whether the front has begun with it.
     is_queued: Vec<bool>,
-    /// Where the parts of all clusters begin, and the pixels of one in new order.
-    starts: Vec<u32>,
+    parted: Vec<u32>,
+    /// The pixels of the parted clusters, part by part, and the parts' sizes.
     sorted: Vec<u32>,
+    sizes: Vec<u32>,
 }
 
 impl Clusters {
@@ -55,24 +58,56 @@ impl Clusters {
     pub(crate) fn part_along_creases(
         &mut self,
         cloud: &OrganizedCloud<'_>,
-        may_be_pile: &[bool],
-        parting: &mut Parting,
+        crew: &dyn Crew,
+        may_be_pile: impl Fn(&[u32]) -> bool + Sync,
+        partings: &mut Desks<Parting>,
     ) {
-        parting.starts.clear();
-        parting.starts.push(0);
-        for (cluster, &may_be_pile) in may_be_pile.iter().enumerate() {
-            let range = self.starts[cluster] as usize..self.starts[cluster + 1] as usize;
-            let pixels = &mut self.pixels[range];
-            if may_be_pile && parting.part(cloud, pixels) {
-                parting.sort(pixels);
-            } else {
-                let end = self.starts[cluster + 1];
-                parting.starts.push(end);
+        // Who takes the largest last keeps all others waiting.
+        let mut by_size = std::mem::take(&mut self.by_size);
+        by_size.clear();
+        by_size.extend(0..self.len() as u32);
+        by_size.sort_unstable_by_key(|&cluster| (Reverse(self.n_pixels(cluster)), cluster));
+        partings.all().iter_mut().for_each(Parting::forget);
+        partings.each(crew, by_size.iter(), |parting, &cluster| {
+            let pixels = self.pixels(cluster as usize);
+            if may_be_pile(pixels) && parting.part(cloud, pixels) {
+                parting.keep(cluster, pixels);
             }
+        });
+        self.by_size = by_size;
+        let n_before = self.starts.len();
+        for parting in partings.all() {
+            self.take_over(parting, n_before);
         }
-        if parting.starts.len() > self.starts.len() {
-            std::mem::swap(&mut self.starts, &mut parting.starts);
+        if self.starts.len() > n_before {
+            self.starts.sort_unstable();
             self.mark_pixels();
+        }
+    }
+
+    /// Number of a cluster's pixels.
+    fn n_pixels(&self, cluster: u32) -> u32 {
+        self.starts[cluster as usize + 1] - self.starts[cluster as usize]
+    }
+
+    /// Takes over the pixels of parted clusters in their new order. Where their parts
+    /// begin comes behind the first `n_starts` starts.
+    fn take_over(&mut self, parting: &Parting, n_starts: usize) {
+        let mut sorted = parting.sorted.as_slice();
+        let mut sizes = parting.sizes.as_slice();
+        for &cluster in &parting.parted {
+            let [mut start, end] = [0, 1].map(|i| self.starts[..n_starts][cluster as usize + i]);
+            let (own, others) = sorted.split_at((end - start) as usize);
+            self.pixels[start as usize..end as usize].copy_from_slice(own);
+            sorted = others;
+            while let Some((size, others)) = sizes.split_first() {
+                sizes = others;
+                start += size;
+                if start == end {
+                    break;
+                }
+                self.starts.push(start);
+            }
         }
     }
 
@@ -87,6 +122,13 @@ impl Clusters {
 }
 
 impl Parting {
+    /// Forgets the clusters that were parted.
+    fn forget(&mut self) {
+        self.parted.clear();
+        self.sorted.clear();
+        self.sizes.clear();
+    }
+
     /// Finds the parts of a cluster. Returns whether there are several.
     fn part(&mut self, cloud: &OrganizedCloud<'_>, cluster: &[u32]) -> bool {
         self.patch.lay(cloud, cluster);
@@ -265,57 +307,55 @@ impl Parting {
         number_of.iter().filter(|&&n| n > 0).count() > 1
     }
 
-    /// Sorts the pixels of a cluster by the part they are in, and notes where each
-    /// part ends.
-    fn sort(&mut self, pixels: &mut [u32]) {
+    /// Keeps the pixels of a parted cluster, sorted by the part they are in.
+    fn keep(&mut self, cluster: u32, pixels: &[u32]) {
         let Self {
             patch,
             number_of: next_of,
-            starts,
+            parted,
             sorted,
+            sizes,
             ..
         } = self;
-        let mut end = starts.last().copied().unwrap_or(0);
-        let mut next = 0;
+        parted.push(cluster);
+        let first = sorted.len();
+        sorted.resize(first + pixels.len(), 0);
+        let mut next = first as u32;
         for n in next_of.iter_mut() {
             let n_pixels = std::mem::replace(n, next);
             next += n_pixels;
             if n_pixels > 0 {
-                end += n_pixels;
-                starts.push(end);
+                sizes.push(n_pixels);
             }
         }
-        sorted.clear();
-        sorted.resize(pixels.len(), 0);
-        for (own, &pixel) in patch.pixels.iter().zip(pixels.iter()) {
+        for (own, &pixel) in patch.pixels.iter().zip(pixels) {
             let next = &mut next_of[patch.part_of[own.place as usize] as usize];
             sorted[*next as usize] = pixel;
             *next += 1;
         }
-        pixels.copy_from_slice(sorted);
     }
 }
 
 #[cfg(test)]
 impl Parting {
     /// Parts a cluster along creases as given, for each pixel of the image; returns
-    /// where its parts end.
+    /// its pixels part by part, and the sizes of the parts.
     pub(super) fn part_along(
         &mut self,
         cloud: &OrganizedCloud<'_>,
-        cluster: &mut [u32],
+        cluster: &[u32],
         is_crease: &[bool],
         n_min: u32,
-    ) -> Vec<u32> {
+    ) -> (Vec<u32>, Vec<u32>) {
+        self.forget();
         self.patch.lay(cloud, cluster);
         let mut marks = vec![false; self.patch.part_of.len()];
         for (own, &pixel) in self.patch.pixels.iter().zip(cluster.iter()) {
             marks[own.place as usize] = is_crease[pixel as usize];
         }
         self.creases = Creases::from_marks(marks);
-        self.starts = vec![0];
         self.part_patch(n_min);
-        self.sort(cluster);
-        std::mem::take(&mut self.starts)
+        self.keep(0, cluster);
+        (self.sorted.clone(), self.sizes.clone())
     }
 }

@@ -1,6 +1,8 @@
 //! Clusters against brute force.
 
 use super::*;
+use crate::crew::{Alone, Threads};
+use point_cloud::OrganizedCloud;
 use point_cloud::Rgba;
 use proptest::prelude::*;
 
@@ -65,7 +67,7 @@ proptest! {
         let pixels: Vec<u32> = (0..image.len() as u32).filter(|&i| inside[i as usize]).collect();
         let cloud = OrganizedCloud::new(&points, WIDTH, 8).unwrap();
         let mut clusters = Clusters::default();
-        clusters.join(&cloud, &pixels, n_min);
+        clusters.join(&cloud, &Threads(2), &pixels, n_min);
         let first = clusters_by_spreading(&points, &inside);
         let mut expected: Vec<Vec<u32>> = (0..image.len())
             .map(|root| pixels.iter().copied().filter(|&p| first[p as usize] == root).collect())
@@ -84,17 +86,17 @@ proptest! {
             (0..image.len() as u32).filter(|&i| image[i as usize].is_some()).collect();
         let cloud = OrganizedCloud::new(&points, WIDTH, 8).unwrap();
         let (mut clusters, mut parting) = (Clusters::default(), Parting::default());
-        clusters.join(&cloud, &pixels, 2);
+        clusters.join(&cloud, &Alone, &pixels, 2);
         for cluster in 0..clusters.len() {
             let whole = clusters.pixels(cluster).to_vec();
-            let mut parted = whole.clone();
-            let starts = parting.part_along(&cloud, &mut parted, &creased, 3);
-            prop_assert!(starts.len() >= 2);
-            for part in starts.windows(2) {
-                let part = &parted[part[0] as usize..part[1] as usize];
+            let (mut parted, sizes) = parting.part_along(&cloud, &whole, &creased, 3);
+            let mut others = parted.as_slice();
+            for &size in &sizes {
+                let part;
+                (part, others) = others.split_at(size as usize);
                 prop_assert!(!part.is_empty() && part.is_sorted());
             }
-            prop_assert_eq!(starts.last().copied(), Some(whole.len() as u32));
+            prop_assert!(!sizes.is_empty() && others.is_empty());
             parted.sort_unstable();
             prop_assert_eq!(parted, whole);
         }
