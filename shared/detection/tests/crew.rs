@@ -43,7 +43,7 @@ fn searched(points: &[Point], crew: &dyn Crew) -> Vec<Detection> {
     let mut workspace = Workspace::default();
     let mut search = |seed| {
         let frame = Frame {
-            cloud: OrganizedCloud::new(points, 640, 480).unwrap(),
+            cloud: OrganizedCloud::new(points, 640, 480).expect("an image"),
             up_in_camera: None,
             seed,
             surroundings: Surroundings {
@@ -62,7 +62,7 @@ fn searched(points: &[Point], crew: &dyn Crew) -> Vec<Detection> {
             crew,
             on_step,
         )
-        .unwrap();
+        .expect("an image");
         detection
     };
     (0..6).map(&mut search).collect()

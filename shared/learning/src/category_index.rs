@@ -4,6 +4,7 @@ mod calibrated;
 mod pruned_search;
 mod sketch;
 mod spread;
+mod vicinity;
 mod view_rows;
 mod view_table;
 
@@ -14,8 +15,11 @@ use sketch::N_TOGETHER;
 use spread::Spread;
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use view_rows::ViewRows;
 use view_table::{BLOCK, IndexedView, ViewTable};
+
+pub use vicinity::Vicinity;
 
 /// Taught views with their categories and descriptors.
 ///
@@ -38,6 +42,8 @@ use view_table::{BLOCK, IndexedView, ViewTable};
 pub struct CategoryIndex {
     metric: Metric,
     dimension: usize,
+    /// Tells states apart, also those of clones that went different ways.
+    revision: u64,
     views: ViewTable,
     rows: ViewRows,
     categories: BTreeMap<CategoryName, Category>,
@@ -65,6 +71,7 @@ impl CategoryIndex {
         Self {
             metric,
             dimension,
+            revision: new_revision(),
             views: ViewTable::new(dimension, metric == Metric::Euclidean),
             rows: ViewRows::new(),
             categories: BTreeMap::new(),
@@ -97,6 +104,7 @@ impl CategoryIndex {
         descriptor: &[f32],
     ) -> Result<(), Error> {
         self.check(descriptor)?;
+        self.revision = new_revision();
         if let Some(row) = self.rows.get(id) {
             self.leave_spread(row);
             self.views.describe(row, descriptor);
@@ -120,6 +128,7 @@ impl CategoryIndex {
     pub fn move_view(&mut self, id: ViewId, category: &CategoryName) -> bool {
         let row = self.rows.get(id);
         if let Some(row) = row {
+            self.revision = new_revision();
             self.leave_spread(row);
             self.assign(row, category);
             self.enter_spread(row);
@@ -132,6 +141,7 @@ impl CategoryIndex {
         let Some(row) = self.rows.get(id) else {
             return false;
         };
+        self.revision = new_revision();
         self.leave_spread(row);
         self.rows.remove(id);
         if let Some(removed) = self.views.swap_remove(row) {
@@ -159,6 +169,7 @@ impl CategoryIndex {
 
     /// Removes everything.
     pub fn clear(&mut self) {
+        self.revision = new_revision();
         self.views.clear();
         self.rows = ViewRows::new();
         self.categories.clear();
@@ -228,15 +239,12 @@ impl CategoryIndex {
     ) -> Result<Recognition, Error> {
         let mut found = NearestCategories::default();
         for descriptors in descriptors.chunks(N_TOGETHER) {
-            let mut readings: [&[f32]; N_TOGETHER] = [&[]; N_TOGETHER];
-            for (reading, descriptor) in readings.iter_mut().zip(descriptors) {
-                *reading = descriptor.as_ref();
-                self.check(reading)?;
-            }
+            let readings = self.checked(descriptors)?;
             let readings = &readings[..descriptors.len()];
             match self.metric {
                 Metric::Euclidean => {
-                    pruned_search::search(&self.views, readings, &mut found);
+                    let all = 0..self.views.blocks().len();
+                    pruned_search::search(&self.views, all, readings, &mut found, |_| {});
                 }
                 _ => self.compare_all(readings, &mut found),
             }
@@ -296,6 +304,19 @@ impl CategoryIndex {
         }
     }
 
+    /// Up to four descriptors, behind which the array is empty.
+    fn checked<'a>(
+        &self,
+        descriptors: &'a [impl AsRef<[f32]>],
+    ) -> Result<[&'a [f32]; N_TOGETHER], Error> {
+        let mut readings: [&[f32]; N_TOGETHER] = [&[]; N_TOGETHER];
+        for (reading, descriptor) in readings.iter_mut().zip(descriptors) {
+            *reading = descriptor.as_ref();
+            self.check(reading)?;
+        }
+        Ok(readings)
+    }
+
     fn check(&self, descriptor: &[f32]) -> Result<(), Error> {
         self.metric.check(descriptor, self.dimension)
     }
@@ -337,6 +358,13 @@ impl CategoryIndex {
     }
 }
 
+fn new_revision() -> u64 {
+    static LAST: AtomicU64 = AtomicU64::new(0);
+    LAST.fetch_add(1, Ordering::Relaxed) + 1
+}
+
+#[cfg(test)]
+mod again;
 #[cfg(test)]
 mod exactness;
 #[cfg(test)]

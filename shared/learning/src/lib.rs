@@ -28,7 +28,7 @@ mod economy;
 mod noise;
 
 pub use calibration::Calibration;
-pub use category_index::CategoryIndex;
+pub use category_index::{CategoryIndex, Vicinity};
 pub use category_name::{CategoryName, InvalidCategoryName};
 pub use conceptualizer::{Refusal, ViewChange, ViewRecord, correct, forget, teach};
 pub use economy::least_telling;

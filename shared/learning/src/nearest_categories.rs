@@ -52,17 +52,18 @@ impl NearestCategories {
         self.candidates[N_NEAREST - 1].map_or(f32::INFINITY, |last| last.score)
     }
 
-    /// Takes a candidate if it is nearer than what is there.
-    pub(crate) fn offer(&mut self, candidate: Candidate) {
+    /// Takes a candidate if it is nearer than what is there; says whether it is.
+    pub(crate) fn offer(&mut self, candidate: Candidate) -> bool {
         let mut place = self.place_of(candidate.category);
         if self.candidates[place].is_some_and(|present| !candidate.is_before(&present)) {
-            return;
+            return false;
         }
         self.candidates[place] = Some(candidate);
         while place > 0 && self.candidates[place - 1].is_some_and(|c| candidate.is_before(&c)) {
             self.candidates.swap(place - 1, place);
             place -= 1;
         }
+        true
     }
 
     /// Where the category is, else the first free place, else the last one.

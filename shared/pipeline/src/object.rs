@@ -6,7 +6,7 @@ use crate::track::WHOLE_SHARE;
 use crate::{Config, Error};
 use description::{Appearance, AppearanceWeights, N_READINGS, ObjectPoints};
 use geometry::{OrientedBox, RigidTransform};
-use learning::{CategoryIndex, CategoryName, N_NEAREST, Neighbour};
+use learning::{CategoryIndex, CategoryName, N_NEAREST, Neighbour, Vicinity};
 use nalgebra::Vector3;
 use point_cloud::Point;
 use tracking::{Evidence, MotionFilter};
@@ -24,10 +24,12 @@ pub struct ObjectState {
     n_key_views: u32,
 }
 
-/// Scratch memory for observing; one for each object or worker.
+/// Scratch memory for observing; best one for each object, because what an object was
+/// near to saves comparisons the next time.
 #[derive(Debug, Clone)]
 pub struct ObjectTools {
     appearance: Appearance,
+    vicinity: Vicinity,
 }
 
 impl ObjectTools {
@@ -39,6 +41,7 @@ impl ObjectTools {
         Ok(Self {
             appearance: Appearance::new(AppearanceWeights::default())
                 .map_err(Error::Description)?,
+            vicinity: Vicinity::default(),
         })
     }
 }
@@ -155,10 +158,14 @@ impl ObjectState {
         .map_err(Error::Tracking)?;
         on_stage(Stage::Tracked);
         let points = ObjectPoints::selected(cloud, indices).map_err(Error::Description)?;
-        let readings = describe(points, measured, &mut tools.appearance)?;
+        let ObjectTools {
+            appearance,
+            vicinity,
+        } = tools;
+        let readings = describe(points, measured, appearance)?;
         on_stage(Stage::Described);
         let answer = taught
-            .recognise_any(readings, config.unknown_rule())
+            .recognise_again(readings, config.unknown_rule(), vicinity)
             .map_err(Error::Learning)?;
         on_stage(Stage::Recognised);
         descriptor.clone_from(&readings[0]);

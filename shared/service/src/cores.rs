@@ -28,7 +28,7 @@ impl Cores {
     /// # Errors
     /// That of the system; when the thread has ended, for example.
     pub fn keep_off(&self, thread_id: u32, core: usize) -> Result<()> {
-        let mut others = self.0.clone();
+        let mut others = self.0;
         others.unset(core);
         if others.count() == 0 {
             return Ok(());

@@ -36,6 +36,10 @@ mod job;
 #[path = "../../src/progress.rs"]
 mod progress;
 #[path = "../../src/worker_pool/team.rs"]
+#[expect(
+    clippy::reversed_empty_ranges,
+    reason = "nobody looks twice before he sleeps here"
+)]
 mod team;
 
 mod of_the_job;

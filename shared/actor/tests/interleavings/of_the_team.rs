@@ -19,14 +19,14 @@ fn team() -> (Team, Workers) {
     let called = Arc::clone(&workers);
     let call = move |helper: Arc<Helper>| {
         let worker = thread::spawn(move || helper.run(&Progress::default()));
-        called.lock().unwrap().push(worker);
+        called.lock().expect("the lock").push(worker);
     };
     (Team::new(1, Box::new(call)), workers)
 }
 
 fn all_keep_their_posts(workers: &Workers) {
-    for worker in std::mem::take(&mut *workers.lock().unwrap()) {
-        assert!(worker.join().unwrap());
+    for worker in std::mem::take(&mut *workers.lock().expect("the lock")) {
+        assert!(worker.join().expect("no panic"));
     }
 }
 
@@ -96,7 +96,7 @@ fn who_finds_a_leader_works_alone() {
         let led = thread::spawn(move || Watched::new().lead(&other));
         let work = Watched::new();
         work.lead(&team);
-        led.join().unwrap();
+        led.join().expect("no panic");
         assert!(work.n_items() >= 1);
         all_keep_their_posts(&workers);
     });

@@ -8,7 +8,7 @@
 mod views;
 
 use divan::{Bencher, black_box};
-use learning::{CategoryIndex, CategoryName, Metric, ViewId};
+use learning::{CategoryIndex, CategoryName, Metric, Vicinity, ViewId};
 use std::sync::OnceLock;
 use views::{N_READINGS, View, views};
 
@@ -62,6 +62,25 @@ fn recognise(bencher: Bencher<'_, '_>, n_views: usize) {
         .bench_local_values(|readings| {
             readings.map(|readings| index.recognise_any(black_box(readings), 1.0))
         });
+}
+
+/// Objects of which each is seen again and again, as it stands still.
+#[divan::bench(args = [1000, 10_000, 100_000], sample_count = 500, sample_size = 1)]
+fn recognise_again(bencher: Bencher<'_, '_>, n_views: usize) {
+    let (index, asked) = taught(n_views);
+    let seen = asked.into_iter().take(20);
+    let mut objects: Vec<_> = seen
+        .map(|readings| (readings, Vicinity::default()))
+        .collect();
+    for (readings, vicinity) in &mut objects {
+        let _ = index.recognise_again(*readings, 1.0, vicinity);
+    }
+    let mut next = 0;
+    bencher.bench_local(|| {
+        next = (next + 1) % objects.len();
+        let (readings, vicinity) = &mut objects[next];
+        index.recognise_again(black_box(*readings), 1.0, vicinity)
+    });
 }
 
 #[divan::bench(args = [1000, 100_000])]

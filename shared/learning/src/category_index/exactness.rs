@@ -9,11 +9,11 @@ use proptest::prelude::*;
 /// A view to be taught: its category and descriptor.
 type Taught = (u8, Vec<f32>);
 
-fn name(number: u8) -> CategoryName {
+pub(super) fn name(number: u8) -> CategoryName {
     CategoryName::new(&format!("category {number}")).unwrap()
 }
 
-fn id(number: usize) -> ViewId {
+pub(super) fn id(number: usize) -> ViewId {
     ViewId {
         track_id: number as u64 / 3,
         view_id: number as u32 % 3,
@@ -69,7 +69,7 @@ fn check(views: &[Taught], readings: &[Vec<f32>]) {
 }
 
 /// A point near one of a few centres, so that some views are near and most are not.
-fn clustered(seed: u64, dimension: usize, spread: f32) -> Vec<f32> {
+pub(super) fn clustered(seed: u64, dimension: usize, spread: f32) -> Vec<f32> {
     let centre = noise(1000 + seed % 7);
     let values = centre.zip(noise(seed)).take(dimension);
     values.map(|(centre, own)| centre + spread * own).collect()
@@ -210,6 +210,12 @@ fn the_bounds_pass_over_most_views() {
     let readings = [clustered(7 * 300 + 3, 309, 0.2)];
     let readings: Vec<&[f32]> = readings.iter().map(Vec::as_slice).collect();
     let mut found = NearestCategories::default();
-    let n_compared = pruned_search::search(&index.views, &readings, &mut found);
+    let n_compared = pruned_search::search(
+        &index.views,
+        0..index.views.blocks().len(),
+        &readings,
+        &mut found,
+        |_| {},
+    );
     assert!((4..500).contains(&n_compared), "{n_compared} of 2000");
 }

@@ -4,6 +4,7 @@ use super::sketch::{Bounds, Level, N_TOGETHER, QuerySketch};
 use super::view_table::{BLOCK, ViewBlock, ViewTable};
 use crate::Metric;
 use crate::nearest_categories::{Candidate, NearestCategories};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Blocks that are put in order at once, the most promising first, so that the
@@ -11,39 +12,45 @@ use std::sync::Arc;
 const GROUP: usize = 512;
 
 /// The readings that are compared, and the nearest views so far.
-struct Search<'a> {
+struct Search<'a, F> {
     readings: &'a [&'a [f32]],
     coarse: QuerySketch,
     fine: QuerySketch,
     bounds: Bounds,
     found: &'a mut NearestCategories,
+    on_nearer: F,
     n_compared: usize,
 }
 
 /// Offers what is nearest to one to four readings of an object, as a comparison of
 /// all pairs with [`Metric::Euclidean`] does, to the bit: lower bounds decide which
-/// views are compared, their distance is computed as always. Returns how many views
+/// views of the blocks are compared, their distance is computed as always. Tells the row
+/// of each view that is the nearest of its category so far, and returns how many views
 /// were compared.
 pub(super) fn search(
     table: &ViewTable,
+    blocks: Range<usize>,
     readings: &[&[f32]],
     found: &mut NearestCategories,
+    on_nearer: impl FnMut(usize),
 ) -> usize {
+    let first_block = blocks.start;
     let mut search = Search {
         readings,
         coarse: QuerySketch::new(readings, Level::Coarse),
         fine: QuerySketch::new(readings, Level::Fine),
         bounds: [[0.0; BLOCK]; N_TOGETHER],
         found,
+        on_nearer,
         n_compared: 0,
     };
-    for (group, blocks) in table.blocks().chunks(GROUP).enumerate() {
-        search.look_at_group(blocks, group * GROUP * BLOCK);
+    for (group, blocks) in table.blocks()[blocks].chunks(GROUP).enumerate() {
+        search.look_at_group(blocks, (first_block + group * GROUP) * BLOCK);
     }
     search.n_compared
 }
 
-impl Search<'_> {
+impl<F: FnMut(usize)> Search<'_, F> {
     fn look_at_group(&mut self, blocks: &[Arc<ViewBlock>], first_row: usize) {
         let mut order = [(f32::INFINITY, 0); GROUP];
         for (i, block) in blocks.iter().enumerate() {
@@ -99,12 +106,16 @@ impl Search<'_> {
                 continue;
             }
             if let Some(score) = Metric::Euclidean.bounded_score(reading, stored, farthest) {
-                self.found.offer(Candidate {
+                let row = first_row + place;
+                let is_nearer = self.found.offer(Candidate {
                     score,
                     view: view.id,
                     category: view.category,
-                    row: first_row + place,
+                    row,
                 });
+                if is_nearer {
+                    (self.on_nearer)(row);
+                }
             }
         }
     }
