@@ -7,6 +7,7 @@
 use command_line::{Output, table};
 use dataset::pcd;
 use detection::{Config, Detection, Frame, Surroundings, Workspace, detect};
+use evaluation::spread::Spread;
 use point_cloud::OrganizedCloud;
 use serde::Serialize;
 use service::{Failure, exit_code};
@@ -55,8 +56,8 @@ pub(crate) fn run(
         N_REPETITIONS
     };
     output.tell(&format!(
-        "our detection on {} scenes, {n} times each",
-        scenes.len()
+        "our detection on {}, {n} times each",
+        scenes_counted(scenes.len())
     ));
     let before_ms = ours_ms(scenes, n)?;
     output.tell("PCL on the same; the first time its harness is built, for minutes");
@@ -70,8 +71,8 @@ pub(crate) fn run(
         drift: after_ms / before_ms,
         peers: peers
             .into_iter()
-            .map(|((pipeline, threads), mut ms)| {
-                let ms = median(&mut ms);
+            .map(|((pipeline, threads), ms)| {
+                let ms = median(&ms);
                 Peer {
                     pipeline,
                     threads,
@@ -90,9 +91,13 @@ fn failed(harness: &Path, error: &dyn std::fmt::Display) -> Failure {
     Failure::new(exit_code::FAILURE, sentence)
 }
 
-fn median(values: &mut [f64]) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+fn median(values: &[f64]) -> f64 {
+    Spread::of(values).map_or(f64::NAN, |spread| spread.median)
+}
+
+/// How many scenes, in words.
+fn scenes_counted(n: usize) -> String {
+    format!("{n} scene{}", if n == 1 { "" } else { "s" })
 }
 
 /// The median over scenes of the median time of our detection, milliseconds.
@@ -120,9 +125,9 @@ fn ours_ms(scenes: &[PathBuf], n_repetitions: usize) -> Result<f64, Failure> {
                 .map_err(|error| unusable(&error))?;
             times_ms.push(begin.elapsed().as_secs_f64() * 1e3);
         }
-        of_scenes.push(median(&mut times_ms));
+        of_scenes.push(median(&times_ms));
     }
-    Ok(median(&mut of_scenes))
+    Ok(median(&of_scenes))
 }
 
 /// What the harness prints; its own progress goes where ours goes.
@@ -191,9 +196,9 @@ fn text(comparison: &Comparison) -> String {
         ]
     }));
     format!(
-        "{}\nmedians over {} scenes; ours after PCL took {:.2} times as long as before\n",
+        "{}\nmedians over {}; ours after PCL took {:.2} times as long as before\n",
         table(&["detection", "threads", "median ms", "times ours"], &rows),
-        comparison.n_scenes,
+        scenes_counted(comparison.n_scenes),
         comparison.drift
     )
 }

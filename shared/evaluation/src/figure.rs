@@ -6,7 +6,7 @@ use plotters::coord::Shift;
 use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::prelude::{
     ChartBuilder, Color as _, DrawingArea, IntoDrawingArea, IntoLogRange, LineSeries, Palette,
-    Palette99, PathElement, RGBColor, SVGBackend, SeriesLabelPosition, WHITE,
+    Palette99, PathElement, RGBColor, SVGBackend, SeriesLabelPosition, Text, WHITE,
 };
 use std::fmt;
 use std::ops::Range;
@@ -61,17 +61,28 @@ pub enum Legend {
     UpperRight,
     /// Left below.
     LowerLeft,
+    /// On the right of the diagram, where curves are everywhere in it.
+    Beside,
 }
 
-impl From<Legend> for SeriesLabelPosition {
-    fn from(legend: Legend) -> Self {
-        match legend {
-            Legend::UpperLeft => Self::UpperLeft,
-            Legend::UpperRight => Self::UpperRight,
-            Legend::LowerLeft => Self::LowerLeft,
+impl Legend {
+    /// Within the diagram; `None` when it is beside it.
+    fn position(self) -> Option<SeriesLabelPosition> {
+        match self {
+            Self::UpperLeft => Some(SeriesLabelPosition::UpperLeft),
+            Self::UpperRight => Some(SeriesLabelPosition::UpperRight),
+            Self::LowerLeft => Some(SeriesLabelPosition::LowerLeft),
+            Self::Beside => None,
         }
     }
 }
+
+/// Width and height of a diagram, and the width of a legend beside it, pixels.
+const SIZE_PX: (u32, u32) = (520, 420);
+const LEGEND_PX: u32 = 150;
+/// From one name to the next, and before the first.
+const NAME_STEP_PX: i32 = 18;
+const NAMES_TOP_PX: i32 = 44;
 
 /// One axis of a diagram.
 #[derive(Debug, Clone, PartialEq)]
@@ -158,7 +169,7 @@ pub fn in_columns(diagrams: &[Diagram<'_>], n_columns: usize) -> Result<String, 
     let n_rows = diagrams.len().div_ceil(n_columns).max(1);
     let mut svg = String::new();
     {
-        let size_px = (520 * n_columns as u32, 420 * n_rows as u32);
+        let size_px = (SIZE_PX.0 * n_columns as u32, SIZE_PX.1 * n_rows as u32);
         let whole = SVGBackend::with_string(&mut svg, size_px).into_drawing_area();
         whole.fill(&WHITE).map_err(failed)?;
         let areas = whole.split_evenly((n_rows, n_columns));
@@ -171,6 +182,36 @@ pub fn in_columns(diagrams: &[Diagram<'_>], n_columns: usize) -> Result<String, 
 }
 
 pub(crate) fn draw(
+    area: &DrawingArea<SVGBackend<'_>, Shift>,
+    diagram: &Diagram<'_>,
+) -> Result<(), DrawingError> {
+    if diagram.legend.position().is_some() {
+        return draw_on(area, diagram);
+    }
+    let width_px = area.dim_in_pixel().0.saturating_sub(LEGEND_PX);
+    let (own, beside) = area.split_horizontally(width_px);
+    draw_on(&own, diagram)?;
+    write_names(&beside, &diagram.curves)
+}
+
+/// The names of curves, one below the other.
+fn write_names(
+    area: &DrawingArea<SVGBackend<'_>, Shift>,
+    curves: &[Curve<'_>],
+) -> Result<(), DrawingError> {
+    let named = curves.iter().filter(|curve| !curve.name.is_empty());
+    for (curve, y) in named.zip((NAMES_TOP_PX..).step_by(NAME_STEP_PX as usize)) {
+        let line = [(0, y), (18, y)];
+        let color = RGBColor::from(curve.color).stroke_width(2);
+        area.draw(&PathElement::new(line, color)).map_err(failed)?;
+        let place = (24, y - NAME_STEP_PX / 2 + 3);
+        let name = Text::new(curve.name.to_owned(), place, ("sans-serif", 12));
+        area.draw(&name).map_err(failed)?;
+    }
+    Ok(())
+}
+
+fn draw_on(
     area: &DrawingArea<SVGBackend<'_>, Shift>,
     diagram: &Diagram<'_>,
 ) -> Result<(), DrawingError> {
@@ -226,24 +267,27 @@ where
             });
         }
     }
-    if diagram.curves.iter().all(|curve| curve.name.is_empty()) {
+    let has_names = diagram.curves.iter().any(|curve| !curve.name.is_empty());
+    let Some(position) = diagram.legend.position().filter(|_| has_names) else {
         return Ok(());
-    }
+    };
     chart
         .configure_series_labels()
-        .position(diagram.legend.into())
+        .position(position)
         .background_style(WHITE)
         .draw()
         .map_err(failed)
 }
 
-/// A number at an axis: without decimals when the axis is long.
+/// A number at an axis, with the decimals that the length of the axis asks for.
 pub(crate) fn number(value: f64, range: &Range<f64>) -> String {
-    if range.end - range.start > 5.0 {
-        format!("{value:.0}")
-    } else {
-        format!("{value:.1}")
+    let length = (range.end - range.start).abs().max(f64::MIN_POSITIVE);
+    let n_decimals = (2.0 - length.log10().floor()).clamp(0.0, 9.0) as usize;
+    let text = format!("{value:.n_decimals$}");
+    if n_decimals == 0 {
+        return text;
     }
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 #[cfg(test)]
@@ -286,6 +330,24 @@ mod tests {
         let axis = Axis::logarithmic("", 0.01..1e4);
         let numbers = [0.01, 0.1, 1.0, 10.0, 10_000.0].map(|value| axis.number(value));
         assert_eq!(numbers, ["0.01", "0.1", "1", "10", "10000"]);
+    }
+
+    #[test]
+    fn numbers_at_an_axis_have_no_decimals_that_say_nothing() {
+        let numbers = |range: Range<f64>| [0.0, 0.5, 20.0].map(|value| number(value, &range));
+        assert_eq!(numbers(0.0..8.0), ["0", "0.5", "20"]);
+        assert_eq!(numbers(0.0..300.0), ["0", "0", "20"]);
+        assert_eq!(number(0.025, &(0.0..0.1)), "0.025");
+    }
+
+    #[test]
+    fn names_beside_a_diagram_are_all_there() {
+        let mut one = diagram(Axis::linear("", 0.0..1.0), Axis::linear("", 0.0..1.0));
+        one.legend = Legend::Beside;
+        one.curves.push(one.curves[0].clone());
+        one.curves[1].name = "wake-up";
+        let svg = side_by_side(&[one]).unwrap();
+        assert!(svg.contains("timer") && svg.contains("wake-up"));
     }
 
     #[test]

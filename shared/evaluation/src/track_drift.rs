@@ -1,5 +1,6 @@
 //! How still the tracks of things at rest are.
 
+use crate::spread::Spread;
 use crate::tracked_frame::TrackedFrame;
 use nalgebra::{Point3, Vector3};
 use std::collections::BTreeMap;
@@ -40,7 +41,8 @@ fn span(id: u64, seen: &[(usize, Point3<f64>)]) -> Option<TrackSpan> {
     let (first, last) = (seen.first()?, seen.last()?);
     let centres = || seen.iter().map(|(_, centre)| centre);
     let median = Point3::from(Vector3::from_fn(|axis, _| {
-        median(centres().map(|centre| centre[axis]).collect())
+        let places: Vec<f64> = centres().map(|centre| centre[axis]).collect();
+        Spread::of(&places).map_or(0.0, |spread| spread.median)
     }));
     let n = seen.len() as f64;
     let mean = centres().map(|centre| centre.coords).sum::<Vector3<f64>>() / n;
@@ -58,12 +60,6 @@ fn span(id: u64, seen: &[(usize, Point3<f64>)]) -> Option<TrackSpan> {
         drift_m: away.fold(0.0, f64::max),
         sigma_m: variance_m2.sqrt(),
     })
-}
-
-/// The value in the middle; 0 of none.
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_unstable_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
 #[cfg(test)]

@@ -34,6 +34,14 @@ impl OrientedBox {
         (0..3).all(|i| p[i].abs() <= self.half_sides_m[i] + margin_m)
     }
 
+    /// Whether two boxes are so near that they may come within `margin_m` of each other:
+    /// whether the spheres around them do. Never for a box of which a number is no number.
+    #[inline]
+    pub fn may_meet(&self, other: &Self, margin_m: f64) -> bool {
+        let reach_m = self.half_sides_m.norm() + other.half_sides_m.norm() + margin_m;
+        (self.centre() - other.centre()).norm() <= reach_m
+    }
+
     /// The same box in another frame.
     pub fn transformed(&self, target_from_frame: &Isometry3<f64>) -> Self {
         Self {
@@ -63,5 +71,18 @@ mod tests {
         assert!(small.contains(&inside, 0.0) && moved.contains(&(motion * inside), 1e-9));
         assert!(!small.contains(&outside, 0.0) && small.contains(&outside, 0.02));
         assert!((moved.volume_m3() - 0.2 * 0.4 * 0.6).abs() < 1e-12);
+    }
+
+    #[test]
+    fn boxes_may_meet_as_far_as_their_corners_reach() {
+        let cube = |x: f64| OrientedBox {
+            frame_from_box: Isometry3::translation(x, 0.0, 0.0),
+            half_sides_m: Vector3::repeat(1.0),
+        };
+        let reach_m = 2.0 * 3.0_f64.sqrt();
+        assert!(cube(0.0).may_meet(&cube(reach_m - 1e-9), 0.0));
+        assert!(!cube(0.0).may_meet(&cube(reach_m + 0.1), 0.0));
+        assert!(cube(0.0).may_meet(&cube(reach_m + 0.1), 0.11));
+        assert!(!cube(0.0).may_meet(&cube(f64::NAN), 1.0));
     }
 }

@@ -32,8 +32,12 @@ pub fn percentile_figure(measurement: &Measurement) -> Result<String, DrawingErr
         .enumerate()
         .map(|(index, (stage, durations))| percentile_curve(stage.word(), index, durations));
     side_by_side(&[
-        percentile_diagram("From scheduled capture to label", of_frame, 1.5),
-        percentile_diagram("The links of the chain", links.collect(), 60.0),
+        percentile_diagram(
+            "From scheduled capture to label",
+            of_frame,
+            Legend::UpperLeft,
+        ),
+        percentile_diagram("The links of the chain", links.collect(), Legend::Beside),
     ])
 }
 
@@ -58,7 +62,7 @@ fn percentile_curve(name: &str, index: usize, mut durations_ns: Vec<u64>) -> Cur
 /// Below this nothing is told apart.
 const LEAST_MS: f64 = 0.001;
 
-fn percentile_diagram<'a>(title: &'a str, curves: Vec<Curve<'a>>, headroom: f64) -> Diagram<'a> {
+fn percentile_diagram<'a>(title: &'a str, curves: Vec<Curve<'a>>, legend: Legend) -> Diagram<'a> {
     let all = || curves.iter().flat_map(|curve| &curve.points);
     let rarest = all().map(|point| point.0).fold(10.0, f64::max);
     let least = all().map(|point| point.1).fold(f64::INFINITY, f64::min);
@@ -66,10 +70,10 @@ fn percentile_diagram<'a>(title: &'a str, curves: Vec<Curve<'a>>, headroom: f64)
     Diagram {
         title,
         x: Axis::logarithmic("one in so many takes longer", 1.0..rarest),
-        // Room for the names of the curves.
-        y: Axis::logarithmic("ms", 0.8 * least.min(longest)..longest * headroom),
+        // Room for two names above the curves.
+        y: Axis::logarithmic("ms", 0.8 * least.min(longest)..longest * 1.5),
         curves,
-        legend: Legend::UpperLeft,
+        legend,
     }
 }
 

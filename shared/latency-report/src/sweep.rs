@@ -115,10 +115,9 @@ fn diagram<'a>(title: &'a str, axis: &'a str, curves: Vec<Curve<'a>>) -> Diagram
     Diagram {
         title,
         x,
-        // Room for the names of the curves.
-        y: Axis::linear("ms", 0.0..longest.max(0.001) * 1.6),
+        y: Axis::linear("ms", 0.0..longest.max(0.001) * 1.1),
         curves,
-        legend: Legend::UpperLeft,
+        legend: Legend::Beside,
     }
 }
 

@@ -237,8 +237,7 @@ fn volume_difference(track: &Appearance, candidate: &Appearance) -> f64 {
 /// Share of a box that lies in another one, to the width of a part's margin.
 pub fn share_inside(part: &OrientedBox, whole: &OrientedBox) -> f64 {
     // Most boxes are nowhere near each other.
-    let between_m = (part.centre() - whole.centre()).norm();
-    if between_m > part.half_sides_m.norm() + whole.half_sides_m.norm() + 2.0 * PART_MARGIN_M {
+    if !part.may_meet(whole, 2.0 * PART_MARGIN_M) {
         return 0.0;
     }
     let place = |step: usize| PART_REACH * (step as f64 / (N_PART_STEPS - 1) as f64 * 2.0 - 1.0);

@@ -9,10 +9,7 @@ const N_SAMPLES: usize = 12;
 /// Intersection over union of two boxes, 0 to 1, by samples on a grid in the
 /// smaller one; 0 where neither has a volume.
 pub(super) fn overlap(a: &OrientedBox, b: &OrientedBox) -> f64 {
-    let between_m = (a.centre() - b.centre()).norm();
-    let reach_m = a.half_sides_m.norm() + b.half_sides_m.norm();
-    // A broken box, of which nothing is known, overlaps with nothing.
-    if between_m > reach_m || between_m.is_nan() || reach_m.is_nan() {
+    if !a.may_meet(b, 0.0) {
         return 0.0;
     }
     let (small, large) = if a.volume_m3() <= b.volume_m3() {

@@ -165,10 +165,7 @@ impl Judge<'_> {
     /// Share of a cluster's points that lie in the boxes of tracks, grown, over samples.
     fn share_in_tracks(&self, body_box: &OrientedBox, pixels: &[u32]) -> f32 {
         let mut is_inside = [false; N_SAMPLES];
-        let near = |track: &&OrientedBox| {
-            let reach_m = track.half_sides_m.norm() + reach_m(body_box);
-            (track.centre() - body_box.centre()).norm_squared() <= reach_m * reach_m
-        };
+        let near = |track: &&OrientedBox| track.may_meet(body_box, BOX_TOLERANCE_M);
         let tracks = self.surroundings.tracks.iter();
         let grown = tracks.map(|track| grown(&track.shape));
         for track in grown.filter(|track| near(&track)) {
