@@ -2,9 +2,28 @@
 
 use channel::topic::FrameTraces;
 use channel::{Domain, Error, Received, Subscriber};
+use command_line::StopSignal;
 use latency_report::{FrameWay, Gathering};
 use message::{ProcessKind, frame_flag};
+use service::{Failure, exit_code};
 use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+
+/// How often the traces are read: their ring holds 24 frames, a fifth of a second at the
+/// highest rate.
+const READ: Duration = Duration::from_millis(20);
+/// Frames that stay away for this long will not come.
+const SILENCE: Duration = Duration::from_secs(10);
+
+/// Why somebody listens no more.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Ended {
+    /// He has heard enough, or was asked to stop.
+    Enough,
+    /// No frame comes any more.
+    Silence,
+}
 
 /// Reads what has come since the last time. It asks a few times a second instead of
 /// being waked for each message: so it costs the daemon no wake-up.
@@ -25,8 +44,38 @@ impl Listener {
         })
     }
 
+    /// Hands over frame by frame as they come, until `take` has enough, the daemon is
+    /// silent, or somebody wants to stop.
+    ///
+    /// # Errors
+    /// When shared memory fails, and when the frames wait for each other.
+    pub(crate) fn each_frame(
+        &mut self,
+        stop: &StopSignal,
+        mut take: impl FnMut(FrameWay) -> ControlFlow<()>,
+    ) -> Result<Ended, Failure> {
+        let mut last_frame = Instant::now();
+        while !stop.is_raised() {
+            self.read()?;
+            if self.is_lockstep {
+                return Err(no_schedule());
+            }
+            while let Some(way) = self.gathering.next_frame() {
+                last_frame = Instant::now();
+                if take(way).is_break() {
+                    return Ok(Ended::Enough);
+                }
+            }
+            if last_frame.elapsed() > SILENCE {
+                return Ok(Ended::Silence);
+            }
+            stop.sleep(READ);
+        }
+        Ok(Ended::Enough)
+    }
+
     /// Takes all messages that wait.
-    pub(crate) fn read(&mut self) -> Result<(), Error> {
+    fn read(&mut self) -> Result<(), Error> {
         while let Received::Message(message) = self.traces.receive()? {
             let header = message.header();
             self.pids.insert(header.process, header.pid);
@@ -36,22 +85,12 @@ impl Listener {
         Ok(())
     }
 
-    /// The oldest frame of which all is known.
-    pub(crate) fn next_frame(&mut self) -> Option<FrameWay> {
-        self.gathering.next_frame()
-    }
-
     /// Processes that have told of frames, with their ids.
     pub(crate) fn processes(&self) -> Vec<(ProcessKind, u32)> {
         let known = self.pids.iter();
         known
             .filter_map(|(code, pid)| Some((ProcessKind::from_code(*code)?, *pid)))
             .collect()
-    }
-
-    /// Whether frames wait for the daemon, so that their schedule means nothing.
-    pub(crate) fn is_lockstep(&self) -> bool {
-        self.is_lockstep
     }
 
     /// Messages that were overwritten before they were read.
@@ -63,4 +102,32 @@ impl Listener {
     pub(crate) fn gathering(&self) -> &Gathering {
         &self.gathering
     }
+}
+
+/// What a listener is told who hands frames over.
+pub(crate) fn go_on_while(is_wanted: bool) -> ControlFlow<()> {
+    if is_wanted {
+        ControlFlow::Continue(())
+    } else {
+        ControlFlow::Break(())
+    }
+}
+
+fn no_schedule() -> Failure {
+    Failure::new(
+        exit_code::USAGE,
+        "this daemon's frames wait for each other (lockstep), so that there is no schedule to be \
+         late for; start it without --lockstep",
+    )
+}
+
+/// That no frame has come for too long.
+pub(crate) fn no_frames() -> Failure {
+    Failure::new(
+        exit_code::TIMED_OUT,
+        format!(
+            "no frame has come for {} s; `tabula status` tells how the daemon's processes are",
+            SILENCE.as_secs()
+        ),
+    )
 }

@@ -3,7 +3,7 @@
 use crate::arguments::MeasureArguments;
 use crate::chosen_daemon::ChosenDaemon;
 use crate::conditions::ConditionsWatch;
-use crate::listener::Listener;
+use crate::listener::{Ended, Listener, go_on_while, no_frames};
 use crate::report_text;
 use crate::results::{self, Judged};
 use command_line::{Output, StopSignal, bar};
@@ -12,12 +12,8 @@ use message::Stage;
 use service::{CommonArguments, Failure, Stopwatch, exit_code};
 use std::hint::black_box;
 use std::process::ExitCode;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-/// How often the traces are read: their ring holds 24 frames.
-const READ: Duration = Duration::from_millis(20);
-/// Frames that stay away for this long will not come.
-const SILENCE: Duration = Duration::from_secs(10);
 /// Laps by which the cost of a lap is timed, and how often: the median is told.
 const N_LAPS: u32 = 1000;
 const N_ROUNDS: usize = 21;
@@ -71,21 +67,12 @@ pub(crate) fn measure(
     let mut measurement = Measurement::new(arguments.timeline as usize);
     let watch = warm_up(&mut listener, arguments.warm_up, stop)?;
     let progress = bar(arguments.frames, "frames", output);
-    let mut last_frame = Instant::now();
-    while (measurement.n_frames() as u64) < arguments.frames && !stop.is_raised() {
-        stop.sleep(READ);
-        listener.read()?;
-        let n_before = measurement.n_frames();
-        while let Some(way) = listener.next_frame() {
-            measurement.add(way);
-        }
-        if measurement.n_frames() > n_before {
-            last_frame = Instant::now();
-            progress.set_position(measurement.n_frames() as u64);
-        } else if last_frame.elapsed() > SILENCE {
-            break;
-        }
-    }
+    listener.each_frame(stop, |way| {
+        measurement.add(way);
+        let n_frames = measurement.n_frames() as u64;
+        progress.set_position(n_frames);
+        go_on_while(n_frames < arguments.frames)
+    })?;
     progress.finish_and_clear();
     if measurement.n_frames() == 0 {
         return Err(no_frames());
@@ -114,36 +101,14 @@ fn warm_up(
     stop: &StopSignal,
 ) -> Result<ConditionsWatch, Failure> {
     let mut n_passed = 0;
-    let mut last_frame = Instant::now();
-    while n_passed <= n_frames && !stop.is_raised() {
-        stop.sleep(READ);
-        listener.read()?;
-        if listener.is_lockstep() {
-            return Err(Failure::new(
-                exit_code::USAGE,
-                "this daemon's frames wait for each other (lockstep), so that there is no schedule \
-                 to be late for; start it without --lockstep",
-            ));
-        }
-        while listener.next_frame().is_some() {
-            n_passed += 1;
-            last_frame = Instant::now();
-        }
-        if last_frame.elapsed() > SILENCE {
-            return Err(no_frames());
-        }
+    let ended = listener.each_frame(stop, |_| {
+        n_passed += 1;
+        go_on_while(n_passed <= n_frames)
+    })?;
+    match ended {
+        Ended::Enough => Ok(ConditionsWatch::begin(listener)),
+        Ended::Silence => Err(no_frames()),
     }
-    Ok(ConditionsWatch::begin(listener))
-}
-
-fn no_frames() -> Failure {
-    Failure::new(
-        exit_code::TIMED_OUT,
-        format!(
-            "no frame has come for {} s; `tabula status` tells how the daemon's processes are",
-            SILENCE.as_secs()
-        ),
-    )
 }
 
 fn source_name(daemon: &ChosenDaemon, arguments: &MeasureArguments) -> String {

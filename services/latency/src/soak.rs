@@ -2,7 +2,7 @@
 
 use crate::arguments::{SoakArguments, SourceArguments};
 use crate::chosen_daemon::ChosenDaemon;
-use crate::listener::Listener;
+use crate::listener::{Ended, Listener, go_on_while, no_frames};
 use crate::own_daemon::OwnDaemon;
 use crate::process_usage::ProcessUsage;
 use crate::results::not_written;
@@ -15,13 +15,8 @@ use serde::Serialize;
 use service::{Failure, exit_code, wall_clock_offset_ns};
 use std::path::Path;
 use std::process::ExitCode;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-/// How often the traces are read: their ring holds 24 frames, a fifth of a second at the
-/// highest rate.
-const READ: Duration = Duration::from_millis(20);
-/// Frames that stay away for this long will not come.
-const SILENCE: Duration = Duration::from_secs(10);
 /// Windows that a run is cut into.
 const N_WINDOWS: u64 = 40;
 
@@ -111,22 +106,14 @@ fn measure_window(
     stop: &StopSignal,
 ) -> Result<Measurement, Failure> {
     let mut measurement = Measurement::new(0);
-    let mut last_frame = Instant::now();
-    while measurement.n_frames() < n_frames && !stop.is_raised() {
-        listener.read()?;
-        while measurement.n_frames() < n_frames
-            && let Some(way) = listener.next_frame()
-        {
-            measurement.add(way);
-            last_frame = Instant::now();
-        }
-        if last_frame.elapsed() > SILENCE {
-            let sentence = "the daemon has stopped working on frames in the middle of the run";
-            return Err(Failure::new(exit_code::TIMED_OUT, sentence));
-        }
-        stop.sleep(READ);
+    let ended = listener.each_frame(stop, |way| {
+        measurement.add(way);
+        go_on_while(measurement.n_frames() < n_frames)
+    })?;
+    match ended {
+        Ended::Enough => Ok(measurement),
+        Ended::Silence => Err(no_frames()),
     }
-    Ok(measurement)
 }
 
 /// What the frames of a window say.

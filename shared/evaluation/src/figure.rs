@@ -116,6 +116,11 @@ impl<'a> Axis<'a> {
 
     fn number(&self, value: f64) -> String {
         if self.is_logarithmic {
+            // Ten numbers in a decade would be written over each other.
+            let digit = (value / 10_f64.powf(value.log10().floor() + 1e-9)).round();
+            if ![1.0, 2.0, 5.0, 10.0].contains(&digit) {
+                return String::new();
+            }
             let n_decimals = (-value.log10()).ceil().clamp(0.0, 9.0) as usize;
             format!("{value:.n_decimals$}")
         } else {
@@ -330,6 +335,8 @@ mod tests {
         let axis = Axis::logarithmic("", 0.01..1e4);
         let numbers = [0.01, 0.1, 1.0, 10.0, 10_000.0].map(|value| axis.number(value));
         assert_eq!(numbers, ["0.01", "0.1", "1", "10", "10000"]);
+        let within = [20.0, 30.0, 50.0, 0.07, 0.2].map(|value| axis.number(value));
+        assert_eq!(within, ["20", "", "50", "", "0.2"]);
     }
 
     #[test]

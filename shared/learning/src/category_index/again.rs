@@ -8,7 +8,7 @@ const DIMENSION: usize = 90;
 /// More than are searched at once.
 const N_VIEWS: usize = 2_000;
 /// Calls after which all views had their turn.
-const N_ROUND: usize = N_VIEWS.div_ceil(256);
+const N_ROUND: usize = N_VIEWS.div_ceil(128);
 
 fn index() -> CategoryIndex {
     let mut index = CategoryIndex::new(DIMENSION, Metric::Euclidean);
@@ -95,6 +95,24 @@ fn what_is_kept_in_mind_is_bounded() {
         let readings = readings(seed % 5, 0.1, seed);
         let answer = again(&index, &readings, &mut vicinity);
         assert!(answer.nearest.iter().all(Option::is_some));
-        assert!(vicinity.n_kept() <= 64);
+        assert!(vicinity.n_kept() <= 32);
     }
+}
+
+#[test]
+fn what_is_described_in_two_ways_by_turns_is_compared_with_all_views_twice() {
+    let (index, mut vicinity) = (index(), Vicinity::default());
+    let ways = [readings(77, 0.1, 0), readings(400, 0.1, 1)];
+    for way in &ways {
+        again(&index, way, &mut vicinity);
+    }
+    let n_settled = vicinity.n_settled();
+    for way in ways.iter().cycle().take(20) {
+        assert_eq!(
+            again(&index, way, &mut vicinity),
+            exactly(&index, way),
+            "what was near in the other way is kept"
+        );
+    }
+    assert_eq!((n_settled, vicinity.n_settled()), (2, 2));
 }

@@ -9,16 +9,20 @@ use crate::{Error, Metric, Recognition};
 
 /// An index with up to so many blocks is searched whole: that costs no more than what
 /// is saved.
-const N_BLOCKS_WHOLE: usize = 8;
+const N_BLOCKS_WHOLE: usize = 4;
 
 /// Blocks of a larger one that are searched each time, besides what was near before.
-const N_BLOCKS_AT_ONCE: usize = 4;
+const N_BLOCKS_AT_ONCE: usize = 2;
 
 /// Most views that are kept in mind.
-const N_NEAR: usize = 64;
+const N_NEAR: usize = 32;
 
-/// An object whose description has changed by more than this share of its distance to
-/// the nearest view has moved, and what was near tells little.
+/// Descriptions around which an object is known: what is about as wide as deep is
+/// described now along one side and now along the other.
+const N_PLACES: usize = 4;
+
+/// A description that is farther from all known ones than this share of its distance to
+/// the nearest view is another one, and what was near tells little.
 const CHANGE_MAX: f32 = 0.5;
 
 /// What an object was near to when it was compared last: see
@@ -28,8 +32,10 @@ const CHANGE_MAX: f32 = 0.5;
 pub struct Vicinity {
     /// State of the index; 0 is none.
     revision: u64,
-    /// The readings with which all views were compared, one after the other.
-    compared: Vec<f32>,
+    /// Descriptions with which all views were compared, each with its readings one
+    /// after the other.
+    places: [Vec<f32>; N_PLACES],
+    next_place: usize,
     /// Rows of views that were the nearest of their category at some time; those
     /// that were so last are at the end.
     near: Vec<u32>,
@@ -49,21 +55,29 @@ impl Vicinity {
         self.near.push(row);
     }
 
-    /// Begins anew with an index in this state.
-    fn begin(&mut self, revision: u64, readings: &[&[f32]]) {
-        self.revision = revision;
-        self.near.clear();
-        self.compared.clear();
-        for reading in readings {
-            self.compared.extend_from_slice(reading);
+    /// Forgets what is known of another state of the index.
+    fn begin(&mut self, revision: u64) {
+        if self.revision != revision {
+            self.revision = revision;
+            self.near.clear();
+            self.places.iter_mut().for_each(Vec::clear);
+            self.next_block = 0;
         }
-        self.next_block = 0;
     }
 
-    /// Whether it knows nothing of so many readings in an index of this state.
-    fn is_strange(&self, revision: u64, readings: &[&[f32]]) -> bool {
-        self.revision != revision
-            || self.compared.len() != readings.iter().map(|reading| reading.len()).sum::<usize>()
+    /// Notes that all views were compared with these readings.
+    fn settle(&mut self, readings: &[&[f32]]) {
+        let place = &mut self.places[self.next_place];
+        place.clear();
+        for reading in readings {
+            place.extend_from_slice(reading);
+        }
+        self.next_place = (self.next_place + 1) % N_PLACES;
+    }
+
+    #[cfg(test)]
+    pub(super) fn n_settled(&self) -> usize {
+        self.places.iter().filter(|place| !place.is_empty()).count()
     }
 
     #[cfg(test)]
@@ -71,17 +85,29 @@ impl Vicinity {
         self.near.len()
     }
 
-    /// Squared distance of the reading that has changed most.
+    /// Squared distance to the nearest known description, by the reading that differs
+    /// most; infinite when none is known.
     fn squared_change(&self, readings: &[&[f32]]) -> f32 {
-        let mut before = self.compared.as_slice();
-        let changes = readings.iter().map(|reading| {
-            let own;
-            (own, before) = before.split_at(reading.len());
-            let score = Metric::Euclidean.bounded_score(reading, own, f32::INFINITY);
-            score.unwrap_or(f32::INFINITY)
-        });
-        changes.fold(0.0, f32::max)
+        let changes = self
+            .places
+            .iter()
+            .map(|place| squared_change(place, readings));
+        changes.fold(f32::INFINITY, f32::min)
     }
+}
+
+/// From the readings of a place; infinite where it has others.
+fn squared_change(mut place: &[f32], readings: &[&[f32]]) -> f32 {
+    if place.len() != readings.iter().map(|reading| reading.len()).sum::<usize>() {
+        return f32::INFINITY;
+    }
+    let changes = readings.iter().map(|reading| {
+        let before;
+        (before, place) = place.split_at(reading.len());
+        let score = Metric::Euclidean.bounded_score(reading, before, f32::INFINITY);
+        score.unwrap_or(f32::INFINITY)
+    });
+    changes.fold(0.0, f32::max)
 }
 
 impl CategoryIndex {
@@ -90,13 +116,13 @@ impl CategoryIndex {
     /// compared are the views it was near to before, and in turn a part of the others.
     ///
     /// The answer is that of `recognise_any` when the object is new to the vicinity,
-    /// after each change of the index, when its description has changed much, and as
-    /// long as it has not changed at all. Otherwise a view that has come nearer than
+    /// after each change of the index, when its description is unlike those before, and
+    /// as long as it does not change. Otherwise a view that has come nearer than
     /// those in the vicinity is found some calls later: all views had their turn after
-    /// one call for every 256 of them.
+    /// one call for every 128 of them.
     ///
-    /// *Complexity*: at most 320 views, besides those full searches. Indexes with up to
-    /// 512 views, other metrics, and more than four readings are always searched whole.
+    /// *Complexity*: at most 160 views, besides those full searches. Indexes with up to
+    /// 256 views, other metrics, and more than four readings are always searched whole.
     ///
     /// # Errors
     /// As for [`insert`](Self::insert).
@@ -113,10 +139,9 @@ impl CategoryIndex {
         let n_readings = readings.len();
         let readings = &self.checked(readings)?[..n_readings];
         let mut found = NearestCategories::default();
-        if vicinity.is_strange(self.revision, readings)
-            || !self.look_around(readings, vicinity, &mut found)
-        {
-            vicinity.begin(self.revision, readings);
+        vicinity.begin(self.revision);
+        if !self.look_around(readings, vicinity, &mut found) {
+            vicinity.settle(readings);
             let all = 0..self.views.blocks().len();
             search(&self.views, all, readings, &mut found, |row| {
                 vicinity.remember(row);
@@ -125,8 +150,8 @@ impl CategoryIndex {
         Ok(self.answer(found, rule.into()))
     }
 
-    /// Compares with what was near and with the next blocks. False when the object has
-    /// changed so much that all must be compared.
+    /// Compares with what was near and with the next blocks. False when the description
+    /// is one of which little is known, so that all must be compared.
     fn look_around(
         &self,
         readings: &[&[f32]],
