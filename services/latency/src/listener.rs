@@ -7,7 +7,6 @@ use latency_report::{FrameWay, Gathering};
 use message::{ProcessKind, frame_flag};
 use service::{Failure, exit_code};
 use std::collections::BTreeMap;
-use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 /// How often the traces are read: their ring holds 24 frames, a fifth of a second at the
@@ -44,15 +43,15 @@ impl Listener {
         })
     }
 
-    /// Hands over frame by frame as they come, until `take` has enough, the daemon is
-    /// silent, or somebody wants to stop.
+    /// Hands over frame by frame as they come, as long as `take` says that it wants
+    /// more: until the daemon is silent, or somebody wants to stop.
     ///
     /// # Errors
     /// When shared memory fails, and when the frames wait for each other.
     pub(crate) fn each_frame(
         &mut self,
         stop: &StopSignal,
-        mut take: impl FnMut(FrameWay) -> ControlFlow<()>,
+        mut take: impl FnMut(FrameWay) -> bool,
     ) -> Result<Ended, Failure> {
         let mut last_frame = Instant::now();
         while !stop.is_raised() {
@@ -62,7 +61,7 @@ impl Listener {
             }
             while let Some(way) = self.gathering.next_frame() {
                 last_frame = Instant::now();
-                if take(way).is_break() {
+                if !take(way) {
                     return Ok(Ended::Enough);
                 }
             }
@@ -101,15 +100,6 @@ impl Listener {
     /// What was read and put together.
     pub(crate) fn gathering(&self) -> &Gathering {
         &self.gathering
-    }
-}
-
-/// What a listener is told who hands frames over.
-pub(crate) fn go_on_while(is_wanted: bool) -> ControlFlow<()> {
-    if is_wanted {
-        ControlFlow::Continue(())
-    } else {
-        ControlFlow::Break(())
     }
 }
 

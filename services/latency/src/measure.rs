@@ -3,7 +3,7 @@
 use crate::arguments::MeasureArguments;
 use crate::chosen_daemon::ChosenDaemon;
 use crate::conditions::ConditionsWatch;
-use crate::listener::{Ended, Listener, go_on_while, no_frames};
+use crate::listener::{Ended, Listener, no_frames};
 use crate::report_text;
 use crate::results::{self, Judged};
 use command_line::{Output, StopSignal, bar};
@@ -71,7 +71,7 @@ pub(crate) fn measure(
         measurement.add(way);
         let n_frames = measurement.n_frames() as u64;
         progress.set_position(n_frames);
-        go_on_while(n_frames < arguments.frames)
+        n_frames < arguments.frames
     })?;
     progress.finish_and_clear();
     if measurement.n_frames() == 0 {
@@ -103,7 +103,7 @@ fn warm_up(
     let mut n_passed = 0;
     let ended = listener.each_frame(stop, |_| {
         n_passed += 1;
-        go_on_while(n_passed <= n_frames)
+        n_passed <= n_frames
     })?;
     match ended {
         Ended::Enough => Ok(ConditionsWatch::begin(listener)),

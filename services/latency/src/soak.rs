@@ -2,7 +2,7 @@
 
 use crate::arguments::{SoakArguments, SourceArguments};
 use crate::chosen_daemon::ChosenDaemon;
-use crate::listener::{Ended, Listener, go_on_while, no_frames};
+use crate::listener::{Ended, Listener, no_frames};
 use crate::own_daemon::OwnDaemon;
 use crate::process_usage::ProcessUsage;
 use crate::results::not_written;
@@ -108,7 +108,7 @@ fn measure_window(
     let mut measurement = Measurement::new(0);
     let ended = listener.each_frame(stop, |way| {
         measurement.add(way);
-        go_on_while(measurement.n_frames() < n_frames)
+        measurement.n_frames() < n_frames
     })?;
     match ended {
         Ended::Enough => Ok(measurement),

@@ -1,6 +1,5 @@
 //! Threads that take part in a search.
 
-use std::fmt::Debug;
 use std::sync::{Mutex, PoisonError};
 
 /// Who takes part in a search.
@@ -71,27 +70,25 @@ impl<D: Default + Send> Desks<D> {
     }
 }
 
+impl<T: Send> Desks<Vec<T>> {
+    /// Empties all desks into a list, in no order.
+    pub(crate) fn gather(&mut self, list: &mut Vec<T>) {
+        for desk in self.all() {
+            list.append(desk);
+        }
+    }
+}
+
 /// The lock is released before anybody works with the item.
 fn next_of<I: Iterator>(items: &Mutex<I>) -> Option<I::Item> {
     items.lock().unwrap_or_else(PoisonError::into_inner).next()
 }
 
-/// Several threads, started for each piece of work.
 #[cfg(test)]
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Threads(pub(crate) usize);
-
+#[path = "../tests/synthetic/threads.rs"]
+mod threads;
 #[cfg(test)]
-impl Crew for Threads {
-    fn together(&self, work: &(dyn Fn() + Sync)) {
-        std::thread::scope(|scope| {
-            for _ in 1..self.0 {
-                scope.spawn(work);
-            }
-            work();
-        });
-    }
-}
+pub(crate) use threads::Threads;
 
 #[cfg(test)]
 mod tests {

@@ -380,7 +380,6 @@ fn find_bodies(
     };
     let limb = (0..n_limbs as u32).map(|cluster| (cluster, true));
     let all = (0..clusters.len() as u32).map(|cluster| (cluster, false));
-    found_bodies.all().iter_mut().for_each(Vec::clear);
     found_bodies.each(crew, all.chain(limb), |found, (cluster, is_limb)| {
         let own = if is_limb { &*limb_clusters } else { &*clusters };
         let pixels = own.pixels(cluster as usize);
@@ -392,10 +391,7 @@ fn find_bodies(
         }
     });
     bodies.clear();
-    for found in found_bodies.all() {
-        bodies.append(found);
-    }
-    bodies.sort_unstable_by_key(|body| (body.is_limb, body.cluster));
+    found_bodies.gather(bodies);
     find_supports(cloud, clusters, &table.plane.normal, bodies);
     let distance = |body: &Body| body.summary.centroid.coords.norm_squared();
     bodies.sort_unstable_by(|a, b| {
@@ -439,9 +435,7 @@ fn write(
             let is_cut = seen.is_reached_by(&body.summary.seen, BORDER_PX);
             candidates.push(judged(body, range, pixels, is_cut, &judge, config.rule()));
         });
-    for candidates in workspace.judged.all() {
-        detection.candidates.append(candidates);
-    }
+    workspace.judged.gather(&mut detection.candidates);
     let first = |candidate: &Candidate| candidate.range.start;
     detection.candidates.sort_unstable_by_key(first);
 }

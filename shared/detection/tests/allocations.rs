@@ -1,12 +1,10 @@
 //! A frame in steady state allocates nothing.
 
+#[path = "synthetic/surroundings.rs"]
+mod surroundings;
 mod synthetic;
 
-use detection::{
-    Candidate, Config, Detection, ExpectedTrack, Frame, Surroundings, Workspace, detect,
-};
-use geometry::{Capsule, OrientedBox};
-use nalgebra::{Isometry3, Point3, Vector3};
+use detection::{Candidate, Config, Detection, Frame, Surroundings, Workspace, detect};
 use point_cloud::OrganizedCloud;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -54,20 +52,7 @@ fn a_frame_in_steady_state_allocates_nothing() {
     let cloud = OrganizedCloud::new(&points, 640, 480).unwrap();
     let (mut workspace, mut detection) = (Workspace::default(), Detection::default());
     let config = Config::default();
-    // Two tracks, and an arm over the left box.
-    let tracks = [0.0, 0.25].map(|x| ExpectedTrack {
-        shape: OrientedBox {
-            frame_from_box: camera_from_table() * Isometry3::translation(x, 0.0, 0.06),
-            half_sides_m: Vector3::new(0.05, 0.035, 0.06),
-        },
-        n_points: 3000,
-    });
-    let link = Capsule {
-        from: Point3::new(-0.5, 0.0, 0.06),
-        to: Point3::new(-0.3, 0.0, 0.06),
-        radius_m: 0.05,
-    };
-    let links = [link.transformed(&camera_from_table())];
+    let (tracks, links) = (surroundings::tracks(), [surroundings::link()]);
     for seed in 0..40 {
         let frame = Frame {
             cloud,

@@ -1,44 +1,19 @@
 //! What is found does not depend on how many threads search.
 
+#[path = "synthetic/surroundings.rs"]
+mod surroundings;
 mod synthetic;
+#[path = "synthetic/threads.rs"]
+mod threads;
 
-use detection::{
-    Alone, Config, Crew, Detection, ExpectedTrack, Frame, Surroundings, Workspace, detect_in_steps,
-};
-use geometry::{Capsule, OrientedBox};
-use nalgebra::{Isometry3, Point3, Vector3};
+use detection::{Alone, Config, Crew, Detection, Frame, Surroundings, Workspace, detect_in_steps};
 use point_cloud::{OrganizedCloud, Point};
-use synthetic::{BoxOnTable, camera_from_table, render};
+use synthetic::{BoxOnTable, render};
+use threads::Threads;
 
-/// Threads that are started for each piece of work.
-struct Threads(usize);
-
-impl Crew for Threads {
-    fn together(&self, work: &(dyn Fn() + Sync)) {
-        std::thread::scope(|scope| {
-            for _ in 1..self.0 {
-                scope.spawn(work);
-            }
-            work();
-        });
-    }
-}
-
-/// A pile of boxes, single ones, and an arm over one of them.
+/// What is found of some boxes with two tracks and an arm among them, frame by frame.
 fn searched(points: &[Point], crew: &dyn Crew) -> Vec<Detection> {
-    let tracks = [0.0, 0.25].map(|x| ExpectedTrack {
-        shape: OrientedBox {
-            frame_from_box: camera_from_table() * Isometry3::translation(x, 0.0, 0.06),
-            half_sides_m: Vector3::new(0.05, 0.035, 0.06),
-        },
-        n_points: 3000,
-    });
-    let link = Capsule {
-        from: Point3::new(-0.5, 0.0, 0.06),
-        to: Point3::new(-0.3, 0.0, 0.06),
-        radius_m: 0.05,
-    };
-    let links = [link.transformed(&camera_from_table())];
+    let (tracks, links) = (surroundings::tracks(), [surroundings::link()]);
     let config = Config::default();
     let mut workspace = Workspace::default();
     let mut search = |seed| {

@@ -255,17 +255,9 @@ impl CategoryIndex {
     fn compare_all(&self, readings: &[&[f32]], found: &mut NearestCategories) {
         for reading in readings {
             for (block, first_row) in self.views.blocks().iter().zip((0..).step_by(BLOCK)) {
-                for (place, view) in block.views().iter().enumerate() {
+                for (row, view) in (first_row..).zip(block.views()) {
                     let bound = found.bound(view.category);
-                    let stored = block.descriptor(place);
-                    if let Some(score) = self.metric.bounded_score(reading, stored, bound) {
-                        found.offer(Candidate {
-                            score,
-                            view: view.id,
-                            category: view.category,
-                            row: first_row + place,
-                        });
-                    }
+                    block.offer(row, (self.metric, reading), bound, found);
                 }
             }
         }

@@ -3,7 +3,7 @@
 use super::sketch::{Bounds, Level, N_TOGETHER, QuerySketch};
 use super::view_table::{BLOCK, ViewBlock, ViewTable};
 use crate::Metric;
-use crate::nearest_categories::{Candidate, NearestCategories};
+use crate::nearest_categories::NearestCategories;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -97,25 +97,15 @@ impl<F: FnMut(usize)> Search<'_, F> {
     }
 
     fn compare(&mut self, block: &ViewBlock, place: usize, first_row: usize) {
-        let view = &block.views()[place];
-        let stored = block.descriptor(place);
+        let (category, row) = (block.views()[place].category, first_row + place);
         self.n_compared += 1;
         for (reading, bounds) in self.readings.iter().zip(&self.bounds) {
-            let farthest = self.found.bound(view.category);
-            if bounds[place] > farthest {
+            let bound = self.found.bound(category);
+            if bounds[place] > bound {
                 continue;
             }
-            if let Some(score) = Metric::Euclidean.bounded_score(reading, stored, farthest) {
-                let row = first_row + place;
-                let is_nearer = self.found.offer(Candidate {
-                    score,
-                    view: view.id,
-                    category: view.category,
-                    row,
-                });
-                if is_nearer {
-                    (self.on_nearer)(row);
-                }
+            if block.offer(row, (Metric::Euclidean, reading), bound, self.found) {
+                (self.on_nearer)(row);
             }
         }
     }

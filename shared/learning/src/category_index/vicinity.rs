@@ -4,7 +4,7 @@ use super::pruned_search::search;
 use super::sketch::N_TOGETHER;
 use super::view_table::BLOCK;
 use super::{CategoryIndex, UnknownRule};
-use crate::nearest_categories::{Candidate, NearestCategories};
+use crate::nearest_categories::NearestCategories;
 use crate::{Error, Metric, Recognition};
 
 /// An index with up to so many blocks is searched whole: that costs no more than what
@@ -162,8 +162,14 @@ impl CategoryIndex {
         let near = &mut near[..vicinity.near.len()];
         near.copy_from_slice(&vicinity.near);
         for &row in near.iter().rev() {
-            if self.offer(row as usize, readings, found) {
-                vicinity.remember(row as usize);
+            let row = row as usize;
+            let block = &self.views.blocks()[row / BLOCK];
+            let category = block.views()[row % BLOCK].category;
+            for reading in readings {
+                let bound = found.bound(category);
+                if block.offer(row, (self.metric, reading), bound, found) {
+                    vicinity.remember(row);
+                }
             }
         }
         let nearest = found.candidates()[0].map_or(0.0, |nearest| nearest.score);
@@ -171,35 +177,12 @@ impl CategoryIndex {
             return false;
         }
         let first = vicinity.next_block;
-        let end = (first + N_BLOCKS_AT_ONCE).min(self.views.blocks().len());
-        vicinity.next_block = if end == self.views.blocks().len() {
-            0
-        } else {
-            end
-        };
+        let n_blocks = self.views.blocks().len();
+        let end = (first + N_BLOCKS_AT_ONCE).min(n_blocks);
+        vicinity.next_block = end % n_blocks;
         search(&self.views, first..end, readings, found, |row| {
             vicinity.remember(row);
         });
         true
-    }
-
-    /// Offers a view in all readings; says whether it became the nearest of its
-    /// category.
-    fn offer(&self, row: usize, readings: &[&[f32]], found: &mut NearestCategories) -> bool {
-        let (block, place) = (&self.views.blocks()[row / BLOCK], row % BLOCK);
-        let (view, stored) = (&block.views()[place], block.descriptor(place));
-        let mut is_taken = false;
-        for reading in readings {
-            let bound = found.bound(view.category);
-            if let Some(score) = self.metric.bounded_score(reading, stored, bound) {
-                is_taken |= found.offer(Candidate {
-                    score,
-                    view: view.id,
-                    category: view.category,
-                    row,
-                });
-            }
-        }
-        is_taken
     }
 }

@@ -1,7 +1,8 @@
 //! The taught views in pieces that copies of an index share.
 
 use super::sketch::SketchBlock;
-use crate::{CategoryName, ViewId};
+use crate::nearest_categories::{Candidate, NearestCategories};
+use crate::{CategoryName, Metric, ViewId};
 use std::sync::Arc;
 
 /// Views of a block.
@@ -127,6 +128,28 @@ impl ViewBlock {
 
     pub(super) fn sketches(&self) -> Option<&SketchBlock> {
         self.sketches.as_ref()
+    }
+
+    /// Offers the view of a row in one reading; says whether it became the nearest of
+    /// its category, which it can with a score up to `bound` only.
+    #[inline]
+    pub(super) fn offer(
+        &self,
+        row: usize,
+        (metric, reading): (Metric, &[f32]),
+        bound: f32,
+        found: &mut NearestCategories,
+    ) -> bool {
+        let view = &self.views[row % BLOCK];
+        let score = metric.bounded_score(reading, self.descriptor(row % BLOCK), bound);
+        score.is_some_and(|score| {
+            found.offer(Candidate {
+                score,
+                view: view.id,
+                category: view.category,
+                row,
+            })
+        })
     }
 
     fn describe(&mut self, place: usize, descriptor: &[f32]) {

@@ -1,0 +1,27 @@
+//! What is known beside the rendered boxes.
+
+use crate::synthetic::camera_from_table;
+use detection::ExpectedTrack;
+use geometry::{Capsule, OrientedBox};
+use nalgebra::{Isometry3, Point3, Vector3};
+
+/// Tracks of a box in the middle of the table and of one to the right of it.
+pub(crate) fn tracks() -> [ExpectedTrack; 2] {
+    [0.0, 0.25].map(|x| ExpectedTrack {
+        shape: OrientedBox {
+            frame_from_box: camera_from_table() * Isometry3::translation(x, 0.0, 0.06),
+            half_sides_m: Vector3::new(0.05, 0.035, 0.06),
+        },
+        n_points: 3000,
+    })
+}
+
+/// A link of an arm over a box on the left.
+pub(crate) fn link() -> Capsule {
+    let link = Capsule {
+        from: Point3::new(-0.5, 0.0, 0.06),
+        to: Point3::new(-0.3, 0.0, 0.06),
+        radius_m: 0.05,
+    };
+    link.transformed(&camera_from_table())
+}
