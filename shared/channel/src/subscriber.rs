@@ -90,7 +90,9 @@ impl<T: Topic> Subscriber<T> {
         };
         let publisher = sample.origin().value();
         // Takes a lock, before which no line of the other process's cache should
-        // be waited for: after it they all come together.
+        // be waited for: after it they all come together. The header's first line is
+        // among them because it is asked for here: what moves the frame waits for
+        // the lines asked for before, and lets none be asked for behind it.
         let frame = SharedFrame::<T>::new(sample, &mut self.segments);
         self.count(publisher, frame.header().sent());
         Ok(Received::Message(frame))

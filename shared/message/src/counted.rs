@@ -8,6 +8,9 @@ use bytemuck::AnyBitPattern;
 use iceoryx2::prelude::ZeroCopySend;
 
 /// A header that counts the messages of its port from 1.
+///
+/// In a long header the number stands in front, beside the stamps: a receiver that
+/// reads it has the cache line with both, each of which takes 0.1 µs from another core.
 pub trait Counted {
     /// The number of this message.
     fn sent(&self) -> u64;

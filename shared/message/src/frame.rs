@@ -7,6 +7,7 @@ use geometry::{InvalidIntrinsics, PinholeCamera, RigidTransform};
 use iceoryx2::prelude::ZeroCopySend;
 use nalgebra::{Unit, Vector3};
 use std::fmt;
+use std::mem::offset_of;
 
 /// A point in shared memory; the same bytes as [`point_cloud::Point`].
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable, ZeroCopySend)]
@@ -59,15 +60,19 @@ pub struct SegmentLocation {
     pub offset_bytes: u64,
 }
 
-/// What the camera says about a frame.
+/// What the camera says about a frame. Its first cache line holds what a receiver
+/// reads of every frame.
 #[derive(Debug, Clone, Copy, PartialEq, AnyBitPattern, ZeroCopySend)]
-#[type_name("tabula.FrameHeader.v1")]
+#[type_name("tabula.FrameHeader.v5")]
 #[repr(C)]
+#[repr(align(64))]
 pub struct FrameHeader {
     /// [`SCHEMA_VERSION`] of the writer.
     pub schema_version: u32,
     /// Bits of [`frame_flag`].
     pub flags: u32,
+    /// Counts the messages of the port.
+    pub sent: u64,
     /// Random number of this run of the source: sequences of different sessions
     /// do not compare.
     pub session: u64,
@@ -97,11 +102,10 @@ pub struct FrameHeader {
     pub source_name: Text,
     /// Zero.
     pub reserved: u32,
-    /// Counts the messages of the port.
-    pub sent: u64,
 }
 
-const _: () = assert!(size_of::<FrameHeader>() == 384);
+const _: () = assert!(size_of::<FrameHeader>() == 384 && align_of::<FrameHeader>() == 64);
+const _: () = assert!(offset_of!(FrameHeader, published_stamp_ns) < 64);
 
 /// A follower of a lockstep source has finished a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, AnyBitPattern, ZeroCopySend)]
@@ -181,6 +185,7 @@ impl Default for FrameHeader {
         Self {
             schema_version: SCHEMA_VERSION,
             flags: 0,
+            sent: 0,
             session: 0,
             sequence: 0,
             source_frame: 0,
@@ -195,7 +200,6 @@ impl Default for FrameHeader {
             location: SegmentLocation::default(),
             source_name: Text::default(),
             reserved: 0,
-            sent: 0,
         }
     }
 }

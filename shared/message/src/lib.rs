@@ -49,4 +49,4 @@ pub use truth::{MAX_TRUE_OBJECTS, MaskPixel, TrueObject, TrueState, TruthHeader}
 
 /// Version of the types in this crate, written into their headers. A type's name
 /// in shared memory carries the version in which the type last changed.
-pub const SCHEMA_VERSION: u32 = 4;
+pub const SCHEMA_VERSION: u32 = 5;

@@ -8,7 +8,7 @@ use iceoryx2::prelude::ZeroCopySend;
 
 /// One described view; the payload beside it is the descriptor, `f32` values.
 #[derive(Debug, Clone, Copy, PartialEq, AnyBitPattern, ZeroCopySend)]
-#[type_name("tabula.ObjectViewHeader.v3")]
+#[type_name("tabula.ObjectViewHeader.v5")]
 #[repr(C)]
 pub struct ObjectViewHeader {
     /// The track.
@@ -17,6 +17,8 @@ pub struct ObjectViewHeader {
     pub view_id: u32,
     /// 1 when this is a key view: it goes to the perceptual memory.
     pub is_key_view: u32,
+    /// Counts the messages of the port.
+    pub sent: u64,
     /// Session of the camera.
     pub session: u64,
     /// Sequence of the frame.
@@ -53,8 +55,6 @@ pub struct ObjectViewHeader {
     pub n_categories: u32,
     /// The categories nearest to this view, nearest first.
     pub categories: [NearCategory; MAX_NEAR_CATEGORIES],
-    /// Counts the messages of the port.
-    pub sent: u64,
 }
 
 const _: () = assert!(size_of::<ObjectViewHeader>() == 824);
@@ -65,6 +65,7 @@ impl Default for ObjectViewHeader {
             track_id: 0,
             view_id: 0,
             is_key_view: 0,
+            sent: 0,
             session: 0,
             sequence: 0,
             capture_ns: 0,
@@ -83,7 +84,6 @@ impl Default for ObjectViewHeader {
             n_key_views: 0,
             n_categories: 0,
             categories: [NearCategory::default(); MAX_NEAR_CATEGORIES],
-            sent: 0,
         }
     }
 }

@@ -103,13 +103,15 @@ impl ArmActivity {
 
 /// State of the arm; the payload beside it is the capsules of its links, world frame.
 #[derive(Debug, Clone, Copy, PartialEq, AnyBitPattern, ZeroCopySend)]
-#[type_name("tabula.ArmState.v1")]
+#[type_name("tabula.ArmState.v5")]
 #[repr(C)]
 pub struct ArmState {
     /// [`SCHEMA_VERSION`] of the writer.
     pub schema_version: u32,
     /// Number of an [`ArmActivity`].
     pub activity: u32,
+    /// Counts the messages of the port.
+    pub sent: u64,
     /// When this was so, monotonic, or the source's own clock in lockstep.
     pub stamp_ns: u64,
     /// Joint angles from the base outwards, radians.
@@ -126,8 +128,6 @@ pub struct ArmState {
     pub is_holding: u32,
     /// Why the last command failed, empty otherwise.
     pub note: Text,
-    /// Counts the messages of the port.
-    pub sent: u64,
 }
 
 const _: () = assert!(size_of::<ArmState>() == 328);
@@ -137,6 +137,7 @@ impl Default for ArmState {
         Self {
             schema_version: SCHEMA_VERSION,
             activity: ArmActivity::Idle.code(),
+            sent: 0,
             stamp_ns: 0,
             joint_angles_rad: [0.0; ARM_JOINTS],
             joint_velocities_rad_s: [0.0; ARM_JOINTS],
@@ -145,7 +146,6 @@ impl Default for ArmState {
             command_id: 0,
             is_holding: 0,
             note: Text::default(),
-            sent: 0,
         }
     }
 }

@@ -157,13 +157,15 @@ pub struct SceneObject {
 
 /// The world after one frame; the payload beside it is the objects, by track-id.
 #[derive(Debug, Clone, Copy, PartialEq, AnyBitPattern, ZeroCopySend)]
-#[type_name("tabula.SceneSummary.v2")]
+#[type_name("tabula.SceneSummary.v5")]
 #[repr(C)]
 pub struct SceneSummary {
     /// [`SCHEMA_VERSION`] of the writer.
     pub schema_version: u32,
     /// Flags of the frame, see [`frame_flag`](crate::frame_flag).
     pub frame_flags: u32,
+    /// Counts the messages of the port.
+    pub sent: u64,
     /// Session of the camera.
     pub session: u64,
     /// Sequence of the frame.
@@ -193,8 +195,6 @@ pub struct SceneSummary {
     pub n_ignored: u32,
     /// Candidates that started no track and continued none, nearest first.
     pub ignored: [IgnoredBlob; MAX_IGNORED],
-    /// Counts the messages of the port.
-    pub sent: u64,
 }
 
 const _: () = assert!(
@@ -242,6 +242,7 @@ impl Default for SceneSummary {
         Self {
             schema_version: SCHEMA_VERSION,
             frame_flags: 0,
+            sent: 0,
             session: 0,
             sequence: 0,
             frames_dropped: 0,
@@ -256,7 +257,6 @@ impl Default for SceneSummary {
             rule: Text::default(),
             n_ignored: 0,
             ignored: [IgnoredBlob::default(); MAX_IGNORED],
-            sent: 0,
         }
     }
 }

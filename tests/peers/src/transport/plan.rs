@@ -99,9 +99,9 @@ impl Task {
     pub fn new(system: System, mode: Mode, payload_bytes: usize, divisor: u64) -> Self {
         let (n_messages, rate_hz) = match (mode, payload_bytes < LARGE_BYTES) {
             (Mode::Polled, true) => (5_000, 10_000),
-            (Mode::Polled, false) => (100, 200),
+            (Mode::Polled, false) => (300, 200),
             (Mode::Blocking, true) => (200, 200),
-            (Mode::Blocking, false) => (36, 30),
+            (Mode::Blocking, false) => (90, 30),
         };
         Self {
             system,
