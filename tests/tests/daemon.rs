@@ -1,7 +1,7 @@
 //! A daemon of a test's own: real processes in a domain, home and run folder
 //! that nobody else has, stopped and checked for leftovers at the end.
 
-use channel::{DomainName, DomainState, RunFolder};
+use channel::{Domain, DomainName, DomainState, Role, RunFolder};
 use message::ProcessKind;
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
@@ -103,10 +103,9 @@ impl Place {
 
     /// A place for daemons whose object actors can be told to panic.
     pub(crate) fn with_faulty_perception() -> Self {
-        Self {
-            programs: &FAULTY_PROGRAMS,
-            ..Self::new()
-        }
+        let mut place = Self::new();
+        place.programs = &FAULTY_PROGRAMS;
+        place
     }
 
     /// Another domain in the same run folder; its name goes on where this one's ends.
@@ -228,6 +227,16 @@ impl Place {
             started,
             log,
             is_stopped: false,
+        }
+    }
+}
+
+impl Drop for Place {
+    /// A test that ends by killing leaves nothing behind either: who is alone in a
+    /// domain removes what the dead have left.
+    fn drop(&mut self) {
+        if !self.shared_memory_files().is_empty() {
+            let _ = Domain::join(&self.domain, &self.run_folder(), Role::Guest);
         }
     }
 }

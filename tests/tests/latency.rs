@@ -170,6 +170,8 @@ fn a_daemon_does_not_outlive_a_measurement_that_is_killed() {
     let mut measuring = place
         .command("tabula-latency")
         .args(["--source", "synthetic:0", "--frames", "100000"])
+        // It can not remove its daemon's home any more.
+        .env("TMPDIR", place.home())
         .stdout(Stdio::null())
         .stderr(Stdio::null())
         .spawn()
