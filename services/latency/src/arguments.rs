@@ -218,8 +218,8 @@ impl SourceArguments {
         }
     }
 
-    /// As arguments of `tabula run`.
-    pub(crate) fn run_arguments(&self) -> Vec<String> {
+    /// As arguments of `tabula run`, with the daemon's configuration when one is named.
+    pub(crate) fn run_arguments(&self, config: Option<&Path>) -> Vec<String> {
         let name = self.source.as_deref().unwrap_or(USUAL_SOURCE);
         // A recording is played again and again: a measurement has a length of its own.
         let plays_files = Path::new(name).is_dir();
@@ -232,6 +232,7 @@ impl SourceArguments {
         arguments.extend(objects.map(|n| format!("--objects={n}")));
         arguments.extend(self.seed.map(|seed| format!("--seed={seed}")));
         arguments.extend(self.rate.map(|rate| format!("--rate={rate}")));
+        arguments.extend(config.map(|path| format!("--config={}", path.display())));
         arguments
     }
 

@@ -28,9 +28,7 @@ impl ChosenDaemon {
     ) -> Result<Self, Failure> {
         let run_folder = RunFolder::of_user();
         let own = if source.is_given() || !is_running(&common.domain, &run_folder) {
-            let mut arguments = source.run_arguments();
-            let config = common.config.as_ref();
-            arguments.extend(config.map(|path| format!("--config={}", path.display())));
+            let arguments = source.run_arguments(common.config.as_deref());
             output.tell(&format!(
                 "starting a daemon: tabula run {}",
                 arguments.join(" ")

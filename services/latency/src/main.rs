@@ -40,8 +40,8 @@ fn execute(arguments: &Arguments, output: &Output) -> Result<ExitCode, Failure> 
             Some(harness) => pcl::run(harness, scenes, *short, *output),
             None => peers::run(*short, output),
         },
-        Some(Verb::Soak(soak)) => soak::run(soak, output),
-        Some(Verb::Sweep(sweep)) => sweep::run(sweep, output),
+        Some(Verb::Soak(soak)) => soak::run(&arguments.common, soak, output),
+        Some(Verb::Sweep(sweep)) => sweep::run(&arguments.common, sweep, output),
         Some(Verb::Compare { before, now }) => compare::run(before, now, output),
         Some(Verb::Merge { files, out }) => merge::run(files, out.as_deref(), output),
     }

@@ -12,13 +12,17 @@ use latency_report::{
     Growth, Measurement, Percentiles, ProcessReport, SoakWindow, growths, soak_figure,
 };
 use serde::Serialize;
-use service::{Failure, exit_code, wall_clock_offset_ns};
+use service::{CommonArguments, Failure, exit_code, wall_clock_offset_ns};
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 
 /// Windows that a run is cut into.
 const N_WINDOWS: u64 = 40;
+/// What the daemon keeps on purpose must not pass for growth: on this table its usual
+/// limits are reached after hours only, these before the first quarter is over.
+const CONFIG: &str =
+    "[memory]\nworld_kept_max = 1000\nmax_unnamed_views = 200\nwrite_buffer_mb = 1\n";
 
 /// The answer for scripts.
 #[derive(Serialize)]
@@ -32,14 +36,13 @@ struct Document {
 }
 
 /// Runs, prints and draws; exit code 7 when something has grown.
-pub(crate) fn run(arguments: &SoakArguments, output: &Output) -> Result<ExitCode, Failure> {
+pub(crate) fn run(
+    common: &CommonArguments,
+    arguments: &SoakArguments,
+    output: &Output,
+) -> Result<ExitCode, Failure> {
     let stop = StopSignal::install()?;
-    let source = SourceArguments {
-        rate: Some(arguments.rate),
-        ..SourceArguments::of(&format!("parade:{}", arguments.objects))
-    };
-    let own = OwnDaemon::start(OwnDaemon::home()?, &source.run_arguments(), None)?;
-    let daemon = ChosenDaemon::join_own(own)?;
+    let daemon = start(common.config.as_deref(), arguments, output)?;
     let (windows, lost_messages) = soak(&daemon, arguments, &stop, output)?;
     drop(daemon);
     let sum = |count: fn(&SoakWindow) -> u64| windows.iter().map(count).sum();
@@ -60,6 +63,28 @@ pub(crate) fn run(arguments: &SoakArguments, output: &Output) -> Result<ExitCode
     } else {
         ExitCode::from(exit_code::OVER_BUDGET)
     })
+}
+
+/// A daemon on a table on which blocks come and go.
+fn start(
+    config: Option<&Path>,
+    arguments: &SoakArguments,
+    output: &Output,
+) -> Result<ChosenDaemon, Failure> {
+    let source = SourceArguments {
+        rate: Some(arguments.rate),
+        ..SourceArguments::of(&format!("parade:{}", arguments.objects))
+    };
+    let home = OwnDaemon::home()?;
+    if config.is_none() {
+        output.tell(&format!(
+            "starting a daemon that keeps little, to be measured with its limits reached; for \
+             others use --config FILE:\n{CONFIG}"
+        ));
+        std::fs::write(home.path().join("tabula.toml"), CONFIG).map_err(not_written)?;
+    }
+    let own = OwnDaemon::start(home, &source.run_arguments(config), None)?;
+    ChosenDaemon::join_own(own)
 }
 
 /// Measures window after window; the windows, and how many messages were lost.

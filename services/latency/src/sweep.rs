@@ -17,7 +17,8 @@ use channel::topic::Scene;
 use command_line::{Output, StopSignal, table};
 use latency_report::{SweepRow, sweep_figure};
 use serde::Serialize;
-use service::{Failure, exit_code};
+use service::{CommonArguments, Failure, exit_code};
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
@@ -34,13 +35,17 @@ struct Document<'a> {
 }
 
 /// Measures place after place; a rate that the daemon does not hold ends the sweep.
-pub(crate) fn run(arguments: &SweepArguments, output: &Output) -> Result<ExitCode, Failure> {
+pub(crate) fn run(
+    common: &CommonArguments,
+    arguments: &SweepArguments,
+    output: &Output,
+) -> Result<ExitCode, Failure> {
     let axis = arguments.axis;
     let stop = StopSignal::install()?;
     let mut rows = Vec::new();
     for place in axis.places(&arguments.values)? {
         output.tell(&format!("{} {}", axis.title(), place.value));
-        let row = measure_at(&place, axis, arguments, &stop, output)?;
+        let row = measure_at(&place, common.config.as_deref(), arguments, &stop, output)?;
         let is_end = stop.is_raised() || (axis == Axis::Rate && row.is_broken());
         rows.push(row);
         if is_end {
@@ -65,19 +70,19 @@ pub(crate) fn run(arguments: &SweepArguments, output: &Output) -> Result<ExitCod
 
 fn measure_at(
     place: &Place,
-    axis: Axis,
+    config: Option<&Path>,
     arguments: &SweepArguments,
     stop: &StopSignal,
     output: &Output,
 ) -> Result<SweepRow, Failure> {
     let home = OwnDaemon::home()?;
     let (source, n_views) = prepare(place, &home)?;
-    let own = OwnDaemon::start(home, &source.run_arguments(), place.n_cores)?;
+    let own = OwnDaemon::start(home, &source.run_arguments(config), place.n_cores)?;
     let daemon = ChosenDaemon::join_own(own)?;
     wait_until_known(&daemon, n_views, stop)?;
     let plan = MeasureArguments::short(source, arguments.frames);
     let (report, _) = measure(&daemon, &plan, stop, output)?;
-    let value = match axis {
+    let value = match arguments.axis {
         Axis::Points => mean_points(&daemon)?,
         _ => place.value,
     };

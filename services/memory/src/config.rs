@@ -3,8 +3,8 @@
 use serde::Deserialize;
 use service::{ConfigFile, Failure};
 use std::time::Duration;
-use store::Limits;
 use store::working::WorldConfig;
+use store::{Limits, WRITE_BUFFER_BYTES};
 
 /// When an object was last seen is on disk at least this exactly.
 const SEEN_PERIOD_NS: u64 = 10_000_000_000;
@@ -16,6 +16,7 @@ struct RawConfig {
     queue_requests: usize,
     max_views_per_category: usize,
     max_unnamed_views: usize,
+    write_buffer_mb: usize,
     forgotten_kept_days: u64,
     world_period_ms: u64,
     world_move_min_m: f64,
@@ -30,6 +31,7 @@ impl Default for RawConfig {
             queue_requests: 1024,
             max_views_per_category: 1000,
             max_unnamed_views: 20_000,
+            write_buffer_mb: WRITE_BUFFER_BYTES >> 20,
             forgotten_kept_days: 30,
             world_period_ms: 250,
             world_move_min_m: 0.02,
@@ -47,6 +49,8 @@ pub(crate) struct Config {
     pub(crate) queue_requests: usize,
     /// How much is kept.
     pub(crate) limits: Limits,
+    /// What the perceptual memory gathers before the database makes a table of it.
+    pub(crate) write_buffer_bytes: usize,
     /// How long what was forgotten can be taken back.
     pub(crate) forgotten_kept: Duration,
     /// Time between two looks at the world, and between two writes of what changed.
@@ -66,6 +70,7 @@ impl Config {
                 max_views_per_category: raw.max_views_per_category,
                 max_unnamed_views: raw.max_unnamed_views,
             },
+            write_buffer_bytes: raw.write_buffer_mb << 20,
             forgotten_kept: Duration::from_secs(raw.forgotten_kept_days * 24 * 3600),
             world_period: Duration::from_millis(raw.world_period_ms),
             world: WorldConfig {
@@ -74,6 +79,7 @@ impl Config {
                 keep_ns: (raw.world_keep_hours * 3.6e12) as u64,
                 n_kept_most: raw.world_kept_max,
                 seen_period_ns: SEEN_PERIOD_NS,
+                write_buffer_bytes: raw.write_buffer_mb << 20,
             },
         })
     }
@@ -94,6 +100,10 @@ impl RawConfig {
             (
                 (100..=1_000_000).contains(&self.max_unnamed_views),
                 "[memory] max_unnamed_views must lie between 100 and 1000000",
+            ),
+            (
+                (1..=256).contains(&self.write_buffer_mb),
+                "[memory] write_buffer_mb must lie between 1 and 256",
             ),
             (
                 self.forgotten_kept_days <= 36_500,
@@ -142,6 +152,7 @@ mod tests {
         assert!(breaks(&|raw| raw.queue_requests = 0));
         assert!(breaks(&|raw| raw.max_views_per_category = 9));
         assert!(breaks(&|raw| raw.max_unnamed_views = 99));
+        assert!(breaks(&|raw| raw.write_buffer_mb = 0));
         assert!(breaks(&|raw| raw.forgotten_kept_days = 36_501));
         assert!(breaks(&|raw| raw.world_period_ms = 49));
         assert!(breaks(&|raw| raw.world_move_min_m = f64::NAN));

@@ -32,6 +32,7 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
         folder,
         queue_capacity: config.queue_requests,
         limits: config.limits,
+        write_buffer_bytes: config.write_buffer_bytes,
         wall_clock: || wall_clock_ns().max(0) as u64,
         on_reopened: Box::new({
             let health = context.health.clone();

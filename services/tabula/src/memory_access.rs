@@ -8,7 +8,7 @@ use message::control::{Command, JobCommand, JobKind, JobOutcome, JobReport, Repl
 use service::{CommonArguments, Failure, exit_code, wall_clock_ns};
 use std::path::PathBuf;
 use std::time::Duration;
-use store::{Limits, StoreConfig, StoreThread};
+use store::{Limits, StoreConfig, StoreThread, WRITE_BUFFER_BYTES};
 use tokio::runtime::Runtime;
 
 /// How often a job is asked how far it is.
@@ -79,6 +79,7 @@ impl MemoryAccess {
             folder,
             queue_capacity: 64,
             limits: Limits::default(),
+            write_buffer_bytes: WRITE_BUFFER_BYTES,
             wall_clock: || wall_clock_ns().max(0) as u64,
             on_reopened: Box::new(|_| {}),
         })

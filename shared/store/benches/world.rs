@@ -24,6 +24,7 @@ fn config() -> WorldConfig {
         keep_ns: 7 * 86_400 * SECOND,
         n_kept_most: N_FACTS as usize,
         seen_period_ns: 10 * SECOND,
+        write_buffer_bytes: store::WRITE_BUFFER_BYTES,
     }
 }
 

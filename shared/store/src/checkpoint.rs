@@ -13,7 +13,7 @@ use crate::catalogue::{Catalogue, Entry};
 use crate::digest::Digest;
 use crate::document::{Document, DocumentContent, DocumentKey};
 use crate::economy;
-use crate::engine::Engine;
+use crate::engine::{Engine, WRITE_BUFFER_BYTES};
 use crate::error::{Error, in_words};
 use crate::examination::{Examination, examine, schema};
 use crate::findings::Findings;
@@ -158,7 +158,7 @@ impl Checkpoint {
 
     /// As [`Self::open`]; what the mark says was acknowledged must be there.
     fn open_marked(mut self, mark: Option<&Mark>) -> Result<CheckpointReader, Error> {
-        let mut engine = Engine::open(&self.folder)?;
+        let mut engine = Engine::open(&self.folder, WRITE_BUFFER_BYTES)?;
         if let Some(schema) = schema(&mut engine)?.filter(|schema| *schema < SCHEMA) {
             return Err(Error::Damaged {
                 what: format!(

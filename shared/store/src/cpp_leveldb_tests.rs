@@ -15,7 +15,7 @@ use nalgebra::{Isometry3, Vector3};
 use rusty_leveldb::WriteBatch;
 use tempfile::TempDir;
 
-use crate::engine::Engine;
+use crate::engine::{Engine, WRITE_BUFFER_BYTES};
 use crate::mutation::{Change, Mutation, MutationId, Target};
 use crate::perceptual_memory::PerceptualMemory;
 use crate::view::{Descriptor, View};
@@ -93,7 +93,7 @@ fn records(engine: &mut Engine) -> Vec<String> {
 
 fn read_by_ours(database: &Path) -> Vec<String> {
     let copy = copy(database);
-    records(&mut Engine::open(copy.path()).unwrap())
+    records(&mut Engine::open(copy.path(), WRITE_BUFFER_BYTES).unwrap())
 }
 
 fn check_same(found: &[String], expected: &[String], what: &str) {
@@ -210,7 +210,7 @@ fn check_ours_reads_cpp(compression: &str) {
     let folder = folder();
     let expected = lines_of(Command::new(fill).arg(folder.path()).arg(compression));
     assert!(expected.len() > 10_000);
-    let mut engine = Engine::open(folder.path()).unwrap();
+    let mut engine = Engine::open(folder.path(), WRITE_BUFFER_BYTES).unwrap();
     check_same(&records(&mut engine), &expected, "opened by ours");
     // What ours makes of it C++ reads in turn.
     engine.accept().unwrap();

@@ -19,13 +19,12 @@ use crate::error::Error;
 /// Table files kept open; times eight megabytes a file is more than a robot learns.
 const MAX_OPEN_FILES: usize = 256;
 
-/// What is gathered in memory before it becomes a table, and the size of tables
-/// on the levels below. rusty-leveldb merges once for each table it writes from
+/// What is usually gathered in memory before it becomes a table, twice the size of
+/// tables on the levels below. rusty-leveldb merges once for each table it writes from
 /// memory: with four megabytes and its two, what many key views bring in is more
 /// than what is merged, and a snapshot is then read from dozens of tables at
 /// once. Tests make tables from less.
-const WRITE_BUFFER_BYTES: usize = if cfg!(test) { 4 << 20 } else { 16 << 20 };
-const MAX_TABLE_BYTES: usize = WRITE_BUFFER_BYTES / 2;
+pub const WRITE_BUFFER_BYTES: usize = if cfg!(test) { 4 << 20 } else { 16 << 20 };
 
 /// An open database.
 pub(crate) struct Engine {
@@ -41,11 +40,15 @@ impl Engine {
     ///
     /// [`Error::Damaged`] when it cannot be opened for what is in its files;
     /// [`Error::Io`] and [`Error::InUse`] when that is not their fault.
-    pub(crate) fn open(folder: &Path) -> Result<Self, Error> {
-        Self::open_watched(folder, EnvHealth::examining())
+    pub(crate) fn open(folder: &Path, write_buffer_bytes: usize) -> Result<Self, Error> {
+        Self::open_watched(folder, write_buffer_bytes, EnvHealth::examining())
     }
 
-    pub(crate) fn open_watched(folder: &Path, health: EnvHealth) -> Result<Self, Error> {
+    pub(crate) fn open_watched(
+        folder: &Path,
+        write_buffer_bytes: usize,
+        health: EnvHealth,
+    ) -> Result<Self, Error> {
         let health = Arc::new(health);
         let options = Options {
             env: Rc::new(Box::new(DurableEnv::new(Arc::clone(&health)))),
@@ -53,8 +56,8 @@ impl Engine {
             reuse_logs: false,
             reuse_manifest: false,
             max_open_files: MAX_OPEN_FILES,
-            write_buffer_size: WRITE_BUFFER_BYTES,
-            max_file_size: MAX_TABLE_BYTES,
+            write_buffer_size: write_buffer_bytes,
+            max_file_size: write_buffer_bytes / 2,
             ..Options::default()
         };
         match guarded(&health, || DB::open(folder, options)) {

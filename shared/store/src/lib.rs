@@ -75,6 +75,7 @@ pub use document::{
     Document, DocumentContent, DocumentKey, DocumentKind, DocumentSummary, MAX_DOCUMENT_BYTES,
 };
 pub use economy::Limits;
+pub use engine::WRITE_BUFFER_BYTES;
 pub use error::{Error, Refusal};
 pub use foreign::{ForeignDocument, ForeignView};
 pub use history::{Contradiction, Effect, HistoryEntry, Operation};

@@ -220,7 +220,7 @@ fn open_database(
     if folder.database_is_headless()? {
         return rebuild(vec!["its file CURRENT is missing".to_owned()]);
     }
-    let mut engine = match Engine::open(&folder.database()) {
+    let mut engine = match folder.open_database() {
         Ok(engine) => engine,
         Err(Error::Damaged { what }) => return rebuild(vec![what]),
         Err(error) => return Err(error),
@@ -287,7 +287,7 @@ fn commit_empty(engine: &mut Engine, mark: Option<&Mark>) -> Result<Examination,
 /// Sets the database aside and begins an empty one.
 fn replace(folder: &StoreFolder, mark: Option<&Mark>, reason: String) -> Result<Opened, Error> {
     let set_aside = Some(folder.set_aside()?);
-    let mut engine = Engine::open(&folder.database())?;
+    let mut engine = folder.open_database()?;
     engine.accept()?;
     let examination = commit_empty(&mut engine, mark)?;
     let condition = Condition::Replaced {
@@ -305,7 +305,7 @@ fn rebuild(
     wall_ns: u64,
     findings: Vec<String>,
 ) -> Result<Opened, Error> {
-    let mut copy = Engine::open(&folder.rebuilding())?;
+    let mut copy = folder.open_rebuilding()?;
     copy.accept()?;
     let salvaged = salvage(&folder.database(), &mut copy, mark, wall_ns)?;
     let Some(Salvaged {
@@ -318,7 +318,7 @@ fn rebuild(
     };
     copy.close()?;
     let set_aside = folder.replace_by_rebuilding()?;
-    let mut engine = Engine::open(&folder.database())?;
+    let mut engine = folder.open_database()?;
     let copied = examine(&mut engine, None)?;
     if !copied.findings.is_empty() {
         let findings = copied.findings.into_words().join("; ");
@@ -341,6 +341,7 @@ fn rebuild(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::engine::WRITE_BUFFER_BYTES;
     use crate::meta::SCHEMA;
     use crate::reading::Position;
     use std::fs;
@@ -371,7 +372,7 @@ mod tests {
                 .any(|name| name.to_string_lossy().contains("damaged"))
         );
         // The newer program finds everything as it was.
-        let mut engine = Engine::open(&folder.path().join("database")).unwrap();
+        let mut engine = Engine::open(&folder.path().join("database"), WRITE_BUFFER_BYTES).unwrap();
         let record = engine.reader().unwrap().get(b"m").unwrap().unwrap();
         let meta: Meta = crate::record::unseal(b"m", &record).unwrap();
         let found = Position {

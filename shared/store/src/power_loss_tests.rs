@@ -15,7 +15,7 @@ use learning::{CategoryName, ViewId};
 use nalgebra::{Isometry3, Vector3};
 use tempfile::TempDir;
 
-use crate::engine::Engine;
+use crate::engine::{Engine, WRITE_BUFFER_BYTES};
 use crate::env_health::{Change, EnvHealth, Observer};
 use crate::examination::examine;
 use crate::mutation::{Change as Asked, Mutation, MutationId};
@@ -299,7 +299,7 @@ fn check_cuts_while_opening(n_cuts: usize) {
     let journal = Journal::default();
     let health = EnvHealth::examining();
     health.set_observer(journaling(&journal));
-    let mut engine = Engine::open_watched(&database, health).unwrap();
+    let mut engine = Engine::open_watched(&database, WRITE_BUFFER_BYTES, health).unwrap();
     assert!(examine(&mut engine, None).unwrap().findings.is_empty());
     engine.accept().unwrap();
     drop(engine);
@@ -408,6 +408,7 @@ fn the_thread_opens_a_failed_store_again() {
         folder: folder.path().to_owned(),
         queue_capacity: 8,
         limits: crate::Limits::default(),
+        write_buffer_bytes: WRITE_BUFFER_BYTES,
         wall_clock: || 7,
         on_reopened: Box::new(move |report| {
             tell.lock()

@@ -15,6 +15,7 @@ use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
 
 use crate::durable_env::sync_folder;
+use crate::engine::{Engine, WRITE_BUFFER_BYTES};
 use crate::error::Error;
 
 /// What the names of checkpoints begin with.
@@ -23,6 +24,7 @@ const CHECKPOINT: &str = "checkpoint-";
 /// The folder, held against other processes until it is dropped.
 pub(crate) struct StoreFolder {
     path: PathBuf,
+    write_buffer_bytes: usize,
     /// The kernel lets go of it when the process ends, however it ends.
     lock: File,
 }
@@ -51,7 +53,11 @@ impl StoreFolder {
         let lock_path = path.join("lock");
         let lock = File::create(&lock_path).map_err(Error::io("creating", &lock_path))?;
         match lock.try_lock() {
-            Ok(()) => Ok(Self { path, lock }),
+            Ok(()) => Ok(Self {
+                path,
+                write_buffer_bytes: WRITE_BUFFER_BYTES,
+                lock,
+            }),
             Err(TryLockError::WouldBlock) => Err(Error::InUse { folder: path }),
             Err(TryLockError::Error(error)) => Err(Error::io("locking", lock_path)(error)),
         }
@@ -68,6 +74,30 @@ impl StoreFolder {
         Self::hold(path)
     }
 
+    /// With another amount gathered in memory before it becomes a table.
+    pub(crate) fn with_write_buffer(mut self, write_buffer_bytes: usize) -> Self {
+        self.write_buffer_bytes = write_buffer_bytes;
+        self
+    }
+
+    /// Opens or creates the database; see [`Engine::open`].
+    ///
+    /// # Errors
+    ///
+    /// As there.
+    pub(crate) fn open_database(&self) -> Result<Engine, Error> {
+        Engine::open(&self.database(), self.write_buffer_bytes)
+    }
+
+    /// Creates the database that is to take its place.
+    ///
+    /// # Errors
+    ///
+    /// As [`Engine::open`].
+    pub(crate) fn open_rebuilding(&self) -> Result<Engine, Error> {
+        Engine::open(&self.rebuilding(), self.write_buffer_bytes)
+    }
+
     pub(crate) fn watermark(&self) -> PathBuf {
         self.path.join("acknowledged")
     }
@@ -76,7 +106,7 @@ impl StoreFolder {
         self.path.join("database")
     }
 
-    pub(crate) fn rebuilding(&self) -> PathBuf {
+    fn rebuilding(&self) -> PathBuf {
         self.path.join("database.rebuilding")
     }
 

@@ -21,9 +21,10 @@ use std::time::Duration;
 use crate::economy::Limits;
 use crate::error::Error;
 use crate::mutation::{Answer, Mutation};
-use crate::opening::OpenReport;
+use crate::opening::{self, OpenReport};
 use crate::perceptual_memory::PerceptualMemory;
 use crate::reading::Position;
+use crate::store_folder::StoreFolder;
 
 /// Most requests taken from the queue before what they changed is written.
 const GROUP_REQUESTS: usize = 256;
@@ -31,8 +32,8 @@ const GROUP_REQUESTS: usize = 256;
 const GROUP_BYTES: usize = 4 << 20;
 /// Without requests for this long the store tidies up.
 const IDLE: Duration = Duration::from_millis(200);
-/// Bytes written since the last tidying that are worth another.
-const TIDY_BYTES: usize = 32 << 20;
+/// As many write buffers filled since the last tidying are worth another.
+const TIDY_BUFFERS: usize = 2;
 
 /// Told what was found when the store was opened again.
 pub type OnReopened = Box<dyn FnMut(&Result<OpenReport, Error>) + Send>;
@@ -47,11 +48,24 @@ pub struct StoreConfig {
     pub queue_capacity: usize,
     /// How much is kept.
     pub limits: Limits,
+    /// What is gathered in memory before the database makes a table of it, usually
+    /// [`WRITE_BUFFER_BYTES`](crate::WRITE_BUFFER_BYTES).
+    pub write_buffer_bytes: usize,
     /// Now, nanoseconds since 1970, UTC.
     pub wall_clock: fn() -> u64,
     /// Told, on the store's thread, what was found whenever the store had to be
     /// opened again.
     pub on_reopened: OnReopened,
+}
+
+impl StoreConfig {
+    /// Opens the store; a damaged one is rebuilt when asked for.
+    fn open(&self, must_rebuild: bool) -> Result<(PerceptualMemory, OpenReport), Error> {
+        let folder = StoreFolder::hold(&self.folder)?.with_write_buffer(self.write_buffer_bytes);
+        let (mut memory, report) = opening::open(folder, (self.wall_clock)(), must_rebuild)?;
+        memory.set_limits(self.limits);
+        Ok((memory, report))
+    }
 }
 
 /// Takes the answer to one request; called exactly once, on the store's thread
@@ -223,8 +237,7 @@ impl StoreThread {
     /// Those of [`PerceptualMemory::open`], and [`Error::Io`] when there is no
     /// room for a thread.
     pub fn start(config: StoreConfig) -> Result<(Self, StoreHandle, OpenReport), Error> {
-        let (mut memory, report) = PerceptualMemory::open(&config.folder, (config.wall_clock)())?;
-        memory.set_limits(config.limits);
+        let (memory, report) = config.open(false)?;
         let position = Arc::new(Mutex::new(memory.position()));
         let capacity = config.queue_capacity.max(1);
         let (queue, requests) = sync_channel(capacity);
@@ -325,7 +338,8 @@ impl Owner {
         let Some(memory) = &mut self.memory else {
             return;
         };
-        if self.n_untidy_bytes < TIDY_BYTES || memory.failure().is_some() {
+        let worth_it = TIDY_BUFFERS * self.config.write_buffer_bytes;
+        if self.n_untidy_bytes < worth_it || memory.failure().is_some() {
             return;
         }
         // A failure makes the store unusable, which the next request finds.
@@ -431,14 +445,7 @@ impl Owner {
     fn open_again(&mut self, must_rebuild: bool) -> Result<OpenReport, Error> {
         // Closed first: it holds the folder.
         self.memory = None;
-        let open = if must_rebuild {
-            PerceptualMemory::open_and_rebuild
-        } else {
-            PerceptualMemory::open
-        };
-        let opened = open(&self.config.folder, (self.config.wall_clock)());
-        let report = opened.map(|(mut memory, report)| {
-            memory.set_limits(self.config.limits);
+        let report = self.config.open(must_rebuild).map(|(memory, report)| {
             self.memory = Some(memory);
             report
         });

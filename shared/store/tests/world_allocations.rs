@@ -60,6 +60,7 @@ fn a_world_at_rest_allocates_nothing() {
         keep_ns: 1000 * SECOND,
         n_kept_most: 1000,
         seen_period_ns: 10 * SECOND,
+        write_buffer_bytes: store::WRITE_BUFFER_BYTES,
     });
     let robot = RobotSighting {
         activity: "idle",

@@ -15,6 +15,7 @@ use std::fmt::Display;
 use std::path::Path;
 use store::{
     Change, Descriptor, Limits, Mutation, MutationId, StoreConfig, StoreHandle, StoreThread, View,
+    WRITE_BUFFER_BYTES,
 };
 
 /// Points on the seen side of a solid.
@@ -43,6 +44,7 @@ pub(super) fn store(home: &Path, n_views: usize) -> Result<u64, Failure> {
         folder: Home::at(home.to_owned()).perceptual_memory(),
         queue_capacity: QUEUE,
         limits: Limits::default(),
+        write_buffer_bytes: WRITE_BUFFER_BYTES,
         wall_clock: || 1,
         on_reopened: Box::new(|_| ()),
     };

@@ -177,6 +177,7 @@ mod tests {
             keep_ns: 0,
             n_kept_most: 0,
             seen_period_ns: 0,
+            write_buffer_bytes: crate::WRITE_BUFFER_BYTES,
         };
         let known = Value::Place(place(0.0, 0.0, 0.1));
         let agrees = |place: Place| Claim::Place(&place).agrees(&known, &config);

@@ -14,6 +14,7 @@ pub(super) const CONFIG: WorldConfig = WorldConfig {
     keep_ns: 60 * SECOND,
     n_kept_most: 40,
     seen_period_ns: 10 * SECOND,
+    write_buffer_bytes: crate::WRITE_BUFFER_BYTES,
 };
 
 const STATES: [&str; 2] = ["tracked", "missing"];

@@ -115,7 +115,7 @@ impl WorkingMemory {
         config: WorldConfig,
         wall_ns: u64,
     ) -> Result<(Self, WorldModel, WorldReport), Error> {
-        let folder = StoreFolder::hold(folder)?;
+        let folder = StoreFolder::hold(folder)?.with_write_buffer(config.write_buffer_bytes);
         let (engine, mut model, condition) = match read_database(&folder, config) {
             Ok((engine, Some(model))) => (engine, model, WorldCondition::Sound),
             Ok((engine, None)) => (engine, WorldModel::new(config), WorldCondition::New),
@@ -185,7 +185,7 @@ fn read_database(
     if folder.database_is_headless()? {
         return Err(damaged("its file CURRENT is missing".to_owned()));
     }
-    let mut engine = Engine::open(&folder.database())?;
+    let mut engine = folder.open_database()?;
     let mut reading = Reading::new(config);
     engine.reader()?.scan(&[], |key, record| {
         reading.take(key, record);

@@ -15,4 +15,7 @@ pub struct WorldConfig {
     pub n_kept_most: usize,
     /// When an object was last seen is written at least this often, nanoseconds.
     pub seen_period_ns: u64,
+    /// What is gathered in memory before the database makes a table of it, usually
+    /// [`WRITE_BUFFER_BYTES`](crate::WRITE_BUFFER_BYTES).
+    pub write_buffer_bytes: usize,
 }

@@ -20,6 +20,7 @@ fn start(folder: &TempDir, queue_capacity: usize) -> (StoreThread, StoreHandle) 
         folder: folder.path().to_owned(),
         queue_capacity,
         limits: store::Limits::default(),
+        write_buffer_bytes: store::WRITE_BUFFER_BYTES,
         wall_clock: || 1,
         on_reopened: Box::new(|_| {}),
     };

@@ -93,6 +93,7 @@ fn start(folder: &Path) -> (StoreThread, StoreHandle) {
         folder: folder.to_owned(),
         queue_capacity: 1024,
         limits: store::Limits::default(),
+        write_buffer_bytes: store::WRITE_BUFFER_BYTES,
         wall_clock: || 1,
         on_reopened: Box::new(|_| panic!("the store had to be opened again")),
     };
