@@ -48,6 +48,7 @@ impl DurableEnv {
             .change("creating", path, &Change::Create(path), || {
                 options.open(path)
             })?;
+        self.health.keep_created(path);
         // A temporary file is renamed next, and the rename syncs the folder.
         if path.extension() != Some(OsStr::new("dbtmp")) {
             self.sync_folder_of(path)?;
@@ -178,6 +179,7 @@ impl Env for DurableEnv {
         let change = Change::Rename(old, new);
         self.health
             .change("renaming", old, &change, || fs::rename(old, new))?;
+        self.health.keep_created(new);
         Ok(self.sync_folder_of(new)?)
     }
 

@@ -3,10 +3,16 @@
 //! It is read by iterator only. Its `get` answers wrongly in two cases: it stops
 //! at the deletion of the next greater key, and it misses the very last written
 //! key where that ends a block.
+//!
+//! Every iterator takes a snapshot, and of these it never notices that the last one
+//! is gone: from the first reading on, merging keeps every version of every record,
+//! so that what was removed stays on disk for ever. Therefore the database is opened
+//! again after readings, before anything is merged to make room.
 
+use std::io;
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -28,7 +34,12 @@ pub const WRITE_BUFFER_BYTES: usize = if cfg!(test) { 4 << 20 } else { 16 << 20 
 
 /// An open database.
 pub(crate) struct Engine {
-    db: DB,
+    /// `None` when it could not be opened again.
+    db: Option<DB>,
+    folder: PathBuf,
+    write_buffer_bytes: usize,
+    /// Whether anything was read since it was opened.
+    was_read: bool,
     health: Arc<EnvHealth>,
 }
 
@@ -50,23 +61,13 @@ impl Engine {
         health: EnvHealth,
     ) -> Result<Self, Error> {
         let health = Arc::new(health);
-        let options = Options {
-            env: Rc::new(Box::new(DurableEnv::new(Arc::clone(&health)))),
-            // With either, what is written after a torn tail is lost at the next open.
-            reuse_logs: false,
-            reuse_manifest: false,
-            max_open_files: MAX_OPEN_FILES,
-            write_buffer_size: write_buffer_bytes,
-            max_file_size: write_buffer_bytes / 2,
-            ..Options::default()
-        };
-        match guarded(&health, || DB::open(folder, options)) {
-            Ok(db) => Ok(Self { db, health }),
-            Err(Error::InUse { .. }) => Err(Error::InUse {
-                folder: folder.to_owned(),
-            }),
-            Err(error) => Err(error),
-        }
+        Ok(Self {
+            db: Some(open_database(folder, write_buffer_bytes, &health)?),
+            folder: folder.to_owned(),
+            write_buffer_bytes,
+            was_read: false,
+            health,
+        })
     }
 
     /// Ends the examination: makes the deletions that were put off, and from now
@@ -75,36 +76,63 @@ impl Engine {
         for path in self.health.release_deletions() {
             let change = Change::Delete(&path);
             let delete = || match std::fs::remove_file(&path) {
-                Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
+                Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
                 deleted => deleted,
             };
             let deleted = self.health.change("deleting", &path, &change, delete);
             deleted.map_err(Error::io("deleting", &path))?;
         }
-        Ok(())
+        self.forget_readings()
     }
 
     /// Applies all of `batch` or nothing; when `is_synced` it is on disk afterwards.
     /// After an error it may be on disk or not, until the database is opened again.
     pub(crate) fn write(&mut self, batch: WriteBatch, is_synced: bool) -> Result<(), Error> {
-        guarded(&self.health, || self.db.write(batch, is_synced))?;
+        self.call(|db| db.write(batch, is_synced))?;
         self.check()
     }
 
-    /// Merges the tables that have keys from `from` to `to`.
+    /// Merges the tables that have keys from `from` to `to`, without what was removed.
     pub(crate) fn compact(&mut self, from: &[u8], to: &[u8]) -> Result<(), Error> {
-        guarded(&self.health, || self.db.compact_range(from, to))?;
+        self.forget_readings()?;
+        self.call(|db| db.compact_range(from, to))?;
         self.check()
+    }
+
+    /// Opens the database again when anything was read since.
+    fn forget_readings(&mut self) -> Result<(), Error> {
+        if !self.was_read {
+            return Ok(());
+        }
+        self.call(DB::close)?;
+        self.db = None;
+        let opened = open_database(&self.folder, self.write_buffer_bytes, &self.health)?;
+        self.db = Some(opened);
+        self.was_read = false;
+        Ok(())
+    }
+
+    fn call<T>(
+        &mut self,
+        work: impl FnOnce(&mut DB) -> rusty_leveldb::Result<T>,
+    ) -> Result<T, Error> {
+        match &mut self.db {
+            Some(db) => guarded(&self.health, || work(db)),
+            None => Err(Error::io("using", &self.folder)(io::Error::other(
+                "it could not be opened again",
+            ))),
+        }
     }
 
     /// Writes everything out and closes the database.
     pub(crate) fn close(mut self) -> Result<(), Error> {
-        guarded(&self.health, || self.db.close())
+        self.call(DB::close)
     }
 
     /// A reader of the database as it is now.
     pub(crate) fn reader(&mut self) -> Result<Reader, Error> {
-        let iter = guarded(&self.health, || self.db.new_iter())?;
+        self.was_read = true;
+        let iter = self.call(DB::new_iter)?;
         Ok(Reader {
             iter,
             health: Arc::clone(&self.health),
@@ -125,6 +153,29 @@ impl Engine {
     pub(crate) fn health(&self) -> &Arc<EnvHealth> {
         &self.health
     }
+}
+
+fn open_database(
+    folder: &Path,
+    write_buffer_bytes: usize,
+    health: &Arc<EnvHealth>,
+) -> Result<DB, Error> {
+    let options = Options {
+        env: Rc::new(Box::new(DurableEnv::new(Arc::clone(health)))),
+        // With either, what is written after a torn tail is lost at the next open.
+        reuse_logs: false,
+        reuse_manifest: false,
+        max_open_files: MAX_OPEN_FILES,
+        write_buffer_size: write_buffer_bytes,
+        max_file_size: write_buffer_bytes / 2,
+        ..Options::default()
+    };
+    guarded(health, || DB::open(folder, options)).map_err(|error| match error {
+        Error::InUse { .. } => Error::InUse {
+            folder: folder.to_owned(),
+        },
+        other => other,
+    })
 }
 
 /// Reads records in the order of their keys.
@@ -209,7 +260,7 @@ fn guarded<T>(
         Ok(Ok(value)) => return Ok(value),
         Ok(Err(status)) if status.code == StatusCode::LockError => {
             return Err(Error::InUse {
-                folder: std::path::PathBuf::new(),
+                folder: PathBuf::new(),
             });
         }
         Ok(Err(status)) => status.err,

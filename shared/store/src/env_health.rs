@@ -163,6 +163,14 @@ impl EnvHealth {
         }
     }
 
+    /// A file whose deletion was put off is written anew: it is another one now.
+    /// Numbers of tables that a crash has orphaned are given again.
+    pub(crate) fn keep_created(&self, path: &Path) {
+        if let Some(held) = &mut self.lock().held_deletions {
+            held.retain(|deleted| deleted != path);
+        }
+    }
+
     /// Whether damage does not stop reading and deletions are put off.
     pub(crate) fn is_examining(&self) -> bool {
         self.lock().held_deletions.is_some()

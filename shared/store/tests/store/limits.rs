@@ -1,6 +1,6 @@
 //! What exceeds a limit is given up, the least telling first.
 
-use store::{Change, Limits, Operation, View};
+use store::{Change, Limits, Operation, PerceptualMemory, StoreConfig, StoreThread, View};
 
 use crate::builders::{apply, counts, fast_folder, mutation, open, store, teach, view};
 
@@ -83,6 +83,44 @@ fn views_that_nobody_named_give_way_to_newer_ones() {
     drop(memory);
     let (_, report) = open(&folder);
     assert_eq!(report.n_views, 10);
+}
+
+/// 500 views of which 20 are kept, and somebody who reads now and then.
+#[test]
+fn what_gave_way_leaves_the_disk() {
+    let folder = fast_folder();
+    let (thread, handle, _) = StoreThread::start(StoreConfig {
+        folder: folder.path().to_owned(),
+        queue_capacity: 8,
+        limits: Limits {
+            max_unnamed_views: 20,
+            ..Limits::default()
+        },
+        write_buffer_bytes: 256 << 10,
+        wall_clock: || 1,
+        on_reopened: Box::new(|report| panic!("opened again: {report:?}")),
+    })
+    .unwrap();
+    for track in 1..=500_u64 {
+        let mut large = view(track, 0, 0);
+        large.descriptor.values = (0..3000).map(|i| track as f32 + i as f32).collect();
+        let stored = handle.mutate_and_wait(store(u128::from(track), vec![large]));
+        assert!(stored.is_ok(), "{stored:?}");
+        if track % 100 == 0 {
+            let read = handle.read_and_wait(move |memory| memory.views_of_track(track));
+            assert_eq!(read.unwrap().len(), 1);
+        }
+    }
+    for step in 0..PerceptualMemory::N_COMPACT_STEPS {
+        let merged = handle.read_and_wait(move |memory| memory.compact_step(step));
+        assert!(merged.is_ok(), "{merged:?}");
+    }
+    let stats = handle.read_and_wait(|memory| memory.stats()).unwrap();
+    assert!(stats.n_unnamed <= 20, "{stats:?}");
+    assert!(stats.n_content_bytes > 200_000, "{stats:?}");
+    // Of six megabytes; the history stays, and what is being written.
+    assert!(stats.n_disk_bytes < 1_500_000, "{stats:?}");
+    thread.stop().unwrap();
 }
 
 #[test]
