@@ -133,16 +133,18 @@ pub fn soak_figure(windows: &[SoakWindow]) -> Result<String, DrawingError> {
     let of_processes = |figure: fn(&ProcessReport) -> f64| {
         let processes = names.iter().enumerate();
         let curves = processes.map(|(index, name)| {
-            let figure = |window: &SoakWindow| of(window, name).map_or(0.0, figure);
+            let figure = |window: &SoakWindow| of(window, name).map(figure);
             over_time(windows, name, index, figure)
         });
         curves.collect::<Vec<_>>()
     };
     let latency = Percentiles::NAMED.iter().enumerate();
     let latency = latency.map(|(index, (name, get))| {
-        over_time(windows, name, index, |window| get(&window.end_to_end_ms))
+        over_time(windows, name, index, |window| {
+            Some(get(&window.end_to_end_ms))
+        })
     });
-    let shared_mb = |window: &SoakWindow| window.shared_memory_bytes as f64 / 1e6;
+    let shared_mb = |window: &SoakWindow| Some(window.shared_memory_bytes as f64 / 1e6);
     let shared = over_time(windows, "", 0, shared_mb);
     in_columns(
         &[
@@ -155,17 +157,18 @@ pub fn soak_figure(windows: &[SoakWindow]) -> Result<String, DrawingError> {
     )
 }
 
+/// A figure of the windows that have it: in the first no process may be known yet.
 fn over_time<'a>(
     windows: &[SoakWindow],
     name: &'a str,
     index: usize,
-    figure: impl Fn(&SoakWindow) -> f64,
+    figure: impl Fn(&SoakWindow) -> Option<f64>,
 ) -> Curve<'a> {
-    let point = |window: &SoakWindow| (window.at_s / 60.0, figure(window));
+    let point = |window: &SoakWindow| Some((window.at_s / 60.0, figure(window)?));
     Curve {
         name,
         color: Color::of_series(index),
-        points: windows.iter().map(point).collect(),
+        points: windows.iter().filter_map(point).collect(),
         is_marked: false,
     }
 }
