@@ -76,14 +76,16 @@ fn start(
         ..SourceArguments::of(&format!("parade:{}", arguments.objects))
     };
     let home = OwnDaemon::home()?;
+    let little = home.path().join("soak.toml");
     if config.is_none() {
         output.tell(&format!(
             "starting a daemon that keeps little, to be measured with its limits reached; for \
              others use --config FILE:\n{CONFIG}"
         ));
-        std::fs::write(home.path().join("tabula.toml"), CONFIG).map_err(not_written)?;
+        std::fs::write(&little, CONFIG).map_err(not_written)?;
     }
-    let own = OwnDaemon::start(home, &source.run_arguments(config), None)?;
+    let run_arguments = source.run_arguments(Some(config.unwrap_or(&little)));
+    let own = OwnDaemon::start(home, &run_arguments, None)?;
     ChosenDaemon::join_own(own)
 }
 

@@ -71,7 +71,7 @@ impl Engine {
     }
 
     /// Ends the examination: makes the deletions that were put off, and from now
-    /// on any damage stops all changes.
+    /// on any damage stops all changes, and no merging keeps what was removed.
     pub(crate) fn accept(&mut self) -> Result<(), Error> {
         for path in self.health.release_deletions() {
             let change = Change::Delete(&path);
