@@ -25,6 +25,12 @@ use crate::error::Error;
 /// Table files kept open; times eight megabytes a file is more than a robot learns.
 const MAX_OPEN_FILES: usize = 256;
 
+/// Blocks of tables kept in memory. A block is as long as a record at least, and some
+/// records are whole clouds: with the thousand that are usual, every reading and
+/// merging would leave up to a hundred megabytes behind. Hardly any block is read
+/// twice, and the system keeps those of its files that are.
+const N_CACHED_BLOCKS: usize = 16;
+
 /// What is usually gathered in memory before it becomes a table, twice the size of
 /// tables on the levels below. rusty-leveldb merges once for each table it writes from
 /// memory: with four megabytes and its two, what many key views bring in is more
@@ -160,15 +166,17 @@ fn open_database(
     write_buffer_bytes: usize,
     health: &Arc<EnvHealth>,
 ) -> Result<DB, Error> {
+    let usual = Options::default();
     let options = Options {
         env: Rc::new(Box::new(DurableEnv::new(Arc::clone(health)))),
         // With either, what is written after a torn tail is lost at the next open.
         reuse_logs: false,
         reuse_manifest: false,
         max_open_files: MAX_OPEN_FILES,
+        block_cache_capacity_bytes: N_CACHED_BLOCKS * usual.block_size,
         write_buffer_size: write_buffer_bytes,
         max_file_size: write_buffer_bytes / 2,
-        ..Options::default()
+        ..usual
     };
     guarded(health, || DB::open(folder, options)).map_err(|error| match error {
         Error::InUse { .. } => Error::InUse {

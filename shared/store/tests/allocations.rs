@@ -1,12 +1,28 @@
-//! Looking at a world in which nothing changes allocates nothing.
+//! Looking at a world in which nothing changes allocates nothing, and reading what
+//! was taught keeps nothing.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
+use geometry::OrientedBox;
+use learning::ViewId;
+use nalgebra::{Isometry3, Vector3};
 use store::working::{Place, RobotSighting, Sighting, WorldConfig, WorldModel};
+use store::{Change, Descriptor, Mutation, MutationId, PerceptualMemory, View};
 
 thread_local! {
     static N_ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
+    /// Bytes that this thread allocated, less those that it freed.
+    static N_LIVE_BYTES: Cell<isize> = const { Cell::new(0) };
+}
+
+fn count(n_bytes: usize) {
+    N_ALLOCATIONS.with(|n| n.set(n.get() + 1));
+    N_LIVE_BYTES.with(|n| n.set(n.get() + n_bytes as isize));
+}
+
+fn discount(n_bytes: usize) {
+    N_LIVE_BYTES.with(|n| n.set(n.get() - n_bytes as isize));
 }
 
 struct Counting;
@@ -15,18 +31,20 @@ struct Counting;
 // SAFETY: everything is handed on to the system's allocator unchanged.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        N_ALLOCATIONS.with(|n| n.set(n.get() + 1));
+        count(layout.size());
         // SAFETY: the caller keeps the contract of `alloc`.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        discount(layout.size());
         // SAFETY: the pointer comes from `System.alloc` above.
         unsafe { System.dealloc(pointer, layout) }
     }
 
     unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, new_size: usize) -> *mut u8 {
-        N_ALLOCATIONS.with(|n| n.set(n.get() + 1));
+        discount(layout.size());
+        count(new_size);
         // SAFETY: the pointer comes from `System.alloc` above.
         unsafe { System.realloc(pointer, layout, new_size) }
     }
@@ -87,4 +105,55 @@ fn a_world_at_rest_allocates_nothing() {
     for step in 1..30 {
         assert_eq!(look(step), 0, "step {step}");
     }
+}
+
+/// A view with a cloud, each byte of which depends on the track.
+fn view_with_cloud(track_id: u64, n_bytes: usize) -> View {
+    View {
+        id: ViewId {
+            track_id,
+            view_id: 0,
+        },
+        descriptor: Descriptor {
+            kind: "test".to_owned(),
+            values: vec![0.5; 10],
+        },
+        box_in_world: OrientedBox {
+            frame_from_box: Isometry3::identity(),
+            half_sides_m: Vector3::repeat(0.05),
+        },
+        captured_ns: SECOND,
+        frame_sequence: track_id,
+        source: "test".to_owned(),
+        mean_rgb: None,
+        points: Some(vec![track_id as u8; n_bytes]),
+    }
+}
+
+#[test]
+fn what_was_read_is_not_kept_in_memory() {
+    const N_TRACKS: u64 = 200;
+    const CLOUD_BYTES: usize = 64_000;
+    let folder = tempfile::tempdir().unwrap();
+    let (mut memory, _) = PerceptualMemory::open(folder.path(), 1).unwrap();
+    for track_id in 1..=N_TRACKS {
+        let stored = memory.apply(&Mutation {
+            id: MutationId(u128::from(track_id)),
+            author: "anna".to_owned(),
+            wall_ns: track_id,
+            change: Change::StoreViews(vec![view_with_cloud(track_id, CLOUD_BYTES)]),
+        });
+        stored.unwrap();
+    }
+    memory.close().unwrap();
+    let (mut memory, _) = PerceptualMemory::open(folder.path(), 2).unwrap();
+    let before = N_LIVE_BYTES.get();
+    let mut n_read = 0;
+    for track_id in 1..=N_TRACKS {
+        let views = memory.views_of_track(track_id).unwrap();
+        n_read += views[0].view.points.as_ref().unwrap().len();
+    }
+    assert_eq!(n_read, N_TRACKS as usize * CLOUD_BYTES);
+    let kept = N_LIVE_BYTES.get() - before;
+    assert!(kept < n_read as isize / 5, "{kept} of {n_read} bytes kept");
 }
