@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 /// The layers, lowest first. What is not listed here can not be in the workspace.
 const LAYERS: [&[&str]; 11] = [
-    &["geometry"],
+    &["geometry", "random"],
     &["point-cloud", "mesh"],
     &[
         "detection",

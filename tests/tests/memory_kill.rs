@@ -8,6 +8,7 @@ use message::control::{
     Command, HistoryReport, LearningReport, MemoryAnswer, MemoryQuery, MutationId, RefusalKind,
     Reply, Revision, RevisionChange, StoredView, ViewId,
 };
+use random::Random;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::process::{Child, Stdio};
@@ -21,18 +22,6 @@ const VIEWS_PER_TRACK: u32 = 3;
 const ASK_AGAIN: Duration = Duration::from_millis(3);
 /// A life is ended within this after its start, sometimes before it answers.
 const LONGEST_LIFE_MS: u64 = 160;
-
-/// Numbers that look random (`SplitMix64`, Steele et al. 2014).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-}
 
 /// The memory alone, killed when it is dropped.
 struct Memory(Child);
@@ -243,7 +232,7 @@ fn check_names(place: &Place, acknowledged: &Acknowledged) {
 fn check_kills(n_kills: usize, seed: u64) {
     let place = Place::new();
     let is_over = AtomicBool::new(false);
-    let mut random = Random(seed);
+    let mut random = Random::from_seed(seed);
     let acknowledged = std::thread::scope(|scope| {
         let teachers: Vec<_> = (0..N_TEACHERS)
             .map(|teacher| {
@@ -253,7 +242,7 @@ fn check_kills(n_kills: usize, seed: u64) {
             .collect();
         for _ in 0..n_kills {
             let memory = Memory::start(&place);
-            std::thread::sleep(Duration::from_millis(random.next() % LONGEST_LIFE_MS));
+            std::thread::sleep(Duration::from_millis(random.next_u64() % LONGEST_LIFE_MS));
             drop(memory);
         }
         let _last = Memory::start(&place);

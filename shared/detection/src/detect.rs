@@ -11,7 +11,6 @@ use crate::islands::Islands;
 use crate::outline::{Lattice, Outline};
 use crate::piles::may_be_pile;
 use crate::prism::{OverTable, Prism, SeenRectangle, lowest_m};
-use crate::random::Random;
 use crate::samples::Samples;
 use crate::sensor_noise::depth_sigma_m;
 use crate::step::Step;
@@ -23,6 +22,7 @@ use crate::{Config, Error, RawConfig};
 use geometry::{Capsule, OrientedBox};
 use nalgebra::{Unit, Vector3};
 use point_cloud::OrganizedCloud;
+use random::Random;
 use std::ops::Range;
 
 /// Most points of a cloud: an image of 8192x8192.

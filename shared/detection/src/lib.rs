@@ -30,7 +30,6 @@ mod patch;
 mod piles;
 mod plane_search;
 mod prism;
-mod random;
 mod samples;
 mod sensor_noise;
 mod step;

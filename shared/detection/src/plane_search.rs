@@ -1,10 +1,10 @@
 //! RANSAC for the plane with the most samples.
 
 use crate::axis::Axis;
-use crate::random::Random;
 use crate::samples::Samples;
 use geometry::Plane;
 use nalgebra::{Point3, Unit, Vector3};
+use random::Random;
 
 /// A hypothesis is counted on about this many samples.
 const N_COUNTED_AIMED: usize = 2400;
@@ -106,7 +106,8 @@ fn hypothesis(samples: &Samples, free: &[u32], random: &mut Random) -> Option<Pl
 }
 
 fn neighbour(samples: &Samples, anchor: usize, random: &mut Random) -> Option<usize> {
-    let (columns, rows) = (random.around_zero(WINDOW), random.around_zero(WINDOW));
+    let mut around_zero = || random.below(2 * WINDOW + 1) as isize - WINDOW as isize;
+    let (columns, rows) = (around_zero(), around_zero());
     if columns.abs().max(rows.abs()) < WINDOW_HOLE {
         return None;
     }

@@ -4,12 +4,12 @@ use crate::RawConfig;
 use crate::axis::Axis;
 use crate::outline::Outline;
 use crate::plane_search::{NormalLimit, SearchBuffers, largest_plane};
-use crate::random::Random;
 use crate::samples::Samples;
 use crate::table_region::{Parts, RegionBuffers, find_region, region_moments, region_polygon};
 use crate::table_under::{UnderBuffers, table_under};
 use geometry::{ConvexPolygon, Plane, RigidTransform};
 use nalgebra::{Point2, Point3, Unit, Vector3};
+use random::Random;
 use std::fmt;
 
 /// Planes looked at in one image, at most.

@@ -4,7 +4,7 @@
 //! Statistics 7, 1979; percentile intervals: Efron and Tibshirani, "An Introduction to
 //! the Bootstrap", 1993, chapter 13.
 
-use crate::random::Random;
+use crate::chance;
 
 /// Purpose of chance.
 const RESAMPLES: u64 = 7;
@@ -41,7 +41,7 @@ impl Estimate {
         figure: impl Fn(&mut dyn Iterator<Item = usize>) -> Option<f64>,
     ) -> Option<Self> {
         let value = figure(&mut (0..n_runs))?;
-        let mut random = Random::new(seed, RESAMPLES);
+        let mut random = chance::stream(seed, RESAMPLES);
         let mut drawn = vec![0; n_runs];
         let mut resampled = Vec::with_capacity(N_RESAMPLES);
         for _ in 0..N_RESAMPLES {
@@ -88,6 +88,7 @@ impl Estimate {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use random::Random;
 
     /// Approximately normal, mean 0, variance 1 (Irwin and Hall).
     fn normal(random: &mut Random) -> f64 {
@@ -97,7 +98,7 @@ mod tests {
     /// In which share of many experiments the interval of `n_runs` values of mean 3 has
     /// their mean.
     fn coverage(n_runs: usize) -> f64 {
-        let mut random = Random::new(11, 99);
+        let mut random = chance::stream(11, 99);
         let n_experiments = 600;
         let holds = (0..n_experiments).filter(|&experiment| {
             let values: Vec<_> = (0..n_runs)
@@ -124,7 +125,7 @@ mod tests {
 
     #[test]
     fn pairs_say_more_than_their_two_sides() {
-        let mut random = Random::new(5, 99);
+        let mut random = chance::stream(5, 99);
         let first: Vec<f64> = (0..10).map(|_| 20.0 + 5.0 * normal(&mut random)).collect();
         let second: Vec<f64> = first
             .iter()

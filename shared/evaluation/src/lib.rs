@@ -19,6 +19,7 @@
 
 pub mod bootstrap;
 pub mod box_picture;
+mod chance;
 pub mod clear_mot;
 pub mod cross_validation;
 pub mod durations;
@@ -31,7 +32,6 @@ pub mod labelled_scenes;
 pub mod novelty_score;
 pub mod open_ended;
 mod page;
-mod random;
 pub mod recogniser;
 pub mod scene_picture;
 pub mod score_page;

@@ -1,12 +1,12 @@
 //! The choices that make an instance.
 
 use crate::palette::{Color, jittered};
+use random::{Random, mixed};
 
-/// A stream of choices that depends on nothing but its seed (splitmix64:
-/// Steele, Lea and Flood 2014).
+/// A stream of choices that depends on nothing but its seed.
 #[derive(Debug, Clone)]
 pub struct Variation {
-    state: u64,
+    random: Random,
 }
 
 impl Variation {
@@ -19,27 +19,19 @@ impl Variation {
                 (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
             });
         // Both are mixed, or one instance's stream were another's, shifted.
-        let instance = Self { state: instance }.seed();
         Self {
-            state: Self {
-                state: name ^ instance,
-            }
-            .seed(),
+            random: Random::from_seed(mixed(name ^ mixed(instance))),
         }
     }
 
     /// The next 64 random bits.
     pub fn seed(&mut self) -> u64 {
-        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.state;
-        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ z >> 31
+        self.random.next_u64()
     }
 
     /// Evenly distributed, `low` included, `high` not.
     pub fn between(&mut self, low: f32, high: f32) -> f32 {
-        low + (high - low) * ((self.seed() >> 40) as f32 / (1_u64 << 24) as f32)
+        low + (high - low) * self.random.unit_f32()
     }
 
     /// A whole number, both ends included.

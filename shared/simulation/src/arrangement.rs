@@ -1,11 +1,12 @@
 //! Seeded generators: which objects, and where they stand or fall.
 
+use crate::chance;
 use crate::error::Error;
 use crate::object_model::ObjectModel;
-use crate::random::Random;
 use crate::scene::{Bin, ModelChoice, Placing, SceneKind, Table};
 use geometry::RigidTransform;
 use nalgebra::{Translation3, UnitQuaternion};
+use random::Random;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::path::PathBuf;
 
@@ -30,7 +31,7 @@ const PLACE: u64 = 2;
 
 /// Chooses `n_objects` of the categories, each once before one comes twice.
 pub(crate) fn choose(categories: &[&str], n_objects: usize, seed: u64) -> Vec<ModelChoice> {
-    let mut random = Random::new(seed, CHOOSE);
+    let mut random = chance::stream(seed, CHOOSE);
     let chosen = in_turn(categories, n_objects, &mut random);
     chosen
         .into_iter()
@@ -43,7 +44,7 @@ pub(crate) fn choose(categories: &[&str], n_objects: usize, seed: u64) -> Vec<Mo
 
 /// Chooses `n_objects` of the model files, each once before one comes twice.
 pub(crate) fn choose_files(files: &[PathBuf], n_objects: usize, seed: u64) -> Vec<ModelChoice> {
-    let chosen = in_turn(files, n_objects, &mut Random::new(seed, CHOOSE));
+    let chosen = in_turn(files, n_objects, &mut chance::stream(seed, CHOOSE));
     chosen.into_iter().map(ModelChoice::File).collect()
 }
 
@@ -71,7 +72,7 @@ pub(crate) fn place(
     bin: Option<&Bin>,
     seed: u64,
 ) -> Result<Vec<Placing>, Error> {
-    let mut random = Random::new(seed, PLACE);
+    let mut random = chance::stream(seed, PLACE);
     match kind {
         SceneKind::Isolated | SceneKind::SetTable => isolated(models, table, &mut random),
         SceneKind::Pile => Ok(thrown(models.len(), table, PILE_DROP_M, &mut random, |r| {
@@ -100,7 +101,7 @@ fn thrown(
             let [x, y] = spot(random);
             let position = Translation3::new(x, y, table.height_m + drop_m);
             Placing::Dropped {
-                world_from_object: RigidTransform::from_parts(position, random.rotation()),
+                world_from_object: RigidTransform::from_parts(position, chance::rotation(random)),
             }
         })
         .collect()
@@ -177,7 +178,7 @@ pub(crate) fn set_table(
     n_objects: usize,
     seed: u64,
 ) -> Vec<(ModelChoice, Placing)> {
-    let mut random = Random::new(seed, PLACE);
+    let mut random = chance::stream(seed, PLACE);
     let family = random.next_u64() % 1000;
     let mut laid = Vec::new();
     let n_seats = (n_objects.saturating_sub(SHARED.len()) / COVER.len()).clamp(1, SEATS.len());

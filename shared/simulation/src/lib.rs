@@ -10,6 +10,7 @@
 
 mod arm;
 mod arrangement;
+mod chance;
 mod error;
 mod glam_conversion;
 mod model_file;
@@ -17,7 +18,6 @@ mod model_library;
 mod object_model;
 mod person;
 mod physics;
-mod random;
 mod room;
 mod scene;
 mod scene_file;

@@ -5,9 +5,9 @@
 //! down at 30, 45 and 60 degrees, here from 0.7 to 1.3 m, with every error of
 //! the sensor on, in the light of different lamps.
 
+use crate::chance;
 use crate::error::Error;
 use crate::model_library::ModelLibrary;
-use crate::random::Random;
 use crate::scene::{CameraMount, ModelChoice, ObjectPlan, Placing, Scene};
 use crate::simulated_kinect::SimulatedKinect;
 use crate::world::World;
@@ -15,6 +15,7 @@ use detection::{Candidate, Config, Detection, Frame, Surroundings, Workspace, de
 use geometry::{OrientedBox, PinholeCamera};
 use nalgebra::{Point3, Unit, Vector3};
 use point_cloud::{OrganizedCloud, Point};
+use random::Random;
 use rendering::{Illuminant, Light, Lights};
 
 /// Camera heights with the numbers of their sequences in the Washington dataset.
@@ -115,7 +116,7 @@ impl Turntable {
     /// When the camera can not look.
     pub fn view(&mut self, height: usize, turn: f64) -> Result<Option<CutOut<'_>>, Error> {
         let (sequence, elevation_deg) = HEIGHTS[height % HEIGHTS.len()];
-        let mut random = Random::new(self.seed, LOOK + 16 * u64::from(sequence));
+        let mut random = chance::stream(self.seed, LOOK + 16 * u64::from(sequence));
         let middle = self.middle();
         self.world.set_camera(CameraMount {
             look_at_m: middle.coords.into(),

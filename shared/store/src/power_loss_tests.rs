@@ -13,6 +13,7 @@ use std::sync::{Arc, Mutex};
 use geometry::OrientedBox;
 use learning::{CategoryName, ViewId};
 use nalgebra::{Isometry3, Vector3};
+use random::Random;
 use tempfile::TempDir;
 
 use crate::engine::{Engine, WRITE_BUFFER_BYTES};
@@ -219,27 +220,17 @@ impl Disk {
 
     /// Writes into `folder` what a power cut leaves: the names of some moment
     /// since the folder was synced, and some of what was not synced.
-    fn cut(&self, folder: &Path, random: &mut impl FnMut(usize) -> usize) {
+    fn cut(&self, folder: &Path, random: &mut Random) {
         fs::create_dir(folder).unwrap();
-        for (name, &inode) in &self.names[random(self.names.len())] {
+        for (name, &inode) in &self.names[random.below(self.names.len())] {
             let (synced, written) = &self.inodes[inode];
-            let n_kept = match random(3) {
+            let n_kept = match random.below(3) {
                 0 => 0,
                 1 => written.len(),
-                _ => random(written.len() + 1),
+                _ => random.below(written.len() + 1),
             };
             fs::write(folder.join(name), [synced, &written[..n_kept]].concat()).unwrap();
         }
-    }
-}
-
-/// `SplitMix64` (Steele et al. 2014).
-fn random(mut state: u64) -> impl FnMut(usize) -> usize {
-    move |n| {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) % n as u64) as usize
     }
 }
 
@@ -261,12 +252,14 @@ fn check_cuts_while_teaching(step: usize) {
         .iter()
         .filter(|e| matches!(e, Event::Delete(n) if is_table(n)));
     assert!(n_tables.count() >= 4, "tables were merged");
-    let mut random = random(1);
+    let mut random = Random::from_seed(1);
     for (i, event) in journal.iter().enumerate() {
         disk.make(event);
         // Names change seldom and matter most.
         let is_rare = !matches!(event, Event::Write(..) | Event::Sync(_));
-        if (i + random(step)).is_multiple_of(step) || is_rare && random(step.min(8)) == 0 {
+        if (i + random.below(step)).is_multiple_of(step)
+            || is_rare && random.below(step.min(8)) == 0
+        {
             let left = self::folder();
             disk.cut(&left.path().join("database"), &mut random);
             let n = acknowledged_at.partition_point(|&at| at <= i + 1) as u64;
@@ -309,10 +302,10 @@ fn check_cuts_while_opening(n_cuts: usize) {
             .iter()
             .any(|event| matches!(event, Event::Delete(_)))
     );
-    let mut random = random(2);
+    let mut random = Random::from_seed(2);
     for _ in 0..n_cuts {
         let mut disk = before.clone();
-        let n_made = random(journal.len() + 1);
+        let n_made = random.below(journal.len() + 1);
         journal[..n_made].iter().for_each(|event| disk.make(event));
         let left = self::folder();
         disk.cut(&left.path().join("database"), &mut random);

@@ -9,6 +9,7 @@ use learning::{CategoryName, ViewId};
 use nalgebra::{Isometry3, UnitVector3, Vector3};
 use pipeline::DESCRIPTOR_KIND;
 use point_cloud::{Point, Rgba};
+use random::Random;
 use service::{Failure, Home, exit_code};
 use std::f64::consts::TAU;
 use std::fmt::Display;
@@ -89,7 +90,7 @@ fn views(
     n_views: usize,
     appearance: &mut Appearance,
 ) -> Result<Vec<View>, Failure> {
-    let mut random = SplitMix64(track as u64);
+    let mut random = Random::from_seed(track as u64);
     let solid = Solid::of_category(track % N_CATEGORIES, &mut random);
     (0..n_views as u32)
         .map(|view_id| {
@@ -125,8 +126,8 @@ struct Solid {
 
 impl Solid {
     /// Solids of a category are alike, by 10 % in their sides and a little in colour.
-    fn of_category(category: usize, random: &mut SplitMix64) -> Self {
-        let mut of_category = SplitMix64(0x5eed_0000 + category as u64);
+    fn of_category(category: usize, random: &mut Random) -> Self {
+        let mut of_category = Random::from_seed(0x5eed_0000 + category as u64);
         let mut side = || {
             let usual = 0.02 + 0.08 * of_category.unit();
             usual * (0.95 + 0.1 * random.unit())
@@ -142,7 +143,7 @@ impl Solid {
     }
 
     /// Points on the side that a camera in front of and above it sees.
-    fn seen(&self, random: &mut SplitMix64) -> Vec<Point> {
+    fn seen(&self, random: &mut Random) -> Vec<Point> {
         let turn = TAU * random.unit();
         let towards_camera = Vector3::new(turn.cos(), turn.sin(), 0.7);
         let mut points = Vec::with_capacity(N_POINTS);
@@ -164,7 +165,7 @@ impl Solid {
     }
 
     /// A place on the surface, and the direction outwards.
-    fn on_surface(&self, random: &mut SplitMix64) -> (Vector3<f64>, Vector3<f64>) {
+    fn on_surface(&self, random: &mut Random) -> (Vector3<f64>, Vector3<f64>) {
         let mut direction = Vector3::from_fn(|_, _| 2.0 * random.unit() - 1.0);
         if self.is_round {
             let unit = direction.normalize();
@@ -177,20 +178,6 @@ impl Solid {
         let mut normal = Vector3::zeros();
         normal[axis] = sign;
         (direction.component_mul(&self.half_sides_m), normal)
-    }
-}
-
-/// Steele, Lea and Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014.
-struct SplitMix64(u64);
-
-impl SplitMix64 {
-    /// The next number, 0 to 1.
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut bits = self.0;
-        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (bits ^ (bits >> 31)) as f64 / u64::MAX as f64
     }
 }
 

@@ -2,9 +2,9 @@
 
 use super::voxels::Voxels;
 use crate::axis::Axis;
-use crate::random::Random;
 use nalgebra::Point3;
 use point_cloud::Moments;
+use random::Random;
 
 /// Points of a hypothesis are drawn from one cube of this side, metres: they
 /// lie on one surface far more often than points from all over the cloud.

@@ -4,8 +4,8 @@ use super::NOWHERE;
 use super::lattice::Lattice;
 use super::resampling::{PixelCentres, resample};
 use super::view_extent::{ViewExtent, tangents_of};
-use crate::random::Random;
 use point_cloud::{OrganizedCloud, Point, Rgba};
+use random::Random;
 
 /// The lattice is fitted to about this many points.
 const N_FITTED: usize = 16_384;

@@ -1,7 +1,7 @@
 //! How much of the field of view a cloud covers, and how densely.
 
-use crate::random::Random;
 use point_cloud::Point;
+use random::Random;
 
 /// Greatest tangent of a viewing ray, along the rows and along the columns: a
 /// wider view than 150 degrees is no camera's.

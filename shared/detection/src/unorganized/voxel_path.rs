@@ -9,12 +9,12 @@ use crate::axis::Axis;
 use crate::candidate::{Body, Support};
 use crate::constraint::{Judge, Limbs};
 use crate::detect::{self, Detection, Frame, Workspace};
-use crate::random::Random;
 use crate::support::rest_on_others;
 use crate::table_plane::Table;
 use crate::table_surface::TableSurface;
 use crate::{Config, RawConfig};
 use point_cloud::{OrganizedCloud, Point};
+use random::Random;
 
 /// Side of the voxels on whose centroids planes are searched, metres.
 const VOXEL_M: f32 = 0.010;

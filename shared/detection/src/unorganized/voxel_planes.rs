@@ -2,9 +2,9 @@
 
 use super::centroids::Centroids;
 use crate::axis::Axis;
-use crate::random::Random;
 use geometry::Plane;
 use nalgebra::{Unit, Vector3};
+use random::Random;
 
 /// A hypothesis is counted on about this many centroids.
 const N_COUNTED_AIMED: usize = 2400;

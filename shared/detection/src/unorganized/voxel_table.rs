@@ -7,11 +7,11 @@ use super::voxels::Voxels;
 use crate::RawConfig;
 use crate::axis::Axis;
 use crate::outline::Outline;
-use crate::random::Random;
 use crate::table_plane::{Table, TableChoice};
 use crate::table_surface::TableSurface;
 use geometry::{ConvexPolygon, Plane, RigidTransform};
 use nalgebra::{Unit, Vector3};
+use random::Random;
 
 /// Planes looked at, at most.
 const N_PLANES_MAX: usize = 5;

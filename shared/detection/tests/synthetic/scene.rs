@@ -297,7 +297,7 @@ impl Scene {
 
     /// A depth as the sensor of pixel `i` gives it.
     fn measured(&self, z: f64, i: usize) -> f64 {
-        let draw = |k: usize| scrambled((4 * i + k) as u64);
+        let draw = |k: usize| random::unit(random::nth((4 * i + k) as u64));
         // A sum of four even draws is nearly normal; its variance is a third.
         let normal = ((0..4).map(draw).sum::<f64>() - 2.0) * 3_f64.sqrt();
         let noisy = z + self.noise_m * normal * z * z;
@@ -307,12 +307,4 @@ impl Scene {
             noisy
         }
     }
-}
-
-/// A number from 0 to 1 (`SplitMix64`, Steele, Lea and Flood 2014).
-fn scrambled(seed: u64) -> f64 {
-    let mut bits = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    bits = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    bits = (bits ^ (bits >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    ((bits ^ (bits >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
 }

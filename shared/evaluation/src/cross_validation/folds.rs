@@ -1,6 +1,6 @@
 //! Which views are asked together.
 
-use crate::random::Random;
+use crate::chance;
 use crate::recogniser::{LabelledView, by_category};
 use std::fmt;
 
@@ -99,7 +99,7 @@ impl Folds {
             };
             folds.n_grouped += usize::from(groups.iter().any(|group| group.len() > 1));
             let stream = FOLDS | u64::from(category) << 16;
-            Random::new(seed, stream).shuffle(&mut groups);
+            chance::stream(seed, stream).shuffle(&mut groups);
             folds.deal_groups(&groups, &mut n_of_fold);
         }
         Ok(folds)

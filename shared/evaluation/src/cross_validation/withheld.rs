@@ -1,6 +1,6 @@
 //! Which categories are never taught in a fold.
 
-use crate::random::Random;
+use crate::chance;
 
 /// Purpose of chance.
 const WITHHELD: u64 = 6;
@@ -13,7 +13,7 @@ pub fn withheld(n_categories: usize, share: f64, fold: u32, seed: u64) -> Vec<bo
     let n = n.max(usize::from(share > 0.0));
     let n = n.min(n_categories.saturating_sub(1));
     let mut is_withheld: Vec<bool> = (0..n_categories).map(|category| category < n).collect();
-    Random::new(seed, WITHHELD | u64::from(fold) << 16).shuffle(&mut is_withheld);
+    chance::stream(seed, WITHHELD | u64::from(fold) << 16).shuffle(&mut is_withheld);
     is_withheld
 }
 

@@ -1,7 +1,7 @@
 //! Which views the teacher shows, in which order.
 
 use super::protocol::{Protocol, Split};
-use crate::random::Random;
+use crate::chance;
 use crate::recogniser::{LabelledView, by_category};
 
 /// Purposes of chance.
@@ -52,7 +52,7 @@ impl Curriculum {
                 ));
             }
         }
-        Random::new(seed, ORDER_OF_CATEGORIES).shuffle(&mut categories);
+        chance::stream(seed, ORDER_OF_CATEGORIES).shuffle(&mut categories);
         Self { categories }
     }
 
@@ -115,7 +115,7 @@ impl FreshViews {
         };
         let shuffled = |mut indices: Vec<usize>, part: u64| {
             let stream = ORDER_OF_VIEWS | part << 8 | u64::from(category) << 16;
-            Random::new(seed, stream).shuffle(&mut indices);
+            chance::stream(seed, stream).shuffle(&mut indices);
             indices
         };
         Self {
@@ -139,7 +139,7 @@ fn take_instances(
 ) -> Vec<usize> {
     let mut instances = instances(views, of_category);
     let stream = ORDER_OF_INSTANCES | u64::from(category) << 16;
-    Random::new(seed, stream).shuffle(&mut instances);
+    chance::stream(seed, stream).shuffle(&mut instances);
     instances.truncate(instances.len() / 2);
     let is_taken = |view: &mut usize| instances.contains(&views[*view].instance);
     of_category.extract_if(.., is_taken).collect()

@@ -3,8 +3,9 @@
 use super::curriculum::{Curriculum, LeftOut, left_out};
 use super::record::{Question, Run, Stage, StopReason};
 use super::stage::{StageState, Verdict};
-use crate::random::Random;
+use crate::chance;
 use crate::recogniser::{LabelledView, Recogniser, by_category};
+use random::Random;
 use std::fmt;
 
 /// Purpose of chance.
@@ -180,7 +181,7 @@ impl<'a> Teacher<'a> {
             protocol,
             seed,
             curriculum: Curriculum::new(protocol, views, seed),
-            open_set: Random::new(seed, OPEN_SET),
+            open_set: chance::stream(seed, OPEN_SET),
             n_right: 0,
             n_counted: 0,
             questions: Vec::new(),

@@ -1,7 +1,8 @@
 use super::*;
+use crate::chance;
 use crate::novelty_score::NoveltyScore;
-use crate::random::Random;
 use crate::recogniser::{Answer, LabelledView, Recogniser};
+use random::Random;
 use std::collections::{HashMap, HashSet};
 
 /// Answers right with a fixed probability, whatever was taught; remembers what it
@@ -22,7 +23,7 @@ impl<'a> Guesser<'a> {
             views,
             accuracy,
             unknowns: 0.0,
-            random: Random::new(seed, 99),
+            random: chance::stream(seed, 99),
             taught: Vec::new(),
             known: HashSet::new(),
             asked: Vec::new(),

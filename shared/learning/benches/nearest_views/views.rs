@@ -6,6 +6,7 @@ use household::{categories, generate};
 use mesh::TriangleMesh;
 use nalgebra::{Point3, UnitVector3, Vector3};
 use point_cloud::{Point, Rgba};
+use random::Random;
 use std::path::Path;
 
 pub(crate) use description::N_READINGS;
@@ -28,28 +29,13 @@ struct Seen {
     up: UnitVector3<f64>,
 }
 
-/// Numbers from a seed (Steele, Lea and Flood 2014).
-struct Noise(u64);
+/// Of variance 1, nearly normal.
+fn normal(random: &mut Random) -> f32 {
+    (0..12).map(|_| random.unit_f32()).sum::<f32>() - 6.0
+}
 
-impl Noise {
-    /// From 0 to 1.
-    fn share(&mut self) -> f32 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 40) as f32 / (1_u64 << 24) as f32
-    }
-
-    /// Of variance 1, nearly normal.
-    fn normal(&mut self) -> f32 {
-        let sum: f32 = (0..12).map(|_| self.share()).sum();
-        sum - 6.0
-    }
-
-    fn vector(&mut self) -> Vector3<f32> {
-        Vector3::new(self.normal(), self.normal(), self.normal())
-    }
+fn normal_vector(random: &mut Random) -> Vector3<f32> {
+    Vector3::new(normal(random), normal(random), normal(random))
 }
 
 /// So many views, those of an object one after the other.
@@ -76,7 +62,7 @@ pub(crate) fn views(n_views: usize) -> Vec<View> {
 /// enough.
 fn see_folder(folder: &Path, n_views: usize, add: &mut impl FnMut(&Seen)) {
     let dataset = ObjectDataset::open(folder).expect("TABULA_VIEWS names a folder of views");
-    let mut noise = Noise(7);
+    let mut random = Random::from_seed(7);
     let n_copies = n_views.div_ceil(dataset.n_views());
     for (i, name) in dataset.names().enumerate() {
         let elevation_deg = match name.sequence() {
@@ -93,7 +79,7 @@ fn see_folder(folder: &Path, n_views: usize, add: &mut impl FnMut(&Seen)) {
         };
         add(&seen);
         for _ in 1..n_copies {
-            seen.points = disturbed(&points, &mut noise);
+            seen.points = disturbed(&points, &mut random);
             add(&seen);
         }
     }
@@ -101,24 +87,25 @@ fn see_folder(folder: &Path, n_views: usize, add: &mut impl FnMut(&Seen)) {
 
 /// Another size by 6 % at most, noise of 2 mm at most, and up to a quarter of the
 /// points, on one side, missing.
-fn disturbed(points: &[Point], noise: &mut Noise) -> Vec<Point> {
+fn disturbed(points: &[Point], random: &mut Random) -> Vec<Point> {
     let centre = points
         .iter()
         .fold(Vector3::zeros(), |sum, p| sum + position(p))
         / points.len().max(1) as f32;
-    let scale = 0.94 + 0.12 * noise.share();
-    let deviation_m = 0.002 * noise.share();
-    let direction = noise.vector();
+    let scale = 0.94 + 0.12 * random.unit_f32();
+    let deviation_m = 0.002 * random.unit_f32();
+    let direction = normal_vector(random);
     let along = |p: &Point| (position(p) - centre).dot(&direction);
     let mut sorted: Vec<f32> = points.iter().map(along).collect();
     sorted.sort_by(f32::total_cmp);
-    let kept = 1.0 - 0.25 * noise.share();
+    let kept = 1.0 - 0.25 * random.unit_f32();
     let limit = sorted.get((kept * sorted.len() as f32) as usize);
     let limit = limit.copied().unwrap_or(f32::INFINITY);
     let remaining = points.iter().filter(|p| along(p) <= limit);
     remaining
         .map(|p| {
-            let place = centre + scale * (position(p) - centre) + deviation_m * noise.vector();
+            let place =
+                centre + scale * (position(p) - centre) + deviation_m * normal_vector(random);
             Point {
                 x: place.x,
                 y: place.y,
@@ -136,7 +123,7 @@ fn position(point: &Point) -> Vector3<f32> {
 /// Views of generated objects of all categories: points on the faces that are
 /// turned to the viewer. What hides them is left out of account.
 fn see_generated(n_views: usize, add: &mut impl FnMut(&Seen)) {
-    let mut noise = Noise(7);
+    let mut random = Random::from_seed(7);
     let n_instances = n_views.div_ceil(N_VIEWS_OF_OBJECT * categories().len()) as u64;
     for category in categories() {
         for instance in 0..n_instances {
@@ -148,7 +135,7 @@ fn see_generated(n_views: usize, add: &mut impl FnMut(&Seen)) {
                 let viewer = Vector3::new(cos * yaw_rad.cos(), cos * yaw_rad.sin(), sin);
                 add(&Seen {
                     category: category.name.to_owned(),
-                    points: sampled(&object.mesh, &viewer, &mut noise),
+                    points: sampled(&object.mesh, &viewer, &mut random),
                     up: Vector3::z_axis(),
                 });
             }
@@ -158,7 +145,7 @@ fn see_generated(n_views: usize, add: &mut impl FnMut(&Seen)) {
 
 /// Points on the faces turned to the viewer, as dense as the viewer sees them, with
 /// noise of a millimetre.
-fn sampled(mesh: &TriangleMesh, viewer: &Vector3<f32>, noise: &mut Noise) -> Vec<Point> {
+fn sampled(mesh: &TriangleMesh, viewer: &Vector3<f32>, random: &mut Random) -> Vec<Point> {
     let mut seen_area = 0.0;
     let mut faces = Vec::new();
     for triangle in &mesh.triangles {
@@ -172,16 +159,17 @@ fn sampled(mesh: &TriangleMesh, viewer: &Vector3<f32>, noise: &mut Noise) -> Vec
     }
     (0..N_POINTS)
         .filter_map(|_| {
-            let wanted = noise.share() * seen_area;
+            let wanted = random.unit_f32() * seen_area;
             let face = faces.partition_point(|face| face.0 < wanted);
             let (_, corner, ab, ac) = faces.get(face)?;
-            let (u, v) = (noise.share(), noise.share());
+            let (u, v) = (random.unit_f32(), random.unit_f32());
             let (u, v) = if u + v > 1.0 {
                 (1.0 - u, 1.0 - v)
             } else {
                 (u, v)
             };
-            let place: Point3<f32> = corner.position + ab * u + ac * v + 0.001 * noise.vector();
+            let place: Point3<f32> =
+                corner.position + ab * u + ac * v + 0.001 * normal_vector(random);
             let [red, green, blue] = corner.color;
             Some(Point {
                 x: place.x,

@@ -4,6 +4,8 @@
 //! a hash of seed, frame, purpose and place. So a pixel's noise does not depend
 //! on what else is in the image, and blocks are read at the speed of a copy.
 
+use random::{mixed, unit_f32};
+
 /// Entries at which a block may begin.
 const N_STARTS: usize = 1 << 14;
 /// Longest block.
@@ -33,7 +35,7 @@ pub(super) struct NoiseKey {
 impl NoiseKey {
     pub(super) fn new(seed: u64, frame_index: u64) -> Self {
         Self {
-            state: mix(mix(seed) ^ frame_index),
+            state: mixed(mixed(seed) ^ frame_index),
         }
     }
 
@@ -41,17 +43,8 @@ impl NoiseKey {
     #[inline]
     pub(super) fn hash(&self, purpose: Purpose, row: usize, column: usize) -> u64 {
         let place = (purpose as u64) << 48 | (row as u64) << 24 | column as u64;
-        mix(self.state ^ place.wrapping_mul(0x9e37_79b9_7f4a_7c15))
+        mixed(self.state ^ place.wrapping_mul(0x9e37_79b9_7f4a_7c15))
     }
-}
-
-/// The finaliser of `SplitMix64` (Steele, Lea and Flood 2014).
-#[inline]
-fn mix(mut z: u64) -> u64 {
-    z = z.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
 }
 
 /// Tables of random numbers, the same for every sensor.
@@ -112,7 +105,7 @@ fn window(table: &[f32], hash: u64, len: usize) -> &[f32] {
 /// function that differs between platforms.
 fn normal_draw(index: u64) -> f32 {
     (0..12)
-        .map(|i| (mix(index * 12 + i) >> 40) as f32 / 16_777_216.0)
+        .map(|i| unit_f32(mixed(index * 12 + i)))
         .sum::<f32>()
         - 6.0
 }

@@ -1,7 +1,8 @@
 //! What a person without a script does next.
 
 use super::{Action, Surroundings};
-use crate::random::Random;
+use crate::chance;
+use random::Random;
 
 /// Fewest and most objects a person leaves on the table.
 const OBJECTS_LEFT: usize = 3;
@@ -21,7 +22,7 @@ impl Chance {
     pub(crate) fn new(every_s: [f64; 2], seed: u64) -> Self {
         let mut chance = Self {
             every_s,
-            random: Random::new(seed, CHANCE),
+            random: chance::stream(seed, CHANCE),
             next_s: 0.0,
         };
         chance.rest_from(0.0);

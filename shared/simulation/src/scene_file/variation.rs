@@ -1,9 +1,10 @@
 //! What differs from seed to seed while a story stays the same.
 
+use crate::chance;
 use crate::person::Action;
-use crate::random::Random;
 use crate::scene::{ModelChoice, Placing, Scene};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
+use random::Random;
 use std::collections::BTreeMap;
 
 /// Purpose of the random stream.
@@ -25,7 +26,7 @@ pub(super) struct Variation {
 impl Variation {
     /// Varies a scene by its seed. Objects that are alike stay alike.
     pub(super) fn apply(&self, scene: &mut Scene) {
-        let mut random = Random::new(scene.seed, VARY);
+        let mut random = chance::stream(scene.seed, VARY);
         if self.is_shuffled {
             shuffle(scene, &mut random);
         }

@@ -2,8 +2,8 @@
 
 use super::{ObjectState, World};
 use crate::arrangement;
+use crate::chance;
 use crate::person::Surroundings;
-use crate::random::Random;
 use crate::scene::ModelChoice;
 use nalgebra::Point3;
 
@@ -65,7 +65,7 @@ impl Surroundings for ViewOfPerson<'_> {
                 ([at.x, at.y], other.model.footprint_radius_m())
             })
             .collect();
-        let mut random = Random::new(draw, SPOT);
+        let mut random = chance::stream(draw, SPOT);
         arrangement::free_spot(&taken, radius_m, &self.0.scene.table, GAP_M, &mut random)
     }
 

@@ -4,12 +4,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
+use random::Random;
 use store::{Condition, Mutation, OpenReport, Operation, PerceptualMemory, Standing, View};
 use tempfile::TempDir;
 
-use crate::builders::{
-    NOW_NS, Random, apply, correct, fast_folder, forget, open, store, teach, view,
-};
+use crate::builders::{NOW_NS, apply, correct, fast_folder, forget, open, store, teach, view};
 
 /// Twenty changes of every kind; entry `n` of the history is mutation `n`.
 fn mutations() -> Vec<Mutation> {
@@ -229,17 +228,17 @@ fn check_damaged(folder: &TempDir, what: &str) -> OpenReport {
     report
 }
 
-fn check_flipped_bytes(extension: &str, is_reopened: bool, step: u64, seed: u64) {
+fn check_flipped_bytes(extension: &str, is_reopened: bool, step: usize, seed: u64) {
     let whole = whole_store(is_reopened);
-    let n_bytes = fs::metadata(newest(whole.path(), extension)).unwrap().len();
-    let mut random = Random(seed);
+    let n_bytes = fs::metadata(newest(whole.path(), extension)).unwrap().len() as usize;
+    let mut random = Random::from_seed(seed);
     let (mut n_told, mut n_flips) = (0, 0);
     for block in 0..n_bytes.div_ceil(step) {
         let at = (block * step + random.below(step)).min(n_bytes - 1);
         let folder = copy(whole.path());
         let path = newest(folder.path(), extension);
         let mut bytes = fs::read(&path).unwrap();
-        bytes[at as usize] ^= 1 << random.below(8);
+        bytes[at] ^= 1 << random.below(8);
         fs::write(&path, bytes).unwrap();
         let report = check_damaged(&folder, &format!("{extension}, byte {at}"));
         n_told += u32::from(report.is_damage());
@@ -328,9 +327,8 @@ fn a_missing_file_is_no_empty_store() {
 fn damage(path: &Path, random: &mut Random) -> String {
     let name = path.file_name().unwrap().to_string_lossy().into_owned();
     let mut bytes = fs::read(path).unwrap();
-    let n_bytes = bytes.len() as u64;
-    let at = random.below(n_bytes.max(1)) as usize;
-    let end = (at + random.below(600) as usize).min(bytes.len());
+    let at = random.below(bytes.len());
+    let end = (at + random.below(600)).min(bytes.len());
     let how = match random.below(6) {
         0 => {
             fs::remove_file(path).unwrap();
@@ -345,7 +343,7 @@ fn damage(path: &Path, random: &mut Random) -> String {
             format!("{name} zero from {at} to {end}")
         }
         3 => {
-            bytes[at..end].fill_with(|| random.next() as u8);
+            bytes[at..end].fill_with(|| random.next_u64() as u8);
             format!("{name} rubbish from {at} to {end}")
         }
         _ => {
@@ -361,7 +359,7 @@ fn damage(path: &Path, random: &mut Random) -> String {
 }
 
 fn check_random_damage(n_rounds: usize, seed: u64) {
-    let mut random = Random(seed);
+    let mut random = Random::from_seed(seed);
     let wholes = [whole_store(false), whole_store(true)];
     let kinds = [
         ".log",
@@ -373,10 +371,10 @@ fn check_random_damage(n_rounds: usize, seed: u64) {
     ];
     let (mut n_damages, mut n_losses) = (0, 0);
     for round in 0..n_rounds {
-        let is_reopened = random.below(2) as usize;
+        let is_reopened = random.below(2);
         let folder = copy(wholes[is_reopened].path());
         // In a store opened again everything is in the table, and the other way round.
-        let kind = kinds[random.below(kinds.len() as u64) as usize];
+        let kind = kinds[random.below(kinds.len())];
         let path = match kind {
             "acknowledged" => folder.path().join(kind),
             "LOCK" => folder.path().join("database").join(kind),

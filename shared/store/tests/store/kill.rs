@@ -7,9 +7,10 @@ use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
+use random::Random;
 use store::{Condition, PerceptualMemory, StoreConfig, StoreThread};
 
-use crate::builders::{Random, correct, folder, name_of, open, store, teach, view};
+use crate::builders::{correct, folder, name_of, open, store, teach, view};
 
 /// Tells the child which folder to use, and so that it is one.
 const FOLDER: &str = "TABULA_STORE_KILL_TEST_FOLDER";
@@ -114,7 +115,7 @@ fn teach_and_kill(folder: &Path, first_track: u64, random: &mut Random) -> BTree
             Err(RecvTimeoutError::Disconnected) => panic!("the child ended by itself"),
         }
     }
-    std::thread::sleep(Duration::from_micros(random.below(20_000)));
+    std::thread::sleep(Duration::from_micros(random.below(20_000) as u64));
     child.0.kill().unwrap();
     child.0.wait().unwrap();
     reader.join().unwrap();
@@ -143,7 +144,7 @@ fn check(memory: &mut PerceptualMemory, acknowledged: &BTreeMap<u64, usize>) {
 
 fn check_rounds(n_rounds: usize, seed: u64) {
     let folder = folder();
-    let mut random = Random(seed);
+    let mut random = Random::from_seed(seed);
     let mut acknowledged = BTreeMap::new();
     let mut first_track = 1;
     for round in 0..n_rounds {
