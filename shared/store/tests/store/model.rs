@@ -104,6 +104,8 @@ struct Model {
     state: State,
     entries: Vec<Entry>,
     answers: HashMap<u128, (u64, u64)>,
+    /// When a view's standing was last decided.
+    stamps_ns: BTreeMap<ViewId, u64>,
     next_track_id: u64,
 }
 
@@ -114,7 +116,7 @@ impl Model {
             return Some(*answer);
         }
         let before = self.state.clone();
-        let after = self.change(mutation)?;
+        let mut after = self.change(mutation)?;
         let touched_views: BTreeSet<ViewId> = all_views(&before, &after)
             .filter(|view| {
                 let standing = |state: &State| state.views.get(view).map(|(_, s)| s.clone());
@@ -126,6 +128,7 @@ impl Model {
             .into_iter()
             .filter(|name| before.documents.get(name) != after.documents.get(name))
             .collect();
+        self.stamp(&touched_views, mutation.wall_ns, &mut after);
         let n_views = touched_views.len() as u64;
         self.entries.push(Entry {
             before,
@@ -140,6 +143,25 @@ impl Model {
         let last = last.map_or(0, |(view, _)| view.track_id + 1);
         self.next_track_id = self.next_track_id.max(last);
         Some(answer)
+    }
+
+    /// A decision is later than the one before it, although an older mutation, refused
+    /// at first, may be asked again and be granted.
+    fn stamp(&mut self, touched: &BTreeSet<ViewId>, wall_ns: u64, after: &mut State) {
+        for view in touched {
+            let Some((_, standing)) = after.views.get_mut(view) else {
+                self.stamps_ns.remove(view);
+                continue;
+            };
+            // Storing decides nothing.
+            if self.state.views.contains_key(view) {
+                let last_ns = self.stamps_ns.entry(*view).or_default();
+                *last_ns = wall_ns.max(*last_ns + 1);
+                if let Err(forgotten) = standing {
+                    forgotten.stamp_ns = *last_ns;
+                }
+            }
+        }
     }
 
     fn change(&self, mutation: &Mutation) -> Option<State> {
@@ -377,6 +399,7 @@ fn check(operations: Vec<Operation>) {
         state: State::default(),
         entries: Vec::new(),
         answers: HashMap::new(),
+        stamps_ns: BTreeMap::new(),
         next_track_id: 1,
     };
     let mut asked: Vec<Mutation> = Vec::new();
@@ -497,4 +520,19 @@ proptest! {
     ) {
         check(operations);
     }
+}
+
+#[test]
+fn what_was_refused_and_is_asked_again_is_decided_last() {
+    check(vec![
+        Operation::Store(vec![(2, 0, 0)]),
+        Operation::ForgetTrack(2),
+        // Refused: it is forgotten already.
+        Operation::ForgetTrack(2),
+        Operation::Undo(0),
+        // The refused one, older than the undoing.
+        Operation::Repeat(1),
+        // Between the two stamps that it could have.
+        Operation::Purge(1),
+    ]);
 }
