@@ -189,11 +189,7 @@ impl Target<'_> {
     }
 }
 
-/// Decided by who asked for the entry, after what was decided before: a clock that
-/// steps back does not turn decisions round.
+/// Decided by who asked for the entry.
 fn later(entry: &HistoryEntry, last_stamp_ns: u64) -> Decided {
-    Decided {
-        author: Arc::clone(&entry.author),
-        stamp_ns: entry.wall_ns.max(last_stamp_ns.saturating_add(1)),
-    }
+    Decided::after(last_stamp_ns, Arc::clone(&entry.author), entry.wall_ns)
 }

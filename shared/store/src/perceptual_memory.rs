@@ -10,11 +10,12 @@ use crate::decision::{Contents, Decision, decide};
 use crate::economy::Limits;
 use crate::engine::{Engine, Reader};
 use crate::error::{Error, Refusal};
-use crate::history::HistoryEntry;
+use crate::history::{Effect, HistoryEntry};
 use crate::meta::{Meta, StoreId};
 use crate::mutation::{Answer, Change, Mutation, MutationId};
 use crate::opening::{self, OpenReport};
 use crate::reading::read_entry;
+use crate::standing::Decided;
 use crate::store_folder::StoreFolder;
 use crate::undo;
 use crate::watermark::Watermark;
@@ -181,8 +182,9 @@ impl PerceptualMemory {
         mutation: Option<MutationId>,
         author: &str,
         wall_ns: u64,
-        decision: Decision,
+        mut decision: Decision,
     ) -> Answer {
+        self.date_documents(&mut decision.effects, author, wall_ns);
         let entry = HistoryEntry {
             sequence: self.meta.sequence + 1,
             previous: self.meta.head,
@@ -194,6 +196,24 @@ impl PerceptualMemory {
             contradiction: decision.contradiction,
         };
         self.stage_entry(entry, &decision.contents)
+    }
+
+    /// Where the clock has stepped back, a document's version is dated by the one before.
+    /// A purge may take that one away, so the history itself says what the date is.
+    fn date_documents(&self, effects: &mut [Effect], author: &str, wall_ns: u64) {
+        for effect in effects {
+            let Effect::Document {
+                document, decided, ..
+            } = effect
+            else {
+                continue;
+            };
+            let last = self.catalogue.document(document);
+            let last_ns = last.map_or(0, |(_, version)| version.decided.stamp_ns);
+            if decided.is_none() && last_ns >= wall_ns {
+                *decided = Some(Decided::after(last_ns, author.into(), wall_ns));
+            }
+        }
     }
 
     /// Stages an entry as it is.

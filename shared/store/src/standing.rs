@@ -57,6 +57,17 @@ pub struct Decided {
     pub stamp_ns: u64,
 }
 
+impl Decided {
+    /// Now, and after what was decided before: a clock that steps back does not turn
+    /// decisions round.
+    pub(crate) fn after(last_stamp_ns: u64, author: Arc<str>, wall_ns: u64) -> Self {
+        Self {
+            author,
+            stamp_ns: wall_ns.max(last_stamp_ns.saturating_add(1)),
+        }
+    }
+}
+
 impl Default for Decided {
     /// By nobody, before everything.
     fn default() -> Self {

@@ -536,3 +536,16 @@ fn what_was_refused_and_is_asked_again_is_decided_last() {
         Operation::Purge(1),
     ]);
 }
+
+#[test]
+fn a_purged_document_does_not_change_the_date_of_the_next_one() {
+    check(vec![
+        // Refused: there is none yet.
+        Operation::Remove(0),
+        Operation::Put(0, 0),
+        // The refused one, older than the document.
+        Operation::Repeat(1),
+        Operation::Purge(0),
+        Operation::Replay,
+    ]);
+}
