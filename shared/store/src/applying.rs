@@ -164,8 +164,7 @@ impl Target<'_> {
             };
             self.put_blob(content.digest, bytes);
         }
-        let known = self.catalogue.document(document);
-        let last_stamp_ns = known.map_or(0, |(_, version)| version.decided.stamp_ns);
+        let last_stamp_ns = self.catalogue.document_stamp_ns(document);
         let version = DocumentVersion {
             content: after.cloned(),
             decided: decided

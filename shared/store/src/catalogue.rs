@@ -331,6 +331,12 @@ impl Catalogue {
         Some((*sequence, version))
     }
 
+    /// When the present version was decided; 0 when there is none.
+    pub(crate) fn document_stamp_ns(&self, key: &DocumentKey) -> u64 {
+        self.document(key)
+            .map_or(0, |(_, version)| version.decided.stamp_ns)
+    }
+
     /// All that are there.
     pub(crate) fn documents(&self) -> impl Iterator<Item = DocumentSummary> {
         self.documents.iter().filter_map(|(key, versions)| {

@@ -26,9 +26,9 @@ use crate::error::Error;
 const MAX_OPEN_FILES: usize = 256;
 
 /// Blocks of tables kept in memory. A block is as long as a record at least, and some
-/// records are whole clouds: with the thousand that are usual, every reading and
-/// merging would leave up to a hundred megabytes behind. Hardly any block is read
-/// twice, and the system keeps those of its files that are.
+/// records are whole clouds: with the thousand that are usual, reading and merging
+/// would leave a thousand clouds behind. Hardly any block is read twice, and the
+/// system keeps those of its files that are.
 const N_CACHED_BLOCKS: usize = 16;
 
 /// What is usually gathered in memory before it becomes a table, twice the size of

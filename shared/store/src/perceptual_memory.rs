@@ -208,8 +208,7 @@ impl PerceptualMemory {
             else {
                 continue;
             };
-            let last = self.catalogue.document(document);
-            let last_ns = last.map_or(0, |(_, version)| version.decided.stamp_ns);
+            let last_ns = self.catalogue.document_stamp_ns(document);
             if decided.is_none() && last_ns >= wall_ns {
                 *decided = Some(Decided::after(last_ns, author.into(), wall_ns));
             }
