@@ -1,43 +1,9 @@
-//! Crates name only crates of lower layers, never a sibling; each foreign
-//! library has its owners. Folders alone do not hold; this does.
+//! Layering: a crate uses only the folders and crates that the README tables allow,
+//! and each foreign library is named by its owners only.
 
 use cargo_metadata::{DependencyKind, Metadata, MetadataCommand, Package};
-use std::collections::BTreeMap;
-
-/// The layers, lowest first. What is not listed here can not be in the workspace.
-const LAYERS: [&[&str]; 11] = [
-    &["geometry", "random"],
-    &["point-cloud", "mesh"],
-    &[
-        "detection",
-        "description",
-        "dataset",
-        "household",
-        "rendering",
-        "manipulator",
-    ],
-    &["tracking", "learning", "simulation"],
-    &["pipeline", "message"],
-    &["channel", "store", "freenect"],
-    &["actor"],
-    &["service", "evaluation"],
-    &[
-        "capture",
-        "memory-control",
-        "command-line",
-        "latency-report",
-        "machine",
-    ],
-    &[
-        "camera",
-        "simulator",
-        "perception",
-        "memory",
-        "latency",
-        "tabula",
-    ],
-    &["tests"],
-];
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
 
 /// Foreign libraries and the only crates that may name them.
 const OWNERS: [(&str, &[&str]); 14] = [
@@ -45,13 +11,13 @@ const OWNERS: [(&str, &[&str]); 14] = [
     ("iceoryx2-log", &["channel"]),
     ("rusty-leveldb", &["store"]),
     ("libloading", &["freenect"]),
-    ("rapier3d", &["simulation"]),
+    ("rapier3d", &["simulated-world"]),
     ("pathfinding", &["tracking"]),
     ("indicatif", &["command-line", "tabula"]),
-    ("plotters", &["evaluation"]),
+    ("plotters", &["plot", "evaluation"]),
     ("ciborium", &["channel", "store"]),
     ("hdrhistogram", &["latency-report"]),
-    ("libc", &["machine", "service"]),
+    ("libc", &["system-noise", "service"]),
     ("sd-notify", &["service"]),
     ("tracing-subscriber", &["service"]),
     (
@@ -61,8 +27,8 @@ const OWNERS: [(&str, &[&str]); 14] = [
             "actor",
             "service",
             "capture",
-            "machine",
-            "memory-control",
+            "system-noise",
+            "memory-requests",
             "command-line",
             "camera",
             "simulator",
@@ -73,18 +39,22 @@ const OWNERS: [(&str, &[&str]); 14] = [
     ),
 ];
 
-/// Above this layer crates may log.
-const HIGHEST_SILENT_LAYER: usize = 3;
+/// Folders whose crates never log.
+const SILENT_FOLDERS: [&str; 3] = ["core", "perception", "planning"];
+
+fn root() -> &'static Path {
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
+}
 
 fn workspace() -> Metadata {
-    let manifest = concat!(env!("CARGO_MANIFEST_DIR"), "/../Cargo.toml");
+    let manifest = root().join("Cargo.toml");
     MetadataCommand::new()
         .manifest_path(manifest)
         .exec()
         .unwrap()
 }
 
-/// Names of what a package needs when it runs; tests may use anything below them.
+/// Direct dependencies of a package when it runs; tests may use any crate.
 fn dependencies(package: &Package) -> impl Iterator<Item = &str> {
     let runs = |d: &&cargo_metadata::Dependency| d.kind != DependencyKind::Development;
     package
@@ -94,26 +64,100 @@ fn dependencies(package: &Package) -> impl Iterator<Item = &str> {
         .map(|dependency| dependency.name.as_str())
 }
 
-fn layer_of() -> BTreeMap<&'static str, usize> {
-    let layers = LAYERS.iter().enumerate();
-    layers
-        .flat_map(|(layer, names)| names.iter().map(move |name| (*name, layer)))
+/// Words in back quotes.
+fn quoted(text: &str) -> Vec<String> {
+    text.split('`')
+        .skip(1)
+        .step_by(2)
+        .map(str::to_owned)
         .collect()
 }
 
+/// Rows of the Markdown table in a README: the first word in quotes, and the last cell's.
+fn table(readme: &str) -> BTreeMap<String, BTreeSet<String>> {
+    let text = std::fs::read_to_string(root().join(readme)).unwrap();
+    let rows = text
+        .lines()
+        .filter(|line| line.starts_with('|') && line.contains('`'));
+    rows.map(|row| {
+        let cells: Vec<&str> = row.trim_matches('|').split('|').collect();
+        let name = quoted(cells[0]).remove(0);
+        let uses = quoted(cells[cells.len() - 1]).into_iter().collect();
+        (name, uses)
+    })
+    .collect()
+}
+
+/// The ordered list of crates in a folder's README.
+fn order(folder: &str) -> Vec<String> {
+    let text = std::fs::read_to_string(root().join("shared").join(folder).join("README.md"));
+    let text = text.unwrap();
+    let is_entry = |line: &&str| {
+        line.split_once(". `")
+            .is_some_and(|(n, _)| n.parse::<u32>().is_ok())
+    };
+    text.lines()
+        .filter(is_entry)
+        .map(|line| quoted(line).remove(0))
+        .collect()
+}
+
+/// Each library crate with its folder and its place in the folder's list.
+fn homes() -> BTreeMap<String, (String, usize)> {
+    let mut homes = BTreeMap::new();
+    for folder in table("shared/README.md").into_keys() {
+        for (place, name) in order(&folder).into_iter().enumerate() {
+            homes.insert(name, (folder.clone(), place));
+        }
+    }
+    homes
+}
+
+/// Folder below `shared` or `services`, and the crate's own folder.
+fn location(package: &Package) -> (String, String) {
+    let folder = package.manifest_path.parent().unwrap();
+    let name = |path: &cargo_metadata::camino::Utf8Path| path.file_name().unwrap().to_owned();
+    (name(folder.parent().unwrap()), name(folder))
+}
+
 #[test]
-fn crates_name_only_crates_of_lower_layers() {
-    let layers = layer_of();
+fn layering_of_libraries_follows_the_readmes() {
+    let (homes, folders) = (homes(), table("shared/README.md"));
     for package in workspace().workspace_packages() {
-        let name = package.name.as_str();
-        let layer = layers
-            .get(name)
-            .unwrap_or_else(|| panic!("{name} is in no layer"));
+        let Some((folder, place)) = homes.get(package.name.as_str()) else {
+            continue;
+        };
         for dependency in dependencies(package) {
-            if let Some(below) = layers.get(dependency) {
+            let Some((its_folder, its_place)) = homes.get(dependency) else {
+                continue;
+            };
+            let is_allowed = if its_folder == folder {
+                its_place < place
+            } else {
+                folders[folder].contains(its_folder)
+            };
+            assert!(
+                is_allowed,
+                "{folder}/{} names {its_folder}/{dependency}",
+                package.name
+            );
+        }
+    }
+}
+
+#[test]
+fn layering_of_programs_follows_their_readme() {
+    let (homes, programs) = (homes(), table("services/README.md"));
+    for package in workspace().workspace_packages() {
+        let Some(allowed) = programs.get(package.name.as_str()) else {
+            continue;
+        };
+        for dependency in dependencies(package) {
+            if let Some((folder, _)) = homes.get(dependency) {
                 assert!(
-                    below < layer,
-                    "{name} (layer {layer}) names {dependency} (layer {below})"
+                    allowed.contains(folder),
+                    "{} names {folder}/{dependency}",
+                    package.name
                 );
             }
         }
@@ -121,12 +165,29 @@ fn crates_name_only_crates_of_lower_layers() {
 }
 
 #[test]
-fn foreign_libraries_are_named_by_their_owners_only() {
-    for package in workspace()
-        .workspace_packages()
-        .into_iter()
-        .filter(|p| *p.name != "tests")
-    {
+fn layering_gives_every_crate_a_home() {
+    let (homes, programs) = (homes(), table("services/README.md"));
+    for package in workspace().workspace_packages() {
+        let (parent, folder) = location(package);
+        assert_eq!(
+            folder,
+            package.name.as_str(),
+            "a folder's name is its crate's name"
+        );
+        let is_listed = match parent.as_str() {
+            "services" => programs.contains_key(&folder),
+            _ if folder == "tests" => true,
+            layer => homes.get(&folder).is_some_and(|(home, _)| home == layer),
+        };
+        assert!(is_listed, "{folder} is not in the README of {parent}");
+    }
+}
+
+#[test]
+fn layering_leaves_foreign_libraries_to_their_owners() {
+    let metadata = workspace();
+    let packages = metadata.workspace_packages();
+    for package in packages.into_iter().filter(|p| *p.name != "tests") {
         for dependency in dependencies(package) {
             for (library, owners) in OWNERS {
                 let is_allowed = dependency != library || owners.contains(&package.name.as_str());
@@ -141,23 +202,13 @@ fn foreign_libraries_are_named_by_their_owners_only() {
 }
 
 #[test]
-fn kernels_do_not_log() {
-    let layers = layer_of();
+fn layering_keeps_kernels_from_logging() {
+    let homes = homes();
     for package in workspace().workspace_packages() {
-        if layers[package.name.as_str()] <= HIGHEST_SILENT_LAYER {
-            assert!(
-                dependencies(package).all(|name| name != "tracing"),
-                "{} logs",
-                package.name
-            );
+        let home = homes.get(package.name.as_str());
+        if home.is_some_and(|(folder, _)| SILENT_FOLDERS.contains(&folder.as_str())) {
+            let logs = dependencies(package).any(|name| name == "tracing");
+            assert!(!logs, "{} logs", package.name);
         }
-    }
-}
-
-#[test]
-fn a_folders_name_is_its_crates_name() {
-    for package in workspace().workspace_packages() {
-        let folder = package.manifest_path.parent().unwrap().file_name().unwrap();
-        assert_eq!(folder, package.name.as_str());
     }
 }

@@ -6,7 +6,7 @@ use crate::lockstep::repeatable;
 use crate::recorder::{Recorded, Recorder, Recording, SceneRecorder};
 use channel::topic::{ArmStates, CameraCloud, PersonBodies, TrueMasks, TrueObjects};
 use channel::{Domain, Role, SharedFrame, Subscriber};
-use detection::{Assumption, Assumptions, Constraint, Expression};
+use constraint::{Assumption, Assumptions, Constraint, Expression};
 use message::{ArmActivity, ProcessKind, SceneObject, TrackState, TrueObject};
 use nalgebra::{Point3, Vector3};
 use rustix::process::Signal;

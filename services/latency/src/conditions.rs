@@ -4,9 +4,9 @@ use crate::listener::Listener;
 use crate::process_usage::ProcessUsage;
 use channel::{DomainName, SharedMemory};
 use latency_report::{Conditions, SharedMemoryReport};
-use machine::{Disturbance, Fingerprint, Watch};
 use serde::Serialize;
 use service::{wall_clock_ns, wall_clock_offset_ns};
+use system_noise::{Disturbance, Fingerprint, Watch};
 
 /// The computer, and what else went on.
 #[derive(Serialize)]
@@ -125,7 +125,7 @@ fn surroundings(
         fingerprint: Fingerprint::read(),
         disturbance: machine.end(&own_pids),
     };
-    let told = machine::warnings(&surroundings.fingerprint, &surroundings.disturbance);
+    let told = system_noise::warnings(&surroundings.fingerprint, &surroundings.disturbance);
     warnings.extend(told.iter().map(ToString::to_string));
     serde_json::to_value(surroundings).unwrap_or_default()
 }

@@ -2,10 +2,10 @@
 
 use crate::results::not_written;
 use command_line::Output;
-use machine::{MachineReport, Plan, figures, measure, report};
 use service::Failure;
 use std::path::Path;
 use std::process::ExitCode;
+use system_noise::{MachineReport, Plan, figures, measure, report};
 
 /// Measures, prints, and writes report and plot.
 pub(crate) fn run(short: bool, out: Option<&Path>, output: &Output) -> Result<ExitCode, Failure> {

@@ -7,10 +7,10 @@
 use command_line::{Output, table};
 use dataset::pcd;
 use detection::{Config, Detection, Frame, Surroundings, Workspace, detect};
-use evaluation::spread::Spread;
 use point_cloud::OrganizedCloud;
 use serde::Serialize;
 use service::{Failure, exit_code};
+use statistics::spread::Spread;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};

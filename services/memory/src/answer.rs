@@ -4,7 +4,7 @@ use crate::event_report;
 use crate::process_table::ProcessTable;
 use crate::world::{World, now_ns};
 use channel::control::Client;
-use memory_control::MemoryDesk;
+use memory_requests::MemoryDesk;
 use message::ProcessKind;
 use message::control::{Command, Refusal, RefusalKind, Reply};
 use std::sync::Arc;

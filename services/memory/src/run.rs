@@ -10,7 +10,7 @@ use crate::upkeep;
 use crate::world::World;
 use crate::world_feed::WorldFeed;
 use channel::control::Client;
-use memory_control::{MemoryDesk, MemoryDeskConfig};
+use memory_requests::{MemoryDesk, MemoryDeskConfig};
 use message::{ProcessKind, ProcessState};
 use service::{Context, Failure, HealthBoard, exit_code, wall_clock_ns};
 use std::sync::Arc;

@@ -1,6 +1,6 @@
 //! Tells when something begins or ceases to be taken for granted.
 
-use detection::{Assumption, Assumptions};
+use constraint::{Assumption, Assumptions};
 
 /// What was told last.
 #[derive(Debug, Default)]

@@ -17,7 +17,7 @@ use crate::track_ids::TrackIds;
 use crate::world::World;
 use actor::WorkerPool;
 use channel::{Domain, Error};
-use detection::Assumptions;
+use constraint::Assumptions;
 use message::{
     FrameDone, PlainHeader, ProcessKind, SceneObject, SceneSummary, Stage, Text, points,
 };

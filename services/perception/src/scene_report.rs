@@ -3,7 +3,8 @@
 use crate::intake::Arrived;
 use crate::newest_view::NewestView;
 use crate::object_actor::Observed;
-use detection::{Assumption, Candidate, Detection};
+use constraint::Assumption;
+use detection::{Candidate, Detection};
 use geometry::RigidTransform;
 use learning::{N_NEAREST, Neighbour};
 use message::control::{StoredView, ViewId};

@@ -5,7 +5,7 @@ use crate::translate;
 use channel::topic::{ArmStates, PersonBodies, TrueMasks, TrueObjects};
 use channel::{Domain, Error, Publisher};
 use message::{FrameHeader, MaskPixel, PersonBody, TruthHeader};
-use simulation::{TrueObject, World};
+use simulated_world::{TrueObject, World};
 
 /// Publishers of everything but the cloud.
 pub(crate) struct Broadcast {

@@ -3,7 +3,7 @@
 use crate::arguments::Arguments;
 use serde::Deserialize;
 use service::{ConfigFile, Failure, exit_code};
-use simulation::{ArmMount, MOST_OBJECTS, ModelLibrary, ModelSource, Scene, SceneKind};
+use simulated_world::{ArmMount, MOST_OBJECTS, ModelLibrary, ModelSource, Scene, SceneKind};
 use std::path::{Path, PathBuf};
 
 /// Rates that can be asked for.
@@ -95,7 +95,7 @@ impl Config {
     ///
     /// # Errors
     /// When a file can not be used, or the objects find no place.
-    pub(crate) fn scene(&self) -> Result<(Scene, ModelLibrary), simulation::Error> {
+    pub(crate) fn scene(&self) -> Result<(Scene, ModelLibrary), simulated_world::Error> {
         let mut library = ModelLibrary::open(&self.models)?;
         let scene = match &self.plan {
             ScenePlan::File(path) => return Scene::open(path, self.seed),

@@ -5,7 +5,7 @@
 //! from its beginning, with the command in its place.
 
 use geometry::Capsule;
-use simulation::{ArmCommand, ArmStatus, STEP_NS, STEPS_PER_SECOND, World};
+use simulated_world::{ArmCommand, ArmStatus, STEP_NS, STEPS_PER_SECOND, World};
 
 /// The arm at the end of one step.
 #[derive(Debug, Clone)]

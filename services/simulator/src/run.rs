@@ -8,7 +8,7 @@ use capture::{CaptureLoop, End};
 use channel::control::Server;
 use message::ProcessKind;
 use service::{Context, Failure, exit_code};
-use simulation::World;
+use simulated_world::World;
 use tokio::runtime::Handle;
 use tokio::sync::oneshot;
 
@@ -48,7 +48,7 @@ fn play(
     requests: ArmRequests,
     runtime: Handle,
 ) -> Result<End, Failure> {
-    let unusable = |error: simulation::Error| Failure::new(exit_code::USAGE, error);
+    let unusable = |error: simulated_world::Error| Failure::new(exit_code::USAGE, error);
     let (scene, library) = config.scene().map_err(unusable)?;
     tracing::info!(
         "setting up {} with {} objects",

@@ -11,7 +11,7 @@ use message::control::{Refusal, RefusalKind};
 use nalgebra::{Unit, Vector3};
 use point_cloud::Point;
 use service::monotonic_ns;
-use simulation::{SimulatedKinect, TrueObject, World};
+use simulated_world::{SimulatedKinect, TrueObject, World};
 
 /// Plays the world for ever.
 pub(crate) struct SimulatorSource {
@@ -33,7 +33,7 @@ impl SimulatorSource {
         world: World,
         requests: ArmRequests,
         broadcast: Broadcast,
-    ) -> Result<Self, simulation::Error> {
+    ) -> Result<Self, simulated_world::Error> {
         let mut kinect = SimulatedKinect::new(&world, PinholeCamera::KINECT_V1)?;
         // The first looks draw the room; no frame is to wait for that.
         let mut points = vec![Point::default(); kinect.camera().n_pixels()];

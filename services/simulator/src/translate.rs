@@ -5,7 +5,7 @@ use message::{
     ArmActivity, ArmState, Text, TrueObject as WireObject, TrueState, WireCapsule, WirePose,
 };
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
-use simulation::{ArmCommand, ArmStatus, MotionState, ObjectState, TrueObject};
+use simulated_world::{ArmCommand, ArmStatus, MotionState, ObjectState, TrueObject};
 
 /// How far from unit length an orientation may be.
 const UNIT_TOLERANCE: f64 = 1e-2;

@@ -18,7 +18,7 @@ pub(crate) use world::{EventsArguments, HistoryArguments, Point, Time, WorldArgu
 use crate::sensor::Sensor;
 use clap::{Args, Parser, Subcommand};
 use service::{CommonArguments, Failure, exit_code};
-use simulation::ModelSource;
+use simulated_world::ModelSource;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 

@@ -3,7 +3,7 @@
 use crate::objects::{call, connect, refused, unexpected};
 use channel::control::SocketClient;
 use command_line::Output;
-use memory_control::{MemoryDesk, MemoryDeskConfig};
+use memory_requests::{MemoryDesk, MemoryDeskConfig};
 use message::control::{Command, JobCommand, JobKind, JobOutcome, JobReport, Reply};
 use service::{CommonArguments, Failure, exit_code, wall_clock_ns};
 use std::path::PathBuf;

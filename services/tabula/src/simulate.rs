@@ -30,7 +30,7 @@ struct CategoriesDocument {
 
 fn categories(output: &Output) {
     let document = CategoriesDocument {
-        categories: simulation::category_names(),
+        categories: simulated_world::category_names(),
     };
     output.answer(&document, || document.categories.join("\n"));
 }

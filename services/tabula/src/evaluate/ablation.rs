@@ -12,8 +12,8 @@ use crate::arguments::{AblationArguments, AblationVariant};
 use clap::ValueEnum;
 use command_line::{Output, bar};
 use document::Document;
-use evaluation::interval_figure;
 use evaluation::open_ended::{self as teacher, Metrics, Protocol};
+use plot::interval_figure;
 use service::Failure;
 use std::process::ExitCode;
 

@@ -2,10 +2,11 @@
 
 use super::detection::{SceneResult, Skipped};
 use crate::arguments::DetectionArguments;
-use detection::{Assumption, Config};
-use evaluation::durations::Percentiles;
+use constraint::Assumption;
+use detection::Config;
 use evaluation::segmentation_score::{HYPOTHESIS_PIXELS_MIN, SegmentationScore};
 use serde::Serialize;
+use statistics::percentiles::Percentiles;
 use std::collections::BTreeMap;
 
 /// All figures; scores are means over scenes, worst scene first.

@@ -65,7 +65,7 @@ fn verify_folder(common: &CommonArguments, output: &Output) -> Result<Verificati
     });
     bar.finish_and_clear();
     let found = found.map_err(|error| Failure::new(exit_code::FAILURE, error))?;
-    Ok(memory_control::verification_report(found))
+    Ok(memory_requests::verification_report(found))
 }
 
 fn text(found: &VerificationReport) -> String {

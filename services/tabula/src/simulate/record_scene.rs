@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 use point_cloud::Point;
 use serde::Serialize;
 use service::Failure;
-use simulation::{
+use simulated_world::{
     ModelLibrary, STEPS_PER_SECOND, Scene, SceneKind, SimulatedKinect, World, truth_json,
 };
 use std::process::ExitCode;

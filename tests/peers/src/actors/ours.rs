@@ -1,4 +1,4 @@
-//! `shared/actor`: supervised, with a committed copy of the state.
+//! `shared/platform/actor`: supervised, with a committed copy of the state.
 
 use crate::crew::{Crew, MAILBOX};
 use actor::{

@@ -1,4 +1,4 @@
-//! `shared/store`; the only file here that knows its interface.
+//! `shared/memory/store`; the only file here that knows its interface.
 
 use std::ops::Range;
 use std::path::Path;

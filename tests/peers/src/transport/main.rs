@@ -1,4 +1,4 @@
-//! What it costs to bring a message from one process to another: `shared/channel`
+//! What it costs to bring a message from one process to another: `shared/platform/channel`
 //! beside iceoryx2 alone, a Unix socket, zenoh, and what ROS 2 does without shared
 //! memory.
 

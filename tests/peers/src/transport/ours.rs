@@ -1,4 +1,4 @@
-//! `shared/channel`, the topic of the camera's clouds.
+//! `shared/platform/channel`, the topic of the camera's clouds.
 
 use crate::log::Log;
 use crate::place::Place;

@@ -18,7 +18,7 @@ pub enum System {
     Iceoryx2Thread,
     /// The same with ports that threads may share, which ours are made of; polled.
     Iceoryx2Threadsafe,
-    /// `shared/channel`.
+    /// `shared/platform/channel`.
     Channel,
     UnixSocket,
     Zenoh,

@@ -3,9 +3,9 @@
 use super::super::object_views::ViewTable;
 use super::{Played, REFERENCE};
 use crate::arguments::AblationArguments;
-use evaluation::bootstrap::{Estimate, N_RESAMPLES};
 use evaluation::open_ended::{Metrics, Protocol};
 use serde::Serialize;
+use statistics::bootstrap::{Estimate, N_RESAMPLES};
 
 /// All figures.
 #[derive(Debug, Serialize)]

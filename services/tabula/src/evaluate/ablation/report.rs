@@ -2,8 +2,8 @@
 
 use super::document::{Document, Interval, VariantFigures};
 use command_line::table;
-use evaluation::figure_page::{PageFigure, PageTable, html};
-use evaluation::interval_figure::IntervalRow;
+use plot::figure_page::{PageFigure, PageTable, html};
+use plot::interval_figure::IntervalRow;
 
 /// Heads of the columns.
 const HEADS: [&str; 8] = [

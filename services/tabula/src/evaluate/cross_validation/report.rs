@@ -5,7 +5,7 @@ use super::material::Material;
 use super::scene_figures::SceneFigures;
 use crate::evaluate::open_set::OpenSet;
 use command_line::table;
-use evaluation::figure_page::{PageFigure, PageTable, html};
+use plot::figure_page::{PageFigure, PageTable, html};
 
 /// Heads of the columns; the last two only of scenes.
 const HEADS: [&str; 6] = [

@@ -3,7 +3,7 @@
 use super::super::open_set::OpenSet;
 use super::document::{Document, Figures, RunFigures};
 use command_line::table;
-use evaluation::figure_page::{PageFigure, PageTable, html};
+use plot::figure_page::{PageFigure, PageTable, html};
 
 /// Heads of the columns.
 const HEADS: [&str; 7] = ["run", "qci", "tlc", "aic", "gca", "apa", "ended"];

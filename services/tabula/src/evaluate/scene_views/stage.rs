@@ -2,7 +2,7 @@
 
 use crate::evaluate::failed;
 use service::Failure;
-use simulation::{CameraMount, Error, ModelChoice, ModelLibrary, Scene, World};
+use simulated_world::{CameraMount, Error, ModelChoice, ModelLibrary, Scene, World};
 
 /// Sets of objects; a scene has one object of each category of its set.
 const SETS: [(&str, &[&str]); 6] = [

@@ -1,9 +1,9 @@
 //! The figures of `tabula evaluate tracking` as a document.
 
 use crate::arguments::TrackingArguments;
-use evaluation::spread::Spread;
 use evaluation::tracking_score::{GATE_M, TrackingScore};
 use serde::Serialize;
+use statistics::spread::Spread;
 use std::collections::BTreeMap;
 
 /// What came out of one run.

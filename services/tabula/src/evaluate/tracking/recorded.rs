@@ -11,7 +11,7 @@ use nalgebra::{Quaternion, Translation3, Unit, UnitQuaternion, UnitVector3, Vect
 use point_cloud::{OrganizedCloud, Point};
 use serde::Deserialize;
 use service::{Failure, exit_code};
-use simulation::{ObjectState, TrueObject as SimulatedObject};
+use simulated_world::{ObjectState, TrueObject as SimulatedObject};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -273,7 +273,7 @@ mod tests {
             visible_px: 900,
             unoccluded_px: 1000,
         };
-        let text = simulation::truth_json(4, 0.5, std::slice::from_ref(&object));
+        let text = simulated_world::truth_json(4, 0.5, std::slice::from_ref(&object));
         let read = parse_truth(text.as_bytes()).unwrap();
         assert_eq!(
             (read[0].id, &read[0].name, read[0].state),

@@ -2,7 +2,7 @@
 
 use super::document::{Document, Figures, Percentiles, SeedFigures};
 use command_line::table;
-use evaluation::figure_page::{PageFigure, PageTable, html};
+use plot::figure_page::{PageFigure, PageTable, html};
 
 /// Heads of the columns.
 const HEADS: [&str; 16] = [

@@ -2,7 +2,7 @@
 
 use crate::evaluate::failed;
 use service::{Failure, exit_code};
-use simulation::{ModelLibrary, Scene};
+use simulated_world::{ModelLibrary, Scene};
 use std::path::{Path, PathBuf};
 
 /// The scenes that are part of the program.
@@ -123,7 +123,7 @@ pub(super) fn chosen(stories: Vec<Story>, names: &[String]) -> Result<Vec<Story>
 mod tests {
     use super::*;
     use nalgebra::Point3;
-    use simulation::{ObjectState, World};
+    use simulated_world::{ObjectState, World};
 
     fn story(name: &str) -> Story {
         chosen(built_in(), &[name.to_owned()]).unwrap().remove(0)
@@ -157,7 +157,7 @@ mod tests {
                 assert_eq!(names[0], names[1], "{}", story.name);
                 let duration_s = world.scene().duration_s.unwrap();
                 play(&mut world, duration_s);
-                let is_down = |o: &simulation::SceneObject| o.state == ObjectState::Settled;
+                let is_down = |o: &simulated_world::SceneObject| o.state == ObjectState::Settled;
                 assert!(world.objects().iter().all(is_down), "{}", story.name);
                 assert!(
                     !world.is_person_busy(),

@@ -9,7 +9,7 @@ use geometry::PinholeCamera;
 use nalgebra::{Unit, Vector3};
 use point_cloud::{OrganizedCloud, Point};
 use service::Failure;
-use simulation::{SimulatedKinect, World};
+use simulated_world::{SimulatedKinect, World};
 use std::collections::BTreeMap;
 
 /// Frames a second.

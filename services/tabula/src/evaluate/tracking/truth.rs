@@ -4,7 +4,7 @@ use evaluation::tracked_frame::TrueObject;
 use evaluation::true_shape::{SeenSurface, WholeShape};
 use geometry::{PinholeCamera, RigidTransform};
 use nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
-use simulation::{ObjectModel, ObjectState, TrueObject as SimulatedObject};
+use simulated_world::{ObjectModel, ObjectState, TrueObject as SimulatedObject};
 use std::collections::BTreeMap;
 
 /// An object must be tracked when at least this share of it is seen.

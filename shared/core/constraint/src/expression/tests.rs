@@ -1,0 +1,195 @@
+use super::*;
+use crate::{Finding, Reason};
+use proptest::prelude::*;
+
+fn read(text: &str) -> Expression {
+    text.parse().unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn refused(text: &str) -> String {
+    text.parse::<Expression>().unwrap_err().to_string()
+}
+
+fn findings(truths: [Truth; Constraint::N]) -> Findings {
+    let mut findings = Findings::default();
+    for (constraint, truth) in Constraint::ALL.into_iter().zip(truths) {
+        let reason = Reason::NotJudged;
+        findings.set(constraint, Finding { truth, reason });
+    }
+    findings
+}
+
+/// All assignments of the first six constraints, the others unknown.
+fn assignments() -> impl Iterator<Item = Findings> {
+    let truth = |number: usize| [Truth::False, Truth::Unknown, Truth::True][number % 3];
+    (0..3_usize.pow(6)).map(move |number| {
+        findings(std::array::from_fn(|i| match i {
+            0..6 => truth(number / 3_usize.pow(i as u32)),
+            _ => Truth::Unknown,
+        }))
+    })
+}
+
+#[test]
+fn the_papers_rule_is_the_default_in_every_spelling() {
+    for text in [
+        "C_table ∧ C_track ∧ ¬(C_instructor ∨ C_robot ∨ C_edge)",
+        "C_table and C_track and not (C_instructor or C_robot or C_edge)",
+        "table&track&!(instructor|robot|edge)",
+        "TABLE && c_track AND ~ ( Instructor || C_ROBOT oR edge )",
+        "  ((C_table) ∧ (C_track)) ∧ (¬((C_instructor ∨ C_robot) ∨ C_edge))\n",
+    ] {
+        assert_eq!(read(text), Expression::default(), "{text}");
+    }
+    assert_eq!(
+        Expression::default().to_string(),
+        "C_table ∧ C_track ∧ ¬(C_instructor ∨ C_robot ∨ C_edge)"
+    );
+}
+
+#[test]
+fn not_binds_closest_and_then_and() {
+    assert_eq!(
+        read("not table and track or size"),
+        read("((not table) and track) or size")
+    );
+    assert_ne!(read("not (table and track)"), read("not table and track"));
+    assert_eq!(
+        read("table or (track or size)").to_string(),
+        "C_table ∨ (C_track ∨ C_size)"
+    );
+}
+
+#[test]
+fn the_rule_is_kleenes_logic_of_its_parts() {
+    use Constraint::{Edge, Instructor, Robot, Table, Track};
+    for findings in assignments() {
+        let is = |constraint| findings.of(constraint).truth;
+        let expected = is(Table)
+            .and(is(Track))
+            .and(is(Instructor).or(is(Robot)).or(is(Edge)).not());
+        assert_eq!(Expression::default().evaluate(&findings), expected);
+    }
+}
+
+#[test]
+fn what_decides_is_what_would_change_the_verdict() {
+    let rule = Expression::default();
+    for findings in assignments() {
+        let truth = rule.evaluate(&findings);
+        let decisive = rule.decisive(&findings);
+        assert!(!decisive.is_empty());
+        // Everything else may be anything.
+        for other in [Truth::False, Truth::Unknown, Truth::True] {
+            let mut changed = findings;
+            if truth == Truth::False {
+                let first = decisive.iter().next().unwrap();
+                for constraint in Constraint::ALL.into_iter().filter(|one| *one != first) {
+                    let reason = Reason::NotJudged;
+                    changed.set(
+                        constraint,
+                        Finding {
+                            truth: other,
+                            reason,
+                        },
+                    );
+                }
+                assert_eq!(rule.evaluate(&changed), truth, "{findings:?} {first:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_bad_rule_is_quoted_and_its_fault_is_shown() {
+    for (text, words) in [
+        ("", ["is empty", "C_table and C_track"]),
+        (" \t ", ["is empty", "C_table"]),
+        (
+            "C_table and C_unicorn",
+            ["character 13", "there are C_table, C_track"],
+        ),
+        ("C_table and C_egde", ["\"C_egde\"", "C_edge may be meant"]),
+        (
+            "C_table C_track",
+            ["character 9", "needed before \"C_track\""],
+        ),
+        ("C_table and", ["character 12", "it ends where"]),
+        ("and C_table", ["character 1:", "where \"and\" stands"]),
+        (
+            "C_table and or C_edge",
+            ["character 13", "where \"or\" stands"],
+        ),
+        ("()", ["character 2", "where \")\" stands"]),
+        ("not", ["character 4", "it ends where"]),
+        ("(C_table", ["character 1:", "not closed"]),
+        ("C_table)", ["character 8", "needed before \")\""]),
+        ("(C_table C_edge)", ["character 10", "needed before"]),
+        ("¬C_table ∧ $", ["character 12", "'$' has no meaning"]),
+        ("C_table -- C_edge", ["character 9", "'-' has no meaning"]),
+    ] {
+        let sentence = refused(text);
+        for word in words {
+            assert!(sentence.contains(word), "{text:?}: {sentence}");
+        }
+        let quoted = format!("{text:?}");
+        assert!(
+            text.trim().is_empty() || sentence.contains(&quoted),
+            "{sentence}"
+        );
+    }
+}
+
+#[test]
+fn hostile_rules_are_refused_in_time() {
+    let deep = format!("{}table{}", "(".repeat(200), ")".repeat(200));
+    assert!(refused(&deep).contains("flatter"));
+    assert!(refused(&"!".repeat(1024)).contains("flatter"));
+    assert!(refused(&"table&".repeat(100)).contains("more than 32 constraints"));
+    assert!(refused(&"x".repeat(100_000)).contains("longer than 1024 bytes"));
+    assert!(refused(&"x".repeat(100_000)).len() < 400);
+    assert!(refused(&"x".repeat(1000)).contains("no constraint"));
+    assert!(refused("table and \u{0}\u{1b}[2J").contains("\\0\\u{1b}[2J"));
+    let as_deep_as_may_be = format!("{}table{}", "(".repeat(31), ")".repeat(31));
+    assert_eq!(read(&as_deep_as_may_be), read("table"));
+}
+
+fn steps() -> impl Strategy<Value = Vec<Step>> {
+    let leaf = (0..Constraint::N).prop_map(|i| vec![Step::Is(Constraint::ALL[i])]);
+    leaf.prop_recursive(6, 24, 2, |inner| {
+        let joined = |step: Step| {
+            move |(mut left, right): (Vec<Step>, Vec<Step>)| {
+                left.extend(right);
+                left.push(step);
+                left
+            }
+        };
+        prop_oneof![
+            inner.clone().prop_map(|mut steps| {
+                steps.push(Step::Not);
+                steps
+            }),
+            (inner.clone(), inner.clone()).prop_map(joined(Step::And)),
+            (inner.clone(), inner).prop_map(joined(Step::Or)),
+        ]
+    })
+}
+
+proptest! {
+    #[test]
+    fn what_is_printed_reads_the_same_again(steps in steps()) {
+        let n_names = steps.iter().filter(|step| matches!(step, Step::Is(_))).count();
+        prop_assume!(n_names <= N_NAMES_MAX);
+        let rule = Expression::from_steps(steps);
+        prop_assume!(rule.to_string().len() <= 1024);
+        prop_assert_eq!(rule.to_string().parse::<Expression>(), Ok(rule));
+    }
+
+    #[test]
+    fn any_text_is_read_or_refused(text in "[a-zA-Z_()&|!∧∨¬~ ]{0,60}|\\PC{0,40}") {
+        match text.parse::<Expression>() {
+            Ok(rule) => { rule.evaluate(&Findings::default()); }
+            Err(error) => prop_assert!(!error.to_string().is_empty()),
+        }
+    }
+}

@@ -1,0 +1,187 @@
+//! Chance from a seed, the same on every machine.
+//!
+//! For simulations, samples and tests that must repeat, not for secrets. All
+//! numbers come from `SplitMix64` (Steele, Lea and Flood 2014, "Fast splittable
+//! pseudorandom number generators"): one word of state, 2^64 numbers before it
+//! repeats. They are part of what recorded results mean, so they never change.
+
+/// What the state grows by from number to number.
+const STEP: u64 = 0x9e37_79b9_7f4a_7c15;
+
+/// A stream of numbers that depends on its seed alone.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Random {
+    state: u64,
+}
+
+impl Random {
+    /// The stream of a seed. Seeds that differ by a multiple of the step share
+    /// numbers; where seeds are made up from several parts, mix them with [`mixed`].
+    #[inline]
+    pub const fn from_seed(seed: u64) -> Self {
+        Self { state: seed }
+    }
+
+    /// An independent stream for one purpose of an experiment, so that a new use
+    /// of randomness does not shift the others.
+    pub const fn for_purpose(seed: u64, purpose: u64) -> Self {
+        // Mixed twice: otherwise one seed's stream equals another seed's for another purpose.
+        Self::from_seed(mixed(mixed(seed) ^ purpose))
+    }
+
+    /// The next 64 random bits.
+    #[inline]
+    pub const fn next_u64(&mut self) -> u64 {
+        self.state = self.state.wrapping_add(STEP);
+        finalised(self.state)
+    }
+
+    /// Evenly distributed from 0 up to, not including, 1.
+    #[inline]
+    pub fn unit(&mut self) -> f64 {
+        unit(self.next_u64())
+    }
+
+    /// As [`Random::unit`], in single precision.
+    #[inline]
+    pub fn unit_f32(&mut self) -> f32 {
+        unit_f32(self.next_u64())
+    }
+
+    /// Evenly distributed from `low` up to `high`.
+    #[inline]
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+
+    /// A whole number below `bound`; 0 when the bound is 0.
+    #[inline]
+    pub fn below(&mut self, bound: usize) -> usize {
+        // The high half of the product: uneven by bound / 2^64 at most.
+        ((u128::from(self.next_u64()) * bound as u128) >> 64) as usize
+    }
+
+    /// One of the choices, each as likely; `None` of none.
+    pub fn choice<'a, T>(&mut self, choices: &'a [T]) -> Option<&'a T> {
+        choices.get(self.below(choices.len()))
+    }
+
+    /// Puts values in random order (Fisher and Yates 1938).
+    pub fn shuffle<T>(&mut self, values: &mut [T]) {
+        for last in (1..values.len()).rev() {
+            values.swap(last, self.below(last + 1));
+        }
+    }
+}
+
+/// 64 random bits that depend on these alone: the first number of their stream.
+#[inline]
+pub const fn mixed(bits: u64) -> u64 {
+    Random::from_seed(bits).next_u64()
+}
+
+/// The `index`-th number, counted from 1, of the stream of seed 0: for
+/// noise that belongs to a place and is drawn in any order.
+#[inline]
+pub const fn nth(index: u64) -> u64 {
+    finalised(index.wrapping_mul(STEP))
+}
+
+/// A number in [0, 1) from 64 random bits.
+#[inline]
+pub const fn unit(bits: u64) -> f64 {
+    (bits >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+/// A number in [0, 1) from 64 random bits, in single precision.
+#[inline]
+pub const fn unit_f32(bits: u64) -> f32 {
+    (bits >> 40) as f32 / (1_u64 << 24) as f32
+}
+
+/// Makes every bit of the result depend on every bit of the state.
+#[inline]
+const fn finalised(state: u64) -> u64 {
+    let z = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The first numbers of seed 1234567, as the generator's authors publish them.
+    #[test]
+    fn the_numbers_are_those_of_split_mix_64() {
+        let mut random = Random::from_seed(1_234_567);
+        let first: Vec<u64> = (0..5).map(|_| random.next_u64()).collect();
+        assert_eq!(
+            first,
+            [
+                6_457_827_717_110_365_317,
+                3_203_168_211_198_807_973,
+                9_817_491_932_198_370_423,
+                4_593_380_528_125_082_431,
+                16_408_922_859_458_223_821
+            ]
+        );
+    }
+
+    #[test]
+    fn a_number_can_be_had_without_those_before_it() {
+        let mut random = Random::from_seed(0);
+        for index in 1..100 {
+            assert_eq!(nth(index), random.next_u64());
+        }
+        assert_eq!(mixed(77), Random::from_seed(77).next_u64());
+    }
+
+    #[test]
+    fn numbers_stay_in_range_use_all_of_it_and_repeat_with_the_seed() {
+        let (mut a, mut b) = (Random::from_seed(7), Random::from_seed(7));
+        let mut seen = [0; 5];
+        for _ in 0..5000 {
+            let value = a.below(5);
+            assert_eq!(value, b.below(5));
+            seen[value] += 1;
+        }
+        assert!(seen.iter().all(|&n| n > 900), "{seen:?}");
+        assert_eq!(a.below(0), 0);
+        let values: Vec<f64> = (0..1000).map(|_| a.between(-1.0, 3.0)).collect();
+        assert!(values.iter().all(|x| (-1.0..3.0).contains(x)));
+        let mean = values.iter().sum::<f64>() / 1000.0;
+        assert!((mean - 1.0).abs() < 0.2, "{mean}");
+    }
+
+    #[test]
+    fn one_is_never_reached() {
+        assert!(unit(u64::MAX) < 1.0 && unit_f32(u64::MAX) < 1.0);
+        assert!(unit(0) == 0.0 && unit_f32(0) == 0.0);
+    }
+
+    #[test]
+    fn a_choice_is_one_of_several() {
+        let mut random = Random::from_seed(3);
+        assert!((0..100).all(|_| [1, 2, 3].contains(random.choice(&[1, 2, 3]).unwrap())));
+        assert_eq!(random.choice::<u8>(&[]), None);
+    }
+
+    #[test]
+    fn a_shuffle_is_a_permutation_and_every_place_is_as_likely() {
+        let mut counts = [[0_u32; 5]; 5];
+        let mut random = Random::from_seed(7);
+        for _ in 0..10_000 {
+            let mut values = [0, 1, 2, 3, 4];
+            random.shuffle(&mut values);
+            for (place, value) in values.into_iter().enumerate() {
+                counts[place][value] += 1;
+            }
+            values.sort_unstable();
+            assert_eq!(values, [0, 1, 2, 3, 4]);
+        }
+        // 2000 expected; the standard deviation is 40.
+        let in_range = |count: &u32| (1800..=2200).contains(count);
+        assert!(counts.as_flattened().iter().all(in_range), "{counts:?}");
+    }
+}

@@ -1,0 +1,131 @@
+//! Which category is taken for which, as a picture.
+
+use super::scores::Confusion;
+use plot::figure::{DrawingError, failed};
+use plotters::coord::Shift;
+use plotters::prelude::{
+    BLACK, Color, DrawingArea, FontTransform, IntoDrawingArea, IntoFont, RGBColor, Rectangle,
+    SVGBackend, Text, TextStyle, WHITE,
+};
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+
+/// Side of a cell, pixels; twice as long when there are few categories.
+const CELL_PX: i32 = 18;
+/// Up to this many categories are few.
+const FEW: usize = 25;
+/// Space for names and titles, pixels.
+const NAMES_PX: i32 = 190;
+/// Height of letters, pixels.
+const LETTER_PX: i32 = 12;
+
+/// A row for each true category, a column for each answer: the share of the answers
+/// in percent, where it is more than one half; the darker, the more. Red is wrong.
+///
+/// # Errors
+/// When the drawing library fails.
+pub fn svg(confusion: &Confusion, names: &[String]) -> Result<String, DrawingError> {
+    let n = confusion.n_categories();
+    let cell_px = if n <= FEW { 2 * CELL_PX } else { CELL_PX };
+    let side_px = NAMES_PX + cell_px * (n as i32 + 1) + 10;
+    let mut svg = String::new();
+    {
+        let size_px = (side_px as u32, side_px as u32);
+        let area = SVGBackend::with_string(&mut svg, size_px).into_drawing_area();
+        area.fill(&WHITE).map_err(failed)?;
+        let unknown = "unknown".to_owned();
+        for (index, name) in names.iter().take(n).chain([&unknown]).enumerate() {
+            let middle_px = NAMES_PX + cell_px * index as i32 + cell_px / 2;
+            write_above(&area, name, middle_px)?;
+            if index < n {
+                write_beside(&area, name, middle_px)?;
+            }
+        }
+        for truth in 0..n {
+            draw_row(&area, confusion.row(truth), truth, cell_px)?;
+        }
+        area.present().map_err(failed)?;
+    }
+    Ok(svg)
+}
+
+fn draw_row(area: &Area<'_>, row: &[u32], truth: usize, cell_px: i32) -> Result<(), DrawingError> {
+    let n_asked: u32 = row.iter().sum();
+    for (answer, &count) in row.iter().enumerate() {
+        let share = f64::from(count) / f64::from(n_asked.max(1));
+        let corner = |i: i32| {
+            let [column, row] = [answer, truth].map(|index| index as i32 + i);
+            (NAMES_PX + cell_px * column, NAMES_PX + cell_px * row)
+        };
+        let cell = [corner(0), corner(1)];
+        let color = shade(share, answer == truth);
+        area.draw(&Rectangle::new(cell, color.filled()))
+            .map_err(failed)?;
+        let border = RGBColor(225, 225, 225).stroke_width(1);
+        area.draw(&Rectangle::new(cell, border)).map_err(failed)?;
+        if 100.0 * share > 0.5 {
+            let ink = if share > 0.6 { WHITE } else { BLACK };
+            let font_px = if cell_px > CELL_PX { LETTER_PX } else { 9 };
+            let style = ("sans-serif", font_px).into_font().color(&ink);
+            let middle = (cell[0].0 + cell_px / 2, cell[0].1 + cell_px / 2);
+            let style = style.pos(Pos::new(HPos::Center, VPos::Center));
+            let text = format!("{:.0}", 100.0 * share);
+            area.draw(&Text::new(text, middle, style)).map_err(failed)?;
+        }
+    }
+    Ok(())
+}
+
+/// White for none; blue for right answers, red for wrong ones.
+fn shade(share: f64, is_right: bool) -> RGBColor {
+    let [r, g, b] = if is_right {
+        [20.0, 80.0, 160.0]
+    } else {
+        [200.0, 30.0, 30.0]
+    };
+    // The root shows small shares.
+    let weight = share.sqrt();
+    let [r, g, b] = [r, g, b].map(|value: f64| (255.0 + (value - 255.0) * weight) as u8);
+    RGBColor(r, g, b)
+}
+
+fn write_beside(area: &Area<'_>, name: &str, middle_px: i32) -> Result<(), DrawingError> {
+    let style = TextStyle::from(("sans-serif", LETTER_PX));
+    let style = style.pos(Pos::new(HPos::Right, VPos::Center));
+    let text = Text::new(name.to_owned(), (NAMES_PX - 6, middle_px), style);
+    area.draw(&text).map_err(failed)
+}
+
+fn write_above(area: &Area<'_>, name: &str, middle_px: i32) -> Result<(), DrawingError> {
+    let font = ("sans-serif", LETTER_PX).into_font();
+    let font = font.transform(FontTransform::Rotate270);
+    let style = TextStyle::from(font).pos(Pos::new(HPos::Left, VPos::Center));
+    let text = Text::new(name.to_owned(), (middle_px, NAMES_PX - 6), style);
+    area.draw(&text).map_err(failed)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_and_shares_stand_in_the_picture() {
+        let mut confusion = Confusion::new(2);
+        (0..3).for_each(|_| confusion.count(0, Some(0)));
+        confusion.count(0, Some(1));
+        confusion.count(1, None);
+        let names = ["cup & saucer".to_owned(), "bowl".to_owned()];
+        let svg = svg(&confusion, &names).unwrap();
+        for part in [
+            "cup &amp; saucer",
+            "bowl",
+            "unknown",
+            "\n75",
+            "\n25",
+            "\n100",
+        ] {
+            assert!(svg.contains(part), "{part} is not in {svg}");
+        }
+    }
+}

@@ -1,0 +1,170 @@
+//! Which views the teacher shows, in which order.
+
+use super::protocol::{Protocol, Split};
+use crate::recogniser::{LabelledView, by_category};
+use random::Random;
+
+/// Purposes of chance.
+const ORDER_OF_CATEGORIES: u64 = 1;
+const ORDER_OF_VIEWS: u64 = 2;
+const ORDER_OF_INSTANCES: u64 = 3;
+
+/// Why a category can not take part.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LeftOut {
+    /// It has fewer views than are taught and asked at least.
+    TooFewViews {
+        /// How many it has.
+        n_views: usize,
+    },
+    /// It has fewer objects than two, or its objects are not known, and the questions
+    /// must be of other objects than the lessons.
+    TooFewInstances,
+}
+
+/// The fresh views of each category in the order of their introduction.
+#[derive(Debug)]
+pub(super) struct Curriculum {
+    categories: Vec<FreshViews>,
+}
+
+/// The views of a category that were not shown, the next one last.
+#[derive(Debug)]
+struct FreshViews {
+    category: u32,
+    for_questions: Vec<usize>,
+    /// `None` when lessons and questions share their views.
+    for_lessons: Option<Vec<usize>>,
+}
+
+impl Curriculum {
+    /// Categories and the views of each in random order.
+    pub(super) fn new(protocol: &Protocol, views: &[LabelledView], seed: u64) -> Self {
+        let mut categories = Vec::new();
+        for (category, of_category) in by_category(views) {
+            if left_out(protocol, views, &of_category).is_none() {
+                categories.push(FreshViews::new(
+                    protocol,
+                    views,
+                    category,
+                    of_category,
+                    seed,
+                ));
+            }
+        }
+        Random::for_purpose(seed, ORDER_OF_CATEGORIES).shuffle(&mut categories);
+        Self { categories }
+    }
+
+    /// Number of categories that can be introduced.
+    pub(super) fn n_categories(&self) -> usize {
+        self.categories.len()
+    }
+
+    /// The category that is introduced at a place of the order.
+    pub(super) fn category(&self, place: usize) -> u32 {
+        self.categories[place].category
+    }
+
+    /// The next view for a lesson.
+    pub(super) fn next_lesson(&mut self, place: usize) -> Option<usize> {
+        self.categories[place].lessons().pop()
+    }
+
+    /// The next views for lessons, if there are as many.
+    pub(super) fn next_lessons(&mut self, place: usize, n: usize) -> Option<Vec<usize>> {
+        let lessons = self.categories[place].lessons();
+        let first = lessons.len().checked_sub(n)?;
+        Some(lessons.drain(first..).rev().collect())
+    }
+
+    /// Whether a wrong answer can be corrected: by the view that was asked, or by a
+    /// fresh one for lessons.
+    pub(super) fn has_correction(&self, place: usize) -> bool {
+        let lessons = self.categories[place].for_lessons.as_ref();
+        lessons.is_none_or(|lessons| !lessons.is_empty())
+    }
+
+    /// The next view for a question.
+    pub(super) fn next_question(&mut self, place: usize) -> Option<usize> {
+        self.categories[place].for_questions.pop()
+    }
+
+    /// Takes a view of a category that was not introduced, from the far end of its
+    /// order, so that the views of its lessons stay the same; `None` when the category
+    /// has none to spare.
+    pub(super) fn take_for_open_set(&mut self, place: usize, n_to_leave: usize) -> Option<usize> {
+        let questions = &mut self.categories[place].for_questions;
+        (questions.len() > n_to_leave).then(|| questions.remove(0))
+    }
+}
+
+impl FreshViews {
+    fn new(
+        protocol: &Protocol,
+        views: &[LabelledView],
+        category: u32,
+        mut of_category: Vec<usize>,
+        seed: u64,
+    ) -> Self {
+        let for_lessons = match protocol.split {
+            Split::ByView => None,
+            Split::InstanceDisjoint => {
+                Some(take_instances(views, category, &mut of_category, seed))
+            }
+        };
+        let shuffled = |mut indices: Vec<usize>, part: u64| {
+            let stream = ORDER_OF_VIEWS | part << 8 | u64::from(category) << 16;
+            Random::for_purpose(seed, stream).shuffle(&mut indices);
+            indices
+        };
+        Self {
+            category,
+            for_questions: shuffled(of_category, 0),
+            for_lessons: for_lessons.map(|indices| shuffled(indices, 1)),
+        }
+    }
+
+    fn lessons(&mut self) -> &mut Vec<usize> {
+        self.for_lessons.as_mut().unwrap_or(&mut self.for_questions)
+    }
+}
+
+/// Takes the views of half of the objects, rounded down, out of a category.
+fn take_instances(
+    views: &[LabelledView],
+    category: u32,
+    of_category: &mut Vec<usize>,
+    seed: u64,
+) -> Vec<usize> {
+    let mut instances = instances(views, of_category);
+    let stream = ORDER_OF_INSTANCES | u64::from(category) << 16;
+    Random::for_purpose(seed, stream).shuffle(&mut instances);
+    instances.truncate(instances.len() / 2);
+    let is_taken = |view: &mut usize| instances.contains(&views[*view].instance);
+    of_category.extract_if(.., is_taken).collect()
+}
+
+/// The objects of some views, each once, in the order of their numbers.
+fn instances(views: &[LabelledView], of_category: &[usize]) -> Vec<Option<u32>> {
+    let mut instances: Vec<_> = of_category.iter().map(|&v| views[v].instance).collect();
+    instances.sort_unstable();
+    instances.dedup();
+    instances
+}
+
+/// Whether a category must stay out of a run, by its views.
+pub(super) fn left_out(
+    protocol: &Protocol,
+    views: &[LabelledView],
+    of_category: &[usize],
+) -> Option<LeftOut> {
+    let n_views = of_category.len();
+    if n_views <= protocol.n_views_at_start {
+        return Some(LeftOut::TooFewViews { n_views });
+    }
+    let is_split = protocol.split == Split::InstanceDisjoint;
+    let instances = instances(views, of_category);
+    let is_known = !instances.contains(&None);
+    (is_split && !(is_known && instances.len() >= 2)).then_some(LeftOut::TooFewInstances)
+}

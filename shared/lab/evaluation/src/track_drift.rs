@@ -1,0 +1,119 @@
+//! How still the tracks of things at rest are.
+
+use crate::tracked_frame::TrackedFrame;
+use nalgebra::{Point3, Vector3};
+use statistics::spread::Spread;
+use std::collections::BTreeMap;
+
+/// One track over a recording.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrackSpan {
+    /// The track-id.
+    pub id: u64,
+    /// Index of the first frame in which it was seen and believed.
+    pub first_frame: usize,
+    /// Index of the last such frame.
+    pub last_frame: usize,
+    /// How many there are.
+    pub n_frames: usize,
+    /// Median of its centre, each axis for itself, world frame, metres.
+    pub centre: Point3<f64>,
+    /// Greatest distance of its centre from there, metres.
+    pub drift_m: f64,
+    /// Standard deviation of its centre, all axes together, metres.
+    pub sigma_m: f64,
+}
+
+/// The tracks of a recording that were seen and believed, by track-id.
+pub fn track_spans(frames: &[TrackedFrame]) -> Vec<TrackSpan> {
+    let mut seen: BTreeMap<u64, Vec<(usize, Point3<f64>)>> = BTreeMap::new();
+    for (index, frame) in frames.iter().enumerate() {
+        for track in frame.tracks.iter().filter(|track| track.is_output) {
+            let centre = track.box_in_world.centre();
+            seen.entry(track.id).or_default().push((index, centre));
+        }
+    }
+    let spans = seen.into_iter();
+    spans.filter_map(|(id, seen)| span(id, &seen)).collect()
+}
+
+fn span(id: u64, seen: &[(usize, Point3<f64>)]) -> Option<TrackSpan> {
+    let (first, last) = (seen.first()?, seen.last()?);
+    let centres = || seen.iter().map(|(_, centre)| centre);
+    let median = Point3::from(Vector3::from_fn(|axis, _| {
+        let places: Vec<f64> = centres().map(|centre| centre[axis]).collect();
+        Spread::of(&places).map_or(0.0, |spread| spread.median)
+    }));
+    let n = seen.len() as f64;
+    let mean = centres().map(|centre| centre.coords).sum::<Vector3<f64>>() / n;
+    let variance_m2 = centres()
+        .map(|centre| (centre.coords - mean).norm_squared())
+        .sum::<f64>()
+        / n;
+    let away = centres().map(|centre| (centre - median).norm());
+    Some(TrackSpan {
+        id,
+        first_frame: first.0,
+        last_frame: last.0,
+        n_frames: seen.len(),
+        centre: median,
+        drift_m: away.fold(0.0, f64::max),
+        sigma_m: variance_m2.sqrt(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tracked_frame::TrackState;
+    use geometry::{OrientedBox, RigidTransform};
+
+    fn frame(tracks: &[(u64, f64, bool)]) -> TrackedFrame {
+        let track = |(id, x, is_output): &(u64, f64, bool)| TrackState {
+            id: *id,
+            is_output: *is_output,
+            box_in_world: OrientedBox {
+                frame_from_box: RigidTransform::translation(*x, 1.0, 0.8),
+                half_sides_m: Vector3::repeat(0.05),
+            },
+        };
+        TrackedFrame {
+            tracks: tracks.iter().map(track).collect(),
+            ..TrackedFrame::default()
+        }
+    }
+
+    #[test]
+    fn spans_say_when_where_and_how_still() {
+        let frames = [
+            frame(&[(3, 0.0, false)]),
+            frame(&[(3, 0.0, true), (5, 0.7, true)]),
+            frame(&[(3, 0.0, true)]),
+            frame(&[(3, 9.0, false)]),
+            frame(&[(3, 0.03, true)]),
+        ];
+        let spans = track_spans(&frames);
+        assert_eq!(spans.len(), 2);
+        let [first, other] = &spans[..] else {
+            panic!("{spans:?}");
+        };
+        assert_eq!(
+            (
+                first.id,
+                first.first_frame,
+                first.last_frame,
+                first.n_frames
+            ),
+            (3, 1, 4, 3)
+        );
+        assert!((first.centre - Point3::new(0.0, 1.0, 0.8)).norm() < 1e-12);
+        assert!((first.drift_m - 0.03).abs() < 1e-12);
+        // 0, 0 and 30 mm: 10² · (1 + 1 + 4) / 3.
+        assert!((first.sigma_m - 0.01 * 2_f64.sqrt()).abs() < 1e-12);
+        assert_eq!(
+            (other.n_frames, other.drift_m, other.sigma_m),
+            (1, 0.0, 0.0)
+        );
+        assert!(track_spans(&[]).is_empty());
+    }
+}

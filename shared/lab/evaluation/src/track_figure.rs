@@ -1,0 +1,304 @@
+//! Tracks as a figure: the table from above, and who was seen when.
+
+mod of_run;
+
+pub use of_run::{of_run, of_tracks};
+
+use plot::figure::{DrawingError, failed};
+use plotters::coord::Shift;
+use plotters::prelude::{
+    ChartBuilder, Circle, Color, DrawingArea, IntoDrawingArea, IntoFont, Palette, Palette99,
+    PathElement, RGBColor, SVGBackend, Text, WHITE,
+};
+use std::ops::Range;
+
+/// Size of the view from above, pixels.
+const VIEW_PX: (u32, u32) = (640, 460);
+/// Width of the timeline, pixels.
+const TIMELINE_PX: u32 = 660;
+/// What margins, labels and caption take from the view, pixels.
+const FRAME_PX: (u32, u32) = (76, 90);
+/// Share of the timeline's length that its names take.
+const NAMES_SHARE: f64 = 0.24;
+/// Greatest number of rows that is drawn.
+const MOST_ROWS: usize = 120;
+/// Height of a row of the timeline, pixels.
+const ROW_PX: u32 = 19;
+
+/// Whose line it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Who {
+    /// A true object.
+    Truth,
+    /// The same where it does not count.
+    DoubtfulTruth,
+    /// A track, by its id.
+    Track(u64),
+}
+
+/// A way over the table.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Way {
+    /// Whose.
+    pub who: Who,
+    /// World x and y, metres.
+    pub points: Vec<(f64, f64)>,
+}
+
+/// A time in which something was so.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Span {
+    /// Who was seen.
+    pub who: Who,
+    /// Seconds.
+    pub time_s: Range<f64>,
+}
+
+/// One line of the timeline.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    /// Its name.
+    pub name: String,
+    /// What was when, in the order of drawing.
+    pub spans: Vec<Span>,
+}
+
+/// A figure of one run.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct TrackFigure {
+    /// What it shows.
+    pub title: String,
+    /// Ways, in the order of drawing.
+    pub ways: Vec<Way>,
+    /// The timeline from top to bottom.
+    pub rows: Vec<Row>,
+    /// Its length, seconds.
+    pub duration_s: f64,
+}
+
+impl Who {
+    fn color(self) -> RGBColor {
+        match self {
+            Self::Truth => RGBColor(150, 150, 150),
+            Self::DoubtfulTruth => RGBColor(218, 218, 218),
+            Self::Track(id) => {
+                let (r, g, b) = Palette99::COLORS[id as usize % Palette99::COLORS.len()];
+                RGBColor(r, g, b)
+            }
+        }
+    }
+
+    fn width_px(self) -> u32 {
+        match self {
+            Self::Truth | Self::DoubtfulTruth => 4,
+            Self::Track(_) => 2,
+        }
+    }
+}
+
+impl TrackFigure {
+    /// The figure as SVG.
+    ///
+    /// # Errors
+    /// When the drawing library fails.
+    pub fn svg(&self) -> Result<String, DrawingError> {
+        let n_rows = self.rows.len().min(MOST_ROWS);
+        let height_px = VIEW_PX.1.max(n_rows as u32 * ROW_PX + FRAME_PX.1);
+        let mut svg = String::new();
+        {
+            let size_px = (VIEW_PX.0 + TIMELINE_PX, height_px);
+            let whole = SVGBackend::with_string(&mut svg, size_px).into_drawing_area();
+            whole.fill(&WHITE).map_err(failed)?;
+            let (left, right) = whole.split_horizontally(VIEW_PX.0);
+            let view_px = height_px.min(VIEW_PX.0);
+            let (left, _) = left.split_vertically(view_px);
+            self.draw_view(&left, view_px)?;
+            self.draw_timeline(&right)?;
+            whole.present().map_err(failed)?;
+        }
+        Ok(svg)
+    }
+
+    fn draw_view(
+        &self,
+        area: &DrawingArea<SVGBackend<'_>, Shift>,
+        height_px: u32,
+    ) -> Result<(), DrawingError> {
+        let (x_range, y_range) = self.ranges(height_px);
+        let mut chart = ChartBuilder::on(area)
+            .caption(&self.title, ("sans-serif", 17))
+            .margin(12)
+            .x_label_area_size(36)
+            .y_label_area_size(52)
+            .build_cartesian_2d(x_range, y_range)
+            .map_err(failed)?;
+        chart
+            .configure_mesh()
+            .x_desc("x, m")
+            .y_desc("y, m")
+            .light_line_style(WHITE)
+            .draw()
+            .map_err(failed)?;
+        for way in &self.ways {
+            let style = way.who.color().stroke_width(way.who.width_px());
+            let path = PathElement::new(way.points.clone(), style);
+            chart.draw_series([path]).map_err(failed)?;
+            let (Who::Track(id), Some(begin)) = (way.who, way.points.first()) else {
+                continue;
+            };
+            let dot = Circle::new(*begin, 3, way.who.color().filled());
+            chart.draw_series([dot]).map_err(failed)?;
+            let font = ("sans-serif", 13).into_font().color(&way.who.color());
+            chart
+                .draw_series([Text::new(id.to_string(), *begin, font)])
+                .map_err(failed)?;
+        }
+        Ok(())
+    }
+
+    /// Ranges around all ways with the same scale for x and y.
+    fn ranges(&self, height_px: u32) -> (Range<f64>, Range<f64>) {
+        let points = || self.ways.iter().flat_map(|way| &way.points);
+        let range = |values: &mut dyn Iterator<Item = f64>| {
+            values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+                (low.min(value), high.max(value))
+            })
+        };
+        let (mut x, mut y) = (
+            range(&mut points().map(|point| point.0)),
+            range(&mut points().map(|point| point.1)),
+        );
+        if points().next().is_none() {
+            (x, y) = ((-0.5, 0.5), (-0.5, 0.5));
+        }
+        let sides_px = [VIEW_PX.0 - FRAME_PX.0, height_px - FRAME_PX.1].map(f64::from);
+        let width_m = |(low, high): (f64, f64)| high - low + 0.1;
+        let m_a_px = (width_m(x) / sides_px[0]).max(width_m(y) / sides_px[1]);
+        let around = |(low, high): (f64, f64), side_px: f64| {
+            let (middle, half) = (f64::midpoint(low, high), 0.5 * side_px * m_a_px);
+            middle - half..middle + half
+        };
+        (around(x, sides_px[0]), around(y, sides_px[1]))
+    }
+
+    fn draw_timeline(&self, area: &DrawingArea<SVGBackend<'_>, Shift>) -> Result<(), DrawingError> {
+        let rows = &self.rows[..self.rows.len().min(MOST_ROWS)];
+        let duration_s = self.duration_s.max(0.1);
+        let names_s = -NAMES_SHARE * duration_s;
+        let mut chart = ChartBuilder::on(area)
+            .caption(self.timeline_title(), ("sans-serif", 17))
+            .margin(12)
+            .x_label_area_size(36)
+            .build_cartesian_2d(names_s..duration_s, 0.0..rows.len().max(1) as f64)
+            .map_err(failed)?;
+        chart
+            .configure_mesh()
+            .disable_y_mesh()
+            .x_desc("time, s")
+            .light_line_style(WHITE)
+            .x_label_formatter(&|time_s| {
+                if *time_s < 0.0 {
+                    String::new()
+                } else {
+                    format!("{time_s}")
+                }
+            })
+            .draw()
+            .map_err(failed)?;
+        for (index, row) in rows.iter().enumerate() {
+            let y = rows.len() as f64 - index as f64 - 0.5;
+            let font = ("sans-serif", 13).into_font();
+            let name = Text::new(row.name.clone(), (names_s, y + 0.3), font);
+            chart.draw_series([name]).map_err(failed)?;
+            let mut labelled = None;
+            for span in &row.spans {
+                let width_px = 3 * span.who.width_px();
+                let ends = vec![(span.time_s.start, y), (span.time_s.end, y)];
+                let line = PathElement::new(ends, span.who.color().stroke_width(width_px));
+                chart.draw_series([line]).map_err(failed)?;
+                if let Who::Track(id) = span.who
+                    && labelled != Some(id)
+                {
+                    labelled = Some(id);
+                    let font = ("sans-serif", 12).into_font();
+                    let label = Text::new(id.to_string(), (span.time_s.start, y + 0.5), font);
+                    chart.draw_series([label]).map_err(failed)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn timeline_title(&self) -> String {
+        let n_hidden = self.rows.len().saturating_sub(MOST_ROWS);
+        if n_hidden == 0 {
+            "track-ids over time".to_owned()
+        } else {
+            format!("track-ids over time ({n_hidden} more rows are not drawn)")
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ids_and_names_stand_in_the_figure() {
+        let way = Way {
+            who: Who::Track(17),
+            points: vec![(0.1, 0.2), (0.3, 0.2)],
+        };
+        let row = Row {
+            name: "mug <3>".into(),
+            spans: vec![Span {
+                who: Who::Track(17),
+                time_s: 0.0..2.0,
+            }],
+        };
+        let figure = TrackFigure {
+            title: "crossing".into(),
+            ways: vec![way],
+            rows: vec![row],
+            duration_s: 2.0,
+        };
+        let svg = figure.svg().unwrap();
+        for part in ["crossing", "17", "mug &lt;3&gt;", "<svg"] {
+            assert!(svg.contains(part), "{part}");
+        }
+    }
+
+    #[test]
+    fn a_run_without_anything_is_drawn_and_so_are_many_rows() {
+        assert!(TrackFigure::default().svg().is_ok());
+        let row = Row {
+            name: String::new(),
+            spans: vec![],
+        };
+        let many = TrackFigure {
+            rows: vec![row; MOST_ROWS + 5],
+            ..TrackFigure::default()
+        };
+        assert!(many.svg().unwrap().contains("5 more rows"));
+    }
+
+    #[test]
+    fn both_axes_have_the_same_scale() {
+        let way = Way {
+            who: Who::Truth,
+            points: vec![(-0.5, 0.0), (0.5, 0.1)],
+        };
+        let figure = TrackFigure {
+            ways: vec![way],
+            ..TrackFigure::default()
+        };
+        let (x, y) = figure.ranges(VIEW_PX.1);
+        let px = |range: &Range<f64>, side_px: u32| f64::from(side_px) / (range.end - range.start);
+        let scales = [
+            px(&x, VIEW_PX.0 - FRAME_PX.0),
+            px(&y, VIEW_PX.1 - FRAME_PX.1),
+        ];
+        assert!((scales[0] / scales[1] - 1.0).abs() < 1e-9);
+        assert!(x.start < -0.5 && x.end > 0.5);
+    }
+}

@@ -1,0 +1,54 @@
+//! Detection on real labelled scenes.
+
+use detection::{Config, Detection, Frame, Surroundings, Workspace, detect};
+use evaluation::hypothesis_image::HypothesisImages;
+use evaluation::labelled_scenes::LabelledScenes;
+use evaluation::segmentation_score::{MEASURE_NAMES, Overlaps, SegmentationScore, score};
+use point_cloud::OrganizedCloud;
+use std::path::PathBuf;
+
+fn scenes() -> LabelledScenes {
+    let root = std::env::var("TABULA_DATA")
+        .unwrap_or_else(|_| concat!(env!("CARGO_MANIFEST_DIR"), "/../../../../shared/data").into());
+    let folder = PathBuf::from(root).join("tabletop-scenes");
+    LabelledScenes::open(&folder).expect("TABULA_DATA must hold tabletop-scenes")
+}
+
+fn line(name: &str, score: &SegmentationScore) -> String {
+    let measures = MEASURE_NAMES.iter().zip(score.values());
+    let measures: Vec<String> = measures
+        .map(|(name, value)| format!("{name} {:5.1}", 100.0 * value))
+        .collect();
+    let (n_hypotheses, n_objects) = (score.n_hypotheses, score.n_objects);
+    format!(
+        "{name:10} {} {n_hypotheses}/{n_objects}",
+        measures.join(" ")
+    )
+}
+
+#[test]
+#[ignore = "needs TABULA_DATA"]
+fn objects_of_labelled_scenes_are_found() {
+    let (mut workspace, mut detection) = (Workspace::default(), Detection::default());
+    let mut scores = Vec::new();
+    let scenes = scenes();
+    for entry in scenes.entries() {
+        let scene = scenes.read(entry).unwrap();
+        let frame = Frame {
+            cloud: OrganizedCloud::new(&scene.points, scene.width, scene.height).unwrap(),
+            up_in_camera: scene.up_in_camera,
+            seed: 1,
+            surroundings: Surroundings::default(),
+        };
+        detect(&frame, &Config::default(), &mut workspace, &mut detection).unwrap();
+        let found = HypothesisImages::of(&detection, scene.points.len()).unwrap();
+        if let Some(score) = score(&Overlaps::count(&found.before_psi, &scene.labels)) {
+            println!("{}", line(&entry.name, &score));
+            scores.push(score);
+        }
+    }
+    let all = SegmentationScore::mean(&scores).unwrap();
+    println!("{}", line("all", &all));
+    // The best peer, LCCP of PCL: WOv 95.3 and F50 92.3.
+    assert!(all.wov >= 0.965 && all.f50 >= 0.97, "{all:?}");
+}

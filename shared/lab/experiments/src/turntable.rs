@@ -1,0 +1,218 @@
+//! Views of one object for learning: it stands on the table, the camera goes
+//! round it, and our own detection cuts it out.
+//!
+//! As in the Washington RGB-D Object Dataset (Lai et al. 2011) the camera looks
+//! down at 30, 45 and 60 degrees, here from 0.7 to 1.3 m, with every error of
+//! the sensor on, in the light of different lamps.
+
+use detection::{Candidate, Config, Detection, Frame, Surroundings, Workspace, detect};
+use geometry::{OrientedBox, PinholeCamera};
+use nalgebra::{Point3, Unit, Vector3};
+use point_cloud::{OrganizedCloud, Point};
+use random::Random;
+use rendering::{Illuminant, Light, Lights};
+use simulated_world::Error;
+use simulated_world::ModelLibrary;
+use simulated_world::SimulatedKinect;
+use simulated_world::World;
+use simulated_world::random_stream;
+use simulated_world::{CameraMount, ModelChoice, ObjectPlan, Placing, Scene};
+
+/// Camera heights with the numbers of their sequences in the Washington dataset.
+pub const HEIGHTS: [(u32, f64); 3] = [(1, 30.0), (2, 45.0), (4, 60.0)];
+
+/// Distance of the camera from the object, metres.
+const DISTANCES_M: [f64; 2] = [0.7, 1.3];
+/// Colour temperature of the lamps, kelvin, and their strength.
+const TEMPERATURES_K: [f64; 2] = [2700.0, 6500.0];
+const INTENSITIES: [f64; 2] = [0.7, 1.3];
+/// A candidate farther from the middle than this is something else, metres.
+const OFF_MIDDLE_MAX_M: f64 = 0.12;
+/// Purpose of the random stream.
+const LOOK: u64 = 5;
+
+/// One object on the table, and the camera that goes round it.
+#[derive(Debug)]
+pub struct Turntable {
+    world: World,
+    kinect: SimulatedKinect,
+    seed: u64,
+    config: Config,
+    workspace: Workspace,
+    detection: Detection,
+    points: Vec<Point>,
+}
+
+/// One view of the object as detection has cut it out.
+#[derive(Debug)]
+pub struct CutOut<'a> {
+    /// The whole frame, camera frame, row-major.
+    pub cloud: &'a [Point],
+    /// Indices of the object's points in it, ascending.
+    pub point_indices: &'a [u32],
+    /// The box around it, camera frame.
+    pub oriented_box: OrientedBox,
+    /// Against gravity, camera frame.
+    pub up_in_camera: Unit<Vector3<f64>>,
+    /// Common share of the cut-out's and the object's true pixels, 0 to 1.
+    pub overlap: f64,
+}
+
+impl Turntable {
+    /// Puts an object on the table before a camera.
+    ///
+    /// # Errors
+    /// When the model can not be used, or the intrinsics are impossible.
+    pub fn new(
+        model: &ModelChoice,
+        library: ModelLibrary,
+        camera: PinholeCamera,
+        seed: u64,
+    ) -> Result<Self, Error> {
+        let plan = ObjectPlan {
+            model: model.clone(),
+            placing: Placing::Upright {
+                position_m: [0.0, 0.0],
+                yaw_rad: 0.0,
+            },
+        };
+        let scene = Scene {
+            seed,
+            objects: vec![plan],
+            ..Scene::default()
+        };
+        let world = World::new(scene, library)?;
+        Ok(Self {
+            kinect: SimulatedKinect::new(&world, camera)?,
+            world,
+            seed,
+            config: Config::default(),
+            workspace: Workspace::default(),
+            detection: Detection::default(),
+            points: vec![Point::default(); camera.n_pixels()],
+        })
+    }
+
+    /// The object's category and name.
+    pub fn object(&self) -> Option<(&str, &str)> {
+        let object = self.world.objects().first()?;
+        Some((&object.model.category, &object.model.name))
+    }
+
+    /// What was noticed about the model, one sentence each; given once.
+    pub fn take_notes(&mut self) -> Vec<String> {
+        self.world.take_notes()
+    }
+
+    /// Intrinsics and size of the frames.
+    pub fn camera(&self) -> &PinholeCamera {
+        self.kinect.camera()
+    }
+
+    /// The object seen from one of the [`HEIGHTS`] (by index), after `turn` of a
+    /// whole round; `None` when detection does not find it.
+    ///
+    /// # Errors
+    /// When the camera can not look.
+    pub fn view(&mut self, height: usize, turn: f64) -> Result<Option<CutOut<'_>>, Error> {
+        let (sequence, elevation_deg) = HEIGHTS[height % HEIGHTS.len()];
+        let mut random = random_stream(self.seed, LOOK + 16 * u64::from(sequence));
+        let middle = self.middle();
+        self.world.set_camera(CameraMount {
+            look_at_m: middle.coords.into(),
+            distance_m: random.between(DISTANCES_M[0], DISTANCES_M[1]),
+            elevation_deg,
+            azimuth_deg: 360.0 * turn,
+            orbit_deg_s: 0.0,
+        });
+        self.kinect.set_lights(lamp(&mut random));
+        let frame = (f64::from(sequence) * 1e6 + turn * 1e5) as u64;
+        self.kinect.look(&self.world, frame, &mut self.points)?;
+        let up_in_camera = self.up_in_camera();
+        self.detect(up_in_camera, frame);
+        let middle_in_camera = self.world.world_from_camera().inverse() * middle;
+        let Some(found) = nearest(&self.detection.candidates, &middle_in_camera) else {
+            return Ok(None);
+        };
+        let point_indices = self.detection.points_of(found);
+        Ok(Some(CutOut {
+            cloud: &self.points,
+            overlap: overlap(point_indices, self.kinect.mask(), &self.points),
+            point_indices,
+            oriented_box: found.oriented_box,
+            up_in_camera,
+        }))
+    }
+
+    fn middle(&self) -> Point3<f64> {
+        let object = self.world.objects().first();
+        object.map_or_else(
+            || self.world.scene().table.middle(),
+            |object| object.world_from_object.translation.vector.into(),
+        )
+    }
+
+    fn up_in_camera(&self) -> Unit<Vector3<f64>> {
+        let rotation = self.world.world_from_camera().rotation;
+        Unit::new_normalize(rotation.inverse() * Vector3::z())
+    }
+
+    /// Leaves the candidates empty when detection refuses the frame.
+    fn detect(&mut self, up_in_camera: Unit<Vector3<f64>>, seed: u64) {
+        let camera = self.kinect.camera();
+        let size = (camera.width as usize, camera.height as usize);
+        let Ok(cloud) = OrganizedCloud::new(&self.points, size.0, size.1) else {
+            return;
+        };
+        let frame = Frame {
+            cloud,
+            up_in_camera: Some(up_in_camera),
+            seed,
+            surroundings: Surroundings::default(),
+        };
+        let detected = detect(
+            &frame,
+            &self.config,
+            &mut self.workspace,
+            &mut self.detection,
+        );
+        if detected.is_err() {
+            self.detection = Detection::default();
+        }
+    }
+}
+
+fn lamp(random: &mut Random) -> Lights {
+    let temperature_k = random.between(TEMPERATURES_K[0], TEMPERATURES_K[1]) as f32;
+    let strength = random.between(INTENSITIES[0], INTENSITIES[1]) as f32;
+    let lit = |given: Illuminant| Illuminant {
+        temperature_k,
+        intensity: given.intensity * strength,
+    };
+    let Lights { ambient, main, .. } = Lights::ROOM;
+    Lights {
+        ambient: lit(ambient),
+        main: Light {
+            illuminant: lit(main.illuminant),
+            ..main
+        },
+        ..Lights::ROOM
+    }
+}
+
+/// The candidate at the middle of the turntable.
+fn nearest<'a>(candidates: &'a [Candidate], middle: &Point3<f64>) -> Option<&'a Candidate> {
+    let distance = |candidate: &Candidate| (candidate.oriented_box.centre() - middle).norm();
+    candidates
+        .iter()
+        .filter(|candidate| candidate.is_hypothesis() && distance(candidate) < OFF_MIDDLE_MAX_M)
+        .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+}
+
+/// Intersection over union with the true pixels that have depth.
+fn overlap(found: &[u32], truth: &[u16], points: &[Point]) -> f64 {
+    let is_object = |index: &usize| truth[*index] == 1 && points[*index].is_finite();
+    let n_true = (0..truth.len()).filter(is_object).count();
+    let n_common = found.iter().filter(|&&i| truth[i as usize] == 1).count();
+    n_common as f64 / (n_true + found.len() - n_common).max(1) as f64
+}

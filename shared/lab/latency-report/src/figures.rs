@@ -1,0 +1,150 @@
+//! Figures of a measurement, as SVG.
+
+use crate::measurement::Measurement;
+use crate::percentiles::Percentiles;
+use message::Place;
+use plot::DrawingError;
+use plot::figure::{Axis, Color, Curve, Diagram, Legend, side_by_side};
+
+/// Points of a percentile curve for each factor of ten.
+const POINTS_PER_DECADE: usize = 24;
+
+/// Frames in such a part at least: fewer have no percentile of 99.
+const WINDOW_MIN: usize = 100;
+/// Parts of a run over which percentiles over time are taken.
+const N_WINDOWS: usize = 60;
+
+/// How long the slowest ones take: one in two, one in ten, one in a hundred …; end to
+/// end on the left, the links of the frame's chain on the right.
+///
+/// # Errors
+/// When the drawing library fails.
+pub fn percentile_figure(measurement: &Measurement) -> Result<String, DrawingError> {
+    let whole = measurement.end_to_end_ns(&measurement.open_loop());
+    let labels: Vec<u64> = measurement.labels.iter().map(|label| label.ns).collect();
+    let of_frame = vec![
+        percentile_curve("label of an object", 1, labels),
+        percentile_curve("end to end", 0, whole),
+    ];
+    let links = measurement
+        .stages_ns()
+        .filter(|(stage, _)| stage.place() == Place::Frame)
+        .enumerate()
+        .map(|(index, (stage, durations))| percentile_curve(stage.word(), index, durations));
+    side_by_side(&[
+        percentile_diagram(
+            "From scheduled capture to label",
+            of_frame,
+            Legend::UpperLeft,
+        ),
+        percentile_diagram("The links of the chain", links.collect(), Legend::Beside),
+    ])
+}
+
+fn percentile_curve(name: &str, index: usize, mut durations_ns: Vec<u64>) -> Curve<'_> {
+    durations_ns.sort_unstable();
+    let n = durations_ns.len();
+    let n_steps = (n.max(1) as f64).log10() * POINTS_PER_DECADE as f64;
+    let points = (0..=n_steps.floor() as usize).filter_map(|step| {
+        let one_in = 10_f64.powf(step as f64 / POINTS_PER_DECADE as f64);
+        let rank = ((1.0 - 1.0 / one_in) * n as f64).ceil() as usize;
+        let duration_ns = durations_ns.get(rank.min(n.checked_sub(1)?))?;
+        Some((one_in, (*duration_ns as f64 / 1e6).max(LEAST_MS)))
+    });
+    Curve {
+        name,
+        color: Color::of_series(index),
+        points: points.collect(),
+        is_marked: false,
+    }
+}
+
+/// Below this nothing is told apart.
+const LEAST_MS: f64 = 0.001;
+
+fn percentile_diagram<'a>(title: &'a str, curves: Vec<Curve<'a>>, legend: Legend) -> Diagram<'a> {
+    let all = || curves.iter().flat_map(|curve| &curve.points);
+    let rarest = all().map(|point| point.0).fold(10.0, f64::max);
+    let least = all().map(|point| point.1).fold(f64::INFINITY, f64::min);
+    let longest = all().map(|point| point.1).fold(LEAST_MS, f64::max);
+    Diagram {
+        title,
+        x: Axis::logarithmic("one in so many takes longer", 1.0..rarest),
+        // Room for two names above the curves.
+        y: Axis::logarithmic("ms", 0.8 * least.min(longest)..longest * 1.5),
+        curves,
+        legend,
+    }
+}
+
+/// Median, 99 of 100 and the longest end to end over the time of the run.
+///
+/// # Errors
+/// When the drawing library fails.
+pub fn time_figure(measurement: &Measurement) -> Result<String, DrawingError> {
+    let n = measurement.end_to_end.len();
+    let n_frames = n.div_ceil(N_WINDOWS).max(WINDOW_MIN);
+    let begin_ns = measurement
+        .frames
+        .first()
+        .map_or(0, |frame| frame.scheduled_ns);
+    let mut curves: Vec<Curve<'_>> = ["longest", "99 of 100", "median"]
+        .into_iter()
+        .enumerate()
+        .map(|(index, name)| Curve {
+            name,
+            color: Color::of_series(index),
+            points: Vec::new(),
+            is_marked: false,
+        })
+        .collect();
+    for (window, samples) in measurement.end_to_end.chunks(n_frames).enumerate() {
+        let mut durations_ns: Vec<u64> = samples.iter().map(|sample| sample.ns).collect();
+        let ms = Percentiles::of(&mut durations_ns);
+        let frame = &measurement.frames[window * n_frames];
+        let at_s = frame.scheduled_ns.saturating_sub(begin_ns) as f64 / 1e9;
+        for (curve, value) in curves.iter_mut().zip([ms.max, ms.p99, ms.p50]) {
+            curve.points.push((at_s, value));
+        }
+    }
+    let all = || curves.iter().flat_map(|curve| &curve.points);
+    let last_s = all().map(|point| point.0).fold(1.0, f64::max);
+    let longest = all().map(|point| point.1).fold(LEAST_MS, f64::max);
+    side_by_side(&[Diagram {
+        title: "End to end over time",
+        x: Axis::linear("s", 0.0..last_s),
+        y: Axis::linear("ms", 0.0..longest * 1.35),
+        curves,
+        legend: Legend::UpperRight,
+    }])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::way::examples::frame;
+
+    #[test]
+    fn what_was_measured_is_drawn() {
+        let mut measurement = Measurement::new(0);
+        for sequence in 0..500 {
+            let longer_ns = (sequence % 97) * 100_000;
+            measurement.add(frame(sequence, sequence * 33_000_000, longer_ns));
+        }
+        let picture = percentile_figure(&measurement).unwrap();
+        for name in ["end to end", "detection_queue", "publishing"] {
+            assert!(picture.contains(name), "{name}");
+        }
+        assert!(time_figure(&measurement).unwrap().contains("99 of 100"));
+    }
+
+    #[test]
+    fn nothing_and_almost_nothing_can_be_drawn() {
+        let mut measurement = Measurement::new(0);
+        for _ in 0..2 {
+            assert!(percentile_figure(&measurement).is_ok());
+            assert!(time_figure(&measurement).is_ok());
+            measurement.add(frame(0, 0, 0));
+        }
+    }
+}

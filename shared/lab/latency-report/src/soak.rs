@@ -1,0 +1,262 @@
+//! A long run in windows, and whether it stays as it is.
+
+use crate::percentiles::Percentiles;
+use crate::report::ProcessReport;
+use plot::DrawingError;
+use plot::figure::{Axis, Color, Curve, Diagram, Legend, in_columns};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
+
+/// Resident memory may grow by this share from the second quarter to the last, or by so
+/// much, megabytes: allocators keep what they had, and slots of shared memory count only
+/// when they are used for the first time.
+const MEMORY_SHARE: f64 = 0.05;
+const MEMORY_MB: f64 = 2.0;
+/// Open files may be so many more: a database makes tables, and merges them again.
+const OPEN_FILES: f64 = 3.0;
+/// The p99 of the last quarter over that of the second: more is told as growth.
+const LATENCY_RATIO: f64 = 1.5;
+/// The wall clock may drift against the monotonic one by this, parts of a million:
+/// what adjusts a clock adjusts it by less than 500.
+const DRIFT_PPM: f64 = 500.0;
+
+/// One part of a long run.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct SoakWindow {
+    /// End of the window since the beginning, seconds.
+    pub at_s: f64,
+    /// Instants at which a frame was due.
+    pub frames: u64,
+    /// Of these, frames without labels.
+    pub dropped: u64,
+    /// Of these, instants for which the source had no frame.
+    pub not_captured: u64,
+    /// From the scheduled capture to the published labels.
+    pub end_to_end_ms: Percentiles,
+    /// The processes at its end, with what they used in it.
+    pub processes: Vec<ProcessReport>,
+    /// Shared memory that the domain uses.
+    pub shared_memory_bytes: u64,
+    /// Wall clock minus monotonic clock, against that of the beginning.
+    pub clock_drift_ns: i64,
+}
+
+/// Something that did not stay as it was.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Growth {
+    /// What: a sentence.
+    pub sentence: String,
+}
+
+/// What has grown from the second quarter of the run to the last; the first is for
+/// warming up. Nothing of fewer than eight windows.
+pub fn growths(windows: &[SoakWindow]) -> Vec<Growth> {
+    let quarter = windows.len() / 4;
+    if quarter < 2 {
+        return Vec::new();
+    }
+    let (before, last) = (&windows[quarter..2 * quarter], &windows[3 * quarter..]);
+    let mut sentences = Vec::new();
+    for process in names(windows) {
+        let memory = |part| mean(part, |w| of(w, &process).map(|p| p.resident_mb));
+        let (then, now) = (memory(before), memory(last));
+        if has_grown(then, now) {
+            sentences.push(format!(
+                "{process} has grown from {then:.1} to {now:.1} MB of resident memory"
+            ));
+        }
+        let files = |part| mean(part, |w| of(w, &process).map(|p| p.open_files as f64));
+        let (then, now) = (files(before), files(last));
+        if now > then + OPEN_FILES {
+            sentences.push(format!(
+                "{process} has {now:.0} files open, {then:.0} before"
+            ));
+        }
+    }
+    let memory = |part| mean(part, |w| Some(w.shared_memory_bytes as f64 / 1e6));
+    let (then, now) = (memory(before), memory(last));
+    if has_grown(then, now) {
+        sentences.push(format!(
+            "the domain has grown from {then:.1} to {now:.1} MB of shared memory"
+        ));
+    }
+    let slow = |part| mean(part, |w| Some(w.end_to_end_ms.p99));
+    let (then, now) = (slow(before), slow(last));
+    if now > LATENCY_RATIO * then {
+        sentences.push(format!("the p99 has grown from {then:.2} to {now:.2} ms"));
+    }
+    sentences.extend(drift(windows));
+    sentences
+        .into_iter()
+        .map(|sentence| Growth { sentence })
+        .collect()
+}
+
+/// Whether memory has grown, megabytes.
+fn has_grown(then: f64, now: f64) -> bool {
+    now - then > MEMORY_MB.max(MEMORY_SHARE * then)
+}
+
+fn drift(windows: &[SoakWindow]) -> Option<String> {
+    let last = windows.last()?;
+    let ppm = last.clock_drift_ns as f64 / (last.at_s * 1e3).max(1.0);
+    (ppm.abs() > DRIFT_PPM).then(|| {
+        format!(
+            "wall clock and monotonic clock have drifted apart by {:.1} ms, {ppm:.0} parts of a \
+             million",
+            last.clock_drift_ns as f64 / 1e6
+        )
+    })
+}
+
+fn names(windows: &[SoakWindow]) -> BTreeSet<String> {
+    let processes = windows.iter().flat_map(|window| &window.processes);
+    processes.map(|process| process.process.clone()).collect()
+}
+
+fn of<'a>(window: &'a SoakWindow, name: &str) -> Option<&'a ProcessReport> {
+    let mut processes = window.processes.iter();
+    processes.find(|process| process.process == name)
+}
+
+fn mean(part: &[SoakWindow], figure: impl Fn(&SoakWindow) -> Option<f64>) -> f64 {
+    let figures: Vec<f64> = part.iter().filter_map(figure).collect();
+    figures.iter().sum::<f64>() / figures.len().max(1) as f64
+}
+
+/// Latency, resident memory, open files and shared memory over the time of the run.
+///
+/// # Errors
+/// When the drawing library fails.
+pub fn soak_figure(windows: &[SoakWindow]) -> Result<String, DrawingError> {
+    let names: Vec<String> = names(windows).into_iter().collect();
+    let of_processes = |figure: fn(&ProcessReport) -> f64| {
+        let processes = names.iter().enumerate();
+        let curves = processes.map(|(index, name)| {
+            let figure = |window: &SoakWindow| of(window, name).map(figure);
+            over_time(windows, name, index, figure)
+        });
+        curves.collect::<Vec<_>>()
+    };
+    let latency = Percentiles::NAMED.iter().enumerate();
+    let latency = latency.map(|(index, (name, get))| {
+        over_time(windows, name, index, |window| {
+            Some(get(&window.end_to_end_ms))
+        })
+    });
+    let shared_mb = |window: &SoakWindow| Some(window.shared_memory_bytes as f64 / 1e6);
+    let shared = over_time(windows, "", 0, shared_mb);
+    in_columns(
+        &[
+            diagram("End to end", "ms", latency.collect()),
+            diagram("Resident memory", "MB", of_processes(|p| p.resident_mb)),
+            diagram("Open files", "files", of_processes(|p| p.open_files as f64)),
+            diagram("Shared memory", "MB", vec![shared]),
+        ],
+        2,
+    )
+}
+
+/// A figure of the windows that have it: in the first no process may be known yet.
+fn over_time<'a>(
+    windows: &[SoakWindow],
+    name: &'a str,
+    index: usize,
+    figure: impl Fn(&SoakWindow) -> Option<f64>,
+) -> Curve<'a> {
+    let point = |window: &SoakWindow| Some((window.at_s / 60.0, figure(window)?));
+    Curve {
+        name,
+        color: Color::of_series(index),
+        points: windows.iter().filter_map(point).collect(),
+        is_marked: false,
+    }
+}
+
+fn diagram<'a>(title: &'a str, unit: &'a str, curves: Vec<Curve<'a>>) -> Diagram<'a> {
+    let all = || curves.iter().flat_map(|curve| &curve.points);
+    let last = all().map(|point| point.0).fold(0.0, f64::max);
+    let most = all().map(|point| point.1).fold(0.0, f64::max);
+    Diagram {
+        title,
+        x: Axis::linear("minutes", 0.0..last.max(0.01)),
+        // Room for the names of the curves.
+        y: Axis::linear(unit, 0.0..most.max(0.001) * 1.5),
+        curves,
+        legend: Legend::UpperLeft,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A run of 40 windows of 10 s.
+    fn windows(change: impl Fn(usize, &mut SoakWindow)) -> Vec<SoakWindow> {
+        let window = |i: usize| {
+            let mut window = SoakWindow {
+                at_s: 10.0 * (i + 1) as f64,
+                frames: 1200,
+                shared_memory_bytes: 10_000_000,
+                processes: vec![ProcessReport {
+                    process: "perception".into(),
+                    resident_mb: 30.0,
+                    open_files: 150,
+                    ..ProcessReport::default()
+                }],
+                end_to_end_ms: Percentiles {
+                    p99: 9.0 + (i % 3) as f64,
+                    ..Percentiles::default()
+                },
+                ..SoakWindow::default()
+            };
+            change(i, &mut window);
+            window
+        };
+        (0..40).map(window).collect()
+    }
+
+    fn told(change: impl Fn(usize, &mut SoakWindow)) -> Vec<String> {
+        let grown = growths(&windows(change));
+        grown.into_iter().map(|growth| growth.sentence).collect()
+    }
+
+    #[test]
+    fn what_stays_as_it_is_has_not_grown() {
+        assert_eq!(told(|_, _| ()), Vec::<String>::new());
+        let warming = |i: usize, w: &mut SoakWindow| {
+            w.processes[0].resident_mb = if i < 8 { 20.0 } else { 30.0 };
+        };
+        assert_eq!(told(warming), Vec::<String>::new());
+        assert!(growths(&[]).is_empty());
+    }
+
+    #[test]
+    fn what_grows_is_told() {
+        let check = |change: &dyn Fn(usize, &mut SoakWindow), word: &str| {
+            let sentences = told(change);
+            assert!(
+                sentences.len() == 1 && sentences[0].contains(word),
+                "{sentences:?}"
+            );
+        };
+        check(
+            &|i, w| w.processes[0].resident_mb += i as f64 * 0.2,
+            "resident",
+        );
+        check(&|i, w| w.processes[0].open_files += i as u64 / 4, "files");
+        check(
+            &|i, w| w.shared_memory_bytes += i as u64 * 200_000,
+            "shared memory",
+        );
+        check(&|i, w| w.end_to_end_ms.p99 += i as f64, "p99");
+        check(&|i, w| w.clock_drift_ns = i as i64 * 10_000_000, "drifted");
+    }
+
+    #[test]
+    fn a_run_is_drawn() {
+        let picture = soak_figure(&windows(|_, _| ())).unwrap();
+        assert!(picture.contains("perception") && picture.contains("Shared memory"));
+        assert!(soak_figure(&[]).is_ok());
+    }
+}

@@ -1,0 +1,154 @@
+//! Measurements along one axis.
+
+use crate::percentiles::Percentiles;
+use crate::report::Report;
+use message::{Place, Stage};
+use plot::DrawingError;
+use plot::figure::{Axis, Color, Curve, Diagram, Legend, side_by_side};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// A share of frames without labels beyond which the daemon does not hold the rate.
+const BREAKING_SHARE: f64 = 0.01;
+/// Stages are drawn that come to this share of end to end anywhere.
+const DRAWN_SHARE: f64 = 0.03;
+
+/// What was measured at one place of the axis.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SweepRow {
+    /// Place on the axis.
+    pub value: f64,
+    /// Instants at which a frame was due.
+    pub frames: u64,
+    /// Of these, frames without labels.
+    pub dropped: u64,
+    /// Of these, instants for which the source had no frame.
+    pub not_captured: u64,
+    /// Mean number of objects in a frame.
+    pub objects: f64,
+    /// From the scheduled capture to the published labels.
+    pub end_to_end_ms: Percentiles,
+    /// Cores of the daemon without its source.
+    pub cores: f64,
+    /// Medians of the stages.
+    pub stage_p50_ms: BTreeMap<String, f64>,
+}
+
+impl SweepRow {
+    /// The row of a report.
+    pub fn new(value: f64, report: &Report) -> Self {
+        let medians = report.stages.iter();
+        Self {
+            value,
+            frames: report.frames,
+            dropped: report.dropped,
+            not_captured: report.not_captured,
+            objects: report.objects.mean,
+            end_to_end_ms: report.end_to_end_ms,
+            cores: report.cores_without_source(),
+            stage_p50_ms: medians
+                .map(|(word, stage)| (word.clone(), stage.ms.p50))
+                .collect(),
+        }
+    }
+
+    /// Whether more frames stay without labels than can be told as chance.
+    pub fn is_broken(&self) -> bool {
+        let n_missed = self.dropped + self.not_captured;
+        n_missed as f64 > BREAKING_SHARE * self.frames as f64
+    }
+}
+
+/// End to end on the left, the stages that matter on the right, both over the axis.
+///
+/// # Errors
+/// When the drawing library fails.
+pub fn sweep_figure(axis: &str, rows: &[SweepRow]) -> Result<String, DrawingError> {
+    let of_frame = Percentiles::NAMED.iter().enumerate();
+    let of_frame = of_frame.map(|(index, (name, get))| {
+        let point = |row: &SweepRow| (row.value, get(&row.end_to_end_ms));
+        curve(name, index, rows.iter().map(point).collect())
+    });
+    let stages = Stage::ALL.iter().filter(|stage| matters(**stage, rows));
+    let stages = stages.enumerate().map(|(index, stage)| {
+        let median = |row: &SweepRow| Some((row.value, *row.stage_p50_ms.get(stage.word())?));
+        curve(
+            stage.word(),
+            index,
+            rows.iter().filter_map(median).collect(),
+        )
+    });
+    side_by_side(&[
+        diagram("End to end", axis, of_frame.collect()),
+        diagram("Medians of stages", axis, stages.collect()),
+    ])
+}
+
+fn matters(stage: Stage, rows: &[SweepRow]) -> bool {
+    let is_before_label = stage.place() != Place::Beside;
+    let is_large = |row: &SweepRow| {
+        let median = row.stage_p50_ms.get(stage.word()).copied();
+        median.unwrap_or_default() > DRAWN_SHARE * row.end_to_end_ms.p50
+    };
+    is_before_label && rows.iter().any(is_large)
+}
+
+fn curve(name: &str, index: usize, points: Vec<(f64, f64)>) -> Curve<'_> {
+    Curve {
+        name,
+        color: Color::of_series(index),
+        points,
+        is_marked: true,
+    }
+}
+
+fn diagram<'a>(title: &'a str, axis: &'a str, curves: Vec<Curve<'a>>) -> Diagram<'a> {
+    let values = || curves.iter().flat_map(|curve| &curve.points);
+    let largest = |of: fn(&(f64, f64)) -> f64| values().map(of).fold(0.0, f64::max);
+    let (last, longest) = (largest(|p| p.0), largest(|p| p.1));
+    let first = values().map(|p| p.0).fold(f64::INFINITY, f64::min);
+    let x = if first > 0.0 && last > 10.0 * first {
+        Axis::logarithmic(axis, first * 0.9..last * 1.1)
+    } else {
+        Axis::linear(axis, 0.0..last.max(1.0) * 1.05)
+    };
+    Diagram {
+        title,
+        x,
+        y: Axis::linear("ms", 0.0..longest.max(0.001) * 1.1),
+        curves,
+        legend: Legend::Beside,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(value: f64, dropped: u64) -> SweepRow {
+        let report = Report {
+            frames: 300,
+            dropped,
+            end_to_end_ms: Percentiles {
+                p50: value,
+                ..Percentiles::default()
+            },
+            ..Report::default()
+        };
+        SweepRow::new(value, &report)
+    }
+
+    #[test]
+    fn a_rate_breaks_when_more_than_one_in_a_hundred_is_missed() {
+        assert!(!row(30.0, 3).is_broken());
+        assert!(row(120.0, 4).is_broken());
+    }
+
+    #[test]
+    fn any_axis_can_be_drawn() {
+        for values in [vec![1.0, 2.0], vec![10.0, 1e5], vec![7.0], Vec::new()] {
+            let rows: Vec<_> = values.iter().map(|value| row(*value, 0)).collect();
+            assert!(sweep_figure("objects", &rows).unwrap().contains("objects"));
+        }
+    }
+}

@@ -1,0 +1,372 @@
+//! Figures as SVG: curves in diagrams, diagrams beside and below each other.
+//!
+//! What is drawn with is known to this crate only; its callers say what to draw.
+
+use plotters::coord::Shift;
+use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
+use plotters::prelude::{
+    ChartBuilder, Color as _, DrawingArea, IntoDrawingArea, IntoLogRange, LineSeries, Palette,
+    Palette99, PathElement, RGBColor, SVGBackend, SeriesLabelPosition, Text, WHITE,
+};
+use std::fmt;
+use std::ops::Range;
+
+/// Why a figure could not be drawn.
+#[derive(Debug)]
+pub struct DrawingError(String);
+
+impl fmt::Display for DrawingError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "the figure could not be drawn: {}", self.0)
+    }
+}
+
+impl std::error::Error for DrawingError {}
+
+/// Wraps a plotting error.
+pub fn failed(error: impl fmt::Display) -> DrawingError {
+    DrawingError(error.to_string())
+}
+
+/// A colour: red, green and blue.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Color(pub u8, pub u8, pub u8);
+
+impl Color {
+    /// Blue.
+    pub const BLUE: Self = Self(0, 0, 255);
+    /// Red.
+    pub const RED: Self = Self(255, 0, 0);
+    /// For what is only to be compared with.
+    pub const GREY: Self = Self(190, 190, 190);
+
+    /// One of 99 that are told apart well; they begin anew after that.
+    pub fn of_series(index: usize) -> Self {
+        let (red, green, blue) = Palette99::COLORS[index % Palette99::COLORS.len()];
+        Self(red, green, blue)
+    }
+}
+
+impl From<Color> for RGBColor {
+    fn from(Color(red, green, blue): Color) -> Self {
+        Self(red, green, blue)
+    }
+}
+
+/// Where the legend is out of the way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Legend {
+    /// Left above.
+    UpperLeft,
+    /// Right above.
+    UpperRight,
+    /// Left below.
+    LowerLeft,
+    /// On the right of the diagram, where curves are everywhere in it.
+    Beside,
+}
+
+impl Legend {
+    /// Within the diagram; `None` when it is beside it.
+    fn position(self) -> Option<SeriesLabelPosition> {
+        match self {
+            Self::UpperLeft => Some(SeriesLabelPosition::UpperLeft),
+            Self::UpperRight => Some(SeriesLabelPosition::UpperRight),
+            Self::LowerLeft => Some(SeriesLabelPosition::LowerLeft),
+            Self::Beside => None,
+        }
+    }
+}
+
+/// Width and height of a diagram, and the width of a legend beside it, pixels.
+const SIZE_PX: (u32, u32) = (520, 420);
+const LEGEND_PX: u32 = 150;
+/// From one name to the next, and before the first.
+const NAME_STEP_PX: i32 = 18;
+const NAMES_TOP_PX: i32 = 44;
+
+/// One axis of a diagram.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis<'a> {
+    /// What it shows, with its unit.
+    pub label: &'a str,
+    /// From where to where; of positive numbers when the axis is logarithmic.
+    pub range: Range<f64>,
+    /// Whether equal lengths are equal factors.
+    pub is_logarithmic: bool,
+}
+
+impl<'a> Axis<'a> {
+    /// An axis on which equal lengths are equal differences.
+    pub fn linear(label: &'a str, range: Range<f64>) -> Self {
+        Self {
+            label,
+            range,
+            is_logarithmic: false,
+        }
+    }
+
+    /// An axis of positive numbers on which equal lengths are equal factors.
+    pub fn logarithmic(label: &'a str, range: Range<f64>) -> Self {
+        Self {
+            label,
+            range,
+            is_logarithmic: true,
+        }
+    }
+
+    fn number(&self, value: f64) -> String {
+        if self.is_logarithmic {
+            // Ten numbers in a decade would be written over each other.
+            let digit = (value / 10_f64.powf(value.log10().floor() + 1e-9)).round();
+            if ![1.0, 2.0, 5.0, 10.0].contains(&digit) {
+                return String::new();
+            }
+            let n_decimals = (-value.log10()).ceil().clamp(0.0, 9.0) as usize;
+            format!("{value:.n_decimals$}")
+        } else {
+            number(value, &self.range)
+        }
+    }
+}
+
+/// One curve.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Curve<'a> {
+    /// What it is in the legend; empty when it is not there.
+    pub name: &'a str,
+    /// Colour of its line.
+    pub color: Color,
+    /// Its points, joined by lines; positive where an axis is logarithmic.
+    pub points: Vec<(f64, f64)>,
+    /// Whether the points are marked, as measurements are.
+    pub is_marked: bool,
+}
+
+/// One diagram.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Diagram<'a> {
+    /// What it shows.
+    pub title: &'a str,
+    /// To the right.
+    pub x: Axis<'a>,
+    /// Upwards.
+    pub y: Axis<'a>,
+    /// What is drawn, the last one on top.
+    pub curves: Vec<Curve<'a>>,
+    /// Where the names of the curves stand.
+    pub legend: Legend,
+}
+
+/// Diagrams side by side, as SVG text.
+///
+/// # Errors
+/// When the drawing library fails.
+pub fn side_by_side(diagrams: &[Diagram<'_>]) -> Result<String, DrawingError> {
+    in_columns(diagrams, diagrams.len())
+}
+
+/// Diagrams in rows of so many, as SVG text.
+///
+/// # Errors
+/// When the drawing library fails.
+pub fn in_columns(diagrams: &[Diagram<'_>], n_columns: usize) -> Result<String, DrawingError> {
+    let n_columns = n_columns.max(1);
+    let n_rows = diagrams.len().div_ceil(n_columns).max(1);
+    let mut svg = String::new();
+    {
+        let size_px = (SIZE_PX.0 * n_columns as u32, SIZE_PX.1 * n_rows as u32);
+        let whole = SVGBackend::with_string(&mut svg, size_px).into_drawing_area();
+        whole.fill(&WHITE).map_err(failed)?;
+        let areas = whole.split_evenly((n_rows, n_columns));
+        for (area, diagram) in areas.iter().zip(diagrams) {
+            draw(area, diagram)?;
+        }
+        whole.present().map_err(failed)?;
+    }
+    Ok(svg)
+}
+
+/// Draws a diagram into an area, with its legend inside or beside it.
+///
+/// # Errors
+/// When the area is too small.
+pub fn draw(
+    area: &DrawingArea<SVGBackend<'_>, Shift>,
+    diagram: &Diagram<'_>,
+) -> Result<(), DrawingError> {
+    if diagram.legend.position().is_some() {
+        return draw_on(area, diagram);
+    }
+    let width_px = area.dim_in_pixel().0.saturating_sub(LEGEND_PX);
+    let (own, beside) = area.split_horizontally(width_px);
+    draw_on(&own, diagram)?;
+    write_names(&beside, &diagram.curves)
+}
+
+/// The names of curves, one below the other.
+fn write_names(
+    area: &DrawingArea<SVGBackend<'_>, Shift>,
+    curves: &[Curve<'_>],
+) -> Result<(), DrawingError> {
+    let named = curves.iter().filter(|curve| !curve.name.is_empty());
+    for (curve, y) in named.zip((NAMES_TOP_PX..).step_by(NAME_STEP_PX as usize)) {
+        let line = [(0, y), (18, y)];
+        let color = RGBColor::from(curve.color).stroke_width(2);
+        area.draw(&PathElement::new(line, color)).map_err(failed)?;
+        let place = (24, y - NAME_STEP_PX / 2 + 3);
+        let name = Text::new(curve.name.to_owned(), place, ("sans-serif", 12));
+        area.draw(&name).map_err(failed)?;
+    }
+    Ok(())
+}
+
+fn draw_on(
+    area: &DrawingArea<SVGBackend<'_>, Shift>,
+    diagram: &Diagram<'_>,
+) -> Result<(), DrawingError> {
+    let (x, y) = (diagram.x.range.clone(), diagram.y.range.clone());
+    match (diagram.x.is_logarithmic, diagram.y.is_logarithmic) {
+        (false, false) => draw_along(area, diagram, x, y),
+        (false, true) => draw_along(area, diagram, x, y.log_scale()),
+        (true, false) => draw_along(area, diagram, x.log_scale(), y),
+        (true, true) => draw_along(area, diagram, x.log_scale(), y.log_scale()),
+    }
+}
+
+fn draw_along<X, Y>(
+    area: &DrawingArea<SVGBackend<'_>, Shift>,
+    diagram: &Diagram<'_>,
+    x: X,
+    y: Y,
+) -> Result<(), DrawingError>
+where
+    X: AsRangedCoord<Value = f64>,
+    Y: AsRangedCoord<Value = f64>,
+    X::CoordDescType: ValueFormatter<f64>,
+    Y::CoordDescType: ValueFormatter<f64>,
+{
+    let mut chart = ChartBuilder::on(area)
+        .caption(diagram.title, ("sans-serif", 17))
+        .margin(12)
+        // Room for half of the last number at the axis.
+        .margin_right(26)
+        .x_label_area_size(40)
+        .y_label_area_size(52)
+        .build_cartesian_2d(x, y)
+        .map_err(failed)?;
+    chart
+        .configure_mesh()
+        .x_desc(diagram.x.label)
+        .y_desc(diagram.y.label)
+        .x_label_formatter(&|value| diagram.x.number(*value))
+        .y_label_formatter(&|value| diagram.y.number(*value))
+        .light_line_style(WHITE)
+        .draw()
+        .map_err(failed)?;
+    for curve in &diagram.curves {
+        let color = RGBColor::from(curve.color);
+        let mut series = LineSeries::new(curve.points.iter().copied(), color.stroke_width(2));
+        if curve.is_marked {
+            series = series.point_size(3);
+        }
+        let series = chart.draw_series(series).map_err(failed)?;
+        if !curve.name.is_empty() {
+            series.label(curve.name).legend(move |(x, y)| {
+                PathElement::new([(x, y), (x + 18, y)], color.stroke_width(2))
+            });
+        }
+    }
+    let has_names = diagram.curves.iter().any(|curve| !curve.name.is_empty());
+    let Some(position) = diagram.legend.position().filter(|_| has_names) else {
+        return Ok(());
+    };
+    chart
+        .configure_series_labels()
+        .position(position)
+        .background_style(WHITE)
+        .draw()
+        .map_err(failed)
+}
+
+/// A number at an axis, with the decimals that the length of the axis asks for.
+pub fn number(value: f64, range: &Range<f64>) -> String {
+    let length = (range.end - range.start).abs().max(f64::MIN_POSITIVE);
+    let n_decimals = (2.0 - length.log10().floor()).clamp(0.0, 9.0) as usize;
+    let text = format!("{value:.n_decimals$}");
+    if n_decimals == 0 {
+        return text;
+    }
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn diagram(x: Axis<'static>, y: Axis<'static>) -> Diagram<'static> {
+        Diagram {
+            title: "times & counts",
+            x,
+            y,
+            curves: vec![Curve {
+                name: "timer",
+                color: Color::of_series(100),
+                points: vec![(0.1, 1.0), (10.0, 1000.0), (100.0, 1.0)],
+                is_marked: false,
+            }],
+            legend: Legend::UpperRight,
+        }
+    }
+
+    #[test]
+    fn each_kind_of_axis_is_drawn() {
+        let axes = |range: Range<f64>| {
+            [
+                Axis::linear("a", range.clone()),
+                Axis::logarithmic("a", range),
+            ]
+        };
+        for x in axes(0.1..100.0) {
+            for y in axes(0.5..2000.0) {
+                let svg = side_by_side(&[diagram(x.clone(), y)]).unwrap();
+                assert!(svg.contains("times &amp; counts") && svg.contains("timer"));
+            }
+        }
+    }
+
+    #[test]
+    fn decades_are_written_with_the_decimals_they_need() {
+        let axis = Axis::logarithmic("", 0.01..1e4);
+        let numbers = [0.01, 0.1, 1.0, 10.0, 10_000.0].map(|value| axis.number(value));
+        assert_eq!(numbers, ["0.01", "0.1", "1", "10", "10000"]);
+        let within = [20.0, 30.0, 50.0, 0.07, 0.2].map(|value| axis.number(value));
+        assert_eq!(within, ["20", "", "50", "", "0.2"]);
+    }
+
+    #[test]
+    fn numbers_at_an_axis_have_no_decimals_that_say_nothing() {
+        let numbers = |range: Range<f64>| [0.0, 0.5, 20.0].map(|value| number(value, &range));
+        assert_eq!(numbers(0.0..8.0), ["0", "0.5", "20"]);
+        assert_eq!(numbers(0.0..300.0), ["0", "0", "20"]);
+        assert_eq!(number(0.025, &(0.0..0.1)), "0.025");
+    }
+
+    #[test]
+    fn names_beside_a_diagram_are_all_there() {
+        let mut one = diagram(Axis::linear("", 0.0..1.0), Axis::linear("", 0.0..1.0));
+        one.legend = Legend::Beside;
+        one.curves.push(one.curves[0].clone());
+        one.curves[1].name = "wake-up";
+        let svg = side_by_side(&[one]).unwrap();
+        assert!(svg.contains("timer") && svg.contains("wake-up"));
+    }
+
+    #[test]
+    fn rows_are_as_many_as_are_needed() {
+        let one = diagram(Axis::linear("", 0.0..1.0), Axis::linear("", 0.0..1.0));
+        let svg = in_columns(&vec![one; 3], 2).unwrap();
+        assert!(svg.contains("width=\"1040\" height=\"840\""), "{svg}");
+        assert!(in_columns(&[], 0).is_ok());
+    }
+}

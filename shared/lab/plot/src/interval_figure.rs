@@ -1,0 +1,156 @@
+//! Figures of several ways with their intervals, one below the other.
+
+use crate::figure::{DrawingError, failed};
+use plotters::coord::Shift;
+use plotters::prelude::{
+    BLACK, BLUE, ChartBuilder, Circle, Color, DrawingArea, IntoDrawingArea, PathElement, RGBColor,
+    SVGBackend, Text, TextStyle, WHITE,
+};
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use statistics::bootstrap::Estimate;
+use std::ops::Range;
+
+/// Size of the figure without its rows, and height of a row, pixels.
+const WIDTH_PX: u32 = 820;
+const FRAME_PX: u32 = 110;
+const ROW_PX: u32 = 36;
+/// Space for names, pixels.
+const NAMES_PX: u32 = 190;
+/// Least length of the axis.
+const LENGTH_MIN: f64 = 0.02;
+/// Line from the reference downwards.
+const PALE_BLUE: RGBColor = RGBColor(130, 170, 245);
+
+/// One row: a name, and its figure, which may lack.
+#[derive(Debug, Clone, PartialEq)]
+pub struct IntervalRow {
+    /// What the figure is of.
+    pub name: String,
+    /// The figure.
+    pub estimate: Option<Estimate>,
+    /// Whether the others are compared with it: a line marks its place.
+    pub is_reference: bool,
+}
+
+/// A dot with its interval for each row, the first on top, as SVG.
+///
+/// # Errors
+/// When the drawing library fails.
+pub fn svg(title: &str, x_label: &str, rows: &[IntervalRow]) -> Result<String, DrawingError> {
+    let mut svg = String::new();
+    {
+        let size_px = (WIDTH_PX, FRAME_PX + ROW_PX * rows.len() as u32);
+        let area = SVGBackend::with_string(&mut svg, size_px).into_drawing_area();
+        area.fill(&WHITE).map_err(failed)?;
+        draw(&area, title, x_label, rows)?;
+        area.present().map_err(failed)?;
+    }
+    Ok(svg)
+}
+
+fn draw(
+    area: &DrawingArea<SVGBackend<'_>, Shift>,
+    title: &str,
+    x_label: &str,
+    rows: &[IntervalRow],
+) -> Result<(), DrawingError> {
+    let n_rows = rows.len().max(1) as f64;
+    let x_range = range(rows);
+    let mut chart = ChartBuilder::on(area)
+        .caption(title, ("sans-serif", 17))
+        .margin(12)
+        .margin_right(30)
+        .margin_left(NAMES_PX)
+        .x_label_area_size(40)
+        .build_cartesian_2d(x_range, n_rows..0.0)
+        .map_err(failed)?;
+    chart
+        .configure_mesh()
+        .disable_y_mesh()
+        .x_desc(x_label)
+        .x_label_formatter(&|value| format!("{value:.2}"))
+        .light_line_style(WHITE)
+        .draw()
+        .map_err(failed)?;
+    for (index, row) in rows.iter().enumerate() {
+        let y = index as f64 + 0.5;
+        let place_px = (NAMES_PX as i32 - 8, chart.backend_coord(&(0.0, y)).1);
+        write_beside(area, &row.name, place_px)?;
+        let Some(Estimate { value, low, high }) = row.estimate else {
+            continue;
+        };
+        if row.is_reference {
+            let line = PathElement::new([(value, 0.0), (value, n_rows)], PALE_BLUE.stroke_width(2));
+            chart.draw_series([line]).map_err(failed)?;
+        }
+        let bar = |from, to| PathElement::new([from, to], BLUE.stroke_width(2));
+        let end = |x| bar((x, y - 0.15), (x, y + 0.15));
+        let lines = [bar((low, y), (high, y)), end(low), end(high)];
+        chart.draw_series(lines).map_err(failed)?;
+        let dot = Circle::new((value, y), 5, BLUE.filled());
+        chart.draw_series([dot]).map_err(failed)?;
+    }
+    Ok(())
+}
+
+/// What the intervals cover, and a little more.
+fn range(rows: &[IntervalRow]) -> Range<f64> {
+    let estimates = || rows.iter().filter_map(|row| row.estimate);
+    let low = estimates().map(|estimate| estimate.low).reduce(f64::min);
+    let high = estimates().map(|estimate| estimate.high).reduce(f64::max);
+    let (low, high) = (low.unwrap_or(0.0), high.unwrap_or(1.0));
+    let margin = (0.05 * (high - low)).max(0.5 * (LENGTH_MIN - (high - low)));
+    low - margin..high + margin
+}
+
+fn write_beside(
+    area: &DrawingArea<SVGBackend<'_>, Shift>,
+    name: &str,
+    place_px: (i32, i32),
+) -> Result<(), DrawingError> {
+    let style = TextStyle::from(("sans-serif", 14)).color(&BLACK);
+    let style = style.pos(Pos::new(HPos::Right, VPos::Center));
+    area.draw(&Text::new(name.to_owned(), place_px, style))
+        .map_err(failed)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(name: &str, low: f64, high: f64) -> IntervalRow {
+        IntervalRow {
+            name: name.to_owned(),
+            estimate: Some(Estimate {
+                value: f64::midpoint(low, high),
+                low,
+                high,
+            }),
+            is_reference: false,
+        }
+    }
+
+    #[test]
+    fn each_row_has_a_name_and_a_dot_and_what_lacks_only_a_name() {
+        let mut rows = vec![row("ours", 0.8, 0.9), row("no & size", 0.7, 0.75)];
+        let lacking = IntervalRow {
+            estimate: None,
+            ..row("published", 0.0, 0.0)
+        };
+        rows.push(lacking);
+        let svg = svg("accuracy", "share", &rows).unwrap();
+        for part in ["ours", "no &amp; size", "published", "accuracy", "share"] {
+            assert!(svg.contains(part), "{part} is not in {svg}");
+        }
+        assert_eq!(svg.matches("<circle").count(), 2);
+    }
+
+    #[test]
+    fn the_axis_covers_all_intervals_and_is_never_empty() {
+        let wide = range(&[row("a", 0.2, 0.4), row("b", 0.7, 0.8)]);
+        assert!(wide.start < 0.2 && wide.end > 0.8);
+        let narrow = range(&[row("a", 0.5, 0.5)]);
+        assert!((narrow.end - narrow.start - LENGTH_MIN).abs() < 1e-12);
+        assert!(svg("", "", &[]).is_ok());
+    }
+}

@@ -1,0 +1,169 @@
+//! How certain a figure of few runs is.
+//!
+//! *Source*: Efron, "Bootstrap methods: another look at the jackknife", Annals of
+//! Statistics 7, 1979; percentile intervals: Efron and Tibshirani, "An Introduction to
+//! the Bootstrap", 1993, chapter 13.
+
+use random::Random;
+
+/// Purpose of chance.
+const RESAMPLES: u64 = 7;
+/// How often the runs are drawn anew.
+pub const N_RESAMPLES: usize = 2000;
+/// Share of the resamples outside of an interval on each side.
+const TAIL: f64 = 0.025;
+
+/// A figure of runs, and between which bounds it lies with 95 %.
+///
+/// The interval is somewhat too short for few runs: for means of a normal
+/// distribution it holds the truth in 90 % of the cases with 10 runs, in 94 % with 40.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate {
+    /// Of the runs as they are.
+    pub value: f64,
+    /// Lower bound.
+    pub low: f64,
+    /// Upper bound.
+    pub high: f64,
+}
+
+impl Estimate {
+    /// The figure that `figure` makes of the indices of some of `n_runs` runs, each as
+    /// often as it comes. The runs are drawn with replacement by the seed, so that the
+    /// same seed and number draw the same ones: figures of the same runs, and of pairs of
+    /// runs, go together.
+    ///
+    /// Resamples of which there is no figure are left out. `None` when there is none of
+    /// all runs.
+    pub fn of(
+        n_runs: usize,
+        seed: u64,
+        figure: impl Fn(&mut dyn Iterator<Item = usize>) -> Option<f64>,
+    ) -> Option<Self> {
+        let value = figure(&mut (0..n_runs))?;
+        let mut random = Random::for_purpose(seed, RESAMPLES);
+        let mut drawn = vec![0; n_runs];
+        let mut resampled = Vec::with_capacity(N_RESAMPLES);
+        for _ in 0..N_RESAMPLES {
+            drawn.fill_with(|| random.below(n_runs));
+            resampled.extend(figure(&mut drawn.iter().copied()));
+        }
+        resampled.sort_unstable_by(f64::total_cmp);
+        let n_outside = (TAIL * resampled.len() as f64) as usize;
+        let low = resampled.get(n_outside).copied()?;
+        let high = resampled.iter().rev().nth(n_outside).copied()?;
+        Some(Self { value, low, high })
+    }
+
+    /// The mean of values, one a run; of those that are there. `None` without any.
+    pub fn mean(values: &[Option<f64>], seed: u64) -> Option<Self> {
+        Self::of(values.len(), seed, |runs| {
+            let (sum, n) = runs
+                .filter_map(|run| values[run])
+                .fold((0.0, 0_u32), |(sum, n), value| (sum + value, n + 1));
+            (n > 0).then(|| sum / f64::from(n))
+        })
+    }
+
+    /// The mean of the differences of pairs of runs, second less first. `None` without
+    /// runs.
+    pub fn paired_difference(first: &[f64], second: &[f64], seed: u64) -> Option<Self> {
+        let differences = first.iter().zip(second);
+        let differences: Vec<_> = differences.map(|(a, b)| Some(b - a)).collect();
+        Self::mean(&differences, seed)
+    }
+
+    /// The sum over the second runs by that over the first ones. Resamples without any
+    /// of the first are left out. `None` when the first runs add up to 0.
+    pub fn paired_ratio(first: &[f64], second: &[f64], seed: u64) -> Option<Self> {
+        Self::of(first.len().min(second.len()), seed, |runs| {
+            let (below, above) = runs.fold((0.0, 0.0), |(below, above), run| {
+                (below + first[run], above + second[run])
+            });
+            (below > 0.0).then(|| above / below)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use random::Random;
+
+    /// Approximately normal, mean 0, variance 1 (Irwin and Hall).
+    fn normal(random: &mut Random) -> f64 {
+        (0..12).map(|_| random.unit()).sum::<f64>() - 6.0
+    }
+
+    /// In which share of many experiments the interval of `n_runs` values of mean 3 has
+    /// their mean.
+    fn coverage(n_runs: usize) -> f64 {
+        let mut random = Random::for_purpose(11, 99);
+        let n_experiments = 600;
+        let holds = (0..n_experiments).filter(|&experiment| {
+            let values: Vec<_> = (0..n_runs)
+                .map(|_| Some(3.0 + normal(&mut random)))
+                .collect();
+            let Estimate { low, high, .. } = Estimate::mean(&values, experiment).unwrap();
+            (low..=high).contains(&3.0)
+        });
+        holds.count() as f64 / n_experiments as f64
+    }
+
+    #[test]
+    fn intervals_hold_the_truth_as_often_as_they_say() {
+        // By Student's distribution: 90.4 % and 94.0 %; the standard deviation of a share
+        // of 600 is 1.2 and 1.0.
+        for (n_runs, expected) in [(10, 0.904), (40, 0.940)] {
+            let found = coverage(n_runs);
+            assert!(
+                (found - expected).abs() < 0.035,
+                "{found} with {n_runs} runs"
+            );
+        }
+    }
+
+    #[test]
+    fn pairs_say_more_than_their_two_sides() {
+        let mut random = Random::for_purpose(5, 99);
+        let first: Vec<f64> = (0..10).map(|_| 20.0 + 5.0 * normal(&mut random)).collect();
+        let second: Vec<f64> = first
+            .iter()
+            .map(|value| value + 1.0 + 0.1 * normal(&mut random))
+            .collect();
+        let width = |estimate: Option<Estimate>| estimate.map(|e| e.high - e.low).unwrap();
+        let difference = Estimate::paired_difference(&first, &second, 1);
+        let alone: Vec<_> = first.iter().copied().map(Some).collect();
+        assert!((difference.unwrap().value - 1.0).abs() < 0.2);
+        assert!(width(difference) < 0.1 * width(Estimate::mean(&alone, 1)));
+        let ratio = Estimate::paired_ratio(&first, &second, 1).unwrap();
+        assert!(ratio.low < ratio.value && ratio.value < ratio.high);
+        assert!((1.02..1.10).contains(&ratio.value), "{ratio:?}");
+    }
+
+    #[test]
+    fn the_same_seed_gives_the_same_interval() {
+        let values: Vec<_> = (0..10).map(|i| Some(f64::from(i * i))).collect();
+        assert_eq!(Estimate::mean(&values, 1), Estimate::mean(&values, 1));
+        assert_ne!(Estimate::mean(&values, 1), Estimate::mean(&values, 2));
+        assert_eq!(Estimate::mean(&values, 1).unwrap().value, 28.5);
+    }
+
+    #[test]
+    fn what_is_certain_has_no_width_and_what_is_missing_no_figure() {
+        let certain = Estimate {
+            value: 2.0,
+            low: 2.0,
+            high: 2.0,
+        };
+        assert_eq!(
+            Estimate::mean(&[Some(2.0), None, Some(2.0)], 1),
+            Some(certain)
+        );
+        assert_eq!(Estimate::mean(&[None, None], 1), None);
+        assert_eq!(Estimate::mean(&[], 1), None);
+        assert_eq!(Estimate::paired_ratio(&[0.0, 0.0], &[1.0, 2.0], 1), None);
+        let ratio = Estimate::paired_ratio(&[0.0, 1.0], &[0.0, 2.0], 1);
+        assert_eq!(ratio, Some(certain));
+    }
+}

@@ -1,0 +1,23 @@
+//! Measures this computer and prints the report; with a folder as argument, writes
+//! `machine.json` and `machine.svg` into it.
+#![expect(
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "an example talks to its reader"
+)]
+
+use std::error::Error;
+use std::path::PathBuf;
+use system_noise::{Plan, figures, measure, report};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let found = measure(&Plan::FULL, &mut |sentence| eprintln!("{sentence}"));
+    print!("{}", report::text(&found));
+    if let Some(folder) = std::env::args_os().nth(1).map(PathBuf::from) {
+        std::fs::create_dir_all(&folder)?;
+        let json = serde_json::to_string(&found)?;
+        std::fs::write(folder.join("machine.json"), json)?;
+        std::fs::write(folder.join("machine.svg"), figures::histograms(&found)?)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,95 @@
+//! Measured times.
+
+use serde::{Deserialize, Serialize};
+use statistics::percentiles::nearest_rank;
+
+/// What one probe has measured.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Samples {
+    /// Name of the probe.
+    pub name: String,
+    /// What a value is the time of.
+    pub meaning: String,
+    /// The values in the order in which they were measured, ns.
+    pub values_ns: Vec<u64>,
+    /// What they come to; `None` without values.
+    pub summary: Option<Summary>,
+}
+
+impl Samples {
+    /// Samples with their summary.
+    pub fn new(name: &str, meaning: &str, values_ns: Vec<u64>) -> Self {
+        Self {
+            name: name.to_owned(),
+            meaning: meaning.to_owned(),
+            summary: Summary::of(&values_ns),
+            values_ns,
+        }
+    }
+}
+
+/// Percentiles by nearest rank, ns: each is one of the values.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Summary {
+    /// Number of values.
+    pub n: usize,
+    /// Half of the values are not longer.
+    pub p50_ns: u64,
+    /// 9 of 10 are not longer.
+    pub p90_ns: u64,
+    /// 99 of 100 are not longer.
+    pub p99_ns: u64,
+    /// 999 of 1000 are not longer.
+    pub p99_9_ns: u64,
+    /// The longest.
+    pub max_ns: u64,
+}
+
+impl Summary {
+    /// Of values in any order; `None` without values.
+    pub fn of(values_ns: &[u64]) -> Option<Self> {
+        let mut sorted = values_ns.to_vec();
+        sorted.sort_unstable();
+        Some(Self {
+            n: sorted.len(),
+            p50_ns: nearest_rank(&sorted, 0.5)?,
+            p90_ns: nearest_rank(&sorted, 0.9)?,
+            p99_ns: nearest_rank(&sorted, 0.99)?,
+            p99_9_ns: nearest_rank(&sorted, 0.999)?,
+            max_ns: *sorted.last()?,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn percentiles_are_values_by_nearest_rank() {
+        let values: Vec<u64> = (1..=1000).rev().collect();
+        let summary = Summary::of(&values).unwrap();
+        assert_eq!(
+            (summary.n, summary.p50_ns, summary.p90_ns),
+            (1000, 500, 900)
+        );
+        assert_eq!(
+            (summary.p99_ns, summary.p99_9_ns, summary.max_ns),
+            (990, 999, 1000)
+        );
+        assert_eq!(Summary::of(&[]), None);
+    }
+
+    proptest! {
+        #[test]
+        fn percentiles_never_go_down(values in prop::collection::vec(any::<u64>(), 1..300)) {
+            let s = Summary::of(&values).unwrap();
+            let told = [s.p50_ns, s.p90_ns, s.p99_ns, s.p99_9_ns, s.max_ns];
+            prop_assert!(told.is_sorted());
+            prop_assert!(told.iter().all(|value| values.contains(value)));
+            let n_not_longer = values.iter().filter(|value| **value <= s.p50_ns).count();
+            prop_assert!(2 * n_not_longer >= values.len());
+        }
+    }
+}

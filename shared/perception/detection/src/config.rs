@@ -1,0 +1,273 @@
+//! What may be set.
+
+use constraint::{Expression, InvalidExpression};
+use std::fmt;
+
+/// Settings as written down, not yet checked. The default fits a Kinect v1
+/// that looks at a table from 0.5 to 1.5 m.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RawConfig {
+    /// Nearest depth that is used, metres; 0.1 to 10.
+    pub range_min_m: f64,
+    /// Farthest depth that is used, metres; above the nearest, to 10.
+    pub range_max_m: f64,
+    /// Least half width of the band of points that belong to a plane, metres;
+    /// 0.001 to 0.1. Where three sigma of the depth noise are more, they count.
+    pub plane_band_min_m: f64,
+    /// Greatest angle between the table's normal and up, radians; 0 to 0.8.
+    /// Used only where up is known.
+    pub table_tilt_max_rad: f64,
+    /// Least height of an object's points over the table, metres; 0.001 to 0.1.
+    pub height_min_m: f64,
+    /// Greatest height of an object's points, metres; above the least, to 3.
+    pub height_max_m: f64,
+    /// Fewest points of an object at 1 m; at depth z it needs this over z²;
+    /// 1 to 100 000.
+    pub points_min_at_1m: f64,
+    /// Least length of an object's longest side, metres; 0.001 to 1.
+    pub side_min_m: f64,
+    /// Greatest length of an object's longest side, metres; above the least, to 5.
+    pub side_max_m: f64,
+    /// How far over the table the lowest points of a standing object may
+    /// begin, metres; 0.001 to 0.5.
+    pub standing_gap_max_m: f64,
+    /// The rule by which a candidate begins a track, see
+    /// [`Expression`](crate::Expression).
+    pub rule: String,
+    /// Overlap with a track's box, as intersection over union, from which that
+    /// track explains a candidate; 0.01 to 1.
+    pub track_overlap_max: f64,
+    /// Share of the points in the grown boxes of tracks from which these explain
+    /// a candidate; 0.01 to 1.
+    pub track_points_share_max: f64,
+    /// Greatest longest side of what a hand can grasp, metres; 0.01 to 5.
+    pub graspable_side_max_m: f64,
+    /// Greatest second side of what a hand can grasp, metres; 0.01 to 5.
+    pub graspable_second_side_max_m: f64,
+    /// Greatest volume of what a hand can grasp, cubic metres; 1e-6 to 10.
+    pub graspable_volume_max_m3: f64,
+    /// What is nearer to a part of a person belongs to it, metres; 0 to 0.5.
+    pub person_margin_m: f64,
+    /// What is nearer to a link of the robot belongs to it, metres; 0 to 0.5.
+    pub robot_margin_m: f64,
+    /// What is nearer to the table's rim is at the rim, metres; 0 to 1.
+    pub rim_distance_m: f64,
+    /// Share of a candidate's points at the rim above which it stands at the
+    /// rim; 0 to 1.
+    pub rim_share_max: f64,
+}
+
+impl Default for RawConfig {
+    fn default() -> Self {
+        Self {
+            range_min_m: 0.35,
+            range_max_m: 2.0,
+            plane_band_min_m: 0.008,
+            table_tilt_max_rad: 12_f64.to_radians(),
+            height_min_m: 0.008,
+            height_max_m: 0.60,
+            points_min_at_1m: 100.0,
+            side_min_m: 0.02,
+            side_max_m: 0.80,
+            standing_gap_max_m: 0.03,
+            rule: Expression::default().to_string(),
+            track_overlap_max: 0.3,
+            track_points_share_max: 0.5,
+            graspable_side_max_m: 0.35,
+            graspable_second_side_max_m: 0.25,
+            graspable_volume_max_m3: 0.012,
+            person_margin_m: 0.05,
+            robot_margin_m: 0.03,
+            rim_distance_m: 0.03,
+            rim_share_max: 0.05,
+        }
+    }
+}
+
+/// Checked settings.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Config {
+    raw: RawConfig,
+    rule: Expression,
+}
+
+/// A setting that can not be used.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum InvalidConfig {
+    /// A number outside its range.
+    OutOfRange {
+        /// Name of the setting.
+        name: &'static str,
+        /// What it is.
+        value: f64,
+        /// Least value.
+        min: f64,
+        /// Greatest value.
+        max: f64,
+    },
+    /// A rule that can not be read.
+    Rule(InvalidExpression),
+}
+
+impl fmt::Display for InvalidConfig {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::OutOfRange {
+                name,
+                value,
+                min,
+                max,
+            } => write!(
+                f,
+                "the detection setting {name} is {value} but must lie between {min} and {max}"
+            ),
+            Self::Rule(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for InvalidConfig {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::OutOfRange { .. } => None,
+            Self::Rule(error) => Some(error),
+        }
+    }
+}
+
+impl Config {
+    /// Checks settings.
+    ///
+    /// # Errors
+    /// Names the first setting outside its range; NaN is outside every range. A
+    /// rule that can not be read is quoted.
+    pub fn new(raw: RawConfig) -> Result<Self, InvalidConfig> {
+        for (name, value, min, max) in [
+            ("range_min_m", raw.range_min_m, 0.1, 10.0),
+            ("range_max_m", raw.range_max_m, raw.range_min_m, 10.0),
+            ("plane_band_min_m", raw.plane_band_min_m, 0.001, 0.1),
+            ("table_tilt_max_rad", raw.table_tilt_max_rad, 0.0, 0.8),
+            ("height_min_m", raw.height_min_m, 0.001, 0.1),
+            ("height_max_m", raw.height_max_m, raw.height_min_m, 3.0),
+            ("points_min_at_1m", raw.points_min_at_1m, 1.0, 1e5),
+            ("side_min_m", raw.side_min_m, 0.001, 1.0),
+            ("side_max_m", raw.side_max_m, raw.side_min_m, 5.0),
+            ("standing_gap_max_m", raw.standing_gap_max_m, 0.001, 0.5),
+            ("track_overlap_max", raw.track_overlap_max, 0.01, 1.0),
+            (
+                "track_points_share_max",
+                raw.track_points_share_max,
+                0.01,
+                1.0,
+            ),
+            ("graspable_side_max_m", raw.graspable_side_max_m, 0.01, 5.0),
+            (
+                "graspable_second_side_max_m",
+                raw.graspable_second_side_max_m,
+                0.01,
+                5.0,
+            ),
+            (
+                "graspable_volume_max_m3",
+                raw.graspable_volume_max_m3,
+                1e-6,
+                10.0,
+            ),
+            ("person_margin_m", raw.person_margin_m, 0.0, 0.5),
+            ("robot_margin_m", raw.robot_margin_m, 0.0, 0.5),
+            ("rim_distance_m", raw.rim_distance_m, 0.0, 1.0),
+            ("rim_share_max", raw.rim_share_max, 0.0, 1.0),
+        ] {
+            if !(min..=max).contains(&value) {
+                return Err(InvalidConfig::OutOfRange {
+                    name,
+                    value,
+                    min,
+                    max,
+                });
+            }
+        }
+        let rule = raw.rule.parse().map_err(InvalidConfig::Rule)?;
+        Ok(Self { raw, rule })
+    }
+
+    /// The rule by which a candidate begins a track.
+    pub fn rule(&self) -> &Expression {
+        &self.rule
+    }
+
+    /// The settings.
+    pub fn get(&self) -> &RawConfig {
+        &self.raw
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_default_is_valid() {
+        assert_eq!(Config::new(RawConfig::default()), Ok(Config::default()));
+    }
+
+    #[test]
+    fn a_setting_out_of_range_is_named() {
+        let good = RawConfig::default();
+        for (bad, name) in [
+            (
+                RawConfig {
+                    range_min_m: f64::NAN,
+                    ..good.clone()
+                },
+                "range_min_m",
+            ),
+            (
+                RawConfig {
+                    range_max_m: 0.2,
+                    ..good.clone()
+                },
+                "range_max_m",
+            ),
+            (
+                RawConfig {
+                    height_max_m: f64::INFINITY,
+                    ..good.clone()
+                },
+                "height_max_m",
+            ),
+            (
+                RawConfig {
+                    points_min_at_1m: 0.0,
+                    ..good.clone()
+                },
+                "points_min_at_1m",
+            ),
+            (
+                RawConfig {
+                    side_max_m: -1.0,
+                    ..good.clone()
+                },
+                "side_max_m",
+            ),
+            (
+                RawConfig {
+                    rim_share_max: 1.5,
+                    ..good.clone()
+                },
+                "rim_share_max",
+            ),
+            (
+                RawConfig {
+                    rule: "C_table and C_unicorn".into(),
+                    ..good.clone()
+                },
+                "C_unicorn",
+            ),
+        ] {
+            let message = Config::new(bad).unwrap_err().to_string();
+            assert!(message.contains(name), "{message}");
+        }
+    }
+}

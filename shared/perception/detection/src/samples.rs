@@ -1,0 +1,300 @@
+//! The thinned image on which planes are searched.
+
+use crate::RawConfig;
+use crate::axis::Axis;
+use nalgebra::Point3;
+use point_cloud::{Moments, OrganizedCloud, Point};
+use sensor_noise::depth_sigma_m;
+
+/// About how many samples an image is thinned to.
+const N_SAMPLES_AIMED: usize = 20_000;
+
+/// How far sideways of the optical axis a point may lie, in units of its
+/// depth. A wider view than 150 degrees is a damaged point.
+const SIDEWAYS_MAX: f32 = 3.8;
+
+/// Farther depths are damage, metres.
+const FARTHEST_M: f32 = 20.0;
+
+/// Band of a sample that belongs to nothing: no distance is this small.
+const NO_BAND: f32 = -1.0;
+
+/// Coordinates and inlier bands of the samples, row by row of the thinned
+/// image; a sample out of range has a negative band.
+#[derive(Debug, Default)]
+pub(crate) struct Samples {
+    stride: usize,
+    width: usize,
+    height: usize,
+    x: Vec<f32>,
+    y: Vec<f32>,
+    z: Vec<f32>,
+    band: Vec<f32>,
+}
+
+/// First and last column and row of the thinned image with samples in range.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SeenSamples {
+    columns: [usize; 2],
+    rows: [usize; 2],
+}
+
+impl SeenSamples {
+    /// Whether a sample lies at the border of what is seen, or beside it.
+    pub(crate) fn is_border(&self, column: usize, row: usize) -> bool {
+        let near = |[first, last]: [usize; 2], at: usize| at <= first + 1 || at + 1 >= last;
+        near(self.columns, column) || near(self.rows, row)
+    }
+}
+
+/// How far to the side of the optical axis a point may lie, metres.
+#[inline]
+pub(crate) fn side_max_m(z_max: f32) -> f32 {
+    SIDEWAYS_MAX * z_max
+}
+
+/// Whether a point can be used: in the range of depth and not absurdly far to
+/// the side. False for whatever is not finite.
+#[inline]
+#[expect(
+    clippy::needless_bitwise_bool,
+    reason = "branches that can not be foreseen cost more than comparisons"
+)]
+pub(crate) fn is_in_range(point: &Point, z_min: f32, z_max: f32) -> bool {
+    let side_max = side_max_m(z_max);
+    (point.z >= z_min)
+        & (point.z <= z_max)
+        & (point.x.abs() <= side_max)
+        & (point.y.abs() <= side_max)
+}
+
+impl Samples {
+    /// Thins the image: the middle pixel of every `stride x stride` block.
+    pub(crate) fn refill(&mut self, cloud: &OrganizedCloud<'_>, config: &RawConfig) {
+        let stride = stride_for(cloud);
+        self.clear();
+        self.stride = stride;
+        self.width = (cloud.width() - stride / 2).div_ceil(stride);
+        for row in (stride / 2..cloud.height()).step_by(stride) {
+            self.height += 1;
+            for point in cloud.row(row)[stride / 2..].iter().step_by(stride) {
+                self.push(point, config);
+            }
+        }
+    }
+
+    fn clear(&mut self) {
+        (self.width, self.height) = (0, 0);
+        for values in [&mut self.x, &mut self.y, &mut self.z, &mut self.band] {
+            values.clear();
+        }
+    }
+
+    #[inline]
+    fn push(&mut self, point: &Point, config: &RawConfig) {
+        let range_max_m = config.range_max_m as f32;
+        let usable = is_in_range(point, config.range_min_m as f32, range_max_m);
+        // What is farther still shows what its ray passes through.
+        let [x, y, z] = if usable || is_in_range(point, range_max_m, FARTHEST_M) {
+            [point.x, point.y, point.z]
+        } else {
+            [0.0; 3]
+        };
+        self.x.push(x);
+        self.y.push(y);
+        self.z.push(z);
+        self.band.push(if usable {
+            plane_band_m(z, config)
+        } else {
+            NO_BAND
+        });
+    }
+
+    /// Depth of a sample, metres; 0 for one that is nearer than the range or has
+    /// none. One that is farther has its depth, but belongs to nothing.
+    pub(crate) fn depth(&self, sample: usize) -> f32 {
+        self.z[sample]
+    }
+
+    /// Pixels from one sample to the next.
+    pub(crate) fn stride(&self) -> usize {
+        self.stride
+    }
+
+    /// Columns of the thinned image.
+    pub(crate) fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Rows of the thinned image.
+    pub(crate) fn height(&self) -> usize {
+        self.height
+    }
+
+    /// Number of samples.
+    pub(crate) fn len(&self) -> usize {
+        self.band.len()
+    }
+
+    /// The part of the thinned image in which there are samples in range.
+    pub(crate) fn seen(&self) -> SeenSamples {
+        let mut seen = SeenSamples {
+            columns: [usize::MAX, 0],
+            rows: [usize::MAX, 0],
+        };
+        for sample in (0..self.len()).filter(|&sample| self.is_free(sample)) {
+            let (column, row) = (sample % self.width, sample / self.width);
+            seen.columns = [seen.columns[0].min(column), seen.columns[1].max(column)];
+            seen.rows = [seen.rows[0].min(row), seen.rows[1].max(row)];
+        }
+        seen
+    }
+
+    /// Whether a sample still belongs to no plane and is in range.
+    #[inline]
+    pub(crate) fn is_free(&self, sample: usize) -> bool {
+        self.band[sample] >= 0.0
+    }
+
+    /// Position of a sample, camera frame.
+    #[inline]
+    pub(crate) fn position(&self, sample: usize) -> Point3<f64> {
+        let as_f64 = |values: &[f32]| f64::from(values[sample]);
+        Point3::new(as_f64(&self.x), as_f64(&self.y), as_f64(&self.z))
+    }
+
+    /// Whether a sample lies within its own band of the plane.
+    #[inline]
+    pub(crate) fn is_inlier(&self, sample: usize, plane: &Axis) -> bool {
+        let height = plane.at(self.x[sample], self.y[sample], self.z[sample]);
+        height.abs() <= self.band[sample]
+    }
+
+    /// Number of inliers.
+    pub(crate) fn count_inliers(&self, plane: &Axis) -> u32 {
+        let n = self.len();
+        let (x, y, z, band) = (&self.x[..n], &self.y[..n], &self.z[..n], &self.band[..n]);
+        (0..n)
+            .map(|i| u32::from(plane.at(x[i], y[i], z[i]).abs() <= band[i]))
+            .sum()
+    }
+
+    /// Sums over the inliers.
+    pub(crate) fn inlier_moments(&self, plane: &Axis) -> Moments {
+        let mut moments = Moments::default();
+        for sample in 0..self.len() {
+            if self.is_inlier(sample, plane) {
+                moments.add(&self.position(sample));
+            }
+        }
+        moments
+    }
+
+    /// Copies every `step`-th free sample, without the grid.
+    pub(crate) fn thin_into(&self, step: usize, out: &mut Self) {
+        out.clear();
+        let mut free_seen = 0;
+        for sample in 0..self.len() {
+            if self.is_free(sample) {
+                if free_seen % step == 0 {
+                    out.x.push(self.x[sample]);
+                    out.y.push(self.y[sample]);
+                    out.z.push(self.z[sample]);
+                    out.band.push(self.band[sample]);
+                }
+                free_seen += 1;
+            }
+        }
+    }
+
+    /// Takes the inliers of a plane out of further searches.
+    pub(crate) fn take_inliers(&mut self, plane: &Axis) {
+        for sample in 0..self.len() {
+            if self.is_inlier(sample, plane) {
+                self.band[sample] = NO_BAND;
+            }
+        }
+    }
+
+    /// Makes all samples in range free again.
+    pub(crate) fn free_all(&mut self, config: &RawConfig) {
+        for (band, &z) in self.band.iter_mut().zip(&self.z) {
+            *band = if z > 0.0 && z <= config.range_max_m as f32 {
+                plane_band_m(z, config)
+            } else {
+                NO_BAND
+            };
+        }
+    }
+
+    /// Coordinates of a sample along an axis, metres.
+    #[inline]
+    pub(crate) fn along(&self, axis: &Axis, sample: usize) -> f32 {
+        axis.at(self.x[sample], self.y[sample], self.z[sample])
+    }
+}
+
+/// Half width of the band around a plane at a depth, metres.
+#[inline]
+pub(crate) fn plane_band_m(z: f32, config: &RawConfig) -> f32 {
+    (3.0 * depth_sigma_m(z)).max(config.plane_band_min_m as f32)
+}
+
+/// No more than the shorter side, so that at least one sample is left.
+fn stride_for(cloud: &OrganizedCloud<'_>) -> usize {
+    let thinning = (cloud.points().len() as f64 / N_SAMPLES_AIMED as f64).sqrt();
+    (thinning.round() as usize).clamp(1, cloud.width().min(cloud.height()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use point_cloud::Rgba;
+
+    #[test]
+    fn an_image_is_thinned_to_the_middle_of_its_blocks() {
+        let points: Vec<Point> = (0..640 * 480)
+            .map(|i| Point {
+                x: (i % 640) as f32 * 1e-3,
+                y: (i / 640) as f32 * 1e-3,
+                z: 1.0,
+                color: Rgba::default(),
+            })
+            .collect();
+        let mut samples = Samples::default();
+        samples.refill(
+            &OrganizedCloud::new(&points, 640, 480).unwrap(),
+            &RawConfig::default(),
+        );
+        assert_eq!(
+            (samples.width(), samples.height(), samples.len()),
+            (160, 120, 19_200)
+        );
+        assert!((samples.position(161) - Point3::new(0.006, 0.006, 1.0)).norm() < 1e-6);
+    }
+
+    #[test]
+    fn only_points_in_range_take_part() {
+        let value = |x: f32, z: f32| Point {
+            x,
+            y: 0.0,
+            z,
+            color: Rgba::default(),
+        };
+        let points = [
+            value(0.0, f32::NAN),
+            value(f32::INFINITY, 1.0),
+            value(1e30, 1.0),
+            value(0.0, 0.0),
+            value(0.0, 1.0),
+            value(f32::NAN, 1.0),
+        ];
+        let mut samples = Samples::default();
+        samples.refill(
+            &OrganizedCloud::new(&points, 3, 2).unwrap(),
+            &RawConfig::default(),
+        );
+        let free: Vec<usize> = (0..samples.len()).filter(|&i| samples.is_free(i)).collect();
+        assert_eq!(free, [4]);
+    }
+}

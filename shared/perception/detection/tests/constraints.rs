@@ -1,0 +1,545 @@
+//! Each constraint on rendered tables, where the truth is known.
+
+mod synthetic;
+
+use constraint::{Assumption, Constraint, Findings, Reason, Truth};
+use detection::{
+    Candidate, Config, Detection, ExpectedTrack, Frame, RawConfig, Surroundings, Workspace, detect,
+};
+use geometry::{Capsule, OrientedBox};
+use nalgebra::{Isometry3, Point3, Vector3};
+use point_cloud::{OrganizedCloud, Point};
+use std::f64::consts::FRAC_PI_4;
+use synthetic::{BoxOnTable, camera_from_table, render};
+
+const MIDDLE: BoxOnTable = BoxOnTable {
+    centre: [0.0, 0.0],
+    bottom: 0.0,
+    sides: [0.10, 0.08, 0.12],
+    rgb: [200, 30, 30],
+};
+
+fn box_at(x: f64, y: f64, sides: [f64; 3]) -> BoxOnTable {
+    BoxOnTable {
+        centre: [x, y],
+        sides,
+        ..MIDDLE
+    }
+}
+
+fn found(points: &[Point], surroundings: Surroundings<'_>, config: &Config) -> Detection {
+    let mut detection = Detection::default();
+    let frame = Frame {
+        cloud: OrganizedCloud::new(points, 640, 480).expect("a full grid"),
+        up_in_camera: None,
+        seed: 3,
+        surroundings,
+    };
+    detect(&frame, config, &mut Workspace::default(), &mut detection).expect("an organised cloud");
+    detection
+}
+
+fn found_plainly(boxes: &[BoxOnTable]) -> Detection {
+    let points = render(boxes, 1.0);
+    found(&points, Surroundings::default(), &Config::default())
+}
+
+/// The candidate whose middle is nearest to a place of the table's frame.
+fn near(detection: &Detection, place: [f64; 3]) -> &Candidate {
+    let place = camera_from_table() * Point3::from(place);
+    let away = |candidate: &&Candidate| (candidate.oriented_box.centre() - place).norm();
+    let nearest = detection
+        .candidates
+        .iter()
+        .min_by(|a, b| away(a).total_cmp(&away(b)));
+    nearest.expect("a candidate")
+}
+
+fn box_in_camera(solid: &BoxOnTable, shift_m: [f64; 3]) -> OrientedBox {
+    let [x, y] = solid.centre;
+    let middle = Vector3::new(x, y, solid.bottom + 0.5 * solid.sides[2]) + Vector3::from(shift_m);
+    let upright = OrientedBox {
+        frame_from_box: Isometry3::from_parts(middle.into(), nalgebra::UnitQuaternion::identity()),
+        half_sides_m: 0.5 * Vector3::from(solid.sides),
+    };
+    upright.transformed(&camera_from_table())
+}
+
+fn capsule_in_camera(from: [f64; 3], to: [f64; 3], radius_m: f64) -> Capsule {
+    let capsule = Capsule {
+        from: from.into(),
+        to: to.into(),
+        radius_m,
+    };
+    capsule.transformed(&camera_from_table())
+}
+
+fn check(findings: &Findings, constraint: Constraint, truth: Truth, is_reason: fn(Reason) -> bool) {
+    let finding = findings.of(constraint);
+    assert_eq!(finding.truth, truth, "{constraint:?}: {}", finding.reason);
+    assert!(is_reason(finding.reason), "{:?}", finding.reason);
+}
+
+#[test]
+fn what_stands_free_on_the_table_is_an_object() {
+    let detection = found_plainly(&[MIDDLE]);
+    let candidate = near(&detection, [0.0, 0.0, 0.06]);
+    assert_eq!(candidate.verdict, Truth::True);
+    let findings = &candidate.findings;
+    check(findings, Constraint::Table, Truth::True, |r| {
+        r == Reason::StandsOnTable
+    });
+    check(findings, Constraint::Track, Truth::True, |r| {
+        r == Reason::NoTrackThere { overlap: 0.0 }
+    });
+    check(findings, Constraint::Size, Truth::True, |r| {
+        matches!(r, Reason::Graspable { .. })
+    });
+    check(findings, Constraint::Edge, Truth::False, |r| {
+        r == Reason::AwayFromRim
+    });
+    check(findings, Constraint::Robot, Truth::False, |r| {
+        r == Reason::NoRobotKnown
+    });
+    check(findings, Constraint::Instructor, Truth::False, |r| {
+        r == Reason::NoPersonKnown
+    });
+    check(findings, Constraint::KeyView, Truth::Unknown, |r| {
+        r == Reason::KeyViewNotDecided
+    });
+    check(findings, Constraint::ImageBorder, Truth::False, |r| {
+        r == Reason::WithinView
+    });
+}
+
+#[test]
+fn what_was_taken_for_granted_is_told() {
+    let points = render(&[MIDDLE], 1.0);
+    let told = |surroundings| found(&points, surroundings, &Config::default()).assumptions;
+    let nothing_known = told(Surroundings::default());
+    for assumption in [
+        Assumption::NoPersonKnown,
+        Assumption::NoRobotKnown,
+        Assumption::UpGuessed,
+    ] {
+        assert!(nothing_known.contains(assumption));
+    }
+    let nobody_there = told(Surroundings {
+        instructor: Some(&[]),
+        robot: Some(&[]),
+        tracks: &[],
+    });
+    assert_eq!(
+        nobody_there.iter().collect::<Vec<_>>(),
+        [Assumption::UpGuessed]
+    );
+}
+
+/// Two boxes of one colour that stand side by side look like one longer box.
+#[test]
+fn two_tracks_that_have_come_together_stay_two() {
+    let sides = [0.08, 0.08, 0.12];
+    let pair = [box_at(-0.04, 0.0, sides), box_at(0.04, 0.0, sides)];
+    let points = render(&pair, 1.0);
+    let with = |tracks: &[ExpectedTrack]| {
+        let surroundings = Surroundings {
+            tracks,
+            ..Surroundings::default()
+        };
+        found(&points, surroundings, &Config::default())
+    };
+    let whole = with(&[]);
+    assert_eq!(whole.candidates.len(), 1);
+    let n_points = whole.candidates[0].n_points() / 2;
+    let track = |solid: &BoxOnTable, n_points: usize| ExpectedTrack {
+        shape: box_in_camera(solid, [0.004, 0.003, 0.0]),
+        n_points,
+    };
+    let both = pair.each_ref().map(|solid| track(solid, n_points));
+    let parted = with(&both);
+    assert_eq!(parted.candidates.len(), 2);
+    for solid in &pair {
+        let [x, y] = solid.centre;
+        let half = near(&parted, [x, y, 0.06]);
+        let middle = camera_from_table() * Point3::new(x, y, 0.06);
+        assert!(
+            (half.oriented_box.centre() - middle).norm() < 0.012,
+            "{half:?}"
+        );
+        assert!(half.n_points() > n_points * 8 / 10);
+    }
+    // One track of the whole, one where an object may have been, two of one object.
+    let twice = box_at(0.0, 0.0, [0.16, 0.08, 0.12]);
+    let unseen = pair.each_ref().map(|solid| track(solid, 0));
+    for tracks in [
+        vec![track(&twice, 2 * n_points)],
+        unseen.to_vec(),
+        vec![track(&twice, 2 * n_points); 2],
+    ] {
+        assert_eq!(with(&tracks).candidates.len(), 1);
+    }
+}
+
+#[test]
+fn what_a_track_explains_begins_no_other() {
+    let points = render(&[MIDDLE], 1.0);
+    let judged = |boxes: &[OrientedBox]| {
+        let tracks: Vec<ExpectedTrack> = boxes.iter().map(|shape| (*shape).into()).collect();
+        let surroundings = Surroundings {
+            tracks: &tracks,
+            ..Surroundings::default()
+        };
+        let detection = found(&points, surroundings, &Config::default());
+        near(&detection, [0.0, 0.0, 0.06]).clone()
+    };
+    let same = judged(&[box_in_camera(&MIDDLE, [0.01, 0.0, 0.0])]);
+    check(
+        &same.findings,
+        Constraint::Track,
+        Truth::False,
+        |r| matches!(r, Reason::OverlapsTrack { overlap } if overlap > 0.6),
+    );
+    assert_eq!(same.verdict, Truth::False);
+    assert_eq!(
+        same.decisive.iter().collect::<Vec<_>>(),
+        [Constraint::Track]
+    );
+    // A track of something much larger around it.
+    let larger = BoxOnTable {
+        sides: [0.3, 0.3, 0.3],
+        ..MIDDLE
+    };
+    let inside = judged(&[box_in_camera(&larger, [0.0; 3])]);
+    check(
+        &inside.findings,
+        Constraint::Track,
+        Truth::False,
+        |r| matches!(r, Reason::InsideTrack { share } if share > 0.95),
+    );
+    let beside = judged(&[box_in_camera(&MIDDLE, [0.2, 0.0, 0.0])]);
+    check(
+        &beside.findings,
+        Constraint::Track,
+        Truth::True,
+        |r| matches!(r, Reason::NoTrackThere { overlap } if overlap == 0.0),
+    );
+    assert_eq!(beside.verdict, Truth::True);
+    let broken = judged(&[OrientedBox {
+        half_sides_m: Vector3::repeat(f64::NAN),
+        ..box_in_camera(&MIDDLE, [0.0; 3])
+    }]);
+    assert_eq!(broken.verdict, Truth::True);
+}
+
+#[test]
+fn size_tells_which_side_is_too_long() {
+    let judged = |sides: [f64; 3]| {
+        let detection = found_plainly(&[box_at(0.0, 0.05, sides)]);
+        near(&detection, [0.0, 0.05, 0.5 * sides[2]]).clone()
+    };
+    let long = judged([0.45, 0.06, 0.06]);
+    check(
+        &long.findings,
+        Constraint::Size,
+        Truth::False,
+        |r| matches!(r, Reason::TooLong { side_m, most_m } if (side_m - 0.45).abs() < 0.02 && most_m == 0.35),
+    );
+    // The rule does not ask for C_size.
+    assert_eq!(long.verdict, Truth::True);
+    let broad = judged([0.30, 0.29, 0.05]);
+    check(
+        &broad.findings,
+        Constraint::Size,
+        Truth::False,
+        |r| matches!(r, Reason::TooBroad { side_m, .. } if (side_m - 0.29).abs() < 0.02),
+    );
+    let bulky = judged([0.34, 0.24, 0.24]);
+    check(
+        &bulky.findings,
+        Constraint::Size,
+        Truth::False,
+        |r| matches!(r, Reason::TooBulky { volume_m3, .. } if (volume_m3 - 0.0196).abs() < 0.003),
+    );
+    let config = Config::new(RawConfig {
+        side_max_m: 0.4,
+        ..RawConfig::default()
+    });
+    let points = render(&[box_at(0.0, 0.05, [0.45, 0.06, 0.06])], 1.0);
+    let detection = found(&points, Surroundings::default(), &config.unwrap());
+    let no_object = near(&detection, [0.0, 0.05, 0.03]);
+    assert!(!no_object.is_object_sized && !no_object.can_continue_track());
+    assert_eq!(no_object.verdict, Truth::False);
+    assert_eq!(
+        no_object.decisive.iter().collect::<Vec<_>>(),
+        [Constraint::Size]
+    );
+    check(
+        &no_object.findings,
+        Constraint::Size,
+        Truth::False,
+        |r| matches!(r, Reason::TooLong { most_m, .. } if most_m == 0.4),
+    );
+}
+
+#[test]
+fn the_border_of_the_image_makes_the_size_unknown() {
+    let detection = found_plainly(&[box_at(-0.47, 0.0, [0.12, 0.1, 0.2])]);
+    let cut = near(&detection, [-0.47, 0.0, 0.1]);
+    check(&cut.findings, Constraint::Size, Truth::Unknown, |r| {
+        matches!(r, Reason::SizeCut { .. })
+    });
+    check(&cut.findings, Constraint::ImageBorder, Truth::True, |r| {
+        r == Reason::AtImageBorder
+    });
+}
+
+#[test]
+fn half_an_object_at_the_rim_begins_no_track() {
+    // The far rim is seen as a whole; it lies at y = 0.4.
+    let judged = |y: f64| {
+        let detection = found_plainly(&[box_at(0.0, y, [0.1, 0.05, 0.03])]);
+        near(&detection, [0.0, y, 0.015]).clone()
+    };
+    let at_rim = judged(0.375);
+    check(
+        &at_rim.findings,
+        Constraint::Edge,
+        Truth::True,
+        |r| matches!(r, Reason::AtRim { share, distance_m } if share > 0.3 && distance_m == 0.03),
+    );
+    assert_eq!(at_rim.verdict, Truth::False);
+    assert!(at_rim.can_continue_track());
+    check(
+        &judged(0.25).findings,
+        Constraint::Edge,
+        Truth::False,
+        |r| r == Reason::AwayFromRim,
+    );
+}
+
+#[test]
+fn a_link_of_the_robot_is_not_an_object() {
+    let points = render(
+        &[
+            box_at(-0.2, 0.0, [0.3, 0.04, 0.05]),
+            box_at(0.2, 0.0, [0.1; 3]),
+        ],
+        1.0,
+    );
+    let link = [capsule_in_camera([-0.4, 0.0, 0.02], [0.0, 0.0, 0.02], 0.03)];
+    let judged = |surroundings| found(&points, surroundings, &Config::default());
+    let as_robot = judged(Surroundings {
+        robot: Some(&link),
+        instructor: Some(&[]),
+        ..Surroundings::default()
+    });
+    let arm = near(&as_robot, [-0.2, 0.0, 0.025]);
+    check(
+        &arm.findings,
+        Constraint::Robot,
+        Truth::True,
+        |r| matches!(r, Reason::Robot { share, margin_m } if share == 1.0 && margin_m == 0.03),
+    );
+    check(&arm.findings, Constraint::Instructor, Truth::False, |r| {
+        r == Reason::NoPerson
+    });
+    assert_eq!(arm.verdict, Truth::False);
+    assert_eq!(arm.decisive.iter().collect::<Vec<_>>(), [Constraint::Robot]);
+    assert!(!arm.can_continue_track() && !arm.is_hypothesis());
+    let other = near(&as_robot, [0.2, 0.0, 0.05]);
+    check(&other.findings, Constraint::Robot, Truth::False, |r| {
+        r == Reason::NoRobot
+    });
+    assert_eq!(other.verdict, Truth::True);
+    let as_person = judged(Surroundings {
+        instructor: Some(&link),
+        ..Surroundings::default()
+    });
+    let hand = near(&as_person, [-0.2, 0.0, 0.025]);
+    check(
+        &hand.findings,
+        Constraint::Instructor,
+        Truth::True,
+        |r| matches!(r, Reason::Person { margin_m, .. } if margin_m == 0.05),
+    );
+    check(&hand.findings, Constraint::Robot, Truth::False, |r| {
+        r == Reason::NoRobotKnown
+    });
+}
+
+#[test]
+fn where_person_and_robot_meet_each_part_may_be_either() {
+    let points = render(&[box_at(0.0, 0.0, [0.4, 0.05, 0.05])], 1.0);
+    // A fifth of it is only the robot's, the rest the person's.
+    let robot = [capsule_in_camera(
+        [-0.2, 0.0, 0.025],
+        [-0.15, 0.0, 0.025],
+        0.04,
+    )];
+    let person = [capsule_in_camera(
+        [-0.07, 0.0, 0.025],
+        [0.25, 0.0, 0.025],
+        0.04,
+    )];
+    let surroundings = Surroundings {
+        robot: Some(&robot),
+        instructor: Some(&person),
+        tracks: &[],
+    };
+    let detection = found(&points, surroundings, &Config::default());
+    let both = near(&detection, [0.0, 0.0, 0.025]);
+    check(
+        &both.findings,
+        Constraint::Robot,
+        Truth::Unknown,
+        |r| matches!(r, Reason::MaybeRobot { share, .. } if (0.1..0.5).contains(&share)),
+    );
+    check(&both.findings, Constraint::Instructor, Truth::True, |_| {
+        true
+    });
+}
+
+#[test]
+fn a_hand_at_an_object_does_not_melt_with_it() {
+    // A beam through a box, as an arm over a carton: one connected surface.
+    let carton = box_at(0.0, 0.0, [0.12, 0.12, 0.14]);
+    let forearm = BoxOnTable {
+        centre: [0.2, -0.03],
+        bottom: 0.06,
+        sides: [0.36, 0.05, 0.05],
+        rgb: [30, 200, 30],
+    };
+    let points = render(&[carton, forearm], 1.0);
+    let melted = found(&points, Surroundings::default(), &Config::default());
+    let capsule = [capsule_in_camera(
+        [0.08, -0.03, 0.085],
+        [0.40, -0.03, 0.085],
+        0.03,
+    )];
+    let surroundings = Surroundings {
+        instructor: Some(&capsule),
+        ..Surroundings::default()
+    };
+    let config = Config::new(RawConfig {
+        person_margin_m: 0.01,
+        ..RawConfig::default()
+    });
+    let detection = found(&points, surroundings, &config.unwrap());
+    let is_person = |c: &&Candidate| c.findings.is_limb();
+    let (limbs, objects): (Vec<_>, Vec<_>) = detection.candidates.iter().partition(is_person);
+    assert!(!limbs.is_empty() && limbs.iter().all(|limb| limb.verdict == Truth::False));
+    let green = |candidate: &Candidate| candidate.mean_rgb[1];
+    assert!(limbs.iter().all(|limb| green(limb) > 150.0), "{limbs:?}");
+    let kept = objects
+        .iter()
+        .filter(|c| c.is_hypothesis())
+        .collect::<Vec<_>>();
+    assert_eq!(kept.len(), 1, "{objects:?}");
+    assert!(green(kept[0]) < 50.0, "{:?}", kept[0].mean_rgb);
+    // What is touched begins no track: a part of it may be missing.
+    check(
+        &kept[0].findings,
+        Constraint::Instructor,
+        Truth::Unknown,
+        |r| matches!(r, Reason::AtPerson { share, .. } if share > 0.05),
+    );
+    assert_eq!(kept[0].verdict, Truth::Unknown);
+    assert!(kept[0].can_continue_track() && kept[0].is_touched());
+    let sides = kept[0].oriented_box.sides_m();
+    assert!(
+        (sides - Vector3::new(0.12, 0.12, 0.14)).amax() < 0.03,
+        "{sides}"
+    );
+    // Without the capsule the two are told apart worse or not at all.
+    let n_points_in_box = |detection: &Detection| near(detection, [0.0, 0.0, 0.07]).n_points();
+    assert!(n_points_in_box(&melted) >= n_points_in_box(&detection));
+    let mut indices = detection.point_indices.clone();
+    indices.sort_unstable();
+    indices.dedup();
+    assert_eq!(indices.len(), detection.point_indices.len());
+}
+
+#[test]
+fn what_has_no_depth_below_it_stands_on_nobody_knows_what() {
+    // A plate 0.2 m over the table, with and without a dark strip below it.
+    let mut points = render(&[], 0.0);
+    let camera_from_table = camera_from_table();
+    let eye = camera_from_table.inverse() * Point3::origin();
+    for row in 200..240 {
+        for point in &mut points[row * 640 + 250..row * 640 + 400] {
+            let on_table = camera_from_table.inverse() * point.position();
+            let share = (0.2 - eye.z) / (on_table.z - eye.z);
+            let at = camera_from_table * (eye + (on_table - eye) * share);
+            (point.x, point.y, point.z) = (at.x as f32, at.y as f32, at.z as f32);
+        }
+    }
+    let plate = |points: &[Point]| {
+        let detection = found(points, Surroundings::default(), &Config::default());
+        assert_eq!(detection.candidates.len(), 1, "{:?}", detection.candidates);
+        detection.candidates[0].clone()
+    };
+    let in_the_air = plate(&points);
+    check(
+        &in_the_air.findings,
+        Constraint::Table,
+        Truth::False,
+        |r| matches!(r, Reason::InTheAir { gap_m } if (gap_m - 0.2).abs() < 0.01),
+    );
+    for row in 240..255 {
+        for point in &mut points[row * 640 + 240..row * 640 + 410] {
+            *point = Point::without_depth(point.color);
+        }
+    }
+    let unseen = plate(&points);
+    check(&unseen.findings, Constraint::Table, Truth::Unknown, |r| {
+        r == Reason::LowerEndUnseen
+    });
+    assert_eq!(unseen.verdict, Truth::Unknown);
+    assert!(unseen.decisive.contains(Constraint::Table));
+    assert!(unseen.can_continue_track());
+}
+
+#[test]
+fn a_rule_from_the_settings_decides() {
+    let points = render(&[box_at(-0.47, 0.0, [0.12, 0.1, 0.2]), MIDDLE], 1.0);
+    let verdicts = |rule: &str| {
+        let raw = RawConfig {
+            rule: rule.into(),
+            ..RawConfig::default()
+        };
+        let detection = found(&points, Surroundings::default(), &Config::new(raw).unwrap());
+        let at = |place| near(&detection, place).verdict;
+        [at([-0.47, 0.0, 0.1]), at([0.0, 0.0, 0.06])]
+    };
+    assert_eq!(verdicts("C_table"), [Truth::True; 2]);
+    assert_eq!(
+        verdicts("C_table and not C_image_border"),
+        [Truth::False, Truth::True]
+    );
+    assert_eq!(
+        verdicts("C_table and C_size"),
+        [Truth::Unknown, Truth::True]
+    );
+    assert_eq!(verdicts("C_key_view or C_table"), [Truth::True; 2]);
+    assert_eq!(verdicts("C_key_view"), [Truth::Unknown; 2]);
+}
+
+#[test]
+fn broken_capsules_are_nobody() {
+    let points = render(&[MIDDLE], 1.0);
+    let capsules: Vec<Capsule> = [f64::NAN, f64::INFINITY, -1.0, 1e300]
+        .into_iter()
+        .map(|radius_m| Capsule {
+            from: Point3::new(f64::NAN, 0.0, 1.0),
+            to: Point3::new(FRAC_PI_4, f64::INFINITY, 1.0),
+            radius_m,
+        })
+        .collect();
+    let surroundings = Surroundings {
+        robot: Some(&capsules),
+        instructor: Some(&capsules),
+        tracks: &[],
+    };
+    let detection = found(&points, surroundings, &Config::default());
+    assert_eq!(near(&detection, [0.0, 0.0, 0.06]).verdict, Truth::True);
+}

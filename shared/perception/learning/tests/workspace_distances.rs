@@ -1,0 +1,178 @@
+//! The distances of the authors' evaluation workspace are reproduced where its
+//! definitions are meant, and differ as documented where they are not.
+
+use learning::Metric;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+/// All pairs of clouds that the authors' program has compared.
+struct Reference {
+    /// By the cloud's name.
+    descriptors: HashMap<String, Vec<f32>>,
+    distances: Vec<ReferenceDistance>,
+}
+
+/// One pair.
+struct ReferenceDistance {
+    /// The program's name for the function.
+    function: String,
+    /// Names of the clouds.
+    clouds: [String; 2],
+    value: f64,
+}
+
+impl Reference {
+    fn read() -> Self {
+        let data = std::env::var_os("TABULA_DATA").map_or_else(
+            || {
+                PathBuf::from(concat!(
+                    env!("CARGO_MANIFEST_DIR"),
+                    "/../../../../shared/data"
+                ))
+            },
+            PathBuf::from,
+        );
+        let folder = data.join("../reference/good/vectors");
+        let table = std::fs::read_to_string(folder.join("ws_distances_bins15_adaptive.csv"))
+            .expect("the golden distances lie under TABULA_DATA/../reference");
+        let distances: Vec<_> = table.lines().skip(1).map(distance).collect();
+        let mut descriptors = HashMap::new();
+        for cloud in distances.iter().flat_map(|distance| &distance.clouds) {
+            descriptors
+                .entry(cloud.clone())
+                .or_insert_with(|| descriptor(&folder, cloud));
+        }
+        Self {
+            descriptors,
+            distances,
+        }
+    }
+
+    /// Checks all pairs of a function against what the distance should be, given the
+    /// program's and both descriptors.
+    fn check(&self, function: &str, metric: Metric, expected: impl Fn(f64, &[f32], &[f32]) -> f64) {
+        let pairs = self.distances.iter().filter(|d| d.function == function);
+        assert_eq!(pairs.clone().count(), 19 * 19, "{function}");
+        for pair in pairs {
+            let [p, q] = pair.clouds.each_ref().map(|cloud| &self.descriptors[cloud]);
+            let ours = f64::from(metric.distance(p, q).expect("equal lengths"));
+            let expected = expected(pair.value, p, q);
+            // Their sums are in single precision, one value after the other.
+            let tolerance = 2e-5 * expected.abs() + 3e-6;
+            let clouds = &pair.clouds;
+            assert!(
+                (ours - expected).abs() <= tolerance,
+                "{metric} {clouds:?}: {ours}, {expected}"
+            );
+        }
+    }
+}
+
+fn distance(row: &str) -> ReferenceDistance {
+    let columns: Vec<&str> = row.split(',').collect();
+    ReferenceDistance {
+        function: columns[0].to_owned(),
+        clouds: [columns[1].to_owned(), columns[2].to_owned()],
+        value: columns[3].parse().expect("a distance is a number"),
+    }
+}
+
+fn descriptor(folder: &Path, cloud: &str) -> Vec<f32> {
+    let path = folder.join(format!("ws_{cloud}_bins15_adaptive.csv"));
+    let text = std::fs::read_to_string(path).expect("a golden vector is text");
+    let row = text.lines().find_map(|row| row.strip_prefix("descriptor,"));
+    let values = row.expect("there is a descriptor").split(',');
+    let values = values.filter(|value| !value.is_empty());
+    values
+        .map(|v| v.parse().expect("a value is a number"))
+        .collect()
+}
+
+fn sum(a: &[f32], b: &[f32], term: impl Fn(f64, f64) -> f64) -> f64 {
+    let pairs = a.iter().zip(b);
+    pairs.map(|(&p, &q)| term(p.into(), q.into())).sum()
+}
+
+#[test]
+#[ignore = "needs TABULA_DATA"]
+fn where_definitions_agree_so_do_distances() {
+    let reference = Reference::read();
+    for (function, metric) in [
+        ("chiSquared", Metric::ChiSquared),
+        ("manhattan", Metric::Manhattan),
+        ("euclidean", Metric::Euclidean),
+        ("gower", Metric::Gower),
+        ("canberra", Metric::Canberra),
+        ("pearson", Metric::Pearson),
+        ("neyman", Metric::Neyman),
+        ("motyka", Metric::Motyka),
+        ("sorensen", Metric::Sorensen),
+        ("dice", Metric::Dice),
+    ] {
+        reference.check(function, metric, |theirs, _, _| theirs);
+    }
+    let root = Metric::HalfChiSquaredRoot;
+    reference.check("chiSquared", root, |theirs, _, _| theirs.sqrt());
+}
+
+#[test]
+#[ignore = "needs TABULA_DATA"]
+fn bins_empty_in_both_do_not_spoil_the_divergence() {
+    Reference::read().check("divergence", Metric::Divergence, |theirs, p, q| {
+        assert!(theirs.is_nan());
+        2.0 * sum(p, q, |p, q| ((p - q) / (p + q).max(1e-30)).powi(2))
+    });
+}
+
+#[test]
+#[ignore = "needs TABULA_DATA"]
+fn the_cosine_has_norms() {
+    Reference::read().check("cosine", Metric::Cosine, |theirs, p, q| {
+        let norms = (sum(p, p, |p, _| p * p) * sum(q, q, |q, _| q * q)).sqrt();
+        1.0 - (1.0 - theirs) / norms
+    });
+}
+
+#[test]
+#[ignore = "needs TABULA_DATA"]
+fn the_intersection_is_a_distance() {
+    Reference::read().check("intersection", Metric::Intersection, |theirs, p, q| {
+        1.0 - theirs / sum(p, p, |p, _| p).max(sum(q, q, |q, _| q))
+    });
+}
+
+#[test]
+#[ignore = "needs TABULA_DATA"]
+fn the_bhattacharyya_distance_of_equal_ones_is_zero() {
+    Reference::read().check("bhattacharyya", Metric::Bhattacharyya, |theirs, p, q| {
+        theirs + 0.5 * (sum(p, p, |p, _| p) * sum(q, q, |q, _| q)).ln()
+    });
+}
+
+/// What the bins add that are empty in one of both, which the program leaves out;
+/// values below 1e-6 are taken for it.
+fn left_out(p: &[f32], q: &[f32], term: impl Fn(f64, f64) -> f64) -> f64 {
+    sum(p, q, |p, q| {
+        if p * q > 0.0 {
+            0.0
+        } else {
+            term(p.max(1e-6), q.max(1e-6))
+        }
+    })
+}
+
+#[test]
+#[ignore = "needs TABULA_DATA"]
+fn divergences_are_natural_and_count_what_only_one_has() {
+    let reference = Reference::read();
+    let natural = std::f64::consts::LN_10;
+    reference.check("KLDivergance", Metric::KullbackLeibler, |theirs, p, q| {
+        let surplus = sum(p, q, |p, q| if p * q > 0.0 { p - q } else { 0.0 });
+        let left_out = left_out(p, q, |p, q| p * (p / q).ln() - p + q);
+        natural * theirs - surplus + left_out
+    });
+    let symmetric = Metric::SymmetricKullbackLeibler;
+    reference.check("symmetricKL", symmetric, |theirs, p, q| {
+        natural * theirs + left_out(p, q, |p, q| 0.5 * (p - q) * (p / q).ln())
+    });
+}

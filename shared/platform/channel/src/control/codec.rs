@@ -1,0 +1,243 @@
+//! Bytes of requests and replies.
+
+use message::control::{
+    Command, MAX_MESSAGE_BYTES, PROTOCOL_VERSION, Refusal, RefusalKind, Reply, Request,
+};
+use serde::Serialize;
+
+/// Encodes; `None` when the message is longer than the protocol allows.
+pub(super) fn encode<T: Serialize>(message: &T) -> Option<Vec<u8>> {
+    let mut bytes = Vec::new();
+    ciborium::into_writer(message, &mut bytes).ok()?;
+    (bytes.len() <= MAX_MESSAGE_BYTES).then_some(bytes)
+}
+
+/// Encodes a reply; one that is too long becomes a refusal that says so.
+pub(super) fn encode_reply(reply: &Reply) -> Vec<u8> {
+    encode(reply)
+        .or_else(|| encode(&too_long()))
+        .unwrap_or_default()
+}
+
+fn too_long() -> Reply {
+    let sentence = "the answer is too long for one message; this is a fault of tabula";
+    Reply::Refused(Refusal::new(RefusalKind::Internal, sentence))
+}
+
+/// Decodes a request of this protocol version.
+pub(super) fn decode_request(bytes: &[u8]) -> Result<Command, Refusal> {
+    let request: Request = ciborium::from_reader(bytes).map_err(|error| {
+        Refusal::new(
+            RefusalKind::Version,
+            format!(
+                "the request is not understood ({error}); use the tabula of the daemon's version"
+            ),
+        )
+    })?;
+    if request.protocol == PROTOCOL_VERSION {
+        return Ok(request.command);
+    }
+    Err(Refusal::new(
+        RefusalKind::Version,
+        format!(
+            "the request has protocol version {}, the daemon speaks {PROTOCOL_VERSION}; \
+             use the tabula of the daemon's version",
+            request.protocol
+        ),
+    ))
+}
+
+/// Decodes a reply; what is no reply becomes a refusal.
+pub(super) fn decode_reply(bytes: &[u8]) -> Reply {
+    ciborium::from_reader(bytes).unwrap_or_else(|error| {
+        Reply::Refused(Refusal::new(
+            RefusalKind::Version,
+            format!(
+                "the daemon's answer is not understood ({error}); use the tabula of its version"
+            ),
+        ))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use constraint::{Constraint, Finding, Findings, Reason, Truth};
+    use message::control::{
+        EventReport, EventsReport, FactFilter, FactReport, FactsReport, MAX_PAGE_EVENTS,
+        MAX_PAGE_FACTS, MAX_PAGE_TASKS, ObjectsReport, PlaceReport, TaskReport, TasksReport,
+        WorldCommand, WorldReply,
+    };
+    use message::{
+        ActorStamps, IgnoredBlob, MAX_IGNORED, MAX_NEAR_CATEGORIES, MAX_SCENE_OBJECTS,
+        NearCategory, SceneObject, SceneSummary, Text,
+    };
+
+    use std::collections::BTreeMap;
+
+    #[test]
+    fn requests_survive_and_other_versions_are_refused() {
+        let command = Command::Ask { track_id: 3 };
+        let bytes = encode(&Request::from(command.clone())).unwrap();
+        assert_eq!(decode_request(&bytes), Ok(command.clone()));
+        let newer = Request {
+            protocol: 99,
+            command,
+        };
+        let refusal = decode_request(&encode(&newer).unwrap()).unwrap_err();
+        assert_eq!(refusal.kind, RefusalKind::Version);
+        assert!(decode_request(b"rubbish").is_err() && decode_request(b"").is_err());
+    }
+
+    /// Whatever is on the table is told in one message.
+    #[test]
+    fn the_longest_list_of_objects_fits() {
+        let name = Text::truncated(&"x".repeat(64));
+        let near = NearCategory {
+            label: name,
+            distance: 0.123_456_7,
+        };
+        let object = SceneObject {
+            track_id: u64::MAX,
+            n_points: u32::MAX,
+            n_views: u32::MAX,
+            n_key_views: u32::MAX,
+            view_id: u32::MAX,
+            linked_to: u64::MAX,
+            memory_sequence: u64::MAX,
+            label: name,
+            is_labelled: 1,
+            n_categories: MAX_NEAR_CATEGORIES as u32,
+            categories: [near; MAX_NEAR_CATEGORIES],
+            mean_argb: u32::MAX,
+            distance: 0.123_456_7,
+            probability: 0.123_456_7,
+            position_covariance_m2: [1.234_567_8e-5; 6],
+            rotation_covariance_rad2: [1.234_567_8e-5; 6],
+            velocity_m_s: [0.123_456_7; 3],
+            angular_velocity_rad_s: [0.123_456_7; 3],
+            stamps: ActorStamps {
+                asked_ns: u64::MAX,
+                begun_ns: u64::MAX,
+                described_ns: u64::MAX,
+                recognised_ns: u64::MAX,
+                answered_ns: u64::MAX,
+            },
+            ..SceneObject::default()
+        };
+        let mut findings = Findings::default();
+        for constraint in Constraint::ALL {
+            let reason = Reason::Robot {
+                share: 0.876_543_2,
+                margin_m: 0.123_456_7,
+            };
+            let truth = Truth::Unknown;
+            findings.set(constraint, Finding { truth, reason });
+        }
+        let blob = IgnoredBlob {
+            decisive: u32::MAX,
+            findings: IgnoredBlob::wire_findings(&findings),
+            ..IgnoredBlob::default()
+        };
+        let scene = SceneSummary {
+            n_objects_total: u32::MAX,
+            n_rejected: u32::MAX,
+            n_ignored: MAX_IGNORED as u32,
+            ignored: [blob; MAX_IGNORED],
+            assumptions: u32::MAX,
+            rule: Text::truncated(&"x".repeat(Text::CAPACITY)),
+            source_name: Text::truncated(&"x".repeat(Text::CAPACITY)),
+            ..SceneSummary::default()
+        };
+        let report = ObjectsReport::new(&scene, &vec![object; MAX_SCENE_OBJECTS]);
+        let bytes = encode(&Reply::Objects(report.clone())).unwrap();
+        assert_eq!(decode_reply(&bytes), Reply::Objects(report));
+    }
+
+    /// The longest pages of what the working memory knows fit, too.
+    #[test]
+    fn the_longest_pages_of_the_world_fit() {
+        let name = "x".repeat(128);
+        let place = PlaceReport {
+            position_m: [0.123_456_789; 3],
+            orientation_xyzw: [0.123_456_789; 4],
+            size_m: [0.123_456_789; 3],
+        };
+        let fact = FactReport {
+            fact: u64::MAX,
+            subject: "object".into(),
+            track_id: Some(u64::MAX),
+            task_id: None,
+            property: "activity".into(),
+            value: Some(name.clone()),
+            place: Some(place),
+            start_ns: u64::MAX,
+            end_ns: Some(u64::MAX),
+        };
+        let event = EventReport {
+            sequence: u64::MAX,
+            wall_ns: u64::MAX,
+            event: "action_succeeded".into(),
+            track_id: Some(u64::MAX),
+            task_id: Some(u64::MAX),
+            label: Some(name.clone()),
+            sentence: "x".repeat(2048 + 256),
+        };
+        let task = TaskReport {
+            task_id: u64::MAX,
+            kind: "x".repeat(64),
+            parameters: "x".repeat(2048),
+            author: "x".repeat(256),
+            state: "succeeded".into(),
+            started_ns: u64::MAX,
+            ended_ns: Some(u64::MAX),
+            reason: "x".repeat(2048),
+        };
+        let next = Some(u64::MAX);
+        let replies = [
+            WorldReply::Facts(FactsReport {
+                facts: vec![fact; MAX_PAGE_FACTS],
+                next,
+            }),
+            WorldReply::Events(EventsReport {
+                events: vec![event; MAX_PAGE_EVENTS],
+                newest: u64::MAX,
+            }),
+            WorldReply::Tasks(TasksReport {
+                tasks: vec![task; MAX_PAGE_TASKS],
+                next,
+            }),
+        ];
+        for reply in replies {
+            let reply = Reply::World(Box::new(reply));
+            let bytes = encode(&reply).expect("it fits");
+            assert_eq!(decode_reply(&bytes), reply);
+        }
+    }
+
+    /// A client may leave out what it does not ask for.
+    #[test]
+    fn a_filter_without_words_asks_for_a_page_of_all() {
+        let words = BTreeMap::from([("track_id", 7)]);
+        let facts = BTreeMap::from([("facts", words)]);
+        let command = BTreeMap::from([("world", facts)]);
+        let mut bytes = Vec::new();
+        ciborium::into_writer(&command, &mut bytes).unwrap();
+        let filter = FactFilter {
+            track_id: Some(7),
+            ..FactFilter::default()
+        };
+        let expected = Command::World(WorldCommand::Facts(filter));
+        assert_eq!(
+            ciborium::from_reader::<Command, _>(&*bytes).unwrap(),
+            expected
+        );
+    }
+
+    #[test]
+    fn too_long_a_reply_becomes_a_refusal() {
+        let long = Reply::Refused(Refusal::new(RefusalKind::Internal, "x".repeat(1_000_000)));
+        assert_eq!(decode_reply(&encode_reply(&long)), too_long());
+        assert!(matches!(decode_reply(b"\xff\x00"), Reply::Refused(_)));
+    }
+}

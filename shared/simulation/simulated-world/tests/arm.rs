@@ -1,0 +1,357 @@
+//! The arm among objects: moves, stops, grasps, and why it does not.
+
+#![expect(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a set-up that fails fails its test"
+)]
+
+use geometry::RigidTransform;
+use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
+use simulated_world::{
+    ArmCommand, ArmMount, ModelChoice, ModelLibrary, MotionState, ObjectPlan, ObjectState, Placing,
+    Scene, World,
+};
+use std::f64::consts::PI;
+
+/// No command takes longer, steps.
+const MOST_STEPS: usize = 3000;
+/// The tool's origin over the tips of the fingers, metres.
+const TIP_M: f64 = 0.025;
+
+fn world(objects: Vec<ObjectPlan>) -> World {
+    let scene = Scene {
+        objects,
+        arm: Some(ArmMount::default()),
+        ..Scene::default()
+    };
+    World::new(scene, ModelLibrary::generated()).unwrap()
+}
+
+fn upright(category: &str, position_m: [f64; 2], yaw_rad: f64) -> ObjectPlan {
+    ObjectPlan {
+        model: ModelChoice::Generated {
+            category: category.to_owned(),
+            instance: 1,
+        },
+        placing: Placing::Upright {
+            position_m,
+            yaw_rad,
+        },
+    }
+}
+
+/// The gripper with its fingers down, closing along a direction turned by
+/// `yaw_rad` from world x.
+fn downward(at: Point3<f64>, yaw_rad: f64) -> RigidTransform {
+    let turned = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw_rad);
+    let down = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI);
+    RigidTransform::from_parts(Translation3::from(at.coords), turned * down)
+}
+
+fn move_to(world_from_gripper: RigidTransform) -> ArmCommand {
+    ArmCommand::MoveTo {
+        world_from_gripper,
+        is_straight: false,
+    }
+}
+
+fn straight_to(world_from_gripper: RigidTransform) -> ArmCommand {
+    ArmCommand::MoveTo {
+        world_from_gripper,
+        is_straight: true,
+    }
+}
+
+/// Gives a command and steps until the arm is still; its failure, if any.
+fn carry_out(world: &mut World, command: &ArmCommand) -> Result<(), String> {
+    world.command_arm(command)?;
+    for _ in 0..MOST_STEPS {
+        world.step();
+        let status = world.arm_status().unwrap();
+        let is_still = !matches!(
+            status.motion,
+            MotionState::Moving | MotionState::Closing | MotionState::Opening
+        );
+        if is_still {
+            return status.failure.map_or(Ok(()), Err);
+        }
+    }
+    panic!("the arm does not come to rest: {:?}", world.arm_status());
+}
+
+fn angles(world: &World) -> [f64; 6] {
+    world.arm_status().unwrap().joint_angles_rad
+}
+
+/// Height over the table of a gripper whose fingertips are `tips_m` over it.
+fn height(world: &World, tips_m: f64) -> f64 {
+    world.scene().table.height_m + tips_m + TIP_M
+}
+
+/// A place and a turn where the arm reaches down to the table and up again, with
+/// the same space `aside_m` further along y.
+fn reachable(aside_m: f64) -> ([f64; 2], f64) {
+    let empty = world(Vec::new());
+    let lines = |x: f64, y: f64, yaw_rad: f64| {
+        let mut trial = empty.clone();
+        let at = |tips_m, y| downward(Point3::new(x, y, height(&empty, tips_m)), yaw_rad);
+        carry_out(&mut trial, &move_to(at(0.15, y)))?;
+        carry_out(&mut trial, &straight_to(at(0.01, y)))?;
+        carry_out(&mut trial, &straight_to(at(0.15, y)))?;
+        carry_out(&mut trial, &straight_to(at(0.15, y + aside_m)))?;
+        carry_out(&mut trial, &straight_to(at(0.01, y + aside_m)))
+    };
+    let grid = (0..5).flat_map(|i| (0..4).map(move |k| (i, k)));
+    grid.flat_map(|(i, k)| [0.0, 0.8, 1.6, 2.4].map(|yaw_rad| (i, k, yaw_rad)))
+        .map(|(i, k, yaw_rad)| {
+            let (x, y) = (-0.1 - 0.08 * f64::from(i), -0.1 - 0.06 * f64::from(k));
+            (x, y, yaw_rad)
+        })
+        .find(|&(x, y, yaw_rad)| lines(x, y, yaw_rad).is_ok())
+        .map(|(x, y, yaw_rad)| ([x, y], yaw_rad))
+        .expect("the arm reaches the table somewhere")
+}
+
+/// How far the arm reaches below the table's surface, metres.
+fn depth_m(world: &World) -> f64 {
+    let table = world.scene().table;
+    let [half_x, half_y] = table.size_m.map(|side| side / 2.0);
+    let below = |p: Point3<f64>, radius_m: f64| {
+        let is_over = p.x.abs() < half_x && p.y.abs() < half_y;
+        let bottom = p.z - radius_m;
+        if is_over {
+            table.height_m - bottom
+        } else {
+            -1.0
+        }
+    };
+    let capsules = world.arm_capsules();
+    // The base and the shoulder stand beside the table.
+    let ends = capsules.iter().skip(2);
+    ends.flat_map(|c| [below(c.from, c.radius_m), below(c.to, c.radius_m)])
+        .fold(-1.0, f64::max)
+}
+
+#[test]
+fn a_scene_without_an_arm_says_so() {
+    let mut world = World::new(Scene::default(), ModelLibrary::generated()).unwrap();
+    let refused = world.command_arm(&ArmCommand::Home).unwrap_err();
+    assert!(refused.contains("no arm"), "{refused}");
+    assert_eq!(world.arm_status(), None);
+    assert!(world.arm_capsules().is_empty());
+}
+
+#[test]
+fn the_arm_goes_to_joint_angles_and_home_again() {
+    let mut world = world(Vec::new());
+    let home = angles(&world);
+    let mut goal = home;
+    goal[0] += 0.6;
+    goal[5] -= 0.9;
+    carry_out(&mut world, &ArmCommand::MoveJoints(goal)).unwrap();
+    for (angle, goal) in angles(&world).iter().zip(goal) {
+        assert!((angle - goal).abs() < 1e-6);
+    }
+    carry_out(&mut world, &ArmCommand::Home).unwrap();
+    for (angle, home) in angles(&world).iter().zip(home) {
+        assert!((angle - home).abs() < 1e-6);
+    }
+}
+
+#[test]
+fn the_gripper_comes_to_the_pose_it_was_told() {
+    let ([x, y], yaw_rad) = reachable(0.05);
+    let mut world = world(Vec::new());
+    let goal = downward(Point3::new(x, y, height(&world, 0.15)), yaw_rad);
+    carry_out(&mut world, &move_to(goal)).unwrap();
+    let reached = world.arm_status().unwrap().world_from_gripper;
+    let miss = goal.inv_mul(&reached);
+    assert!(miss.translation.vector.norm() < 0.001, "{miss}");
+    assert!(miss.rotation.angle() < 0.01, "{miss}");
+}
+
+#[test]
+fn stop_freezes_the_joints_from_the_next_step_on() {
+    let mut world = world(Vec::new());
+    let mut goal = angles(&world);
+    goal[0] += 1.5;
+    world.command_arm(&ArmCommand::MoveJoints(goal)).unwrap();
+    for _ in 0..40 {
+        world.step();
+    }
+    let moving = world.arm_status().unwrap();
+    assert_eq!(moving.motion, MotionState::Moving);
+    assert!(moving.joint_velocities_rad_s[0].abs() > 0.05);
+    world.command_arm(&ArmCommand::Stop).unwrap();
+    world.step();
+    let frozen = angles(&world);
+    assert_eq!(frozen, moving.joint_angles_rad);
+    for _ in 0..60 {
+        world.step();
+        assert_eq!(angles(&world), frozen);
+    }
+    let status = world.arm_status().unwrap();
+    assert_eq!(status.joint_velocities_rad_s, [0.0; 6]);
+    assert_ne!(status.motion, MotionState::Moving);
+}
+
+#[test]
+fn a_pose_out_of_reach_is_refused_with_the_distance() {
+    let mut world = world(Vec::new());
+    let before = angles(&world);
+    let far = downward(Point3::new(1.5, 1.0, 0.9), 0.0);
+    let told = carry_out(&mut world, &move_to(far)).unwrap_err();
+    assert!(
+        told.contains(" m") && told.contains(|c: char| c.is_ascii_digit()),
+        "{told}"
+    );
+    assert_eq!(angles(&world), before);
+    let mut bad = far;
+    bad.translation.x = f64::NAN;
+    assert!(carry_out(&mut world, &move_to(bad)).is_err());
+    assert!(carry_out(&mut world, &ArmCommand::MoveJoints([f64::NAN; 6])).is_err());
+    assert!(carry_out(&mut world, &ArmCommand::MoveJoints([1e3; 6])).is_err());
+    assert_eq!(angles(&world), before);
+}
+
+#[test]
+fn the_arm_stops_before_the_table() {
+    let ([x, y], yaw_rad) = reachable(0.05);
+    let mut world = world(Vec::new());
+    let at = |world: &World, tips_m| downward(Point3::new(x, y, height(world, tips_m)), yaw_rad);
+    let above = at(&world, 0.15);
+    carry_out(&mut world, &move_to(above)).unwrap();
+    let below = at(&world, -0.06);
+    for command in [straight_to(below), move_to(below)] {
+        let told = carry_out(&mut world, &command).unwrap_err();
+        assert!(told.contains("table"), "{told}");
+        let tips_m = world.arm_status().unwrap().world_from_gripper.translation.z
+            - TIP_M
+            - world.scene().table.height_m;
+        assert!(
+            tips_m > -0.001,
+            "the fingertips are {tips_m} m over the table"
+        );
+        assert!(depth_m(&world) < 0.02, "{}", depth_m(&world));
+    }
+    // It is not stuck.
+    carry_out(&mut world, &straight_to(above)).unwrap();
+}
+
+/// The object's middle in the world.
+fn position(world: &World, id: u16) -> Point3<f64> {
+    let object = world.find(id).unwrap();
+    object.world_from_object.translation.vector.into()
+}
+
+#[test]
+fn a_box_is_grasped_lifted_carried_and_put_down() {
+    let aside_m = 0.10;
+    let ([x, y], yaw_rad) = reachable(aside_m);
+    let mut world = world(vec![upright("puzzle-cube", [x, y], yaw_rad)]);
+    let start = position(&world, 1);
+    let side_m = 2.0 * world.find(1).unwrap().model.half_sides_m.z;
+    let low = 0.3 * side_m;
+    let at = |world: &World, tips_m, y| {
+        downward(Point3::new(start.x, y, height(world, tips_m)), yaw_rad)
+    };
+    let (above, down) = (at(&world, 0.15, start.y), at(&world, low, start.y));
+    carry_out(&mut world, &ArmCommand::Open).unwrap();
+    carry_out(&mut world, &move_to(above)).unwrap();
+    carry_out(&mut world, &straight_to(down)).unwrap();
+    carry_out(&mut world, &ArmCommand::Close).unwrap();
+    let status = world.arm_status().unwrap();
+    assert_eq!(status.holds, Some(1));
+    assert_eq!(world.find(1).unwrap().state, ObjectState::HeldByArm);
+    let held_at = position(&world, 1);
+    carry_out(&mut world, &straight_to(above)).unwrap();
+    world.step();
+    let risen = above.translation.z - down.translation.z;
+    assert!((position(&world, 1).z - held_at.z - risen).abs() < 0.005);
+    let (aside, lowered) = (
+        at(&world, 0.15, start.y + aside_m),
+        at(&world, low + 0.002, start.y + aside_m),
+    );
+    carry_out(&mut world, &straight_to(aside)).unwrap();
+    carry_out(&mut world, &straight_to(lowered)).unwrap();
+    carry_out(&mut world, &ArmCommand::Open).unwrap();
+    assert_eq!(world.arm_status().unwrap().holds, None);
+    for _ in 0..120 {
+        world.step();
+    }
+    let end = position(&world, 1);
+    assert_eq!(world.find(1).unwrap().state, ObjectState::Settled);
+    assert!((end.y - held_at.y - aside_m).abs() < 0.01, "{end}");
+    assert!((end.x - held_at.x).abs() < 0.01, "{end}");
+    assert!((end.z - start.z).abs() < 0.004, "{end}");
+}
+
+/// Brings the open fingers down at a place, tips `tips_m` over the table.
+fn reach_down(
+    world: &mut World,
+    [x, y]: [f64; 2],
+    yaw_rad: f64,
+    tips_m: f64,
+) -> Result<(), String> {
+    let at = |world: &World, tips_m| downward(Point3::new(x, y, height(world, tips_m)), yaw_rad);
+    let (above, down) = (at(world, 0.15), at(world, tips_m));
+    carry_out(world, &ArmCommand::Open)?;
+    carry_out(world, &move_to(above))?;
+    carry_out(world, &straight_to(down))
+}
+
+#[test]
+fn fingers_that_close_on_nothing_say_so() {
+    let (spot, yaw_rad) = reachable(0.05);
+    let mut world = world(Vec::new());
+    reach_down(&mut world, spot, yaw_rad, 0.02).unwrap();
+    let told = carry_out(&mut world, &ArmCommand::Close).unwrap_err();
+    assert!(told.contains("closed on nothing"), "{told}");
+    assert_eq!(world.arm_status().unwrap().holds, None);
+}
+
+#[test]
+fn a_grip_on_the_upper_edge_alone_does_not_hold() {
+    let (spot, yaw_rad) = reachable(0.05);
+    let mut world = world(vec![upright("puzzle-cube", spot, yaw_rad)]);
+    let top_m = 2.0 * world.find(1).unwrap().model.half_sides_m.z;
+    reach_down(&mut world, spot, yaw_rad, top_m - 0.006).unwrap();
+    let told = carry_out(&mut world, &ArmCommand::Close).unwrap_err();
+    assert!(told.contains("% of a pad"), "{told}");
+    assert_eq!(world.arm_status().unwrap().holds, None);
+    assert_eq!(world.find(1).unwrap().state, ObjectState::Settled);
+}
+
+#[test]
+fn an_object_wider_than_the_stroke_stops_the_fingers_on_the_way_down() {
+    let (spot, yaw_rad) = reachable(0.05);
+    // 0.17 m and more across, along the direction in which the fingers close.
+    let mut world = world(vec![upright("cereal-box", spot, yaw_rad)]);
+    let top_m = 2.0 * world.find(1).unwrap().model.half_sides_m.z;
+    let [x, y] = spot;
+    let at = |world: &World, tips_m| downward(Point3::new(x, y, height(world, tips_m)), yaw_rad);
+    let (above, down) = (at(&world, top_m + 0.05), at(&world, top_m - 0.08));
+    carry_out(&mut world, &ArmCommand::Open).unwrap();
+    carry_out(&mut world, &move_to(above)).unwrap();
+    let told = carry_out(&mut world, &straight_to(down)).unwrap_err();
+    assert!(told.contains("presses on an object"), "{told}");
+    assert_eq!(world.arm_status().unwrap().holds, None);
+}
+
+#[test]
+fn a_held_object_is_not_pressed_into_the_table() {
+    let (spot, yaw_rad) = reachable(0.05);
+    let mut world = world(vec![upright("puzzle-cube", spot, yaw_rad)]);
+    let side_m = 2.0 * world.find(1).unwrap().model.half_sides_m.z;
+    reach_down(&mut world, spot, yaw_rad, 0.6 * side_m).unwrap();
+    carry_out(&mut world, &ArmCommand::Close).unwrap();
+    let [x, y] = spot;
+    let at = |world: &World, tips_m| downward(Point3::new(x, y, height(world, tips_m)), yaw_rad);
+    let (above, low) = (at(&world, 0.15), at(&world, 0.2 * side_m));
+    carry_out(&mut world, &straight_to(above)).unwrap();
+    let told = carry_out(&mut world, &straight_to(low)).unwrap_err();
+    assert!(told.contains("has come against"), "{told}");
+    let table_m = world.scene().table.height_m;
+    assert!(position(&world, 1).z > table_m + 0.5 * side_m - 0.005);
+}

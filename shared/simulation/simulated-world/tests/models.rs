@@ -1,0 +1,310 @@
+//! Models from files: taken as they are, mended and told, or refused with a sentence.
+
+#![expect(clippy::unwrap_used, reason = "a set-up that fails fails its test")]
+
+use dataset::mesh::MeshView;
+use dataset::ply::{self, Encoding};
+use point_cloud::{Point, Rgba};
+use simulated_world::{
+    ModelChoice, ModelLibrary, ModelSource, ObjectModel, ObjectPlan, ObjectState, Placing, Scene,
+    World,
+};
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use tempfile::TempDir;
+
+fn vertex([x, y, z]: [f32; 3]) -> Point {
+    Point {
+        x,
+        y,
+        z,
+        color: Rgba::opaque(180, 40, 40),
+    }
+}
+
+/// The corners and faces of a box around the origin.
+fn cuboid(sides: [f32; 3]) -> (Vec<Point>, Vec<[u32; 3]>) {
+    let side = |i: usize, axis: usize| (if i >> axis & 1 == 0 { -0.5 } else { 0.5 }) * sides[axis];
+    let corners = (0..8).map(|i| vertex([side(i, 0), side(i, 1), side(i, 2)]));
+    let faces = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
+    let triangles = faces
+        .iter()
+        .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+    (corners.collect(), triangles.collect())
+}
+
+/// A ball whose rings and segments are that many.
+fn ball(radius: f32, n_rings: u32, n_segments: u32) -> (Vec<Point>, Vec<[u32; 3]>) {
+    let at = |ring: u32, segment: u32| {
+        let up = (ring as f32 / n_rings as f32 - 0.5) * std::f32::consts::PI;
+        let around = segment as f32 / n_segments as f32 * std::f32::consts::TAU;
+        vertex([
+            radius * up.cos() * around.cos(),
+            radius * up.cos() * around.sin(),
+            radius * up.sin(),
+        ])
+    };
+    let mut vertices = vec![at(0, 0), at(n_rings, 0)];
+    for ring in 1..n_rings {
+        vertices.extend((0..n_segments).map(|segment| at(ring, segment)));
+    }
+    let index = |ring: u32, segment: u32| match ring {
+        0 => 0,
+        ring if ring == n_rings => 1,
+        ring => 2 + (ring - 1) * n_segments + segment % n_segments,
+    };
+    let cells = (0..n_rings).flat_map(|ring| (0..n_segments).map(move |segment| (ring, segment)));
+    let triangles = cells.flat_map(|(ring, segment)| {
+        let [a, b] = [index(ring, segment), index(ring, segment + 1)];
+        let [c, d] = [index(ring + 1, segment), index(ring + 1, segment + 1)];
+        [[a, b, d], [a, d, c]]
+    });
+    let has_area = |t: &[u32; 3]| t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
+    (vertices, triangles.filter(has_area).collect())
+}
+
+fn ply_bytes((vertices, triangles): &(Vec<Point>, Vec<[u32; 3]>)) -> Vec<u8> {
+    let view = MeshView {
+        vertices,
+        triangles,
+    };
+    ply::write(view, Encoding::BinaryLittleEndian).unwrap()
+}
+
+fn file(folder: &TempDir, name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
+    let path = folder.path().join(name);
+    std::fs::write(&path, bytes).unwrap();
+    path
+}
+
+/// A model and what is told of it, or why it is refused.
+fn load(path: &Path) -> Result<(Arc<ObjectModel>, String), String> {
+    let mut library = ModelLibrary::generated();
+    let model = library.load(&ModelChoice::File(path.to_owned()));
+    let model = model.map_err(|error| error.to_string())?;
+    Ok((model, library.take_notes().join("\n")))
+}
+
+fn assert_refused(path: &Path, expected: &str) {
+    let told = load(path).unwrap_err();
+    let name = path.file_name().unwrap().to_string_lossy();
+    assert!(told.contains(&*name) && told.contains(expected), "{told}");
+}
+
+/// A world with this model put down in the middle of the table.
+fn world_with(path: &Path) -> World {
+    let scene = Scene {
+        objects: vec![ObjectPlan {
+            model: ModelChoice::File(path.to_owned()),
+            placing: Placing::Upright {
+                position_m: [0.0, 0.0],
+                yaw_rad: 0.0,
+            },
+        }],
+        ..Scene::default()
+    };
+    World::new(scene, ModelLibrary::generated()).unwrap()
+}
+
+#[test]
+fn a_cube_in_metres_is_taken_as_it_is_and_settles() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = file(&folder, "007_Red Cube.ply", ply_bytes(&cuboid([0.06; 3])));
+    let (model, notes) = load(&path).unwrap();
+    assert_eq!(notes, "");
+    assert_eq!(model.name, "007_Red Cube");
+    assert_eq!(model.category, "red-cube");
+    assert!((model.half_sides_m.max() - 0.03).abs() < 1e-6);
+    let world = world_with(&path);
+    let object = &world.objects()[0];
+    assert_eq!(object.state, ObjectState::Settled);
+    let height_m = object.world_from_object.translation.z - world.scene().table.height_m;
+    assert!((height_m - 0.03).abs() < 0.002, "{height_m}");
+}
+
+#[test]
+fn a_cube_in_millimetres_away_from_its_origin_is_scaled_centred_and_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut vertices, triangles) = cuboid([60.0, 40.0, 80.0]);
+    for vertex in &mut vertices {
+        vertex.x += 500.0;
+    }
+    let path = file(&folder, "box.ply", ply_bytes(&(vertices, triangles)));
+    let (model, notes) = load(&path).unwrap();
+    assert!(notes.contains("millimetres"), "{notes}");
+    let expected = nalgebra::Vector3::new(0.03, 0.02, 0.04);
+    assert!((model.half_sides_m - expected).norm() < 1e-5);
+}
+
+#[test]
+fn an_open_mesh_is_taken_and_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let (vertices, mut triangles) = cuboid([0.08; 3]);
+    triangles.truncate(10);
+    let path = file(&folder, "open.ply", ply_bytes(&(vertices, triangles)));
+    let (_, notes) = load(&path).unwrap();
+    assert!(notes.contains("holes"), "{notes}");
+    assert_eq!(world_with(&path).objects()[0].state, ObjectState::Settled);
+}
+
+#[test]
+fn an_obj_file_is_read_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let (vertices, triangles) = cuboid([0.05, 0.07, 0.1]);
+    let mut text = String::new();
+    for v in &vertices {
+        writeln!(text, "v {} {} {}", v.x, v.y, v.z).unwrap();
+    }
+    for [a, b, c] in &triangles {
+        writeln!(text, "f {} {} {}", a + 1, b + 1, c + 1).unwrap();
+    }
+    let path = file(&folder, "brick.obj", text);
+    let (model, notes) = load(&path).unwrap();
+    assert_eq!(notes, "");
+    assert!((model.half_sides_m.z - 0.05).abs() < 1e-6);
+}
+
+#[test]
+fn a_million_triangles_are_reduced_and_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let fine = ball(0.05, 600, 1001);
+    assert!(fine.1.len() > 1_190_000);
+    let path = file(&folder, "ball.ply", ply_bytes(&fine));
+    let (model, notes) = load(&path).unwrap();
+    assert!(notes.contains("were reduced to"), "{notes}");
+    assert!(model.mesh.triangles.len() <= 20_000);
+    assert!(model.mesh.triangles.len() > 2_000);
+    for vertex in &model.mesh.vertices {
+        let radius = vertex.position.coords.norm();
+        assert!((radius - 0.05).abs() < 0.001, "{radius}");
+    }
+}
+
+#[test]
+fn what_is_no_object_is_refused_with_a_sentence() {
+    let folder = tempfile::tempdir().unwrap();
+    let refused = |name: &str, bytes: Vec<u8>, expected: &str| {
+        assert_refused(&file(&folder, name, bytes), expected);
+    };
+    refused("tiny.ply", ply_bytes(&cuboid([1e-4; 3])), "longest side");
+    refused("house.ply", ply_bytes(&cuboid([9e6; 3])), "longest side");
+    let points = (cuboid([0.1; 3]).0, Vec::new());
+    refused("points.ply", ply_bytes(&points), "no faces");
+    let whole = ply_bytes(&cuboid([0.08; 3]));
+    for share in [1, 2, 3] {
+        let cut = whole[..whole.len() * share / 4].to_vec();
+        refused(&format!("cut{share}.ply"), cut, "can not be read");
+    }
+    refused(
+        "text.ply",
+        b"once upon a time\n".to_vec(),
+        "can not be read",
+    );
+    refused("empty.ply", Vec::new(), "can not be read");
+    refused("picture.jpg", whole, "can not be read");
+    refused("text.obj", b"once upon a time\n".to_vec(), "");
+    assert_refused(&folder.path().join("missing.ply"), "can not be read");
+}
+
+#[test]
+fn a_flat_mesh_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let sheet = ply_bytes(&cuboid([0.08, 0.08, 0.0]));
+    assert_refused(&file(&folder, "flat.ply", sheet), "flat");
+}
+
+#[test]
+fn vertices_that_are_not_numbers_are_refused_or_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let (vertices, triangles) = cuboid([0.08; 3]);
+    for bad in ["nan", "inf", "-inf", "1e39"] {
+        let mut text = String::from(
+            "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\n\
+             property float z\nelement face 12\nproperty list uchar int vertex_indices\n\
+             end_header\n",
+        );
+        for (i, v) in vertices.iter().enumerate() {
+            let x = if i == 3 {
+                bad.to_owned()
+            } else {
+                v.x.to_string()
+            };
+            writeln!(text, "{x} {} {}", v.y, v.z).unwrap();
+        }
+        for [a, b, c] in &triangles {
+            writeln!(text, "3 {a} {b} {c}").unwrap();
+        }
+        match load(&file(&folder, "bad.ply", text)) {
+            Ok((model, notes)) => {
+                let vertices = &model.mesh.vertices;
+                let is_finite = |v: &mesh::Vertex| v.position.iter().all(|x| x.is_finite());
+                assert!(vertices.iter().all(is_finite), "{bad}");
+                assert!(notes.contains("holes"), "{bad}: {notes}");
+            }
+            Err(told) => assert!(told.contains("bad.ply"), "{told}"),
+        }
+    }
+}
+
+#[test]
+fn folders_are_listed_in_order_and_an_empty_one_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let source = ModelSource::Folder(folder.path().to_owned());
+    let told = ModelLibrary::open(&source).unwrap_err().to_string();
+    assert!(told.contains("no models"), "{told}");
+    for name in ["10_b.ply", "2_a.ply", "notes.txt"] {
+        file(&folder, name, ply_bytes(&cuboid([0.05; 3])));
+    }
+    let library = ModelLibrary::open(&source).unwrap();
+    let categories: Vec<_> = library
+        .all(1, 0)
+        .iter()
+        .map(ModelChoice::category)
+        .collect();
+    assert_eq!(categories, ["a", "b"]);
+    assert_eq!(library.choose(5, 3).len(), 5);
+    let missing = ModelSource::Folder(folder.path().join("missing"));
+    let told = ModelLibrary::open(&missing).unwrap_err().to_string();
+    assert!(told.contains("missing"), "{told}");
+}
+
+/// The folder of real models.
+fn household_models() -> PathBuf {
+    let data = std::env::var_os("TABULA_DATA").map_or_else(
+        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../../shared/data"),
+        PathBuf::from,
+    );
+    data.join("household-models")
+}
+
+#[test]
+#[ignore = "needs TABULA_DATA"]
+fn scanned_models_load_in_metres_and_settle() {
+    let source = ModelSource::Folder(household_models());
+    let mut library = ModelLibrary::open(&source).unwrap();
+    let choices = library.all(1, 0);
+    assert_eq!(choices.len(), 51);
+    let mut faults = Vec::new();
+    for choice in choices {
+        let ModelChoice::File(path) = &choice else {
+            panic!("{choice:?}");
+        };
+        let model = library.load(&choice).unwrap();
+        let longest_m = 2.0 * model.half_sides_m.max();
+        let world = world_with(path);
+        let object = &world.objects()[0];
+        if !(0.02..0.6).contains(&longest_m) || object.state != ObjectState::Settled {
+            let state = object.state.word();
+            faults.push(format!("{}: {longest_m:.3} m, {state}", model.name));
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}

@@ -1,0 +1,255 @@
+//! What the seeded generators lay on the table.
+
+#![expect(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a set-up that fails fails its test"
+)]
+
+use simulated_world::{
+    Error, ModelChoice, ModelLibrary, ObjectModel, ObjectState, Placing, Scene, SceneKind, World,
+    category_names,
+};
+use std::path::Path;
+
+/// The smaller of the gaps that isolated objects keep, metres.
+const GAP_M: f64 = 0.03;
+/// How far an object may slide or roll until it rests, metres.
+const SLID_MAX_M: f64 = 0.04;
+/// Objects of a pile are at most this far from their nearest neighbour, metres.
+const TOUCHING_M: f64 = 0.015;
+
+fn generated(kind: SceneKind, n_objects: usize, seed: u64) -> Scene {
+    Scene::generate(kind, n_objects, seed, &mut ModelLibrary::generated()).unwrap()
+}
+
+fn world(scene: Scene) -> World {
+    World::new(scene, ModelLibrary::generated()).unwrap()
+}
+
+/// Footprint radius and planned place of each object.
+fn footprints(scene: &Scene) -> Vec<(f64, [f64; 2])> {
+    let mut library = ModelLibrary::generated();
+    let footprint = |plan: &simulated_world::ObjectPlan| {
+        let model = library.load(&plan.model).unwrap();
+        let Placing::Upright { position_m, .. } = plan.placing else {
+            panic!("{plan:?} is not put down");
+        };
+        (model.footprint_radius_m(), position_m)
+    };
+    scene.objects.iter().map(footprint).collect()
+}
+
+#[test]
+fn a_scene_has_as_many_objects_as_were_asked_for() {
+    for kind in SceneKind::ALL {
+        for seed in 0..5 {
+            for n in [0, 1, kind.usual_number()] {
+                let scene = generated(kind, n, seed);
+                assert_eq!(scene.objects.len(), n, "{} {seed}", kind.word());
+                assert_eq!(scene.bin.is_some(), kind == SceneKind::Bin);
+            }
+        }
+    }
+}
+
+#[test]
+fn named_objects_are_laid_apart_in_their_order_and_too_many_are_refused() {
+    let named = |names: &[&str]| -> Vec<ModelChoice> {
+        let choice = |name: &&str| ModelChoice::Generated {
+            category: (*name).to_owned(),
+            instance: 3,
+        };
+        names.iter().map(choice).collect()
+    };
+    let names = ["mug", "cereal-box", "spoon"];
+    let lay = |seed| Scene::isolated(named(&names), seed, &mut ModelLibrary::generated());
+    let scene = lay(8).unwrap();
+    let laid: Vec<String> = scene.objects.iter().map(|p| p.model.category()).collect();
+    assert_eq!(laid, names);
+    let placed = footprints(&scene);
+    for (i, (radius_m, [x, y])) in placed.iter().enumerate() {
+        for (other_m, [other_x, other_y]) in &placed[..i] {
+            let gap_m = (x - other_x).hypot(y - other_y) - radius_m - other_m;
+            assert!(gap_m > GAP_M, "{gap_m} m");
+        }
+    }
+    assert_eq!(scene.objects, lay(8).unwrap().objects);
+    assert_ne!(scene.objects, lay(9).unwrap().objects);
+    let crowd = vec!["pot"; 40];
+    let refused = Scene::isolated(named(&crowd), 8, &mut ModelLibrary::generated());
+    assert!(matches!(refused, Err(Error::NoRoom { n_objects: 40, .. })));
+}
+
+#[test]
+fn a_number_beyond_the_limit_is_refused() {
+    for kind in SceneKind::ALL {
+        let refused = Scene::generate(kind, 61, 1, &mut ModelLibrary::generated());
+        let sentence = refused.unwrap_err().to_string();
+        assert!(sentence.contains("at most 60"), "{sentence}");
+    }
+}
+
+#[test]
+fn no_category_comes_twice_before_each_came_once() {
+    let n = category_names().len().min(60);
+    let scene = generated(SceneKind::Pile, n, 3);
+    let mut categories: Vec<_> = scene.objects.iter().map(|o| o.model.category()).collect();
+    categories.sort_unstable();
+    categories.dedup();
+    assert_eq!(categories.len(), n);
+}
+
+#[test]
+fn the_same_seed_gives_the_same_scene_and_another_one_another() {
+    for kind in SceneKind::ALL {
+        let n = kind.usual_number();
+        let objects = |seed| generated(kind, n, seed).objects;
+        for seed in 0..4 {
+            assert_eq!(objects(seed), objects(seed), "{}", kind.word());
+            assert_ne!(objects(seed), objects(seed + 1), "{}", kind.word());
+        }
+    }
+}
+
+#[test]
+fn isolated_objects_have_a_gap_between_them_and_none_hangs_over_the_rim() {
+    for seed in 0..40 {
+        let scene = generated(SceneKind::Isolated, 6, seed);
+        let footprints = footprints(&scene);
+        for (i, (radius_m, [x, y])) in footprints.iter().enumerate() {
+            let [half_x, half_y] = scene.table.size_m.map(|side| side / 2.0);
+            assert!(x.abs() + radius_m <= half_x && y.abs() + radius_m <= half_y);
+            for (other_radius_m, [other_x, other_y]) in &footprints[..i] {
+                let gap_m = (x - other_x).hypot(y - other_y) - radius_m - other_radius_m;
+                assert!(gap_m >= GAP_M, "seed {seed}: {gap_m} m");
+            }
+        }
+    }
+}
+
+#[test]
+fn isolated_objects_rest_where_they_were_planned() {
+    for seed in 0..4 {
+        let mut world = world(generated(SceneKind::Isolated, 6, seed));
+        assert_eq!(world.take_notes(), Vec::<String>::new(), "seed {seed}");
+        for (object, plan) in world.objects().iter().zip(&world.scene().objects) {
+            let Placing::Upright { position_m, .. } = plan.placing else {
+                panic!("{plan:?} is not put down");
+            };
+            let at = object.world_from_object.translation;
+            let slid_m = (at.x - position_m[0]).hypot(at.y - position_m[1]);
+            assert!(slid_m < SLID_MAX_M, "{} {slid_m} m", object.model.name);
+            assert_eq!(object.state, ObjectState::Settled, "{}", object.model.name);
+        }
+    }
+}
+
+#[test]
+fn sixty_isolated_objects_find_no_room_on_a_small_table() {
+    let text = "kind = \"isolated\"\nobjects = 60\n[table]\nsize_m = [0.6, 0.5]";
+    match Scene::from_toml(text, Path::new(""), None) {
+        Err(error @ Error::NoRoom { n_placed, .. }) => {
+            assert!(n_placed < 60);
+            let sentence = error.to_string();
+            assert!(
+                sentence.contains(&format!("{n_placed} of 60")),
+                "{sentence}"
+            );
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn nearly_all_objects_of_a_bin_lie_within_its_walls_and_fallen_ones_are_told() {
+    let (mut n_inside, mut n_objects) = (0, 0);
+    for seed in 0..3 {
+        let mut world = world(generated(SceneKind::Bin, 20, seed));
+        let notes = world.take_notes().join("\n");
+        let [x, y, _] = world.scene().bin.unwrap().inner_size_m;
+        let table_m = world.scene().table.height_m;
+        for object in world.objects() {
+            let at = object.world_from_object.translation;
+            let is_inside = at.x.abs() < x / 2.0 && at.y.abs() < y / 2.0 && at.z > table_m;
+            n_inside += usize::from(is_inside);
+            n_objects += 1;
+            let is_told = notes.contains(&format!("(object {}) fell off the table", object.id));
+            assert_eq!(is_told, object.state == ObjectState::OnFloor, "{notes}");
+        }
+    }
+    assert!(10 * n_inside >= 9 * n_objects, "{n_inside} of {n_objects}");
+}
+
+/// Every tenth vertex in the world.
+fn points(object: &simulated_world::SceneObject) -> Vec<nalgebra::Point3<f64>> {
+    let vertices = object.model.mesh.vertices.iter().step_by(10);
+    vertices
+        .map(|v| object.world_from_object * v.position.cast::<f64>())
+        .collect()
+}
+
+#[test]
+fn most_objects_of_a_pile_are_close_to_another_one() {
+    let (mut n_close, mut n_objects) = (0, 0);
+    for seed in 0..4 {
+        let world = world(generated(SceneKind::Pile, 8, seed));
+        let clouds: Vec<_> = world.objects().iter().map(points).collect();
+        for (i, cloud) in clouds.iter().enumerate() {
+            let others = clouds.iter().enumerate().filter(|(k, _)| *k != i);
+            let mut others = others.flat_map(|(_, other)| other);
+            let is_close = others.any(|p| cloud.iter().any(|q| (p - q).norm() < TOUCHING_M));
+            n_close += usize::from(is_close);
+            n_objects += 1;
+        }
+    }
+    assert!(4 * n_close >= 3 * n_objects, "{n_close} of {n_objects}");
+}
+
+#[test]
+fn a_set_table_has_whole_covers_of_one_family() {
+    for seed in 0..4 {
+        let scene = generated(SceneKind::SetTable, 14, seed);
+        let mut library = ModelLibrary::generated();
+        let models: Vec<std::sync::Arc<ObjectModel>> = scene
+            .objects
+            .iter()
+            .map(|plan| library.load(&plan.model).unwrap())
+            .collect();
+        for category in ["plate", "fork", "knife", "spoon", "mug"] {
+            let mut names = models.iter().filter(|m| m.category == category);
+            let first = names.next().unwrap();
+            let others: Vec<_> = names.collect();
+            assert_eq!(others.len(), 1, "{category}");
+            assert!(others.iter().all(|m| m.name == first.name));
+        }
+        for category in ["vase", "bottle", "salt-shaker", "bowl"] {
+            let n = models.iter().filter(|m| m.category == category).count();
+            assert_eq!(n, 1, "{category}");
+        }
+        for (plan, (_, [x, y])) in scene.objects.iter().zip(footprints(&scene)) {
+            let [half_x, half_y] = scene.table.size_m.map(|side| side / 2.0);
+            assert!(x.abs() < half_x && y.abs() < half_y, "{plan:?}");
+        }
+    }
+}
+
+#[test]
+fn a_set_table_comes_to_rest_with_forks_on_the_left_of_plates() {
+    let world = world(generated(SceneKind::SetTable, 14, 2));
+    let at = |category: &str, index: usize| {
+        let mut found = world
+            .objects()
+            .iter()
+            .filter(|o| o.model.category == category);
+        let object = found.nth(index).unwrap();
+        assert_eq!(object.state, ObjectState::Settled, "{}", object.model.name);
+        object.world_from_object.translation
+    };
+    // The first two covers are on the near side.
+    for seat in 0..2 {
+        let (fork, plate, knife) = (at("fork", seat), at("plate", seat), at("knife", seat));
+        assert!(fork.x < plate.x && plate.x < knife.x);
+        assert!((fork.y - plate.y).abs() < 0.05);
+    }
+}
