@@ -13,7 +13,7 @@ const OWNERS: [(&str, &[&str]); 14] = [
     ("libloading", &["freenect"]),
     ("rapier3d", &["simulated-world"]),
     ("pathfinding", &["tracking"]),
-    ("indicatif", &["command-line", "tabula"]),
+    ("indicatif", &["command-line", "experiments"]),
     ("plotters", &["plot", "evaluation"]),
     ("ciborium", &["channel", "store"]),
     ("hdrhistogram", &["latency-report"]),

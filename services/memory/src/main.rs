@@ -5,6 +5,7 @@ mod answer;
 mod config;
 mod control;
 mod event_report;
+mod offline;
 mod process_table;
 mod run;
 mod scene_follower;
@@ -29,14 +30,33 @@ static ALLOCATOR: CountingAllocator = CountingAllocator;
 struct Arguments {
     #[command(flatten)]
     process: ProcessArguments,
+
+    /// Answer requests about the stored memory on standard input, without a daemon; `tabula
+    /// memory` does this when no daemon runs
+    #[arg(long)]
+    offline: bool,
 }
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
+    if arguments.offline {
+        return offline(&arguments.process);
+    }
     service::run(
         ProcessKind::Memory,
         &arguments.process,
         Config::new,
         run::run,
     )
+}
+
+#[expect(clippy::print_stderr, reason = "without a daemon there is no log")]
+fn offline(arguments: &ProcessArguments) -> ExitCode {
+    match offline::run(&arguments.common) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("tabula-memory: {failure}");
+            ExitCode::from(failure.code)
+        }
+    }
 }

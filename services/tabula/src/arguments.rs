@@ -1,16 +1,11 @@
 //! The command line.
 
 mod memory;
-mod recognition;
 mod world;
 
 pub(crate) use memory::{
     CompactArguments, EntriesArguments, ForgetArguments, ImportArguments, InspectArguments,
     KnowledgeVerb, MemoryVerb, PutArguments,
-};
-pub(crate) use recognition::{
-    AblationArguments, AblationVariant, CrossValidationArguments, DescriptionArguments,
-    LearnArguments, OpenEndedArguments, Up, Variant, ViewProtocol,
 };
 
 pub(crate) use world::{EventsArguments, HistoryArguments, Point, Time, WorldArguments, WorldVerb};
@@ -18,9 +13,7 @@ pub(crate) use world::{EventsArguments, HistoryArguments, Point, Time, WorldArgu
 use crate::sensor::Sensor;
 use clap::{Args, Parser, Subcommand};
 use service::{CommonArguments, Failure, exit_code};
-use simulated_world::ModelSource;
 use std::ffi::OsString;
-use std::path::{Path, PathBuf};
 
 /// The perception daemon of a service robot: finds the objects on a table,
 /// follows them, and learns their names from people.
@@ -88,8 +81,9 @@ pub(crate) enum Verb {
         #[arg(long, value_name = "NAME")]
         author: Option<String>,
     },
-    /// Learn a folder of labelled views
-    Learn(LearnArguments),
+    /// Learn a folder of labelled views; see `tabula learn --help`
+    #[command(disable_help_flag = true)]
+    Learn(LabArguments),
     /// List the learned categories
     Categories,
     /// Look into the memory, verify and repair it, export and import it; with or without a daemon
@@ -113,181 +107,30 @@ pub(crate) enum Verb {
         verb: ArmVerb,
     },
     /// Write recordings and views of the simulated table; needs no daemon
-    Simulate {
-        /// What to write
-        #[command(subcommand)]
-        verb: SimulateVerb,
-    },
+    #[command(disable_help_flag = true, disable_help_subcommand = true)]
+    Simulate(LabArguments),
     /// Measure how good and how fast the kernels are; needs no daemon
-    Evaluate {
-        /// What to measure
-        #[command(subcommand)]
-        verb: EvaluateVerb,
-    },
+    #[command(disable_help_flag = true, disable_help_subcommand = true)]
+    Evaluate(LabArguments),
     /// Measure where the time of frames goes; see `tabula latency --help`
     #[command(disable_help_flag = true)]
-    Latency {
-        /// What tabula-latency understands
-        #[arg(
-            trailing_var_arg = true,
-            allow_hyphen_values = true,
-            value_name = "ARGUMENTS"
-        )]
-        arguments: Vec<OsString>,
-    },
+    Latency(LabArguments),
     /// Show how the daemon's processes are
     Status,
     /// Check this machine and explain what is wrong
     Doctor,
 }
 
-/// What is written of the simulated table.
-#[derive(Debug, Subcommand)]
-pub(crate) enum SimulateVerb {
-    /// A sequence of a scene: colour, depth, poses, masks and ground truth
-    Scene(SceneArguments),
-    /// Views of single objects for learning, in the layout of the Washington dataset
-    Views(ViewsArguments),
-    /// Plot the simulated Kinect's depth noise beside the published law
-    Sensor {
-        /// Folder for the table and the plot
-        #[arg(long, value_name = "DIR")]
-        out: PathBuf,
-    },
-    /// List the generated categories
-    Categories,
-}
-
-/// Which scene, and where it goes.
+/// Arguments that another program of the project parses.
 #[derive(Debug, Args)]
-pub(crate) struct SceneArguments {
-    /// A scene file (TOML)
-    pub(crate) file: Option<PathBuf>,
-    /// isolated, pile, bin or set-table [default: isolated]
-    #[arg(long, value_name = "KIND")]
-    pub(crate) kind: Option<String>,
-    /// Number of objects [default: what the kind of scene usually has]
-    #[arg(long, value_name = "N")]
-    pub(crate) objects: Option<usize>,
-    /// Folder of PLY and OBJ models, or `generated` [default: generated]
-    #[arg(long, value_name = "DIR")]
-    pub(crate) models: Option<PathBuf>,
-    /// The same seed gives the same files [default: 1, or the file's]
-    #[arg(long, value_name = "S")]
-    pub(crate) seed: Option<u64>,
-    /// Number of frames
-    #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
-    pub(crate) frames: u64,
-    /// Frames per second
-    #[arg(long, value_name = "HZ", default_value_t = 30.0)]
-    pub(crate) rate: f64,
-    /// Folder for the sequence
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: PathBuf,
-}
-
-/// Which objects, how many views, and where they go.
-#[derive(Debug, Args)]
-pub(crate) struct ViewsArguments {
-    /// Folder of PLY and OBJ models, or `generated`
-    #[arg(long, value_name = "DIR", default_value = "generated")]
-    pub(crate) models: PathBuf,
-    /// Views of each object, spread over three heights
-    #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    pub(crate) views: u32,
-    /// Objects of each generated category
-    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u64).range(1..=1000))]
-    pub(crate) instances: u64,
-    /// Only this category; may be given more than once [default: all]
-    #[arg(long, value_name = "NAME")]
-    pub(crate) category: Vec<String>,
-    /// The same seed gives the same files
-    #[arg(long, value_name = "S", default_value_t = 1)]
-    pub(crate) seed: u64,
-    /// Folder for the views
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: PathBuf,
-}
-
-/// What is measured.
-#[derive(Debug, Subcommand)]
-pub(crate) enum EvaluateVerb {
-    /// Compare what detection finds with labelled scenes, and time it on one thread
-    Detection(DetectionArguments),
-    /// Track the objects of simulated scenes and compare with the truth
-    Tracking(TrackingArguments),
-    /// Let a simulated teacher introduce categories, ask and correct
-    OpenEnded(OpenEndedArguments),
-    /// Let the simulated teacher compare variants on the same questions
-    Ablation(AblationArguments),
-    /// Recognise each part of the views by the others
-    CrossValidation(CrossValidationArguments),
-}
-
-/// Which scenes, and where the results go.
-#[derive(Debug, Args)]
-pub(crate) struct DetectionArguments {
-    /// Folder of labelled PCD scenes or of a simulated sequence, or a folder of such folders
-    pub(crate) dataset: PathBuf,
-    /// Folder for the figures, the page and the pictures
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: PathBuf,
-    /// Folder for result and truth as raw images of labels
-    #[arg(long, value_name = "DIR")]
-    pub(crate) labels: Option<PathBuf>,
-    /// Seed of detection; the same seed gives the same result
-    #[arg(long, value_name = "S", default_value_t = 1)]
-    pub(crate) seed: u64,
-    /// How often detection is timed on each scene
-    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=10_000))]
-    pub(crate) repeats: u32,
-}
-
-/// Which scenes, and where the results go.
-#[derive(Debug, Args)]
-pub(crate) struct TrackingArguments {
-    /// A scene file (TOML), a folder of them, or a recorded sequence with poses [default: the
-    /// scenes of this program]
-    pub(crate) dataset: Option<PathBuf>,
-    /// Folder for the figures, the page and the pictures
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: PathBuf,
-    /// How many seeds each scene is played from
-    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u64).range(1..=10_000))]
-    pub(crate) seeds: u64,
-    /// The first seed
-    #[arg(long, value_name = "S", default_value_t = 1)]
-    pub(crate) seed: u64,
-    /// Only the scene of this name; can be given several times
-    #[arg(long, value_name = "NAME")]
-    pub(crate) scene: Vec<String>,
-    /// What the tracks of a recording without truth are: lines of `track_id,object-name`
-    #[arg(long, value_name = "FILE")]
-    pub(crate) labels: Option<PathBuf>,
-}
-
-impl SceneArguments {
-    /// Where the models come from.
-    pub(crate) fn models(&self) -> ModelSource {
-        self.models
-            .as_deref()
-            .map_or(ModelSource::Generated, model_source)
-    }
-}
-
-impl ViewsArguments {
-    /// Where the models come from.
-    pub(crate) fn models(&self) -> ModelSource {
-        model_source(&self.models)
-    }
-}
-
-fn model_source(path: &Path) -> ModelSource {
-    if path == Path::new("generated") {
-        ModelSource::Generated
-    } else {
-        ModelSource::Folder(path.to_owned())
-    }
+pub(crate) struct LabArguments {
+    /// Arguments of that program
+    #[arg(
+        trailing_var_arg = true,
+        allow_hyphen_values = true,
+        value_name = "ARGUMENTS"
+    )]
+    pub(crate) words: Vec<OsString>,
 }
 
 /// What the arm is to do. Each waits until it is done, unless told not to.

@@ -1,8 +1,8 @@
 //! `tabula arm`: moves the arm.
 
 use crate::arguments::{ArmMove, ArmVerb};
-use crate::objects::{call, connect};
 use command_line::Output;
+use control_client::{call, connect};
 use message::control::{ArmCommand, ArmReport, Command, Reply};
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use service::{CommonArguments, Failure, exit_code};

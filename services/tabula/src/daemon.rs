@@ -2,10 +2,10 @@
 
 use crate::arguments::RunArguments;
 use crate::child::{self, Child};
-use crate::objects::{call, connect};
 use crate::sensor::Sensor;
 use channel::{Domain, Role, RunFolder};
 use command_line::{Output, StopSignal};
+use control_client::{call, connect};
 use message::ProcessKind;
 use message::control::{Command, Reply};
 use serde::Serialize;

@@ -1,11 +1,9 @@
 //! `tabula knowledge`: what tasks need to know.
 
 use crate::arguments::{KnowledgeVerb, PutArguments};
-use crate::learn::{author_or_user, mutation_id};
-use crate::memory_access::MemoryAccess;
-use crate::objects::unexpected;
 use crate::time::utc;
 use command_line::{Output, table};
+use control_client::{MemoryAccess, author_or_user, mutation_id, unexpected};
 use message::control::{
     Command, DocumentKind, DocumentName, DocumentReport, LearningReport, MemoryAnswer, MemoryQuery,
     Reply, Revision, RevisionChange,

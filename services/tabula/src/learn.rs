@@ -1,14 +1,13 @@
 //! Teaching, correcting, forgetting.
 
 use crate::arguments::{ForgetArguments, LabelArguments};
-use crate::objects::{call, connect, unexpected};
 use command_line::{Output, table};
+use control_client::{author_or_user, call, connect, mutation_id, unexpected};
 use message::control::{
-    CategoryReport, Command, Labelling, LearningReport, MutationId, Reply, Revision,
-    RevisionChange, ViewId,
+    CategoryReport, Command, Labelling, LearningReport, Reply, Revision, RevisionChange, ViewId,
 };
 use serde::Serialize;
-use service::{CommonArguments, Failure, exit_code};
+use service::{CommonArguments, Failure};
 use std::process::ExitCode;
 
 /// `tabula teach`
@@ -162,21 +161,4 @@ fn labelling(label: &LabelArguments) -> Result<Labelling, Failure> {
         track_id: label.track_id,
         category: label.category.clone(),
     })
-}
-
-pub(crate) fn author_or_user(author: Option<&str>) -> String {
-    let user = || std::env::var("USER").ok().filter(|name| !name.is_empty());
-    let uid = || format!("uid {}", rustix::process::getuid().as_raw());
-    author.map(str::to_owned).or_else(user).unwrap_or_else(uid)
-}
-
-pub(crate) fn mutation_id() -> Result<MutationId, Failure> {
-    let mut bytes = [0; 16];
-    getrandom::fill(&mut bytes).map_err(|error| {
-        Failure::new(
-            exit_code::FAILURE,
-            format!("this machine gives no random numbers: {error}"),
-        )
-    })?;
-    Ok(MutationId(u128::from_le_bytes(bytes)))
 }

@@ -5,17 +5,12 @@ mod arm;
 mod child;
 mod daemon;
 mod doctor;
-mod evaluate;
-mod importing;
 mod knowledge;
-mod latency;
+mod lab_program;
 mod learn;
-mod learn_folder;
 mod memory;
-mod memory_access;
 mod objects;
 mod sensor;
-mod simulate;
 mod time;
 mod world;
 
@@ -62,14 +57,14 @@ fn execute(arguments: &Arguments, output: &Output) -> Result<ExitCode, Failure> 
             let change = RevisionChange::Undo { sequence: *entry };
             learn::revise(&arguments.common, change, author.as_deref(), output)
         }
-        Verb::Learn(folder) => learn_folder::run(&arguments.common, folder, output),
+        Verb::Learn(lab) => lab_program::become_lab(arguments, "learn", &lab.words),
         Verb::Categories => learn::categories(&arguments.common, output),
         Verb::Memory { verb } => memory::run(&arguments.common, verb, output),
         Verb::Knowledge { verb } => knowledge::run(&arguments.common, verb, output),
-        Verb::Simulate { verb } => simulate::run(verb, output),
-        Verb::Evaluate { verb } => evaluate::run(verb, output),
+        Verb::Simulate(lab) => lab_program::become_lab(arguments, "simulate", &lab.words),
+        Verb::Evaluate(lab) => lab_program::become_lab(arguments, "evaluate", &lab.words),
         Verb::World(world) => world::run(&arguments.common, world.verb.as_ref(), output),
-        Verb::Latency { arguments: words } => latency::run(arguments, words),
+        Verb::Latency(lab) => lab_program::become_latency(arguments, &lab.words),
         Verb::Arm { verb } => arm::run(&arguments.common, verb, output),
     }
 }

@@ -1,61 +1,16 @@
 //! Showing what the daemon sees and how it is.
 
-use channel::RunFolder;
-use channel::control::{CallError, SocketClient};
+use channel::control::SocketClient;
 use command_line::{Output, StopSignal, redraw, table};
-use message::control::{
-    Command, IgnoredReport, ObjectReport, ObjectsReport, Refusal, RefusalKind, Reply,
-};
+use control_client::{call, connect, unexpected};
+use message::control::{Command, IgnoredReport, ObjectReport, ObjectsReport, Reply};
 use serde::Serialize;
-use service::{CommonArguments, Failure, exit_code};
+use service::{CommonArguments, Failure};
 use std::process::ExitCode;
 use std::time::Duration;
 
-/// How long the daemon may take to answer.
-const DEADLINE: Duration = Duration::from_secs(5);
 /// How often a watched table is drawn.
 const REDRAW: Duration = Duration::from_millis(200);
-
-/// Connects to the daemon's control socket.
-pub(crate) fn connect(common: &CommonArguments) -> Result<SocketClient, Failure> {
-    let connected = SocketClient::connect(&common.domain, &RunFolder::candidates(), DEADLINE);
-    connected.map_err(|error| call_failed(&error))
-}
-
-/// Asks, and turns a refusal into a failure.
-pub(crate) fn call(client: &mut SocketClient, command: Command) -> Result<Reply, Failure> {
-    match client.call(command).map_err(|error| call_failed(&error))? {
-        Reply::Refused(refusal) => Err(refused(refusal)),
-        reply => Ok(reply),
-    }
-}
-
-/// A refusal with its exit code.
-pub(crate) fn refused(refusal: Refusal) -> Failure {
-    let code = match refusal.kind {
-        RefusalKind::Unavailable => exit_code::NO_DAEMON,
-        RefusalKind::Internal | RefusalKind::Version => exit_code::FAILURE,
-        _ => exit_code::REFUSED,
-    };
-    Failure::new(code, refusal)
-}
-
-fn call_failed(error: &CallError) -> Failure {
-    let code = match error {
-        CallError::NoDaemon { .. } | CallError::NotThere { .. } => exit_code::NO_DAEMON,
-        CallError::TimedOut { .. } => exit_code::TIMED_OUT,
-        _ => exit_code::FAILURE,
-    };
-    Failure::new(code, error)
-}
-
-/// A reply that does not fit its command.
-pub(crate) fn unexpected(reply: &Reply) -> Failure {
-    Failure::new(
-        exit_code::FAILURE,
-        format!("the daemon answered something else: {reply:?}"),
-    )
-}
 
 /// `tabula objects`
 pub(crate) fn objects(

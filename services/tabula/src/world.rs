@@ -1,9 +1,10 @@
 //! `tabula world`: what the working memory knows and knew.
 
 use crate::arguments::{EventsArguments, HistoryArguments, Point, Time, WorldVerb};
-use crate::objects::{call, connect, metres, unexpected};
+use crate::objects::metres;
 use channel::control::SocketClient;
 use command_line::{Output, StopSignal, table};
+use control_client::{call, connect, unexpected};
 use message::control::{
     Command, EventReport, EventsReport, FactFilter, FactReport, FactsReport, Reply, TaskReport,
     TasksReport, WorldCommand, WorldObjectReport, WorldRegion, WorldReply, WorldReport,

@@ -1,22 +1,20 @@
 //! Exporting and importing.
 
 use crate::arguments::ImportArguments;
-use crate::importing::{Import, import as import_file};
-use crate::learn::author_or_user;
-use crate::memory_access::MemoryAccess;
-use crate::objects::unexpected;
 use command_line::{Output, bar};
+use control_client::{
+    ImportRequest, MemoryAccess, author_or_user, import as import_file, unexpected,
+};
 use message::control::{
     Command, ExportReport, ImportReport, JobCommand, JobKind, JobOutcome, Reply,
 };
 use serde::Serialize;
 use service::{CommonArguments, Failure, exit_code};
 use std::fs::{self, File};
-use std::io::{self, BufReader, Seek, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
-use store::PortableReader;
 
 /// How soon an export is asked again for bytes that it had not yet.
 const ASK_AGAIN: Duration = Duration::from_millis(20);
@@ -128,16 +126,20 @@ pub(super) fn import(
         })
     });
     let renames = renames.collect::<Result<Vec<_>, _>>()?;
-    let mut file = check(&arguments.file)?;
+    let mut file = File::open(&arguments.file)
+        .map_err(|error| file_failed("opened", &arguments.file, &error))?;
     let mut memory = MemoryAccess::open(common, output)?;
     let source = arguments.file.file_name().unwrap_or_default();
-    let request = Import {
+    let request = ImportRequest {
         author: author_or_user(arguments.author.as_deref()),
         source: source.to_string_lossy().into_owned(),
         renames,
         prefix: arguments.prefix.clone(),
     };
-    let report = import_file(&mut memory, &mut file, request, output)?;
+    let report = import_file(&mut memory, &mut file, request, output).map_err(|failure| {
+        let sentence = format!("{} cannot be imported: {failure}", arguments.file.display());
+        Failure::new(failure.code, sentence)
+    })?;
     output.answer(&report, || {
         let ImportReport {
             n_views,
@@ -151,19 +153,4 @@ pub(super) fn import(
         )
     });
     Ok(ExitCode::SUCCESS)
-}
-
-/// Reads the whole file once, so that a damaged one is told before anything is sent;
-/// returns it, to be read from its beginning.
-fn check(path: &Path) -> Result<File, Failure> {
-    let failed = |error: io::Error| file_failed("opened", path, &error);
-    let mut file = File::open(path).map_err(failed)?;
-    let refused = |error| {
-        let sentence = format!("{} cannot be imported: {error}", path.display());
-        Failure::new(exit_code::REFUSED, sentence)
-    };
-    let mut reader = PortableReader::new(BufReader::new(&file)).map_err(refused)?;
-    while reader.batch().map_err(refused)?.is_some() {}
-    file.rewind().map_err(failed)?;
-    Ok(file)
 }

@@ -1,10 +1,9 @@
 //! Sizes, views, history.
 
 use crate::arguments::{EntriesArguments, InspectArguments};
-use crate::memory_access::MemoryAccess;
-use crate::objects::unexpected;
 use crate::time::utc;
 use command_line::{Output, table};
+use control_client::{MemoryAccess, unexpected};
 use message::control::{
     Command, HistoryReport, MemoryAnswer, MemoryQuery, MemoryStats, Reply, ViewReport,
 };

@@ -1,9 +1,8 @@
 //! Verifying, repairing, compacting.
 
 use crate::arguments::CompactArguments;
-use crate::memory_access::{MemoryAccess, daemon, local_folder};
-use crate::objects::unexpected;
 use command_line::{Output, bar};
+use control_client::{MemoryAccess, daemon, local_folder, unexpected};
 use message::control::{JobKind, JobOutcome, Reply, VerificationReport};
 use service::{CommonArguments, Failure, exit_code};
 use std::process::ExitCode;
@@ -38,15 +37,16 @@ fn strange(outcome: JobOutcome) -> Failure {
 
 /// `tabula memory verify`: without a daemon a copy is read, and nothing is changed.
 pub(super) fn verify(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure> {
-    let found = match daemon(common)? {
-        Some(client) => {
-            let mut memory = MemoryAccess::Daemon(client);
-            match job(&mut memory, JobKind::Verify, "views", output)? {
-                JobOutcome::Verified(found) => found,
-                other => return Err(strange(other)),
-            }
+    let mut memory = match daemon(common)? {
+        Some(client) => client.into(),
+        None => {
+            local_folder(common)?;
+            MemoryAccess::offline(common)?
         }
-        None => verify_folder(common, output)?,
+    };
+    let found = match job(&mut memory, JobKind::Verify, "views", output)? {
+        JobOutcome::Verified(found) => found,
+        other => return Err(strange(other)),
     };
     output.answer(&found, || text(&found));
     Ok(if found.n_findings == 0 {
@@ -54,18 +54,6 @@ pub(super) fn verify(common: &CommonArguments, output: &Output) -> Result<ExitCo
     } else {
         ExitCode::from(exit_code::FAILURE)
     })
-}
-
-fn verify_folder(common: &CommonArguments, output: &Output) -> Result<VerificationReport, Failure> {
-    let folder = local_folder(common)?;
-    let bar = bar(0, "views", output);
-    let found = store::verify_folder(&folder, |done, total| {
-        bar.set_length(total);
-        bar.set_position(done);
-    });
-    bar.finish_and_clear();
-    let found = found.map_err(|error| Failure::new(exit_code::FAILURE, error))?;
-    Ok(memory_requests::verification_report(found))
 }
 
 fn text(found: &VerificationReport) -> String {

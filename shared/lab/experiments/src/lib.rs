@@ -1,7 +1,14 @@
-//! Experiments that run the perception kernels over generated and recorded data.
+//! Experiments that run the perception kernels over recorded and simulated data.
 //!
-//! [`Turntable`] generates single-object views for learning.
+//! [`evaluate`] scores detection, tracking and recognition; [`simulate`] writes
+//! recordings and single-object views of the simulated table; [`learn_folder`]
+//! teaches a folder of labelled views to a running daemon. The arguments of each
+//! experiment are in [`arguments`]; the program `tabula-lab` parses them.
+//!
+//! Invariants: nothing of a running daemon depends on this crate; the same
+//! arguments and seeds give the same documents, durations aside.
 
-mod turntable;
-
-pub use turntable::{CutOut, HEIGHTS, Turntable};
+pub mod arguments;
+pub mod evaluate;
+pub mod learn_folder;
+pub mod simulate;

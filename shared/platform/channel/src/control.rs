@@ -16,7 +16,7 @@ pub use error::CallError;
 pub use shared_memory_client::Client;
 pub use shared_memory_server::Server;
 pub use socket_client::SocketClient;
-pub use socket_server::SocketServer;
+pub use socket_server::{SocketServer, serve_stream};
 
 use message::control::{Command, Reply};
 use std::future::Future;

@@ -27,7 +27,7 @@ impl SocketClient {
         let mut denied = None;
         for folder in folders {
             match UnixStream::connect(folder.control_socket(domain)) {
-                Ok(stream) => return Self::over(stream, deadline),
+                Ok(stream) => return Self::from_stream(stream, deadline),
                 Err(error) if error.kind() == io::ErrorKind::PermissionDenied => {
                     denied = Some(folder.control_socket(domain));
                 }
@@ -45,7 +45,11 @@ impl SocketClient {
         })
     }
 
-    fn over(stream: UnixStream, deadline: Duration) -> Result<Self, CallError> {
+    /// A client over a connected stream, for example one end of a socket pair.
+    ///
+    /// # Errors
+    /// When the stream takes no time limit.
+    pub fn from_stream(stream: UnixStream, deadline: Duration) -> Result<Self, CallError> {
         let failed = |source| CallError::Carrier {
             attempt: "set up the connection to",
             source,

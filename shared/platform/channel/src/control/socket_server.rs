@@ -62,7 +62,7 @@ impl SocketServer {
                 Ok((stream, _)) => {
                     let handler = self.handler.clone();
                     tokio::spawn(async move {
-                        if let Err(error) = serve(stream, &handler).await {
+                        if let Err(error) = serve_stream(stream, &handler, IDLE).await {
                             tracing::debug!("a control connection ended: {error}");
                         }
                         drop(place);
@@ -83,10 +83,19 @@ impl Drop for SocketServer {
     }
 }
 
-async fn serve(mut stream: UnixStream, handler: &Handler) -> io::Result<()> {
+/// Answers the requests of one connection until the other side closes it or says
+/// nothing for `idle_limit`.
+///
+/// # Errors
+/// When the stream fails, or a message does not arrive or leave in time.
+pub async fn serve_stream(
+    mut stream: UnixStream,
+    handler: &Handler,
+    idle_limit: Duration,
+) -> io::Result<()> {
     loop {
         let mut length = [0; 4];
-        match tokio::time::timeout(IDLE, stream.read_exact(&mut length)).await {
+        match tokio::time::timeout(idle_limit, stream.read_exact(&mut length)).await {
             Ok(Ok(_)) => {}
             Ok(Err(error)) if error.kind() == io::ErrorKind::UnexpectedEof => return Ok(()),
             Ok(Err(error)) => return Err(error),

@@ -3,6 +3,7 @@
 mod record_scene;
 mod record_views;
 mod sensor_plot;
+mod turntable;
 
 use crate::arguments::SimulateVerb;
 use command_line::Output;
@@ -11,7 +12,7 @@ use service::{Failure, exit_code};
 use std::process::ExitCode;
 
 /// Carries out a verb of `tabula simulate`.
-pub(crate) fn run(verb: &SimulateVerb, output: &Output) -> Result<ExitCode, Failure> {
+pub fn run(verb: &SimulateVerb, output: &Output) -> Result<ExitCode, Failure> {
     match verb {
         SimulateVerb::Scene(arguments) => record_scene::run(arguments, output),
         SimulateVerb::Views(arguments) => record_views::run(arguments, output),

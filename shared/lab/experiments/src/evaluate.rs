@@ -22,7 +22,7 @@ use service::{Failure, exit_code};
 use std::process::ExitCode;
 
 /// Carries out a verb of `tabula evaluate`.
-pub(crate) fn run(verb: &EvaluateVerb, output: &Output) -> Result<ExitCode, Failure> {
+pub fn run(verb: &EvaluateVerb, output: &Output) -> Result<ExitCode, Failure> {
     match verb {
         EvaluateVerb::Detection(arguments) => detection::run(arguments, output),
         EvaluateVerb::Tracking(arguments) => tracking::run(arguments, output),

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 /// How objects are described and learned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Variant {
+pub enum Variant {
     /// GOOD as published, in the frame of its published program
     Published,
     /// GOOD as in the authors' evaluations, in the same frame
@@ -18,7 +18,7 @@ pub(crate) enum Variant {
 
 /// What is against gravity in the files of a data set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Up {
+pub enum Up {
     /// Nobody knows
     Unknown,
     /// The x axis
@@ -33,7 +33,7 @@ pub(crate) enum Up {
 
 /// Which views are taught and which are asked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum ViewProtocol {
+pub enum ViewProtocol {
     /// Any views of a category
     View,
     /// Views of other objects than those that were taught
@@ -42,7 +42,7 @@ pub(crate) enum ViewProtocol {
 
 /// How views are described and compared, and how many of them.
 #[derive(Debug, Args)]
-pub(crate) struct DescriptionArguments {
+pub struct DescriptionArguments {
     /// How objects are described and learned
     #[arg(long, value_name = "NAME", value_enum, default_value_t = Variant::Ours)]
     pub(crate) variant: Variant,
@@ -69,7 +69,7 @@ pub(crate) struct DescriptionArguments {
 
 /// Which views are learned.
 #[derive(Debug, Args)]
-pub(crate) struct LearnArguments {
+pub struct LearnArguments {
     /// Folder of views in the layout of the Washington dataset, or with a folder of PCD files for
     /// each category
     pub(crate) folder: PathBuf,
@@ -83,7 +83,7 @@ pub(crate) struct LearnArguments {
 
 /// The experiment with the simulated teacher.
 #[derive(Debug, Args)]
-pub(crate) struct OpenEndedArguments {
+pub struct OpenEndedArguments {
     /// Folder of views in the layout of the Washington dataset, or with a folder of PCD files for
     /// each category
     pub(crate) dataset: PathBuf,
@@ -114,7 +114,7 @@ pub(crate) struct OpenEndedArguments {
 
 /// What an ablation compares.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum AblationVariant {
+pub enum AblationVariant {
     /// GOOD as published, in the frame of its published program
     Published,
     /// GOOD as in the authors' evaluations, in the same frame
@@ -137,7 +137,7 @@ pub(crate) enum AblationVariant {
 
 /// The experiment with the simulated teacher, for each of several variants.
 #[derive(Debug, Args)]
-pub(crate) struct AblationArguments {
+pub struct AblationArguments {
     /// Folder of views in the layout of the Washington dataset, or with a folder of PCD files for
     /// each category
     pub(crate) dataset: PathBuf,
@@ -169,7 +169,7 @@ pub(crate) struct AblationArguments {
 
 /// The experiment in which each part is asked of who was taught the rest.
 #[derive(Debug, Args)]
-pub(crate) struct CrossValidationArguments {
+pub struct CrossValidationArguments {
     /// Folder of views in the layout of the Washington dataset, or with a folder of PCD files for
     /// each category
     #[arg(required_unless_present = "scenes")]

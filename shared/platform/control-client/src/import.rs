@@ -1,8 +1,8 @@
-//! Giving the memory a file of views, which takes over all that is new.
+//! Import of a portable file of views into the memory.
 
-use crate::learn::mutation_id;
+use crate::authorship::mutation_id;
+use crate::connection::unexpected;
 use crate::memory_access::MemoryAccess;
-use crate::objects::unexpected;
 use command_line::{Output, bar};
 use message::control::{
     ImportReport, JobCommand, JobKind, JobOutcome, JobReport, MAX_MESSAGE_BYTES, Reply,
@@ -14,33 +14,37 @@ use std::io::{self, Read};
 /// Bytes of a file in one request.
 const WRITE_BYTES: usize = MAX_MESSAGE_BYTES / 2;
 
-/// How a file is to be taken over.
-pub(crate) struct Import {
-    /// Who asks.
-    pub(crate) author: String,
-    /// Where the views come from, for the history.
-    pub(crate) source: String,
-    /// Names to be changed: from, to.
-    pub(crate) renames: Vec<(String, String)>,
-    /// Put before every other name.
-    pub(crate) prefix: String,
+/// Author, source and renames of an import.
+#[derive(Debug)]
+pub struct ImportRequest {
+    /// Author of the change.
+    pub author: String,
+    /// Source of the views, as the history names it.
+    pub source: String,
+    /// Categories to rename on the way: from, to.
+    pub renames: Vec<(String, String)>,
+    /// Prefix of every other category name.
+    pub prefix: String,
 }
 
-/// Sends the file from where it stands, and waits until all of it is taken over.
-pub(crate) fn import(
+/// Uploads the file from its current position and waits until it is imported.
+///
+/// # Errors
+/// When the file cannot be read, or the memory refuses it; nothing is imported then.
+pub fn import(
     memory: &mut MemoryAccess,
     file: &mut File,
-    import: Import,
+    request: ImportRequest,
     output: &Output,
 ) -> Result<ImportReport, Failure> {
     let job = upload(memory, file, output)?;
     memory.job(JobCommand::Import {
         job,
         id: mutation_id()?,
-        author: import.author,
-        source: import.source,
-        renames: import.renames,
-        prefix: import.prefix,
+        author: request.author,
+        source: request.source,
+        renames: request.renames,
+        prefix: request.prefix,
     })?;
     let bar = bar(0, "bytes", output);
     let outcome = memory.wait(job, |report| {

@@ -6,7 +6,7 @@
 //! the sensor on, in the light of different lamps.
 
 use detection::{Candidate, Config, Detection, Frame, Surroundings, Workspace, detect};
-use geometry::{OrientedBox, PinholeCamera};
+use geometry::PinholeCamera;
 use nalgebra::{Point3, Unit, Vector3};
 use point_cloud::{OrganizedCloud, Point};
 use random::Random;
@@ -19,7 +19,7 @@ use simulated_world::random_stream;
 use simulated_world::{CameraMount, ModelChoice, ObjectPlan, Placing, Scene};
 
 /// Camera heights with the numbers of their sequences in the Washington dataset.
-pub const HEIGHTS: [(u32, f64); 3] = [(1, 30.0), (2, 45.0), (4, 60.0)];
+pub(super) const HEIGHTS: [(u32, f64); 3] = [(1, 30.0), (2, 45.0), (4, 60.0)];
 
 /// Distance of the camera from the object, metres.
 const DISTANCES_M: [f64; 2] = [0.7, 1.3];
@@ -33,7 +33,7 @@ const LOOK: u64 = 5;
 
 /// One object on the table, and the camera that goes round it.
 #[derive(Debug)]
-pub struct Turntable {
+pub(super) struct Turntable {
     world: World,
     kinect: SimulatedKinect,
     seed: u64,
@@ -45,17 +45,13 @@ pub struct Turntable {
 
 /// One view of the object as detection has cut it out.
 #[derive(Debug)]
-pub struct CutOut<'a> {
+pub(super) struct CutOut<'a> {
     /// The whole frame, camera frame, row-major.
-    pub cloud: &'a [Point],
+    pub(super) cloud: &'a [Point],
     /// Indices of the object's points in it, ascending.
-    pub point_indices: &'a [u32],
-    /// The box around it, camera frame.
-    pub oriented_box: OrientedBox,
-    /// Against gravity, camera frame.
-    pub up_in_camera: Unit<Vector3<f64>>,
+    pub(super) point_indices: &'a [u32],
     /// Common share of the cut-out's and the object's true pixels, 0 to 1.
-    pub overlap: f64,
+    pub(super) overlap: f64,
 }
 
 impl Turntable {
@@ -63,7 +59,7 @@ impl Turntable {
     ///
     /// # Errors
     /// When the model can not be used, or the intrinsics are impossible.
-    pub fn new(
+    pub(super) fn new(
         model: &ModelChoice,
         library: ModelLibrary,
         camera: PinholeCamera,
@@ -93,20 +89,9 @@ impl Turntable {
         })
     }
 
-    /// The object's category and name.
-    pub fn object(&self) -> Option<(&str, &str)> {
-        let object = self.world.objects().first()?;
-        Some((&object.model.category, &object.model.name))
-    }
-
     /// What was noticed about the model, one sentence each; given once.
-    pub fn take_notes(&mut self) -> Vec<String> {
+    pub(super) fn take_notes(&mut self) -> Vec<String> {
         self.world.take_notes()
-    }
-
-    /// Intrinsics and size of the frames.
-    pub fn camera(&self) -> &PinholeCamera {
-        self.kinect.camera()
     }
 
     /// The object seen from one of the [`HEIGHTS`] (by index), after `turn` of a
@@ -114,7 +99,7 @@ impl Turntable {
     ///
     /// # Errors
     /// When the camera can not look.
-    pub fn view(&mut self, height: usize, turn: f64) -> Result<Option<CutOut<'_>>, Error> {
+    pub(super) fn view(&mut self, height: usize, turn: f64) -> Result<Option<CutOut<'_>>, Error> {
         let (sequence, elevation_deg) = HEIGHTS[height % HEIGHTS.len()];
         let mut random = random_stream(self.seed, LOOK + 16 * u64::from(sequence));
         let middle = self.middle();
@@ -139,8 +124,6 @@ impl Turntable {
             cloud: &self.points,
             overlap: overlap(point_indices, self.kinect.mask(), &self.points),
             point_indices,
-            oriented_box: found.oriented_box,
-            up_in_camera,
         }))
     }
 

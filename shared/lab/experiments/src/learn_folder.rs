@@ -4,11 +4,8 @@ mod described;
 
 use crate::arguments::{LearnArguments, Up};
 use crate::evaluate::parallel;
-use crate::importing::{Import, import};
-use crate::learn::author_or_user;
-use crate::memory_access::MemoryAccess;
-use crate::objects::connect;
 use command_line::{Output, bar};
+use control_client::{ImportRequest, MemoryAccess, author_or_user, connect, import};
 use dataset::object_views::{ObjectViews, ViewFile};
 use described::Folder;
 use description::{Appearance, AppearanceWeights};
@@ -47,7 +44,7 @@ struct Report {
 }
 
 /// Describes the folder's views, and has the daemon take them over.
-pub(crate) fn run(
+pub fn run(
     common: &CommonArguments,
     arguments: &LearnArguments,
     output: &Output,
@@ -73,13 +70,13 @@ pub(crate) fn run(
     let mut report = Report::default();
     let mut file = write(&folder, &mut report, output)?;
     if report.n_views > 0 {
-        let request = Import {
+        let request = ImportRequest {
             author,
             source: source(&arguments.folder),
             renames: Vec::new(),
             prefix: String::new(),
         };
-        let mut memory = MemoryAccess::Daemon(connect(common)?);
+        let mut memory = MemoryAccess::from(connect(common)?);
         let imported = import(&mut memory, &mut file, request, output)?;
         report.n_views_changed = imported.n_views_changed;
         report.sequence = imported.sequence;

@@ -1,10 +1,10 @@
 //! `tabula simulate views`: views of single objects for learning.
 
+use super::turntable::{CutOut, HEIGHTS, Turntable};
 use super::{failed, usage};
 use crate::arguments::ViewsArguments;
 use command_line::{Output, bar};
 use dataset::washington::{CAMERA, View, ViewName, write_view};
-use experiments::{CutOut, HEIGHTS, Turntable};
 use indicatif::ProgressBar;
 use serde::Serialize;
 use service::Failure;

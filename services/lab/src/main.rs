@@ -1,0 +1,62 @@
+//! `tabula-lab`: experiments, simulated recordings, and learning from folders of views.
+
+use clap::{Parser, Subcommand};
+use command_line::Output;
+use experiments::arguments::{EvaluateVerb, LearnArguments, SimulateVerb};
+use service::{CommonArguments, Failure};
+use std::process::ExitCode;
+
+/// The laboratory of tabula: experiments with its kernels, simulated recordings,
+/// and learning from folders of views.
+#[derive(Debug, Parser)]
+#[command(name = "tabula-lab", version, propagate_version = true)]
+struct LabArguments {
+    #[command(flatten)]
+    common: CommonArguments,
+
+    /// Print one JSON document instead of text
+    #[arg(long, global = true)]
+    json: bool,
+
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+/// Verbs of the command line.
+#[derive(Debug, Subcommand)]
+enum Verb {
+    /// Learn a folder of labelled views
+    Learn(LearnArguments),
+    /// Write recordings and views of the simulated table; needs no daemon
+    Simulate {
+        /// What to write
+        #[command(subcommand)]
+        verb: SimulateVerb,
+    },
+    /// Measure how good and how fast the kernels are; needs no daemon
+    Evaluate {
+        /// What to measure
+        #[command(subcommand)]
+        verb: EvaluateVerb,
+    },
+}
+
+fn main() -> ExitCode {
+    let arguments = LabArguments::parse();
+    let output = Output::new(arguments.json);
+    match execute(&arguments, &output) {
+        Ok(code) => code,
+        Err(failure) => {
+            output.failure(&failure);
+            ExitCode::from(failure.code)
+        }
+    }
+}
+
+fn execute(arguments: &LabArguments, output: &Output) -> Result<ExitCode, Failure> {
+    match &arguments.verb {
+        Verb::Learn(folder) => experiments::learn_folder::run(&arguments.common, folder, output),
+        Verb::Simulate { verb } => experiments::simulate::run(verb, output),
+        Verb::Evaluate { verb } => experiments::evaluate::run(verb, output),
+    }
+}

@@ -1,0 +1,161 @@
+//! Command-line arguments of the experiments.
+
+mod recognition;
+
+pub use recognition::{
+    AblationArguments, AblationVariant, CrossValidationArguments, DescriptionArguments,
+    LearnArguments, OpenEndedArguments, Up, Variant, ViewProtocol,
+};
+
+use clap::{Args, Subcommand};
+use simulated_world::ModelSource;
+use std::path::{Path, PathBuf};
+
+/// What is written of the simulated table.
+#[derive(Debug, Subcommand)]
+pub enum SimulateVerb {
+    /// A sequence of a scene: colour, depth, poses, masks and ground truth
+    Scene(SceneArguments),
+    /// Views of single objects for learning, in the layout of the Washington dataset
+    Views(ViewsArguments),
+    /// Plot the simulated Kinect's depth noise beside the published law
+    Sensor {
+        /// Folder for the table and the plot
+        #[arg(long, value_name = "DIR")]
+        out: PathBuf,
+    },
+    /// List the generated categories
+    Categories,
+}
+
+/// Which scene, and where it goes.
+#[derive(Debug, Args)]
+pub struct SceneArguments {
+    /// A scene file (TOML)
+    pub(crate) file: Option<PathBuf>,
+    /// isolated, pile, bin or set-table [default: isolated]
+    #[arg(long, value_name = "KIND")]
+    pub(crate) kind: Option<String>,
+    /// Number of objects [default: what the kind of scene usually has]
+    #[arg(long, value_name = "N")]
+    pub(crate) objects: Option<usize>,
+    /// Folder of PLY and OBJ models, or `generated` [default: generated]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) models: Option<PathBuf>,
+    /// The same seed gives the same files [default: 1, or the file's]
+    #[arg(long, value_name = "S")]
+    pub(crate) seed: Option<u64>,
+    /// Number of frames
+    #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    pub(crate) frames: u64,
+    /// Frames per second
+    #[arg(long, value_name = "HZ", default_value_t = 30.0)]
+    pub(crate) rate: f64,
+    /// Folder for the sequence
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+}
+
+/// Which objects, how many views, and where they go.
+#[derive(Debug, Args)]
+pub struct ViewsArguments {
+    /// Folder of PLY and OBJ models, or `generated`
+    #[arg(long, value_name = "DIR", default_value = "generated")]
+    pub(crate) models: PathBuf,
+    /// Views of each object, spread over three heights
+    #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub(crate) views: u32,
+    /// Objects of each generated category
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u64).range(1..=1000))]
+    pub(crate) instances: u64,
+    /// Only this category; may be given more than once [default: all]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) category: Vec<String>,
+    /// The same seed gives the same files
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Folder for the views
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+}
+
+/// What is measured.
+#[derive(Debug, Subcommand)]
+pub enum EvaluateVerb {
+    /// Compare what detection finds with labelled scenes, and time it on one thread
+    Detection(DetectionArguments),
+    /// Track the objects of simulated scenes and compare with the truth
+    Tracking(TrackingArguments),
+    /// Let a simulated teacher introduce categories, ask and correct
+    OpenEnded(OpenEndedArguments),
+    /// Let the simulated teacher compare variants on the same questions
+    Ablation(AblationArguments),
+    /// Recognise each part of the views by the others
+    CrossValidation(CrossValidationArguments),
+}
+
+/// Which scenes, and where the results go.
+#[derive(Debug, Args)]
+pub struct DetectionArguments {
+    /// Folder of labelled PCD scenes or of a simulated sequence, or a folder of such folders
+    pub(crate) dataset: PathBuf,
+    /// Folder for the figures, the page and the pictures
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// Folder for result and truth as raw images of labels
+    #[arg(long, value_name = "DIR")]
+    pub(crate) labels: Option<PathBuf>,
+    /// Seed of detection; the same seed gives the same result
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// How often detection is timed on each scene
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub(crate) repeats: u32,
+}
+
+/// Which scenes, and where the results go.
+#[derive(Debug, Args)]
+pub struct TrackingArguments {
+    /// A scene file (TOML), a folder of them, or a recorded sequence with poses [default: the
+    /// scenes of this program]
+    pub(crate) dataset: Option<PathBuf>,
+    /// Folder for the figures, the page and the pictures
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// How many seeds each scene is played from
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u64).range(1..=10_000))]
+    pub(crate) seeds: u64,
+    /// The first seed
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Only the scene of this name; can be given several times
+    #[arg(long, value_name = "NAME")]
+    pub(crate) scene: Vec<String>,
+    /// What the tracks of a recording without truth are: lines of `track_id,object-name`
+    #[arg(long, value_name = "FILE")]
+    pub(crate) labels: Option<PathBuf>,
+}
+
+impl SceneArguments {
+    /// Where the models come from.
+    pub(crate) fn models(&self) -> ModelSource {
+        self.models
+            .as_deref()
+            .map_or(ModelSource::Generated, model_source)
+    }
+}
+
+impl ViewsArguments {
+    /// Where the models come from.
+    pub(crate) fn models(&self) -> ModelSource {
+        model_source(&self.models)
+    }
+}
+
+fn model_source(path: &Path) -> ModelSource {
+    if path == Path::new("generated") {
+        ModelSource::Generated
+    } else {
+        ModelSource::Folder(path.to_owned())
+    }
+}

@@ -1,0 +1,26 @@
+//! Author and random identity of a change.
+
+use message::control::MutationId;
+use service::{Failure, exit_code};
+
+/// Name of the author: the given one, else the user's name, else the user id.
+pub fn author_or_user(author: Option<&str>) -> String {
+    let user = || std::env::var("USER").ok().filter(|name| !name.is_empty());
+    let uid = || format!("uid {}", rustix::process::getuid().as_raw());
+    author.map(str::to_owned).or_else(user).unwrap_or_else(uid)
+}
+
+/// A random 128-bit id, by which a repeated request is recognised.
+///
+/// # Errors
+/// When the operating system gives no random numbers.
+pub fn mutation_id() -> Result<MutationId, Failure> {
+    let mut bytes = [0; 16];
+    getrandom::fill(&mut bytes).map_err(|error| {
+        Failure::new(
+            exit_code::FAILURE,
+            format!("this machine gives no random numbers: {error}"),
+        )
+    })?;
+    Ok(MutationId(u128::from_le_bytes(bytes)))
+}
