@@ -24,6 +24,7 @@ mod figures;
 /// Where the milliseconds go: the measuring program.
 mod latency;
 /// Crates name only crates of lower layers; foreign libraries have owners.
+mod language;
 mod layering;
 /// Runs in lockstep repeat each other to the bit.
 mod lockstep;

@@ -2,7 +2,7 @@
 
 use clap::{Parser, Subcommand};
 use command_line::Output;
-use experiments::arguments::{EvaluateVerb, LearnArguments, SimulateVerb};
+use experiments::arguments::{EvaluateVerb, LearnArguments, SimulateVerb, SweepArguments};
 use service::{CommonArguments, Failure};
 use std::process::ExitCode;
 
@@ -39,6 +39,8 @@ enum Verb {
         #[command(subcommand)]
         verb: EvaluateVerb,
     },
+    /// Measure how sensitive scores are to tuned constants; needs the source tree and cargo
+    Sweep(SweepArguments),
 }
 
 fn main() -> ExitCode {
@@ -58,5 +60,6 @@ fn execute(arguments: &LabArguments, output: &Output) -> Result<ExitCode, Failur
         Verb::Learn(folder) => experiments::learn_folder::run(&arguments.common, folder, output),
         Verb::Simulate { verb } => experiments::simulate::run(verb, output),
         Verb::Evaluate { verb } => experiments::evaluate::run(verb, output),
+        Verb::Sweep(sweep) => experiments::sweep::run(sweep, output),
     }
 }

@@ -7,7 +7,7 @@ pub use recognition::{
     LearnArguments, OpenEndedArguments, Up, Variant, ViewProtocol,
 };
 
-use clap::{Args, Subcommand};
+use clap::{Args, Subcommand, ValueEnum};
 use simulated_world::ModelSource;
 use std::path::{Path, PathBuf};
 
@@ -158,4 +158,35 @@ fn model_source(path: &Path) -> ModelSource {
     } else {
         ModelSource::Folder(path.to_owned())
     }
+}
+
+/// Evaluation whose scores a sweep compares.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum SweepScore {
+    /// Detection on labelled scenes
+    Detection,
+    /// Tracking in simulated scenes
+    Tracking,
+    /// Cross-validation of recognition
+    Recognition,
+}
+
+/// Constants of a sweep, the evaluation, and the folder of the results.
+#[derive(Debug, Args)]
+pub struct SweepArguments {
+    /// FILE:NAME of a constant or of a default setting in the source tree, or FILE for all of it
+    #[arg(required = true, value_name = "FILE[:NAME]")]
+    pub constants: Vec<String>,
+    /// Evaluation whose scores are compared
+    #[arg(long, value_enum, default_value_t = SweepScore::Detection)]
+    pub score: SweepScore,
+    /// Data set of the evaluation
+    #[arg(long, value_name = "DIR")]
+    pub dataset: Option<PathBuf>,
+    /// Factors, one after the other
+    #[arg(long, value_name = "F", value_delimiter = ',', default_values_t = [0.5, 2.0])]
+    pub factors: Vec<f64>,
+    /// Folder for the table
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
 }

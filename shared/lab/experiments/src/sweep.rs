@@ -1,0 +1,99 @@
+//! Sensitivity sweep: scores with one tuned constant halved and doubled at a time.
+//!
+//! Constants are compiled into the kernels, so each value is a build of its own: the
+//! workspace is copied into a scratch folder, the constant's definition is scaled in
+//! the copy, `tabula-lab` is built there without link-time optimisation, and its
+//! `evaluate` gives the scores. One value takes about a minute.
+
+mod constant;
+mod measure;
+mod report;
+mod scratch;
+
+use crate::arguments::SweepArguments;
+use command_line::{Output, bar};
+use constant::Constant;
+use measure::Measure;
+use report::{Report, Row};
+use scratch::Scratch;
+use service::{Failure, exit_code};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Scales each constant by each factor and writes the changes of the scores.
+///
+/// # Errors
+/// When a constant is not found, a build fails with the original values, or a score
+/// is missing. A scaled value that does not build or run is reported in its row.
+pub fn run(arguments: &SweepArguments, output: &Output) -> Result<ExitCode, Failure> {
+    let root = workspace_root()?;
+    let constants = named_constants(&root, &arguments.constants)?;
+    let measure = Measure::new(arguments)?;
+    make_folder(&arguments.out)?;
+    let scratch = Scratch::copy(&root)?;
+    let n_steps = 1 + constants.len() * arguments.factors.len();
+    let bar = bar(n_steps as u64, "builds and evaluations", output);
+    let mut report = Report::new(&measure, scratch.scores(&measure, &arguments.out)?);
+    bar.inc(1);
+    for constant in &constants {
+        for factor in &arguments.factors {
+            let scaled = constant.scaled(*factor)?;
+            let scores = scratch.with_file(&constant.file, &scaled, || {
+                scratch.scores(&measure, &arguments.out)
+            })?;
+            report.push(Row::new(constant, *factor, scores));
+            // Written after every step: a long run that is stopped has what it did.
+            report.write(&arguments.out)?;
+            bar.inc(1);
+        }
+    }
+    bar.finish_and_clear();
+    report.write(&arguments.out)?;
+    output.answer(&report, || report.text());
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The workspace that holds the current folder.
+fn workspace_root() -> Result<PathBuf, Failure> {
+    let here = std::env::current_dir().map_err(failed)?;
+    let is_root = |folder: &&Path| {
+        let manifest = std::fs::read_to_string(folder.join("Cargo.toml"));
+        manifest.is_ok_and(|text| text.contains("[workspace]")) && folder.join("shared").is_dir()
+    };
+    let root = here.ancestors().find(is_root).map(Path::to_owned);
+    root.ok_or_else(|| {
+        let sentence = "a sweep builds the kernels: call it in the source tree of tabula";
+        Failure::new(exit_code::USAGE, sentence)
+    })
+}
+
+/// The constants that `FILE:NAME` or `FILE` name, in the order of the arguments.
+fn named_constants(root: &Path, names: &[String]) -> Result<Vec<Constant>, Failure> {
+    let usage = |sentence: String| Failure::new(exit_code::USAGE, sentence);
+    let mut constants = Vec::new();
+    for name in names {
+        let (file, wanted) = match name.split_once(':') {
+            Some((file, wanted)) => (file, Some(wanted)),
+            None => (name.as_str(), None),
+        };
+        let text = std::fs::read_to_string(root.join(file))
+            .map_err(|error| usage(format!("{file} cannot be read: {error}")))?;
+        let found = constant::all(Path::new(file), &text);
+        let before = constants.len();
+        let is_wanted = |constant: &Constant| wanted.is_none_or(|wanted| constant.name == wanted);
+        constants.extend(found.into_iter().filter(is_wanted));
+        if constants.len() == before {
+            return Err(usage(format!("{name}: no number constant of that name")));
+        }
+    }
+    Ok(constants)
+}
+
+fn make_folder(path: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(path)
+        .map_err(|error| failed(format!("could not create {}: {error}", path.display())))
+}
+
+fn failed(error: impl std::fmt::Display) -> Failure {
+    Failure::new(exit_code::FAILURE, error)
+}

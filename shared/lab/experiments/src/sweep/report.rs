@@ -1,0 +1,98 @@
+//! Table of a sweep: each constant, factor, and the change of each score.
+
+use super::constant::Constant;
+use super::failed;
+use super::measure::{Measure, Scores};
+use command_line::table;
+use serde::Serialize;
+use service::Failure;
+use std::path::Path;
+
+/// Scores with the original constants, and the rows of the scaled ones.
+#[derive(Debug, Serialize)]
+pub(super) struct Report {
+    /// Names of the scores.
+    scores: Vec<&'static str>,
+    /// Scores with the constants as they are.
+    original: Scores,
+    rows: Vec<Row>,
+}
+
+/// One scaled constant.
+#[derive(Debug, Serialize)]
+pub(super) struct Row {
+    file: String,
+    constant: String,
+    expression: String,
+    factor: f64,
+    /// Scores with the scaled constant; `None` when it does not build or run.
+    scores: Option<Scores>,
+    /// Reason for missing scores.
+    failure: Option<String>,
+}
+
+impl Row {
+    pub(super) fn new(constant: &Constant, factor: f64, scores: Result<Scores, Failure>) -> Self {
+        let (scores, failure) = match scores {
+            Ok(scores) => (Some(scores), None),
+            Err(failure) => (None, Some(failure.sentence)),
+        };
+        Self {
+            file: constant.file.display().to_string(),
+            constant: constant.name.clone(),
+            expression: constant.expression.clone(),
+            factor,
+            scores,
+            failure,
+        }
+    }
+}
+
+impl Report {
+    pub(super) fn new(measure: &Measure, original: Scores) -> Self {
+        Self {
+            scores: measure.names().collect(),
+            original,
+            rows: Vec::new(),
+        }
+    }
+
+    pub(super) fn push(&mut self, row: Row) {
+        self.rows.push(row);
+    }
+
+    /// Writes `sweep.json`.
+    pub(super) fn write(&self, out: &Path) -> Result<(), Failure> {
+        let json = serde_json::to_vec_pretty(self).map_err(failed)?;
+        std::fs::write(out.join("sweep.json"), json).map_err(failed)
+    }
+
+    /// A line for each row: changes in hundredths of a score.
+    pub(super) fn text(&self) -> String {
+        let mut heading = vec!["constant", "value", "factor"];
+        heading.extend(&self.scores);
+        let mut original = vec!["as they are".to_owned(), String::new(), String::new()];
+        original.extend(self.original.iter().map(|score| format!("{score:.4}")));
+        let mut rows = vec![original];
+        rows.extend(self.rows.iter().map(|row| self.line(row)));
+        table(&heading, &rows)
+    }
+
+    fn line(&self, row: &Row) -> Vec<String> {
+        let mut line = vec![
+            row.constant.clone(),
+            row.expression.clone(),
+            format!("{}", row.factor),
+        ];
+        match &row.scores {
+            Some(scores) => line.extend(
+                scores
+                    .iter()
+                    .zip(&self.original)
+                    .map(|(score, original)| format!("{:+.4}", score - original)),
+            ),
+            None => line.push(row.failure.clone().unwrap_or_default()),
+        }
+        line
+    }
+}
