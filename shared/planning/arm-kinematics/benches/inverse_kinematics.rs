@@ -1,4 +1,4 @@
-//! What a pose, a line and the arm's capsules cost.
+//! Benchmarks of inverse kinematics, line planning and link capsules.
 
 use arm_kinematics::{
     Arm, HOME, IkConfig, JointVector, LineTrajectory, inverse_kinematics, link_capsules,

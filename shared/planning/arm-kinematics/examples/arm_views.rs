@@ -1,6 +1,6 @@
-//! Draws the arm from the side and from above, at home and at three grasps.
+//! Draws the arm from the side and from above, in its home pose and in three grasp poses.
 //!
-//! `cargo run -p manipulator --example arm_views -- OUTPUT.png`
+//! `cargo run -p arm-kinematics --example arm_views -- OUTPUT.png`
 
 use arm_kinematics::{
     Arm, HOME, IkConfig, JointVector, LinkMeshes, inverse_kinematics, link_capsules,
@@ -23,15 +23,15 @@ struct Picture {
     depths: Vec<f64>,
 }
 
-/// Where a view is drawn, and from where the arm is seen.
-struct View {
+/// Panel of the picture: its pixel corner and the direction of view.
+struct ViewPanel {
     corner_px: [usize; 2],
     eye_from_base: UnitQuaternion<f64>,
     centre_in_base: Point3<f64>,
 }
 
-impl View {
-    /// Pixel x, pixel y (down), height towards the eye.
+impl ViewPanel {
+    /// Orthographic projection: pixel x, pixel y (down), height towards the eye.
     fn project(&self, point: &Point3<f64>) -> Vector3<f64> {
         let p = self.eye_from_base * (point - self.centre_in_base);
         let half = 0.5 * CELL_PX as f64;
@@ -48,7 +48,7 @@ impl Picture {
         }
     }
 
-    fn draw(&mut self, view: &View, mesh: &TriangleMesh, base_from_body: &Isometry3<f64>) {
+    fn draw(&mut self, view: &ViewPanel, mesh: &TriangleMesh, base_from_body: &Isometry3<f64>) {
         let light = Vector3::new(-0.4, 0.5, 0.77);
         for triangle in &mesh.triangles {
             let corners = triangle.vertices.map(|i| mesh.vertices[i as usize]);
@@ -61,7 +61,7 @@ impl Picture {
         }
     }
 
-    fn fill(&mut self, view: &View, corners: &[Vector3<f64>; 3], color: [u8; 3]) {
+    fn fill(&mut self, view: &ViewPanel, corners: &[Vector3<f64>; 3], color: [u8; 3]) {
         let [a, b, c] = corners;
         let area = (b - a).xy().perp(&(c - a).xy());
         if area.abs() < 1e-9 {
@@ -85,8 +85,8 @@ impl Picture {
         }
     }
 
-    /// A red dot over everything.
-    fn mark(&mut self, view: &View, point: &Point3<f64>) {
+    /// Draws a red 3 x 3 dot over everything.
+    fn mark(&mut self, view: &ViewPanel, point: &Point3<f64>) {
         let p = view.project(point);
         for (dx, dy) in (-1..=1).flat_map(|x| (-1..=1).map(move |y| (f64::from(x), f64::from(y)))) {
             let x = (p.x + dx).clamp(0.0, CELL_PX as f64 - 1.0) as usize + view.corner_px[0];
@@ -108,13 +108,13 @@ impl Picture {
     }
 }
 
-/// Straight down with the fingers across, level from the side, and far out.
+/// Joint angles of four postures: home, straight down, level from the side, and far out.
 fn postures(arm: &Arm) -> Result<[JointVector; 4], AnyError> {
     let home = JointVector::from(HOME);
     let about = |axis, angle| UnitQuaternion::from_axis_angle(&axis, angle);
     let down = about(Vector3::y_axis(), PI) * about(Vector3::z_axis(), FRAC_PI_2);
     let level = about(Vector3::y_axis(), FRAC_PI_2) * about(Vector3::z_axis(), FRAC_PI_2);
-    let aslant = about(Vector3::z_axis(), 0.7) * about(Vector3::y_axis(), 2.4);
+    let oblique = about(Vector3::z_axis(), 0.7) * about(Vector3::y_axis(), 2.4);
     let reach = |x, y, z, rotation| {
         let pose = Isometry3::from_parts([x, y, z].into(), rotation);
         inverse_kinematics(arm, &pose, &home, &IkConfig::default()).map(|found| found.joints_rad)
@@ -123,7 +123,7 @@ fn postures(arm: &Arm) -> Result<[JointVector; 4], AnyError> {
         home,
         reach(0.45, 0.0, 0.05, down)?,
         reach(0.60, 0.10, 0.20, level)?,
-        reach(0.50, 0.40, 0.10, aslant)?,
+        reach(0.50, 0.40, 0.10, oblique)?,
     ])
 }
 
@@ -134,12 +134,12 @@ fn main() -> Result<(), AnyError> {
     let arm = Arm::jaco_like();
     let meshes = LinkMeshes::new(&arm);
     let sideways = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), -FRAC_PI_2);
-    let aslant = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), -1.0)
+    let oblique = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), -1.0)
         * UnitQuaternion::from_axis_angle(&Vector3::z_axis(), -0.6);
     let mut picture = Picture::new(4 * CELL_PX, 2 * CELL_PX);
     for (column, joints) in postures(&arm)?.iter().enumerate() {
-        for (row, eye_from_base) in [sideways, aslant].into_iter().enumerate() {
-            let view = View {
+        for (row, eye_from_base) in [sideways, oblique].into_iter().enumerate() {
+            let view = ViewPanel {
                 corner_px: [column * CELL_PX, row * CELL_PX],
                 eye_from_base,
                 centre_in_base: Point3::new(0.2, 0.0, 0.4),

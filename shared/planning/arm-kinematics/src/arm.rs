@@ -1,4 +1,4 @@
-//! The arm as a whole: its chain and its hand.
+//! Robot arm: kinematic chain, dimensions and gripper in one model.
 
 use geometry::RigidTransform;
 use nalgebra::{Translation3, Vector3};
@@ -8,13 +8,13 @@ use crate::{
     ArmDimensions, GripperGeometry, Joint, JointVector, KinematicChain, N_JOINTS, tool_from_fingers,
 };
 
-/// The starting position, radians: upper arm leant back, forearm level over
-/// it, tool 0.36 m over the mounting plate and 0.14 m before it, pointing forward
-/// and down, fingers closing sideways. Nothing of the arm is farther than
-/// 0.2 m in front of its base, so that a camera over the table does not see it.
+/// Home position (folded), joint angles in radians. The upper arm leans back, the forearm is
+/// level above it, the tool is 0.36 m above the mounting plate and 0.14 m in front of it,
+/// pointing forward and down, and the fingers close sideways. No part of the arm is farther than
+/// 0.2 m in front of its base, so that a camera above the table does not see it. Chosen.
 pub const HOME: [f64; N_JOINTS] = [0.0, -0.9, 2.5, 0.0, 0.7, FRAC_PI_2];
 
-/// An arm with a hand.
+/// Robot arm with gripper: kinematic chain, dimensions and gripper geometry.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Arm {
     chain: KinematicChain,
@@ -22,49 +22,46 @@ pub struct Arm {
     gripper: GripperGeometry,
 }
 
-/// Where every body of the arm is, in the base frame.
+/// Poses of all bodies of the arm, base frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BodyPoses {
-    /// The base, then the link behind each joint.
+    /// Link poses: the base, then the link behind each joint.
     pub base_from_link: [RigidTransform; N_JOINTS + 1],
-    /// The tool frame, which the hand's rail is given in.
+    /// Tool pose; the gripper's rail is given in this frame.
     pub base_from_tool: RigidTransform,
-    /// The fingers: the one at +x of the tool, then the one at -x.
+    /// Finger poses: the finger at +x of the tool, then the finger at -x.
     pub base_from_finger: [RigidTransform; 2],
 }
 
 impl Arm {
-    /// An arm in the lengths of the Kinova JACO with six joints.
+    /// Arm with the link lengths of the six-joint Kinova JACO.
     ///
-    /// At zero angles it is stretched straight up, all link frames parallel to
-    /// the base frame. Joints 1, 4 and 6 turn about the arm's length (z), joints
-    /// 2, 3 and 5 bend it (y).
+    /// At zero angles the arm is stretched straight up, with all link frames parallel to the base
+    /// frame. Joints 1, 4 and 6 rotate about the arm's length (z), joints 2, 3 and 5 bend it (y).
     ///
-    /// The JACO's wrist has two bends of 60° and its axes do not meet. Here the
-    /// fourth to sixth axis meet in one point, each length staying where it is.
-    /// So the positions of arm and wrist can be found one after the other in
-    /// closed form (Pieper 1968): every solution is found, and that there is
-    /// none is certain.
+    /// The JACO's wrist has two bends of 60° and its axes do not meet. Here the axes of joints 4
+    /// to 6 meet in one point (spherical wrist), with the same link lengths. Arm and wrist angles
+    /// can therefore be found one after the other in closed form (Pieper 1968), which finds every
+    /// solution or proves that there is none.
     ///
-    /// Limits: shoulder ±133° and elbow ±161° as the JACO's, which counts them
-    /// from 180°; wrist bend ±150° as Kinova's spherical wrist; the joints that
-    /// turn without end on the JACO have ±360°. Velocities are the JACO's 36 °/s
-    /// for the three large and 48 °/s for the three small actuators;
-    /// accelerations are chosen so that full velocity takes 0.4 s.
+    /// Limits: shoulder ±133° and elbow ±161° as the JACO's, which counts them from 180°; wrist
+    /// bend ±150° as Kinova's spherical wrist; the continuous joints of the JACO have ±360°.
+    /// Velocities are the JACO's 36 °/s for the three large and 48 °/s for the three small
+    /// actuators; accelerations are chosen so that full velocity takes 0.4 s.
     pub fn jaco_like() -> Self {
         Self::new(ArmDimensions::JACO_LIKE, GripperGeometry::JACO_LIKE)
     }
 
-    /// An arm of the same build in other lengths.
+    /// Arm of the same structure with other dimensions.
     pub fn new(dimensions: ArmDimensions, gripper: GripperGeometry) -> Self {
         let d = &dimensions;
         let (large, small) = (36.0_f64.to_radians(), 48.0_f64.to_radians());
         let up = |length_m| Vector3::new(0.0, 0.0, length_m);
         let forearm = Vector3::new(0.0, -d.elbow_offset_m, d.forearm_m);
         let joints = [
-            joint(up(d.turntable_m()), Vector3::z_axis(), TAU, large),
+            joint(up(d.base_joint_height_m()), Vector3::z_axis(), TAU, large),
             joint(
-                up(d.base_m - d.turntable_m()),
+                up(d.base_m - d.base_joint_height_m()),
                 Vector3::y_axis(),
                 133.0_f64.to_radians(),
                 large,
@@ -95,27 +92,27 @@ impl Arm {
         }
     }
 
-    /// The joints.
+    /// Kinematic chain.
     pub fn chain(&self) -> &KinematicChain {
         &self.chain
     }
 
-    /// The lengths.
+    /// Link lengths.
     pub fn dimensions(&self) -> &ArmDimensions {
         &self.dimensions
     }
 
-    /// The hand.
+    /// Gripper geometry.
     pub fn gripper(&self) -> &GripperGeometry {
         &self.gripper
     }
 
-    /// The tool's pose, `base_from_tool`.
+    /// Tool pose (forward kinematics), `base_from_tool`.
     pub fn tool_pose(&self, joints_rad: &JointVector) -> RigidTransform {
         self.chain.forward(joints_rad).base_from_tool
     }
 
-    /// Poses of all bodies for joint angles and the opening between the pads, metres.
+    /// Poses of all bodies for given joint angles and the opening between the pads, metres.
     pub fn body_poses(&self, joints_rad: &JointVector, opening_m: f64) -> BodyPoses {
         let poses = self.chain.forward(joints_rad);
         BodyPoses {
@@ -152,7 +149,7 @@ mod tests {
     fn at_home_the_hand_is_high_and_points_forward_and_down() {
         let arm = Arm::jaco_like();
         let home = JointVector::from(HOME);
-        assert!(arm.chain().check(&home).is_ok() && !arm.is_self_touching(&home));
+        assert!(arm.chain().check(&home).is_ok() && !arm.is_self_colliding(&home));
         let tool = arm.tool_pose(&home);
         let expected = Vector3::new(0.142, -0.0098, 0.360);
         assert!(

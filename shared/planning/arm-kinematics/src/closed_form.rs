@@ -1,4 +1,4 @@
-//! Joint angles of a pose in closed form, for an arm whose last three axes meet.
+//! Closed-form inverse kinematics for an arm with a spherical wrist (Pieper 1968).
 
 use geometry::RigidTransform;
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -6,20 +6,21 @@ use std::f64::consts::PI;
 
 use crate::{ArmDimensions, JointVector};
 
-/// Most ways to reach one pose: shoulder front or back, elbow up or down, wrist
-/// as it is or flipped.
+/// Greatest number of solution branches of one pose: shoulder front or back, elbow up or down,
+/// wrist flipped or not.
 pub(crate) const N_BRANCHES: usize = 8;
 
-/// Sine of the wrist's bend below which its outer axes count as one.
+/// Sine of the wrist bend below which joints 4 and 6 are treated as collinear (wrist
+/// singularity). Chosen.
 const ALIGNED_SINE: f64 = 1e-9;
 
-/// All joint angles that bring the tool to a pose, without regard to limits,
-/// each in one turn. Beyond reach the arm stretches (or folds) towards the pose
-/// as far as it can, so that the angles still are a good first guess.
+/// Computes all closed-form solutions of a tool pose, ignoring joint limits, each within one
+/// turn. Beyond reach, the arm stretches (or folds) towards the pose as far as possible, so that
+/// the angles still are a good initial guess.
 ///
-/// Position of the wrist by the first three joints, direction by the last three
-/// (Pieper 1968). Where the wrist is stretched, joint 4 stays at `near`.
-pub(crate) fn branches(
+/// The first three joints place the wrist centre, the last three orient the tool (Pieper 1968).
+/// When the wrist is stretched, joint 4 stays at `near`.
+pub(crate) fn solution_branches(
     dimensions: &ArmDimensions,
     base_from_tool: &RigidTransform,
     near: &JointVector,
@@ -40,7 +41,7 @@ pub(crate) fn branches(
     found
 }
 
-/// Joints 1 to 3 from the wrist's position in the base frame.
+/// Joints 1 to 3 from the wrist position in the base frame.
 fn arm_angles(
     dimensions: &ArmDimensions,
     wrist: &Vector3<f64>,
@@ -62,13 +63,13 @@ fn arm_angles(
     [q1, q2, q3]
 }
 
-/// Joints 4 to 6: Euler angles z-y-z of the tool's direction in the forearm's frame.
+/// Joints 4 to 6: z-y-z Euler angles of the tool's rotation in the forearm frame.
 fn wrist_angles(forearm_from_tool: &Matrix3<f64>, is_flipped: bool, near_q4: f64) -> [f64; 3] {
     let m = forearm_from_tool;
     let sine = m[(0, 2)].hypot(m[(1, 2)]);
     let q5 = sine.atan2(m[(2, 2)]);
     if sine < ALIGNED_SINE {
-        // About one line only the sum (or the difference) of joints 4 and 6 counts.
+        // With collinear axes only the sum (or the difference) of joints 4 and 6 is determined.
         let turned = m[(1, 0)].atan2(m[(1, 1)]);
         let q6 = if m[(2, 2)] > 0.0 {
             turned - near_q4
@@ -99,7 +100,7 @@ mod tests {
             for elbow in [-1.1, 0.4, 2.0] {
                 let joints = JointVector::from([0.5, -0.3, elbow, 1.2, bend, -0.7]);
                 let pose = arm.tool_pose(&joints);
-                for found in branches(arm.dimensions(), &pose, &near) {
+                for found in solution_branches(arm.dimensions(), &pose, &near) {
                     let missed = PoseResidual::between(&pose, &arm.tool_pose(&found));
                     assert!(
                         missed.distance_m < 1e-9 && missed.angle_rad < 1e-7,

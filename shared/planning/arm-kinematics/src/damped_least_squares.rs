@@ -1,51 +1,53 @@
-//! Descent of the joint angles towards a pose.
+//! Damped least squares inverse kinematics (Levenberg–Marquardt) within joint limits.
 
 use geometry::RigidTransform;
 use nalgebra::{SMatrix, SVector};
 
 use crate::{JointVector, KinematicChain, N_JOINTS, PoseResidual};
 
-/// A turn of one radian weighs as much as this length, metres.
-const TURN_LEVER_M: f64 = 0.2;
+/// Length by which a rotation of one radian is weighted against translation, metres. Chosen.
+const ROTATION_WEIGHT_M: f64 = 0.2;
 
-/// Largest change of a joint in one step, radians: beyond it the linear model says little.
+/// Largest change of a joint in one iteration, radians; beyond it the linear model is a poor
+/// approximation. Chosen.
 const MAX_STEP_RAD: f64 = 0.5;
 
-/// Weighted pose error at which nothing is left to improve, metres.
-const FINISHED_M: f64 = 1e-10;
+/// Convergence threshold of the weighted pose error, metres. Chosen.
+const CONVERGED_M: f64 = 1e-10;
 
-/// Least share by which a step must shorten the error to count as progress.
-const LEAST_PROGRESS: f64 = 1e-7;
+/// Least relative reduction of the error that counts as progress. Chosen.
+const MIN_PROGRESS: f64 = 1e-7;
 
-const LEAST_DAMPING: f64 = 1e-9;
-const GREATEST_DAMPING: f64 = 1e3;
+/// Lower limit of the adaptive damping. Chosen.
+const MIN_DAMPING: f64 = 1e-9;
+/// Upper limit of the adaptive damping; the search ends there. Chosen.
+const MAX_DAMPING: f64 = 1e3;
 
-/// Where a descent ended.
+/// Result of the damped least squares iteration.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Descent {
+pub(crate) struct LeastSquaresSolution {
     pub(crate) joints_rad: JointVector,
     pub(crate) residual: PoseResidual,
     pub(crate) n_iterations: usize,
 }
 
-/// Descends from `start` to the nearest pose that the chain can reach within
-/// its limits from there, in at most `max_iterations` steps.
+/// Iterates from `start` towards the pose within the joint limits, in at most `max_iterations`
+/// iterations.
 ///
-/// Damped least squares (Wampler 1986; Nakamura and Hanafusa 1986) with the
-/// damping adapted from step to step (Marquardt 1963). A joint at its limit that
-/// would be pushed outwards is left out of the step.
-pub(crate) fn descend(
+/// Damped least squares (Wampler 1986; Nakamura and Hanafusa 1986) with adaptive damping
+/// (Marquardt 1963). A joint at its limit that would be pushed outwards is left out of the step.
+pub(crate) fn solve_least_squares(
     chain: &KinematicChain,
     base_from_tool: &RigidTransform,
     start: &JointVector,
     max_iterations: usize,
-) -> Descent {
+) -> LeastSquaresSolution {
     let mut joints = chain.clamped(start);
     let mut poses = chain.forward(&joints);
     let mut error = weighted_error(base_from_tool, &poses.base_from_tool);
     let mut damping = 1e-4;
     let mut n_iterations = 0;
-    while n_iterations < max_iterations && error.norm() > FINISHED_M && damping < GREATEST_DAMPING {
+    while n_iterations < max_iterations && error.norm() > CONVERGED_M && damping < MAX_DAMPING {
         n_iterations += 1;
         let step = damped_step(
             chain,
@@ -60,22 +62,23 @@ pub(crate) fn descend(
         if moved_error.norm() < error.norm() {
             let progress = 1.0 - moved_error.norm() / error.norm();
             (joints, poses, error) = (moved, moved_poses, moved_error);
-            damping = (damping * 0.2).max(LEAST_DAMPING);
-            if progress < LEAST_PROGRESS {
+            damping = (damping * 0.2).max(MIN_DAMPING);
+            if progress < MIN_PROGRESS {
                 break;
             }
         } else {
             damping *= 8.0;
         }
     }
-    Descent {
+    LeastSquaresSolution {
         joints_rad: joints,
         residual: PoseResidual::between(base_from_tool, &poses.base_from_tool),
         n_iterations,
     }
 }
 
-/// Solves `(JᵀJ + damping) step = Jᵀ error` over the joints that are free to move.
+/// Computes one damped Gauss–Newton step: solves `(JᵀJ + damping) step = Jᵀ error` over the
+/// joints that are free to move.
 fn damped_step(
     chain: &KinematicChain,
     joints: &JointVector,
@@ -105,14 +108,15 @@ fn damped_step(
     }
 }
 
-/// Translation and rotation vector from `reached` to `wanted`, base frame, in metres.
+/// Weighted pose error: translation and scaled rotation vector from `reached` to `wanted`, base
+/// frame, metres.
 fn weighted_error(wanted: &RigidTransform, reached: &RigidTransform) -> SVector<f64, 6> {
     let shift = wanted.translation.vector - reached.translation.vector;
-    let turn = (wanted.rotation * reached.rotation.inverse()).scaled_axis() * TURN_LEVER_M;
+    let turn = (wanted.rotation * reached.rotation.inverse()).scaled_axis() * ROTATION_WEIGHT_M;
     SVector::<f64, 6>::new(shift.x, shift.y, shift.z, turn.x, turn.y, turn.z)
 }
 
 fn weighted(mut jacobian: SMatrix<f64, 6, N_JOINTS>) -> SMatrix<f64, 6, N_JOINTS> {
-    jacobian.fixed_rows_mut::<3>(3).scale_mut(TURN_LEVER_M);
+    jacobian.fixed_rows_mut::<3>(3).scale_mut(ROTATION_WEIGHT_M);
     jacobian
 }

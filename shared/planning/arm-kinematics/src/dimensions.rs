@@ -1,7 +1,6 @@
-//! Lengths of the arm.
+//! Link lengths of the arm.
 
-/// Lengths along the stretched arm, metres, each named as in the Kinova JACO's
-/// data sheet.
+/// Link lengths along the stretched arm, metres, named as in the data sheet of the Kinova JACO.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ArmDimensions {
     /// Mounting plate to shoulder, `D1`.
@@ -16,12 +15,12 @@ pub struct ArmDimensions {
     pub second_wrist_m: f64,
     /// Third wrist joint to the middle of the finger pads, `D6`.
     pub hand_m: f64,
-    /// The forearm's lateral offset at the elbow, `e2`.
+    /// Lateral offset of the forearm at the elbow, `e2`.
     pub elbow_offset_m: f64,
 }
 
 impl ArmDimensions {
-    /// The JACO with six joints: reach from the shoulder 0.93 m.
+    /// Lengths of the six-joint JACO; the reach from the shoulder is 0.93 m.
     pub const JACO_LIKE: Self = Self {
         base_m: 0.2755,
         upper_arm_m: 0.4100,
@@ -32,17 +31,17 @@ impl ArmDimensions {
         elbow_offset_m: 0.0098,
     };
 
-    /// Height of the first joint over the mounting plate, metres.
-    pub(crate) fn turntable_m(&self) -> f64 {
+    /// Height of the first joint above the mounting plate, metres.
+    pub(crate) fn base_joint_height_m(&self) -> f64 {
         0.56 * self.base_m
     }
 
-    /// Elbow to the point where the wrist's axes meet, metres.
+    /// Distance from the elbow to the wrist centre, metres.
     pub(crate) fn elbow_to_wrist_m(&self) -> f64 {
         self.forearm_m + self.first_wrist_m
     }
 
-    /// The point where the wrist's axes meet to the tool, metres.
+    /// Distance from the wrist centre to the tool, metres.
     pub(crate) fn wrist_to_tool_m(&self) -> f64 {
         self.second_wrist_m + self.hand_m
     }

@@ -1,4 +1,4 @@
-//! Two parallel fingers.
+//! Parallel-jaw gripper: geometry, state and motion.
 
 use geometry::{OrientedBox, RigidTransform};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
@@ -7,14 +7,14 @@ use std::f64::consts::PI;
 use crate::Error;
 use crate::error::check_range;
 
-/// Sizes of the hand, metres. Lengths run along z of the tool, widths along y,
+/// Dimensions of the gripper, metres. Lengths are along z of the tool, widths along y,
 /// thicknesses along x.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GripperGeometry {
-    /// Greatest distance between the pads.
+    /// Stroke: greatest distance between the pads.
     pub max_opening_m: f64,
-    /// Length of a pad; its middle is at the tool's origin, so that the
-    /// fingertips are half of it ahead.
+    /// Length of a pad. The middle of the pad is at the tool's origin; the fingertips are half a
+    /// pad length ahead of it.
     pub pad_length_m: f64,
     /// Width of a pad.
     pub pad_width_m: f64,
@@ -22,17 +22,16 @@ pub struct GripperGeometry {
     pub pad_thickness_m: f64,
     /// Thickness of the finger that carries the pad.
     pub finger_thickness_m: f64,
-    /// Distance of the palm behind the tool's origin: an object whose middle is
-    /// between the pads must not be deeper towards the hand.
+    /// Distance of the palm behind the tool's origin: an object whose middle is between the pads
+    /// must not extend farther towards the hand.
     pub palm_m: f64,
-    /// Greatest speed at which the opening changes, m/s.
+    /// Greatest rate of change of the opening, m/s.
     pub opening_speed_m_s: f64,
 }
 
 impl GripperGeometry {
-    /// In the measures of the JACO's hand: it grasps things up to about 0.15 m
-    /// wide and closes in a bit more than a second. Its curling fingers are
-    /// replaced by parallel ones.
+    /// Dimensions of the JACO's hand: stroke of about 0.15 m, closing in 1.25 s. Parallel fingers
+    /// replace its curling ones.
     pub const JACO_LIKE: Self = Self {
         max_opening_m: 0.15,
         pad_length_m: 0.050,
@@ -43,7 +42,7 @@ impl GripperGeometry {
         opening_speed_m_s: 0.12,
     };
 
-    /// The pad in its finger's frame.
+    /// Box of the pad, finger frame.
     pub fn pad_in_finger(&self) -> OrientedBox {
         let half = Vector3::new(self.pad_thickness_m, self.pad_width_m, self.pad_length_m) / 2.0;
         OrientedBox {
@@ -52,8 +51,8 @@ impl GripperGeometry {
         }
     }
 
-    /// What carries the pad, from the palm to the fingertip, in the finger's frame.
-    pub fn finger_in_finger(&self) -> OrientedBox {
+    /// Box of the finger without its pad, from the palm to the fingertip, finger frame.
+    pub fn finger_body_in_finger(&self) -> OrientedBox {
         let (back, tip) = (-self.palm_m, 0.5 * self.pad_length_m);
         let half = Vector3::new(self.finger_thickness_m, self.pad_width_m, tip - back) / 2.0;
         OrientedBox {
@@ -66,15 +65,15 @@ impl GripperGeometry {
         }
     }
 
-    /// The finger together with its pad, in the finger's frame.
-    pub fn finger_with_pad(&self) -> OrientedBox {
-        let mut body = self.finger_in_finger();
+    /// Box of the finger with its pad, finger frame.
+    pub fn finger_and_pad_in_finger(&self) -> OrientedBox {
+        let mut body = self.finger_body_in_finger();
         body.half_sides_m.x += 0.5 * self.pad_thickness_m;
         body.frame_from_box.translation.x = body.half_sides_m.x;
         body
     }
 
-    /// The bar along which the fingers slide, behind the palm, in the tool frame.
+    /// Box of the rail on which the fingers slide, behind the palm, tool frame.
     pub fn rail_in_tool(&self) -> OrientedBox {
         let reach = 0.5 * self.max_opening_m + self.pad_thickness_m + self.finger_thickness_m;
         let half = Vector3::new(reach, 0.025, 0.015);
@@ -84,13 +83,13 @@ impl GripperGeometry {
         }
     }
 
-    /// Both pads in the tool frame, in the order of [`tool_from_fingers`].
+    /// Boxes of both pads in the tool frame, in the order of [`tool_from_fingers`].
     pub fn pads_in_tool(&self, opening_m: f64) -> [OrientedBox; 2] {
         tool_from_fingers(opening_m)
             .map(|tool_from_finger| self.pad_in_finger().transformed(&tool_from_finger))
     }
 
-    /// Checks an opening.
+    /// Validates an opening, metres.
     ///
     /// # Errors
     ///
@@ -105,9 +104,9 @@ impl GripperGeometry {
     }
 }
 
-/// Poses of the fingers at +x and at -x of the tool for a distance between the
-/// pads. A finger's frame lies in the middle of its pad's face: x into the pad,
-/// away from what is grasped, z forward.
+/// Poses of the fingers at +x and at -x of the tool for an opening between the pads, metres.
+/// Finger frame: origin in the middle of the pad's face, x into the pad (away from the grasped
+/// object), z forward.
 pub fn tool_from_fingers(opening_m: f64) -> [RigidTransform; 2] {
     let half = 0.5 * opening_m;
     [
@@ -119,18 +118,18 @@ pub fn tool_from_fingers(opening_m: f64) -> [RigidTransform; 2] {
     ]
 }
 
-/// What the fingers do.
+/// Motion state of the fingers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GripperMotion {
-    /// They stand.
+    /// Not moving.
     Still,
-    /// They move apart.
+    /// Moving apart.
     Opening,
-    /// They move together.
+    /// Moving together.
     Closing,
 }
 
-/// The fingers' state.
+/// Gripper state: opening, target and motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gripper {
     geometry: GripperGeometry,
@@ -141,7 +140,7 @@ pub struct Gripper {
 }
 
 impl Gripper {
-    /// Wide open and still.
+    /// Gripper that is wide open and not moving.
     pub fn new(geometry: GripperGeometry) -> Self {
         Self {
             opening_m: geometry.max_opening_m,
@@ -157,21 +156,21 @@ impl Gripper {
         self.opening_m
     }
 
-    /// What the fingers do.
+    /// Motion state of the fingers.
     pub fn motion(&self) -> GripperMotion {
         self.motion
     }
 
-    /// Whether the fingers came to rest on something and have not moved since.
+    /// True if the fingers stopped on an object and have not moved since.
     pub fn is_holding(&self) -> bool {
         self.is_holding
     }
 
-    /// Begins to move to an opening; 0 closes.
+    /// Starts a motion to an opening, metres; 0 closes the gripper.
     ///
     /// # Errors
     ///
-    /// [`Error::OutOfRange`]; the fingers then go on as before.
+    /// [`Error::OutOfRange`]; the running motion then continues.
     pub fn move_to(&mut self, opening_m: f64) -> Result<(), Error> {
         self.geometry.check_opening(opening_m)?;
         self.target_m = opening_m;
@@ -184,13 +183,13 @@ impl Gripper {
         Ok(())
     }
 
-    /// Stands at once.
+    /// Stops the fingers at once.
     pub fn halt(&mut self) {
         self.motion = GripperMotion::Still;
     }
 
-    /// Moves on by a time, seconds. When the fingers close and both pads touch
-    /// something, they stay where they are and hold it.
+    /// Advances the fingers by `dt_s` seconds. Closing fingers stop and hold when both pads touch
+    /// an object.
     pub fn step(&mut self, dt_s: f64, both_pads_touch: bool) {
         let way = self.geometry.opening_speed_m_s * dt_s;
         match self.motion {

@@ -1,22 +1,22 @@
-//! Joint angles that bring the tool to a pose.
+//! Inverse kinematics: closed form first, damped least squares as a fallback.
 
 #[cfg(test)]
 mod tests;
 
 use geometry::RigidTransform;
 
-use crate::closed_form::{N_BRANCHES, branches};
-use crate::damped_least_squares::{Descent, descend};
+use crate::closed_form::{N_BRANCHES, solution_branches};
+use crate::damped_least_squares::{LeastSquaresSolution, solve_least_squares};
 use crate::{Arm, Error, JointVector, link_capsules, self_clearance_m};
 
-/// How near a pose counts as reached, and how long to search.
+/// Tolerances and iteration limit of inverse kinematics.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IkConfig {
-    /// Allowed distance of the tool from the pose, metres.
+    /// Position tolerance, metres.
     pub tolerance_m: f64,
-    /// Allowed turn of the tool away from the pose, radians.
+    /// Rotation tolerance, radians.
     pub tolerance_rad: f64,
-    /// Most steps of one descent; there are at most nine descents.
+    /// Iteration limit of one least squares search; there are at most nine searches.
     pub max_iterations: usize,
 }
 
@@ -30,7 +30,7 @@ impl Default for IkConfig {
     }
 }
 
-/// What separates two poses.
+/// Difference of two poses: distance and rotation angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PoseResidual {
     /// Distance of the origins, metres.
@@ -40,7 +40,7 @@ pub struct PoseResidual {
 }
 
 impl PoseResidual {
-    /// What separates `a` from `b`.
+    /// Residual between the poses `a` and `b`.
     pub fn between(a: &RigidTransform, b: &RigidTransform) -> Self {
         Self {
             distance_m: (a.translation.vector - b.translation.vector).norm(),
@@ -52,37 +52,35 @@ impl PoseResidual {
         self.distance_m <= config.tolerance_m && self.angle_rad <= config.tolerance_rad
     }
 
-    /// One length for both parts: a turn weighs as it moves a finger, 0.2 m/rad.
-    fn weight_m(&self) -> f64 {
+    /// Weighted norm, metres: one radian counts as 0.2 m, the displacement of a fingertip.
+    /// Chosen.
+    fn weighted_norm_m(&self) -> f64 {
         self.distance_m.hypot(0.2 * self.angle_rad)
     }
 }
 
-/// Joint angles of a pose and how they were found.
+/// Solution of inverse kinematics.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IkSolution {
     /// Joint angles, within the limits, radians.
     pub joints_rad: JointVector,
-    /// What is left between the tool and the pose.
+    /// Residual between the reached and the requested tool pose.
     pub residual: PoseResidual,
-    /// Steps of descent over all starts; 0 when the closed form sufficed.
+    /// Total number of least squares iterations; 0 when the closed form sufficed.
     pub n_iterations: usize,
 }
 
-/// Finds the joint angles of a tool pose that are nearest to `near` (by travel
-/// times, all joints together). Those in which the arm would reach into itself
-/// are taken only when there are no others.
+/// Finds the joint angles of a tool pose that are nearest to `near` by travel time over all
+/// joints. Self-colliding solutions are returned only when there are no others.
 ///
-/// First the closed form gives every solution, in all whole turns that the
-/// limits allow. When none of them is within limits, damped least squares starts
-/// from `near` and from each of them: poses at the very edge are still found,
-/// and otherwise it is known how near the arm can come. The work is bounded by
-/// `config` and nothing is allocated.
+/// The closed form gives every solution, in all whole turns that the limits allow. When none of
+/// them is within the limits, damped least squares starts from `near` and from each of them:
+/// poses at the very edge of the workspace are still found, and otherwise the least residual is
+/// known. The work is bounded by `config`; nothing is allocated.
 ///
 /// # Errors
 ///
-/// [`Error::Unreachable`] with the least residual that was found;
-/// [`Error::BadNumber`] for a pose that is none.
+/// [`Error::Unreachable`] with the least residual; [`Error::BadNumber`] for an invalid pose.
 pub fn inverse_kinematics(
     arm: &Arm,
     base_from_tool: &RigidTransform,
@@ -91,21 +89,21 @@ pub fn inverse_kinematics(
 ) -> Result<IkSolution, Error> {
     check_pose(base_from_tool)?;
     let near = arm.chain().clamped(near);
-    let seeds = branches(arm.dimensions(), base_from_tool, &near);
+    let seeds = solution_branches(arm.dimensions(), base_from_tool, &near);
     match nearest_branch(arm, base_from_tool, &near, &seeds, config) {
         Some(solution) => Ok(solution),
-        None => search(arm, base_from_tool, &near, &seeds, config),
+        None => search_from_seeds(arm, base_from_tool, &near, &seeds, config),
     }
 }
 
 impl Arm {
-    /// All joint angles within the limits that bring the tool to a pose exactly,
-    /// each in the whole turns nearest to `near`: at most eight. For choosing
-    /// among them by other needs than the shortest way.
+    /// All closed-form solutions of a tool pose within the joint limits, each in the turn nearest
+    /// to `near`: at most eight. For callers that choose among them by other criteria than travel
+    /// time.
     ///
     /// # Errors
     ///
-    /// [`Error::BadNumber`] for a pose that is none.
+    /// [`Error::BadNumber`] for an invalid pose.
     pub fn configurations(
         &self,
         base_from_tool: &RigidTransform,
@@ -114,28 +112,28 @@ impl Arm {
         check_pose(base_from_tool)?;
         let near = self.chain().clamped(near);
         let (pose, config) = (*base_from_tool, IkConfig::default());
-        Ok(branches(self.dimensions(), base_from_tool, &near)
+        Ok(solution_branches(self.dimensions(), base_from_tool, &near)
             .into_iter()
-            .filter_map(move |seed| wound(self, &seed, &near))
+            .filter_map(move |seed| unwrapped_near(self, &seed, &near))
             .filter(move |joints| {
                 PoseResidual::between(&pose, &self.tool_pose(joints)).is_within(&config)
             }))
     }
 
-    /// Whether parts of the arm that are not joined overlap, the hand wide open.
-    pub fn is_self_touching(&self, joints_rad: &JointVector) -> bool {
+    /// True if links that are not neighbours overlap, with the hand wide open.
+    pub fn is_self_colliding(&self, joints_rad: &JointVector) -> bool {
         let capsules = link_capsules(self, joints_rad, self.gripper().max_opening_m);
         self_clearance_m(&capsules) < 0.0
     }
 
-    /// Whether the tool can be brought to a pose. Cheap: closed form only.
+    /// True if the tool can reach a pose. Cheap: closed form only.
     pub fn can_reach(&self, base_from_tool: &RigidTransform) -> bool {
         self.configurations(base_from_tool, &JointVector::zeros())
             .is_ok_and(|mut found| found.next().is_some())
     }
 }
 
-/// Checks that a pose is made of finite numbers and a unit quaternion.
+/// Validates a pose: finite numbers and a unit quaternion.
 pub(crate) fn check_pose(pose: &RigidTransform) -> Result<(), Error> {
     if !pose.translation.vector.iter().all(|x| x.is_finite()) {
         return Err(Error::BadNumber {
@@ -143,7 +141,7 @@ pub(crate) fn check_pose(pose: &RigidTransform) -> Result<(), Error> {
             rule: "its coordinates must be finite numbers",
         });
     }
-    // Written so that NaN fails.
+    // This form makes NaN fail.
     let is_unit = (pose.rotation.as_ref().norm() - 1.0).abs() < 1e-3;
     if !is_unit {
         return Err(Error::BadNumber {
@@ -154,13 +152,14 @@ pub(crate) fn check_pose(pose: &RigidTransform) -> Result<(), Error> {
     Ok(())
 }
 
-/// The whole turns of each joint that are within limits and nearest to `near`.
-fn wound(arm: &Arm, joints: &JointVector, near: &JointVector) -> Option<JointVector> {
-    let mut wound = *joints;
+/// Angle unwrapping: shifts each joint by whole turns into its limits, as near to `near` as
+/// possible.
+fn unwrapped_near(arm: &Arm, joints: &JointVector, near: &JointVector) -> Option<JointVector> {
+    let mut unwrapped = *joints;
     for (i, joint) in arm.chain().joints.iter().enumerate() {
-        wound[i] = joint.equivalent_near(joints[i], near[i])?;
+        unwrapped[i] = joint.equivalent_near(joints[i], near[i])?;
     }
-    Some(wound)
+    Some(unwrapped)
 }
 
 fn nearest_branch(
@@ -172,7 +171,7 @@ fn nearest_branch(
 ) -> Option<IkSolution> {
     seeds
         .iter()
-        .filter_map(|seed| wound(arm, seed, near))
+        .filter_map(|seed| unwrapped_near(arm, seed, near))
         .map(|joints_rad| IkSolution {
             joints_rad,
             residual: PoseResidual::between(base_from_tool, &arm.tool_pose(&joints_rad)),
@@ -180,9 +179,9 @@ fn nearest_branch(
         })
         .filter(|solution| solution.residual.is_within(config))
         .map(|solution| {
-            let way_s = arm.chain().travel_s(near, &solution.joints_rad);
+            let way_s = arm.chain().travel_time_norm_s(near, &solution.joints_rad);
             (
-                (arm.is_self_touching(&solution.joints_rad), way_s),
+                (arm.is_self_colliding(&solution.joints_rad), way_s),
                 solution,
             )
         })
@@ -190,9 +189,9 @@ fn nearest_branch(
         .map(|(_, solution)| solution)
 }
 
-/// Descends from `near` and from every seed; the best end counts, and among
-/// ends within tolerance the nearest.
-fn search(
+/// Least squares search from `near` and from every closed-form seed. Returns the nearest solution
+/// within tolerance, or else the one with the least residual as an error.
+fn search_from_seeds(
     arm: &Arm,
     base_from_tool: &RigidTransform,
     near: &JointVector,
@@ -200,14 +199,14 @@ fn search(
     config: &IkConfig,
 ) -> Result<IkSolution, Error> {
     let chain = arm.chain();
-    let rank = |end: &Descent| {
+    let rank = |end: &LeastSquaresSolution| {
         if end.residual.is_within(config) {
-            (0, chain.travel_s(near, &end.joints_rad))
+            (0, chain.travel_time_norm_s(near, &end.joints_rad))
         } else {
-            (1, end.residual.weight_m())
+            (1, end.residual.weighted_norm_m())
         }
     };
-    let mut best = descend(chain, base_from_tool, near, config.max_iterations);
+    let mut best = solve_least_squares(chain, base_from_tool, near, config.max_iterations);
     let mut n_iterations = best.n_iterations;
     for seed in seeds {
         let start = JointVector::from_fn(|i, _| {
@@ -215,7 +214,7 @@ fn search(
                 .equivalent_near(seed[i], near[i])
                 .unwrap_or(seed[i])
         });
-        let end = descend(chain, base_from_tool, &start, config.max_iterations);
+        let end = solve_least_squares(chain, base_from_tool, &start, config.max_iterations);
         n_iterations += end.n_iterations;
         if rank(&end) < rank(&best) {
             best = end;

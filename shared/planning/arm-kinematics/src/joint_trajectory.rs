@@ -1,19 +1,19 @@
-//! Motion of all joints from any state to a point of rest.
+//! Synchronised point-to-point trajectory of all joints.
 
-use crate::velocity_profile::VelocityProfile;
+use crate::trapezoidal_profile::TrapezoidalProfile;
 use crate::{JointVector, KinematicChain, N_JOINTS};
 
-/// Angles and velocities of the joints.
+/// Joint angles and velocities.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointState {
-    /// Angles, radians.
+    /// Joint angles, radians.
     pub angles_rad: JointVector,
-    /// Velocities, rad/s.
+    /// Joint velocities, rad/s.
     pub velocities_rad_s: JointVector,
 }
 
 impl JointState {
-    /// The joints at rest.
+    /// State with zero velocities.
     pub fn at_rest(angles_rad: JointVector) -> Self {
         Self {
             angles_rad,
@@ -21,31 +21,29 @@ impl JointState {
         }
     }
 
-    /// Whether no joint moves.
+    /// True if all velocities are zero.
     pub fn is_at_rest(&self) -> bool {
         self.velocities_rad_s == JointVector::zeros()
     }
 }
 
-/// A motion from point to point in which all joints arrive together, in the
-/// time that the slowest of them needs.
+/// Point-to-point motion in which all joints arrive together, in the time that the slowest joint
+/// needs.
 ///
-/// Each joint speeds up, cruises and slows down within its own limits
-/// (Kröger and Wahl 2010, type II: velocity and acceleration are bounded), from
-/// whatever velocity it has. Position and velocity are continuous in time. As
-/// slowing down uses the same acceleration in every motion, a motion that ends
-/// within the joint limits can be replaced at any time by another one that
-/// stays within them.
+/// Each joint accelerates, cruises and brakes within its own limits (Kröger and Wahl 2010, type
+/// II: velocity and acceleration are bounded), from any initial velocity. Position and velocity
+/// are continuous in time. Since braking uses the same acceleration in every motion, a motion
+/// that ends within the joint limits can be replaced at any time by another one that stays within
+/// them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointTrajectory {
-    profiles: [VelocityProfile; N_JOINTS],
+    profiles: [TrapezoidalProfile; N_JOINTS],
     duration_s: f64,
 }
 
 impl JointTrajectory {
-    /// The fastest motion from `start` to rest at `target_rad` with `speed`, in
-    /// (0, 1], of the joints' greatest velocities. Accelerations are the
-    /// joints' greatest at every speed.
+    /// Fastest motion from `start` to rest at `target_rad`. `speed`, in (0, 1], scales the
+    /// maximum joint velocities; accelerations are the maximum at every speed.
     pub fn new(
         chain: &KinematicChain,
         start: &JointState,
@@ -54,7 +52,7 @@ impl JointTrajectory {
     ) -> Self {
         let fastest = std::array::from_fn(|i| {
             let joint = &chain.joints[i];
-            VelocityProfile::fastest(
+            TrapezoidalProfile::fastest(
                 start.angles_rad[i],
                 start.velocities_rad_s[i],
                 target_rad[i],
@@ -62,17 +60,17 @@ impl JointTrajectory {
                 joint.max_acceleration_rad_s2,
             )
         });
-        let longest = Self::together(&fastest);
+        let longest = Self::synchronised(&fastest);
         Self {
-            profiles: fastest.map(|profile| profile.lasting(longest.duration_s)),
+            profiles: fastest.map(|profile| profile.stretched_to(longest.duration_s)),
             ..longest
         }
     }
 
-    /// Each joint comes to rest as soon as it can.
+    /// Braking trajectory: each joint comes to rest as soon as possible.
     pub fn braking(chain: &KinematicChain, start: &JointState) -> Self {
-        Self::together(&std::array::from_fn(|i| {
-            VelocityProfile::braking(
+        Self::synchronised(&std::array::from_fn(|i| {
+            TrapezoidalProfile::braking(
                 start.angles_rad[i],
                 start.velocities_rad_s[i],
                 chain.joints[i].max_acceleration_rad_s2,
@@ -80,10 +78,10 @@ impl JointTrajectory {
         }))
     }
 
-    fn together(profiles: &[VelocityProfile; N_JOINTS]) -> Self {
+    fn synchronised(profiles: &[TrapezoidalProfile; N_JOINTS]) -> Self {
         let duration_s = profiles
             .iter()
-            .map(VelocityProfile::duration_s)
+            .map(TrapezoidalProfile::duration_s)
             .fold(0.0, f64::max);
         Self {
             profiles: *profiles,
@@ -91,15 +89,15 @@ impl JointTrajectory {
         }
     }
 
-    /// How long the motion takes, seconds.
+    /// Duration, seconds.
     pub fn duration_s(&self) -> f64 {
         self.duration_s
     }
 
-    /// The joints at a time after the beginning, seconds; from the end on
-    /// exactly at the target and at rest.
+    /// Joint state at a time since the start, seconds; from the end on exactly at the target and
+    /// at rest.
     pub fn sample(&self, time_s: f64) -> JointState {
-        // Durations agree to rounding only; at the end every joint has arrived.
+        // Durations agree only up to rounding; at the end every joint has arrived.
         let time_s = if time_s < self.duration_s {
             time_s
         } else {
@@ -116,7 +114,7 @@ impl JointTrajectory {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Arm, test_angles};
+    use crate::{Arm, test_joint_angles};
     use proptest::prelude::*;
 
     fn check(chain: &KinematicChain, motion: &JointTrajectory, start: &JointState) {
@@ -151,9 +149,9 @@ mod tests {
     proptest! {
         #[test]
         fn joints_arrive_together_within_limits_from_any_velocity(
-            from in test_angles(),
+            from in test_joint_angles(),
             shares in proptest::array::uniform6(-1.0..1.0_f64),
-            to in test_angles(),
+            to in test_joint_angles(),
             speed in 0.05..1.0_f64,
         ) {
             let arm = Arm::jaco_like();
@@ -165,9 +163,9 @@ mod tests {
 
         #[test]
         fn a_replaced_motion_stays_within_the_joint_limits(
-            from in test_angles(),
-            first in test_angles(),
-            second in test_angles(),
+            from in test_joint_angles(),
+            first in test_joint_angles(),
+            second in test_joint_angles(),
             share in 0.0..1.0_f64,
         ) {
             let arm = Arm::jaco_like();
@@ -183,7 +181,7 @@ mod tests {
 
         #[test]
         fn braking_ends_within_the_time_of_the_slowest_joint(
-            from in test_angles(),
+            from in test_joint_angles(),
             shares in proptest::array::uniform6(-1.0..1.0_f64),
         ) {
             let arm = Arm::jaco_like();

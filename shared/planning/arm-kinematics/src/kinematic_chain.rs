@@ -1,4 +1,4 @@
-//! A chain of revolute joints: limits, forward kinematics, Jacobian.
+//! Serial kinematic chain: joint limits, forward kinematics and geometric Jacobian.
 
 use geometry::RigidTransform;
 use nalgebra::{SMatrix, SVector, Unit, UnitQuaternion, Vector3};
@@ -9,43 +9,43 @@ use crate::Error;
 /// Number of joints.
 pub const N_JOINTS: usize = 6;
 
-/// One number for each joint, from the base to the hand.
+/// One value per joint, from the base to the hand.
 pub type JointVector = SVector<f64, N_JOINTS>;
 
-/// Maps joint velocities, rad/s, to the tool's velocity in the base frame:
-/// three rows of m/s, then three of rad/s.
+/// Geometric Jacobian, 6 x 6: maps joint velocities, rad/s, to the tool's velocity in the base
+/// frame: three rows of linear velocity in m/s, then three of angular velocity in rad/s.
 pub type Jacobian = SMatrix<f64, 6, N_JOINTS>;
 
-/// A revolute joint and where it sits on the link before it.
+/// Revolute joint: mounting pose on the parent link, axis and limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Joint {
-    /// Frame of the link behind the joint, at angle 0, in the frame of the link before it.
+    /// Frame of the child link at angle 0, in the frame of the parent link.
     pub parent_from_joint: RigidTransform,
-    /// Axis of positive rotation in the joint's frame.
+    /// Axis of positive rotation, joint frame.
     pub axis: Unit<Vector3<f64>>,
-    /// Least angle, radians.
+    /// Lower limit, radians.
     pub min_rad: f64,
-    /// Greatest angle, radians.
+    /// Upper limit, radians.
     pub max_rad: f64,
-    /// Greatest velocity, rad/s, > 0.
+    /// Maximum velocity, rad/s, > 0.
     pub max_velocity_rad_s: f64,
-    /// Greatest acceleration, rad/s², > 0.
+    /// Maximum acceleration, rad/s², > 0.
     pub max_acceleration_rad_s2: f64,
 }
 
 impl Joint {
-    /// Pose of the link behind the joint in the frame of the link before it.
+    /// Pose of the child link in the frame of the parent link.
     pub fn parent_from_link(&self, angle_rad: f64) -> RigidTransform {
         self.parent_from_joint * UnitQuaternion::from_axis_angle(&self.axis, angle_rad)
     }
 
-    /// Whether an angle lies within the limits; NaN does not.
+    /// True if an angle is within the limits; false for NaN.
     pub fn contains(&self, angle_rad: f64) -> bool {
         (self.min_rad..=self.max_rad).contains(&angle_rad)
     }
 
-    /// Of the angles that differ by whole turns, the one within the limits that
-    /// is nearest to `near_rad`.
+    /// Equivalent angle (differing by whole turns) within the limits that is nearest to
+    /// `near_rad`.
     pub(crate) fn equivalent_near(&self, angle_rad: f64, near_rad: f64) -> Option<f64> {
         let turns = ((near_rad - angle_rad) / TAU).round();
         (-2..=2)
@@ -55,26 +55,26 @@ impl Joint {
     }
 }
 
-/// Joints in series from the base to the tool.
+/// Serial chain of joints from the base to the tool.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KinematicChain {
-    /// The joints, from the base to the hand.
+    /// Joints, from the base to the hand.
     pub joints: [Joint; N_JOINTS],
-    /// Tool frame in the last link's frame.
+    /// Tool frame, last link's frame.
     pub last_link_from_tool: RigidTransform,
 }
 
-/// Where the links are for given joint angles.
+/// Poses of all links for given joint angles (forward kinematics).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LinkPoses {
-    /// The base itself, then the link behind each joint.
+    /// Link poses: the base, then the link behind each joint.
     pub base_from_link: [RigidTransform; N_JOINTS + 1],
-    /// The tool frame.
+    /// Tool pose.
     pub base_from_tool: RigidTransform,
 }
 
 impl KinematicChain {
-    /// Poses of all links and of the tool.
+    /// Forward kinematics: poses of all links and of the tool.
     pub fn forward(&self, joints_rad: &JointVector) -> LinkPoses {
         let mut base_from_link = [RigidTransform::identity(); N_JOINTS + 1];
         for (i, joint) in self.joints.iter().enumerate() {
@@ -102,8 +102,7 @@ impl KinematicChain {
         jacobian
     }
 
-    /// The angles moved into the limits; what is not a number becomes the
-    /// middle of the joint's range.
+    /// Joint angles clamped to the limits; NaN becomes the middle of the joint's range.
     pub fn clamped(&self, joints_rad: &JointVector) -> JointVector {
         JointVector::from_fn(|i, _| {
             let Joint {
@@ -116,11 +115,11 @@ impl KinematicChain {
         })
     }
 
-    /// Checks that all angles are within the limits.
+    /// Validates joint angles against the limits.
     ///
     /// # Errors
     ///
-    /// [`Error::BadNumber`] and [`Error::JointLimit`] for the first that is not.
+    /// [`Error::BadNumber`] or [`Error::JointLimit`] for the first invalid angle.
     pub fn check(&self, joints_rad: &JointVector) -> Result<(), Error> {
         for (i, joint) in self.joints.iter().enumerate() {
             let angle_rad = joints_rad[i];
@@ -142,9 +141,8 @@ impl KinematicChain {
         Ok(())
     }
 
-    /// How long a way is: the root of the summed squares of each joint's least
-    /// travel time, seconds.
-    pub(crate) fn travel_s(&self, from: &JointVector, to: &JointVector) -> f64 {
+    /// Travel time norm, seconds: root of the summed squares of each joint's least travel time.
+    pub(crate) fn travel_time_norm_s(&self, from: &JointVector, to: &JointVector) -> f64 {
         JointVector::from_fn(|i, _| (to[i] - from[i]) / self.joints[i].max_velocity_rad_s).norm()
     }
 }
@@ -152,7 +150,7 @@ impl KinematicChain {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Arm, test_angles};
+    use crate::{Arm, test_joint_angles};
     use nalgebra::Point3;
     use proptest::prelude::*;
     use std::f64::consts::FRAC_PI_2;
@@ -205,7 +203,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_jacobian_is_the_derivative_of_the_tools_pose(joints in test_angles()) {
+        fn the_jacobian_is_the_derivative_of_the_tools_pose(joints in test_joint_angles()) {
             let arm = Arm::jaco_like();
             let jacobian = arm.chain().jacobian(&arm.chain().forward(&joints));
             let h = 1e-6;

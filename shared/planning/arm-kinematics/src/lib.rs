@@ -1,20 +1,32 @@
-//! The arm: kinematic chain, inverse kinematics, joint motion, gripper.
+//! Kinematics and motion control of a six-joint robot arm with a parallel gripper.
 //!
-//! Six revolute joints and two parallel fingers, in the lengths and the stroke
-//! of a Kinova JACO. Units are metres, radians and seconds; numbers are `f64`.
-//! The base frame stands on the mounting plate: x forward, z up. The tool frame
-//! lies between the finger pads: z forward (the direction of approach), x along
-//! the direction in which the fingers close.
+//! Six revolute joints and two parallel fingers, with the lengths and the stroke of a Kinova
+//! JACO. Units are metres, radians and seconds; numbers are `f64`. The base frame stands on the
+//! mounting plate: x forward, z up. The tool frame is between the finger pads: z forward (the
+//! direction of approach), x along the closing direction of the fingers.
 //!
-//! Motion is kinematic: there are no masses, forces or contacts here. Whoever
-//! simulates contact tells [`ArmMotion::step`] that the pads touch something.
+//! ```
+//! use arm_kinematics::{Arm, HOME, IkConfig, JointVector, inverse_kinematics};
 //!
-//! Invariants: this crate never reads a clock, never does I/O, draws no random
-//! numbers, and no input makes it panic or produce a joint angle that is not
-//! finite or not within its limits.
+//! let arm = Arm::jaco_like();
+//! let home = JointVector::from(HOME);
+//! let mut target = arm.tool_pose(&home);
+//! target.translation.z += 0.05;
+//! let solution = inverse_kinematics(&arm, &target, &home, &IkConfig::default())?;
+//! let reached = arm.tool_pose(&solution.joints_rad);
+//! assert!((reached.translation.vector - target.translation.vector).norm() < 0.001);
+//! # Ok::<(), arm_kinematics::Error>(())
+//! ```
+//!
+//! Motion is kinematic, without masses, forces or contacts. The caller simulates contact and
+//! passes it to [`ArmController::step`].
+//!
+//! Invariants: this crate never reads a clock, does no I/O and draws no random numbers. No input
+//! makes it panic or produce a joint angle that is not finite or not within its limits.
 
 mod arm;
 mod closed_form;
+mod controller;
 mod damped_least_squares;
 mod dimensions;
 mod error;
@@ -22,15 +34,15 @@ mod gripper;
 mod inverse_kinematics;
 mod joint_trajectory;
 mod kinematic_chain;
-mod limb;
 mod line_trajectory;
 mod link_capsules;
 mod link_meshes;
-mod motion;
 mod self_clearance;
-mod velocity_profile;
+mod tapered_cylinder;
+mod trapezoidal_profile;
 
 pub use arm::{Arm, BodyPoses, HOME};
+pub use controller::{ArmController, Command, CommandState, MotionState, PathKind};
 pub use dimensions::ArmDimensions;
 pub use error::Error;
 pub use gripper::{Gripper, GripperGeometry, GripperMotion, tool_from_fingers};
@@ -40,12 +52,11 @@ pub use kinematic_chain::{Jacobian, Joint, JointVector, KinematicChain, LinkPose
 pub use line_trajectory::LineTrajectory;
 pub use link_capsules::{N_CAPSULES, link_capsules};
 pub use link_meshes::LinkMeshes;
-pub use motion::{ArmMotion, Command, CommandState, MotionState, Path};
 pub use self_clearance::self_clearance_m;
 
-/// Joint angles of the JACO-like arm, anywhere within its limits.
+/// Proptest strategy: joint angles of the JACO-like arm, uniform within its limits.
 #[cfg(test)]
-fn test_angles() -> impl proptest::strategy::Strategy<Value = JointVector> {
+fn test_joint_angles() -> impl proptest::strategy::Strategy<Value = JointVector> {
     use proptest::strategy::Strategy;
     proptest::array::uniform6(0.0..=1.0_f64).prop_map(|shares| {
         let arm = Arm::jaco_like();

@@ -1,55 +1,54 @@
-//! Straight motion of the tool.
+//! Cartesian straight-line trajectory of the tool.
 
 use geometry::RigidTransform;
 use nalgebra::UnitQuaternion;
 
-use crate::damped_least_squares::descend;
+use crate::damped_least_squares::solve_least_squares;
 use crate::inverse_kinematics::check_pose;
-use crate::velocity_profile::VelocityProfile;
+use crate::trapezoidal_profile::TrapezoidalProfile;
 use crate::{Arm, Error, IkConfig, JointState, JointVector, N_JOINTS};
 
-/// Greatest distance of two poses on the line, metres.
-const STEP_M: f64 = 0.005;
+/// Greatest distance between two poses on the line, metres. Chosen.
+const KNOT_SPACING_M: f64 = 0.005;
 
-/// Greatest turn between two poses on the line, radians.
-const STEP_RAD: f64 = 0.03;
+/// Greatest rotation between two poses on the line, radians. Chosen.
+const KNOT_SPACING_RAD: f64 = 0.03;
 
-/// Most poses on a line: 10 m, far beyond reach.
+/// Greatest number of steps on a line: 10 m, far beyond reach.
 const MAX_STEPS: usize = 2000;
 
-/// Greatest change of a joint between two poses: beyond it the arm passes so
-/// near to a singularity that it would swing round.
+/// Greatest change of a joint between two poses, radians; beyond it the arm passes a singularity
+/// so closely that it would swing round. Chosen.
 const MAX_JOINT_STEP_RAD: f64 = 0.25;
 
-/// How near each pose on the line is met.
-const TOLERANCE: IkConfig = IkConfig {
+/// Tolerance of inverse kinematics at each pose on the line. Chosen.
+const KNOT_TOLERANCE: IkConfig = IkConfig {
     tolerance_m: 1e-5,
     tolerance_rad: 1e-4,
     max_iterations: 40,
 };
 
-/// A motion from rest to rest in which the tool moves on a straight line and
-/// turns evenly about one axis.
+/// Cartesian trajectory from rest to rest: the tool moves on a straight line and rotates evenly
+/// about one axis.
 ///
-/// Joint angles of poses on the line, at most 5 mm and 1.7° apart, are joined
-/// by cubic Hermite curves (Catmull and Rom 1974), so that joint velocities are
-/// continuous. The whole line is run through with one trapezoidal velocity that
-/// keeps every joint within its limits.
+/// The joint angles at poses on the line, at most 5 mm and 1.7° apart, are joined by cubic
+/// Hermite curves (Catmull and Rom 1974), so that joint velocities are continuous. One
+/// trapezoidal velocity profile over the whole line keeps every joint within its limits.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LineTrajectory {
-    /// Joint angles at whole path parameters; at least two.
+    /// Joint angles at the integer path parameters; at least two.
     knots: Vec<JointVector>,
-    profile: VelocityProfile,
+    profile: TrapezoidalProfile,
 }
 
 impl LineTrajectory {
-    /// Plans the line from the tool's pose at `start_rad` to `base_from_tool`,
-    /// with `speed`, in (0, 1], of the joints' greatest velocities.
+    /// Plans the line from the tool's pose at `start_rad` to `base_from_tool`. `speed`, in (0,
+    /// 1], scales the maximum joint velocities.
     ///
     /// # Errors
     ///
-    /// [`Error::LineLeavesWorkspace`], [`Error::LineJumps`], or
-    /// [`Error::BadNumber`] for a pose that is none.
+    /// [`Error::LineLeavesWorkspace`], [`Error::LineJumps`], or [`Error::BadNumber`] for an
+    /// invalid pose.
     pub fn plan(
         arm: &Arm,
         start_rad: &JointVector,
@@ -58,16 +57,16 @@ impl LineTrajectory {
     ) -> Result<Self, Error> {
         check_pose(base_from_tool)?;
         arm.chain().check(start_rad)?;
-        let knots = follow(arm, start_rad, base_from_tool)?;
+        let knots = trace_line(arm, start_rad, base_from_tool)?;
         let (velocity, acceleration) = path_limits(arm, &knots, speed);
         let end = (knots.len() - 1) as f64;
         Ok(Self {
-            profile: VelocityProfile::fastest(0.0, 0.0, end, velocity, acceleration),
+            profile: TrapezoidalProfile::fastest(0.0, 0.0, end, velocity, acceleration),
             knots,
         })
     }
 
-    /// How long the motion takes, seconds.
+    /// Duration, seconds.
     pub fn duration_s(&self) -> f64 {
         self.profile.duration_s()
     }
@@ -77,7 +76,7 @@ impl LineTrajectory {
         self.knots[self.knots.len() - 1]
     }
 
-    /// The joints at a time after the beginning, seconds.
+    /// Joint state at a time since the start, seconds.
     pub fn sample(&self, time_s: f64) -> JointState {
         let (along, velocity) = self.profile.sample(time_s);
         let n_segments = self.knots.len() - 1;
@@ -85,7 +84,7 @@ impl LineTrajectory {
             return JointState::at_rest(self.target_rad());
         }
         let segment = along.max(0.0) as usize;
-        let curve = Segment::of(&self.knots, segment);
+        let curve = HermiteSegment::between_knots(&self.knots, segment);
         let u = along - segment as f64;
         JointState {
             angles_rad: curve.angles(u),
@@ -94,8 +93,9 @@ impl LineTrajectory {
     }
 }
 
-/// Joint angles at evenly spaced poses from the start to the target.
-fn follow(
+/// Inverse kinematics along the line: joint angles at evenly spaced poses from the start to the
+/// target.
+fn trace_line(
     arm: &Arm,
     start: &JointVector,
     base_from_tool: &RigidTransform,
@@ -104,8 +104,8 @@ fn follow(
     let shift = base_from_tool.translation.vector - from.translation.vector;
     let turn = (from.rotation.inverse() * base_from_tool.rotation).scaled_axis();
     let length_m = shift.norm();
-    let n_steps = (length_m / STEP_M)
-        .max(turn.norm() / STEP_RAD)
+    let n_steps = (length_m / KNOT_SPACING_M)
+        .max(turn.norm() / KNOT_SPACING_RAD)
         .ceil()
         .max(1.0);
     if n_steps > MAX_STEPS as f64 {
@@ -124,8 +124,8 @@ fn follow(
             from.rotation * UnitQuaternion::from_scaled_axis(turn * share),
         );
         let reached_m = length_m * (k - 1) as f64 / n_steps;
-        let end = descend(arm.chain(), &pose, &last, TOLERANCE.max_iterations);
-        if !end.residual.is_within(&TOLERANCE) {
+        let end = solve_least_squares(arm.chain(), &pose, &last, KNOT_TOLERANCE.max_iterations);
+        if !end.residual.is_within(&KNOT_TOLERANCE) {
             return Err(Error::LineLeavesWorkspace {
                 reached_m,
                 length_m,
@@ -145,15 +145,15 @@ fn follow(
     Ok(knots)
 }
 
-/// Greatest velocity and acceleration of the path parameter, 1/s and 1/s²,
-/// that keep every joint within its limits anywhere on the path.
+/// Path parameter limits: greatest velocity and acceleration, 1/s and 1/s², that keep every joint
+/// within its limits on the whole path.
 ///
-/// A joint's acceleration is `q″ ṡ² + q′ s̈`; each term may take half of the limit.
+/// A joint's acceleration is `q″ ṡ² + q′ s̈`; each term may use half of the limit.
 fn path_limits(arm: &Arm, knots: &[JointVector], speed: f64) -> (f64, f64) {
     let (mut slope, mut curvature) = (JointVector::zeros(), JointVector::zeros());
     for segment in 0..knots.len() - 1 {
-        let curve = Segment::of(knots, segment);
-        slope = slope.sup(&curve.steepest());
+        let curve = HermiteSegment::between_knots(knots, segment);
+        slope = slope.sup(&curve.max_slope());
         // The second derivative is linear: its extremes are at the ends.
         curvature = curvature
             .sup(&curve.curvature(0.0).abs())
@@ -163,7 +163,7 @@ fn path_limits(arm: &Arm, knots: &[JointVector], speed: f64) -> (f64, f64) {
     for i in 0..N_JOINTS {
         let joint = &arm.chain().joints[i];
         let half = 0.5 * joint.max_acceleration_rad_s2;
-        // A joint that stands still allows any speed; the least slope keeps numbers finite.
+        // A joint that does not move allows any speed; the lower bound keeps the numbers finite.
         let slope = slope[i].max(1e-9);
         velocity = velocity.min(speed * joint.max_velocity_rad_s / slope);
         velocity = velocity.min((half / curvature[i].max(1e-12)).sqrt());
@@ -172,15 +172,15 @@ fn path_limits(arm: &Arm, knots: &[JointVector], speed: f64) -> (f64, f64) {
     (velocity, acceleration)
 }
 
-/// One cubic piece `a + b u + c u² + d u³`, `u` in [0, 1].
-struct Segment {
+/// Cubic Hermite segment `a + b u + c u² + d u³`, `u` in [0, 1].
+struct HermiteSegment {
     coefficients: [JointVector; 4],
 }
 
-impl Segment {
-    /// The piece from knot `k` to `k + 1`; the slope at a knot is that between
-    /// its neighbours.
-    fn of(knots: &[JointVector], k: usize) -> Self {
+impl HermiteSegment {
+    /// Segment from knot `k` to `k + 1` (Catmull–Rom): the slope at a knot is the one between its
+    /// neighbours.
+    fn between_knots(knots: &[JointVector], k: usize) -> Self {
         let slope_at = |i: usize| {
             let (before, after) = (i.saturating_sub(1), (i + 1).min(knots.len() - 1));
             (knots[after] - knots[before]) / (after - before) as f64
@@ -213,8 +213,8 @@ impl Segment {
         c * 2.0 + d * (6.0 * u)
     }
 
-    /// Greatest absolute slope of each joint on the piece.
-    fn steepest(&self) -> JointVector {
+    /// Greatest absolute slope of each joint on the segment.
+    fn max_slope(&self) -> JointVector {
         let [_, b, c, d] = &self.coefficients;
         let at_ends = self.slope(0.0).abs().sup(&self.slope(1.0).abs());
         JointVector::from_fn(|i, _| {

@@ -1,38 +1,40 @@
-//! Capsules around the arm.
+//! Bounding capsules of the arm's links.
 
 use geometry::{Capsule, OrientedBox};
 use nalgebra::{Point3, Vector3};
 
-use crate::limb::{N_LIMBS, limbs};
+use crate::tapered_cylinder::{N_CYLINDERS, tapered_cylinders};
 use crate::{Arm, JointVector};
 
-/// Number of capsules: limbs, the hand's rail, two fingers.
-pub const N_CAPSULES: usize = N_LIMBS + 3;
+/// Number of capsules: tapered cylinders, the gripper's rail and two fingers.
+pub const N_CAPSULES: usize = N_CYLINDERS + 3;
 
-/// Capsules in the base frame that contain the whole arm, from the base to the
-/// fingers; the last three are the hand's rail and the fingers at +x and -x.
+/// Bounding capsules of the whole arm, base frame, from the base to the fingers. The last three
+/// are the gripper's rail and the fingers at +x and -x.
 pub fn link_capsules(arm: &Arm, joints_rad: &JointVector, opening_m: f64) -> [Capsule; N_CAPSULES] {
     let poses = arm.body_poses(joints_rad, opening_m);
-    let limbs = limbs(arm.dimensions(), arm.gripper().palm_m);
-    std::array::from_fn(|i| match i.checked_sub(N_LIMBS) {
+    let cylinders = tapered_cylinders(arm.dimensions(), arm.gripper().palm_m);
+    std::array::from_fn(|i| match i.checked_sub(N_CYLINDERS) {
         None => {
-            let limb = &limbs[i];
+            let cylinder = &cylinders[i];
             Capsule {
-                from: limb.ends[0],
-                to: limb.ends[1],
-                radius_m: limb.radii_m[0].max(limb.radii_m[1]),
+                from: cylinder.ends[0],
+                to: cylinder.ends[1],
+                radius_m: cylinder.radii_m[0].max(cylinder.radii_m[1]),
             }
-            .transformed(&poses.base_from_link[limb.link])
+            .transformed(&poses.base_from_link[cylinder.link])
         }
-        Some(0) => around(&arm.gripper().rail_in_tool()).transformed(&poses.base_from_tool),
-        Some(finger) => around(&arm.gripper().finger_with_pad())
+        Some(0) => {
+            bounding_capsule(&arm.gripper().rail_in_tool()).transformed(&poses.base_from_tool)
+        }
+        Some(finger) => bounding_capsule(&arm.gripper().finger_and_pad_in_finger())
             .transformed(&poses.base_from_finger[finger - 1]),
     })
 }
 
-/// The least capsule around a box whose segment lies on the box's longest axis
-/// and ends on its faces.
-fn around(body: &OrientedBox) -> Capsule {
+/// Smallest capsule around a box whose segment is on the box's longest axis and ends on its
+/// faces.
+fn bounding_capsule(body: &OrientedBox) -> Capsule {
     let longest = body.half_sides_m.imax();
     let mut across = body.half_sides_m;
     across[longest] = 0.0;
@@ -49,7 +51,7 @@ fn around(body: &OrientedBox) -> Capsule {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{LinkMeshes, test_angles};
+    use crate::{LinkMeshes, test_joint_angles};
     use geometry::RigidTransform;
     use mesh::Solid;
     use proptest::prelude::*;
@@ -70,7 +72,7 @@ mod tests {
 
         #[test]
         fn the_capsules_contain_all_that_is_seen(
-            joints in test_angles(),
+            joints in test_joint_angles(),
             opening in 0.0..0.15_f64,
         ) {
             let arm = Arm::jaco_like();

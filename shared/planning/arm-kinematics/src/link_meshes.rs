@@ -1,11 +1,11 @@
-//! What is seen of the arm.
+//! Triangle meshes and convex parts of the arm's links.
 
 use geometry::OrientedBox;
 use mesh::{Solid, Surface, lathe, rounded_box};
 use nalgebra::{Isometry3, Point2, UnitQuaternion, Vector3};
 use std::f32::consts::FRAC_PI_2;
 
-use crate::limb::{Limb, limbs};
+use crate::tapered_cylinder::{TaperedCylinder, tapered_cylinders};
 use crate::{Arm, N_JOINTS};
 
 /// Colour of the rail and the fingers.
@@ -14,28 +14,27 @@ const HAND: [u8; 3] = [70, 72, 76];
 /// Colour of the rubber pads.
 const PAD: [u8; 3] = [34, 34, 36];
 
-/// Matte plastic.
+/// Surface finish of matte plastic.
 const PLASTIC: Surface = Surface {
     specular: 0.05,
     infrared: 1.0,
 };
 
-/// Corners around a limb.
+/// Number of segments around a tapered cylinder.
 const N_AROUND: usize = 32;
 
-/// Points of a rounded rim.
+/// Number of points on a rounded rim.
 const N_RIM: usize = 4;
 
-/// Closed meshes of the arm's bodies, each with its convex parts, in the frame
-/// of its body: see [`Arm::body_poses`]. A link may consist of several parts
-/// that overlap.
+/// Closed meshes of the arm's bodies with their convex parts, each in the frame of its body, see
+/// [`Arm::body_poses`]. A link may consist of several overlapping parts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinkMeshes {
-    /// The base, then the link behind each joint.
+    /// Link meshes: the base, then the link behind each joint.
     pub links: [Solid; N_JOINTS + 1],
-    /// The bar along which the fingers slide, in the tool frame.
+    /// Rail on which the fingers slide, tool frame.
     pub rail: Solid,
-    /// One finger with its pad, in the finger's frame; the fingers are alike.
+    /// One finger with its pad, finger frame; both fingers are alike.
     pub finger: Solid,
 }
 
@@ -44,14 +43,14 @@ impl LinkMeshes {
     pub fn new(arm: &Arm) -> Self {
         let hand = arm.gripper();
         let mut links: [Solid; N_JOINTS + 1] = Default::default();
-        for limb in limbs(arm.dimensions(), hand.palm_m) {
-            let link = std::mem::take(&mut links[limb.link]);
-            links[limb.link] = link.joined(limb_solid(&limb));
+        for cylinder in tapered_cylinders(arm.dimensions(), hand.palm_m) {
+            let link = std::mem::take(&mut links[cylinder.link]);
+            links[cylinder.link] = link.joined(cylinder_solid(&cylinder));
         }
         Self {
             links,
             rail: box_solid(&hand.rail_in_tool(), 0.008, HAND),
-            finger: box_solid(&hand.finger_in_finger(), 0.004, HAND).joined(box_solid(
+            finger: box_solid(&hand.finger_body_in_finger(), 0.004, HAND).joined(box_solid(
                 &hand.pad_in_finger(),
                 0.002,
                 PAD,
@@ -60,20 +59,20 @@ impl LinkMeshes {
     }
 }
 
-fn limb_solid(limb: &Limb) -> Solid {
-    let axis = (limb.ends[1] - limb.ends[0]).cast::<f32>();
-    let [lower, upper] = limb.radii_m.map(|radius_m| radius_m as f32);
+fn cylinder_solid(cylinder: &TaperedCylinder) -> Solid {
+    let axis = (cylinder.ends[1] - cylinder.ends[0]).cast::<f32>();
+    let [lower, upper] = cylinder.radii_m.map(|radius_m| radius_m as f32);
     let rotation = UnitQuaternion::rotation_between(&Vector3::z(), &axis)
         .unwrap_or_else(UnitQuaternion::identity);
-    let pose = Isometry3::from_parts(limb.ends[0].cast::<f32>().into(), rotation);
+    let pose = Isometry3::from_parts(cylinder.ends[0].cast::<f32>().into(), rotation);
     lathe(&rounded_profile(axis.norm(), lower, upper), N_AROUND)
         .placed(&pose)
-        .colored(limb.color)
+        .colored(cylinder.color)
         .with_surface(PLASTIC)
 }
 
-/// Section of a tapered cylinder from height 0 to `length_m` whose rims are
-/// rounded; (radius, height).
+/// Lathe profile of a tapered cylinder with rounded rims, from height 0 to `length_m`: points of
+/// (radius, height), metres.
 fn rounded_profile(length_m: f32, lower_m: f32, upper_m: f32) -> Vec<Point2<f32>> {
     let rim = 0.010_f32
         .min(0.4 * length_m)
@@ -118,7 +117,7 @@ mod tests {
         }
     }
 
-    /// Least distance of the vertices of `solid` from a point of its parent's frame.
+    /// Least distance of the vertices of `solid` from a point, both in the parent's frame.
     fn gap(solid: &Solid, parent_from_body: &RigidTransform, point: Point3<f64>) -> f64 {
         solid
             .mesh

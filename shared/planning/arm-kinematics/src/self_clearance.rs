@@ -1,15 +1,14 @@
-//! How far the arm keeps away from itself.
+//! Self-collision distance of the arm.
 
 use geometry::Capsule;
 use nalgebra::Vector3;
 
 use crate::N_CAPSULES;
 
-/// Pairs of capsules that can meet, by their places in [`crate::link_capsules`]:
-/// the hand and the wrist (6 to 12) with base, turret, shoulder and upper arm
-/// (0 to 3), the forearm (5) with base to shoulder, the hand (9 to 12) with
-/// elbow and forearm. Neighbours overlap by build and do not count.
-fn can_meet(near: usize, far: usize) -> bool {
+/// Self-collision pairs, by their indices in [`crate::link_capsules`]: hand and wrist (6 to 12)
+/// with base, turret, shoulder and upper arm (0 to 3), forearm (5) with base to shoulder, hand (9
+/// to 12) with elbow and forearm. Neighbouring links overlap by design and are skipped.
+fn may_collide(near: usize, far: usize) -> bool {
     match near {
         0..=2 => far >= 5,
         3 => far >= 6,
@@ -18,25 +17,25 @@ fn can_meet(near: usize, far: usize) -> bool {
     }
 }
 
-/// Least distance between parts of the arm that are not joined, metres;
-/// negative where they overlap. Takes the result of [`crate::link_capsules`].
+/// Least distance between links that are not neighbours, metres; negative when they overlap.
+/// Takes the result of [`crate::link_capsules`].
 pub fn self_clearance_m(capsules: &[Capsule; N_CAPSULES]) -> f64 {
     let mut least = f64::INFINITY;
     for near in 0..N_CAPSULES {
-        for far in (near + 1..N_CAPSULES).filter(|&far| can_meet(near, far)) {
+        for far in (near + 1..N_CAPSULES).filter(|&far| may_collide(near, far)) {
             least = least.min(capsule_distance_m(&capsules[near], &capsules[far]));
         }
     }
     least
 }
 
-/// Distance between the surfaces of two capsules; negative where they overlap.
+/// Distance between the surfaces of two capsules, metres; negative when they overlap.
 fn capsule_distance_m(a: &Capsule, b: &Capsule) -> f64 {
     segment_distance_m(a, b) - a.radius_m - b.radius_m
 }
 
-/// Distance between two segments (Ericson 2005, 5.1.9): the nearest points of
-/// the lines, moved back onto the segments one after the other.
+/// Distance between two segments, metres (Ericson 2005, 5.1.9): the nearest points of the lines,
+/// clamped to the segments one after the other.
 fn segment_distance_m(a: &Capsule, b: &Capsule) -> f64 {
     let (along_a, along_b) = (a.to - a.from, b.to - b.from);
     let between = a.from - b.from;
@@ -46,17 +45,17 @@ fn segment_distance_m(a: &Capsule, b: &Capsule) -> f64 {
         along_a.dot(&along_b),
     );
     let (ra, rb) = (along_a.dot(&between), along_b.dot(&between));
-    // Zero where the segments are parallel: any point of the first will do.
+    // Zero for parallel segments: any point of the first one will do.
     let spread = aa * bb - ab * ab;
-    let mut s = share(ab * rb - ra * bb, spread);
-    let t = share(ab * s + rb, bb);
-    s = share(ab * t - ra, aa);
+    let mut s = clamped_ratio(ab * rb - ra * bb, spread);
+    let t = clamped_ratio(ab * s + rb, bb);
+    s = clamped_ratio(ab * t - ra, aa);
     let gap: Vector3<f64> = between + along_a * s - along_b * t;
     gap.norm()
 }
 
-/// A share of a segment, 0 to 1; 0 where it has no length.
-fn share(numerator: f64, denominator: f64) -> f64 {
+/// Quotient clamped to 0 to 1; 0 when the denominator is not positive.
+fn clamped_ratio(numerator: f64, denominator: f64) -> f64 {
     if denominator > 0.0 {
         (numerator / denominator).clamp(0.0, 1.0)
     } else {

@@ -1,4 +1,4 @@
-//! Draws all categories, some instances of each, to PNG pages.
+//! Contact sheet: draws some instances of each category to PNG pages.
 //!
 //! `cargo run -p household --example contact_sheet -- FOLDER [INSTANCES] [ROWS]`
 //!
@@ -49,8 +49,8 @@ impl Picture {
     }
 }
 
-/// From the object's frame to x right, y up, z towards the eye, which looks
-/// down from 35° above the table.
+/// Rotation from the object's frame to the view frame: x right, y up, z towards the eye, which
+/// looks down from 35° above the table.
 fn view_from_object() -> Rotation3<f32> {
     let elevation_rad = 35.0_f32.to_radians();
     let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), 0.6);

@@ -1,4 +1,4 @@
-//! The table of categories.
+//! Table of categories: name, density, friction and generator.
 
 use crate::Variation;
 use crate::families::{
@@ -7,16 +7,16 @@ use crate::families::{
 };
 use mesh::Solid;
 
-/// A family of objects with one name.
+/// Category of generated objects.
 #[derive(Debug, Clone, Copy)]
 pub struct Category {
-    /// Lower case letters, digits and hyphens; unique.
+    /// Unique name of lower case letters, digits and hyphens.
     pub name: &'static str,
-    /// Mass over the volume of the modelled parts, contents included, kg/m³.
+    /// Mean density over the volume of the modelled parts, contents included, kg/m³. Chosen.
     pub(crate) density_kg_m3: f32,
-    /// Coefficient of friction against a wooden table.
+    /// Coulomb friction coefficient against a wooden table. Chosen.
     pub(crate) friction: f32,
-    /// Makes an instance, in metres, z up.
+    /// Generator of an instance, in metres, z up.
     pub(crate) build: fn(&mut Variation) -> Solid,
 }
 
@@ -25,7 +25,7 @@ pub fn categories() -> &'static [Category] {
     CATEGORIES
 }
 
-/// The category of a name, if there is one.
+/// Category by its name; `None` for an unknown name.
 pub fn category(name: &str) -> Option<&'static Category> {
     CATEGORIES.iter().find(|category| category.name == name)
 }
@@ -44,6 +44,7 @@ const fn row(
     }
 }
 
+/// Categories in their fixed order.
 const CATEGORIES: &[Category] = &[
     row("bowl", 2300.0, 0.4, crockery::bowl),
     row("mug", 2300.0, 0.4, crockery::mug),

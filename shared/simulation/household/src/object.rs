@@ -1,35 +1,34 @@
-//! An instance of a category.
+//! Generation of an object from its category and instance number.
 
 use crate::{Category, Variation};
 use mesh::{ConvexPart, TriangleMesh, with_four_cornered_faces};
 use std::ops::Range;
 
-/// Least mass of anything, kilograms.
+/// Least mass of an object, kilograms. Chosen.
 const MASS_MIN_KG: f32 = 0.005;
 
-/// A household object.
+/// Generated household object: mesh, convex parts, mass and friction.
 ///
-/// Frame: z up, in the pose in which it stands or lies on a table; the origin
-/// is the centre of the bounding box.
+/// Frame: z up, in the resting pose on a table; the origin is the centre of the bounding box.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Object {
     /// Name of its category.
     pub category: &'static str,
-    /// Which one of the category.
+    /// Number of the instance within its category.
     pub instance: u64,
-    /// Its surface: closed parts that overlap, metres.
+    /// Surface of closed, overlapping parts, metres.
     pub mesh: TriangleMesh,
-    /// Bodies that together fill it to a few millimetres, for physics.
+    /// Convex decomposition for physics; fills the surface to a few millimetres.
     pub convex_parts: Vec<ConvexPart>,
-    /// Triangles of the mesh that are not filled: stems, leaves, stickers.
+    /// Triangle ranges of the mesh without convex parts: stems, leaves, stickers.
     pub decoration: Vec<Range<usize>>,
     /// Mass, kilograms.
     pub mass_kg: f32,
-    /// Coefficient of friction against a wooden table.
+    /// Coulomb friction coefficient against a wooden table.
     pub friction: f32,
 }
 
-/// Makes an instance of a category. The same arguments give the same bytes.
+/// Generates an instance of a category. The same arguments give the same bytes.
 pub fn generate(category: &Category, instance: u64) -> Object {
     let mut variation = Variation::of(category.name, instance);
     let solid = (category.build)(&mut variation).recentred();

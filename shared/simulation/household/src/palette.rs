@@ -1,16 +1,23 @@
-//! Colours that things of a material come in, and mixing them.
+//! Material colour palettes and colour mixing.
 
-/// sRGB: red, green, blue.
-pub(crate) type Color = [u8; 3];
+/// sRGB colour: red, green, blue.
+pub(crate) type Rgb = [u8; 3];
 
-pub(crate) const WHITE: Color = [240, 240, 236];
-pub(crate) const BLACK: Color = [28, 28, 30];
-pub(crate) const STEEL: Color = [176, 180, 186];
-pub(crate) const BRASS: Color = [190, 158, 84];
-pub(crate) const LEAF: Color = [72, 124, 48];
-pub(crate) const BARK: Color = [104, 76, 46];
+/// Off-white.
+pub(crate) const WHITE: Rgb = [240, 240, 236];
+/// Off-black.
+pub(crate) const BLACK: Rgb = [28, 28, 30];
+/// Steel.
+pub(crate) const STEEL: Rgb = [176, 180, 186];
+/// Brass.
+pub(crate) const BRASS: Rgb = [190, 158, 84];
+/// Green of leaves.
+pub(crate) const LEAF: Rgb = [72, 124, 48];
+/// Brown of bark and stems.
+pub(crate) const BARK: Rgb = [104, 76, 46];
 
-pub(crate) const GLAZES: [Color; 9] = [
+/// Glazes of ceramics.
+pub(crate) const GLAZES: [Rgb; 9] = [
     WHITE,
     [228, 216, 190],
     [52, 92, 150],
@@ -21,7 +28,8 @@ pub(crate) const GLAZES: [Color; 9] = [
     [128, 88, 132],
     [78, 78, 84],
 ];
-pub(crate) const PLASTICS: [Color; 10] = [
+/// Coloured plastics.
+pub(crate) const PLASTICS: [Rgb; 10] = [
     [214, 44, 40],
     [32, 98, 190],
     [246, 198, 30],
@@ -33,7 +41,8 @@ pub(crate) const PLASTICS: [Color; 10] = [
     WHITE,
     [60, 62, 68],
 ];
-pub(crate) const GRIPS: [Color; 6] = [
+/// Tool handles.
+pub(crate) const GRIPS: [Rgb; 6] = [
     [200, 36, 34],
     [30, 84, 168],
     [240, 180, 24],
@@ -41,14 +50,17 @@ pub(crate) const GRIPS: [Color; 6] = [
     [36, 122, 62],
     [46, 46, 50],
 ];
-pub(crate) const WOODS: [Color; 4] = [
+/// Woods.
+pub(crate) const WOODS: [Rgb; 4] = [
     [196, 152, 98],
     [168, 116, 66],
     [130, 84, 48],
     [212, 176, 124],
 ];
-pub(crate) const METALS: [Color; 4] = [STEEL, [196, 198, 202], [150, 154, 160], [188, 184, 176]];
-pub(crate) const PASTELS: [Color; 6] = [
+/// Metals.
+pub(crate) const METALS: [Rgb; 4] = [STEEL, [196, 198, 202], [150, 154, 160], [188, 184, 176]];
+/// Pastels of paper and cloth.
+pub(crate) const PASTELS: [Rgb; 6] = [
     [236, 208, 214],
     [202, 222, 236],
     [214, 232, 206],
@@ -57,8 +69,8 @@ pub(crate) const PASTELS: [Color; 6] = [
     [240, 240, 236],
 ];
 
-/// Between two colours: `share` 0 gives the first, 1 the second.
-pub(crate) fn mix(a: Color, b: Color, share: f32) -> Color {
+/// Linear blend of two colours: `share` 0 gives the first, 1 the second.
+pub(crate) fn mix(a: Rgb, b: Rgb, share: f32) -> Rgb {
     let share = share.clamp(0.0, 1.0);
     std::array::from_fn(|i| {
         let (a, b) = (f32::from(a[i]), f32::from(b[i]));
@@ -66,18 +78,18 @@ pub(crate) fn mix(a: Color, b: Color, share: f32) -> Color {
     })
 }
 
-/// Lighter for a factor above 1, darker below.
-pub(crate) fn shaded(color: Color, factor: f32) -> Color {
+/// Scales the brightness: factors above 1 are lighter, below 1 darker.
+pub(crate) fn shaded(color: Rgb, factor: f32) -> Rgb {
     color.map(|c| (f32::from(c) * factor).round() as u8)
 }
 
-/// With something added to each channel.
-pub(crate) fn jittered(color: Color, by: [f32; 3]) -> Color {
+/// Adds an offset to each channel.
+pub(crate) fn jittered(color: Rgb, by: [f32; 3]) -> Rgb {
     std::array::from_fn(|i| (f32::from(color[i]) + by[i]).round() as u8)
 }
 
-/// Of black and white the one that stands out more.
-pub(crate) fn contrasting(color: Color) -> Color {
+/// Contrasting colour: black or white, whichever stands out more.
+pub(crate) fn contrasting(color: Rgb) -> Rgb {
     let [r, g, b] = color.map(f32::from);
     if 0.3 * r + 0.6 * g + 0.1 * b > 120.0 {
         BLACK

@@ -1,25 +1,25 @@
-//! Profiles (radius, height) and outlines (x, y), metres.
+//! Planar curves: lathe profiles (radius, height) and outlines (x, y), metres.
 
 use mesh::{Solid, lathe};
 use nalgebra::{Point2, Vector2};
 use std::f32::consts::TAU;
 
-/// Points in a plane, in order.
+/// Polyline in a plane.
 pub(crate) type Profile = Vec<Point2<f32>>;
 
-/// Distance of points on a body of revolution, metres.
+/// Point distance along a lathe profile, metres.
 const STEP_M: f32 = 0.009;
-/// The same where something is printed.
+/// Point distance along a lathe profile with a printed label, metres.
 const PRINT_STEP_M: f32 = 0.0045;
 
-/// Straight lines between points.
-pub(crate) fn corners(points: &[(f32, f32)]) -> Profile {
+/// Polyline through points.
+pub(crate) fn polyline(points: &[(f32, f32)]) -> Profile {
     points.iter().map(|&(x, y)| Point2::new(x, y)).collect()
 }
 
-/// A smooth curve through points (Catmull and Rom 1974), `n` steps each.
+/// Catmull–Rom spline through points (1974), `n` steps per segment.
 pub(crate) fn spline(points: &[(f32, f32)], n: usize) -> Profile {
-    let points = corners(points);
+    let points = polyline(points);
     let last = points.len().saturating_sub(1);
     let at = |i: usize, t: f32| {
         let (p0, p1) = (points[i.saturating_sub(1)], points[i]);
@@ -34,15 +34,15 @@ pub(crate) fn spline(points: &[(f32, f32)], n: usize) -> Profile {
     curve
 }
 
-/// From zero to `step` with these slopes at the ends.
+/// Cubic Hermite curve from zero to `step` with these slopes at its ends.
 fn hermite(step: Vector2<f32>, start: Vector2<f32>, end: Vector2<f32>, t: f32) -> Vector2<f32> {
     let (t2, t3) = (t * t, t * t * t);
     step * (3.0 * t2 - 2.0 * t3) + start * (t3 - 2.0 * t2 + t) + end * (t3 - t2)
 }
 
-/// Straight lines with all corners but the first and last rounded.
+/// Polyline with all corners but the first and last rounded.
 pub(crate) fn rounded(points: &[(f32, f32)], radius: f32) -> Profile {
-    let points = corners(points);
+    let points = polyline(points);
     let mut curve = vec![points[0]];
     for triple in points.windows(3) {
         curve.extend(rounded_corner(triple[0], triple[1], triple[2], radius));
@@ -52,9 +52,9 @@ pub(crate) fn rounded(points: &[(f32, f32)], radius: f32) -> Profile {
     curve
 }
 
-/// A closed outline with all corners rounded.
+/// Closed outline with all corners rounded.
 pub(crate) fn rounded_outline(points: &[(f32, f32)], radius: f32) -> Profile {
-    let points = corners(points);
+    let points = polyline(points);
     let n = points.len();
     let corner = |i| {
         rounded_corner(
@@ -85,8 +85,8 @@ fn rounded_corner(
     })
 }
 
-/// The same line with more points, so that it can be painted or bent.
-pub(crate) fn divided(profile: &[Point2<f32>], step_m: f32) -> Profile {
+/// Subdivided polyline, for painting and bending.
+pub(crate) fn subdivided(profile: &[Point2<f32>], step_m: f32) -> Profile {
     let mut fine = vec![profile[0]];
     for pair in profile.windows(2) {
         let n = ((pair[1] - pair[0]).norm() / step_m).ceil().max(1.0) as usize;
@@ -106,8 +106,8 @@ pub(crate) fn radius_at(profile: &[Point2<f32>], height: f32) -> f32 {
     profile.windows(2).filter_map(crossing).fold(0.0, f32::max)
 }
 
-/// A wall below an outer profile that runs from the axis to the rim: its inner
-/// side is added, down to a flat floor and the axis. The rim is rounded.
+/// Hollow shell below an outer profile that runs from the axis to the rim: adds the inner side,
+/// down to a flat floor and the axis, and rounds the rim.
 pub(crate) fn shell(outer: &[Point2<f32>], wall_m: f32, floor_m: f32) -> Profile {
     let n = outer.len();
     let mut profile = outer.to_vec();
@@ -134,32 +134,32 @@ pub(crate) fn shell(outer: &[Point2<f32>], wall_m: f32, floor_m: f32) -> Profile
     profile
 }
 
-/// A circle or ellipse around the origin.
-pub(crate) fn oval(half_x: f32, half_y: f32, n: usize) -> Profile {
+/// Ellipse around the origin.
+pub(crate) fn ellipse(half_x: f32, half_y: f32, n: usize) -> Profile {
     (0..n)
         .map(|k| (k as f32 / n as f32 * TAU).sin_cos())
         .map(|(sin, cos)| Point2::new(half_x * cos, half_y * sin))
         .collect()
 }
 
-/// A body of revolution.
-pub(crate) fn turned(profile: &[Point2<f32>]) -> Solid {
-    lathe(&divided(profile, STEP_M), n_around(profile))
+/// Body of revolution of a profile.
+pub(crate) fn lathed(profile: &[Point2<f32>]) -> Solid {
+    lathe(&subdivided(profile, STEP_M), n_around(profile))
 }
 
-/// A body of revolution with points enough for print.
-pub(crate) fn printed(profile: &[Point2<f32>]) -> Solid {
-    lathe(&divided(profile, PRINT_STEP_M), 48)
+/// Body of revolution with enough points for a printed label.
+pub(crate) fn lathed_for_print(profile: &[Point2<f32>]) -> Solid {
+    lathe(&subdivided(profile, PRINT_STEP_M), 48)
 }
 
-/// Segments around: more for what is thick.
+/// Number of segments around a body of revolution, by its greatest radius.
 fn n_around(profile: &[Point2<f32>]) -> usize {
     let radius = profile.iter().map(|p| p.x).fold(0.0, f32::max);
     (12.0 + 560.0 * radius).min(40.0) as usize
 }
 
-/// A plain cylinder that stands on z = 0, its edges rounded.
+/// Cylinder that stands on z = 0, with rounded edges.
 pub(crate) fn cylinder(radius: f32, height: f32, edge: f32) -> Solid {
     let points = [(0.0, 0.0), (radius, 0.0), (radius, height), (0.0, height)];
-    turned(&rounded(&points, edge))
+    lathed(&rounded(&points, edge))
 }

@@ -1,24 +1,25 @@
-//! The choices that make an instance.
+//! Random parameters of an instance.
 
-use crate::palette::{Color, jittered};
+use crate::palette::{Rgb, jittered};
 use random::{Random, mixed};
 
-/// A stream of choices that depends on nothing but its seed.
+/// Random number stream of one instance.
 #[derive(Debug, Clone)]
 pub struct Variation {
     random: Random,
 }
 
 impl Variation {
-    /// The choices of one instance of a category.
+    /// Stream of one instance of a category.
     pub fn of(category: &str, instance: u64) -> Self {
-        // FNV-1a of the name, so that categories do not share their choices.
+        // FNV-1a hash of the name, so that categories do not share their random numbers.
         let name = category
             .bytes()
             .fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte| {
                 (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
             });
-        // Both are mixed, or one instance's stream were another's, shifted.
+        // Both are mixed: otherwise one instance's stream would be a shifted copy of another
+        // one's.
         Self {
             random: Random::from_seed(mixed(name ^ mixed(instance))),
         }
@@ -29,22 +30,22 @@ impl Variation {
         self.random.next_u64()
     }
 
-    /// Evenly distributed, `low` included, `high` not.
+    /// Uniform value in `low..high`.
     pub fn between(&mut self, low: f32, high: f32) -> f32 {
         low + (high - low) * self.random.unit_f32()
     }
 
-    /// A whole number, both ends included.
+    /// Uniform integer in `low..=high`.
     pub fn count(&mut self, low: usize, high: usize) -> usize {
         low + (self.seed() % (high.saturating_sub(low) as u64 + 1)) as usize
     }
 
-    /// True with this probability.
-    pub fn chance(&mut self, probability: f32) -> bool {
+    /// Bernoulli trial: true with this probability.
+    pub fn with_probability(&mut self, probability: f32) -> bool {
         self.between(0.0, 1.0) < probability
     }
 
-    /// One of several; the default value of none.
+    /// Uniform choice of an element; the default value for an empty slice.
     pub fn pick<T: Copy + Default>(&mut self, choices: &[T]) -> T {
         let last = choices.len().saturating_sub(1);
         choices
@@ -53,8 +54,8 @@ impl Variation {
             .unwrap_or_default()
     }
 
-    /// A colour near one of a palette.
-    pub(crate) fn color(&mut self, palette: &[Color]) -> Color {
+    /// Random colour close to one of a palette.
+    pub(crate) fn color(&mut self, palette: &[Rgb]) -> Rgb {
         let color = self.pick(palette);
         let mut by = || self.between(-10.0, 10.0);
         let (common, own) = (by(), [by() * 0.5, by() * 0.5, by() * 0.5]);

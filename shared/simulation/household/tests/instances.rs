@@ -1,4 +1,4 @@
-//! What holds for every instance of every category.
+//! Properties of all instances of all categories: geometry, mass, physics parts.
 
 use household::{Category, Object, categories, category, generate};
 use mesh::N_POINTS_MAX;
@@ -7,7 +7,7 @@ use std::collections::HashSet;
 
 const N_INSTANCES: u64 = 20;
 
-/// Looks at all categories; names the first fault of each.
+/// Checks a property of all categories and reports the first fault of each.
 fn check(n_instances: u64, is_true: impl Fn(&Object) -> Result<(), String>) {
     let mut faults = Vec::new();
     for category in categories() {
@@ -231,7 +231,7 @@ fn distance(object: &Object, point: &Point3<f32>) -> f32 {
     distances.fold(f32::INFINITY, f32::min)
 }
 
-/// Wires and lips are kept simple.
+/// Greatest distance between surface and convex parts, metres; wires and lips are simplified.
 fn allowed_gap_m(object: &Object) -> f32 {
     match object.category {
         "whisk" | "pitcher" => 0.012,
@@ -239,7 +239,7 @@ fn allowed_gap_m(object: &Object) -> f32 {
     }
 }
 
-/// Sides of the bounding box, longest first: from, to.
+/// Sides of the bounding box, longest first, as ranges in millimetres.
 const SIDES_MM: &[(&str, [(u32, u32); 3])] = &[
     ("bowl", [(116, 192), (116, 192), (51, 85)]),
     ("mug", [(100, 132), (81, 109), (72, 95)]),

@@ -1,5 +1,5 @@
-//! A frame of a table scene on one core: rasterising, measuring, both; and ray
-//! casting of the same image.
+//! Benchmarks of one frame of a table scene on one core: rasterising, sensor model, both; and ray
+//! casting of the same image as a reference.
 
 #[path = "../tests/synthetic/mod.rs"]
 mod synthetic;
@@ -11,7 +11,7 @@ use parry3d::query::{Ray, RayCast};
 use parry3d::shape::TriMesh;
 use point_cloud::Point;
 use rendering::kinect::{KinectSensor, SensorModel, Shot};
-use rendering::{Error, Lights, Rasterizer, Stage};
+use rendering::{Error, Lights, Rasterizer, StaticScene};
 use synthetic::TableScene;
 
 fn main() {
@@ -23,7 +23,7 @@ const N_OBJECTS: [usize; 3] = [1, 10, 30];
 
 fn rasterizer(scene: &TableScene, lights: Lights) -> Result<Rasterizer, Error> {
     let mut rasterizer = Rasterizer::new(CAMERA)?;
-    rasterizer.prepare(&Stage {
+    rasterizer.prepare(&StaticScene {
         world_from_camera: TableScene::world_from_camera(),
         lights,
         background: &scene.background(),
@@ -57,7 +57,7 @@ fn render_without_shadows(bencher: Bencher<'_, '_>, n_objects: usize) {
     );
 }
 
-/// Everything, nothing prepared.
+/// Rendering everything, without a prepared background.
 #[divan::bench(args = N_OBJECTS)]
 fn render_with_moving_camera(bencher: Bencher<'_, '_>, n_objects: usize) {
     let scene = TableScene::new(n_objects);
@@ -65,7 +65,7 @@ fn render_with_moving_camera(bencher: Bencher<'_, '_>, n_objects: usize) {
         return;
     };
     let instances = [scene.background(), scene.objects()].concat();
-    let stage = Stage {
+    let stage = StaticScene {
         world_from_camera: TableScene::world_from_camera(),
         lights: Lights::ROOM,
         background: &[],
@@ -137,7 +137,8 @@ fn render_and_sense(bencher: Bencher<'_, '_>, n_objects: usize) {
     });
 }
 
-/// What a camera on a moving arm costs: the stage drawn anew, objects, sensor.
+/// Frame of a camera on a moving arm: prepare the background, render the objects, apply the
+/// sensor model.
 #[divan::bench(args = N_OBJECTS)]
 fn frame_with_moving_camera(bencher: Bencher<'_, '_>, n_objects: usize) {
     let scene = TableScene::new(n_objects);
@@ -152,7 +153,7 @@ fn frame_with_moving_camera(bencher: Bencher<'_, '_>, n_objects: usize) {
     let mut shot = Shot::default();
     bencher.bench_local(|| {
         shot.frame_index += 1;
-        let stage = Stage {
+        let stage = StaticScene {
             world_from_camera: TableScene::orbiting_camera(shot.frame_index),
             lights: Lights::ROOM,
             background: &background,
@@ -163,7 +164,7 @@ fn frame_with_moving_camera(bencher: Bencher<'_, '_>, n_objects: usize) {
     });
 }
 
-/// The whole scene as one mesh in the camera's frame.
+/// Whole scene as one triangle mesh, camera frame.
 fn one_mesh(scene: &TableScene) -> Option<TriMesh> {
     let camera_from_world = TableScene::world_from_camera().inverse();
     let (mut vertices, mut indices) = (vec![], vec![]);
@@ -183,7 +184,7 @@ fn one_mesh(scene: &TableScene) -> Option<TriMesh> {
     TriMesh::new(vertices, indices).ok()
 }
 
-/// Depth alone of all pixels, one ray each.
+/// Ray casting of depth only, one ray per pixel.
 #[divan::bench(args = N_OBJECTS, sample_count = 5)]
 fn ray_cast_depth_only(bencher: Bencher<'_, '_>, n_objects: usize) {
     let Some(mesh) = one_mesh(&TableScene::new(n_objects)) else {

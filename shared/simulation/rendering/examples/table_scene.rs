@@ -1,8 +1,8 @@
-//! Renders a table scene and what a Kinect sees of it.
+//! Renders a table scene, exactly and as measured by the simulated Kinect.
 //!
-//! `table_scene FOLDER`: writes `exact_color`, `exact_depth`, `normals`,
-//! `instances`, `kinect_color` and `kinect_depth` as PNG. Depth is coloured from
-//! near (red) to far (blue); what has none is black.
+//! `table_scene FOLDER`: writes `exact_color`, `exact_depth`, `normals`, `instances`,
+//! `kinect_color` and `kinect_depth` as PNG. The depth colours are red for near and blue for far;
+//! missing depth is black.
 
 #[path = "../tests/synthetic/mod.rs"]
 mod synthetic;
@@ -10,7 +10,7 @@ mod synthetic;
 use geometry::PinholeCamera;
 use point_cloud::Point;
 use rendering::kinect::{KinectSensor, SensorModel, Shot};
-use rendering::{Lights, Rasterizer, Stage};
+use rendering::{Lights, Rasterizer, StaticScene};
 use std::error::Error;
 use std::fs::File;
 use std::io::BufWriter;
@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all(folder)?;
     let scene = TableScene::new(12);
     let mut rasterizer = Rasterizer::new(CAMERA)?;
-    rasterizer.prepare(&Stage {
+    rasterizer.prepare(&StaticScene {
         world_from_camera: TableScene::world_from_camera(),
         lights: Lights::ROOM,
         background: &scene.background(),

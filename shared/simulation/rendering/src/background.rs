@@ -1,29 +1,31 @@
-//! What does not move, drawn once.
+//! Cached image of the static background, with incremental shadow updates.
 
+use crate::dirty_shadow_blocks::{CellRectangle, DirtyShadowBlocks};
 use crate::image::Image;
-use crate::pixel_block::{LANES, LitPixel, Vectors};
-use crate::shading::Radiance;
-use crate::shadow_map::{Places, ShadowMap};
-use crate::shadow_reach::{CellRectangle, ShadowReach};
-use crate::visibility::{Extent, NO_FACE, Visibility};
+use crate::lanes::{N_LANES, VectorLanes};
+use crate::lit_pixel::LitPixel;
+use crate::pixel_rays::PixelRays;
+use crate::radiance::Radiance;
+use crate::shadow_map::{ShadowCoordinates, ShadowMap};
+use crate::visibility_buffer::{ColumnRange, NO_FACE, VisibilityBuffer};
 use std::ops::Range;
 
-/// Side of the blocks of pixels that are checked for new shadows together.
+/// Side of the square tiles in which pixels are tested for new shadows, pixels.
 const TILE_PX: usize = 8;
-const _: () = assert!(TILE_PX * TILE_PX == LANES);
+const _: () = assert!(TILE_PX * TILE_PX == N_LANES);
 
-/// The image of what does not move, and what is needed to draw over it.
+/// Cached background: its image, depth and light, for drawing moving instances over it.
 #[derive(Debug)]
 pub(crate) struct Background {
-    /// Whether there is nothing.
+    /// True if the background has no instances.
     pub(crate) is_empty: bool,
     pub(crate) image: Image,
-    pub(crate) closeness: Vec<f32>,
+    pub(crate) reverse_z: Vec<f32>,
     pub(crate) shadow: Vec<f32>,
     pub(crate) radiance: Vec<Radiance>,
-    /// Share of the main light in each pixel, times 255; 0 where none arrives anyway.
+    /// Share of the main light in each pixel, times 255; 0 where the main light has no effect.
     pub(crate) light: Vec<u8>,
-    /// Where the lit pixels of each block lie in the shadow map, block by block.
+    /// Shadow map cells of the lit pixels of each tile, as bounding rectangles.
     tiles: Vec<CellRectangle>,
 }
 
@@ -35,7 +37,7 @@ impl Background {
         Self {
             is_empty: false,
             image,
-            closeness: vec![0.0; n_pixels],
+            reverse_z: vec![0.0; n_pixels],
             shadow: Vec::new(),
             radiance: vec![Radiance::default(); n_pixels],
             light: vec![0; n_pixels],
@@ -43,20 +45,25 @@ impl Background {
         }
     }
 
-    /// Keeps a finished image and finds where shadows may fall later.
-    pub(crate) fn keep(&mut self, image: &Image, visibility: &Visibility, shadow: &ShadowMap) {
+    /// Caches a finished image with its depth buffer and shadow map.
+    pub(crate) fn keep(
+        &mut self,
+        image: &Image,
+        visibility: &VisibilityBuffer,
+        shadow: &ShadowMap,
+    ) {
         self.image.copy_span(image, 0..image.depth_m.len());
-        self.closeness.clone_from(&visibility.closeness);
-        self.shadow.clone_from(&shadow.closeness);
+        self.reverse_z.clone_from(&visibility.reverse_z);
+        self.shadow.clone_from(&shadow.reverse_z);
     }
 
-    /// Forgets all light.
+    /// Clears the cached light of all pixels.
     pub(crate) fn clear_light(&mut self) {
         self.light.fill(0);
         self.tiles.fill(CellRectangle::EMPTY);
     }
 
-    /// Keeps the light of a pixel and where a shadow would fall on it.
+    /// Caches the light of a pixel and its shadow map coordinates.
     #[inline]
     pub(crate) fn keep_light(&mut self, pixel: usize, lit: &LitPixel) {
         self.radiance[pixel] = lit.radiance;
@@ -68,19 +75,19 @@ impl Background {
         }
     }
 
-    /// Darkens the pixels of the background on which new shadows fall, and
-    /// adds them to `dirty`. Pixels with a face of `faces` are left alone.
+    /// Incremental shadow update: darkens the background pixels on which new shadows fall, and
+    /// adds them to `dirty`. Pixels that show a face of `faces` are skipped.
     pub(crate) fn cast(
         &self,
         image: &mut Image,
-        dirty: &mut [Extent],
+        dirty: &mut [ColumnRange],
         faces: &[u32],
-        light: &NewShadows<'_>,
+        light: &ShadowUpdate<'_>,
     ) {
         let (width, height) = light.rays.size();
         let mut tile = Tile::new();
         for (i, cells) in self.tiles.iter().enumerate() {
-            if !light.reach.touches(cells) {
+            if !light.dirty_blocks.touches(cells) {
                 continue;
             }
             let (row, column) = (i / n_tiles(width), i % n_tiles(width));
@@ -92,11 +99,11 @@ impl Background {
                 let place = tile.places.at(lane);
                 if self.light[pixel] == 0
                     || faces[pixel] != NO_FACE
-                    || !light.reach.contains(&place)
+                    || !light.dirty_blocks.contains(&place)
                 {
                     return;
                 }
-                let share = light.map.light_at(&place);
+                let share = light.map.lit_share(&place);
                 if share != self.light[pixel] {
                     image.color[pixel] = self.radiance[pixel].color(share);
                     dirty[y].include(x, x + 1);
@@ -106,17 +113,17 @@ impl Background {
     }
 }
 
-/// How many blocks lie along so many pixels.
+/// Number of tiles along `n_pixels` pixels.
 fn n_tiles(n_pixels: usize) -> usize {
     n_pixels.div_ceil(TILE_PX)
 }
 
-/// A block of pixels, and where they lie in the shadow map.
+/// Tile of pixels with their shadow map coordinates.
 struct Tile {
     rows: Range<usize>,
     columns: Range<usize>,
-    points: Vectors,
-    places: Places,
+    points: VectorLanes,
+    places: ShadowCoordinates,
 }
 
 impl Tile {
@@ -124,12 +131,12 @@ impl Tile {
         Self {
             rows: 0..0,
             columns: 0..0,
-            points: [[0.0; LANES]; 3],
-            places: Places::new(),
+            points: [[0.0; N_LANES]; 3],
+            places: ShadowCoordinates::new(),
         }
     }
 
-    fn locate(&mut self, depth_m: &[f32], light: &NewShadows<'_>) {
+    fn locate(&mut self, depth_m: &[f32], light: &ShadowUpdate<'_>) {
         let width = light.rays.size().0;
         let [px, py, pz] = &mut self.points;
         for (j, row) in self.rows.clone().enumerate() {
@@ -144,10 +151,10 @@ impl Tile {
                 *px = x * depth_m;
             }
         }
-        light.map.locate_all(&self.points, &mut self.places);
+        light.map.project_all(&self.points, &mut self.places);
     }
 
-    /// Calls `visit` with lane, column and row.
+    /// Calls `visit` with lane, column and row of each pixel.
     fn for_each_pixel(&self, mut visit: impl FnMut(usize, usize, usize)) {
         for (j, row) in self.rows.clone().enumerate() {
             for (i, column) in self.columns.clone().enumerate() {
@@ -157,40 +164,9 @@ impl Tile {
     }
 }
 
-/// The shadows of what was drawn over the background.
-pub(crate) struct NewShadows<'a> {
-    pub(crate) rays: &'a Rays,
+/// Inputs of the incremental shadow update.
+pub(crate) struct ShadowUpdate<'a> {
+    pub(crate) rays: &'a PixelRays,
     pub(crate) map: &'a ShadowMap,
-    pub(crate) reach: &'a ShadowReach,
-}
-
-/// Viewing rays of all columns and rows, scaled to z = 1.
-#[derive(Debug)]
-pub(crate) struct Rays {
-    x: Vec<f32>,
-    y: Vec<f32>,
-}
-
-impl Rays {
-    pub(crate) fn new(camera: &geometry::PinholeCamera) -> Self {
-        let ray = |column: u32, row: u32| camera.ray(f64::from(column), f64::from(row));
-        Self {
-            x: (0..camera.width).map(|u| ray(u, 0).x as f32).collect(),
-            y: (0..camera.height).map(|v| ray(0, v).y as f32).collect(),
-        }
-    }
-
-    pub(crate) fn size(&self) -> (usize, usize) {
-        (self.x.len(), self.y.len())
-    }
-
-    /// Directions along x of a row's pixels.
-    pub(crate) fn x(&self) -> &[f32] {
-        &self.x
-    }
-
-    /// Directions along y of a column's pixels.
-    pub(crate) fn y(&self) -> &[f32] {
-        &self.y
-    }
+    pub(crate) dirty_blocks: &'a DirtyShadowBlocks,
 }

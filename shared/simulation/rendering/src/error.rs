@@ -1,80 +1,44 @@
-//! What can go wrong with an input.
+//! Errors of the renderer and the sensor model.
 
 use geometry::InvalidIntrinsics;
-use std::fmt;
 
-/// Why nothing could be rendered or measured.
-#[derive(Debug, Clone, PartialEq)]
+/// Rejected input of the renderer or the sensor model.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The camera's intrinsics can not be those of a camera.
-    Camera(InvalidIntrinsics),
-    /// The camera's pose has a number that is not finite.
+    /// The camera intrinsics are invalid.
+    #[error("nothing can be rendered without a valid camera")]
+    Camera(#[from] InvalidIntrinsics),
+    /// The camera pose contains a number that is not finite.
+    #[error("the camera's pose has a number that is not finite; give a rigid transform")]
     Pose,
-    /// The caller's buffer does not have the image's size.
+    /// The point buffer does not have the size of the image.
+    #[error(
+        "a buffer of {n_points} points can not take an image of {n_pixels} pixels; \
+         give one point for each pixel"
+    )]
     CloudSize {
-        /// Points in the buffer.
+        /// Number of points in the buffer.
         n_points: usize,
-        /// Pixels of the image.
+        /// Number of pixels of the image.
         n_pixels: usize,
     },
-    /// The image was not rendered with the sensor's camera.
+    /// The image was rendered with a camera other than the sensor's.
+    #[error(
+        "the image was rendered with another camera than the sensor's; \
+         make both from the same intrinsics"
+    )]
     ForeignImage,
-    /// A parameter of the sensor's model is out of its range.
+    /// A parameter of the sensor model is out of its range.
+    #[error("the sensor parameter {name} is {value} but must lie between {min} and {max}")]
     SensorModel {
         /// Name of the parameter.
         name: &'static str,
-        /// Its value.
+        /// Rejected value.
         value: f32,
-        /// Least value allowed.
+        /// Lower limit.
         min: f32,
-        /// Greatest value allowed.
+        /// Upper limit.
         max: f32,
     },
-}
-
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Camera(_) => write!(f, "nothing can be rendered without a valid camera"),
-            Self::Pose => write!(
-                f,
-                "the camera's pose has a number that is not finite; give a rigid transform"
-            ),
-            Self::CloudSize { n_points, n_pixels } => write!(
-                f,
-                "a buffer of {n_points} points can not take an image of {n_pixels} pixels; \
-                 give one point for each pixel"
-            ),
-            Self::ForeignImage => write!(
-                f,
-                "the image was rendered with another camera than the sensor's; \
-                 make both from the same intrinsics"
-            ),
-            Self::SensorModel {
-                name,
-                value,
-                min,
-                max,
-            } => write!(
-                f,
-                "the sensor parameter {name} is {value} but must lie between {min} and {max}"
-            ),
-        }
-    }
-}
-
-impl std::error::Error for Error {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::Camera(invalid) => Some(invalid),
-            _ => None,
-        }
-    }
-}
-
-impl From<InvalidIntrinsics> for Error {
-    fn from(invalid: InvalidIntrinsics) -> Self {
-        Self::Camera(invalid)
-    }
 }

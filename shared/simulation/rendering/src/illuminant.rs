@@ -1,17 +1,17 @@
-//! The colour of light.
+//! Black-body light: colour temperature and intensity.
 
-/// Light of a black body: colour temperature and strength.
+/// Black-body illuminant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Illuminant {
-    /// Colour temperature, kelvin: 2700 a warm bulb, 4000 an office, 6500 daylight.
-    /// Used from 1000 to 15 000 K; beyond, the nearest of the two.
+    /// Colour temperature, kelvin: 2700 for a warm bulb, 4000 for an office, 6500 for daylight.
+    /// Clamped to 1000 to 15 000 K.
     pub temperature_k: f32,
-    /// Illuminance relative to what a well exposed image needs; negative counts as 0.
+    /// Illuminance relative to that of a well exposed image; negative values count as 0.
     pub intensity: f32,
 }
 
 impl Illuminant {
-    /// No light at all.
+    /// No light.
     pub const DARK: Self = Self {
         temperature_k: 6500.0,
         intensity: 0.0,
@@ -32,7 +32,7 @@ impl Illuminant {
     }
 }
 
-/// Linear sRGB of a black body, luminance 1.
+/// Linear sRGB of a black body with luminance 1.
 pub(crate) fn black_body_rgb(temperature_k: f32) -> [f32; 3] {
     let t = if temperature_k.is_nan() {
         6500.0
@@ -54,7 +54,7 @@ pub(crate) fn black_body_rgb(temperature_k: f32) -> [f32; 3] {
     rgb.map(|channel| channel.max(0.0) as f32)
 }
 
-/// Luminance of linear sRGB (Rec. 709 weights).
+/// Luminance of a linear sRGB colour (Rec. 709 weights).
 #[inline]
 pub(crate) fn luminance(rgb: [f32; 3]) -> f32 {
     0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]

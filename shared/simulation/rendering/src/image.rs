@@ -1,26 +1,10 @@
-//! What a render gives.
+//! Rendered image: depth, instance ids, colour and reflection.
 
-use crate::pixel_block::LitPixel;
+use crate::lit_pixel::LitPixel;
+use crate::reflection::Reflection;
 use geometry::PinholeCamera;
 
-/// Value of a channel of [`Image::color`] that stands for a fully lit white.
-/// Values up to 65 535 are kept, so that exposure can be chosen afterwards.
-pub const LINEAR_ONE: f32 = 8192.0;
-
-/// How the surface in a pixel sends light back.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Reflection {
-    /// Outward unit normal, camera frame, times 127.
-    pub normal: [i8; 3],
-    /// Cosine between normal and direction to the camera, times 255.
-    pub cos_incidence: u8,
-    /// Share of infrared light that is scattered back, times 255.
-    pub infrared: u8,
-    /// Share of mirror-like reflection, times 255.
-    pub specular: u8,
-}
-
-/// Planes of a rendered image, row by row.
+/// Planes of a rendered image, each row-major, one element per pixel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Image {
     camera: PinholeCamera,
@@ -31,7 +15,7 @@ pub struct Image {
 }
 
 impl Image {
-    /// An image of nothing; `camera` is valid.
+    /// Empty image; `camera` must be valid.
     pub(crate) fn new(camera: PinholeCamera) -> Self {
         let n_pixels = camera.n_pixels();
         Self {
@@ -43,33 +27,33 @@ impl Image {
         }
     }
 
-    /// The camera the image is seen with.
+    /// Camera intrinsics.
     pub fn camera(&self) -> &PinholeCamera {
         &self.camera
     }
 
-    /// Depth along the optical axis, metres; infinite where nothing is.
+    /// Depth along the optical axis, metres; infinite in empty pixels.
     pub fn depth_m(&self) -> &[f32] {
         &self.depth_m
     }
 
-    /// [`crate::Instance::id`] of what is seen; 0 where nothing is.
+    /// Instance mask: [`crate::Instance::id`] of each pixel; 0 in empty pixels.
     pub fn instance(&self) -> &[u16] {
         &self.instance
     }
 
-    /// Linear sRGB, [`LINEAR_ONE`] for white.
+    /// Linear sRGB colour; [`crate::LINEAR_ONE`] is white.
     pub fn color(&self) -> &[[u16; 3]] {
         &self.color
     }
 
-    /// How the surfaces send light back; zero where nothing is.
+    /// Surface reflectance and orientation; zero in empty pixels.
     pub fn reflection(&self) -> &[Reflection] {
         &self.reflection
     }
 
-    /// Counts the pixels of each instance: `counts[id]` becomes the number of
-    /// pixels with that id. Ids beyond the slice are not counted.
+    /// Counts the pixels of each instance: `counts[id]` becomes the number of pixels with that
+    /// id. Ids beyond the slice are not counted.
     pub fn count_pixels(&self, counts: &mut [u32]) {
         counts.fill(0);
         for &id in &self.instance {
@@ -79,7 +63,7 @@ impl Image {
         }
     }
 
-    /// Takes over a pixel.
+    /// Writes a shaded pixel.
     #[inline]
     pub(crate) fn set(&mut self, pixel: usize, lit: &LitPixel) {
         self.depth_m[pixel] = lit.depth_m;
@@ -88,7 +72,7 @@ impl Image {
         self.reflection[pixel] = lit.reflection;
     }
 
-    /// Clears pixels.
+    /// Clears a span of pixels.
     pub(crate) fn clear_span(&mut self, span: std::ops::Range<usize>) {
         self.depth_m[span.clone()].fill(f32::INFINITY);
         self.instance[span.clone()].fill(0);
@@ -96,7 +80,7 @@ impl Image {
         self.reflection[span].fill(Reflection::default());
     }
 
-    /// Takes over the pixels of `columns` in `row` from an image of the same size.
+    /// Copies a span of pixels from an image of the same size.
     pub(crate) fn copy_span(&mut self, from: &Self, span: std::ops::Range<usize>) {
         self.depth_m[span.clone()].copy_from_slice(&from.depth_m[span.clone()]);
         self.instance[span.clone()].copy_from_slice(&from.instance[span.clone()]);

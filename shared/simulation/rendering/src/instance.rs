@@ -1,23 +1,23 @@
-//! A mesh in its place.
+//! Mesh instance: a mesh with a pose, an id and a texture.
 
 use crate::{PreparedMesh, Texture};
 use geometry::RigidTransform;
 
-/// A mesh that stands somewhere in the world.
+/// Mesh instance in the world.
 #[derive(Debug, Clone, Copy)]
 pub struct Instance<'a> {
-    /// What it looks like.
+    /// Geometry and colours.
     pub mesh: &'a PreparedMesh,
-    /// Where it is. An instance whose transform is not finite is not drawn.
+    /// Pose in the world. An instance whose transform is not finite is not drawn.
     pub world_from_mesh: RigidTransform,
-    /// Written to the pixels where it is seen; 0 means nothing.
+    /// Instance id, written to the pixels that show it; 0 stands for empty pixels.
     pub id: u16,
-    /// Detail on top of the mesh's colours.
+    /// Procedural texture that multiplies the mesh's colours.
     pub texture: Texture,
 }
 
 impl<'a> Instance<'a> {
-    /// A mesh without texture.
+    /// Instance without texture.
     pub fn new(mesh: &'a PreparedMesh, world_from_mesh: RigidTransform, id: u16) -> Self {
         Self {
             mesh,

@@ -1,17 +1,18 @@
-//! What a Kinect v1 measures of a rendered image.
+//! Kinect v1 sensor model: depth and colour errors of a structured-light camera.
 //!
-//! [`SensorModel`] says which errors it makes; each of them is a file of this
-//! folder, named after it. [`KinectSensor`] applies them in the order of the
-//! real chain: light of the projector, matching, triangulation, colour.
+//! [`SensorModel`] lists the error terms; each of them has its own file in this folder.
+//! [`KinectSensor`] applies them in the order of the real chain: projection of the pattern,
+//! matching, triangulation, colour.
 
 mod axial_noise;
 mod color_response;
-mod depth_border;
+mod depth_discontinuity;
 mod disparity_quantisation;
 mod edge_fattening;
 mod lateral_noise;
 mod missing_depth;
-mod noise_source;
+mod noise_tables;
+mod parameter_check;
 mod projector_shadow;
 mod sensor;
 mod sensor_model;

@@ -1,51 +1,52 @@
-//! What illuminates a scene.
+//! Light sources of a scene.
 
 use crate::Illuminant;
 use nalgebra::{Point3, Vector3};
 
-/// Where a light is.
+/// Position or direction of a light source.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LightPlacement {
-    /// Far away; the vector points to the light, of any length but zero.
+    /// Directional light; the vector points to the light, of any length but zero.
     Directional(Vector3<f32>),
-    /// A lamp, metres; its intensity holds at 1 m and falls with the distance squared.
+    /// Point light at a position, metres; its intensity holds at 1 m and falls with the square of
+    /// the distance.
     Point(Point3<f32>),
 }
 
-/// One light.
+/// Light source.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Light {
-    /// Its colour and strength.
+    /// Colour temperature and intensity.
     pub illuminant: Illuminant,
-    /// Where it is, world frame.
+    /// Position or direction, world frame.
     pub placement: LightPlacement,
 }
 
-/// The ball in which shadows of the main light are drawn.
+/// Sphere in which the main light casts shadows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ShadowRegion {
     /// Centre, world frame, metres.
     pub center_in_world: Point3<f32>,
-    /// Radius, metres. A shadow's border is about 0.02 of it wide.
+    /// Radius, metres. The soft border of a shadow is about 0.02 of it wide.
     pub radius_m: f32,
 }
 
-/// All light of a scene.
+/// Light sources and shadow region of a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lights {
-    /// Light of the surroundings: full from above, half from below.
+    /// Ambient hemisphere light: full from above, half from below.
     pub ambient: Illuminant,
-    /// The light that casts shadows.
+    /// Main light, which casts shadows.
     pub main: Light,
-    /// A second light, without shadow.
+    /// Fill light, without shadows.
     pub fill: Option<Light>,
-    /// Where the main light casts shadows; nowhere when `None`.
+    /// Shadow region of the main light; `None` for no shadows.
     pub shadow: Option<ShadowRegion>,
 }
 
 impl Lights {
-    /// A room with a neutral ceiling lamp 2 m over the origin and a weak
-    /// cooler light from the side; shadows within 1.2 m of the origin.
+    /// Indoor room: a neutral ceiling lamp 2 m above the origin and a weak cooler light from the
+    /// side; shadows within 1.2 m of the origin.
     pub const ROOM: Self = Self {
         ambient: Illuminant {
             temperature_k: 5500.0,

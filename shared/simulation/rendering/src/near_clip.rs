@@ -1,20 +1,24 @@
-//! Cutting triangles at the near plane.
+//! Near plane clipping of triangles (Sutherland and Hodgman 1974).
 
-use crate::projection::{Lens, NEAR_M, ScreenCorner};
+use crate::projection::{NEAR_M, Projection, ScreenCorner};
 
-/// Calls `draw` with the parts of a triangle beyond the near plane, at most two
-/// triangles. Corners are in the camera's frame.
+/// Clips a triangle at the near plane and calls `draw` with the parts in front of the camera, at
+/// most two triangles. Corners are in the camera frame.
 ///
-/// Sutherland and Hodgman (1974), one plane. A cut is computed from the corner
-/// in front towards the one behind, so that neighbours cut a common edge alike.
-pub(crate) fn clip(corners: [[f32; 3]; 3], lens: &Lens, mut draw: impl FnMut([ScreenCorner; 3])) {
+/// The intersection is computed from the corner in front towards the one behind, so that
+/// neighbouring triangles clip a common edge identically.
+pub(crate) fn clip(
+    corners: [[f32; 3]; 3],
+    projection: &Projection,
+    mut draw: impl FnMut([ScreenCorner; 3]),
+) {
     let mut polygon = [ScreenCorner::default(); 4];
     let mut n = 0;
     for i in 0..3 {
         let (here, next) = (corners[i], corners[(i + 1) % 3]);
         let (is_here_in, is_next_in) = (here[2] >= NEAR_M, next[2] >= NEAR_M);
         if is_here_in {
-            polygon[n] = lens.project(here);
+            polygon[n] = projection.project(here);
             n += 1;
         }
         if is_here_in != is_next_in {
@@ -23,7 +27,7 @@ pub(crate) fn clip(corners: [[f32; 3]; 3], lens: &Lens, mut draw: impl FnMut([Sc
             } else {
                 (next, here)
             };
-            polygon[n] = lens.project(cut(inside, outside));
+            polygon[n] = projection.project(intersect_near_plane(inside, outside));
             n += 1;
         }
     }
@@ -35,8 +39,8 @@ pub(crate) fn clip(corners: [[f32; 3]; 3], lens: &Lens, mut draw: impl FnMut([Sc
     }
 }
 
-/// Where an edge meets the near plane.
-fn cut(inside: [f32; 3], outside: [f32; 3]) -> [f32; 3] {
+/// Intersection of an edge with the near plane.
+fn intersect_near_plane(inside: [f32; 3], outside: [f32; 3]) -> [f32; 3] {
     let t = (NEAR_M - inside[2]) / (outside[2] - inside[2]);
     [
         inside[0] + t * (outside[0] - inside[0]),
@@ -49,7 +53,7 @@ fn cut(inside: [f32; 3], outside: [f32; 3]) -> [f32; 3] {
 mod tests {
     use super::*;
 
-    const LENS: Lens = Lens::Pinhole {
+    const LENS: Projection = Projection::Pinhole {
         focal: [100.0; 2],
         center: [0.0; 2],
     };
@@ -64,7 +68,7 @@ mod tests {
         clip(corners, &LENS, |part| {
             assert!(
                 part.iter()
-                    .all(|c| c.closeness > 0.0 && c.closeness <= 1.0 / NEAR_M)
+                    .all(|c| c.reverse_z > 0.0 && c.reverse_z <= 1.0 / NEAR_M)
             );
             n += 1;
         });

@@ -1,135 +1,113 @@
-//! Pixels that are lit together.
+//! Pixel block: structure-of-arrays batch of pixels for vectorised shading.
 //!
-//! Pixels are gathered into blocks whose values lie side by side, so that the
-//! arithmetic becomes vector instructions; a pixel's result does not depend on
-//! its neighbours in a block.
+//! The values of a block are stored lane by lane, so that the arithmetic becomes vector
+//! instructions. A pixel's result does not depend on the other pixels of its block.
 
 use crate::Texture;
+use crate::blinn_phong::{CameraLights, Lighting};
 use crate::illuminant::luminance;
-use crate::image::Reflection;
+use crate::lanes::{Lanes, N_LANES, VectorLanes};
+use crate::lit_pixel::LitPixel;
 use crate::prepared_mesh::infrared_albedo;
-use crate::reflected_light::{CameraLights, Lighting};
-use crate::shading::{FaceLook, InstanceLook, Radiance, color_channel};
-use crate::shadow_map::{Places, ShadowMap};
-use crate::texture::N_PLACES;
-use crate::whole_number::{floor, truncated};
+use crate::radiance::{Radiance, color_channel};
+use crate::reflection::Reflection;
+use crate::rounding::{floor, truncate};
+use crate::shadow_map::{ShadowCoordinates, ShadowMap};
+use crate::surface_attributes::{FaceAttributes, InstanceAttributes};
+use crate::texture::N_POINTS;
 use std::ops::Range;
 
-/// Pixels of a block.
-pub(crate) const LANES: usize = 64;
+/// Length of a run from which batched sampling pays off, pixels. Chosen.
+pub(crate) const MIN_RUN: usize = 8;
 
-/// Pixels of one face from which a loop over them is worth its set-up.
-pub(crate) const RUN_MIN: usize = 8;
-
-/// A value of each pixel.
-pub(crate) type Lanes = [f32; LANES];
-/// A vector or colour of each pixel.
-pub(crate) type Vectors = [Lanes; 3];
-
-/// Neighbouring pixels of a row in which the same face is seen.
+/// Run of neighbouring pixels in a row that show the same face.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Run<'a> {
+pub(crate) struct FaceRun<'a> {
     pub(crate) row: usize,
     /// First column.
     pub(crate) column: usize,
-    /// Directions of the viewing rays along x, and of all of them along y.
+    /// Viewing rays at z = 1: x for each pixel.
     pub(crate) x: &'a [f32],
     pub(crate) y: f32,
-    /// Inverse depths, per metre; as many as directions.
-    pub(crate) closeness: &'a [f32],
+    /// Inverse depth of each pixel, per metre.
+    pub(crate) reverse_z: &'a [f32],
 }
 
-impl<'a> Run<'a> {
-    /// The point seen in a pixel, camera frame.
+impl<'a> FaceRun<'a> {
+    /// Surface point of a pixel, camera frame, metres.
     #[inline]
     fn point(&self, i: usize) -> [f32; 3] {
-        let depth_m = 1.0 / self.closeness[i];
+        let depth_m = 1.0 / self.reverse_z[i];
         [self.x[i] * depth_m, self.y * depth_m, depth_m]
     }
 
-    /// The first `n` pixels and the rest.
+    /// Splits the run after its first `n` pixels.
     #[inline]
     fn split_at(&self, n: usize) -> (Self, Self) {
         let (x, x_rest) = self.x.split_at(n);
-        let (closeness, closeness_rest) = self.closeness.split_at(n);
-        let part = |column: usize, x: &'a [f32], closeness: &'a [f32]| Self {
+        let (reverse_z, reverse_z_rest) = self.reverse_z.split_at(n);
+        let part = |column: usize, x: &'a [f32], reverse_z: &'a [f32]| Self {
             column,
             x,
-            closeness,
+            reverse_z,
             ..*self
         };
         (
-            part(self.column, x, closeness),
-            part(self.column + n, x_rest, closeness_rest),
+            part(self.column, x, reverse_z),
+            part(self.column + n, x_rest, reverse_z_rest),
         )
     }
 }
 
-/// Pixels that wait for their light, camera frame.
+/// Batch of pixels to be shaded, camera frame.
 #[derive(Debug, Clone)]
 pub(crate) struct PixelBlock {
     n: usize,
-    row: [u32; LANES],
-    column: [u32; LANES],
-    instance: [u16; LANES],
-    point: Vectors,
-    /// Of any length but zero.
-    normal: Vectors,
-    /// Linear sRGB.
-    albedo: Vectors,
+    row: [u32; N_LANES],
+    column: [u32; N_LANES],
+    instance: [u16; N_LANES],
+    point: VectorLanes,
+    /// Surface normals, of any length but zero.
+    normal: VectorLanes,
+    /// Albedo, linear sRGB.
+    albedo: VectorLanes,
     specular: Lanes,
     infrared: Lanes,
-    /// Of the run that was added last, mesh frame.
-    in_mesh: Vectors,
+    /// Surface points of the last run, mesh frame.
+    in_mesh: VectorLanes,
     lighting: Lighting,
-    in_shadow_map: Places,
-}
-
-/// A pixel with its light.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct LitPixel {
-    pub(crate) row: usize,
-    pub(crate) column: usize,
-    pub(crate) instance: u16,
-    pub(crate) depth_m: f32,
-    pub(crate) radiance: Radiance,
-    /// Share of the main light that arrives, times 255; 0 where it has no effect.
-    pub(crate) light: u8,
-    /// Where it lies in the shadow map.
-    pub(crate) place: [f32; 2],
-    pub(crate) color: [u16; 3],
-    pub(crate) reflection: Reflection,
+    in_shadow_map: ShadowCoordinates,
 }
 
 impl PixelBlock {
     pub(crate) fn new() -> Self {
-        const VECTORS: Vectors = [[0.0; LANES]; 3];
+        const VECTORS: VectorLanes = [[0.0; N_LANES]; 3];
         Self {
             n: 0,
-            row: [0; LANES],
-            column: [0; LANES],
-            instance: [0; LANES],
+            row: [0; N_LANES],
+            column: [0; N_LANES],
+            instance: [0; N_LANES],
             point: VECTORS,
             normal: VECTORS,
             albedo: VECTORS,
-            specular: [0.0; LANES],
-            infrared: [0.0; LANES],
+            specular: [0.0; N_LANES],
+            infrared: [0.0; N_LANES],
             lighting: Lighting::new(),
             in_mesh: VECTORS,
-            in_shadow_map: Places::new(),
+            in_shadow_map: ShadowCoordinates::new(),
         }
     }
 
-    /// Adds one pixel of a run; whether the block is full then.
+    /// Adds one pixel of a run; returns true if the block is full then.
     #[inline]
     pub(crate) fn push(
         &mut self,
-        run: &Run<'_>,
+        run: &FaceRun<'_>,
         i: usize,
-        face: &FaceLook,
-        look: &InstanceLook,
+        face: &FaceAttributes,
+        look: &InstanceAttributes,
     ) -> bool {
-        let lane = self.n % LANES;
+        let lane = self.n % N_LANES;
         let point = run.point(i);
         let sample = face.sample(look, point);
         set(&mut self.point, lane, point);
@@ -150,18 +128,18 @@ impl PixelBlock {
         self.specular[lane] = face.specular;
         self.infrared[lane] = face.infrared;
         self.n = lane + 1;
-        self.n == LANES
+        self.n == N_LANES
     }
 
-    /// Adds the first pixels of a run; gives the rest when the block is full.
+    /// Adds the first pixels of a run; returns the remaining run when the block is full.
     #[inline]
     pub(crate) fn push_all<'a>(
         &mut self,
-        run: &Run<'a>,
-        face: &FaceLook,
-        look: &InstanceLook,
-    ) -> Option<Run<'a>> {
-        let (now, later) = run.split_at(run.x.len().min(LANES - self.n));
+        run: &FaceRun<'a>,
+        face: &FaceAttributes,
+        look: &InstanceAttributes,
+    ) -> Option<FaceRun<'a>> {
+        let (now, later) = run.split_at(run.x.len().min(N_LANES - self.n));
         let lanes = self.n..self.n + now.x.len();
         self.n = lanes.end;
         self.sample(&lanes, &now, face, look);
@@ -175,16 +153,16 @@ impl PixelBlock {
         self.instance[lanes.clone()].fill(look.id);
         self.specular[lanes.clone()].fill(face.specular);
         self.infrared[lanes].fill(face.infrared);
-        (self.n == LANES).then_some(later)
+        (self.n == N_LANES).then_some(later)
     }
 
-    /// Finds what is seen in the pixels of a run, without texture.
+    /// Samples the surface in the pixels of a run, without texture.
     fn sample(
         &mut self,
         lanes: &Range<usize>,
-        run: &Run<'_>,
-        face: &FaceLook,
-        look: &InstanceLook,
+        run: &FaceRun<'_>,
+        face: &FaceAttributes,
+        look: &InstanceAttributes,
     ) {
         let n = lanes.len();
         let [mx, my, mz] = part(&mut self.in_mesh, &(0..n));
@@ -201,7 +179,7 @@ impl PixelBlock {
         }
     }
 
-    /// Lights the pixels of the block, hands them out and empties it.
+    /// Shades the pixels of the block, passes them to `take` and empties the block.
     #[inline]
     pub(crate) fn flush(
         &mut self,
@@ -216,11 +194,11 @@ impl PixelBlock {
             &self.albedo,
             &self.specular,
         );
-        shadow.locate_all(&self.point, &mut self.in_shadow_map);
-        let mut light = [0_u8; LANES];
+        shadow.project_all(&self.point, &mut self.in_shadow_map);
+        let mut light = [0_u8; N_LANES];
         for (lane, light) in light.iter_mut().enumerate().take(self.n) {
             if self.radiance(lane).has_main_light() {
-                *light = shadow.light_at(&self.in_shadow_map.at(lane));
+                *light = shadow.lit_share(&self.in_shadow_map.at(lane));
             }
         }
         let colors = self.colors(&light);
@@ -243,7 +221,7 @@ impl PixelBlock {
 
     #[inline]
     fn radiance(&self, lane: usize) -> Radiance {
-        let of = |vectors: &Vectors| [vectors[0][lane], vectors[1][lane], vectors[2][lane]];
+        let of = |vectors: &VectorLanes| [vectors[0][lane], vectors[1][lane], vectors[2][lane]];
         Radiance {
             unlit: of(&self.lighting.unlit),
             lit: of(&self.lighting.lit),
@@ -251,11 +229,11 @@ impl PixelBlock {
     }
 
     #[inline]
-    fn colors(&self, light: &[u8; LANES]) -> [[u16; LANES]; 3] {
-        let mut colors = [[0; LANES]; 3];
+    fn colors(&self, light: &[u8; N_LANES]) -> [[u16; N_LANES]; 3] {
+        let mut colors = [[0; N_LANES]; 3];
         for (channel, colors) in colors.iter_mut().enumerate() {
             let (unlit, lit) = (&self.lighting.unlit[channel], &self.lighting.lit[channel]);
-            for i in 0..LANES {
+            for i in 0..N_LANES {
                 colors[i] = color_channel(unlit[i], lit[i], light[i]);
             }
         }
@@ -266,7 +244,7 @@ impl PixelBlock {
     fn reflections(&self) -> Reflections {
         let mut reflections = Reflections::default();
         let [red, green, blue] = &self.albedo;
-        for i in 0..LANES {
+        for i in 0..N_LANES {
             let brightness = luminance([red[i], green[i], blue[i]]);
             let infrared = infrared_albedo(self.infrared[i], brightness);
             reflections.infrared[i] = byte(infrared);
@@ -275,34 +253,34 @@ impl PixelBlock {
         }
         for (parts, normals) in reflections.normal.iter_mut().zip(&self.normal) {
             for (part, &normal) in parts.iter_mut().zip(normals) {
-                *part = truncated((normal * 127.0).clamp(-127.0, 127.0)) as i8;
+                *part = truncate((normal * 127.0).clamp(-127.0, 127.0)) as i8;
             }
         }
         reflections
     }
 }
 
-/// A share times 255, rounded.
+/// Converts a share, 0 to 1, to a rounded byte.
 #[inline]
 fn byte(share: f32) -> u8 {
     floor((share * 255.0 + 0.5).clamp(0.0, 255.0)) as u8
 }
 
-/// How the surfaces of a block send light back.
+/// Quantised reflections of a block, lane by lane.
 struct Reflections {
-    normal: [[i8; LANES]; 3],
-    cosine: [u8; LANES],
-    infrared: [u8; LANES],
-    specular: [u8; LANES],
+    normal: [[i8; N_LANES]; 3],
+    cosine: [u8; N_LANES],
+    infrared: [u8; N_LANES],
+    specular: [u8; N_LANES],
 }
 
 impl Default for Reflections {
     fn default() -> Self {
         Self {
-            normal: [[0; LANES]; 3],
-            cosine: [0; LANES],
-            infrared: [0; LANES],
-            specular: [0; LANES],
+            normal: [[0; N_LANES]; 3],
+            cosine: [0; N_LANES],
+            infrared: [0; N_LANES],
+            specular: [0; N_LANES],
         }
     }
 }
@@ -324,27 +302,27 @@ impl Reflections {
 }
 
 #[inline]
-fn set([x, y, z]: &mut Vectors, lane: usize, vector: [f32; 3]) {
+fn set([x, y, z]: &mut VectorLanes, lane: usize, vector: [f32; 3]) {
     [x[lane], y[lane], z[lane]] = vector;
 }
 
 #[inline]
-fn part<'a>(vectors: &'a mut Vectors, lanes: &Range<usize>) -> [&'a mut [f32]; 3] {
+fn part<'a>(vectors: &'a mut VectorLanes, lanes: &Range<usize>) -> [&'a mut [f32]; 3] {
     vectors.each_mut().map(|values| &mut values[lanes.clone()])
 }
 
-/// Multiplies the colours of `lanes` by a texture; `places` begin with the first.
-fn tint(texture: &Texture, places: &Vectors, albedo: &mut Vectors, lanes: &Range<usize>) {
-    let mut factors = [[1.0; N_PLACES]; 3];
-    for start in (0..lanes.len()).step_by(N_PLACES) {
+/// Multiplies the albedo of `lanes` by a texture; `places` starts with the first lane.
+fn tint(texture: &Texture, places: &VectorLanes, albedo: &mut VectorLanes, lanes: &Range<usize>) {
+    let mut factors = [[1.0; N_POINTS]; 3];
+    for start in (0..lanes.len()).step_by(N_POINTS) {
         let place = places.each_ref().map(|along| {
-            let mut values = [0.0; N_PLACES];
-            values.copy_from_slice(&along[start..start + N_PLACES]);
+            let mut values = [0.0; N_POINTS];
+            values.copy_from_slice(&along[start..start + N_POINTS]);
             values
         });
         texture.factors(&place, &mut factors);
         let first = lanes.start + start;
-        let end = lanes.end.min(first + N_PLACES);
+        let end = lanes.end.min(first + N_POINTS);
         for (albedo, factors) in albedo.iter_mut().zip(&factors) {
             for (albedo, factor) in albedo[first..end].iter_mut().zip(factors) {
                 *albedo *= factor;

@@ -1,11 +1,11 @@
-//! A mesh checked once and laid out for drawing.
+//! Validated mesh with precomputed shading data.
 
 use mesh::{Surface, Triangle, TriangleMesh, Vertex};
 
-/// Farthest coordinate of a vertex that is drawn, metres.
+/// Greatest coordinate of a drawn vertex, metres.
 const COORDINATE_MAX_M: f32 = 1000.0;
 
-/// A corner, mesh frame.
+/// Mesh corner with linear colour, mesh frame.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Corner {
     pub(crate) position: [f32; 3],
@@ -13,7 +13,7 @@ pub(crate) struct Corner {
     pub(crate) linear_rgb: [f32; 3],
 }
 
-/// Indices of three corners and how the face reflects.
+/// Triangle: indices of its corners and its surface finish.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Face {
     pub(crate) corners: [u32; 3],
@@ -21,11 +21,10 @@ pub(crate) struct Face {
     pub(crate) infrared: f32,
 }
 
-/// A triangle mesh of which every face can be drawn.
+/// Validated triangle mesh of which every face can be drawn.
 ///
-/// Faces with a missing corner, a coordinate or normal that is not finite, a
-/// coordinate beyond 1 km or no area are left out. A face whose surface is
-/// missing is matte.
+/// Skips faces with a missing corner, a coordinate or normal that is not finite, a coordinate
+/// beyond 1 km, or no area. A face without a valid surface index is matte.
 #[derive(Debug, Clone, Default)]
 pub struct PreparedMesh {
     pub(crate) corners: Vec<Corner>,
@@ -36,7 +35,7 @@ pub struct PreparedMesh {
 }
 
 impl PreparedMesh {
-    /// Checks and copies a mesh.
+    /// Validates and copies a mesh.
     pub fn new(mesh: &TriangleMesh) -> Self {
         let corners: Vec<Corner> = mesh.vertices.iter().map(corner).collect();
         let faces: Vec<Face> = mesh
@@ -45,7 +44,7 @@ impl PreparedMesh {
             .filter(|triangle| is_drawable(triangle, &mesh.vertices))
             .map(|triangle| face(triangle, &mesh.surfaces))
             .collect();
-        let (center, radius_m) = bounding_ball(&corners, &faces);
+        let (center, radius_m) = bounding_sphere(&corners, &faces);
         Self {
             n_skipped: mesh.triangles.len() - faces.len(),
             corners,
@@ -55,12 +54,12 @@ impl PreparedMesh {
         }
     }
 
-    /// Faces that are drawn.
+    /// Number of faces.
     pub fn n_faces(&self) -> usize {
         self.faces.len()
     }
 
-    /// Faces of the mesh that were left out.
+    /// Number of faces of the source mesh that were skipped.
     pub fn n_skipped(&self) -> usize {
         self.n_skipped
     }
@@ -125,8 +124,8 @@ fn face(triangle: &Triangle, surfaces: &[Surface]) -> Face {
     }
 }
 
-/// Centre of the box around all corners of faces, and the farthest of them.
-fn bounding_ball(corners: &[Corner], faces: &[Face]) -> ([f32; 3], f32) {
+/// Bounding sphere: centre of the bounding box and distance of the farthest corner.
+fn bounding_sphere(corners: &[Corner], faces: &[Face]) -> ([f32; 3], f32) {
     let used = || {
         faces
             .iter()
@@ -151,7 +150,7 @@ fn bounding_ball(corners: &[Corner], faces: &[Face]) -> ([f32; 3], f32) {
     (center, radius_m)
 }
 
-/// Linear value of an sRGB byte, 0 to 1 (IEC 61966-2-1).
+/// sRGB decoding: linear value of a byte, 0 to 1 (IEC 61966-2-1).
 pub(crate) fn linear_from_srgb(value: u8) -> f32 {
     let s = f32::from(value) / 255.0;
     if s <= 0.040_45 {
@@ -161,7 +160,7 @@ pub(crate) fn linear_from_srgb(value: u8) -> f32 {
     }
 }
 
-/// Share of infrared light scattered back by a face of this luminance.
+/// Infrared albedo: share of infrared light that a face of this luminance scatters back.
 ///
 /// Dyes that look dark are often bright in the near infrared, so the colour's
 /// brightness counts only in part.

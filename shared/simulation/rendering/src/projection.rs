@@ -1,30 +1,30 @@
-//! From a mesh's frame to pixels.
+//! Perspective and orthographic projection.
 
 use geometry::{PinholeCamera, RigidTransform};
 
-/// Nearest depth that is drawn, metres.
+/// Distance of the near plane, metres.
 pub(crate) const NEAR_M: f32 = 0.02;
 
-/// A corner on the image plane.
+/// Projected corner: pixel position and reverse-Z depth.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct ScreenCorner {
     /// Column, pixels.
     pub(crate) x: f32,
     /// Row, pixels.
     pub(crate) y: f32,
-    /// Closeness, linear in the image: the inverse depth, per metre, for a
-    /// pinhole. Not positive where the corner can not be projected.
-    pub(crate) closeness: f32,
+    /// Reverse-Z depth, linear in the image: the inverse depth, per metre, for a pinhole. Not
+    /// positive where the corner cannot be projected.
+    pub(crate) reverse_z: f32,
 }
 
-/// A rigid transform in the renderer's precision.
+/// Rigid transform in single precision.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Placement {
+pub(crate) struct RigidTransformF32 {
     rows: [[f32; 4]; 3],
 }
 
-impl Placement {
-    /// `None` when a number is not finite.
+impl RigidTransformF32 {
+    /// Converts a transform; `None` when a number is not finite.
     pub(crate) fn new(target_from_source: &RigidTransform) -> Option<Self> {
         let rotation = target_from_source.rotation.to_rotation_matrix();
         let rows: [[f32; 4]; 3] = std::array::from_fn(|i| {
@@ -49,21 +49,21 @@ impl Placement {
     }
 }
 
-/// How points in front of a camera or a light become pixels.
+/// Projection of a camera or a light.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Lens {
-    /// A pinhole: focal lengths and principal point, pixels.
+pub(crate) enum Projection {
+    /// Pinhole camera: focal lengths and principal point, pixels.
     Pinhole { focal: [f32; 2], center: [f32; 2] },
-    /// Parallel rays along z: pixels per metre, centre in pixels, and how much
-    /// the closeness falls in a metre.
-    Parallel {
+    /// Orthographic projection along z: pixels per metre, centre in pixels, and decrease of the
+    /// reverse-Z depth per metre.
+    Orthographic {
         px_per_m: f32,
         center_px: f32,
-        closeness_per_m: f32,
+        reverse_z_per_m: f32,
     },
 }
 
-impl Lens {
+impl Projection {
     pub(crate) fn of_camera(camera: &PinholeCamera) -> Self {
         Self::Pinhole {
             focal: [camera.fx_px as f32, camera.fy_px as f32],
@@ -71,15 +71,19 @@ impl Lens {
         }
     }
 
-    /// Whether some of a ball in the lens's frame may lie in an image of `size`
-    /// pixels (width, height).
-    pub(crate) fn may_see(&self, ball: [f32; 3], radius_m: f32, size: (usize, usize)) -> bool {
+    /// Frustum culling: true if a sphere may be within an image of `size` pixels (width, height).
+    pub(crate) fn is_sphere_visible(
+        &self,
+        ball: [f32; 3],
+        radius_m: f32,
+        size: (usize, usize),
+    ) -> bool {
         match *self {
             Self::Pinhole { focal, center } => {
                 let ends = [size.0 as f32, size.1 as f32];
                 let is_beside = (0..2).any(|axis| {
-                    // The slopes of the two outermost rays; a ball is outside when
-                    // its centre is farther from a border plane than its radius.
+                    // The slopes of the two outermost rays; a sphere is outside when its centre
+                    // is farther from a border plane than its radius.
                     let low = (-1.0 - center[axis]) / focal[axis];
                     let high = (ends[axis] - center[axis]) / focal[axis];
                     ball[axis] - low * ball[2] < -radius_m * low.hypot(1.0)
@@ -87,7 +91,7 @@ impl Lens {
                 });
                 ball[2] + radius_m >= NEAR_M && !is_beside
             }
-            Self::Parallel {
+            Self::Orthographic {
                 px_per_m,
                 center_px,
                 ..
@@ -98,28 +102,28 @@ impl Lens {
         }
     }
 
-    /// Projects a point in the lens's frame.
+    /// Projects a point in the frame of the camera or light.
     #[inline]
     pub(crate) fn project(&self, [x, y, z]: [f32; 3]) -> ScreenCorner {
         match *self {
             Self::Pinhole { focal, center } => {
-                // Choices instead of a branch, so that a loop can be vectorised.
-                let closeness = 1.0 / z;
+                // Selections instead of a branch, so that a loop can be vectorised.
+                let reverse_z = 1.0 / z;
                 let unless_near = |value: f32| if z < NEAR_M { 0.0 } else { value };
                 ScreenCorner {
-                    x: unless_near(focal[0] * x * closeness + center[0]),
-                    y: unless_near(focal[1] * y * closeness + center[1]),
-                    closeness: unless_near(closeness),
+                    x: unless_near(focal[0] * x * reverse_z + center[0]),
+                    y: unless_near(focal[1] * y * reverse_z + center[1]),
+                    reverse_z: unless_near(reverse_z),
                 }
             }
-            Self::Parallel {
+            Self::Orthographic {
                 px_per_m,
                 center_px,
-                closeness_per_m,
+                reverse_z_per_m,
             } => ScreenCorner {
                 x: px_per_m * x + center_px,
                 y: px_per_m * y + center_px,
-                closeness: 1.0 - closeness_per_m * z,
+                reverse_z: 1.0 - reverse_z_per_m * z,
             },
         }
     }

@@ -1,88 +1,89 @@
-//! Draws instances into an image.
+//! Rasteriser: visibility buffer, shadow map and deferred shading of mesh instances.
 
 use crate::Error;
-use crate::background::{Background, NewShadows, Rays};
-use crate::face_view::{FaceView, may_see, project};
+use crate::background::{Background, ShadowUpdate};
+use crate::blinn_phong::CameraLights;
+use crate::deferred_shader::DeferredShader;
+use crate::dirty_shadow_blocks::DirtyShadowBlocks;
 use crate::image::Image;
 use crate::instance::Instance;
 use crate::lights::Lights;
-use crate::projection::{Lens, Placement, ScreenCorner};
-use crate::reflected_light::CameraLights;
-use crate::scanline::{Side, scan};
-use crate::shader::Shader;
-use crate::shading::InstanceLook;
-use crate::shadow_map::{LightView, SIDE, ShadowMap};
-use crate::shadow_reach::ShadowReach;
-use crate::visibility::{Extent, NO_FACE, Visibility};
+use crate::pixel_rays::PixelRays;
+use crate::projected_mesh::{ProjectedMesh, is_mesh_visible, project_corners};
+use crate::projection::{Projection, RigidTransformF32, ScreenCorner};
+use crate::scanline::{FaceSide, rasterize};
+use crate::shadow_grid::MAP_SIDE;
+use crate::shadow_map::{LightView, ShadowMap};
+use crate::surface_attributes::InstanceAttributes;
+use crate::visibility_buffer::{ColumnRange, NO_FACE, VisibilityBuffer};
 use geometry::{PinholeCamera, RigidTransform};
 
-/// What stays the same from frame to frame.
+/// Static part of a scene: camera pose, lights and background.
 #[derive(Debug, Clone, Copy)]
-pub struct Stage<'a> {
-    /// Where the camera is.
+pub struct StaticScene<'a> {
+    /// Camera pose.
     pub world_from_camera: RigidTransform,
-    /// What illuminates the scene.
+    /// Light sources.
     pub lights: Lights,
-    /// What does not move; it may be empty.
+    /// Instances that do not move; may be empty.
     pub background: &'a [Instance<'a>],
 }
 
-/// A rasteriser with its buffers.
+/// Rasteriser with its buffers.
 ///
-/// [`Rasterizer::prepare`] draws what does not move, [`Rasterizer::render`]
-/// draws the rest over it. The result is the same, bit by bit, as preparing
-/// nothing and rendering the background's instances followed by the others.
-/// Faces are seen from their outside only. At equal depth the instance that
-/// comes first is seen.
+/// [`Rasterizer::prepare`] draws the static background, [`Rasterizer::render`] draws the moving
+/// instances over it. The result is the same, bit by bit, as preparing an empty background and
+/// rendering the background's instances followed by the others. Back faces are culled. At equal
+/// depth the first instance wins.
 #[derive(Debug)]
 pub struct Rasterizer {
-    rays: Rays,
-    lens: Lens,
+    rays: PixelRays,
+    projection: Projection,
     world_from_camera: RigidTransform,
     lights: Lights,
     light_view: Option<LightView>,
     image: Image,
     background: Background,
-    visibility: Visibility,
+    visibility: VisibilityBuffer,
     shadow: ShadowMap,
-    /// Columns in which the image differs from the background.
-    dirty: Vec<Extent>,
+    /// Columns of each row in which the image differs from the background.
+    dirty: Vec<ColumnRange>,
     corners: Vec<ScreenCorner>,
     first_faces: Vec<u32>,
-    looks: Vec<Option<InstanceLook>>,
-    reach: ShadowReach,
-    /// In which count a pixel was last covered.
+    looks: Vec<Option<InstanceAttributes>>,
+    dirty_blocks: DirtyShadowBlocks,
+    /// Number of the count in which each pixel was last covered.
     stamps: Vec<u32>,
     n_counts: u32,
 }
 
 impl Rasterizer {
-    /// A rasteriser for a camera that looks at nothing.
+    /// Rasteriser for a camera, with an empty background.
     ///
     /// # Errors
-    /// When the camera is not valid.
+    /// [`Error::Camera`] for invalid intrinsics.
     pub fn new(camera: PinholeCamera) -> Result<Self, Error> {
         let camera = camera.validated()?;
         let (width, height) = (camera.width as usize, camera.height as usize);
         let mut rasterizer = Self {
-            rays: Rays::new(&camera),
-            lens: Lens::of_camera(&camera),
+            rays: PixelRays::new(&camera),
+            projection: Projection::of_camera(&camera),
             world_from_camera: RigidTransform::identity(),
             lights: Lights::ROOM,
             light_view: None,
             image: Image::new(camera),
             background: Background::new(Image::new(camera)),
-            visibility: Visibility::new(width, height),
+            visibility: VisibilityBuffer::new(width, height),
             shadow: ShadowMap::new(),
-            dirty: vec![Extent::EMPTY; height],
+            dirty: vec![ColumnRange::EMPTY; height],
             corners: Vec::new(),
             first_faces: Vec::new(),
             looks: Vec::new(),
-            reach: ShadowReach::new(),
+            dirty_blocks: DirtyShadowBlocks::new(),
             stamps: vec![0; width * height],
             n_counts: 0,
         };
-        rasterizer.prepare(&Stage {
+        rasterizer.prepare(&StaticScene {
             world_from_camera: RigidTransform::identity(),
             lights: Lights::ROOM,
             background: &[],
@@ -90,31 +91,32 @@ impl Rasterizer {
         Ok(rasterizer)
     }
 
-    /// The camera.
+    /// Camera intrinsics.
     pub fn camera(&self) -> &PinholeCamera {
         self.image.camera()
     }
 
-    /// What was rendered last.
+    /// Last rendered image.
     pub fn image(&self) -> &Image {
         &self.image
     }
 
-    /// Sets camera pose and lights and draws what does not move.
+    /// Sets the camera pose and the lights and draws the static background.
     ///
-    /// When the camera moves in each frame, it is cheaper to prepare a stage
-    /// without background and to render everything.
+    /// For a camera that moves in each frame, it is cheaper to prepare an empty background and to
+    /// render all instances.
     ///
     /// # Errors
-    /// When the pose has a number that is not finite; nothing is changed then.
-    pub fn prepare(&mut self, stage: &Stage<'_>) -> Result<(), Error> {
-        Placement::new(&stage.world_from_camera).ok_or(Error::Pose)?;
+    /// [`Error::Pose`] for a pose that is not finite; nothing is changed then.
+    pub fn prepare(&mut self, stage: &StaticScene<'_>) -> Result<(), Error> {
+        RigidTransformF32::new(&stage.world_from_camera).ok_or(Error::Pose)?;
         self.world_from_camera = stage.world_from_camera;
         self.lights = stage.lights;
         self.light_view = LightView::new(&stage.lights);
         self.shadow.view = self.light_view.as_ref().and_then(|view| {
-            let map_from_camera = Placement::new(&(view.map_from_world * self.world_from_camera));
-            map_from_camera.map(|placement| (placement, view.lens))
+            let map_from_camera =
+                RigidTransformF32::new(&(view.map_from_world * self.world_from_camera));
+            map_from_camera.map(|placement| (placement, view.projection))
         });
         if stage.background.is_empty() && self.background.is_empty {
             self.restore_background();
@@ -122,7 +124,7 @@ impl Rasterizer {
         }
         self.background.is_empty = stage.background.is_empty();
         self.visibility.clear();
-        self.shadow.closeness.fill(0.0);
+        self.shadow.reverse_z.fill(0.0);
         self.draw(stage.background);
         self.background.clear_light();
         self.image.clear_span(0..self.image.depth_m.len());
@@ -130,32 +132,32 @@ impl Rasterizer {
         self.background
             .keep(&self.image, &self.visibility, &self.shadow);
         self.visibility.face.fill(NO_FACE);
-        self.visibility.extents.fill(Extent::EMPTY);
-        self.dirty.fill(Extent::EMPTY);
+        self.visibility.row_ranges.fill(ColumnRange::EMPTY);
+        self.dirty.fill(ColumnRange::EMPTY);
         Ok(())
     }
 
-    /// Draws instances over the background.
+    /// Renders moving instances over the background.
     pub fn render(&mut self, instances: &[Instance<'_>]) -> &Image {
         self.restore_background();
         self.draw(instances);
         self.shade(instances, false);
-        self.dirty.copy_from_slice(&self.visibility.extents);
+        self.dirty.copy_from_slice(&self.visibility.row_ranges);
         self.background.cast(
             &mut self.image,
             &mut self.dirty,
             &self.visibility.face,
-            &NewShadows {
+            &ShadowUpdate {
                 rays: &self.rays,
                 map: &self.shadow,
-                reach: &self.reach,
+                dirty_blocks: &self.dirty_blocks,
             },
         );
         &self.image
     }
 
-    /// Pixels that an instance would cover if nothing else was there, seen
-    /// from where the stage's camera is.
+    /// Number of pixels that an instance would cover without occlusion, from the prepared camera
+    /// pose.
     pub fn n_unoccluded_px(&mut self, instance: &Instance<'_>) -> usize {
         let Some(camera_from_mesh) = self.camera_from_mesh(instance) else {
             return 0;
@@ -165,17 +167,17 @@ impl Rasterizer {
             self.stamps.fill(0);
             self.n_counts = 1;
         }
-        project(
+        project_corners(
             instance.mesh,
             &camera_from_mesh,
-            &self.lens,
+            &self.projection,
             &mut self.corners,
         );
         let (width, stamp) = (self.rays.size().0, self.n_counts);
-        let view = FaceView {
+        let view = ProjectedMesh {
             mesh: instance.mesh,
             camera_from_mesh: &camera_from_mesh,
-            lens: &self.lens,
+            projection: &self.projection,
             corners: &self.corners,
             size: self.rays.size(),
         };
@@ -190,37 +192,37 @@ impl Rasterizer {
         n_px
     }
 
-    fn camera_from_mesh(&self, instance: &Instance<'_>) -> Option<Placement> {
-        Placement::new(&(self.world_from_camera.inverse() * instance.world_from_mesh))
+    fn camera_from_mesh(&self, instance: &Instance<'_>) -> Option<RigidTransformF32> {
+        RigidTransformF32::new(&(self.world_from_camera.inverse() * instance.world_from_mesh))
     }
 
-    /// Takes back what the last render has changed.
+    /// Restores the background in the pixels that the last render changed.
     fn restore_background(&mut self) {
         let width = self.rays.size().0;
         for (row, dirty) in self.dirty.iter_mut().enumerate() {
             let columns = dirty.columns();
             let span = row * width + columns.start..row * width + columns.end;
-            let closeness = &mut self.visibility.closeness[span.clone()];
+            let reverse_z = &mut self.visibility.reverse_z[span.clone()];
             if self.background.is_empty {
                 self.image.clear_span(span.clone());
-                closeness.fill(0.0);
+                reverse_z.fill(0.0);
             } else {
                 self.image.copy_span(&self.background.image, span.clone());
-                closeness.copy_from_slice(&self.background.closeness[span.clone()]);
+                reverse_z.copy_from_slice(&self.background.reverse_z[span.clone()]);
             }
             self.visibility.face[span].fill(NO_FACE);
-            *dirty = Extent::EMPTY;
+            *dirty = ColumnRange::EMPTY;
         }
-        self.visibility.extents.fill(Extent::EMPTY);
+        self.visibility.row_ranges.fill(ColumnRange::EMPTY);
         self.shadow
-            .closeness
+            .reverse_z
             .copy_from_slice(&self.background.shadow);
     }
 
-    /// Finds the nearest faces seen by the camera and by the main light.
+    /// Draws instances into the visibility buffer and the shadow map.
     fn draw(&mut self, instances: &[Instance<'_>]) {
         self.first_faces.clear();
-        self.reach.clear();
+        self.dirty_blocks.clear();
         let mut first_face = 0_u32;
         for instance in instances {
             self.first_faces.push(first_face);
@@ -240,19 +242,19 @@ impl Rasterizer {
             return;
         };
         let size = self.rays.size();
-        if !may_see(&self.lens, &camera_from_mesh, instance.mesh, size) {
+        if !is_mesh_visible(&self.projection, &camera_from_mesh, instance.mesh, size) {
             return;
         }
-        project(
+        project_corners(
             instance.mesh,
             &camera_from_mesh,
-            &self.lens,
+            &self.projection,
             &mut self.corners,
         );
-        let view = FaceView {
+        let view = ProjectedMesh {
             mesh: instance.mesh,
             camera_from_mesh: &camera_from_mesh,
-            lens: &self.lens,
+            projection: &self.projection,
             corners: &self.corners,
             size: self.rays.size(),
         };
@@ -264,39 +266,51 @@ impl Rasterizer {
         let Some(view) = &self.light_view else {
             return;
         };
-        let Some(map_from_mesh) = Placement::new(&(view.map_from_world * instance.world_from_mesh))
+        let Some(map_from_mesh) =
+            RigidTransformF32::new(&(view.map_from_world * instance.world_from_mesh))
         else {
             return;
         };
-        if !may_see(&view.lens, &map_from_mesh, instance.mesh, (SIDE, SIDE)) {
+        if !is_mesh_visible(
+            &view.projection,
+            &map_from_mesh,
+            instance.mesh,
+            (MAP_SIDE, MAP_SIDE),
+        ) {
             return;
         }
-        project(instance.mesh, &map_from_mesh, &view.lens, &mut self.corners);
-        let (shadow, reach) = (&mut self.shadow, &mut self.reach);
+        project_corners(
+            instance.mesh,
+            &map_from_mesh,
+            &view.projection,
+            &mut self.corners,
+        );
+        let (shadow, dirty_blocks) = (&mut self.shadow, &mut self.dirty_blocks);
         for face in &instance.mesh.faces {
             let corners = face.corners.map(|i| &self.corners[i as usize]);
-            if corners.iter().all(|corner| corner.closeness > 0.0) {
-                scan(corners, Side::Back, (SIDE, SIDE), |span| {
+            if corners.iter().all(|corner| corner.reverse_z > 0.0) {
+                rasterize(corners, FaceSide::Back, (MAP_SIDE, MAP_SIDE), |span| {
                     shadow.draw(&span);
-                    reach.draw(&span);
+                    dirty_blocks.draw(&span);
                 });
             }
         }
-        reach.end_instance();
+        dirty_blocks.end_instance();
     }
 
-    /// Computes the look of all pixels in which something was drawn.
+    /// Shades all covered pixels.
     fn shade(&mut self, instances: &[Instance<'_>], is_background: bool) {
-        let Some(camera_from_world) = Placement::new(&self.world_from_camera.inverse()) else {
+        let Some(camera_from_world) = RigidTransformF32::new(&self.world_from_camera.inverse())
+        else {
             return;
         };
         self.looks.clear();
         self.looks.extend(
             instances
                 .iter()
-                .map(|instance| InstanceLook::new(instance, &self.world_from_camera)),
+                .map(|instance| InstanceAttributes::new(instance, &self.world_from_camera)),
         );
-        let shader = Shader {
+        let shader = DeferredShader {
             rays: &self.rays,
             lights: &CameraLights::new(&self.lights, &camera_from_world),
             shadow: &self.shadow,

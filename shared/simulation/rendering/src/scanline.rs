@@ -1,49 +1,49 @@
-//! Which pixels a triangle covers, row by row.
+//! Scanline rasterisation of triangles.
 
 use crate::projection::ScreenCorner;
-use crate::whole_number::ceil_f64;
+use crate::rounding::ceil_f64;
 
-/// Farthest column or row that is told apart, pixels.
+/// Clamp of columns and rows, pixels.
 const PIXEL_MAX: f64 = 1e6;
 
-/// Which side of a face is drawn.
+/// Side of a face that is drawn (face culling).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Side {
-    /// What looks towards the lens.
+pub(crate) enum FaceSide {
+    /// Faces that look towards the viewpoint.
     Front,
-    /// What looks away from the lens.
+    /// Faces that look away from the viewpoint.
     Back,
 }
 
-/// Pixels of one row, with the closeness of the face in them.
+/// Span of pixels in one row, with interpolated reverse-Z depth.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Span {
+pub(crate) struct ScanlineSpan {
     pub(crate) row: usize,
     /// First column.
     pub(crate) start: usize,
     /// Column after the last; greater than the first.
     pub(crate) end: usize,
-    /// In the first pixel's centre.
-    closeness: f32,
+    /// Reverse-Z depth in the centre of the first pixel.
+    reverse_z: f32,
     step: f32,
-    closeness_min: f32,
-    closeness_max: f32,
+    reverse_z_min: f32,
+    reverse_z_max: f32,
 }
 
-impl Span {
-    /// Closeness in the i-th pixel of the span.
+impl ScanlineSpan {
+    /// Reverse-Z depth in the i-th pixel of the span.
     ///
-    /// Kept within the corners' values: a face seen nearly from its edge has a
-    /// huge step, and a pixel's centre may lie a rounding error outside.
+    /// Clamped to the corners' values: a face seen nearly edge-on has a huge step, and a pixel
+    /// centre may be outside by a rounding error.
     #[inline]
-    pub(crate) fn closeness_at(&self, i: i32) -> f32 {
-        (self.closeness + self.step * i as f32)
-            .max(self.closeness_min)
-            .min(self.closeness_max)
+    pub(crate) fn reverse_z_at(&self, i: i32) -> f32 {
+        (self.reverse_z + self.step * i as f32)
+            .max(self.reverse_z_min)
+            .min(self.reverse_z_max)
     }
 }
 
-/// An edge between two corners, upper first.
+/// Triangle edge between two corners, upper first.
 struct Edge {
     x: f64,
     y: f64,
@@ -68,23 +68,23 @@ impl Edge {
     }
 }
 
-/// Calls `visit` for each row of pixels whose centres lie inside a triangle.
+/// Rasterises a triangle: calls `visit` with the span of each row whose pixel centres are inside.
 ///
-/// A pixel on a common edge belongs to exactly one of the two faces: an edge is
-/// computed from its upper corner in both, left edges are inside, right ones
-/// outside, and the upper end of an edge is inside. Rows and columns are within
-/// `size` (width, height). Corners must be finite.
+/// A pixel on a common edge belongs to exactly one of the two faces (top-left rule): both compute
+/// the edge from its upper corner, left edges are inside, right ones outside, and the upper end
+/// of an edge is inside. Rows and columns are within `size` (width, height). Corners must be
+/// finite.
 #[inline]
-pub(crate) fn scan(
+pub(crate) fn rasterize(
     corners: [&ScreenCorner; 3],
-    side: Side,
+    side: FaceSide,
     size: (usize, usize),
-    mut visit: impl FnMut(Span),
+    mut visit: impl FnMut(ScanlineSpan),
 ) {
     let doubled_area = doubled_area(corners);
     let is_shown = match side {
-        Side::Front => doubled_area < 0.0,
-        Side::Back => doubled_area > 0.0,
+        FaceSide::Front => doubled_area < 0.0,
+        FaceSide::Back => doubled_area > 0.0,
     };
     if !is_shown {
         return;
@@ -112,22 +112,22 @@ pub(crate) fn scan(
             let (start, end) = if is_middle_right { (l, s) } else { (s, l) };
             let (start, end) = (start.max(0), end.min(size.0 as i32));
             if start < end {
-                // Many small faces cover no pixel's centre and need no plane.
-                let plane = plane.get_or_insert_with(|| ClosenessPlane::new(corners, doubled_area));
+                // Many small faces cover no pixel centre and need no plane.
+                let plane = plane.get_or_insert_with(|| DepthPlane::new(corners, doubled_area));
                 visit(plane.span(row as usize, start as usize, end as usize));
             }
         }
     }
 }
 
-/// Twice the area; negative when counter-clockwise to the eye, since rows go down.
+/// Doubled signed area; negative when counter-clockwise to the viewer, since rows go down.
 #[inline]
 fn doubled_area([a, b, c]: [&ScreenCorner; 3]) -> f64 {
     let (x, y) = (f64::from(a.x), f64::from(a.y));
     (f64::from(b.x) - x) * (f64::from(c.y) - y) - (f64::from(c.x) - x) * (f64::from(b.y) - y)
 }
 
-/// The corners from the upper to the lower.
+/// Sorts the corners from top to bottom.
 #[inline]
 fn by_row([a, b, c]: [&ScreenCorner; 3]) -> [&ScreenCorner; 3] {
     let (a, b) = if b.y < a.y { (b, a) } else { (a, b) };
@@ -136,7 +136,7 @@ fn by_row([a, b, c]: [&ScreenCorner; 3]) -> [&ScreenCorner; 3] {
     [a, b, c]
 }
 
-/// Whether some column's centre of the image lies between the outermost corners.
+/// True if a column centre of the image is between the outermost corners.
 #[inline]
 fn may_cover_a_column([a, b, c]: [&ScreenCorner; 3], width: usize) -> bool {
     let first = ceil(f64::from(a.x.min(b.x).min(c.x))).max(0);
@@ -144,7 +144,7 @@ fn may_cover_a_column([a, b, c]: [&ScreenCorner; 3], width: usize) -> bool {
     first < end
 }
 
-/// Whether `middle` lies right of the line from `upper` to `lower`.
+/// True if `middle` is right of the line from `upper` to `lower`.
 #[inline]
 fn is_right_of(middle: &ScreenCorner, upper: &ScreenCorner, lower: &ScreenCorner) -> bool {
     let (x, y) = (f64::from(upper.x), f64::from(upper.y));
@@ -152,54 +152,54 @@ fn is_right_of(middle: &ScreenCorner, upper: &ScreenCorner, lower: &ScreenCorner
         > (f64::from(lower.x) - x) * (f64::from(middle.y) - y)
 }
 
-/// Closeness as a linear function of the pixel.
-struct ClosenessPlane {
+/// Reverse-Z depth as a linear function of the pixel.
+struct DepthPlane {
     x: f64,
     y: f64,
-    closeness: f64,
+    reverse_z: f64,
     per_column: f64,
     per_row: f64,
-    closeness_min: f32,
-    closeness_max: f32,
+    reverse_z_min: f32,
+    reverse_z_max: f32,
 }
 
-impl ClosenessPlane {
+impl DepthPlane {
     #[inline]
     fn new([a, b, c]: [&ScreenCorner; 3], doubled_area: f64) -> Self {
-        let (x, y, w) = (f64::from(a.x), f64::from(a.y), f64::from(a.closeness));
+        let (x, y, w) = (f64::from(a.x), f64::from(a.y), f64::from(a.reverse_z));
         let (x1, y1) = (f64::from(b.x) - x, f64::from(b.y) - y);
         let (x2, y2) = (f64::from(c.x) - x, f64::from(c.y) - y);
-        let (w1, w2) = (f64::from(b.closeness) - w, f64::from(c.closeness) - w);
+        let (w1, w2) = (f64::from(b.reverse_z) - w, f64::from(c.reverse_z) - w);
         let scale = 1.0 / doubled_area;
         Self {
             x,
             y,
-            closeness: w,
+            reverse_z: w,
             per_column: (w1 * y2 - w2 * y1) * scale,
             per_row: (w2 * x1 - w1 * x2) * scale,
-            closeness_min: a.closeness.min(b.closeness).min(c.closeness),
-            closeness_max: a.closeness.max(b.closeness).max(c.closeness),
+            reverse_z_min: a.reverse_z.min(b.reverse_z).min(c.reverse_z),
+            reverse_z_max: a.reverse_z.max(b.reverse_z).max(c.reverse_z),
         }
     }
 
     #[inline]
-    fn span(&self, row: usize, start: usize, end: usize) -> Span {
-        let closeness = self.closeness
+    fn span(&self, row: usize, start: usize, end: usize) -> ScanlineSpan {
+        let reverse_z = self.reverse_z
             + self.per_column * (start as f64 - self.x)
             + self.per_row * (row as f64 - self.y);
-        Span {
+        ScanlineSpan {
             row,
             start,
             end,
-            closeness: closeness as f32,
+            reverse_z: reverse_z as f32,
             step: self.per_column as f32,
-            closeness_min: self.closeness_min,
-            closeness_max: self.closeness_max,
+            reverse_z_min: self.reverse_z_min,
+            reverse_z_max: self.reverse_z_max,
         }
     }
 }
 
-/// The whole number not below, within [`PIXEL_MAX`].
+/// Rounds up to an integer, clamped to [`PIXEL_MAX`].
 #[inline]
 fn ceil(x: f64) -> i32 {
     ceil_f64(x.clamp(-PIXEL_MAX, PIXEL_MAX))
@@ -213,16 +213,16 @@ mod tests {
         ScreenCorner {
             x,
             y,
-            closeness: 1.0,
+            reverse_z: 1.0,
         }
     }
 
-    /// How often each pixel of a 40x40 image is covered, either side shown.
+    /// Coverage count of each pixel of a 40 x 40 image, both face sides drawn.
     fn coverage(triangles: &[[ScreenCorner; 3]]) -> Vec<u32> {
         let mut n = vec![0; 1600];
         for triangle in triangles {
-            for side in [Side::Front, Side::Back] {
-                scan(triangle.each_ref(), side, (40, 40), |span| {
+            for side in [FaceSide::Front, FaceSide::Back] {
+                rasterize(triangle.each_ref(), side, (40, 40), |span| {
                     n[span.row * 40 + span.start..span.row * 40 + span.end]
                         .iter_mut()
                         .for_each(|n| *n += 1);

@@ -1,25 +1,20 @@
-//! Between which values the cells around a place of the shadow map lie.
+//! Minimum and maximum of shadow map blocks, for an early exit of the shadow filter.
 
-use crate::shadow_map::SIDE;
+use crate::shadow_grid::{BLOCK, MAP_SIDE, N_BLOCKS};
 
-/// Cells on a side of a block.
-const BLOCK: usize = 4;
-/// Blocks on a side of the map.
-const N_BLOCKS: usize = SIDE / BLOCK;
-
-/// Least and greatest closeness of all cells that the filter reads for any place
-/// of a block; mostly they tell that a place is fully lit or fully dark.
+/// Least and greatest reverse-Z depth of all cells that the filter reads at any coordinate of a
+/// block. They mostly show that a coordinate is fully lit or fully dark.
 #[derive(Debug)]
 pub(crate) struct ShadowBounds {
     low: Vec<f32>,
     high: Vec<f32>,
-    /// The same of a block's own cells.
+    /// Minimum of each block's own cells.
     own_low: Vec<f32>,
     own_high: Vec<f32>,
 }
 
 impl ShadowBounds {
-    /// The bounds of an empty map.
+    /// Bounds of an empty shadow map.
     pub(crate) fn new() -> Self {
         let zeros = || vec![0.0; N_BLOCKS * N_BLOCKS];
         Self {
@@ -30,15 +25,15 @@ impl ShadowBounds {
         }
     }
 
-    /// Finds the bounds of a map.
-    pub(crate) fn update(&mut self, closeness: &[f32]) {
-        reduce(closeness, &mut self.own_low, f32::INFINITY, f32::min);
-        reduce(closeness, &mut self.own_high, 0.0, f32::max);
+    /// Computes the bounds of a shadow map.
+    pub(crate) fn update(&mut self, reverse_z: &[f32]) {
+        reduce(reverse_z, &mut self.own_low, f32::INFINITY, f32::min);
+        reduce(reverse_z, &mut self.own_high, 0.0, f32::max);
         spread(&self.own_low, &mut self.low, f32::min);
         spread(&self.own_high, &mut self.high, f32::max);
     }
 
-    /// Least and greatest closeness around a cell.
+    /// Minimum and maximum around a cell.
     #[inline]
     pub(crate) fn around(&self, column: usize, row: usize) -> (f32, f32) {
         let block = row / BLOCK * N_BLOCKS + column / BLOCK;
@@ -46,13 +41,13 @@ impl ShadowBounds {
     }
 }
 
-/// Combines the cells of each block.
+/// Reduces the cells of each block to one value.
 #[inline]
 fn reduce(cells: &[f32], blocks: &mut [f32], start: f32, combine: impl Fn(f32, f32) -> f32) {
-    let rows = cells.chunks_exact(SIDE * BLOCK);
+    let rows = cells.chunks_exact(MAP_SIDE * BLOCK);
     for (rows, blocks) in rows.zip(blocks.chunks_exact_mut(N_BLOCKS)) {
-        let mut columns = [start; SIDE];
-        for row in rows.chunks_exact(SIDE) {
+        let mut columns = [start; MAP_SIDE];
+        for row in rows.chunks_exact(MAP_SIDE) {
             for (column, &cell) in columns.iter_mut().zip(row) {
                 *column = combine(*column, cell);
             }
@@ -87,24 +82,24 @@ mod tests {
     #[test]
     fn bounds_hold_for_all_cells_of_the_filter() {
         let hash = |i: usize| (i as u32).wrapping_mul(0x9e37_79b1) >> 8;
-        let cells: Vec<f32> = (0..SIDE * SIDE).map(|i| hash(i) as f32).collect();
+        let cells: Vec<f32> = (0..MAP_SIDE * MAP_SIDE).map(|i| hash(i) as f32).collect();
         let mut bounds = ShadowBounds::new();
         bounds.update(&cells);
         for (column, row) in [(1, 1), (5, 1), (100, 203), (380, 380), (7, 379)] {
             let (low, high) = bounds.around(column, row);
             let read = (row - 1..row + 3)
-                .flat_map(|row| &cells[row * SIDE + column - 1..row * SIDE + column + 3]);
+                .flat_map(|row| &cells[row * MAP_SIDE + column - 1..row * MAP_SIDE + column + 3]);
             assert!(read.clone().all(|cell| (low..=high).contains(cell)));
             let (blocks_low, blocks_high) = brute_force(&cells, column / BLOCK, row / BLOCK);
             assert_eq!((low, high), (blocks_low, blocks_high));
         }
     }
 
-    /// Least and greatest cell of a block and its neighbours.
+    /// Brute-force reference: minimum and maximum of a block and its neighbours.
     fn brute_force(cells: &[f32], column: usize, row: usize) -> (f32, f32) {
         let near = |a: usize, b: usize| (a / BLOCK).abs_diff(b) <= 1;
-        (0..SIDE * SIDE)
-            .filter(|i| near(i % SIDE, column) && near(i / SIDE, row))
+        (0..MAP_SIDE * MAP_SIDE)
+            .filter(|i| near(i % MAP_SIDE, column) && near(i / MAP_SIDE, row))
             .map(|i| cells[i])
             .fold((f32::INFINITY, 0.0), |(low, high), cell| {
                 (low.min(cell), high.max(cell))

@@ -1,31 +1,31 @@
-//! What the main light sees.
+//! Shadow map of the main light (Williams 1978).
 //!
-//! A shadow map (Williams 1978) of the faces that look away from the light, so
-//! that lit faces need no more than a small bias, filtered by percentage closer
-//! (Reeves, Salesin and Cook 1987) over four by four cells.
+//! It contains the faces that look away from the light, so that lit faces need only a small bias,
+//! and is filtered by percentage-closer filtering (Reeves, Salesin and Cook 1987) over four by
+//! four cells.
 
+use crate::lanes::{Lanes, N_LANES, VectorLanes};
 use crate::lights::{LightPlacement, Lights, ShadowRegion};
-use crate::pixel_block::{LANES, Lanes, Vectors};
-use crate::projection::{Lens, Placement, ScreenCorner};
-use crate::scanline::Span;
+use crate::projection::{Projection, RigidTransformF32, ScreenCorner};
+use crate::scanline::ScanlineSpan;
 use crate::shadow_bounds::ShadowBounds;
+use crate::shadow_grid::MAP_SIDE;
 use geometry::RigidTransform;
 use nalgebra::{Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
-/// Cells on each side.
-pub(crate) const SIDE: usize = 384;
-/// How much nearer to the light a face must be to cast a shadow, relative.
-const BIAS: f32 = 5e-4;
+/// Shadow bias: relative reverse-Z difference by which an occluder must be nearer to the light.
+/// Chosen.
+const DEPTH_BIAS: f32 = 5e-4;
 
-/// Where the light looks from, and how.
+/// View of the main light: pose and projection.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LightView {
     pub(crate) map_from_world: RigidTransform,
-    pub(crate) lens: Lens,
+    pub(crate) projection: Projection,
 }
 
 impl LightView {
-    /// `None` when the lights cast no shadow or make no sense.
+    /// View of the lights' main light; `None` when they cast no shadow or are not valid.
     pub(crate) fn new(lights: &Lights) -> Option<Self> {
         let region = lights.shadow?;
         let center = region.center_in_world.cast::<f64>();
@@ -42,14 +42,14 @@ impl LightView {
             return None;
         }
         Some(Self {
-            map_from_world: looking(&eye, &towards),
-            lens: lens(&lights.main.placement, &region, towards.norm()),
+            map_from_world: look_at(&eye, &towards),
+            projection: projection(&lights.main.placement, &region, towards.norm()),
         })
     }
 }
 
-/// The frame at `eye` whose z points along `towards`.
-fn looking(eye: &Point3<f64>, towards: &Vector3<f64>) -> RigidTransform {
+/// Look-at transform: the frame at `eye` whose z points along `towards`.
+fn look_at(eye: &Point3<f64>, towards: &Vector3<f64>) -> RigidTransform {
     let side = if towards.x.abs() < 0.5 * towards.norm() {
         Vector3::x()
     } else {
@@ -63,18 +63,18 @@ fn looking(eye: &Point3<f64>, towards: &Vector3<f64>) -> RigidTransform {
     .inverse()
 }
 
-fn lens(placement: &LightPlacement, region: &ShadowRegion, distance_m: f64) -> Lens {
-    let center_px = SIDE as f32 / 2.0;
+fn projection(placement: &LightPlacement, region: &ShadowRegion, distance_m: f64) -> Projection {
+    let center_px = MAP_SIDE as f32 / 2.0;
     match placement {
-        LightPlacement::Directional(_) => Lens::Parallel {
+        LightPlacement::Directional(_) => Projection::Orthographic {
             px_per_m: center_px / region.radius_m,
             center_px,
-            closeness_per_m: 1.0 / (16.0 * region.radius_m),
+            reverse_z_per_m: 1.0 / (16.0 * region.radius_m),
         },
         LightPlacement::Point(_) => {
             let sine = (f64::from(region.radius_m) / distance_m).min(0.85);
             let focal = f64::from(center_px) * (1.0 - sine * sine).sqrt() / sine;
-            Lens::Pinhole {
+            Projection::Pinhole {
                 focal: [focal as f32; 2],
                 center: [center_px; 2],
             }
@@ -82,29 +82,29 @@ fn lens(placement: &LightPlacement, region: &ShadowRegion, distance_m: f64) -> L
     }
 }
 
-/// Closeness to the light of the nearest face that looks away from it.
+/// Shadow map: reverse-Z depth of the nearest face that looks away from the light.
 #[derive(Debug)]
 pub(crate) struct ShadowMap {
-    /// How a point in the camera's frame gets into the map; `None` without shadows.
-    pub(crate) view: Option<(Placement, Lens)>,
-    pub(crate) closeness: Vec<f32>,
+    /// Transform from the camera frame and projection into the map; `None` without shadows.
+    pub(crate) view: Option<(RigidTransformF32, Projection)>,
+    pub(crate) reverse_z: Vec<f32>,
     bounds: ShadowBounds,
 }
 
-/// Places of a block of points in the map.
+/// Shadow map coordinates of a pixel block, lane by lane.
 #[derive(Debug, Clone)]
-pub(crate) struct Places {
+pub(crate) struct ShadowCoordinates {
     pub(crate) x: Lanes,
     pub(crate) y: Lanes,
-    closeness: Lanes,
+    reverse_z: Lanes,
 }
 
-impl Places {
+impl ShadowCoordinates {
     pub(crate) fn new() -> Self {
         Self {
-            x: [0.0; LANES],
-            y: [0.0; LANES],
-            closeness: [0.0; LANES],
+            x: [0.0; N_LANES],
+            y: [0.0; N_LANES],
+            reverse_z: [0.0; N_LANES],
         }
     }
 
@@ -113,7 +113,7 @@ impl Places {
         ScreenCorner {
             x: self.x[lane],
             y: self.y[lane],
-            closeness: self.closeness[lane],
+            reverse_z: self.reverse_z[lane],
         }
     }
 }
@@ -122,75 +122,76 @@ impl ShadowMap {
     pub(crate) fn new() -> Self {
         Self {
             view: None,
-            closeness: vec![0.0; SIDE * SIDE],
+            reverse_z: vec![0.0; MAP_SIDE * MAP_SIDE],
             bounds: ShadowBounds::new(),
         }
     }
 
-    /// Ends drawing; to be called before light is asked for.
+    /// Finishes drawing; must be called before [`Self::lit_share`].
     pub(crate) fn finish(&mut self) {
         if self.view.is_some() {
-            self.bounds.update(&self.closeness);
+            self.bounds.update(&self.reverse_z);
         }
     }
 
     #[inline]
-    pub(crate) fn draw(&mut self, span: &Span) {
-        let first = span.row * SIDE;
-        let cells = &mut self.closeness[first + span.start..first + span.end];
+    pub(crate) fn draw(&mut self, span: &ScanlineSpan) {
+        let first = span.row * MAP_SIDE;
+        let cells = &mut self.reverse_z[first + span.start..first + span.end];
         for (i, cell) in cells.iter_mut().enumerate() {
-            *cell = cell.max(span.closeness_at(i as i32));
+            *cell = cell.max(span.reverse_z_at(i as i32));
         }
     }
 
-    /// Where points in the camera's frame lie in the map; outside, without shadows.
+    /// Projects points in the camera frame into the map; NaN without shadows.
     #[inline]
-    pub(crate) fn locate_all(&self, points: &Vectors, places: &mut Places) {
-        let Some((map_from_camera, lens)) = &self.view else {
+    pub(crate) fn project_all(&self, points: &VectorLanes, places: &mut ShadowCoordinates) {
+        let Some((map_from_camera, projection)) = &self.view else {
             places.x.fill(f32::NAN);
             places.y.fill(f32::NAN);
             return;
         };
         let [px, py, pz] = points;
-        for i in 0..LANES {
-            let place = lens.project(map_from_camera.point([px[i], py[i], pz[i]]));
+        for i in 0..N_LANES {
+            let place = projection.project(map_from_camera.point([px[i], py[i], pz[i]]));
             places.x[i] = place.x;
             places.y[i] = place.y;
-            places.closeness[i] = place.closeness;
+            places.reverse_z[i] = place.reverse_z;
         }
     }
 
-    /// Share of the main light that reaches a place of the map, times 255.
-    /// Outside the map everything is lit.
+    /// Share of the main light at a shadow map coordinate, times 255. Outside of the map
+    /// everything is lit.
     #[inline]
-    pub(crate) fn light_at(&self, place: &ScreenCorner) -> u8 {
-        let limit = (SIDE - 3) as f32;
+    pub(crate) fn lit_share(&self, place: &ScreenCorner) -> u8 {
+        let limit = (MAP_SIDE - 3) as f32;
         if !(place.x >= 1.0 && place.y >= 1.0 && place.x < limit && place.y < limit)
-            || place.closeness <= 0.0
+            || place.reverse_z <= 0.0
         {
             return u8::MAX;
         }
         let (column, row) = (place.x as usize, place.y as usize);
-        let threshold = place.closeness * (1.0 + BIAS);
+        let threshold = place.reverse_z * (1.0 + DEPTH_BIAS);
         let (low, high) = self.bounds.around(column, row);
         if high <= threshold {
             u8::MAX
         } else if low > threshold {
             0
         } else {
-            self.filtered(place, threshold)
+            self.percentage_closer(place, threshold)
         }
     }
 
-    /// The same, by the cells around the place: those up to `threshold` let light pass.
+    /// Percentage-closer filtering over four by four cells: cells up to `threshold` let light
+    /// pass.
     #[inline(never)]
-    fn filtered(&self, place: &ScreenCorner, threshold: f32) -> u8 {
+    fn percentage_closer(&self, place: &ScreenCorner, threshold: f32) -> u8 {
         let (column, row) = (place.x as usize, place.y as usize);
         let (u, v) = (place.x - column as f32, place.y - row as f32);
         let mut columns = [0.0_f32; 4];
         for (j, down) in [1.0 - v, 1.0, 1.0, v].into_iter().enumerate() {
-            let first = (row + j - 1) * SIDE + column - 1;
-            let cells = &self.closeness[first..first + 4];
+            let first = (row + j - 1) * MAP_SIDE + column - 1;
+            let cells = &self.reverse_z[first..first + 4];
             for (sum, &cell) in columns.iter_mut().zip(cells) {
                 *sum += if cell <= threshold { down } else { 0.0 };
             }
@@ -214,10 +215,10 @@ mod tests {
             lights.main.placement = placement;
             let view = LightView::new(&lights).unwrap();
             let center = view.map_from_world * Point3::origin();
-            let place = view.lens.project(center.cast::<f32>().coords.into());
+            let place = view.projection.project(center.cast::<f32>().coords.into());
             assert!((place.x - 192.0).abs() < 0.1 && (place.y - 192.0).abs() < 0.1);
             let rim = view.map_from_world * Point3::new(0.0, 1.2, 0.0);
-            let place = view.lens.project(rim.cast::<f32>().coords.into());
+            let place = view.projection.project(rim.cast::<f32>().coords.into());
             let distance = (place.x - 192.0).hypot(place.y - 192.0);
             assert!((120.0..200.0).contains(&distance), "{distance}");
         }
@@ -236,14 +237,14 @@ mod tests {
     fn bounds_give_the_light_that_the_cells_give() {
         let mut map = ShadowMap::new();
         map.view = Some((
-            Placement::new(&RigidTransform::identity()).unwrap(),
-            Lens::Pinhole {
+            RigidTransformF32::new(&RigidTransform::identity()).unwrap(),
+            Projection::Pinhole {
                 focal: [1.0; 2],
                 center: [0.0; 2],
             },
         ));
-        for (i, cell) in map.closeness.iter_mut().enumerate() {
-            let (column, row) = (i % SIDE, i / SIDE);
+        for (i, cell) in map.reverse_z.iter_mut().enumerate() {
+            let (column, row) = (i % MAP_SIDE, i / MAP_SIDE);
             *cell = f32::from(u8::from((column / 40 + row / 30) % 2 == 0));
         }
         map.finish();
@@ -252,10 +253,13 @@ mod tests {
             let place = ScreenCorner {
                 x: 1.0 + f32::from(i) * 0.618_034 % 378.0,
                 y: 1.0 + f32::from(i) * 0.754_878 % 378.0,
-                closeness: 0.5,
+                reverse_z: 0.5,
             };
-            let share = map.light_at(&place);
-            assert_eq!(share, map.filtered(&place, 0.5 * (1.0 + BIAS)));
+            let share = map.lit_share(&place);
+            assert_eq!(
+                share,
+                map.percentage_closer(&place, 0.5 * (1.0 + DEPTH_BIAS))
+            );
             n_of_share[usize::from(share)] += 1;
         }
         assert!(n_of_share[0] > 1000 && n_of_share[255] > 1000);

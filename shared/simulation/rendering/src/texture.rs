@@ -1,21 +1,21 @@
-//! Procedural detail of large surfaces.
+//! Procedural textures of large surfaces.
 
-use crate::whole_number::floor;
+use crate::rounding::floor;
 
-/// A pattern over the mesh's own coordinates; it multiplies the mesh's colours.
+/// Procedural texture over mesh coordinates; it multiplies the mesh's colours.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Texture {
-    /// The mesh's colours as they are.
+    /// No texture.
     #[default]
     None,
-    /// Boards along x with grain.
+    /// Wooden boards along x with grain.
     WoodGrain {
         /// Width of a board along y, metres.
         board_m: f32,
         /// Contrast of the grain, 0 to 1.
         contrast: f32,
     },
-    /// Two shades in a chequered pattern, in x, y and z.
+    /// Checkerboard in x, y and z.
     Checker {
         /// Side of a field, metres.
         side_m: f32,
@@ -29,7 +29,7 @@ pub enum Texture {
         /// Width of a joint, metres.
         joint_m: f32,
     },
-    /// Irregular stains and fine grain, as of plaster or cloth.
+    /// Value noise of irregular stains and fine grain, as of plaster or cloth.
     Mottle {
         /// Size of the stains, metres.
         scale_m: f32,
@@ -38,45 +38,45 @@ pub enum Texture {
     },
 }
 
-/// Farthest cell that is told apart.
+/// Clamp of cell indices.
 const CELL_MAX: f32 = 4e6;
 
-/// Places that are looked up together.
-pub(crate) const N_PLACES: usize = 16;
+/// Number of points that are evaluated together (SIMD).
+pub(crate) const N_POINTS: usize = 16;
 
-type Values = [f32; N_PLACES];
+type Values = [f32; N_POINTS];
 
 impl Texture {
-    /// Factors of red, green and blue at places in the mesh's frame.
+    /// Colour factors (red, green, blue) at points in the mesh frame.
     ///
-    /// Each pattern is a loop without branches, so that it becomes vector
-    /// instructions; a place's factors do not depend on the others.
+    /// Each texture is a loop without branches, so that it becomes vector instructions. The
+    /// factors of a point do not depend on the other points.
     pub(crate) fn factors(&self, [x, y, z]: &[Values; 3], factors: &mut [Values; 3]) {
         let [red, green, blue] = factors;
         let mut set = |i: usize, factors: [f32; 3]| [red[i], green[i], blue[i]] = factors;
         match *self {
-            Self::None => (0..N_PLACES).for_each(|i| set(i, [1.0; 3])),
+            Self::None => (0..N_POINTS).for_each(|i| set(i, [1.0; 3])),
             Self::WoodGrain { board_m, contrast } => {
                 let s = cells_per_m(board_m);
-                (0..N_PLACES).for_each(|i| set(i, wood(x[i], y[i], z[i], s, contrast)));
+                (0..N_POINTS).for_each(|i| set(i, wood(x[i], y[i], z[i], s, contrast)));
             }
             Self::Checker { side_m, dark } => {
                 let s = cells_per_m(side_m);
-                (0..N_PLACES).for_each(|i| set(i, [checker(x[i], y[i], z[i], s, dark); 3]));
+                (0..N_POINTS).for_each(|i| set(i, [checker(x[i], y[i], z[i], s, dark); 3]));
             }
             Self::Tiles { side_m, joint_m } => {
                 let s = cells_per_m(side_m);
-                (0..N_PLACES).for_each(|i| set(i, tile(x[i], y[i], s, joint_m)));
+                (0..N_POINTS).for_each(|i| set(i, tile(x[i], y[i], s, joint_m)));
             }
             Self::Mottle { scale_m, contrast } => {
                 let s = cells_per_m(scale_m);
-                (0..N_PLACES).for_each(|i| set(i, [mottle(x[i], y[i], z[i], s, contrast); 3]));
+                (0..N_POINTS).for_each(|i| set(i, [mottle(x[i], y[i], z[i], s, contrast); 3]));
             }
         }
     }
 }
 
-/// Cells on a metre; a size that makes no sense counts as 0.1 m.
+/// Number of cells per metre; an invalid size counts as 0.1 m.
 fn cells_per_m(size_m: f32) -> f32 {
     if (1e-4..=1e3).contains(&size_m) {
         1.0 / size_m
@@ -85,7 +85,7 @@ fn cells_per_m(size_m: f32) -> f32 {
     }
 }
 
-/// The whole number below, and how far a value is above it, 0 to 1.
+/// Integer part (rounded down) and fractional part, 0 to 1.
 #[inline]
 fn cell(x: f32) -> (i32, f32) {
     let x = x.clamp(-CELL_MAX, CELL_MAX);
@@ -96,7 +96,7 @@ fn cell(x: f32) -> (i32, f32) {
 #[inline]
 fn checker(x: f32, y: f32, z: f32, fields_per_m: f32, dark: f32) -> f32 {
     let s = fields_per_m;
-    // Half a cell apart, so that faces at whole multiples do not flicker.
+    // Offset by half a cell, so that faces at whole multiples do not flicker.
     let parity = cell(x * s).0 ^ cell(y * s).0 ^ cell(z * s + 0.5).0;
     if parity & 1 == 0 { 1.0 } else { dark }
 }
@@ -112,7 +112,7 @@ fn mottle(x: f32, y: f32, z: f32, stains_per_m: f32, contrast: f32) -> f32 {
 #[inline]
 fn wood(x: f32, y: f32, z: f32, boards_per_m: f32, contrast: f32) -> [f32; 3] {
     let (board, within) = cell(y * boards_per_m);
-    let shade = lattice(board, 17, 3);
+    let shade = lattice_hash(board, 17, 3);
     let seam = if (0.012..=0.988).contains(&within) {
         1.0
     } else {
@@ -140,12 +140,12 @@ fn tile(x: f32, y: f32, tiles_per_m: f32, joint_m: f32) -> [f32; 3] {
     let half_joint = 0.5 * joint_m * tiles_per_m;
     let to_border = |t: f32| t.min(1.0 - t);
     let is_joint = to_border(within_u).min(to_border(within_v)) < half_joint;
-    let cloud = flat_noise(u * 5.0, v * 5.0);
-    let shade = 1.0 - 0.12 * lattice(i, j, 5) - 0.08 * cloud;
+    let cloud = value_noise_2d(u * 5.0, v * 5.0);
+    let shade = 1.0 - 0.12 * lattice_hash(i, j, 5) - 0.08 * cloud;
     [0.5, 0.49, 0.47].map(|joint| if is_joint { joint } else { shade })
 }
 
-/// Noise between 0 and 1 that changes smoothly over one unit.
+/// Value noise in three dimensions, 0 to 1, smooth over one unit.
 #[expect(
     clippy::inline_always,
     reason = "a loop with a call in it is not vectorised; bench `frame_with_moving_camera`"
@@ -155,22 +155,21 @@ fn value_noise(x: f32, y: f32, z: f32) -> f32 {
     let ([i0, i1], u) = interval(x, 0x9e37_79b1);
     let ([j0, j1], v) = interval(y, 0x85eb_ca77);
     let ([k0, k1], w) = interval(z, 0xc2b2_ae3d);
-    let row = |jk: u32| mix(unit_hash(i0 ^ jk), unit_hash(i1 ^ jk), u);
+    let row = |jk: u32| mix(hash_unit(i0 ^ jk), hash_unit(i1 ^ jk), u);
     let plane = |k: u32| mix(row(j0 ^ k), row(j1 ^ k), v);
     mix(plane(k0), plane(k1), w)
 }
 
-/// [`value_noise`] where z is 0.
+/// Value noise in two dimensions: [`value_noise`] at z = 0.
 #[inline]
-fn flat_noise(x: f32, y: f32) -> f32 {
+fn value_noise_2d(x: f32, y: f32) -> f32 {
     let ([i0, i1], u) = interval(x, 0x9e37_79b1);
     let ([j0, j1], v) = interval(y, 0x85eb_ca77);
-    let row = |j: u32| mix(unit_hash(i0 ^ j), unit_hash(i1 ^ j), u);
+    let row = |j: u32| mix(hash_unit(i0 ^ j), hash_unit(i1 ^ j), u);
     mix(row(j0), row(j1), v)
 }
 
-/// The two whole numbers around a value, times `factor`, and how far it is from
-/// the one to the other, smoothed.
+/// Hash inputs of the two lattice points around a value, and the smoothed position between them.
 #[inline]
 fn interval(x: f32, factor: u32) -> ([u32; 2], f32) {
     let (below, t) = cell(x);
@@ -186,20 +185,19 @@ fn mix(a: f32, b: f32, t: f32) -> f32 {
     a + (b - a) * t
 }
 
-/// A number between 0 and 1 that belongs to a lattice point.
+/// Pseudo-random value of a lattice point, 0 to 1.
 #[inline]
-fn lattice(i: i32, j: i32, k: i32) -> f32 {
-    unit_hash(
+fn lattice_hash(i: i32, j: i32, k: i32) -> f32 {
+    hash_unit(
         (i as u32).wrapping_mul(0x9e37_79b1)
             ^ (j as u32).wrapping_mul(0x85eb_ca77)
             ^ (k as u32).wrapping_mul(0xc2b2_ae3d),
     )
 }
 
-/// A number between 0 and 1 that looks random: the highest bits of a product,
-/// which depend on all bits of its factors.
+/// Hash to 0 to 1: the highest bits of a product, which depend on all bits of its factors.
 #[inline]
-fn unit_hash(mut h: u32) -> f32 {
+fn hash_unit(mut h: u32) -> f32 {
     h = (h ^ (h >> 15)).wrapping_mul(0x2c1b_3c6d);
     (h >> 8) as i32 as f32 * (1.0 / 16_777_216.0)
 }
@@ -208,10 +206,10 @@ fn unit_hash(mut h: u32) -> f32 {
 mod tests {
     use super::*;
 
-    /// Factors at one of many places.
+    /// Factors at one of many points.
     fn factors(texture: Texture, place: [f32; 3]) -> [f32; 3] {
-        let mut places = [[7.7; N_PLACES]; 3];
-        let mut all = [[f32::NAN; N_PLACES]; 3];
+        let mut places = [[7.7; N_POINTS]; 3];
+        let mut all = [[f32::NAN; N_POINTS]; 3];
         (0..3).for_each(|axis| places[axis][5] = place[axis]);
         texture.factors(&places, &mut all);
         all.map(|channel| channel[5])

@@ -1,11 +1,11 @@
-//! A frame in steady state allocates nothing.
+//! Allocation test: a frame in steady state allocates nothing.
 
 mod synthetic;
 
 use geometry::PinholeCamera;
 use point_cloud::Point;
 use rendering::kinect::{KinectSensor, SensorModel, Shot};
-use rendering::{Lights, Rasterizer, Stage};
+use rendering::{Lights, Rasterizer, StaticScene};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use synthetic::TableScene;
@@ -14,11 +14,11 @@ thread_local! {
     static N_ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
 }
 
-struct Counting;
+struct AllocationCounter;
 
 #[expect(unsafe_code, reason = "an allocator can not be written without")]
-// SAFETY: everything is handed on to the system's allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
+// SAFETY: all calls are passed on to the system's allocator unchanged.
+unsafe impl GlobalAlloc for AllocationCounter {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         N_ALLOCATIONS.with(|n| n.set(n.get() + 1));
         // SAFETY: the caller keeps the contract of `alloc`.
@@ -38,7 +38,7 @@ unsafe impl GlobalAlloc for Counting {
 }
 
 #[global_allocator]
-static ALLOCATOR: Counting = Counting;
+static ALLOCATOR: AllocationCounter = AllocationCounter;
 
 #[test]
 fn a_frame_in_steady_state_allocates_nothing() {
@@ -48,7 +48,7 @@ fn a_frame_in_steady_state_allocates_nothing() {
     let mut rasterizer = Rasterizer::new(camera).unwrap();
     let mut sensor = KinectSensor::new(camera, SensorModel::KINECT_V1).unwrap();
     let mut points = vec![Point::default(); camera.n_pixels()];
-    let stage = Stage {
+    let stage = StaticScene {
         world_from_camera: TableScene::world_from_camera(),
         lights: Lights::ROOM,
         background: &background,

@@ -1,4 +1,4 @@
-//! Rendered images against geometry that is known exactly.
+//! Tests of rendered images against exact geometry.
 
 #![expect(clippy::unwrap_used, reason = "a set-up that fails fails its test")]
 
@@ -7,7 +7,7 @@ mod synthetic;
 use geometry::{PinholeCamera, RigidTransform};
 use mesh::{Triangle, TriangleMesh};
 use nalgebra::{Point3, Vector3};
-use rendering::{Error, Image, Instance, Lights, PreparedMesh, Rasterizer, Stage};
+use rendering::{Error, Image, Instance, Lights, PreparedMesh, Rasterizer, StaticScene};
 use std::f64::consts::PI;
 use synthetic::{TableScene, at, ball, cuboid, cylinder, rectangle, turned};
 
@@ -17,7 +17,7 @@ fn render(instances: &[Instance<'_>]) -> Image {
     Rasterizer::new(CAMERA).unwrap().render(instances).clone()
 }
 
-/// The pixels with their viewing rays.
+/// Pixel indices with their viewing rays.
 fn rays() -> impl Iterator<Item = (usize, Vector3<f64>)> {
     (0..CAMERA.n_pixels()).map(|pixel| {
         let (column, row) = (pixel % 640, pixel / 640);
@@ -123,7 +123,7 @@ fn faces_are_seen_from_outside_only() {
             .instance()
             .contains(&1)
     );
-    // From within a closed mesh nothing of it is seen.
+    // From inside of a closed mesh nothing of it is seen.
     let around = PreparedMesh::new(&cuboid([2.0; 3], 4, [200; 3]));
     assert!(
         !render(&[Instance::new(&around, at(0.0, 0.0, 0.0), 1)])
@@ -135,7 +135,7 @@ fn faces_are_seen_from_outside_only() {
 #[test]
 fn a_floor_that_runs_under_the_camera_is_cut_at_the_near_plane() {
     let mesh = PreparedMesh::new(&rectangle(40.0, 40.0, 1, [200; 3]));
-    // The camera's y points down; the floor is 0.5 m below and looks up.
+    // The camera's y points down; the floor is 0.5 m below and faces up.
     let pose = turned(0.0, 0.5, 0.0, [PI / 2.0, 0.0, 0.0]);
     let image = render(&[Instance::new(&mesh, pose, 1)]);
     for (pixel, ray) in rays().filter(|(_, ray)| ray.y > 0.05) {
@@ -152,7 +152,7 @@ fn a_floor_that_runs_under_the_camera_is_cut_at_the_near_plane() {
 fn drawing_over_a_background_equals_drawing_everything() {
     let scene = TableScene::new(12);
     let (background, objects) = (scene.background(), scene.objects());
-    let stage = |background| Stage {
+    let stage = |background| StaticScene {
         world_from_camera: TableScene::world_from_camera(),
         lights: Lights::ROOM,
         background,
@@ -183,7 +183,7 @@ fn nothing_of_an_earlier_view_is_left() {
     let scene = TableScene::new(6);
     let (background, objects) = (scene.background(), scene.objects());
     let all = [background.clone(), objects.clone()].concat();
-    let stage = |background, step| Stage {
+    let stage = |background, step| StaticScene {
         world_from_camera: TableScene::orbiting_camera(40 * step),
         lights: Lights::ROOM,
         background,
@@ -222,7 +222,7 @@ fn shadows_darken_the_table_and_nothing_else_changes() {
             shadow,
             ..Lights::ROOM
         };
-        let stage = Stage {
+        let stage = StaticScene {
             world_from_camera: TableScene::world_from_camera(),
             lights,
             background: &background,
@@ -245,7 +245,7 @@ fn an_unoccluded_count_is_what_is_visible_alone() {
     let objects = scene.objects();
     let mut rasterizer = Rasterizer::new(CAMERA).unwrap();
     rasterizer
-        .prepare(&Stage {
+        .prepare(&StaticScene {
             world_from_camera: TableScene::world_from_camera(),
             lights: Lights::ROOM,
             background: &scene.background(),
@@ -267,7 +267,7 @@ fn an_unoccluded_count_is_what_is_visible_alone() {
         n_hidden += usize::from(alone > visible + 50);
         let mut only = [0; 32];
         rasterizer
-            .prepare(&Stage {
+            .prepare(&StaticScene {
                 world_from_camera: TableScene::world_from_camera(),
                 lights: Lights::ROOM,
                 background: &[],
@@ -312,7 +312,7 @@ fn hostile_meshes_and_poses_are_survived() {
         assert!(rasterizer.n_unoccluded_px(&instances[0]) == 0);
         rasterizer.n_unoccluded_px(&instances[1]);
     }
-    let stage = Stage {
+    let stage = StaticScene {
         world_from_camera: broken,
         lights: Lights::ROOM,
         background: &[],

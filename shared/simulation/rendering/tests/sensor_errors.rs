@@ -1,4 +1,4 @@
-//! The simulated Kinect's errors against what is published about the real one.
+//! Tests of the simulated Kinect against published measurements of the real one.
 
 #![expect(clippy::unwrap_used, reason = "a set-up that fails fails its test")]
 
@@ -12,7 +12,7 @@ use rendering::kinect::{
     AxialNoise, BorderSpeckle, ColorResponse, DepthRange, DisparityQuantisation, EdgeFattening,
     KinectSensor, LateralNoise, ProjectorShadow, SensorModel, Shot, WeakSignal,
 };
-use rendering::{Error, Image, Instance, Lights, PreparedMesh, Rasterizer, Stage};
+use rendering::{Error, Image, Instance, Lights, PreparedMesh, Rasterizer, StaticScene};
 use synthetic::{TableScene, at, ball, cuboid, rectangle, with_surface};
 
 const CAMERA: PinholeCamera = PinholeCamera::KINECT_V1;
@@ -31,7 +31,7 @@ fn sense(image: &Image, model: SensorModel, frame_index: u64) -> Vec<Point> {
     points
 }
 
-/// A plane through (0, 0, z), turned about the vertical.
+/// Image of a plane through (0, 0, z), rotated about the vertical.
 fn plane(z_m: f64, angle_rad: f64) -> Image {
     let mesh = PreparedMesh::new(&rectangle(40.0, 40.0, 1, [200; 3]));
     let mut pose = at(0.0, 0.0, z_m);
@@ -47,7 +47,7 @@ fn table() -> Image {
     let scene = TableScene::new(8);
     let mut rasterizer = Rasterizer::new(CAMERA).unwrap();
     rasterizer
-        .prepare(&Stage {
+        .prepare(&StaticScene {
             world_from_camera: TableScene::world_from_camera(),
             lights: Lights::ROOM,
             background: &scene.background(),
@@ -56,7 +56,7 @@ fn table() -> Image {
     rasterizer.render(&scene.objects()).clone()
 }
 
-/// Bytes of points, so that NaN equals NaN.
+/// Bit patterns of points, so that NaN equals NaN.
 fn bytes(points: &[Point]) -> Vec<u32> {
     points
         .iter()
@@ -64,7 +64,7 @@ fn bytes(points: &[Point]) -> Vec<u32> {
         .collect()
 }
 
-/// Standard deviation of measured minus exact depth around the image's centre.
+/// Standard deviation of the depth error around the image centre, metres.
 fn sigma_m(image: &Image, model: SensorModel) -> f64 {
     let mut sensor = KinectSensor::new(CAMERA, model).unwrap();
     let mut points = vec![Point::default(); CAMERA.n_pixels()];
@@ -156,11 +156,11 @@ fn a_perfect_sensor_measures_exactly() {
     }
 }
 
-/// A change of a model.
-type Change = fn(&mut SensorModel);
+/// Modification of a sensor model.
+type ModelChange = fn(&mut SensorModel);
 
-/// Each term alone: on, and on without strength.
-const TERMS: [(&str, Change, Change); 9] = [
+/// Error terms: name, model with this term alone, and model with the term at strength 0.
+const TERMS: [(&str, ModelChange, ModelChange); 9] = [
     (
         "quantisation",
         |m| m.quantisation = Some(DisparityQuantisation::KINECT_V1),
@@ -284,7 +284,7 @@ fn a_shot_repeats_and_another_frame_or_seed_differs() {
         sensor.sense(&image, shot, &mut points).unwrap();
         bytes(&points)
     };
-    // The buffers of another picture leave no trace.
+    // The buffers of another image leave no trace.
     assert!(take(6) != first && take(5) == first);
 }
 

@@ -1,5 +1,5 @@
-//! What a simulated frame costs on one core: physics, the copy of the world that
-//! a late command needs, and the camera, with 1, 10 and 30 objects.
+//! Benchmarks of a simulated frame on one core, with 1, 10 and 30 objects: physics steps, the
+//! clone of the world that a late command needs, and the camera.
 
 use divan::{Bencher, black_box};
 use geometry::PinholeCamera;
@@ -9,14 +9,14 @@ use simulated_world::{
 };
 
 const N_OBJECTS: [usize; 3] = [1, 10, 30];
-/// Steps between two frames at 30 Hz.
+/// Physics steps between two frames at 30 Hz.
 const STEPS_PER_FRAME: u32 = STEPS_PER_SECOND / 30;
 
 fn main() {
     divan::main();
 }
 
-/// A table with an arm; 30 objects lie in a heap.
+/// World with an arm; 30 objects form a pile.
 fn world(n_objects: usize) -> World {
     let kind = if n_objects > 10 {
         SceneKind::Pile

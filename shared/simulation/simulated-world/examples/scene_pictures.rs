@@ -1,5 +1,5 @@
-//! Draws a generated scene: `scene_pictures KIND SEED FOLDER [SECONDS]` writes
-//! colour, depth, normals and mask of what the simulated Kinect sees.
+//! Draws a generated scene: `scene_pictures KIND SEED FOLDER [SECONDS]` writes colour, depth,
+//! normals and mask of the simulated Kinect's view.
 
 #![allow(clippy::print_stdout, reason = "an example talks")]
 use geometry::PinholeCamera;
@@ -75,7 +75,7 @@ fn write(
     Ok(())
 }
 
-/// Near red, far blue, black without depth.
+/// Depth colour scale: near is red, far is blue, missing depth is black.
 fn depth_color(z_m: f32) -> [u8; 3] {
     if !z_m.is_finite() {
         return [0; 3];

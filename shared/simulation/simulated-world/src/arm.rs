@@ -1,132 +1,102 @@
-//! The arm in the physics: it pushes what it meets, stops when it meets too
-//! much, and holds what its fingers close on well enough.
+//! Simulated arm: controller, physics bodies, collision stop and grasping.
 
-mod grip;
-mod protection;
+mod collision_guard;
+mod grasp;
 
-use crate::object_model::compound;
+use crate::arm_mount::ArmMount;
+use crate::object_model::compound_shape;
 use crate::physics::{BodyId, Physics, STEPS_PER_SECOND};
-use crate::world::SceneObject;
+use crate::scene_object::SceneObject;
 use arm_kinematics::{
-    Arm, ArmMotion, BodyPoses, Command, CommandState, HOME, JointVector, LinkMeshes, MotionState,
-    Path,
+    Arm, ArmController, BodyPoses, Command, CommandState, HOME, JointVector, LinkMeshes,
+    MotionState, PathKind,
 };
 use geometry::{Capsule, RigidTransform};
-use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use rapier3d::prelude::SharedShape;
 use std::sync::Arc;
 
-/// Share of the joints' greatest velocities in ordinary motion.
+/// Speed of ordinary motion, as a share of the maximum joint velocities. Chosen.
 const SPEED: f64 = 1.0;
-/// Share along straight lines, which lead to objects.
+/// Speed of straight-line motion, which leads to objects, as a share of the maximum joint
+/// velocities. Chosen.
 const LINE_SPEED: f64 = 0.5;
 
-/// Where the arm stands: its mounting plate.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ArmMount {
-    /// World frame, metres.
-    pub position_m: [f64; 3],
-    /// Direction it faces, degrees from world x.
-    pub yaw_deg: f64,
-}
-
-impl Default for ArmMount {
-    /// At the near left corner of the default table, facing its middle; folded,
-    /// the arm is out of the default camera's view.
-    fn default() -> Self {
-        Self {
-            position_m: [-0.44, -0.50, 0.70],
-            yaw_deg: 50.0,
-        }
-    }
-}
-
-impl ArmMount {
-    /// Pose of the base frame.
-    pub fn world_from_base(&self) -> RigidTransform {
-        RigidTransform::from_parts(
-            Translation3::from(Vector3::from(self.position_m)),
-            UnitQuaternion::from_axis_angle(&Vector3::z_axis(), self.yaw_deg.to_radians()),
-        )
-    }
-}
-
-/// What an arm can be told; poses in the world frame.
+/// Command to the simulated arm; poses in the world frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ArmCommand {
-    /// Bring the gripper to a pose.
+    /// Moves the gripper to a pose.
     MoveTo {
-        /// The gripper's pose: z forward, x closing.
+        /// Target pose of the gripper: z forward, x in the closing direction.
         world_from_gripper: RigidTransform,
-        /// Whether on a straight line.
+        /// True for a Cartesian straight line, false for joint-space interpolation.
         is_straight: bool,
     },
-    /// Bring the joints to angles, radians.
+    /// Moves the joints to given angles, radians.
     MoveJoints([f64; 6]),
-    /// Fold away.
+    /// Moves to the folded home position.
     Home,
-    /// Open wide and let go.
+    /// Opens the gripper wide and releases the held object.
     Open,
-    /// Close until the fingers hold something or meet.
+    /// Closes the gripper until the fingers hold an object or meet.
     Close,
-    /// Stand still at once.
+    /// Stops all motion at once.
     Stop,
 }
 
-/// How the arm is.
+/// Status of the simulated arm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ArmStatus {
-    /// What it does.
+    /// Controller state.
     pub motion: MotionState,
     /// Joint angles, radians.
     pub joint_angles_rad: [f64; 6],
-    /// Joint velocities, radians a second.
+    /// Joint velocities, rad/s.
     pub joint_velocities_rad_s: [f64; 6],
     /// Distance between the pads, metres.
     pub opening_m: f64,
-    /// Pose of the gripper.
+    /// Pose of the gripper, world frame.
     pub world_from_gripper: RigidTransform,
-    /// The object it holds.
+    /// Number of the held object.
     pub holds: Option<u16>,
-    /// The command that was given last; 0 before the first.
+    /// Identity of the last accepted command; 0 before the first one.
     pub command_id: u64,
-    /// Why the last command failed.
+    /// Failure message of the last command.
     pub failure: Option<String>,
 }
 
-/// What never changes of an arm.
+/// Constant geometry of the arm: meshes and collision shapes.
 #[derive(Debug)]
-pub(crate) struct ArmParts {
+pub(crate) struct ArmGeometry {
     pub(crate) meshes: LinkMeshes,
     shapes: Vec<SharedShape>,
 }
 
-/// An object between the fingers.
+/// Object held between the fingers.
 #[derive(Debug, Clone)]
-struct Gripped {
+struct GraspedObject {
     object: u16,
     body: BodyId,
     gripper_from_object: RigidTransform,
 }
 
-/// The arm while the world runs.
+/// Simulated arm in the running world.
 #[derive(Debug, Clone)]
 pub(crate) struct SimulatedArm {
-    pub(crate) parts: Arc<ArmParts>,
+    pub(crate) parts: Arc<ArmGeometry>,
     world_from_base: RigidTransform,
-    motion: ArmMotion,
-    /// Base and links, rail, fingers.
+    controller: ArmController,
+    /// Physics bodies: base and links, rail, fingers.
     bodies: Vec<BodyId>,
-    gripped: Option<Gripped>,
-    /// Commands so far, refused ones too.
+    grasped: Option<GraspedObject>,
+    /// Number of commands so far, including rejected ones.
     n_commands: u64,
     command_id: u64,
     failure: Option<String>,
-    guard: protection::Guard,
+    guard: collision_guard::CollisionGuard,
 }
 
 impl SimulatedArm {
-    /// Puts an arm into the physics, folded; `None` when its model is broken.
+    /// Adds a folded arm to the physics; `None` when a collision shape is empty.
     pub(crate) fn new(mount: &ArmMount, physics: &mut Physics) -> Option<Self> {
         let arm = Arm::jaco_like();
         let meshes = LinkMeshes::new(&arm);
@@ -134,43 +104,43 @@ impl SimulatedArm {
             .links
             .iter()
             .chain([&meshes.rail, &meshes.finger, &meshes.finger]);
-        let shapes = solids.map(|solid| compound(&solid.convex_parts));
+        let shapes = solids.map(|solid| compound_shape(&solid.convex_parts));
         let shapes = shapes.collect::<Option<Vec<_>>>()?;
-        let motion = ArmMotion::new(arm, JointVector::from(HOME)).ok()?;
+        let controller = ArmController::new(arm, JointVector::from(HOME)).ok()?;
         let world_from_base = mount.world_from_base();
-        let poses = in_world(&motion.body_poses(), &world_from_base);
+        let poses = in_world(&controller.body_poses(), &world_from_base);
         let bodies = shapes.iter().zip(&poses);
         let bodies = bodies
-            .map(|(shape, pose)| physics.add_moved(shape, pose))
+            .map(|(shape, pose)| physics.add_kinematic(shape, pose))
             .collect();
         Some(Self {
-            parts: Arc::new(ArmParts { meshes, shapes }),
+            parts: Arc::new(ArmGeometry { meshes, shapes }),
             world_from_base,
-            motion,
+            controller,
             bodies,
-            gripped: None,
+            grasped: None,
             n_commands: 0,
             command_id: 0,
             failure: None,
-            guard: protection::Guard::default(),
+            guard: collision_guard::CollisionGuard::default(),
         })
     }
 
-    /// Gives the arm a command, which replaces what is still being done; its
-    /// number is returned. One that is refused changes nothing.
+    /// Accepts a command that replaces the current one and returns its identity. A rejected
+    /// command changes nothing.
     pub(crate) fn command(&mut self, command: &ArmCommand) -> Result<u64, String> {
         self.n_commands += 1;
         let id = self.n_commands;
-        let told = match *command {
+        let joint_command = match *command {
             ArmCommand::MoveTo {
                 world_from_gripper,
                 is_straight,
             } => Command::MoveTo {
                 base_from_tool: self.world_from_base.inv_mul(&world_from_gripper),
                 path: if is_straight {
-                    Path::Straight
+                    PathKind::Linear
                 } else {
-                    Path::Joint
+                    PathKind::Joint
                 },
                 speed: if is_straight { LINE_SPEED } else { SPEED },
             },
@@ -183,13 +153,13 @@ impl SimulatedArm {
                 speed: SPEED,
             },
             ArmCommand::Open => Command::Open {
-                opening_m: self.motion.arm().gripper().max_opening_m,
+                opening_m: self.controller.arm().gripper().max_opening_m,
             },
             ArmCommand::Close => Command::Close,
             ArmCommand::Stop => Command::Stop,
         };
-        self.motion
-            .retarget(id, told)
+        self.controller
+            .retarget(id, joint_command)
             .map_err(|error| error.to_string())?;
         self.command_id = id;
         self.failure = None;
@@ -197,78 +167,78 @@ impl SimulatedArm {
         Ok(id)
     }
 
-    /// Goes on for one step, before the physics does.
+    /// Advances by one step; must be called before the physics step.
     pub(crate) fn step(&mut self, physics: &mut Physics, objects: &mut [SceneObject]) {
-        let before = self.motion.clone();
-        let touched = self.touched_by_both(physics);
-        // The physics sees no contact with what is held: it follows the hand.
-        let is_stopped = touched.is_some() || self.gripped.is_some();
-        self.motion
+        let before = self.controller.clone();
+        let touched = self.touched_by_both_fingers(physics);
+        // The physics has no contacts with a held object, since it follows the hand.
+        let is_stopped = touched.is_some() || self.grasped.is_some();
+        self.controller
             .step(1.0 / f64::from(STEPS_PER_SECOND), is_stopped);
-        self.take_over_failure();
-        if self.motion.state() == MotionState::Opening {
+        self.record_failure();
+        if self.controller.state() == MotionState::Opening {
             self.release(physics, objects);
         }
         if self.has_closed(&before) {
-            self.try_to_hold(touched, physics, objects);
+            self.try_grasp(touched, physics, objects);
         }
-        if let Some(sentence) = self.obstacle(&before, physics, objects) {
-            self.motion = before;
+        if let Some(sentence) = self.collision_message(&before, physics, objects) {
+            self.controller = before;
             self.halt(sentence);
         }
         self.follow(physics);
     }
 
-    /// Whether the fingers came to rest in this step after closing, with nothing
-    /// between them yet.
-    fn has_closed(&self, before: &ArmMotion) -> bool {
+    /// True if the fingers stopped in this step after closing and hold no object yet.
+    fn has_closed(&self, before: &ArmController) -> bool {
         before.state() == MotionState::Closing
-            && self.gripped.is_none()
-            && self.motion.command_state(self.command_id) == Some(CommandState::Done)
+            && self.grasped.is_none()
+            && self.controller.command_state(self.command_id) == Some(CommandState::Done)
     }
 
-    /// Stops for a reason that is told.
+    /// Stops the arm and records the reason as its failure.
     fn halt(&mut self, sentence: String) {
         self.n_commands += 1;
         let stopping = self.n_commands;
-        // Stopping can not be refused.
-        let _ = self.motion.submit(stopping, Command::Stop);
+        // A stop command is never rejected.
+        let _ = self.controller.submit(stopping, Command::Stop);
         self.failure = Some(sentence);
     }
 
-    fn take_over_failure(&mut self) {
+    fn record_failure(&mut self) {
         if self.failure.is_none()
-            && let Some(CommandState::Failed(error)) = self.motion.command_state(self.command_id)
+            && let Some(CommandState::Failed(error)) =
+                self.controller.command_state(self.command_id)
         {
             self.failure = Some(error.to_string());
         }
     }
 
-    /// Sends the bodies, and what is held, to where the joints are.
+    /// Moves the physics bodies and the held object to the current joint positions.
     fn follow(&self, physics: &mut Physics) {
         for (body, pose) in self.bodies.iter().zip(self.poses()) {
             physics.move_to(*body, &pose);
         }
-        if let Some(gripped) = &self.gripped {
-            let pose = self.world_from_gripper() * gripped.gripper_from_object;
-            physics.move_to(gripped.body, &pose);
+        if let Some(grasped) = &self.grasped {
+            let pose = self.world_from_gripper() * grasped.gripper_from_object;
+            physics.move_to(grasped.body, &pose);
         }
     }
 
     /// Poses of base and links, rail and fingers, world frame.
     pub(crate) fn poses(&self) -> [RigidTransform; 10] {
-        in_world(&self.motion.body_poses(), &self.world_from_base)
+        in_world(&self.controller.body_poses(), &self.world_from_base)
     }
 
     pub(crate) fn world_from_gripper(&self) -> RigidTransform {
-        self.world_from_base * self.motion.body_poses().base_from_tool
+        self.world_from_base * self.controller.body_poses().base_from_tool
     }
 
-    /// Capsules that contain the arm, world frame.
+    /// Bounding capsules of the arm, world frame.
     pub(crate) fn capsules(&self) -> Vec<Capsule> {
-        let joints = &self.motion.joints().angles_rad;
-        let opening_m = self.motion.gripper().opening_m();
-        let capsules = arm_kinematics::link_capsules(self.motion.arm(), joints, opening_m);
+        let joints = &self.controller.joints().angles_rad;
+        let opening_m = self.controller.gripper().opening_m();
+        let capsules = arm_kinematics::link_capsules(self.controller.arm(), joints, opening_m);
         capsules
             .iter()
             .map(|capsule| capsule.transformed(&self.world_from_base))
@@ -276,21 +246,21 @@ impl SimulatedArm {
     }
 
     pub(crate) fn status(&self) -> ArmStatus {
-        let joints = self.motion.joints();
-        // A command that was just given begins with the next step.
+        let joints = self.controller.joints();
+        // A newly accepted command starts with the next step.
         let is_accepted =
-            self.motion.command_state(self.command_id) == Some(CommandState::Accepted);
+            self.controller.command_state(self.command_id) == Some(CommandState::Accepted);
         ArmStatus {
             motion: if is_accepted {
                 MotionState::Moving
             } else {
-                self.motion.state()
+                self.controller.state()
             },
             joint_angles_rad: joints.angles_rad.into(),
             joint_velocities_rad_s: joints.velocities_rad_s.into(),
-            opening_m: self.motion.gripper().opening_m(),
+            opening_m: self.controller.gripper().opening_m(),
             world_from_gripper: self.world_from_gripper(),
-            holds: self.gripped.as_ref().map(|gripped| gripped.object),
+            holds: self.grasped.as_ref().map(|grasped| grasped.object),
             command_id: self.command_id,
             failure: self.failure.clone(),
         }

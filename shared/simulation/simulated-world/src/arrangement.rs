@@ -1,38 +1,43 @@
-//! Seeded generators: which objects, and where they stand or fall.
+//! Scene generators: random choice of objects and collision-free placement.
 
-use crate::chance;
 use crate::error::Error;
+use crate::furniture::{Bin, Table};
+use crate::model_choice::ModelChoice;
 use crate::object_model::ObjectModel;
-use crate::scene::{Bin, ModelChoice, Placing, SceneKind, Table};
+use crate::random_stream::{random_rotation, random_stream};
+use crate::scene::{Placing, SceneKind};
 use geometry::RigidTransform;
 use nalgebra::{Translation3, UnitQuaternion};
 use random::Random;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::path::PathBuf;
 
-/// Free space around an isolated object, metres; the second is taken when the
-/// first leaves no place.
+/// Free space around an isolated object, metres; the second value is used when the first leaves
+/// no room. Chosen.
 const GAPS_M: [f64; 2] = [0.06, 0.03];
-/// Distance of an isolated object from the table's rim, metres.
+/// Distance of an isolated object from the table's edge, metres. Chosen.
 const RIM_M: f64 = 0.05;
-/// Part of the table that the default camera sees well, half sides, metres.
+/// Half sides of the part of the table that the default camera sees well, metres.
 const IN_VIEW_HALF_M: [f64; 2] = [0.46, 0.30];
-/// Tries to find a place for one object.
+/// Number of tries of rejection sampling per object. Chosen.
 const N_TRIES: usize = 400;
-/// How far from the middle the objects of a pile are let go, metres.
+/// Radius of the disc over which the objects of a pile are dropped, metres. Chosen.
 const PILE_REACH_M: f64 = 0.05;
-/// Height over the table from which objects are let go, metres.
+/// Drop height of the objects of a pile above the table, metres. Chosen.
 const PILE_DROP_M: f64 = 0.30;
+/// Drop height of the objects of a bin above the table, metres. Chosen.
 const BIN_DROP_M: f64 = 0.36;
 
-/// Purposes of random streams.
-const CHOOSE: u64 = 1;
-const PLACE: u64 = 2;
+/// Random stream of the choice of models.
+const STREAM_MODELS: u64 = 1;
+/// Random stream of the placements.
+const STREAM_PLACEMENT: u64 = 2;
 
-/// Chooses `n_objects` of the categories, each once before one comes twice.
+/// Chooses `n_objects` random categories, each once before any is repeated, with random
+/// instances.
 pub(crate) fn choose(categories: &[&str], n_objects: usize, seed: u64) -> Vec<ModelChoice> {
-    let mut random = chance::stream(seed, CHOOSE);
-    let chosen = in_turn(categories, n_objects, &mut random);
+    let mut random = random_stream(seed, STREAM_MODELS);
+    let chosen = sample_in_rounds(categories, n_objects, &mut random);
     chosen
         .into_iter()
         .map(|category| ModelChoice::Generated {
@@ -42,13 +47,13 @@ pub(crate) fn choose(categories: &[&str], n_objects: usize, seed: u64) -> Vec<Mo
         .collect()
 }
 
-/// Chooses `n_objects` of the model files, each once before one comes twice.
+/// Chooses `n_objects` random model files, each once before any is repeated.
 pub(crate) fn choose_files(files: &[PathBuf], n_objects: usize, seed: u64) -> Vec<ModelChoice> {
-    let chosen = in_turn(files, n_objects, &mut chance::stream(seed, CHOOSE));
+    let chosen = sample_in_rounds(files, n_objects, &mut random_stream(seed, STREAM_MODELS));
     chosen.into_iter().map(ModelChoice::File).collect()
 }
 
-fn in_turn<T: Clone>(items: &[T], n: usize, random: &mut Random) -> Vec<T> {
+fn sample_in_rounds<T: Clone>(items: &[T], n: usize, random: &mut Random) -> Vec<T> {
     let mut left: Vec<T> = Vec::new();
     let mut chosen = Vec::new();
     while chosen.len() < n && !items.is_empty() {
@@ -60,11 +65,11 @@ fn in_turn<T: Clone>(items: &[T], n: usize, random: &mut Random) -> Vec<T> {
     chosen
 }
 
-/// Places for the models, by the kind of scene. A set table says itself what
-/// stands on it, see [`set_table`].
+/// Placements of the models by the kind of scene. Set tables with generated models use
+/// [`set_table`] instead.
 ///
 /// # Errors
-/// When isolated objects do not find a place each.
+/// [`Error::NoRoom`] when isolated objects do not all fit onto the table.
 pub(crate) fn place(
     kind: SceneKind,
     models: &[&ObjectModel],
@@ -72,24 +77,30 @@ pub(crate) fn place(
     bin: Option<&Bin>,
     seed: u64,
 ) -> Result<Vec<Placing>, Error> {
-    let mut random = chance::stream(seed, PLACE);
+    let mut random = random_stream(seed, STREAM_PLACEMENT);
     match kind {
         SceneKind::Isolated | SceneKind::SetTable => isolated(models, table, &mut random),
-        SceneKind::Pile => Ok(thrown(models.len(), table, PILE_DROP_M, &mut random, |r| {
-            let (angle, reach) = (r.between(0.0, TAU), PILE_REACH_M * r.unit().sqrt());
-            [reach * angle.cos(), reach * angle.sin()]
-        })),
+        SceneKind::Pile => Ok(dropped(
+            models.len(),
+            table,
+            PILE_DROP_M,
+            &mut random,
+            |r| {
+                let (angle, reach) = (r.between(0.0, TAU), PILE_REACH_M * r.unit().sqrt());
+                [reach * angle.cos(), reach * angle.sin()]
+            },
+        )),
         SceneKind::Bin => {
             let inner_size_m = bin.copied().unwrap_or_default().inner_size_m;
             let [x, y, _] = inner_size_m.map(|side| side * 0.25);
-            Ok(thrown(models.len(), table, BIN_DROP_M, &mut random, |r| {
+            Ok(dropped(models.len(), table, BIN_DROP_M, &mut random, |r| {
                 [r.between(-x, x), r.between(-y, y)]
             }))
         }
     }
 }
 
-fn thrown(
+fn dropped(
     n_objects: usize,
     table: &Table,
     drop_m: f64,
@@ -101,7 +112,7 @@ fn thrown(
             let [x, y] = spot(random);
             let position = Translation3::new(x, y, table.height_m + drop_m);
             Placing::Dropped {
-                world_from_object: RigidTransform::from_parts(position, chance::rotation(random)),
+                world_from_object: RigidTransform::from_parts(position, random_rotation(random)),
             }
         })
         .collect()
@@ -114,7 +125,7 @@ fn isolated(
 ) -> Result<Vec<Placing>, Error> {
     let mut most = 0;
     for gap_m in GAPS_M {
-        let places = apart(models, table, gap_m, random);
+        let places = place_apart(models, table, gap_m, random);
         if places.len() == models.len() {
             return Ok(places);
         }
@@ -126,8 +137,14 @@ fn isolated(
     })
 }
 
-/// Places the largest objects first, as many as fit; in the models' order.
-fn apart(models: &[&ObjectModel], table: &Table, gap_m: f64, random: &mut Random) -> Vec<Placing> {
+/// Places as many isolated objects as fit, the largest first; returns placements in the models'
+/// order.
+fn place_apart(
+    models: &[&ObjectModel],
+    table: &Table,
+    gap_m: f64,
+    random: &mut Random,
+) -> Vec<Placing> {
     let radii: Vec<f64> = models.iter().map(|m| m.footprint_radius_m()).collect();
     let mut order: Vec<usize> = (0..models.len()).collect();
     order.sort_by(|&a, &b| radii[b].total_cmp(&radii[a]));
@@ -146,8 +163,8 @@ fn apart(models: &[&ObjectModel], table: &Table, gap_m: f64, random: &mut Random
     places.into_iter().flatten().collect()
 }
 
-/// A place for a disc of `radius_m`, at least `gap_m` from the taken ones and
-/// in the part of the table that is seen well.
+/// Rejection sampling of a free position for a disc of `radius_m`, at least `gap_m` from the
+/// taken discs and in the part of the table that the camera sees well.
 pub(crate) fn free_spot(
     taken: &[([f64; 2], f64)],
     radius_m: f64,
@@ -171,19 +188,20 @@ pub(crate) fn free_spot(
     })
 }
 
-/// A laid table: covers along the long sides, and what is shared between them.
-/// Categories that are not among those given are left out.
+/// Set table: place settings along the long sides and shared objects between them. Categories
+/// that are not in `categories` are left out.
 pub(crate) fn set_table(
     categories: &[&str],
     n_objects: usize,
     seed: u64,
 ) -> Vec<(ModelChoice, Placing)> {
-    let mut random = chance::stream(seed, PLACE);
+    let mut random = random_stream(seed, STREAM_PLACEMENT);
     let family = random.next_u64() % 1000;
     let mut laid = Vec::new();
-    let n_seats = (n_objects.saturating_sub(SHARED.len()) / COVER.len()).clamp(1, SEATS.len());
+    let n_seats =
+        (n_objects.saturating_sub(SHARED.len()) / PLACE_SETTING.len()).clamp(1, SEATS.len());
     for (x, y, turn) in SEATS.into_iter().take(n_seats) {
-        for (category, across, along, yaw_rad) in COVER {
+        for (category, across, along, yaw_rad) in PLACE_SETTING {
             let (sin, cos) = f64::sin_cos(turn);
             let spot = [
                 x + across * cos - along * sin,
@@ -214,7 +232,7 @@ pub(crate) fn set_table(
         .collect()
 }
 
-/// Middles of the covers, and the way they are turned.
+/// Positions (x, y) in metres and yaw in radians of the place settings.
 const SEATS: [(f64, f64, f64); 4] = [
     (-0.25, -0.17, 0.0),
     (0.25, -0.17, 0.0),
@@ -222,8 +240,9 @@ const SEATS: [(f64, f64, f64); 4] = [
     (-0.25, 0.19, PI),
 ];
 
-/// One cover: category, place to the right of and beyond the plate's middle, turn.
-const COVER: [(&str, f64, f64, f64); 5] = [
+/// Place setting: category, offset to the right of and beyond the plate's middle in metres, yaw
+/// in radians.
+const PLACE_SETTING: [(&str, f64, f64, f64); 5] = [
     ("plate", 0.0, 0.0, 0.0),
     ("fork", -0.155, 0.0, FRAC_PI_2),
     ("knife", 0.150, 0.0, FRAC_PI_2),
@@ -231,7 +250,7 @@ const COVER: [(&str, f64, f64, f64); 5] = [
     ("mug", 0.13, 0.17, 0.4),
 ];
 
-/// What stands between the covers.
+/// Shared objects between the place settings: category and position in metres.
 const SHARED: [(&str, [f64; 2]); 4] = [
     ("vase", [0.0, 0.08]),
     ("bottle", [-0.07, -0.04]),
@@ -239,7 +258,7 @@ const SHARED: [(&str, [f64; 2]); 4] = [
     ("bowl", [0.0, -0.20]),
 ];
 
-/// The pose of an object that stands with its bounding box `lift_m` over the table.
+/// Pose of an upright object whose bounding box is `lift_m` above the table.
 pub(crate) fn upright_pose(
     model: &ObjectModel,
     table: &Table,

@@ -1,69 +1,53 @@
-//! What can be wrong with a scene or a model.
+//! Errors of scenes and object models.
 
 use std::path::PathBuf;
 
-/// Why a simulated table can not be set up.
-#[derive(Debug)]
+/// Invalid scene, model or file.
+#[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A file can not be read.
+    /// A file cannot be read.
+    #[error("{} can not be read: {cause}", path.display())]
     Unreadable {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Why.
+        /// Cause.
         cause: String,
     },
-    /// A scene file says something that can not be.
+    /// A value of a scene is invalid.
+    #[error("the scene's {place}: {rule}")]
     Scene {
-        /// Where in the scene: `[table] size_m`.
+        /// Key in the scene: `[table] size_m`.
         place: String,
-        /// The rule it breaks.
+        /// Violated rule.
         rule: String,
     },
-    /// A model can not be used.
+    /// A model cannot be used.
+    #[error("the model {name} can not be used: {cause}")]
     Model {
-        /// The model's file or name.
+        /// File or name of the model.
         name: String,
-        /// Why.
+        /// Cause.
         cause: String,
     },
-    /// There is no such category of generated objects.
+    /// Unknown category of generated objects.
+    #[error(
+        "there is no generated category `{category}`; \
+         `tabula simulate categories` lists those there are"
+    )]
     UnknownCategory {
-        /// What was asked for.
+        /// Requested category.
         category: String,
     },
-    /// Not all objects find a place.
+    /// Not all objects fit onto the table.
+    #[error(
+        "only {n_placed} of {n_objects} objects find a place apart from each other; \
+         ask for fewer, for a larger table, or for a pile"
+    )]
     NoRoom {
-        /// How many were asked for.
+        /// Number of requested objects.
         n_objects: usize,
-        /// How many found a place.
+        /// Number of placed objects.
         n_placed: usize,
     },
 }
-
-impl std::fmt::Display for Error {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Unreadable { path, cause } => {
-                write!(f, "{} can not be read: {cause}", path.display())
-            }
-            Self::Scene { place, rule } => write!(f, "the scene's {place}: {rule}"),
-            Self::Model { name, cause } => write!(f, "the model {name} can not be used: {cause}"),
-            Self::UnknownCategory { category } => write!(
-                f,
-                "there is no generated category `{category}`; \
-                 `tabula simulate categories` lists those there are"
-            ),
-            Self::NoRoom {
-                n_objects,
-                n_placed,
-            } => write!(
-                f,
-                "only {n_placed} of {n_objects} objects find a place apart from each other; \
-                 ask for fewer, for a larger table, or for a pile"
-            ),
-        }
-    }
-}
-
-impl std::error::Error for Error {}

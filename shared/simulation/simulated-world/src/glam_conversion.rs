@@ -1,4 +1,4 @@
-//! Between the physics engine's transforms (glam, single precision) and ours.
+//! Conversions between nalgebra transforms and the physics engine's single-precision glam types.
 
 use geometry::RigidTransform;
 use nalgebra::{Point3, Quaternion, Translation3, UnitQuaternion, Vector3};

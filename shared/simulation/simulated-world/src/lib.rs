@@ -1,42 +1,68 @@
-//! The simulated table: physics scene, simulated Kinect, arm, hand, ground truth.
+//! Simulated table: physics scene, Kinect, arm, person and ground truth.
 //!
-//! World frame: z up, origin on the floor under the middle of the table. A
-//! [`Scene`] says what stands where; a [`World`] made from it advances in fixed
-//! steps of 1/120 s; the same scene, seed and commands give the same world to
-//! the bit.
+//! World frame: z up, origin on the floor under the middle of the table. A [`Scene`] describes
+//! the objects and their placement; a [`World`] made from it advances in fixed steps of 1/120 s.
+//! The same scene, seed and commands give the same world to the bit.
 //!
-//! This crate never reads a clock, never logs, never starts a thread, and reads
-//! files only where a function takes a path.
+//! ```
+//! use geometry::PinholeCamera;
+//! use point_cloud::Point;
+//! use simulated_world::{ModelLibrary, Scene, SceneKind, SimulatedKinect, World};
+//!
+//! let mut library = ModelLibrary::generated();
+//! let scene = Scene::generate(SceneKind::Isolated, 2, 1, &mut library)?;
+//! let mut world = World::new(scene, library)?;
+//! world.step();
+//! let camera = PinholeCamera::KINECT_V1;
+//! let mut kinect = SimulatedKinect::new(&world, camera)?;
+//! let mut points = vec![Point::default(); camera.n_pixels()];
+//! let truth = kinect.look(&world, 0, &mut points)?;
+//! assert_eq!(truth.len(), 2);
+//! assert!(truth.iter().all(|object| object.visible_fraction() > 0.5));
+//! # Ok::<(), simulated_world::Error>(())
+//! ```
+//!
+//! Invariants: this crate never reads a clock, never logs, never starts a thread, and reads files
+//! only in functions that take a path.
 
+mod action;
 mod arm;
+mod arm_mount;
 mod arrangement;
-mod chance;
+mod camera_mount;
 mod error;
+mod furniture;
 mod glam_conversion;
+mod ground_truth;
+mod model_choice;
 mod model_file;
 mod model_library;
 mod object_model;
 mod person;
 mod physics;
+mod random_stream;
 mod room;
 mod scene;
 mod scene_file;
+mod scene_object;
 mod simulated_kinect;
-mod truth;
 mod world;
 
-pub use arm::{ArmCommand, ArmMount, ArmStatus};
+pub use action::{Action, PersonPlan, TimedAction};
+pub use arm::{ArmCommand, ArmStatus};
 pub use arm_kinematics::MotionState;
-pub use chance::stream as random_stream;
+pub use arm_mount::ArmMount;
+pub use camera_mount::CameraMount;
 pub use error::Error;
+pub use furniture::{Bin, Table};
+pub use ground_truth::{ARM_ID, PERSON_ID, TrueObject, truth_json};
+pub use model_choice::{ModelChoice, ModelSource};
 pub use model_library::{ModelLibrary, category_names};
-pub use object_model::{ObjectModel, Origin};
-pub use person::{Action, PersonPlan, TimedAction};
+pub use object_model::{ModelOrigin, ObjectModel};
 pub use physics::{STEP_NS, STEPS_PER_SECOND};
-pub use scene::{
-    Bin, CameraMount, ModelChoice, ModelSource, ObjectPlan, Placing, Scene, SceneKind, Table,
-};
+pub use random_stream::random_stream;
+pub use scene::{ObjectPlan, Placing, Scene, SceneKind};
 pub use scene_file::MOST_OBJECTS;
+pub use scene_object::{ObjectState, SceneObject};
 pub use simulated_kinect::SimulatedKinect;
-pub use truth::{ARM_ID, PERSON_ID, TrueObject, truth_json};
-pub use world::{ObjectState, SceneObject, World};
+pub use world::World;

@@ -1,36 +1,40 @@
-//! Models from PLY and OBJ files, checked before they are used.
+//! Import of PLY and OBJ models: validation, scaling and convex decomposition.
 
 use crate::error::Error;
 use crate::glam_conversion::point_to_glam;
-use crate::object_model::{ObjectModel, Origin, compound, half_sides};
+use crate::object_model::{ModelOrigin, ObjectModel, compound_shape, half_sides};
 use mesh::{ConvexPart, Surface, Triangle, TriangleMesh, Vertex};
 use nalgebra::{Point3, Vector3};
 use rapier3d::parry::transformation::vhacd::{VHACD, VHACDParameters};
 use std::path::{Path, PathBuf};
 
-/// Most triangles that are drawn and dropped; finer models are made coarser.
+/// Greatest number of triangles of a model; finer meshes are decimated. Chosen.
 const TRIANGLES_MAX: usize = 20_000;
-/// Triangles of the model that is taken apart for the physics.
+/// Number of triangles of the mesh that is decomposed into convex parts. Chosen.
 const TRIANGLES_FOR_PARTS: usize = 2_000;
-/// Objects are this large in metres; other files have another unit.
+/// Least longest side of an object in metres; smaller or larger meshes are taken to have another
+/// unit. Chosen.
 const SIDE_MIN_M: f32 = 0.005;
+/// Greatest longest side of an object, metres. Chosen.
 const SIDE_MAX_M: f32 = 2.0;
-/// Files are in millimetres when their object is this large in their unit.
+/// Least longest side of an object in millimetres. Chosen.
 const SIDE_MIN_IN_MM: f32 = 10.0;
-/// Thinner than this share of its longest side it is no object.
+/// Least ratio of the shortest to the longest side; thinner meshes are rejected as flat. Chosen.
 const FLAT_SHARE: f32 = 1e-3;
-/// Edges sharper than this are shown as edges.
+/// Crease angle: sharper edges keep separate normals, radians. Chosen.
 const CREASE_RAD: f32 = 0.9;
-/// Mass of what fills the parts: most things are hollow, kilograms a cubic metre.
+/// Mean density of the convex parts, kg/m³; most objects are hollow. Chosen.
 const DENSITY_KG_M3: f64 = 300.0;
+/// Limits of the estimated mass, kilograms. Chosen.
 const MASS_RANGE_KG: [f64; 2] = [0.01, 3.0];
+/// Coulomb friction coefficient of imported models. Chosen.
 const FRICTION: f64 = 0.5;
-/// Cells along the longest side when a model is taken apart, and the hollow that
-/// is left undivided, as a share of its size.
+/// Voxel resolution of the convex decomposition along the longest side. Chosen.
 const PARTS_RESOLUTION: u32 = 32;
+/// Concavity that is left undivided, as a share of the size. Chosen.
 const PARTS_CONCAVITY: f32 = 0.02;
 
-/// Model files of a folder in their natural order.
+/// Model files of a folder in natural order.
 pub(crate) fn list(folder: &Path) -> Result<Vec<PathBuf>, Error> {
     let models = dataset::models::list(folder).map_err(|error| Error::Unreadable {
         path: folder.to_owned(),
@@ -39,23 +43,23 @@ pub(crate) fn list(folder: &Path) -> Result<Vec<PathBuf>, Error> {
     Ok(models.into_iter().map(|model| model.path).collect())
 }
 
-/// Reads a model, brings it to metres and to its middle, and takes it apart for
-/// the physics. What was changed is added to `notes`, one sentence each.
+/// Imports a model: scales it to metres, centres it and decomposes it into convex parts. Adds one
+/// sentence per change to `notes`.
 ///
 /// # Errors
-/// When the file can not be read, or what it holds is no object.
+/// [`Error::Unreadable`] or [`Error::Model`] for an unusable file.
 pub(crate) fn open(path: &Path, notes: &mut Vec<String>) -> Result<ObjectModel, Error> {
     let read = dataset::models::open(path).map_err(|error| Error::Unreadable {
         path: path.to_owned(),
         cause: error.to_string(),
     })?;
-    let (category, name) = names(path);
+    let (category, name) = category_and_name(path);
     let wrong = |cause: String| Error::Model {
         name: path.display().to_string(),
         cause,
     };
     let note = |text: String| format!("the model {name}: {text}");
-    let mesh = sound_faces(&read);
+    let mesh = valid_faces(&read);
     if mesh.triangles.is_empty() {
         return Err(wrong(
             "it has no faces; export it as a triangle mesh".into(),
@@ -81,13 +85,14 @@ pub(crate) fn open(path: &Path, notes: &mut Vec<String>) -> Result<ObjectModel, 
     notes.extend(surface_faults(&mesh).into_iter().map(note));
     mesh.recentre();
     mesh.smooth_normals(CREASE_RAD);
-    let parts = parts(&mesh);
-    let shape = compound(&parts).ok_or_else(|| wrong("none of its parts has a volume".into()))?;
+    let parts = convex_decomposition(&mesh);
+    let shape =
+        compound_shape(&parts).ok_or_else(|| wrong("none of its parts has a volume".into()))?;
     let volume_m3 = f64::from(shape.mass_properties(1.0).mass());
     Ok(ObjectModel {
         category,
         name: name.clone(),
-        origin: Origin::File(path.to_owned()),
+        origin: ModelOrigin::File(path.to_owned()),
         half_sides_m: half_sides(&mesh),
         mass_kg: (volume_m3 * DENSITY_KG_M3).clamp(MASS_RANGE_KG[0], MASS_RANGE_KG[1]),
         friction: FRICTION,
@@ -96,7 +101,7 @@ pub(crate) fn open(path: &Path, notes: &mut Vec<String>) -> Result<ObjectModel, 
     })
 }
 
-/// What a closed surface would not have.
+/// Surface defects: open and non-manifold edges, one sentence each.
 fn surface_faults(mesh: &TriangleMesh) -> Vec<String> {
     let found = mesh.examination();
     let mut faults = Vec::new();
@@ -115,9 +120,9 @@ fn surface_faults(mesh: &TriangleMesh) -> Vec<String> {
     faults
 }
 
-/// Category and name of `025_mug.ply`: `mug` and `025_mug`. A category's name
-/// consists of lower case letters, digits and hyphens, as everywhere.
-pub(crate) fn names(path: &Path) -> (String, String) {
+/// Category and name of a model file: `mug` and `025_mug` for `025_mug.ply`. A category name
+/// consists of lower case letters, digits and hyphens.
+pub(crate) fn category_and_name(path: &Path) -> (String, String) {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let numbered = stem.split_once('_');
     let bare = numbered.filter(|(number, _)| number.starts_with(|c: char| c.is_ascii_digit()));
@@ -132,8 +137,8 @@ pub(crate) fn names(path: &Path) -> (String, String) {
     (bare.chars().map(plain).collect(), stem.into_owned())
 }
 
-/// The faces with an area whose corners are there and finite.
-fn sound_faces(read: &dataset::mesh::Mesh) -> TriangleMesh {
+/// Mesh of the valid faces: existing, finite corners and a positive area.
+fn valid_faces(read: &dataset::mesh::Mesh) -> TriangleMesh {
     let vertices = read.vertices.iter().map(|point| Vertex {
         position: Point3::new(point.x, point.y, point.z),
         normal: Vector3::z(),
@@ -164,7 +169,7 @@ fn sound_faces(read: &dataset::mesh::Mesh) -> TriangleMesh {
     }
 }
 
-/// Scales what is written in millimetres; says so.
+/// Scales a mesh in millimetres to metres and returns a note about it.
 fn to_metres(mesh: &mut TriangleMesh) -> Result<Option<String>, String> {
     let sides = mesh
         .examination()
@@ -187,8 +192,8 @@ fn to_metres(mesh: &mut TriangleMesh) -> Result<Option<String>, String> {
     ))
 }
 
-/// Convex parts for the physics (Mamou 2016, volumetric convex decomposition).
-fn parts(mesh: &TriangleMesh) -> Vec<ConvexPart> {
+/// Convex decomposition for the physics (Mamou 2016, volumetric).
+fn convex_decomposition(mesh: &TriangleMesh) -> Vec<ConvexPart> {
     let coarse = mesh.decimated(TRIANGLES_FOR_PARTS);
     let points: Vec<_> = coarse
         .vertices

@@ -1,24 +1,24 @@
-//! Models by name, each loaded once.
+//! Cached library of object models.
 
 use crate::error::Error;
+use crate::model_choice::{ModelChoice, ModelSource};
 use crate::object_model::ObjectModel;
-use crate::scene::{ModelChoice, ModelSource};
 use crate::{arrangement, model_file};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// The models of a scene and those a person could bring.
+/// Library of the models of a scene and those that a person could bring.
 #[derive(Debug, Clone)]
 pub struct ModelLibrary {
     source: ModelSource,
-    /// Files of a model folder.
+    /// Model files of the folder.
     files: Arc<[PathBuf]>,
     loaded: Vec<(ModelChoice, Arc<ObjectModel>)>,
     notes: Vec<String>,
 }
 
 impl ModelLibrary {
-    /// The generated household objects.
+    /// Library of the generated household objects.
     pub fn generated() -> Self {
         Self {
             source: ModelSource::Generated,
@@ -28,10 +28,10 @@ impl ModelLibrary {
         }
     }
 
-    /// The models of a source.
+    /// Opens the library of a model source.
     ///
     /// # Errors
-    /// When a folder can not be read or holds no model.
+    /// [`Error::Unreadable`] for a folder that cannot be read or has no models.
     pub fn open(source: &ModelSource) -> Result<Self, Error> {
         let mut library = Self::generated();
         if let ModelSource::Folder(folder) = source {
@@ -41,13 +41,13 @@ impl ModelLibrary {
         Ok(library)
     }
 
-    /// Where the models come from.
+    /// Source of the models.
     pub fn source(&self) -> &ModelSource {
         &self.source
     }
 
-    /// All models: of each generated category so many instances, which another
-    /// seed makes others; of a folder every file.
+    /// All models: `n_instances` of each generated category, which depend on the seed, or every
+    /// file of a folder.
     pub fn all(&self, n_instances: u64, seed: u64) -> Vec<ModelChoice> {
         match self.source {
             ModelSource::Generated => category_names()
@@ -63,7 +63,7 @@ impl ModelLibrary {
         }
     }
 
-    /// Chooses `n_models`, each category or file once before one comes twice.
+    /// Chooses `n_models` at random, each category or file once before any is repeated.
     pub fn choose(&self, n_models: usize, seed: u64) -> Vec<ModelChoice> {
         match self.source {
             ModelSource::Generated => arrangement::choose(&category_names(), n_models, seed),
@@ -71,27 +71,27 @@ impl ModelLibrary {
         }
     }
 
-    /// The model of a choice.
+    /// Loads a model and caches it.
     ///
     /// # Errors
-    /// When there is no such category or the file can not be used.
+    /// [`Error::UnknownCategory`], or an error of an unusable file.
     pub fn load(&mut self, choice: &ModelChoice) -> Result<Arc<ObjectModel>, Error> {
         if let Some(model) = self.loaded(choice) {
             return Ok(model);
         }
-        let model = Arc::new(make(choice, &mut self.notes)?);
+        let model = Arc::new(load_model(choice, &mut self.notes)?);
         self.loaded.push((choice.clone(), Arc::clone(&model)));
         Ok(model)
     }
 
-    /// The model of a choice, which is not kept.
+    /// Loads a model without caching it.
     ///
     /// # Errors
-    /// As [`load`](Self::load).
-    pub(crate) fn look_at(&self, choice: &ModelChoice) -> Result<Arc<ObjectModel>, Error> {
+    /// As for [`load`](Self::load).
+    pub(crate) fn load_uncached(&self, choice: &ModelChoice) -> Result<Arc<ObjectModel>, Error> {
         match self.loaded(choice) {
             Some(model) => Ok(model),
-            None => make(choice, &mut Vec::new()).map(Arc::new),
+            None => load_model(choice, &mut Vec::new()).map(Arc::new),
         }
     }
 
@@ -100,13 +100,13 @@ impl ModelLibrary {
         Some(Arc::clone(model))
     }
 
-    /// What was noticed about model files, one sentence each; given once.
+    /// Takes the accumulated notes about model files, one sentence each.
     pub fn take_notes(&mut self) -> Vec<String> {
         std::mem::take(&mut self.notes)
     }
 }
 
-fn make(choice: &ModelChoice, notes: &mut Vec<String>) -> Result<ObjectModel, Error> {
+fn load_model(choice: &ModelChoice, notes: &mut Vec<String>) -> Result<ObjectModel, Error> {
     match choice {
         ModelChoice::Generated { category, instance } => {
             ObjectModel::generated(category, *instance)

@@ -1,4 +1,4 @@
-//! One object as the simulation needs it: to be drawn and to be dropped.
+//! Object model: mesh, mass, friction and collision shape.
 
 use crate::error::Error;
 use crate::glam_conversion::point_to_glam;
@@ -8,38 +8,38 @@ use rapier3d::math::Pose;
 use rapier3d::prelude::SharedShape;
 use std::path::PathBuf;
 
-/// Where a model comes from.
+/// Origin of a model.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Origin {
-    /// A generated instance of a category.
+pub enum ModelOrigin {
+    /// Generated instance of a category.
     Generated {
-        /// Number of the instance.
+        /// Instance number.
         instance: u64,
     },
-    /// A file.
+    /// Model file.
     File(PathBuf),
 }
 
-/// An object: how it looks, what it weighs, how it collides.
+/// Object model for rendering and physics.
 ///
-/// Frame: origin in the middle of the bounding box, z up as it naturally stands.
+/// Frame: origin in the middle of the bounding box, z up in the natural upright pose.
 #[derive(Clone)]
 pub struct ObjectModel {
-    /// Category: `mug`.
+    /// Category name: `mug`.
     pub category: String,
-    /// Name that tells instances apart: `mug-3`.
+    /// Unique name of the instance: `mug-3`.
     pub name: String,
-    /// Where it comes from.
-    pub origin: Origin,
-    /// Surface.
+    /// Origin of the model.
+    pub origin: ModelOrigin,
+    /// Surface mesh.
     pub mesh: TriangleMesh,
     /// Half sides of the bounding box, metres.
     pub half_sides_m: Vector3<f64>,
     /// Mass, kilograms.
     pub mass_kg: f64,
-    /// Coulomb's coefficient of friction.
+    /// Coulomb friction coefficient.
     pub friction: f64,
-    /// What the physics sees.
+    /// Collision shape.
     pub(crate) shape: SharedShape,
 }
 
@@ -53,24 +53,24 @@ impl std::fmt::Debug for ObjectModel {
 }
 
 impl ObjectModel {
-    /// A generated object; the same numbers give the same object.
+    /// Generated object; the same category and instance give the same object.
     ///
     /// # Errors
-    /// When there is no such category.
+    /// [`Error::UnknownCategory`].
     pub fn generated(category: &str, instance: u64) -> Result<Self, Error> {
         let known = household::category(category).ok_or_else(|| Error::UnknownCategory {
             category: category.to_owned(),
         })?;
         let object = household::generate(known, instance);
         let name = format!("{category}-{instance}");
-        let shape = compound(&object.convex_parts).ok_or_else(|| Error::Model {
+        let shape = compound_shape(&object.convex_parts).ok_or_else(|| Error::Model {
             name: name.clone(),
             cause: "none of its parts has a volume".into(),
         })?;
         Ok(Self {
             category: category.to_owned(),
             name,
-            origin: Origin::Generated { instance },
+            origin: ModelOrigin::Generated { instance },
             half_sides_m: half_sides(&object.mesh),
             mesh: object.mesh,
             mass_kg: object.mass_kg.into(),
@@ -79,14 +79,15 @@ impl ObjectModel {
         })
     }
 
-    /// Radius of the smallest upright cylinder around the middle that holds it, metres.
+    /// Footprint radius: radius of the smallest upright cylinder around the middle that contains
+    /// the object, metres.
     pub fn footprint_radius_m(&self) -> f64 {
         let reach = |v: &mesh::Vertex| v.position.x.hypot(v.position.y);
         f64::from(self.mesh.vertices.iter().map(reach).fold(0.0, f32::max))
     }
 }
 
-/// Half of the bounding box's sides; the mesh is centred.
+/// Half sides of the bounding box of a centred mesh, metres.
 pub(crate) fn half_sides(mesh: &TriangleMesh) -> Vector3<f64> {
     let mut half = Vector3::<f32>::zeros();
     for vertex in &mesh.vertices {
@@ -95,8 +96,8 @@ pub(crate) fn half_sides(mesh: &TriangleMesh) -> Vector3<f64> {
     half.cast()
 }
 
-/// The parts as one shape; parts without a volume are left out, `None` when none is left.
-pub(crate) fn compound(parts: &[ConvexPart]) -> Option<SharedShape> {
+/// Compound shape of convex parts; parts without a volume are left out. `None` when none is left.
+pub(crate) fn compound_shape(parts: &[ConvexPart]) -> Option<SharedShape> {
     let hulls: Vec<_> = parts
         .iter()
         .filter_map(|part| {

@@ -1,7 +1,7 @@
-//! Rigid bodies under gravity (rapier3d).
+//! Rigid body physics under gravity (rapier3d).
 //!
-//! A body is known by its handle; poses are `world_from_body`. Cloning gives a
-//! world that goes on exactly as this one does.
+//! Bodies are identified by handles; poses are `world_from_body`. A clone continues exactly as
+//! the original does.
 
 use crate::glam_conversion::{pose_from_glam, pose_to_glam, vector_from_glam, vector_to_glam};
 use geometry::RigidTransform;
@@ -14,36 +14,41 @@ use rapier3d::prelude::{
     RigidBodyHandle, RigidBodySet, RigidBodyType, SharedShape, SoftBodySet,
 };
 
-/// Steps of the physics in a second.
+/// Number of physics steps per second.
 pub const STEPS_PER_SECOND: u32 = 120;
-/// One step, nanoseconds, rounded down.
+/// Duration of one step, nanoseconds, rounded down.
 pub const STEP_NS: u64 = 1_000_000_000 / STEPS_PER_SECOND as u64;
 
-/// Metres in which the engine's tolerances are counted: objects are some
-/// centimetres large.
+/// Length unit of the engine's tolerances, metres; objects are a few centimetres large.
 const LENGTH_UNIT_M: f32 = 0.1;
-/// A body slower than this for half a second sleeps, m/s and rad/s. It stands in
-/// for the rolling friction that the engine lacks: round hulls would tremble for ever.
+/// Sleep threshold of linear velocity, m/s: a body that is slower for half a second falls asleep.
+/// It replaces rolling friction, which the engine lacks; round hulls would tremble forever.
+/// Chosen.
 const SLEEP_M_S: f32 = 0.05;
+/// Sleep threshold of angular velocity, rad/s. Chosen.
 const SLEEP_RAD_S: f32 = 1.0;
-/// Slower than this is at rest, m/s and rad/s.
+/// Rest threshold of linear velocity, m/s. Chosen.
 const REST_M_S: f64 = 0.01;
+/// Rest threshold of angular velocity, rad/s. Chosen.
 const REST_RAD_S: f64 = 0.15;
 
-/// Linear and angular damping of an object, 1/s. Rolling friction is not
-/// modelled; damping keeps balls on the table.
+/// Linear and angular damping of an object, 1/s. Rolling friction is not modelled; damping keeps
+/// balls on the table. Chosen.
 const DAMPING: (f32, f32) = (0.4, 4.0);
-/// Damping of an object that rocks or trembles on the corners of its convex parts.
-const CALMING: (f32, f32) = (60.0, 120.0);
-/// An object that gets less far than this in half a second rocks or trembles,
-/// metres and radians.
-const CALM_M: f64 = 0.008;
-const CALM_RAD: f64 = 0.10;
-const CALMING_STEPS: u32 = STEPS_PER_SECOND / 2;
+/// Linear and angular damping of an object that jitters on the corners of its convex parts, 1/s.
+/// Chosen.
+const JITTER_DAMPING: (f32, f32) = (60.0, 120.0);
+/// Jitter threshold of translation: an object that moves less in half a second jitters, metres.
+/// Chosen.
+const JITTER_M: f64 = 0.008;
+/// Jitter threshold of rotation, radians. Chosen.
+const JITTER_RAD: f64 = 0.10;
+/// Interval of the jitter checks, steps. Chosen.
+const JITTER_CHECK_STEPS: u32 = STEPS_PER_SECOND / 2;
 
 fn is_nearly(a: &RigidTransform, b: &RigidTransform) -> bool {
     let moved_m = (a.translation.vector - b.translation.vector).norm();
-    moved_m < CALM_M && a.rotation.angle_to(&b.rotation) < CALM_RAD
+    moved_m < JITTER_M && a.rotation.angle_to(&b.rotation) < JITTER_RAD
 }
 
 fn set_damping(body: &mut RigidBody, (linear, angular): (f32, f32)) {
@@ -51,18 +56,18 @@ fn set_damping(body: &mut RigidBody, (linear, angular): (f32, f32)) {
     body.set_angular_damping(angular);
 }
 
-/// What a body collides with.
+/// Collision group of a body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Kind {
-    /// Table, floor, walls.
+pub(crate) enum CollisionGroup {
+    /// Fixed body: table, floor, walls.
     Fixture,
-    /// An object.
+    /// Dynamic object.
     Object,
-    /// A moved body that pushes objects: the arm.
+    /// Kinematic body that pushes objects: the arm.
     Arm,
 }
 
-impl Kind {
+impl CollisionGroup {
     fn group(self) -> Group {
         match self {
             Self::Fixture => Group::GROUP_1,
@@ -80,11 +85,11 @@ impl Kind {
     }
 }
 
-/// One body of the world.
+/// Handle of a body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) struct BodyId(RigidBodyHandle);
 
-/// All bodies and what the engine remembers between steps.
+/// Physics world: bodies and the state of the engine.
 pub(crate) struct Physics {
     parameters: IntegrationParameters,
     pipeline: PhysicsPipeline,
@@ -98,15 +103,15 @@ pub(crate) struct Physics {
     soft_bodies: SoftBodySet,
     ccd: CCDSolver,
     n_steps: u32,
-    /// Where the objects were when it was last looked whether they get anywhere.
-    seen_at: Vec<(RigidBodyHandle, RigidTransform)>,
+    /// Poses of the moving objects at the last jitter check.
+    last_poses: Vec<(RigidBodyHandle, RigidTransform)>,
 }
 
 impl Clone for Physics {
     fn clone(&self) -> Self {
         Self {
             parameters: self.parameters,
-            // A workspace, not a state.
+            // A workspace without state.
             pipeline: PhysicsPipeline::new(),
             islands: self.islands.clone(),
             broad_phase: self.broad_phase.clone(),
@@ -118,7 +123,7 @@ impl Clone for Physics {
             soft_bodies: self.soft_bodies.clone(),
             ccd: CCDSolver::new(),
             n_steps: self.n_steps,
-            seen_at: self.seen_at.clone(),
+            last_poses: self.last_poses.clone(),
         }
     }
 }
@@ -136,8 +141,8 @@ impl Physics {
     pub(crate) fn new() -> Self {
         let mut parameters = IntegrationParameters {
             length_unit: LENGTH_UNIT_M,
-            // Both save time where much is at rest, and make bodies of many convex
-            // parts tremble for ever: plates, pots and cutlery never came to rest.
+            // Both save time when many bodies are at rest, but make bodies of many convex parts
+            // tremble forever: plates, pots and cutlery never came to rest.
             contact_recycling: false,
             contact_clustering: false,
             ..IntegrationParameters::default()
@@ -157,23 +162,23 @@ impl Physics {
             soft_bodies: SoftBodySet::new(),
             ccd: CCDSolver::new(),
             n_steps: 0,
-            seen_at: Vec::new(),
+            last_poses: Vec::new(),
         }
     }
 
-    /// Adds what never moves: a box given by its pose and half sides.
+    /// Adds a fixed box, given by its pose and half sides.
     pub(crate) fn add_fixture(&mut self, pose: &RigidTransform, half_sides_m: &Vector3<f64>) {
         let half = vector_to_glam(half_sides_m);
         self.insert(
             RigidBodyBuilder::fixed().pose(pose_to_glam(pose)).build(),
             ColliderBuilder::cuboid(half.x, half.y, half.z)
                 .friction(0.6)
-                .collision_groups(Kind::Fixture.groups())
+                .collision_groups(CollisionGroup::Fixture.groups())
                 .build(),
         );
     }
 
-    /// Adds an object; `friction` is Coulomb's coefficient.
+    /// Adds a dynamic object; `friction` is the Coulomb coefficient.
     pub(crate) fn add_object(
         &mut self,
         shape: &SharedShape,
@@ -190,7 +195,7 @@ impl Physics {
             .mass(mass_kg as f32)
             .friction(friction as f32)
             .restitution(0.0)
-            .collision_groups(Kind::Object.groups());
+            .collision_groups(CollisionGroup::Object.groups());
         let body = self.insert(body.build(), collider.build());
         if let Some(body) = self.bodies.get_mut(body.0) {
             let activation = body.activation_mut();
@@ -200,15 +205,15 @@ impl Physics {
         body
     }
 
-    /// Adds a body that goes where it is told and pushes objects.
-    pub(crate) fn add_moved(&mut self, shape: &SharedShape, pose: &RigidTransform) -> BodyId {
+    /// Adds a kinematic body, which follows given poses and pushes objects.
+    pub(crate) fn add_kinematic(&mut self, shape: &SharedShape, pose: &RigidTransform) -> BodyId {
         self.insert(
             RigidBodyBuilder::kinematic_position_based()
                 .pose(pose_to_glam(pose))
                 .build(),
             ColliderBuilder::new(shape.clone())
                 .friction(0.8)
-                .collision_groups(Kind::Arm.groups())
+                .collision_groups(CollisionGroup::Arm.groups())
                 .build(),
         )
     }
@@ -220,7 +225,7 @@ impl Physics {
         BodyId(handle)
     }
 
-    /// Takes a body out of the world.
+    /// Removes a body.
     pub(crate) fn remove(&mut self, body: BodyId) {
         self.bodies.remove(
             body.0,
@@ -233,7 +238,7 @@ impl Physics {
         );
     }
 
-    /// Advances by one step.
+    /// Advances the physics by one step.
     pub(crate) fn step(&mut self) {
         self.pipeline.step(
             Vector::new(0.0, 0.0, -9.81),
@@ -251,14 +256,15 @@ impl Physics {
             &(),
         );
         self.n_steps += 1;
-        if self.n_steps.is_multiple_of(CALMING_STEPS) {
-            self.calm();
+        if self.n_steps.is_multiple_of(JITTER_CHECK_STEPS) {
+            self.damp_jitter();
         }
     }
 
-    /// Brakes objects that move and get nowhere, until they sleep or get away.
-    fn calm(&mut self) {
-        let mut seen_at = Vec::with_capacity(self.seen_at.len());
+    /// Damps jitter: brakes objects that move without getting anywhere, until they sleep or get
+    /// away.
+    fn damp_jitter(&mut self) {
+        let mut last_poses = Vec::with_capacity(self.last_poses.len());
         for (handle, body) in self.bodies.iter_mut() {
             if !body.is_dynamic() {
                 continue;
@@ -268,22 +274,29 @@ impl Physics {
                 continue;
             }
             let pose = pose_from_glam(body.position());
-            let before = self.seen_at.iter().find(|(seen, _)| *seen == handle);
-            let is_calm = before.is_some_and(|(_, before)| is_nearly(before, &pose));
-            set_damping(body, if is_calm { CALMING } else { DAMPING });
-            seen_at.push((handle, pose));
+            let before = self.last_poses.iter().find(|(seen, _)| *seen == handle);
+            let is_jittering = before.is_some_and(|(_, before)| is_nearly(before, &pose));
+            set_damping(
+                body,
+                if is_jittering {
+                    JITTER_DAMPING
+                } else {
+                    DAMPING
+                },
+            );
+            last_poses.push((handle, pose));
         }
-        self.seen_at = seen_at;
+        self.last_poses = last_poses;
     }
 
-    /// Where a moved or held body will be at the end of the next step.
+    /// Sets the pose of a kinematic or held body at the end of the next step.
     pub(crate) fn move_to(&mut self, body: BodyId, pose: &RigidTransform) {
         if let Some(body) = self.bodies.get_mut(body.0) {
             body.set_next_kinematic_position(pose_to_glam(pose));
         }
     }
 
-    /// Puts a body somewhere at once, at rest.
+    /// Teleports a body to a pose, at rest.
     pub(crate) fn place(&mut self, body: BodyId, pose: &RigidTransform) {
         if let Some(body) = self.bodies.get_mut(body.0) {
             body.set_position(pose_to_glam(pose), true);
@@ -292,7 +305,7 @@ impl Physics {
         }
     }
 
-    /// Whether an object follows a hand instead of gravity.
+    /// Switches an object between a kinematic body that follows a hand and a dynamic body.
     pub(crate) fn set_held(&mut self, body: BodyId, is_held: bool) {
         let kind = if is_held {
             RigidBodyType::KinematicPositionBased
@@ -307,7 +320,7 @@ impl Physics {
         }
     }
 
-    /// `world_from_body`; the identity for a body that is not there.
+    /// Pose of a body, `world_from_body`; the identity for an unknown body.
     pub(crate) fn pose(&self, body: BodyId) -> RigidTransform {
         self.bodies
             .get(body.0)
@@ -316,7 +329,7 @@ impl Physics {
             })
     }
 
-    /// Velocity of the origin in m/s and angular velocity in rad/s, world frame.
+    /// Velocity of the origin, m/s, and angular velocity, rad/s, world frame.
     pub(crate) fn velocity(&self, body: BodyId) -> (Vector3<f64>, Vector3<f64>) {
         self.bodies.get(body.0).map_or_else(
             || (Vector3::zeros(), Vector3::zeros()),
@@ -329,15 +342,15 @@ impl Physics {
         )
     }
 
-    /// Whether a body lies still.
+    /// True if a body is at rest.
     pub(crate) fn is_at_rest(&self, body: BodyId) -> bool {
         let sleeps = self.bodies.get(body.0).is_some_and(RigidBody::is_sleeping);
         let (linear, angular) = self.velocity(body);
         sleeps || (linear.norm() < REST_M_S && angular.norm() < REST_RAD_S)
     }
 
-    /// Force with which a moved body presses on objects, newtons, over the last step.
-    pub(crate) fn pressing_n(&self, body: BodyId) -> f64 {
+    /// Contact force of a kinematic body on objects over the last step, newtons.
+    pub(crate) fn contact_force_n(&self, body: BodyId) -> f64 {
         let impulses = self.colliders_of(body).flat_map(|collider| {
             self.narrow_phase
                 .contact_pairs_with(collider)
@@ -346,8 +359,8 @@ impl Physics {
         f64::from(impulses.sum::<f32>()) * f64::from(STEPS_PER_SECOND)
     }
 
-    /// The objects a moved body touches.
-    pub(crate) fn touched_by(&self, body: BodyId) -> impl Iterator<Item = BodyId> {
+    /// Objects in contact with a kinematic body.
+    pub(crate) fn contacts_of(&self, body: BodyId) -> impl Iterator<Item = BodyId> {
         self.colliders_of(body).flat_map(move |collider| {
             let pairs = self.narrow_phase.contact_pairs_with(collider);
             pairs
@@ -370,9 +383,9 @@ impl Physics {
             .flat_map(|body| body.colliders().iter().copied())
     }
 
-    /// Whether a shape at a pose would reach into table, floor or walls.
-    pub(crate) fn hits_fixture(&self, shape: &SharedShape, pose: &RigidTransform) -> bool {
-        let fixtures = Kind::Fixture.group();
+    /// True if a shape at a pose would intersect table, floor or walls.
+    pub(crate) fn intersects_fixture(&self, shape: &SharedShape, pose: &RigidTransform) -> bool {
+        let fixtures = CollisionGroup::Fixture.group();
         let groups = InteractionGroups::new(Group::ALL, fixtures, InteractionTestMode::And);
         let query = self.broad_phase.as_query_pipeline(
             self.narrow_phase.query_dispatcher(),
@@ -384,9 +397,9 @@ impl Physics {
         query.intersect_shape(pose, &**shape).next().is_some()
     }
 
-    /// Outward normal of a body's surface where a ray of at most `reach_m` meets
-    /// it from outside.
-    pub(crate) fn surface_along(
+    /// Ray cast: outward normal of a body's surface at the first hit within `reach_m`, from
+    /// outside.
+    pub(crate) fn surface_normal_along_ray(
         &self,
         body: BodyId,
         from: &Point3<f64>,

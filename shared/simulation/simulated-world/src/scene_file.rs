@@ -1,28 +1,29 @@
-//! Scenes as TOML files, and scenes from the seeded generators.
+//! Scene construction from TOML files and from seeded generators.
 //!
-//! A file may name a generator (`kind`), lay objects one by one (`[[object]]`),
-//! or both; whatever is left out has the default of the generated scenes. Keys
-//! that are not known are errors.
+//! A file may name a generator (`kind`), place objects one by one (`[[object]]`), or both;
+//! missing keys have the defaults of the generated scenes. Unknown keys are errors.
 
-mod raw;
-mod variation;
+mod raw_scene;
+mod scene_variation;
 
-use crate::arm::ArmMount;
+use crate::action::PersonPlan;
+use crate::arm_mount::ArmMount;
 use crate::arrangement;
 use crate::error::Error;
+use crate::furniture::Bin;
+use crate::model_choice::{ModelChoice, ModelSource};
 use crate::model_library::{ModelLibrary, category_names};
 use crate::object_model::ObjectModel;
-use crate::person::PersonPlan;
-use crate::scene::{Bin, ModelChoice, ModelSource, ObjectPlan, Scene, SceneKind};
+use crate::scene::{ObjectPlan, Scene, SceneKind};
 use std::path::Path;
 use std::sync::Arc;
 
-/// Most objects of a scene.
+/// Greatest number of objects of a scene.
 pub const MOST_OBJECTS: usize = 60;
-/// Pause between a person's actions by chance, seconds.
-const BY_CHANCE_EVERY_S: [f64; 2] = [6.0, 14.0];
-/// What stands on the table of [`Scene::everyday`] at first: things that a Kinect
-/// sees well and that look unlike each other.
+/// Default pause between a person's random actions, seconds: shortest and longest. Chosen.
+const RANDOM_PAUSE_S: [f64; 2] = [6.0, 14.0];
+/// Initial categories of [`Scene::everyday`]: objects that a Kinect sees well and that look
+/// different from each other.
 const EVERYDAY: [&str; 12] = [
     "mug",
     "bowl",
@@ -37,14 +38,14 @@ const EVERYDAY: [&str; 12] = [
     "vase",
     "toy-duck",
 ];
-/// Largest scene file, bytes.
+/// Greatest size of a scene file, bytes.
 const MOST_BYTES: u64 = 1 << 20;
 
 impl Scene {
-    /// A scene of a kind: the same kind, number, seed and models give the same scene.
+    /// Generates a scene. The same kind, number, seed and models give the same scene.
     ///
     /// # Errors
-    /// When isolated objects do not all find a place, or a model can not be used.
+    /// [`Error::NoRoom`] when isolated objects do not all fit, or an error of an unusable model.
     pub fn generate(
         kind: SceneKind,
         n_objects: usize,
@@ -60,11 +61,11 @@ impl Scene {
         Ok(scene)
     }
 
-    /// These objects apart from each other, standing as they are used, at random free
-    /// places and turns.
+    /// Scene of given objects, upright and apart from each other at random free positions and
+    /// yaws.
     ///
     /// # Errors
-    /// When they do not all find a place, or a model can not be used.
+    /// [`Error::NoRoom`] when they do not all fit, or an error of an unusable model.
     pub fn isolated(
         choices: Vec<ModelChoice>,
         seed: u64,
@@ -78,11 +79,11 @@ impl Scene {
         Ok(scene)
     }
 
-    /// The scene the daemon shows when nobody says otherwise: some objects, and a
-    /// person who now and then moves, adds or takes one.
+    /// Default scene of the daemon: some objects, an arm, and a person who at times moves, adds
+    /// or takes one.
     ///
     /// # Errors
-    /// As [`generate`](Self::generate).
+    /// As for [`generate`](Self::generate).
     pub fn everyday(
         n_objects: usize,
         seed: u64,
@@ -99,29 +100,29 @@ impl Scene {
         scene.objects = placed(&scene, SceneKind::Isolated, choices, library)?;
         scene.arm = Some(ArmMount::default());
         scene.person = Some(PersonPlan {
-            by_chance_every_s: Some(BY_CHANCE_EVERY_S),
+            random_pause_s: Some(RANDOM_PAUSE_S),
             ..PersonPlan::default()
         });
         Ok(scene)
     }
 
-    /// A scene from the text of a TOML file; paths in it count from `folder`.
-    /// The library is opened as the file says; a `seed` given here wins.
+    /// Scene from the text of a TOML file; paths in it are relative to `folder`. Opens the
+    /// library that the file names. A `seed` argument overrides the file's.
     ///
     /// # Errors
-    /// A sentence that names the place and the rule.
+    /// [`Error::Scene`] with the key and the violated rule, or an error of the models.
     pub fn from_toml(
         text: &str,
         folder: &Path,
         seed: Option<u64>,
     ) -> Result<(Self, ModelLibrary), Error> {
-        raw::scene(text, folder, seed)
+        raw_scene::scene(text, folder, seed)
     }
 
-    /// A scene from a TOML file.
+    /// Scene from a TOML file.
     ///
     /// # Errors
-    /// When the file can not be read, or as [`from_toml`](Self::from_toml).
+    /// [`Error::Unreadable`], or as for [`from_toml`](Self::from_toml).
     pub fn open(path: &Path, seed: Option<u64>) -> Result<(Self, ModelLibrary), Error> {
         let unreadable = |cause: String| Error::Unreadable {
             path: path.to_owned(),
@@ -136,7 +137,7 @@ impl Scene {
     }
 }
 
-/// Objects of a generator.
+/// Objects of a scene generator.
 fn generated_objects(
     scene: &Scene,
     kind: SceneKind,
@@ -166,7 +167,7 @@ fn generated_objects(
     placed(scene, kind, choices, library)
 }
 
-/// The chosen objects in their places.
+/// Objects of the chosen models with their placements.
 fn placed(
     scene: &Scene,
     kind: SceneKind,

@@ -1,38 +1,38 @@
-//! The simulated table as a Kinect sees it.
+//! Simulated Kinect: renders a world and applies the sensor model.
 
-mod appearance;
-mod person_look;
+mod person_meshes;
+mod room_piece;
 
 use crate::ObjectModel;
 use crate::error::Error;
-use crate::truth::{ARM_ID, PERSON_ID, TrueObject};
+use crate::ground_truth::{ARM_ID, PERSON_ID, TrueObject};
 use crate::world::World;
-use appearance::{RoomPiece, room_pieces};
 use geometry::{PinholeCamera, RigidTransform};
 use nalgebra::Point3;
-use person_look::PersonLook;
+use person_meshes::PersonMeshes;
 use point_cloud::Point;
 use rendering::kinect::{KinectSensor, Shot};
-use rendering::{Image, Instance, Lights, PreparedMesh, Rasterizer, ShadowRegion, Stage};
+use rendering::{Image, Instance, Lights, PreparedMesh, Rasterizer, ShadowRegion, StaticScene};
+use room_piece::{RoomPiece, room_pieces};
 use std::sync::Arc;
 
-/// How far from the middle of the table shadows are cast, metres.
+/// Radius around the middle of the table in which shadows are cast, metres. Chosen.
 const SHADOW_REACH_M: f32 = 1.1;
 
-/// What the rasteriser keeps from look to look.
+/// Prepared state of the rasteriser.
 ///
-/// A room that is kept saves time only where the camera stands still; while it
-/// moves, everything is drawn at once over nothing, with the same result.
+/// A cached room saves time only while the camera stands still. While it moves, everything is
+/// drawn at once over an empty background, with the same result.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Prepared {
+enum PreparedView {
     Nothing,
-    /// Nothing but the camera's pose.
+    /// Camera pose only.
     Pose(RigidTransform),
-    /// The room seen from a pose.
+    /// Camera pose with the room as background.
     Room(RigidTransform),
 }
 
-/// A camera that looks at a [`World`].
+/// Simulated Kinect that observes a [`World`].
 #[derive(Debug)]
 pub struct SimulatedKinect {
     rasterizer: Rasterizer,
@@ -40,18 +40,17 @@ pub struct SimulatedKinect {
     seed: u64,
     lights: Lights,
     room: Vec<RoomPiece>,
-    person: PersonLook,
+    person: PersonMeshes,
     arm: Vec<PreparedMesh>,
     objects: Vec<(Arc<ObjectModel>, PreparedMesh)>,
-    prepared: Prepared,
+    prepared: PreparedView,
     counts: Vec<u32>,
-    alone: Vec<SeenAlone>,
+    unoccluded: Vec<UnoccludedCount>,
 }
 
-/// How many pixels an object covers where nothing is before it; the same as long as
-/// neither it nor the camera moves.
+/// Cached number of unoccluded pixels of an object; valid while neither it nor the camera moves.
 #[derive(Debug, Clone, Copy)]
-struct SeenAlone {
+struct UnoccludedCount {
     id: u16,
     world_from_camera: RigidTransform,
     world_from_object: RigidTransform,
@@ -59,10 +58,10 @@ struct SeenAlone {
 }
 
 impl SimulatedKinect {
-    /// A camera for a world and its likes.
+    /// Simulated Kinect for a world and its clones.
     ///
     /// # Errors
-    /// When the intrinsics or the world's sensor model are impossible.
+    /// [`Error::Scene`] for invalid intrinsics or an invalid sensor model of the world.
     pub fn new(world: &World, camera: PinholeCamera) -> Result<Self, Error> {
         let wrong = |error: rendering::Error| Error::Scene {
             place: "camera".into(),
@@ -86,44 +85,44 @@ impl SimulatedKinect {
                 ..Lights::ROOM
             },
             room: room_pieces(world.blocks()),
-            person: PersonLook::new(),
+            person: PersonMeshes::new(),
             arm,
             objects: Vec::new(),
-            prepared: Prepared::Nothing,
+            prepared: PreparedView::Nothing,
             counts: Vec::new(),
-            alone: Vec::new(),
+            unoccluded: Vec::new(),
         })
     }
 
-    /// Light of the room from now on.
+    /// Sets the lights of the room.
     pub fn set_lights(&mut self, lights: Lights) {
         self.lights = Lights {
             shadow: self.lights.shadow,
             ..lights
         };
-        self.prepared = Prepared::Nothing;
+        self.prepared = PreparedView::Nothing;
     }
 
-    /// Looks at the world: writes the organised cloud, camera frame, row-major.
-    /// `frame` tells the noise of frames apart. The truth is what is seen before
-    /// the sensor's errors.
+    /// Captures a frame of the world: writes the organised point cloud, camera frame, row-major.
+    /// `frame` selects the noise. Returns the ground truth before the sensor's errors.
     ///
     /// # Errors
-    /// When `points` has not the size of the image, or the camera is nowhere.
+    /// [`Error::Scene`] when `points` does not have the size of the image, or the camera pose is
+    /// not finite.
     pub fn look(
         &mut self,
         world: &World,
         frame: u64,
         points: &mut [Point],
     ) -> Result<Vec<TrueObject>, Error> {
-        self.follow_objects(world);
+        self.update_meshes(world);
         let wrong = |error: rendering::Error| Error::Scene {
             place: "camera".into(),
             rule: error.to_string(),
         };
         self.prepare(world).map_err(wrong)?;
         let mut instances: Vec<Instance<'_>> = match self.prepared {
-            Prepared::Room(_) => Vec::new(),
+            PreparedView::Room(_) => Vec::new(),
             _ => self.room.iter().map(RoomPiece::instance).collect(),
         };
         let n_room = instances.len();
@@ -137,8 +136,8 @@ impl SimulatedKinect {
         self.rasterizer.render(&instances);
         let objects = &instances[n_room..];
         count_pixels(&self.rasterizer, &mut self.counts, world);
-        see_alone(&mut self.rasterizer, &mut self.alone, world, objects);
-        let truth = true_objects(&self.counts, &self.alone, world);
+        update_unoccluded(&mut self.rasterizer, &mut self.unoccluded, world, objects);
+        let truth = true_objects(&self.counts, &self.unoccluded, world);
         let shot = Shot {
             seed: self.seed,
             frame_index: frame,
@@ -149,54 +148,55 @@ impl SimulatedKinect {
         Ok(truth)
     }
 
-    /// What was measured last.
+    /// Sensor with the last measurement.
     pub fn sensor(&self) -> &KinectSensor {
         &self.sensor
     }
 
-    /// What was seen last, without the sensor's errors.
+    /// Last rendered image, without the sensor's errors.
     pub fn image(&self) -> &Image {
         self.rasterizer.image()
     }
 
-    /// The object of each pixel, row-major: 0 for none, see [`ARM_ID`] and [`PERSON_ID`].
+    /// Instance mask, row-major: object number of each pixel, 0 for none, see [`ARM_ID`] and
+    /// [`PERSON_ID`].
     pub fn mask(&self) -> &[u16] {
         self.rasterizer.image().instance()
     }
 
-    /// Intrinsics and size.
+    /// Camera intrinsics and image size.
     pub fn camera(&self) -> &PinholeCamera {
         self.rasterizer.camera()
     }
 
-    /// Keeps the room when the camera stands where it stood.
+    /// Prepares the rasteriser; caches the room as background when the camera did not move.
     fn prepare(&mut self, world: &World) -> Result<(), rendering::Error> {
         let world_from_camera = world.world_from_camera();
         let keeps_room = match self.prepared {
-            Prepared::Room(pose) if pose == world_from_camera => return Ok(()),
-            Prepared::Pose(pose) => pose == world_from_camera,
-            Prepared::Room(_) | Prepared::Nothing => false,
+            PreparedView::Room(pose) if pose == world_from_camera => return Ok(()),
+            PreparedView::Pose(pose) => pose == world_from_camera,
+            PreparedView::Room(_) | PreparedView::Nothing => false,
         };
         let room: Vec<Instance<'_>> = if keeps_room {
             self.room.iter().map(RoomPiece::instance).collect()
         } else {
             Vec::new()
         };
-        self.rasterizer.prepare(&Stage {
+        self.rasterizer.prepare(&StaticScene {
             world_from_camera,
             lights: self.lights,
             background: &room,
         })?;
         self.prepared = if keeps_room {
-            Prepared::Room(world_from_camera)
+            PreparedView::Room(world_from_camera)
         } else {
-            Prepared::Pose(world_from_camera)
+            PreparedView::Pose(world_from_camera)
         };
         Ok(())
     }
 
-    /// Prepares the meshes of new objects and forgets those that are gone.
-    fn follow_objects(&mut self, world: &World) {
+    /// Prepares the meshes of new objects and drops those of removed ones.
+    fn update_meshes(&mut self, world: &World) {
         self.objects.retain(|(model, _)| {
             let mut there = world.objects().iter();
             there.any(|object| Arc::ptr_eq(&object.model, model))
@@ -218,12 +218,12 @@ fn mesh_of<'a>(
     same.map(|(_, mesh)| mesh)
 }
 
-/// Adds what moves: objects first, in their order, then the arm and the person.
+/// Adds the moving instances: objects first, in their order, then the arm and the person.
 fn add_moving<'a>(
     instances: &mut Vec<Instance<'a>>,
     objects: &'a [(Arc<ObjectModel>, PreparedMesh)],
     arm: &'a [PreparedMesh],
-    person: &'a PersonLook,
+    person: &'a PersonMeshes,
     world: &World,
 ) {
     for object in world.objects() {
@@ -242,7 +242,7 @@ fn add_moving<'a>(
     }
 }
 
-/// Counts the pixels in which each object is seen, by its id.
+/// Counts the visible pixels of each object, by its number.
 fn count_pixels(rasterizer: &Rasterizer, counts: &mut Vec<u32>, world: &World) {
     let last = world.objects().last().map_or(0, |object| object.id);
     counts.clear();
@@ -250,41 +250,41 @@ fn count_pixels(rasterizer: &Rasterizer, counts: &mut Vec<u32>, world: &World) {
     rasterizer.image().count_pixels(counts);
 }
 
-/// Draws those objects alone that have moved against the camera; `instances` begin with
-/// the objects.
-fn see_alone(
+/// Updates the unoccluded pixel counts of the objects that moved relative to the camera;
+/// `instances` start with the objects.
+fn update_unoccluded(
     rasterizer: &mut Rasterizer,
-    alone: &mut Vec<SeenAlone>,
+    unoccluded: &mut Vec<UnoccludedCount>,
     world: &World,
     instances: &[Instance<'_>],
 ) {
     let world_from_camera = world.world_from_camera();
-    alone.retain(|seen| world.find(seen.id).is_some());
+    unoccluded.retain(|seen| world.find(seen.id).is_some());
     for (object, instance) in world.objects().iter().zip(instances) {
-        let known = alone.iter().position(|seen| seen.id == object.id);
+        let known = unoccluded.iter().position(|seen| seen.id == object.id);
         let is_same = known.is_some_and(|at| {
-            alone[at].world_from_camera == world_from_camera
-                && alone[at].world_from_object == object.world_from_object
+            unoccluded[at].world_from_camera == world_from_camera
+                && unoccluded[at].world_from_object == object.world_from_object
         });
         if is_same {
             continue;
         }
-        let seen = SeenAlone {
+        let seen = UnoccludedCount {
             id: object.id,
             world_from_camera,
             world_from_object: object.world_from_object,
             n_px: rasterizer.n_unoccluded_px(instance) as u32,
         };
         match known {
-            Some(at) => alone[at] = seen,
-            None => alone.push(seen),
+            Some(at) => unoccluded[at] = seen,
+            None => unoccluded.push(seen),
         }
     }
 }
 
-fn true_objects(counts: &[u32], alone: &[SeenAlone], world: &World) -> Vec<TrueObject> {
+fn true_objects(counts: &[u32], unoccluded: &[UnoccludedCount], world: &World) -> Vec<TrueObject> {
     let n_px = |id: u16| {
-        let seen = alone.iter().find(|seen| seen.id == id);
+        let seen = unoccluded.iter().find(|seen| seen.id == id);
         seen.map_or(0, |seen| seen.n_px)
     };
     let objects = world.objects().iter();

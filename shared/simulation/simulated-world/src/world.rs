@@ -1,49 +1,50 @@
-//! The world while it runs.
+//! Simulated world: physics, objects, arm and person over time.
 
-mod held;
-mod object;
+mod held_object;
 mod settling;
-mod view_of_person;
-
-pub use object::{ObjectState, SceneObject};
+mod world_query;
 
 use crate::arm::{ArmCommand, ArmStatus, SimulatedArm};
 use crate::arrangement;
+use crate::camera_mount::CameraMount;
 use crate::error::Error;
+use crate::model_choice::ModelChoice;
 use crate::model_library::ModelLibrary;
 use crate::person::{HandEvent, Person};
 use crate::physics::{Physics, STEPS_PER_SECOND};
-use crate::room::{self, Block};
-use crate::scene::{CameraMount, ModelChoice, Placing, Scene};
+use crate::room::{self, RoomBox};
+use crate::scene::{Placing, Scene};
 use crate::scene_file::MOST_OBJECTS;
+use crate::scene_object::{ObjectState, SceneObject};
 use geometry::{Capsule, RigidTransform};
-use held::Held;
+use held_object::HeldObject;
 use std::sync::Arc;
-use view_of_person::ViewOfPerson;
+use world_query::WorldQuery;
 
-/// An object dropped into a pile has this long before the next one follows, steps.
+/// Interval between two objects dropped into a pile, steps. Chosen.
 const DROP_STEPS: u32 = STEPS_PER_SECOND * 35 / 100;
-/// A hand that is farther than this from an object's top does not take it, metres.
+/// Greatest distance between the hand and an object's top at which a grasp succeeds, metres.
+/// Chosen.
 const MISSED_GRIP_M: f64 = 0.05;
-/// Greatest number of an object; larger ones have a meaning in the mask.
+/// Greatest object number; larger values are reserved in the mask.
 const LAST_ID: u16 = 60_000;
-/// Lift of an object that is put down at the start, metres.
+/// Initial height of an upright object above the table, metres. Chosen.
 const PUT_DOWN_LIFT_M: f64 = 0.001;
 
-/// A table with its objects, its arm and its person, at one instant.
+/// Simulated world at one instant: table, objects, arm and person.
 ///
-/// A clone goes on exactly as the original does.
+/// A clone continues exactly as the original does.
 #[derive(Debug, Clone)]
 pub struct World {
     scene: Arc<Scene>,
-    blocks: Arc<[Block]>,
+    blocks: Arc<[RoomBox]>,
     library: ModelLibrary,
     physics: Physics,
     objects: Vec<SceneObject>,
     last_id: u16,
     arm: Option<SimulatedArm>,
     person: Option<Person>,
-    in_hand: Option<Held>,
+    in_hand: Option<HeldObject>,
     n_steps: u64,
     notes: Vec<String>,
 }
@@ -52,9 +53,9 @@ impl World {
     /// Sets up a scene and lets its objects come to rest.
     ///
     /// # Errors
-    /// When a model can not be used.
+    /// An error of an unusable model.
     pub fn new(scene: Scene, mut library: ModelLibrary) -> Result<Self, Error> {
-        let blocks: Arc<[Block]> = room::blocks(&scene).into();
+        let blocks: Arc<[RoomBox]> = room::room_boxes(&scene).into();
         let mut physics = Physics::new();
         room::build(&blocks, &mut physics);
         let arm = scene
@@ -120,7 +121,7 @@ impl World {
         self.last_id
     }
 
-    /// Advances by one step of 1/120 s.
+    /// Advances the world by one step of 1/120 s.
     pub fn step(&mut self) {
         self.step_person();
         if let Some(held) = &self.in_hand
@@ -135,7 +136,7 @@ impl World {
         self.physics.step();
         self.n_steps += 1;
         self.refresh_objects();
-        self.notice_falls();
+        self.report_falls();
     }
 
     fn step_person(&mut self) {
@@ -143,7 +144,7 @@ impl World {
             return;
         };
         let dt_s = 1.0 / f64::from(STEPS_PER_SECOND);
-        let event = person.step(self.time_s(), dt_s, &ViewOfPerson::new(self));
+        let event = person.step(self.time_s(), dt_s, &WorldQuery::new(self));
         let hand = person.hand();
         self.person = Some(person);
         match event {
@@ -166,13 +167,13 @@ impl World {
             return;
         }
         let brought = match model {
-            // Over days a person brings many; those of a folder are few.
-            ModelChoice::Generated { .. } => self.library.look_at(model),
+            // Over days a person brings many models; those of a folder are few.
+            ModelChoice::Generated { .. } => self.library.load_uncached(model),
             ModelChoice::File(_) => self.library.load(model),
         };
         match brought {
             Ok(model) => {
-                let pose = held::carried_below(&hand, &model);
+                let pose = held_object::carried_below(&hand, &model);
                 let object = self.add_object(model, &pose);
                 self.take(object, hand);
             }
@@ -181,7 +182,8 @@ impl World {
     }
 
     fn take(&mut self, object: u16, hand: nalgebra::Point3<f64>) {
-        // While the hand was on its way it may have gone, fallen, or been taken by the arm.
+        // The object may have gone, fallen, or been grasped by the arm while the hand was on its
+        // way.
         let grip = hand - nalgebra::Vector3::z() * crate::person::GRIP_M;
         let is_there =
             |found: &&SceneObject| !found.is_held() && (found.top() - grip).norm() < MISSED_GRIP_M;
@@ -193,7 +195,7 @@ impl World {
         };
         let (body, pose) = (found.body, found.world_from_object);
         self.physics.set_held(body, true);
-        self.in_hand = Some(Held::new(object, &hand, &pose));
+        self.in_hand = Some(HeldObject::new(object, &hand, &pose));
         self.set_state(object, ObjectState::HeldByPerson);
     }
 
@@ -224,15 +226,15 @@ impl World {
         }
     }
 
-    /// Takes poses and states over from the physics.
+    /// Updates the objects' poses and states from the physics.
     fn refresh_objects(&mut self) {
         for object in &mut self.objects {
             object.refresh(&self.physics, &self.scene.table);
         }
     }
 
-    /// Says of each object once that it has fallen.
-    fn notice_falls(&mut self) {
+    /// Reports each fallen object once.
+    fn report_falls(&mut self) {
         for object in &mut self.objects {
             if object.has_newly_fallen() {
                 self.notes.push(format!(
@@ -243,22 +245,22 @@ impl World {
         }
     }
 
-    /// The objects that are there, in the order they came.
+    /// Objects of the scene, in the order of their arrival.
     pub fn objects(&self) -> &[SceneObject] {
         &self.objects
     }
 
-    /// One object by its number.
+    /// Object by its number.
     pub fn find(&self, id: u16) -> Option<&SceneObject> {
         self.objects.iter().find(|object| object.id == id)
     }
 
-    /// What the world is made from.
+    /// Scene description.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
 
-    pub(crate) fn blocks(&self) -> &[Block] {
+    pub(crate) fn blocks(&self) -> &[RoomBox] {
         &self.blocks
     }
 
@@ -266,30 +268,29 @@ impl World {
         &self.library
     }
 
-    /// The person's torso, head, upper arm, forearm, hand and legs, world frame; empty
-    /// without a person.
+    /// Capsules of the person's torso, head, upper arm, forearm, hand and legs, world frame;
+    /// empty without a person.
     pub fn person_capsules(&self) -> Vec<Capsule> {
         let person = self.person.as_ref();
         person.map_or_else(Vec::new, |person| person.body().capsules.to_vec())
     }
 
-    /// Gives the arm a command, which replaces what it is still doing; its number
-    /// is returned.
+    /// Gives the arm a command, which replaces the current one, and returns its identity.
     ///
     /// # Errors
-    /// A sentence that says why it can not be carried out.
+    /// A sentence with the reason for the rejection.
     pub fn command_arm(&mut self, command: &ArmCommand) -> Result<u64, String> {
         let arm = self.arm.as_mut();
         let arm = arm.ok_or("the scene has no arm; add `[arm]` to it".to_owned())?;
         arm.command(command)
     }
 
-    /// How the arm is; `None` without one.
+    /// Arm status; `None` without an arm.
     pub fn arm_status(&self) -> Option<ArmStatus> {
         self.arm.as_ref().map(SimulatedArm::status)
     }
 
-    /// Capsules that contain the arm, world frame; empty without one.
+    /// Bounding capsules of the arm, world frame; empty without an arm.
     pub fn arm_capsules(&self) -> Vec<Capsule> {
         self.arm
             .as_ref()
@@ -300,33 +301,34 @@ impl World {
         self.arm.as_ref()
     }
 
-    /// Whether the person does something at the moment.
+    /// True if the person is performing an action.
     pub fn is_person_busy(&self) -> bool {
         self.person.as_ref().is_some_and(Person::is_busy)
     }
 
-    /// Pose of the camera.
+    /// Camera pose, world frame.
     pub fn world_from_camera(&self) -> RigidTransform {
         self.scene.camera.world_from_camera(self.time_s())
     }
 
-    /// Moves the camera to another mount.
+    /// Replaces the camera mount.
     pub fn set_camera(&mut self, mount: CameraMount) {
         Arc::make_mut(&mut self.scene).camera = mount;
     }
 
-    /// Time since the scene began, seconds.
+    /// Time since the start of the scene, seconds.
     pub fn time_s(&self) -> f64 {
         self.n_steps as f64 / f64::from(STEPS_PER_SECOND)
     }
 
-    /// What has happened that a person should know, one sentence each; given once.
+    /// Takes the accumulated messages for the user, one sentence each.
     pub fn take_notes(&mut self) -> Vec<String> {
         self.notes.append(&mut self.library.take_notes());
         std::mem::take(&mut self.notes)
     }
 
-    /// Steps the physics alone: nobody moves, no time passes for the script.
+    /// Steps only the physics; neither the arm nor the person moves, and the scene time stands
+    /// still.
     fn run_physics(&mut self, n_steps: u32) {
         for _ in 0..n_steps {
             self.physics.step();

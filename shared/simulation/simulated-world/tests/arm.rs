@@ -1,4 +1,4 @@
-//! The arm among objects: moves, stops, grasps, and why it does not.
+//! Tests of the simulated arm among objects: motion, stops, grasps and failures.
 
 #![expect(
     clippy::unwrap_used,
@@ -14,9 +14,9 @@ use simulated_world::{
 };
 use std::f64::consts::PI;
 
-/// No command takes longer, steps.
+/// Step limit of a command.
 const MOST_STEPS: usize = 3000;
-/// The tool's origin over the tips of the fingers, metres.
+/// Distance of the fingertips ahead of the tool's origin, metres.
 const TIP_M: f64 = 0.025;
 
 fn world(objects: Vec<ObjectPlan>) -> World {
@@ -41,8 +41,7 @@ fn upright(category: &str, position_m: [f64; 2], yaw_rad: f64) -> ObjectPlan {
     }
 }
 
-/// The gripper with its fingers down, closing along a direction turned by
-/// `yaw_rad` from world x.
+/// Gripper pose with the fingers down, closing along a direction at `yaw_rad` from world x.
 fn downward(at: Point3<f64>, yaw_rad: f64) -> RigidTransform {
     let turned = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw_rad);
     let down = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI);
@@ -63,7 +62,7 @@ fn straight_to(world_from_gripper: RigidTransform) -> ArmCommand {
     }
 }
 
-/// Gives a command and steps until the arm is still; its failure, if any.
+/// Gives a command and steps until the arm is still; returns its failure.
 fn carry_out(world: &mut World, command: &ArmCommand) -> Result<(), String> {
     world.command_arm(command)?;
     for _ in 0..MOST_STEPS {
@@ -84,13 +83,13 @@ fn angles(world: &World) -> [f64; 6] {
     world.arm_status().unwrap().joint_angles_rad
 }
 
-/// Height over the table of a gripper whose fingertips are `tips_m` over it.
+/// World z of a gripper whose fingertips are `tips_m` above the table.
 fn height(world: &World, tips_m: f64) -> f64 {
     world.scene().table.height_m + tips_m + TIP_M
 }
 
-/// A place and a turn where the arm reaches down to the table and up again, with
-/// the same space `aside_m` further along y.
+/// Position and yaw at which the arm reaches down to the table and up again, with the same space
+/// `aside_m` further along y.
 fn reachable(aside_m: f64) -> ([f64; 2], f64) {
     let empty = world(Vec::new());
     let lines = |x: f64, y: f64, yaw_rad: f64| {
@@ -113,7 +112,7 @@ fn reachable(aside_m: f64) -> ([f64; 2], f64) {
         .expect("the arm reaches the table somewhere")
 }
 
-/// How far the arm reaches below the table's surface, metres.
+/// Depth of the arm below the table top, metres.
 fn depth_m(world: &World) -> f64 {
     let table = world.scene().table;
     let [half_x, half_y] = table.size_m.map(|side| side / 2.0);
@@ -127,7 +126,7 @@ fn depth_m(world: &World) -> f64 {
         }
     };
     let capsules = world.arm_capsules();
-    // The base and the shoulder stand beside the table.
+    // The base and the shoulder stand next to the table.
     let ends = capsules.iter().skip(2);
     ends.flat_map(|c| [below(c.from, c.radius_m), below(c.to, c.radius_m)])
         .fold(-1.0, f64::max)
@@ -239,7 +238,7 @@ fn the_arm_stops_before_the_table() {
     carry_out(&mut world, &straight_to(above)).unwrap();
 }
 
-/// The object's middle in the world.
+/// Middle of the object, world frame.
 fn position(world: &World, id: u16) -> Point3<f64> {
     let object = world.find(id).unwrap();
     object.world_from_object.translation.vector.into()
@@ -287,7 +286,7 @@ fn a_box_is_grasped_lifted_carried_and_put_down() {
     assert!((end.z - start.z).abs() < 0.004, "{end}");
 }
 
-/// Brings the open fingers down at a place, tips `tips_m` over the table.
+/// Lowers the open fingers at a position, tips `tips_m` above the table.
 fn reach_down(
     world: &mut World,
     [x, y]: [f64; 2],
@@ -326,7 +325,7 @@ fn a_grip_on_the_upper_edge_alone_does_not_hold() {
 #[test]
 fn an_object_wider_than_the_stroke_stops_the_fingers_on_the_way_down() {
     let (spot, yaw_rad) = reachable(0.05);
-    // 0.17 m and more across, along the direction in which the fingers close.
+    // 0.17 m and more across, along the closing direction of the fingers.
     let mut world = world(vec![upright("cereal-box", spot, yaw_rad)]);
     let top_m = 2.0 * world.find(1).unwrap().model.half_sides_m.z;
     let [x, y] = spot;

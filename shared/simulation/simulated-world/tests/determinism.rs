@@ -1,4 +1,4 @@
-//! The same scene, seed and commands give the same bytes.
+//! Determinism tests: the same scene, seed and commands give the same bytes.
 
 #![expect(clippy::unwrap_used, reason = "a set-up that fails fails its test")]
 
@@ -21,7 +21,7 @@ fn poses(world: &World) -> Vec<(u16, [u64; 7])> {
         .collect()
 }
 
-/// A pile with an arm and a busy person.
+/// World with a pile, an arm and a busy person.
 fn busy_world() -> World {
     let mut library = ModelLibrary::generated();
     let mut scene = Scene::generate(SceneKind::Pile, 5, 7, &mut library).unwrap();
@@ -34,7 +34,7 @@ fn busy_world() -> World {
                 to_m: [0.3, 0.1],
             },
         }],
-        by_chance_every_s: Some([0.5, 1.5]),
+        random_pause_s: Some([0.5, 1.5]),
         ..PersonPlan::default()
     });
     World::new(scene, library).unwrap()

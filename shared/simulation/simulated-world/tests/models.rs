@@ -1,4 +1,4 @@
-//! Models from files: taken as they are, mended and told, or refused with a sentence.
+//! Tests of model files: accepted, repaired with a note, or rejected with a message.
 
 #![expect(clippy::unwrap_used, reason = "a set-up that fails fails its test")]
 
@@ -23,7 +23,7 @@ fn vertex([x, y, z]: [f32; 3]) -> Point {
     }
 }
 
-/// The corners and faces of a box around the origin.
+/// Corners and faces of a box around the origin.
 fn cuboid(sides: [f32; 3]) -> (Vec<Point>, Vec<[u32; 3]>) {
     let side = |i: usize, axis: usize| (if i >> axis & 1 == 0 { -0.5 } else { 0.5 }) * sides[axis];
     let corners = (0..8).map(|i| vertex([side(i, 0), side(i, 1), side(i, 2)]));
@@ -41,7 +41,7 @@ fn cuboid(sides: [f32; 3]) -> (Vec<Point>, Vec<[u32; 3]>) {
     (corners.collect(), triangles.collect())
 }
 
-/// A ball whose rings and segments are that many.
+/// Sphere mesh with this number of rings and segments.
 fn ball(radius: f32, n_rings: u32, n_segments: u32) -> (Vec<Point>, Vec<[u32; 3]>) {
     let at = |ring: u32, segment: u32| {
         let up = (ring as f32 / n_rings as f32 - 0.5) * std::f32::consts::PI;
@@ -85,7 +85,7 @@ fn file(folder: &TempDir, name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
     path
 }
 
-/// A model and what is told of it, or why it is refused.
+/// Loads a model; returns its notes, or the error message.
 fn load(path: &Path) -> Result<(Arc<ObjectModel>, String), String> {
     let mut library = ModelLibrary::generated();
     let model = library.load(&ModelChoice::File(path.to_owned()));
@@ -99,7 +99,7 @@ fn assert_refused(path: &Path, expected: &str) {
     assert!(told.contains(&*name) && told.contains(expected), "{told}");
 }
 
-/// A world with this model put down in the middle of the table.
+/// World with this model put down in the middle of the table.
 fn world_with(path: &Path) -> World {
     let scene = Scene {
         objects: vec![ObjectPlan {
@@ -276,7 +276,7 @@ fn folders_are_listed_in_order_and_an_empty_one_is_told() {
     assert!(told.contains("missing"), "{told}");
 }
 
-/// The folder of real models.
+/// Folder of scanned models.
 fn household_models() -> PathBuf {
     let data = std::env::var_os("TABULA_DATA").map_or_else(
         || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../../shared/data"),

@@ -1,4 +1,4 @@
-//! A person does what the script says, and is where the capsules say.
+//! Tests of the simulated person: scripted actions, and capsules that cover the rendered body.
 
 #![expect(
     clippy::unwrap_used,
@@ -15,9 +15,9 @@ use simulated_world::{
     Scene, SimulatedKinect, TimedAction, World,
 };
 
-/// How near to its goal an object must end, metres.
+/// Greatest distance of an object from its target position, metres.
 const GOAL_M: f64 = 0.02;
-/// No action takes longer, steps.
+/// Step limit of an action.
 const MOST_STEPS: usize = 3000;
 
 fn model(category: &str) -> ModelChoice {
@@ -37,7 +37,7 @@ fn upright(category: &str, position_m: [f64; 2]) -> ObjectPlan {
     }
 }
 
-/// Three objects apart, and a person who does one thing after half a second.
+/// World with three objects and a person who performs one action after half a second.
 fn world(action: Action) -> World {
     let scene = Scene {
         objects: vec![
@@ -55,7 +55,7 @@ fn world(action: Action) -> World {
     World::new(scene, ModelLibrary::generated()).unwrap()
 }
 
-/// Steps until the person has done it and a second has passed; looks at each step.
+/// Steps until the action is finished and a second has passed; calls `look` at each step.
 fn run(world: &mut World, mut look: impl FnMut(&World)) {
     let mut has_begun = false;
     for _ in 0..MOST_STEPS {
@@ -107,7 +107,7 @@ fn a_moved_object_stands_at_its_goal_and_the_others_where_they_were() {
 
 #[test]
 fn a_slid_object_stays_down_and_pushes_what_it_meets() {
-    // The mug is nearer to its goal than a can and a mug are wide.
+    // The mug is nearer to its target than a can and a mug are wide.
     let mut world = world(Action::Slide {
         object: 1,
         to_m: [-0.04, 0.12],
@@ -150,7 +150,7 @@ fn a_brisk_person_needs_less_time() {
         run(&mut world, |_| n_steps += 1);
         f64::from(n_steps)
     };
-    // The fingers wait as long as ever.
+    // The waiting times of the fingers do not depend on the pace.
     let ratio = n_steps(1.0) / n_steps(2.0);
     assert!((1.8..2.0).contains(&ratio), "{ratio}");
 }
@@ -201,7 +201,7 @@ fn what_can_not_be_done_leaves_all_as_it_is() {
     assert_eq!(world.objects().len(), 3);
 }
 
-/// The camera with its points.
+/// Simulated camera with its point buffer.
 struct Eye {
     kinect: SimulatedKinect,
     points: Vec<Point>,
@@ -249,8 +249,8 @@ fn a_hand_before_an_object_hides_it_and_not_the_others() {
     assert!(after[0] > 0.95 * before[0], "{after:?}");
 }
 
-/// How far what is seen of a person at work lies outside of the nearest capsule,
-/// metres: for trunk, legs and hand, and for head and arm.
+/// Greatest distance of rendered points of a person at work from the nearest capsule, metres: for
+/// trunk, legs and hand, and for head and arm.
 fn farthest_outside_m() -> [f64; 2] {
     let mut world = world(Action::Move {
         object: 1,

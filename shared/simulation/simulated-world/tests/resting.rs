@@ -1,4 +1,4 @@
-//! Every household object comes to rest on the table where it was put down.
+//! Tests of resting stability: every household object rests where it was put down.
 
 #![expect(clippy::unwrap_used, reason = "a set-up that fails fails its test")]
 
@@ -6,11 +6,12 @@ use simulated_world::{
     ModelChoice, ModelLibrary, ObjectPlan, ObjectState, Placing, Scene, World, category_names,
 };
 
-/// How far an object may slide or roll until it rests, metres.
+/// Greatest distance that an object may slide or roll before it rests, metres.
 const SLID_MAX_M: f64 = 0.04;
-/// How far the physics may let it sink in, and its convex parts may stand out, metres.
+/// Greatest depth that an object may sink into the table, and its convex parts may protrude,
+/// metres.
 const SUNK_MAX_M: f64 = 0.005;
-/// What rocks from facet to facet has this long to come to rest, steps.
+/// Settling time for objects that rock from facet to facet, steps.
 const N_STEPS: usize = 300;
 
 fn world_with(category: &str, instance: u64) -> World {
@@ -31,7 +32,7 @@ fn world_with(category: &str, instance: u64) -> World {
     World::new(scene, ModelLibrary::generated()).unwrap()
 }
 
-/// What is wrong with how an object lies, if anything.
+/// Fault of a resting object, if any.
 fn fault(world: &World) -> Option<String> {
     let object = &world.objects()[0];
     let pose = object.world_from_object.cast::<f32>();

@@ -1,4 +1,4 @@
-//! Scene files: what is good, and which sentence each fault gets.
+//! Tests of scene files: valid files, and the message of each fault.
 
 #![expect(
     clippy::unwrap_used,
@@ -113,7 +113,7 @@ fn everything_that_can_be_said_is_taken_over() {
     };
     assert!((world_from_object.translation.z - 0.9).abs() < 1e-12);
     let person = scene.person.as_ref().unwrap();
-    assert_eq!(person.by_chance_every_s, Some([3.0, 5.0]));
+    assert_eq!(person.random_pause_s, Some([3.0, 5.0]));
     let times: Vec<f64> = person.script.iter().map(|action| action.at_s).collect();
     assert_eq!(times, [1.0, 2.0, 3.0, 4.0, 6.0], "sorted by time");
     let world = World::new(scene, library).unwrap();
@@ -121,7 +121,7 @@ fn everything_that_can_be_said_is_taken_over() {
     assert!(!world.person_capsules().is_empty());
 }
 
-/// A story with two alike objects, of which the script names the first.
+/// Scenario with two equal objects, of which the script names the first.
 const STORY: &str = r#"
 duration_s = 9.5
 
@@ -157,7 +157,7 @@ object = 1
 to_m = [0.1, 0.0]
 "#;
 
-/// Instances and places of a story's objects.
+/// Instances and positions of the scenario's objects.
 fn told(seed: u64) -> Vec<(u64, [f64; 2])> {
     let (scene, _) = Scene::from_toml(STORY, Path::new(""), Some(seed)).unwrap();
     assert_eq!(scene.duration_s, Some(9.5));

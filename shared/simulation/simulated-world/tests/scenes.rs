@@ -1,4 +1,4 @@
-//! What the seeded generators lay on the table.
+//! Tests of the seeded scene generators.
 
 #![expect(
     clippy::unwrap_used,
@@ -12,11 +12,11 @@ use simulated_world::{
 };
 use std::path::Path;
 
-/// The smaller of the gaps that isolated objects keep, metres.
+/// Least gap between isolated objects, metres.
 const GAP_M: f64 = 0.03;
-/// How far an object may slide or roll until it rests, metres.
+/// Greatest distance that an object may slide or roll before it rests, metres.
 const SLID_MAX_M: f64 = 0.04;
-/// Objects of a pile are at most this far from their nearest neighbour, metres.
+/// Greatest distance of a pile's object from its nearest neighbour, metres.
 const TOUCHING_M: f64 = 0.015;
 
 fn generated(kind: SceneKind, n_objects: usize, seed: u64) -> Scene {
@@ -27,7 +27,7 @@ fn world(scene: Scene) -> World {
     World::new(scene, ModelLibrary::generated()).unwrap()
 }
 
-/// Footprint radius and planned place of each object.
+/// Footprint radius and planned position of each object.
 fn footprints(scene: &Scene) -> Vec<(f64, [f64; 2])> {
     let mut library = ModelLibrary::generated();
     let footprint = |plan: &simulated_world::ObjectPlan| {
@@ -181,7 +181,7 @@ fn nearly_all_objects_of_a_bin_lie_within_its_walls_and_fallen_ones_are_told() {
     assert!(10 * n_inside >= 9 * n_objects, "{n_inside} of {n_objects}");
 }
 
-/// Every tenth vertex in the world.
+/// Every tenth vertex of an object, world frame.
 fn points(object: &simulated_world::SceneObject) -> Vec<nalgebra::Point3<f64>> {
     let vertices = object.model.mesh.vertices.iter().step_by(10);
     vertices
@@ -246,7 +246,7 @@ fn a_set_table_comes_to_rest_with_forks_on_the_left_of_plates() {
         assert_eq!(object.state, ObjectState::Settled, "{}", object.model.name);
         object.world_from_object.translation
     };
-    // The first two covers are on the near side.
+    // The first two place settings are on the near side.
     for seat in 0..2 {
         let (fork, plate, knife) = (at("fork", seat), at("plate", seat), at("knife", seat));
         assert!(fork.x < plate.x && plate.x < knife.x);

@@ -1,4 +1,4 @@
-//! The ground truth agrees with what is drawn and with where the objects are.
+//! Tests of the ground truth against rendered images and object poses.
 
 #![expect(clippy::unwrap_used, reason = "a set-up that fails fails its test")]
 
@@ -11,7 +11,7 @@ use simulated_world::{
     SimulatedKinect, TrueObject, World, truth_json,
 };
 
-/// What a look at a world gives.
+/// Captured frame of a world.
 struct Look {
     truth: Vec<TrueObject>,
     points: Vec<Point>,
@@ -75,7 +75,7 @@ fn a_lone_object_is_seen_whole_and_one_behind_another_in_part() {
     };
     assert!(mug.visible_fraction() < 0.5, "{mug:?}");
     assert_eq!(cereals.visible_px, cereals.unoccluded_px);
-    // Within a few pixels: the mug stands as before, but for the settling.
+    // Within a few pixels: the mug stands as before, except for settling.
     let before_px = f64::from(alone.truth[0].unoccluded_px);
     assert!((f64::from(mug.unoccluded_px) / before_px - 1.0).abs() < 0.01);
 }
@@ -130,7 +130,7 @@ fn points_of_an_object_lie_in_its_box_where_the_truth_says_it_is() {
             }
             let outside_m = (extent_m - half_m).max();
             assert!(outside_m < 0.002, "{} {outside_m} m", object.name);
-            // It is seen from one side at least to its middle.
+            // At least its half is seen from one side.
             if object.visible_fraction() > 0.99 {
                 assert!((extent_m - half_m * 0.5).min() > 0.0, "{}", object.name);
             }

@@ -4,7 +4,7 @@ use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
 use std::f64::consts::PI;
 
-/// Hand straight down.
+/// Tool pose with the hand straight down.
 fn downward(position: [f64; 3], turn_rad: f64) -> RigidTransform {
     RigidTransform::from_parts(
         position.into(),
@@ -106,14 +106,14 @@ fn a_line_through_the_shoulders_axis_is_refused_or_slow_but_never_too_fast() {
 #[test]
 fn a_bend_of_the_joint_path_is_passed_within_the_accelerations() {
     let arm = Arm::jaco_like();
-    // Joint 1 stands, then turns; joint 2 turns back.
+    // Joint 1 stands still, then turns; joint 2 turns back.
     let knots: Vec<_> = (0..40)
         .map(|k| 0.02 * f64::from(k))
         .map(|u| JointVector::from([(u - 0.4).max(0.0), -(u - 0.4).abs(), 0.0, 0.0, 0.0, 0.0]))
         .collect();
     let (velocity, acceleration) = path_limits(&arm, &knots, 1.0);
     let end = (knots.len() - 1) as f64;
-    let profile = VelocityProfile::fastest(0.0, 0.0, end, velocity, acceleration);
+    let profile = TrapezoidalProfile::fastest(0.0, 0.0, end, velocity, acceleration);
     let line = LineTrajectory { knots, profile };
     let dt = line.duration_s() / 4000.0;
     let mut before = line.sample(0.0).velocities_rad_s;

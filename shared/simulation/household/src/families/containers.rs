@@ -1,10 +1,10 @@
-//! Round things with something in them.
+//! Families of containers: bottles, cans, jars, dispensers.
 
-use crate::curve::{ear, rod};
 use crate::finish::{BRUSHED, GLAZED, PLASTIC, POLISHED};
 use crate::palette::{BLACK, BRASS, METALS, PASTELS, PLASTICS, STEEL, WHITE, mix, shaded};
-use crate::profile::{corners, cylinder, printed, rounded, spline, turned};
-use crate::texture::{Print, around, is_stripe, radius};
+use crate::pattern::{PrintedLabel, azimuth, is_stripe, radius};
+use crate::profile::{cylinder, lathed, lathed_for_print, polyline, rounded, spline};
+use crate::sweep::{rod, vessel_handle};
 use crate::variation::Variation;
 use mesh::{Solid, ellipsoid, rounded_box};
 use nalgebra::{Point3, Vector3};
@@ -21,7 +21,7 @@ pub(crate) fn bottle(v: &mut Variation) -> Solid {
         [150, 190, 205],
         [60, 26, 34],
     ]);
-    let (print, cap) = (Print::new(v, &PASTELS), v.color(&PLASTICS));
+    let (print, cap) = (PrintedLabel::new(v, &PASTELS), v.color(&PLASTICS));
     let mut profile = rounded(&[(0.0, 0.0), (r, 0.0), (r, shoulder)], 0.006);
     profile.extend(spline(
         &[
@@ -31,7 +31,7 @@ pub(crate) fn bottle(v: &mut Variation) -> Solid {
         ],
         6,
     ));
-    profile.extend(corners(&[
+    profile.extend(polyline(&[
         (neck, h - 0.03),
         (neck + 0.002, h - 0.03),
         (neck + 0.002, h),
@@ -39,7 +39,7 @@ pub(crate) fn bottle(v: &mut Variation) -> Solid {
     ]));
     let label = (h * v.between(0.1, 0.14), h * v.between(0.42, 0.48));
     let foil = h - v.between(0.028, 0.06);
-    printed(&profile)
+    lathed_for_print(&profile)
         .painted(|p, _| match p.z {
             z if z > foil => cap,
             z if z > label.0 && z < label.1 => print.wrapped(p, label.0, label.1),
@@ -56,9 +56,9 @@ pub(crate) fn soda_can(v: &mut Variation) -> Solid {
         (0.0285, 0.146),
     ]);
     let (r, h) = (r * v.between(0.98, 1.02), h * v.between(0.98, 1.02));
-    let (print, stripe) = (Print::new(v, &PLASTICS), v.color(&PLASTICS));
-    let (is_wave, phase) = (v.chance(0.5), v.between(0.0, 1.0));
-    let profile = corners(&[
+    let (print, stripe) = (PrintedLabel::new(v, &PLASTICS), v.color(&PLASTICS));
+    let (is_wave, phase) = (v.with_probability(0.5), v.between(0.0, 1.0));
+    let profile = polyline(&[
         (0.0, 0.006),
         (r * 0.7, 0.004),
         (r * 0.76, 0.0),
@@ -70,8 +70,8 @@ pub(crate) fn soda_can(v: &mut Variation) -> Solid {
         (r * 0.74, h - 0.005),
         (0.0, h - 0.005),
     ]);
-    let can = printed(&profile).painted(|p, _| {
-        let wave = 0.5 * h + 0.22 * h * ((around(p) * 2.0 + phase) * std::f32::consts::TAU).sin();
+    let can = lathed_for_print(&profile).painted(|p, _| {
+        let wave = 0.5 * h + 0.22 * h * ((azimuth(p) * 2.0 + phase) * std::f32::consts::TAU).sin();
         match p.z {
             z if !(0.009..=h - 0.013).contains(&z) || radius(p) < 0.9 * r => STEEL,
             z if is_wave && (z - wave).abs() < 0.1 * h => stripe,
@@ -92,8 +92,8 @@ pub(crate) fn tin_can(v: &mut Variation) -> Solid {
         (0.037, 0.085),
     ]);
     let r = r * v.between(0.95, 1.05);
-    let print = Print::new(v, &PLASTICS);
-    let (is_bare, metal) = (v.chance(0.2), v.color(&METALS));
+    let print = PrintedLabel::new(v, &PLASTICS);
+    let (is_bare, metal) = (v.with_probability(0.2), v.color(&METALS));
     let mut points = vec![
         (0.0, 0.003),
         (r * 0.93, 0.003),
@@ -101,7 +101,7 @@ pub(crate) fn tin_can(v: &mut Variation) -> Solid {
         (r * 1.02, 0.0),
         (r * 1.02, 0.003),
     ];
-    // Beads stiffen the wall.
+    // Circumferential beads that stiffen the wall.
     let n = (h / 0.006) as usize;
     points.extend((0..=n).map(|i| {
         (
@@ -116,7 +116,7 @@ pub(crate) fn tin_can(v: &mut Variation) -> Solid {
         (r * 0.93, h - 0.003),
         (0.0, h - 0.003),
     ]);
-    printed(&corners(&points))
+    lathed_for_print(&polyline(&points))
         .painted(|p, _| {
             let on_label = !is_bare && (0.006..h - 0.006).contains(&p.z) && radius(p) > 0.95 * r;
             if on_label {
@@ -140,7 +140,7 @@ pub(crate) fn jar(v: &mut Variation) -> Solid {
         [80, 30, 80],
     ]);
     let (print, lid) = (
-        Print::new(v, &PASTELS),
+        PrintedLabel::new(v, &PASTELS),
         v.color(&[PLASTICS[0], WHITE, BRASS, PLASTICS[3], BLACK]),
     );
     let top = h - 0.018;
@@ -156,16 +156,16 @@ pub(crate) fn jar(v: &mut Variation) -> Solid {
         0.008,
     );
     let (low, high) = (h * 0.2, h * 0.62);
-    let glass = printed(&profile).painted(|p, _| {
-        // The label goes three quarters around.
-        let on_label = p.z > low && p.z < high && around(p) < 0.75;
+    let glass = lathed_for_print(&profile).painted(|p, _| {
+        // The label covers three quarters of the circumference.
+        let on_label = p.z > low && p.z < high && azimuth(p) < 0.75;
         if on_label {
             print.wrapped(p, low, high)
         } else {
             content
         }
     });
-    let is_checked = v.chance(0.3);
+    let is_checked = v.with_probability(0.3);
     let cap = cylinder(neck * 1.08, 0.016, 0.003).painted(|p, _| {
         let is_white =
             is_checked && is_stripe(p.x / 0.02 + 50.0, 1) != is_stripe(p.y / 0.02 + 50.0, 1);
@@ -182,9 +182,9 @@ pub(crate) fn shampoo(v: &mut Variation) -> Solid {
         v.between(0.55, 0.72),
         v.between(0.15, 0.2),
     );
-    let (print, cap) = (Print::new(v, &PLASTICS), v.color(&PLASTICS));
+    let (print, cap) = (PrintedLabel::new(v, &PLASTICS), v.color(&PLASTICS));
     let waist = w * v.between(0.85, 1.0);
-    let mut profile = corners(&[(0.0, 0.0), (w * 0.9, 0.0)]);
+    let mut profile = polyline(&[(0.0, 0.0), (w * 0.9, 0.0)]);
     profile.extend(spline(
         &[
             (w * 0.96, 0.004),
@@ -195,21 +195,23 @@ pub(crate) fn shampoo(v: &mut Variation) -> Solid {
         ],
         5,
     ));
-    profile.extend(corners(&[(0.0, h * 0.97)]));
+    profile.extend(polyline(&[(0.0, h * 0.97)]));
     let (low, high) = (h * 0.15, h * 0.82);
-    let body = printed(&profile).stretched(1.0, d, 1.0).painted(|p, n| {
-        let u = p.x / (1.7 * w) + 0.5;
-        let on_label = n.y.abs() > 0.3 && (low..high).contains(&p.z) && (0.0..1.0).contains(&u);
-        if on_label {
-            print.at(
-                if n.y < 0.0 { u } else { 1.0 - u },
-                (p.z - low) / (high - low),
-            )
-        } else {
-            print.ground
-        }
-    });
-    let top = if v.chance(0.5) {
+    let body = lathed_for_print(&profile)
+        .stretched(1.0, d, 1.0)
+        .painted(|p, n| {
+            let u = p.x / (1.7 * w) + 0.5;
+            let on_label = n.y.abs() > 0.3 && (low..high).contains(&p.z) && (0.0..1.0).contains(&u);
+            if on_label {
+                print.at(
+                    if n.y < 0.0 { u } else { 1.0 - u },
+                    (p.z - low) / (high - low),
+                )
+            } else {
+                print.ground
+            }
+        });
+    let top = if v.with_probability(0.5) {
         cylinder(w * 0.55, h * 0.14, 0.004).moved(0.0, 0.0, h * 0.93)
     } else {
         // A pump: a stalk and a spout to one side.
@@ -230,12 +232,12 @@ pub(crate) fn shampoo(v: &mut Variation) -> Solid {
 pub(crate) fn spray_bottle(v: &mut Variation) -> Solid {
     let (r, h) = (v.between(0.036, 0.043), v.between(0.15, 0.18));
     let (print, head) = (
-        Print::new(v, &PLASTICS),
+        PrintedLabel::new(v, &PLASTICS),
         v.color(&[WHITE, PLASTICS[0], PLASTICS[1], BLACK]),
     );
     let trigger = v.color(&PLASTICS);
     let waist = r * v.between(0.75, 0.9);
-    let mut profile = corners(&[(0.0, 0.0), (r * 0.95, 0.0)]);
+    let mut profile = polyline(&[(0.0, 0.0), (r * 0.95, 0.0)]);
     profile.extend(spline(
         &[
             (r, 0.004),
@@ -245,15 +247,17 @@ pub(crate) fn spray_bottle(v: &mut Variation) -> Solid {
         ],
         6,
     ));
-    profile.extend(corners(&[(0.013, h + 0.004), (0.0, h + 0.004)]));
+    profile.extend(polyline(&[(0.013, h + 0.004), (0.0, h + 0.004)]));
     let (low, high) = (h * 0.08, h * 0.5);
-    let body = printed(&profile).stretched(1.0, 0.72, 1.0).painted(|p, _| {
-        if p.z > low && p.z < high {
-            print.wrapped(p, low, high)
-        } else {
-            print.ground
-        }
-    });
+    let body = lathed_for_print(&profile)
+        .stretched(1.0, 0.72, 1.0)
+        .painted(|p, _| {
+            if p.z > low && p.z < high {
+                print.wrapped(p, low, high)
+            } else {
+                print.ground
+            }
+        });
     let collar = cylinder(0.016, 0.018, 0.002).moved(0.0, 0.0, h - 0.002);
     let gun = rounded_box([0.075, 0.022, 0.026], 0.006, 0.01).moved(-0.012, 0.0, h + 0.032);
     let neck = rounded_box([0.03, 0.02, 0.03], 0.005, 0.01).moved(0.006, 0.0, h + 0.02);
@@ -287,7 +291,7 @@ pub(crate) fn salt_shaker(v: &mut Variation) -> Solid {
     ]);
     let metal = v.color(&METALS);
     let cap = h * v.between(0.7, 0.76);
-    let mut profile = corners(&[(0.0, 0.0), (r * 0.96, 0.0)]);
+    let mut profile = polyline(&[(0.0, 0.0), (r * 0.96, 0.0)]);
     profile.extend(spline(
         &[(r, 0.002), (waist, cap * 0.75), (waist * 0.9, cap)],
         6,
@@ -303,15 +307,15 @@ pub(crate) fn salt_shaker(v: &mut Variation) -> Solid {
     );
     profile.extend(lid);
     let (n_facets, depth) = (v.count(6, 9) as f32, v.pick(&[0.0, 0.035]));
-    let shaker = turned(&profile)
+    let shaker = lathed(&profile)
         .warped(|p| {
             let k = if p.z < cap - 0.003 { depth } else { 0.0 };
-            let k = 1.0 - k * (around(&p) * n_facets * std::f32::consts::TAU).cos();
+            let k = 1.0 - k * (azimuth(&p) * n_facets * std::f32::consts::TAU).cos();
             Point3::new(p.x * k, p.y * k, p.z)
         })
         .painted(|p, _| if p.z > cap - 0.001 { metal } else { body });
     let n = v.count(4, 7);
-    // Holes are dark dots that stand out by a hair.
+    // Holes are dark dots that stand out slightly.
     let hole = |i: usize| {
         let (sin, cos) = (i as f32 / n as f32 * std::f32::consts::TAU).sin_cos();
         let ring = if i == 0 { 0.0 } else { waist * 0.42 };
@@ -327,7 +331,7 @@ pub(crate) fn thermos(v: &mut Variation) -> Solid {
     let (r, h) = (v.between(0.034, 0.042), v.between(0.22, 0.28));
     let (body, metal) = (v.color(&PLASTICS), v.color(&METALS));
     let cup = h * v.between(0.72, 0.78);
-    let (is_bright, n_bands) = (v.chance(0.5), v.count(1, 3));
+    let (is_bright, n_bands) = (v.with_probability(0.5), v.count(1, 3));
     let profile = rounded(
         &[
             (0.0, 0.0),
@@ -355,8 +359,8 @@ pub(crate) fn thermos(v: &mut Variation) -> Solid {
             _ => body,
         }
     };
-    let flask = turned(&profile).painted(|p, _| color(p));
-    // The cap is a cup with an ear.
-    let ring = ear(&profile, (h - 0.012, cup + 0.01), 0.016, 0.006, 0.012).colored(metal);
+    let flask = lathed(&profile).painted(|p, _| color(p));
+    // The cap is a cup with a handle.
+    let ring = vessel_handle(&profile, (h - 0.012, cup + 0.01), 0.016, 0.006, 0.012).colored(metal);
     flask.joined(ring).with_surface(POLISHED)
 }

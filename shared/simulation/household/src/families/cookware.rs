@@ -1,20 +1,20 @@
-//! What stands on the stove and in the kitchen.
+//! Families of cookware: pots, pans, kettles, trays.
 
-use crate::curve::{rod, swept};
 use crate::finish::{BRUSHED, PLASTIC, POLISHED};
 use crate::palette::{BLACK, GLAZES, GRIPS, METALS, PLASTICS, WOODS, shaded};
-use crate::profile::{corners, cylinder, rounded, shell, turned};
-use crate::texture::{is_inside, wood};
+use crate::pattern::{is_inside, wood};
+use crate::profile::{cylinder, lathed, polyline, rounded, shell};
+use crate::sweep::{rod, swept};
 use crate::variation::Variation;
 use mesh::{Solid, rounded_box};
 use nalgebra::{Point3, Vector3};
 
 pub(crate) fn pot(v: &mut Variation) -> Solid {
     let (r, h) = (v.between(0.075, 0.1), v.between(0.08, 0.125));
-    let (metal, is_enamel) = (v.color(&METALS), v.chance(0.5));
+    let (metal, is_enamel) = (v.color(&METALS), v.with_probability(0.5));
     let (enamel, grip) = (v.color(&GLAZES), v.color(&[BLACK, METALS[0], GRIPS[0]]));
     let outer = rounded(&[(0.0, 0.0), (r, 0.0), (r, h)], 0.01);
-    let body = turned(&shell(&outer, 0.003, 0.005)).painted(|p, n| {
+    let body = lathed(&shell(&outer, 0.003, 0.005)).painted(|p, n| {
         if is_enamel && !is_inside(p, n) {
             enamel
         } else {
@@ -39,13 +39,13 @@ pub(crate) fn pot(v: &mut Variation) -> Solid {
     pot.joined(lid(v, r, h, metal)).with_surface(BRUSHED)
 }
 
-/// A lid with a knob; some pots come without.
+/// Lid with a knob; some pots come without.
 fn lid(v: &mut Variation, r: f32, h: f32, metal: [u8; 3]) -> Solid {
-    if v.chance(0.4) {
+    if v.with_probability(0.4) {
         return Solid::default();
     }
     let rise = v.between(0.012, 0.022);
-    let profile = corners(&[
+    let profile = polyline(&[
         (0.0, h - 0.002),
         (r * 1.01, h - 0.002),
         (r * 1.02, h + 0.003),
@@ -57,7 +57,7 @@ fn lid(v: &mut Variation, r: f32, h: f32, metal: [u8; 3]) -> Solid {
         (0.0, h + rise + 0.022),
     ]);
     let knob = h + rise + 0.001;
-    turned(&profile).painted(|p, _| if p.z > knob { BLACK } else { metal })
+    lathed(&profile).painted(|p, _| if p.z > knob { BLACK } else { metal })
 }
 
 pub(crate) fn pan(v: &mut Variation) -> Solid {
@@ -67,7 +67,7 @@ pub(crate) fn pan(v: &mut Variation) -> Solid {
         v.color(&[BLACK, [70, 70, 74], GRIPS[0], METALS[2]]),
         v.color(&[[44, 44, 46], [60, 58, 56]]),
     );
-    let body = turned(&shell(&outer, 0.0035, 0.004))
+    let body = lathed(&shell(&outer, 0.0035, 0.004))
         .painted(|p, n| if is_inside(p, n) { inner } else { coat });
     let length = v.between(0.14, 0.18);
     let grip = v.color(&[BLACK, WOODS[1], GRIPS[0]]);
@@ -90,14 +90,14 @@ pub(crate) fn tray(v: &mut Variation) -> Solid {
         v.between(0.18, 0.24),
         v.between(0.028, 0.042),
     );
-    let (wall, is_wood) = (0.009, v.chance(0.5));
+    let (wall, is_wood) = (0.009, v.with_probability(0.5));
     let base = if is_wood {
         v.color(&WOODS)
     } else {
         v.color(&PLASTICS)
     };
     let (floor, seed) = (
-        if v.chance(0.4) {
+        if v.with_probability(0.4) {
             v.color(&PLASTICS)
         } else {
             base
@@ -144,7 +144,7 @@ pub(crate) fn rolling_pin(v: &mut Variation) -> Solid {
         v.between(0.19, 0.23),
         v.between(0.06, 0.075),
     );
-    let (base, dark, seed) = (v.color(&WOODS), v.chance(0.4), v.seed());
+    let (base, dark, seed) = (v.color(&WOODS), v.with_probability(0.4), v.seed());
     let knob = |x: f32, t: f32| (x * r, length / 2.0 + grip * t);
     let half = [
         knob(1.0, 0.0),
@@ -160,7 +160,7 @@ pub(crate) fn rolling_pin(v: &mut Variation) -> Solid {
         let is_grip = dark && p.x.abs() > length / 2.0;
         wood(p, if is_grip { shaded(base, 0.55) } else { base }, seed)
     };
-    crate::curve::lying(turned(&rounded(&points, 0.006))).painted(|p, _| color(p))
+    crate::sweep::lying(lathed(&rounded(&points, 0.006))).painted(|p, _| color(p))
 }
 
 pub(crate) fn kettle(v: &mut Variation) -> Solid {
@@ -178,7 +178,7 @@ pub(crate) fn kettle(v: &mut Variation) -> Solid {
         ],
         v.between(0.012, 0.022),
     );
-    let body = turned(&profile).joined(cylinder(0.01, 0.018, 0.004).moved(0.0, 0.0, h));
+    let body = lathed(&profile).joined(cylinder(0.01, 0.018, 0.004).moved(0.0, 0.0, h));
     let spout = swept(
         &[
             [-r * 0.7, 0.0, h * 0.45],

@@ -1,10 +1,10 @@
-//! Cutlery and kitchen utensils, lying along x.
+//! Families of cutlery and kitchen utensils, lying along x.
 
-use crate::curve::{along, lying, rested, rod, swept};
 use crate::finish::{PLASTIC, POLISHED};
-use crate::palette::{BLACK, Color, METALS, PLASTICS, WOODS};
-use crate::profile::{corners, cylinder, divided, rounded, rounded_outline, shell, turned};
-use crate::texture::wood;
+use crate::palette::{BLACK, METALS, PLASTICS, Rgb, WOODS};
+use crate::pattern::wood;
+use crate::profile::{cylinder, lathed, polyline, rounded, rounded_outline, shell, subdivided};
+use crate::sweep::{interpolate, lying, resting_on_two_points, rod, swept};
 use crate::variation::Variation;
 use mesh::{Solid, extrude, rounded_box};
 use nalgebra::{Point3, Vector3};
@@ -12,16 +12,16 @@ use nalgebra::{Point3, Vector3};
 /// Thickness of a knife's blade, metres.
 const BLADE_M: f32 = 0.0024;
 
-/// What a piece of cutlery is made of.
-struct Ware {
-    metal: Color,
-    grip: Color,
+/// Materials of a piece of cutlery.
+struct CutleryMaterial {
+    metal: Rgb,
+    grip: Rgb,
 }
 
-impl Ware {
+impl CutleryMaterial {
     fn new(v: &mut Variation) -> Self {
         let metal = v.color(&METALS);
-        let is_plain = v.chance(0.55);
+        let is_plain = v.with_probability(0.55);
         let grip = v.color(&[PLASTICS[0], PLASTICS[1], BLACK, WOODS[1], PLASTICS[3]]);
         Self {
             metal,
@@ -29,7 +29,7 @@ impl Ware {
         }
     }
 
-    /// A handle from x = −length to 0, wider at its end.
+    /// Handle from x = −length to 0, wider at its end.
     fn handle(&self, v: &mut Variation, length: f32) -> Solid {
         let (neck, end) = (v.between(0.0028, 0.0036), v.between(0.0075, 0.0105));
         let bulge = v.between(0.45, 0.8);
@@ -45,17 +45,20 @@ impl Ware {
         let has_grip = metal != grip;
         let height = if has_grip { 0.0038 } else { 0.0022 };
         swept(&points, Vector3::z(), |t| {
-            (along(&width, t), if t < 0.7 { height } else { 0.0021 })
+            (
+                interpolate(&width, t),
+                if t < 0.7 { height } else { 0.0021 },
+            )
         })
         .painted(|p, _| if p.x < edge { grip } else { metal })
     }
 }
 
 pub(crate) fn spoon(v: &mut Variation) -> Solid {
-    let ware = Ware::new(v);
+    let ware = CutleryMaterial::new(v);
     let (length, half) = (v.between(0.1, 0.135), v.between(0.0165, 0.021));
     let (stretch, depth) = (v.between(1.4, 1.65), v.between(0.009, 0.012));
-    let outer = corners(&[
+    let outer = polyline(&[
         (0.0, 0.0),
         (0.35, 0.08),
         (0.7, 0.36),
@@ -66,7 +69,7 @@ pub(crate) fn spoon(v: &mut Variation) -> Solid {
         .iter()
         .map(|p| nalgebra::Point2::new(p.x * half, p.y * depth))
         .collect();
-    let bowl = turned(&shell(&outer, 0.0022, 0.0022))
+    let bowl = lathed(&shell(&outer, 0.0022, 0.0022))
         .colored(ware.metal)
         .warped(|p| {
             // Pointed towards the tip.
@@ -79,7 +82,7 @@ pub(crate) fn spoon(v: &mut Variation) -> Solid {
 }
 
 pub(crate) fn fork(v: &mut Variation) -> Solid {
-    let ware = Ware::new(v);
+    let ware = CutleryMaterial::new(v);
     let length = v.between(0.105, 0.135);
     let (n_tines, w) = (v.pick(&[3_usize, 4, 4]), v.between(0.0105, 0.0135));
     let (root, tip) = (v.between(0.024, 0.03), v.between(0.07, 0.08));
@@ -94,7 +97,7 @@ pub(crate) fn fork(v: &mut Variation) -> Solid {
     points.truncate(points.len() - 2);
     points.extend([(root, w), (0.012, w * 0.8)]);
     points.push((0.0, 0.003));
-    let outline = divided(&corners(&points), 0.008);
+    let outline = subdivided(&polyline(&points), 0.008);
     let dip = v.between(0.005, 0.008);
     let head = extrude(&outline[..outline.len() - 1], 0.0022, 0.0004)
         .colored(ware.metal)
@@ -118,7 +121,7 @@ pub(crate) fn knife(v: &mut Variation) -> Solid {
         METALS[2],
     ];
     let (grip, seed) = (v.color(&colors), v.seed());
-    let (is_round, is_wood) = (v.chance(0.4), v.chance(0.5));
+    let (is_round, is_wood) = (v.with_probability(0.4), v.with_probability(0.5));
     let blade = blade(length, w, is_round)
         .colored(metal)
         .with_surface(POLISHED);
@@ -126,7 +129,7 @@ pub(crate) fn knife(v: &mut Variation) -> Solid {
     let widths = [1.15, 1.1, 0.9, 1.0, 1.05].map(|share| share * height);
     let at = |x: f32| [x, 0.0, BLADE_M / 2.0];
     let points = [at(-grip_length), at(-grip_length / 2.0), at(0.0)];
-    let handle = swept(&points, Vector3::z(), |t| (along(&widths, t), 0.0075))
+    let handle = swept(&points, Vector3::z(), |t| (interpolate(&widths, t), 0.0075))
         .painted(|p, _| if is_wood { wood(p, grip, seed) } else { grip })
         .with_surface(PLASTIC);
     let rivet = |x: f32| cylinder(0.0024, 0.0165, 0.0004).moved(-x * grip_length, 0.0, -0.007);
@@ -136,7 +139,7 @@ pub(crate) fn knife(v: &mut Variation) -> Solid {
         .joined(rivets.colored(metal).decorative())
 }
 
-/// A knife's blade along x, with a round end or a point.
+/// Knife blade along x, with a round end or a point.
 fn blade(length: f32, w: f32, is_round: bool) -> Solid {
     let mut points = vec![
         (-0.004, w),
@@ -149,7 +152,7 @@ fn blade(length: f32, w: f32, is_round: bool) -> Solid {
     if is_round {
         points.push((length * 0.9, w));
     }
-    let outline = divided(&rounded_outline(&points, 0.006), 0.01);
+    let outline = subdivided(&rounded_outline(&points, 0.006), 0.01);
     extrude(&outline, BLADE_M, 0.0004).warped(|p| {
         // The cutting edge is the thin side.
         let share = (p.y / w * 0.5 + 0.5).clamp(0.0, 1.0);
@@ -174,9 +177,13 @@ pub(crate) fn spatula(v: &mut Variation) -> Solid {
         [-length, 0.0, rise],
     ];
     let (widths, heights) = ([0.006, 0.005, 0.009, 0.011], [0.003, 0.004, 0.006, 0.007]);
-    let edge = if v.chance(0.5) { -0.03 } else { -0.45 * length };
+    let edge = if v.with_probability(0.5) {
+        -0.03
+    } else {
+        -0.45 * length
+    };
     let handle = swept(&points, Vector3::z(), |t| {
-        (along(&widths, t), along(&heights, t))
+        (interpolate(&widths, t), interpolate(&heights, t))
     });
     let handle = handle.painted(|p, _| {
         if p.x < edge {
@@ -188,7 +195,7 @@ pub(crate) fn spatula(v: &mut Variation) -> Solid {
     flat.joined(handle).with_surface(PLASTIC)
 }
 
-/// A flat blade of half width `w`: bars between slots, closed by a root and an edge.
+/// Flat blade of half width `w`: bars between slots, closed by a root and an edge.
 fn slotted(length: f32, w: f32, n_slots: usize) -> Solid {
     let gap = w * 0.9 / n_slots as f32;
     let width = (2.0 * w - n_slots as f32 * gap) / (n_slots + 1) as f32;
@@ -214,7 +221,7 @@ pub(crate) fn ladle(v: &mut Variation) -> Solid {
     let (r, length) = (v.between(0.03, 0.039), v.between(0.17, 0.22));
     let (metal, is_plain) = (
         v.color(&[METALS[0], METALS[2], BLACK, PLASTICS[0], WOODS[1]]),
-        v.chance(0.4),
+        v.with_probability(0.4),
     );
     let grip = if is_plain {
         metal
@@ -231,7 +238,7 @@ pub(crate) fn ladle(v: &mut Variation) -> Solid {
         ],
         5,
     );
-    let bowl = turned(&shell(&outer, 0.0025, 0.0025)).colored(metal);
+    let bowl = lathed(&shell(&outer, 0.0025, 0.0025)).colored(metal);
     // The handle rises from the rim and leans back.
     let rise = v.between(0.05, 0.08);
     let handle = swept(
@@ -245,14 +252,14 @@ pub(crate) fn ladle(v: &mut Variation) -> Solid {
         Vector3::z(),
         |t| {
             (
-                along(&[0.006, 0.005, 0.006, 0.009, 0.009], t),
-                along(&[0.003, 0.003, 0.003, 0.005], t),
+                interpolate(&[0.006, 0.005, 0.006, 0.009, 0.009], t),
+                interpolate(&[0.003, 0.003, 0.003, 0.005], t),
             )
         },
     );
     let edge = -r - v.between(0.4, 0.6) * length;
     let handle = handle.painted(|p, _| if p.x < edge { grip } else { metal });
-    // Bowl and handle's end touch the table.
+    // Bowl and end of the handle touch the table.
     let tilt = (depth + rise - 0.006).atan2(r + length) * 0.96;
     bowl.joined(handle)
         .turned(Vector3::y(), -tilt)
@@ -301,6 +308,6 @@ pub(crate) fn whisk(v: &mut Variation) -> Solid {
         ],
         0.005,
     );
-    let handle = lying(turned(&profile)).colored(grip).with_surface(PLASTIC);
-    rested(wires.joined(handle))
+    let handle = lying(lathed(&profile)).colored(grip).with_surface(PLASTIC);
+    resting_on_two_points(wires.joined(handle))
 }

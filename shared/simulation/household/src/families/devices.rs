@@ -1,20 +1,21 @@
-//! Things with a battery or a plug.
+//! Families of electric devices: phones, remote controls, lamps.
 
-use crate::curve::rod;
 use crate::finish::{DARK_GLASS, PLASTIC};
 use crate::palette::{
-    BLACK, BRASS, Color, GLAZES, METALS, PASTELS, PLASTICS, WHITE, contrasting, mix, shaded,
+    BLACK, BRASS, GLAZES, METALS, PASTELS, PLASTICS, Rgb, WHITE, contrasting, mix, shaded,
 };
-use crate::profile::{Profile, corners, cylinder, divided, rounded, rounded_outline, turned};
-use crate::texture::{around, is_stripe};
+use crate::pattern::{azimuth, is_stripe};
+use crate::profile::{Profile, cylinder, lathed, polyline, rounded, rounded_outline, subdivided};
+use crate::sweep::rod;
 use crate::variation::Variation;
 use mesh::{Solid, extrude, lathe, rounded_box, superellipsoid};
 use nalgebra::{Point3, Vector3};
 use std::f32::consts::TAU;
 
-const SHELLS: [Color; 5] = [BLACK, [90, 92, 98], [206, 208, 210], WHITE, [52, 60, 84]];
+/// Colours of plastic shells.
+const SHELLS: [Rgb; 5] = [BLACK, [90, 92, 98], [206, 208, 210], WHITE, [52, 60, 84]];
 
-/// A plate with round corners, its lower face at z = 0.
+/// Slab with round corners, its lower face at z = 0.
 fn slab(x: f32, y: f32, z: f32, corner: f32) -> Solid {
     let (a, b) = (x / 2.0, y / 2.0);
     let outline = rounded_outline(&[(-a, -b), (a, -b), (a, b), (-a, b)], corner);
@@ -28,7 +29,11 @@ pub(crate) fn phone(v: &mut Variation) -> Solid {
         v.between(0.008, 0.011),
     );
     let body = v.color(&[BLACK, METALS[0], WHITE, PLASTICS[0], PLASTICS[1], BRASS]);
-    let (top, bottom, is_on) = (v.color(&PLASTICS), v.color(&PLASTICS), v.chance(0.5));
+    let (top, bottom, is_on) = (
+        v.color(&PLASTICS),
+        v.color(&PLASTICS),
+        v.with_probability(0.5),
+    );
     let corner = v.between(0.008, 0.014);
     let case = slab(x, y, z, corner).colored(body);
     let glass = slab(x * 0.93, y * 0.965, 0.0012, corner * 0.8)
@@ -92,7 +97,7 @@ pub(crate) fn remote_control(v: &mut Variation) -> Solid {
         .moved(-x * 0.26, y * 0.43, z / 2.0 - 0.001)
         .colored([206, 36, 34]);
     let r = x * 0.3;
-    let dial = turned(&corners(&[
+    let dial = lathed(&polyline(&[
         (r * 0.45, 0.0),
         (r, 0.0),
         (r * 0.96, 0.003),
@@ -117,7 +122,7 @@ pub(crate) fn computer_mouse(v: &mut Variation) -> Solid {
         v.color(&[BLACK, [120, 122, 126], PLASTICS[0], PLASTICS[1]]),
     );
     let back = v.between(0.1, 0.35);
-    let is_two_tone = v.chance(0.4);
+    let is_two_tone = v.with_probability(0.4);
     let side = mix(body, key, 0.8);
     let shell = superellipsoid([x, y, z], 0.85, 0.75, 56)
         .painted(|p, _| {
@@ -203,7 +208,7 @@ pub(crate) fn lamp(v: &mut Variation) -> Solid {
     );
     let low = h - tall;
     let kind = v.count(0, 2);
-    let base = turned(&lamp_base(kind, r, low)).colored(v.color(&GLAZES));
+    let base = lathed(&lamp_base(kind, r, low)).colored(v.color(&GLAZES));
     let (wide, narrow) = (v.between(0.075, 0.095), v.between(0.04, 0.06));
     let shade = shade(v, wide, narrow, tall).moved(0.0, 0.0, low);
     // A cross of wire holds the shade.
@@ -217,7 +222,7 @@ pub(crate) fn lamp(v: &mut Variation) -> Solid {
     base.joined(shade).joined(wires).joined(bulb)
 }
 
-/// A disc with a pole, a jar, or a turned column.
+/// Lamp base: a disc with a pole, a jar, or a lathed column.
 fn lamp_base(kind: usize, r: f32, low: f32) -> Profile {
     let pole = 0.007;
     let (mut points, edge) = match kind {
@@ -244,10 +249,10 @@ fn lamp_base(kind: usize, r: f32, low: f32) -> Profile {
     rounded(&points, edge)
 }
 
-/// A cone of cloth, open at both ends.
+/// Lamp shade: a cone of cloth, open at both ends.
 fn shade(v: &mut Variation, wide: f32, narrow: f32, tall: f32) -> Solid {
     let (cloth, trim, n) = (v.color(&PASTELS), v.color(&PLASTICS), v.count(5, 9));
-    let is_striped = v.chance(0.35);
+    let is_striped = v.with_probability(0.35);
     let wall = 0.003;
     let section = [
         (wide, 0.0),
@@ -256,12 +261,12 @@ fn shade(v: &mut Variation, wide: f32, narrow: f32, tall: f32) -> Solid {
         (wide - wall, 0.0),
         (wide, 0.0),
     ];
-    let mut section = divided(&corners(&section), 0.012);
+    let mut section = subdivided(&polyline(&section), 0.012);
     section.pop();
     lathe(&section, 48).painted(|p, _| {
         let share = p.z / tall;
         let is_trim = !(0.06..=0.94).contains(&share);
-        let is_strip = is_striped && is_stripe(around(p), n);
+        let is_strip = is_striped && is_stripe(azimuth(p), n);
         if is_trim || is_strip {
             trim
         } else {
@@ -281,9 +286,9 @@ pub(crate) fn headphones(v: &mut Variation) -> Solid {
         .map(|i| ((i as f32 / 10.0 - 0.5) * 3.3).sin_cos())
         .map(|(sin, cos)| [r * sin, r * 1.15 * cos, 0.0])
         .collect();
-    let bow = crate::curve::swept(&points, Vector3::z(), |_| (0.004, 0.011)).colored(band);
+    let bow = crate::sweep::swept(&points, Vector3::z(), |_| (0.004, 0.011)).colored(band);
     let ear = |side: f32| {
-        let shell = turned(&rounded(
+        let shell = lathed(&rounded(
             &[
                 (0.0, -0.012),
                 (cup * 0.8, -0.012),
@@ -294,7 +299,7 @@ pub(crate) fn headphones(v: &mut Variation) -> Solid {
             0.006,
         ))
         .colored(accent);
-        let cushion = turned(&rounded(
+        let cushion = lathed(&rounded(
             &[
                 (0.0, 0.004),
                 (cup * 0.98, 0.004),

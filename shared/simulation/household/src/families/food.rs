@@ -1,9 +1,9 @@
-//! Things to eat that grow nowhere.
+//! Families of prepared food: bread, pastry, eggs.
 
 use crate::finish::{GLAZED, WAXY};
 use crate::palette::{PLASTICS, WHITE, mix, shaded};
-use crate::profile::{corners, spline, turned};
-use crate::texture::{mottled, noise, radius, speckled};
+use crate::pattern::{mottled, noise, radius, speckled};
+use crate::profile::{lathed, polyline, spline};
 use crate::variation::Variation;
 use mesh::{Solid, ellipsoid, lathe, rounded_box};
 use nalgebra::{Point2, Point3, Vector3};
@@ -20,7 +20,7 @@ pub(crate) fn donut(v: &mut Variation) -> Solid {
         v.color(&[[206, 150, 84], [186, 124, 64]]),
         v.color(&[[240, 140, 170], [92, 52, 32], WHITE, [250, 220, 140]]),
     );
-    let (seed, is_iced) = (v.seed(), v.chance(0.85));
+    let (seed, is_iced) = (v.seed(), v.with_probability(0.85));
     let body = lathe(&section, 48).painted(|p, _| {
         let edge = thick * flat * (0.05 + 0.5 * (noise(p, 0.014, seed) - 0.5));
         if is_iced && p.z > edge {
@@ -29,7 +29,7 @@ pub(crate) fn donut(v: &mut Variation) -> Solid {
             mottled(p, dough, 0.008, 0.2, seed)
         }
     });
-    let n_sprinkles = if v.chance(0.6) && is_iced {
+    let n_sprinkles = if v.with_probability(0.6) && is_iced {
         v.count(24, 40)
     } else {
         0
@@ -113,7 +113,7 @@ pub(crate) fn cupcake(v: &mut Variation) -> Solid {
     );
     let paper = v.color(&PLASTICS);
     let n = 10.0;
-    let cup = turned(&corners(&[(0.0, 0.0), (foot, 0.0), (r, h), (0.0, h)]))
+    let cup = lathed(&polyline(&[(0.0, 0.0), (foot, 0.0), (r, h), (0.0, h)]))
         .warped(|p| {
             let k = 1.0 + 0.03 * (p.y.atan2(p.x) * n).cos() * f32::from(radius(&p) > 0.8 * foot);
             Point3::new(p.x * k, p.y * k, p.z)
@@ -152,7 +152,7 @@ pub(crate) fn cupcake(v: &mut Variation) -> Solid {
     let cherry = ellipsoid([0.008, 0.008, 0.0075], 20)
         .colored([186, 22, 36])
         .moved(0.0, 0.0, h + top + 0.003);
-    cup.joined(turned(&spline(&points, 3)).colored(icing))
+    cup.joined(lathed(&spline(&points, 3)).colored(icing))
         .joined(cherry)
         .with_surface(GLAZED)
 }
@@ -175,7 +175,7 @@ pub(crate) fn croissant(v: &mut Variation) -> Solid {
         let step = (from_middle * n_turns * 0.5).floor() / (n_turns * 0.5);
         r * (1.0 - 0.72 * step.mul_add(0.7, 0.3 * from_middle))
     };
-    crate::curve::swept(&points, Vector3::z(), |t| (width(t), width(t) * 0.85)).painted(|p, n| {
+    crate::sweep::swept(&points, Vector3::z(), |t| (width(t), width(t) * 0.85)).painted(|p, n| {
         let angle = p.x.atan2(bow - p.y).abs() / sweep * 2.0;
         let seam = ((angle * n_turns * 0.5).fract() * PI).sin();
         mottled(

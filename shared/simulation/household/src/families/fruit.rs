@@ -1,23 +1,23 @@
-//! Fruit.
+//! Families of fruit.
 
-use crate::curve::{along, rested, rod, swept};
 use crate::finish::WAXY;
-use crate::palette::{BARK, Color, LEAF, mix, shaded};
-use crate::profile::{Profile, oval, spline, turned};
-use crate::texture::{around, mottled, noise, radius, speckled};
+use crate::palette::{BARK, LEAF, Rgb, mix, shaded};
+use crate::pattern::{azimuth, mottled, noise, radius, speckled};
+use crate::profile::{Profile, ellipse, lathed, spline};
+use crate::sweep::{interpolate, resting_on_two_points, rod, swept};
 use crate::variation::Variation;
 use mesh::{Solid, ellipsoid, extrude};
 use nalgebra::{Point3, Vector3};
 use std::f32::consts::TAU;
 
-/// A body of revolution, a little out of round.
-pub(crate) fn grown(profile: &Profile, v: &mut Variation) -> Solid {
+/// Body of revolution with random deviations from roundness.
+pub(crate) fn irregular_lathe(profile: &Profile, v: &mut Variation) -> Solid {
     let (squash, lean) = (v.between(0.93, 1.0), v.between(-0.08, 0.08));
-    turned(profile).warped(|p| Point3::new(p.x * squash + lean * p.z, p.y, p.z))
+    lathed(profile).warped(|p| Point3::new(p.x * squash + lean * p.z, p.y, p.z))
 }
 
-/// A short bent stem that rises from z, of a length between two.
-pub(crate) fn stem(v: &mut Variation, z: f32, length: (f32, f32), r: f32, color: Color) -> Solid {
+/// Short bent stem that starts at z, with a random length in a range.
+pub(crate) fn stem(v: &mut Variation, z: f32, length: (f32, f32), r: f32, color: Rgb) -> Solid {
     let length = v.between(length.0, length.1);
     let bend = v.between(-0.4, 0.4) * length;
     rod(
@@ -32,9 +32,9 @@ pub(crate) fn stem(v: &mut Variation, z: f32, length: (f32, f32), r: f32, color:
     .decorative()
 }
 
-/// A flat leaf at z, pointing away from the axis.
-fn leaf(z: f32, length: f32, angle: f32, color: Color) -> Solid {
-    extrude(&oval(length / 2.0, length / 4.5, 16), 0.0012, 0.0)
+/// Flat leaf at z, pointing away from the axis.
+fn leaf(z: f32, length: f32, angle: f32, color: Rgb) -> Solid {
+    extrude(&ellipse(length / 2.0, length / 4.5, 16), 0.0012, 0.0)
         .moved(length / 2.0 + 0.0006, 0.0, z)
         .warped(|p| Point3::new(p.x, p.y, p.z + 0.25 * p.x - 6.0 * p.x * p.x))
         .turned(Vector3::z(), angle)
@@ -60,15 +60,15 @@ pub(crate) fn apple(v: &mut Variation) -> Solid {
     let ground = v.color(&[[176, 196, 70], [224, 206, 96], [140, 176, 52]]);
     let blush = v.color(&[[178, 28, 36], [206, 52, 44], [150, 24, 40]]);
     let (redness, side, seed) = (v.between(-0.1, 1.1), v.between(0.0, TAU), v.seed());
-    let body = grown(&profile, v).painted(|p, _| {
+    let body = irregular_lathe(&profile, v).painted(|p, _| {
         let (sin, cos) = side.sin_cos();
         let lit = (p.x * cos + p.y * sin) / r * 0.4 + redness;
-        let streak = noise(&Point3::new(around(p) * 0.3, 0.0, p.z * 0.1), 0.006, seed) - 0.5;
+        let streak = noise(&Point3::new(azimuth(p) * 0.3, 0.0, p.z * 0.1), 0.006, seed) - 0.5;
         let skin = mix(ground, blush, lit * 1.4 + streak * 0.6);
         mix([120, 110, 50], skin, radius(p) / (0.3 * r))
     });
     let body = body.joined(stem(v, 0.82 * h, (0.014, 0.022), 0.0014, BARK));
-    let leaved = v.chance(0.3);
+    let leaved = v.with_probability(0.3);
     let body = if leaved {
         body.joined(leaf(0.95 * h, 0.03, side, LEAF))
     } else {
@@ -102,7 +102,7 @@ pub(crate) fn pear(v: &mut Variation) -> Solid {
     ]);
     let (blush, seed) = (v.color(&[[190, 90, 50], [160, 120, 60]]), v.seed());
     let share = v.between(0.0, 0.7);
-    let body = grown(&profile, v).painted(|p, _| {
+    let body = irregular_lathe(&profile, v).painted(|p, _| {
         let color = mix(skin, blush, (p.x / r * 0.5 + 0.3) * share);
         speckled(p, (color, shaded(color, 0.75)), 0.0045, 0.18, seed)
     });
@@ -128,7 +128,7 @@ pub(crate) fn banana(v: &mut Variation) -> Solid {
     let widths = [0.34, 0.5, 0.9, 1.0, 1.0, 0.95, 0.85, 0.5, 0.28].map(|w| w * r);
     let reach = at(1.0)[0];
     let body = swept(&points, Vector3::z(), |t| {
-        (along(&widths, t), along(&widths, t))
+        (interpolate(&widths, t), interpolate(&widths, t))
     })
     .warped(|p| Point3::new(p.x, p.y, p.z * 0.94))
     .painted(|p, _| {
@@ -140,7 +140,7 @@ pub(crate) fn banana(v: &mut Variation) -> Solid {
         );
         speckled(p, (tip, [96, 64, 30]), 0.008, spots, seed)
     });
-    // The stem goes on straight from one end.
+    // The stem continues straight from one end.
     let [x, y, _] = at(0.0);
     let stalk = rod(
         &[
@@ -200,14 +200,14 @@ pub(crate) fn lemon(v: &mut Variation) -> Solid {
         ],
         4,
     );
-    let is_lime = v.chance(0.25);
+    let is_lime = v.with_probability(0.25);
     let skin = if is_lime {
         v.color(&[[110, 160, 50]])
     } else {
         v.color(&[[246, 220, 62], [238, 206, 48], [250, 228, 96]])
     };
     let seed = v.seed();
-    crate::curve::lying(grown(&profile, v))
+    crate::sweep::lying(irregular_lathe(&profile, v))
         .painted(|p, _| {
             let tip = mix([150, 170, 60], skin, (1.0 - p.x / half) * 8.0);
             mottled(p, tip, 0.004, 0.16, seed)
@@ -233,11 +233,11 @@ pub(crate) fn strawberry(v: &mut Variation) -> Solid {
         v.color(&[[206, 30, 38], [188, 24, 34], [222, 56, 48]]),
         v.seed(),
     );
-    let body = turned(&profile).painted(|p, _| {
+    let body = lathed(&profile).painted(|p, _| {
         let ripe = mix([236, 180, 130], skin, (h - p.z) / (0.12 * h));
         mottled(p, ripe, 0.003, 0.2, seed)
     });
-    // Seeds sit in a spiral.
+    // The seeds form a spiral.
     let pip = |i: usize| {
         let t = (i as f32 + 0.5) / 44.0;
         let z = h * (0.08 + 0.82 * t);
@@ -260,7 +260,7 @@ pub(crate) fn strawberry(v: &mut Variation) -> Solid {
         .joined(pips.colored([236, 206, 96]).decorative())
         .joined(crown.hulled())
         .joined(stalk);
-    rested(berry.turned(Vector3::y(), 1.9)).with_surface(WAXY)
+    resting_on_two_points(berry.turned(Vector3::y(), 1.9)).with_surface(WAXY)
 }
 
 pub(crate) fn peach(v: &mut Variation) -> Solid {
@@ -283,7 +283,7 @@ pub(crate) fn peach(v: &mut Variation) -> Solid {
         v.color(&[[214, 92, 70], [196, 70, 74]]),
     );
     let (seed, share) = (v.seed(), v.between(0.2, 0.7));
-    let body = grown(&profile, v)
+    let body = irregular_lathe(&profile, v)
         .warped(|p| {
             // A furrow down one side.
             let furrow = (-(p.y / 0.0045).powi(2)).exp() * f32::from(p.x > 0.0) * 0.07;

@@ -1,10 +1,10 @@
-//! What lies in the drawer below the toolbox, along x.
+//! Families of household hardware: flashlights, brushes, bulbs, magnifiers; lying along x.
 
-use crate::curve::{along, lying, swept};
 use crate::finish::{BRUSHED, DARK_GLASS, PLASTIC, RUBBER};
 use crate::palette::{BLACK, BRASS, GRIPS, METALS, STEEL, WOODS, mix, shaded};
-use crate::profile::{corners, cylinder, oval, rounded, spline, turned};
-use crate::texture::{is_stripe, mottled, wood};
+use crate::pattern::{is_stripe, mottled, wood};
+use crate::profile::{cylinder, ellipse, lathed, polyline, rounded, spline};
+use crate::sweep::{interpolate, lying, swept};
 use crate::variation::Variation;
 use mesh::{Solid, lathe, rounded_box};
 use nalgebra::{Point3, Vector3};
@@ -35,7 +35,7 @@ pub(crate) fn flashlight(v: &mut Variation) -> Solid {
     );
     let (lens, low) = ([226, 230, 214], v.between(0.2, 0.4));
     let n_rings = v.count(3, 7);
-    let tube = turned(&profile).painted(|p, n| {
+    let tube = lathed(&profile).painted(|p, n| {
         let share = p.z / neck;
         match share {
             _ if n.z > 0.7 && p.z > length - 0.005 && p.x.hypot(p.y) < 0.85 * head => lens,
@@ -65,7 +65,7 @@ pub(crate) fn paintbrush(v: &mut Variation) -> Solid {
     let (grip, seed, is_dipped) = (
         v.color(&[WOODS[0], WOODS[3], GRIPS[0], GRIPS[1], GRIPS[2]]),
         v.seed(),
-        v.chance(0.4),
+        v.with_probability(0.4),
     );
     let paint = v.color(&GRIPS);
     let widths = [0.006, 0.0095, 0.0075, 0.008, w * 0.92];
@@ -76,7 +76,7 @@ pub(crate) fn paintbrush(v: &mut Variation) -> Solid {
             [0.0, 0.0, 0.0],
         ],
         Vector3::z(),
-        |t| (along(&widths, t), 0.0068),
+        |t| (interpolate(&widths, t), 0.0068),
     )
     .painted(|p, _| wood(p, grip, seed));
     let ferrule = rounded_box([0.03, 2.0 * w, 2.0 * d], 0.004, 0.01)
@@ -89,8 +89,8 @@ pub(crate) fn paintbrush(v: &mut Variation) -> Solid {
     ];
     let tuft = swept(&sections, Vector3::z(), |t| {
         (
-            w * along(&[0.95, 1.05, 0.95], t),
-            d * along(&[0.92, 0.85, 0.3], t),
+            w * interpolate(&[0.95, 1.05, 0.95], t),
+            d * interpolate(&[0.92, 0.85, 0.3], t),
         )
     })
     .painted(|p, _| {
@@ -127,7 +127,7 @@ pub(crate) fn light_bulb(v: &mut Variation) -> Solid {
             0.007 + 0.0023 * i as f32,
         )
     }));
-    let mut profile = corners(&points);
+    let mut profile = polyline(&points);
     let neck = 0.028;
     profile.extend(spline(
         &[
@@ -140,12 +140,12 @@ pub(crate) fn light_bulb(v: &mut Variation) -> Solid {
         ],
         6,
     ));
-    let bulb = turned(&profile).painted(|p, _| match p.z {
+    let bulb = lathed(&profile).painted(|p, _| match p.z {
         z if z < 0.005 => BLACK,
         z if z < neck - 0.001 => metal,
         _ => glass,
     });
-    // It lies on its glass and its thread.
+    // It rests on its glass and its thread.
     lying(bulb)
         .turned(Vector3::y(), (r - thread) / (length - r))
         .with_surface(PLASTIC)
@@ -157,12 +157,12 @@ pub(crate) fn magnifier(v: &mut Variation) -> Solid {
         v.color(&[BLACK, METALS[0], BRASS]),
         v.color(&[BLACK, WOODS[2], GRIPS[0], GRIPS[1]]),
     );
-    let section: Vec<_> = oval(0.0042, 0.0062, 12)
+    let section: Vec<_> = ellipse(0.0042, 0.0062, 12)
         .iter()
         .map(|p| nalgebra::Point2::new(r + p.x, p.y))
         .collect();
     let ring = lathe(&section, 48).colored(rim);
-    let lens = turned(&corners(&[
+    let lens = lathed(&polyline(&[
         (0.0, -0.003),
         (r * 0.99, -0.001),
         (r * 0.99, 0.001),
@@ -181,7 +181,7 @@ pub(crate) fn magnifier(v: &mut Variation) -> Solid {
             [start + length, 0.0, 0.0],
         ],
         Vector3::z(),
-        |t| (along(&widths, t), along(&widths, t) * 0.9),
+        |t| (interpolate(&widths, t), interpolate(&widths, t) * 0.9),
     );
     ring.joined(collar)
         .joined(handle.colored(grip))

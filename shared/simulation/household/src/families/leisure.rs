@@ -1,10 +1,10 @@
-//! What lies about in a living room.
+//! Families of leisure objects: balls, candles, caps.
 
-use crate::curve::{rod, swept};
 use crate::finish::{PLASTIC, RUBBER, WAXY};
 use crate::palette::{BLACK, PASTELS, PLASTICS, WHITE, mix, shaded};
-use crate::profile::{oval, rounded, rounded_outline, shell, spline, turned};
-use crate::texture::{around, is_inside, is_stripe, mottled};
+use crate::pattern::{azimuth, is_inside, is_stripe, mottled};
+use crate::profile::{ellipse, lathed, rounded, rounded_outline, shell, spline};
+use crate::sweep::{rod, swept};
 use crate::variation::Variation;
 use mesh::{Solid, ellipsoid, extrude};
 use nalgebra::{Point3, Vector3};
@@ -72,7 +72,7 @@ pub(crate) fn soccer_ball(v: &mut Variation) -> Solid {
         .painted(|p, _| {
             let mut near: Vec<f32> = pentagons.iter().map(|c| c.dot(&p.coords) / r).collect();
             near.sort_by(|a, b| b.total_cmp(a));
-            // A pentagon reaches less far towards its neighbours.
+            // A pentagon extends less far towards its neighbours.
             let edge = 0.945 - 0.12 * (near[1] - 0.447);
             let seam = shaded(ground, 0.72 + 6.0 * (near[0] - near[1]).min(0.046));
             mix(seam, spot, (near[0] - edge) / 0.03 + 0.5)
@@ -108,7 +108,7 @@ pub(crate) fn candle(v: &mut Variation) -> Solid {
     let mut points = rounded(&[(0.0, 0.0), (r, 0.0), (r, h - 0.008)], 0.002);
     points.extend(profile);
     let (n_bands, band) = (v.count(0, 3), v.color(&PASTELS));
-    let body = turned(&points).painted(|p, _| {
+    let body = lathed(&points).painted(|p, _| {
         let is_band = (0..n_bands).any(|i| (p.z / h - 0.3 - 0.16 * i as f32).abs() < 0.035);
         let glow = ((p.z / h - 0.85) * 5.0).clamp(0.0, 1.0);
         mix(
@@ -148,7 +148,7 @@ pub(crate) fn candle(v: &mut Variation) -> Solid {
 pub(crate) fn cap(v: &mut Variation) -> Solid {
     let (r, h) = (v.between(0.08, 0.092), v.between(0.1, 0.12));
     let (cloth, brim) = (v.color(&PLASTICS), v.color(&PLASTICS));
-    let (n, is_panelled, is_same) = (3, v.chance(0.4), v.chance(0.5));
+    let (n, is_panelled, is_same) = (3, v.with_probability(0.4), v.with_probability(0.5));
     let brim = if is_same { cloth } else { brim };
     let outer = spline(
         &[
@@ -160,13 +160,13 @@ pub(crate) fn cap(v: &mut Variation) -> Solid {
         ],
         5,
     );
-    let dome = turned(&shell(&outer, 0.004, 0.004 - h))
+    let dome = lathed(&shell(&outer, 0.004, 0.004 - h))
         .painted(|p, n_| {
             if is_inside(p, n_) {
                 return shaded(cloth, 0.6);
             }
-            let seam = (around(p) * 6.0).fract() < 0.06;
-            let color = if is_panelled && is_stripe(around(p), n) {
+            let seam = (azimuth(p) * 6.0).fract() < 0.06;
+            let color = if is_panelled && is_stripe(azimuth(p), n) {
                 brim
             } else {
                 cloth
@@ -195,7 +195,7 @@ pub(crate) fn cap(v: &mut Variation) -> Solid {
         .moved(0.0, 0.0, h)
         .colored(brim)
         .decorative();
-    let badge = extrude(&oval(0.022, 0.02, 20), 0.002, 0.0)
+    let badge = extrude(&ellipse(0.022, 0.02, 20), 0.002, 0.0)
         .turned(Vector3::y(), FRAC_PI_2 - 0.35)
         .moved(r * 1.06, 0.0, h * 0.42);
     let badge = badge.colored(v.color(&PLASTICS)).decorative();

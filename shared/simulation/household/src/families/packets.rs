@@ -1,16 +1,16 @@
-//! Cardboard, paper and foam.
+//! Families of packets: cartons, boxes, books, tubes.
 
-use crate::curve::rod;
 use crate::finish::{PLASTIC, PRINTED};
-use crate::palette::{Color, PASTELS, PLASTICS, WHITE, contrasting, mix, shaded};
-use crate::profile::{corners, cylinder};
-use crate::texture::{Print, is_stripe, mottled, speckled};
+use crate::palette::{PASTELS, PLASTICS, Rgb, WHITE, contrasting, mix, shaded};
+use crate::pattern::{PrintedLabel, is_stripe, mottled, speckled};
+use crate::profile::{cylinder, polyline};
+use crate::sweep::rod;
 use crate::variation::Variation;
 use mesh::{Solid, extrude, rounded_box};
 use nalgebra::{Point3, Vector3};
 
-/// A printed box that stands on z = 0.
-fn printed_box(sides: [f32; 3], edge: f32, cell: f32, print: &Print) -> Solid {
+/// Printed box that stands on z = 0.
+fn printed_box(sides: [f32; 3], edge: f32, cell: f32, print: &PrintedLabel) -> Solid {
     rounded_box(sides, edge, cell)
         .painted(|p, n| print.boxed(p, n, sides))
         .moved(0.0, 0.0, sides[2] / 2.0)
@@ -23,12 +23,12 @@ pub(crate) fn cereal_box(v: &mut Variation) -> Solid {
         v.between(0.05, 0.07),
         v.between(0.25, 0.31),
     ];
-    let print = Print::new(v, &PLASTICS);
+    let print = PrintedLabel::new(v, &PLASTICS);
     printed_box(sides, 0.001, 0.01, &print)
 }
 
 pub(crate) fn tissue_box(v: &mut Variation) -> Solid {
-    let is_cube = v.chance(0.35);
+    let is_cube = v.with_probability(0.35);
     let sides = if is_cube {
         let side = v.between(0.108, 0.12);
         [side, side * 1.02, side * 1.1]
@@ -50,7 +50,7 @@ pub(crate) fn tissue_box(v: &mut Variation) -> Solid {
     // The next tissue: a folded sheet that stands up.
     let rise = v.between(0.035, 0.05);
     let turn = v.between(4.0, 7.0);
-    let outline: Vec<_> = crate::profile::oval(half * 0.8, 0.007, 36);
+    let outline: Vec<_> = crate::profile::ellipse(half * 0.8, 0.007, 36);
     let tissue = extrude(&outline, rise, 0.001)
         .warped(|p| {
             let up = p.z / rise;
@@ -73,7 +73,7 @@ pub(crate) fn matchbox(v: &mut Variation) -> Solid {
         v.between(0.034, 0.038),
         v.between(0.012, 0.017),
     );
-    let print = Print::new(v, &PLASTICS);
+    let print = PrintedLabel::new(v, &PLASTICS);
     let sleeve = rounded_box([x, y, z], 0.0006, 0.003).painted(|p, n| match n.z {
         up if up.abs() > 0.7 => print.at(p.y / y + 0.5, p.x / x + 0.5),
         _ if n.y.abs() > 0.7 => [86, 52, 44],
@@ -103,7 +103,7 @@ pub(crate) fn matchbox(v: &mut Variation) -> Solid {
 pub(crate) fn milk_carton(v: &mut Variation) -> Solid {
     let (w, h) = (v.between(0.066, 0.076), v.between(0.155, 0.2));
     let roof = w * v.between(0.42, 0.55);
-    let print = Print::new(
+    let print = PrintedLabel::new(
         v,
         &[WHITE, PLASTICS[1], PLASTICS[3], PLASTICS[0], PASTELS[1]],
     );
@@ -111,7 +111,7 @@ pub(crate) fn milk_carton(v: &mut Variation) -> Solid {
     let body = rounded_box(sides, 0.0008, 0.007)
         .painted(|p, n| print.boxed(p, n, sides))
         .moved(0.0, 0.0, h / 2.0);
-    let gable = corners(&[
+    let gable = polyline(&[
         (-w / 2.0, 0.0),
         (w / 2.0, 0.0),
         (0.002, roof),
@@ -132,7 +132,7 @@ pub(crate) fn milk_carton(v: &mut Variation) -> Solid {
             print.at(0.01, 0.8)
         }
     });
-    let has_cap = v.chance(0.6);
+    let has_cap = v.with_probability(0.6);
     let cap = if has_cap {
         cylinder(0.013, 0.014, 0.002)
     } else {
@@ -153,7 +153,7 @@ pub(crate) fn juice_box(v: &mut Variation) -> Solid {
         v.between(0.036, 0.042),
         v.between(0.1, 0.125),
     ];
-    let print = Print::new(v, &PLASTICS);
+    let print = PrintedLabel::new(v, &PLASTICS);
     let body = printed_box(sides, 0.001, 0.005, &print);
     let (h, x) = (sides[2], sides[0] * 0.22);
     let lean = v.between(0.012, 0.024);
@@ -182,7 +182,7 @@ pub(crate) fn book(v: &mut Variation) -> Solid {
         v.between(0.18, 0.24),
         v.between(0.015, 0.04),
     );
-    let print = Print::new(
+    let print = PrintedLabel::new(
         v,
         &[
             PLASTICS[0],
@@ -229,7 +229,14 @@ pub(crate) fn sponge(v: &mut Variation) -> Solid {
         ]),
         v.color(&[[30, 110, 60], [40, 60, 130], [80, 80, 80]]),
     );
-    let (seed, pad) = (v.seed(), if v.chance(0.75) { z / 2.0 - 0.008 } else { 1.0 });
+    let (seed, pad) = (
+        v.seed(),
+        if v.with_probability(0.75) {
+            z / 2.0 - 0.008
+        } else {
+            1.0
+        },
+    );
     let dent = v.between(0.0, 0.006);
     rounded_box([x, y, z], 0.004, 0.004)
         .painted(|p, _| match p.z {
@@ -253,8 +260,8 @@ pub(crate) fn toothpaste(v: &mut Variation) -> Solid {
         v.between(0.024, 0.028),
         v.between(0.015, 0.019),
     );
-    let palette: [Color; 5] = [WHITE, PLASTICS[0], PLASTICS[1], PLASTICS[6], PLASTICS[3]];
-    let (print, cap) = (Print::new(v, &palette), v.color(&palette));
+    let palette: [Rgb; 5] = [WHITE, PLASTICS[0], PLASTICS[1], PLASTICS[6], PLASTICS[3]];
+    let (print, cap) = (PrintedLabel::new(v, &palette), v.color(&palette));
     // Round at the shoulder, flat at the crimp.
     let section = |t: f32| (w * (1.0 - 0.25 * t), 0.0014 + (r - 0.0014) * t.powf(0.7));
     let points = [
@@ -263,17 +270,17 @@ pub(crate) fn toothpaste(v: &mut Variation) -> Solid {
         [length / 1.5, 0.0, 0.0],
         [length, 0.0, 0.0],
     ];
-    let tube = crate::curve::swept(&points, Vector3::z(), section);
+    let tube = crate::sweep::swept(&points, Vector3::z(), section);
     let tube = tube.painted(|p, _| {
         let side = if p.z >= 0.0 { p.y } else { -p.y };
         print.at(side / (2.0 * w) + 0.5, 1.0 - p.x / length)
     });
     let head = cylinder(0.011, v.between(0.016, 0.026), 0.002);
-    let head = crate::curve::lying(head)
+    let head = crate::sweep::lying(head)
         .colored(cap)
         .moved(length + 0.008, 0.0, 0.0);
     let crimp = rounded_box([0.009, 2.1 * w, 0.0022], 0.0006, 0.006).moved(-0.003, 0.0, 0.0);
-    // It lies on its flat end and its shoulder.
+    // It rests on its flat end and its shoulder.
     let tilt = (r - 0.001) / length;
     tube.joined(crimp.colored(cap))
         .joined(head)

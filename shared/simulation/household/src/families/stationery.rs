@@ -1,10 +1,12 @@
-//! What lies in a desk's drawer.
+//! Families of stationery.
 
-use crate::curve::{lying, swept};
 use crate::finish::{BRUSHED, DARK_GLASS, PLASTIC};
 use crate::palette::{BLACK, GRIPS, METALS, PLASTICS, WHITE, contrasting, mix, shaded};
-use crate::profile::{corners, cylinder, divided, printed, rounded, rounded_outline, turned};
-use crate::texture::{Print, is_stripe, radius};
+use crate::pattern::{PrintedLabel, is_stripe, radius};
+use crate::profile::{
+    cylinder, lathed, lathed_for_print, polyline, rounded, rounded_outline, subdivided,
+};
+use crate::sweep::{lying, swept};
 use crate::variation::Variation;
 use mesh::{Solid, TubeSection, extrude, lathe, rounded_box, tube};
 use nalgebra::{Point2, Point3, Vector3};
@@ -80,7 +82,7 @@ pub(crate) fn tape_roll(v: &mut Variation) -> Solid {
     );
     let wall = 0.003;
     let section = rounded_outline(&[(hole, 0.0), (r, 0.0), (r, w), (hole, w)], 0.0008);
-    let section = divided(&section, 0.004);
+    let section = subdivided(&section, 0.004);
     lathe(&section, 48)
         .painted(|p, n| {
             let from_axis = radius(p);
@@ -101,7 +103,7 @@ pub(crate) fn marker(v: &mut Variation) -> Solid {
         v.color(&[WHITE, BLACK, [200, 202, 206]]),
     );
     let cap = length * v.between(0.62, 0.7);
-    let (is_full, has_band) = (v.chance(0.3), v.chance(0.5));
+    let (is_full, has_band) = (v.with_probability(0.3), v.with_probability(0.5));
     let profile = rounded(
         &[
             (0.0, 0.0),
@@ -116,7 +118,7 @@ pub(crate) fn marker(v: &mut Variation) -> Solid {
         0.0012,
     );
     let letter = contrasting(body);
-    let pen = turned(&profile).painted(|p, n| match p.z / cap {
+    let pen = lathed(&profile).painted(|p, n| match p.z / cap {
         s if is_full || !(0.07..=1.0).contains(&s) => ink,
         s if has_band && (0.8..0.9).contains(&s) => ink,
         s if (0.25..0.65).contains(&s) && n.x < -0.6 => mix(body, letter, 0.7),
@@ -164,7 +166,7 @@ pub(crate) fn stapler(v: &mut Variation) -> Solid {
         (x * 0.485, h * 0.66),
         (-x * 0.46, h * 0.3),
     ];
-    let rail = extrude(&corners(&rail), y * 0.55, 0.0005)
+    let rail = extrude(&polyline(&rail), y * 0.55, 0.0005)
         .turned(Vector3::x(), upright)
         .moved(0.0, y * 0.275, 0.0)
         .colored(METALS[0]);
@@ -185,7 +187,7 @@ pub(crate) fn glue_stick(v: &mut Variation) -> Solid {
     let (r, h) = (v.between(0.0125, 0.0165), v.between(0.085, 0.105));
     let (cap, print) = (
         v.color(&PLASTICS),
-        Print::new(v, &[PLASTICS[2], PLASTICS[0], WHITE, PLASTICS[1]]),
+        PrintedLabel::new(v, &[PLASTICS[2], PLASTICS[0], WHITE, PLASTICS[1]]),
     );
     let split = h * v.between(0.66, 0.74);
     let foot = h * 0.1;
@@ -203,7 +205,7 @@ pub(crate) fn glue_stick(v: &mut Variation) -> Solid {
         ],
         0.0015,
     );
-    let stick = printed(&profile).painted(|p, _| match p.z {
+    let stick = lathed_for_print(&profile).painted(|p, _| match p.z {
         z if z < foot || z > split => cap,
         z => print.wrapped(&Point3::new(p.x, p.y, z), foot, split),
     });
@@ -253,13 +255,13 @@ pub(crate) fn calculator(v: &mut Variation) -> Solid {
 pub(crate) fn pencil_cup(v: &mut Variation) -> Solid {
     let (r, h) = (v.between(0.034, 0.042), v.between(0.09, 0.105));
     let (outside, stripe) = (v.color(&PLASTICS), v.color(&PLASTICS));
-    let (n, is_ringed) = (v.count(5, 9), v.chance(0.5));
+    let (n, is_ringed) = (v.count(5, 9), v.with_probability(0.5));
     let wall: Vec<Point2<f32>> = rounded(&[(0.0, 0.0), (r * 0.92, 0.0), (r, h)], 0.004);
-    let cup = turned(&crate::profile::shell(&wall, 0.003, 0.004)).painted(|p, _| {
+    let cup = lathed(&crate::profile::shell(&wall, 0.003, 0.004)).painted(|p, _| {
         let t = if is_ringed {
             p.z / h
         } else {
-            crate::texture::around(p)
+            crate::pattern::azimuth(p)
         };
         if is_stripe(t, n) { stripe } else { outside }
     });
@@ -267,7 +269,7 @@ pub(crate) fn pencil_cup(v: &mut Variation) -> Solid {
     let pencil = |i: usize, v: &mut Variation| {
         let length = v.between(0.12, 0.165);
         let color = v.color(&GRIPS);
-        let profile = corners(&[
+        let profile = polyline(&[
             (0.0, 0.0),
             (0.0036, 0.0),
             (0.0036, length - 0.016),
@@ -275,7 +277,7 @@ pub(crate) fn pencil_cup(v: &mut Variation) -> Solid {
             (0.0, length),
         ]);
         let lean = v.between(0.1, 0.2);
-        lathe(&divided(&profile, 0.008), 10)
+        lathe(&subdivided(&profile, 0.008), 10)
             .painted(|p, _| match length - p.z {
                 from_tip if from_tip < 0.004 => mix(color, BLACK, 0.4),
                 from_tip if from_tip < 0.017 => [222, 190, 140],

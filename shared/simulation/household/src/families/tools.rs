@@ -1,10 +1,10 @@
-//! Tools, lying along x.
+//! Families of tools, lying along x.
 
-use crate::curve::{along, lying, rested, rod, swept};
 use crate::finish::{BRUSHED, PLASTIC, POLISHED};
-use crate::palette::{BLACK, Color, GRIPS, METALS, WHITE, WOODS, shaded};
-use crate::profile::{corners, cylinder, rounded, rounded_outline, turned};
-use crate::texture::{is_stripe, wood};
+use crate::palette::{BLACK, GRIPS, METALS, Rgb, WHITE, WOODS, shaded};
+use crate::pattern::{is_stripe, wood};
+use crate::profile::{cylinder, lathed, polyline, rounded, rounded_outline};
+use crate::sweep::{interpolate, lying, resting_on_two_points, rod, swept};
 use crate::variation::Variation;
 use mesh::{Solid, extrude, rounded_box};
 use nalgebra::{Point3, Vector3};
@@ -14,7 +14,7 @@ pub(crate) fn hammer(v: &mut Variation) -> Solid {
     let (length, r) = (v.between(0.22, 0.28), v.between(0.011, 0.014));
     let (base, grip, seed) = (v.color(&WOODS), v.color(&GRIPS), v.seed());
     let (has_grip, metal) = (
-        v.chance(0.6),
+        v.with_probability(0.6),
         v.color(&[METALS[0], METALS[2], [70, 72, 78]]),
     );
     let edge = -length * v.between(0.4, 0.55);
@@ -26,7 +26,7 @@ pub(crate) fn hammer(v: &mut Variation) -> Solid {
             [0.012, 0.0, 0.0],
         ],
         Vector3::z(),
-        |t| (along(&widths, t), along(&widths, t) * 0.8),
+        |t| (interpolate(&widths, t), interpolate(&widths, t) * 0.8),
     );
     let handle = handle.painted(|p, _| {
         if has_grip && p.x < edge {
@@ -48,13 +48,17 @@ pub(crate) fn hammer(v: &mut Variation) -> Solid {
         ],
         0.002,
     );
-    let head = turned(&profile).turned(Vector3::x(), -FRAC_PI_2);
-    let tail = if v.chance(0.6) { claw() } else { peen() };
+    let head = lathed(&profile).turned(Vector3::x(), -FRAC_PI_2);
+    let tail = if v.with_probability(0.6) {
+        claw()
+    } else {
+        peen()
+    };
     let head = head.joined(tail).colored(metal).with_surface(BRUSHED);
     handle.with_surface(PLASTIC).joined(head)
 }
 
-/// Two bent prongs.
+/// Hammer claw: two bent prongs.
 fn claw() -> Solid {
     let prong = |side: f32| {
         let s = side * 0.006;
@@ -71,9 +75,9 @@ fn claw() -> Solid {
     prong(-1.0).joined(prong(1.0))
 }
 
-/// A wedge across the handle.
+/// Hammer peen: a wedge across the handle.
 fn peen() -> Solid {
-    let wedge = corners(&[
+    let wedge = polyline(&[
         (-0.011, -0.01),
         (0.011, -0.01),
         (0.002, -0.052),
@@ -106,7 +110,7 @@ pub(crate) fn screwdriver(v: &mut Variation) -> Solid {
         ],
         0.006,
     );
-    let handle = turned(&profile)
+    let handle = lathed(&profile)
         .warped(|p| {
             let k = 1.0
                 + depth
@@ -121,16 +125,16 @@ pub(crate) fn screwdriver(v: &mut Variation) -> Solid {
                 color
             }
         });
-    let (blade, is_flat) = (v.between(0.0026, 0.0036), v.chance(0.5));
+    let (blade, is_flat) = (v.between(0.0026, 0.0036), v.with_probability(0.5));
     let end = grip + shaft;
     let shaft = shaft_of(blade, (grip, end), is_flat, v.color(&METALS));
-    rested(lying(handle.with_surface(PLASTIC).joined(shaft)))
+    resting_on_two_points(lying(handle.with_surface(PLASTIC).joined(shaft)))
 }
 
-/// A screwdriver's shaft along z, with a flat or a pointed tip.
-fn shaft_of(r: f32, (start, end): (f32, f32), is_flat: bool, metal: Color) -> Solid {
+/// Screwdriver shaft along z, with a flat or a pointed tip.
+fn shaft_of(r: f32, (start, end): (f32, f32), is_flat: bool, metal: Rgb) -> Solid {
     let tip = if is_flat { 1.6 } else { 0.35 };
-    let profile = corners(&[
+    let profile = polyline(&[
         (0.0, start - 0.004),
         (r, start - 0.004),
         (r, end - 0.014),
@@ -138,7 +142,7 @@ fn shaft_of(r: f32, (start, end): (f32, f32), is_flat: bool, metal: Color) -> So
         (0.0, end),
     ]);
     let flatness = if is_flat { 0.8 } else { 0.0 };
-    turned(&profile)
+    lathed(&profile)
         .warped(|p| {
             let near_tip = ((p.z - end + 0.016) / 0.016).clamp(0.0, 1.0);
             Point3::new(p.x, p.y * (1.0 - flatness * near_tip), p.z)
@@ -170,19 +174,19 @@ pub(crate) fn wrench(v: &mut Variation) -> Solid {
         points
     };
     let jaw_part =
-        |size: f32| extrude(&corners(&open(size)), thick, 0.0008).moved(0.0, 0.0, -thick / 2.0);
+        |size: f32| extrude(&polyline(&open(size)), thick, 0.0008).moved(0.0, 0.0, -thick / 2.0);
     let first = jaw_part(jaw)
         .turned(Vector3::z(), tilt)
         .moved(length / 2.0, 0.0, 0.0);
-    let second = if v.chance(0.6) {
+    let second = if v.with_probability(0.6) {
         let r = head * 0.85;
-        let profile = corners(&[
+        let profile = polyline(&[
             (r * 0.58, -thick * 0.6),
             (r, -thick * 0.6),
             (r, thick * 0.6),
             (r * 0.58, thick * 0.6),
         ]);
-        turned(&profile)
+        lathed(&profile)
     } else {
         jaw_part(jaw * 0.85).turned(Vector3::z(), PI + tilt)
     };
@@ -223,7 +227,10 @@ pub(crate) fn pliers(v: &mut Variation) -> Solid {
             [-grip, s * spread * 0.75, 0.0],
         ];
         let handle = swept(&points, Vector3::z(), |t| {
-            (along(&[0.006, 0.0055, 0.0062, 0.0066, 0.006], t), 0.0055)
+            (
+                interpolate(&[0.006, 0.0055, 0.0062, 0.0066, 0.006], t),
+                0.0055,
+            )
         })
         .painted(|p, _| if p.x < edge { color } else { metal });
         let mut jaw = vec![

@@ -1,9 +1,9 @@
-//! Toys.
+//! Families of toys.
 
 use crate::finish::{PLASTIC, RUBBER};
-use crate::palette::{BLACK, Color, METALS, PLASTICS, WHITE, WOODS, mix, shaded};
-use crate::profile::{corners, cylinder, rounded, rounded_outline, turned};
-use crate::texture::{mottled, noise, radius};
+use crate::palette::{BLACK, METALS, PLASTICS, Rgb, WHITE, WOODS, mix, shaded};
+use crate::pattern::{mottled, noise, radius};
+use crate::profile::{cylinder, lathed, polyline, rounded, rounded_outline};
 use crate::variation::Variation;
 use mesh::{Solid, ellipsoid, extrude, rounded_box, superellipsoid};
 use nalgebra::{Point2, Point3, Vector3};
@@ -12,7 +12,7 @@ use std::f32::consts::{FRAC_PI_2, PI};
 pub(crate) fn puzzle_cube(v: &mut Variation) -> Solid {
     let (side, n) = (v.between(0.05, 0.066), v.pick(&[3_usize, 3, 3, 2, 4]));
     let body = v.color(&[BLACK, BLACK, WHITE]);
-    let faces: [Color; 6] = [
+    let faces: [Rgb; 6] = [
         [196, 28, 40],
         [240, 110, 20],
         [244, 244, 240],
@@ -20,7 +20,7 @@ pub(crate) fn puzzle_cube(v: &mut Variation) -> Solid {
         [24, 84, 180],
         [20, 150, 70],
     ];
-    let mixed = v.chance(0.7);
+    let mixed = v.with_probability(0.7);
     let core = rounded_box([side, side, side], side * 0.04, 0.02).colored(body);
     let cell = side * 0.97 / n as f32;
     let mut stickers = Solid::default();
@@ -48,19 +48,19 @@ pub(crate) fn puzzle_cube(v: &mut Variation) -> Solid {
     core.joined(stickers.decorative()).with_surface(PLASTIC)
 }
 
-/// Measures of a toy car, metres.
-struct Car {
+/// Dimensions of a toy car, metres.
+struct CarDimensions {
     x: f32,
     y: f32,
     h: f32,
     bonnet: f32,
     wheel: f32,
-    /// How much longer the roof is, a share of the length.
+    /// Additional length of the roof, as a share of the car's length.
     roof: f32,
 }
 
-impl Car {
-    /// An outline seen from the side, made solid across the car.
+impl CarDimensions {
+    /// Side view outline, extruded across the car.
     fn across(outline: &[Point2<f32>], depth: f32, bevel: f32) -> Solid {
         extrude(outline, depth, bevel)
             .turned(Vector3::x(), FRAC_PI_2)
@@ -85,7 +85,7 @@ impl Car {
         Self::across(&rounded_outline(&outline, 0.006), self.y, 0.003)
     }
 
-    /// All around, a little proud of the cabin.
+    /// Windows on all sides, slightly outside of the cabin.
     fn windows(&self) -> Solid {
         let Self { x, y, roof, .. } = *self;
         let (top, sill) = (self.h * 0.93, self.bonnet * 1.12);
@@ -101,8 +101,8 @@ impl Car {
             (-x * (0.246 + roof), top),
             (-x * 0.372, sill),
         ];
-        let side = Self::across(&corners(&side), y + 0.0012, 0.0003);
-        let front = Self::across(&corners(&front), y * 0.78, 0.0003);
+        let side = Self::across(&polyline(&side), y + 0.0012, 0.0003);
+        let front = Self::across(&polyline(&front), y * 0.78, 0.0003);
         side.joined(front.moved(0.0012, 0.0, 0.0))
     }
 
@@ -110,7 +110,7 @@ impl Car {
         let side = |bit: usize| if i & bit == 0 { 1.0 } else { -1.0 };
         let (r, hub) = (self.wheel, self.wheel * 0.55);
         let profile = [(0.0, -0.005), (r, -0.005), (r, 0.005), (0.0, 0.005)];
-        turned(&rounded(&profile, 0.0015))
+        lathed(&rounded(&profile, 0.0015))
             .painted(|p, _| if radius(p) < hub { METALS[1] } else { BLACK })
             .turned(Vector3::x(), FRAC_PI_2)
             .moved(side(1) * self.x * 0.31, side(2) * (self.y / 2.0 - 0.002), r)
@@ -123,7 +123,7 @@ pub(crate) fn toy_car(v: &mut Variation) -> Solid {
         v.between(0.042, 0.055),
         v.between(0.034, 0.048),
     );
-    let car = Car {
+    let car = CarDimensions {
         x,
         y,
         h,
@@ -142,7 +142,7 @@ pub(crate) fn toy_car(v: &mut Variation) -> Solid {
             .colored([250, 240, 180])
     };
     let mut details = windows.joined(lamp(1.0)).joined(lamp(-1.0));
-    if v.chance(0.5) {
+    if v.with_probability(0.5) {
         let stripe = rounded_box([x * 0.24, y * 0.3, 0.002], 0.0008, 0.02);
         details = details.joined(stripe.moved(-x * 0.08, 0.0, h).colored(v.color(&PLASTICS)));
     }
@@ -284,7 +284,7 @@ pub(crate) fn teddy(v: &mut Variation) -> Solid {
         PLASTICS[7],
     ]);
     let (seed, pale, bow) = (v.seed(), mix(fur, WHITE, 0.45), v.color(&PLASTICS));
-    let ball = |size: [f32; 3], at: [f32; 3], color: Color| {
+    let ball = |size: [f32; 3], at: [f32; 3], color: Rgb| {
         ellipsoid(
             size.map(|x| x * s),
             (600.0 * size[2].max(size[0])) as usize + 8,
@@ -320,7 +320,7 @@ pub(crate) fn teddy(v: &mut Variation) -> Solid {
         ));
         parts.push(ball([0.003, 0.003, 0.003], [0.036, side * 0.012, 0.117], BLACK).decorative());
     }
-    // Its own weight has flattened what it sits on.
+    // The teddy's weight has flattened the side it sits on.
     let flattened = |p: Point3<f32>| Point3::new(p.x, p.y, p.z.max(0.02 * p.z));
     let teddy: Solid = parts.into_iter().collect();
     teddy.warped(flattened).with_surface(RUBBER)
@@ -329,13 +329,13 @@ pub(crate) fn teddy(v: &mut Variation) -> Solid {
 pub(crate) fn toy_bridge(v: &mut Variation) -> Solid {
     let (x, h) = (v.between(0.08, 0.105), v.between(0.036, 0.046));
     let (depth, span) = (v.between(0.03, 0.042), v.between(0.26, 0.31) * x);
-    let (base, is_plain, seed) = (v.color(&PLASTICS[..7]), v.chance(0.3), v.seed());
+    let (base, is_plain, seed) = (v.color(&PLASTICS[..7]), v.with_probability(0.3), v.seed());
     let base = if is_plain { v.color(&WOODS) } else { base };
     let arch = (0..=12).map(|i| (i as f32 / 12.0 * PI).sin_cos());
     let mut points = vec![(-x / 2.0, 0.0)];
     points.extend(arch.map(|(sin, cos)| (-span * cos, span.min(0.75 * h) * sin)));
     points.extend([(x / 2.0, 0.0), (x / 2.0, h), (-x / 2.0, h)]);
-    extrude(&corners(&points), depth, 0.0012)
+    extrude(&polyline(&points), depth, 0.0012)
         .turned(Vector3::x(), FRAC_PI_2)
         .painted(|p, _| mottled(&Point3::new(p.x * 0.2, p.y, p.z), base, 0.004, 0.12, seed))
 }

@@ -1,17 +1,17 @@
-//! Vegetables.
+//! Families of vegetables.
 
-use crate::curve::{along, lying, rested, rod, swept};
-use crate::families::fruit::{grown, stem};
+use crate::families::fruit::{irregular_lathe, stem};
 use crate::finish::WAXY;
 use crate::palette::{BARK, LEAF, mix, shaded};
-use crate::profile::{spline, turned};
-use crate::texture::{around, mottled, noise};
+use crate::pattern::{azimuth, mottled, noise};
+use crate::profile::{lathed, spline};
+use crate::sweep::{interpolate, lying, resting_on_two_points, rod, swept};
 use crate::variation::Variation;
 use mesh::{Solid, extrude};
 use nalgebra::{Point2, Point3, Vector3};
 use std::f32::consts::{FRAC_PI_2, TAU};
 
-/// A star of sepals at z.
+/// Calyx: a star of sepals at z.
 fn calyx(z: f32, n: usize, reach: f32, droop: f32) -> Solid {
     let outline: Vec<Point2<f32>> = (0..n * 4)
         .map(|i| {
@@ -51,9 +51,9 @@ pub(crate) fn tomato(v: &mut Variation) -> Solid {
     );
     let skin = v.color(&[[208, 36, 28], [222, 58, 34], [196, 28, 30], [232, 110, 36]]);
     let (n, depth) = (v.count(4, 6) as f32, v.between(0.0, 0.035));
-    let body = grown(&profile, v)
+    let body = irregular_lathe(&profile, v)
         .warped(|p| {
-            let k = 1.0 + depth * (p.z / h) * (around(&p) * n * TAU).cos();
+            let k = 1.0 + depth * (p.z / h) * (azimuth(&p) * n * TAU).cos();
             Point3::new(p.x * k, p.y * k, p.z)
         })
         .painted(|p, _| mix(skin, [226, 150, 50], (p.z / h - 0.88) * 4.0));
@@ -82,7 +82,7 @@ pub(crate) fn carrot(v: &mut Variation) -> Solid {
         v.seed(),
         v.between(-0.5, 0.5),
     );
-    let root = lying(turned(&profile))
+    let root = lying(lathed(&profile))
         .warped(|p| Point3::new(p.x, p.y + bend * (p.x - length * 0.5).powi(2), p.z))
         .painted(|p, _| {
             let ring = noise(&Point3::new(p.x * 8.0, p.y * 0.5, p.z * 0.5), 0.02, seed);
@@ -126,10 +126,10 @@ pub(crate) fn bell_pepper(v: &mut Variation) -> Solid {
     );
     let skin = v.color(&[[196, 30, 32], [244, 190, 36], [60, 132, 48], [236, 120, 32]]);
     let (n, depth) = (v.count(3, 4) as f32, v.between(0.09, 0.14));
-    let body = turned(&profile)
+    let body = lathed(&profile)
         .warped(|p| {
             // Lobes, deepest at both ends.
-            let lobe = (around(&p) * n * TAU / 2.0).sin().abs().sqrt() - 1.0;
+            let lobe = (azimuth(&p) * n * TAU / 2.0).sin().abs().sqrt() - 1.0;
             let k = 1.0 + 1.6 * depth * lobe * (0.6 + 0.4 * (2.0 * p.z / h - 1.0).powi(2));
             Point3::new(p.x * k, p.y * k, p.z)
         })
@@ -149,10 +149,10 @@ pub(crate) fn eggplant(v: &mut Variation) -> Solid {
     let at = |t: f32| [length * t, bend * (2.0 * t - 1.0).powi(2), 0.0];
     let points: Vec<[f32; 3]> = (0..=6).map(|i| at(i as f32 / 6.0)).collect();
     let body = swept(&points, Vector3::z(), |t| {
-        (along(&widths, t), along(&widths, t))
+        (interpolate(&widths, t), interpolate(&widths, t))
     })
     .colored(skin);
-    // What is longer than the neck is thick would be rested on.
+    // Resting it on two points would count a part that is longer than the neck is thick.
     let cap = calyx(0.0, 5, neck * 1.4, 0.014)
         .hulled()
         .turned(Vector3::y(), FRAC_PI_2);
@@ -164,7 +164,7 @@ pub(crate) fn eggplant(v: &mut Variation) -> Solid {
     let green = cap
         .moved(0.004, 0.0, 0.0)
         .joined(stalk.colored([98, 130, 60]));
-    rested(body.joined(green.moved(x + neck * 0.5, y, 0.0))).with_surface(WAXY)
+    resting_on_two_points(body.joined(green.moved(x + neck * 0.5, y, 0.0))).with_surface(WAXY)
 }
 
 pub(crate) fn mushroom(v: &mut Variation) -> Solid {
@@ -199,7 +199,7 @@ pub(crate) fn mushroom(v: &mut Variation) -> Solid {
         [240, 234, 224],
     ]);
     let seed = v.seed();
-    turned(&profile).painted(|p, n| match p.z {
+    lathed(&profile).painted(|p, n| match p.z {
         z if z < cap - 0.003 => mottled(p, [236, 228, 212], 0.004, 0.1, seed),
         _ if n.z < -0.3 => mix(BARK, [200, 170, 140], 0.4),
         _ => mottled(p, skin, 0.006, 0.16, seed),

@@ -1,37 +1,38 @@
-//! How the colour camera sees.
+//! Colour camera response: exposure, white balance, vignetting, noise, demosaicing blur and sRGB
+//! encoding.
 
-use super::noise_source::{NoiseKey, NoiseTables, Purpose};
-use super::sensor_model::check;
+use super::noise_tables::{NoiseKey, NoisePurpose, NoiseTables};
+use super::parameter_check::check;
 use crate::Error;
 use crate::illuminant::black_body_rgb;
-use crate::image::LINEAR_ONE;
+use crate::radiance::LINEAR_ONE;
 
-/// Entries of the table from linear to encoded values.
+/// Number of entries of the sRGB encoding table.
 const CODES: usize = 4096;
-/// Channels of a block of 64 pixels, which share a place in the noise tables.
+/// Number of channel values in a block of 64 pixels, which shares one position in the noise
+/// tables.
 const BLOCK: usize = 192;
 
-/// The chain from light to bytes: lens, exposure, white balance, noise of the
-/// sensor, the blur of its colour mosaic, and the sRGB curve.
+/// Colour response from light to bytes: lens, exposure, white balance, sensor noise, demosaicing
+/// blur and the sRGB curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ColorResponse {
-    /// Factor on all light; 0.01 to 100.
+    /// Exposure: factor on all light; 0.01 to 100.
     pub exposure: f32,
-    /// Colour temperature that is made grey, kelvin; 1000 to 15 000.
+    /// White balance: colour temperature that is rendered grey, kelvin; 1000 to 15 000.
     pub white_k: f32,
-    /// Share of light lost in the image's corners; 0 to 0.9.
+    /// Vignetting: share of light lost in the image corners; 0 to 0.9.
     pub vignetting: f32,
-    /// Variance of the noise of light, relative to a white pixel's value; 0 to 0.1.
+    /// Variance of the shot noise, relative to the value of a white pixel; 0 to 0.1.
     pub shot_variance: f32,
-    /// Standard deviation of the noise of reading, relative to white; 0 to 0.1.
+    /// Standard deviation of the read noise, relative to white; 0 to 0.1.
     pub read_sigma: f32,
-    /// Whether neighbouring pixels are blended 1:2:1 in rows and columns, as the
-    /// interpolation of a colour mosaic does.
+    /// True if neighbouring pixels are blended 1:2:1 in rows and columns, as demosaicing does.
     pub is_blurred: bool,
 }
 
 impl ColorResponse {
-    /// A small indoor video camera; estimated from pictures of real cameras.
+    /// Small indoor video camera; estimated from pictures of real cameras.
     pub const KINECT_V1: Self = Self {
         exposure: 1.0,
         white_k: 4600.0,
@@ -41,7 +42,7 @@ impl ColorResponse {
         is_blurred: true,
     };
 
-    /// Colours as they are under daylight.
+    /// Ideal camera: exact colours under daylight.
     pub const PERFECT: Self = Self {
         exposure: 1.0,
         white_k: 6500.0,
@@ -60,11 +61,11 @@ impl ColorResponse {
     }
 }
 
-/// The response with its tables for one image size.
+/// Colour camera with its lookup tables for one image size.
 #[derive(Debug)]
 pub(super) struct ColorCamera {
     response: ColorResponse,
-    /// Gain of each channel of a row, and how much of it the vignetting takes.
+    /// Gain of each channel of a row.
     gains: Vec<f32>,
     losses: Vec<f32>,
     codes: Box<[u8; CODES]>,
@@ -96,7 +97,7 @@ impl ColorCamera {
         }
     }
 
-    /// Encodes a row of an image.
+    /// Encodes one row of an image to sRGB bytes.
     pub(super) fn encode_row(
         &mut self,
         image: &[[u16; 3]],
@@ -118,7 +119,7 @@ impl ColorCamera {
         }
     }
 
-    /// Takes the light of a row, blended with its neighbours if wanted.
+    /// Reads the light of a row, blended with its neighbouring rows if the response is blurred.
     fn gather_light(&mut self, image: &[[u16; 3]], row: usize) {
         let (width, height) = self.size;
         let line = |row: usize| image[row * width..(row + 1) * width].as_flattened();
@@ -156,7 +157,7 @@ impl ColorCamera {
         let read = self.response.read_sigma * white;
         let read_variance = read * read;
         for (block, light) in self.light.chunks_mut(BLOCK).enumerate() {
-            let hash = key.hash(Purpose::Color, row, block);
+            let hash = key.hash(NoisePurpose::Color, row, block);
             let normal = tables.normal(hash, light.len());
             for (light, &normal) in light.iter_mut().zip(normal) {
                 let sigma = (*light * shot + read_variance).sqrt();
@@ -166,7 +167,7 @@ impl ColorCamera {
     }
 }
 
-/// Blends neighbouring pixels 1:2:1, channel by channel.
+/// Blurs along the row with the kernel 1:2:1, channel by channel.
 fn blur_along_row(light: &[f32], blurred: &mut [f32]) {
     let n = light.len();
     if n < 9 {
@@ -182,16 +183,16 @@ fn blur_along_row(light: &[f32], blurred: &mut [f32]) {
     blurred[n - 3..].copy_from_slice(&light[n - 3..]);
 }
 
-/// The nearest whole number of a value from 0 to 4095.
+/// Table index: the nearest integer to a value from 0 to 4095.
 ///
-/// Adding 2²³ leaves the whole number in the lowest bits; a value out of range,
-/// of which there is none, would give some other entry.
+/// Adding 2²³ leaves the integer in the lowest bits. A value out of range, which does not occur,
+/// would give an arbitrary entry.
 #[inline]
 fn table_index(light: f32) -> usize {
     (light + 8_388_608.0).to_bits() as usize % CODES
 }
 
-/// The sRGB byte of a table index (IEC 61966-2-1).
+/// sRGB encoding of a table index (IEC 61966-2-1).
 fn code(index: usize) -> u8 {
     let linear = index as f32 / (CODES - 1) as f32;
     let encoded = if linear <= 0.003_130_8 {
@@ -207,7 +208,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_index_is_the_nearest_whole_number() {
+    fn an_index_is_the_nearest_rounding() {
         for light in [0.0, 0.4, 0.6, 1.4, 2047.51, 4094.6, 4095.0] {
             assert_eq!(table_index(light), light.round() as usize);
         }

@@ -1,30 +1,32 @@
-//! Objects look larger than they are.
+//! Edge fattening and lateral noise at depth discontinuities.
 
-use super::depth_border::{for_each_pair, is_jump};
-use super::noise_source::{NoiseKey, NoiseTables, Purpose};
-use super::sensor_model::check;
+use super::depth_discontinuity::{for_each_pair, is_jump};
+use super::noise_tables::{NoiseKey, NoisePurpose, NoiseTables};
+use super::parameter_check::check;
 use super::{BorderSpeckle, LateralNoise};
 use crate::Error;
-use crate::image::Reflection;
+use crate::reflection::Reflection;
 
-/// Rows or columns along a border that are displaced together.
+/// Number of rows or columns along a border that are displaced together. Chosen.
 const COMMON_PX: usize = 4;
-/// Farthest a border moves outward and inward, pixels.
+/// Greatest outward displacement of a border, pixels. Chosen.
 const OUTWARD_MAX_PX: f32 = 3.0;
+/// Greatest inward displacement of a border, pixels. Chosen.
 const INWARD_MAX_PX: f32 = 2.0;
 
-/// How far block matching moves a border towards what is behind, since a window
-/// that contains both surfaces mostly matches the nearer one.
+/// Edge fattening of block matching: a matching window that contains both surfaces mostly matches
+/// the nearer one, which moves its border outward.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EdgeFattening {
     /// Mean displacement, pixels; 0 to 3.
     pub mean_px: f32,
-    /// Its standard deviation from place to place and frame to frame, pixels; 0 to 3.
+    /// Standard deviation of the displacement along the border and between frames, pixels; 0 to
+    /// 3.
     pub sigma_px: f32,
 }
 
 impl EdgeFattening {
-    /// One to three pixels, estimated from pictures of real cameras.
+    /// Displacement of one to three pixels, estimated from pictures of real cameras.
     pub const KINECT_V1: Self = Self {
         mean_px: 1.2,
         sigma_px: 0.6,
@@ -36,38 +38,38 @@ impl EdgeFattening {
     }
 }
 
-/// What happens to depth borders in one frame.
+/// Border errors of one frame: fattening, lateral noise and speckle.
 pub(super) struct BorderNoise<'a> {
     pub(super) fattening: Option<EdgeFattening>,
-    /// By the cosine of incidence times 255; zeros without lateral noise.
+    /// Lateral noise by the cosine of incidence times 255, pixels; zeros when it is switched off.
     pub(super) lateral_sigmas_px: &'a [f32; 256],
     pub(super) speckle: Option<BorderSpeckle>,
     pub(super) key: NoiseKey,
     pub(super) tables: &'a NoiseTables,
 }
 
-/// Standard deviations of borders by the cosine of incidence times 255.
+/// Lookup table of the lateral noise by the cosine of incidence times 255, pixels.
 pub(super) fn lateral_sigmas_px(noise: Option<&LateralNoise>) -> [f32; 256] {
     noise.map_or([0.0; 256], LateralNoise::sigmas_px)
 }
 
-/// A border between a pixel and the next one of its row or column.
+/// Border between a pixel and the next one in its row or column.
 #[derive(Clone, Copy)]
 struct Border {
-    /// The nearer of the two pixels.
+    /// Index of the nearer pixel.
     near: usize,
-    /// From the nearer to the farther pixel.
+    /// Index step from the nearer to the farther pixel.
     outward: isize,
     row: usize,
     column: usize,
-    /// Whether the other pixel is in the next row.
+    /// True if the other pixel is in the next row.
     is_vertical: bool,
-    /// First pixel that the border may reach, and the one after the last.
+    /// First pixel that the border may move to, and the one after the last.
     bounds: [usize; 2],
 }
 
 impl Border {
-    /// The pixel this many steps outward from the nearer one.
+    /// Pixel at a number of steps outward from the nearer one; `None` outside of the bounds.
     #[inline]
     fn pixel(&self, steps: isize) -> Option<usize> {
         let pixel = self.near.checked_add_signed(steps * self.outward)?;
@@ -78,8 +80,8 @@ impl Border {
 }
 
 impl BorderNoise<'_> {
-    /// Moves the borders of `exact` disparities in `seen`, `width` pixels a row.
-    /// What is nearer grows over what is behind; 0 is nothing.
+    /// Displaces the borders of the `exact` disparities in `seen`, with `width` pixels per row.
+    /// Nearer surfaces grow over farther ones; 0 stands for empty pixels.
     pub(super) fn apply(
         &self,
         exact: &[f32],
@@ -117,7 +119,7 @@ impl BorderNoise<'_> {
 
     fn displace(&self, border: Border, exact: &[f32], reflection: &[Reflection], seen: &mut [f32]) {
         let hash = self.key.hash(
-            Purpose::Border,
+            NoisePurpose::Border,
             border.row * 2 + usize::from(border.is_vertical),
             border.column,
         );
@@ -140,7 +142,7 @@ impl BorderNoise<'_> {
         }
     }
 
-    /// How far a border moves outward, whole pixels.
+    /// Outward displacement of a border, rounded to whole pixels.
     #[inline]
     fn shift_px(&self, border: Border, cosine: u8, hash: u64) -> f32 {
         let along = if border.is_vertical {
@@ -149,7 +151,7 @@ impl BorderNoise<'_> {
             (border.row / COMMON_PX, border.column / COMMON_PX)
         };
         let common = self.tables.one_normal(self.key.hash(
-            Purpose::BorderCommon,
+            NoisePurpose::BorderCommon,
             along.0 * 2 + usize::from(border.is_vertical),
             along.1,
         ));
@@ -158,13 +160,13 @@ impl BorderNoise<'_> {
             .map_or((0.0, 0.0), |term| (term.mean_px, term.sigma_px));
         let own = self.tables.one_normal(hash) * self.lateral_sigmas_px[usize::from(cosine)];
         let shift = mean + sigma * common + own;
-        super::disparity_quantisation::round(shift.clamp(-INWARD_MAX_PX, OUTWARD_MAX_PX))
+        crate::rounding::round(shift.clamp(-INWARD_MAX_PX, OUTWARD_MAX_PX))
     }
 
-    /// Clears one of the pixels around a displaced border.
+    /// Border speckle: randomly clears one of the pixels around a displaced border.
     fn speckle(&self, border: Border, shift: f32, missing_share: f32, seen: &mut [f32]) {
         let hash = self.key.hash(
-            Purpose::Speckle,
+            NoisePurpose::Speckle,
             border.row * 2 + usize::from(border.is_vertical),
             border.column,
         );

@@ -1,10 +1,11 @@
-//! Borders of objects are ragged.
+//! Lateral noise of depth borders (Nguyen, Izadi and Lovell 2012).
 
-use super::sensor_model::check;
+use super::parameter_check::check;
 use crate::Error;
 use std::f32::consts::FRAC_PI_2;
 
-/// Standard deviation of where a depth border is seen,
+/// Lateral noise: standard deviation of the position of a depth border at the angle of incidence
+/// θ,
 ///
 /// σ(θ) = 0.8 + 0.035 θ/(π/2 − θ) pixels
 ///
@@ -17,20 +18,20 @@ pub struct LateralNoise {
 }
 
 impl LateralNoise {
-    /// As published.
+    /// Published noise (strength 1).
     pub const KINECT_V1: Self = Self { strength: 1.0 };
 
     pub(super) fn check(&self) -> Result<(), Error> {
         check("lateral_noise.strength", self.strength, 0.0, 4.0)
     }
 
-    /// Standard deviation of a border of a surface seen under this angle, pixels.
+    /// Standard deviation of a border by the angle of incidence, radians, in pixels.
     pub fn sigma_px(&self, angle_rad: f32) -> f32 {
         let angle_rad = angle_rad.clamp(0.0, 1.45);
         self.strength * (0.8 + 0.035 * angle_rad / (FRAC_PI_2 - angle_rad))
     }
 
-    /// [`Self::sigma_px`] for each value of a cosine times 255.
+    /// Lookup table of [`Self::sigma_px`] by cosine times 255.
     pub(super) fn sigmas_px(&self) -> [f32; 256] {
         std::array::from_fn(|cosine| self.sigma_px((cosine as f32 / 255.0).acos()))
     }

@@ -1,19 +1,19 @@
-//! Where no depth is measured.
+//! Missing depth: range limits, border speckle and weak infrared signal.
 
-use super::sensor_model::check;
+use super::parameter_check::check;
 use crate::Error;
 
-/// Depths that are measured at all.
+/// Depth range of the sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DepthRange {
-    /// Nearest, metres; 0 to 10.
+    /// Least depth, metres; 0 to 10.
     pub min_m: f32,
-    /// Farthest, metres; to 20.
+    /// Greatest depth, metres; `min_m` to 20.
     pub max_m: f32,
 }
 
 impl DepthRange {
-    /// From where the pattern is no longer overexposed to where it is too weak.
+    /// Range between overexposure and too weak a pattern. Chosen.
     pub const KINECT_V1: Self = Self {
         min_m: 0.45,
         max_m: 4.5,
@@ -25,7 +25,7 @@ impl DepthRange {
     }
 }
 
-/// Speckled holes where depth jumps: the matching window sees two surfaces.
+/// Border speckle: holes at depth discontinuities, since the matching window sees two surfaces.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BorderSpeckle {
     /// Share of border pixels without depth; 0 to 1.
@@ -43,26 +43,24 @@ impl BorderSpeckle {
     }
 }
 
-/// No depth where too little of the projector's pattern is seen.
+/// Signal loss: no depth where too little of the projected infrared pattern returns.
 ///
-/// Three causes, of independent chance. *Faint*: what comes back per solid
-/// angle is infrared albedo · cos θ / z², and below a level dots are lost.
-/// *Grazing*: at a small cosine the pattern is stretched beyond the matching
-/// window. *Mirror*: a polished surface throws the dots away from the camera,
-/// the more the farther and the more inclined it is; seen head-on it blinds.
-/// The levels are estimates: no published measurement covers them.
+/// Three independent causes. *Faint*: the returned light per solid angle is infrared albedo · cos
+/// θ / z², and below a level dots are lost. *Grazing*: at a small cosine the pattern is stretched
+/// beyond the matching window. *Mirror*: a polished surface reflects the dots away from the
+/// camera, the more so the farther and the more inclined it is; head-on it blinds the camera. The
+/// levels are estimates: no published measurement covers them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WeakSignal {
-    /// Returned light at which every dot is lost, relative to a white surface
-    /// at 1 m; 0 to 1.
+    /// Returned light at which every dot is lost, relative to a white surface at 1 m; 0 to 1.
     pub none_below: f32,
-    /// Returned light from which no dot is lost; above the other, to 1.
+    /// Returned light from which no dot is lost; `none_below` to 1.
     pub all_above: f32,
     /// Cosine of incidence at which every dot is lost; 0 to 1.
     pub grazing_none_cos: f32,
-    /// Cosine of incidence from which no dot is lost; above the other, to 1.
+    /// Cosine of incidence from which no dot is lost; `grazing_none_cos` to 1.
     pub grazing_all_cos: f32,
-    /// Factor on the chance of a loss at mirror-like surfaces; 0 to 4.
+    /// Factor on the probability of signal loss at mirror-like surfaces; 0 to 4.
     pub mirror: f32,
 }
 
@@ -99,7 +97,8 @@ impl WeakSignal {
         check("weak_signal.mirror", self.mirror, 0.0, 4.0)
     }
 
-    /// Chance that a surface gives no depth, 0 to 1, from shares between 0 and 1.
+    /// Probability of a missing depth value, 0 to 1. The cosine, the infrared albedo and the
+    /// specular share are between 0 and 1.
     #[inline]
     pub(super) fn missing_share(
         &self,
@@ -122,7 +121,7 @@ impl WeakSignal {
     }
 }
 
-/// 0 below `none`, 1 from `all` on, even between.
+/// Linear ramp: 0 below `none`, 1 from `all` on.
 #[inline]
 fn ramp(value: f32, none: f32, all: f32) -> f32 {
     const STEEPEST: f32 = 1e-9;

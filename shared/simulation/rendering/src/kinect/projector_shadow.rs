@@ -1,29 +1,28 @@
-//! No depth where the projector's light does not arrive.
+//! Projector shadow: occlusion of the infrared projector.
 
-use super::depth_border::for_each_pair;
-use super::sensor_model::check;
+use super::depth_discontinuity::for_each_pair;
+use super::parameter_check::check;
 use crate::Error;
 
-/// Farthest that a blocking surface is looked for, pixels.
+/// Search distance for an occluding surface, pixels. Chosen.
 const REACH_PX: usize = 256;
 
-/// The shadow of the projector, which stands beside the camera.
+/// Occlusion shadow of the projector, which is offset from the camera.
 ///
-/// A pixel in column u with disparity d is lit through the projector's column
-/// u − d. It lies in shadow when a surface to its right, of greater disparity,
-/// is lit through the same column. So the shadow lies left of an object, and is
-/// `f·b·(1/z_near − 1/z_far)` pixels wide. It is computed in whole pixels on each
-/// row of the exact depth: its borders are right to one pixel, blockers outside
-/// of the image are not known, and slits narrower than a pixel do not let light
-/// through.
+/// A pixel in column u with disparity d is lit through the projector's column u − d. It is in
+/// shadow when a surface to its right, of greater disparity, is lit through the same column. The
+/// shadow is therefore left of an object and `f·b·(1/z_near − 1/z_far)` pixels wide. It is
+/// computed in whole pixels on each row of the exact depth: its borders are correct to one pixel,
+/// occluders outside of the image are not known, and slits narrower than a pixel do not transmit
+/// light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProjectorShadow {
-    /// Disparity by which a blocker must be nearer, pixels; 0.1 to 10.
+    /// Least disparity difference between an occluder and an occluded pixel, pixels; 0.1 to 10.
     pub least_difference_px: f32,
 }
 
 impl ProjectorShadow {
-    /// One pixel.
+    /// Difference of one pixel. Chosen.
     pub const KINECT_V1: Self = Self {
         least_difference_px: 1.0,
     };
@@ -37,8 +36,8 @@ impl ProjectorShadow {
         )
     }
 
-    /// Clears what lies in shadow: `disparity` is exact, 0 for nothing, `seen`
-    /// becomes 0 in the shadow. Both are one row.
+    /// Clears the occluded pixels of one row: `disparity` is exact, 0 in empty pixels; `seen`
+    /// becomes 0 in the shadow.
     pub(super) fn cast(&self, disparity: &[f32], seen: &mut [f32]) {
         let is_step = |left: f32, right: f32| right - left >= self.least_difference_px;
         for_each_pair(disparity, &disparity[1..], is_step, |i| {
@@ -54,8 +53,8 @@ impl ProjectorShadow {
         for u in (near.saturating_sub(REACH_PX)..near).rev() {
             let column = through(u);
             if column <= first {
-                // Farther left the light passes in front of the surface, unless
-                // something nearer interrupts the background here.
+                // Farther left, the light passes in front of the surface, unless something nearer
+                // interrupts the background here.
                 if disparity[u] + self.least_difference_px <= disparity[near] {
                     return;
                 }
@@ -74,8 +73,7 @@ impl ProjectorShadow {
     }
 }
 
-/// The last column from `near` on through which light up to the projector's
-/// `column` is blocked.
+/// Last column from `near` on whose surface occludes light up to the projector's `column`.
 fn last_blocker(near: usize, disparity: &[f32], column: f32) -> usize {
     let end = disparity.len().min(near + REACH_PX);
     (near..end)
@@ -88,7 +86,7 @@ fn last_blocker(near: usize, disparity: &[f32], column: f32) -> usize {
 mod tests {
     use super::*;
 
-    /// Brute force: a pixel is lit unless some nearer surface crosses its ray.
+    /// Brute-force reference: a pixel is lit unless some nearer surface crosses its ray.
     fn brute_force(disparity: &[f32]) -> Vec<bool> {
         let through = |u: usize| u as f32 - disparity[u];
         (0..disparity.len())
@@ -110,7 +108,7 @@ mod tests {
             .collect()
     }
 
-    /// A row with boxes (first, last column, disparity) before a wall.
+    /// Row of disparities with boxes (first column, last column, disparity) in front of a wall.
     fn row(boxes: &[(usize, usize, f32)]) -> Vec<f32> {
         let mut disparity = vec![20.0; 200];
         for &(first, last, d) in boxes {
@@ -137,7 +135,7 @@ mod tests {
 
     #[test]
     fn a_pole_leaves_the_wall_beside_it_lit() {
-        // The shadow of a pole five columns wide lies twenty columns to its left.
+        // The shadow of a pole five columns wide is twenty columns to its left.
         let shadow = shadow(&row(&[(100, 104, 40.0)]));
         assert!((81..=84).all(|u| shadow[u]));
         assert!((87..=99).all(|u| !shadow[u]));

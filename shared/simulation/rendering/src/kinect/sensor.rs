@@ -1,56 +1,57 @@
-//! The sensor with its buffers.
+//! Simulated Kinect sensor: applies the error terms to a rendered image.
 
 use super::axial_noise::{angle_terms, step_m};
 use super::color_response::ColorCamera;
 use super::edge_fattening::{BorderNoise, lateral_sigmas_px};
-use super::noise_source::{NoiseKey, NoiseTables, Purpose};
+use super::noise_tables::{NoiseKey, NoisePurpose, NoiseTables};
 use super::sensor_model::SensorModel;
 use crate::Error;
-use crate::background::Rays;
-use crate::image::{Image, Reflection};
-use crate::whole_number::floor;
+use crate::image::Image;
+use crate::pixel_rays::PixelRays;
+use crate::reflection::Reflection;
+use crate::rounding::floor;
 use geometry::PinholeCamera;
 use point_cloud::{Point, Rgba};
 
-/// Pixels that share a place in the noise tables.
+/// Number of pixels that share one position in the noise tables.
 const BLOCK_PX: usize = 64;
-/// Rows that share their common noise.
+/// Number of rows that share their common noise. Chosen.
 const COMMON_ROWS: usize = 3;
-/// How much the chance of a hole varies from frame to frame; the rest stays.
+/// Amplitude by which the probability of a hole varies between frames; the rest is constant.
+/// Chosen.
 const FLICKER: f32 = 0.25;
 
-/// Which picture is taken.
+/// Noise seed of one measurement: sensor and frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Shot {
-    /// Chooses one of many sensors.
+    /// Seed of the sensor: different seeds are different sensors.
     pub seed: u64,
-    /// Counts its pictures; the same index gives the same noise again.
+    /// Frame index; the same index repeats the same noise.
     pub frame_index: u64,
 }
 
-/// A simulated Kinect.
+/// Simulated Kinect with its buffers.
 ///
-/// The same image, model and shot give the same bytes. After construction it
-/// allocates nothing.
+/// The same image, model and shot give the same bytes. Nothing is allocated after construction.
 #[derive(Debug)]
 pub struct KinectSensor {
     camera: PinholeCamera,
     model: SensorModel,
-    rays: Rays,
+    rays: PixelRays,
     tables: NoiseTables,
     color_camera: ColorCamera,
     angle_terms: [f32; 256],
     lateral_sigmas_px: [f32; 256],
-    /// Disparity of the exact depth, pixels; 0 for nothing.
+    /// Disparity of the exact depth, pixels; 0 in empty pixels.
     exact: Vec<f32>,
-    /// Disparity of the surface that is matched, pixels; 0 for none.
+    /// Disparity of the matched surface, pixels; 0 for no match.
     seen: Vec<f32>,
     row: RowBuffers,
     depth_mm: Vec<u16>,
     color: Vec<[u8; 3]>,
 }
 
-/// What is computed for the pixels of one row.
+/// Intermediate values of one image row.
 #[derive(Debug)]
 struct RowBuffers {
     depth_m: Vec<f32>,
@@ -63,10 +64,10 @@ struct RowBuffers {
 }
 
 impl KinectSensor {
-    /// A sensor for images of a camera.
+    /// Sensor for the images of a camera.
     ///
     /// # Errors
-    /// When the camera is not valid or a parameter is out of its range.
+    /// [`Error`] for an invalid camera or a parameter out of its range.
     pub fn new(camera: PinholeCamera, model: SensorModel) -> Result<Self, Error> {
         let camera = camera.validated()?;
         let model = model.validated()?;
@@ -76,7 +77,7 @@ impl KinectSensor {
         Ok(Self {
             camera,
             model,
-            rays: Rays::new(&camera),
+            rays: PixelRays::new(&camera),
             tables: NoiseTables::new(),
             color_camera: ColorCamera::new(model.color, width, height),
             angle_terms: angle_terms(),
@@ -97,27 +98,26 @@ impl KinectSensor {
         })
     }
 
-    /// The model.
+    /// Sensor model.
     pub fn model(&self) -> &SensorModel {
         &self.model
     }
 
-    /// Measured depth of the last picture, millimetres; 0 where there is none.
+    /// Measured depth of the last image, millimetres, row-major; 0 where it is missing.
     pub fn depth_mm(&self) -> &[u16] {
         &self.depth_mm
     }
 
-    /// Measured colour of the last picture, sRGB: red, green, blue.
+    /// Measured colour of the last image, sRGB (red, green, blue), row-major.
     pub fn color(&self) -> &[[u8; 3]] {
         &self.color
     }
 
-    /// Measures an image: one point for each pixel, row by row, camera frame.
-    /// A pixel without depth has NaN coordinates; the colour is always there.
+    /// Measures an image: one point per pixel, row-major, camera frame. A pixel without depth has
+    /// NaN coordinates; the colour is always valid.
     ///
     /// # Errors
-    /// When the image is another camera's, or `points` has another size. Nothing
-    /// is measured then.
+    /// [`Error::ForeignImage`] or [`Error::CloudSize`]; nothing is measured then.
     pub fn sense(&mut self, image: &Image, shot: Shot, points: &mut [Point]) -> Result<(), Error> {
         if *image.camera() != self.camera {
             return Err(Error::ForeignImage);
@@ -154,7 +154,7 @@ impl KinectSensor {
         self.camera.fx_px as f32 * self.model.baseline_m
     }
 
-    /// Finds the disparity that is matched in each pixel.
+    /// Finds the matched disparity of each pixel: projector shadow and border errors.
     fn match_pattern(&mut self, image: &Image, key: NoiseKey) {
         let focal_baseline = self.focal_baseline();
         for (exact, &depth_m) in self.exact.iter_mut().zip(image.depth_m()) {
@@ -183,7 +183,7 @@ impl KinectSensor {
         }
     }
 
-    /// Computes a row's depth, NaN where there is none.
+    /// Measures the depth of one row, NaN where it is missing.
     fn measure_row(&mut self, image: &Image, row: usize, seed: u64, key: NoiseKey) {
         let width = self.rays.size().0;
         let pixels = row * width..(row + 1) * width;
@@ -225,8 +225,8 @@ impl KinectSensor {
         };
         let (own, common) = ((1.0 - noise.common_share).sqrt(), noise.common_share.sqrt());
         for (block, normal) in self.row.normal.chunks_mut(BLOCK_PX).enumerate() {
-            let own_hash = key.hash(Purpose::Axial, row, block);
-            let common_hash = key.hash(Purpose::AxialCommon, row / COMMON_ROWS, block);
+            let own_hash = key.hash(NoisePurpose::Axial, row, block);
+            let common_hash = key.hash(NoisePurpose::AxialCommon, row / COMMON_ROWS, block);
             let parts = self
                 .tables
                 .normal(own_hash, normal.len())
@@ -245,7 +245,7 @@ impl KinectSensor {
         }
     }
 
-    /// Drops pixels from which too little light comes back.
+    /// Drops pixels with too weak a signal.
     fn drop_weak(&mut self, row: usize, seed: u64, key: NoiseKey) {
         let Some(signal) = self.model.weak_signal else {
             return;
@@ -253,15 +253,15 @@ impl KinectSensor {
         // Mostly the same spots in each frame.
         let lasting = NoiseKey::new(seed, u64::MAX);
         for (block, uniform) in self.row.uniform.chunks_mut(BLOCK_PX).enumerate() {
-            let stays = lasting.hash(Purpose::Signal, row / COMMON_ROWS, block);
-            let flickers = key.hash(Purpose::SignalFlicker, row / 2, block);
+            let stays = lasting.hash(NoisePurpose::Signal, row / COMMON_ROWS, block);
+            let flickers = key.hash(NoisePurpose::SignalFlicker, row / 2, block);
             let parts = self
                 .tables
                 .smooth_uniform(stays, uniform.len())
                 .iter()
                 .zip(self.tables.smooth_uniform(flickers, uniform.len()));
             for (uniform, (stays, flickers)) in uniform.iter_mut().zip(parts) {
-                // Mirrored at both ends, which keeps the numbers evenly spread.
+                // Mirrored at both ends, which keeps the distribution uniform.
                 let moved = (stays + FLICKER * (flickers - 0.5)).abs();
                 *uniform = moved.min(2.0 - moved);
             }
@@ -298,7 +298,7 @@ impl KinectSensor {
     }
 }
 
-/// Back-projects a row.
+/// Back-projects one row to points.
 fn fill_points(depth_m: &[f32], x: &[f32], y: f32, colors: &[[u8; 3]], points: &mut [Point]) {
     let pixels = depth_m.iter().zip(x).zip(colors);
     for (point, ((&z, &x), &[red, green, blue])) in points.iter_mut().zip(pixels) {
@@ -311,10 +311,10 @@ fn fill_points(depth_m: &[f32], x: &[f32], y: f32, colors: &[[u8; 3]], points: &
     }
 }
 
-/// Rounds a row to millimetres; NaN becomes 0.
+/// Rounds one row to millimetres; NaN becomes 0.
 fn fill_millimetres(depth_m: &[f32], depth_mm: &mut [u16]) {
     for (depth_mm, &depth_m) in depth_mm.iter_mut().zip(depth_m) {
-        // NaN is not greater, so it becomes 0.
+        // A comparison with NaN is false, so NaN becomes 0.
         let rounded = depth_m * 1000.0 + 0.5;
         let within = if rounded > 0.0 { rounded } else { 0.0 };
         *depth_mm = floor(within.min(65_535.0)) as u16;

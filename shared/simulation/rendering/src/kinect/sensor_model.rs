@@ -1,41 +1,43 @@
-//! Which errors the sensor makes.
+//! Error terms of the simulated structured-light camera.
 
+use super::parameter_check::check;
 use super::{
     AxialNoise, BorderSpeckle, ColorResponse, DepthRange, DisparityQuantisation, EdgeFattening,
     LateralNoise, ProjectorShadow, WeakSignal,
 };
 use crate::Error;
 
-/// The errors of a structured-light camera; `None` switches one off.
+/// Error model of a structured-light depth camera; `None` switches a term off.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SensorModel {
     /// Distance between projector and camera, metres; 0.01 to 1. The Kinect's
     /// projector is on the right, seen along the optical axis.
     pub baseline_m: f32,
-    /// Depth comes in steps.
+    /// Quantisation of disparity and depth.
     pub quantisation: Option<DisparityQuantisation>,
-    /// Depth varies from frame to frame.
+    /// Axial noise: depth varies between frames.
     pub axial_noise: Option<AxialNoise>,
-    /// Borders of objects are ragged.
+    /// Lateral noise: ragged borders of objects.
     pub lateral_noise: Option<LateralNoise>,
-    /// Objects look larger than they are.
+    /// Edge fattening: objects look larger than they are.
     pub edge_fattening: Option<EdgeFattening>,
-    /// No depth where the projector's light does not arrive.
+    /// Projector shadow: no depth where the projector is occluded.
     pub projector_shadow: Option<ProjectorShadow>,
-    /// No depth where too little light comes back.
+    /// Signal loss: no depth where too little light returns.
     pub weak_signal: Option<WeakSignal>,
-    /// Speckled holes at borders.
+    /// Border speckle: holes at depth discontinuities.
     pub border_speckle: Option<BorderSpeckle>,
-    /// No depth too near and too far.
+    /// Range limits of depth.
     pub range: Option<DepthRange>,
-    /// Columns without depth at the right border; the matching window does not fit there.
+    /// Number of columns without depth at the right border, where the matching window does not
+    /// fit.
     pub n_blind_columns: usize,
-    /// How the colour camera sees.
+    /// Response of the colour camera.
     pub color: ColorResponse,
 }
 
 impl SensorModel {
-    /// A Kinect v1 with all its errors.
+    /// Kinect v1 with all error terms.
     pub const KINECT_V1: Self = Self {
         baseline_m: 0.075,
         quantisation: Some(DisparityQuantisation::KINECT_V1),
@@ -50,7 +52,7 @@ impl SensorModel {
         color: ColorResponse::KINECT_V1,
     };
 
-    /// Exact depth in every pixel, colour without noise.
+    /// Ideal sensor: exact depth in every pixel, colour without noise.
     pub const PERFECT: Self = Self {
         baseline_m: 0.075,
         quantisation: None,
@@ -65,10 +67,11 @@ impl SensorModel {
         color: ColorResponse::PERFECT,
     };
 
-    /// Checks all parameters.
+    /// Validates all parameters.
     ///
     /// # Errors
-    /// Names the first that is out of its range; NaN is out of every range.
+    /// [`Error::SensorModel`] for the first parameter out of its range; NaN is out of every
+    /// range.
     pub fn validated(self) -> Result<Self, Error> {
         check("baseline_m", self.baseline_m, 0.01, 1.0)?;
         self.quantisation.map_or(Ok(()), |term| term.check())?;
@@ -81,20 +84,6 @@ impl SensorModel {
         self.range.map_or(Ok(()), |term| term.check())?;
         self.color.check()?;
         Ok(self)
-    }
-}
-
-/// Whether a parameter is in its range.
-pub(super) fn check(name: &'static str, value: f32, min: f32, max: f32) -> Result<(), Error> {
-    if (min..=max).contains(&value) {
-        Ok(())
-    } else {
-        Err(Error::SensorModel {
-            name,
-            value,
-            min,
-            max,
-        })
     }
 }
 

@@ -1,4 +1,4 @@
-//! Meshes made by hand and a table scene made of them.
+//! Synthetic test meshes and a table scene made of them.
 
 #![allow(dead_code, reason = "each user needs a part of it")]
 
@@ -8,7 +8,7 @@ use nalgebra::{Isometry3, Point3, Rotation3, Translation3, UnitQuaternion, Vecto
 use rendering::{Instance, PreparedMesh, Texture};
 use std::f32::consts::{PI, TAU};
 
-/// A grid of vertices over `(u, v)` in 0..=1, two triangles a cell.
+/// Grid mesh over `(u, v)` in 0..=1, two triangles per cell.
 pub(crate) fn patch(
     mesh: &mut TriangleMesh,
     (n_u, n_v): (u32, u32),
@@ -43,7 +43,7 @@ pub(crate) fn patch(
     }
 }
 
-/// A rectangle around the origin in x and y, seen from +z.
+/// Rectangle around the origin in x and y, facing +z.
 pub(crate) fn rectangle(width: f32, depth: f32, n: u32, color: [u8; 3]) -> TriangleMesh {
     let mut mesh = matte();
     patch(&mut mesh, (n, n), color, |u, v| {
@@ -55,7 +55,7 @@ pub(crate) fn rectangle(width: f32, depth: f32, n: u32, color: [u8; 3]) -> Trian
     mesh
 }
 
-/// A box around the origin, `n` cells on each side of each face.
+/// Box around the origin, `n` cells along each edge.
 pub(crate) fn cuboid(sides: [f32; 3], n: u32, color: [u8; 3]) -> TriangleMesh {
     let mut mesh = matte();
     for axis in 0..3 {
@@ -75,7 +75,7 @@ pub(crate) fn cuboid(sides: [f32; 3], n: u32, color: [u8; 3]) -> TriangleMesh {
     mesh
 }
 
-/// A ball around the origin with `4 n²` triangles.
+/// Sphere around the origin with `4 n²` triangles.
 pub(crate) fn ball(radius: f32, n: u32, color: [u8; 3]) -> TriangleMesh {
     let mut mesh = matte();
     patch(&mut mesh, (2 * n, n), color, |u, v| {
@@ -90,7 +90,7 @@ pub(crate) fn ball(radius: f32, n: u32, color: [u8; 3]) -> TriangleMesh {
     mesh
 }
 
-/// A closed cylinder around z, its centre at the origin.
+/// Closed cylinder around z, centred at the origin.
 pub(crate) fn cylinder(radius: f32, height: f32, n: u32, color: [u8; 3]) -> TriangleMesh {
     let mut mesh = matte();
     let rim = |u: f32| Vector3::new((u * TAU).cos(), (u * TAU).sin(), 0.0);
@@ -115,7 +115,7 @@ fn matte() -> TriangleMesh {
     }
 }
 
-/// The mesh with another surface.
+/// Replaces the surface finish of a mesh.
 pub(crate) fn with_surface(mut mesh: TriangleMesh, specular: f32, infrared: f32) -> TriangleMesh {
     mesh.surfaces = vec![Surface { specular, infrared }];
     mesh
@@ -132,7 +132,7 @@ pub(crate) fn turned(x: f64, y: f64, z: f64, angles: [f64; 3]) -> RigidTransform
     )
 }
 
-/// The pose of a camera that looks from one point to another, image upright.
+/// Look-at camera pose from one point to another, image upright.
 pub(crate) fn looking(from: [f64; 3], to: [f64; 3]) -> RigidTransform {
     let (from, to) = (Vector3::from(from), Vector3::from(to));
     let forward = (to - from).normalize();
@@ -146,7 +146,7 @@ pub(crate) fn looking(from: [f64; 3], to: [f64; 3]) -> RigidTransform {
     )
 }
 
-/// A room with a table, the top of which is at z = 0, and objects on it.
+/// Room with a table, whose top is at z = 0, and objects on it.
 pub(crate) struct TableScene {
     room: Vec<(PreparedMesh, RigidTransform, Texture)>,
     objects: Vec<(TriangleMesh, PreparedMesh, RigidTransform)>,
@@ -154,7 +154,7 @@ pub(crate) struct TableScene {
 }
 
 impl TableScene {
-    /// Objects have about 4 000 triangles each.
+    /// Scene with `n_objects` objects of about 4 000 triangles each.
     pub(crate) fn new(n_objects: usize) -> Self {
         let room: Vec<_> = room();
         let meshes = object_meshes();
@@ -182,7 +182,7 @@ impl TableScene {
         looking([0.0, -0.95, 0.62], [0.0, 0.05, 0.0])
     }
 
-    /// A camera that goes round the table, half a degree a frame.
+    /// Camera pose of an orbit around the table, half a degree per frame.
     pub(crate) fn orbiting_camera(frame_index: u64) -> RigidTransform {
         let (sin, cos) = ((frame_index % 720) as f64 * std::f64::consts::PI / 360.0).sin_cos();
         looking([0.95 * sin, -0.95 * cos, 0.62], [0.0, 0.05, 0.0])
@@ -207,7 +207,7 @@ impl TableScene {
             .collect()
     }
 
-    /// Every mesh as it was made, in its place.
+    /// All source meshes with their poses.
     pub(crate) fn meshes(&self) -> Vec<(&TriangleMesh, RigidTransform)> {
         let room = self.room_meshes.iter().zip(&self.room);
         room.map(|(mesh, (_, pose, _))| (mesh, *pose))
@@ -256,7 +256,7 @@ fn room() -> Vec<(TriangleMesh, RigidTransform, Texture)> {
     parts
 }
 
-/// Meshes and how high their centres stand.
+/// Object meshes with the height of their centres.
 fn object_meshes() -> Vec<(TriangleMesh, f32)> {
     vec![
         (

@@ -1,30 +1,31 @@
-//! Letting thrown objects come to rest before anybody looks.
+//! Settling of dropped objects before the scene starts.
 
-use super::{ObjectState, World};
+use super::World;
 use crate::physics::STEPS_PER_SECOND;
 use crate::scene::Placing;
+use crate::scene_object::ObjectState;
 
-/// Objects that have not come to rest after this long are left moving, steps.
-const MOST_STEPS: u32 = 6 * STEPS_PER_SECOND;
-/// How often it is looked whether all are at rest, steps.
-const LOOK_STEPS: u32 = STEPS_PER_SECOND / 4;
-/// What begins to tip is slow at first: rest must last for so many looks.
-const LOOKS_AT_REST: u32 = 3;
-/// How often an object that has fallen off the table is thrown again.
-const MOST_THROWS: u32 = 3;
+/// Time limit of settling, steps; slower objects stay in motion. Chosen.
+const MAX_SETTLE_STEPS: u32 = 6 * STEPS_PER_SECOND;
+/// Interval of the rest checks, steps. Chosen.
+const CHECK_STEPS: u32 = STEPS_PER_SECOND / 4;
+/// Number of consecutive checks at rest; a tipping object is slow at first. Chosen.
+const CHECKS_AT_REST: u32 = 3;
+/// Number of times that fallen objects are dropped again. Chosen.
+const MAX_DROPS: u32 = 3;
 
 impl World {
-    /// Lets all objects come to rest; what fell off is thrown again, and in the
-    /// end told.
+    /// Lets all objects come to rest, drops fallen ones again, and reports those that remain on
+    /// the floor.
     pub(super) fn settle(&mut self) {
         self.run_until_rest();
-        for _ in 0..MOST_THROWS {
-            if !self.throw_fallen_again() {
+        for _ in 0..MAX_DROPS {
+            if !self.drop_fallen_again() {
                 break;
             }
             self.run_until_rest();
         }
-        self.notice_falls();
+        self.report_falls();
         let moving = self
             .objects
             .iter()
@@ -37,20 +38,20 @@ impl World {
     }
 
     fn run_until_rest(&mut self) {
-        let mut n_looks_at_rest = 0;
-        for _ in 0..MOST_STEPS / LOOK_STEPS {
-            self.run_physics(LOOK_STEPS);
+        let mut n_checks_at_rest = 0;
+        for _ in 0..MAX_SETTLE_STEPS / CHECK_STEPS {
+            self.run_physics(CHECK_STEPS);
             let moves = self.objects.iter().any(|o| o.state == ObjectState::Moving);
-            n_looks_at_rest = if moves { 0 } else { n_looks_at_rest + 1 };
-            if n_looks_at_rest == LOOKS_AT_REST {
+            n_checks_at_rest = if moves { 0 } else { n_checks_at_rest + 1 };
+            if n_checks_at_rest == CHECKS_AT_REST {
                 return;
             }
         }
     }
 
-    /// Whether there was anything to throw.
-    fn throw_fallen_again(&mut self) -> bool {
-        let mut has_thrown = false;
+    /// Drops fallen objects again; returns true if there were any.
+    fn drop_fallen_again(&mut self) -> bool {
+        let mut has_dropped = false;
         for index in 0..self.objects.len() {
             let object = &self.objects[index];
             let plan = &self.scene.objects[index];
@@ -60,9 +61,9 @@ impl World {
                 let (body, pose) = (object.body, *world_from_object);
                 self.physics.place(body, &pose);
                 self.run_physics(super::DROP_STEPS);
-                has_thrown = true;
+                has_dropped = true;
             }
         }
-        has_thrown
+        has_dropped
     }
 }

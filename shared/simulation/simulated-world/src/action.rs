@@ -1,0 +1,105 @@
+//! Scripted actions of the simulated person.
+
+use crate::model_choice::ModelChoice;
+
+/// Scripted action. Objects are identified by their number in the scene, from 1.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Action {
+    /// Brings an object and puts it down.
+    Put {
+        /// Model of the new object.
+        model: ModelChoice,
+        /// Target position, world x and y, metres.
+        to_m: [f64; 2],
+    },
+    /// Carries an object to another position.
+    Move {
+        /// Object number.
+        object: u16,
+        /// Target position, world x and y, metres.
+        to_m: [f64; 2],
+    },
+    /// Pushes an object over the table without lifting it; it pushes the objects it meets.
+    Slide {
+        /// Object number.
+        object: u16,
+        /// Target position, world x and y, metres.
+        to_m: [f64; 2],
+    },
+    /// Lifts an object, holds it for a while and puts it back.
+    Lift {
+        /// Object number.
+        object: u16,
+        /// Holding time, seconds.
+        for_s: f64,
+    },
+    /// Holds the hand in front of an object, so that it is partly occluded.
+    Hide {
+        /// Object number.
+        object: u16,
+        /// Duration, seconds.
+        for_s: f64,
+    },
+    /// Takes an object away.
+    Remove {
+        /// Object number.
+        object: u16,
+    },
+}
+
+impl Action {
+    /// Number of the affected object; `None` for [`Self::Put`].
+    pub(crate) fn object(&self) -> Option<usize> {
+        match self {
+            Self::Put { .. } => None,
+            Self::Move { object, .. }
+            | Self::Slide { object, .. }
+            | Self::Lift { object, .. }
+            | Self::Hide { object, .. }
+            | Self::Remove { object } => Some(usize::from(*object)),
+        }
+    }
+
+    /// Description for messages: `to move object 3`.
+    pub(crate) fn words(&self) -> String {
+        match self {
+            Self::Put { model, .. } => format!("to put a {}", model.category()),
+            Self::Move { object, .. } => format!("to move object {object}"),
+            Self::Slide { object, .. } => format!("to slide object {object}"),
+            Self::Lift { object, .. } => format!("to lift object {object}"),
+            Self::Hide { object, .. } => format!("to hide object {object}"),
+            Self::Remove { object } => format!("to remove object {object}"),
+        }
+    }
+}
+
+/// Action with its start time. It starts later when the previous one has not ended.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TimedAction {
+    /// Start time, seconds from the start of the scene.
+    pub at_s: f64,
+    /// Action to perform.
+    pub action: Action,
+}
+
+/// Behaviour of the simulated person: script and random actions.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PersonPlan {
+    /// Scripted actions in the order of their start times.
+    pub script: Vec<TimedAction>,
+    /// Speed factor of the hand; 1 is the default speed.
+    pub pace: f64,
+    /// Shortest and longest pause between random actions, seconds; `None` for the script only.
+    pub random_pause_s: Option<[f64; 2]>,
+}
+
+impl Default for PersonPlan {
+    /// Person who stands still and does nothing.
+    fn default() -> Self {
+        Self {
+            script: Vec::new(),
+            pace: 1.0,
+            random_pause_s: None,
+        }
+    }
+}

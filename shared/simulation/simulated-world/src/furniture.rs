@@ -1,0 +1,43 @@
+//! Dimensions of the table and the bin.
+
+use nalgebra::Point3;
+
+/// Table dimensions.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Table {
+    /// Sides along world x and y, metres.
+    pub size_m: [f64; 2],
+    /// Height of the table top, metres.
+    pub height_m: f64,
+}
+
+impl Default for Table {
+    fn default() -> Self {
+        Self {
+            size_m: [1.3, 0.8],
+            height_m: 0.72,
+        }
+    }
+}
+
+impl Table {
+    /// Middle of the table top, world frame.
+    pub fn middle(&self) -> Point3<f64> {
+        Point3::new(0.0, 0.0, self.height_m)
+    }
+}
+
+/// Open bin (box without a lid) in the middle of the table.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bin {
+    /// Inner sides along world x, y and z, metres.
+    pub inner_size_m: [f64; 3],
+}
+
+impl Default for Bin {
+    fn default() -> Self {
+        Self {
+            inner_size_m: [0.42, 0.34, 0.14],
+        }
+    }
+}

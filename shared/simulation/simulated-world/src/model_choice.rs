@@ -1,0 +1,37 @@
+//! Object models by source: generated instances and model files.
+
+use std::path::PathBuf;
+
+/// Source of object models.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum ModelSource {
+    /// Generated household objects.
+    #[default]
+    Generated,
+    /// PLY and OBJ files of a folder.
+    Folder(PathBuf),
+}
+
+/// Choice of an object model.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ModelChoice {
+    /// Generated household object.
+    Generated {
+        /// Category name.
+        category: String,
+        /// Instance number.
+        instance: u64,
+    },
+    /// PLY or OBJ file.
+    File(PathBuf),
+}
+
+impl ModelChoice {
+    /// Category; for a model file, derived from the file name.
+    pub fn category(&self) -> String {
+        match self {
+            Self::Generated { category, .. } => category.clone(),
+            Self::File(path) => crate::model_file::category_and_name(path).0,
+        }
+    }
+}

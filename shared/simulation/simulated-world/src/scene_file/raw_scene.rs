@@ -1,0 +1,491 @@
+//! Raw scene file (TOML) and its validation.
+
+use super::scene_variation::SceneVariation;
+use super::{MOST_OBJECTS, RANDOM_PAUSE_S, generated_objects};
+use crate::action::{Action, PersonPlan, TimedAction};
+use crate::arm_mount::ArmMount;
+use crate::camera_mount::CameraMount;
+use crate::error::Error;
+use crate::furniture::{Bin, Table};
+use crate::model_choice::{ModelChoice, ModelSource};
+use crate::model_library::ModelLibrary;
+use crate::scene::{ObjectPlan, Placing, Scene, SceneKind};
+use geometry::RigidTransform;
+use nalgebra::{Translation3, UnitQuaternion};
+use rendering::kinect::SensorModel;
+use serde::Deserialize;
+use std::ops::RangeInclusive;
+use std::path::Path;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawScene {
+    #[serde(default = "one")]
+    seed: u64,
+    kind: Option<String>,
+    objects: Option<usize>,
+    models: Option<String>,
+    duration_s: Option<f64>,
+    vary: Option<RawVariation>,
+    arm: Option<RawArm>,
+    #[serde(default)]
+    table: RawTable,
+    bin: Option<RawBin>,
+    #[serde(default)]
+    camera: RawCamera,
+    #[serde(default)]
+    object: Vec<RawObject>,
+    person: Option<RawPerson>,
+    #[serde(default)]
+    sensor: RawSensor,
+}
+
+fn one() -> u64 {
+    1
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+struct RawTable {
+    size_m: Option<[f64; 2]>,
+    height_m: Option<f64>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+struct RawBin {
+    inner_size_m: Option<[f64; 3]>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+struct RawCamera {
+    look_at_m: Option<[f64; 3]>,
+    distance_m: Option<f64>,
+    elevation_deg: Option<f64>,
+    azimuth_deg: Option<f64>,
+    orbit_deg_s: Option<f64>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+struct RawArm {
+    position_m: Option<[f64; 3]>,
+    yaw_deg: Option<f64>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+struct RawVariation {
+    instances: u64,
+    shift_m: f64,
+    turn_deg: f64,
+    shuffle: bool,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawObject {
+    category: Option<String>,
+    #[serde(default)]
+    instance: u64,
+    model: Option<String>,
+    position_m: [f64; 2],
+    #[serde(default)]
+    yaw_deg: f64,
+    #[serde(default)]
+    pitch_deg: f64,
+    #[serde(default)]
+    roll_deg: f64,
+    drop_from_m: Option<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawPerson {
+    #[serde(default)]
+    by_chance: bool,
+    every_s: Option<[f64; 2]>,
+    pace: Option<f64>,
+    #[serde(default)]
+    action: Vec<RawAction>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawAction {
+    at_s: f64,
+    #[serde(rename = "do")]
+    what: String,
+    object: Option<u16>,
+    category: Option<String>,
+    #[serde(default)]
+    instance: u64,
+    to_m: Option<[f64; 2]>,
+    for_s: Option<f64>,
+}
+
+/// Sensor preset and names of the error terms to switch off.
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+struct RawSensor {
+    preset: Option<String>,
+    off: Vec<String>,
+}
+
+fn wrong(place: impl Into<String>, rule: impl Into<String>) -> Error {
+    Error::Scene {
+        place: place.into(),
+        rule: rule.into(),
+    }
+}
+
+/// Checks that a value lies within its range; NaN does not.
+fn checked(place: &str, value: f64, range: RangeInclusive<f64>) -> Result<f64, Error> {
+    if range.contains(&value) {
+        return Ok(value);
+    }
+    let (low, high) = range.into_inner();
+    Err(wrong(
+        place,
+        format!("it must lie between {low} and {high}, not {value}"),
+    ))
+}
+
+pub(super) fn scene(
+    text: &str,
+    folder: &Path,
+    seed: Option<u64>,
+) -> Result<(Scene, ModelLibrary), Error> {
+    let raw: RawScene = toml::from_str(text)
+        .map_err(|error| wrong("text is not a scene", error.to_string().trim().to_owned()))?;
+    let source = raw.models.as_ref().map_or(ModelSource::Generated, |path| {
+        ModelSource::Folder(folder.join(path))
+    });
+    let mut library = ModelLibrary::open(&source)?;
+    let kind = raw.kind.as_deref().map(str::parse::<SceneKind>);
+    let kind = kind.transpose().map_err(|rule| wrong("kind", rule))?;
+    let mut scene = Scene {
+        seed: seed.unwrap_or(raw.seed),
+        table: table(&raw.table)?,
+        bin: bin(raw.bin.as_ref(), kind)?,
+        camera: camera(&raw.camera)?,
+        objects: Vec::new(),
+        arm: raw.arm.as_ref().map(arm).transpose()?,
+        person: raw.person.as_ref().map(person).transpose()?,
+        sensor: sensor(&raw.sensor)?,
+        duration_s: duration_s(raw.duration_s)?,
+    };
+    if let Some(kind) = kind {
+        let n_objects = raw.objects.unwrap_or(kind.usual_number());
+        scene.objects = generated_objects(&scene, kind, n_objects, &mut library)?;
+    } else if raw.objects.is_some() {
+        return Err(wrong(
+            "objects",
+            "a number of objects needs a `kind` that lays them",
+        ));
+    }
+    for (index, raw) in raw.object.iter().enumerate() {
+        scene
+            .objects
+            .push(object(raw, index, folder, &scene.table)?);
+    }
+    if let Some(raw) = &raw.vary {
+        variation(raw)?.apply(&mut scene);
+    }
+    if scene.objects.len() > MOST_OBJECTS {
+        let n = scene.objects.len();
+        return Err(wrong(
+            "[[object]]",
+            format!("at most {MOST_OBJECTS} objects fit a scene, not {n}"),
+        ));
+    }
+    Ok((scene, library))
+}
+
+fn duration_s(raw: Option<f64>) -> Result<Option<f64>, Error> {
+    raw.map(|duration_s| checked("duration_s", duration_s, 0.1..=86_400.0))
+        .transpose()
+}
+
+fn variation(raw: &RawVariation) -> Result<SceneVariation, Error> {
+    Ok(SceneVariation {
+        n_instances: raw.instances,
+        shift_m: checked("[vary] shift_m", raw.shift_m, 0.0..=0.5)?,
+        turn_rad: checked("[vary] turn_deg", raw.turn_deg, 0.0..=180.0)?.to_radians(),
+        is_shuffled: raw.shuffle,
+    })
+}
+
+fn table(raw: &RawTable) -> Result<Table, Error> {
+    let default = Table::default();
+    let [x, y] = raw.size_m.unwrap_or(default.size_m);
+    Ok(Table {
+        size_m: [
+            checked("[table] size_m", x, 0.2..=4.0)?,
+            checked("[table] size_m", y, 0.2..=3.0)?,
+        ],
+        height_m: checked(
+            "[table] height_m",
+            raw.height_m.unwrap_or(default.height_m),
+            0.1..=1.5,
+        )?,
+    })
+}
+
+fn bin(raw: Option<&RawBin>, kind: Option<SceneKind>) -> Result<Option<Bin>, Error> {
+    let Some(raw) = raw else {
+        return Ok((kind == Some(SceneKind::Bin)).then(Bin::default));
+    };
+    let size = raw.inner_size_m.unwrap_or(Bin::default().inner_size_m);
+    for side in size {
+        checked("[bin] inner_size_m", side, 0.02..=1.5)?;
+    }
+    Ok(Some(Bin { inner_size_m: size }))
+}
+
+fn camera(raw: &RawCamera) -> Result<CameraMount, Error> {
+    let default = CameraMount::default();
+    let look_at_m = raw.look_at_m.unwrap_or(default.look_at_m);
+    for value in look_at_m {
+        checked("[camera] look_at_m", value, -5.0..=5.0)?;
+    }
+    let number = |name: &str, value: Option<f64>, default: f64, range| {
+        checked(&format!("[camera] {name}"), value.unwrap_or(default), range)
+    };
+    Ok(CameraMount {
+        look_at_m,
+        distance_m: number("distance_m", raw.distance_m, default.distance_m, 0.3..=5.0)?,
+        elevation_deg: number(
+            "elevation_deg",
+            raw.elevation_deg,
+            default.elevation_deg,
+            -89.0..=89.0,
+        )?,
+        azimuth_deg: number(
+            "azimuth_deg",
+            raw.azimuth_deg,
+            default.azimuth_deg,
+            -360.0..=360.0,
+        )?,
+        orbit_deg_s: number(
+            "orbit_deg_s",
+            raw.orbit_deg_s,
+            default.orbit_deg_s,
+            -180.0..=180.0,
+        )?,
+    })
+}
+
+fn arm(raw: &RawArm) -> Result<ArmMount, Error> {
+    let default = ArmMount::default();
+    let position_m = raw.position_m.unwrap_or(default.position_m);
+    for value in position_m {
+        checked("[arm] position_m", value, -3.0..=3.0)?;
+    }
+    let yaw_deg = raw.yaw_deg.unwrap_or(default.yaw_deg);
+    Ok(ArmMount {
+        position_m,
+        yaw_deg: checked("[arm] yaw_deg", yaw_deg, -360.0..=360.0)?,
+    })
+}
+
+fn object(
+    raw: &RawObject,
+    index: usize,
+    folder: &Path,
+    table: &Table,
+) -> Result<ObjectPlan, Error> {
+    let place = |key: &str| format!("[[object]] {} {key}", index + 1);
+    let model = match (&raw.category, &raw.model) {
+        (Some(category), None) => generated(category, raw.instance)?,
+        (None, Some(path)) => model_file(&folder.join(path))?,
+        _ => {
+            return Err(wrong(
+                place(""),
+                "it needs either `category` or `model`, not both and not neither",
+            ));
+        }
+    };
+    for value in raw.position_m {
+        checked(&place("position_m"), value, -3.0..=3.0)?;
+    }
+    let angle =
+        |key: &str, value: f64| checked(&place(key), value, -360.0..=360.0).map(f64::to_radians);
+    let yaw_rad = angle("yaw_deg", raw.yaw_deg)?;
+    let (pitch, roll) = (
+        angle("pitch_deg", raw.pitch_deg)?,
+        angle("roll_deg", raw.roll_deg)?,
+    );
+    let placing = match raw.drop_from_m {
+        None if pitch == 0.0 && roll == 0.0 => Placing::Upright {
+            position_m: raw.position_m,
+            yaw_rad,
+        },
+        drop_from_m => {
+            let drop_m = checked(
+                &place("drop_from_m"),
+                drop_from_m.unwrap_or(0.25),
+                0.0..=2.0,
+            )?;
+            let [x, y] = raw.position_m;
+            Placing::Dropped {
+                world_from_object: RigidTransform::from_parts(
+                    Translation3::new(x, y, table.height_m + drop_m),
+                    UnitQuaternion::from_euler_angles(roll, pitch, yaw_rad),
+                ),
+            }
+        }
+    };
+    Ok(ObjectPlan { model, placing })
+}
+
+fn generated(category: &str, instance: u64) -> Result<ModelChoice, Error> {
+    if household::category(category).is_none() {
+        return Err(Error::UnknownCategory {
+            category: category.to_owned(),
+        });
+    }
+    Ok(ModelChoice::Generated {
+        category: category.to_owned(),
+        instance,
+    })
+}
+
+/// Checks that a model file exists; its contents are validated when it is opened.
+fn model_file(path: &Path) -> Result<ModelChoice, Error> {
+    if !path.is_file() {
+        return Err(Error::Unreadable {
+            path: path.to_owned(),
+            cause: "there is no such file".into(),
+        });
+    }
+    Ok(ModelChoice::File(path.to_owned()))
+}
+
+fn person(raw: &RawPerson) -> Result<PersonPlan, Error> {
+    let random_pause_s = match (raw.by_chance, raw.every_s) {
+        (false, None) => None,
+        (_, every_s) => {
+            let [shortest, longest] = every_s.unwrap_or(RANDOM_PAUSE_S);
+            checked("[person] every_s", shortest, 0.0..=3600.0)?;
+            checked("[person] every_s", longest, shortest..=3600.0)?;
+            Some([shortest, longest])
+        }
+    };
+    let mut script = Vec::new();
+    for (index, raw) in raw.action.iter().enumerate() {
+        script.push(timed_action(raw, index)?);
+    }
+    script.sort_by(|a, b| a.at_s.total_cmp(&b.at_s));
+    let pace = checked("[person] pace", raw.pace.unwrap_or(1.0), 0.1..=10.0)?;
+    Ok(PersonPlan {
+        script,
+        pace,
+        random_pause_s,
+    })
+}
+
+fn timed_action(raw: &RawAction, index: usize) -> Result<TimedAction, Error> {
+    let place = |key: &str| format!("[[person.action]] {} {key}", index + 1);
+    let needs = |key: &str| wrong(place(key), format!("`{}` needs `{key}`", raw.what));
+    let at_s = checked(&place("at_s"), raw.at_s, 0.0..=86_400.0)?;
+    let object = || match raw.object {
+        Some(0) => Err(wrong(place("object"), "objects are counted from 1")),
+        object => object.ok_or_else(|| needs("object")),
+    };
+    let to_m = || {
+        let [x, y] = raw.to_m.ok_or_else(|| needs("to_m"))?;
+        checked(&place("to_m"), x, -2.0..=2.0)?;
+        checked(&place("to_m"), y, -2.0..=2.0)?;
+        Ok::<_, Error>([x, y])
+    };
+    let for_s = checked(&place("for_s"), raw.for_s.unwrap_or(2.0), 0.0..=3600.0)?;
+    let action = match raw.what.as_str() {
+        "put" => Action::Put {
+            model: generated(
+                raw.category.as_ref().ok_or_else(|| needs("category"))?,
+                raw.instance,
+            )?,
+            to_m: to_m()?,
+        },
+        "move" => Action::Move {
+            object: object()?,
+            to_m: to_m()?,
+        },
+        "slide" => Action::Slide {
+            object: object()?,
+            to_m: to_m()?,
+        },
+        "lift" => Action::Lift {
+            object: object()?,
+            for_s,
+        },
+        "hide" => Action::Hide {
+            object: object()?,
+            for_s,
+        },
+        "remove" => Action::Remove { object: object()? },
+        other => {
+            return Err(wrong(
+                place("do"),
+                format!(
+                    "`{other}` is nothing a person does; there are put, move, slide, lift, hide, remove"
+                ),
+            ));
+        }
+    };
+    Ok(TimedAction { at_s, action })
+}
+
+fn sensor(raw: &RawSensor) -> Result<SensorModel, Error> {
+    let mut model = match raw.preset.as_deref() {
+        None | Some("kinect-v1") => SensorModel::KINECT_V1,
+        Some("perfect") => SensorModel::PERFECT,
+        Some(other) => {
+            return Err(wrong(
+                "[sensor] preset",
+                format!("`{other}` is no preset; there are kinect-v1 and perfect"),
+            ));
+        }
+    };
+    for term in &raw.off {
+        switch_off(&mut model, term).ok_or_else(|| {
+            let rule = format!("`{term}` is no error term; there are {}", TERMS.join(", "));
+            wrong("[sensor] off", rule)
+        })?;
+    }
+    Ok(model)
+}
+
+/// Names of the sensor error terms.
+const TERMS: [&str; 10] = [
+    "quantisation",
+    "axial-noise",
+    "lateral-noise",
+    "edge-fattening",
+    "projector-shadow",
+    "weak-signal",
+    "border-speckle",
+    "range",
+    "blind-columns",
+    "color",
+];
+
+/// Switches a sensor error term off; `None` for an unknown name.
+fn switch_off(model: &mut SensorModel, term: &str) -> Option<()> {
+    match term {
+        "quantisation" => model.quantisation = None,
+        "axial-noise" => model.axial_noise = None,
+        "lateral-noise" => model.lateral_noise = None,
+        "edge-fattening" => model.edge_fattening = None,
+        "projector-shadow" => model.projector_shadow = None,
+        "weak-signal" => model.weak_signal = None,
+        "border-speckle" => model.border_speckle = None,
+        "range" => model.range = None,
+        "blind-columns" => model.n_blind_columns = 0,
+        "color" => model.color = SensorModel::PERFECT.color,
+        _ => return None,
+    }
+    Some(())
+}

@@ -1,0 +1,85 @@
+//! Rendered boxes of the room: meshes, materials and textures.
+
+use crate::room::{Material, RoomBox};
+use geometry::RigidTransform;
+use mesh::{Surface, rounded_box};
+use rendering::{Instance, PreparedMesh, Texture};
+
+/// Rounding radius of furniture edges, metres.
+const EDGE_M: f32 = 0.003;
+/// Mesh resolution of large faces, since light is computed per corner, metres.
+const CELL_M: f32 = 0.5;
+
+/// Box of the room, ready for rendering.
+#[derive(Debug)]
+pub(super) struct RoomPiece {
+    mesh: PreparedMesh,
+    world_from_mesh: RigidTransform,
+    texture: Texture,
+}
+
+impl RoomPiece {
+    pub(super) fn instance(&self) -> Instance<'_> {
+        Instance {
+            texture: self.texture,
+            ..Instance::new(&self.mesh, self.world_from_mesh, 0)
+        }
+    }
+}
+
+pub(super) fn room_pieces(blocks: &[RoomBox]) -> Vec<RoomPiece> {
+    blocks.iter().map(piece).collect()
+}
+
+fn piece(block: &RoomBox) -> RoomPiece {
+    let (color, specular, texture) = look(block.material);
+    let sides = (block.half_sides_m * 2.0).cast::<f32>();
+    let solid = rounded_box(sides.into(), EDGE_M, CELL_M)
+        .colored(color)
+        .with_surface(Surface {
+            specular,
+            infrared: 1.0,
+        });
+    RoomPiece {
+        mesh: PreparedMesh::new(&solid.mesh),
+        world_from_mesh: block.world_from_box(),
+        texture,
+    }
+}
+
+fn look(material: Material) -> ([u8; 3], f32, Texture) {
+    match material {
+        Material::Tiles => (
+            [150, 146, 138],
+            0.08,
+            Texture::Tiles {
+                side_m: 0.4,
+                joint_m: 0.006,
+            },
+        ),
+        Material::Plaster => (
+            [214, 208, 196],
+            0.0,
+            Texture::Mottle {
+                scale_m: 0.35,
+                contrast: 0.08,
+            },
+        ),
+        Material::Wood => (
+            [178, 136, 92],
+            0.06,
+            Texture::WoodGrain {
+                board_m: 0.13,
+                contrast: 0.35,
+            },
+        ),
+        Material::Cardboard => (
+            [176, 140, 98],
+            0.0,
+            Texture::Mottle {
+                scale_m: 0.05,
+                contrast: 0.08,
+            },
+        ),
+    }
+}
