@@ -164,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn at_home_nothing_stands_far_in_front() {
+    fn home_pose_stays_behind_the_front_limit() {
         let arm = Arm::jaco_like();
         let home = JointVector::from(HOME);
         let opening_m = arm.gripper().max_opening_m;

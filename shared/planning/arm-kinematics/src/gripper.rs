@@ -255,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn an_impossible_opening_is_refused() {
+    fn invalid_opening_is_rejected() {
         let mut gripper = Gripper::new(GripperGeometry::JACO_LIKE);
         for opening in [f64::NAN, -0.01, 0.151] {
             assert!(matches!(

@@ -7,57 +7,7 @@ use geometry::RigidTransform;
 
 use crate::closed_form::{N_BRANCHES, solution_branches};
 use crate::damped_least_squares::{LeastSquaresSolution, solve_least_squares};
-use crate::{Arm, Error, JointVector, link_capsules, self_clearance_m};
-
-/// Tolerances and iteration limit of inverse kinematics.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct IkConfig {
-    /// Position tolerance, metres.
-    pub tolerance_m: f64,
-    /// Rotation tolerance, radians.
-    pub tolerance_rad: f64,
-    /// Iteration limit of one least squares search; there are at most nine searches.
-    pub max_iterations: usize,
-}
-
-impl Default for IkConfig {
-    fn default() -> Self {
-        Self {
-            tolerance_m: 0.001,
-            tolerance_rad: 0.5_f64.to_radians(),
-            max_iterations: 60,
-        }
-    }
-}
-
-/// Difference of two poses: distance and rotation angle.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PoseResidual {
-    /// Distance of the origins, metres.
-    pub distance_m: f64,
-    /// Angle of the rotation between them, radians, 0 to π.
-    pub angle_rad: f64,
-}
-
-impl PoseResidual {
-    /// Residual between the poses `a` and `b`.
-    pub fn between(a: &RigidTransform, b: &RigidTransform) -> Self {
-        Self {
-            distance_m: (a.translation.vector - b.translation.vector).norm(),
-            angle_rad: a.rotation.angle_to(&b.rotation),
-        }
-    }
-
-    pub(crate) fn is_within(&self, config: &IkConfig) -> bool {
-        self.distance_m <= config.tolerance_m && self.angle_rad <= config.tolerance_rad
-    }
-
-    /// Weighted norm, metres: one radian counts as 0.2 m, the displacement of a fingertip.
-    /// Chosen.
-    fn weighted_norm_m(&self) -> f64 {
-        self.distance_m.hypot(0.2 * self.angle_rad)
-    }
-}
+use crate::{Arm, Error, IkConfig, JointVector, PoseResidual, link_capsules, self_clearance_m};
 
 /// Solution of inverse kinematics.
 #[derive(Debug, Clone, Copy, PartialEq)]

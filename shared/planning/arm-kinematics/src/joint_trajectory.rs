@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn a_motion_to_where_the_arm_is_takes_no_time() {
+    fn motion_to_the_current_position_takes_no_time() {
         let arm = Arm::jaco_like();
         let here = JointVector::from(crate::HOME);
         let motion = JointTrajectory::new(arm.chain(), &JointState::at_rest(here), &here, 1.0);

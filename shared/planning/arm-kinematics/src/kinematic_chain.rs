@@ -162,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn at_zero_the_arm_stands_stretched_upwards() {
+    fn zero_angles_stretch_the_arm_upwards() {
         let tool = tool_after(0, 0.0);
         let height = 0.2755 + 0.41 + 0.2073 + 0.0743 + 0.0743 + 0.1687;
         assert!((tool.translation.vector - Vector3::new(0.0, -0.0098, height)).norm() < 1e-12);
@@ -170,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn single_joints_move_the_tool_as_drawn() {
+    fn single_joints_move_the_tool_to_known_positions() {
         let check = |joint, expected: [f64; 3]| {
             let tool = tool_after(joint, FRAC_PI_2).translation.vector;
             assert!(
@@ -240,7 +240,7 @@ mod tests {
     }
 
     #[test]
-    fn angles_that_can_not_be_are_refused_and_moved_into_the_limits() {
+    fn invalid_angles_are_rejected_and_clamped() {
         let chain = Arm::jaco_like().chain().clone();
         let mut joints = JointVector::zeros();
         joints[1] = 2.5;

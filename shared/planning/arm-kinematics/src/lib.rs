@@ -31,12 +31,14 @@ mod damped_least_squares;
 mod dimensions;
 mod error;
 mod gripper;
+mod ik_config;
 mod inverse_kinematics;
 mod joint_trajectory;
 mod kinematic_chain;
 mod line_trajectory;
 mod link_capsules;
 mod link_meshes;
+mod pose_residual;
 mod self_clearance;
 mod tapered_cylinder;
 mod trapezoidal_profile;
@@ -46,12 +48,14 @@ pub use controller::{ArmController, Command, CommandState, MotionState, PathKind
 pub use dimensions::ArmDimensions;
 pub use error::Error;
 pub use gripper::{Gripper, GripperGeometry, GripperMotion, tool_from_fingers};
-pub use inverse_kinematics::{IkConfig, IkSolution, PoseResidual, inverse_kinematics};
+pub use ik_config::IkConfig;
+pub use inverse_kinematics::{IkSolution, inverse_kinematics};
 pub use joint_trajectory::{JointState, JointTrajectory};
 pub use kinematic_chain::{Jacobian, Joint, JointVector, KinematicChain, LinkPoses, N_JOINTS};
 pub use line_trajectory::LineTrajectory;
 pub use link_capsules::{N_CAPSULES, link_capsules};
 pub use link_meshes::LinkMeshes;
+pub use pose_residual::PoseResidual;
 pub use self_clearance::self_clearance_m;
 
 /// Proptest strategy: joint angles of the JACO-like arm, uniform within its limits.

@@ -71,7 +71,7 @@ mod tests {
         #![proptest_config(ProptestConfig::with_cases(32))]
 
         #[test]
-        fn the_capsules_contain_all_that_is_seen(
+        fn capsules_contain_the_meshes(
             joints in test_joint_angles(),
             opening in 0.0..0.15_f64,
         ) {
@@ -90,7 +90,7 @@ mod tests {
     }
 
     #[test]
-    fn the_capsules_leave_free_what_is_between_the_pads() {
+    fn capsules_leave_the_space_between_the_pads_free() {
         let arm = Arm::jaco_like();
         let joints = JointVector::from(crate::HOME);
         let grasped = arm.tool_pose(&joints) * Point3::origin();

@@ -108,7 +108,7 @@ mod tests {
     use nalgebra::Point3;
 
     #[test]
-    fn every_mesh_is_closed_and_looks_outwards() {
+    fn meshes_are_closed_and_face_outwards() {
         let meshes = LinkMeshes::new(&Arm::jaco_like());
         for solid in meshes.links.iter().chain([&meshes.rail, &meshes.finger]) {
             let found = solid.mesh.examination();

@@ -197,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn from_rest_the_least_time_is_that_of_the_triangle_or_the_trapezoid() {
+    fn least_time_from_rest_is_that_of_a_triangle_or_trapezoid() {
         let duration =
             |way| TrapezoidalProfile::fastest(0.0, 0.0, way, MAX_SPEED, ACCELERATION).duration_s();
         // Below 0.32 the maximum speed is not reached.
@@ -207,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn a_target_that_is_passed_already_is_reached_on_the_way_back() {
+    fn target_behind_the_braking_point_is_reached_on_the_way_back() {
         let profile = TrapezoidalProfile::fastest(0.0, 0.8, 0.0, MAX_SPEED, ACCELERATION);
         let furthest = (0..1000)
             .map(|i| {

@@ -68,7 +68,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn choices_stay_in_their_range_and_use_all_of_it() {
+    fn random_values_cover_exactly_their_range() {
         let mut variation = Variation::of("mug", 3);
         let counts: Vec<usize> = (0..300).map(|_| variation.count(2, 5)).collect();
         for expected in 2..=5 {
@@ -83,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn the_seed_is_all_that_counts() {
+    fn stream_depends_only_on_category_and_instance() {
         let first = |category, instance| Variation::of(category, instance).seed();
         assert_eq!(first("mug", 1), first("mug", 1));
         assert_ne!(first("mug", 1), first("mug", 2));
@@ -91,7 +91,7 @@ mod tests {
     }
 
     #[test]
-    fn no_instance_repeats_another_ones_choices_later() {
+    fn streams_of_instances_do_not_overlap() {
         let stream = |instance| {
             let mut variation = Variation::of("mug", instance);
             (0..50).map(|_| variation.seed()).collect::<Vec<_>>()

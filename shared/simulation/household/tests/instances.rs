@@ -25,7 +25,7 @@ fn ensure(is_true: bool, fault: impl FnOnce() -> String) -> Result<(), String> {
 }
 
 #[test]
-fn names_are_unique_and_fit_for_keys() {
+fn category_names_are_unique_and_valid_keys() {
     let names: HashSet<&str> = categories().iter().map(|category| category.name).collect();
     assert_eq!(names.len(), categories().len());
     assert!(names.len() >= 51);
@@ -46,7 +46,7 @@ fn meshes_are_sound() {
 }
 
 #[test]
-fn every_part_looks_outwards() {
+fn mesh_parts_face_outwards() {
     check(N_INSTANCES / 3, |object| {
         let parts = object.mesh.connected_parts();
         let inward = parts.iter().find(|part| part.signed_volume() <= 0.0);
@@ -57,7 +57,7 @@ fn every_part_looks_outwards() {
 }
 
 #[test]
-fn normals_are_of_unit_length_and_on_the_side_of_their_face() {
+fn normals_have_unit_length_and_face_outwards() {
     check(N_INSTANCES / 3, |object| {
         let vertices = &object.mesh.vertices;
         let n_wrong = object.mesh.triangles.iter().filter(|triangle| {
@@ -73,7 +73,7 @@ fn normals_are_of_unit_length_and_on_the_side_of_their_face() {
 }
 
 #[test]
-fn the_origin_is_the_centre_of_the_box_and_sizes_are_true_to_life() {
+fn object_origin_is_the_box_centre_and_sizes_are_realistic() {
     check(N_INSTANCES, |object| {
         let bounds = object.mesh.bounds().ok_or("no mesh")?;
         ensure(bounds.centre().coords.norm() < 1e-5, || {
@@ -94,7 +94,7 @@ fn the_origin_is_the_centre_of_the_box_and_sizes_are_true_to_life() {
 }
 
 #[test]
-fn masses_are_those_of_things_one_can_lift() {
+fn object_masses_are_realistic() {
     check(N_INSTANCES / 3, |object| {
         let is_possible = (0.005..3.0).contains(&object.mass_kg);
         ensure(is_possible, || format!("{} kg", object.mass_kg))?;
@@ -105,7 +105,7 @@ fn masses_are_those_of_things_one_can_lift() {
 }
 
 #[test]
-fn meshes_are_neither_coarse_nor_wasteful() {
+fn mesh_triangle_counts_are_within_limits() {
     check(N_INSTANCES, |object| {
         let n = object.mesh.triangles.len();
         ensure((100..=9200).contains(&n), || format!("{n} triangles"))
@@ -147,7 +147,7 @@ fn body(object: &Object) -> impl Iterator<Item = Point3<f32>> {
 }
 
 #[test]
-fn the_lowest_point_of_what_is_seen_is_that_of_the_convex_parts() {
+fn convex_parts_share_the_lowest_point_of_the_mesh() {
     check(N_INSTANCES, |object| {
         let lowest = |z: &mut dyn Iterator<Item = f32>| z.fold(f32::MAX, f32::min);
         let seen = lowest(&mut object.mesh.vertices.iter().map(|v| v.position.z));
@@ -160,7 +160,7 @@ fn the_lowest_point_of_what_is_seen_is_that_of_the_convex_parts() {
 }
 
 #[test]
-fn convex_parts_do_not_stand_out_of_the_box() {
+fn convex_parts_stay_within_the_bounding_box() {
     check(N_INSTANCES / 3, |object| {
         let sides = object.mesh.bounds().ok_or("no mesh")?.sides();
         let points = object.convex_parts.iter().flat_map(|part| &part.points);
@@ -194,7 +194,7 @@ fn vessels_are_hollow() {
 }
 
 #[test]
-fn the_same_instance_is_the_same_and_others_differ() {
+fn generation_is_deterministic_and_instances_differ() {
     for category in categories() {
         let make = |instance| generate(category, instance);
         assert_eq!(make(7), make(7), "{}", category.name);

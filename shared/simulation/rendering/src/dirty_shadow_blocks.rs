@@ -99,7 +99,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_drawn_reaches_its_neighbours_only() {
+    fn drawing_marks_only_neighbouring_blocks_dirty() {
         let corner = |x: f32, y: f32| ScreenCorner {
             x,
             y,

@@ -76,7 +76,7 @@ mod tests {
     }
 
     #[test]
-    fn the_part_in_front_remains() {
+    fn clipping_keeps_the_part_in_front() {
         assert_eq!(n_parts([1.0, 1.0, 1.0]), 1);
         assert_eq!(n_parts([1.0, 1.0, -1.0]), 2);
         assert_eq!(n_parts([-1.0, 1.0, -1.0]), 1);

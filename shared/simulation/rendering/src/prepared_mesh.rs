@@ -183,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn faces_that_can_not_be_drawn_are_left_out() {
+    fn invalid_faces_are_skipped() {
         let mesh = TriangleMesh {
             vertices: vec![
                 vertex(0.0, 0.0),
@@ -207,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn srgb_ends_and_middle_are_right() {
+    fn srgb_decoding_matches_known_values() {
         assert_eq!(linear_from_srgb(0), 0.0);
         assert_eq!(linear_from_srgb(255), 1.0);
         assert!((linear_from_srgb(188) - 0.5).abs() < 0.005);

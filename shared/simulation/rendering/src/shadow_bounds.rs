@@ -80,7 +80,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bounds_hold_for_all_cells_of_the_filter() {
+    fn bounds_cover_all_cells_of_the_filter() {
         let hash = |i: usize| (i as u32).wrapping_mul(0x9e37_79b1) >> 8;
         let cells: Vec<f32> = (0..MAP_SIDE * MAP_SIDE).map(|i| hash(i) as f32).collect();
         let mut bounds = ShadowBounds::new();

@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn lights_without_sense_cast_no_shadow() {
+    fn invalid_lights_cast_no_shadow() {
         let mut lights = Lights::ROOM;
         lights.main.placement = LightPlacement::Directional(Vector3::zeros());
         assert!(LightView::new(&lights).is_none());
@@ -234,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn bounds_give_the_light_that_the_cells_give() {
+    fn shadow_bounds_agree_with_filtering_all_cells() {
         let mut map = ShadowMap::new();
         map.view = Some((
             RigidTransformF32::new(&RigidTransform::identity()).unwrap(),

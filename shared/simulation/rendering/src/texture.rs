@@ -216,7 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn factors_stay_between_zero_and_one_whatever_the_size() {
+    fn factors_stay_between_zero_and_one_for_any_size() {
         for size in [0.1, 0.0, -1.0, f32::NAN, f32::INFINITY] {
             for texture in [
                 Texture::None,

@@ -16,7 +16,7 @@ thread_local! {
 
 struct AllocationCounter;
 
-#[expect(unsafe_code, reason = "an allocator can not be written without")]
+#[expect(unsafe_code, reason = "a global allocator needs an unsafe impl")]
 // SAFETY: all calls are passed on to the system's allocator unchanged.
 unsafe impl GlobalAlloc for AllocationCounter {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
@@ -41,7 +41,7 @@ unsafe impl GlobalAlloc for AllocationCounter {
 static ALLOCATOR: AllocationCounter = AllocationCounter;
 
 #[test]
-fn a_frame_in_steady_state_allocates_nothing() {
+fn rendering_and_sensing_in_steady_state_allocate_nothing() {
     let camera = PinholeCamera::KINECT_V1;
     let scene = TableScene::new(10);
     let (background, objects) = (scene.background(), scene.objects());

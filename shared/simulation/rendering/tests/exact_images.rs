@@ -1,6 +1,6 @@
 //! Tests of rendered images against exact geometry.
 
-#![expect(clippy::unwrap_used, reason = "a set-up that fails fails its test")]
+#![expect(clippy::unwrap_used, reason = "a failing set-up must fail the test")]
 
 mod synthetic;
 
@@ -26,7 +26,7 @@ fn rays() -> impl Iterator<Item = (usize, Vector3<f64>)> {
 }
 
 #[test]
-fn depth_of_a_plane_is_where_the_ray_meets_it() {
+fn depth_of_a_plane_matches_ray_intersection() {
     let mesh = PreparedMesh::new(&rectangle(30.0, 30.0, 1, [200; 3]));
     for (z, tilt, turn) in [
         (0.6, 0.0, 0.0),
@@ -53,7 +53,7 @@ fn depth_of_a_plane_is_where_the_ray_meets_it() {
 }
 
 #[test]
-fn depth_of_a_ball_is_where_the_ray_meets_it() {
+fn depth_of_a_sphere_matches_ray_intersection() {
     let (radius, center) = (0.25, Vector3::new(0.1, -0.05, 1.1));
     let n = 160;
     let mesh = PreparedMesh::new(&ball(radius as f32, n, [200; 3]));
@@ -85,7 +85,7 @@ fn depth_of_a_ball_is_where_the_ray_meets_it() {
 }
 
 #[test]
-fn what_is_nearer_is_seen_in_either_order() {
+fn depth_test_is_independent_of_drawing_order() {
     let near = PreparedMesh::new(&cuboid([0.2, 0.2, 0.2], 3, [255, 0, 0]));
     let far = PreparedMesh::new(&cuboid([0.6, 0.6, 0.2], 3, [0, 255, 0]));
     let instances = [
@@ -109,7 +109,7 @@ fn what_is_nearer_is_seen_in_either_order() {
 }
 
 #[test]
-fn faces_are_seen_from_outside_only() {
+fn back_faces_are_culled() {
     let mesh = PreparedMesh::new(&rectangle(1.0, 1.0, 1, [200; 3]));
     let towards = turned(0.0, 0.0, 1.0, [PI, 0.0, 0.0]);
     let away = at(0.0, 0.0, 1.0);
@@ -133,7 +133,7 @@ fn faces_are_seen_from_outside_only() {
 }
 
 #[test]
-fn a_floor_that_runs_under_the_camera_is_cut_at_the_near_plane() {
+fn near_plane_clips_a_floor_under_the_camera() {
     let mesh = PreparedMesh::new(&rectangle(40.0, 40.0, 1, [200; 3]));
     // The camera's y points down; the floor is 0.5 m below and faces up.
     let pose = turned(0.0, 0.5, 0.0, [PI / 2.0, 0.0, 0.0]);
@@ -149,7 +149,7 @@ fn a_floor_that_runs_under_the_camera_is_cut_at_the_near_plane() {
 }
 
 #[test]
-fn drawing_over_a_background_equals_drawing_everything() {
+fn background_rendering_equals_rendering_everything() {
     let scene = TableScene::new(12);
     let (background, objects) = (scene.background(), scene.objects());
     let stage = |background| StaticScene {
@@ -179,7 +179,7 @@ fn drawing_over_a_background_equals_drawing_everything() {
 }
 
 #[test]
-fn nothing_of_an_earlier_view_is_left() {
+fn background_leaves_no_trace_of_an_earlier_view() {
     let scene = TableScene::new(6);
     let (background, objects) = (scene.background(), scene.objects());
     let all = [background.clone(), objects.clone()].concat();
@@ -212,7 +212,7 @@ fn nothing_of_an_earlier_view_is_left() {
 }
 
 #[test]
-fn shadows_darken_the_table_and_nothing_else_changes() {
+fn shadows_darken_the_table_and_change_nothing_else() {
     let scene = TableScene::new(8);
     let (background, objects) = (scene.background(), scene.objects());
     let mut images = vec![];
@@ -240,7 +240,7 @@ fn shadows_darken_the_table_and_nothing_else_changes() {
 }
 
 #[test]
-fn an_unoccluded_count_is_what_is_visible_alone() {
+fn unoccluded_count_equals_pixels_without_occluders() {
     let scene = TableScene::new(12);
     let objects = scene.objects();
     let mut rasterizer = Rasterizer::new(CAMERA).unwrap();
@@ -280,7 +280,7 @@ fn an_unoccluded_count_is_what_is_visible_alone() {
 }
 
 #[test]
-fn hostile_meshes_and_poses_are_survived() {
+fn invalid_meshes_and_poses_do_not_panic() {
     let mut mesh = cylinder(0.1, 0.2, 16, [90; 3]);
     mesh.vertices[3].position = Point3::new(f32::NAN, 0.0, f32::INFINITY);
     mesh.vertices[8].normal = Vector3::new(f32::NAN, 0.0, 0.0);

@@ -1,6 +1,6 @@
 //! Tests of the simulated Kinect against published measurements of the real one.
 
-#![expect(clippy::unwrap_used, reason = "a set-up that fails fails its test")]
+#![expect(clippy::unwrap_used, reason = "a failing set-up must fail the test")]
 
 mod synthetic;
 
@@ -86,7 +86,7 @@ fn sigma_m(image: &Image, model: SensorModel) -> f64 {
 }
 
 #[test]
-fn noise_follows_the_published_law() {
+fn axial_noise_follows_the_published_law() {
     let model = SensorModel {
         weak_signal: None,
         ..SensorModel::KINECT_V1
@@ -103,7 +103,7 @@ fn noise_follows_the_published_law() {
 }
 
 #[test]
-fn neighbours_share_noise_and_frames_do_not() {
+fn axial_noise_is_shared_by_neighbours_but_not_by_frames() {
     let image = plane(1.0, 0.0);
     let model = SensorModel {
         quantisation: None,
@@ -127,7 +127,7 @@ fn neighbours_share_noise_and_frames_do_not() {
 }
 
 #[test]
-fn without_noise_depth_takes_allowed_steps_only() {
+fn quantisation_without_noise_gives_allowed_steps_only() {
     let image = plane(1.5, 0.9);
     let model = SensorModel {
         quantisation: Some(DisparityQuantisation::KINECT_V1),
@@ -145,7 +145,7 @@ fn without_noise_depth_takes_allowed_steps_only() {
 }
 
 #[test]
-fn a_perfect_sensor_measures_exactly() {
+fn perfect_sensor_measures_exactly() {
     let image = table();
     for (pixel, point) in sense(&image, SensorModel::PERFECT, 0).iter().enumerate() {
         let exact = image.depth_m()[pixel];
@@ -239,7 +239,7 @@ const TERMS: [(&str, ModelChange, ModelChange); 9] = [
 ];
 
 #[test]
-fn each_term_has_an_effect_on_depth_and_none_when_off() {
+fn error_terms_change_depth_only_when_switched_on() {
     let image = table();
     let perfect = bytes(&sense(&image, SensorModel::PERFECT, 0));
     for (name, on, off) in TERMS {
@@ -268,7 +268,7 @@ fn each_term_has_an_effect_on_depth_and_none_when_off() {
 }
 
 #[test]
-fn a_shot_repeats_and_another_frame_or_seed_differs() {
+fn noise_repeats_for_a_shot_and_differs_for_another_frame_or_seed() {
     let image = table();
     let model = SensorModel::KINECT_V1;
     let first = bytes(&sense(&image, model, 4));
@@ -313,7 +313,7 @@ fn noise_of_a_pixel_does_not_depend_on_the_rest_of_the_image() {
 }
 
 #[test]
-fn the_projector_shadow_is_left_of_a_box_and_as_wide_as_computed() {
+fn projector_shadow_is_left_of_a_box_and_has_the_computed_width() {
     let wall = PreparedMesh::new(&rectangle(40.0, 40.0, 1, [200; 3]));
     let mesh = PreparedMesh::new(&cuboid([0.3, 0.3, 0.02], 2, [90, 10, 10]));
     let (z_wall, z_box) = (1.6, 0.91);
@@ -349,7 +349,7 @@ fn the_projector_shadow_is_left_of_a_box_and_as_wide_as_computed() {
 }
 
 #[test]
-fn objects_grow_by_one_to_three_pixels() {
+fn edge_fattening_grows_objects_by_one_to_three_pixels() {
     let mesh = PreparedMesh::new(&cuboid([0.3, 0.3, 0.02], 2, [90, 10, 10]));
     let image = Rasterizer::new(CAMERA)
         .unwrap()
@@ -367,7 +367,7 @@ fn objects_grow_by_one_to_three_pixels() {
 }
 
 #[test]
-fn borders_scatter_as_published() {
+fn lateral_noise_of_borders_follows_the_published_law() {
     let mesh = PreparedMesh::new(&cuboid([0.3, 0.5, 0.02], 2, [90, 10, 10]));
     let image = Rasterizer::new(CAMERA)
         .unwrap()
@@ -398,7 +398,7 @@ fn borders_scatter_as_published() {
 }
 
 #[test]
-fn more_depth_is_missing_the_more_a_surface_is_inclined() {
+fn missing_depth_increases_with_inclination() {
     let shares = [0.0, 60.0, 76.0, 80.0, 84.0].map(|angle_deg: f64| {
         let image = plane(1.0, angle_deg.to_radians());
         let points = sense(&image, SensorModel::KINECT_V1, 0);
@@ -414,7 +414,7 @@ fn more_depth_is_missing_the_more_a_surface_is_inclined() {
 }
 
 #[test]
-fn polished_and_black_balls_have_holes() {
+fn missing_depth_appears_on_polished_and_black_spheres() {
     let share = |specular: f32, infrared: f32| {
         let mesh = PreparedMesh::new(&with_surface(ball(0.1, 40, [128; 3]), specular, infrared));
         let image = Rasterizer::new(CAMERA)
@@ -440,7 +440,7 @@ fn polished_and_black_balls_have_holes() {
 }
 
 #[test]
-fn foreign_images_and_buffers_are_refused() {
+fn sensor_rejects_foreign_images_and_buffers() {
     let other = PinholeCamera {
         fx_px: 500.0,
         ..CAMERA
@@ -463,7 +463,7 @@ fn foreign_images_and_buffers_are_refused() {
 }
 
 #[test]
-fn images_of_any_size_are_measured() {
+fn sensor_measures_images_of_any_size() {
     let mesh = PreparedMesh::new(&cuboid([0.1; 3], 2, [90, 10, 10]));
     for (width, height) in [(1, 1), (1, 9), (9, 1), (5, 3), (70, 2)] {
         let camera = PinholeCamera {
@@ -490,7 +490,7 @@ fn images_of_any_size_are_measured() {
 }
 
 #[test]
-fn a_border_does_not_grow_into_the_next_row() {
+fn edge_fattening_stays_within_its_row() {
     // The box ends two columns before the image does.
     let mesh = PreparedMesh::new(&cuboid([0.2, 0.2, 0.02], 2, [90, 10, 10]));
     let x = (637.5 - CAMERA.cx_px) / CAMERA.fx_px - 0.1;

@@ -1,7 +1,7 @@
 //! Draws a generated scene: `scene_pictures KIND SEED FOLDER [SECONDS]` writes colour, depth,
 //! normals and mask of the simulated Kinect's view.
 
-#![allow(clippy::print_stdout, reason = "an example talks")]
+#![allow(clippy::print_stdout, reason = "an example prints its results")]
 use geometry::PinholeCamera;
 use point_cloud::Point;
 use simulated_world::{ModelLibrary, Scene, SceneKind, SimulatedKinect, World};

@@ -60,15 +60,15 @@ impl Action {
         }
     }
 
-    /// Description for messages: `to move object 3`.
+    /// Description for messages: `move object 3`.
     pub(crate) fn words(&self) -> String {
         match self {
-            Self::Put { model, .. } => format!("to put a {}", model.category()),
-            Self::Move { object, .. } => format!("to move object {object}"),
-            Self::Slide { object, .. } => format!("to slide object {object}"),
-            Self::Lift { object, .. } => format!("to lift object {object}"),
-            Self::Hide { object, .. } => format!("to hide object {object}"),
-            Self::Remove { object } => format!("to remove object {object}"),
+            Self::Put { model, .. } => format!("put a {}", model.category()),
+            Self::Move { object, .. } => format!("move object {object}"),
+            Self::Slide { object, .. } => format!("slide object {object}"),
+            Self::Lift { object, .. } => format!("lift object {object}"),
+            Self::Hide { object, .. } => format!("hide object {object}"),
+            Self::Remove { object } => format!("remove object {object}"),
         }
     }
 }

@@ -57,7 +57,7 @@ mod tests {
     use nalgebra::Point3;
 
     #[test]
-    fn the_camera_looks_at_its_point_from_its_distance_with_the_horizon_level() {
+    fn camera_looks_at_its_target_with_a_level_horizon() {
         for azimuth_deg in [0.0, 35.0, 200.0] {
             let mount = CameraMount {
                 azimuth_deg,
@@ -72,7 +72,7 @@ mod tests {
     }
 
     #[test]
-    fn an_orbit_turns_the_camera() {
+    fn orbit_rotates_the_camera() {
         let mount = CameraMount {
             orbit_deg_s: 10.0,
             ..CameraMount::default()

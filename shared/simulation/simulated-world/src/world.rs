@@ -154,7 +154,7 @@ impl World {
             Some(HandEvent::LetsGo) => self.let_go(),
             Some(HandEvent::TakesAway) => self.take_away(),
             Some(HandEvent::CanNot(action)) => self.notes.push(format!(
-                "the person left out {}: the object is not there, is held, or lies on the floor",
+                "the person could not {}: the object is not there, is held, or lies on the floor",
                 action.words()
             )),
         }

@@ -3,7 +3,7 @@
 #![expect(
     clippy::unwrap_used,
     clippy::panic,
-    reason = "a set-up that fails fails its test"
+    reason = "a failing set-up must fail the test"
 )]
 
 use geometry::RigidTransform;
@@ -133,7 +133,7 @@ fn depth_m(world: &World) -> f64 {
 }
 
 #[test]
-fn a_scene_without_an_arm_says_so() {
+fn arm_command_without_an_arm_is_rejected() {
     let mut world = World::new(Scene::default(), ModelLibrary::generated()).unwrap();
     let refused = world.command_arm(&ArmCommand::Home).unwrap_err();
     assert!(refused.contains("no arm"), "{refused}");
@@ -142,7 +142,7 @@ fn a_scene_without_an_arm_says_so() {
 }
 
 #[test]
-fn the_arm_goes_to_joint_angles_and_home_again() {
+fn arm_moves_to_joint_angles_and_back_home() {
     let mut world = world(Vec::new());
     let home = angles(&world);
     let mut goal = home;
@@ -159,7 +159,7 @@ fn the_arm_goes_to_joint_angles_and_home_again() {
 }
 
 #[test]
-fn the_gripper_comes_to_the_pose_it_was_told() {
+fn arm_moves_the_gripper_to_the_commanded_pose() {
     let ([x, y], yaw_rad) = reachable(0.05);
     let mut world = world(Vec::new());
     let goal = downward(Point3::new(x, y, height(&world, 0.15)), yaw_rad);
@@ -171,7 +171,7 @@ fn the_gripper_comes_to_the_pose_it_was_told() {
 }
 
 #[test]
-fn stop_freezes_the_joints_from_the_next_step_on() {
+fn arm_stop_freezes_the_joints_from_the_next_step_on() {
     let mut world = world(Vec::new());
     let mut goal = angles(&world);
     goal[0] += 1.5;
@@ -196,14 +196,14 @@ fn stop_freezes_the_joints_from_the_next_step_on() {
 }
 
 #[test]
-fn a_pose_out_of_reach_is_refused_with_the_distance() {
+fn arm_rejects_an_unreachable_pose_with_its_distance() {
     let mut world = world(Vec::new());
     let before = angles(&world);
     let far = downward(Point3::new(1.5, 1.0, 0.9), 0.0);
-    let told = carry_out(&mut world, &move_to(far)).unwrap_err();
+    let message = carry_out(&mut world, &move_to(far)).unwrap_err();
     assert!(
-        told.contains(" m") && told.contains(|c: char| c.is_ascii_digit()),
-        "{told}"
+        message.contains(" m") && message.contains(|c: char| c.is_ascii_digit()),
+        "{message}"
     );
     assert_eq!(angles(&world), before);
     let mut bad = far;
@@ -215,7 +215,7 @@ fn a_pose_out_of_reach_is_refused_with_the_distance() {
 }
 
 #[test]
-fn the_arm_stops_before_the_table() {
+fn arm_stops_before_the_table() {
     let ([x, y], yaw_rad) = reachable(0.05);
     let mut world = world(Vec::new());
     let at = |world: &World, tips_m| downward(Point3::new(x, y, height(world, tips_m)), yaw_rad);
@@ -223,8 +223,8 @@ fn the_arm_stops_before_the_table() {
     carry_out(&mut world, &move_to(above)).unwrap();
     let below = at(&world, -0.06);
     for command in [straight_to(below), move_to(below)] {
-        let told = carry_out(&mut world, &command).unwrap_err();
-        assert!(told.contains("table"), "{told}");
+        let message = carry_out(&mut world, &command).unwrap_err();
+        assert!(message.contains("table"), "{message}");
         let tips_m = world.arm_status().unwrap().world_from_gripper.translation.z
             - TIP_M
             - world.scene().table.height_m;
@@ -245,7 +245,7 @@ fn position(world: &World, id: u16) -> Point3<f64> {
 }
 
 #[test]
-fn a_box_is_grasped_lifted_carried_and_put_down() {
+fn grasp_lifts_carries_and_puts_down_a_box() {
     let aside_m = 0.10;
     let ([x, y], yaw_rad) = reachable(aside_m);
     let mut world = world(vec![upright("puzzle-cube", [x, y], yaw_rad)]);
@@ -301,29 +301,29 @@ fn reach_down(
 }
 
 #[test]
-fn fingers_that_close_on_nothing_say_so() {
+fn grasp_of_nothing_is_reported() {
     let (spot, yaw_rad) = reachable(0.05);
     let mut world = world(Vec::new());
     reach_down(&mut world, spot, yaw_rad, 0.02).unwrap();
-    let told = carry_out(&mut world, &ArmCommand::Close).unwrap_err();
-    assert!(told.contains("closed on nothing"), "{told}");
+    let message = carry_out(&mut world, &ArmCommand::Close).unwrap_err();
+    assert!(message.contains("closed on nothing"), "{message}");
     assert_eq!(world.arm_status().unwrap().holds, None);
 }
 
 #[test]
-fn a_grip_on_the_upper_edge_alone_does_not_hold() {
+fn grasp_on_the_upper_edge_alone_does_not_hold() {
     let (spot, yaw_rad) = reachable(0.05);
     let mut world = world(vec![upright("puzzle-cube", spot, yaw_rad)]);
     let top_m = 2.0 * world.find(1).unwrap().model.half_sides_m.z;
     reach_down(&mut world, spot, yaw_rad, top_m - 0.006).unwrap();
-    let told = carry_out(&mut world, &ArmCommand::Close).unwrap_err();
-    assert!(told.contains("% of a pad"), "{told}");
+    let message = carry_out(&mut world, &ArmCommand::Close).unwrap_err();
+    assert!(message.contains("% of a pad"), "{message}");
     assert_eq!(world.arm_status().unwrap().holds, None);
     assert_eq!(world.find(1).unwrap().state, ObjectState::Settled);
 }
 
 #[test]
-fn an_object_wider_than_the_stroke_stops_the_fingers_on_the_way_down() {
+fn collision_stop_before_an_object_wider_than_the_stroke() {
     let (spot, yaw_rad) = reachable(0.05);
     // 0.17 m and more across, along the closing direction of the fingers.
     let mut world = world(vec![upright("cereal-box", spot, yaw_rad)]);
@@ -333,13 +333,13 @@ fn an_object_wider_than_the_stroke_stops_the_fingers_on_the_way_down() {
     let (above, down) = (at(&world, top_m + 0.05), at(&world, top_m - 0.08));
     carry_out(&mut world, &ArmCommand::Open).unwrap();
     carry_out(&mut world, &move_to(above)).unwrap();
-    let told = carry_out(&mut world, &straight_to(down)).unwrap_err();
-    assert!(told.contains("presses on an object"), "{told}");
+    let message = carry_out(&mut world, &straight_to(down)).unwrap_err();
+    assert!(message.contains("presses on an object"), "{message}");
     assert_eq!(world.arm_status().unwrap().holds, None);
 }
 
 #[test]
-fn a_held_object_is_not_pressed_into_the_table() {
+fn collision_stop_keeps_a_held_object_above_the_table() {
     let (spot, yaw_rad) = reachable(0.05);
     let mut world = world(vec![upright("puzzle-cube", spot, yaw_rad)]);
     let side_m = 2.0 * world.find(1).unwrap().model.half_sides_m.z;
@@ -349,8 +349,8 @@ fn a_held_object_is_not_pressed_into_the_table() {
     let at = |world: &World, tips_m| downward(Point3::new(x, y, height(world, tips_m)), yaw_rad);
     let (above, low) = (at(&world, 0.15), at(&world, 0.2 * side_m));
     carry_out(&mut world, &straight_to(above)).unwrap();
-    let told = carry_out(&mut world, &straight_to(low)).unwrap_err();
-    assert!(told.contains("has come against"), "{told}");
+    let message = carry_out(&mut world, &straight_to(low)).unwrap_err();
+    assert!(message.contains("has come against"), "{message}");
     let table_m = world.scene().table.height_m;
     assert!(position(&world, 1).z > table_m + 0.5 * side_m - 0.005);
 }

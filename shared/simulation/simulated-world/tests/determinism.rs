@@ -1,6 +1,6 @@
 //! Determinism tests: the same scene, seed and commands give the same bytes.
 
-#![expect(clippy::unwrap_used, reason = "a set-up that fails fails its test")]
+#![expect(clippy::unwrap_used, reason = "a failing set-up must fail the test")]
 
 use geometry::{PinholeCamera, RigidTransform};
 use point_cloud::Point;
@@ -65,7 +65,7 @@ fn look(world: &World) -> (Vec<[u32; 4]>, Vec<u16>) {
 }
 
 #[test]
-fn two_worlds_of_one_scene_go_the_same_way_to_the_bit() {
+fn worlds_of_one_scene_evolve_identically_to_the_bit() {
     let worlds = [(); 2].map(|()| {
         let mut world = busy_world();
         command(&mut world);
@@ -82,7 +82,7 @@ fn two_worlds_of_one_scene_go_the_same_way_to_the_bit() {
 }
 
 #[test]
-fn a_clone_of_a_running_world_goes_on_as_the_original() {
+fn world_clone_evolves_as_the_original() {
     let mut world = busy_world();
     command(&mut world);
     run(&mut world, 90);
@@ -107,7 +107,7 @@ fn a_clone_of_a_running_world_goes_on_as_the_original() {
 }
 
 #[test]
-fn another_seed_gives_other_noise() {
+fn sensor_noise_depends_on_the_seed() {
     let scene = |seed| Scene {
         seed,
         ..Scene::default()

@@ -1,6 +1,6 @@
 //! Tests of model files: accepted, repaired with a note, or rejected with a message.
 
-#![expect(clippy::unwrap_used, reason = "a set-up that fails fails its test")]
+#![expect(clippy::unwrap_used, reason = "a failing set-up must fail the test")]
 
 use dataset::mesh::MeshView;
 use dataset::ply::{self, Encoding};
@@ -94,9 +94,9 @@ fn load(path: &Path) -> Result<(Arc<ObjectModel>, String), String> {
 }
 
 fn assert_refused(path: &Path, expected: &str) {
-    let told = load(path).unwrap_err();
+    let message = load(path).unwrap_err();
     let name = path.file_name().unwrap().to_string_lossy();
-    assert!(told.contains(&*name) && told.contains(expected), "{told}");
+    assert!(message.contains(&*name) && message.contains(expected), "{message}");
 }
 
 /// World with this model put down in the middle of the table.
@@ -115,7 +115,7 @@ fn world_with(path: &Path) -> World {
 }
 
 #[test]
-fn a_cube_in_metres_is_taken_as_it_is_and_settles() {
+fn model_in_metres_is_unchanged_and_settles() {
     let folder = tempfile::tempdir().unwrap();
     let path = file(&folder, "007_Red Cube.ply", ply_bytes(&cuboid([0.06; 3])));
     let (model, notes) = load(&path).unwrap();
@@ -131,7 +131,7 @@ fn a_cube_in_metres_is_taken_as_it_is_and_settles() {
 }
 
 #[test]
-fn a_cube_in_millimetres_away_from_its_origin_is_scaled_centred_and_told() {
+fn model_in_millimetres_is_scaled_and_centred_with_a_note() {
     let folder = tempfile::tempdir().unwrap();
     let (mut vertices, triangles) = cuboid([60.0, 40.0, 80.0]);
     for vertex in &mut vertices {
@@ -145,7 +145,7 @@ fn a_cube_in_millimetres_away_from_its_origin_is_scaled_centred_and_told() {
 }
 
 #[test]
-fn an_open_mesh_is_taken_and_told() {
+fn model_with_an_open_mesh_is_accepted_with_a_note() {
     let folder = tempfile::tempdir().unwrap();
     let (vertices, mut triangles) = cuboid([0.08; 3]);
     triangles.truncate(10);
@@ -156,7 +156,7 @@ fn an_open_mesh_is_taken_and_told() {
 }
 
 #[test]
-fn an_obj_file_is_read_too() {
+fn model_from_an_obj_file_is_read() {
     let folder = tempfile::tempdir().unwrap();
     let (vertices, triangles) = cuboid([0.05, 0.07, 0.1]);
     let mut text = String::new();
@@ -173,7 +173,7 @@ fn an_obj_file_is_read_too() {
 }
 
 #[test]
-fn a_million_triangles_are_reduced_and_told() {
+fn model_with_a_million_triangles_is_decimated_with_a_note() {
     let folder = tempfile::tempdir().unwrap();
     let fine = ball(0.05, 600, 1001);
     assert!(fine.1.len() > 1_190_000);
@@ -189,7 +189,7 @@ fn a_million_triangles_are_reduced_and_told() {
 }
 
 #[test]
-fn what_is_no_object_is_refused_with_a_sentence() {
+fn model_file_without_an_object_is_rejected_with_a_message() {
     let folder = tempfile::tempdir().unwrap();
     let refused = |name: &str, bytes: Vec<u8>, expected: &str| {
         assert_refused(&file(&folder, name, bytes), expected);
@@ -215,14 +215,14 @@ fn what_is_no_object_is_refused_with_a_sentence() {
 }
 
 #[test]
-fn a_flat_mesh_is_refused() {
+fn model_with_a_flat_mesh_is_rejected() {
     let folder = tempfile::tempdir().unwrap();
     let sheet = ply_bytes(&cuboid([0.08, 0.08, 0.0]));
     assert_refused(&file(&folder, "flat.ply", sheet), "flat");
 }
 
 #[test]
-fn vertices_that_are_not_numbers_are_refused_or_left_out() {
+fn model_vertices_that_are_not_finite_are_rejected_or_skipped() {
     let folder = tempfile::tempdir().unwrap();
     let (vertices, triangles) = cuboid([0.08; 3]);
     for bad in ["nan", "inf", "-inf", "1e39"] {
@@ -249,17 +249,17 @@ fn vertices_that_are_not_numbers_are_refused_or_left_out() {
                 assert!(vertices.iter().all(is_finite), "{bad}");
                 assert!(notes.contains("holes"), "{bad}: {notes}");
             }
-            Err(told) => assert!(told.contains("bad.ply"), "{told}"),
+            Err(message) => assert!(message.contains("bad.ply"), "{message}"),
         }
     }
 }
 
 #[test]
-fn folders_are_listed_in_order_and_an_empty_one_is_told() {
+fn model_folder_is_listed_in_order_and_an_empty_one_is_rejected() {
     let folder = tempfile::tempdir().unwrap();
     let source = ModelSource::Folder(folder.path().to_owned());
-    let told = ModelLibrary::open(&source).unwrap_err().to_string();
-    assert!(told.contains("no models"), "{told}");
+    let message = ModelLibrary::open(&source).unwrap_err().to_string();
+    assert!(message.contains("no models"), "{message}");
     for name in ["10_b.ply", "2_a.ply", "notes.txt"] {
         file(&folder, name, ply_bytes(&cuboid([0.05; 3])));
     }
@@ -272,8 +272,8 @@ fn folders_are_listed_in_order_and_an_empty_one_is_told() {
     assert_eq!(categories, ["a", "b"]);
     assert_eq!(library.choose(5, 3).len(), 5);
     let missing = ModelSource::Folder(folder.path().join("missing"));
-    let told = ModelLibrary::open(&missing).unwrap_err().to_string();
-    assert!(told.contains("missing"), "{told}");
+    let message = ModelLibrary::open(&missing).unwrap_err().to_string();
+    assert!(message.contains("missing"), "{message}");
 }
 
 /// Folder of scanned models.
@@ -287,7 +287,7 @@ fn household_models() -> PathBuf {
 
 #[test]
 #[ignore = "needs TABULA_DATA"]
-fn scanned_models_load_in_metres_and_settle() {
+fn model_scans_load_in_metres_and_settle() {
     let source = ModelSource::Folder(household_models());
     let mut library = ModelLibrary::open(&source).unwrap();
     let choices = library.all(1, 0);

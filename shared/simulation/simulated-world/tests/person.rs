@@ -3,7 +3,7 @@
 #![expect(
     clippy::unwrap_used,
     clippy::panic,
-    reason = "a set-up that fails fails its test"
+    reason = "a failing set-up must fail the test"
 )]
 
 use geometry::PinholeCamera;
@@ -88,7 +88,7 @@ fn assert_settled_at(world: &World, id: u16, goal: [f64; 2]) {
 }
 
 #[test]
-fn a_moved_object_stands_at_its_goal_and_the_others_where_they_were() {
+fn move_action_places_the_object_at_its_target_and_leaves_the_others() {
     let mut world = world(Action::Move {
         object: 1,
         to_m: [0.05, -0.2],
@@ -106,7 +106,7 @@ fn a_moved_object_stands_at_its_goal_and_the_others_where_they_were() {
 }
 
 #[test]
-fn a_slid_object_stays_down_and_pushes_what_it_meets() {
+fn slide_action_stays_on_the_table_and_pushes_other_objects() {
     // The mug is nearer to its target than a can and a mug are wide.
     let mut world = world(Action::Slide {
         object: 1,
@@ -127,7 +127,7 @@ fn a_slid_object_stays_down_and_pushes_what_it_meets() {
 }
 
 #[test]
-fn a_brisk_person_needs_less_time() {
+fn person_pace_shortens_actions() {
     let n_steps = |pace: f64| {
         let script = vec![TimedAction {
             at_s: 0.0,
@@ -156,7 +156,7 @@ fn a_brisk_person_needs_less_time() {
 }
 
 #[test]
-fn a_lifted_object_rises_and_comes_back() {
+fn lift_action_raises_the_object_and_puts_it_back() {
     let mut world = world(Action::Lift {
         object: 3,
         for_s: 0.5,
@@ -171,7 +171,7 @@ fn a_lifted_object_rises_and_comes_back() {
 }
 
 #[test]
-fn a_removed_object_is_gone_and_its_number_is_not_used_again() {
+fn remove_action_takes_the_object_and_its_number_is_not_reused() {
     let mut world = world(Action::Remove { object: 2 });
     run(&mut world, |_| {});
     assert!(world.find(2).is_none());
@@ -180,7 +180,7 @@ fn a_removed_object_is_gone_and_its_number_is_not_used_again() {
 }
 
 #[test]
-fn a_brought_object_is_put_down_and_settles() {
+fn put_action_brings_an_object_that_settles() {
     let mut world = world(Action::Put {
         model: model("tin-can"),
         to_m: [0.1, 0.2],
@@ -192,7 +192,7 @@ fn a_brought_object_is_put_down_and_settles() {
 }
 
 #[test]
-fn what_can_not_be_done_leaves_all_as_it_is() {
+fn impossible_action_changes_nothing() {
     let mut world = world(Action::Remove { object: 77 });
     for _ in 0..400 {
         world.step();
@@ -202,12 +202,12 @@ fn what_can_not_be_done_leaves_all_as_it_is() {
 }
 
 /// Simulated camera with its point buffer.
-struct Eye {
+struct CameraProbe {
     kinect: SimulatedKinect,
     points: Vec<Point>,
 }
 
-impl Eye {
+impl CameraProbe {
     fn new(world: &World) -> Self {
         let camera = PinholeCamera::KINECT_V1;
         Self {
@@ -226,12 +226,12 @@ impl Eye {
 }
 
 #[test]
-fn a_hand_before_an_object_hides_it_and_not_the_others() {
+fn hide_action_occludes_only_its_object() {
     let mut world = world(Action::Hide {
         object: 1,
         for_s: 1.0,
     });
-    let mut eye = Eye::new(&world);
+    let mut eye = CameraProbe::new(&world);
     let before = eye.fractions(&world);
     assert!(before.iter().all(|fraction| *fraction > 0.95), "{before:?}");
     let mut least = before.clone();
@@ -256,7 +256,7 @@ fn farthest_outside_m() -> [f64; 2] {
         object: 1,
         to_m: [-0.1, -0.15],
     });
-    let mut eye = Eye::new(&world);
+    let mut eye = CameraProbe::new(&world);
     let (mut n_steps, mut n_seen, mut farthest_m) = (0, [0; 2], [0.0_f64; 2]);
     run(&mut world, |world| {
         n_steps += 1;
@@ -285,13 +285,13 @@ fn farthest_outside_m() -> [f64; 2] {
 }
 
 #[test]
-fn the_capsules_cover_what_is_seen_of_head_and_arm() {
+fn person_capsules_cover_the_rendered_head_and_arm() {
     let [_, farthest_m] = farthest_outside_m();
     assert!(farthest_m < 0.02, "{farthest_m} m outside of the capsules");
 }
 
 #[test]
-fn the_capsules_cover_what_is_seen_of_trunk_legs_and_hand() {
+fn person_capsules_cover_the_rendered_trunk_legs_and_hand() {
     let [farthest_m, _] = farthest_outside_m();
     assert!(farthest_m < 0.02, "{farthest_m} m outside of the capsules");
 }

@@ -1,6 +1,6 @@
 //! Tests of resting stability: every household object rests where it was put down.
 
-#![expect(clippy::unwrap_used, reason = "a set-up that fails fails its test")]
+#![expect(clippy::unwrap_used, reason = "a failing set-up must fail the test")]
 
 use simulated_world::{
     ModelChoice, ModelLibrary, ObjectPlan, ObjectState, Placing, Scene, World, category_names,

@@ -3,7 +3,7 @@
 #![expect(
     clippy::unwrap_used,
     clippy::panic,
-    reason = "a set-up that fails fails its test"
+    reason = "a failing set-up must fail the test"
 )]
 
 use simulated_world::{ModelChoice, ModelLibrary, ObjectPlan, ObjectState, Placing, Scene, World};
@@ -93,7 +93,7 @@ off = ["color"]
 "#;
 
 #[test]
-fn everything_that_can_be_said_is_taken_over() {
+fn scene_file_with_all_keys_is_parsed() {
     let (scene, library) = parsed(EVERYTHING).unwrap();
     assert_eq!(scene.seed, 12);
     assert_eq!(scene.objects.len(), 5);
@@ -122,7 +122,7 @@ fn everything_that_can_be_said_is_taken_over() {
 }
 
 /// Scenario with two equal objects, of which the script names the first.
-const STORY: &str = r#"
+const SCENARIO: &str = r#"
 duration_s = 9.5
 
 [vary]
@@ -158,8 +158,8 @@ to_m = [0.1, 0.0]
 "#;
 
 /// Instances and positions of the scenario's objects.
-fn told(seed: u64) -> Vec<(u64, [f64; 2])> {
-    let (scene, _) = Scene::from_toml(STORY, Path::new(""), Some(seed)).unwrap();
+fn varied_objects(seed: u64) -> Vec<(u64, [f64; 2])> {
+    let (scene, _) = Scene::from_toml(SCENARIO, Path::new(""), Some(seed)).unwrap();
     assert_eq!(scene.duration_s, Some(9.5));
     assert_eq!(scene.person.unwrap().pace, 2.0);
     let objects = scene.objects.iter().map(|plan| match plan {
@@ -173,14 +173,14 @@ fn told(seed: u64) -> Vec<(u64, [f64; 2])> {
 }
 
 #[test]
-fn a_story_is_told_with_other_objects_in_other_places() {
+fn scene_variation_changes_instances_and_positions_by_seed() {
     let places = [[0.0, -0.2], [-0.3, 0.0], [0.3, 0.0], [0.0, 0.2]];
     let mut is_shuffled = false;
     for seed in 1..=20 {
-        let objects = told(seed);
-        assert_eq!(objects, told(seed));
+        let objects = varied_objects(seed);
+        assert_eq!(objects, varied_objects(seed));
         assert_eq!(objects[0].0, objects[1].0, "alike objects stay alike");
-        assert_ne!(objects, told(seed + 20));
+        assert_ne!(objects, varied_objects(seed + 20));
         let place_of = |at: &[f64; 2]| {
             let is_near = |place: &&[f64; 2]| (0..2).all(|i| (at[i] - place[i]).abs() <= 0.02);
             places.iter().position(|place| is_near(&place)).unwrap()
@@ -195,7 +195,7 @@ fn a_story_is_told_with_other_objects_in_other_places() {
 }
 
 #[test]
-fn an_empty_file_is_an_empty_table() {
+fn empty_scene_file_is_an_empty_table() {
     let (scene, library) = parsed("").unwrap();
     assert!(scene.objects.is_empty() && scene.arm.is_none() && scene.person.is_none());
     let world = World::new(scene, library).unwrap();
@@ -203,14 +203,14 @@ fn an_empty_file_is_an_empty_table() {
 }
 
 #[test]
-fn the_same_file_gives_the_same_scene() {
+fn scene_file_parsing_is_deterministic() {
     let objects = || parsed(EVERYTHING).unwrap().0.objects;
     assert_eq!(objects(), objects());
 }
 
 #[test]
 #[expect(clippy::too_many_lines, reason = "a table of faults")]
-fn what_is_wrong_is_said_with_its_place() {
+fn scene_file_errors_name_the_key_and_the_rule() {
     let object = |keys: &str| format!("[[object]]\nposition_m = [0, 0]\n{keys}");
     let mug = |keys: &str| object(&format!("category = \"mug\"\n{keys}"));
     let action = |keys: &str| format!("[[person.action]]\nat_s = 1\n{keys}");
@@ -297,13 +297,13 @@ fn what_is_wrong_is_said_with_its_place() {
         ("this is no TOML".to_owned(), "not a scene"),
     ];
     for (text, expected) in cases {
-        let told = sentence(&text);
-        assert!(told.contains(expected), "{text}\n→ {told}");
+        let message = sentence(&text);
+        assert!(message.contains(expected), "{text}\n→ {message}");
     }
 }
 
 #[test]
-fn models_that_are_not_there_are_named() {
+fn scene_file_errors_name_missing_models() {
     for (text, expected) in [
         (
             "[[object]]\ncategory = \"unicorn\"\nposition_m = [0, 0]",
@@ -314,26 +314,26 @@ fn models_that_are_not_there_are_named() {
             "missing.ply",
         ),
     ] {
-        let told = sentence(text);
-        assert!(told.contains(expected), "{told}");
+        let message = sentence(text);
+        assert!(message.contains(expected), "{message}");
     }
 }
 
 #[test]
-fn more_than_sixty_objects_are_refused() {
+fn scene_file_with_more_than_sixty_objects_is_rejected() {
     let one = "[[object]]\ncategory = \"dice\"\nposition_m = [0, 0]\n";
     assert_eq!(parsed(&one.repeat(60)).unwrap().0.objects.len(), 60);
-    let told = sentence(&one.repeat(61));
+    let message = sentence(&one.repeat(61));
     assert!(
-        told.contains("[[object]]") && told.contains("at most 60"),
-        "{told}"
+        message.contains("[[object]]") && message.contains("at most 60"),
+        "{message}"
     );
-    let told = sentence(&format!("kind = \"pile\"\nobjects = 60\n{one}"));
-    assert!(told.contains("at most 60"), "{told}");
+    let message = sentence(&format!("kind = \"pile\"\nobjects = 60\n{one}"));
+    assert!(message.contains("at most 60"), "{message}");
 }
 
 #[test]
-fn what_is_no_text_file_of_this_size_is_refused() {
+fn scene_file_that_is_too_large_or_no_text_is_rejected() {
     let folder = tempfile::tempdir().unwrap();
     let refused = |path: &Path| Scene::open(path, None).unwrap_err().to_string();
     let large = folder.path().join("large.toml");
@@ -342,25 +342,25 @@ fn what_is_no_text_file_of_this_size_is_refused() {
     std::fs::write(&binary, [0x73, 0xff, 0xfe, 0x00]).unwrap();
     let missing = folder.path().join("missing.toml");
     for path in [large.as_path(), &binary, &missing, folder.path()] {
-        let told = refused(path);
-        assert!(told.contains(&*path.to_string_lossy()), "{told}");
+        let message = refused(path);
+        assert!(message.contains(&*path.to_string_lossy()), "{message}");
     }
     assert!(refused(&large).contains("1 MiB"));
 }
 
 #[test]
-fn paths_count_from_the_folder_of_the_file() {
+fn scene_file_paths_are_relative_to_its_folder() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("scene.toml");
     let text = "[[object]]\nmodel = \"things/cup.ply\"\nposition_m = [0, 0]";
     std::fs::write(&file, text).unwrap();
-    let told = Scene::open(&file, None).unwrap_err().to_string();
+    let message = Scene::open(&file, None).unwrap_err().to_string();
     let expected = folder.path().join("things/cup.ply");
-    assert!(told.contains(&*expected.to_string_lossy()), "{told}");
+    assert!(message.contains(&*expected.to_string_lossy()), "{message}");
 }
 
 #[test]
-fn an_object_beside_the_table_falls_and_it_is_told_once() {
+fn fallen_object_is_reported_once() {
     let text = "[[object]]\ncategory = \"mug\"\nposition_m = [1.0, 0.0]\n\
                 [[object]]\ncategory = \"egg\"\nposition_m = [0.0, 0.0]";
     let (scene, library) = parsed(text).unwrap();

@@ -3,7 +3,7 @@
 #![expect(
     clippy::unwrap_used,
     clippy::panic,
-    reason = "a set-up that fails fails its test"
+    reason = "a failing set-up must fail the test"
 )]
 
 use simulated_world::{
@@ -41,7 +41,7 @@ fn footprints(scene: &Scene) -> Vec<(f64, [f64; 2])> {
 }
 
 #[test]
-fn a_scene_has_as_many_objects_as_were_asked_for() {
+fn generated_scene_has_the_requested_number_of_objects() {
     for kind in SceneKind::ALL {
         for seed in 0..5 {
             for n in [0, 1, kind.usual_number()] {
@@ -54,7 +54,7 @@ fn a_scene_has_as_many_objects_as_were_asked_for() {
 }
 
 #[test]
-fn named_objects_are_laid_apart_in_their_order_and_too_many_are_refused() {
+fn isolated_scene_keeps_the_given_order_and_rejects_too_many_objects() {
     let named = |names: &[&str]| -> Vec<ModelChoice> {
         let choice = |name: &&str| ModelChoice::Generated {
             category: (*name).to_owned(),
@@ -82,7 +82,7 @@ fn named_objects_are_laid_apart_in_their_order_and_too_many_are_refused() {
 }
 
 #[test]
-fn a_number_beyond_the_limit_is_refused() {
+fn generated_scene_beyond_the_object_limit_is_rejected() {
     for kind in SceneKind::ALL {
         let refused = Scene::generate(kind, 61, 1, &mut ModelLibrary::generated());
         let sentence = refused.unwrap_err().to_string();
@@ -91,7 +91,7 @@ fn a_number_beyond_the_limit_is_refused() {
 }
 
 #[test]
-fn no_category_comes_twice_before_each_came_once() {
+fn generated_scene_uses_each_category_before_repeating_one() {
     let n = category_names().len().min(60);
     let scene = generated(SceneKind::Pile, n, 3);
     let mut categories: Vec<_> = scene.objects.iter().map(|o| o.model.category()).collect();
@@ -101,7 +101,7 @@ fn no_category_comes_twice_before_each_came_once() {
 }
 
 #[test]
-fn the_same_seed_gives_the_same_scene_and_another_one_another() {
+fn generated_scene_is_determined_by_its_seed() {
     for kind in SceneKind::ALL {
         let n = kind.usual_number();
         let objects = |seed| generated(kind, n, seed).objects;
@@ -113,7 +113,7 @@ fn the_same_seed_gives_the_same_scene_and_another_one_another() {
 }
 
 #[test]
-fn isolated_objects_have_a_gap_between_them_and_none_hangs_over_the_rim() {
+fn isolated_objects_keep_their_gap_and_stay_on_the_table() {
     for seed in 0..40 {
         let scene = generated(SceneKind::Isolated, 6, seed);
         let footprints = footprints(&scene);
@@ -146,7 +146,7 @@ fn isolated_objects_rest_where_they_were_planned() {
 }
 
 #[test]
-fn sixty_isolated_objects_find_no_room_on_a_small_table() {
+fn isolated_scene_of_sixty_objects_does_not_fit_a_small_table() {
     let text = "kind = \"isolated\"\nobjects = 60\n[table]\nsize_m = [0.6, 0.5]";
     match Scene::from_toml(text, Path::new(""), None) {
         Err(error @ Error::NoRoom { n_placed, .. }) => {
@@ -162,7 +162,7 @@ fn sixty_isolated_objects_find_no_room_on_a_small_table() {
 }
 
 #[test]
-fn nearly_all_objects_of_a_bin_lie_within_its_walls_and_fallen_ones_are_told() {
+fn bin_scene_keeps_nearly_all_objects_and_reports_fallen_ones() {
     let (mut n_inside, mut n_objects) = (0, 0);
     for seed in 0..3 {
         let mut world = world(generated(SceneKind::Bin, 20, seed));
@@ -190,7 +190,7 @@ fn points(object: &simulated_world::SceneObject) -> Vec<nalgebra::Point3<f64>> {
 }
 
 #[test]
-fn most_objects_of_a_pile_are_close_to_another_one() {
+fn pile_scene_objects_are_close_to_each_other() {
     let (mut n_close, mut n_objects) = (0, 0);
     for seed in 0..4 {
         let world = world(generated(SceneKind::Pile, 8, seed));
@@ -207,7 +207,7 @@ fn most_objects_of_a_pile_are_close_to_another_one() {
 }
 
 #[test]
-fn a_set_table_has_whole_covers_of_one_family() {
+fn set_table_has_complete_matching_place_settings() {
     for seed in 0..4 {
         let scene = generated(SceneKind::SetTable, 14, seed);
         let mut library = ModelLibrary::generated();
@@ -235,7 +235,7 @@ fn a_set_table_has_whole_covers_of_one_family() {
 }
 
 #[test]
-fn a_set_table_comes_to_rest_with_forks_on_the_left_of_plates() {
+fn set_table_comes_to_rest_with_forks_left_of_plates() {
     let world = world(generated(SceneKind::SetTable, 14, 2));
     let at = |category: &str, index: usize| {
         let mut found = world

@@ -1,6 +1,6 @@
 //! Tests of the ground truth against rendered images and object poses.
 
-#![expect(clippy::unwrap_used, reason = "a set-up that fails fails its test")]
+#![expect(clippy::unwrap_used, reason = "a failing set-up must fail the test")]
 
 use geometry::PinholeCamera;
 use nalgebra::Vector3;
@@ -62,7 +62,7 @@ fn generated(kind: SceneKind, seed: u64) -> World {
 }
 
 #[test]
-fn a_lone_object_is_seen_whole_and_one_behind_another_in_part() {
+fn visible_fraction_is_one_alone_and_less_behind_another_object() {
     let alone = look(&world_of(vec![upright("mug", [0.0, 0.05])]));
     assert_eq!(alone.truth[0].visible_px, alone.truth[0].unoccluded_px);
     assert!((alone.truth[0].visible_fraction() - 1.0).abs() < 1e-12);
@@ -81,7 +81,7 @@ fn a_lone_object_is_seen_whole_and_one_behind_another_in_part() {
 }
 
 #[test]
-fn an_object_outside_of_the_picture_has_no_pixels() {
+fn visible_pixels_are_zero_outside_of_the_image() {
     let mut world = world_of(vec![upright("mug", [0.0, 0.05])]);
     world.set_camera(simulated_world::CameraMount {
         look_at_m: [3.0, -3.0, 0.5],
@@ -93,7 +93,7 @@ fn an_object_outside_of_the_picture_has_no_pixels() {
 }
 
 #[test]
-fn the_mask_has_as_many_pixels_of_each_object_as_the_truth_says() {
+fn mask_pixel_counts_match_the_ground_truth() {
     for (kind, seed) in [
         (SceneKind::Isolated, 1),
         (SceneKind::Pile, 2),
@@ -113,7 +113,7 @@ fn the_mask_has_as_many_pixels_of_each_object_as_the_truth_says() {
 }
 
 #[test]
-fn points_of_an_object_lie_in_its_box_where_the_truth_says_it_is() {
+fn points_of_an_object_are_within_its_ground_truth_box() {
     for (kind, seed) in [(SceneKind::Isolated, 4), (SceneKind::Pile, 5)] {
         let world = generated(kind, seed);
         let look = look(&world);
@@ -139,7 +139,7 @@ fn points_of_an_object_lie_in_its_box_where_the_truth_says_it_is() {
 }
 
 #[test]
-fn the_document_says_what_the_truth_says() {
+fn truth_json_matches_the_ground_truth() {
     let look = look(&generated(SceneKind::Isolated, 6));
     let text = truth_json(12, 0.4, &look.truth);
     let document: serde_json::Value = serde_json::from_str(&text).unwrap();

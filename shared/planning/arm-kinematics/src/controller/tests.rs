@@ -61,7 +61,7 @@ fn step_smoothly(motion: &mut ArmController) {
 }
 
 #[test]
-fn a_pick_ends_where_each_command_says() {
+fn pick_sequence_reaches_each_commanded_state() {
     let mut motion = arm_at_home();
     let (above, at) = (downward(0.4, 0.1, 0.2), downward(0.4, 0.1, 0.08));
     motion.submit(1, Command::Open { opening_m: 0.12 }).unwrap();
@@ -206,7 +206,7 @@ fn a_straight_line_in_motion_begins_after_braking() {
 }
 
 #[test]
-fn an_unreachable_retarget_brakes_smoothly_and_says_how_far_it_is() {
+fn unreachable_retarget_brakes_smoothly_and_reports_the_distance() {
     let mut motion = arm_at_home();
     motion
         .submit(1, move_to(downward(0.4, 0.1, 0.25), PathKind::Joint))
@@ -235,7 +235,7 @@ fn an_unreachable_retarget_brakes_smoothly_and_says_how_far_it_is() {
 }
 
 #[test]
-fn commands_with_impossible_numbers_are_refused_and_change_nothing() {
+fn invalid_commands_are_rejected_and_change_nothing() {
     let mut motion = arm_at_home();
     let mut bent = downward(0.4, 0.0, 0.2);
     bent.rotation = UnitQuaternion::new_unchecked(Quaternion::new(f64::NAN, 0.0, 0.0, 0.0));
@@ -343,7 +343,7 @@ fn the_latest_64_commands_are_remembered() {
 }
 
 #[test]
-fn an_arm_can_not_start_beyond_its_limits() {
+fn arm_beyond_its_limits_is_rejected() {
     let outcome = ArmController::new(Arm::jaco_like(), JointVector::repeat(9.0));
     assert!(matches!(outcome, Err(Error::JointLimit { joint: 1, .. })));
 }

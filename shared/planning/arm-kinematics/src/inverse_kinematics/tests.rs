@@ -15,7 +15,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(1000))]
 
     #[test]
-    fn forward_inverse_forward_closes(joints in test_joint_angles(), near in test_joint_angles()) {
+    fn inverse_kinematics_inverts_forward_kinematics(joints in test_joint_angles(), near in test_joint_angles()) {
         let arm = Arm::jaco_like();
         let target = arm.tool_pose(&joints);
         let solution = solve(&target, &near).unwrap();
@@ -40,7 +40,7 @@ proptest! {
     }
 
     #[test]
-    fn descent_alone_finds_poses_nearby(
+    fn least_squares_never_increases_the_residual(
         joints in test_joint_angles(),
         away in proptest::array::uniform6(-0.15..0.15_f64),
     ) {
@@ -56,7 +56,7 @@ proptest! {
     }
 
     #[test]
-    fn beyond_reach_the_residual_is_at_least_what_is_missing(
+    fn residual_beyond_reach_is_at_least_the_missing_distance(
         direction in proptest::array::uniform3(-1.0..1.0_f64),
         turn in proptest::array::uniform3(-3.0..3.0_f64),
         missing in 0.01..3.0_f64,
@@ -94,7 +94,7 @@ proptest! {
 }
 
 #[test]
-fn descent_from_near_by_reaches_nearly_all_poses() {
+fn least_squares_reaches_nearly_all_nearby_poses() {
     let arm = Arm::jaco_like();
     let config = IkConfig::default();
     let mut n_reached = 0;
@@ -141,7 +141,7 @@ fn a_pose_behind_the_joint_limits_is_unreachable() {
 }
 
 #[test]
-fn what_is_no_pose_is_refused() {
+fn invalid_poses_are_rejected() {
     let near = JointVector::from(HOME);
     let unit = UnitQuaternion::identity();
     let nowhere = RigidTransform::from_parts(Translation3::new(f64::NAN, 0.0, 0.5), unit);
@@ -164,7 +164,7 @@ fn what_is_no_pose_is_refused() {
 }
 
 #[test]
-fn numbers_at_the_edge_of_f64_are_survived() {
+fn extreme_numbers_do_not_panic() {
     let near = JointVector::from([f64::NAN; N_JOINTS]);
     for distance in [1e-300, 1e30, 1e200, f64::MAX] {
         let target = pose([distance, -distance, distance], [0.0, 1.0, 0.0]);

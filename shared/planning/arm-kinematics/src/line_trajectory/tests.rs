@@ -67,7 +67,7 @@ proptest! {
 }
 
 #[test]
-fn a_line_out_of_reach_says_how_far_it_goes() {
+fn line_out_of_reach_reports_the_reachable_length() {
     let arm = Arm::jaco_like();
     let start = joints_at(&arm, &downward([0.45, 0.0, 0.15], 0.0));
     let outcome = LineTrajectory::plan(&arm, &start, &downward([1.45, 0.0, 0.15], 0.0), 1.0);
@@ -84,7 +84,7 @@ fn a_line_out_of_reach_says_how_far_it_goes() {
 }
 
 #[test]
-fn a_line_through_the_shoulders_axis_is_refused_or_slow_but_never_too_fast() {
+fn line_through_the_shoulder_singularity_keeps_velocity_limits() {
     let arm = Arm::jaco_like();
     let start = joints_at(&arm, &downward([0.25, 0.03, 0.45], 0.0));
     match LineTrajectory::plan(&arm, &start, &downward([-0.25, 0.03, 0.45], 0.0), 1.0) {
@@ -104,7 +104,7 @@ fn a_line_through_the_shoulders_axis_is_refused_or_slow_but_never_too_fast() {
 }
 
 #[test]
-fn a_bend_of_the_joint_path_is_passed_within_the_accelerations() {
+fn bend_of_the_joint_path_keeps_acceleration_limits() {
     let arm = Arm::jaco_like();
     // Joint 1 stands still, then turns; joint 2 turns back.
     let knots: Vec<_> = (0..40)
@@ -140,7 +140,7 @@ fn a_line_of_no_length_ends_where_it_begins() {
 }
 
 #[test]
-fn absurd_lines_are_refused() {
+fn invalid_lines_are_rejected() {
     let arm = Arm::jaco_like();
     let start = JointVector::from(HOME);
     for x in [1e3, 1e200, f64::MAX] {

@@ -208,7 +208,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_index_is_the_nearest_rounding() {
+    fn table_index_is_the_nearest_integer() {
         for light in [0.0, 0.4, 0.6, 1.4, 2047.51, 4094.6, 4095.0] {
             assert_eq!(table_index(light), light.round() as usize);
         }
@@ -245,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn noise_and_vignetting_show() {
+    fn noise_and_vignetting_have_an_effect() {
         let response = ColorResponse {
             vignetting: 0.5,
             ..ColorResponse::PERFECT

@@ -51,7 +51,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_jump_is_found_in_order() {
+    fn discontinuities_are_found_in_order() {
         let a: Vec<f32> = (0..75)
             .map(|i| if i % 9 == 4 { 0.0 } else { 40.0 })
             .collect();
@@ -62,7 +62,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_beside_nothing_is_no_jump() {
+    fn empty_neighbours_are_no_discontinuity() {
         assert!(!is_jump(0.0, 0.0) && is_jump(0.0, 40.0) && !is_jump(40.0, 40.4));
     }
 }

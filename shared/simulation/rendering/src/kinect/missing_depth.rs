@@ -133,7 +133,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_chance_rises_with_angle_distance_polish_and_blackness() {
+    fn missing_share_increases_with_angle_distance_polish_and_blackness() {
         let chance = |z: f32, cos: f32, infrared: f32, specular: f32| {
             WeakSignal::KINECT_V1.missing_share(z, cos, infrared, specular)
         };

@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn places_frames_and_purposes_differ() {
+    fn hashes_differ_by_position_frame_and_purpose() {
         let key = NoiseKey::new(1, 2);
         let here = key.hash(NoisePurpose::Axial, 3, 4);
         assert_eq!(here, NoiseKey::new(1, 2).hash(NoisePurpose::Axial, 3, 4));

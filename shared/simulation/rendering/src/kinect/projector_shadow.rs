@@ -134,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pole_leaves_the_wall_beside_it_lit() {
+    fn shadow_of_a_pole_leaves_the_adjacent_wall_lit() {
         // The shadow of a pole five columns wide is twenty columns to its left.
         let shadow = shadow(&row(&[(100, 104, 40.0)]));
         assert!((81..=84).all(|u| shadow[u]));

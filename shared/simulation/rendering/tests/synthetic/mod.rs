@@ -1,6 +1,6 @@
 //! Synthetic test meshes and a table scene made of them.
 
-#![allow(dead_code, reason = "each user needs a part of it")]
+#![allow(dead_code, reason = "each user needs only a part of it")]
 
 use geometry::RigidTransform;
 use mesh::{Surface, Triangle, TriangleMesh, Vertex};

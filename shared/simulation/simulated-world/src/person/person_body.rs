@@ -96,7 +96,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn limbs_keep_their_length_and_reach_the_hand() {
+    fn limb_lengths_are_constant_and_the_arm_reaches_the_hand() {
         for hand in [
             RESTING_HAND,
             Point3::new(-0.4, -0.3, 0.8),
