@@ -6,19 +6,19 @@ const fn surface(specular: f32, infrared: f32) -> Surface {
     Surface { specular, infrared }
 }
 
-/// Glazed ceramics.
+/// Finish of glazed ceramics.
 pub(crate) const GLAZED: Surface = surface(0.3, 1.0);
-/// Glossy plastic.
+/// Finish of glossy plastic.
 pub(crate) const PLASTIC: Surface = surface(0.15, 1.0);
-/// Rubber, which absorbs infrared light.
+/// Finish of rubber, which absorbs infrared light.
 pub(crate) const RUBBER: Surface = surface(0.02, 0.5);
-/// Polished metal.
+/// Finish of polished metal.
 pub(crate) const POLISHED: Surface = surface(0.8, 0.8);
-/// Brushed metal.
+/// Finish of brushed metal.
 pub(crate) const BRUSHED: Surface = surface(0.5, 0.9);
-/// Printed cardboard.
+/// Finish of printed cardboard.
 pub(crate) const PRINTED: Surface = surface(0.1, 1.0);
-/// Waxy skin of fruit.
+/// Finish of waxy skin of fruit.
 pub(crate) const WAXY: Surface = surface(0.12, 1.1);
-/// Displays and dark glass, which absorb the projector's light.
+/// Finish of displays and dark glass, which absorb the projector's light.
 pub(crate) const DARK_GLASS: Surface = surface(0.6, 0.15);

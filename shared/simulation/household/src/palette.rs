@@ -3,20 +3,20 @@
 /// sRGB colour: red, green, blue.
 pub(crate) type Rgb = [u8; 3];
 
-/// Off-white.
+/// Off-white, instead of pure white.
 pub(crate) const WHITE: Rgb = [240, 240, 236];
-/// Off-black.
+/// Off-black, instead of pure black.
 pub(crate) const BLACK: Rgb = [28, 28, 30];
-/// Steel.
+/// Colour of steel.
 pub(crate) const STEEL: Rgb = [176, 180, 186];
-/// Brass.
+/// Colour of brass.
 pub(crate) const BRASS: Rgb = [190, 158, 84];
 /// Green of leaves.
 pub(crate) const LEAF: Rgb = [72, 124, 48];
 /// Brown of bark and stems.
 pub(crate) const BARK: Rgb = [104, 76, 46];
 
-/// Glazes of ceramics.
+/// Colours of ceramic glazes.
 pub(crate) const GLAZES: [Rgb; 9] = [
     WHITE,
     [228, 216, 190],
@@ -28,7 +28,7 @@ pub(crate) const GLAZES: [Rgb; 9] = [
     [128, 88, 132],
     [78, 78, 84],
 ];
-/// Coloured plastics.
+/// Colours of plastics.
 pub(crate) const PLASTICS: [Rgb; 10] = [
     [214, 44, 40],
     [32, 98, 190],
@@ -41,7 +41,7 @@ pub(crate) const PLASTICS: [Rgb; 10] = [
     WHITE,
     [60, 62, 68],
 ];
-/// Tool handles.
+/// Colours of tool handles.
 pub(crate) const GRIPS: [Rgb; 6] = [
     [200, 36, 34],
     [30, 84, 168],
@@ -50,16 +50,16 @@ pub(crate) const GRIPS: [Rgb; 6] = [
     [36, 122, 62],
     [46, 46, 50],
 ];
-/// Woods.
+/// Colours of woods.
 pub(crate) const WOODS: [Rgb; 4] = [
     [196, 152, 98],
     [168, 116, 66],
     [130, 84, 48],
     [212, 176, 124],
 ];
-/// Metals.
+/// Colours of metals.
 pub(crate) const METALS: [Rgb; 4] = [STEEL, [196, 198, 202], [150, 154, 160], [188, 184, 176]];
-/// Pastels of paper and cloth.
+/// Pastel colours of paper and cloth.
 pub(crate) const PASTELS: [Rgb; 6] = [
     [236, 208, 214],
     [202, 222, 236],

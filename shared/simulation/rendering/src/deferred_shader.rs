@@ -21,14 +21,14 @@ pub(crate) struct DeferredShader<'a> {
     /// Index of the first face of each instance.
     pub(crate) first_faces: &'a [u32],
     /// Shading attributes of each instance; `None` where its transform is not finite.
-    pub(crate) looks: &'a [Option<InstanceAttributes>],
+    pub(crate) attributes: &'a [Option<InstanceAttributes>],
 }
 
 impl DeferredShader<'_> {
     /// Shades all covered pixels and calls `take` with each of them.
     #[inline]
     pub(crate) fn shade(&self, mut take: impl FnMut(&LitPixel)) {
-        let (mut seen, mut block) = (FaceCache::default(), PixelBlock::new());
+        let (mut cache, mut block) = (FaceCache::default(), PixelBlock::new());
         let width = self.rays.size().0;
         for (row, row_range) in self.visibility.row_ranges.iter().enumerate() {
             let columns = row_range.columns();
@@ -38,10 +38,10 @@ impl DeferredShader<'_> {
                 let others = faces[start..].iter().position(|&other| other != face);
                 let end = others.map_or(faces.len(), |n| start + n);
                 if face != NO_FACE {
-                    if !seen.is(face) {
-                        seen.load(face, self.instances, self.first_faces);
+                    if !cache.is(face) {
+                        cache.load(face, self.instances, self.first_faces);
                     }
-                    self.gather(row, start..end, &seen, &mut block, &mut take);
+                    self.gather(row, start..end, &cache, &mut block, &mut take);
                 }
                 start = end;
             }
@@ -55,11 +55,13 @@ impl DeferredShader<'_> {
         &self,
         row: usize,
         columns: Range<usize>,
-        seen: &FaceCache,
+        cache: &FaceCache,
         block: &mut PixelBlock,
         mut take: impl FnMut(&LitPixel),
     ) {
-        let (Some(face), Some(Some(look))) = (&seen.look, self.looks.get(seen.slot)) else {
+        let (Some(face), Some(Some(instance))) =
+            (&cache.attributes, self.attributes.get(cache.slot))
+        else {
             return;
         };
         let first = row * self.rays.size().0;
@@ -72,7 +74,7 @@ impl DeferredShader<'_> {
         };
         if columns.len() < MIN_RUN {
             for i in 0..columns.len() {
-                if block.push(&run, i, face, look) {
+                if block.push(&run, i, face, instance) {
                     block.flush(self.lights, self.shadow, &mut take);
                 }
             }
@@ -80,7 +82,7 @@ impl DeferredShader<'_> {
         }
         let mut rest = Some(run);
         while let Some(run) = rest {
-            rest = block.push_all(&run, face, look);
+            rest = block.push_all(&run, face, instance);
             if rest.is_some() {
                 block.flush(self.lights, self.shadow, &mut take);
             }

@@ -11,7 +11,7 @@ pub(crate) struct FaceCache {
     /// Index of the instance that the face belongs to.
     pub(crate) slot: usize,
     numbers: std::ops::Range<u32>,
-    pub(crate) look: Option<FaceAttributes>,
+    pub(crate) attributes: Option<FaceAttributes>,
 }
 
 impl FaceCache {
@@ -32,7 +32,7 @@ impl FaceCache {
             let end = first_faces.get(n_begun).copied().unwrap_or(NO_FACE);
             self.numbers = first_faces[self.slot]..end;
         }
-        self.look = instances.get(self.slot).and_then(|instance| {
+        self.attributes = instances.get(self.slot).and_then(|instance| {
             let index = (number - self.numbers.start) as usize;
             let face = instance.mesh.faces.get(index)?;
             Some(FaceAttributes::new(instance.mesh, face))

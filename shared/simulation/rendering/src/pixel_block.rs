@@ -105,18 +105,18 @@ impl PixelBlock {
         run: &FaceRun<'_>,
         i: usize,
         face: &FaceAttributes,
-        look: &InstanceAttributes,
+        instance: &InstanceAttributes,
     ) -> bool {
         let lane = self.n % N_LANES;
         let point = run.point(i);
-        let sample = face.sample(look, point);
+        let sample = face.sample(instance, point);
         set(&mut self.point, lane, point);
         set(&mut self.normal, lane, sample.normal);
         set(&mut self.albedo, lane, sample.albedo);
-        if look.texture != Texture::None {
+        if instance.texture != Texture::None {
             set(&mut self.in_mesh, 0, sample.place);
             tint(
-                &look.texture,
+                &instance.texture,
                 &self.in_mesh,
                 &mut self.albedo,
                 &(lane..lane + 1),
@@ -124,7 +124,7 @@ impl PixelBlock {
         }
         self.row[lane] = run.row as u32;
         self.column[lane] = (run.column + i) as u32;
-        self.instance[lane] = look.id;
+        self.instance[lane] = instance.id;
         self.specular[lane] = face.specular;
         self.infrared[lane] = face.infrared;
         self.n = lane + 1;
@@ -137,20 +137,20 @@ impl PixelBlock {
         &mut self,
         run: &FaceRun<'a>,
         face: &FaceAttributes,
-        look: &InstanceAttributes,
+        instance: &InstanceAttributes,
     ) -> Option<FaceRun<'a>> {
         let (now, later) = run.split_at(run.x.len().min(N_LANES - self.n));
         let lanes = self.n..self.n + now.x.len();
         self.n = lanes.end;
-        self.sample(&lanes, &now, face, look);
-        if look.texture != Texture::None {
-            tint(&look.texture, &self.in_mesh, &mut self.albedo, &lanes);
+        self.sample(&lanes, &now, face, instance);
+        if instance.texture != Texture::None {
+            tint(&instance.texture, &self.in_mesh, &mut self.albedo, &lanes);
         }
         self.row[lanes.clone()].fill(now.row as u32);
         for (i, column) in self.column[lanes.clone()].iter_mut().enumerate() {
             *column = (now.column + i) as u32;
         }
-        self.instance[lanes.clone()].fill(look.id);
+        self.instance[lanes.clone()].fill(instance.id);
         self.specular[lanes.clone()].fill(face.specular);
         self.infrared[lanes].fill(face.infrared);
         (self.n == N_LANES).then_some(later)
@@ -162,7 +162,7 @@ impl PixelBlock {
         lanes: &Range<usize>,
         run: &FaceRun<'_>,
         face: &FaceAttributes,
-        look: &InstanceAttributes,
+        instance: &InstanceAttributes,
     ) {
         let n = lanes.len();
         let [mx, my, mz] = part(&mut self.in_mesh, &(0..n));
@@ -171,7 +171,7 @@ impl PixelBlock {
         let [red, green, blue] = part(&mut self.albedo, lanes);
         for i in 0..n {
             let point = run.point(i);
-            let sample = face.sample(look, point);
+            let sample = face.sample(instance, point);
             [px[i], py[i], pz[i]] = point;
             [nx[i], ny[i], nz[i]] = sample.normal;
             [red[i], green[i], blue[i]] = sample.albedo;

@@ -50,7 +50,7 @@ pub struct Rasterizer {
     dirty: Vec<ColumnRange>,
     corners: Vec<ScreenCorner>,
     first_faces: Vec<u32>,
-    looks: Vec<Option<InstanceAttributes>>,
+    attributes: Vec<Option<InstanceAttributes>>,
     dirty_blocks: DirtyShadowBlocks,
     /// Number of the count in which each pixel was last covered.
     stamps: Vec<u32>,
@@ -78,7 +78,7 @@ impl Rasterizer {
             dirty: vec![ColumnRange::EMPTY; height],
             corners: Vec::new(),
             first_faces: Vec::new(),
-            looks: Vec::new(),
+            attributes: Vec::new(),
             dirty_blocks: DirtyShadowBlocks::new(),
             stamps: vec![0; width * height],
             n_counts: 0,
@@ -108,27 +108,27 @@ impl Rasterizer {
     ///
     /// # Errors
     /// [`Error::Pose`] for a pose that is not finite; nothing is changed then.
-    pub fn prepare(&mut self, stage: &StaticScene<'_>) -> Result<(), Error> {
-        RigidTransformF32::new(&stage.world_from_camera).ok_or(Error::Pose)?;
-        self.world_from_camera = stage.world_from_camera;
-        self.lights = stage.lights;
-        self.light_view = LightView::new(&stage.lights);
+    pub fn prepare(&mut self, scene: &StaticScene<'_>) -> Result<(), Error> {
+        RigidTransformF32::new(&scene.world_from_camera).ok_or(Error::Pose)?;
+        self.world_from_camera = scene.world_from_camera;
+        self.lights = scene.lights;
+        self.light_view = LightView::new(&scene.lights);
         self.shadow.view = self.light_view.as_ref().and_then(|view| {
             let map_from_camera =
                 RigidTransformF32::new(&(view.map_from_world * self.world_from_camera));
             map_from_camera.map(|placement| (placement, view.projection))
         });
-        if stage.background.is_empty() && self.background.is_empty {
+        if scene.background.is_empty() && self.background.is_empty {
             self.restore_background();
             return Ok(());
         }
-        self.background.is_empty = stage.background.is_empty();
+        self.background.is_empty = scene.background.is_empty();
         self.visibility.clear();
         self.shadow.reverse_z.fill(0.0);
-        self.draw(stage.background);
+        self.draw(scene.background);
         self.background.clear_light();
         self.image.clear_span(0..self.image.depth_m.len());
-        self.shade(stage.background, true);
+        self.shade(scene.background, true);
         self.background
             .keep(&self.image, &self.visibility, &self.shadow);
         self.visibility.face.fill(NO_FACE);
@@ -230,14 +230,14 @@ impl Rasterizer {
             let Some(end) = first_face.checked_add(n_faces).filter(|&end| end < NO_FACE) else {
                 continue;
             };
-            self.draw_seen(instance, first_face);
-            self.draw_caster(instance);
+            self.draw_visible(instance, first_face);
+            self.draw_shadow_caster(instance);
             first_face = end;
         }
         self.shadow.finish();
     }
 
-    fn draw_seen(&mut self, instance: &Instance<'_>, first_face: u32) {
+    fn draw_visible(&mut self, instance: &Instance<'_>, first_face: u32) {
         let Some(camera_from_mesh) = self.camera_from_mesh(instance) else {
             return;
         };
@@ -262,7 +262,7 @@ impl Rasterizer {
         view.for_each_span(|span, face| visibility.draw(span, first_face + face));
     }
 
-    fn draw_caster(&mut self, instance: &Instance<'_>) {
+    fn draw_shadow_caster(&mut self, instance: &Instance<'_>) {
         let Some(view) = &self.light_view else {
             return;
         };
@@ -304,8 +304,8 @@ impl Rasterizer {
         else {
             return;
         };
-        self.looks.clear();
-        self.looks.extend(
+        self.attributes.clear();
+        self.attributes.extend(
             instances
                 .iter()
                 .map(|instance| InstanceAttributes::new(instance, &self.world_from_camera)),
@@ -317,7 +317,7 @@ impl Rasterizer {
             visibility: &self.visibility,
             instances,
             first_faces: &self.first_faces,
-            looks: &self.looks,
+            attributes: &self.attributes,
         };
         let (image, background) = (&mut self.image, &mut self.background);
         let width = self.rays.size().0;

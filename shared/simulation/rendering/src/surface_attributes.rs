@@ -79,10 +79,10 @@ impl FaceAttributes {
     #[inline]
     pub(crate) fn sample(
         &self,
-        look: &InstanceAttributes,
+        instance: &InstanceAttributes,
         point_in_camera: [f32; 3],
     ) -> SurfaceSample {
-        let place = look.mesh_from_camera.point(point_in_camera);
+        let place = instance.mesh_from_camera.point(point_in_camera);
         let from_origin = sub(place, self.origin);
         let b = dot(from_origin, self.gradients[0]).clamp(0.0, 1.0);
         let c = dot(from_origin, self.gradients[1]).clamp(0.0, 1.0);
@@ -91,7 +91,7 @@ impl FaceAttributes {
         };
         SurfaceSample {
             place,
-            normal: look.camera_from_mesh.direction(blend(&self.normals)),
+            normal: instance.camera_from_mesh.direction(blend(&self.normals)),
             albedo: blend(&self.colors),
         }
     }

@@ -186,7 +186,7 @@ impl SimulatedArm {
             self.controller = before;
             self.halt(sentence);
         }
-        self.follow(physics);
+        self.move_bodies(physics);
     }
 
     /// True if the fingers stopped in this step after closing and hold no object yet.
@@ -215,7 +215,7 @@ impl SimulatedArm {
     }
 
     /// Moves the physics bodies and the held object to the current joint positions.
-    fn follow(&self, physics: &mut Physics) {
+    fn move_bodies(&self, physics: &mut Physics) {
         for (body, pose) in self.bodies.iter().zip(self.poses()) {
             physics.move_to(*body, &pose);
         }

@@ -1,7 +1,7 @@
 //! Scene generators: random choice of objects and collision-free placement.
 
 use crate::error::Error;
-use crate::furniture::{Bin, Table};
+use crate::furniture::{Bin, TableDimensions};
 use crate::model_choice::ModelChoice;
 use crate::object_model::ObjectModel;
 use crate::random_stream::{random_rotation, random_stream};
@@ -73,7 +73,7 @@ fn sample_in_rounds<T: Clone>(items: &[T], n: usize, random: &mut Random) -> Vec
 pub(crate) fn place(
     kind: SceneKind,
     models: &[&ObjectModel],
-    table: &Table,
+    table: &TableDimensions,
     bin: Option<&Bin>,
     seed: u64,
 ) -> Result<Vec<Placing>, Error> {
@@ -102,7 +102,7 @@ pub(crate) fn place(
 
 fn dropped(
     n_objects: usize,
-    table: &Table,
+    table: &TableDimensions,
     drop_m: f64,
     random: &mut Random,
     spot: impl Fn(&mut Random) -> [f64; 2],
@@ -120,7 +120,7 @@ fn dropped(
 
 fn isolated(
     models: &[&ObjectModel],
-    table: &Table,
+    table: &TableDimensions,
     random: &mut Random,
 ) -> Result<Vec<Placing>, Error> {
     let mut most = 0;
@@ -141,7 +141,7 @@ fn isolated(
 /// order.
 fn place_apart(
     models: &[&ObjectModel],
-    table: &Table,
+    table: &TableDimensions,
     gap_m: f64,
     random: &mut Random,
 ) -> Vec<Placing> {
@@ -151,7 +151,7 @@ fn place_apart(
     let mut taken: Vec<([f64; 2], f64)> = Vec::new();
     let mut places = vec![None; models.len()];
     for index in order {
-        let Some(spot) = free_spot(&taken, radii[index], table, gap_m, random) else {
+        let Some(spot) = free_position(&taken, radii[index], table, gap_m, random) else {
             continue;
         };
         taken.push((spot, radii[index]));
@@ -165,10 +165,10 @@ fn place_apart(
 
 /// Rejection sampling of a free position for a disc of `radius_m`, at least `gap_m` from the
 /// taken discs and in the part of the table that the camera sees well.
-pub(crate) fn free_spot(
+pub(crate) fn free_position(
     taken: &[([f64; 2], f64)],
     radius_m: f64,
-    table: &Table,
+    table: &TableDimensions,
     gap_m: f64,
     random: &mut Random,
 ) -> Option<[f64; 2]> {
@@ -261,7 +261,7 @@ const SHARED: [(&str, [f64; 2]); 4] = [
 /// Pose of an upright object whose bounding box is `lift_m` above the table.
 pub(crate) fn upright_pose(
     model: &ObjectModel,
-    table: &Table,
+    table: &TableDimensions,
     position_m: [f64; 2],
     yaw_rad: f64,
     lift_m: f64,

@@ -4,14 +4,14 @@ use nalgebra::Point3;
 
 /// Table dimensions.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Table {
+pub struct TableDimensions {
     /// Sides along world x and y, metres.
     pub size_m: [f64; 2],
     /// Height of the table top, metres.
     pub height_m: f64,
 }
 
-impl Default for Table {
+impl Default for TableDimensions {
     fn default() -> Self {
         Self {
             size_m: [1.3, 0.8],
@@ -20,7 +20,7 @@ impl Default for Table {
     }
 }
 
-impl Table {
+impl TableDimensions {
     /// Middle of the table top, world frame.
     pub fn middle(&self) -> Point3<f64> {
         Point3::new(0.0, 0.0, self.height_m)

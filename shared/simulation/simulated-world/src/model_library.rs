@@ -13,7 +13,7 @@ pub struct ModelLibrary {
     source: ModelSource,
     /// Model files of the folder.
     files: Arc<[PathBuf]>,
-    loaded: Vec<(ModelChoice, Arc<ObjectModel>)>,
+    cache: Vec<(ModelChoice, Arc<ObjectModel>)>,
     notes: Vec<String>,
 }
 
@@ -23,7 +23,7 @@ impl ModelLibrary {
         Self {
             source: ModelSource::Generated,
             files: Arc::new([]),
-            loaded: Vec::new(),
+            cache: Vec::new(),
             notes: Vec::new(),
         }
     }
@@ -76,11 +76,11 @@ impl ModelLibrary {
     /// # Errors
     /// [`Error::UnknownCategory`], or an error of an unusable file.
     pub fn load(&mut self, choice: &ModelChoice) -> Result<Arc<ObjectModel>, Error> {
-        if let Some(model) = self.loaded(choice) {
+        if let Some(model) = self.cached(choice) {
             return Ok(model);
         }
         let model = Arc::new(load_model(choice, &mut self.notes)?);
-        self.loaded.push((choice.clone(), Arc::clone(&model)));
+        self.cache.push((choice.clone(), Arc::clone(&model)));
         Ok(model)
     }
 
@@ -89,14 +89,14 @@ impl ModelLibrary {
     /// # Errors
     /// As for [`load`](Self::load).
     pub(crate) fn load_uncached(&self, choice: &ModelChoice) -> Result<Arc<ObjectModel>, Error> {
-        match self.loaded(choice) {
+        match self.cached(choice) {
             Some(model) => Ok(model),
             None => load_model(choice, &mut Vec::new()).map(Arc::new),
         }
     }
 
-    fn loaded(&self, choice: &ModelChoice) -> Option<Arc<ObjectModel>> {
-        let (_, model) = self.loaded.iter().find(|(known, _)| known == choice)?;
+    fn cached(&self, choice: &ModelChoice) -> Option<Arc<ObjectModel>> {
+        let (_, model) = self.cache.iter().find(|(known, _)| known == choice)?;
         Some(Arc::clone(model))
     }
 

@@ -68,7 +68,7 @@ impl Person {
             let action = self.due(time_s, query)?;
             self.execution = ActionExecution::new(&action, self.hand, query);
             if self.execution.is_none() && is_script {
-                return Some(HandEvent::CanNot(action));
+                return Some(HandEvent::Impossible(action));
             }
         }
         let execution = self.execution.as_mut()?;

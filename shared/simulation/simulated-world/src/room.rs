@@ -1,6 +1,6 @@
 //! Room geometry: fixed boxes for table, floor, wall and bin.
 
-use crate::furniture::{Bin, Table};
+use crate::furniture::{Bin, TableDimensions};
 use crate::physics::Physics;
 use crate::scene::Scene;
 use geometry::RigidTransform;
@@ -59,7 +59,7 @@ impl RoomBox {
 /// All boxes of a scene's room.
 pub(crate) fn room_boxes(scene: &Scene) -> Vec<RoomBox> {
     let r = FLOOR_REACH_M;
-    let mut blocks = vec![
+    let mut boxes = vec![
         RoomBox::between([-r, -r, -0.1], [r, r, 0.0], Material::Tiles),
         RoomBox::between(
             [-r, WALL_Y_M, 0.0],
@@ -67,17 +67,17 @@ pub(crate) fn room_boxes(scene: &Scene) -> Vec<RoomBox> {
             Material::Plaster,
         ),
     ];
-    blocks.extend(table(&scene.table));
+    boxes.extend(table(&scene.table));
     if let Some(bin) = &scene.bin {
-        blocks.extend(bin_walls(bin, scene.table.height_m));
+        boxes.extend(bin_walls(bin, scene.table.height_m));
     }
-    blocks
+    boxes
 }
 
-fn table(table: &Table) -> Vec<RoomBox> {
+fn table(table: &TableDimensions) -> Vec<RoomBox> {
     let [x, y] = table.size_m.map(|side| side / 2.0);
     let (top, under) = (table.height_m, table.height_m - TOP_THICKNESS_M);
-    let mut blocks = vec![RoomBox::between(
+    let mut boxes = vec![RoomBox::between(
         [-x, -y, under],
         [x, y, top],
         Material::Wood,
@@ -85,13 +85,13 @@ fn table(table: &Table) -> Vec<RoomBox> {
     for (sx, sy) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)] {
         let foot = [sx * (x - LEG_SIDE_M), sy * (y - LEG_SIDE_M)];
         let half = LEG_SIDE_M / 2.0;
-        blocks.push(RoomBox::between(
+        boxes.push(RoomBox::between(
             [foot[0] - half, foot[1] - half, 0.0],
             [foot[0] + half, foot[1] + half, under],
             Material::Wood,
         ));
     }
-    blocks
+    boxes
 }
 
 fn bin_walls(bin: &Bin, table_m: f64) -> [RoomBox; 4] {
@@ -113,8 +113,8 @@ fn bin_walls(bin: &Bin, table_m: f64) -> [RoomBox; 4] {
 }
 
 /// Adds the room to the physics.
-pub(crate) fn build(blocks: &[RoomBox], physics: &mut Physics) {
-    for block in blocks {
-        physics.add_fixture(&block.world_from_box(), &block.half_sides_m);
+pub(crate) fn build(boxes: &[RoomBox], physics: &mut Physics) {
+    for room_box in boxes {
+        physics.add_fixture(&room_box.world_from_box(), &room_box.half_sides_m);
     }
 }

@@ -3,7 +3,7 @@
 use crate::action::PersonPlan;
 use crate::arm_mount::ArmMount;
 use crate::camera_mount::CameraMount;
-use crate::furniture::{Bin, Table};
+use crate::furniture::{Bin, TableDimensions};
 use crate::model_choice::ModelChoice;
 use geometry::RigidTransform;
 use rendering::kinect::SensorModel;
@@ -94,7 +94,7 @@ pub struct Scene {
     /// Seed of all random streams.
     pub seed: u64,
     /// Table dimensions.
-    pub table: Table,
+    pub table: TableDimensions,
     /// Bin on the table.
     pub bin: Option<Bin>,
     /// Camera mount.
@@ -116,7 +116,7 @@ impl Default for Scene {
     fn default() -> Self {
         Self {
             seed: 1,
-            table: Table::default(),
+            table: TableDimensions::default(),
             bin: None,
             camera: CameraMount::default(),
             objects: Vec::new(),

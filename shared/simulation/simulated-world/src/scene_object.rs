@@ -1,7 +1,7 @@
 //! Object of the running world: pose, velocity and state.
 
 use crate::ObjectModel;
-use crate::furniture::Table;
+use crate::furniture::TableDimensions;
 use crate::physics::{BodyId, Physics};
 use geometry::RigidTransform;
 use nalgebra::{Point3, Vector3};
@@ -75,7 +75,7 @@ impl SceneObject {
         )
     }
 
-    pub(crate) fn refresh(&mut self, physics: &Physics, table: &Table) {
+    pub(crate) fn refresh(&mut self, physics: &Physics, table: &TableDimensions) {
         self.world_from_object = physics.pose(self.body);
         self.velocity_m_s = physics.velocity(self.body).0;
         if self.is_held() {
@@ -91,7 +91,7 @@ impl SceneObject {
     }
 
     /// True if the object is below the table top or next to the table.
-    fn is_off(&self, table: &Table) -> bool {
+    fn is_off(&self, table: &TableDimensions) -> bool {
         let at = self.world_from_object.translation;
         let is_above = at.x.abs() < table.size_m[0] / 2.0 && at.y.abs() < table.size_m[1] / 2.0;
         let is_under = at.z < table.height_m - UNDER_M;

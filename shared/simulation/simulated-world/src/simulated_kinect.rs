@@ -84,7 +84,7 @@ impl SimulatedKinect {
                 }),
                 ..Lights::ROOM
             },
-            room: room_pieces(world.blocks()),
+            room: room_pieces(world.boxes()),
             person: PersonMeshes::new(),
             arm,
             objects: Vec::new(),

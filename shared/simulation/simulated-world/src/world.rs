@@ -37,7 +37,7 @@ const PUT_DOWN_LIFT_M: f64 = 0.001;
 #[derive(Debug, Clone)]
 pub struct World {
     scene: Arc<Scene>,
-    blocks: Arc<[RoomBox]>,
+    boxes: Arc<[RoomBox]>,
     library: ModelLibrary,
     physics: Physics,
     objects: Vec<SceneObject>,
@@ -55,9 +55,9 @@ impl World {
     /// # Errors
     /// An error of an unusable model.
     pub fn new(scene: Scene, mut library: ModelLibrary) -> Result<Self, Error> {
-        let blocks: Arc<[RoomBox]> = room::room_boxes(&scene).into();
+        let boxes: Arc<[RoomBox]> = room::room_boxes(&scene).into();
         let mut physics = Physics::new();
-        room::build(&blocks, &mut physics);
+        room::build(&boxes, &mut physics);
         let arm = scene
             .arm
             .as_ref()
@@ -71,7 +71,7 @@ impl World {
                 .map(|plan| Person::new(plan, scene.seed)),
             scene: Arc::new(scene),
             arm,
-            blocks,
+            boxes,
             physics,
             objects: Vec::new(),
             last_id: 0,
@@ -149,18 +149,18 @@ impl World {
         self.person = Some(person);
         match event {
             None => {}
-            Some(HandEvent::Brings(model)) => self.bring(&model, hand),
-            Some(HandEvent::Takes(object)) => self.take(object, hand),
-            Some(HandEvent::LetsGo) => self.let_go(),
-            Some(HandEvent::TakesAway) => self.take_away(),
-            Some(HandEvent::CanNot(action)) => self.notes.push(format!(
+            Some(HandEvent::Brought(model)) => self.bring_object(&model, hand),
+            Some(HandEvent::Grasped(object)) => self.grasp_object(object, hand),
+            Some(HandEvent::Released) => self.release_object(),
+            Some(HandEvent::Removed) => self.remove_held_object(),
+            Some(HandEvent::Impossible(action)) => self.notes.push(format!(
                 "the person could not {}: the object is not there, is held, or lies on the floor",
                 action.words()
             )),
         }
     }
 
-    fn bring(&mut self, model: &ModelChoice, hand: nalgebra::Point3<f64>) {
+    fn bring_object(&mut self, model: &ModelChoice, hand: nalgebra::Point3<f64>) {
         if self.objects.len() >= MOST_OBJECTS || self.last_id >= LAST_ID {
             let note = "nothing more is brought: the scene is full; start it again".to_owned();
             self.notes.push(note);
@@ -175,13 +175,13 @@ impl World {
             Ok(model) => {
                 let pose = held_object::carried_below(&hand, &model);
                 let object = self.add_object(model, &pose);
-                self.take(object, hand);
+                self.grasp_object(object, hand);
             }
             Err(error) => self.notes.push(error.to_string()),
         }
     }
 
-    fn take(&mut self, object: u16, hand: nalgebra::Point3<f64>) {
+    fn grasp_object(&mut self, object: u16, hand: nalgebra::Point3<f64>) {
         // The object may have gone, fallen, or been grasped by the arm while the hand was on its
         // way.
         let grip = hand - nalgebra::Vector3::z() * crate::person::GRIP_M;
@@ -199,7 +199,7 @@ impl World {
         self.set_state(object, ObjectState::HeldByPerson);
     }
 
-    fn let_go(&mut self) {
+    fn release_object(&mut self) {
         let Some(held) = self.in_hand.take() else {
             return;
         };
@@ -210,7 +210,7 @@ impl World {
         }
     }
 
-    fn take_away(&mut self) {
+    fn remove_held_object(&mut self) {
         let Some(held) = self.in_hand.take() else {
             return;
         };
@@ -260,8 +260,8 @@ impl World {
         &self.scene
     }
 
-    pub(crate) fn blocks(&self) -> &[RoomBox] {
-        &self.blocks
+    pub(crate) fn boxes(&self) -> &[RoomBox] {
+        &self.boxes
     }
 
     pub(crate) fn library(&self) -> &ModelLibrary {

@@ -96,7 +96,10 @@ fn load(path: &Path) -> Result<(Arc<ObjectModel>, String), String> {
 fn assert_refused(path: &Path, expected: &str) {
     let message = load(path).unwrap_err();
     let name = path.file_name().unwrap().to_string_lossy();
-    assert!(message.contains(&*name) && message.contains(expected), "{message}");
+    assert!(
+        message.contains(&*name) && message.contains(expected),
+        "{message}"
+    );
 }
 
 /// World with this model put down in the middle of the table.

@@ -45,7 +45,7 @@ pub struct KinectSensor {
     /// Disparity of the exact depth, pixels; 0 in empty pixels.
     exact: Vec<f32>,
     /// Disparity of the matched surface, pixels; 0 for no match.
-    seen: Vec<f32>,
+    matched: Vec<f32>,
     row: RowBuffers,
     depth_mm: Vec<u16>,
     color: Vec<[u8; 3]>,
@@ -83,7 +83,7 @@ impl KinectSensor {
             angle_terms: angle_terms(),
             lateral_sigmas_px: lateral_sigmas_px(model.lateral_noise.as_ref()),
             exact: vec![0.0; n_pixels],
-            seen: vec![0.0; n_pixels],
+            matched: vec![0.0; n_pixels],
             row: RowBuffers {
                 depth_m: row(),
                 angle_term: row(),
@@ -160,11 +160,11 @@ impl KinectSensor {
         for (exact, &depth_m) in self.exact.iter_mut().zip(image.depth_m()) {
             *exact = focal_baseline / depth_m;
         }
-        self.seen.copy_from_slice(&self.exact);
+        self.matched.copy_from_slice(&self.exact);
         let width = self.rays.size().0;
         if let Some(shadow) = &self.model.projector_shadow {
             let rows = self.exact.chunks_exact(width);
-            for (exact, seen) in rows.zip(self.seen.chunks_exact_mut(width)) {
+            for (exact, seen) in rows.zip(self.matched.chunks_exact_mut(width)) {
                 shadow.cast(exact, seen);
             }
         }
@@ -179,7 +179,7 @@ impl KinectSensor {
             || self.model.lateral_noise.is_some()
             || self.model.border_speckle.is_some()
         {
-            borders.apply(&self.exact, image.reflection(), &mut self.seen, width);
+            borders.apply(&self.exact, image.reflection(), &mut self.matched, width);
         }
     }
 
@@ -188,7 +188,12 @@ impl KinectSensor {
         let width = self.rays.size().0;
         let pixels = row * width..(row + 1) * width;
         let focal_baseline = self.focal_baseline();
-        for (depth_m, &seen) in self.row.depth_m.iter_mut().zip(&self.seen[pixels.clone()]) {
+        for (depth_m, &seen) in self
+            .row
+            .depth_m
+            .iter_mut()
+            .zip(&self.matched[pixels.clone()])
+        {
             *depth_m = focal_baseline / seen;
         }
         if self.model.axial_noise.is_some() || self.model.weak_signal.is_some() {
@@ -251,9 +256,9 @@ impl KinectSensor {
             return;
         };
         // Mostly the same spots in each frame.
-        let lasting = NoiseKey::new(seed, u64::MAX);
+        let static_key = NoiseKey::new(seed, u64::MAX);
         for (block, uniform) in self.row.uniform.chunks_mut(BLOCK_PX).enumerate() {
-            let stays = lasting.hash(NoisePurpose::Signal, row / COMMON_ROWS, block);
+            let stays = static_key.hash(NoisePurpose::Signal, row / COMMON_ROWS, block);
             let flickers = key.hash(NoisePurpose::SignalFlicker, row / 2, block);
             let parts = self
                 .tables

@@ -17,28 +17,32 @@ pub(crate) const GRIP_M: f64 = 0.035;
 /// Distance between an object and the hand that hides it, towards the camera, metres. Chosen.
 const HIDE_DISTANCE_M: f64 = 0.16;
 /// Gap under an object that is released, metres. Chosen.
-const LET_GO_M: f64 = 0.002;
+const RELEASE_GAP_M: f64 = 0.002;
 
 /// Event of the hand on an object along its path.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum HandEvent {
     /// A new object appears in the hand.
-    Brings(ModelChoice),
+    Brought(ModelChoice),
     /// The hand grasps an object.
-    Takes(u16),
+    Grasped(u16),
     /// The hand releases the held object.
-    LetsGo,
+    Released,
     /// The held object leaves the scene with the hand.
-    TakesAway,
+    Removed,
     /// The scripted action cannot be performed.
-    CanNot(Action),
+    Impossible(Action),
 }
 
+/// Segment of a hand path.
 #[derive(Debug, Clone)]
 enum Segment {
-    To(Point3<f64>, f64),
+    /// Moves to a point, metres, at a speed, m/s.
+    MoveTo(Point3<f64>, f64),
+    /// Waits for a time, seconds.
     Wait(f64),
-    Do(HandEvent),
+    /// Emits an event.
+    Emit(HandEvent),
 }
 
 /// Action in execution: remaining path segments of the hand.
@@ -47,6 +51,7 @@ pub(crate) struct ActionExecution {
     segments: std::collections::VecDeque<Segment>,
     /// Start point of the current segment.
     from: Point3<f64>,
+    /// Elapsed time of the current segment, seconds.
     spent_s: f64,
 }
 
@@ -54,12 +59,12 @@ impl ActionExecution {
     /// Plans the path of an action; `None` when it cannot be performed now.
     pub(crate) fn new(action: &Action, hand: Point3<f64>, query: &dyn PersonQuery) -> Option<Self> {
         let segments = match action {
-            Action::Put { model, to_m } => put(model, *to_m, query)?,
-            Action::Move { object, to_m } => relocate(*object, *to_m, query)?,
-            Action::Slide { object, to_m } => slide(*object, *to_m, query)?,
-            Action::Lift { object, for_s } => lift(*object, *for_s, query)?,
-            Action::Hide { object, for_s } => hide(*object, *for_s, query)?,
-            Action::Remove { object } => remove(*object, query)?,
+            Action::Put { model, to_m } => put_path(model, *to_m, query)?,
+            Action::Move { object, to_m } => move_path(*object, *to_m, query)?,
+            Action::Slide { object, to_m } => slide_path(*object, *to_m, query)?,
+            Action::Lift { object, for_s } => lift_path(*object, *for_s, query)?,
+            Action::Hide { object, for_s } => hide_path(*object, *for_s, query)?,
+            Action::Remove { object } => remove_path(*object, query)?,
         };
         Some(Self {
             segments: segments.into(),
@@ -81,125 +86,140 @@ impl ActionExecution {
     ) -> Option<HandEvent> {
         self.spent_s += dt_s;
         let has_ended = match self.segments.front()? {
-            Segment::To(to, speed) => {
+            Segment::MoveTo(to, speed) => {
                 let duration_s = 1.5 * (to - self.from).norm() / (speed * pace);
                 let share = if duration_s > 0.0 {
                     (self.spent_s / duration_s).min(1.0)
                 } else {
                     1.0
                 };
-                *hand = self.from + (to - self.from) * smooth(share);
+                *hand = self.from + (to - self.from) * smoothstep(share);
                 share >= 1.0
             }
             Segment::Wait(duration_s) => self.spent_s >= *duration_s,
-            Segment::Do(_) => true,
+            Segment::Emit(_) => true,
         };
         if !has_ended {
             return None;
         }
         (self.from, self.spent_s) = (*hand, 0.0);
         match self.segments.pop_front()? {
-            Segment::Do(event) => Some(event),
-            Segment::To(..) | Segment::Wait(_) => None,
+            Segment::Emit(event) => Some(event),
+            Segment::MoveTo(..) | Segment::Wait(_) => None,
         }
     }
 }
 
 /// Smoothstep easing; its greatest slope is 1.5.
-fn smooth(share: f64) -> f64 {
+fn smoothstep(share: f64) -> f64 {
     share * share * (3.0 - 2.0 * share)
 }
 
-fn above(point: Point3<f64>) -> Point3<f64> {
+/// Carrying position above a point.
+fn raised(point: Point3<f64>) -> Point3<f64> {
     point + Vector3::z() * CARRY_HEIGHT_M
 }
 
 /// Position of the hand that grasps an object whose top is at `top`.
-fn grip(top: Point3<f64>) -> Point3<f64> {
+fn grasping_hand(top: Point3<f64>) -> Point3<f64> {
     top + Vector3::z() * GRIP_M
 }
 
-fn take(top: Point3<f64>, object: u16) -> Vec<Segment> {
-    let held = grip(top);
+/// Path that grasps an object and lifts it.
+fn grasp_path(top: Point3<f64>, object: u16) -> Vec<Segment> {
+    let held = grasping_hand(top);
     vec![
-        Segment::To(above(held), HAND_SPEED_M_S),
-        Segment::To(held, CAREFUL_SPEED_M_S),
-        Segment::Do(HandEvent::Takes(object)),
+        Segment::MoveTo(raised(held), HAND_SPEED_M_S),
+        Segment::MoveTo(held, CAREFUL_SPEED_M_S),
+        Segment::Emit(HandEvent::Grasped(object)),
         Segment::Wait(0.2),
-        Segment::To(above(held), CAREFUL_SPEED_M_S),
+        Segment::MoveTo(raised(held), CAREFUL_SPEED_M_S),
     ]
 }
 
-fn put_down(held: Point3<f64>) -> Vec<Segment> {
+/// Path that puts the held object down and returns to rest.
+fn put_down_path(held: Point3<f64>) -> Vec<Segment> {
     vec![
-        Segment::To(above(held), HAND_SPEED_M_S),
-        Segment::To(held, CAREFUL_SPEED_M_S),
-        Segment::Do(HandEvent::LetsGo),
+        Segment::MoveTo(raised(held), HAND_SPEED_M_S),
+        Segment::MoveTo(held, CAREFUL_SPEED_M_S),
+        Segment::Emit(HandEvent::Released),
         Segment::Wait(0.2),
-        Segment::To(above(held), CAREFUL_SPEED_M_S),
-        Segment::To(RESTING_HAND, HAND_SPEED_M_S),
+        Segment::MoveTo(raised(held), CAREFUL_SPEED_M_S),
+        Segment::MoveTo(RESTING_HAND, HAND_SPEED_M_S),
     ]
 }
 
-fn put(model: &ModelChoice, [x, y]: [f64; 2], query: &dyn PersonQuery) -> Option<Vec<Segment>> {
-    let top = query.table_height_m() + query.height_of(model)? + LET_GO_M;
-    let mut segments = vec![Segment::Do(HandEvent::Brings(model.clone()))];
-    segments.extend(put_down(grip(Point3::new(x, y, top))));
+/// Path of [`Action::Put`].
+fn put_path(
+    model: &ModelChoice,
+    [x, y]: [f64; 2],
+    query: &dyn PersonQuery,
+) -> Option<Vec<Segment>> {
+    let top = query.table_height_m() + query.height_of(model)? + RELEASE_GAP_M;
+    let mut segments = vec![Segment::Emit(HandEvent::Brought(model.clone()))];
+    segments.extend(put_down_path(grasping_hand(Point3::new(x, y, top))));
     Some(segments)
 }
 
-fn relocate(object: u16, [x, y]: [f64; 2], query: &dyn PersonQuery) -> Option<Vec<Segment>> {
+/// Path of [`Action::Move`].
+fn move_path(object: u16, [x, y]: [f64; 2], query: &dyn PersonQuery) -> Option<Vec<Segment>> {
     let (top, underside_m) = query.object(object)?;
-    let new_top = query.table_height_m() + (top.z - underside_m) + LET_GO_M;
-    let mut segments = take(top, object);
-    segments.extend(put_down(grip(Point3::new(x, y, new_top))));
+    let new_top = query.table_height_m() + (top.z - underside_m) + RELEASE_GAP_M;
+    let mut segments = grasp_path(top, object);
+    segments.extend(put_down_path(grasping_hand(Point3::new(x, y, new_top))));
     Some(segments)
 }
 
-fn slide(object: u16, [x, y]: [f64; 2], query: &dyn PersonQuery) -> Option<Vec<Segment>> {
+/// Path of [`Action::Slide`].
+fn slide_path(object: u16, [x, y]: [f64; 2], query: &dyn PersonQuery) -> Option<Vec<Segment>> {
     let (top, _) = query.object(object)?;
-    let held = grip(top + Vector3::z() * LET_GO_M);
+    let held = grasping_hand(top + Vector3::z() * RELEASE_GAP_M);
     let there = Point3::new(x, y, held.z);
     Some(vec![
-        Segment::To(above(held), HAND_SPEED_M_S),
-        Segment::To(grip(top), CAREFUL_SPEED_M_S),
-        Segment::Do(HandEvent::Takes(object)),
+        Segment::MoveTo(raised(held), HAND_SPEED_M_S),
+        Segment::MoveTo(grasping_hand(top), CAREFUL_SPEED_M_S),
+        Segment::Emit(HandEvent::Grasped(object)),
         Segment::Wait(0.2),
-        Segment::To(held, CAREFUL_SPEED_M_S),
-        Segment::To(there, CAREFUL_SPEED_M_S),
-        Segment::Do(HandEvent::LetsGo),
+        Segment::MoveTo(held, CAREFUL_SPEED_M_S),
+        Segment::MoveTo(there, CAREFUL_SPEED_M_S),
+        Segment::Emit(HandEvent::Released),
         Segment::Wait(0.2),
-        Segment::To(above(there), CAREFUL_SPEED_M_S),
-        Segment::To(RESTING_HAND, HAND_SPEED_M_S),
+        Segment::MoveTo(raised(there), CAREFUL_SPEED_M_S),
+        Segment::MoveTo(RESTING_HAND, HAND_SPEED_M_S),
     ])
 }
 
-fn lift(object: u16, for_s: f64, query: &dyn PersonQuery) -> Option<Vec<Segment>> {
+/// Path of [`Action::Lift`].
+fn lift_path(object: u16, for_s: f64, query: &dyn PersonQuery) -> Option<Vec<Segment>> {
     let (top, _) = query.object(object)?;
-    let mut segments = take(top, object);
+    let mut segments = grasp_path(top, object);
     segments.push(Segment::Wait(for_s));
-    segments.extend(put_down(grip(top + Vector3::z() * LET_GO_M)));
+    segments.extend(put_down_path(grasping_hand(
+        top + Vector3::z() * RELEASE_GAP_M,
+    )));
     Some(segments)
 }
 
-fn hide(object: u16, for_s: f64, query: &dyn PersonQuery) -> Option<Vec<Segment>> {
+/// Path of [`Action::Hide`].
+fn hide_path(object: u16, for_s: f64, query: &dyn PersonQuery) -> Option<Vec<Segment>> {
     let (top, underside_m) = query.object(object)?;
     let middle = Point3::new(top.x, top.y, f64::midpoint(top.z, underside_m));
     let to_camera = (query.camera() - middle).normalize();
     let before = middle + to_camera * HIDE_DISTANCE_M;
     Some(vec![
-        Segment::To(above(before), HAND_SPEED_M_S),
-        Segment::To(before, HAND_SPEED_M_S),
+        Segment::MoveTo(raised(before), HAND_SPEED_M_S),
+        Segment::MoveTo(before, HAND_SPEED_M_S),
         Segment::Wait(for_s),
-        Segment::To(above(before), HAND_SPEED_M_S),
-        Segment::To(RESTING_HAND, HAND_SPEED_M_S),
+        Segment::MoveTo(raised(before), HAND_SPEED_M_S),
+        Segment::MoveTo(RESTING_HAND, HAND_SPEED_M_S),
     ])
 }
 
-fn remove(object: u16, query: &dyn PersonQuery) -> Option<Vec<Segment>> {
+/// Path of [`Action::Remove`].
+fn remove_path(object: u16, query: &dyn PersonQuery) -> Option<Vec<Segment>> {
     let (top, _) = query.object(object)?;
-    let mut segments = take(top, object);
-    segments.push(Segment::To(RESTING_HAND, HAND_SPEED_M_S));
-    segments.push(Segment::Do(HandEvent::TakesAway));
+    let mut segments = grasp_path(top, object);
+    segments.push(Segment::MoveTo(RESTING_HAND, HAND_SPEED_M_S));
+    segments.push(Segment::Emit(HandEvent::Removed));
     Some(segments)
 }

@@ -17,7 +17,7 @@ pub(crate) trait PersonQuery {
     /// Position of the camera, world frame, metres.
     fn camera(&self) -> Point3<f64>;
     /// Random free position for an existing object, or for a new one.
-    fn free_spot(&self, object: Option<u16>, draw: u64) -> Option<[f64; 2]>;
+    fn free_position(&self, object: Option<u16>, draw: u64) -> Option<[f64; 2]>;
     /// Random model that could be brought.
-    fn another_model(&self, draw: u64) -> Option<ModelChoice>;
+    fn random_model(&self, draw: u64) -> Option<ModelChoice>;
 }

@@ -47,8 +47,8 @@ impl RandomActions {
         let draw = self.random.next_u64();
         match self.random.unit() {
             p if p < 0.25 && free.len() < MAX_TABLE_OBJECTS => Some(Action::Put {
-                model: query.another_model(draw)?,
-                to_m: query.free_spot(None, draw)?,
+                model: query.random_model(draw)?,
+                to_m: query.free_position(None, draw)?,
             }),
             p if p < 0.40 && free.len() > MIN_OBJECTS => Some(Action::Remove {
                 object: *self.random.choice(&free)?,
@@ -65,7 +65,7 @@ impl RandomActions {
                 let object = *self.random.choice(&free)?;
                 Some(Action::Move {
                     object,
-                    to_m: query.free_spot(Some(object), draw)?,
+                    to_m: query.free_position(Some(object), draw)?,
                 })
             }
         }

@@ -6,7 +6,7 @@ use crate::action::{Action, PersonPlan, TimedAction};
 use crate::arm_mount::ArmMount;
 use crate::camera_mount::CameraMount;
 use crate::error::Error;
-use crate::furniture::{Bin, Table};
+use crate::furniture::{Bin, TableDimensions};
 use crate::model_choice::{ModelChoice, ModelSource};
 use crate::model_library::ModelLibrary;
 use crate::scene::{ObjectPlan, Placing, Scene, SceneKind};
@@ -217,10 +217,10 @@ fn variation(raw: &RawVariation) -> Result<SceneVariation, Error> {
     })
 }
 
-fn table(raw: &RawTable) -> Result<Table, Error> {
-    let default = Table::default();
+fn table(raw: &RawTable) -> Result<TableDimensions, Error> {
+    let default = TableDimensions::default();
     let [x, y] = raw.size_m.unwrap_or(default.size_m);
-    Ok(Table {
+    Ok(TableDimensions {
         size_m: [
             checked("[table] size_m", x, 0.2..=4.0)?,
             checked("[table] size_m", y, 0.2..=3.0)?,
@@ -294,7 +294,7 @@ fn object(
     raw: &RawObject,
     index: usize,
     folder: &Path,
-    table: &Table,
+    table: &TableDimensions,
 ) -> Result<ObjectPlan, Error> {
     let place = |key: &str| format!("[[object]] {} {key}", index + 1);
     let model = match (&raw.category, &raw.model) {

@@ -27,13 +27,13 @@ impl RoomPiece {
     }
 }
 
-pub(super) fn room_pieces(blocks: &[RoomBox]) -> Vec<RoomPiece> {
-    blocks.iter().map(piece).collect()
+pub(super) fn room_pieces(boxes: &[RoomBox]) -> Vec<RoomPiece> {
+    boxes.iter().map(piece).collect()
 }
 
-fn piece(block: &RoomBox) -> RoomPiece {
-    let (color, specular, texture) = look(block.material);
-    let sides = (block.half_sides_m * 2.0).cast::<f32>();
+fn piece(room_box: &RoomBox) -> RoomPiece {
+    let (color, specular, texture) = look(room_box.material);
+    let sides = (room_box.half_sides_m * 2.0).cast::<f32>();
     let solid = rounded_box(sides.into(), EDGE_M, CELL_M)
         .colored(color)
         .with_surface(Surface {
@@ -42,7 +42,7 @@ fn piece(block: &RoomBox) -> RoomPiece {
         });
     RoomPiece {
         mesh: PreparedMesh::new(&solid.mesh),
-        world_from_mesh: block.world_from_box(),
+        world_from_mesh: room_box.world_from_box(),
         texture,
     }
 }

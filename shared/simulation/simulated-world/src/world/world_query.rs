@@ -51,7 +51,7 @@ impl PersonQuery for WorldQuery<'_> {
         self.0.world_from_camera().translation.vector.into()
     }
 
-    fn free_spot(&self, object: Option<u16>, draw: u64) -> Option<[f64; 2]> {
+    fn free_position(&self, object: Option<u16>, draw: u64) -> Option<[f64; 2]> {
         let radius_m = object
             .and_then(|object| self.0.find(object))
             .map_or(UNSEEN_RADIUS_M, |object| object.model.footprint_radius_m());
@@ -67,10 +67,10 @@ impl PersonQuery for WorldQuery<'_> {
             })
             .collect();
         let mut random = random_stream(draw, STREAM_FREE_SPOT);
-        arrangement::free_spot(&taken, radius_m, &self.0.scene.table, GAP_M, &mut random)
+        arrangement::free_position(&taken, radius_m, &self.0.scene.table, GAP_M, &mut random)
     }
 
-    fn another_model(&self, draw: u64) -> Option<ModelChoice> {
+    fn random_model(&self, draw: u64) -> Option<ModelChoice> {
         self.0.library().choose(1, draw).pop()
     }
 }
