@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 
 use crate::N_CAPSULES;
 
-/// Self-collision pairs, by their indices in [`crate::link_capsules`]: hand and wrist (6 to 12)
+/// Self-collision pairs, by their indices in [`link_capsules()`](crate::link_capsules()): hand and wrist (6 to 12)
 /// with base, turret, shoulder and upper arm (0 to 3), forearm (5) with base to shoulder, hand (9
 /// to 12) with elbow and forearm. Neighbouring links overlap by design and are skipped.
 fn may_collide(near: usize, far: usize) -> bool {
@@ -18,7 +18,7 @@ fn may_collide(near: usize, far: usize) -> bool {
 }
 
 /// Least distance between links that are not neighbours, metres; negative when they overlap.
-/// Takes the result of [`crate::link_capsules`].
+/// Takes the result of [`link_capsules()`](crate::link_capsules()).
 pub fn self_clearance_m(capsules: &[Capsule; N_CAPSULES]) -> f64 {
     let mut least = f64::INFINITY;
     for near in 0..N_CAPSULES {
