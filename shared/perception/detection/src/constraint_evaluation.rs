@@ -1,8 +1,8 @@
 //! Evaluation of the constraints: three-valued findings for each candidate.
 
-mod box_overlap;
-mod judge;
-mod limbs;
+mod body_mask;
+mod box_iou;
+mod constraint_evaluator;
 
-pub(crate) use judge::Judge;
-pub(crate) use limbs::Limbs;
+pub(crate) use body_mask::BodyMask;
+pub(crate) use constraint_evaluator::ConstraintEvaluator;

@@ -1,51 +1,83 @@
-//! Finds the objects on a table in one cloud.
+//! Tabletop object detection in one RGB-D point cloud.
 //!
-//! [`detect`] searches the table plane, keeps the points in the prism above
-//! the table's polygon, joins them to clusters on the image grid, and returns
-//! each cluster as a [`Candidate`] with an oriented box. Each candidate is judged
-//! by every [`Constraint`]; an [`Expression`] over them says whether it is an
-//! object that nobody knows yet. A cloud without an image grid is laid back on one
-//! where it is a single view, and searched in voxels where it is not.
+//! [`detect`] finds the table plane by RANSAC, keeps the points in the prism above the
+//! table's polygon, clusters them by connected components on the image grid, splits
+//! clusters at concave creases, and returns each cluster as a [`Candidate`] with an
+//! oriented box. Every [`Constraint`](constraint::Constraint) is evaluated for each
+//! candidate; an [`Expression`](constraint::Expression) over them decides whether the
+//! candidate is a new object. A cloud without an image grid is reprojected onto one
+//! where it is a single view, and searched in a voxel grid otherwise.
 //!
-//! Invariants: this crate never does I/O, never reads a clock, keeps no state
-//! between frames but buffers, draws randomness only from the seed it is
-//! given, accepts any bit pattern in the points, and knows of people, of the
-//! robot and of tracks only the capsules and boxes it is given.
+//! Invariants: this crate never does I/O, never reads a clock, keeps no state between
+//! frames but buffers, draws randomness only from the given seed, accepts any bit
+//! pattern in the points, and knows people, the robot and tracks only as the capsules
+//! and boxes in [`Surroundings`].
+//!
+//! # Example
+//!
+//! A cloud without a plane has no table and therefore no candidates:
+//!
+//! ```
+//! use detection::{Config, Detection, Frame, Surroundings, Workspace, detect};
+//! use point_cloud::{OrganizedCloud, Point};
+//!
+//! let points = vec![Point::default(); 640 * 480];
+//! let frame = Frame {
+//!     cloud: OrganizedCloud::new(&points, 640, 480)?,
+//!     up_in_camera: None,
+//!     seed: 1,
+//!     surroundings: Surroundings::default(),
+//! };
+//! let (mut workspace, mut detection) = (Workspace::default(), Detection::default());
+//! detect(&frame, &Config::default(), &mut workspace, &mut detection)?;
+//! assert!(detection.table.is_none() && detection.candidates.is_empty());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
-mod axis;
-mod borders;
+mod affine_form;
 mod candidate;
+mod cielab;
+mod cluster_hypothesis;
 mod clusters;
 mod config;
 mod constraint_evaluation;
 mod creases;
-mod crew;
+mod depth_bounds;
 mod detect;
 mod error;
 mod footprint;
-mod islands;
-mod lab;
+mod input;
+mod occluded_table;
+mod organized;
 mod outline;
+mod outline_tracing;
+mod output;
+mod parallelism;
 mod patch;
-mod piles;
-mod plane_search;
+mod plane_ransac;
+mod plane_region;
 mod prism;
+mod region_merging;
 mod samples;
-mod step;
-mod support;
-mod table_plane;
-mod table_region;
+mod split_gate;
+mod stage;
+mod support_plane_holes;
+mod support_relations;
+mod table;
+mod table_selection;
 mod table_surface;
-mod table_under;
 mod unorganized;
+mod upright_box;
+mod workspace;
 
 pub use candidate::{Candidate, Support};
 pub use config::{Config, InvalidConfig, RawConfig};
-pub use crew::{Alone, Crew};
-pub use detect::{
-    Detection, ExpectedTrack, Frame, Surroundings, Workspace, detect, detect_in_steps,
-};
+pub use detect::{detect, detect_in_steps};
 pub use error::Error;
+pub use input::{ExpectedTrack, Frame, Surroundings};
 pub use outline::Outline;
-pub use step::Step;
-pub use table_plane::{Table, TableChoice};
+pub use output::Detection;
+pub use parallelism::{Crew, Sequential};
+pub use stage::Step;
+pub use table::{Table, TableChoice};
+pub use workspace::Workspace;

@@ -1,11 +1,7 @@
 //! The outline of the table, which need not be convex.
 
-use crate::table_surface::TableSurface;
 use geometry::ConvexPolygon;
 use nalgebra::Point2;
-
-/// Corners are left out where the outline stays this near, metres.
-const TOLERANCE_M: f64 = 0.03;
 
 /// A closed line around the table, counter-clockwise in the table's frame.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -56,127 +52,25 @@ impl Outline {
 
     /// Whether a place and all around it up to a distance, metres, lie inside, away
     /// from every side.
-    pub(crate) fn holds_around(&self, place: &Point2<f64>, distance_m: f64) -> bool {
+    pub(crate) fn contains_disc(&self, place: &Point2<f64>, distance_m: f64) -> bool {
         self.contains(place)
             && self
                 .sides()
                 .all(|(a, b, _)| self::distance_m(place, &a, &b) > distance_m)
     }
 
-    fn sides(&self) -> impl Iterator<Item = (Point2<f64>, Point2<f64>, bool)> {
+    pub(crate) fn sides(&self) -> impl Iterator<Item = (Point2<f64>, Point2<f64>, bool)> {
         let next = self.corners.iter().cycle().skip(1);
         let sides = self.corners.iter().zip(next).zip(&self.is_rim);
         sides.map(|((a, b), is_rim)| (*a, *b, *is_rim))
     }
-
-    /// Follows the border of the table's cells. A side is rim unless it lies
-    /// along a side of `hull` that is none.
-    pub(crate) fn trace(&mut self, surface: &TableSurface, hull: &Outline, lattice: &mut Lattice) {
-        lattice.walk(surface);
-        lattice.simplify();
-        self.corners.clear();
-        let corners = lattice.kept.iter().map(|&i| lattice.corners[i as usize]);
-        self.corners.extend(corners);
-        self.is_rim.clear();
-        for (i, a) in self.corners.iter().enumerate() {
-            let b = self.corners[(i + 1) % self.corners.len()];
-            // The end of the view may be several sides of the hull.
-            let ends_view = |corner: &Point2<f64>| {
-                let mut sides = hull.sides().filter(|(_, _, is_rim)| !is_rim);
-                sides.any(|(from, to, _)| distance_m(corner, &from, &to) <= TOLERANCE_M)
-            };
-            let middle = Point2::from(0.5 * (a.coords + b.coords));
-            let is_rim = ![*a, middle, b].iter().all(ends_view);
-            self.is_rim.push(is_rim);
-        }
-    }
 }
 
 /// Distance of a place from the segment between two others, metres.
-fn distance_m(place: &Point2<f64>, a: &Point2<f64>, b: &Point2<f64>) -> f64 {
+pub(crate) fn distance_m(place: &Point2<f64>, a: &Point2<f64>, b: &Point2<f64>) -> f64 {
     let along = b - a;
     let share = (place - a).dot(&along) / along.norm_squared().max(1e-12);
     (place - (a + along * share.clamp(0.0, 1.0))).norm()
-}
-
-/// Buffers of the tracing.
-#[derive(Debug, Default)]
-pub(crate) struct Lattice {
-    corners: Vec<Point2<f64>>,
-    kept: Vec<u32>,
-    open: Vec<[u32; 2]>,
-}
-
-impl Lattice {
-    /// Walks around the cells of the table, which stay on the left, from the
-    /// first cell back to it; keeps the places where the way turns.
-    fn walk(&mut self, surface: &TableSurface) {
-        const STEPS: [[isize; 2]; 4] = [[1, 0], [0, 1], [-1, 0], [0, -1]];
-        self.corners.clear();
-        let first = (0..surface.width * surface.height)
-            .map(|cell| (cell % surface.width, cell / surface.width))
-            .find(|&(column, row)| surface.is_table_cell(column as isize, row as isize));
-        let Some((column, row)) = first else { return };
-        let start = [column as isize, row as isize];
-        let (mut at, mut heading) = (start, 0);
-        loop {
-            at = [at[0] + STEPS[heading][0], at[1] + STEPS[heading][1]];
-            // The cells ahead, to the left and to the right of the way.
-            let [x, y] = at;
-            let [left, right] = match heading {
-                0 => [[x, y], [x, y - 1]],
-                1 => [[x - 1, y], [x, y]],
-                2 => [[x - 1, y - 1], [x - 1, y]],
-                _ => [[x, y - 1], [x - 1, y - 1]],
-            }
-            .map(|[column, row]| surface.is_table_cell(column, row));
-            let turned = match (left, right) {
-                (false, _) => (heading + 1) % 4,
-                (true, true) => (heading + 3) % 4,
-                (true, false) => heading,
-            };
-            if turned != heading {
-                self.corners.push(surface.corner(x as usize, y as usize));
-            }
-            heading = turned;
-            if at == start && heading == 0 {
-                return;
-            }
-        }
-    }
-
-    /// Keeps the corners that the outline needs (Douglas and Peucker 1973).
-    fn simplify(&mut self) {
-        let Self {
-            corners,
-            kept,
-            open,
-        } = self;
-        kept.clear();
-        open.clear();
-        let n = corners.len() as u32;
-        if n == 0 {
-            return;
-        }
-        let far = (0..n).max_by(|&a, &b| {
-            let from_first = |i: u32| (corners[i as usize] - corners[0]).norm_squared();
-            from_first(a).total_cmp(&from_first(b))
-        });
-        let far = far.unwrap_or(0);
-        kept.extend([0, far]);
-        open.extend([[0, far], [far, n]]);
-        while let Some([from, to]) = open.pop() {
-            let ends = [from, to % n].map(|i| corners[i as usize]);
-            let away = |i: u32| distance_m(&corners[i as usize], &ends[0], &ends[1]);
-            let farthest = (from + 1..to).max_by(|&a, &b| away(a).total_cmp(&away(b)));
-            if let Some(i) = farthest.filter(|&i| away(i) > TOLERANCE_M) {
-                kept.push(i);
-                open.extend([[from, i], [i, to]]);
-            }
-        }
-        kept.sort_unstable();
-        kept.dedup();
-    }
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! The thinned image on which planes are searched.
 
 use crate::RawConfig;
-use crate::axis::Axis;
+use crate::affine_form::AffineForm;
 use nalgebra::Point3;
 use point_cloud::{Moments, OrganizedCloud, Point};
 use sensor_noise::depth_sigma_m;
@@ -34,12 +34,12 @@ pub(crate) struct Samples {
 
 /// First and last column and row of the thinned image with samples in range.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct SeenSamples {
+pub(crate) struct SampleBounds {
     columns: [usize; 2],
     rows: [usize; 2],
 }
 
-impl SeenSamples {
+impl SampleBounds {
     /// Whether a sample lies at the border of what is seen, or beside it.
     pub(crate) fn is_border(&self, column: usize, row: usize) -> bool {
         let near = |[first, last]: [usize; 2], at: usize| at <= first + 1 || at + 1 >= last;
@@ -137,8 +137,8 @@ impl Samples {
     }
 
     /// The part of the thinned image in which there are samples in range.
-    pub(crate) fn seen(&self) -> SeenSamples {
-        let mut seen = SeenSamples {
+    pub(crate) fn seen(&self) -> SampleBounds {
+        let mut seen = SampleBounds {
             columns: [usize::MAX, 0],
             rows: [usize::MAX, 0],
         };
@@ -165,13 +165,13 @@ impl Samples {
 
     /// Whether a sample lies within its own band of the plane.
     #[inline]
-    pub(crate) fn is_inlier(&self, sample: usize, plane: &Axis) -> bool {
+    pub(crate) fn is_inlier(&self, sample: usize, plane: &AffineForm) -> bool {
         let height = plane.at(self.x[sample], self.y[sample], self.z[sample]);
         height.abs() <= self.band[sample]
     }
 
     /// Number of inliers.
-    pub(crate) fn count_inliers(&self, plane: &Axis) -> u32 {
+    pub(crate) fn count_inliers(&self, plane: &AffineForm) -> u32 {
         let n = self.len();
         let (x, y, z, band) = (&self.x[..n], &self.y[..n], &self.z[..n], &self.band[..n]);
         (0..n)
@@ -180,7 +180,7 @@ impl Samples {
     }
 
     /// Sums over the inliers.
-    pub(crate) fn inlier_moments(&self, plane: &Axis) -> Moments {
+    pub(crate) fn inlier_moments(&self, plane: &AffineForm) -> Moments {
         let mut moments = Moments::default();
         for sample in 0..self.len() {
             if self.is_inlier(sample, plane) {
@@ -208,7 +208,7 @@ impl Samples {
     }
 
     /// Takes the inliers of a plane out of further searches.
-    pub(crate) fn take_inliers(&mut self, plane: &Axis) {
+    pub(crate) fn take_inliers(&mut self, plane: &AffineForm) {
         for sample in 0..self.len() {
             if self.is_inlier(sample, plane) {
                 self.band[sample] = NO_BAND;
@@ -229,7 +229,7 @@ impl Samples {
 
     /// Coordinates of a sample along an axis, metres.
     #[inline]
-    pub(crate) fn along(&self, axis: &Axis, sample: usize) -> f32 {
+    pub(crate) fn along(&self, axis: &AffineForm, sample: usize) -> f32 {
         axis.at(self.x[sample], self.y[sample], self.z[sample])
     }
 }

@@ -1,8 +1,8 @@
 //! Where the table is and where it is not, cell by cell.
 
-use crate::axis::Axis;
+use crate::affine_form::AffineForm;
 use crate::samples::Samples;
-use crate::table_plane::Table;
+use crate::table::Table;
 use geometry::ConvexPolygon;
 use nalgebra::Point2;
 
@@ -37,7 +37,7 @@ const THROUGH_SAMPLES_MIN: u8 = 2;
 const PIERCING_SAMPLES_MIN: i32 = 2;
 
 /// Holes smaller than this are noise, square metres.
-const HOLES_AREA_MIN_M2: f64 = 0.01;
+const GAP_AREA_MIN_M2: f64 = 0.01;
 
 /// The table's cells, in the table's frame. Reused from frame to frame.
 #[derive(Debug, Default)]
@@ -55,7 +55,7 @@ pub(crate) struct TableSurface {
     n_level: Vec<i32>,
     /// Samples right below each cell.
     n_below: Vec<i32>,
-    is_hole: Vec<bool>,
+    is_gap: Vec<bool>,
     front: Vec<u32>,
     scratch: Vec<bool>,
 }
@@ -66,9 +66,9 @@ impl TableSurface {
     pub(crate) fn refill(&mut self, table: &Table, samples: &Samples) {
         self.lay_grid(&table.polygon);
         self.fill_polygon(&table.polygon);
-        self.count_through(table, samples);
-        self.find_holes();
-        self.cut_holes();
+        self.count_rays(table, samples);
+        self.find_gaps();
+        self.cut_gaps();
         dilate(
             &self.is_table,
             (self.width, self.height),
@@ -82,7 +82,7 @@ impl TableSurface {
     pub(crate) fn refill_from_polygon(&mut self, polygon: &ConvexPolygon) {
         self.lay_grid(polygon);
         self.fill_polygon(polygon);
-        self.is_hole.clear();
+        self.is_gap.clear();
         self.is_near.clear();
         self.is_near.extend_from_slice(&self.is_table);
     }
@@ -101,8 +101,8 @@ impl TableSurface {
     }
 
     /// Whether the table is not all of its polygon.
-    pub(crate) fn has_holes(&self) -> bool {
-        self.is_hole.contains(&true)
+    pub(crate) fn has_gaps(&self) -> bool {
+        self.is_gap.contains(&true)
     }
 
     /// Whether a cell, counted from 0, is table; none is outside of the grid.
@@ -176,14 +176,14 @@ impl TableSurface {
 
     /// Counts, for each cell, the samples that are seen through it, and those
     /// level with it, above and below it.
-    fn count_through(&mut self, table: &Table, samples: &Samples) {
+    fn count_rays(&mut self, table: &Table, samples: &Samples) {
         self.n_through.clear();
         self.n_through.resize(self.is_table.len(), 0);
         for counts in [&mut self.n_level, &mut self.n_below] {
             counts.clear();
             counts.resize(self.is_table.len(), 0);
         }
-        let [u, v, height] = Axis::of_transform(&table.table_from_camera);
+        let [u, v, height] = AffineForm::coordinates_of(&table.table_from_camera);
         let camera_height = height.at(0.0, 0.0, 0.0);
         for sample in (0..samples.len()).filter(|&sample| samples.depth(sample) > 0.0) {
             let above = samples.along(&height, sample);
@@ -198,7 +198,7 @@ impl TableSurface {
             if above < -SEEN_THROUGH_M {
                 // Where the ray from the camera to the sample meets the plane.
                 let share = camera_height / (camera_height - above);
-                let at = |axis: &Axis| {
+                let at = |axis: &AffineForm| {
                     let from = axis.at(0.0, 0.0, 0.0);
                     from + share * (samples.along(axis, sample) - from)
                 };
@@ -211,56 +211,56 @@ impl TableSurface {
 
     /// Finds the holes of the table, when they are more than noise: cells seen
     /// through, without those that stand alone.
-    fn find_holes(&mut self) {
+    fn find_gaps(&mut self) {
         let size = (self.width, self.height);
         let not_through = self.n_through.iter().map(|&n| n < THROUGH_SAMPLES_MIN);
         self.is_near.clear();
         self.is_near.extend(not_through);
         // Opening: what is left of the holes when all else grows by a cell, grown back.
-        dilate(&self.is_near, size, 1, &mut self.scratch, &mut self.is_hole);
-        self.is_hole.iter_mut().for_each(|cell| *cell = !*cell);
-        dilate(&self.is_hole, size, 1, &mut self.scratch, &mut self.is_near);
-        std::mem::swap(&mut self.is_near, &mut self.is_hole);
-        for (is_hole, is_table) in self.is_hole.iter_mut().zip(&self.is_table) {
-            *is_hole &= is_table;
+        dilate(&self.is_near, size, 1, &mut self.scratch, &mut self.is_gap);
+        self.is_gap.iter_mut().for_each(|cell| *cell = !*cell);
+        dilate(&self.is_gap, size, 1, &mut self.scratch, &mut self.is_near);
+        std::mem::swap(&mut self.is_near, &mut self.is_gap);
+        for (is_gap, is_table) in self.is_gap.iter_mut().zip(&self.is_table) {
+            *is_gap &= is_table;
         }
-        let n_holes = self.is_hole.iter().filter(|&&is_hole| is_hole).count();
+        let n_gaps = self.is_gap.iter().filter(|&&is_gap| is_gap).count();
         let cell_m2 = f64::from(self.cells_per_m).powi(-2);
-        if (n_holes as f64) * cell_m2 < HOLES_AREA_MIN_M2 {
-            self.is_hole.fill(false);
+        if (n_gaps as f64) * cell_m2 < GAP_AREA_MIN_M2 {
+            self.is_gap.fill(false);
         }
     }
 
     /// Takes the holes out of the table, with what is hidden by things that
     /// stand in a hole and reach up through it.
-    fn cut_holes(&mut self) {
-        if self.has_holes() {
-            self.grow_holes();
+    fn cut_gaps(&mut self) {
+        if self.has_gaps() {
+            self.grow_gaps();
         }
-        for (is_table, is_hole) in self.is_table.iter_mut().zip(&self.is_hole) {
-            *is_table &= !is_hole;
+        for (is_table, is_gap) in self.is_table.iter_mut().zip(&self.is_gap) {
+            *is_table &= !is_gap;
         }
     }
 
     /// Gives each hidden cell to what is nearer to it: a place where the table
     /// is seen or one that something passes through.
-    fn grow_holes(&mut self) {
+    fn grow_gaps(&mut self) {
         let Self {
             front,
             is_near: is_known,
-            is_hole,
+            is_gap,
             ..
         } = self;
         front.clear();
         is_known.clear();
-        for (cell, is_hole) in is_hole.iter_mut().enumerate() {
+        for (cell, is_gap) in is_gap.iter_mut().enumerate() {
             let (is_table, n_level) = (self.is_table[cell], self.n_level[cell]);
             let is_pierced = is_table
                 && n_level <= -PIERCING_SAMPLES_MIN
                 && self.n_below[cell] >= PIERCING_SAMPLES_MIN;
-            let is_source = is_pierced || is_table && n_level > 0 && !*is_hole;
-            *is_hole |= is_pierced;
-            is_known.push(is_source || *is_hole || !is_table);
+            let is_source = is_pierced || is_table && n_level > 0 && !*is_gap;
+            *is_gap |= is_pierced;
+            is_known.push(is_source || *is_gap || !is_table);
             if is_source {
                 front.push(cell as u32);
             }
@@ -274,7 +274,7 @@ impl TableSurface {
                 let near = cell.wrapping_add_signed(step);
                 if is_known.get(near) == Some(&false) {
                     is_known[near] = true;
-                    is_hole[near] = is_hole[cell];
+                    is_gap[near] = is_gap[cell];
                     front.push(near as u32);
                 }
             }
@@ -320,7 +320,7 @@ fn spread(marked: &[bool], stride: usize, reach: usize, spread: &mut [bool]) {
 /// Where the line at `v` enters and leaves a convex polygon grown by a margin;
 /// an empty interval outside.
 fn cut_at(corners: &[Point2<f64>], v: f64, margin_m: f64) -> [f64; 2] {
-    const NOWHERE: [f64; 2] = [1.0, 0.0];
+    const UNLABELLED: [f64; 2] = [1.0, 0.0];
     let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
     for (a, b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
         let along = b - a;
@@ -332,17 +332,17 @@ fn cut_at(corners: &[Point2<f64>], v: f64, margin_m: f64) -> [f64; 2] {
         } else if along.y < -1e-9 * length {
             low = low.max(a.x + left / along.y);
         } else if left < 0.0 {
-            return NOWHERE;
+            return UNLABELLED;
         }
     }
-    if low <= high { [low, high] } else { NOWHERE }
+    if low <= high { [low, high] } else { UNLABELLED }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::outline::Outline;
-    use crate::table_plane::TableChoice;
+    use crate::table::TableChoice;
     use geometry::Plane;
     use nalgebra::{Point3, Vector3};
     use proptest::prelude::*;
@@ -369,7 +369,7 @@ mod tests {
             prop_assume!(table.polygon.corners().len() >= 3 && table.polygon.area_m2() > 0.05);
             let mut surface = TableSurface::default();
             surface.refill(&table, &Samples::default());
-            prop_assert!(!surface.has_holes());
+            prop_assert!(!surface.has_gaps());
             let ends = table.polygon.corners().iter().map(|corner| corner.y);
             let (low, high) = ends.fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(v), h.max(v)));
             for (u, v) in probes {

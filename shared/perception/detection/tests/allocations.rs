@@ -1,7 +1,7 @@
 //! A frame in steady state allocates nothing.
 
-#[path = "synthetic/surroundings.rs"]
-mod surroundings;
+#[path = "synthetic/scene_priors.rs"]
+mod scene_priors;
 mod synthetic;
 
 use detection::{Candidate, Config, Detection, Frame, Surroundings, Workspace, detect};
@@ -52,7 +52,7 @@ fn a_frame_in_steady_state_allocates_nothing() {
     let cloud = OrganizedCloud::new(&points, 640, 480).unwrap();
     let (mut workspace, mut detection) = (Workspace::default(), Detection::default());
     let config = Config::default();
-    let (tracks, links) = (surroundings::tracks(), [surroundings::link()]);
+    let (tracks, links) = (scene_priors::tracks(), [scene_priors::link()]);
     for seed in 0..40 {
         let frame = Frame {
             cloud,

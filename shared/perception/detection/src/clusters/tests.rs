@@ -1,7 +1,7 @@
 //! Clusters against brute force.
 
 use super::*;
-use crate::crew::{Alone, Threads};
+use crate::parallelism::{ScopedThreads, Sequential};
 use point_cloud::OrganizedCloud;
 use point_cloud::Rgba;
 use proptest::prelude::*;
@@ -67,7 +67,7 @@ proptest! {
         let pixels: Vec<u32> = (0..image.len() as u32).filter(|&i| inside[i as usize]).collect();
         let cloud = OrganizedCloud::new(&points, WIDTH, 8).unwrap();
         let mut clusters = Clusters::default();
-        clusters.join(&cloud, &Threads(2), &pixels, n_min);
+        clusters.label_components(&cloud, &ScopedThreads(2), &pixels, n_min);
         let first = clusters_by_spreading(&points, &inside);
         let mut expected: Vec<Vec<u32>> = (0..image.len())
             .map(|root| pixels.iter().copied().filter(|&p| first[p as usize] == root).collect())
@@ -85,20 +85,20 @@ proptest! {
         let pixels: Vec<u32> =
             (0..image.len() as u32).filter(|&i| image[i as usize].is_some()).collect();
         let cloud = OrganizedCloud::new(&points, WIDTH, 8).unwrap();
-        let (mut clusters, mut parting) = (Clusters::default(), Parting::default());
-        clusters.join(&cloud, &Alone, &pixels, 2);
+        let (mut clusters, mut split) = (Clusters::default(), ConcavitySplit::default());
+        clusters.label_components(&cloud, &Sequential, &pixels, 2);
         for cluster in 0..clusters.len() {
             let whole = clusters.pixels(cluster).to_vec();
-            let (mut parted, sizes) = parting.part_along(&cloud, &whole, &creased, 3);
-            let mut others = parted.as_slice();
+            let (mut split_pixels, sizes) = split.split_along(&cloud, &whole, &creased, 3);
+            let mut others = split_pixels.as_slice();
             for &size in &sizes {
                 let part;
                 (part, others) = others.split_at(size as usize);
                 prop_assert!(!part.is_empty() && part.is_sorted());
             }
             prop_assert!(!sizes.is_empty() && others.is_empty());
-            parted.sort_unstable();
-            prop_assert_eq!(parted, whole);
+            split_pixels.sort_unstable();
+            prop_assert_eq!(split_pixels, whole);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! A cloud laid back on the image that it was seen in.
 
-use super::NOWHERE;
-use super::lattice::Lattice;
+use super::UNLABELLED;
+use super::pixel_lattice::PixelLattice;
 use super::resampling::{PixelCentres, resample};
 use super::view_extent::{ViewExtent, tangents_of};
 use point_cloud::{OrganizedCloud, Point, Rgba};
@@ -18,14 +18,14 @@ const LAYERED_SHARE_MAX: f64 = 0.05;
 
 /// Least share of the points at the usual density, where no lattice is found:
 /// a camera sees every direction once, a merged cloud does not.
-const EVEN_SHARE_MIN: f64 = 0.75;
+const UNIFORM_SHARE_MIN: f64 = 0.75;
 
 /// Without a lattice a pixel is wider than the mean distance of neighbours, so
 /// that few pixels stay empty.
 const WIDER: f64 = 1.5;
 
 /// Where the mean distance of neighbours is this many pixels, so many of them
-/// are empty that some are joined.
+/// are empty that some are n_merged_columns.
 const SPARSE: f64 = 1.2;
 
 /// A point this far behind its pixel's surface is of another one: metres at
@@ -33,7 +33,7 @@ const SPARSE: f64 = 1.2;
 const BEHIND_M: f32 = 0.02;
 
 /// Pitch of a Kinect v1, tangent per pixel. The search of an image counts in
-/// its pixels: those of a finer view are joined until they are about as large.
+/// its pixels: those of a finer view are n_merged_columns until they are about as large.
 const KINECT_PITCH: f64 = 1.0 / 585.0;
 
 /// Field of view of a Kinect v1, tangents of its width and height. The image
@@ -51,11 +51,11 @@ const SIDE_PX_MAX: f64 = 8192.0;
 
 /// How sure it is that a cloud is a single view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Trust {
+pub(super) enum ViewEvidence {
     /// Its points lie on the rows and columns of an image.
     Lattice,
     /// Its points are spread evenly over the directions of view.
-    Even,
+    UniformDensity,
 }
 
 /// Buffers, and the image laid last.
@@ -73,22 +73,22 @@ pub(super) struct SingleView {
 
 /// Rows and columns of an image that is to be laid.
 #[derive(Debug, Clone, Copy)]
-struct Grid {
-    lattices: [Lattice; 2],
+struct PixelGrid {
+    lattices: [PixelLattice; 2],
     first: [i64; 2],
     size: [usize; 2],
 }
 
-impl Grid {
+impl PixelGrid {
     /// Around the extent of a view, with margins.
-    fn around(extent: &ViewExtent, lattices: [Lattice; 2]) -> Self {
+    fn around(extent: &ViewExtent, lattices: [PixelLattice; 2]) -> Self {
         let margined = [0, 1].map(|axis| {
             let half = 0.5 * KINECT_VIEW[axis] as f32;
             let [low, high] = extent.tangents[axis];
             [low.min(-half), high.max(half)]
         });
-        let lattices =
-            lattices.map(|lattice| lattice.coarser(joined(lattice.pitch(), extent.pitch)));
+        let lattices = lattices
+            .map(|lattice| lattice.coarser(n_merged_columns(lattice.pitch(), extent.pitch)));
         let with_margin = Self::over(margined, lattices, 1.0);
         if with_margin.n_pixels() <= N_PIXELS_WITH_MARGIN_MAX {
             return with_margin;
@@ -102,7 +102,7 @@ impl Grid {
         grid
     }
 
-    fn over(tangents: [[f32; 2]; 2], lattices: [Lattice; 2], n: f64) -> Self {
+    fn over(tangents: [[f32; 2]; 2], lattices: [PixelLattice; 2], n: f64) -> Self {
         let lattices = lattices.map(|lattice| lattice.coarser(n));
         let column = |axis: usize, side: usize| lattices[axis].column_of(tangents[axis][side]);
         let size = [0, 1].map(|axis| (column(axis, 1) - column(axis, 0)).max(1) as usize + 1);
@@ -140,7 +140,7 @@ impl Grid {
 }
 
 /// How many columns of a pitch make one of the image.
-fn joined(pitch: f64, point_pitch: f64) -> f64 {
+fn n_merged_columns(pitch: f64, point_pitch: f64) -> f64 {
     let n_sparse = if point_pitch > SPARSE * pitch {
         (WIDER * point_pitch / pitch).floor()
     } else {
@@ -152,27 +152,27 @@ fn joined(pitch: f64, point_pitch: f64) -> f64 {
 impl SingleView {
     /// Lays a cloud on an image; `None` when it is no single view from its
     /// origin along z.
-    pub(super) fn lay(&mut self, points: &[Point]) -> Option<Trust> {
+    pub(super) fn reproject(&mut self, points: &[Point]) -> Option<ViewEvidence> {
         self.size = [0, 0];
         self.extent.measure(points)?;
         if self.extent.seen_share < SEEN_SHARE_MIN {
             return None;
         }
         let (lattices, trust) = match self.fit_lattices() {
-            Some(lattices) => (lattices, Trust::Lattice),
-            None if self.extent.even_share < EVEN_SHARE_MIN => return None,
-            None => (self.even_lattices(), Trust::Even),
+            Some(lattices) => (lattices, ViewEvidence::Lattice),
+            None if self.extent.uniform_share < UNIFORM_SHARE_MIN => return None,
+            None => (self.uniform_lattices(), ViewEvidence::UniformDensity),
         };
-        let grid = Grid::around(&self.extent, lattices);
+        let grid = PixelGrid::around(&self.extent, lattices);
         self.fill(points, &grid);
         let joins = |axis: usize| grid.lattices[axis].pitch() > lattices[axis].pitch();
-        if trust == Trust::Even || joins(0) || joins(1) {
+        if trust == ViewEvidence::UniformDensity || joins(0) || joins(1) {
             let Self { image, depths, .. } = self;
             resample(image, grid.size[0], &grid.centres(), depths);
         }
         let (mut n_placed, mut n_layered) = (0, 0);
         for (i, point) in points.iter().enumerate() {
-            if self.pixel_of_point[i] != NOWHERE {
+            if self.pixel_of_point[i] != UNLABELLED {
                 n_placed += 1;
                 n_layered += usize::from(!self.is_at_surface(i, point));
             }
@@ -189,7 +189,7 @@ impl SingleView {
     #[inline]
     pub(super) fn surface_pixel(&self, index: usize, point: &Point) -> Option<usize> {
         let pixel = self.pixel_of_point[index];
-        (pixel != NOWHERE && self.is_at_surface(index, point)).then_some(pixel as usize)
+        (pixel != UNLABELLED && self.is_at_surface(index, point)).then_some(pixel as usize)
     }
 
     #[inline]
@@ -198,7 +198,7 @@ impl SingleView {
         point.z - surface_m <= BEHIND_M * (surface_m * surface_m).max(1.0)
     }
 
-    fn fit_lattices(&mut self) -> Option<[Lattice; 2]> {
+    fn fit_lattices(&mut self) -> Option<[PixelLattice; 2]> {
         let sample = self.extent.sample();
         let mut random = Random::from_seed(sample.len() as u64);
         self.tangents.iter_mut().for_each(Vec::clear);
@@ -214,22 +214,22 @@ impl SingleView {
             extent,
             ..
         } = self;
-        let columns_of_image = Lattice::fit(u, extent.pitch, columns, gaps)?;
+        let columns_of_image = PixelLattice::fit(u, extent.pitch, columns, gaps)?;
         Some([
             columns_of_image,
-            Lattice::fit(v, extent.pitch, columns, gaps)?,
+            PixelLattice::fit(v, extent.pitch, columns, gaps)?,
         ])
     }
 
-    fn even_lattices(&self) -> [Lattice; 2] {
+    fn uniform_lattices(&self) -> [PixelLattice; 2] {
         let pitch = WIDER * self.extent.pitch;
         self.extent
             .tangents
-            .map(|[low, _]| Lattice::new(f64::from(low), pitch))
+            .map(|[low, _]| PixelLattice::new(f64::from(low), pitch))
     }
 
     /// Draws the points; each pixel keeps the nearest.
-    fn fill(&mut self, points: &[Point], grid: &Grid) {
+    fn fill(&mut self, points: &[Point], grid: &PixelGrid) {
         self.size = grid.size;
         self.image.clear();
         self.image.resize(
@@ -239,7 +239,7 @@ impl SingleView {
         self.pixel_of_point.clear();
         self.pixel_of_point.extend(points.iter().map(|point| {
             let Some(pixel) = grid.pixel_of(point) else {
-                return NOWHERE;
+                return UNLABELLED;
             };
             let drawn = &mut self.image[pixel];
             if drawn.z.is_nan() || point.z < drawn.z {

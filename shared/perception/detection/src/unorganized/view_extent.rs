@@ -35,7 +35,7 @@ pub(super) struct ViewExtent {
     /// Mean distance of neighbours, tangent of the angle.
     pub(super) pitch: f64,
     /// Share of the points where the density is about the usual one.
-    pub(super) even_share: f64,
+    pub(super) uniform_share: f64,
 }
 
 /// The tangents of the ray to a point, for a camera at the origin that looks
@@ -124,7 +124,7 @@ impl ViewExtent {
             .counts
             .iter()
             .filter(|&&count| 2 * count >= usual && count <= 2 * usual);
-        self.even_share = even.map(|&count| f64::from(count)).sum::<f64>() / total as f64;
+        self.uniform_share = even.map(|&count| f64::from(count)).sum::<f64>() / total as f64;
         let usual = n_each * f64::from(usual);
         self.pitch = (1.0 / (f64::from(per_u) * f64::from(per_v) * usual)).sqrt();
         Some(())

@@ -1,10 +1,10 @@
 //! Connected cells of the space over the table.
 
-use super::NOWHERE;
-use super::groups::Groups;
-use super::voxels::Voxels;
-use crate::axis::Axis;
-use crate::clusters::root;
+use super::UNLABELLED;
+use super::label_groups::LabelGroups;
+use super::voxel_grid::VoxelGrid;
+use crate::affine_form::AffineForm;
+use crate::clusters::find_root;
 use point_cloud::Point;
 
 /// A part grows by this many cells to its sides while it grows by one upwards
@@ -21,7 +21,7 @@ pub(super) struct VoxelClusters {
     n_cells: Vec<u32>,
     cluster_of_cell: Vec<u32>,
     of_point: Vec<u32>,
-    groups: Groups,
+    groups: LabelGroups,
     fronts: [Vec<u32>; N_FRONTS],
 }
 
@@ -34,9 +34,9 @@ impl VoxelClusters {
         &mut self,
         points: &[Point],
         listed: &[u32],
-        table_axes: &[Axis; 3],
+        table_axes: &[AffineForm; 3],
         (cell_m, n_min): (f32, u32),
-        voxels: &mut Voxels,
+        voxels: &mut VoxelGrid,
     ) {
         let in_table = |k: usize| {
             let point = &points[listed[k] as usize];
@@ -48,8 +48,8 @@ impl VoxelClusters {
         for cell in 0..voxels.len() {
             for near in voxels.later_neighbours(cell) {
                 let (a, b) = (
-                    root(&mut self.parents, cell as u32),
-                    root(&mut self.parents, near as u32),
+                    find_root(&mut self.parents, cell as u32),
+                    find_root(&mut self.parents, near as u32),
                 );
                 self.parents[a.max(b) as usize] = a.min(b);
             }
@@ -64,29 +64,29 @@ impl VoxelClusters {
         self.n_cells.clear();
         self.n_cells.resize(n_cells, 0);
         for cell in 0..n_cells as u32 {
-            self.n_cells[root(&mut self.parents, cell) as usize] += 1;
+            self.n_cells[find_root(&mut self.parents, cell) as usize] += 1;
         }
         let mut n_clusters = 0;
         self.cluster_of_cell.clear();
         for cell in 0..n_cells as u32 {
-            let first = root(&mut self.parents, cell);
+            let first = find_root(&mut self.parents, cell);
             let cluster = if first != cell {
                 self.cluster_of_cell[first as usize]
             } else if self.n_cells[cell as usize] >= n_min {
                 n_clusters += 1;
                 n_clusters - 1
             } else {
-                NOWHERE
+                UNLABELLED
             };
             self.cluster_of_cell.push(cluster);
         }
         n_clusters
     }
 
-    fn group(&mut self, n_clusters: u32, voxels: &Voxels) {
+    fn group(&mut self, n_clusters: u32, voxels: &VoxelGrid) {
         self.of_point.clear();
         let cluster = |&cell: &u32| match cell {
-            NOWHERE => NOWHERE,
+            UNLABELLED => UNLABELLED,
             cell => self.cluster_of_cell[cell as usize],
         };
         self.of_point.extend(voxels.voxel_of().iter().map(cluster));
@@ -103,16 +103,16 @@ impl VoxelClusters {
         self.groups.members(cluster)
     }
 
-    /// Groups the points anew after parts were given new numbers.
+    /// LabelGroups the points anew after parts were given new numbers.
     pub(super) fn regroup(&mut self, n_clusters: usize) {
         self.groups.refill(&self.of_point, n_clusters);
     }
 
-    /// Parts a cluster: members with a part, as `part_of` tells by their place
+    /// RegionFilter a cluster: members with a part, as `part_of` tells by their place
     /// among the members, go to it, all others to the part that grows to their
     /// cell first. Part 0 keeps the cluster's number, the others count on from
     /// `next`. The members stay grouped as they were until [`Self::regroup`].
-    pub(super) fn part(&mut self, cluster: usize, part_of: &[u32], next: u32, voxels: &Voxels) {
+    pub(super) fn part(&mut self, cluster: usize, part_of: &[u32], next: u32, voxels: &VoxelGrid) {
         let Self {
             of_point,
             groups,
@@ -126,11 +126,11 @@ impl VoxelClusters {
         let cell_of = |member: u32| voxels.voxel_of()[member as usize] as usize;
         // Cells not reached yet have no cluster.
         for &member in members {
-            cluster_of_cell[cell_of(member)] = NOWHERE;
+            cluster_of_cell[cell_of(member)] = UNLABELLED;
         }
         for (&member, &part) in members.iter().zip(part_of) {
             let cell = cell_of(member);
-            if part != NOWHERE && cluster_of_cell[cell] == NOWHERE {
+            if part != UNLABELLED && cluster_of_cell[cell] == UNLABELLED {
                 cluster_of_cell[cell] = number(part);
                 fronts[0].push(cell as u32);
             }
@@ -138,7 +138,7 @@ impl VoxelClusters {
         grow(cluster_of_cell, fronts, voxels);
         for (&member, &part) in members.iter().zip(part_of) {
             of_point[member as usize] = match part {
-                NOWHERE => cluster_of_cell[cell_of(member)],
+                UNLABELLED => cluster_of_cell[cell_of(member)],
                 part => number(part),
             };
         }
@@ -148,12 +148,12 @@ impl VoxelClusters {
 /// Lets the clusters of the cells in the first front grow over the cells that
 /// are connected with them and have no cluster, the near ones first (Dial
 /// 1969). All cells next to one of a cluster are of that cluster.
-fn grow(cluster_of_cell: &mut [u32], fronts: &mut [Vec<u32>; N_FRONTS], voxels: &Voxels) {
+fn grow(cluster_of_cell: &mut [u32], fronts: &mut [Vec<u32>; N_FRONTS], voxels: &VoxelGrid) {
     // A cell is claimed when the growth arrives; claims come as pairs of the
     // cell and the one it is reached from.
     let reach = |cell: usize, distance: usize, fronts: &mut [Vec<u32>; N_FRONTS], of: &[u32]| {
         for (near, [_, _, up]) in voxels.neighbours(cell) {
-            if of[near] == NOWHERE {
+            if of[near] == UNLABELLED {
                 let steps = if up == 0 { 1 } else { LEVEL_STEPS };
                 fronts[(distance + steps) % N_FRONTS].extend([near as u32, cell as u32]);
             }
@@ -171,7 +171,7 @@ fn grow(cluster_of_cell: &mut [u32], fronts: &mut [Vec<u32>; N_FRONTS], voxels: 
         n_empty = if front.is_empty() { n_empty + 1 } else { 0 };
         for claim in front.chunks_exact(2) {
             let (cell, from) = (claim[0] as usize, claim[1] as usize);
-            if cluster_of_cell[cell] == NOWHERE {
+            if cluster_of_cell[cell] == UNLABELLED {
                 cluster_of_cell[cell] = cluster_of_cell[from];
                 reach(cell, distance, fronts, cluster_of_cell);
             }
@@ -199,10 +199,10 @@ mod tests {
         }
     }
 
-    fn joined(points: &[Point]) -> (VoxelClusters, Voxels) {
+    fn joined(points: &[Point]) -> (VoxelClusters, VoxelGrid) {
         let listed: Vec<u32> = (0..points.len() as u32).collect();
-        let axes = Axis::of_transform(&RigidTransform::identity());
-        let (mut clusters, mut voxels) = (VoxelClusters::default(), Voxels::default());
+        let axes = AffineForm::coordinates_of(&RigidTransform::identity());
+        let (mut clusters, mut voxels) = (VoxelClusters::default(), VoxelGrid::default());
         clusters.join(points, &listed, &axes, (CELL_M, 1), &mut voxels);
         (clusters, voxels)
     }
@@ -242,7 +242,7 @@ mod tests {
             .map(|i| match i {
                 10 => 0,
                 90 => 1,
-                _ => NOWHERE,
+                _ => UNLABELLED,
             })
             .collect();
         clusters.part(0, &part_of, 1, &voxels);

@@ -1,13 +1,13 @@
 //! Which plane of a cloud without a view is the table.
 
-use super::centroids::Centroids;
-use super::plane_region::PlaneRegion;
-use super::voxel_planes::{UpCone, largest_plane};
-use super::voxels::Voxels;
+use super::voxel_centroids::VoxelCentroids;
+use super::voxel_grid::VoxelGrid;
+use super::voxel_plane_ransac::{UpCone, largest_plane};
+use super::voxel_plane_region::VoxelPlaneRegion;
 use crate::RawConfig;
-use crate::axis::Axis;
+use crate::affine_form::AffineForm;
 use crate::outline::Outline;
-use crate::table_plane::{Table, TableChoice};
+use crate::table::{Table, TableChoice};
 use crate::table_surface::TableSurface;
 use geometry::{ConvexPolygon, Plane, RigidTransform};
 use nalgebra::{Unit, Vector3};
@@ -38,10 +38,10 @@ const FLOOR_GAP_M: f64 = 0.35;
 /// share of the lower one's voxels: the floor of a whole room is large.
 const TABLE_SHARE_OF_FLOOR: f64 = 0.05;
 
-/// Up in the frame of a camera that looks down aslant, and how far its true
+/// Up in the frame of a camera that looks down oblique, and how far its true
 /// direction may lie from there, radians.
-const ASLANT_UP: [f64; 3] = [0.0, -0.8, -0.6];
-const ASLANT_TILT_RAD: f64 = 0.96;
+const OBLIQUE_UP: [f64; 3] = [0.0, -0.8, -0.6];
+const OBLIQUE_TILT_RAD: f64 = 0.96;
 
 /// What lies over the table is higher than this many times the scatter of its
 /// voxels' centroids.
@@ -56,15 +56,15 @@ pub(super) struct VoxelTable {
 
 /// Buffers of the search.
 #[derive(Debug, Default)]
-pub(super) struct TableSearch {
-    centroids: Centroids,
-    counted: Centroids,
-    region: PlaneRegion,
-    found: Vec<FoundPlane>,
+pub(super) struct VoxelTableSearch {
+    centroids: VoxelCentroids,
+    counted: VoxelCentroids,
+    region: VoxelPlaneRegion,
+    found: Vec<VoxelPlaneCandidate>,
 }
 
 #[derive(Debug)]
-struct FoundPlane {
+struct VoxelPlaneCandidate {
     plane: Plane,
     plane_from_cloud: RigidTransform,
     polygon: ConvexPolygon,
@@ -73,23 +73,23 @@ struct FoundPlane {
     scatter_m: f64,
 }
 
-impl FoundPlane {
+impl VoxelPlaneCandidate {
     fn carries(&self) -> bool {
         self.n_carried >= N_CARRIED_MIN
             && self.n_carried as f64 >= CARRIED_SHARE_MIN * self.n_voxels as f64
     }
 }
 
-impl TableSearch {
+impl VoxelTableSearch {
     /// The table of a cloud: among its planes across up the largest that
     /// carries something, or, where one lies over another, the upper one.
     ///
     /// Without known up it is the cloud's z axis, as in a frame of the world;
     /// where no plane across that carries anything, a camera that looks down
-    /// aslant along z is assumed, whose up is mostly -y.
+    /// oblique along z is assumed, whose up is mostly -y.
     pub(super) fn find(
         &mut self,
-        voxels: &Voxels,
+        voxels: &VoxelGrid,
         up: Option<Unit<Vector3<f64>>>,
         config: &RawConfig,
         random: &mut Random,
@@ -100,18 +100,18 @@ impl TableSearch {
             up,
             cos_min: config.table_tilt_max_rad.cos(),
         };
-        let aslant = UpCone {
-            up: Unit::new_normalize(Vector3::from(ASLANT_UP)),
-            cos_min: ASLANT_TILT_RAD.cos(),
+        let oblique = UpCone {
+            up: Unit::new_normalize(Vector3::from(OBLIQUE_UP)),
+            cos_min: OBLIQUE_TILT_RAD.cos(),
         };
         let cones = match up {
             Some(up) => [Some(level(up)), None],
-            None => [Some(level(Vector3::z_axis())), Some(aslant)],
+            None => [Some(level(Vector3::z_axis())), Some(oblique)],
         };
         let mut empty = None;
         for cone in cones.iter().flatten() {
             self.find_planes(voxels, cone, config, random, surface);
-            let chosen = choose(&self.found);
+            let chosen = choose_table(&self.found);
             let chosen = chosen.map(|(plane, choice)| (as_table(plane, choice, config), plane));
             if let Some((table, plane)) = chosen {
                 if plane.carries() {
@@ -125,7 +125,7 @@ impl TableSearch {
 
     fn find_planes(
         &mut self,
-        voxels: &Voxels,
+        voxels: &VoxelGrid,
         cone: &UpCone,
         config: &RawConfig,
         random: &mut Random,
@@ -148,7 +148,7 @@ impl TableSearch {
                 break;
             };
             let found = self.outlined(plane, cone, band_m, voxel_m);
-            self.centroids.take(&Axis::from(&plane), band_m);
+            self.centroids.take(&AffineForm::from(&plane), band_m);
             if let Some(mut found) = found.filter(|found| found.n_voxels >= n_min) {
                 found.n_carried = self.count_carried(&found, config, surface);
                 self.found.push(found);
@@ -163,7 +163,7 @@ impl TableSearch {
         cone: &UpCone,
         band_m: f32,
         voxel_m: f32,
-    ) -> Option<FoundPlane> {
+    ) -> Option<VoxelPlaneCandidate> {
         let Self {
             centroids, region, ..
         } = self;
@@ -178,7 +178,7 @@ impl TableSearch {
         let plane_from_cloud = plane.plane_from_source();
         let n_voxels = region.find(centroids, &plane_from_cloud, band_m, voxel_m);
         let polygon = region.polygon();
-        (polygon.corners().len() >= 3).then_some(FoundPlane {
+        (polygon.corners().len() >= 3).then_some(VoxelPlaneCandidate {
             plane,
             plane_from_cloud,
             polygon,
@@ -191,12 +191,12 @@ impl TableSearch {
     /// Number of voxels that lie well over a plane.
     fn count_carried(
         &self,
-        found: &FoundPlane,
+        found: &VoxelPlaneCandidate,
         config: &RawConfig,
         surface: &mut TableSurface,
     ) -> usize {
         surface.refill_from_polygon(&found.polygon);
-        let [u, v, height] = Axis::of_transform(&found.plane_from_cloud);
+        let [u, v, height] = AffineForm::coordinates_of(&found.plane_from_cloud);
         let heights = config.height_min_m as f32 + CARRIED_M..=config.height_max_m as f32;
         let centroids = &self.centroids;
         (0..centroids.len())
@@ -208,7 +208,7 @@ impl TableSearch {
     }
 }
 
-fn as_table(found: &FoundPlane, choice: TableChoice, config: &RawConfig) -> VoxelTable {
+fn as_table(found: &VoxelPlaneCandidate, choice: TableChoice, config: &RawConfig) -> VoxelTable {
     VoxelTable {
         table: Table {
             plane: found.plane,
@@ -222,7 +222,7 @@ fn as_table(found: &FoundPlane, choice: TableChoice, config: &RawConfig) -> Voxe
     }
 }
 
-fn choose(found: &[FoundPlane]) -> Option<(&FoundPlane, TableChoice)> {
+fn choose_table(found: &[VoxelPlaneCandidate]) -> Option<(&VoxelPlaneCandidate, TableChoice)> {
     let mut choice = match found.len().saturating_sub(1) {
         0 => TableChoice::Only,
         n_others => TableChoice::Largest { n_others },
@@ -234,7 +234,7 @@ fn choose(found: &[FoundPlane]) -> Option<(&FoundPlane, TableChoice)> {
     };
     // Each step leads at least the gap upwards, so this ends.
     while let Some(upper) = carrying()
-        .filter(|plane| lies_over(plane, chosen))
+        .filter(|plane| is_above(plane, chosen))
         .max_by_key(|plane| plane.n_voxels)
     {
         chosen = upper;
@@ -245,7 +245,7 @@ fn choose(found: &[FoundPlane]) -> Option<(&FoundPlane, TableChoice)> {
     Some((chosen, choice))
 }
 
-fn lies_over(upper: &FoundPlane, lower: &FoundPlane) -> bool {
+fn is_above(upper: &VoxelPlaneCandidate, lower: &VoxelPlaneCandidate) -> bool {
     lower.plane.offset_m - upper.plane.offset_m >= FLOOR_GAP_M
         && upper.plane.normal.dot(&lower.plane.normal) > 0.94
         && upper.n_voxels as f64 >= TABLE_SHARE_OF_FLOOR * lower.n_voxels as f64

@@ -1,18 +1,18 @@
 //! Tables and objects as they are rarely: no table, several, cut, concave,
 //! covered, seen from odd places and in odd images.
 
-mod hollows;
-mod images;
-mod outcome;
-mod outlines;
-mod piles;
-mod planes;
-mod rims;
-#[path = "../synthetic/scene.rs"]
-mod scene;
+mod concavity_split;
+mod detection_outcome;
+mod hollow_objects;
+mod image_geometry;
 mod several_tables;
+#[path = "../synthetic/synthetic_scene.rs"]
+mod synthetic_scene;
+mod table_outline;
+mod table_rim;
+mod table_selection;
 
-use scene::{OBJECT, Scene, Solid, TABLE};
+use synthetic_scene::{OBJECT, Scene, Solid, TABLE};
 
 /// Height of the table over the floor, metres.
 const HIGH: f64 = 0.72;
@@ -37,7 +37,7 @@ fn on_table(sides: [f64; 3], at: [f64; 2], n: u16) -> Solid {
     Solid::cuboid(sides, [at[0], at[1], HIGH], OBJECT + n)
 }
 
-/// Labels of the first objects.
+/// PointLabels of the first objects.
 fn objects(n: u16) -> Vec<u16> {
     (OBJECT..OBJECT + n).collect()
 }

@@ -1,7 +1,7 @@
 //! Several tables in one view.
 
-use crate::outcome::Outcome;
-use crate::scene::{OBJECT, Scene, Solid, TABLE};
+use crate::detection_outcome::DetectionOutcome;
+use crate::synthetic_scene::{OBJECT, Scene, Solid, TABLE};
 use crate::{HIGH, objects};
 use detection::TableChoice;
 
@@ -31,7 +31,7 @@ fn of_two_tables_side_by_side_the_larger_is_chosen() {
     let on_lower = Solid::cuboid([0.1, 0.1, 0.12], [-0.3, 0.0, HIGH - 0.2], OBJECT);
     let on_upper = Solid::cuboid([0.1, 0.1, 0.12], [0.3, 0.0, HIGH], OBJECT + 1);
     let scene = view().with([lower, upper, on_lower, on_upper]);
-    for outcome in Outcome::both(&scene) {
+    for outcome in DetectionOutcome::both(&scene) {
         assert!((outcome.table_height_m([0.0, 0.0]) - (HIGH - 0.2)).abs() < 0.003);
         assert_eq!(outcome.table().choice, TableChoice::Most);
         outcome.assert_objects(&[OBJECT], 0.9);
@@ -44,7 +44,7 @@ fn a_table_over_a_lower_one_is_chosen() {
     let upper = table_at([0.8, 0.3], [0.0, 0.3], HIGH);
     let on_upper = Solid::cuboid([0.1, 0.1, 0.12], [0.3, 0.3, HIGH], OBJECT);
     let scene = view().with([lower, upper, on_upper]);
-    for outcome in Outcome::both(&scene) {
+    for outcome in DetectionOutcome::both(&scene) {
         assert!((outcome.table_height_m([0.0, 0.3]) - HIGH).abs() < 0.003);
         let choice = outcome.table().choice;
         let truth = [
@@ -59,7 +59,7 @@ fn a_table_over_a_lower_one_is_chosen() {
 #[test]
 fn a_floor_under_the_table_is_named_by_the_choice() {
     let scene = view().with([table_at([0.5, 0.4], [0.0, 0.0], HIGH), Solid::floor()]);
-    for outcome in Outcome::both(&scene) {
+    for outcome in DetectionOutcome::both(&scene) {
         let choice = outcome.table().choice;
         assert_eq!(choice, TableChoice::OverLarger { n_others: 1 }, "{choice}");
     }
@@ -77,7 +77,7 @@ fn of_two_tables_of_one_height_the_larger_is_chosen_and_the_other_counted() {
         Solid::cuboid([0.1, 0.1, 0.12], on_both[1], OBJECT + 1),
     ]);
     for floor in [None, Some(Solid::floor())] {
-        for outcome in Outcome::both(&scene.clone().with(floor.clone())) {
+        for outcome in DetectionOutcome::both(&scene.clone().with(floor.clone())) {
             outcome.assert_objects(&[OBJECT], 0.9);
             assert!(
                 (outcome.outline_m2() - 0.175).abs() < 0.02,

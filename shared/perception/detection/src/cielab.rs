@@ -1,0 +1,110 @@
+//! Colour as the eye tells it apart.
+
+/// Sum of colours.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct ColorSum {
+    n: u32,
+    rgb: [u32; 3],
+}
+
+impl ColorSum {
+    /// Adds a colour.
+    #[inline]
+    pub(crate) fn add(&mut self, rgb: [u8; 3]) {
+        self.n += 1;
+        for (sum, value) in self.rgb.iter_mut().zip(rgb) {
+            *sum += u32::from(value);
+        }
+    }
+
+    /// Adds another sum.
+    pub(crate) fn join(&mut self, other: &Self) {
+        self.n += other.n;
+        for (sum, value) in self.rgb.iter_mut().zip(other.rgb) {
+            *sum += value;
+        }
+    }
+
+    /// The mean colour; black without any.
+    pub(crate) fn mean(&self) -> CieLab {
+        let n = self.n.max(1) as f32;
+        CieLab::of_srgb(self.rgb.map(|sum| sum as f32 / n))
+    }
+}
+
+/// A colour in CIE 1976 L*a*b* under the white of sRGB (D65).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct CieLab {
+    l: f32,
+    a: f32,
+    b: f32,
+}
+
+impl CieLab {
+    /// The colour of sRGB values from 0 to 255 (IEC 61966-2-1).
+    pub(crate) fn of_srgb(rgb: [f32; 3]) -> Self {
+        let [r, g, b] = rgb.map(|value| {
+            let value = value / 255.0;
+            if value <= 0.040_45 {
+                value / 12.92
+            } else {
+                ((value + 0.055) / 1.055).powf(2.4)
+            }
+        });
+        let lightness = |t: f32| {
+            if t > 0.008_856 {
+                t.cbrt()
+            } else {
+                7.787 * t + 16.0 / 116.0
+            }
+        };
+        let x = lightness((0.4124 * r + 0.3576 * g + 0.1805 * b) / 0.9505);
+        let y = lightness(0.2126 * r + 0.7152 * g + 0.0722 * b);
+        let z = lightness((0.0193 * r + 0.1192 * g + 0.9505 * b) / 1.089);
+        Self {
+            l: 116.0 * y - 16.0,
+            a: 500.0 * (x - y),
+            b: 200.0 * (y - z),
+        }
+    }
+
+    /// The colour difference of 1976, in which about 2 is just seen.
+    pub(crate) fn difference(&self, other: &Self) -> f32 {
+        let squared = |x: f32, y: f32| (x - y) * (x - y);
+        (squared(self.l, other.l) + squared(self.a, other.a) + squared(self.b, other.b)).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Values of the colour science literature for the primaries of sRGB.
+    #[test]
+    fn known_colors_have_their_known_coordinates() {
+        for (rgb, [l, a, b]) in [
+            ([255.0, 255.0, 255.0], [100.0, 0.0, 0.0]),
+            ([0.0, 0.0, 0.0], [0.0, 0.0, 0.0]),
+            ([255.0, 0.0, 0.0], [53.24, 80.09, 67.20]),
+            ([0.0, 255.0, 0.0], [87.73, -86.18, 83.18]),
+            ([0.0, 0.0, 255.0], [32.30, 79.19, -107.86]),
+        ] {
+            let lab = CieLab::of_srgb(rgb);
+            assert!(
+                lab.difference(&CieLab { l, a, b }) < 0.1,
+                "{rgb:?}: {lab:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn the_mean_of_sums_is_the_mean_of_all() {
+        let (mut left, mut right) = (ColorSum::default(), ColorSum::default());
+        left.add([10, 200, 30]);
+        right.add([30, 100, 30]);
+        right.add([20, 0, 30]);
+        left.join(&right);
+        assert_eq!(left.mean(), CieLab::of_srgb([20.0, 100.0, 30.0]));
+        assert_eq!(ColorSum::default().mean(), CieLab::of_srgb([0.0; 3]));
+    }
+}

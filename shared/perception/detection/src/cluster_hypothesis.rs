@@ -1,0 +1,139 @@
+//! Object hypothesis: a cluster with its statistics, box and support, before the
+//! constraints are evaluated.
+
+use crate::RawConfig;
+use crate::affine_form::AffineForm;
+use crate::candidate::Support;
+use crate::depth_bounds::DepthBounds;
+use crate::upright_box::UprightBox;
+use nalgebra::{Point3, Vector3};
+use point_cloud::OrganizedCloud;
+
+/// Share of a cluster's points that must be low for it to stand on the table.
+const STANDING_SHARE: f64 = 0.005;
+
+/// A ball hides the place it is_standing on from a camera above it: what begins below
+/// this share of its own height, and below this height, metres, may stand, too.
+const ROUND_GAP_SHARE: f32 = 0.2;
+const ROUND_GAP_MAX_M: f32 = 0.05;
+
+/// A cluster that may be an object, while it is being evaluated.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ClusterHypothesis {
+    pub(crate) cluster: u32,
+    pub(crate) statistics: ClusterStatistics,
+    pub(crate) upright_box: UprightBox,
+    /// `None` as long as nothing is known to carry it.
+    pub(crate) support: Option<Support>,
+    /// Whether there is no depth where it should stand.
+    pub(crate) is_base_without_depth: bool,
+    /// Whether its longest side is as long as an object's.
+    pub(crate) is_object_sized: bool,
+    /// Whether its points were told apart as those of a person or the robot; its
+    /// cluster is then one of those.
+    pub(crate) is_masked: bool,
+}
+
+impl ClusterHypothesis {
+    /// The body of some points of a cloud, of which nothing is known yet but
+    /// whether it is_standing on the table; `None` without points.
+    pub(crate) fn of(
+        cluster: u32,
+        indices: &[u32],
+        cloud: &OrganizedCloud<'_>,
+        table_axes: &[AffineForm; 3],
+        config: &RawConfig,
+    ) -> Option<Self> {
+        if indices.is_empty() {
+            return None;
+        }
+        let statistics = ClusterStatistics::of(indices, cloud, &table_axes[2], config);
+        let [lowest_m, highest_m] = statistics.height_m.map(f64::from);
+        let heights_m = [
+            if statistics.is_standing {
+                0.0
+            } else {
+                lowest_m
+            },
+            highest_m,
+        ];
+        let upright_box = UprightBox::around(indices, cloud.points(), table_axes, heights_m)?;
+        let sides = config.side_min_m..=config.side_max_m;
+        Some(Self {
+            cluster,
+            statistics,
+            upright_box,
+            support: statistics.is_standing.then_some(Support::Table),
+            is_base_without_depth: false,
+            is_object_sized: sides.contains(&upright_box.longest_side_m()),
+            is_masked: false,
+        })
+    }
+
+    /// Lower part of its box in which nothing was seen, metres.
+    pub(crate) fn occluded_base_m(&self) -> f64 {
+        let ClusterStatistics {
+            is_standing,
+            has_low_points,
+            height_m,
+            ..
+        } = self.statistics;
+        if is_standing && !has_low_points {
+            f64::from(height_m[0]).max(0.0)
+        } else {
+            0.0
+        }
+    }
+}
+
+/// Sums over a cluster.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ClusterStatistics {
+    pub(crate) centroid: Point3<f64>,
+    pub(crate) mean_rgb: [f32; 3],
+    pub(crate) seen: DepthBounds,
+    pub(crate) height_m: [f32; 2],
+    /// Whether enough of its points are low for it to stand on the table.
+    pub(crate) has_low_points: bool,
+    /// Whether it is_standing on the table: also what is round, whose foot is hidden.
+    pub(crate) is_standing: bool,
+}
+
+impl ClusterStatistics {
+    /// Sums over the pixels of a cluster, of which there must be at least one.
+    pub(crate) fn of(
+        pixels: &[u32],
+        cloud: &OrganizedCloud<'_>,
+        height: &AffineForm,
+        config: &RawConfig,
+    ) -> Self {
+        let mut position = Vector3::<f64>::zeros();
+        let (mut rgb, mut n_low) = ([0_u64; 3], 0_u32);
+        let (mut seen, mut height_m) = (DepthBounds::default(), [f32::INFINITY, f32::NEG_INFINITY]);
+        // A division of 64 bits takes twice as long.
+        let width = cloud.width() as u32;
+        for &pixel in pixels {
+            let point = &cloud.points()[pixel as usize];
+            position += point.position().coords;
+            for (sum, value) in rgb.iter_mut().zip(point.color.rgb()) {
+                *sum += u64::from(value);
+            }
+            seen.add((pixel % width) as usize, (pixel / width) as usize);
+            let h = height.at(point.x, point.y, point.z);
+            height_m = [height_m[0].min(h), height_m[1].max(h)];
+            n_low += u32::from(h <= config.standing_gap_max_m as f32);
+        }
+        let n = pixels.len().max(1) as f64;
+        let [lowest_m, highest_m] = height_m;
+        let is_round = lowest_m <= (ROUND_GAP_SHARE * highest_m).min(ROUND_GAP_MAX_M);
+        let has_low_points = f64::from(n_low) >= (STANDING_SHARE * n).max(3.0);
+        Self {
+            centroid: (position / n).into(),
+            mean_rgb: rgb.map(|sum| (sum as f64 / n) as f32),
+            seen,
+            height_m,
+            has_low_points,
+            is_standing: is_round || has_low_points,
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! Connected parts of the image.
+
+mod concavity_split;
+mod connected_components;
+mod support_plane_growth;
+mod track_regrouping;
+
+use point_cloud::Point;
+
+use connected_components::Band;
+
+pub(crate) use concavity_split::ConcavitySplit;
+pub(crate) use track_regrouping::TrackClaims;
+
+/// Mark of a pixel that is in no cluster.
+pub(crate) const OUTSIDE: u32 = u32::MAX;
+
+/// When two pixels belong together.
+#[derive(Debug, Clone, Copy)]
+struct LinkDistance {
+    /// Points this near are one surface at any depth, metres.
+    floor_m: f32,
+    /// Growth of the distance with squared depth, 1/metre. A step of a Kinect
+    /// v1's disparity is 2.8 mm at 1 m.
+    per_m2: f32,
+    /// How many pixels a link may span: holes of the sensor are bridged, the
+    /// distance in space stays the evaluator.
+    reach_px: usize,
+}
+
+impl LinkDistance {
+    /// Greatest squared distance of two linked points, one of them at a depth, square
+    /// metres.
+    #[inline]
+    fn squared_max(&self, z: f32) -> f32 {
+        let distance_max = self.floor_m + self.per_m2 * z * z;
+        distance_max * distance_max
+    }
+}
+
+/// LinkDistance of a cluster.
+const LINKS: LinkDistance = LinkDistance {
+    floor_m: 0.004,
+    per_m2: 0.0055,
+    reach_px: 3,
+};
+
+/// Buffers, and the clusters found last.
+#[derive(Debug, Default)]
+pub(crate) struct Clusters {
+    /// Per pixel: [`OUTSIDE`] or the number of its cluster.
+    pub(crate) cluster_of: Vec<u32>,
+    bands: Vec<Band>,
+    /// Per label: the label it was joined with; a find_root is its own parent.
+    parents: Vec<u32>,
+    /// Per label: its number of pixels, then the number of its cluster.
+    number_of: Vec<u32>,
+    /// Where each cluster's pixels begin in `pixels`, with one more at the end.
+    starts: Vec<u32>,
+    /// Pixels grouped by cluster.
+    pixels: Vec<u32>,
+    ungrouped: Vec<u32>,
+    /// Pixels that have become support_plane_growth.
+    front: Vec<u32>,
+    /// Clusters with the largest first.
+    by_size: Vec<u32>,
+}
+
+impl Clusters {
+    /// Number of clusters.
+    pub(crate) fn len(&self) -> usize {
+        self.starts.len().saturating_sub(1)
+    }
+
+    /// Pixels of a cluster in image order.
+    pub(crate) fn pixels(&self, cluster: usize) -> &[u32] {
+        &self.pixels[self.starts[cluster] as usize..self.starts[cluster + 1] as usize]
+    }
+
+    /// Numbers the clusters that are large enough, and counts their pixels.
+    fn number_large_components(&mut self, n_min: u32) {
+        for i in 0..self.parents.len() {
+            // A find_root is its own parent and comes before its members.
+            self.parents[i] = self.parents[self.parents[i] as usize];
+        }
+        self.number_of.clear();
+        self.number_of.resize(self.parents.len(), 0);
+        for &pixel in &self.ungrouped {
+            self.number_of[self.parents[self.cluster_of[pixel as usize] as usize] as usize] += 1;
+        }
+        self.starts.clear();
+        self.starts.push(0);
+        let mut n_pixels = 0;
+        for n in &mut self.number_of {
+            if *n < n_min.max(1) {
+                *n = OUTSIDE;
+            } else {
+                n_pixels += *n;
+                *n = self.starts.len() as u32 - 1;
+                self.starts.push(n_pixels);
+            }
+        }
+        for i in 0..self.parents.len() {
+            self.parents[i] = self.number_of[self.parents[i] as usize];
+        }
+    }
+
+    /// Sorts the pixels by the cluster that `parents` now holds for each label.
+    fn sort_by_cluster(&mut self) {
+        let n_pixels = self.starts.last().copied().unwrap_or(0) as usize;
+        self.pixels.clear();
+        self.pixels.resize(n_pixels, 0);
+        // `number_of` has done its work and serves as each cluster's next place.
+        self.number_of.clear();
+        self.number_of.extend_from_slice(&self.starts);
+        for &pixel in &self.ungrouped {
+            let label = &mut self.cluster_of[pixel as usize];
+            *label = self.parents[*label as usize];
+            if *label != OUTSIDE {
+                let place = &mut self.number_of[*label as usize];
+                self.pixels[*place as usize] = pixel;
+                *place += 1;
+            }
+        }
+    }
+}
+
+/// Squared distance of two points, square metres.
+#[inline]
+fn squared_distance(a: &Point, b: &Point) -> f32 {
+    let (dx, dy, dz) = (a.x - b.x, a.y - b.y, a.z - b.z);
+    dx * dx + dy * dy + dz * dz
+}
+
+/// Joins two clusters under the one that began first; returns its find_root.
+#[inline]
+fn unite(parents: &mut [u32], a: u32, b: u32) -> u32 {
+    let (a, b) = (find_root(parents, a), find_root(parents, b));
+    let (first, second) = (a.min(b), a.max(b));
+    parents[second as usize] = first;
+    first
+}
+
+/// The find_root of a cluster, with path halving.
+#[inline]
+pub(crate) fn find_root(parents: &mut [u32], mut cluster: u32) -> u32 {
+    while parents[cluster as usize] != cluster {
+        parents[cluster as usize] = parents[parents[cluster as usize] as usize];
+        cluster = parents[cluster as usize];
+    }
+    cluster
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,363 @@
+//! Clusters that are several objects, split_clusters along their creases.
+
+use super::{Clusters, LinkDistance, OUTSIDE, find_root, squared_distance, unite};
+use crate::creases::Creases;
+use crate::parallelism::{Crew, ScratchPool};
+use crate::patch::{FREE, Patch};
+use crate::region_merging::RegionAdjacency;
+use point_cloud::OrganizedCloud;
+use std::cmp::Reverse;
+
+/// A part of a cluster between creases has at least this many pixels.
+const PART_PIXELS_MIN: u32 = 150;
+
+/// LinkDistance between creases: narrow, since what they cut off is given back later.
+const CLOSE_LINKS: LinkDistance = LinkDistance {
+    floor_m: 0.002,
+    per_m2: 0.003,
+    reach_px: 1,
+};
+
+/// Columns and rows by which a part grows; across a hole of one pixel too.
+const GROWTH_STEPS: [[isize; 2]; 8] = [
+    [-1, 0],
+    [1, 0],
+    [0, -1],
+    [0, 1],
+    [-2, 0],
+    [2, 0],
+    [0, -2],
+    [0, 2],
+];
+
+/// Buffers for one cluster after the other, and the clusters that were split_clusters.
+#[derive(Debug, Default)]
+pub(crate) struct ConcavitySplit {
+    patch: Patch,
+    creases: Creases,
+    adjacency: RegionAdjacency,
+    /// Per label of a part: the label it was joined with.
+    parents: Vec<u32>,
+    /// Per label: its number of pixels, then the number of its part.
+    number_of: Vec<u32>,
+    /// Places from which parts grow.
+    front: Vec<u32>,
+    /// Per place: whether the front has begun with it.
+    is_queued: Vec<bool>,
+    split_clusters: Vec<u32>,
+    /// The pixels of the split_clusters clusters, part by part, and the parts' sizes.
+    sorted: Vec<u32>,
+    sizes: Vec<u32>,
+}
+
+impl Clusters {
+    /// RegionFilter the clusters that may be piles along their creases, cluster by cluster:
+    /// joins what lies between creases, keeps parts of some size, gives every other
+    /// pixel to the part that reaches it first, and joins parts again whose border
+    /// says that they are one.
+    pub(crate) fn split_at_concavities(
+        &mut self,
+        cloud: &OrganizedCloud<'_>,
+        parallelism: &dyn Crew,
+        may_be_several_objects: impl Fn(&[u32]) -> bool + Sync,
+        splits: &mut ScratchPool<ConcavitySplit>,
+    ) {
+        // Who takes the largest last keeps all others waiting.
+        let mut by_size = std::mem::take(&mut self.by_size);
+        by_size.clear();
+        by_size.extend(0..self.len() as u32);
+        by_size.sort_unstable_by_key(|&cluster| (Reverse(self.n_pixels(cluster)), cluster));
+        splits.all().iter_mut().for_each(ConcavitySplit::clear);
+        splits.for_each(parallelism, by_size.iter(), |split, &cluster| {
+            let pixels = self.pixels(cluster as usize);
+            if may_be_several_objects(pixels) && split.find_parts(cloud, pixels) {
+                split.store_parts(cluster, pixels);
+            }
+        });
+        self.by_size = by_size;
+        let n_before = self.starts.len();
+        for split in splits.all() {
+            self.adopt_parts(split, n_before);
+        }
+        if self.starts.len() > n_before {
+            self.starts.sort_unstable();
+            self.label_pixels();
+        }
+    }
+
+    /// Number of a cluster's pixels.
+    fn n_pixels(&self, cluster: u32) -> u32 {
+        self.starts[cluster as usize + 1] - self.starts[cluster as usize]
+    }
+
+    /// Takes over the pixels of split_clusters clusters in their new order. Where their parts
+    /// begin comes behind the first `n_starts` starts.
+    fn adopt_parts(&mut self, split: &ConcavitySplit, n_starts: usize) {
+        let mut sorted = split.sorted.as_slice();
+        let mut sizes = split.sizes.as_slice();
+        for &cluster in &split.split_clusters {
+            let [mut start, end] = [0, 1].map(|i| self.starts[..n_starts][cluster as usize + i]);
+            let (own, others) = sorted.split_at((end - start) as usize);
+            self.pixels[start as usize..end as usize].copy_from_slice(own);
+            sorted = others;
+            while let Some((size, others)) = sizes.split_first() {
+                sizes = others;
+                start += size;
+                if start == end {
+                    break;
+                }
+                self.starts.push(start);
+            }
+        }
+    }
+
+    /// Notes for each pixel in which cluster it is now.
+    fn label_pixels(&mut self) {
+        for (cluster, range) in (0..).zip(self.starts.windows(2)) {
+            for &pixel in &self.pixels[range[0] as usize..range[1] as usize] {
+                self.cluster_of[pixel as usize] = cluster;
+            }
+        }
+    }
+}
+
+impl ConcavitySplit {
+    /// Forgets the clusters that were split_clusters.
+    fn clear(&mut self) {
+        self.split_clusters.clear();
+        self.sorted.clear();
+        self.sizes.clear();
+    }
+
+    /// Finds the parts of a cluster. Returns whether there are several.
+    fn find_parts(&mut self, cloud: &OrganizedCloud<'_>, cluster: &[u32]) -> bool {
+        self.patch.lay(cloud, cluster);
+        self.creases.find(&self.patch, cloud.width()) && self.split_patch(PART_PIXELS_MIN)
+    }
+
+    /// Finds the parts, of at least `n_min` pixels each, between the creases.
+    fn split_patch(&mut self, n_min: u32) -> bool {
+        self.label_between_creases();
+        let n_parts = self.keep_large_parts(n_min);
+        self.grow();
+        self.find_boundaries(n_parts);
+        self.merge_regions()
+    }
+
+    /// Gives each pixel beside the creases the label of the neighbours before it that
+    /// are near in space, or a new one.
+    fn label_between_creases(&mut self) {
+        let Self {
+            patch,
+            creases,
+            parents,
+            ..
+        } = self;
+        let Patch {
+            width,
+            pixels,
+            points,
+            part_of,
+        } = patch;
+        parents.clear();
+        for pixel in pixels {
+            let place = pixel.place as usize;
+            if creases.is_crease[place] {
+                continue;
+            }
+            let squared_max = CLOSE_LINKS.squared_max(pixel.z);
+            let mut own = FREE;
+            for near in [
+                place - 1,
+                place - *width,
+                place - *width - 1,
+                place - *width + 1,
+            ] {
+                let other = part_of[near];
+                if other < FREE
+                    && other != own
+                    && squared_distance(&points[place], &points[near]) <= squared_max
+                {
+                    own = match own {
+                        FREE => other,
+                        own => unite(parents, own, other),
+                    };
+                }
+            }
+            if own == FREE {
+                own = parents.len() as u32;
+                parents.push(own);
+            }
+            part_of[place] = own;
+        }
+    }
+
+    /// Numbers the parts that are large enough, in the order in which they begin, and
+    /// frees the pixels of the others. Returns the number of parts.
+    fn keep_large_parts(&mut self, n_min: u32) -> u32 {
+        let Self {
+            patch,
+            parents,
+            number_of,
+            ..
+        } = self;
+        for label in 0..parents.len() as u32 {
+            parents[label as usize] = find_root(parents, label);
+        }
+        number_of.clear();
+        number_of.resize(parents.len(), 0);
+        let labels = || patch.part_of.iter().filter(|&&label| label < FREE);
+        for &label in labels() {
+            number_of[parents[label as usize] as usize] += 1;
+        }
+        let mut n_parts = 0;
+        for n in number_of.iter_mut() {
+            let is_large = *n >= n_min;
+            *n = if is_large { n_parts } else { FREE };
+            n_parts += u32::from(is_large);
+        }
+        for label in patch.part_of.iter_mut().filter(|label| **label < FREE) {
+            *label = number_of[parents[*label as usize] as usize];
+        }
+        n_parts
+    }
+
+    /// Lets the parts grow, pixel by pixel, over what is free.
+    fn grow(&mut self) {
+        let Self {
+            patch,
+            front,
+            is_queued,
+            ..
+        } = self;
+        let width = patch.width as isize;
+        let steps = GROWTH_STEPS.map(|[columns, rows]| columns + rows * width);
+        let neighbours = |place: u32| steps.map(|step| (place as usize).wrapping_add_signed(step));
+        let part_of = &mut patch.part_of;
+        is_queued.clear();
+        is_queued.resize(part_of.len(), false);
+        // The front begins with the parts' pixels that have somewhere to grow.
+        front.clear();
+        let places = patch.pixels.iter().map(|pixel| pixel.place);
+        for place in places.filter(|&place| part_of[place as usize] == FREE) {
+            for near in neighbours(place) {
+                if part_of[near] < FREE && !is_queued[near] {
+                    is_queued[near] = true;
+                    front.push(near as u32);
+                }
+            }
+        }
+        let mut next = 0;
+        while let Some(&place) = front.get(next) {
+            next += 1;
+            let part = part_of[place as usize];
+            for near in neighbours(place) {
+                if part_of[near] == FREE {
+                    part_of[near] = part;
+                    front.push(near as u32);
+                }
+            }
+        }
+    }
+
+    /// Notes where parts meet, and what they look like. What no part reaches is one
+    /// more, the last.
+    fn find_boundaries(&mut self, n_parts: u32) {
+        let Self {
+            patch, adjacency, ..
+        } = self;
+        for part in patch.part_of.iter_mut().filter(|part| **part == FREE) {
+            *part = n_parts;
+        }
+        adjacency.clear(n_parts as usize + 1);
+        for pixel in &patch.pixels {
+            let place = pixel.place as usize;
+            let part = patch.part_of[place];
+            adjacency.add_pixel(part, &patch.points[place]);
+            for near in [place + 1, place + patch.width] {
+                let other = patch.part_of[near];
+                if other != part && other != OUTSIDE {
+                    adjacency.add_pair([part, other], [place, near]);
+                }
+            }
+        }
+        self.parents.clear();
+        self.parents.extend(0..=n_parts);
+    }
+
+    /// Joins the parts whose border says that they are one, and numbers what is left.
+    /// Returns whether it is more than one.
+    fn merge_regions(&mut self) -> bool {
+        let Self {
+            patch,
+            creases,
+            adjacency,
+            parents,
+            number_of,
+            ..
+        } = self;
+        adjacency.merge_regions(&patch.points, &creases.bend, |a, b| {
+            unite(parents, a, b);
+        });
+        number_of.clear();
+        number_of.resize(parents.len(), 0);
+        for pixel in &patch.pixels {
+            let part = &mut patch.part_of[pixel.place as usize];
+            *part = find_root(parents, *part);
+            number_of[*part as usize] += 1;
+        }
+        number_of.iter().filter(|&&n| n > 0).count() > 1
+    }
+
+    /// Keeps the pixels of a split_clusters cluster, sorted by the part they are in.
+    fn store_parts(&mut self, cluster: u32, pixels: &[u32]) {
+        let Self {
+            patch,
+            number_of: next_of,
+            split_clusters,
+            sorted,
+            sizes,
+            ..
+        } = self;
+        split_clusters.push(cluster);
+        let first = sorted.len();
+        sorted.resize(first + pixels.len(), 0);
+        let mut next = first as u32;
+        for n in next_of.iter_mut() {
+            let n_pixels = std::mem::replace(n, next);
+            next += n_pixels;
+            if n_pixels > 0 {
+                sizes.push(n_pixels);
+            }
+        }
+        for (own, &pixel) in patch.pixels.iter().zip(pixels) {
+            let next = &mut next_of[patch.part_of[own.place as usize] as usize];
+            sorted[*next as usize] = pixel;
+            *next += 1;
+        }
+    }
+}
+
+#[cfg(test)]
+impl ConcavitySplit {
+    /// RegionFilter a cluster along creases as given, for each pixel of the image; returns
+    /// its pixels part by part, and the sizes of the parts.
+    pub(super) fn split_along(
+        &mut self,
+        cloud: &OrganizedCloud<'_>,
+        cluster: &[u32],
+        is_crease: &[bool],
+        n_min: u32,
+    ) -> (Vec<u32>, Vec<u32>) {
+        self.clear();
+        self.patch.lay(cloud, cluster);
+        let mut marks = vec![false; self.patch.part_of.len()];
+        for (own, &pixel) in self.patch.pixels.iter().zip(cluster.iter()) {
+            marks[own.place as usize] = is_crease[pixel as usize];
+        }
+        self.creases = Creases::from_marks(marks);
+        self.split_patch(n_min);
+        self.store_parts(0, cluster);
+        (self.sorted.clone(), self.sizes.clone())
+    }
+}

@@ -1,0 +1,68 @@
+//! The base_pixel of an object: too near to the table to be told from it by itself.
+
+use super::{Clusters, OUTSIDE};
+
+/// A base_pixel is at most this high in the image, pixels.
+const BASE_PX: usize = 6;
+
+impl Clusters {
+    /// Lets each cluster grow from its pixels by `step`, the neighbour towards
+    /// the table, while `is_base` holds for what no cluster has and the pixel
+    /// before. `joined` are the pixels the clusters were joined from, in image
+    /// order.
+    pub(crate) fn grow_to_support_plane(
+        &mut self,
+        joined: &[u32],
+        step: isize,
+        is_base: impl Fn(usize, usize) -> bool,
+    ) {
+        self.front.clear();
+        for &pixel in &self.pixels {
+            let mut pixel = pixel as usize;
+            let cluster = self.cluster_of[pixel];
+            for _ in 0..BASE_PX {
+                let next = pixel.wrapping_add_signed(step);
+                if self.cluster_of.get(next) != Some(&OUTSIDE) || !is_base(next, pixel) {
+                    break;
+                }
+                pixel = next;
+                self.cluster_of[pixel] = cluster;
+                self.front.push(pixel as u32);
+            }
+        }
+        if self.front.is_empty() {
+            return;
+        }
+        self.front.sort_unstable();
+        self.merge_into_ungrouped(joined);
+        self.parents.clear();
+        self.parents.extend(0..self.len() as u32);
+        self.number_large_components(1);
+        self.sort_by_cluster();
+    }
+
+    /// Makes the clustered ones of `joined`, and the pixels of the front, the
+    /// pixels to be grouped, in image order.
+    fn merge_into_ungrouped(&mut self, joined: &[u32]) {
+        let Self {
+            ungrouped,
+            cluster_of,
+            front,
+            ..
+        } = self;
+        ungrouped.clear();
+        let mut base_pixels = front.iter().copied().peekable();
+        for &pixel in joined {
+            while let Some(base_pixel) = base_pixels.next_if(|&base_pixel| base_pixel < pixel) {
+                ungrouped.push(base_pixel);
+            }
+            // Pixels of clusters too small to be kept were listed, too, and may
+            // have become someone's base_pixel.
+            let is_base = base_pixels.next_if_eq(&pixel).is_some();
+            if is_base || cluster_of[pixel as usize] != OUTSIDE {
+                ungrouped.push(pixel);
+            }
+        }
+        ungrouped.extend(base_pixels);
+    }
+}

@@ -1,0 +1,314 @@
+//! Judges a hypothesis by every constraint.
+
+use super::BodyMask;
+use super::box_iou::iou;
+use crate::RawConfig;
+use crate::candidate::{Candidate, Support};
+use crate::cluster_hypothesis::ClusterHypothesis;
+use crate::input::Surroundings;
+use crate::table::Table;
+use constraint::{Constraint, ConstraintSet, Expression, Finding, Findings, Reason, Truth};
+use geometry::OrientedBox;
+use nalgebra::Point3;
+use point_cloud::OrganizedCloud;
+use std::ops::Range;
+
+/// A track explains what lies in its box grown by this factor.
+const TRACK_GROWTH: f64 = 1.15;
+
+/// Share of a cluster's points near a person or the robot from which it is a
+/// part of them, and from which it may be one.
+const BODY_SHARE: f32 = 0.5;
+const BODY_SHARE_MAYBE: f32 = 0.1;
+
+/// What has this share of its points within the margins and so much more, metres,
+/// is touched: points of it were taken for the person's or the robot's.
+const TOUCH_M: f64 = 0.02;
+const TOUCH_SHARE: f32 = 0.05;
+
+/// A point sticks out of its hypothesis's box by less than this, metres.
+const BOX_TOLERANCE_M: f64 = 0.02;
+
+/// Shares are counted over at most this many points of a cluster.
+const N_SAMPLES: usize = 256;
+
+/// What a hypothesis is evaluated by.
+pub(crate) struct ConstraintEvaluator<'a> {
+    pub(crate) cloud: OrganizedCloud<'a>,
+    pub(crate) table: &'a Table,
+    pub(crate) priors: Surroundings<'a>,
+    pub(crate) body_mask: &'a BodyMask,
+    pub(crate) config: &'a RawConfig,
+}
+
+fn finding(truth: impl Into<Truth>, reason: Reason) -> Finding {
+    Finding {
+        truth: truth.into(),
+        reason,
+    }
+}
+
+impl ConstraintEvaluator<'_> {
+    /// Candidate of a hypothesis, with its findings and the verdict of the rule.
+    ///
+    /// `range` locates its points among those of the detection and `indices` in the
+    /// cloud; `is_cut` tells that the image border may cut it.
+    pub(crate) fn candidate(
+        &self,
+        hypothesis: &ClusterHypothesis,
+        range: Range<usize>,
+        indices: &[u32],
+        is_cut: bool,
+        rule: &Expression,
+    ) -> Candidate {
+        let oriented_box = hypothesis
+            .upright_box
+            .in_camera(&self.table.table_from_camera);
+        let findings = self.findings(hypothesis, &oriented_box, indices, is_cut);
+        let (verdict, decisive) = if hypothesis.is_object_sized {
+            (rule.evaluate(&findings), rule.decisive(&findings))
+        } else {
+            (Truth::False, ConstraintSet::from(Constraint::Size))
+        };
+        Candidate {
+            range,
+            centroid: hypothesis.statistics.centroid,
+            oriented_box,
+            unseen_foot_m: hypothesis.occluded_base_m(),
+            mean_rgb: hypothesis.statistics.mean_rgb,
+            support: hypothesis.support,
+            touches_image_border: is_cut,
+            is_object_sized: hypothesis.is_object_sized,
+            findings,
+            verdict,
+            decisive,
+        }
+    }
+
+    /// What every constraint says of a hypothesis with these pixels, whose box is
+    /// `hypothesis_box` in the camera's frame and which may be cut by the image.
+    fn findings(
+        &self,
+        hypothesis: &ClusterHypothesis,
+        hypothesis_box: &OrientedBox,
+        pixels: &[u32],
+        is_cut: bool,
+    ) -> Findings {
+        let mut findings = Findings::default();
+        findings.set(Constraint::Table, table_finding(hypothesis));
+        findings.set(
+            Constraint::Track,
+            self.track_finding(hypothesis_box, pixels),
+        );
+        findings.set(Constraint::Size, self.size_finding(hypothesis, is_cut));
+        let [person, robot] = self.person_and_robot(hypothesis, pixels);
+        findings.set(Constraint::Instructor, person);
+        findings.set(Constraint::Robot, robot);
+        findings.set(Constraint::Edge, self.rim_finding(hypothesis_box, pixels));
+        findings.set(Constraint::KeyView, Constraint::KeyView.when_absent());
+        let border = if is_cut {
+            Reason::AtImageBorder
+        } else {
+            Reason::WithinView
+        };
+        findings.set(Constraint::ImageBorder, finding(is_cut, border));
+        findings
+    }
+
+    fn track_finding(&self, hypothesis_box: &OrientedBox, pixels: &[u32]) -> Finding {
+        let tracks = self.priors.tracks;
+        if tracks.is_empty() {
+            return Constraint::Track.when_absent();
+        }
+        let overlaps = tracks.iter().map(|track| iou(hypothesis_box, &track.shape));
+        let greatest = overlaps.fold(0.0, f64::max);
+        if greatest >= self.config.track_overlap_max {
+            let overlap = greatest as f32;
+            return finding(false, Reason::OverlapsTrack { overlap });
+        }
+        let share = self.share_in_tracks(hypothesis_box, pixels);
+        if f64::from(share) >= self.config.track_points_share_max {
+            return finding(false, Reason::InsideTrack { share });
+        }
+        let overlap = greatest as f32;
+        finding(true, Reason::NoTrackThere { overlap })
+    }
+
+    fn size_finding(&self, hypothesis: &ClusterHypothesis, is_cut: bool) -> Finding {
+        let config = self.config;
+        let mut sides = hypothesis.upright_box.sides_m();
+        sides.sort_by(|a, b| b.total_cmp(a));
+        let volume_m3 = sides.iter().product::<f64>();
+        let [longest, second] = [sides[0], sides[1]].map(|side| side as f32);
+        // What is no object at all is told so, not that it is hard to grasp.
+        let longest_max = if sides[0] > config.side_max_m {
+            config.side_max_m
+        } else {
+            config.graspable_side_max_m
+        };
+        let reason = if sides[0] > longest_max {
+            Reason::TooLong {
+                side_m: longest,
+                most_m: longest_max as f32,
+            }
+        } else if sides[1] > config.graspable_second_side_max_m {
+            Reason::TooBroad {
+                side_m: second,
+                most_m: config.graspable_second_side_max_m as f32,
+            }
+        } else if volume_m3 > config.graspable_volume_max_m3 {
+            Reason::TooBulky {
+                volume_m3: volume_m3 as f32,
+                most_m3: config.graspable_volume_max_m3 as f32,
+            }
+        } else if is_cut {
+            return finding(Truth::Unknown, Reason::SizeCut { side_m: longest });
+        } else if sides[0] < config.side_min_m {
+            Reason::TooSmall {
+                side_m: longest,
+                least_m: config.side_min_m as f32,
+            }
+        } else {
+            return finding(true, Reason::Graspable { side_m: longest });
+        };
+        finding(false, reason)
+    }
+
+    /// Whether the hypothesis is a part of a person, and of the robot.
+    fn person_and_robot(&self, hypothesis: &ClusterHypothesis, pixels: &[u32]) -> [Finding; 2] {
+        // Clusters of objects have no point within the margins: those were taken
+        // out. What is left of an object in a hand lies close to them.
+        let more_m = if hypothesis.is_masked { 0.0 } else { TOUCH_M };
+        let shares = if self.body_mask.is_empty() {
+            [0.0; 2]
+        } else {
+            let points = samples(pixels).map(|&pixel| &self.cloud.points()[pixel as usize]);
+            self.body_mask.shares(&points, more_m)
+        };
+        let is_known = [
+            self.priors.instructor.is_some(),
+            self.priors.robot.is_some(),
+        ];
+        let margins_m = [self.config.person_margin_m, self.config.robot_margin_m];
+        std::array::from_fn(|i| {
+            let constraint = [Constraint::Instructor, Constraint::Robot][i];
+            if !is_known[i] {
+                return constraint.when_absent();
+            }
+            let margin_m = (margins_m[i] + more_m) as f32;
+            if hypothesis.is_masked {
+                mask_finding(constraint, shares[i], margin_m)
+            } else {
+                touch_finding(constraint, shares[i], margin_m)
+            }
+        })
+    }
+
+    /// Share of a cluster's points that lie in the boxes of tracks, grown, over samples.
+    fn share_in_tracks(&self, hypothesis_box: &OrientedBox, pixels: &[u32]) -> f32 {
+        let mut is_inside = [false; N_SAMPLES];
+        let near = |track: &&OrientedBox| track.may_meet(hypothesis_box, BOX_TOLERANCE_M);
+        let tracks = self.priors.tracks.iter();
+        let grown = tracks.map(|track| grown(&track.shape));
+        for track in grown.filter(|track| near(&track)) {
+            for (is_inside, &pixel) in is_inside.iter_mut().zip(samples(pixels)) {
+                let point = self.cloud.points()[pixel as usize].position();
+                *is_inside = *is_inside || track.contains(&point, 0.0);
+            }
+        }
+        let n_inside = is_inside.into_iter().filter(|&is_inside| is_inside).count();
+        n_inside as f32 / samples(pixels).count().max(1) as f32
+    }
+
+    fn rim_finding(&self, hypothesis_box: &OrientedBox, pixels: &[u32]) -> Finding {
+        let distance_m = self.config.rim_distance_m;
+        let centre = self.table.table_from_camera * hypothesis_box.centre();
+        let outline = &self.table.outline;
+        if outline.contains_disc(&centre.xy(), reach_m(hypothesis_box) + distance_m) {
+            return finding(false, Reason::AwayFromRim);
+        }
+        let share = self.share(pixels, |point| {
+            let in_table = self.table.table_from_camera * point;
+            self.table.rim_distance_m(&in_table.xy()) < distance_m
+        });
+        if f64::from(share) > self.config.rim_share_max {
+            let distance_m = distance_m as f32;
+            return finding(true, Reason::AtRim { share, distance_m });
+        }
+        finding(false, Reason::AwayFromRim)
+    }
+
+    /// Share of a cluster's points for which something is so, over samples.
+    fn share(&self, pixels: &[u32], is_so: impl Fn(&Point3<f64>) -> bool) -> f32 {
+        let (mut n, mut n_so) = (0_u32, 0_u32);
+        for &pixel in samples(pixels) {
+            n += 1;
+            n_so += u32::from(is_so(&self.cloud.points()[pixel as usize].position()));
+        }
+        n_so as f32 / n.max(1) as f32
+    }
+}
+
+fn table_finding(hypothesis: &ClusterHypothesis) -> Finding {
+    match hypothesis.support {
+        Some(Support::Table) => finding(true, Reason::StandsOnTable),
+        Some(Support::Object) => finding(true, Reason::RestsOnObject),
+        Some(Support::Hidden) => finding(true, Reason::LowerEndHidden),
+        None if hypothesis.is_base_without_depth => finding(Truth::Unknown, Reason::LowerEndUnseen),
+        None => {
+            let gap_m = hypothesis.statistics.height_m[0];
+            finding(false, Reason::InTheAir { gap_m })
+        }
+    }
+}
+
+/// What the share of a person_and_robot's points that are the person's or the robot's says.
+fn mask_finding(constraint: Constraint, share: f32, margin_m: f32) -> Finding {
+    let is_robot = constraint == Constraint::Robot;
+    let truth = if share >= BODY_SHARE {
+        Truth::True
+    } else if share >= BODY_SHARE_MAYBE {
+        Truth::Unknown
+    } else {
+        Truth::False
+    };
+    let reason = match (truth, is_robot) {
+        (Truth::True, false) => Reason::Person { share, margin_m },
+        (Truth::True, true) => Reason::Robot { share, margin_m },
+        (Truth::Unknown, false) => Reason::MaybePerson { share, margin_m },
+        (Truth::Unknown, true) => Reason::MaybeRobot { share, margin_m },
+        (Truth::False, false) => Reason::NoPerson,
+        (Truth::False, true) => Reason::NoRobot,
+    };
+    finding(truth, reason)
+}
+
+/// What the share of an object's points that are close to a person or the robot
+/// says.
+fn touch_finding(constraint: Constraint, share: f32, margin_m: f32) -> Finding {
+    match (share >= TOUCH_SHARE, constraint == Constraint::Robot) {
+        (true, false) => finding(Truth::Unknown, Reason::AtPerson { share, margin_m }),
+        (true, true) => finding(Truth::Unknown, Reason::AtRobot { share, margin_m }),
+        (false, false) => finding(false, Reason::NoPerson),
+        (false, true) => finding(false, Reason::NoRobot),
+    }
+}
+
+/// How far from the middle of a hypothesis's box any of its points can lie, metres.
+fn reach_m(hypothesis_box: &OrientedBox) -> f64 {
+    hypothesis_box.half_sides_m.norm() + BOX_TOLERANCE_M
+}
+
+/// At most [`N_SAMPLES`] pixels of a cluster.
+fn samples(pixels: &[u32]) -> impl Iterator<Item = &u32> + Clone {
+    pixels
+        .iter()
+        .step_by(pixels.len().div_ceil(N_SAMPLES).max(1))
+}
+
+fn grown(track: &OrientedBox) -> OrientedBox {
+    OrientedBox {
+        half_sides_m: TRACK_GROWTH * track.half_sides_m,
+        ..*track
+    }
+}

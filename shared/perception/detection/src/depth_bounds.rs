@@ -1,0 +1,62 @@
+//! Bounding rectangle of the pixels with depth.
+
+use point_cloud::{OrganizedCloud, Point};
+
+/// The outermost columns with depth are looked for in each of so many rows.
+const ROWS_STEP: usize = 8;
+
+/// The part of the image in which the sensor measures at all: registered depth
+/// leaves empty margins, which are the real border of the image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct DepthBounds {
+    pub(crate) columns: [usize; 2],
+    pub(crate) rows: [usize; 2],
+}
+
+impl DepthBounds {
+    const NOTHING: Self = Self {
+        columns: [usize::MAX, 0],
+        rows: [usize::MAX, 0],
+    };
+
+    /// The part of a cloud: its first and last row with any depth, and the
+    /// outermost columns of every few rows.
+    pub(crate) fn of(cloud: &OrganizedCloud<'_>) -> Self {
+        let mut seen = Self::NOTHING;
+        let first = |row: usize| cloud.row(row).iter().position(Point::is_finite);
+        let mut add_row = |row: usize| {
+            if let Some(column) = first(row) {
+                seen.add(column, row);
+                let last = cloud.row(row).iter().rposition(Point::is_finite);
+                seen.add(last.unwrap_or(column), row);
+            }
+        };
+        let mut rows = 0..cloud.height();
+        let top = rows.find(|&row| first(row).is_some());
+        let bottom = rows.rfind(|&row| first(row).is_some());
+        top.into_iter().chain(bottom).for_each(&mut add_row);
+        (0..cloud.height()).step_by(ROWS_STEP).for_each(add_row);
+        seen
+    }
+
+    #[inline]
+    pub(crate) fn add(&mut self, column: usize, row: usize) {
+        self.columns = [self.columns[0].min(column), self.columns[1].max(column)];
+        self.rows = [self.rows[0].min(row), self.rows[1].max(row)];
+    }
+
+    /// Whether another rectangle within this one comes within `margin_px` of
+    /// its border.
+    pub(crate) fn is_touched_by(&self, inner: &Self, margin_px: usize) -> bool {
+        let near = |outer: [usize; 2], inner: [usize; 2]| {
+            inner[0] <= outer[0] + margin_px || inner[1] + margin_px >= outer[1]
+        };
+        near(self.columns, inner.columns) || near(self.rows, inner.rows)
+    }
+}
+
+impl Default for DepthBounds {
+    fn default() -> Self {
+        Self::NOTHING
+    }
+}

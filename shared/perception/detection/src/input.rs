@@ -1,0 +1,47 @@
+//! Detection input: the cloud of one frame and the scene priors.
+
+use geometry::{Capsule, OrientedBox};
+use nalgebra::{Unit, Vector3};
+use point_cloud::OrganizedCloud;
+
+/// Detection input: one point cloud, the up direction, a seed and scene priors.
+#[derive(Debug, Clone, Copy)]
+pub struct Frame<'a> {
+    /// Point cloud in the camera frame, metres. A cloud of a single row or column has
+    /// no image grid; it may be in any frame and merged from several views.
+    pub cloud: OrganizedCloud<'a>,
+    /// Up direction in the frame of the cloud; `None` when the camera's pose is unknown.
+    pub up_in_camera: Option<Unit<Vector3<f64>>>,
+    /// Seed of the plane search; the same seed gives the same result.
+    pub seed: u64,
+    /// Scene priors: people, robot and live tracks.
+    pub surroundings: Surroundings<'a>,
+}
+
+/// Scene priors in the camera frame: people, robot and live tracks. The default
+/// knows nothing.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Surroundings<'a> {
+    /// Capsules of people; `None` when no source reports people.
+    pub instructor: Option<&'a [Capsule]>,
+    /// Capsules of the robot's links; `None` when no source reports the robot.
+    pub robot: Option<&'a [Capsule]>,
+    /// Live tracks, predicted to this frame.
+    pub tracks: &'a [ExpectedTrack],
+}
+
+/// Live track predicted to the frame that is searched.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ExpectedTrack {
+    /// Predicted box, camera frame.
+    pub shape: OrientedBox,
+    /// Number of points at the last observation. 0 marks a box that may be empty; no
+    /// cluster is split by it.
+    pub n_points: usize,
+}
+
+impl From<OrientedBox> for ExpectedTrack {
+    fn from(shape: OrientedBox) -> Self {
+        Self { shape, n_points: 0 }
+    }
+}

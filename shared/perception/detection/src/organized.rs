@@ -1,0 +1,352 @@
+//! Image path of detection: stages from an organised cloud to candidates.
+
+use crate::affine_form::AffineForm;
+use crate::candidate::Candidate;
+use crate::cluster_hypothesis::ClusterHypothesis;
+use crate::clusters::{Clusters, ConcavitySplit, TrackClaims};
+use crate::constraint_evaluation::{BodyMask, ConstraintEvaluator};
+use crate::depth_bounds::DepthBounds;
+use crate::input::Frame;
+use crate::outline::Outline;
+use crate::outline_tracing::OutlineTracer;
+use crate::output::Detection;
+use crate::parallelism::{Crew, ScratchPool};
+use crate::prism::{Prism, TableOverlap, lowest_m};
+use crate::samples::Samples;
+use crate::split_gate::may_be_several_objects;
+use crate::stage::Step;
+use crate::support_plane_holes::SupportPlaneHoles;
+use crate::support_relations::find_support_relations;
+use crate::table::Table;
+use crate::table_selection::{TableSelectionBuffers, select_table};
+use crate::table_surface::TableSurface;
+use crate::{Config, RawConfig};
+use point_cloud::OrganizedCloud;
+use random::Random;
+use sensor_noise::depth_sigma_m;
+
+/// Width of the image border zone, pixels: a candidate that reaches it may be cut.
+/// Chosen; sensitivity: see `tabula-lab sweep`.
+const BORDER_PX: usize = 3;
+
+/// Least height of the base pixels of an object over the table, metres. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
+const BASE_HEIGHT_MIN_M: f32 = 0.0035;
+
+/// Least height of base pixels over the table, in sigmas of the depth noise, where
+/// that exceeds [`BASE_HEIGHT_MIN_M`]. Chosen; sensitivity: see `tabula-lab sweep`.
+const BASE_SIGMAS: f32 = 1.3;
+
+/// Greatest height of the base pixels of an object over the table, metres. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
+const BASE_HEIGHT_MAX_M: f32 = 0.02;
+
+/// Greatest depth step within the base of one object, metres at 1 m, growing with
+/// squared depth. A larger step is the base of an object behind. Chosen; sensitivity:
+/// see `tabula-lab sweep`.
+const BASE_STEP_M: f32 = 0.02;
+
+/// Buffers of the image path, reused from frame to frame.
+#[derive(Debug, Default)]
+pub(crate) struct OrganizedBuffers {
+    samples: Samples,
+    table: TableSelectionBuffers,
+    surface: TableSurface,
+    hull: Outline,
+    tracer: OutlineTracer,
+    /// Pixels in the prism above the table, per band of image rows.
+    bands: Vec<Vec<u32>>,
+    /// Pixels in the prism above the table.
+    over_table: Vec<u32>,
+    body_mask: BodyMask,
+    /// Pixels of people and the robot.
+    masked: Vec<u32>,
+    /// Clusters of people and the robot; stale when `masked` is empty.
+    masked_clusters: Clusters,
+    clusters: Clusters,
+    splits: ScratchPool<ConcavitySplit>,
+    track_claims: TrackClaims,
+    holes: SupportPlaneHoles,
+    found_hypotheses: ScratchPool<Vec<ClusterHypothesis>>,
+    hypotheses: Vec<ClusterHypothesis>,
+    candidates: ScratchPool<Vec<Candidate>>,
+}
+
+impl OrganizedBuffers {
+    /// Empty a detection and keep the memory of its table for the next one.
+    pub(crate) fn recycle(&mut self, detection: &mut Detection) {
+        self.table.recycle(detection.table.take());
+        detection.candidates.clear();
+        detection.point_indices.clear();
+    }
+
+    /// Pixels of a hypothesis.
+    fn pixels(&self, hypothesis: &ClusterHypothesis) -> &[u32] {
+        let clusters = if hypothesis.is_masked {
+            &self.masked_clusters
+        } else {
+            &self.clusters
+        };
+        clusters.pixels(hypothesis.cluster as usize)
+    }
+}
+
+/// Detect the table and the candidates in an organised cloud; `detection` comes
+/// empty. Without a table it stays empty.
+pub(crate) fn detect_organized(
+    frame: &Frame<'_>,
+    config: &Config,
+    buffers: &mut OrganizedBuffers,
+    detection: &mut Detection,
+    parallelism: &dyn Crew,
+    on_step: &mut dyn FnMut(Step),
+) {
+    let raw = config.get();
+    if let Some(table) = find_table(frame, raw, buffers, on_step) {
+        list_above_table(&frame.cloud, &table, raw, parallelism, buffers);
+        on_step(Step::Prism);
+        cluster_pixels(frame, &table, raw, parallelism, buffers);
+        on_step(Step::Clusters);
+        split_at_concavities(&frame.cloud, &table, parallelism, buffers);
+        on_step(Step::Piles);
+        regroup_by_tracks(frame, buffers);
+        on_step(Step::Regrouping);
+        grow_to_support_plane(&frame.cloud, &table, buffers);
+        on_step(Step::Feet);
+        find_hypotheses(&frame.cloud, &table, raw, parallelism, buffers);
+        on_step(Step::Boxes);
+        write_candidates(frame, &table, config, parallelism, buffers, detection);
+        detection.table = Some(table);
+        on_step(Step::Judging);
+    }
+}
+
+/// Table of a frame with its surface cells and outline.
+fn find_table(
+    frame: &Frame<'_>,
+    config: &RawConfig,
+    buffers: &mut OrganizedBuffers,
+    on_step: &mut dyn FnMut(Step),
+) -> Option<Table> {
+    let OrganizedBuffers {
+        samples,
+        table: selection,
+        surface,
+        hull,
+        tracer,
+        ..
+    } = buffers;
+    samples.refill(&frame.cloud, config);
+    on_step(Step::Samples);
+    let mut random = Random::from_seed(frame.seed);
+    let table = select_table(samples, frame.up_in_camera, config, &mut random, selection);
+    on_step(Step::TablePlane);
+    let mut table = table?;
+    surface.refill(&table, samples);
+    if surface.has_gaps() {
+        std::mem::swap(&mut table.outline, hull);
+        tracer.trace(surface, hull, &mut table.outline);
+    }
+    on_step(Step::TableSurface);
+    Some(table)
+}
+
+/// List the pixels in the prism above the table and in holes of the support plane.
+fn list_above_table(
+    cloud: &OrganizedCloud<'_>,
+    table: &Table,
+    config: &RawConfig,
+    parallelism: &dyn Crew,
+    buffers: &mut OrganizedBuffers,
+) {
+    let OrganizedBuffers {
+        samples,
+        surface,
+        holes,
+        bands,
+        over_table,
+        ..
+    } = buffers;
+    let height = AffineForm::coordinates_of(&table.table_from_camera)[2];
+    holes.find(samples, &height, |z| {
+        lowest_m(z, config.height_min_m as f32)
+    });
+    let prism = Prism::over(table, config, holes, surface);
+    prism.list_pixels(cloud, parallelism, bands, over_table);
+}
+
+/// Cluster the pixels above the table. Pixels of people and the robot are clustered
+/// separately, so that no object merges with a body that touches it.
+fn cluster_pixels(
+    frame: &Frame<'_>,
+    table: &Table,
+    config: &RawConfig,
+    parallelism: &dyn Crew,
+    buffers: &mut OrganizedBuffers,
+) {
+    let OrganizedBuffers {
+        over_table,
+        body_mask,
+        masked,
+        masked_clusters,
+        clusters,
+        ..
+    } = buffers;
+    body_mask.refill(&frame.surroundings, table, config);
+    let tracks = frame.surroundings.tracks;
+    body_mask.extract(&frame.cloud, tracks, over_table, masked);
+    let n_min = (config.points_min_at_1m / (config.range_max_m * config.range_max_m)) as u32;
+    clusters.label_components(&frame.cloud, parallelism, over_table, n_min);
+    if !masked.is_empty() {
+        masked_clusters.label_components(&frame.cloud, parallelism, masked, n_min);
+    }
+}
+
+/// Concavity split: separate clusters of several objects along concave creases.
+fn split_at_concavities(
+    cloud: &OrganizedCloud<'_>,
+    table: &Table,
+    parallelism: &dyn Crew,
+    buffers: &mut OrganizedBuffers,
+) {
+    let OrganizedBuffers {
+        clusters, splits, ..
+    } = buffers;
+    let table_axes = AffineForm::coordinates_of(&table.table_from_camera);
+    let may_be_several =
+        |pixels: &[u32]| may_be_several_objects(cloud.points(), pixels, &table_axes);
+    clusters.split_at_concavities(cloud, parallelism, may_be_several, splits);
+}
+
+/// Track-guided regrouping: split clusters shared by several tracked objects and merge
+/// fragments of one tracked object.
+fn regroup_by_tracks(frame: &Frame<'_>, buffers: &mut OrganizedBuffers) {
+    let OrganizedBuffers {
+        clusters,
+        track_claims,
+        ..
+    } = buffers;
+    let tracks = frame.surroundings.tracks;
+    clusters.split_by_tracks(&frame.cloud, tracks, track_claims);
+    clusters.merge_by_tracks(&frame.cloud, tracks);
+}
+
+/// Grow the clusters down to the support plane.
+fn grow_to_support_plane(
+    cloud: &OrganizedCloud<'_>,
+    table: &Table,
+    buffers: &mut OrganizedBuffers,
+) {
+    let height = AffineForm::coordinates_of(&table.table_from_camera)[2];
+    let is_base = |pixel: usize, above: usize| {
+        let (point, above) = (&cloud.points()[pixel], &cloud.points()[above]);
+        let lowest_m = BASE_HEIGHT_MIN_M.max(BASE_SIGMAS * depth_sigma_m(point.z));
+        (point.z - above.z).abs() <= BASE_STEP_M * point.z * point.z
+            && (lowest_m..=BASE_HEIGHT_MAX_M).contains(&height.at(point.x, point.y, point.z))
+    };
+    let OrganizedBuffers {
+        clusters,
+        over_table,
+        ..
+    } = buffers;
+    clusters.grow_to_support_plane(over_table, cloud.width() as isize, is_base);
+}
+
+/// Hypotheses of the clusters with enough points, nearest first, with their support.
+fn find_hypotheses(
+    cloud: &OrganizedCloud<'_>,
+    table: &Table,
+    config: &RawConfig,
+    parallelism: &dyn Crew,
+    buffers: &mut OrganizedBuffers,
+) {
+    let OrganizedBuffers {
+        masked,
+        masked_clusters,
+        clusters,
+        found_hypotheses,
+        hypotheses,
+        surface,
+        ..
+    } = buffers;
+    let table_axes = AffineForm::coordinates_of(&table.table_from_camera);
+    let overlap = TableOverlap::new(table, surface);
+    let n_masked = if masked.is_empty() {
+        0
+    } else {
+        masked_clusters.len()
+    };
+    let of_bodies = (0..n_masked as u32).map(|cluster| (cluster, true));
+    let of_objects = (0..clusters.len() as u32).map(|cluster| (cluster, false));
+    let all = of_objects.chain(of_bodies);
+    found_hypotheses.for_each(parallelism, all, |found, (cluster, is_masked)| {
+        let own = if is_masked {
+            &*masked_clusters
+        } else {
+            &*clusters
+        };
+        let pixels = own.pixels(cluster as usize);
+        if overlap.is_sufficient(pixels, cloud)
+            && let Some(hypothesis) =
+                ClusterHypothesis::of(cluster, pixels, cloud, &table_axes, config)
+            && pixels.len() as f64
+                >= config.points_min_at_1m / hypothesis.statistics.centroid.z.powi(2)
+        {
+            found.push(ClusterHypothesis {
+                is_masked,
+                ..hypothesis
+            });
+        }
+    });
+    hypotheses.clear();
+    found_hypotheses.gather(hypotheses);
+    find_support_relations(cloud, clusters, &table.plane.normal, hypotheses);
+    let distance = |one: &ClusterHypothesis| one.statistics.centroid.coords.norm_squared();
+    hypotheses.sort_unstable_by(|a, b| {
+        distance(a)
+            .total_cmp(&distance(b))
+            .then((a.is_masked, a.cluster).cmp(&(b.is_masked, b.cluster)))
+    });
+}
+
+/// Evaluate the constraints of the hypotheses and write them as candidates.
+fn write_candidates(
+    frame: &Frame<'_>,
+    table: &Table,
+    config: &Config,
+    parallelism: &dyn Crew,
+    buffers: &mut OrganizedBuffers,
+    detection: &mut Detection,
+) {
+    let bounds = DepthBounds::of(&frame.cloud);
+    let evaluator = ConstraintEvaluator {
+        cloud: frame.cloud,
+        table,
+        priors: frame.surroundings,
+        body_mask: &buffers.body_mask,
+        config: config.get(),
+    };
+    let indices = &mut detection.point_indices;
+    for hypothesis in &buffers.hypotheses {
+        indices.extend_from_slice(buffers.pixels(hypothesis));
+    }
+    let mut first = 0;
+    let hypotheses = buffers.hypotheses.iter().map(|hypothesis| {
+        let range = first..first + buffers.pixels(hypothesis).len();
+        first = range.end;
+        (hypothesis, range)
+    });
+    buffers.candidates.for_each(
+        parallelism,
+        hypotheses,
+        |candidates, (hypothesis, range)| {
+            let pixels = &indices[range.clone()];
+            let is_cut = bounds.is_touched_by(&hypothesis.statistics.seen, BORDER_PX);
+            let candidate = evaluator.candidate(hypothesis, range, pixels, is_cut, config.rule());
+            candidates.push(candidate);
+        },
+    );
+    buffers.candidates.gather(&mut detection.candidates);
+    let first = |candidate: &Candidate| candidate.range.start;
+    detection.candidates.sort_unstable_by_key(first);
+}

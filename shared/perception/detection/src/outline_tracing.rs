@@ -1,0 +1,110 @@
+//! Contour tracing of the table's cells into an outline polygon.
+
+use crate::outline::{Outline, distance_m};
+use crate::table_surface::TableSurface;
+use nalgebra::Point2;
+
+/// Corners are left out where the outline stays this near, metres.
+const TOLERANCE_M: f64 = 0.03;
+
+/// Buffers of the tracing.
+#[derive(Debug, Default)]
+pub(crate) struct OutlineTracer {
+    corners: Vec<Point2<f64>>,
+    kept: Vec<u32>,
+    open: Vec<[u32; 2]>,
+}
+
+impl OutlineTracer {
+    /// Follows the border of the table's cells. A side is rim unless it lies
+    /// along a side of `hull` that is none.
+    pub(crate) fn trace(&mut self, surface: &TableSurface, hull: &Outline, outline: &mut Outline) {
+        self.trace_border(surface);
+        self.simplify();
+        outline.corners.clear();
+        let corners = self.kept.iter().map(|&i| self.corners[i as usize]);
+        outline.corners.extend(corners);
+        outline.is_rim.clear();
+        for (i, a) in outline.corners.iter().enumerate() {
+            let b = outline.corners[(i + 1) % outline.corners.len()];
+            // The end of the view may be several sides of the hull.
+            let ends_view = |corner: &Point2<f64>| {
+                let mut sides = hull.sides().filter(|(_, _, is_rim)| !is_rim);
+                sides.any(|(from, to, _)| distance_m(corner, &from, &to) <= TOLERANCE_M)
+            };
+            let middle = Point2::from(0.5 * (a.coords + b.coords));
+            let is_rim = ![*a, middle, b].iter().all(ends_view);
+            outline.is_rim.push(is_rim);
+        }
+    }
+
+    /// Walks around the cells of the table, which stay on the left, from the
+    /// first cell back to it; keeps the places where the way turns.
+    fn trace_border(&mut self, surface: &TableSurface) {
+        const STEPS: [[isize; 2]; 4] = [[1, 0], [0, 1], [-1, 0], [0, -1]];
+        self.corners.clear();
+        let first = (0..surface.width * surface.height)
+            .map(|cell| (cell % surface.width, cell / surface.width))
+            .find(|&(column, row)| surface.is_table_cell(column as isize, row as isize));
+        let Some((column, row)) = first else { return };
+        let start = [column as isize, row as isize];
+        let (mut at, mut heading) = (start, 0);
+        loop {
+            at = [at[0] + STEPS[heading][0], at[1] + STEPS[heading][1]];
+            // The cells ahead, to the left and to the right of the way.
+            let [x, y] = at;
+            let [left, right] = match heading {
+                0 => [[x, y], [x, y - 1]],
+                1 => [[x - 1, y], [x, y]],
+                2 => [[x - 1, y - 1], [x - 1, y]],
+                _ => [[x, y - 1], [x - 1, y - 1]],
+            }
+            .map(|[column, row]| surface.is_table_cell(column, row));
+            let turned = match (left, right) {
+                (false, _) => (heading + 1) % 4,
+                (true, true) => (heading + 3) % 4,
+                (true, false) => heading,
+            };
+            if turned != heading {
+                self.corners.push(surface.corner(x as usize, y as usize));
+            }
+            heading = turned;
+            if at == start && heading == 0 {
+                return;
+            }
+        }
+    }
+
+    /// Keeps the corners that the outline needs (Douglas and Peucker 1973).
+    fn simplify(&mut self) {
+        let Self {
+            corners,
+            kept,
+            open,
+        } = self;
+        kept.clear();
+        open.clear();
+        let n = corners.len() as u32;
+        if n == 0 {
+            return;
+        }
+        let far = (0..n).max_by(|&a, &b| {
+            let from_first = |i: u32| (corners[i as usize] - corners[0]).norm_squared();
+            from_first(a).total_cmp(&from_first(b))
+        });
+        let far = far.unwrap_or(0);
+        kept.extend([0, far]);
+        open.extend([[0, far], [far, n]]);
+        while let Some([from, to]) = open.pop() {
+            let ends = [from, to % n].map(|i| corners[i as usize]);
+            let away = |i: u32| distance_m(&corners[i as usize], &ends[0], &ends[1]);
+            let farthest = (from + 1..to).max_by(|&a, &b| away(a).total_cmp(&away(b)));
+            if let Some(i) = farthest.filter(|&i| away(i) > TOLERANCE_M) {
+                kept.push(i);
+                open.extend([[from, i], [i, to]]);
+            }
+        }
+        kept.sort_unstable();
+        kept.dedup();
+    }
+}

@@ -1,0 +1,169 @@
+//! RANSAC for the plane with the most samples.
+
+use crate::affine_form::AffineForm;
+use crate::samples::Samples;
+use geometry::Plane;
+use nalgebra::{Point3, Unit, Vector3};
+use random::Random;
+
+/// A hypothesis is counted on about this many samples.
+const N_COUNTED_AIMED: usize = 2400;
+
+/// Half side of the window, in samples, in which the second and third point of
+/// a hypothesis are drawn: neighbours lie on one surface far more often than
+/// points from all over the image.
+const WINDOW: usize = 32;
+
+/// Neighbours nearer than this, in samples, give a plane of noise.
+const WINDOW_HOLE: isize = 5;
+
+/// Most hypotheses for one plane.
+const N_HYPOTHESES_MAX: usize = 240;
+
+/// Accepted chance of not drawing a single good hypothesis.
+const MISS_CHANCE: f64 = 0.005;
+
+/// Chance that window neighbours of a point on a plane both lie on it.
+const NEIGHBOURS_AGREE: f64 = 0.3;
+
+/// Buffers of the search.
+#[derive(Debug, Default)]
+pub(crate) struct PlaneSearchBuffers {
+    free: Vec<u32>,
+    counted: Samples,
+}
+
+/// Directions a normal may have.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct NormalConstraint {
+    /// Up, camera frame.
+    pub(crate) up: Unit<Vector3<f64>>,
+    /// Least cosine between the normal, or its opposite, and up.
+    pub(crate) cos_min: f64,
+}
+
+impl NormalConstraint {
+    fn allows(&self, plane: &Plane) -> bool {
+        plane.normal.dot(&self.up).abs() >= self.cos_min
+    }
+}
+
+/// The plane with the most free samples in its band, refined by least squares;
+/// `None` when no hypothesis has `n_min` inliers.
+///
+/// RANSAC (Fischler and Bolles 1981) with neighbouring points, local
+/// optimisation of each new best hypothesis (Chum, Matas and Kittler 2003) and
+/// an adaptive number of rounds. The plane's positive side holds the camera.
+pub(crate) fn largest_plane(
+    samples: &Samples,
+    limit: Option<&NormalConstraint>,
+    n_min: usize,
+    random: &mut Random,
+    buffers: &mut PlaneSearchBuffers,
+) -> Option<Plane> {
+    let allowed = |plane: &Plane| limit.is_none_or(|limit| limit.allows(plane));
+    buffers.free.clear();
+    buffers
+        .free
+        .extend((0..samples.len() as u32).filter(|&i| samples.is_free(i as usize)));
+    if buffers.free.len() < n_min.max(3) {
+        return None;
+    }
+    let step = (buffers.free.len() / N_COUNTED_AIMED).max(1);
+    samples.thin_into(step, &mut buffers.counted);
+    let counted = &buffers.counted;
+
+    let mut best: Option<(Plane, u32)> = None;
+    let mut n_rounds = N_HYPOTHESES_MAX;
+    let mut round = 0;
+    while round < n_rounds {
+        round += 1;
+        let Some(plane) = hypothesis(samples, &buffers.free, random).filter(&allowed) else {
+            continue;
+        };
+        let n_inliers = counted.count_inliers(&AffineForm::from(&plane));
+        if best.as_ref().is_none_or(|&(_, n_best)| n_inliers > n_best) {
+            let better = optimised(counted, plane, n_inliers, &allowed);
+            n_rounds = rounds_needed(better.1, counted.len());
+            best = Some(better);
+        }
+    }
+    let plane = refined(samples, best?.0, &allowed);
+    let n_inliers = samples.count_inliers(&AffineForm::from(&plane)) as usize;
+    (n_inliers >= n_min).then(|| plane.facing(&Point3::origin()))
+}
+
+/// A plane through a random sample and two of its neighbours.
+fn hypothesis(samples: &Samples, free: &[u32], random: &mut Random) -> Option<Plane> {
+    let anchor = free[random.below(free.len())] as usize;
+    let second = neighbour(samples, anchor, random)?;
+    let third = neighbour(samples, anchor, random)?;
+    Plane::through_three(
+        &samples.position(anchor),
+        &samples.position(second),
+        &samples.position(third),
+    )
+}
+
+fn neighbour(samples: &Samples, anchor: usize, random: &mut Random) -> Option<usize> {
+    let mut around_zero = || random.below(2 * WINDOW + 1) as isize - WINDOW as isize;
+    let (columns, rows) = (around_zero(), around_zero());
+    if columns.abs().max(rows.abs()) < WINDOW_HOLE {
+        return None;
+    }
+    let column = (anchor % samples.width()).checked_add_signed(columns)?;
+    let row = (anchor / samples.width()).checked_add_signed(rows)?;
+    let inside = column < samples.width() && row < samples.height();
+    let index = row * samples.width() + column;
+    (inside && samples.is_free(index)).then_some(index)
+}
+
+/// A hypothesis after least squares over its own inliers, when that has more.
+fn optimised(
+    counted: &Samples,
+    mut plane: Plane,
+    mut n_inliers: u32,
+    allowed: &impl Fn(&Plane) -> bool,
+) -> (Plane, u32) {
+    for _ in 0..3 {
+        let Some(fitted) = fitted(counted, &plane).filter(allowed) else {
+            break;
+        };
+        let n_fitted = counted.count_inliers(&AffineForm::from(&fitted));
+        if n_fitted <= n_inliers {
+            break;
+        }
+        (plane, n_inliers) = (fitted, n_fitted);
+    }
+    (plane, n_inliers)
+}
+
+/// Least squares over all samples, repeated because the inliers change with
+/// the plane.
+fn refined(samples: &Samples, mut plane: Plane, allowed: &impl Fn(&Plane) -> bool) -> Plane {
+    for _ in 0..2 {
+        match fitted(samples, &plane).filter(allowed) {
+            Some(better) => plane = better,
+            None => break,
+        }
+    }
+    plane
+}
+
+/// The least-squares plane of the inliers of another plane.
+fn fitted(samples: &Samples, plane: &Plane) -> Option<Plane> {
+    let axes = samples
+        .inlier_moments(&AffineForm::from(plane))
+        .principal_axes()?;
+    let normal = Unit::try_new(axes.axes.column(2).into_owned(), 0.5)?;
+    Some(Plane::through(&axes.centroid, normal))
+}
+
+/// How many hypotheses make it unlikely to have missed a plane with this share
+/// of inliers.
+fn rounds_needed(n_inliers: u32, n: usize) -> usize {
+    let hit = (NEIGHBOURS_AGREE * f64::from(n_inliers) / n as f64).clamp(1e-6, 0.99);
+    (MISS_CHANCE.ln() / (1.0 - hit).ln())
+        .ceil()
+        .min(N_HYPOTHESES_MAX as f64) as usize
+}

@@ -1,0 +1,283 @@
+//! The connected part of a plane's inliers, and the polygon around it.
+
+use crate::affine_form::AffineForm;
+use crate::outline::Outline;
+use crate::samples::Samples;
+use geometry::{ConvexPolygon, Plane, RigidTransform};
+use nalgebra::{Point2, Point3, Unit};
+use point_cloud::Moments;
+
+/// Side of a cell of the map of the plane, metres.
+const CELL_M: f32 = 0.04;
+
+/// Most cells a side; a larger plane gets larger cells.
+const CELLS_MAX: usize = 256;
+
+/// A cell is covered when it holds this many samples.
+const CELL_SAMPLES_MIN: u32 = 2;
+
+/// Table is continuous across this many empty cells: what stands on it hides
+/// parts of it.
+const GAP_CELLS: isize = 3;
+
+/// A sensor sees nothing at the border of its image, in registered depth, up to
+/// this share of a side; where depth ends farther inside, something ends.
+const MARGIN_SHARE_MAX: f64 = 0.1;
+
+/// Buffers, and the region found last.
+#[derive(Debug, Default)]
+pub(crate) struct PlaneRegionBuffers {
+    inliers: Vec<Inlier>,
+    /// Number of samples of each connected part.
+    sizes: Vec<u32>,
+    n_in_cell: Vec<u32>,
+    is_table: Vec<bool>,
+    region_of_cell: Vec<u32>,
+    stack: Vec<usize>,
+    outline: Vec<Point2<f64>>,
+    /// Those of the outline at which the view ends.
+    view_ends: Vec<Point2<f64>>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Inlier {
+    sample: u32,
+    u: f32,
+    v: f32,
+}
+
+impl PlaneRegionBuffers {
+    /// Number of connected parts of the plane with at least so many samples.
+    pub(crate) fn n_regions_of_at_least(&self, n_min: usize) -> usize {
+        let is_large = |&&size: &&u32| size as usize >= n_min;
+        self.sizes.iter().filter(is_large).count()
+    }
+}
+
+/// The cells that cover a set of inliers.
+#[derive(Debug, Clone, Copy)]
+struct CellGrid {
+    u_min: f32,
+    v_min: f32,
+    cell_m: f32,
+    width: usize,
+    height: usize,
+}
+
+impl CellGrid {
+    fn around(inliers: &[Inlier]) -> Self {
+        let (mut low, mut high) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
+        for inlier in inliers {
+            low = [low[0].min(inlier.u), low[1].min(inlier.v)];
+            high = [high[0].max(inlier.u), high[1].max(inlier.v)];
+        }
+        let extent_m = (high[0] - low[0]).max(high[1] - low[1]);
+        let cell_m = CELL_M.max(extent_m / (CELLS_MAX - 1) as f32);
+        let n_cells = |i: usize| (((high[i] - low[i]) / cell_m) as usize + 1).min(CELLS_MAX);
+        Self {
+            u_min: low[0],
+            v_min: low[1],
+            cell_m,
+            width: n_cells(0),
+            height: n_cells(1),
+        }
+    }
+
+    #[inline]
+    fn cell_of(&self, inlier: &Inlier) -> usize {
+        let column = ((inlier.u - self.u_min) / self.cell_m) as usize;
+        let row = ((inlier.v - self.v_min) / self.cell_m) as usize;
+        row.min(self.height - 1) * self.width + column.min(self.width - 1)
+    }
+}
+
+/// Which parts of a plane count.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum RegionFilter {
+    /// Those that are somewhere wider than a strip.
+    WideOnly,
+    /// Strips too.
+    All,
+}
+
+/// Keeps the largest connected part of a plane's inliers in `buffers`.
+/// Returns its number of samples.
+pub(crate) fn find_region(
+    samples: &Samples,
+    plane: &Plane,
+    plane_from_camera: &RigidTransform,
+    parts: RegionFilter,
+    buffers: &mut PlaneRegionBuffers,
+) -> usize {
+    let height = AffineForm::from(plane);
+    let [u, v, _] = AffineForm::coordinates_of(plane_from_camera);
+    buffers.sizes.clear();
+    buffers.inliers.clear();
+    buffers.inliers.extend(
+        (0..samples.len())
+            .filter(|&i| samples.is_inlier(i, &height))
+            .map(|i| Inlier {
+                sample: i as u32,
+                u: samples.along(&u, i),
+                v: samples.along(&v, i),
+            }),
+    );
+    if buffers.inliers.is_empty() {
+        return 0;
+    }
+    let grid = CellGrid::around(&buffers.inliers);
+    buffers.n_in_cell.clear();
+    buffers.n_in_cell.resize(grid.width * grid.height, 0);
+    for inlier in &buffers.inliers {
+        buffers.n_in_cell[grid.cell_of(inlier)] += 1;
+    }
+    match parts {
+        RegionFilter::WideOnly => keep_wide_parts(&grid, buffers),
+        RegionFilter::All => {
+            let covered = buffers.n_in_cell.iter().map(|&n| n >= CELL_SAMPLES_MIN);
+            buffers.is_table.clear();
+            buffers.is_table.extend(covered);
+        }
+    }
+    let largest = largest_region(&grid, buffers);
+    let regions = &buffers.region_of_cell;
+    buffers
+        .inliers
+        .retain(|inlier| regions[grid.cell_of(inlier)] == largest);
+    buffers.inliers.len()
+}
+
+/// Marks the cells of squares of three by three covered cells, and the cells
+/// around those: a plane cuts through chairs and walls too, but only in strips.
+fn keep_wide_parts(grid: &CellGrid, buffers: &mut PlaneRegionBuffers) {
+    let PlaneRegionBuffers {
+        n_in_cell,
+        is_table,
+        ..
+    } = buffers;
+    is_table.clear();
+    is_table.resize(n_in_cell.len(), false);
+    let around = |cell: usize, reach: isize| {
+        let steps = -reach..=reach;
+        steps.clone().flat_map(move |rows| {
+            steps
+                .clone()
+                .map(move |columns| cell.wrapping_add_signed(rows * grid.width as isize + columns))
+        })
+    };
+    for row in 1..grid.height.saturating_sub(1) {
+        for column in 1..grid.width.saturating_sub(1) {
+            let cell = row * grid.width + column;
+            if around(cell, 1).all(|near| n_in_cell[near] >= CELL_SAMPLES_MIN) {
+                let inner =
+                    (2..grid.height - 2).contains(&row) && (2..grid.width - 2).contains(&column);
+                let reach = if inner { 2 } else { 1 };
+                around(cell, reach).for_each(|near| is_table[near] |= n_in_cell[near] > 0);
+            }
+        }
+    }
+}
+
+/// The number of the region with the most samples; regions count from 1.
+fn largest_region(grid: &CellGrid, buffers: &mut PlaneRegionBuffers) -> u32 {
+    buffers.region_of_cell.clear();
+    buffers.region_of_cell.resize(buffers.n_in_cell.len(), 0);
+    let (mut largest, mut n_largest) = (u32::MAX, 0);
+    for start in 0..buffers.n_in_cell.len() {
+        if buffers.is_table[start] && buffers.region_of_cell[start] == 0 {
+            let region = buffers.sizes.len() as u32 + 1;
+            let n_samples = flood(grid, start, region, buffers);
+            buffers.sizes.push(n_samples);
+            if n_samples > n_largest {
+                (largest, n_largest) = (region, n_samples);
+            }
+        }
+    }
+    largest
+}
+
+/// Marks the cells connected with `start`; returns their number of samples.
+fn flood(grid: &CellGrid, start: usize, region: u32, buffers: &mut PlaneRegionBuffers) -> u32 {
+    let mut n_samples = 0;
+    buffers.stack.clear();
+    buffers.stack.push(start);
+    buffers.region_of_cell[start] = region;
+    while let Some(cell) = buffers.stack.pop() {
+        n_samples += buffers.n_in_cell[cell];
+        let (column, row) = ((cell % grid.width) as isize, (cell / grid.width) as isize);
+        let rows = (row - GAP_CELLS).max(0)..=(row + GAP_CELLS).min(grid.height as isize - 1);
+        for row in rows {
+            let from = (column - GAP_CELLS).max(0);
+            let to = (column + GAP_CELLS).min(grid.width as isize - 1);
+            for column in from..=to {
+                let near = row as usize * grid.width + column as usize;
+                if buffers.region_of_cell[near] == 0 && buffers.n_in_cell[near] >= CELL_SAMPLES_MIN
+                {
+                    buffers.region_of_cell[near] = region;
+                    buffers.stack.push(near);
+                }
+            }
+        }
+    }
+    n_samples
+}
+
+/// Sums over the region found last.
+fn region_moments(samples: &Samples, buffers: &PlaneRegionBuffers) -> Moments {
+    let mut moments = Moments::default();
+    for inlier in &buffers.inliers {
+        moments.add(&samples.position(inlier.sample as usize));
+    }
+    moments
+}
+
+/// Least-squares plane of the region found last, facing the camera; `None` without
+/// enough samples.
+pub(crate) fn region_plane(samples: &Samples, region: &PlaneRegionBuffers) -> Option<Plane> {
+    let axes = region_moments(samples, region).principal_axes()?;
+    let normal = Unit::try_new(axes.axes.column(2).into_owned(), 0.5)?;
+    Some(Plane::through(&axes.centroid, normal).facing(&Point3::origin()))
+}
+
+/// Convex hull of the region found last, coordinates of the plane's frame, and
+/// the same as an outline, in which a side between two places where the view
+/// ends is no rim.
+///
+/// The hull of the first and last sample of each image row is the hull of all:
+/// a plane is seen through a homography, which keeps what lies between.
+pub(crate) fn region_polygon(
+    samples: &Samples,
+    buffers: &mut PlaneRegionBuffers,
+    polygon: &mut ConvexPolygon,
+    outline: &mut Outline,
+) {
+    let corner = |inlier: &Inlier| Point2::new(f64::from(inlier.u), f64::from(inlier.v));
+    let row_of = |inlier: &Inlier| inlier.sample as usize / samples.width();
+    let seen = samples.seen();
+    let is_margin = |at: usize, n: usize| {
+        let margin = MARGIN_SHARE_MAX * n as f64;
+        (at.min(n - 1 - at) as f64) <= margin
+    };
+    buffers.outline.clear();
+    buffers.view_ends.clear();
+    for row in buffers.inliers.chunk_by(|a, b| row_of(a) == row_of(b)) {
+        for inlier in [&row[0], &row[row.len() - 1]] {
+            buffers.outline.push(corner(inlier));
+            let (column, row) = (inlier.sample as usize % samples.width(), row_of(inlier));
+            let is_at_margin =
+                is_margin(column, samples.width()) || is_margin(row, samples.height());
+            if is_at_margin && seen.is_border(column, row) {
+                buffers.view_ends.push(corner(inlier));
+            }
+        }
+    }
+    polygon.become_hull_of(&mut buffers.outline);
+    let corners = polygon.corners();
+    let ends_view = |i: usize| buffers.view_ends.contains(&corners[i % corners.len()]);
+    outline.corners.clear();
+    outline.corners.extend_from_slice(corners);
+    outline.is_rim.clear();
+    outline
+        .is_rim
+        .extend((0..corners.len()).map(|i| !(ends_view(i) && ends_view(i + 1))));
+}

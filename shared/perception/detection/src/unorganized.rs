@@ -1,0 +1,105 @@
+//! Clouds without an image grid: one row or one column of points.
+//!
+//! A cloud that is one view from its origin along z, as an organised cloud is
+//! that lost its empty pixels and its order, is laid back on an image grid and
+//! searched there like any image. Any other cloud, such as one merged from
+//! several views or turned into the frame of the world, takes the voxel path:
+//! planes are searched on the voxel_centroids of voxel_grid, clusters are connected cells
+//! of the space over the table, and large ones are parted as they look from a
+//! camera that is placed before them.
+
+mod label_groups;
+mod pixel_lattice;
+mod point_labels;
+mod resampling;
+mod single_view;
+mod table_coverage;
+mod view_extent;
+mod virtual_view;
+mod voxel_centroids;
+mod voxel_clusters;
+mod voxel_detection;
+mod voxel_grid;
+mod voxel_plane_ransac;
+mod voxel_plane_region;
+mod voxel_table;
+
+use self::point_labels::PointLabels;
+use self::single_view::{SingleView, ViewEvidence};
+use self::voxel_detection::VoxelDetector;
+use crate::Config;
+use crate::input::Frame;
+use crate::organized::{OrganizedBuffers, detect_organized};
+use crate::output::Detection;
+use crate::parallelism::Sequential;
+use point_cloud::OrganizedCloud;
+
+/// A cloud with fewer usable points is no view.
+const N_POINTS_MIN: usize = 64;
+
+/// Mark of a point that is nowhere: in no pixel, voxel or cluster.
+const UNLABELLED: u32 = u32::MAX;
+
+/// UnorganizedBuffers of clouds without a grid.
+#[derive(Debug, Default)]
+pub(crate) struct UnorganizedBuffers {
+    view: SingleView,
+    labels: PointLabels,
+    voxel_detector: VoxelDetector,
+}
+
+/// Whether a cloud has no image grid.
+pub(crate) fn is_unorganized(cloud: &OrganizedCloud<'_>) -> bool {
+    cloud.width() == 1 || cloud.height() == 1
+}
+
+/// Detect in an unorganised cloud; `detection` comes empty.
+pub(crate) fn detect_unorganized(
+    frame: &Frame<'_>,
+    config: &Config,
+    buffers: &mut UnorganizedBuffers,
+    organized: &mut OrganizedBuffers,
+    detection: &mut Detection,
+) {
+    let evidence = buffers.view.reproject(frame.cloud.points());
+    if evidence.is_some() {
+        detect_in_single_view(frame, config, buffers, organized, detection);
+    }
+    // Uniform density alone does not prove a view: a table in the world frame, seen from
+    // below, is uniformly dense too.
+    let is_view = evidence == Some(ViewEvidence::Lattice) || !detection.candidates.is_empty();
+    if !is_view {
+        detection.table = None;
+        let detector = &mut buffers.voxel_detector;
+        detector.detect(frame, config, organized, detection);
+    }
+}
+
+/// Detect in the image of a single view and transfer the result to the points.
+fn detect_in_single_view(
+    frame: &Frame<'_>,
+    config: &Config,
+    buffers: &mut UnorganizedBuffers,
+    organized: &mut OrganizedBuffers,
+    detection: &mut Detection,
+) {
+    let UnorganizedBuffers { view, labels, .. } = buffers;
+    let Some(image) = view.image() else { return };
+    let image_frame = Frame {
+        cloud: image,
+        ..*frame
+    };
+    detect_organized(
+        &image_frame,
+        config,
+        organized,
+        detection,
+        &Sequential,
+        &mut |_| {},
+    );
+    let points = frame.cloud.points();
+    labels.refill(detection, image.points().len(), points.len(), |i| {
+        view.surface_pixel(i, &points[i])
+    });
+    labels.write_indices(detection);
+}

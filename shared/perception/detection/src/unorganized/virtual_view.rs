@@ -1,0 +1,292 @@
+//! A cluster seen by a camera that was never there.
+
+use super::UNLABELLED;
+use super::point_labels::PointLabels;
+use crate::affine_form::AffineForm;
+use crate::input::{Frame, Surroundings};
+use crate::organized::{OrganizedBuffers, detect_organized};
+use crate::output::Detection;
+use crate::parallelism::Sequential;
+use crate::table::Table;
+use crate::{Config, RawConfig};
+use geometry::{OrientedBox, PinholeCamera, RigidTransform};
+use nalgebra::{Matrix3, Point3, Rotation3, Unit, UnitQuaternion, Vector3};
+use point_cloud::{OrganizedCloud, Point, Rgba};
+use std::f64::consts::TAU;
+
+/// The camera, and its least distance, metres: nearer, more precise points
+/// would be expected of it than a camera has measured from where it was.
+const CAMERA: PinholeCamera = PinholeCamera::KINECT_V1;
+const DISTANCE_MIN_M: f64 = 1.0;
+
+/// Pixels from the image's centre to the border of the cluster.
+const RADIUS_PX: f64 = 200.0;
+
+/// A cluster with a larger radius is nothing on a table, metres.
+const RADIUS_MAX_M: f64 = 1.0;
+
+/// Directions to find_parts from, azimuths and elevations over the table, radians;
+/// that from which most is seen is taken.
+const N_AZIMUTHS: usize = 12;
+const ELEVATIONS_RAD: [f64; 2] = [0.65, 0.95];
+
+/// Side of the coarse pixels in which is counted what is seen, and about how
+/// many points are counted.
+const COARSE_PX: usize = 4;
+const N_COUNTED: usize = 20_000;
+
+/// Each point covers the pixels this far around its own.
+const SPLAT_PX: isize = 1;
+
+/// A point this far behind what covers its pixel is hidden, metres.
+const BEHIND_M: f32 = 0.012;
+
+/// Width and height of the image.
+const SIZE: [usize; 2] = [CAMERA.width as usize, CAMERA.height as usize];
+
+/// Buffers, and the parts found last.
+#[derive(Debug, Default)]
+pub(super) struct VirtualView {
+    seen: Vec<bool>,
+    pixel_of: Vec<u32>,
+    depth_of: Vec<f32>,
+    splats: Vec<SplatPixel>,
+    image: Vec<Point>,
+    detection: Detection,
+    labels: PointLabels,
+}
+
+/// What is nearest in a pixel.
+#[derive(Debug, Clone, Copy)]
+struct SplatPixel {
+    /// Nearest depth of any point that covers the pixel, and its colour.
+    depth_m: f32,
+    color: Rgba,
+    /// Nearest depth of a point in the pixel itself.
+    own_m: f32,
+}
+
+const EMPTY_PIXEL: SplatPixel = SplatPixel {
+    depth_m: f32::INFINITY,
+    color: Rgba(0xff80_8080),
+    own_m: f32::INFINITY,
+};
+
+/// A cluster over a table.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct CloudCluster<'a> {
+    /// The cloud, and the indices of the cluster's points.
+    pub(super) points: &'a [Point],
+    pub(super) members: &'a [u32],
+    /// A box around them, in the frame of the cloud.
+    pub(super) bounds: &'a OrientedBox,
+    pub(super) table: &'a Table,
+}
+
+impl VirtualView {
+    /// Looks at a cluster that stands alone on the table. Returns in how many
+    /// parts it is seen to fall.
+    pub(super) fn find_parts(
+        &mut self,
+        cluster: &CloudCluster<'_>,
+        config: &RawConfig,
+        organized: &mut OrganizedBuffers,
+    ) -> usize {
+        let CloudCluster {
+            points,
+            members,
+            bounds,
+            table,
+        } = *cluster;
+        let radius_m = bounds.half_sides_m.norm();
+        let settings = RawConfig {
+            range_min_m: 0.1,
+            range_max_m: 10.0,
+            ..config.clone()
+        };
+        let (true, Ok(config)) = (radius_m <= RADIUS_MAX_M, Config::new(settings)) else {
+            return 0;
+        };
+        let camera_from_table = self.widest_view(cluster, radius_m);
+        let camera_from_cloud = camera_from_table * table.table_from_camera;
+        self.splat(points, members, &camera_from_cloud);
+        // What hides the foot of a cluster is not drawn; nothing hangs in the air.
+        let ground_m = lowest_height_m(points, members, table) - config.get().height_min_m;
+        self.compose_depth_image(&camera_from_table, ground_m.max(0.0));
+        let Ok(cloud) = OrganizedCloud::new(&self.image, SIZE[0], SIZE[1]) else {
+            return 0;
+        };
+        let up_in_camera = Some(camera_from_table.rotation * Vector3::z_axis());
+        let frame = Frame {
+            cloud,
+            up_in_camera,
+            seed: 0,
+            surroundings: Surroundings::default(),
+        };
+        organized.recycle(&mut self.detection);
+        let detection = &mut self.detection;
+        detect_organized(
+            &frame,
+            &config,
+            organized,
+            detection,
+            &Sequential,
+            &mut |_| {},
+        );
+        let Self {
+            pixel_of,
+            depth_of,
+            splats,
+            detection,
+            labels,
+            ..
+        } = self;
+        let surface = |i: usize| {
+            let pixel = pixel_of[i] as usize;
+            let splats = splats.get(pixel)?;
+            (depth_of[i] <= splats.depth_m + BEHIND_M).then_some(pixel)
+        };
+        labels.refill(detection, self.image.len(), members.len(), surface);
+        detection.candidates.len()
+    }
+
+    /// Per member: the part it was seen in, or [`UNLABELLED`].
+    pub(super) fn part_of(&self) -> &[u32] {
+        self.labels.of_point()
+    }
+
+    /// `camera_from_table` of the direction from which the cluster covers most
+    /// pixels: from where a side was never measured one sees through it.
+    fn widest_view(&mut self, cluster: &CloudCluster<'_>, radius_m: f64) -> RigidTransform {
+        let CloudCluster {
+            points,
+            members,
+            bounds,
+            table,
+        } = *cluster;
+        let target = table.table_from_camera * bounds.centre();
+        let distance_m = (radius_m * CAMERA.fx_px / RADIUS_PX).max(DISTANCE_MIN_M);
+        let step = members.len().div_ceil(N_COUNTED).max(1);
+        let mut best = (RigidTransform::identity(), 0);
+        for i in 0..N_AZIMUTHS * ELEVATIONS_RAD.len() {
+            let azimuth_rad = TAU * i as f64 / N_AZIMUTHS as f64;
+            let elevation_rad = ELEVATIONS_RAD[i / N_AZIMUTHS];
+            let camera_from_table = look_at(&target, azimuth_rad, elevation_rad, distance_m);
+            let camera_from_cloud = camera_from_table * table.table_from_camera;
+            let coarse = SIZE.map(|side| side / COARSE_PX);
+            self.seen.clear();
+            self.seen.resize(coarse[0] * coarse[1], false);
+            for &member in members.iter().step_by(step) {
+                if let Some(([column, row], _)) =
+                    project(&points[member as usize], &camera_from_cloud)
+                {
+                    self.seen[row / COARSE_PX * coarse[0] + column / COARSE_PX] = true;
+                }
+            }
+            let n_seen = self.seen.iter().filter(|&&seen| seen).count();
+            if n_seen > best.1 || i == 0 {
+                best = (camera_from_table, n_seen);
+            }
+        }
+        best.0
+    }
+
+    /// Finds what is nearest in every pixel.
+    fn splat(&mut self, points: &[Point], members: &[u32], camera_from_cloud: &RigidTransform) {
+        self.splats.clear();
+        self.splats.resize(SIZE[0] * SIZE[1], EMPTY_PIXEL);
+        self.pixel_of.clear();
+        self.depth_of.clear();
+        for &member in members {
+            let point = &points[member as usize];
+            let Some(([column, row], depth_m)) = project(point, camera_from_cloud) else {
+                self.pixel_of.push(UNLABELLED);
+                self.depth_of.push(f32::INFINITY);
+                continue;
+            };
+            let pixel = row * SIZE[0] + column;
+            self.pixel_of.push(pixel as u32);
+            self.depth_of.push(depth_m);
+            let own = &mut self.splats[pixel].own_m;
+            *own = own.min(depth_m);
+            let reach = |at: usize, side: usize| {
+                let splat = SPLAT_PX as usize;
+                at.saturating_sub(splat)..(at + splat + 1).min(side)
+            };
+            for near in reach(row, SIZE[1]) {
+                for splats in
+                    &mut self.splats[near * SIZE[0]..(near + 1) * SIZE[0]][reach(column, SIZE[0])]
+                {
+                    if depth_m < splats.depth_m {
+                        (splats.depth_m, splats.color) = (depth_m, point.color);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Makes the image of what was drawn, and of a table so high where nothing
+    /// was.
+    fn compose_depth_image(&mut self, camera_from_table: &RigidTransform, ground_m: f64) {
+        let up = camera_from_table.rotation * Vector3::z();
+        let height_m = camera_from_table.translation.vector.dot(&up) + ground_m;
+        self.image.clear();
+        for (pixel, splats) in self.splats.iter().enumerate() {
+            let ray = CAMERA.ray((pixel % SIZE[0]) as f64, (pixel / SIZE[0]) as f64);
+            let depth_m = if splats.own_m <= splats.depth_m + BEHIND_M {
+                f64::from(splats.own_m)
+            } else {
+                f64::from(splats.depth_m)
+            };
+            let depth_m = if depth_m.is_finite() {
+                depth_m
+            } else {
+                height_m / ray.dot(&up)
+            };
+            self.image.push(Point {
+                x: (ray.x * depth_m) as f32,
+                y: (ray.y * depth_m) as f32,
+                z: depth_m as f32,
+                color: splats.color,
+            });
+        }
+    }
+}
+
+/// Height over the table of the lowest of some points, metres.
+fn lowest_height_m(points: &[Point], members: &[u32], table: &Table) -> f64 {
+    let height = AffineForm::from(&table.plane);
+    let heights = members.iter().map(|&member| {
+        let point = &points[member as usize];
+        height.at(point.x, point.y, point.z)
+    });
+    f64::from(heights.fold(f32::INFINITY, f32::min))
+}
+
+/// `camera_from_table` of a camera at a distance from a target.
+fn look_at(
+    target: &Point3<f64>,
+    azimuth_rad: f64,
+    elevation_rad: f64,
+    distance_m: f64,
+) -> RigidTransform {
+    let (sin, cos) = azimuth_rad.sin_cos();
+    let (height, reach) = elevation_rad.sin_cos();
+    let back = Vector3::new(reach * cos, reach * sin, height);
+    let right = Unit::new_normalize((-back).cross(&Vector3::z())).into_inner();
+    let down = (-back).cross(&right);
+    let rows = Matrix3::from_rows(&[right.transpose(), down.transpose(), -back.transpose()]);
+    let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(rows));
+    let eye = target + back * distance_m;
+    RigidTransform::from_parts((-(rotation * eye.coords)).into(), rotation)
+}
+
+/// Column and row, and depth, of a point in the image.
+#[inline]
+fn project(point: &Point, camera_from_cloud: &RigidTransform) -> Option<([usize; 2], f32)> {
+    let seen = camera_from_cloud * point.position();
+    let at = CAMERA.project(&seen)?;
+    let (column, row) = (at.x.round(), at.y.round());
+    let inside = (0.0..SIZE[0] as f64).contains(&column) && (0.0..SIZE[1] as f64).contains(&row);
+    inside.then_some(([column as usize, row as usize], seen.z as f32))
+}

@@ -1,0 +1,140 @@
+//! The centroids of voxels, on which planes are searched.
+
+use super::voxel_grid::VoxelGrid;
+use crate::affine_form::AffineForm;
+use nalgebra::Point3;
+use point_cloud::Moments;
+use random::Random;
+
+/// Points of a hypothesis are drawn from one cube of this side, metres: they
+/// lie on one surface far more often than points from all over the cloud.
+const BUCKET_M: f32 = 0.25;
+
+/// Coordinates of the centroids, sorted by cube, and whether each belongs to
+/// a plane already.
+#[derive(Debug, Default)]
+pub(super) struct VoxelCentroids {
+    order: Vec<(u64, u32)>,
+    x: Vec<f32>,
+    y: Vec<f32>,
+    z: Vec<f32>,
+    is_free: Vec<bool>,
+}
+
+impl VoxelCentroids {
+    pub(super) fn refill(&mut self, voxels: &VoxelGrid) {
+        let Self { order, .. } = self;
+        order.clear();
+        order.extend((0..voxels.len()).map(|voxel| {
+            let centroid = voxels.centroid(voxel);
+            // Coordinates are bounded by the grid's reach: 10 bits are enough.
+            let [i, j, k] = centroid.map(|x| ((x + super::voxel_grid::REACH_M) / BUCKET_M) as u64);
+            ((k << 10 | j) << 10 | i, voxel as u32)
+        }));
+        order.sort_unstable();
+        self.clear();
+        for i in 0..self.order.len() {
+            let centroid = voxels.centroid(self.order[i].1 as usize);
+            self.push(centroid);
+        }
+    }
+
+    fn clear(&mut self) {
+        for values in [&mut self.x, &mut self.y, &mut self.z] {
+            values.clear();
+        }
+        self.is_free.clear();
+    }
+
+    fn push(&mut self, [x, y, z]: [f32; 3]) {
+        self.x.push(x);
+        self.y.push(y);
+        self.z.push(z);
+        self.is_free.push(true);
+    }
+
+    /// Number of centroids.
+    pub(super) fn len(&self) -> usize {
+        self.x.len()
+    }
+
+    /// Number of centroids on no plane.
+    pub(super) fn n_free(&self) -> usize {
+        self.is_free.iter().filter(|&&free| free).count()
+    }
+
+    /// Makes all free.
+    pub(super) fn free_all(&mut self) {
+        self.is_free.fill(true);
+    }
+
+    /// Copies about `n_aimed` free centroids, evenly over space.
+    pub(super) fn thin_into(&self, n_aimed: usize, out: &mut Self) {
+        out.clear();
+        let step = (self.n_free() / n_aimed).max(1);
+        for i in (0..self.len()).filter(|&i| self.is_free[i]).step_by(step) {
+            out.push([self.x[i], self.y[i], self.z[i]]);
+        }
+    }
+
+    #[inline]
+    pub(super) fn position(&self, i: usize) -> Point3<f64> {
+        Point3::new(
+            f64::from(self.x[i]),
+            f64::from(self.y[i]),
+            f64::from(self.z[i]),
+        )
+    }
+
+    /// Coordinate along an axis, metres.
+    #[inline]
+    pub(super) fn along(&self, axis: &AffineForm, i: usize) -> f32 {
+        axis.at(self.x[i], self.y[i], self.z[i])
+    }
+
+    /// Three free centroids of one cube; `None` when the draw missed.
+    pub(super) fn draw(&self, random: &mut Random) -> Option<[usize; 3]> {
+        let anchor = random.below(self.len());
+        let cube = self.order.get(anchor)?.0;
+        let start = self.order.partition_point(|&(other, _)| other < cube);
+        let n = self.order[start..].partition_point(|&(other, _)| other == cube);
+        let drawn = [anchor, start + random.below(n), start + random.below(n)];
+        drawn.iter().all(|&i| self.is_free[i]).then_some(drawn)
+    }
+
+    /// Number of centroids, free or not, in a band around a plane.
+    pub(super) fn count_in_band(&self, height: &AffineForm, band_m: f32) -> u32 {
+        let n = self.len();
+        let (x, y, z) = (&self.x[..n], &self.y[..n], &self.z[..n]);
+        (0..n)
+            .map(|i| u32::from(height.at(x[i], y[i], z[i]).abs() <= band_m))
+            .sum()
+    }
+
+    /// Sums over the free centroids in a band around a plane.
+    pub(super) fn band_moments(&self, height: &AffineForm, band_m: f32) -> Moments {
+        let mut moments = Moments::default();
+        for i in self.free_in_band(height, band_m) {
+            moments.add(&self.position(i));
+        }
+        moments
+    }
+
+    /// The free centroids in a band around a plane.
+    pub(super) fn free_in_band<'a>(
+        &'a self,
+        height: &'a AffineForm,
+        band_m: f32,
+    ) -> impl Iterator<Item = usize> + 'a {
+        (0..self.len()).filter(move |&i| self.is_free[i] && self.along(height, i).abs() <= band_m)
+    }
+
+    /// Takes the centroids in a band around a plane out of further searches.
+    pub(super) fn take(&mut self, height: &AffineForm, band_m: f32) {
+        for i in 0..self.len() {
+            if self.along(height, i).abs() <= band_m {
+                self.is_free[i] = false;
+            }
+        }
+    }
+}

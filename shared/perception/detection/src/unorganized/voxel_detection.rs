@@ -1,0 +1,298 @@
+//! Detection in a cloud that is no single view.
+
+use super::table_coverage::TableCoverage;
+use super::virtual_view::{CloudCluster, VirtualView};
+use super::voxel_clusters::VoxelClusters;
+use super::voxel_grid::VoxelGrid;
+use super::voxel_table::{VoxelTable, VoxelTableSearch};
+use crate::affine_form::AffineForm;
+use crate::candidate::Support;
+use crate::cluster_hypothesis::ClusterHypothesis;
+use crate::constraint_evaluation::{BodyMask, ConstraintEvaluator};
+use crate::input::Frame;
+use crate::organized::OrganizedBuffers;
+use crate::output::Detection;
+use crate::support_relations::propagate_support;
+use crate::table::Table;
+use crate::table_surface::TableSurface;
+use crate::{Config, RawConfig};
+use point_cloud::{OrganizedCloud, Point};
+use random::Random;
+
+/// Side of the voxels on whose centroids planes are searched, metres.
+const VOXEL_M: f32 = 0.010;
+
+/// Least side of the cells that are connected, metres, and in mean distances
+/// of neighbours on the table.
+const CELL_M: f64 = 0.006;
+const SPACINGS: f64 = 1.5;
+
+/// What a pixel of a Kinect v1 sees at 1 m, square metres: the smallest object
+/// is so large per point that it needs there.
+const PIXEL_AREA_M2: f64 = 2.9e-6;
+
+/// A cluster larger than this is looked at for its parts: longest side, metres,
+/// and footprint, square metres.
+const LONGEST_SIDE_M: f64 = 0.30;
+const FOOTPRINT_M2: f64 = 0.03;
+
+/// Most clusters that are looked at, and most that can be objects; of more,
+/// the largest are kept. No table carries so many, a damaged cloud may.
+const N_SPLITS_MAX: usize = 32;
+const N_HYPOTHESES_MAX: usize = 512;
+
+/// Greatest share of a cluster's points straight under which the table is
+/// seen, where the cluster may stand on it all the same.
+const SEEN_UNDER_MAX: f64 = 0.3;
+
+/// Buffers.
+#[derive(Debug, Default)]
+pub(super) struct VoxelDetector {
+    voxels: VoxelGrid,
+    search: VoxelTableSearch,
+    surface: TableSurface,
+    coverage: TableCoverage,
+    over_table: Vec<u32>,
+    clusters: VoxelClusters,
+    virtual_view: VirtualView,
+    body_mask: BodyMask,
+    indices: Vec<u32>,
+    hypotheses: Vec<ClusterHypothesis>,
+    /// Fewest points of an object, as densely as the table is seen.
+    n_points_min: f64,
+}
+
+impl VoxelDetector {
+    /// Searches a cloud. `workspace` serves to find_parts at piles.
+    pub(super) fn detect(
+        &mut self,
+        frame: &Frame<'_>,
+        rules: &Config,
+        organized: &mut OrganizedBuffers,
+        detection: &mut Detection,
+    ) {
+        let config = rules.get();
+        let points = frame.cloud.points();
+        let position = |i: usize| points[i].is_finite().then(|| coordinates(&points[i]));
+        self.voxels.fill(points.len(), position, VOXEL_M);
+        let mut random = Random::from_seed(frame.seed);
+        let found = self.search.find(
+            &self.voxels,
+            frame.up_in_camera,
+            config,
+            &mut random,
+            &mut self.surface,
+        );
+        let Some(VoxelTable { table, lowest_m }) = found else {
+            return;
+        };
+        let table_axes = AffineForm::coordinates_of(&table.table_from_camera);
+        let spacing_m = self.list_above_table(points, &table, &table_axes, lowest_m, config);
+        let cell_m = CELL_M.max(SPACINGS * spacing_m);
+        let cells_per_point = PIXEL_AREA_M2 / (cell_m * cell_m);
+        let n_min = (cells_per_point * config.points_min_at_1m).ceil() as u32;
+        self.clusters.join(
+            points,
+            &self.over_table,
+            &table_axes,
+            (cell_m as f32, n_min),
+            &mut self.voxels,
+        );
+        let per_point = PIXEL_AREA_M2 / (spacing_m * spacing_m).max(1e-12);
+        self.n_points_min = per_point.min(1.0) * config.points_min_at_1m;
+        self.split_large_clusters(&frame.cloud, &table, config, organized);
+        self.find_hypotheses(&frame.cloud, &table_axes, config);
+        self.write(frame, &table, rules, detection);
+        detection.table = Some(table);
+    }
+
+    /// Lists the points in the prism over the table, and maps the table's own.
+    /// Returns the mean distance of neighbours on the table, metres.
+    fn list_above_table(
+        &mut self,
+        points: &[Point],
+        table: &Table,
+        table_axes: &[AffineForm; 3],
+        lowest_m: f32,
+        config: &RawConfig,
+    ) -> f64 {
+        let Self {
+            surface,
+            coverage,
+            over_table,
+            ..
+        } = self;
+        surface.refill_from_polygon(&table.polygon);
+        coverage.clear(&table.polygon);
+        over_table.clear();
+        let highest_m = config.height_max_m as f32;
+        let mut n_on_table = 0_u32;
+        for (index, point) in (0..).zip(points) {
+            let [u, v, height] = table_axes.map(|axis| axis.at(point.x, point.y, point.z));
+            if !(-lowest_m..=highest_m).contains(&height) || !surface.is_table(u, v) {
+                continue;
+            }
+            if height < lowest_m {
+                coverage.add(u, v);
+                n_on_table += 1;
+            } else {
+                over_table.push(index);
+            }
+        }
+        (table.polygon.area_m2() / f64::from(n_on_table.max(1))).sqrt()
+    }
+
+    /// Gives the parts of piles clusters of their own.
+    fn split_large_clusters(
+        &mut self,
+        cloud: &OrganizedCloud<'_>,
+        table: &Table,
+        config: &RawConfig,
+        organized: &mut OrganizedBuffers,
+    ) {
+        let n_joined = self.clusters.len();
+        let (mut n_clusters, mut n_views) = (n_joined, 0);
+        let table_axes = AffineForm::coordinates_of(&table.table_from_camera);
+        for cluster in 0..n_joined {
+            self.list_members(cluster);
+            let hypothesis = ClusterHypothesis::of(0, &self.indices, cloud, &table_axes, config);
+            let Some(ClusterHypothesis { upright_box, .. }) = hypothesis else {
+                continue;
+            };
+            if upright_box.longest_side_m() <= LONGEST_SIDE_M
+                && upright_box.footprint_m2() <= FOOTPRINT_M2
+            {
+                continue;
+            }
+            n_views += 1;
+            if n_views > N_SPLITS_MAX {
+                break;
+            }
+            let bounds = upright_box.in_camera(&table.table_from_camera);
+            let virtual_view = CloudCluster {
+                points: cloud.points(),
+                members: &self.indices,
+                bounds: &bounds,
+                table,
+            };
+            let n_parts = self
+                .virtual_view
+                .find_parts(&virtual_view, config, organized);
+            if n_parts >= 2 {
+                let part_of = self.virtual_view.part_of();
+                self.clusters
+                    .part(cluster, part_of, n_clusters as u32, &self.voxels);
+                n_clusters += n_parts - 1;
+            }
+        }
+        self.clusters.regroup(n_clusters);
+    }
+
+    /// Lists the indices of a cluster's points in the cloud.
+    fn list_members(&mut self, cluster: usize) {
+        self.indices.clear();
+        let members = self.clusters.members(cluster).iter();
+        self.indices
+            .extend(members.map(|&member| self.over_table[member as usize]));
+    }
+
+    /// The clusters that can be objects, nearest to the cloud's origin first.
+    fn find_hypotheses(
+        &mut self,
+        cloud: &OrganizedCloud<'_>,
+        table_axes: &[AffineForm; 3],
+        config: &RawConfig,
+    ) {
+        self.hypotheses.clear();
+        for cluster in 0..self.clusters.len() {
+            self.list_members(cluster);
+            if self.indices.len() as f64 >= self.n_points_min {
+                let hypothesis =
+                    ClusterHypothesis::of(cluster as u32, &self.indices, cloud, table_axes, config);
+                self.hypotheses.extend(hypothesis);
+            }
+        }
+        self.keep_largest();
+        while propagate_support(&mut self.hypotheses) {}
+        self.find_occluded_support(cloud.points(), table_axes);
+        while propagate_support(&mut self.hypotheses) {}
+        let distance =
+            |hypothesis: &ClusterHypothesis| hypothesis.statistics.centroid.coords.norm_squared();
+        self.hypotheses.sort_unstable_by(|a, b| {
+            distance(a)
+                .total_cmp(&distance(b))
+                .then(a.cluster.cmp(&b.cluster))
+        });
+    }
+
+    fn keep_largest(&mut self) {
+        if self.hypotheses.len() > N_HYPOTHESES_MAX {
+            let clusters = &self.clusters;
+            let n_points = |hypothesis: &ClusterHypothesis| {
+                clusters.members(hypothesis.cluster as usize).len()
+            };
+            self.hypotheses.sort_unstable_by_key(|hypothesis| {
+                (std::cmp::Reverse(n_points(hypothesis)), hypothesis.cluster)
+            });
+            self.hypotheses.truncate(N_HYPOTHESES_MAX);
+        }
+    }
+
+    /// What does not reach down to the table, and under which no table is seen
+    /// either, stands on something that no view has seen.
+    fn find_occluded_support(&mut self, points: &[Point], table_axes: &[AffineForm; 3]) {
+        let [u, v, _] = table_axes;
+        for hypothesis in self
+            .hypotheses
+            .iter_mut()
+            .filter(|hypothesis| hypothesis.support.is_none())
+        {
+            let members = self.clusters.members(hypothesis.cluster as usize);
+            let is_over_seen = |&&member: &&u32| {
+                let point = &points[self.over_table[member as usize] as usize];
+                self.coverage.is_seen(
+                    u.at(point.x, point.y, point.z),
+                    v.at(point.x, point.y, point.z),
+                )
+            };
+            let n_over_seen = members.iter().filter(is_over_seen).count();
+            if n_over_seen as f64 <= SEEN_UNDER_MAX * members.len() as f64 {
+                hypothesis.support = Some(Support::Hidden);
+            }
+        }
+    }
+
+    fn write(
+        &mut self,
+        frame: &Frame<'_>,
+        table: &Table,
+        config: &Config,
+        detection: &mut Detection,
+    ) {
+        self.body_mask
+            .refill(&frame.surroundings, table, config.get());
+        let evaluator = ConstraintEvaluator {
+            cloud: frame.cloud,
+            table,
+            priors: frame.surroundings,
+            body_mask: &self.body_mask,
+            config: config.get(),
+        };
+        for hypothesis in &self.hypotheses {
+            let first = detection.point_indices.len();
+            let members = self.clusters.members(hypothesis.cluster as usize).iter();
+            detection
+                .point_indices
+                .extend(members.map(|&member| self.over_table[member as usize]));
+            let range = first..detection.point_indices.len();
+            let indices = &detection.point_indices[range.clone()];
+            // There is no image whose border could cut it.
+            let candidate = evaluator.candidate(hypothesis, range, indices, false, config.rule());
+            detection.candidates.push(candidate);
+        }
+    }
+}
+
+fn coordinates(point: &Point) -> [f32; 3] {
+    [point.x, point.y, point.z]
+}

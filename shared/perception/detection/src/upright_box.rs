@@ -1,0 +1,84 @@
+//! Upright bounding box in the frame of the table.
+
+use crate::affine_form::AffineForm;
+use crate::footprint::{Footprint, Rectangle};
+use geometry::{OrientedBox, RigidTransform};
+use nalgebra::{Translation3, UnitQuaternion, Vector3};
+use point_cloud::Point;
+
+/// A footprint is taken from about this many points at most.
+const N_FOOTPRINT_MAX: usize = 4096;
+
+/// A box that stands upright on the table, in the table's frame.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct UprightBox {
+    footprint: Rectangle,
+    /// Lowest and highest point over the table.
+    height_m: [f64; 2],
+}
+
+impl UprightBox {
+    /// The smallest one around points; `None` without points.
+    pub(crate) fn around(
+        pixels: &[u32],
+        points: &[Point],
+        table_axes: &[AffineForm; 3],
+        height_m: [f64; 2],
+    ) -> Option<Self> {
+        let [u, v, _] = table_axes;
+        let mut footprint = Footprint::new();
+        let step = pixels.len().div_ceil(N_FOOTPRINT_MAX).max(1);
+        footprint.add_all(pixels.len().div_ceil(step), |i| {
+            let point = &points[pixels[i * step] as usize];
+            [u, v].map(|axis| axis.at(point.x, point.y, point.z))
+        });
+        Some(Self {
+            footprint: footprint.smallest_rectangle()?,
+            height_m,
+        })
+    }
+
+    /// Longer and shorter side of the footprint, and height, metres.
+    pub(crate) fn sides_m(&self) -> [f64; 3] {
+        let [long, short] = (2.0 * self.footprint.half_sides_m).into();
+        [long, short, self.height_m[1] - self.height_m[0]]
+    }
+
+    /// Length of the longest side, metres.
+    pub(crate) fn longest_side_m(&self) -> f64 {
+        let [long, _, height] = self.sides_m();
+        long.max(height)
+    }
+
+    /// Area of the footprint, square metres.
+    pub(crate) fn footprint_m2(&self) -> f64 {
+        4.0 * self.footprint.half_sides_m.product()
+    }
+
+    /// Whether two boxes come within a distance of each other.
+    pub(crate) fn touches(&self, other: &Self, distance_m: f64) -> bool {
+        self.height_m[0] <= other.height_m[1] + distance_m
+            && other.height_m[0] <= self.height_m[1] + distance_m
+            && self.footprint.overlaps(&other.footprint, distance_m)
+    }
+
+    /// The box in the camera's frame.
+    pub(crate) fn in_camera(&self, table_from_camera: &RigidTransform) -> OrientedBox {
+        let Self {
+            footprint,
+            height_m: [low, high],
+        } = self;
+        let centre = Translation3::new(footprint.centre.x, footprint.centre.y, 0.5 * (low + high));
+        let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), footprint.yaw_rad);
+        let half_sides_m = Vector3::new(
+            footprint.half_sides_m.x,
+            footprint.half_sides_m.y,
+            0.5 * (high - low),
+        );
+        let table_from_box = RigidTransform::from_parts(centre, yaw);
+        OrientedBox {
+            frame_from_box: table_from_camera.inverse() * table_from_box,
+            half_sides_m,
+        }
+    }
+}

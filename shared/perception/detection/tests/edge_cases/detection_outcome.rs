@@ -1,0 +1,154 @@
+//! What is detected in a scene, beside what is there.
+
+use crate::synthetic_scene::Scene;
+use detection::{Config, Detection, Frame, Surroundings, Table, Workspace, detect};
+use nalgebra::{Point2, Point3, Unit, Vector3};
+use point_cloud::{OrganizedCloud, Point};
+
+/// Mark of a pixel without a candidate.
+pub(crate) const FREE: usize = usize::MAX;
+
+pub(crate) struct DetectionOutcome {
+    pub(crate) scene: Scene,
+    pub(crate) detection: Detection,
+    /// Per pixel: what is there.
+    pub(crate) truth: Vec<u16>,
+    /// Per pixel: its candidate or [`FREE`].
+    pub(crate) candidate_of: Vec<usize>,
+}
+
+/// The table and the objects of a cloud.
+pub(crate) fn detected(
+    points: &[Point],
+    size: (usize, usize),
+    up_in_camera: Option<Unit<Vector3<f64>>>,
+) -> Detection {
+    let mut detection = Detection::default();
+    let frame = Frame {
+        cloud: OrganizedCloud::new(points, size.0, size.1).expect("a full grid"),
+        up_in_camera,
+        seed: 3,
+        surroundings: Surroundings::default(),
+    };
+    let (config, mut workspace) = (Config::default(), Workspace::default());
+    detect(&frame, &config, &mut workspace, &mut detection).expect("an image");
+    detection
+}
+
+impl DetectionOutcome {
+    /// Of a scene whose up is not known.
+    pub(crate) fn of(scene: &Scene) -> Self {
+        Self::with_up(scene, None)
+    }
+
+    /// Of a scene, first without and then with known up.
+    pub(crate) fn both(scene: &Scene) -> [Self; 2] {
+        [None, Some(scene.up_in_camera())].map(|up| Self::with_up(scene, up))
+    }
+
+    fn with_up(scene: &Scene, up: Option<Unit<Vector3<f64>>>) -> Self {
+        let (points, truth) = scene.render();
+        Self::of_points(scene, &points, truth, up)
+    }
+
+    pub(crate) fn of_points(
+        scene: &Scene,
+        points: &[Point],
+        truth: Vec<u16>,
+        up: Option<Unit<Vector3<f64>>>,
+    ) -> Self {
+        let size = (scene.camera.width as usize, scene.camera.height as usize);
+        let detection = detected(points, size, up);
+        let mut candidate_of = vec![FREE; truth.len()];
+        for (number, candidate) in detection.candidates.iter().enumerate() {
+            for &pixel in detection.points_of(candidate) {
+                candidate_of[pixel as usize] = number;
+            }
+        }
+        Self {
+            scene: scene.clone(),
+            detection,
+            truth,
+            candidate_of,
+        }
+    }
+
+    pub(crate) fn table(&self) -> &Table {
+        self.detection.table.as_ref().expect("a table")
+    }
+
+    /// Height of the table over the floor where a vertical line meets it, metres.
+    pub(crate) fn table_height_m(&self, at: [f64; 2]) -> f64 {
+        let world_from_camera = self.scene.camera_from_world.inverse();
+        let plane = self.table().plane.transformed(&world_from_camera);
+        -(plane.offset_m + plane.normal.x * at[0] + plane.normal.y * at[1]) / plane.normal.z
+    }
+
+    /// A place in the world on the table, in the table's frame.
+    pub(crate) fn on_table(&self, place: [f64; 3]) -> Point2<f64> {
+        let in_camera = self.scene.camera_from_world * Point3::from(place);
+        (self.table().table_from_camera * in_camera).xy()
+    }
+
+    /// Area within the outline, square metres.
+    pub(crate) fn outline_m2(&self) -> f64 {
+        let corners = &self.table().outline.corners;
+        let next = corners.iter().cycle().skip(1);
+        let twice: f64 = corners
+            .iter()
+            .zip(next)
+            .map(|(a, b)| a.x * b.y - b.x * a.y)
+            .sum();
+        0.5 * twice
+    }
+
+    pub(crate) fn n_candidates(&self) -> usize {
+        self.detection.candidates.len()
+    }
+
+    fn count(&self, is_counted: impl Fn(u16, usize) -> bool) -> usize {
+        let pixels = self.truth.iter().zip(&self.candidate_of);
+        pixels
+            .filter(|&(&what, &candidate)| is_counted(what, candidate))
+            .count()
+    }
+
+    /// The candidate that has most of an object, and their overlap over union.
+    pub(crate) fn best(&self, object: u16) -> (usize, f64) {
+        let overlap = |number: usize| {
+            let both = self.count(|what, candidate| what == object && candidate == number);
+            let either = self.count(|what, candidate| what == object || candidate == number);
+            (number, both as f64 / either as f64)
+        };
+        let all = (0..self.n_candidates()).map(overlap);
+        all.max_by(|a, b| a.1.total_cmp(&b.1))
+            .unwrap_or((FREE, 0.0))
+    }
+
+    /// Share of what is there that some candidate has.
+    pub(crate) fn labelled_share(&self, what: u16) -> f64 {
+        let all = self.count(|there, _| there == what);
+        self.count(|there, candidate| there == what && candidate != FREE) as f64 / all as f64
+    }
+
+    /// Checks that the objects, and they alone, are found, each with this
+    /// overlap over union at least.
+    #[track_caller]
+    pub(crate) fn assert_objects(&self, objects: &[u16], overlap_min: f64) {
+        let overlaps: Vec<_> = objects
+            .iter()
+            .map(|&object| (object, self.best(object)))
+            .collect();
+        let boxes: Vec<_> = self
+            .detection
+            .candidates
+            .iter()
+            .map(|c| (c.n_points(), c.support))
+            .collect();
+        assert_eq!(self.n_candidates(), objects.len(), "{overlaps:?} {boxes:?}");
+        assert!(
+            overlaps.iter().all(|(_, best)| best.1 >= overlap_min),
+            "{overlaps:?} {boxes:?}"
+        );
+    }
+}

@@ -1,0 +1,132 @@
+//! Images of odd sizes, with margins, in other resolutions.
+
+use crate::detection_outcome::{DetectionOutcome, detected};
+use crate::synthetic_scene::{NOTHING, OBJECT, Scene, Solid};
+use crate::{HIGH, objects, on_table, room};
+use nalgebra::Vector3;
+use point_cloud::{Point, Rgba};
+
+fn three_objects() -> Scene {
+    room().with([
+        on_table([0.1, 0.08, 0.12], [-0.2, 0.0], 0).turned(20.0),
+        on_table([0.12, 0.1, 0.06], [0.2, 0.1], 1).turned(30.0),
+        Solid::cylinder(0.04, 0.15, [0.0, -0.12, HIGH], OBJECT + 2),
+    ])
+}
+
+#[test]
+fn margins_without_depth_change_nothing() {
+    const MARGIN: usize = 30;
+    let scene = three_objects();
+    let (mut points, mut truth) = scene.render();
+    let before = DetectionOutcome::of_points(&scene, &points, truth.clone(), None);
+    let (width, height) = (640, 480);
+    for i in 0..width * height {
+        let within = |at: usize, n: usize| (MARGIN..n - MARGIN).contains(&at);
+        if !within(i % width, width) || !within(i / width, height) {
+            points[i] = Point::without_depth(Rgba::default());
+            truth[i] = NOTHING;
+        }
+    }
+    let after = DetectionOutcome::of_points(&scene, &points, truth, None);
+    before.assert_objects(&objects(3), 0.9);
+    after.assert_objects(&objects(3), 0.9);
+    for (a, b) in before
+        .detection
+        .candidates
+        .iter()
+        .zip(&after.detection.candidates)
+    {
+        assert!((a.centroid - b.centroid).norm() < 0.002);
+        assert!((a.oriented_box.sides_m() - b.oriented_box.sides_m()).amax() < 0.005);
+        assert!(!a.touches_image_border && !b.touches_image_border);
+    }
+}
+
+#[test]
+fn an_object_at_the_border_of_what_is_seen_is_marked() {
+    const MARGIN: usize = 30;
+    let scene = three_objects();
+    let (mut points, truth) = scene.render();
+    // The margin on the left ends within the leftmost object.
+    let first = truth
+        .iter()
+        .enumerate()
+        .filter(|(_, what)| **what == OBJECT)
+        .map(|(i, _)| i % 640);
+    let first = first.min().unwrap() + MARGIN;
+    for (i, point) in points.iter_mut().enumerate() {
+        if i % 640 < first || i / 640 < MARGIN {
+            *point = Point::without_depth(Rgba::default());
+        }
+    }
+    let outcome = DetectionOutcome::of_points(&scene, &points, truth, None);
+    assert_eq!(outcome.n_candidates(), 3);
+    for (number, candidate) in outcome.detection.candidates.iter().enumerate() {
+        assert_eq!(
+            candidate.touches_image_border,
+            number == outcome.best(OBJECT).0
+        );
+    }
+}
+
+#[test]
+fn the_smallest_images_have_no_table() {
+    let there = Point {
+        x: 0.0,
+        y: 0.0,
+        z: 1.0,
+        color: Rgba::default(),
+    };
+    let absent = Point::without_depth(Rgba::default());
+    let n = 300;
+    for size in [
+        (1, 1),
+        (1, n),
+        (n, 1),
+        (2, 2),
+        (2, n),
+        (n, 2),
+        (3, 3),
+        (17, 5),
+    ] {
+        for point in [there, absent] {
+            for up in [None, Some(-Vector3::y_axis())] {
+                let found = detected(&vec![point; size.0 * size.1], size, up);
+                assert!(
+                    found.table.is_none() && found.candidates.is_empty(),
+                    "{size:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn any_width_will_do() {
+    for n_columns in [1, 3, 7, 9, 15, 100] {
+        DetectionOutcome::of(&three_objects().narrowed(n_columns)).assert_objects(&objects(3), 0.9);
+    }
+}
+
+/// Checks that a scene shows the same objects at another resolution.
+fn assert_same_at(factor: f64) {
+    let full = DetectionOutcome::of(&three_objects());
+    full.assert_objects(&objects(3), 0.9);
+    let other = DetectionOutcome::of(&three_objects().scaled(factor));
+    other.assert_objects(&objects(3), 0.85);
+    for object in objects(3) {
+        let [a, b] = [&full, &other].map(|outcome| {
+            outcome.detection.candidates[outcome.best(object).0]
+                .oriented_box
+                .centre()
+        });
+        assert!((a - b).norm() < 0.012, "{object} at {factor}: {a} and {b}");
+    }
+}
+
+#[test]
+fn other_resolutions_show_the_same_objects() {
+    assert_same_at(0.5);
+    assert_same_at(2.0);
+}

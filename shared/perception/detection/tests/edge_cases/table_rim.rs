@@ -1,0 +1,89 @@
+//! Objects at the rim of the table and their feet.
+
+use crate::detection_outcome::{DetectionOutcome, FREE};
+use crate::synthetic_scene::{OBJECT, Solid, TABLE};
+use crate::{HIGH, objects, on_table, room};
+use nalgebra::{Isometry3, Point3};
+
+#[test]
+fn what_reaches_out_over_the_rim_belongs_to_its_object() {
+    for (at, sides) in [
+        ([0.4, 0.0], [0.16, 0.1, 0.1]),
+        ([-0.1, -0.3], [0.1, 0.16, 0.1]),
+        ([0.0, 0.3], [0.1, 0.16, 0.1]),
+    ] {
+        for outcome in DetectionOutcome::both(&room().with([on_table(sides, at, 0)])) {
+            outcome.assert_objects(&objects(1), 0.9);
+            let number = outcome.best(OBJECT).0;
+            let (points, _) = outcome.scene.render();
+            let world_from_camera: Isometry3<f64> = outcome.scene.camera_from_world.inverse();
+            // On its top and sides, over the table's height.
+            let beyond = (0..points.len()).filter(|&i| {
+                let at: Point3<f64> = world_from_camera * points[i].position();
+                outcome.truth[i] == OBJECT
+                    && at.z > HIGH + 0.012
+                    && (at.x.abs() > 0.4 || at.y.abs() > 0.3)
+            });
+            let (mut n, mut n_held) = (0_u32, 0_u32);
+            for pixel in beyond {
+                n += 1;
+                n_held += u32::from(outcome.candidate_of[pixel] == number);
+            }
+            assert!(
+                n > 500 && f64::from(n_held) > 0.98 * f64::from(n),
+                "{n_held} of {n} at {at:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_box_has_its_foot_and_no_table() {
+    for is_stepped in [false, true] {
+        let solids = [
+            on_table([0.1, 0.08, 0.12], [-0.2, 0.0], 0).turned(20.0),
+            on_table([0.12, 0.1, 0.06], [0.15, 0.1], 1).turned(30.0),
+            on_table([0.06, 0.06, 0.2], [0.05, -0.15], 2).turned(40.0),
+        ];
+        let mut scene = room().with(solids);
+        scene.is_stepped = is_stepped;
+        for outcome in DetectionOutcome::both(&scene) {
+            outcome.assert_objects(&objects(3), 0.95);
+            for object in objects(3) {
+                let share = outcome.labelled_share(object);
+                // The steepest face is seen nearly edge-on and loses a few pixels.
+                assert!(share > 0.965, "{share} of {object}, stepped: {is_stepped}");
+            }
+            let width = outcome.scene.camera.width as usize;
+            let far_from_objects = |pixel: usize| {
+                let near = |at: usize| at.saturating_sub(10)..at + 11;
+                near(pixel / width).all(|row| {
+                    near(pixel % width).all(|column| {
+                        outcome
+                            .truth
+                            .get(row * width + column)
+                            .is_none_or(|&what| what < OBJECT)
+                    })
+                })
+            };
+            let wrong = (0..outcome.truth.len()).filter(|&pixel| {
+                outcome.truth[pixel] == TABLE
+                    && outcome.candidate_of[pixel] != FREE
+                    && far_from_objects(pixel)
+            });
+            assert_eq!(wrong.count(), 0);
+        }
+    }
+}
+
+#[test]
+fn a_foot_does_not_grow_into_what_stands_behind() {
+    let solids = [
+        Solid::cylinder(0.04, 0.15, [0.05, -0.12, HIGH], OBJECT),
+        on_table([0.12, 0.1, 0.06], [0.15, 0.1], 1).turned(30.0),
+    ];
+    let outcome = DetectionOutcome::of(&room().with(solids));
+    let (number, _) = outcome.best(OBJECT);
+    let sides_m = outcome.detection.candidates[number].oriented_box.sides_m();
+    assert!((sides_m.x - 0.08).abs() < 0.01, "{sides_m}");
+}

@@ -1,0 +1,170 @@
+//! One plane or none: whether it is a table, and what it is seen to be.
+
+use crate::detection_outcome::DetectionOutcome;
+use crate::synthetic_scene::{FLOOR, OBJECT, Scene, Solid, TABLE};
+use crate::{HIGH, objects, on_table, room, table, view};
+use detection::TableChoice;
+use nalgebra::Vector3;
+
+#[test]
+fn a_wall_is_no_table() {
+    for eye_z in [1.0, 1.6] {
+        let scene = Scene::seen_from([0.0, -1.0, eye_z], [0.0, 0.0, 0.5]).with([Solid::wall(0.2)]);
+        for outcome in DetectionOutcome::both(&scene) {
+            assert!(
+                outcome.detection.table.is_none(),
+                "{:?}",
+                outcome.detection.table
+            );
+        }
+    }
+}
+
+#[test]
+fn a_wall_before_a_level_camera_needs_known_up() {
+    let scene = Scene::seen_from([0.0, -1.0, 1.0], [0.0, 0.0, 1.0]).with([Solid::wall(0.2)]);
+    let [without, with] = DetectionOutcome::both(&scene);
+    // Without it, this is a table seen from straight above.
+    assert!(without.detection.table.is_some());
+    assert!(with.detection.table.is_none());
+}
+
+#[test]
+fn the_floor_carries_objects_where_there_is_no_table() {
+    let cuboid = |x: f64, n: u16| Solid::cuboid([0.15, 0.1, 0.2], [x, 0.0, 0.0], OBJECT + n);
+    let scene = Scene::seen_from([0.0, -0.9, 1.2], [0.0, 0.0, 0.0]);
+    let scene = scene.with([Solid::floor(), cuboid(-0.25, 0), cuboid(0.2, 1)]);
+    for outcome in DetectionOutcome::both(&scene) {
+        outcome.assert_objects(&objects(2), 0.9);
+        assert_eq!(outcome.table().choice, TableChoice::Most);
+        assert!(outcome.table_height_m([0.0, 0.0]).abs() < 0.003);
+    }
+}
+
+#[test]
+fn a_table_is_found_at_a_grazing_view_and_from_above() {
+    let grazing = 15_f64.to_radians();
+    let (far, high) = (grazing.cos(), grazing.sin());
+    for (eye, target) in [
+        ([0.0, -far, HIGH + high], [0.0, 0.0, HIGH]),
+        ([0.0, 0.0, HIGH + 1.0], [0.0, 0.0, HIGH]),
+        ([0.05, -0.1, HIGH + 0.9], [0.0, 0.0, HIGH]),
+        ([0.05, -0.4, HIGH + 0.8], [0.0, 0.0, HIGH]),
+    ] {
+        let solids = [
+            table(),
+            on_table([0.1, 0.08, 0.12], [-0.1, 0.0], 0).turned(20.0),
+            Solid::floor(),
+        ];
+        let scene = Scene::seen_from(eye, target).with(solids);
+        for outcome in DetectionOutcome::both(&scene) {
+            assert!(
+                (outcome.table_height_m([0.0, 0.0]) - HIGH).abs() < 0.003,
+                "{eye:?}"
+            );
+            if eye[1] != 0.0 {
+                outcome.assert_objects(&objects(1), 0.9);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_box_seen_from_straight_above_is_an_object() {
+    let solids = [
+        table(),
+        on_table([0.1, 0.08, 0.12], [0.0, 0.0], 0),
+        Solid::floor(),
+    ];
+    let scene = Scene::seen_from([0.0, 0.0, HIGH + 1.0], [0.0, 0.0, HIGH]).with(solids);
+    for outcome in DetectionOutcome::both(&scene) {
+        outcome.assert_objects(&objects(1), 0.9);
+    }
+}
+
+#[test]
+fn a_tilted_plane_is_no_table_where_up_is_known() {
+    for axis in [Vector3::x_axis(), Vector3::y_axis()] {
+        for (deg, is_table) in [(0.0, true), (8.0, true), (20.0, false), (-20.0, false)] {
+            let scene = view().with([table().tilted(axis, deg)]);
+            let [_, with] = DetectionOutcome::both(&scene);
+            assert_eq!(with.detection.table.is_some(), is_table, "{deg}");
+        }
+    }
+}
+
+#[test]
+fn a_tilted_plane_gives_way_to_the_level_floor_under_it() {
+    let scene = view().with([table().tilted(Vector3::x_axis(), 25.0), Solid::floor()]);
+    let [_, with] = DetectionOutcome::both(&scene);
+    assert!(
+        with.detection
+            .table
+            .as_ref()
+            .is_none_or(|_| with.table_height_m([0.0, 0.0]).abs() < 0.02)
+    );
+}
+
+#[test]
+fn an_empty_table_has_no_objects() {
+    for (noise_m, is_stepped) in [(0.0, false), (0.001, false), (0.002, false), (0.0007, true)] {
+        let mut scene = room();
+        (scene.noise_m, scene.is_stepped) = (noise_m, is_stepped);
+        for outcome in DetectionOutcome::both(&scene) {
+            outcome.assert_objects(&[], 1.0);
+        }
+    }
+}
+
+#[test]
+fn a_floor_all_around_the_table_is_none() {
+    for sides in [[0.8, 0.6], [0.45, 0.4]] {
+        let solids = [
+            Solid::rectangle(sides, HIGH, TABLE),
+            Solid::floor(),
+            on_table([0.1, 0.08, 0.12], [0.05, 0.0], 0),
+        ];
+        let scene = Scene::seen_from([0.0, -0.9, HIGH + 0.75], [0.0, 0.0, HIGH]).with(solids);
+        for outcome in DetectionOutcome::both(&scene) {
+            let share = |what: u16| {
+                outcome.truth.iter().filter(|&&there| there == what).count() as f64 / 307_200.0
+            };
+            assert!(
+                share(FLOOR) > share(TABLE),
+                "{} {}",
+                share(FLOOR),
+                share(TABLE)
+            );
+            assert!(
+                (outcome.table_height_m([0.0, 0.0]) - HIGH).abs() < 0.003,
+                "{}",
+                share(TABLE)
+            );
+            outcome.assert_objects(&objects(1), 0.9);
+            assert!(outcome.table().outline.is_rim.iter().all(|&is_rim| is_rim));
+        }
+    }
+}
+
+#[test]
+fn a_box_may_cover_most_of_the_table() {
+    // Its top is a larger plane than what is left of the table.
+    for sides in [[0.72, 0.53, 0.03], [0.62, 0.46, 0.06], [0.5, 0.4, 0.10]] {
+        for outcome in DetectionOutcome::both(&room().with([on_table(sides, [0.0, 0.0], 0)])) {
+            let height_m = outcome.table_height_m([0.0, 0.0]);
+            assert!((height_m - HIGH).abs() < 0.004, "{height_m} {sides:?}");
+            let is_around = outcome.table().choice == TableChoice::Around;
+            assert!(is_around || sides[0] < 0.7, "{}", outcome.table().choice);
+            outcome.assert_objects(&objects(1), 0.9);
+        }
+    }
+}
+
+#[test]
+fn a_box_that_hides_the_table_is_one() {
+    let scene = room().with([on_table([0.82, 0.62, 0.12], [0.0, 0.0], 0)]);
+    for outcome in DetectionOutcome::both(&scene) {
+        assert!((outcome.table_height_m([0.0, 0.0]) - HIGH - 0.12).abs() < 0.003);
+        outcome.assert_objects(&[], 1.0);
+    }
+}

@@ -1,0 +1,71 @@
+//! What is found does not depend on how many threads search.
+
+#[path = "synthetic/scene_priors.rs"]
+mod scene_priors;
+#[path = "synthetic/scoped_threads.rs"]
+mod scoped_threads;
+mod synthetic;
+
+use detection::{
+    Config, Crew, Detection, Frame, Sequential, Surroundings, Workspace, detect_in_steps,
+};
+use point_cloud::{OrganizedCloud, Point};
+use scoped_threads::ScopedThreads;
+use synthetic::{BoxOnTable, render};
+
+/// What is found of some boxes with two tracks and an arm among them, frame by frame.
+fn searched(points: &[Point], parallelism: &dyn Crew) -> Vec<Detection> {
+    let (tracks, links) = (scene_priors::tracks(), [scene_priors::link()]);
+    let config = Config::default();
+    let mut workspace = Workspace::default();
+    let mut search = |seed| {
+        let frame = Frame {
+            cloud: OrganizedCloud::new(points, 640, 480).expect("an image"),
+            up_in_camera: None,
+            seed,
+            surroundings: Surroundings {
+                instructor: None,
+                robot: Some(&links),
+                tracks: &tracks,
+            },
+        };
+        let mut detection = Detection::default();
+        let on_step = &mut |_| {};
+        detect_in_steps(
+            &frame,
+            &config,
+            &mut workspace,
+            &mut detection,
+            parallelism,
+            on_step,
+        )
+        .expect("an image");
+        detection
+    };
+    (0..6).map(&mut search).collect()
+}
+
+#[test]
+fn any_number_of_threads_finds_the_same() {
+    let solid = |x: f64, bottom: f64, sides: [f64; 3]| BoxOnTable {
+        centre: [x, 0.0],
+        bottom,
+        sides,
+        rgb: [200, 30, 30],
+    };
+    let boxes = [
+        solid(-0.3, 0.0, [0.1, 0.07, 0.12]),
+        solid(0.0, 0.0, [0.24, 0.16, 0.06]),
+        solid(0.02, 0.06, [0.08, 0.06, 0.14]),
+        solid(0.25, 0.0, [0.1, 0.07, 0.12]),
+    ];
+    let points = render(&boxes, 1.0);
+    let alone = searched(&points, &Sequential);
+    assert!(alone.iter().all(|found| found.candidates.len() >= 4));
+    for n_threads in [2, 3, 8] {
+        assert!(
+            searched(&points, &ScopedThreads(n_threads)) == alone,
+            "{n_threads} threads"
+        );
+    }
+}
