@@ -1,20 +1,20 @@
-//! What was taken for granted where a source was absent.
+//! Assumptions: defaults used in place of absent sources.
 
-/// One thing that was taken for granted.
+/// Default used in place of one absent source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Assumption {
-    /// The person's capsules are not known.
+    /// Capsules of people are unknown: no candidate is treated as a part of a person.
     NoPersonKnown,
-    /// The robot's capsules are not known.
+    /// Capsules of the robot are unknown: no candidate is treated as a part of the robot.
     NoRobotKnown,
-    /// Up is not known.
+    /// Up direction is unknown: the most table-like plane of the image is used.
     UpGuessed,
-    /// The camera's pose is not known.
+    /// Camera pose is unknown: the camera frame serves as the world frame.
     NoCameraPose,
 }
 
 impl Assumption {
-    /// All of them; each stands at the place of its own number.
+    /// All assumptions; the index of each is its discriminant.
     pub const ALL: [Self; 4] = [
         Self::NoPersonKnown,
         Self::NoRobotKnown,
@@ -22,7 +22,7 @@ impl Assumption {
         Self::NoCameraPose,
     ];
 
-    /// A short name for scripts.
+    /// Short identifier for scripts.
     pub fn name(self) -> &'static str {
         match self {
             Self::NoPersonKnown => "no-person-known",
@@ -32,22 +32,18 @@ impl Assumption {
         }
     }
 
-    /// A sentence for people.
+    /// Human-readable sentence.
     pub fn sentence(self) -> &'static str {
         match self {
-            Self::NoPersonKnown => {
-                "where people are is not known: nothing is taken for a part of a person"
-            }
-            Self::NoRobotKnown => {
-                "where the robot's arm is is not known: nothing is taken for a part of the robot"
-            }
+            Self::NoPersonKnown => "no person state received: people cannot be excluded",
+            Self::NoRobotKnown => "no arm state received: arm points cannot be excluded",
             Self::UpGuessed => {
                 "the direction of gravity is not known: the plane that looks most like a table \
-                 in the image is taken for it"
+                 in the image is used"
             }
             Self::NoCameraPose => {
-                "the camera's pose is not known: the world is the camera's frame, and where \
-                 people and the robot are can not be used"
+                "the camera's pose is not known: the camera frame serves as the world frame, and \
+                 the poses of people and the robot cannot be used"
             }
         }
     }
@@ -57,32 +53,33 @@ impl Assumption {
     }
 }
 
-/// Things that were taken for granted.
+/// Set of assumptions, stored as bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Assumptions(u32);
 
 impl Assumptions {
-    /// One bit for each assumption, by its number.
+    /// Bit mask on the wire: bit `i` is the assumption with discriminant `i`.
     pub fn bits(self) -> u32 {
         self.0
     }
 
-    /// The assumptions of some bits; bits without a meaning stay unheard.
+    /// Assumptions of a bit mask; bits without an assumption are ignored by
+    /// [`iter`](Self::iter).
     pub fn from_bits(bits: u32) -> Self {
         Self(bits)
     }
 
-    /// Adds one.
+    /// Add an assumption.
     pub fn add(&mut self, assumption: Assumption) {
         self.0 |= assumption.bit();
     }
 
-    /// Whether it is one of them.
+    /// `true` when the set contains the assumption.
     pub fn contains(self, assumption: Assumption) -> bool {
         self.0 & assumption.bit() != 0
     }
 
-    /// All of them.
+    /// Assumptions of the set in the order of their discriminants.
     pub fn iter(self) -> impl Iterator<Item = Assumption> {
         Assumption::ALL
             .into_iter()

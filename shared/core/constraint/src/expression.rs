@@ -1,38 +1,38 @@
-//! A rule over constraints.
+//! Boolean expression over constraints, in postfix order and ternary logic.
 
 use crate::parser::parse;
 use crate::{Constraint, ConstraintSet, Findings, InvalidExpression, Truth};
 use std::fmt;
 use std::str::FromStr;
 
-/// Most names in a rule; with this many no value waits deeper than that.
+/// Greatest number of constraint names in a rule; it bounds the evaluation stack.
 pub(crate) const N_NAMES_MAX: usize = 32;
 
-/// One step of a rule in postfix order.
+/// Postfix operation of a rule.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Step {
-    /// What a constraint says.
+pub(crate) enum PostfixOp {
+    /// Push the value of a constraint.
     Is(Constraint),
-    /// The contrary of the last value.
+    /// Negate the top of the stack.
     Not,
-    /// The last two values, both.
+    /// Conjunction of the two topmost values.
     And,
-    /// The last two values, either.
+    /// Disjunction of the two topmost values.
     Or,
 }
 
-/// A boolean expression over constraints. The default is that of the paper,
-/// `C_table ∧ C_track ∧ ¬(C_instructor ∨ C_robot ∨ C_edge)`.
+/// Boolean expression over constraints, evaluated in Kleene's ternary logic. The default is
+/// the rule of the paper, `C_table ∧ C_track ∧ ¬(C_instructor ∨ C_robot ∨ C_edge)`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Expression {
-    steps: Vec<Step>,
+    ops: Vec<PostfixOp>,
 }
 
 impl Default for Expression {
     fn default() -> Self {
         use Constraint::{Edge, Instructor, Robot, Table, Track};
-        use Step::{And, Is, Not, Or};
-        let steps = vec![
+        use PostfixOp::{And, Is, Not, Or};
+        let ops = vec![
             Is(Table),
             Is(Track),
             And,
@@ -44,18 +44,18 @@ impl Default for Expression {
             Not,
             And,
         ];
-        Self { steps }
+        Self { ops }
     }
 }
 
-/// A value with the constraints that made it so.
+/// Ternary value with the constraints that decided it.
 #[derive(Debug, Clone, Copy)]
-struct Value {
+struct DecidedValue {
     truth: Truth,
     decisive: ConstraintSet,
 }
 
-impl Value {
+impl DecidedValue {
     const NONE: Self = Self {
         truth: Truth::Unknown,
         decisive: ConstraintSet::NONE,
@@ -75,9 +75,9 @@ impl Value {
         }
     }
 
-    /// Two values joined to `truth`, which is that of one of them at least: those
-    /// that have it have decided it.
-    fn joined(self, other: Self, truth: Truth) -> Self {
+    /// Combination of two values to `truth`, the value of at least one of them. The
+    /// operands with that value have decided it.
+    fn combined(self, other: Self, truth: Truth) -> Self {
         let decisive = [self, other]
             .into_iter()
             .filter(|value| value.truth == truth)
@@ -89,52 +89,52 @@ impl Value {
 }
 
 impl Expression {
-    /// Of steps in postfix order, which must leave one value and hold at most
+    /// Expression of postfix operations, which must leave one value and hold at most
     /// [`N_NAMES_MAX`] names.
-    pub(crate) fn from_steps(steps: Vec<Step>) -> Self {
-        Self { steps }
+    pub(crate) fn from_ops(ops: Vec<PostfixOp>) -> Self {
+        Self { ops }
     }
 
-    /// What the rule says of a candidate. Allocates nothing.
+    /// Evaluate the rule for the findings of a candidate. Allocates nothing.
     pub fn evaluate(&self, findings: &Findings) -> Truth {
         self.value(findings).truth
     }
 
-    /// The constraints whose findings make the rule say what it says: of those
-    /// joined by "and" the least true, of those joined by "or" the truest.
+    /// Decisive constraints of an evaluation: among operands joined by "and" those of the
+    /// least value, among operands joined by "or" those of the greatest.
     pub fn decisive(&self, findings: &Findings) -> ConstraintSet {
         self.value(findings).decisive
     }
 
-    /// The constraints it names.
+    /// Constraints named by the rule.
     pub fn constraints(&self) -> ConstraintSet {
-        let names = self.steps.iter().filter_map(|step| match step {
-            Step::Is(constraint) => Some(ConstraintSet::from(*constraint)),
+        let names = self.ops.iter().filter_map(|op| match op {
+            PostfixOp::Is(constraint) => Some(ConstraintSet::from(*constraint)),
             _ => None,
         });
         names.fold(ConstraintSet::default(), ConstraintSet::union)
     }
 
-    fn value(&self, findings: &Findings) -> Value {
-        let mut stack = [Value::NONE; N_NAMES_MAX];
-        // Where the next value goes.
+    fn value(&self, findings: &Findings) -> DecidedValue {
+        let mut stack = [DecidedValue::NONE; N_NAMES_MAX];
+        // Stack index of the next value.
         let mut top = 0;
-        for step in &self.steps {
-            match step {
-                Step::Is(constraint) => {
-                    stack[top] = Value::of(*constraint, findings);
+        for op in &self.ops {
+            match op {
+                PostfixOp::Is(constraint) => {
+                    stack[top] = DecidedValue::of(*constraint, findings);
                     top += 1;
                 }
-                Step::Not => stack[top - 1] = stack[top - 1].not(),
-                Step::And | Step::Or => {
+                PostfixOp::Not => stack[top - 1] = stack[top - 1].not(),
+                PostfixOp::And | PostfixOp::Or => {
                     let [left, right] = [stack[top - 2], stack[top - 1]];
-                    let truth = if *step == Step::And {
+                    let truth = if *op == PostfixOp::And {
                         left.truth.and(right.truth)
                     } else {
                         left.truth.or(right.truth)
                     };
                     top -= 1;
-                    stack[top - 1] = left.joined(right, truth);
+                    stack[top - 1] = left.combined(right, truth);
                 }
             }
         }
@@ -145,37 +145,41 @@ impl Expression {
 impl FromStr for Expression {
     type Err = InvalidExpression;
 
-    /// Reads a rule in the paper's notation or with `and`, `or`, `not`, or with
-    /// `&`, `|`, `!`; "not" binds closest, then "and".
+    /// Parse a rule in the paper's notation (`∧ ∨ ¬`), with `and`, `or`, `not`, or with
+    /// `&`, `|`, `!`. "not" binds tightest, then "and".
+    ///
+    /// # Errors
+    ///
+    /// Quotes the rule and names the character at which it is invalid.
     fn from_str(text: &str) -> Result<Self, InvalidExpression> {
         parse(text)
     }
 }
 
-/// How closely an operator binds.
+/// Operator precedence, loosest first.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Binding {
     Or,
     And,
-    Closest,
+    Atom,
 }
 
-/// A printed part with the binding of its outermost operator.
-struct Printed {
+/// Printed sub-expression with the precedence of its outermost operator.
+struct PrintedTerm {
     text: String,
     binding: Binding,
 }
 
-impl Printed {
-    fn closest(text: String) -> Self {
+impl PrintedTerm {
+    fn atom(text: String) -> Self {
         Self {
             text,
-            binding: Binding::Closest,
+            binding: Binding::Atom,
         }
     }
 
-    /// In parentheses when it binds less closely than what is around it.
-    fn within(self, binding: Binding) -> String {
+    /// Text in parentheses when it binds less tightly than its context.
+    fn parenthesised(self, binding: Binding) -> String {
         if self.binding < binding {
             format!("({})", self.text)
         } else {
@@ -185,29 +189,29 @@ impl Printed {
 }
 
 impl fmt::Display for Expression {
-    /// The paper's notation, with no more parentheses than are needed to read
-    /// the same expression again.
+    /// Print in the paper's notation with the fewest parentheses that preserve the
+    /// expression.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut parts: Vec<Printed> = Vec::new();
-        for step in &self.steps {
-            let printed = match step {
-                Step::Is(constraint) => Printed::closest(constraint.name().into()),
-                Step::Not => {
-                    let inner = pop(&mut parts).within(Binding::Closest);
-                    Printed::closest(format!("¬{inner}"))
+        let mut parts: Vec<PrintedTerm> = Vec::new();
+        for op in &self.ops {
+            let printed = match op {
+                PostfixOp::Is(constraint) => PrintedTerm::atom(constraint.name().into()),
+                PostfixOp::Not => {
+                    let inner = pop(&mut parts).parenthesised(Binding::Atom);
+                    PrintedTerm::atom(format!("¬{inner}"))
                 }
-                Step::And => {
-                    let right = pop(&mut parts).within(Binding::Closest);
-                    let left = pop(&mut parts).within(Binding::And);
-                    Printed {
+                PostfixOp::And => {
+                    let right = pop(&mut parts).parenthesised(Binding::Atom);
+                    let left = pop(&mut parts).parenthesised(Binding::And);
+                    PrintedTerm {
                         text: format!("{left} ∧ {right}"),
                         binding: Binding::And,
                     }
                 }
-                Step::Or => {
-                    let right = pop(&mut parts).within(Binding::And);
-                    let left = pop(&mut parts).within(Binding::Or);
-                    Printed {
+                PostfixOp::Or => {
+                    let right = pop(&mut parts).parenthesised(Binding::And);
+                    let left = pop(&mut parts).parenthesised(Binding::Or);
+                    PrintedTerm {
                         text: format!("{left} ∨ {right}"),
                         binding: Binding::Or,
                     }
@@ -219,11 +223,11 @@ impl fmt::Display for Expression {
     }
 }
 
-/// The last part; steps in postfix order never ask for one too many.
-fn pop(parts: &mut Vec<Printed>) -> Printed {
+/// Pop the last sub-expression; valid postfix operations never underflow.
+fn pop(parts: &mut Vec<PrintedTerm>) -> PrintedTerm {
     parts
         .pop()
-        .unwrap_or_else(|| Printed::closest(String::new()))
+        .unwrap_or_else(|| PrintedTerm::atom(String::new()))
 }
 
 #[cfg(test)]

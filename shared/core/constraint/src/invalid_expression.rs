@@ -1,24 +1,24 @@
-//! Why a rule can not be read.
+//! Syntax error of a constraint rule, with position and suggestion.
 
 use crate::Constraint;
 use std::fmt;
 
-/// Characters of a rule that an error repeats.
+/// Greatest number of characters of a rule quoted in an error.
 const N_QUOTED: usize = 160;
 
-/// A rule that can not be read.
+/// Syntax error of a constraint rule.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct InvalidExpression {
-    /// The rule, cut when it is long.
+    /// Quoted rule, truncated when long.
     quoted: String,
-    /// Place of what is wrong, characters from 1.
+    /// Position of the fault, characters, counted from 1.
     character: usize,
-    fault: Fault,
+    fault: SyntaxFault,
 }
 
-/// What is wrong at a place.
+/// Kind of syntax fault at a position.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) enum Fault {
+pub(crate) enum SyntaxFault {
     Empty,
     TooLong {
         n_bytes_max: usize,
@@ -31,16 +31,18 @@ pub(crate) enum Fault {
     },
     UnknownConstraint(String),
     StrangeCharacter(char),
-    /// A name, "not" or "(" is needed; what is there instead, if anything.
+    /// An operand is missing: a name, "not" or "(" is required; holds the token found
+    /// instead.
     OperandMissing(Option<String>),
-    /// "and", "or" or the end is needed.
+    /// An operator is missing: "and", "or" or the end is required; holds the token found
+    /// instead.
     OperatorMissing(String),
     NotClosed,
 }
 
 impl InvalidExpression {
-    /// `at` is a byte's place in `text`.
-    pub(crate) fn new(text: &str, at: usize, fault: Fault) -> Self {
+    /// Error for a fault at byte offset `at` of `text`.
+    pub(crate) fn new(text: &str, at: usize, fault: SyntaxFault) -> Self {
         let character = text.char_indices().take_while(|(i, _)| *i < at).count() + 1;
         let mut quoted: String = text.chars().take(N_QUOTED).collect();
         if quoted.len() < text.len() {
@@ -62,13 +64,13 @@ impl fmt::Display for InvalidExpression {
             fault,
         } = self;
         match fault {
-            Fault::Empty => {
+            SyntaxFault::Empty => {
                 return write!(
                     f,
                     "the rule is empty; it must name constraints, for example: C_table and C_track"
                 );
             }
-            Fault::TooLong { n_bytes_max } => {
+            SyntaxFault::TooLong { n_bytes_max } => {
                 return write!(
                     f,
                     "the rule {quoted:?} is longer than {n_bytes_max} bytes; write a shorter one"
@@ -80,36 +82,36 @@ impl fmt::Display for InvalidExpression {
             )?,
         }
         match fault {
-            Fault::Empty | Fault::TooLong { .. } => Ok(()),
-            Fault::TooManyNames { n_max } => {
+            SyntaxFault::Empty | SyntaxFault::TooLong { .. } => Ok(()),
+            SyntaxFault::TooManyNames { n_max } => {
                 write!(
                     f,
                     "it names more than {n_max} constraints; write a shorter one"
                 )
             }
-            Fault::TooDeep { depth_max } => write!(
+            SyntaxFault::TooDeep { depth_max } => write!(
                 f,
                 "more than {depth_max} parentheses and \"not\" are open; write a flatter one"
             ),
-            Fault::UnknownConstraint(name) => unknown(f, name),
-            Fault::StrangeCharacter(strange) => write!(
+            SyntaxFault::UnknownConstraint(name) => fmt_unknown_constraint(f, name),
+            SyntaxFault::StrangeCharacter(strange) => write!(
                 f,
                 "{strange:?} has no meaning; use names, parentheses, and, or, not, or the signs \
                  & | ! ∧ ∨ ¬"
             ),
-            Fault::OperandMissing(None) => {
+            SyntaxFault::OperandMissing(None) => {
                 f.write_str("it ends where a constraint is needed; name one, or leave the rest out")
             }
-            Fault::OperandMissing(Some(found)) => {
+            SyntaxFault::OperandMissing(Some(found)) => {
                 write!(
                     f,
                     "a constraint is needed where {found:?} stands; name one before it"
                 )
             }
-            Fault::OperatorMissing(found) => {
+            SyntaxFault::OperatorMissing(found) => {
                 write!(f, "\"and\" or \"or\" is needed before {found:?}")
             }
-            Fault::NotClosed => {
+            SyntaxFault::NotClosed => {
                 f.write_str("the parenthesis that is opened here is not closed; add a \")\"")
             }
         }
@@ -118,9 +120,9 @@ impl fmt::Display for InvalidExpression {
 
 impl std::error::Error for InvalidExpression {}
 
-fn unknown(f: &mut fmt::Formatter<'_>, name: &str) -> fmt::Result {
+fn fmt_unknown_constraint(f: &mut fmt::Formatter<'_>, name: &str) -> fmt::Result {
     write!(f, "there is no constraint {name:?}")?;
-    if let Some(near) = nearest(name) {
+    if let Some(near) = closest_name(name) {
         write!(f, ", {} may be meant", near.name())?;
     }
     f.write_str("; there are ")?;
@@ -128,18 +130,19 @@ fn unknown(f: &mut fmt::Formatter<'_>, name: &str) -> fmt::Result {
     f.write_str(&names.join(", "))
 }
 
-/// The constraint whose name differs by the fewest letters, a third at most.
-fn nearest(name: &str) -> Option<Constraint> {
+/// Spelling suggestion: the constraint with the smallest edit distance, at most a third of
+/// the length of its name.
+fn closest_name(name: &str) -> Option<Constraint> {
     let name = name.to_ascii_lowercase();
     let name = name.strip_prefix("c_").unwrap_or(&name);
-    let differing = |constraint: &Constraint| n_edits(name, &constraint.name()[2..]);
+    let differing = |constraint: &Constraint| edit_distance(name, &constraint.name()[2..]);
     let near = Constraint::ALL.into_iter().min_by_key(differing)?;
     (3 * differing(&near) <= near.name().len()).then_some(near)
 }
 
-/// Letters to be put in, taken out or replaced (Levenshtein 1966). A long name
-/// is no near one and is not looked at beyond 32 letters.
-fn n_edits(a: &str, b: &str) -> usize {
+/// Levenshtein distance (1966): number of inserted, removed or replaced letters. Compares
+/// at most 32 letters of `a`.
+fn edit_distance(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().collect();
     let mut row: Vec<usize> = (0..=b.len()).collect();
     for (i, letter) in a.chars().take(32).enumerate() {
@@ -167,15 +170,15 @@ mod tests {
             ("tabel", "table", 2),
             ("tables", "table", 1),
         ] {
-            assert_eq!(n_edits(a, b), n, "{a} {b}");
+            assert_eq!(edit_distance(a, b), n, "{a} {b}");
         }
     }
 
     #[test]
     fn a_near_name_is_offered_and_a_far_one_is_not() {
-        assert_eq!(nearest("C_tabel"), Some(Constraint::Table));
-        assert_eq!(nearest("ROBOTS"), Some(Constraint::Robot));
-        assert_eq!(nearest("keyview"), Some(Constraint::KeyView));
-        assert_eq!(nearest("C_unicorn"), None);
+        assert_eq!(closest_name("C_tabel"), Some(Constraint::Table));
+        assert_eq!(closest_name("ROBOTS"), Some(Constraint::Robot));
+        assert_eq!(closest_name("keyview"), Some(Constraint::KeyView));
+        assert_eq!(closest_name("C_unicorn"), None);
     }
 }

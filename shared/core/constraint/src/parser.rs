@@ -1,16 +1,16 @@
-//! Reads a rule: recursive descent over its tokens.
+//! Recursive-descent parser of constraint rules.
 
 use crate::Constraint;
-use crate::expression::{Expression, N_NAMES_MAX, Step};
-use crate::invalid_expression::{Fault, InvalidExpression};
+use crate::expression::{Expression, N_NAMES_MAX, PostfixOp};
+use crate::invalid_expression::{InvalidExpression, SyntaxFault};
 
-/// Longest rule, bytes.
+/// Greatest length of a rule, bytes.
 const N_BYTES_MAX: usize = 1024;
 
-/// Most parentheses and "not" that are open at a time.
+/// Greatest nesting depth of parentheses and "not".
 const DEPTH_MAX: usize = 32;
 
-/// One word or sign.
+/// Token of a rule.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Token<'a> {
     Name(&'a str),
@@ -23,114 +23,114 @@ enum Token<'a> {
 
 struct Parser<'a> {
     text: &'a str,
-    /// Where the next token is looked for, bytes.
+    /// Byte offset of the next token.
     next: usize,
-    steps: Vec<Step>,
+    ops: Vec<PostfixOp>,
     n_names: usize,
 }
 
-/// Reads a rule.
+/// Parse a constraint rule.
 pub(crate) fn parse(text: &str) -> Result<Expression, InvalidExpression> {
     let mut parser = Parser {
         text,
         next: 0,
-        steps: Vec::new(),
+        ops: Vec::new(),
         n_names: 0,
     };
     if text.len() > N_BYTES_MAX {
         let n_bytes_max = N_BYTES_MAX;
-        return Err(parser.wrong(0, Fault::TooLong { n_bytes_max }));
+        return Err(parser.error(0, SyntaxFault::TooLong { n_bytes_max }));
     }
     if text.trim().is_empty() {
-        return Err(parser.wrong(0, Fault::Empty));
+        return Err(parser.error(0, SyntaxFault::Empty));
     }
-    parser.either(0)?;
+    parser.parse_or(0)?;
     match parser.peek()? {
-        None => Ok(Expression::from_steps(parser.steps)),
+        None => Ok(Expression::from_ops(parser.ops)),
         Some((at, _, end)) => {
-            Err(parser.wrong(at, Fault::OperatorMissing(text[at..end].to_owned())))
+            Err(parser.error(at, SyntaxFault::OperatorMissing(text[at..end].to_owned())))
         }
     }
 }
 
 impl<'a> Parser<'a> {
-    fn wrong(&self, at: usize, fault: Fault) -> InvalidExpression {
+    fn error(&self, at: usize, fault: SyntaxFault) -> InvalidExpression {
         InvalidExpression::new(self.text, at, fault)
     }
 
-    /// Operands joined by "or".
-    fn either(&mut self, depth: usize) -> Result<(), InvalidExpression> {
-        self.both(depth)?;
-        while self.takes(Token::Or)? {
-            self.both(depth)?;
-            self.steps.push(Step::Or);
+    /// Parse a disjunction: operands joined by "or".
+    fn parse_or(&mut self, depth: usize) -> Result<(), InvalidExpression> {
+        self.parse_and(depth)?;
+        while self.accept(Token::Or)? {
+            self.parse_and(depth)?;
+            self.ops.push(PostfixOp::Or);
         }
         Ok(())
     }
 
-    /// Operands joined by "and".
-    fn both(&mut self, depth: usize) -> Result<(), InvalidExpression> {
-        self.operand(depth)?;
-        while self.takes(Token::And)? {
-            self.operand(depth)?;
-            self.steps.push(Step::And);
+    /// Parse a conjunction: operands joined by "and".
+    fn parse_and(&mut self, depth: usize) -> Result<(), InvalidExpression> {
+        self.parse_operand(depth)?;
+        while self.accept(Token::And)? {
+            self.parse_operand(depth)?;
+            self.ops.push(PostfixOp::And);
         }
         Ok(())
     }
 
-    /// A name, its contrary, or a rule in parentheses.
-    fn operand(&mut self, depth: usize) -> Result<(), InvalidExpression> {
+    /// Parse an operand: a name, a negation, or a rule in parentheses.
+    fn parse_operand(&mut self, depth: usize) -> Result<(), InvalidExpression> {
         let Some((at, token, end)) = self.peek()? else {
-            return Err(self.wrong(self.text.len(), Fault::OperandMissing(None)));
+            return Err(self.error(self.text.len(), SyntaxFault::OperandMissing(None)));
         };
         if depth >= DEPTH_MAX {
             let depth_max = DEPTH_MAX;
-            return Err(self.wrong(at, Fault::TooDeep { depth_max }));
+            return Err(self.error(at, SyntaxFault::TooDeep { depth_max }));
         }
         self.next = end;
         match token {
             Token::Name(name) => self.name(at, name),
             Token::Not => {
-                self.operand(depth + 1)?;
-                self.steps.push(Step::Not);
+                self.parse_operand(depth + 1)?;
+                self.ops.push(PostfixOp::Not);
                 Ok(())
             }
             Token::Open => {
-                self.either(depth + 1)?;
+                self.parse_or(depth + 1)?;
                 match self.peek()? {
                     Some((_, Token::Close, end)) => {
                         self.next = end;
                         Ok(())
                     }
-                    None => Err(self.wrong(at, Fault::NotClosed)),
+                    None => Err(self.error(at, SyntaxFault::NotClosed)),
                     Some((at, _, end)) => {
                         let found = self.text[at..end].to_owned();
-                        Err(self.wrong(at, Fault::OperatorMissing(found)))
+                        Err(self.error(at, SyntaxFault::OperatorMissing(found)))
                     }
                 }
             }
             Token::And | Token::Or | Token::Close => {
                 let found = self.text[at..end].to_owned();
-                Err(self.wrong(at, Fault::OperandMissing(Some(found))))
+                Err(self.error(at, SyntaxFault::OperandMissing(Some(found))))
             }
         }
     }
 
     fn name(&mut self, at: usize, name: &str) -> Result<(), InvalidExpression> {
         let Some(constraint) = Constraint::from_name(name) else {
-            return Err(self.wrong(at, Fault::UnknownConstraint(name.to_owned())));
+            return Err(self.error(at, SyntaxFault::UnknownConstraint(name.to_owned())));
         };
         self.n_names += 1;
         if self.n_names > N_NAMES_MAX {
             let n_max = N_NAMES_MAX;
-            return Err(self.wrong(at, Fault::TooManyNames { n_max }));
+            return Err(self.error(at, SyntaxFault::TooManyNames { n_max }));
         }
-        self.steps.push(Step::Is(constraint));
+        self.ops.push(PostfixOp::Is(constraint));
         Ok(())
     }
 
-    /// Goes behind the next token when it is this one.
-    fn takes(&mut self, wanted: Token<'_>) -> Result<bool, InvalidExpression> {
+    /// Consume the next token if it is `wanted`.
+    fn accept(&mut self, wanted: Token<'_>) -> Result<bool, InvalidExpression> {
         match self.peek()? {
             Some((_, token, end)) if token == wanted => {
                 self.next = end;
@@ -140,7 +140,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// The next token, where it begins and where it ends; `None` at the end.
+    /// Next token with its start and end, byte offsets; `None` at the end of the rule.
     fn peek(&self) -> Result<Option<(usize, Token<'a>, usize)>, InvalidExpression> {
         let rest = &self.text[self.next..];
         let trimmed = rest.trim_start();
@@ -157,26 +157,26 @@ impl<'a> Parser<'a> {
             '&' => (Token::And, doubled(trimmed, "&&")),
             '|' => (Token::Or, doubled(trimmed, "||")),
             _ => match word(trimmed) {
-                "" => return Err(self.wrong(at, Fault::StrangeCharacter(first))),
-                word => (token_of(word), word.len()),
+                "" => return Err(self.error(at, SyntaxFault::StrangeCharacter(first))),
+                word => (keyword_or_name(word), word.len()),
             },
         };
         Ok(Some((at, token, at + length)))
     }
 }
 
-/// Length of a sign that may stand twice.
+/// Length of an operator that may be doubled, bytes.
 fn doubled(text: &str, twice: &str) -> usize {
     if text.starts_with(twice) { 2 } else { 1 }
 }
 
-/// The letters, digits and underscores at the beginning.
+/// Leading identifier: letters, digits and underscores.
 fn word(text: &str) -> &str {
     let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
     &text[..text.find(|c| !is_part(c)).unwrap_or(text.len())]
 }
 
-fn token_of(word: &str) -> Token<'_> {
+fn keyword_or_name(word: &str) -> Token<'_> {
     if word.eq_ignore_ascii_case("and") {
         Token::And
     } else if word.eq_ignore_ascii_case("or") {

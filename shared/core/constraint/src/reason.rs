@@ -1,14 +1,13 @@
-//! Why a constraint holds or does not.
+//! Reason codes of constraint findings.
 
 use std::fmt;
 
-/// Declares the reasons with their stable numbers, their values, and their
-/// sentences.
+/// Declare the reasons with their stable codes, values and sentences.
 macro_rules! reasons {
     ($($(#[$doc:meta])* $code:literal $reason:ident $({ $($(#[$value_doc:meta])* $value:ident),+ })?
         => $sentence:literal $(, $shown:expr)*;)*) => {
-        /// Why a constraint holds or does not; the numbers that decided it go with
-        /// it. Prints as the rest of a sentence about the candidate.
+        /// Reason for the value of a constraint, with the numbers that decided it. Displays
+        /// as a sentence about the candidate.
         #[derive(Debug, Clone, Copy, PartialEq)]
         #[non_exhaustive]
         pub enum Reason {
@@ -16,22 +15,22 @@ macro_rules! reasons {
         }
 
         impl Reason {
-            /// Its number on the wire; never given to another reason.
+            /// Reason code on the wire; never reused for another reason.
             pub fn code(self) -> u16 {
                 match self {
                     $(Self::$reason $({ $($value: _),+ })? => $code,)*
                 }
             }
 
-            /// Its values on the wire; zero where it has fewer.
+            /// Values on the wire; unused ones are zero.
             pub fn values(self) -> [f32; 2] {
                 match self {
                     $(Self::$reason $({ $($value),+ })? => padded(&[$($($value),+)?]),)*
                 }
             }
 
-            /// The reason of a number and its values; `None` for any other number,
-            /// and for values that are not finite.
+            /// Reason of a wire code and its values; `None` for an unknown code and for
+            /// values that are not finite.
             pub fn from_parts(code: u16, values: [f32; 2]) -> Option<Self> {
                 if !values.iter().all(|value| value.is_finite()) {
                     return None;
@@ -59,13 +58,13 @@ fn padded(values: &[f32]) -> [f32; 2] {
     std::array::from_fn(|i| values.get(i).copied().unwrap_or(0.0))
 }
 
-/// A share as people write it.
+/// Display of a share in percent.
 struct Percent(f32);
 
-/// A length in metres as people write it.
+/// Display of a length in centimetres; holds metres.
 struct Cm(f32);
 
-/// A volume in cubic metres as people write it.
+/// Display of a volume in litres; holds cubic metres.
 struct Litres(f32);
 
 impl fmt::Display for Percent {
@@ -87,150 +86,150 @@ impl fmt::Display for Litres {
 }
 
 reasons! {
-    /// Nothing was asked.
+    /// The constraint was not evaluated.
     0 NotJudged
         => "it was not judged";
-    /// Its lowest points are near the table.
+    /// The candidate stands on the table: its lowest points are near the plane.
     1 StandsOnTable
         => "it stands on the table";
-    /// It touches something that stands on the table.
+    /// The candidate rests on an object that stands on the table.
     2 RestsOnObject
         => "it rests on something that stands on the table";
-    /// Something nearer hides what it stands on.
-    3 LowerEndHidden
+    /// The base of the candidate is occluded by a nearer surface.
+    3 BaseOccluded
         => "something nearer hides what it stands on";
-    /// Nothing carries it.
-    4 InTheAir {
-        /// From the table to its lowest point, metres.
+    /// The candidate has no support.
+    4 Unsupported {
+        /// Height of the lowest point over the table, metres.
         gap_m
     } => "nothing carries it: it begins {} over the table", Cm(gap_m);
-    /// There is no depth where it should stand.
-    5 LowerEndUnseen
+    /// The sensor has no depth below the candidate.
+    5 BaseWithoutDepth
         => "there is no depth below it: what it stands on is not seen";
-    /// No track explains it.
-    10 NoTrackThere {
-        /// Greatest overlap with a track's box, as intersection over union.
+    /// No track overlaps the candidate.
+    10 NoOverlappingTrack {
+        /// Greatest intersection over union with a track's box, 0 to 1.
         overlap
     } => "no track explains it (greatest overlap {})", Percent(overlap);
-    /// It fills the box of a track.
+    /// The candidate overlaps the box of a track.
     11 OverlapsTrack {
-        /// Overlap with the track's box, as intersection over union.
+        /// Intersection over union with the track's box, 0 to 1.
         overlap
     } => "it is a part of what is tracked already ({} overlap with a track's box)", Percent(overlap);
-    /// It lies within the box of a track.
+    /// The candidate is inside the box of a track.
     12 InsideTrack {
-        /// Share of its points in the track's grown box.
+        /// Share of the points inside the track's grown box, 0 to 1.
         share
     } => "it is a part of what is tracked already ({} of its points in a track's box)", Percent(share);
-    /// One hand could grasp it.
+    /// One hand could grasp the candidate.
     20 Graspable {
-        /// Its longest side, metres.
+        /// Longest side, metres.
         side_m
     } => "a hand could grasp it (longest side {})", Cm(side_m);
-    /// Too small for an object.
+    /// The candidate is too small for an object.
     21 TooSmall {
-        /// Its longest side, metres.
+        /// Longest side, metres.
         side_m,
-        /// Least length, metres.
-        least_m
-    } => "it is too small (longest side {}, at least {})", Cm(side_m), Cm(least_m);
-    /// Too long to be grasped.
+        /// Least accepted length, metres.
+        min_m
+    } => "it is too small (longest side {}, at least {})", Cm(side_m), Cm(min_m);
+    /// The candidate is too long to be grasped.
     22 TooLong {
-        /// Its longest side, metres.
+        /// Longest side, metres.
         side_m,
-        /// Greatest length, metres.
-        most_m
-    } => "it is too long (longest side {}, at most {})", Cm(side_m), Cm(most_m);
-    /// Too broad to be grasped.
+        /// Greatest accepted length, metres.
+        max_m
+    } => "it is too long (longest side {}, at most {})", Cm(side_m), Cm(max_m);
+    /// The candidate is too broad to be grasped.
     23 TooBroad {
-        /// Its second side, metres.
+        /// Second longest side, metres.
         side_m,
-        /// Greatest length, metres.
-        most_m
-    } => "it is too broad (second side {}, at most {})", Cm(side_m), Cm(most_m);
-    /// Too bulky to be grasped.
+        /// Greatest accepted length, metres.
+        max_m
+    } => "it is too broad (second side {}, at most {})", Cm(side_m), Cm(max_m);
+    /// The candidate is too bulky to be grasped.
     24 TooBulky {
-        /// Its volume, cubic metres.
+        /// Volume of the box, cubic metres.
         volume_m3,
-        /// Greatest volume, cubic metres.
-        most_m3
-    } => "it is too bulky ({}, at most {})", Litres(volume_m3), Litres(most_m3);
-    /// A part of it is missing, so that it may be larger than it looks.
-    25 SizeCut {
-        /// Its longest side as far as it is seen, metres.
+        /// Greatest accepted volume, cubic metres.
+        max_m3
+    } => "it is too bulky ({}, at most {})", Litres(volume_m3), Litres(max_m3);
+    /// The image border truncates the candidate; its true size is unknown.
+    25 SizeTruncated {
+        /// Longest visible side, metres.
         side_m
     } => "the border of the image cuts it, so its size is not known (at least {})", Cm(side_m);
-    /// Where people are is not known.
+    /// No person state is available.
     30 NoPersonKnown
-        => "where people are is not known";
-    /// It is no part of a person.
-    31 NoPerson
+        => "no person state was received";
+    /// The candidate is not a part of a person.
+    31 NotPerson
         => "it is no part of a person";
-    /// It is a part of a person.
+    /// The candidate is a part of a person.
     32 Person {
-        /// Share of its points near a part of the body.
+        /// Share of the points near the body, 0 to 1.
         share,
-        /// What is near, metres.
+        /// Distance threshold from the body's capsules, metres.
         margin_m
     } => "it is a person ({} of its points within {} of the body)", Percent(share), Cm(margin_m);
-    /// It may be a part of a person.
+    /// The candidate may be a part of a person.
     33 MaybePerson {
-        /// Share of its points near a part of the body.
+        /// Share of the points near the body, 0 to 1.
         share,
-        /// What is near, metres.
+        /// Distance threshold from the body's capsules, metres.
         margin_m
     } => "it may be a person ({} of its points within {} of the body)", Percent(share), Cm(margin_m);
-    /// A person touches it, so that a part of it may be missing.
-    34 AtPerson {
-        /// Share of its points near a part of the body.
+    /// A person touches the candidate, so that a part of it may be missing.
+    34 TouchedByPerson {
+        /// Share of the points near the body, 0 to 1.
         share,
-        /// What is near, metres.
+        /// Distance threshold from the body's capsules, metres.
         margin_m
     } => "a person touches it, so a part of it may be missing ({} of its points within {} of the body)", Percent(share), Cm(margin_m);
-    /// Where the robot's arm is is not known.
+    /// No robot state is available.
     40 NoRobotKnown
-        => "where the robot's arm is is not known";
-    /// It is no part of the robot.
-    41 NoRobot
+        => "no arm state was received";
+    /// The candidate is not a part of the robot.
+    41 NotRobot
         => "it is no part of the robot";
-    /// It is a part of the robot.
+    /// The candidate is a part of the robot.
     42 Robot {
-        /// Share of its points near a link.
+        /// Share of the points near a link, 0 to 1.
         share,
-        /// What is near, metres.
+        /// Distance threshold from the links' capsules, metres.
         margin_m
     } => "it is the robot's arm ({} of its points within {} of a link)", Percent(share), Cm(margin_m);
-    /// It may be a part of the robot.
+    /// The candidate may be a part of the robot.
     43 MaybeRobot {
-        /// Share of its points near a link.
+        /// Share of the points near a link, 0 to 1.
         share,
-        /// What is near, metres.
+        /// Distance threshold from the links' capsules, metres.
         margin_m
     } => "it may be the robot's arm ({} of its points within {} of a link)", Percent(share), Cm(margin_m);
-    /// The robot touches it, so that a part of it may be missing.
-    44 AtRobot {
-        /// Share of its points near a link.
+    /// The robot touches the candidate, so that a part of it may be missing.
+    44 TouchedByRobot {
+        /// Share of the points near a link, 0 to 1.
         share,
-        /// What is near, metres.
+        /// Distance threshold from the links' capsules, metres.
         margin_m
     } => "the robot touches it, so a part of it may be missing ({} of its points within {} of a link)", Percent(share), Cm(margin_m);
-    /// It stands away from the table's rim.
+    /// The candidate stands away from the table's rim.
     50 AwayFromRim
         => "it stands away from the table's rim";
-    /// It stands at the table's rim.
+    /// The candidate stands at the table's rim.
     51 AtRim {
-        /// Share of its points near the rim.
+        /// Share of the points near the rim, 0 to 1.
         share,
-        /// What is near, metres.
+        /// Distance threshold from the rim, metres.
         distance_m
     } => "it is at the table's rim ({} of its points nearer than {})", Percent(share), Cm(distance_m);
-    /// Only the history of its track tells whether a view is key.
-    60 KeyViewNotDecided
-        => "whether a view is key is decided by its track, later";
-    /// It is seen as a whole, as far as the border of the image goes.
+    /// The key-view decision needs the history of the track and is made later.
+    60 KeyViewUndecided
+        => "its track decides later whether this is a key view";
+    /// The candidate does not reach the image border.
     70 WithinView
         => "the border of the image does not cut it";
-    /// It comes to the border of what the sensor sees.
+    /// The candidate reaches the image border.
     71 AtImageBorder
         => "it comes to the border of what the sensor sees";
 }

@@ -1,10 +1,20 @@
-//! The depth noise of a structured-light camera.
+//! Depth noise model of a structured-light camera: standard deviation as a function of
+//! range.
+//!
+//! # Example
+//!
+//! ```
+//! use sensor_noise::kinect_depth_sigma_m;
+//!
+//! assert!(kinect_depth_sigma_m(0.8) < 0.002);
+//! assert!(kinect_depth_sigma_m(2.0) > 0.005);
+//! ```
 
-/// Standard deviation of a Kinect v1 depth reading at depth `z_m`, metres
-/// (Nguyen, Izadi and Lovell 2012, axial part for surfaces facing the camera).
+/// Axial depth noise of a Kinect v1: standard deviation of a reading at depth `z_m`, metres
+/// (Nguyen, Izadi and Lovell 2012, surfaces facing the camera).
 ///
-/// Depths below 0.4 m have the noise at 0.4 m; a depth that is not finite has
-/// the noise at 10 m, so that the result is always positive and finite.
+/// Below 0.4 m the value at 0.4 m applies; a depth that is not finite has the value at 10
+/// m. The result is always positive and finite.
 #[inline]
 pub fn kinect_depth_sigma_m(z_m: f64) -> f64 {
     let beyond_m = if z_m.is_finite() {
@@ -15,7 +25,8 @@ pub fn kinect_depth_sigma_m(z_m: f64) -> f64 {
     0.0012 + 0.0019 * beyond_m * beyond_m
 }
 
-/// [`kinect_depth_sigma_m`] for a depth known to be in the sensor's range.
+/// Axial depth noise of a Kinect v1 in single precision, metres: [`kinect_depth_sigma_m`]
+/// for a depth that is known to be finite and in range.
 #[inline]
 pub fn depth_sigma_m(z_m: f32) -> f32 {
     let beyond_m = (z_m - 0.4).max(0.0);

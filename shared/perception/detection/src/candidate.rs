@@ -13,7 +13,7 @@ pub enum Support {
     /// Another candidate, which it touches from above.
     Object,
     /// Something unseen: its lower border is hidden by what is_standing before it.
-    Hidden,
+    Occluded,
 }
 
 /// A cluster over the table that can be an object. Camera frame, metres.

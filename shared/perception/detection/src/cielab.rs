@@ -18,7 +18,7 @@ impl ColorSum {
     }
 
     /// Adds another sum.
-    pub(crate) fn join(&mut self, other: &Self) {
+    pub(crate) fn merge(&mut self, other: &Self) {
         self.n += other.n;
         for (sum, value) in self.rgb.iter_mut().zip(other.rgb) {
             *sum += value;
@@ -28,7 +28,7 @@ impl ColorSum {
     /// The mean colour; black without any.
     pub(crate) fn mean(&self) -> CieLab {
         let n = self.n.max(1) as f32;
-        CieLab::of_srgb(self.rgb.map(|sum| sum as f32 / n))
+        CieLab::from_srgb(self.rgb.map(|sum| sum as f32 / n))
     }
 }
 
@@ -42,7 +42,7 @@ pub(crate) struct CieLab {
 
 impl CieLab {
     /// The colour of sRGB values from 0 to 255 (IEC 61966-2-1).
-    pub(crate) fn of_srgb(rgb: [f32; 3]) -> Self {
+    pub(crate) fn from_srgb(rgb: [f32; 3]) -> Self {
         let [r, g, b] = rgb.map(|value| {
             let value = value / 255.0;
             if value <= 0.040_45 {
@@ -68,8 +68,8 @@ impl CieLab {
         }
     }
 
-    /// The colour difference of 1976, in which about 2 is just seen.
-    pub(crate) fn difference(&self, other: &Self) -> f32 {
+    /// The colour delta_e of 1976, in which about 2 is just seen.
+    pub(crate) fn delta_e(&self, other: &Self) -> f32 {
         let squared = |x: f32, y: f32| (x - y) * (x - y);
         (squared(self.l, other.l) + squared(self.a, other.a) + squared(self.b, other.b)).sqrt()
     }
@@ -89,11 +89,8 @@ mod tests {
             ([0.0, 255.0, 0.0], [87.73, -86.18, 83.18]),
             ([0.0, 0.0, 255.0], [32.30, 79.19, -107.86]),
         ] {
-            let lab = CieLab::of_srgb(rgb);
-            assert!(
-                lab.difference(&CieLab { l, a, b }) < 0.1,
-                "{rgb:?}: {lab:?}"
-            );
+            let lab = CieLab::from_srgb(rgb);
+            assert!(lab.delta_e(&CieLab { l, a, b }) < 0.1, "{rgb:?}: {lab:?}");
         }
     }
 
@@ -103,8 +100,8 @@ mod tests {
         left.add([10, 200, 30]);
         right.add([30, 100, 30]);
         right.add([20, 0, 30]);
-        left.join(&right);
-        assert_eq!(left.mean(), CieLab::of_srgb([20.0, 100.0, 30.0]));
-        assert_eq!(ColorSum::default().mean(), CieLab::of_srgb([0.0; 3]));
+        left.merge(&right);
+        assert_eq!(left.mean(), CieLab::from_srgb([20.0, 100.0, 30.0]));
+        assert_eq!(ColorSum::default().mean(), CieLab::from_srgb([0.0; 3]));
     }
 }

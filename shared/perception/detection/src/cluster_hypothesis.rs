@@ -4,7 +4,7 @@
 use crate::RawConfig;
 use crate::affine_form::AffineForm;
 use crate::candidate::Support;
-use crate::depth_bounds::DepthBounds;
+use crate::pixel_bounds::PixelBounds;
 use crate::upright_box::UprightBox;
 use nalgebra::{Point3, Vector3};
 use point_cloud::OrganizedCloud;
@@ -70,7 +70,7 @@ impl ClusterHypothesis {
         })
     }
 
-    /// Lower part of its box in which nothing was seen, metres.
+    /// Lower part of its box in which nothing was pixel_bounds, metres.
     pub(crate) fn occluded_base_m(&self) -> f64 {
         let ClusterStatistics {
             is_standing,
@@ -91,7 +91,7 @@ impl ClusterHypothesis {
 pub(crate) struct ClusterStatistics {
     pub(crate) centroid: Point3<f64>,
     pub(crate) mean_rgb: [f32; 3],
-    pub(crate) seen: DepthBounds,
+    pub(crate) pixel_bounds: PixelBounds,
     pub(crate) height_m: [f32; 2],
     /// Whether enough of its points are low for it to stand on the table.
     pub(crate) has_low_points: bool,
@@ -109,7 +109,8 @@ impl ClusterStatistics {
     ) -> Self {
         let mut position = Vector3::<f64>::zeros();
         let (mut rgb, mut n_low) = ([0_u64; 3], 0_u32);
-        let (mut seen, mut height_m) = (DepthBounds::default(), [f32::INFINITY, f32::NEG_INFINITY]);
+        let (mut pixel_bounds, mut height_m) =
+            (PixelBounds::default(), [f32::INFINITY, f32::NEG_INFINITY]);
         // A division of 64 bits takes twice as long.
         let width = cloud.width() as u32;
         for &pixel in pixels {
@@ -118,7 +119,7 @@ impl ClusterStatistics {
             for (sum, value) in rgb.iter_mut().zip(point.color.rgb()) {
                 *sum += u64::from(value);
             }
-            seen.add((pixel % width) as usize, (pixel / width) as usize);
+            pixel_bounds.add((pixel % width) as usize, (pixel / width) as usize);
             let h = height.at(point.x, point.y, point.z);
             height_m = [height_m[0].min(h), height_m[1].max(h)];
             n_low += u32::from(h <= config.standing_gap_max_m as f32);
@@ -130,7 +131,7 @@ impl ClusterStatistics {
         Self {
             centroid: (position / n).into(),
             mean_rgb: rgb.map(|sum| (sum as f64 / n) as f32),
-            seen,
+            pixel_bounds,
             height_m,
             has_low_points,
             is_standing: is_round || has_low_points,

@@ -13,7 +13,7 @@ pub(crate) use concavity_split::ConcavitySplit;
 pub(crate) use track_regrouping::TrackClaims;
 
 /// Mark of a pixel that is in no cluster.
-pub(crate) const OUTSIDE: u32 = u32::MAX;
+pub(crate) const NO_CLUSTER: u32 = u32::MAX;
 
 /// When two pixels belong together.
 #[derive(Debug, Clone, Copy)]
@@ -48,7 +48,7 @@ const LINKS: LinkDistance = LinkDistance {
 /// Buffers, and the clusters found last.
 #[derive(Debug, Default)]
 pub(crate) struct Clusters {
-    /// Per pixel: [`OUTSIDE`] or the number of its cluster.
+    /// Per pixel: [`NO_CLUSTER`] or the number of its cluster.
     pub(crate) cluster_of: Vec<u32>,
     bands: Vec<Band>,
     /// Per label: the label it was joined with; a find_root is its own parent.
@@ -93,7 +93,7 @@ impl Clusters {
         let mut n_pixels = 0;
         for n in &mut self.number_of {
             if *n < n_min.max(1) {
-                *n = OUTSIDE;
+                *n = NO_CLUSTER;
             } else {
                 n_pixels += *n;
                 *n = self.starts.len() as u32 - 1;
@@ -116,7 +116,7 @@ impl Clusters {
         for &pixel in &self.ungrouped {
             let label = &mut self.cluster_of[pixel as usize];
             *label = self.parents[*label as usize];
-            if *label != OUTSIDE {
+            if *label != NO_CLUSTER {
                 let place = &mut self.number_of[*label as usize];
                 self.pixels[*place as usize] = pixel;
                 *place += 1;
@@ -134,7 +134,7 @@ fn squared_distance(a: &Point, b: &Point) -> f32 {
 
 /// Joins two clusters under the one that began first; returns its find_root.
 #[inline]
-fn unite(parents: &mut [u32], a: u32, b: u32) -> u32 {
+fn union(parents: &mut [u32], a: u32, b: u32) -> u32 {
     let (a, b) = (find_root(parents, a), find_root(parents, b));
     let (first, second) = (a.min(b), a.max(b));
     parents[second as usize] = first;

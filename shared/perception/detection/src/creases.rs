@@ -25,7 +25,7 @@ const STEP_M: f32 = 0.012;
 
 /// A crease is widened by this many pixels on either side, so that its ends
 /// leave no gap.
-const SPREAD_PX: usize = 2;
+const DILATION_PX: usize = 2;
 
 /// A cluster with fewer pixels of creases has none that parts it: the handle of a
 /// cup meets it in creases, too.
@@ -34,9 +34,9 @@ const CREASE_PIXELS_MIN: usize = 150;
 /// Buffers, and the creases found last.
 #[derive(Debug, Default)]
 pub(crate) struct Creases {
-    /// Per place of the patch: whether a crease runs through it.
+    /// Per index of the patch: whether a crease runs through it.
     pub(crate) is_crease: Vec<bool>,
-    /// Per place: the stronger bend of its row's and its column's surface, metres a
+    /// Per index: the stronger bend of its row's and its column's surface, metres a
     /// metre, concave positive; NaN where none could be measured.
     pub(crate) bend: Vec<f32>,
     by_column: Vec<PatchPixel>,
@@ -53,7 +53,7 @@ impl Creases {
         self.bend.clear();
         self.bend.resize(patch.part_of.len(), f32::NAN);
         let pixel_rad = IMAGE_WIDTH_RAD / image_width as f32;
-        self.turn(patch);
+        self.sort_by_column(patch);
         let Self {
             is_crease,
             bend,
@@ -74,12 +74,12 @@ impl Creases {
         by_column
             .chunk_by(|a, b| a.column == b.column && is_near(a, b))
             .for_each(&mut mark);
-        let n_marked = rows.iter().filter(|pixel| is_crease[pixel.place as usize]);
+        let n_marked = rows.iter().filter(|pixel| is_crease[pixel.index as usize]);
         n_marked.count() >= CREASE_PIXELS_MIN
     }
 
     /// Sorts the pixels, which are row by row, column by column.
-    fn turn(&mut self, patch: &Patch) {
+    fn sort_by_column(&mut self, patch: &Patch) {
         let Self {
             by_column,
             next_in_column,
@@ -111,12 +111,12 @@ fn mark_surface(
     strongest: &mut [f32],
 ) {
     for (i, (pixel, &bend)) in surface.iter().zip(bends).enumerate() {
-        let stronger = &mut strongest[pixel.place as usize];
+        let stronger = &mut strongest[pixel.index as usize];
         *stronger = stronger.max(bend);
         if bend >= SLOPE_MIN {
-            let wide = i.saturating_sub(SPREAD_PX)..surface.len().min(i + SPREAD_PX + 1);
+            let wide = i.saturating_sub(DILATION_PX)..surface.len().min(i + DILATION_PX + 1);
             for near in &surface[wide] {
-                is_crease[near.place as usize] = true;
+                is_crease[near.index as usize] = true;
             }
         }
     }
@@ -126,7 +126,7 @@ fn mark_surface(
 /// the inverse depth, which is linear in the image on a plane.
 #[derive(Debug, Default)]
 struct BendFit {
-    /// Prefix sums of the inverse depth and of its product with the place, which make
+    /// Prefix sums of the inverse depth and of its product with the index, which make
     /// the work independent of the length of the arms. Double precision: the second
     /// sum of a long row dwarfs what a bend changes.
     sums: [Vec<f64>; 2],
@@ -136,24 +136,24 @@ struct BendFit {
 impl BendFit {
     /// The bend at each pixel, metres a metre; NaN where the arms would be too short.
     fn bends(&mut self, surface: &[PatchPixel], pixel_rad: f32) -> &[f32] {
-        self.add_up(surface);
+        self.accumulate(surface);
         let n = surface.len();
         self.bends.clear();
         self.bends.resize(n, f32::NAN);
         let most = (n - 1) / 2;
         let arm = arm_px(surface[0].z, pixel_rad).min(most);
         for short in ARM_PX[0]..arm {
-            self.fit(short..short + 1, short);
-            self.fit(n - 1 - short..n - short, short);
+            self.fit_bends(short..short + 1, short);
+            self.fit_bends(n - 1 - short..n - short, short);
         }
-        self.fit(arm..n - arm, arm);
+        self.fit_bends(arm..n - arm, arm);
         for (bend, pixel) in self.bends.iter_mut().zip(surface) {
             *bend = *bend * pixel.z / pixel_rad;
         }
         &self.bends
     }
 
-    fn add_up(&mut self, surface: &[PatchPixel]) {
+    fn accumulate(&mut self, surface: &[PatchPixel]) {
         let [plain, weighted] = &mut self.sums;
         let mut sum = [0.0; 2];
         for sums in [&mut *plain, &mut *weighted] {
@@ -173,7 +173,7 @@ impl BendFit {
     /// Slope of inverse depth, per pixel, away from each of some pixels on both
     /// sides, over arms of a length. Without a branch, so that the compiler makes
     /// vector instructions of it.
-    fn fit(&mut self, pixels: Range<usize>, arm: usize) {
+    fn fit_bends(&mut self, pixels: Range<usize>, arm: usize) {
         let (first, n) = (pixels.start, pixels.len());
         let [plain, weighted] = &self.sums;
         let ends = [first - arm, first, first + 1, first + arm + 1];
@@ -239,10 +239,10 @@ mod tests {
         let cloud = OrganizedCloud::new(&points, WIDTH, 40).unwrap();
         let cluster: Vec<u32> = (0..points.len() as u32).collect();
         let mut patch = Patch::default();
-        patch.lay(&cloud, &cluster);
+        patch.copy_cluster(&cloud, &cluster);
         let mut creases = Creases::default();
         creases.find(&patch, WIDTH);
-        let is_crease = |pixel: &PatchPixel| creases.is_crease[pixel.place as usize];
+        let is_crease = |pixel: &PatchPixel| creases.is_crease[pixel.index as usize];
         patch.pixels.iter().map(is_crease).collect()
     }
 

@@ -11,7 +11,7 @@ const N_DIRECTIONS: usize = 24;
 const N_YAWS: usize = 90;
 
 /// Points are added in the order of every so many.
-const SPREAD: usize = 61;
+const INSERTION_STRIDE: usize = 61;
 
 /// The outermost points of a set in the plane.
 #[derive(Debug, Clone)]
@@ -73,8 +73,8 @@ impl Footprint {
     /// from each other first, so that few are outermost when their turn comes.
     #[inline]
     pub(crate) fn add_all(&mut self, n: usize, point: impl Fn(usize) -> [f32; 2]) {
-        for first in 0..SPREAD.min(n) {
-            for i in (first..n).step_by(SPREAD) {
+        for first in 0..INSERTION_STRIDE.min(n) {
+            for i in (first..n).step_by(INSERTION_STRIDE) {
                 let [u, v] = point(i);
                 self.add(u, v);
             }
@@ -100,7 +100,7 @@ impl Footprint {
     }
 
     /// The rectangle of least area; `None` without points.
-    pub(crate) fn smallest_rectangle(&self) -> Option<Rectangle> {
+    pub(crate) fn min_area_rectangle(&self) -> Option<Rectangle> {
         if self.farthest[0] == f32::NEG_INFINITY {
             return None;
         }
@@ -158,7 +158,7 @@ mod tests {
                     footprint.add((cos * a - sin * b + shift) as f32, (sin * a + cos * b) as f32);
                 }
             }
-            let found = footprint.smallest_rectangle().unwrap();
+            let found = footprint.min_area_rectangle().unwrap();
             let turn = (found.yaw_rad - yaw).sin().abs();
             prop_assert!(turn < 0.02, "yaw {} for {}", found.yaw_rad, yaw);
             prop_assert!((found.centre - Vector2::new(shift, 0.0)).norm() < 5e-3);
@@ -182,6 +182,6 @@ mod tests {
 
     #[test]
     fn no_points_have_no_rectangle() {
-        assert_eq!(Footprint::new().smallest_rectangle(), None);
+        assert_eq!(Footprint::new().min_area_rectangle(), None);
     }
 }

@@ -83,8 +83,8 @@ fn most_frequent_gap_m(
 ) -> Option<f64> {
     let height = AffineForm::from(plane);
     let mut counts = [0_usize; N_STEPS];
-    for sample in (0..samples.len()).filter(|&sample| samples.is_free(sample)) {
-        let below = -samples.along(&height, sample);
+    for sample in (0..samples.len()).filter(|&sample| samples.is_unassigned(sample)) {
+        let below = -samples.coordinate(&height, sample);
         if below > 2.0 * plane_band_m(samples.depth(sample), config) {
             let step = (f64::from(below) / STEP_M) as usize;
             counts
@@ -105,6 +105,6 @@ fn longest_side_m(polygon: &ConvexPolygon) -> Option<f64> {
     for corner in polygon.corners() {
         footprint.add(corner.x as f32, corner.y as f32);
     }
-    let rectangle = footprint.smallest_rectangle()?;
+    let rectangle = footprint.min_area_rectangle()?;
     Some(2.0 * rectangle.half_sides_m.x)
 }

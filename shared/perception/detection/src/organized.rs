@@ -5,12 +5,12 @@ use crate::candidate::Candidate;
 use crate::cluster_hypothesis::ClusterHypothesis;
 use crate::clusters::{Clusters, ConcavitySplit, TrackClaims};
 use crate::constraint_evaluation::{BodyMask, ConstraintEvaluator};
-use crate::depth_bounds::DepthBounds;
 use crate::input::Frame;
 use crate::outline::Outline;
 use crate::outline_tracing::OutlineTracer;
 use crate::output::Detection;
 use crate::parallelism::{Crew, ScratchPool};
+use crate::pixel_bounds::PixelBounds;
 use crate::prism::{Prism, TableOverlap, lowest_m};
 use crate::samples::Samples;
 use crate::split_gate::may_be_several_objects;
@@ -318,7 +318,7 @@ fn write_candidates(
     buffers: &mut OrganizedBuffers,
     detection: &mut Detection,
 ) {
-    let bounds = DepthBounds::of(&frame.cloud);
+    let bounds = PixelBounds::of(&frame.cloud);
     let evaluator = ConstraintEvaluator {
         cloud: frame.cloud,
         table,
@@ -341,7 +341,7 @@ fn write_candidates(
         hypotheses,
         |candidates, (hypothesis, range)| {
             let pixels = &indices[range.clone()];
-            let is_cut = bounds.is_touched_by(&hypothesis.statistics.seen, BORDER_PX);
+            let is_cut = bounds.is_touched_by(&hypothesis.statistics.pixel_bounds, BORDER_PX);
             let candidate = evaluator.candidate(hypothesis, range, pixels, is_cut, config.rule());
             candidates.push(candidate);
         },

@@ -1,10 +1,10 @@
 //! A cluster laid out on an image of its own.
 
-use crate::clusters::OUTSIDE;
+use crate::clusters::NO_CLUSTER;
 use point_cloud::{OrganizedCloud, Point};
 
-/// Mark of a place of the cluster that belongs to no part of it yet.
-pub(crate) const FREE: u32 = u32::MAX - 1;
+/// Mark of a index of the cluster that belongs to no part of it yet.
+pub(crate) const UNASSIGNED: u32 = u32::MAX - 1;
 
 /// Empty rows and columns around the cluster: who looks at neighbours up to this
 /// far need not ask where the image ends.
@@ -19,9 +19,9 @@ pub(crate) struct Patch {
     pub(crate) width: usize,
     /// The cluster's pixels in image order.
     pub(crate) pixels: Vec<PatchPixel>,
-    /// Per place; of places outside of the cluster left from whatever was there before.
+    /// Per index; of places outside of the cluster left from whatever was there before.
     pub(crate) points: Vec<Point>,
-    /// Per place: [`OUTSIDE`], [`FREE`] or the number of its part.
+    /// Per index: [`NO_CLUSTER`], [`UNASSIGNED`] or the number of its part.
     pub(crate) part_of: Vec<u32>,
 }
 
@@ -29,7 +29,7 @@ pub(crate) struct Patch {
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct PatchPixel {
     /// Where it lies in the patch.
-    pub(crate) place: u32,
+    pub(crate) index: u32,
     pub(crate) row: u32,
     pub(crate) column: u32,
     /// Its depth, metres.
@@ -38,7 +38,7 @@ pub(crate) struct PatchPixel {
 
 impl Patch {
     /// Lays out a cluster, given by its pixels in image order.
-    pub(crate) fn lay(&mut self, cloud: &OrganizedCloud<'_>, cluster: &[u32]) {
+    pub(crate) fn copy_cluster(&mut self, cloud: &OrganizedCloud<'_>, cluster: &[u32]) {
         let image_width = cloud.width();
         let first_row = cluster
             .first()
@@ -54,7 +54,7 @@ impl Patch {
             let column = pixel - row_start as u32;
             columns = [columns[0].min(column), columns[1].max(column)];
             PatchPixel {
-                place: 0,
+                index: 0,
                 row: row as u32,
                 column,
                 z: 0.0,
@@ -62,18 +62,18 @@ impl Patch {
         }));
         let shift = MARGIN_PX as u32;
         self.width = (columns[1] + 1).saturating_sub(columns[0]) as usize + 2 * MARGIN_PX;
-        let n_places = (row + 1 + MARGIN_PX) * self.width;
+        let n_cells = (row + 1 + MARGIN_PX) * self.width;
         self.points
-            .resize(n_places.max(self.points.len()), Point::default());
+            .resize(n_cells.max(self.points.len()), Point::default());
         self.part_of.clear();
-        self.part_of.resize(n_places, OUTSIDE);
+        self.part_of.resize(n_cells, NO_CLUSTER);
         for (own, &pixel) in self.pixels.iter_mut().zip(cluster) {
             let point = &cloud.points()[pixel as usize];
             own.column = own.column - columns[0] + shift;
-            own.place = own.row * self.width as u32 + own.column;
+            own.index = own.row * self.width as u32 + own.column;
             own.z = point.z;
-            self.points[own.place as usize] = *point;
-            self.part_of[own.place as usize] = FREE;
+            self.points[own.index as usize] = *point;
+            self.part_of[own.index as usize] = UNASSIGNED;
         }
     }
 }

@@ -15,7 +15,7 @@ const N_COUNTED_AIMED: usize = 2400;
 const WINDOW: usize = 32;
 
 /// Neighbours nearer than this, in samples, give a plane of noise.
-const WINDOW_HOLE: isize = 5;
+const WINDOW_MIN: isize = 5;
 
 /// Most hypotheses for one plane.
 const N_HYPOTHESES_MAX: usize = 240;
@@ -65,12 +65,12 @@ pub(crate) fn largest_plane(
     buffers.free.clear();
     buffers
         .free
-        .extend((0..samples.len() as u32).filter(|&i| samples.is_free(i as usize)));
+        .extend((0..samples.len() as u32).filter(|&i| samples.is_unassigned(i as usize)));
     if buffers.free.len() < n_min.max(3) {
         return None;
     }
     let step = (buffers.free.len() / N_COUNTED_AIMED).max(1);
-    samples.thin_into(step, &mut buffers.counted);
+    samples.subsample_into(step, &mut buffers.counted);
     let counted = &buffers.counted;
 
     let mut best: Option<(Plane, u32)> = None;
@@ -83,7 +83,7 @@ pub(crate) fn largest_plane(
         };
         let n_inliers = counted.count_inliers(&AffineForm::from(&plane));
         if best.as_ref().is_none_or(|&(_, n_best)| n_inliers > n_best) {
-            let better = optimised(counted, plane, n_inliers, &allowed);
+            let better = locally_optimised(counted, plane, n_inliers, &allowed);
             n_rounds = rounds_needed(better.1, counted.len());
             best = Some(better);
         }
@@ -108,18 +108,18 @@ fn hypothesis(samples: &Samples, free: &[u32], random: &mut Random) -> Option<Pl
 fn neighbour(samples: &Samples, anchor: usize, random: &mut Random) -> Option<usize> {
     let mut around_zero = || random.below(2 * WINDOW + 1) as isize - WINDOW as isize;
     let (columns, rows) = (around_zero(), around_zero());
-    if columns.abs().max(rows.abs()) < WINDOW_HOLE {
+    if columns.abs().max(rows.abs()) < WINDOW_MIN {
         return None;
     }
     let column = (anchor % samples.width()).checked_add_signed(columns)?;
     let row = (anchor / samples.width()).checked_add_signed(rows)?;
     let inside = column < samples.width() && row < samples.height();
     let index = row * samples.width() + column;
-    (inside && samples.is_free(index)).then_some(index)
+    (inside && samples.is_unassigned(index)).then_some(index)
 }
 
 /// A hypothesis after least squares over its own inliers, when that has more.
-fn optimised(
+fn locally_optimised(
     counted: &Samples,
     mut plane: Plane,
     mut n_inliers: u32,

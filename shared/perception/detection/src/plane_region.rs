@@ -118,8 +118,8 @@ pub(crate) fn find_region(
             .filter(|&i| samples.is_inlier(i, &height))
             .map(|i| Inlier {
                 sample: i as u32,
-                u: samples.along(&u, i),
-                v: samples.along(&v, i),
+                u: samples.coordinate(&u, i),
+                v: samples.coordinate(&v, i),
             }),
     );
     if buffers.inliers.is_empty() {
@@ -253,7 +253,7 @@ pub(crate) fn region_polygon(
 ) {
     let corner = |inlier: &Inlier| Point2::new(f64::from(inlier.u), f64::from(inlier.v));
     let row_of = |inlier: &Inlier| inlier.sample as usize / samples.width();
-    let seen = samples.seen();
+    let bounds = samples.bounds();
     let is_margin = |at: usize, n: usize| {
         let margin = MARGIN_SHARE_MAX * n as f64;
         (at.min(n - 1 - at) as f64) <= margin
@@ -266,7 +266,7 @@ pub(crate) fn region_polygon(
             let (column, row) = (inlier.sample as usize % samples.width(), row_of(inlier));
             let is_at_margin =
                 is_margin(column, samples.width()) || is_margin(row, samples.height());
-            if is_at_margin && seen.is_border(column, row) {
+            if is_at_margin && bounds.is_border(column, row) {
                 buffers.view_ends.push(corner(inlier));
             }
         }

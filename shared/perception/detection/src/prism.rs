@@ -3,7 +3,7 @@
 use crate::RawConfig;
 use crate::affine_form::AffineForm;
 use crate::parallelism::{Crew, for_each};
-use crate::samples::{is_in_range, side_max_m};
+use crate::samples::{is_in_range, sideways_max_m};
 use crate::support_plane_holes::SupportPlaneHoles;
 use crate::table::Table;
 use crate::table_surface::TableSurface;
@@ -102,7 +102,7 @@ impl<'a> Prism<'a> {
         for i in 0..BLOCK {
             (x[i], y[i], z[i]) = (block[i].x, block[i].y, block[i].z);
         }
-        let side_max = side_max_m(self.z_range[1]);
+        let side_max = sideways_max_m(self.z_range[1]);
         let mut mask = [false; BLOCK];
         for i in 0..BLOCK {
             let height = self.height.at(x[i], y[i], z[i]);
@@ -151,7 +151,7 @@ impl<'a> Prism<'a> {
             |(band, first)| {
                 band.clear();
                 for row in first..cloud.height().min(first + n_rows) {
-                    self.list_row_of(cloud, row, band);
+                    self.list_row(cloud, row, band);
                 }
             },
         );
@@ -162,7 +162,7 @@ impl<'a> Prism<'a> {
     }
 
     /// Lists the pixels of a row.
-    fn list_row_of(&self, cloud: &OrganizedCloud<'_>, row: usize, pixels: &mut Vec<u32>) {
+    fn list_row(&self, cloud: &OrganizedCloud<'_>, row: usize, pixels: &mut Vec<u32>) {
         let points = cloud.row(row);
         let start = (row * cloud.width()) as u32;
         if self.holes.intersects_row(row) {
@@ -172,13 +172,13 @@ impl<'a> Prism<'a> {
             });
             pixels.extend(inside.map(|(column, _)| start + column));
         } else {
-            self.list_row(start, points, pixels);
+            self.list_row_without_holes(start, points, pixels);
         }
     }
 
     /// Lists the pixels of a row without holes: first what is high, then what
     /// of that lies over the table.
-    fn list_row(&self, start: u32, points: &[Point], pixels: &mut Vec<u32>) {
+    fn list_row_without_holes(&self, start: u32, points: &[Point], pixels: &mut Vec<u32>) {
         let n_before = pixels.len();
         pixels.resize(n_before + points.len(), 0);
         let row = &mut pixels[n_before..];

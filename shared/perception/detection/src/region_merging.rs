@@ -24,7 +24,7 @@ mod weights {
     pub(super) const UNKNOWN: f32 = -1.9;
     /// For the share of the boundary that is concave.
     pub(super) const CONCAVE: f32 = -1.25;
-    /// For each unit of colour difference of the regions (CIE 1976).
+    /// For each unit of colour delta_e of the regions (CIE 1976).
     pub(super) const COLOR: f32 = -0.038;
     /// For the logarithm of the smaller and of the larger area, in thousands of
     /// pixels at 1 m: large regions are seldom one object's.
@@ -118,9 +118,9 @@ impl RegionAdjacency {
         self.boundaries
             .extend(boundaries.map(|pairs| RegionBoundary::of(pairs, points, bend)));
         while let Some(at) = self.most_certain() {
-            let [keeps, goes] = self.boundaries.swap_remove(at).regions;
-            join(keeps, goes);
-            self.merge(keeps, goes);
+            let [target, source] = self.boundaries.swap_remove(at).regions;
+            join(target, source);
+            self.merge(target, source);
         }
     }
 
@@ -140,31 +140,31 @@ impl RegionAdjacency {
             .regions
             .map(|region| &self.regions[region as usize]);
         let share = |n: u32| n as f32 / boundary.n_pairs as f32;
-        let difference = a.color.mean().difference(&b.color.mean());
+        let delta_e = a.color.mean().delta_e(&b.color.mean());
         let areas = [a, b].map(|region| region.n_pixels_at_1m.max(1.0));
         let (smaller, larger) = (areas[0].min(areas[1]), areas[0].max(areas[1]));
         weights::CONSTANT
             + weights::UNKNOWN * share(boundary.n_unknown)
             + weights::CONCAVE * share(boundary.n_concave)
-            + weights::COLOR * difference.min(COLOR_DIFFERENCE_MAX)
+            + weights::COLOR * delta_e.min(COLOR_DIFFERENCE_MAX)
             + weights::SMALLER_AREA * (smaller / 1000.0).ln()
             + weights::LARGER_AREA * (larger / 1000.0).ln()
             + weights::LENGTH * (boundary.n_pairs as f32 / smaller.sqrt()).ln()
     }
 
     /// Makes one region of two, and one boundary of their boundaries to a third.
-    fn merge(&mut self, keeps: u32, goes: u32) {
-        let gone = self.regions[goes as usize];
-        let kept = &mut self.regions[keeps as usize];
-        kept.color.join(&gone.color);
+    fn merge(&mut self, target: u32, source: u32) {
+        let gone = self.regions[source as usize];
+        let kept = &mut self.regions[target as usize];
+        kept.color.merge(&gone.color);
         kept.n_pixels_at_1m += gone.n_pixels_at_1m;
         for boundary in &mut self.boundaries {
             for region in boundary
                 .regions
                 .iter_mut()
-                .filter(|region| **region == goes)
+                .filter(|region| **region == source)
             {
-                *region = keeps;
+                *region = target;
             }
             boundary.regions.sort_unstable();
         }

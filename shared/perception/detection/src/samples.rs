@@ -7,14 +7,14 @@ use point_cloud::{Moments, OrganizedCloud, Point};
 use sensor_noise::depth_sigma_m;
 
 /// About how many samples an image is thinned to.
-const N_SAMPLES_AIMED: usize = 20_000;
+const N_SAMPLES_TARGET: usize = 20_000;
 
 /// How far sideways of the optical axis a point may lie, in units of its
 /// depth. A wider view than 150 degrees is a damaged point.
-const SIDEWAYS_MAX: f32 = 3.8;
+const TANGENT_MAX: f32 = 3.8;
 
 /// Farther depths are damage, metres.
-const FARTHEST_M: f32 = 20.0;
+const DEPTH_LIMIT_M: f32 = 20.0;
 
 /// Band of a sample that belongs to nothing: no distance is this small.
 const NO_BAND: f32 = -1.0;
@@ -40,7 +40,7 @@ pub(crate) struct SampleBounds {
 }
 
 impl SampleBounds {
-    /// Whether a sample lies at the border of what is seen, or beside it.
+    /// Whether a sample lies at the border of what is bounds, or beside it.
     pub(crate) fn is_border(&self, column: usize, row: usize) -> bool {
         let near = |[first, last]: [usize; 2], at: usize| at <= first + 1 || at + 1 >= last;
         near(self.columns, column) || near(self.rows, row)
@@ -49,8 +49,8 @@ impl SampleBounds {
 
 /// How far to the side of the optical axis a point may lie, metres.
 #[inline]
-pub(crate) fn side_max_m(z_max: f32) -> f32 {
-    SIDEWAYS_MAX * z_max
+pub(crate) fn sideways_max_m(z_max: f32) -> f32 {
+    TANGENT_MAX * z_max
 }
 
 /// Whether a point can be used: in the range of depth and not absurdly far to
@@ -61,7 +61,7 @@ pub(crate) fn side_max_m(z_max: f32) -> f32 {
     reason = "branches that can not be foreseen cost more than comparisons"
 )]
 pub(crate) fn is_in_range(point: &Point, z_min: f32, z_max: f32) -> bool {
-    let side_max = side_max_m(z_max);
+    let side_max = sideways_max_m(z_max);
     (point.z >= z_min)
         & (point.z <= z_max)
         & (point.x.abs() <= side_max)
@@ -95,7 +95,7 @@ impl Samples {
         let range_max_m = config.range_max_m as f32;
         let usable = is_in_range(point, config.range_min_m as f32, range_max_m);
         // What is farther still shows what its ray passes through.
-        let [x, y, z] = if usable || is_in_range(point, range_max_m, FARTHEST_M) {
+        let [x, y, z] = if usable || is_in_range(point, range_max_m, DEPTH_LIMIT_M) {
             [point.x, point.y, point.z]
         } else {
             [0.0; 3]
@@ -137,22 +137,22 @@ impl Samples {
     }
 
     /// The part of the thinned image in which there are samples in range.
-    pub(crate) fn seen(&self) -> SampleBounds {
-        let mut seen = SampleBounds {
+    pub(crate) fn bounds(&self) -> SampleBounds {
+        let mut bounds = SampleBounds {
             columns: [usize::MAX, 0],
             rows: [usize::MAX, 0],
         };
-        for sample in (0..self.len()).filter(|&sample| self.is_free(sample)) {
+        for sample in (0..self.len()).filter(|&sample| self.is_unassigned(sample)) {
             let (column, row) = (sample % self.width, sample / self.width);
-            seen.columns = [seen.columns[0].min(column), seen.columns[1].max(column)];
-            seen.rows = [seen.rows[0].min(row), seen.rows[1].max(row)];
+            bounds.columns = [bounds.columns[0].min(column), bounds.columns[1].max(column)];
+            bounds.rows = [bounds.rows[0].min(row), bounds.rows[1].max(row)];
         }
-        seen
+        bounds
     }
 
     /// Whether a sample still belongs to no plane and is in range.
     #[inline]
-    pub(crate) fn is_free(&self, sample: usize) -> bool {
+    pub(crate) fn is_unassigned(&self, sample: usize) -> bool {
         self.band[sample] >= 0.0
     }
 
@@ -191,24 +191,24 @@ impl Samples {
     }
 
     /// Copies every `step`-th free sample, without the grid.
-    pub(crate) fn thin_into(&self, step: usize, out: &mut Self) {
+    pub(crate) fn subsample_into(&self, step: usize, out: &mut Self) {
         out.clear();
-        let mut free_seen = 0;
+        let mut n_seen = 0;
         for sample in 0..self.len() {
-            if self.is_free(sample) {
-                if free_seen % step == 0 {
+            if self.is_unassigned(sample) {
+                if n_seen % step == 0 {
                     out.x.push(self.x[sample]);
                     out.y.push(self.y[sample]);
                     out.z.push(self.z[sample]);
                     out.band.push(self.band[sample]);
                 }
-                free_seen += 1;
+                n_seen += 1;
             }
         }
     }
 
     /// Takes the inliers of a plane out of further searches.
-    pub(crate) fn take_inliers(&mut self, plane: &AffineForm) {
+    pub(crate) fn assign_inliers(&mut self, plane: &AffineForm) {
         for sample in 0..self.len() {
             if self.is_inlier(sample, plane) {
                 self.band[sample] = NO_BAND;
@@ -217,7 +217,7 @@ impl Samples {
     }
 
     /// Makes all samples in range free again.
-    pub(crate) fn free_all(&mut self, config: &RawConfig) {
+    pub(crate) fn reset_assignment(&mut self, config: &RawConfig) {
         for (band, &z) in self.band.iter_mut().zip(&self.z) {
             *band = if z > 0.0 && z <= config.range_max_m as f32 {
                 plane_band_m(z, config)
@@ -227,9 +227,9 @@ impl Samples {
         }
     }
 
-    /// Coordinates of a sample along an axis, metres.
+    /// Coordinates of a sample coordinate an axis, metres.
     #[inline]
-    pub(crate) fn along(&self, axis: &AffineForm, sample: usize) -> f32 {
+    pub(crate) fn coordinate(&self, axis: &AffineForm, sample: usize) -> f32 {
         axis.at(self.x[sample], self.y[sample], self.z[sample])
     }
 }
@@ -242,7 +242,7 @@ pub(crate) fn plane_band_m(z: f32, config: &RawConfig) -> f32 {
 
 /// No more than the shorter side, so that at least one sample is left.
 fn stride_for(cloud: &OrganizedCloud<'_>) -> usize {
-    let thinning = (cloud.points().len() as f64 / N_SAMPLES_AIMED as f64).sqrt();
+    let thinning = (cloud.points().len() as f64 / N_SAMPLES_TARGET as f64).sqrt();
     (thinning.round() as usize).clamp(1, cloud.width().min(cloud.height()))
 }
 
@@ -294,7 +294,9 @@ mod tests {
             &OrganizedCloud::new(&points, 3, 2).unwrap(),
             &RawConfig::default(),
         );
-        let free: Vec<usize> = (0..samples.len()).filter(|&i| samples.is_free(i)).collect();
+        let free: Vec<usize> = (0..samples.len())
+            .filter(|&i| samples.is_unassigned(i))
+            .collect();
         assert_eq!(free, [4]);
     }
 }

@@ -29,7 +29,7 @@ pub(crate) fn may_be_several_objects(
         footprint.add(u.at(p.x, p.y, p.z), v.at(p.x, p.y, p.z));
         highest_m = highest_m.max(height.at(p.x, p.y, p.z));
     }
-    footprint.smallest_rectangle().is_some_and(|rectangle| {
+    footprint.min_area_rectangle().is_some_and(|rectangle| {
         let half_sides_m = rectangle.half_sides_m;
         f64::from(highest_m).max(2.0 * half_sides_m.x) > LONGEST_SIDE_M
             || 4.0 * half_sides_m.product() > FOOTPRINT_M2

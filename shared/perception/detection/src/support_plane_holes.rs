@@ -78,9 +78,9 @@ impl SupportPlaneHoles {
         lowest_m: impl Fn(f32) -> f32,
     ) {
         let height_class = |sample: usize| {
-            let above = samples.along(height, sample);
+            let above = samples.coordinate(height, sample);
             let lowest_m = lowest_m(samples.depth(sample));
-            if !samples.is_free(sample) || above < -lowest_m {
+            if !samples.is_unassigned(sample) || above < -lowest_m {
                 HeightClass::BelowOrUnknown
             } else if above > lowest_m {
                 HeightClass::Above
@@ -126,7 +126,7 @@ impl SupportPlaneHoles {
         while let Some(sample) = self.stack.pop() {
             let sample = sample as usize;
             region.n += 1;
-            region.height_sum_m += samples.along(height, sample);
+            region.height_sum_m += samples.coordinate(height, sample);
             let column = sample % width;
             let left = (column > 0).then(|| sample - 1);
             let right = (column + 1 < width).then_some(sample + 1);

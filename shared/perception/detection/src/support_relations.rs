@@ -11,21 +11,21 @@ use point_cloud::OrganizedCloud;
 const TOUCH_M: f64 = 0.03;
 
 /// What is nearer by more hides what is behind it, metres.
-const HIDE_M: f32 = 0.02;
+const OCCLUSION_STEP_M: f32 = 0.02;
 
 /// How far below its lower border a cluster's neighbour is looked for, pixels.
-const LOOK_PX: [f64; 3] = [2.0, 4.0, 8.0];
+const PROBE_PX: [f64; 3] = [2.0, 4.0, 8.0];
 
 /// Share of the lower border that must be hidden by something.
-const HIDDEN_SHARE_MIN: f64 = 0.3;
+const OCCLUDED_SHARE_MIN: f64 = 0.3;
 
 /// With this share of the lower border without any depth below, nobody knows
 /// what carries a cluster.
-const UNSEEN_SHARE_MIN: f64 = 0.5;
+const NO_DEPTH_SHARE_MIN: f64 = 0.5;
 
 /// Least cosine between the line of sight and straight down at which an object
 /// hides its own foot: about 25 degrees.
-const STEEP_MIN: f64 = 0.905;
+const STEEP_VIEW_COS_MIN: f64 = 0.905;
 
 /// Finds what carries each cluster that does not stand on the table itself: a
 /// carried cluster that its box touches, or, unseen, whatever hides its lower
@@ -41,15 +41,15 @@ pub(crate) fn find_support_relations(
         |hypothesis: &&mut ClusterHypothesis| hypothesis.support.is_none() && !hypothesis.is_masked;
     for hypothesis in hypotheses.iter_mut().filter(unsupported) {
         if is_seen_from_above(&hypothesis.statistics.centroid, up_in_camera) {
-            hypothesis.support = Some(Support::Hidden);
+            hypothesis.support = Some(Support::Occluded);
             continue;
         }
         let step = image_direction_down(&hypothesis.statistics.centroid, up_in_camera);
         let base = BaseVisibility::of(cloud, clusters, hypothesis.cluster, step);
-        if base.hidden_share >= HIDDEN_SHARE_MIN {
-            hypothesis.support = Some(Support::Hidden);
+        if base.occluded_share >= OCCLUDED_SHARE_MIN {
+            hypothesis.support = Some(Support::Occluded);
         }
-        hypothesis.is_base_without_depth = base.unseen_share >= UNSEEN_SHARE_MIN;
+        hypothesis.is_base_without_depth = base.no_depth_share >= NO_DEPTH_SHARE_MIN;
     }
     // Each pass carries support one object higher; a pass without news ends it.
     while propagate_support(hypotheses) {}
@@ -78,7 +78,7 @@ pub(crate) fn propagate_support(hypotheses: &mut [ClusterHypothesis]) -> bool {
 /// Whether a place is seen so steeply from above that an object there shows
 /// nothing but its top.
 fn is_seen_from_above(at: &Point3<f64>, up: &Vector3<f64>) -> bool {
-    -at.coords.dot(up) >= STEEP_MIN * at.coords.norm()
+    -at.coords.dot(up) >= STEEP_VIEW_COS_MIN * at.coords.norm()
 }
 
 /// The image direction towards the table at a point, columns and rows, length 1.
@@ -96,16 +96,16 @@ fn image_direction_down(at: &Point3<f64>, up: &Vector3<f64>) -> [f64; 2] {
 #[derive(Debug, Clone, Copy)]
 struct BaseVisibility {
     /// Share of it before which something nearer is seen.
-    hidden_share: f64,
+    occluded_share: f64,
     /// Share of it below which there is no depth.
-    unseen_share: f64,
+    no_depth_share: f64,
 }
 
 impl BaseVisibility {
     fn of(cloud: &OrganizedCloud<'_>, clusters: &Clusters, cluster: u32, step: [f64; 2]) -> Self {
         let (points, width) = (cloud.points(), cloud.width());
-        let steps = LOOK_PX.map(|px| step.map(|part| (part * px).round() as isize));
-        let (mut n_border, mut n_hidden, mut n_unseen) = (0_u32, 0_u32, 0_u32);
+        let steps = PROBE_PX.map(|px| step.map(|part| (part * px).round() as isize));
+        let (mut n_border, mut n_occluded, mut n_no_depth) = (0_u32, 0_u32, 0_u32);
         for &pixel in clusters.pixels(cluster as usize) {
             let pixel = pixel as usize;
             let below = steps.map(|[columns, rows]| {
@@ -122,13 +122,15 @@ impl BaseVisibility {
                 .iter()
                 .flatten()
                 .find(|&&other| points[other].is_finite());
-            n_hidden += u32::from(nearest.is_some_and(|&i| points[i].z < points[pixel].z - HIDE_M));
-            n_unseen += u32::from(nearest.is_none());
+            n_occluded += u32::from(
+                nearest.is_some_and(|&i| points[i].z < points[pixel].z - OCCLUSION_STEP_M),
+            );
+            n_no_depth += u32::from(nearest.is_none());
         }
         let share = |n: u32| f64::from(n) / f64::from(n_border.max(1));
         Self {
-            hidden_share: share(n_hidden),
-            unseen_share: share(n_unseen),
+            occluded_share: share(n_occluded),
+            no_depth_share: share(n_no_depth),
         }
     }
 }

@@ -21,7 +21,7 @@ const SHARE_MIN: f64 = 0.02;
 
 /// A table with this share of the samples in range ends the search, unless
 /// enough is over it to be a table over a floor.
-const SHARE_CLEAR: f64 = 0.5;
+const DOMINANT_SHARE: f64 = 0.5;
 
 /// The upper of two parallel planes is a table, and no object's top, when it
 /// has this share of the lower one's samples.
@@ -95,8 +95,10 @@ pub(crate) fn select_table(
         cos_min: config.table_tilt_max_rad.cos(),
     });
     let n_min = ((samples.len() as f64 * SHARE_MIN) as usize).max(8);
-    let n_clear =
-        ((0..samples.len()).filter(|&i| samples.is_free(i)).count() as f64 * SHARE_CLEAR) as usize;
+    let n_dominant = ((0..samples.len())
+        .filter(|&i| samples.is_unassigned(i))
+        .count() as f64
+        * DOMINANT_SHARE) as usize;
     buffers.found.clear();
     let mut is_all = true;
     for _ in 0..N_PLANES_MAX {
@@ -107,17 +109,17 @@ pub(crate) fn select_table(
         };
         let found =
             through_largest_region(samples, plane, up_in_camera, n_min, &mut buffers.region);
-        samples.take_inliers(&AffineForm::from(&plane));
+        samples.assign_inliers(&AffineForm::from(&plane));
         buffers.found.push(found);
         if found.likelihood == TableLikelihood::Likely
-            && found.n_samples >= n_clear
+            && found.n_samples >= n_dominant
             && !may_be_floor(samples, &found)
         {
             is_all = false;
             break;
         }
     }
-    samples.free_all(config);
+    samples.reset_assignment(config);
     let (chosen, mut choice) = choose_table(&buffers.found, n_min)?;
     if choice == TableChoice::Only && !is_all {
         choice = TableChoice::Most;
@@ -148,7 +150,8 @@ pub(crate) fn select_table(
 fn may_be_floor(samples: &Samples, found: &PlaneCandidate) -> bool {
     let height = AffineForm::from(&found.plane);
     let is_over = |&sample: &usize| {
-        samples.is_free(sample) && f64::from(samples.along(&height, sample)) >= FLOOR_GAP_M
+        samples.is_unassigned(sample)
+            && f64::from(samples.coordinate(&height, sample)) >= FLOOR_GAP_M
     };
     let n_over = (0..samples.len()).filter(is_over).count();
     n_over as f64 >= TABLE_SHARE_OF_FLOOR * found.n_samples as f64

@@ -64,7 +64,7 @@ impl TableSurface {
     /// Cells of a table: those of its polygon but where something farther away
     /// is seen through the plane, as in the corner of an L-shaped table.
     pub(crate) fn refill(&mut self, table: &Table, samples: &Samples) {
-        self.lay_grid(&table.polygon);
+        self.fit_grid(&table.polygon);
         self.fill_polygon(&table.polygon);
         self.count_rays(table, samples);
         self.find_gaps();
@@ -80,7 +80,7 @@ impl TableSurface {
 
     /// Cells of a table of which only the polygon is known.
     pub(crate) fn refill_from_polygon(&mut self, polygon: &ConvexPolygon) {
-        self.lay_grid(polygon);
+        self.fit_grid(polygon);
         self.fill_polygon(polygon);
         self.is_gap.clear();
         self.is_near.clear();
@@ -137,7 +137,7 @@ impl TableSurface {
     }
 
     /// Lays the cells over the polygon with the overhang around it.
-    fn lay_grid(&mut self, polygon: &ConvexPolygon) {
+    fn fit_grid(&mut self, polygon: &ConvexPolygon) {
         let around = OVERHANG_M + 2.0 * CELL_M;
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         for corner in polygon.corners() {
@@ -166,7 +166,7 @@ impl TableSurface {
         self.is_table.resize(self.width * self.height, false);
         for row in 0..self.height {
             let v = self.corner(0, row).y + 0.5 / f64::from(self.cells_per_m);
-            let [from, to] = cut_at(polygon.corners(), v, POLYGON_MARGIN_M);
+            let [from, to] = scanline_interval(polygon.corners(), v, POLYGON_MARGIN_M);
             for column in 0..self.width {
                 let u = self.corner(column, row).x + 0.5 / f64::from(self.cells_per_m);
                 self.is_table[row * self.width + column] = (from..=to).contains(&u);
@@ -186,9 +186,12 @@ impl TableSurface {
         let [u, v, height] = AffineForm::coordinates_of(&table.table_from_camera);
         let camera_height = height.at(0.0, 0.0, 0.0);
         for sample in (0..samples.len()).filter(|&sample| samples.depth(sample) > 0.0) {
-            let above = samples.along(&height, sample);
+            let above = samples.coordinate(&height, sample);
             if above >= -BELOW_M {
-                let cell = self.cell_of(samples.along(&u, sample), samples.along(&v, sample));
+                let cell = self.cell_of(
+                    samples.coordinate(&u, sample),
+                    samples.coordinate(&v, sample),
+                );
                 if let Some(cell) = cell {
                     self.n_level[cell] += i32::from(above.abs() <= LEVEL_M);
                     self.n_level[cell] -= i32::from(above > LEVEL_M);
@@ -200,7 +203,7 @@ impl TableSurface {
                 let share = camera_height / (camera_height - above);
                 let at = |axis: &AffineForm| {
                     let from = axis.at(0.0, 0.0, 0.0);
-                    from + share * (samples.along(axis, sample) - from)
+                    from + share * (samples.coordinate(axis, sample) - from)
                 };
                 if let Some(cell) = self.cell_of(at(&u), at(&v)) {
                     self.n_through[cell] = self.n_through[cell].saturating_add(1);
@@ -296,15 +299,15 @@ fn dilate(
     }
     for row in 0..height {
         let line = row * width..(row + 1) * width;
-        spread(&marked[line.clone()], 1, reach, &mut scratch[line]);
+        dilate_line(&marked[line.clone()], 1, reach, &mut scratch[line]);
     }
     for column in 0..width.min(marked.len()) {
-        spread(&scratch[column..], width, reach, &mut dilated[column..]);
+        dilate_line(&scratch[column..], width, reach, &mut dilated[column..]);
     }
 }
 
 /// One line of a dilation, its cells `stride` apart.
-fn spread(marked: &[bool], stride: usize, reach: usize, spread: &mut [bool]) {
+fn dilate_line(marked: &[bool], stride: usize, reach: usize, dilate_line: &mut [bool]) {
     let n = marked.len().div_ceil(stride);
     let mut until = 0;
     for i in 0..n + reach {
@@ -312,15 +315,15 @@ fn spread(marked: &[bool], stride: usize, reach: usize, spread: &mut [bool]) {
             until = i + 2 * reach + 1;
         }
         if i < until && i >= reach {
-            spread[(i - reach) * stride] = true;
+            dilate_line[(i - reach) * stride] = true;
         }
     }
 }
 
 /// Where the line at `v` enters and leaves a convex polygon grown by a margin;
 /// an empty interval outside.
-fn cut_at(corners: &[Point2<f64>], v: f64, margin_m: f64) -> [f64; 2] {
-    const UNLABELLED: [f64; 2] = [1.0, 0.0];
+fn scanline_interval(corners: &[Point2<f64>], v: f64, margin_m: f64) -> [f64; 2] {
+    const EMPTY: [f64; 2] = [1.0, 0.0];
     let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
     for (a, b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
         let along = b - a;
@@ -332,10 +335,10 @@ fn cut_at(corners: &[Point2<f64>], v: f64, margin_m: f64) -> [f64; 2] {
         } else if along.y < -1e-9 * length {
             low = low.max(a.x + left / along.y);
         } else if left < 0.0 {
-            return UNLABELLED;
+            return EMPTY;
         }
     }
-    if low <= high { [low, high] } else { UNLABELLED }
+    if low <= high { [low, high] } else { EMPTY }
 }
 
 #[cfg(test)]

@@ -33,7 +33,7 @@ impl UprightBox {
             [u, v].map(|axis| axis.at(point.x, point.y, point.z))
         });
         Some(Self {
-            footprint: footprint.smallest_rectangle()?,
+            footprint: footprint.min_area_rectangle()?,
             height_m,
         })
     }

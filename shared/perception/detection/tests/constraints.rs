@@ -90,7 +90,7 @@ fn what_stands_free_on_the_table_is_an_object() {
         r == Reason::StandsOnTable
     });
     check(findings, Constraint::Track, Truth::True, |r| {
-        r == Reason::NoTrackThere { overlap: 0.0 }
+        r == Reason::NoOverlappingTrack { overlap: 0.0 }
     });
     check(findings, Constraint::Size, Truth::True, |r| {
         matches!(r, Reason::Graspable { .. })
@@ -105,7 +105,7 @@ fn what_stands_free_on_the_table_is_an_object() {
         r == Reason::NoPersonKnown
     });
     check(findings, Constraint::KeyView, Truth::Unknown, |r| {
-        r == Reason::KeyViewNotDecided
+        r == Reason::KeyViewUndecided
     });
     check(findings, Constraint::ImageBorder, Truth::False, |r| {
         r == Reason::WithinView
@@ -221,7 +221,7 @@ fn what_a_track_explains_begins_no_other() {
         &beside.findings,
         Constraint::Track,
         Truth::True,
-        |r| matches!(r, Reason::NoTrackThere { overlap } if overlap == 0.0),
+        |r| matches!(r, Reason::NoOverlappingTrack { overlap } if overlap == 0.0),
     );
     assert_eq!(beside.verdict, Truth::True);
     let broken = judged(&[OrientedBox {
@@ -242,7 +242,7 @@ fn size_tells_which_side_is_too_long() {
         &long.findings,
         Constraint::Size,
         Truth::False,
-        |r| matches!(r, Reason::TooLong { side_m, most_m } if (side_m - 0.45).abs() < 0.02 && most_m == 0.35),
+        |r| matches!(r, Reason::TooLong { side_m, max_m } if (side_m - 0.45).abs() < 0.02 && max_m == 0.35),
     );
     // The rule does not ask for C_size.
     assert_eq!(long.verdict, Truth::True);
@@ -277,7 +277,7 @@ fn size_tells_which_side_is_too_long() {
         &no_object.findings,
         Constraint::Size,
         Truth::False,
-        |r| matches!(r, Reason::TooLong { most_m, .. } if most_m == 0.4),
+        |r| matches!(r, Reason::TooLong { max_m, .. } if max_m == 0.4),
     );
 }
 
@@ -286,7 +286,7 @@ fn the_border_of_the_image_makes_the_size_unknown() {
     let detection = found_plainly(&[box_at(-0.47, 0.0, [0.12, 0.1, 0.2])]);
     let cut = near(&detection, [-0.47, 0.0, 0.1]);
     check(&cut.findings, Constraint::Size, Truth::Unknown, |r| {
-        matches!(r, Reason::SizeCut { .. })
+        matches!(r, Reason::SizeTruncated { .. })
     });
     check(&cut.findings, Constraint::ImageBorder, Truth::True, |r| {
         r == Reason::AtImageBorder
@@ -341,14 +341,14 @@ fn a_link_of_the_robot_is_not_an_object() {
         |r| matches!(r, Reason::Robot { share, margin_m } if share == 1.0 && margin_m == 0.03),
     );
     check(&arm.findings, Constraint::Instructor, Truth::False, |r| {
-        r == Reason::NoPerson
+        r == Reason::NotPerson
     });
     assert_eq!(arm.verdict, Truth::False);
     assert_eq!(arm.decisive.iter().collect::<Vec<_>>(), [Constraint::Robot]);
     assert!(!arm.can_continue_track() && !arm.is_hypothesis());
     let other = near(&as_robot, [0.2, 0.0, 0.05]);
     check(&other.findings, Constraint::Robot, Truth::False, |r| {
-        r == Reason::NoRobot
+        r == Reason::NotRobot
     });
     assert_eq!(other.verdict, Truth::True);
     let as_person = judged(Surroundings {
@@ -441,7 +441,7 @@ fn a_hand_at_an_object_does_not_melt_with_it() {
         &kept[0].findings,
         Constraint::Instructor,
         Truth::Unknown,
-        |r| matches!(r, Reason::AtPerson { share, .. } if share > 0.05),
+        |r| matches!(r, Reason::TouchedByPerson { share, .. } if share > 0.05),
     );
     assert_eq!(kept[0].verdict, Truth::Unknown);
     assert!(kept[0].can_continue_track() && kept[0].is_touched());
@@ -483,7 +483,7 @@ fn what_has_no_depth_below_it_stands_on_nobody_knows_what() {
         &in_the_air.findings,
         Constraint::Table,
         Truth::False,
-        |r| matches!(r, Reason::InTheAir { gap_m } if (gap_m - 0.2).abs() < 0.01),
+        |r| matches!(r, Reason::Unsupported { gap_m } if (gap_m - 0.2).abs() < 0.01),
     );
     for row in 240..255 {
         for point in &mut points[row * 640 + 240..row * 640 + 410] {
@@ -492,7 +492,7 @@ fn what_has_no_depth_below_it_stands_on_nobody_knows_what() {
     }
     let unseen = plate(&points);
     check(&unseen.findings, Constraint::Table, Truth::Unknown, |r| {
-        r == Reason::LowerEndUnseen
+        r == Reason::BaseWithoutDepth
     });
     assert_eq!(unseen.verdict, Truth::Unknown);
     assert!(unseen.decisive.contains(Constraint::Table));

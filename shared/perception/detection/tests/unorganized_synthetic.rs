@@ -254,7 +254,7 @@ fn what_hangs_over_a_seen_table_is_carried_by_nothing() {
     // Where the table under it was never seen it may stand on something.
     points.retain(|p| !(p.z < 0.02 && (-0.39..-0.21).contains(&p.x) && p.y.abs() < 0.06));
     let detection = found(&points, Some(Vector3::z()));
-    let hidden = |c: &&detection::Candidate| c.support == Some(Support::Hidden);
+    let hidden = |c: &&detection::Candidate| c.support == Some(Support::Occluded);
     assert_eq!(n_carried(&detection), 2);
     assert_eq!(detection.candidates.iter().filter(hidden).count(), 1);
 }

@@ -19,7 +19,7 @@ fn findings(truths: [Truth; Constraint::N]) -> Findings {
     findings
 }
 
-/// All assignments of the first six constraints, the others unknown.
+/// All assignments of the first six constraints; the others are unknown.
 fn assignments() -> impl Iterator<Item = Findings> {
     let truth = |number: usize| [Truth::False, Truth::Unknown, Truth::True][number % 3];
     (0..3_usize.pow(6)).map(move |number| {
@@ -79,7 +79,7 @@ fn what_decides_is_what_would_change_the_verdict() {
         let truth = rule.evaluate(&findings);
         let decisive = rule.decisive(&findings);
         assert!(!decisive.is_empty());
-        // Everything else may be anything.
+        // All other constraints may take any value.
         for other in [Truth::False, Truth::Unknown, Truth::True] {
             let mut changed = findings;
             if truth == Truth::False {
@@ -154,33 +154,33 @@ fn hostile_rules_are_refused_in_time() {
     assert_eq!(read(&as_deep_as_may_be), read("table"));
 }
 
-fn steps() -> impl Strategy<Value = Vec<Step>> {
-    let leaf = (0..Constraint::N).prop_map(|i| vec![Step::Is(Constraint::ALL[i])]);
+fn ops() -> impl Strategy<Value = Vec<PostfixOp>> {
+    let leaf = (0..Constraint::N).prop_map(|i| vec![PostfixOp::Is(Constraint::ALL[i])]);
     leaf.prop_recursive(6, 24, 2, |inner| {
-        let joined = |step: Step| {
-            move |(mut left, right): (Vec<Step>, Vec<Step>)| {
+        let joined = |step: PostfixOp| {
+            move |(mut left, right): (Vec<PostfixOp>, Vec<PostfixOp>)| {
                 left.extend(right);
                 left.push(step);
                 left
             }
         };
         prop_oneof![
-            inner.clone().prop_map(|mut steps| {
-                steps.push(Step::Not);
-                steps
+            inner.clone().prop_map(|mut ops| {
+                ops.push(PostfixOp::Not);
+                ops
             }),
-            (inner.clone(), inner.clone()).prop_map(joined(Step::And)),
-            (inner.clone(), inner).prop_map(joined(Step::Or)),
+            (inner.clone(), inner.clone()).prop_map(joined(PostfixOp::And)),
+            (inner.clone(), inner).prop_map(joined(PostfixOp::Or)),
         ]
     })
 }
 
 proptest! {
     #[test]
-    fn what_is_printed_reads_the_same_again(steps in steps()) {
-        let n_names = steps.iter().filter(|step| matches!(step, Step::Is(_))).count();
+    fn what_is_printed_reads_the_same_again(ops in ops()) {
+        let n_names = ops.iter().filter(|step| matches!(step, PostfixOp::Is(_))).count();
         prop_assume!(n_names <= N_NAMES_MAX);
-        let rule = Expression::from_steps(steps);
+        let rule = Expression::from_ops(ops);
         prop_assume!(rule.to_string().len() <= 1024);
         prop_assert_eq!(rule.to_string().parse::<Expression>(), Ok(rule));
     }

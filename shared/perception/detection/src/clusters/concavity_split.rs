@@ -1,9 +1,9 @@
 //! Clusters that are several objects, split_clusters along their creases.
 
-use super::{Clusters, LinkDistance, OUTSIDE, find_root, squared_distance, unite};
+use super::{Clusters, LinkDistance, NO_CLUSTER, find_root, squared_distance, union};
 use crate::creases::Creases;
 use crate::parallelism::{Crew, ScratchPool};
-use crate::patch::{FREE, Patch};
+use crate::patch::{Patch, UNASSIGNED};
 use crate::region_merging::RegionAdjacency;
 use point_cloud::OrganizedCloud;
 use std::cmp::Reverse;
@@ -12,7 +12,7 @@ use std::cmp::Reverse;
 const PART_PIXELS_MIN: u32 = 150;
 
 /// LinkDistance between creases: narrow, since what they cut off is given back later.
-const CLOSE_LINKS: LinkDistance = LinkDistance {
+const NARROW_LINKS: LinkDistance = LinkDistance {
     floor_m: 0.002,
     per_m2: 0.003,
     reach_px: 1,
@@ -42,7 +42,7 @@ pub(crate) struct ConcavitySplit {
     number_of: Vec<u32>,
     /// Places from which parts grow.
     front: Vec<u32>,
-    /// Per place: whether the front has begun with it.
+    /// Per index: whether the front has begun with it.
     is_queued: Vec<bool>,
     split_clusters: Vec<u32>,
     /// The pixels of the split_clusters clusters, part by part, and the parts' sizes.
@@ -131,7 +131,7 @@ impl ConcavitySplit {
 
     /// Finds the parts of a cluster. Returns whether there are several.
     fn find_parts(&mut self, cloud: &OrganizedCloud<'_>, cluster: &[u32]) -> bool {
-        self.patch.lay(cloud, cluster);
+        self.patch.copy_cluster(cloud, cluster);
         self.creases.find(&self.patch, cloud.width()) && self.split_patch(PART_PIXELS_MIN)
     }
 
@@ -161,34 +161,34 @@ impl ConcavitySplit {
         } = patch;
         parents.clear();
         for pixel in pixels {
-            let place = pixel.place as usize;
-            if creases.is_crease[place] {
+            let index = pixel.index as usize;
+            if creases.is_crease[index] {
                 continue;
             }
-            let squared_max = CLOSE_LINKS.squared_max(pixel.z);
-            let mut own = FREE;
+            let squared_max = NARROW_LINKS.squared_max(pixel.z);
+            let mut own = UNASSIGNED;
             for near in [
-                place - 1,
-                place - *width,
-                place - *width - 1,
-                place - *width + 1,
+                index - 1,
+                index - *width,
+                index - *width - 1,
+                index - *width + 1,
             ] {
                 let other = part_of[near];
-                if other < FREE
+                if other < UNASSIGNED
                     && other != own
-                    && squared_distance(&points[place], &points[near]) <= squared_max
+                    && squared_distance(&points[index], &points[near]) <= squared_max
                 {
                     own = match own {
-                        FREE => other,
-                        own => unite(parents, own, other),
+                        UNASSIGNED => other,
+                        own => union(parents, own, other),
                     };
                 }
             }
-            if own == FREE {
+            if own == UNASSIGNED {
                 own = parents.len() as u32;
                 parents.push(own);
             }
-            part_of[place] = own;
+            part_of[index] = own;
         }
     }
 
@@ -206,17 +206,21 @@ impl ConcavitySplit {
         }
         number_of.clear();
         number_of.resize(parents.len(), 0);
-        let labels = || patch.part_of.iter().filter(|&&label| label < FREE);
+        let labels = || patch.part_of.iter().filter(|&&label| label < UNASSIGNED);
         for &label in labels() {
             number_of[parents[label as usize] as usize] += 1;
         }
         let mut n_parts = 0;
         for n in number_of.iter_mut() {
             let is_large = *n >= n_min;
-            *n = if is_large { n_parts } else { FREE };
+            *n = if is_large { n_parts } else { UNASSIGNED };
             n_parts += u32::from(is_large);
         }
-        for label in patch.part_of.iter_mut().filter(|label| **label < FREE) {
+        for label in patch
+            .part_of
+            .iter_mut()
+            .filter(|label| **label < UNASSIGNED)
+        {
             *label = number_of[parents[*label as usize] as usize];
         }
         n_parts
@@ -232,27 +236,27 @@ impl ConcavitySplit {
         } = self;
         let width = patch.width as isize;
         let steps = GROWTH_STEPS.map(|[columns, rows]| columns + rows * width);
-        let neighbours = |place: u32| steps.map(|step| (place as usize).wrapping_add_signed(step));
+        let neighbours = |index: u32| steps.map(|step| (index as usize).wrapping_add_signed(step));
         let part_of = &mut patch.part_of;
         is_queued.clear();
         is_queued.resize(part_of.len(), false);
         // The front begins with the parts' pixels that have somewhere to grow.
         front.clear();
-        let places = patch.pixels.iter().map(|pixel| pixel.place);
-        for place in places.filter(|&place| part_of[place as usize] == FREE) {
-            for near in neighbours(place) {
-                if part_of[near] < FREE && !is_queued[near] {
+        let indices = patch.pixels.iter().map(|pixel| pixel.index);
+        for index in indices.filter(|&index| part_of[index as usize] == UNASSIGNED) {
+            for near in neighbours(index) {
+                if part_of[near] < UNASSIGNED && !is_queued[near] {
                     is_queued[near] = true;
                     front.push(near as u32);
                 }
             }
         }
         let mut next = 0;
-        while let Some(&place) = front.get(next) {
+        while let Some(&index) = front.get(next) {
             next += 1;
-            let part = part_of[place as usize];
-            for near in neighbours(place) {
-                if part_of[near] == FREE {
+            let part = part_of[index as usize];
+            for near in neighbours(index) {
+                if part_of[near] == UNASSIGNED {
                     part_of[near] = part;
                     front.push(near as u32);
                 }
@@ -266,18 +270,18 @@ impl ConcavitySplit {
         let Self {
             patch, adjacency, ..
         } = self;
-        for part in patch.part_of.iter_mut().filter(|part| **part == FREE) {
+        for part in patch.part_of.iter_mut().filter(|part| **part == UNASSIGNED) {
             *part = n_parts;
         }
         adjacency.clear(n_parts as usize + 1);
         for pixel in &patch.pixels {
-            let place = pixel.place as usize;
-            let part = patch.part_of[place];
-            adjacency.add_pixel(part, &patch.points[place]);
-            for near in [place + 1, place + patch.width] {
+            let index = pixel.index as usize;
+            let part = patch.part_of[index];
+            adjacency.add_pixel(part, &patch.points[index]);
+            for near in [index + 1, index + patch.width] {
                 let other = patch.part_of[near];
-                if other != part && other != OUTSIDE {
-                    adjacency.add_pair([part, other], [place, near]);
+                if other != part && other != NO_CLUSTER {
+                    adjacency.add_pair([part, other], [index, near]);
                 }
             }
         }
@@ -297,12 +301,12 @@ impl ConcavitySplit {
             ..
         } = self;
         adjacency.merge_regions(&patch.points, &creases.bend, |a, b| {
-            unite(parents, a, b);
+            union(parents, a, b);
         });
         number_of.clear();
         number_of.resize(parents.len(), 0);
         for pixel in &patch.pixels {
-            let part = &mut patch.part_of[pixel.place as usize];
+            let part = &mut patch.part_of[pixel.index as usize];
             *part = find_root(parents, *part);
             number_of[*part as usize] += 1;
         }
@@ -331,7 +335,7 @@ impl ConcavitySplit {
             }
         }
         for (own, &pixel) in patch.pixels.iter().zip(pixels) {
-            let next = &mut next_of[patch.part_of[own.place as usize] as usize];
+            let next = &mut next_of[patch.part_of[own.index as usize] as usize];
             sorted[*next as usize] = pixel;
             *next += 1;
         }
@@ -350,10 +354,10 @@ impl ConcavitySplit {
         n_min: u32,
     ) -> (Vec<u32>, Vec<u32>) {
         self.clear();
-        self.patch.lay(cloud, cluster);
+        self.patch.copy_cluster(cloud, cluster);
         let mut marks = vec![false; self.patch.part_of.len()];
         for (own, &pixel) in self.patch.pixels.iter().zip(cluster.iter()) {
-            marks[own.place as usize] = is_crease[pixel as usize];
+            marks[own.index as usize] = is_crease[pixel as usize];
         }
         self.creases = Creases::from_marks(marks);
         self.split_patch(n_min);

@@ -4,7 +4,7 @@
 //! bands are joined along their seams. Clusters are what the links connect, in
 //! whatever order these are followed.
 
-use super::{Clusters, LINKS, OUTSIDE, squared_distance, unite};
+use super::{Clusters, LINKS, NO_CLUSTER, squared_distance, union};
 use crate::parallelism::{Crew, for_each};
 use point_cloud::{OrganizedCloud, Point};
 
@@ -54,7 +54,7 @@ impl Clusters {
                 first + self.ungrouped[first..].partition_point(|&p| (p as usize) < end_pixel);
             first = band.end;
         }
-        self.cluster_of.resize(cloud.points().len(), OUTSIDE);
+        self.cluster_of.resize(cloud.points().len(), NO_CLUSTER);
         let pixels = &self.ungrouped;
         let images = cloud
             .points()
@@ -62,7 +62,7 @@ impl Clusters {
             .zip(self.cluster_of.chunks_mut(n_pixels));
         let bands = self.bands.iter_mut().zip(images).zip(0..);
         for_each(parallelism, bands, |((band, (points, labels)), number)| {
-            labels.fill(OUTSIDE);
+            labels.fill(NO_CLUSTER);
             let pixels = &pixels[band.first..band.end];
             band.label(points, cloud.width(), pixels, number * n_pixels, labels);
         });
@@ -152,7 +152,7 @@ impl Band {
                 }
             }
         }
-        if own == OUTSIDE {
+        if own == NO_CLUSTER {
             own = parents.len() as u32;
             parents.push(own);
         }
@@ -189,15 +189,15 @@ impl<'a> LinkTest<'a> {
         }
     }
 
-    /// The label of a neighbour that is linked; [`OUTSIDE`] for others.
+    /// The label of a neighbour that is linked; [`NO_CLUSTER`] for others.
     #[inline]
     fn label(&self, neighbour: usize) -> u32 {
         let label = self.labels[neighbour];
         let squared_distance = squared_distance(&self.point, &self.points[neighbour]);
-        if label != OUTSIDE && squared_distance <= self.squared_max {
+        if label != NO_CLUSTER && squared_distance <= self.squared_max {
             label
         } else {
-            OUTSIDE
+            NO_CLUSTER
         }
     }
 
@@ -208,22 +208,22 @@ impl<'a> LinkTest<'a> {
         for _ in 0..n {
             pixel -= step;
             let label = self.label(pixel);
-            if label != OUTSIDE {
+            if label != NO_CLUSTER {
                 return label;
             }
         }
-        OUTSIDE
+        NO_CLUSTER
     }
 }
 
 /// Joins the clusters of two labels, either of which may be none.
 #[inline]
 fn united_label(parents: &mut [u32], a: u32, b: u32) -> u32 {
-    if a == OUTSIDE || a == b {
+    if a == NO_CLUSTER || a == b {
         b
-    } else if b == OUTSIDE {
+    } else if b == NO_CLUSTER {
         a
     } else {
-        unite(parents, a, b)
+        union(parents, a, b)
     }
 }

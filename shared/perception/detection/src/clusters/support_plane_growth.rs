@@ -1,6 +1,6 @@
 //! The base_pixel of an object: too near to the table to be told from it by itself.
 
-use super::{Clusters, OUTSIDE};
+use super::{Clusters, NO_CLUSTER};
 
 /// A base_pixel is at most this high in the image, pixels.
 const BASE_PX: usize = 6;
@@ -22,7 +22,7 @@ impl Clusters {
             let cluster = self.cluster_of[pixel];
             for _ in 0..BASE_PX {
                 let next = pixel.wrapping_add_signed(step);
-                if self.cluster_of.get(next) != Some(&OUTSIDE) || !is_base(next, pixel) {
+                if self.cluster_of.get(next) != Some(&NO_CLUSTER) || !is_base(next, pixel) {
                     break;
                 }
                 pixel = next;
@@ -59,7 +59,7 @@ impl Clusters {
             // Pixels of clusters too small to be kept were listed, too, and may
             // have become someone's base_pixel.
             let is_base = base_pixels.next_if_eq(&pixel).is_some();
-            if is_base || cluster_of[pixel as usize] != OUTSIDE {
+            if is_base || cluster_of[pixel as usize] != NO_CLUSTER {
                 ungrouped.push(pixel);
             }
         }

@@ -59,7 +59,7 @@ impl TrackClaims {
         if self.near.len() < 2 {
             return;
         }
-        self.count(points, pixels, tracks);
+        self.count_points(points, pixels, tracks);
         self.near.retain(|claim| {
             let n_least = CLAIM_SHARE * tracks[claim.track].n_points as f64;
             let is_own = claim.n_best as f64 >= (1.0 - COMMON_SHARE_MAX) * claim.n_inside as f64;
@@ -67,16 +67,16 @@ impl TrackClaims {
         });
     }
 
-    fn count(&mut self, points: &[Point], pixels: &[u32], tracks: &[ExpectedTrack]) {
+    fn count_points(&mut self, points: &[Point], pixels: &[u32], tracks: &[ExpectedTrack]) {
         for &pixel in pixels.iter().step_by(STRIDE) {
             let point = points[pixel as usize].position();
             let mut best: Option<(usize, f64)> = None;
             for (i, claim) in self.near.iter_mut().enumerate() {
-                let outside_m = outside_m(&tracks[claim.track], &point);
-                if outside_m <= MARGIN_M {
+                let distance_outside_m = distance_outside_m(&tracks[claim.track], &point);
+                if distance_outside_m <= MARGIN_M {
                     claim.n_inside += 1;
-                    if best.is_none_or(|(_, least)| outside_m < least) {
-                        best = Some((i, outside_m));
+                    if best.is_none_or(|(_, least)| distance_outside_m < least) {
+                        best = Some((i, distance_outside_m));
                     }
                 }
             }
@@ -89,7 +89,7 @@ impl TrackClaims {
 
 impl Clusters {
     /// RegionFilter clusters in which two or more tracks find most of their objects:
-    /// each point goes to the box it lies in or nearest to, and what is far from
+    /// each point goes to the box it lies in or nearest_claim to, and what is far from
     /// all of them is a cluster of its own.
     ///
     /// Boxes of the tracks in the camera's frame.
@@ -113,7 +113,7 @@ impl Clusters {
             for place in first as usize..end as usize {
                 let pixel = self.pixels[place] as usize;
                 let point = cloud.points()[pixel].position();
-                let part = claims.nearest(tracks, &point);
+                let part = claims.nearest_claim(tracks, &point);
                 if part > 0 {
                     self.cluster_of[pixel] = n_clusters + part as u32 - 1;
                 }
@@ -121,12 +121,12 @@ impl Clusters {
             n_clusters += claims.near.len() as u32;
         }
         if n_clusters as usize > n_before {
-            self.regroup(n_clusters as usize);
+            self.rebuild_groups(n_clusters as usize);
         }
     }
 
     /// LabelGroups the pixels anew by what `cluster_of` says now.
-    fn regroup(&mut self, n_clusters: usize) {
+    fn rebuild_groups(&mut self, n_clusters: usize) {
         self.ungrouped.clear();
         self.ungrouped.extend_from_slice(&self.pixels);
         self.starts.clear();
@@ -150,20 +150,20 @@ impl Clusters {
 impl TrackClaims {
     /// The number of the claim a point belongs to; that behind the last one for
     /// what belongs to none.
-    fn nearest(&self, tracks: &[ExpectedTrack], point: &Point3<f64>) -> usize {
-        let outside = |claim: &TrackClaim| outside_m(&tracks[claim.track], point);
+    fn nearest_claim(&self, tracks: &[ExpectedTrack], point: &Point3<f64>) -> usize {
+        let outside = |claim: &TrackClaim| distance_outside_m(&tracks[claim.track], point);
         let best = (0..self.near.len())
             .map(|i| (i, outside(&self.near[i])))
             .min_by(|a, b| a.1.total_cmp(&b.1));
         match best {
-            Some((i, outside_m)) if outside_m <= ELSEWHERE_M => i,
+            Some((i, distance_outside_m)) if distance_outside_m <= ELSEWHERE_M => i,
             _ => self.near.len(),
         }
     }
 }
 
 /// How far a point lies outside the box of a track, metres; negative within it.
-fn outside_m(track: &ExpectedTrack, point: &Point3<f64>) -> f64 {
+fn distance_outside_m(track: &ExpectedTrack, point: &Point3<f64>) -> f64 {
     let place = track.shape.frame_from_box.inverse_transform_point(point);
     let beyond = |i: usize| place[i].abs() - track.shape.half_sides_m[i];
     (0..3).map(beyond).fold(f64::NEG_INFINITY, f64::max)
@@ -212,7 +212,7 @@ impl Clusters {
             }
         }
         if is_joined {
-            self.regroup(self.len());
+            self.rebuild_groups(self.len());
         }
     }
 }
@@ -237,7 +237,7 @@ fn share_inside(points: &[Point], pixels: &[u32], track: &ExpectedTrack) -> f64 
     for &pixel in pixels.iter().step_by(stride) {
         n += 1;
         let point = points[pixel as usize].position();
-        n_inside += usize::from(outside_m(track, &point) <= MARGIN_M);
+        n_inside += usize::from(distance_outside_m(track, &point) <= MARGIN_M);
         // Mostly it lies elsewhere altogether.
         if n == N_SAMPLED_FIRST && n_inside == 0 {
             return 0.0;

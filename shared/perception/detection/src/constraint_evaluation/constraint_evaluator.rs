@@ -105,7 +105,7 @@ impl ConstraintEvaluator<'_> {
         findings.set(Constraint::Instructor, person);
         findings.set(Constraint::Robot, robot);
         findings.set(Constraint::Edge, self.rim_finding(hypothesis_box, pixels));
-        findings.set(Constraint::KeyView, Constraint::KeyView.when_absent());
+        findings.set(Constraint::KeyView, Constraint::KeyView.default_finding());
         let border = if is_cut {
             Reason::AtImageBorder
         } else {
@@ -118,7 +118,7 @@ impl ConstraintEvaluator<'_> {
     fn track_finding(&self, hypothesis_box: &OrientedBox, pixels: &[u32]) -> Finding {
         let tracks = self.priors.tracks;
         if tracks.is_empty() {
-            return Constraint::Track.when_absent();
+            return Constraint::Track.default_finding();
         }
         let overlaps = tracks.iter().map(|track| iou(hypothesis_box, &track.shape));
         let greatest = overlaps.fold(0.0, f64::max);
@@ -131,7 +131,7 @@ impl ConstraintEvaluator<'_> {
             return finding(false, Reason::InsideTrack { share });
         }
         let overlap = greatest as f32;
-        finding(true, Reason::NoTrackThere { overlap })
+        finding(true, Reason::NoOverlappingTrack { overlap })
     }
 
     fn size_finding(&self, hypothesis: &ClusterHypothesis, is_cut: bool) -> Finding {
@@ -149,24 +149,24 @@ impl ConstraintEvaluator<'_> {
         let reason = if sides[0] > longest_max {
             Reason::TooLong {
                 side_m: longest,
-                most_m: longest_max as f32,
+                max_m: longest_max as f32,
             }
         } else if sides[1] > config.graspable_second_side_max_m {
             Reason::TooBroad {
                 side_m: second,
-                most_m: config.graspable_second_side_max_m as f32,
+                max_m: config.graspable_second_side_max_m as f32,
             }
         } else if volume_m3 > config.graspable_volume_max_m3 {
             Reason::TooBulky {
                 volume_m3: volume_m3 as f32,
-                most_m3: config.graspable_volume_max_m3 as f32,
+                max_m3: config.graspable_volume_max_m3 as f32,
             }
         } else if is_cut {
-            return finding(Truth::Unknown, Reason::SizeCut { side_m: longest });
+            return finding(Truth::Unknown, Reason::SizeTruncated { side_m: longest });
         } else if sides[0] < config.side_min_m {
             Reason::TooSmall {
                 side_m: longest,
-                least_m: config.side_min_m as f32,
+                min_m: config.side_min_m as f32,
             }
         } else {
             return finding(true, Reason::Graspable { side_m: longest });
@@ -193,7 +193,7 @@ impl ConstraintEvaluator<'_> {
         std::array::from_fn(|i| {
             let constraint = [Constraint::Instructor, Constraint::Robot][i];
             if !is_known[i] {
-                return constraint.when_absent();
+                return constraint.default_finding();
             }
             let margin_m = (margins_m[i] + more_m) as f32;
             if hypothesis.is_masked {
@@ -253,11 +253,13 @@ fn table_finding(hypothesis: &ClusterHypothesis) -> Finding {
     match hypothesis.support {
         Some(Support::Table) => finding(true, Reason::StandsOnTable),
         Some(Support::Object) => finding(true, Reason::RestsOnObject),
-        Some(Support::Hidden) => finding(true, Reason::LowerEndHidden),
-        None if hypothesis.is_base_without_depth => finding(Truth::Unknown, Reason::LowerEndUnseen),
+        Some(Support::Occluded) => finding(true, Reason::BaseOccluded),
+        None if hypothesis.is_base_without_depth => {
+            finding(Truth::Unknown, Reason::BaseWithoutDepth)
+        }
         None => {
             let gap_m = hypothesis.statistics.height_m[0];
-            finding(false, Reason::InTheAir { gap_m })
+            finding(false, Reason::Unsupported { gap_m })
         }
     }
 }
@@ -277,8 +279,8 @@ fn mask_finding(constraint: Constraint, share: f32, margin_m: f32) -> Finding {
         (Truth::True, true) => Reason::Robot { share, margin_m },
         (Truth::Unknown, false) => Reason::MaybePerson { share, margin_m },
         (Truth::Unknown, true) => Reason::MaybeRobot { share, margin_m },
-        (Truth::False, false) => Reason::NoPerson,
-        (Truth::False, true) => Reason::NoRobot,
+        (Truth::False, false) => Reason::NotPerson,
+        (Truth::False, true) => Reason::NotRobot,
     };
     finding(truth, reason)
 }
@@ -287,10 +289,10 @@ fn mask_finding(constraint: Constraint, share: f32, margin_m: f32) -> Finding {
 /// says.
 fn touch_finding(constraint: Constraint, share: f32, margin_m: f32) -> Finding {
     match (share >= TOUCH_SHARE, constraint == Constraint::Robot) {
-        (true, false) => finding(Truth::Unknown, Reason::AtPerson { share, margin_m }),
-        (true, true) => finding(Truth::Unknown, Reason::AtRobot { share, margin_m }),
-        (false, false) => finding(false, Reason::NoPerson),
-        (false, true) => finding(false, Reason::NoRobot),
+        (true, false) => finding(Truth::Unknown, Reason::TouchedByPerson { share, margin_m }),
+        (true, true) => finding(Truth::Unknown, Reason::TouchedByRobot { share, margin_m }),
+        (false, false) => finding(false, Reason::NotPerson),
+        (false, true) => finding(false, Reason::NotRobot),
     }
 }
 

@@ -1,7 +1,7 @@
 //! The columns, or the rows, of the image that points were seen in.
 
 /// Values nearer than this share of the pitch are of one column.
-const ONE_COLUMN: f64 = 0.12;
+const COLUMN_TOLERANCE: f64 = 0.12;
 
 /// The pitch may differ from the one guessed by these factors.
 const PITCH_RATIO: [f64; 2] = [0.5, 1.6];
@@ -13,7 +13,7 @@ const RESIDUAL_MAX: f64 = 0.08;
 const N_COLUMNS_MIN: usize = 16;
 
 /// More columns than any lattice has before its first.
-const POSITIVE: i64 = 1 << 32;
+const COLUMN_OFFSET: i64 = 1 << 32;
 
 /// Evenly spaced tangents: column `i` looks along `first + i * pitch`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,11 +48,11 @@ impl PixelLattice {
     pub(super) fn column_of(&self, tangent: f32) -> i64 {
         // Truncated where all values are positive, which is faster than to round.
         let column = (f64::from(tangent) - self.first) * self.columns_per_tangent;
-        (column + (POSITIVE as f64 + 0.5)) as i64 - POSITIVE
+        (column + (COLUMN_OFFSET as f64 + 0.5)) as i64 - COLUMN_OFFSET
     }
 
     /// The lattice with every `n` columns, a whole number, made one.
-    pub(super) fn coarser(&self, n: f64) -> Self {
+    pub(super) fn downsampled(&self, n: f64) -> Self {
         Self::new(self.first + 0.5 * (n - 1.0) * self.pitch, self.pitch * n)
     }
 
@@ -70,10 +70,10 @@ impl PixelLattice {
     ) -> Option<Self> {
         tangents.sort_unstable_by(f32::total_cmp);
         columns.clear();
-        let same = |a: &f32, b: &f32| f64::from(b - a) < ONE_COLUMN * pitch_guess;
+        let same = |a: &f32, b: &f32| f64::from(b - a) < COLUMN_TOLERANCE * pitch_guess;
         for group in tangents.chunk_by(same) {
             let (first, last) = (f64::from(group[0]), f64::from(group[group.len() - 1]));
-            if last - first > 2.0 * ONE_COLUMN * pitch_guess {
+            if last - first > 2.0 * COLUMN_TOLERANCE * pitch_guess {
                 return None;
             }
             columns.push(0.5 * (first + last));
@@ -156,10 +156,10 @@ mod tests {
         #[test]
         fn joined_columns_are_whole_columns(pitch in 5e-4..4e-3_f64, n in 1..6_u32) {
             let lattice = PixelLattice::new(-0.3, pitch);
-            let coarser = lattice.coarser(f64::from(n));
+            let downsampled = lattice.downsampled(f64::from(n));
             for column in 0..300_u32 {
                 let tangent = (-0.3 + pitch * f64::from(column)) as f32;
-                prop_assert_eq!(coarser.column_of(tangent), i64::from(column / n));
+                prop_assert_eq!(downsampled.column_of(tangent), i64::from(column / n));
             }
         }
 

@@ -22,11 +22,11 @@ const UNIFORM_SHARE_MIN: f64 = 0.75;
 
 /// Without a lattice a pixel is wider than the mean distance of neighbours, so
 /// that few pixels stay empty.
-const WIDER: f64 = 1.5;
+const PIXEL_WIDENING: f64 = 1.5;
 
 /// Where the mean distance of neighbours is this many pixels, so many of them
 /// are empty that some are n_merged_columns.
-const SPARSE: f64 = 1.2;
+const SPARSE_SPACING_PX: f64 = 1.2;
 
 /// A point this far behind its pixel's surface is of another one: metres at
 /// 1 m, growing with squared depth.
@@ -40,7 +40,7 @@ const KINECT_PITCH: f64 = 1.0 / 585.0;
 /// of a smaller view gets empty margins up to this.
 const KINECT_VIEW: [f64; 2] = [640.0 * KINECT_PITCH, 480.0 * KINECT_PITCH];
 
-/// Most pixels of an image; a finer view is made coarser.
+/// Most pixels of an image; a finer view is made downsampled.
 const N_PIXELS_MAX: f64 = 4_194_304.0;
 
 /// Most pixels of an image with margins.
@@ -88,7 +88,7 @@ impl PixelGrid {
             [low.min(-half), high.max(half)]
         });
         let lattices = lattices
-            .map(|lattice| lattice.coarser(n_merged_columns(lattice.pitch(), extent.pitch)));
+            .map(|lattice| lattice.downsampled(n_merged_columns(lattice.pitch(), extent.pitch)));
         let with_margin = Self::over(margined, lattices, 1.0);
         if with_margin.n_pixels() <= N_PIXELS_WITH_MARGIN_MAX {
             return with_margin;
@@ -103,7 +103,7 @@ impl PixelGrid {
     }
 
     fn over(tangents: [[f32; 2]; 2], lattices: [PixelLattice; 2], n: f64) -> Self {
-        let lattices = lattices.map(|lattice| lattice.coarser(n));
+        let lattices = lattices.map(|lattice| lattice.downsampled(n));
         let column = |axis: usize, side: usize| lattices[axis].column_of(tangents[axis][side]);
         let size = [0, 1].map(|axis| (column(axis, 1) - column(axis, 0)).max(1) as usize + 1);
         Self {
@@ -141,8 +141,8 @@ impl PixelGrid {
 
 /// How many columns of a pitch make one of the image.
 fn n_merged_columns(pitch: f64, point_pitch: f64) -> f64 {
-    let n_sparse = if point_pitch > SPARSE * pitch {
-        (WIDER * point_pitch / pitch).floor()
+    let n_sparse = if point_pitch > SPARSE_SPACING_PX * pitch {
+        (PIXEL_WIDENING * point_pitch / pitch).floor()
     } else {
         1.0
     };
@@ -164,7 +164,7 @@ impl SingleView {
             None => (self.uniform_lattices(), ViewEvidence::UniformDensity),
         };
         let grid = PixelGrid::around(&self.extent, lattices);
-        self.fill(points, &grid);
+        self.render(points, &grid);
         let joins = |axis: usize| grid.lattices[axis].pitch() > lattices[axis].pitch();
         if trust == ViewEvidence::UniformDensity || joins(0) || joins(1) {
             let Self { image, depths, .. } = self;
@@ -222,14 +222,14 @@ impl SingleView {
     }
 
     fn uniform_lattices(&self) -> [PixelLattice; 2] {
-        let pitch = WIDER * self.extent.pitch;
+        let pitch = PIXEL_WIDENING * self.extent.pitch;
         self.extent
             .tangents
             .map(|[low, _]| PixelLattice::new(f64::from(low), pitch))
     }
 
     /// Draws the points; each pixel keeps the nearest.
-    fn fill(&mut self, points: &[Point], grid: &PixelGrid) {
+    fn render(&mut self, points: &[Point], grid: &PixelGrid) {
         self.size = grid.size;
         self.image.clear();
         self.image.resize(

@@ -14,10 +14,10 @@ const DEPTH_M: [f32; 2] = [0.05, 100.0];
 const N_BINS: usize = 2048;
 
 /// One point in so many may lie outside the extent, on each side.
-const STRAY: usize = 20_000;
+const OUTLIER_DIVISOR: usize = 20_000;
 
 /// About so many points are looked at.
-const N_LOOKED_AT: usize = 100_000;
+const N_SAMPLES_MAX: usize = 100_000;
 
 /// Cells a side in which the points are counted.
 const N_CELLS: usize = 64;
@@ -64,7 +64,7 @@ impl ViewExtent {
         }
         self.fill_bins();
         for axis in 0..2 {
-            self.tangents[axis] = trimmed(&self.bins[axis], self.sample.len() / STRAY)?;
+            self.tangents[axis] = trimmed(&self.bins[axis], self.sample.len() / OUTLIER_DIVISOR)?;
         }
         self.count_cells(points.len() as f64 / n_drawn as f64)
     }
@@ -72,7 +72,7 @@ impl ViewExtent {
     /// Draws points, or takes all of few; returns how many.
     fn draw(&mut self, points: &[Point]) -> usize {
         self.sample.clear();
-        let n_drawn = points.len().min(N_LOOKED_AT);
+        let n_drawn = points.len().min(N_SAMPLES_MAX);
         let all = n_drawn == points.len();
         // An even step could see every other column only.
         let mut random = Random::from_seed(points.len() as u64);
@@ -137,13 +137,13 @@ fn bin_of(tangent: f32) -> usize {
     (bin as usize).min(N_BINS - 1)
 }
 
-/// The part of a histogram beyond which at most `n_stray` points lie.
-fn trimmed(bins: &[u32], n_stray: usize) -> Option<[f32; 2]> {
+/// The part of a histogram beyond which at most `n_outliers` points lie.
+fn trimmed(bins: &[u32], n_outliers: usize) -> Option<[f32; 2]> {
     let beyond = |bins: &mut dyn Iterator<Item = &u32>| {
         let mut n = 0;
         bins.take_while(|&&count| {
             n += count as usize;
-            n <= n_stray
+            n <= n_outliers
         })
         .count()
     };

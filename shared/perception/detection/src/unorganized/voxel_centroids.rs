@@ -8,7 +8,7 @@ use random::Random;
 
 /// Points of a hypothesis are drawn from one cube of this side, metres: they
 /// lie on one surface far more often than points from all over the cloud.
-const BUCKET_M: f32 = 0.25;
+const CUBE_M: f32 = 0.25;
 
 /// Coordinates of the centroids, sorted by cube, and whether each belongs to
 /// a plane already.
@@ -18,7 +18,7 @@ pub(super) struct VoxelCentroids {
     x: Vec<f32>,
     y: Vec<f32>,
     z: Vec<f32>,
-    is_free: Vec<bool>,
+    is_unassigned: Vec<bool>,
 }
 
 impl VoxelCentroids {
@@ -28,7 +28,7 @@ impl VoxelCentroids {
         order.extend((0..voxels.len()).map(|voxel| {
             let centroid = voxels.centroid(voxel);
             // Coordinates are bounded by the grid's reach: 10 bits are enough.
-            let [i, j, k] = centroid.map(|x| ((x + super::voxel_grid::REACH_M) / BUCKET_M) as u64);
+            let [i, j, k] = centroid.map(|x| ((x + super::voxel_grid::REACH_M) / CUBE_M) as u64);
             ((k << 10 | j) << 10 | i, voxel as u32)
         }));
         order.sort_unstable();
@@ -43,14 +43,14 @@ impl VoxelCentroids {
         for values in [&mut self.x, &mut self.y, &mut self.z] {
             values.clear();
         }
-        self.is_free.clear();
+        self.is_unassigned.clear();
     }
 
     fn push(&mut self, [x, y, z]: [f32; 3]) {
         self.x.push(x);
         self.y.push(y);
         self.z.push(z);
-        self.is_free.push(true);
+        self.is_unassigned.push(true);
     }
 
     /// Number of centroids.
@@ -59,20 +59,23 @@ impl VoxelCentroids {
     }
 
     /// Number of centroids on no plane.
-    pub(super) fn n_free(&self) -> usize {
-        self.is_free.iter().filter(|&&free| free).count()
+    pub(super) fn n_unassigned(&self) -> usize {
+        self.is_unassigned.iter().filter(|&&free| free).count()
     }
 
     /// Makes all free.
-    pub(super) fn free_all(&mut self) {
-        self.is_free.fill(true);
+    pub(super) fn reset_assignment(&mut self) {
+        self.is_unassigned.fill(true);
     }
 
-    /// Copies about `n_aimed` free centroids, evenly over space.
-    pub(super) fn thin_into(&self, n_aimed: usize, out: &mut Self) {
+    /// Copies about `n_target` free centroids, evenly over space.
+    pub(super) fn subsample_into(&self, n_target: usize, out: &mut Self) {
         out.clear();
-        let step = (self.n_free() / n_aimed).max(1);
-        for i in (0..self.len()).filter(|&i| self.is_free[i]).step_by(step) {
+        let step = (self.n_unassigned() / n_target).max(1);
+        for i in (0..self.len())
+            .filter(|&i| self.is_unassigned[i])
+            .step_by(step)
+        {
             out.push([self.x[i], self.y[i], self.z[i]]);
         }
     }
@@ -86,9 +89,9 @@ impl VoxelCentroids {
         )
     }
 
-    /// Coordinate along an axis, metres.
+    /// Coordinate coordinate an axis, metres.
     #[inline]
-    pub(super) fn along(&self, axis: &AffineForm, i: usize) -> f32 {
+    pub(super) fn coordinate(&self, axis: &AffineForm, i: usize) -> f32 {
         axis.at(self.x[i], self.y[i], self.z[i])
     }
 
@@ -99,7 +102,10 @@ impl VoxelCentroids {
         let start = self.order.partition_point(|&(other, _)| other < cube);
         let n = self.order[start..].partition_point(|&(other, _)| other == cube);
         let drawn = [anchor, start + random.below(n), start + random.below(n)];
-        drawn.iter().all(|&i| self.is_free[i]).then_some(drawn)
+        drawn
+            .iter()
+            .all(|&i| self.is_unassigned[i])
+            .then_some(drawn)
     }
 
     /// Number of centroids, free or not, in a band around a plane.
@@ -114,26 +120,27 @@ impl VoxelCentroids {
     /// Sums over the free centroids in a band around a plane.
     pub(super) fn band_moments(&self, height: &AffineForm, band_m: f32) -> Moments {
         let mut moments = Moments::default();
-        for i in self.free_in_band(height, band_m) {
+        for i in self.unassigned_in_band(height, band_m) {
             moments.add(&self.position(i));
         }
         moments
     }
 
     /// The free centroids in a band around a plane.
-    pub(super) fn free_in_band<'a>(
+    pub(super) fn unassigned_in_band<'a>(
         &'a self,
         height: &'a AffineForm,
         band_m: f32,
     ) -> impl Iterator<Item = usize> + 'a {
-        (0..self.len()).filter(move |&i| self.is_free[i] && self.along(height, i).abs() <= band_m)
+        (0..self.len())
+            .filter(move |&i| self.is_unassigned[i] && self.coordinate(height, i).abs() <= band_m)
     }
 
     /// Takes the centroids in a band around a plane out of further searches.
-    pub(super) fn take(&mut self, height: &AffineForm, band_m: f32) {
+    pub(super) fn assign_in_band(&mut self, height: &AffineForm, band_m: f32) {
         for i in 0..self.len() {
-            if self.along(height, i).abs() <= band_m {
-                self.is_free[i] = false;
+            if self.coordinate(height, i).abs() <= band_m {
+                self.is_unassigned[i] = false;
             }
         }
     }

@@ -9,10 +9,10 @@ use point_cloud::Point;
 
 /// A part grows by this many cells to its sides while it grows by one upwards
 /// or downwards: what stands on something else is parted from it at a level.
-const LEVEL_STEPS: usize = 3;
+const HORIZONTAL_REACH: usize = 3;
 
 /// Growth as far ahead as a step can lead.
-const N_FRONTS: usize = LEVEL_STEPS + 1;
+const N_FRONTS: usize = HORIZONTAL_REACH + 1;
 
 /// Buffers, and the clusters found last.
 #[derive(Debug, Default)]
@@ -30,7 +30,7 @@ impl VoxelClusters {
     /// list. Cells of side `cell_m` that touch are connected: points nearer
     /// than one cell are joined, and none across more than one empty cell.
     /// Clusters of fewer than `n_min` cells are left out.
-    pub(super) fn join(
+    pub(super) fn label_components(
         &mut self,
         points: &[Point],
         listed: &[u32],
@@ -54,12 +54,12 @@ impl VoxelClusters {
                 self.parents[a.max(b) as usize] = a.min(b);
             }
         }
-        let n_clusters = self.number(n_min);
-        self.group(n_clusters, voxels);
+        let n_clusters = self.number_large(n_min);
+        self.group_points(n_clusters, voxels);
     }
 
     /// Numbers the large clusters in the order of their first cells.
-    fn number(&mut self, n_min: u32) -> u32 {
+    fn number_large(&mut self, n_min: u32) -> u32 {
         let n_cells = self.parents.len();
         self.n_cells.clear();
         self.n_cells.resize(n_cells, 0);
@@ -83,7 +83,7 @@ impl VoxelClusters {
         n_clusters
     }
 
-    fn group(&mut self, n_clusters: u32, voxels: &VoxelGrid) {
+    fn group_points(&mut self, n_clusters: u32, voxels: &VoxelGrid) {
         self.of_point.clear();
         let cluster = |&cell: &u32| match cell {
             UNLABELLED => UNLABELLED,
@@ -112,7 +112,7 @@ impl VoxelClusters {
     /// among the members, go to it, all others to the part that grows to their
     /// cell first. Part 0 keeps the cluster's number, the others count on from
     /// `next`. The members stay grouped as they were until [`Self::regroup`].
-    pub(super) fn part(&mut self, cluster: usize, part_of: &[u32], next: u32, voxels: &VoxelGrid) {
+    pub(super) fn split(&mut self, cluster: usize, part_of: &[u32], next: u32, voxels: &VoxelGrid) {
         let Self {
             of_point,
             groups,
@@ -154,7 +154,7 @@ fn grow(cluster_of_cell: &mut [u32], fronts: &mut [Vec<u32>; N_FRONTS], voxels: 
     let reach = |cell: usize, distance: usize, fronts: &mut [Vec<u32>; N_FRONTS], of: &[u32]| {
         for (near, [_, _, up]) in voxels.neighbours(cell) {
             if of[near] == UNLABELLED {
-                let steps = if up == 0 { 1 } else { LEVEL_STEPS };
+                let steps = if up == 0 { 1 } else { HORIZONTAL_REACH };
                 fronts[(distance + steps) % N_FRONTS].extend([near as u32, cell as u32]);
             }
         }
@@ -203,7 +203,7 @@ mod tests {
         let listed: Vec<u32> = (0..points.len() as u32).collect();
         let axes = AffineForm::coordinates_of(&RigidTransform::identity());
         let (mut clusters, mut voxels) = (VoxelClusters::default(), VoxelGrid::default());
-        clusters.join(points, &listed, &axes, (CELL_M, 1), &mut voxels);
+        clusters.label_components(points, &listed, &axes, (CELL_M, 1), &mut voxels);
         (clusters, voxels)
     }
 
@@ -245,7 +245,7 @@ mod tests {
                 _ => UNLABELLED,
             })
             .collect();
-        clusters.part(0, &part_of, 1, &voxels);
+        clusters.split(0, &part_of, 1, &voxels);
         clusters.regroup(2);
         let (low, high) = (clusters.members(0), clusters.members(1));
         assert_eq!(low.len() + high.len(), 100);

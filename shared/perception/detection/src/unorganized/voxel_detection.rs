@@ -91,7 +91,7 @@ impl VoxelDetector {
         let cell_m = CELL_M.max(SPACINGS * spacing_m);
         let cells_per_point = PIXEL_AREA_M2 / (cell_m * cell_m);
         let n_min = (cells_per_point * config.points_min_at_1m).ceil() as u32;
-        self.clusters.join(
+        self.clusters.label_components(
             points,
             &self.over_table,
             &table_axes,
@@ -181,7 +181,7 @@ impl VoxelDetector {
             if n_parts >= 2 {
                 let part_of = self.virtual_view.part_of();
                 self.clusters
-                    .part(cluster, part_of, n_clusters as u32, &self.voxels);
+                    .split(cluster, part_of, n_clusters as u32, &self.voxels);
                 n_clusters += n_parts - 1;
             }
         }
@@ -257,7 +257,7 @@ impl VoxelDetector {
             };
             let n_over_seen = members.iter().filter(is_over_seen).count();
             if n_over_seen as f64 <= SEEN_UNDER_MAX * members.len() as f64 {
-                hypothesis.support = Some(Support::Hidden);
+                hypothesis.support = Some(Support::Occluded);
             }
         }
     }

@@ -54,10 +54,10 @@ pub(super) fn largest_plane(
     random: &mut Random,
     counted: &mut VoxelCentroids,
 ) -> Option<Plane> {
-    if centroids.n_free() < n_min.max(3) {
+    if centroids.n_unassigned() < n_min.max(3) {
         return None;
     }
-    centroids.thin_into(N_COUNTED_AIMED, counted);
+    centroids.subsample_into(N_COUNTED_AIMED, counted);
     let mut best: Option<(Plane, u32)> = None;
     let (mut round, mut n_rounds) = (0, N_HYPOTHESES_MAX);
     while round < n_rounds {
@@ -86,7 +86,7 @@ pub(super) fn largest_plane(
         plane = fitted(centroids, &plane, cone, band_m).unwrap_or(plane);
     }
     let enough = centroids
-        .free_in_band(&AffineForm::from(&plane), band_m)
+        .unassigned_in_band(&AffineForm::from(&plane), band_m)
         .nth(n_min.saturating_sub(1))
         .is_some();
     enough.then_some(plane)

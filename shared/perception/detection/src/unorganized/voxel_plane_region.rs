@@ -89,11 +89,13 @@ impl VoxelPlaneRegion {
     ) -> usize {
         let [u, v, height] = AffineForm::coordinates_of(plane_from_cloud);
         self.placed.clear();
-        self.placed.extend(
-            centroids
-                .free_in_band(&height, band_m)
-                .map(|i| (i as u32, [centroids.along(&u, i), centroids.along(&v, i)])),
-        );
+        self.placed
+            .extend(centroids.unassigned_in_band(&height, band_m).map(|i| {
+                (
+                    i as u32,
+                    [centroids.coordinate(&u, i), centroids.coordinate(&v, i)],
+                )
+            }));
         if self.placed.is_empty() {
             return 0;
         }

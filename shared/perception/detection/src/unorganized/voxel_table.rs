@@ -7,7 +7,7 @@ use super::voxel_plane_region::VoxelPlaneRegion;
 use crate::RawConfig;
 use crate::affine_form::AffineForm;
 use crate::outline::Outline;
-use crate::table::{Table, TableChoice};
+use crate::table::{FLOOR_GAP_M, Table, TableChoice};
 use crate::table_surface::TableSurface;
 use geometry::{ConvexPolygon, Plane, RigidTransform};
 use nalgebra::{Unit, Vector3};
@@ -30,9 +30,6 @@ const CARRIED_M: f32 = 0.02;
 /// Share of a plane's voxels, and number, that must lie over it.
 const CARRIED_SHARE_MIN: f64 = 0.005;
 const N_CARRIED_MIN: usize = 12;
-
-/// A plane this far under another one is the floor under the table, metres.
-const FLOOR_GAP_M: f64 = 0.35;
 
 /// The upper of two planes that carry something is the table when it has this
 /// share of the lower one's voxels: the floor of a whole room is large.
@@ -135,7 +132,7 @@ impl VoxelTableSearch {
         let band_m = (config.plane_band_min_m as f32).max(BAND_VOXELS * voxel_m);
         let n_min = ((SHARE_MIN * self.centroids.len() as f64) as usize).max(N_VOXELS_MIN);
         self.found.clear();
-        self.centroids.free_all();
+        self.centroids.reset_assignment();
         for _ in 0..N_PLANES_MAX {
             let Some(plane) = largest_plane(
                 &self.centroids,
@@ -148,7 +145,8 @@ impl VoxelTableSearch {
                 break;
             };
             let found = self.outlined(plane, cone, band_m, voxel_m);
-            self.centroids.take(&AffineForm::from(&plane), band_m);
+            self.centroids
+                .assign_in_band(&AffineForm::from(&plane), band_m);
             if let Some(mut found) = found.filter(|found| found.n_voxels >= n_min) {
                 found.n_carried = self.count_carried(&found, config, surface);
                 self.found.push(found);
@@ -201,8 +199,8 @@ impl VoxelTableSearch {
         let centroids = &self.centroids;
         (0..centroids.len())
             .filter(|&i| {
-                heights.contains(&centroids.along(&height, i))
-                    && surface.is_table(centroids.along(&u, i), centroids.along(&v, i))
+                heights.contains(&centroids.coordinate(&height, i))
+                    && surface.is_table(centroids.coordinate(&u, i), centroids.coordinate(&v, i))
             })
             .count()
     }

@@ -1,37 +1,37 @@
-//! True, false, or unknown.
+//! Ternary truth value: false, unknown or true.
 
-/// A truth value of Kleene's strong logic (Kleene 1952, § 64), from the least
-/// true to the truest.
+/// Ternary truth value of Kleene's strong logic (Kleene 1952, § 64), ordered from false to
+/// true.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Truth {
-    /// It does not hold.
+    /// The predicate does not hold.
     False,
-    /// Nothing tells whether it holds.
+    /// The predicate is undecided.
     Unknown,
-    /// It holds.
+    /// The predicate holds.
     True,
 }
 
 impl Truth {
     const ALL: [Self; 3] = [Self::False, Self::Unknown, Self::True];
 
-    /// Both: the lesser of the two.
+    /// Conjunction: the lesser of the two values.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         self.min(other)
     }
 
-    /// Either: the greater of the two.
+    /// Disjunction: the greater of the two values.
     #[must_use]
     pub fn or(self, other: Self) -> Self {
         self.max(other)
     }
 
-    /// The contrary of what is unknown is unknown.
+    /// Negation; the negation of unknown is unknown.
     #[must_use]
     #[expect(
         clippy::should_implement_trait,
-        reason = "stands beside `and` and `or`"
+        reason = "the name matches `and` and `or`"
     )]
     pub fn not(self) -> Self {
         match self {
@@ -41,7 +41,7 @@ impl Truth {
         }
     }
 
-    /// The word for people and scripts.
+    /// Word for people and scripts: `false`, `unknown` or `true`.
     pub fn word(self) -> &'static str {
         match self {
             Self::False => "false",
@@ -50,12 +50,12 @@ impl Truth {
         }
     }
 
-    /// The number on the wire.
+    /// Code on the wire.
     pub fn code(self) -> u16 {
         self as u16
     }
 
-    /// The truth of a number; `None` for any other number.
+    /// Truth value of a wire code; `None` for any other code.
     pub fn from_code(code: u16) -> Option<Self> {
         Self::ALL.into_iter().find(|truth| truth.code() == code)
     }

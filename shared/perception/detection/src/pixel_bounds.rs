@@ -8,12 +8,12 @@ const ROWS_STEP: usize = 8;
 /// The part of the image in which the sensor measures at all: registered depth
 /// leaves empty margins, which are the real border of the image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct DepthBounds {
+pub(crate) struct PixelBounds {
     pub(crate) columns: [usize; 2],
     pub(crate) rows: [usize; 2],
 }
 
-impl DepthBounds {
+impl PixelBounds {
     const NOTHING: Self = Self {
         columns: [usize::MAX, 0],
         rows: [usize::MAX, 0],
@@ -55,7 +55,7 @@ impl DepthBounds {
     }
 }
 
-impl Default for DepthBounds {
+impl Default for PixelBounds {
     fn default() -> Self {
         Self::NOTHING
     }

@@ -1,0 +1,56 @@
+//! Finding: the ternary value of one constraint with its reason.
+
+use crate::constraint::Constraint;
+use crate::reason::Reason;
+use crate::ternary::Truth;
+
+/// Finding: the ternary value of one constraint for one candidate, with its reason.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Finding {
+    /// Ternary value of the constraint.
+    pub truth: Truth,
+    /// Reason for the value.
+    pub reason: Reason,
+}
+
+/// Findings of all constraints for one candidate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Findings([Finding; Constraint::N]);
+
+impl Default for Findings {
+    /// Default findings, as if all sources were absent.
+    fn default() -> Self {
+        Self(Constraint::ALL.map(Constraint::default_finding))
+    }
+}
+
+impl Findings {
+    /// Finding of a constraint.
+    pub fn of(&self, constraint: Constraint) -> Finding {
+        self.0[constraint as usize]
+    }
+
+    /// Set the finding of a constraint.
+    pub fn set(&mut self, constraint: Constraint, finding: Finding) {
+        self.0[constraint as usize] = finding;
+    }
+
+    /// `true` when the candidate is known to be a part of a person or of the robot.
+    pub fn is_limb(&self) -> bool {
+        let holds = |constraint| self.of(constraint).truth == Truth::True;
+        holds(Constraint::Robot) || holds(Constraint::Instructor)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn without_sources_nobody_is_a_person_or_the_robot() {
+        let findings = Findings::default();
+        assert!(!findings.is_limb());
+        assert_eq!(findings.of(Constraint::Track).truth, Truth::True);
+        assert_eq!(findings.of(Constraint::KeyView).truth, Truth::Unknown);
+    }
+}
