@@ -92,7 +92,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn assumptions_survive_their_bits() {
+    fn assumptions_round_trip_through_their_bits() {
         for (i, one) in Assumption::ALL.into_iter().enumerate() {
             assert_eq!(one as usize, i);
             let mut assumptions = Assumptions::default();

@@ -91,7 +91,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_constraint_is_known_by_its_name_and_its_place() {
+    fn constraint_round_trips_through_its_name_and_index() {
         for (i, constraint) in Constraint::ALL.into_iter().enumerate() {
             assert_eq!(constraint as usize, i);
             let name = constraint.name();

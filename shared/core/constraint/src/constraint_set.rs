@@ -53,7 +53,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_set_holds_what_was_put_in() {
+    fn set_contains_its_constraints() {
         let set = ConstraintSet::from(Constraint::Edge).union(Constraint::Table.into());
         let held: Vec<_> = set.iter().collect();
         assert_eq!(held, [Constraint::Table, Constraint::Edge]);

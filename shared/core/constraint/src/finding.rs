@@ -47,7 +47,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn without_sources_nobody_is_a_person_or_the_robot() {
+    fn default_findings_have_no_person_or_robot() {
         let findings = Findings::default();
         assert!(!findings.is_limb());
         assert_eq!(findings.of(Constraint::Track).truth, Truth::True);

@@ -162,7 +162,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn edits_are_counted() {
+    fn edit_distance_counts_edits() {
         for (a, b, n) in [
             ("", "edge", 4),
             ("edge", "edge", 0),
@@ -175,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn a_near_name_is_offered_and_a_far_one_is_not() {
+    fn spelling_suggestion_needs_a_close_name() {
         assert_eq!(closest_name("C_tabel"), Some(Constraint::Table));
         assert_eq!(closest_name("ROBOTS"), Some(Constraint::Robot));
         assert_eq!(closest_name("keyview"), Some(Constraint::KeyView));

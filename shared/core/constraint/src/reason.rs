@@ -239,7 +239,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_reason_survives_its_number_and_values() {
+    fn reason_round_trips_through_its_code_and_values() {
         let values = [0.25, 0.03];
         let all: Vec<_> = (0..u16::MAX)
             .filter_map(|code| Some((code, Reason::from_parts(code, values)?)))
@@ -259,14 +259,14 @@ mod tests {
     }
 
     #[test]
-    fn broken_values_are_no_reason() {
+    fn from_parts_rejects_non_finite_values() {
         assert_eq!(Reason::from_parts(42, [f32::NAN, 0.0]), None);
         assert_eq!(Reason::from_parts(42, [0.0, f32::INFINITY]), None);
         assert_eq!(Reason::from_parts(9999, [0.0; 2]), None);
     }
 
     #[test]
-    fn a_sentence_tells_the_numbers() {
+    fn display_includes_the_numbers() {
         let arm = Reason::Robot {
             share: 0.867,
             margin_m: 0.03,

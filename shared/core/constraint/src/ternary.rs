@@ -73,7 +73,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_tables_are_kleenes() {
+    fn operators_match_kleenes_truth_tables() {
         let conjunction = [
             [False, False, False],
             [False, Unknown, Unknown],
@@ -94,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn a_truth_survives_its_number() {
+    fn value_round_trips_through_its_code() {
         for truth in Truth::ALL {
             assert_eq!(Truth::from_code(truth.code()), Some(truth));
         }

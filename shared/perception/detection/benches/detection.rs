@@ -1,7 +1,7 @@
-//! Detection of one frame, on one core.
+//! Single-core detection time per frame.
 //!
-//! `detect_rendered` needs nothing; `detect_real` runs on the labelled scenes
-//! where they are (see the crate's tests) and is left out elsewhere.
+//! `detect_rendered` needs no data; `detect_real` runs on the labelled scenes in
+//! `TABULA_DATA` and is skipped without them.
 
 #[path = "../tests/synthetic/mod.rs"]
 mod synthetic;
@@ -53,8 +53,8 @@ fn detect_rendered(bencher: Bencher<'_, '_>) {
     bench_detect(bencher, &rendered());
 }
 
-/// The rendered view without its empty pixels: `in_camera` laid back on its
-/// image, else in the frame of the table, where it takes the voxel path.
+/// Rendered view without its empty pixels: in the camera frame, where it takes the image
+/// path, or in the table's frame, where it takes the voxel path.
 #[divan::bench(args = [true, false])]
 fn detect_without_grid(bencher: Bencher<'_, '_>, in_camera: bool) {
     let table_from_camera = camera_from_table().inverse();
@@ -69,7 +69,7 @@ fn detect_without_grid(bencher: Bencher<'_, '_>, in_camera: bool) {
     }
 }
 
-/// Three boxes, a stack, cylinders, clutter.
+/// Labelled scenes: three boxes, a stack, cylinders, clutter.
 #[divan::bench(args = [13, 22, 36, 44])]
 fn detect_real(bencher: Bencher<'_, '_>, scene: usize) {
     let root = std::env::var("TABULA_DATA")

@@ -1,10 +1,10 @@
-//! Draws what is found over the image, two pictures side by side.
+//! Overlay of detected candidates on the image, two pictures side by side.
 //!
-//! `draw_candidates SCENE.pcd OUT.png`: left the candidates, right the labels.
-//! `draw_candidates FOLDER FRAME OUT.png`: a frame of an RGB-D sequence, left
-//! without, right with known gravity.
+//! `draw_candidates SCENE.pcd OUT.png`: candidates on the left, labels on the right.
+//! `draw_candidates FOLDER FRAME OUT.png`: one frame of an RGB-D sequence, without gravity
+//! on the left, with gravity on the right.
 //!
-//! Candidates have colours, the table is tinted green, what lacks depth is dark.
+//! Candidates are coloured, the table is tinted green, pixels without depth are dark.
 
 use dataset::pcd;
 use dataset::rgbd_sequence::{RgbdSequence, Scratch};
@@ -15,7 +15,7 @@ use std::error::Error;
 use std::fs::File;
 use std::io::BufWriter;
 
-/// First segment number of a candidate; 1 is the table, 0 nothing.
+/// First segment number of a candidate; 1 is the table, 0 is background.
 const FIRST_OBJECT: u32 = 10;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -56,7 +56,7 @@ fn draw_frame(folder: &str, index: usize, out: &str) -> Result<(), Box<dyn Error
     )
 }
 
-/// The number of what was found in each pixel.
+/// Segment number of each pixel.
 fn segments(
     cloud: &OrganizedCloud<'_>,
     up_in_camera: Option<Unit<Vector3<f64>>>,
@@ -93,7 +93,7 @@ fn segments(
     Ok(segment_of)
 }
 
-/// A pixel's colour, tinted by its segment.
+/// Colour of a pixel, tinted by its segment.
 fn painted(point: &Point, segment: u32) -> [u8; 3] {
     let [red, green, blue] = point.color.rgb();
     if segment < FIRST_OBJECT {

@@ -1,9 +1,10 @@
-//! A coordinate along one axis, for the hot loops.
+//! Affine form: one coordinate of a rigid transform or a signed plane distance, in single
+//! precision for hot loops.
 
 use geometry::{Plane, RigidTransform};
 
-/// A linear form in single precision: the coordinate of a point along an axis
-/// of another frame, or its height over a plane, metres.
+/// Affine form `n · p + d` in single precision: the coordinate of a point along an axis of
+/// another frame, or its signed distance from a plane, metres.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct AffineForm {
     x: f32,
@@ -25,7 +26,7 @@ impl From<&Plane> for AffineForm {
 }
 
 impl AffineForm {
-    /// The three coordinates of `target_from_source`.
+    /// Affine forms of the three coordinates x, y, z of `target_from_source`.
     pub(crate) fn coordinates_of(target_from_source: &RigidTransform) -> [Self; 3] {
         let rotation = target_from_source.rotation.to_rotation_matrix();
         std::array::from_fn(|i| Self {
@@ -36,7 +37,7 @@ impl AffineForm {
         })
     }
 
-    /// The coordinate of a point.
+    /// Value at a point.
     #[inline]
     pub(crate) fn at(&self, x: f32, y: f32, z: f32) -> f32 {
         self.x * x + self.y * y + self.z * z + self.offset

@@ -1,6 +1,6 @@
-//! Colour as the eye tells it apart.
+//! CIELAB colour space and the CIE 1976 colour difference.
 
-/// Sum of colours.
+/// Sum of sRGB colours, for their mean.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct ColorSum {
     n: u32,
@@ -8,7 +8,7 @@ pub(crate) struct ColorSum {
 }
 
 impl ColorSum {
-    /// Adds a colour.
+    /// Add a colour.
     #[inline]
     pub(crate) fn add(&mut self, rgb: [u8; 3]) {
         self.n += 1;
@@ -17,7 +17,7 @@ impl ColorSum {
         }
     }
 
-    /// Adds another sum.
+    /// Add another sum.
     pub(crate) fn merge(&mut self, other: &Self) {
         self.n += other.n;
         for (sum, value) in self.rgb.iter_mut().zip(other.rgb) {
@@ -25,14 +25,14 @@ impl ColorSum {
         }
     }
 
-    /// The mean colour; black without any.
+    /// Mean colour; black for an empty sum.
     pub(crate) fn mean(&self) -> CieLab {
         let n = self.n.max(1) as f32;
         CieLab::from_srgb(self.rgb.map(|sum| sum as f32 / n))
     }
 }
 
-/// A colour in CIE 1976 L*a*b* under the white of sRGB (D65).
+/// Colour in CIE 1976 L\*a\*b\* under the white point of sRGB (D65).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct CieLab {
     l: f32,
@@ -41,7 +41,7 @@ pub(crate) struct CieLab {
 }
 
 impl CieLab {
-    /// The colour of sRGB values from 0 to 255 (IEC 61966-2-1).
+    /// Colour of sRGB values from 0 to 255 (IEC 61966-2-1).
     pub(crate) fn from_srgb(rgb: [f32; 3]) -> Self {
         let [r, g, b] = rgb.map(|value| {
             let value = value / 255.0;
@@ -68,7 +68,7 @@ impl CieLab {
         }
     }
 
-    /// The colour delta_e of 1976, in which about 2 is just seen.
+    /// Colour difference ΔE (CIE 1976); a difference of about 2 is just noticeable.
     pub(crate) fn delta_e(&self, other: &Self) -> f32 {
         let squared = |x: f32, y: f32| (x - y) * (x - y);
         (squared(self.l, other.l) + squared(self.a, other.a) + squared(self.b, other.b)).sqrt()
@@ -79,7 +79,7 @@ impl CieLab {
 mod tests {
     use super::*;
 
-    /// Values of the colour science literature for the primaries of sRGB.
+    /// CIELAB coordinates of the sRGB primaries, values of the colour science literature.
     #[test]
     fn known_colors_have_their_known_coordinates() {
         for (rgb, [l, a, b]) in [

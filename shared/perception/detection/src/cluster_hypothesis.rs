@@ -9,34 +9,37 @@ use crate::upright_box::UprightBox;
 use nalgebra::{Point3, Vector3};
 use point_cloud::OrganizedCloud;
 
-/// Share of a cluster's points that must be low for it to stand on the table.
+/// Least share of a cluster's points near the table for a standing object. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
 const STANDING_SHARE: f64 = 0.005;
 
-/// A ball hides the place it is_standing on from a camera above it: what begins below
-/// this share of its own height, and below this height, metres, may stand, too.
+/// Greatest ratio of the lowest to the highest point of a standing round object, whose
+/// contact area its own body occludes. Chosen; sensitivity: see `tabula-lab sweep`.
 const ROUND_GAP_SHARE: f32 = 0.2;
+
+/// Greatest height of the lowest point of a standing round object over the table, metres.
+/// Chosen; sensitivity: see `tabula-lab sweep`.
 const ROUND_GAP_MAX_M: f32 = 0.05;
 
-/// A cluster that may be an object, while it is being evaluated.
+/// Object hypothesis: a cluster with statistics, box and support.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ClusterHypothesis {
     pub(crate) cluster: u32,
     pub(crate) statistics: ClusterStatistics,
     pub(crate) upright_box: UprightBox,
-    /// `None` as long as nothing is known to carry it.
+    /// Support relation; `None` while no support is known.
     pub(crate) support: Option<Support>,
-    /// Whether there is no depth where it should stand.
+    /// `true` when the sensor has no depth below the lower border.
     pub(crate) is_base_without_depth: bool,
-    /// Whether its longest side is as long as an object's.
+    /// `true` when the longest side is in the range of objects.
     pub(crate) is_object_sized: bool,
-    /// Whether its points were told apart as those of a person or the robot; its
-    /// cluster is then one of those.
+    /// `true` for a cluster of masked points, which belong to a person or the robot.
     pub(crate) is_masked: bool,
 }
 
 impl ClusterHypothesis {
-    /// The body of some points of a cloud, of which nothing is known yet but
-    /// whether it is_standing on the table; `None` without points.
+    /// Hypothesis of some points of a cloud with only the table as possible support; `None`
+    /// without points.
     pub(crate) fn of(
         cluster: u32,
         indices: &[u32],
@@ -70,7 +73,7 @@ impl ClusterHypothesis {
         })
     }
 
-    /// Lower part of its box in which nothing was pixel_bounds, metres.
+    /// Height of the lower part of the box without any point, metres.
     pub(crate) fn occluded_base_m(&self) -> f64 {
         let ClusterStatistics {
             is_standing,
@@ -86,21 +89,22 @@ impl ClusterHypothesis {
     }
 }
 
-/// Sums over a cluster.
+/// Cluster statistics: centroid, mean colour, image bounds and height range.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ClusterStatistics {
     pub(crate) centroid: Point3<f64>,
     pub(crate) mean_rgb: [f32; 3],
     pub(crate) pixel_bounds: PixelBounds,
     pub(crate) height_m: [f32; 2],
-    /// Whether enough of its points are low for it to stand on the table.
+    /// `true` when enough points are near the table for a standing object.
     pub(crate) has_low_points: bool,
-    /// Whether it is_standing on the table: also what is round, whose foot is hidden.
+    /// `true` for a standing object, including a round one that occludes its own contact
+    /// area.
     pub(crate) is_standing: bool,
 }
 
 impl ClusterStatistics {
-    /// Sums over the pixels of a cluster, of which there must be at least one.
+    /// Statistics of the pixels of a cluster, which must not be empty.
     pub(crate) fn of(
         pixels: &[u32],
         cloud: &OrganizedCloud<'_>,
@@ -111,7 +115,7 @@ impl ClusterStatistics {
         let (mut rgb, mut n_low) = ([0_u64; 3], 0_u32);
         let (mut pixel_bounds, mut height_m) =
             (PixelBounds::default(), [f32::INFINITY, f32::NEG_INFINITY]);
-        // A division of 64 bits takes twice as long.
+        // A 64-bit division takes twice as long.
         let width = cloud.width() as u32;
         for &pixel in pixels {
             let point = &cloud.points()[pixel as usize];

@@ -1,4 +1,4 @@
-//! Connected parts of the image.
+//! Image-space clusters: connected components of the pixels above the table.
 
 mod concavity_split;
 mod connected_components;
@@ -12,25 +12,24 @@ use connected_components::Band;
 pub(crate) use concavity_split::ConcavitySplit;
 pub(crate) use track_regrouping::TrackClaims;
 
-/// Mark of a pixel that is in no cluster.
+/// Label of a pixel outside of all clusters.
 pub(crate) const NO_CLUSTER: u32 = u32::MAX;
 
-/// When two pixels belong together.
+/// Link rule: distance up to which two neighbouring pixels are connected.
 #[derive(Debug, Clone, Copy)]
 struct LinkDistance {
-    /// Points this near are one surface at any depth, metres.
+    /// Link distance at zero depth, metres. Chosen; sensitivity: see `tabula-lab sweep`.
     floor_m: f32,
-    /// Growth of the distance with squared depth, 1/metre. A step of a Kinect
-    /// v1's disparity is 2.8 mm at 1 m.
+    /// Growth of the link distance with squared depth, 1/metre; one disparity step of a
+    /// Kinect v1 is 2.8 mm at 1 m. Chosen; sensitivity: see `tabula-lab sweep`.
     per_m2: f32,
-    /// How many pixels a link may span: holes of the sensor are bridged, the
-    /// distance in space stays the evaluator.
+    /// Greatest span of a link in the image, pixels. Bridges sensor holes; the distance in
+    /// space must still fit. Chosen; sensitivity: see `tabula-lab sweep`.
     reach_px: usize,
 }
 
 impl LinkDistance {
-    /// Greatest squared distance of two linked points, one of them at a depth, square
-    /// metres.
+    /// Squared link distance at a depth, square metres.
     #[inline]
     fn squared_max(&self, z: f32) -> f32 {
         let distance_max = self.floor_m + self.per_m2 * z * z;
@@ -38,31 +37,31 @@ impl LinkDistance {
     }
 }
 
-/// LinkDistance of a cluster.
+/// Link rule of the clusters.
 const LINKS: LinkDistance = LinkDistance {
     floor_m: 0.004,
     per_m2: 0.0055,
     reach_px: 3,
 };
 
-/// Buffers, and the clusters found last.
+/// Clusters found last, with buffers.
 #[derive(Debug, Default)]
 pub(crate) struct Clusters {
     /// Per pixel: [`NO_CLUSTER`] or the number of its cluster.
     pub(crate) cluster_of: Vec<u32>,
     bands: Vec<Band>,
-    /// Per label: the label it was joined with; a find_root is its own parent.
+    /// Union-find forest, per label: the parent label; a root is its own parent.
     parents: Vec<u32>,
     /// Per label: its number of pixels, then the number of its cluster.
     number_of: Vec<u32>,
-    /// Where each cluster's pixels begin in `pixels`, with one more at the end.
+    /// Start of each cluster in `pixels`, with one more entry at the end.
     starts: Vec<u32>,
-    /// Pixels grouped by cluster.
+    /// Pixels sorted by cluster.
     pixels: Vec<u32>,
     ungrouped: Vec<u32>,
-    /// Pixels that have become support_plane_growth.
+    /// Pixels added by growth towards the support plane.
     front: Vec<u32>,
-    /// Clusters with the largest first.
+    /// Cluster numbers, largest cluster first.
     by_size: Vec<u32>,
 }
 
@@ -77,10 +76,10 @@ impl Clusters {
         &self.pixels[self.starts[cluster] as usize..self.starts[cluster + 1] as usize]
     }
 
-    /// Numbers the clusters that are large enough, and counts their pixels.
+    /// Number the components with at least `n_min` pixels and count their pixels.
     fn number_large_components(&mut self, n_min: u32) {
         for i in 0..self.parents.len() {
-            // A find_root is its own parent and comes before its members.
+            // A root is its own parent and precedes its members.
             self.parents[i] = self.parents[self.parents[i] as usize];
         }
         self.number_of.clear();
@@ -105,12 +104,12 @@ impl Clusters {
         }
     }
 
-    /// Sorts the pixels by the cluster that `parents` now holds for each label.
+    /// Counting sort of the pixels by the cluster that `parents` holds for each label.
     fn sort_by_cluster(&mut self) {
         let n_pixels = self.starts.last().copied().unwrap_or(0) as usize;
         self.pixels.clear();
         self.pixels.resize(n_pixels, 0);
-        // `number_of` has done its work and serves as each cluster's next place.
+        // Reuse `number_of` as the write position of each cluster.
         self.number_of.clear();
         self.number_of.extend_from_slice(&self.starts);
         for &pixel in &self.ungrouped {
@@ -132,7 +131,7 @@ fn squared_distance(a: &Point, b: &Point) -> f32 {
     dx * dx + dy * dy + dz * dz
 }
 
-/// Joins two clusters under the one that began first; returns its find_root.
+/// Union of two clusters under the lower label; returns the root.
 #[inline]
 fn union(parents: &mut [u32], a: u32, b: u32) -> u32 {
     let (a, b) = (find_root(parents, a), find_root(parents, b));
@@ -141,7 +140,7 @@ fn union(parents: &mut [u32], a: u32, b: u32) -> u32 {
     first
 }
 
-/// The find_root of a cluster, with path halving.
+/// Root of a label in the union-find forest, with path halving.
 #[inline]
 pub(crate) fn find_root(parents: &mut [u32], mut cluster: u32) -> u32 {
     while parents[cluster as usize] != cluster {

@@ -1,59 +1,60 @@
-//! What may be set.
+//! Detection settings and their validation.
 
 use constraint::{Expression, InvalidExpression};
-use std::fmt;
+use thiserror::Error;
 
-/// Settings as written down, not yet checked. The default fits a Kinect v1
-/// that looks at a table from 0.5 to 1.5 m.
+/// Detection settings as written, not validated. The default fits a Kinect v1 that views a
+/// table from 0.5 to 1.5 m. Numeric defaults: Chosen; sensitivity: see `tabula-lab sweep`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RawConfig {
-    /// Nearest depth that is used, metres; 0.1 to 10.
+    /// Least used depth, metres; 0.1 to 10.
     pub range_min_m: f64,
-    /// Farthest depth that is used, metres; above the nearest, to 10.
+    /// Greatest used depth, metres; above the least, to 10.
     pub range_max_m: f64,
-    /// Least half width of the band of points that belong to a plane, metres;
-    /// 0.001 to 0.1. Where three sigma of the depth noise are more, they count.
+    /// Least half width of the inlier band of a plane, metres; 0.001 to 0.1. Three sigma of
+    /// the depth noise apply where they exceed it.
     pub plane_band_min_m: f64,
-    /// Greatest angle between the table's normal and up, radians; 0 to 0.8.
-    /// Used only where up is known.
+    /// Greatest angle between the table's normal and up, radians; 0 to 0.8. Applies only
+    /// when up is known.
     pub table_tilt_max_rad: f64,
     /// Least height of an object's points over the table, metres; 0.001 to 0.1.
     pub height_min_m: f64,
-    /// Greatest height of an object's points, metres; above the least, to 3.
+    /// Greatest height of an object's points over the table, metres; above the least, to 3.
     pub height_max_m: f64,
-    /// Fewest points of an object at 1 m; at depth z it needs this over z²;
-    /// 1 to 100 000.
+    /// Least number of points of an object at 1 m, 1 to 100 000; divided by z² at depth z.
     pub points_min_at_1m: f64,
     /// Least length of an object's longest side, metres; 0.001 to 1.
     pub side_min_m: f64,
     /// Greatest length of an object's longest side, metres; above the least, to 5.
     pub side_max_m: f64,
-    /// How far over the table the lowest points of a standing object may
-    /// begin, metres; 0.001 to 0.5.
+    /// Greatest height of the lowest points of a standing object over the table, metres;
+    /// 0.001 to 0.5.
     pub standing_gap_max_m: f64,
-    /// The rule by which a candidate begins a track, see
-    /// [`Expression`](crate::Expression).
+    /// Rule by which a candidate begins a track, see
+    /// [`Expression`](constraint::Expression).
     pub rule: String,
-    /// Overlap with a track's box, as intersection over union, from which that
-    /// track explains a candidate; 0.01 to 1.
+    /// Least intersection over union with a track's box at which the track explains a
+    /// candidate; 0.01 to 1.
     pub track_overlap_max: f64,
-    /// Share of the points in the grown boxes of tracks from which these explain
-    /// a candidate; 0.01 to 1.
+    /// Least share of the points inside grown track boxes at which the tracks explain a
+    /// candidate; 0.01 to 1.
     pub track_points_share_max: f64,
-    /// Greatest longest side of what a hand can grasp, metres; 0.01 to 5.
+    /// Greatest longest side of a graspable object, metres; 0.01 to 5.
     pub graspable_side_max_m: f64,
-    /// Greatest second side of what a hand can grasp, metres; 0.01 to 5.
+    /// Greatest second longest side of a graspable object, metres; 0.01 to 5.
     pub graspable_second_side_max_m: f64,
-    /// Greatest volume of what a hand can grasp, cubic metres; 1e-6 to 10.
+    /// Greatest box volume of a graspable object, cubic metres; 1e-6 to 10.
     pub graspable_volume_max_m3: f64,
-    /// What is nearer to a part of a person belongs to it, metres; 0 to 0.5.
+    /// Self-filter margin around a person's capsules, metres; 0 to 0.5. Nearer points
+    /// belong to the person.
     pub person_margin_m: f64,
-    /// What is nearer to a link of the robot belongs to it, metres; 0 to 0.5.
+    /// Self-filter margin around the robot's capsules, metres; 0 to 0.5. Nearer points
+    /// belong to the robot.
     pub robot_margin_m: f64,
-    /// What is nearer to the table's rim is at the rim, metres; 0 to 1.
+    /// Width of the rim zone of the table, metres; 0 to 1.
     pub rim_distance_m: f64,
-    /// Share of a candidate's points at the rim above which it stands at the
-    /// rim; 0 to 1.
+    /// Share of a candidate's points in the rim zone above which it stands at the rim; 0 to
+    /// 1.
     pub rim_share_max: f64,
 }
 
@@ -84,64 +85,41 @@ impl Default for RawConfig {
     }
 }
 
-/// Checked settings.
+/// Validated detection settings.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Config {
     raw: RawConfig,
     rule: Expression,
 }
 
-/// A setting that can not be used.
-#[derive(Debug, Clone, PartialEq)]
+/// Invalid detection setting.
+#[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum InvalidConfig {
-    /// A number outside its range.
+    /// A number is outside its range.
+    #[error("the detection setting {name} is {value} but must lie between {min} and {max}")]
     OutOfRange {
         /// Name of the setting.
         name: &'static str,
-        /// What it is.
+        /// Given value.
         value: f64,
-        /// Least value.
+        /// Least valid value.
         min: f64,
-        /// Greatest value.
+        /// Greatest valid value.
         max: f64,
     },
-    /// A rule that can not be read.
-    Rule(InvalidExpression),
-}
-
-impl fmt::Display for InvalidConfig {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::OutOfRange {
-                name,
-                value,
-                min,
-                max,
-            } => write!(
-                f,
-                "the detection setting {name} is {value} but must lie between {min} and {max}"
-            ),
-            Self::Rule(error) => error.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for InvalidConfig {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::OutOfRange { .. } => None,
-            Self::Rule(error) => Some(error),
-        }
-    }
+    /// The rule cannot be parsed.
+    #[error("{0}")]
+    Rule(#[source] InvalidExpression),
 }
 
 impl Config {
-    /// Checks settings.
+    /// Validate settings.
     ///
     /// # Errors
-    /// Names the first setting outside its range; NaN is outside every range. A
-    /// rule that can not be read is quoted.
+    ///
+    /// Names the first setting outside its range; NaN is outside every range. Quotes a rule
+    /// that cannot be parsed.
     pub fn new(raw: RawConfig) -> Result<Self, InvalidConfig> {
         for (name, value, min, max) in [
             ("range_min_m", raw.range_min_m, 0.1, 10.0),
@@ -192,12 +170,12 @@ impl Config {
         Ok(Self { raw, rule })
     }
 
-    /// The rule by which a candidate begins a track.
+    /// Parsed rule by which a candidate begins a track.
     pub fn rule(&self) -> &Expression {
         &self.rule
     }
 
-    /// The settings.
+    /// Settings as written.
     pub fn get(&self) -> &RawConfig {
         &self.raw
     }
@@ -208,12 +186,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_default_is_valid() {
+    fn default_settings_are_valid() {
         assert_eq!(Config::new(RawConfig::default()), Ok(Config::default()));
     }
 
     #[test]
-    fn a_setting_out_of_range_is_named() {
+    fn invalid_setting_is_named() {
         let good = RawConfig::default();
         for (bad, name) in [
             (

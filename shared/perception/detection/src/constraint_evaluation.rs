@@ -1,4 +1,4 @@
-//! Evaluation of the constraints: three-valued findings for each candidate.
+//! Constraint evaluation: ternary findings for each candidate.
 
 mod body_mask;
 mod box_iou;

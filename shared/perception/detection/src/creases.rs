@@ -1,43 +1,44 @@
-//! Concave creases: lines along which one object stands on or against another.
+//! Concave crease detection: lines along which one object stands on or against another.
 
 use crate::patch::{Patch, PatchPixel};
 use sensor_noise::depth_sigma_m;
 use std::ops::Range;
 
-/// The width of the image in radians, roughly; the cloud does not say it, and
-/// the measure of a crease depends on it only in proportion.
+/// Approximate field of view of the image width, radians. The cloud does not state it; the
+/// crease measure is proportional to it. Chosen; sensitivity: see `tabula-lab sweep`.
 const IMAGE_WIDTH_RAD: f32 = 1.09;
 
-/// The sides of a crease are taken so long that the noise of depth changes
-/// their slope by this much (standard deviation).
+/// Target standard deviation of a crease's slope, metres per metre; it sets the arm length.
+/// Chosen; sensitivity: see `tabula-lab sweep`.
 const SLOPE_SIGMA: f32 = 0.14;
 
-/// Fewest and most pixels of a side.
+/// Least and greatest arm length of a crease, pixels. Chosen; sensitivity: see `tabula-lab
+/// sweep`.
 const ARM_PX: [usize; 2] = [4, 24];
 
-/// A surface is concave where its depth rises towards the middle by more than
-/// this, metres a metre across the line of sight on either side.
+/// Least slope of a concave crease, metres per metre across the line of sight on either
+/// side. Chosen; sensitivity: see `tabula-lab sweep`.
 const SLOPE_MIN: f32 = 0.4;
 
-/// Neighbours in a row or column belong to one surface up to this step of
-/// depth, metres, at 1 m; it grows with squared depth.
+/// Greatest depth step between neighbours on one surface, metres at 1 m; grows with squared
+/// depth. Chosen; sensitivity: see `tabula-lab sweep`.
 const STEP_M: f32 = 0.012;
 
-/// A crease is widened by this many pixels on either side, so that its ends
-/// leave no gap.
+/// Dilation of a crease along its line, pixels on either side, so that its ends leave no
+/// gap. Chosen; sensitivity: see `tabula-lab sweep`.
 const DILATION_PX: usize = 2;
 
-/// A cluster with fewer pixels of creases has none that parts it: the handle of a
-/// cup meets it in creases, too.
+/// Least number of crease pixels in a cluster to be split; the handle of a cup meets the
+/// cup in creases too. Chosen; sensitivity: see `tabula-lab sweep`.
 const CREASE_PIXELS_MIN: usize = 150;
 
-/// Buffers, and the creases found last.
+/// Creases found last, with buffers.
 #[derive(Debug, Default)]
 pub(crate) struct Creases {
-    /// Per index of the patch: whether a crease runs through it.
+    /// Per patch index: `true` on a crease.
     pub(crate) is_crease: Vec<bool>,
-    /// Per index: the stronger bend of its row's and its column's surface, metres a
-    /// metre, concave positive; NaN where none could be measured.
+    /// Per patch index: the stronger signed bend of its row and its column, metres per
+    /// metre, concave positive; NaN without a measurement.
     pub(crate) bend: Vec<f32>,
     by_column: Vec<PatchPixel>,
     next_in_column: Vec<u32>,
@@ -45,8 +46,8 @@ pub(crate) struct Creases {
 }
 
 impl Creases {
-    /// Marks the creases of a cluster, seen along rows and along columns; its image
-    /// was so many pixels wide. Returns whether it has some that may part it.
+    /// Mark the concave creases of a cluster along rows and columns of an image of width
+    /// `image_width`, pixels. Returns `true` when there are enough to split it.
     pub(crate) fn find(&mut self, patch: &Patch, image_width: usize) -> bool {
         self.is_crease.clear();
         self.is_crease.resize(patch.part_of.len(), false);
@@ -78,7 +79,7 @@ impl Creases {
         n_marked.count() >= CREASE_PIXELS_MIN
     }
 
-    /// Sorts the pixels, which are row by row, column by column.
+    /// Counting sort of the pixels from row-major to column-major order.
     fn sort_by_column(&mut self, patch: &Patch) {
         let Self {
             by_column,
@@ -103,7 +104,7 @@ impl Creases {
     }
 }
 
-/// Notes the bends of a surface, and the creases where they are concave enough.
+/// Record the bends of one surface and mark its concave creases.
 fn mark_surface(
     surface: &[PatchPixel],
     bends: &[f32],
@@ -122,19 +123,19 @@ fn mark_surface(
     }
 }
 
-/// Fits, around each pixel of a surface, a straight line plus a symmetric bend to
-/// the inverse depth, which is linear in the image on a plane.
+/// Least-squares fit of a line plus a symmetric bend to the inverse depth around each
+/// pixel. The inverse depth of a plane is linear in the image.
 #[derive(Debug, Default)]
 struct BendFit {
-    /// Prefix sums of the inverse depth and of its product with the index, which make
-    /// the work independent of the length of the arms. Double precision: the second
-    /// sum of a long row dwarfs what a bend changes.
+    /// Prefix sums of the inverse depth and of its product with the index, which make the
+    /// cost independent of the arm length. Double precision: in a long row the second sum
+    /// is much larger than the change by a bend.
     sums: [Vec<f64>; 2],
     bends: Vec<f32>,
 }
 
 impl BendFit {
-    /// The bend at each pixel, metres a metre; NaN where the arms would be too short.
+    /// Signed bend at each pixel, metres per metre; NaN where the arms would be too short.
     fn bends(&mut self, surface: &[PatchPixel], pixel_rad: f32) -> &[f32] {
         self.accumulate(surface);
         let n = surface.len();
@@ -170,9 +171,8 @@ impl BendFit {
         }));
     }
 
-    /// Slope of inverse depth, per pixel, away from each of some pixels on both
-    /// sides, over arms of a length. Without a branch, so that the compiler makes
-    /// vector instructions of it.
+    /// Fit the bend at a range of pixels with a given arm length. Branch-free, so that the
+    /// compiler vectorises it.
     fn fit_bends(&mut self, pixels: Range<usize>, arm: usize) {
         let (first, n) = (pixels.start, pixels.len());
         let [plain, weighted] = &self.sums;
@@ -193,8 +193,8 @@ impl BendFit {
     }
 }
 
-/// Pixels of a side of a crease at a depth. The bend of n pixels to either
-/// side has the noise of one pixel divided by the root of n³ / 6.
+/// Arm length of a crease at a depth, pixels. The bend over n pixels on either side has the
+/// noise of one pixel divided by the square root of n³ / 6.
 fn arm_px(z: f32, pixel_rad: f32) -> usize {
     let noise_in_pixels = depth_sigma_m(z) / (z * pixel_rad);
     let cubed = 6.0 * (noise_in_pixels / SLOPE_SIGMA).powi(2);
@@ -203,7 +203,7 @@ fn arm_px(z: f32, pixel_rad: f32) -> usize {
 
 #[cfg(test)]
 impl Creases {
-    /// Creases as given, for tests of what follows from them.
+    /// Creases of given marks, for tests.
     pub(crate) fn from_marks(is_crease: Vec<bool>) -> Self {
         let bend = is_crease.iter().map(|&is| f32::from(is)).collect();
         Self {
@@ -222,7 +222,7 @@ mod tests {
 
     const WIDTH: usize = 640;
 
-    /// A band of the image at `z(column, row)`, and its cluster.
+    /// Crease marks of an image band with depth `z(column, row)`.
     fn creases(z: impl Fn(f32, f32) -> f32) -> Vec<bool> {
         let points: Vec<Point> = (0..WIDTH * 40)
             .map(|i| {
@@ -246,8 +246,8 @@ mod tests {
         patch.pixels.iter().map(is_crease).collect()
     }
 
-    /// Depth of two planes that meet at column 320, each leaving the line of
-    /// sight's normal by `slope` metres a metre.
+    /// Depth of two planes that meet at column 320, each inclined by `slope` metres per
+    /// metre.
     fn folded(slope: f32, column: f32) -> f32 {
         1.0 / (1.0 + slope * (column - 320.0).abs() / 585.0)
     }
@@ -269,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn convex_folds_and_shallow_ones_are_none() {
+    fn convex_and_shallow_folds_are_not_creases() {
         for slope in [-1.0, -0.5, 0.2] {
             assert!(
                 !creases(|column, _| folded(slope, column)).contains(&true),

@@ -1,27 +1,15 @@
-//! What can go wrong with an input.
+//! Detection errors.
 
-use std::fmt;
+use thiserror::Error;
 
-/// Why a cloud could not be searched.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// Detection error.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The cloud has more points than an index can name.
+    /// The cloud has more points than an index can address.
+    #[error("a cloud of {n_points} points is larger than an image of 8192x8192; reduce it first")]
     TooLarge {
-        /// Number of its points.
+        /// Number of points.
         n_points: usize,
     },
 }
-
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::TooLarge { n_points } => write!(
-                f,
-                "a cloud of {n_points} points is larger than an image of 8192x8192; reduce it first"
-            ),
-        }
-    }
-}
-
-impl std::error::Error for Error {}

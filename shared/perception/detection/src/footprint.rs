@@ -1,28 +1,30 @@
-//! The smallest upright box around points over a table.
+//! Minimum-area bounding rectangle of a footprint on the table.
 
 use nalgebra::Vector2;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// Directions in which the outermost point is kept. A rectangle keeps its
-/// corners with four of them, a circle loses 1 % of its radius with 24.
+/// Number of directions of the approximate convex hull. Four preserve the corners of a
+/// rectangle; with 24 a circle loses 1 % of its radius.
 const N_DIRECTIONS: usize = 24;
 
-/// Steps of the search for the yaw: one degree.
+/// Number of yaw steps of the rectangle search: one degree each.
 const N_YAWS: usize = 90;
 
-/// Points are added in the order of every so many.
+/// Insertion stride: points are added in strided order, so that most points are interior
+/// when they are tested.
 const INSERTION_STRIDE: usize = 61;
 
-/// The outermost points of a set in the plane.
+/// Approximate convex hull of a planar point set: its extreme point in each of a fixed
+/// number of directions.
 #[derive(Debug, Clone)]
 pub(crate) struct Footprint {
-    /// First and second coordinates of the directions.
+    /// Components of the directions, first and second coordinate.
     directions: [[f32; N_DIRECTIONS]; 2],
     farthest: [f32; N_DIRECTIONS],
     corners: [[f32; 2]; N_DIRECTIONS],
 }
 
-/// A rectangle in the plane.
+/// Rectangle in the plane of the table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Rectangle {
     pub(crate) centre: Vector2<f64>,
@@ -33,8 +35,8 @@ pub(crate) struct Rectangle {
 }
 
 impl Rectangle {
-    /// Whether two rectangles come within a distance of each other along the
-    /// sides of both (separating axes; near corners count a little early).
+    /// Separating-axis test: `true` when two rectangles are within a distance of each other
+    /// along the sides of both. Slightly early near corners.
     pub(crate) fn overlaps(&self, other: &Self, distance_m: f64) -> bool {
         let between = other.centre - self.centre;
         self.sides().into_iter().chain(other.sides()).all(|side| {
@@ -48,7 +50,7 @@ impl Rectangle {
         [Vector2::new(cos, sin), Vector2::new(-sin, cos)]
     }
 
-    /// How far it reaches from its centre along a direction.
+    /// Half extent along a direction, metres.
     fn reach_m(&self, direction: &Vector2<f64>) -> f64 {
         let [long, short] = self.sides();
         self.half_sides_m.x * long.dot(direction).abs()
@@ -69,8 +71,7 @@ impl Footprint {
         }
     }
 
-    /// Adds `n` finite points, which are mostly given in the order of an image: those far
-    /// from each other first, so that few are outermost when their turn comes.
+    /// Add `n` finite points given in image order, in strided order for speed.
     #[inline]
     pub(crate) fn add_all(&mut self, n: usize, point: impl Fn(usize) -> [f32; 2]) {
         for first in 0..INSERTION_STRIDE.min(n) {
@@ -81,12 +82,12 @@ impl Footprint {
         }
     }
 
-    /// Adds a finite point.
+    /// Add a finite point.
     #[inline]
     pub(crate) fn add(&mut self, u: f32, v: f32) {
         let [of_u, of_v] = &self.directions;
         let along: [f32; N_DIRECTIONS] = std::array::from_fn(|i| of_u[i] * u + of_v[i] * v);
-        // Most points lie within the others, which a few vector instructions tell.
+        // Most points are interior; a few vector instructions reject them.
         let farther = (0..N_DIRECTIONS).filter(|&i| along[i] > self.farthest[i]);
         if farther.count() == 0 {
             return;
@@ -99,7 +100,7 @@ impl Footprint {
         }
     }
 
-    /// The rectangle of least area; `None` without points.
+    /// Rectangle of least area over all yaw steps; `None` without points.
     pub(crate) fn min_area_rectangle(&self) -> Option<Rectangle> {
         if self.farthest[0] == f32::NEG_INFINITY {
             return None;
@@ -147,7 +148,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_turned_rectangle_is_found_again(
+        fn rotated_rectangle_is_recovered(
             yaw in -1.57..1.57_f64, long in 0.1..0.3_f64, share in 0.2..0.8_f64, shift in -1.0..1.0_f64,
         ) {
             let mut footprint = Footprint::new();
@@ -181,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn no_points_have_no_rectangle() {
+    fn empty_footprint_has_no_rectangle() {
         assert_eq!(Footprint::new().min_area_rectangle(), None);
     }
 }

@@ -1,4 +1,4 @@
-//! The table around an object whose top is the largest plane of the image.
+//! Occluded-table search: the table around an object whose top is the largest plane.
 
 use crate::RawConfig;
 use crate::affine_form::AffineForm;
@@ -11,16 +11,18 @@ use crate::samples::{Samples, plane_band_m};
 use crate::table::FLOOR_GAP_M;
 use geometry::{ConvexPolygon, Plane};
 
-/// Step of height in which the samples under a plane are counted, metres.
+/// Bin width of the height histogram under a plane, metres. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
 const STEP_M: f64 = 0.008;
 
-/// Number of steps down to where a floor begins.
+/// Number of histogram bins down to the floor gap.
 const N_STEPS: usize = (FLOOR_GAP_M / STEP_M) as usize;
 
-/// How far the top may reach out over what is seen of the table, metres.
+/// Greatest overhang of an object's top over the visible table, metres. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
 const OVERHANG_M: f64 = 0.02;
 
-/// Buffers.
+/// Buffers of the occluded-table search.
 #[derive(Debug, Default)]
 pub(crate) struct OccludedTableBuffers {
     top: ConvexPolygon,
@@ -28,9 +30,9 @@ pub(crate) struct OccludedTableBuffers {
     outline: Outline,
 }
 
-/// The table on which the object stands whose top is `plane`: a parallel plane
-/// a little lower that is seen on all sides of it. `None` when the plane is too
-/// large for the top of an object, or there is no such table.
+/// Plane of the table under an object whose top is `plane`: a parallel plane a little lower
+/// that is visible on all sides of it. `None` when the plane is too large for an object's
+/// top or no such table exists.
 pub(crate) fn find_occluded_table(
     samples: &Samples,
     plane: &Plane,
@@ -45,7 +47,7 @@ pub(crate) fn find_occluded_table(
         outline,
     } = buffers;
     let gap_m = most_frequent_gap_m(samples, plane, config, n_min)?;
-    // One frame for both, so that the polygons lie one over the other.
+    // One frame for both polygons, so that they are comparable.
     let plane_from_camera = plane.plane_from_source();
     find_region(
         samples,
@@ -73,8 +75,8 @@ pub(crate) fn find_occluded_table(
     surrounds.then(|| region_plane(samples, region).unwrap_or(lower))
 }
 
-/// How far below the plane the most samples lie, metres; `None` when nowhere
-/// are enough.
+/// Mode of the height histogram under a plane, metres below it; `None` when it holds fewer
+/// than `n_min` samples.
 fn most_frequent_gap_m(
     samples: &Samples,
     plane: &Plane,
@@ -98,8 +100,8 @@ fn most_frequent_gap_m(
     (n >= n_min).then_some((step + 1) as f64 * STEP_M)
 }
 
-/// The longer side of the smallest rectangle around a polygon, metres; `None`
-/// without corners.
+/// Longer side of the minimum-area rectangle around a polygon, metres; `None` without
+/// corners.
 fn longest_side_m(polygon: &ConvexPolygon) -> Option<f64> {
     let mut footprint = Footprint::new();
     for corner in polygon.corners() {

@@ -1,20 +1,20 @@
-//! The outline of the table, which need not be convex.
+//! Table outline: a possibly concave polygon with rim marks.
 
 use geometry::ConvexPolygon;
 use nalgebra::Point2;
 
-/// A closed line around the table, counter-clockwise in the table's frame.
+/// Outline polygon of the table, counter-clockwise in the table's frame, possibly concave.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Outline {
-    /// Its corners, metres.
+    /// Corners, metres.
     pub corners: Vec<Point2<f64>>,
-    /// Whether the side from each corner to the next is the table's rim; other
-    /// sides are where the view ends.
+    /// Per side, from each corner to the next: `true` on the table's rim, `false` where the
+    /// view ends.
     pub is_rim: Vec<bool>,
 }
 
 impl Outline {
-    /// The outline of a hull whose sides are all rim.
+    /// Outline of a convex hull with all sides marked as rim.
     pub(crate) fn around(hull: &ConvexPolygon) -> Self {
         Self {
             corners: hull.corners().to_vec(),
@@ -22,7 +22,7 @@ impl Outline {
         }
     }
 
-    /// Whether a place lies inside (even-odd rule).
+    /// Point-in-polygon test (even-odd rule).
     pub fn contains(&self, place: &Point2<f64>) -> bool {
         self.sides()
             .filter(|(a, b, _)| {
@@ -34,9 +34,9 @@ impl Outline {
             == 1
     }
 
-    /// Distance of a place from the rim, metres: negative beyond the rim,
-    /// positive on the table and where the view ends before the rim; infinite
-    /// without a rim, as when the table fills the view.
+    /// Signed distance of a point from the rim, metres: negative beyond the rim, positive
+    /// on the table and where the view ends before the rim. Infinite without a rim, for
+    /// example when the table fills the view.
     pub fn rim_distance_m(&self, place: &Point2<f64>) -> f64 {
         let (mut rim_m, mut view_end_m) = (f64::INFINITY, f64::INFINITY);
         for (a, b, is_rim) in self.sides() {
@@ -50,8 +50,8 @@ impl Outline {
         }
     }
 
-    /// Whether a place and all around it up to a distance, metres, lie inside, away
-    /// from every side.
+    /// `true` when a disc of radius `distance_m`, metres, around a point is inside the
+    /// outline.
     pub(crate) fn contains_disc(&self, place: &Point2<f64>, distance_m: f64) -> bool {
         self.contains(place)
             && self
@@ -66,7 +66,7 @@ impl Outline {
     }
 }
 
-/// Distance of a place from the segment between two others, metres.
+/// Distance of a point from a line segment, metres.
 pub(crate) fn distance_m(place: &Point2<f64>, a: &Point2<f64>, b: &Point2<f64>) -> f64 {
     let along = b - a;
     let share = (place - a).dot(&along) / along.norm_squared().max(1e-12);
@@ -77,7 +77,7 @@ pub(crate) fn distance_m(place: &Point2<f64>, a: &Point2<f64>, b: &Point2<f64>) 
 mod tests {
     use super::*;
 
-    /// An L of 2 m by 2 m without its upper right quarter.
+    /// L shape of 2 m by 2 m without its upper right quarter.
     fn l_shape() -> Outline {
         let corners = [
             [0.0, 0.0],
@@ -94,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn the_inner_corner_is_outside_and_has_a_rim() {
+    fn concave_corner_is_outside_and_has_a_rim() {
         let outline = l_shape();
         assert!(outline.contains(&Point2::new(0.5, 1.5)));
         assert!(!outline.contains(&Point2::new(1.5, 1.5)));
@@ -103,7 +103,7 @@ mod tests {
     }
 
     #[test]
-    fn where_the_view_ends_is_no_rim() {
+    fn view_end_sides_are_not_rim() {
         for v in [0.1, -0.1] {
             let distance_m = l_shape().rim_distance_m(&Point2::new(1.0, v));
             assert!((distance_m - 1.0_f64.hypot(v.min(0.0)).min(1.0 - v)).abs() < 1e-12);
@@ -111,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn an_outline_without_a_rim_is_infinitely_wide() {
+    fn outline_without_rim_has_infinite_rim_distance() {
         let mut outline = l_shape();
         outline.is_rim.fill(false);
         assert!(outline.rim_distance_m(&Point2::new(0.1, 0.1)) == f64::INFINITY);

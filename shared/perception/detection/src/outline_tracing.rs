@@ -4,10 +4,11 @@ use crate::outline::{Outline, distance_m};
 use crate::table_surface::TableSurface;
 use nalgebra::Point2;
 
-/// Corners are left out where the outline stays this near, metres.
+/// Tolerance of the polygon simplification, metres. Chosen; sensitivity: see `tabula-lab
+/// sweep`.
 const TOLERANCE_M: f64 = 0.03;
 
-/// Buffers of the tracing.
+/// Contour tracer of the table's cells, with its buffers.
 #[derive(Debug, Default)]
 pub(crate) struct OutlineTracer {
     corners: Vec<Point2<f64>>,
@@ -16,8 +17,8 @@ pub(crate) struct OutlineTracer {
 }
 
 impl OutlineTracer {
-    /// Follows the border of the table's cells. A side is rim unless it lies
-    /// along a side of `hull` that is none.
+    /// Trace the border of the table's cells into `outline`. A side is marked as rim unless
+    /// it lies along a side of `hull` that is none.
     pub(crate) fn trace(&mut self, surface: &TableSurface, hull: &Outline, outline: &mut Outline) {
         self.trace_border(surface);
         self.simplify();
@@ -27,7 +28,7 @@ impl OutlineTracer {
         outline.is_rim.clear();
         for (i, a) in outline.corners.iter().enumerate() {
             let b = outline.corners[(i + 1) % outline.corners.len()];
-            // The end of the view may be several sides of the hull.
+            // The end of the view may span several sides of the hull.
             let ends_view = |corner: &Point2<f64>| {
                 let mut sides = hull.sides().filter(|(_, _, is_rim)| !is_rim);
                 sides.any(|(from, to, _)| distance_m(corner, &from, &to) <= TOLERANCE_M)
@@ -38,8 +39,8 @@ impl OutlineTracer {
         }
     }
 
-    /// Walks around the cells of the table, which stay on the left, from the
-    /// first cell back to it; keeps the places where the way turns.
+    /// Boundary following: walk around the table's cells, which stay on the left, from the
+    /// first cell back to it, and record the turning points.
     fn trace_border(&mut self, surface: &TableSurface) {
         const STEPS: [[isize; 2]; 4] = [[1, 0], [0, 1], [-1, 0], [0, -1]];
         self.corners.clear();
@@ -51,7 +52,7 @@ impl OutlineTracer {
         let (mut at, mut heading) = (start, 0);
         loop {
             at = [at[0] + STEPS[heading][0], at[1] + STEPS[heading][1]];
-            // The cells ahead, to the left and to the right of the way.
+            // Cells ahead, to the left and to the right of the heading.
             let [x, y] = at;
             let [left, right] = match heading {
                 0 => [[x, y], [x, y - 1]],
@@ -75,7 +76,7 @@ impl OutlineTracer {
         }
     }
 
-    /// Keeps the corners that the outline needs (Douglas and Peucker 1973).
+    /// Polygon simplification (Douglas and Peucker 1973).
     fn simplify(&mut self) {
         let Self {
             corners,

@@ -1,17 +1,17 @@
-//! ScopedThreads that take part in a search.
+//! Parallel execution of detection stages over shared work items.
 
-use std::sync::{Mutex, PoisonError};
+use parking_lot::Mutex;
 
-/// Who takes part in a search.
+/// Parallelism: the threads on which detection stages run.
 ///
-/// What is found does not depend on it.
+/// The result does not depend on the implementation.
 pub trait Crew {
-    /// Calls `work` on the calling thread, and at the same time on others that have
-    /// nothing else to do; returns when the last call is over.
+    /// Run `work` on the calling thread and, at the same time, on any idle threads; return
+    /// after the last call ends. Each call takes work items until none is left.
     fn together(&self, work: &(dyn Fn() + Sync));
 }
 
-/// The calling thread, without help.
+/// Sequential execution on the calling thread.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Sequential;
 
@@ -21,7 +21,7 @@ impl Crew for Sequential {
     }
 }
 
-/// Does `work` with each item: who is free takes the next one.
+/// Run `work` for each item on all threads; an idle thread takes the next item.
 pub(crate) fn for_each<I>(parallelism: &dyn Crew, items: I, work: impl Fn(I::Item) + Sync)
 where
     I: Iterator<Item: Send> + Send,
@@ -34,12 +34,12 @@ where
     });
 }
 
-/// Memory for those who work together, a piece for each. Reused from frame to frame.
+/// Scratch pool: one buffer per working thread, reused from frame to frame.
 #[derive(Debug, Default)]
 pub(crate) struct ScratchPool<D>(Mutex<Vec<D>>);
 
 impl<D: Default + Send> ScratchPool<D> {
-    /// Does `work` with each item, and with a scratch that nobody else has meanwhile.
+    /// Run `work` for each item on all threads, each with its own scratch buffer.
     pub(crate) fn for_each<I>(
         &self,
         parallelism: &dyn Crew,
@@ -55,27 +55,23 @@ impl<D: Default + Send> ScratchPool<D> {
                 work(scratch.get_or_insert_with(|| self.take()), item);
             }
             if let Some(scratch) = scratch {
-                self.0
-                    .lock()
-                    .unwrap_or_else(PoisonError::into_inner)
-                    .push(scratch);
+                self.0.lock().push(scratch);
             }
         });
     }
 
-    /// All pool, when nobody works.
+    /// All scratch buffers, while no work runs.
     pub(crate) fn all(&mut self) -> &mut [D] {
-        self.0.get_mut().unwrap_or_else(PoisonError::into_inner)
+        self.0.get_mut()
     }
 
     fn take(&self) -> D {
-        let mut pool = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        pool.pop().unwrap_or_default()
+        self.0.lock().pop().unwrap_or_default()
     }
 }
 
 impl<T: Send> ScratchPool<Vec<T>> {
-    /// Empties all pool into a list, in no order.
+    /// Move the contents of all scratch buffers into a list, in no particular order.
     pub(crate) fn gather(&mut self, list: &mut Vec<T>) {
         for scratch in self.all() {
             list.append(scratch);
@@ -83,9 +79,9 @@ impl<T: Send> ScratchPool<Vec<T>> {
     }
 }
 
-/// The lock is released before anybody works with the item.
+/// Next work item; the lock is released before the work begins.
 fn take_next<I: Iterator>(items: &Mutex<I>) -> Option<I::Item> {
-    items.lock().unwrap_or_else(PoisonError::into_inner).next()
+    items.lock().next()
 }
 
 #[cfg(test)]
@@ -99,7 +95,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_item_is_taken_once_and_no_desk_is_lost() {
+    fn items_are_taken_once_and_no_scratch_is_lost() {
         for n_threads in [1, 2, 4] {
             let parallelism = ScopedThreads(n_threads);
             let mut marks = vec![0; 500];

@@ -1,43 +1,42 @@
-//! A cluster laid out on an image of its own.
+//! Cluster patch: a cluster copied into an image of its own.
 
 use crate::clusters::NO_CLUSTER;
 use point_cloud::{OrganizedCloud, Point};
 
-/// Mark of a index of the cluster that belongs to no part of it yet.
+/// Label of a patch pixel that belongs to the cluster but to no part yet.
 pub(crate) const UNASSIGNED: u32 = u32::MAX - 1;
 
-/// Empty rows and columns around the cluster: who looks at neighbours up to this
-/// far need not ask where the image ends.
+/// Empty margin around the cluster, pixels, so that neighbour access up to this distance
+/// needs no bounds check.
 pub(crate) const MARGIN_PX: usize = 2;
 
-/// The part of the image that a cluster covers, copied: what is done with each of
-/// its pixels and their neighbours then stays in the nearest caches. Reused from
-/// cluster to cluster.
+/// Cluster patch: the image region of a cluster, copied so that neighbour access stays in
+/// the nearest caches. Reused from cluster to cluster.
 #[derive(Debug, Default)]
 pub(crate) struct Patch {
-    /// Places from one row to the next.
+    /// Row stride, pixels.
     pub(crate) width: usize,
-    /// The cluster's pixels in image order.
+    /// Pixels of the cluster in image order.
     pub(crate) pixels: Vec<PatchPixel>,
-    /// Per index; of places outside of the cluster left from whatever was there before.
+    /// Per index: the point; stale outside of the cluster.
     pub(crate) points: Vec<Point>,
     /// Per index: [`NO_CLUSTER`], [`UNASSIGNED`] or the number of its part.
     pub(crate) part_of: Vec<u32>,
 }
 
-/// A pixel of a cluster.
+/// Pixel of a cluster patch.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct PatchPixel {
-    /// Where it lies in the patch.
+    /// Index in the patch.
     pub(crate) index: u32,
     pub(crate) row: u32,
     pub(crate) column: u32,
-    /// Its depth, metres.
+    /// Depth, metres.
     pub(crate) z: f32,
 }
 
 impl Patch {
-    /// Lays out a cluster, given by its pixels in image order.
+    /// Copy a cluster, given by its pixels in image order.
     pub(crate) fn copy_cluster(&mut self, cloud: &OrganizedCloud<'_>, cluster: &[u32]) {
         let image_width = cloud.width();
         let first_row = cluster

@@ -1,12 +1,12 @@
-//! Bounding rectangle of the pixels with depth.
+//! Bounding rectangle of pixels, for image-border tests.
 
 use point_cloud::{OrganizedCloud, Point};
 
-/// The outermost columns with depth are looked for in each of so many rows.
+/// Row step of the search for the outermost columns with depth.
 const ROWS_STEP: usize = 8;
 
-/// The part of the image in which the sensor measures at all: registered depth
-/// leaves empty margins, which are the real border of the image.
+/// Bounding rectangle of pixels. That of all pixels with depth is the effective image
+/// border, because registered depth leaves empty margins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct PixelBounds {
     pub(crate) columns: [usize; 2],
@@ -19,8 +19,8 @@ impl PixelBounds {
         rows: [usize::MAX, 0],
     };
 
-    /// The part of a cloud: its first and last row with any depth, and the
-    /// outermost columns of every few rows.
+    /// Bounding rectangle of the pixels with depth: exact in rows, and in columns from
+    /// every [`ROWS_STEP`]-th row.
     pub(crate) fn of(cloud: &OrganizedCloud<'_>) -> Self {
         let mut seen = Self::NOTHING;
         let first = |row: usize| cloud.row(row).iter().position(Point::is_finite);
@@ -45,8 +45,7 @@ impl PixelBounds {
         self.rows = [self.rows[0].min(row), self.rows[1].max(row)];
     }
 
-    /// Whether another rectangle within this one comes within `margin_px` of
-    /// its border.
+    /// `true` when a rectangle inside this one comes within `margin_px` of its border.
     pub(crate) fn is_touched_by(&self, inner: &Self, margin_px: usize) -> bool {
         let near = |outer: [usize; 2], inner: [usize; 2]| {
             inner[0] <= outer[0] + margin_px || inner[1] + margin_px >= outer[1]

@@ -1,4 +1,4 @@
-//! RANSAC for the plane with the most samples.
+//! RANSAC plane search on the subsampled image.
 
 use crate::affine_form::AffineForm;
 use crate::samples::Samples;
@@ -6,37 +6,40 @@ use geometry::Plane;
 use nalgebra::{Point3, Unit, Vector3};
 use random::Random;
 
-/// A hypothesis is counted on about this many samples.
+/// Target number of samples on which a hypothesis is scored.
 const N_COUNTED_AIMED: usize = 2400;
 
-/// Half side of the window, in samples, in which the second and third point of
-/// a hypothesis are drawn: neighbours lie on one surface far more often than
-/// points from all over the image.
+/// Half side of the window, in samples, from which the second and third point of a
+/// hypothesis are drawn; neighbours share a surface more often than random points. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
 const WINDOW: usize = 32;
 
-/// Neighbours nearer than this, in samples, give a plane of noise.
+/// Least distance of drawn neighbours, in samples; nearer ones give a plane dominated by
+/// noise. Chosen; sensitivity: see `tabula-lab sweep`.
 const WINDOW_MIN: isize = 5;
 
-/// Most hypotheses for one plane.
+/// Greatest number of hypotheses for one plane.
 const N_HYPOTHESES_MAX: usize = 240;
 
-/// Accepted chance of not drawing a single good hypothesis.
+/// Accepted probability of drawing no good hypothesis. Chosen; sensitivity: see `tabula-lab
+/// sweep`.
 const MISS_CHANCE: f64 = 0.005;
 
-/// Chance that window neighbours of a point on a plane both lie on it.
+/// Assumed probability that two window neighbours of an inlier are inliers too. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
 const NEIGHBOURS_AGREE: f64 = 0.3;
 
-/// Buffers of the search.
+/// Buffers of the plane search.
 #[derive(Debug, Default)]
 pub(crate) struct PlaneSearchBuffers {
     free: Vec<u32>,
     counted: Samples,
 }
 
-/// Directions a normal may have.
+/// Constraint on the direction of a plane's normal.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct NormalConstraint {
-    /// Up, camera frame.
+    /// Up direction, camera frame.
     pub(crate) up: Unit<Vector3<f64>>,
     /// Least cosine between the normal, or its opposite, and up.
     pub(crate) cos_min: f64,
@@ -48,12 +51,12 @@ impl NormalConstraint {
     }
 }
 
-/// The plane with the most free samples in its band, refined by least squares;
-/// `None` when no hypothesis has `n_min` inliers.
+/// Largest plane: the plane with the most unassigned samples in its band, refined by least
+/// squares; `None` when no hypothesis has `n_min` inliers. The positive side of the plane
+/// holds the camera.
 ///
-/// RANSAC (Fischler and Bolles 1981) with neighbouring points, local
-/// optimisation of each new best hypothesis (Chum, Matas and Kittler 2003) and
-/// an adaptive number of rounds. The plane's positive side holds the camera.
+/// RANSAC (Fischler and Bolles 1981) with neighbouring points, local optimisation of each
+/// new best hypothesis (Chum, Matas and Kittler 2003) and an adaptive number of rounds.
 pub(crate) fn largest_plane(
     samples: &Samples,
     limit: Option<&NormalConstraint>,
@@ -93,7 +96,7 @@ pub(crate) fn largest_plane(
     (n_inliers >= n_min).then(|| plane.facing(&Point3::origin()))
 }
 
-/// A plane through a random sample and two of its neighbours.
+/// Plane hypothesis through a random sample and two of its neighbours.
 fn hypothesis(samples: &Samples, free: &[u32], random: &mut Random) -> Option<Plane> {
     let anchor = free[random.below(free.len())] as usize;
     let second = neighbour(samples, anchor, random)?;
@@ -118,7 +121,8 @@ fn neighbour(samples: &Samples, anchor: usize, random: &mut Random) -> Option<us
     (inside && samples.is_unassigned(index)).then_some(index)
 }
 
-/// A hypothesis after least squares over its own inliers, when that has more.
+/// Local optimisation: least squares over the inliers of a hypothesis while their number
+/// grows.
 fn locally_optimised(
     counted: &Samples,
     mut plane: Plane,
@@ -138,8 +142,8 @@ fn locally_optimised(
     (plane, n_inliers)
 }
 
-/// Least squares over all samples, repeated because the inliers change with
-/// the plane.
+/// Least-squares refinement over all samples, repeated because the inliers change with the
+/// plane.
 fn refined(samples: &Samples, mut plane: Plane, allowed: &impl Fn(&Plane) -> bool) -> Plane {
     for _ in 0..2 {
         match fitted(samples, &plane).filter(allowed) {
@@ -150,7 +154,7 @@ fn refined(samples: &Samples, mut plane: Plane, allowed: &impl Fn(&Plane) -> boo
     plane
 }
 
-/// The least-squares plane of the inliers of another plane.
+/// Least-squares plane of the inliers of another plane.
 fn fitted(samples: &Samples, plane: &Plane) -> Option<Plane> {
     let axes = samples
         .inlier_moments(&AffineForm::from(plane))
@@ -159,8 +163,7 @@ fn fitted(samples: &Samples, plane: &Plane) -> Option<Plane> {
     Some(Plane::through(&axes.centroid, normal))
 }
 
-/// How many hypotheses make it unlikely to have missed a plane with this share
-/// of inliers.
+/// Adaptive number of RANSAC rounds for the inlier share found so far.
 fn rounds_needed(n_inliers: u32, n: usize) -> usize {
     let hit = (NEIGHBOURS_AGREE * f64::from(n_inliers) / n as f64).clamp(1e-6, 0.99);
     (MISS_CHANCE.ln() / (1.0 - hit).ln())

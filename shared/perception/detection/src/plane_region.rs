@@ -1,4 +1,4 @@
-//! The connected part of a plane's inliers, and the polygon around it.
+//! Largest connected region of a plane's inliers and its polygon.
 
 use crate::affine_form::AffineForm;
 use crate::outline::Outline;
@@ -7,38 +7,42 @@ use geometry::{ConvexPolygon, Plane, RigidTransform};
 use nalgebra::{Point2, Point3, Unit};
 use point_cloud::Moments;
 
-/// Side of a cell of the map of the plane, metres.
+/// Side of an occupancy cell on the plane, metres. Chosen; sensitivity: see `tabula-lab
+/// sweep`.
 const CELL_M: f32 = 0.04;
 
-/// Most cells a side; a larger plane gets larger cells.
+/// Greatest number of cells per side; a larger plane gets larger cells.
 const CELLS_MAX: usize = 256;
 
-/// A cell is covered when it holds this many samples.
+/// Least number of samples in an occupied cell. Chosen; sensitivity: see `tabula-lab
+/// sweep`.
 const CELL_SAMPLES_MIN: u32 = 2;
 
-/// Table is continuous across this many empty cells: what stands on it hides
-/// parts of it.
+/// Greatest gap bridged within a region, cells: objects on the table occlude parts of it.
+/// Chosen; sensitivity: see `tabula-lab sweep`.
 const GAP_CELLS: isize = 3;
 
-/// A sensor sees nothing at the border of its image, in registered depth, up to
-/// this share of a side; where depth ends farther inside, something ends.
+/// Greatest width of the image margin without registered depth, share of a side. An edge of
+/// depth farther inside is an edge of the surface. Chosen; sensitivity: see `tabula-lab
+/// sweep`.
 const MARGIN_SHARE_MAX: f64 = 0.1;
 
-/// Buffers, and the region found last.
+/// Region found last, with buffers.
 #[derive(Debug, Default)]
 pub(crate) struct PlaneRegionBuffers {
     inliers: Vec<Inlier>,
-    /// Number of samples of each connected part.
+    /// Number of samples of each connected region.
     sizes: Vec<u32>,
     n_in_cell: Vec<u32>,
     is_table: Vec<bool>,
     region_of_cell: Vec<u32>,
     stack: Vec<usize>,
     outline: Vec<Point2<f64>>,
-    /// Those of the outline at which the view ends.
+    /// Corners of the outline at which the view ends.
     view_ends: Vec<Point2<f64>>,
 }
 
+/// Inlier of a plane: sample index and coordinates in the frame of the plane, metres.
 #[derive(Debug, Clone, Copy)]
 struct Inlier {
     sample: u32,
@@ -47,14 +51,14 @@ struct Inlier {
 }
 
 impl PlaneRegionBuffers {
-    /// Number of connected parts of the plane with at least so many samples.
+    /// Number of connected regions with at least `n_min` samples.
     pub(crate) fn n_regions_of_at_least(&self, n_min: usize) -> usize {
         let is_large = |&&size: &&u32| size as usize >= n_min;
         self.sizes.iter().filter(is_large).count()
     }
 }
 
-/// The cells that cover a set of inliers.
+/// Occupancy grid over a set of inliers.
 #[derive(Debug, Clone, Copy)]
 struct CellGrid {
     u_min: f32,
@@ -91,17 +95,17 @@ impl CellGrid {
     }
 }
 
-/// Which parts of a plane count.
+/// Filter on the connected regions of a plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum RegionFilter {
-    /// Those that are somewhere wider than a strip.
+    /// Only regions that are somewhere wider than a strip.
     WideOnly,
-    /// Strips too.
+    /// All regions, strips included.
     All,
 }
 
-/// Keeps the largest connected part of a plane's inliers in `buffers`.
-/// Returns its number of samples.
+/// Find the largest connected region of a plane's inliers and keep it in `buffers`. Returns
+/// its number of samples.
 pub(crate) fn find_region(
     samples: &Samples,
     plane: &Plane,
@@ -147,8 +151,8 @@ pub(crate) fn find_region(
     buffers.inliers.len()
 }
 
-/// Marks the cells of squares of three by three covered cells, and the cells
-/// around those: a plane cuts through chairs and walls too, but only in strips.
+/// Mark fully occupied squares of three by three cells and the occupied cells around them.
+/// Rejects strips, in which a plane cuts through chairs and walls.
 fn keep_wide_parts(grid: &CellGrid, buffers: &mut PlaneRegionBuffers) {
     let PlaneRegionBuffers {
         n_in_cell,
@@ -178,7 +182,7 @@ fn keep_wide_parts(grid: &CellGrid, buffers: &mut PlaneRegionBuffers) {
     }
 }
 
-/// The number of the region with the most samples; regions count from 1.
+/// Number of the region with the most samples, counted from 1.
 fn largest_region(grid: &CellGrid, buffers: &mut PlaneRegionBuffers) -> u32 {
     buffers.region_of_cell.clear();
     buffers.region_of_cell.resize(buffers.n_in_cell.len(), 0);
@@ -196,7 +200,7 @@ fn largest_region(grid: &CellGrid, buffers: &mut PlaneRegionBuffers) -> u32 {
     largest
 }
 
-/// Marks the cells connected with `start`; returns their number of samples.
+/// Flood fill of the cells connected with `start`; returns their number of samples.
 fn flood(grid: &CellGrid, start: usize, region: u32, buffers: &mut PlaneRegionBuffers) -> u32 {
     let mut n_samples = 0;
     buffers.stack.clear();
@@ -222,7 +226,7 @@ fn flood(grid: &CellGrid, start: usize, region: u32, buffers: &mut PlaneRegionBu
     n_samples
 }
 
-/// Sums over the region found last.
+/// Moments of the region found last.
 fn region_moments(samples: &Samples, buffers: &PlaneRegionBuffers) -> Moments {
     let mut moments = Moments::default();
     for inlier in &buffers.inliers {
@@ -231,20 +235,19 @@ fn region_moments(samples: &Samples, buffers: &PlaneRegionBuffers) -> Moments {
     moments
 }
 
-/// Least-squares plane of the region found last, facing the camera; `None` without
-/// enough samples.
+/// Least-squares plane of the region found last, facing the camera; `None` for a degenerate
+/// region.
 pub(crate) fn region_plane(samples: &Samples, region: &PlaneRegionBuffers) -> Option<Plane> {
     let axes = region_moments(samples, region).principal_axes()?;
     let normal = Unit::try_new(axes.axes.column(2).into_owned(), 0.5)?;
     Some(Plane::through(&axes.centroid, normal).facing(&Point3::origin()))
 }
 
-/// Convex hull of the region found last, coordinates of the plane's frame, and
-/// the same as an outline, in which a side between two places where the view
-/// ends is no rim.
+/// Convex hull of the region found last, in the frame of the plane, and its outline, in
+/// which a side between two corners at the end of the view is not rim.
 ///
-/// The hull of the first and last sample of each image row is the hull of all:
-/// a plane is seen through a homography, which keeps what lies between.
+/// The first and last sample of each image row suffice: a plane is seen through a
+/// homography, which preserves betweenness.
 pub(crate) fn region_polygon(
     samples: &Samples,
     buffers: &mut PlaneRegionBuffers,

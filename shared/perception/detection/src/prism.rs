@@ -1,4 +1,4 @@
-//! The points over the table.
+//! Polygonal prism filter: pixels above the table.
 
 use crate::RawConfig;
 use crate::affine_form::AffineForm;
@@ -10,20 +10,21 @@ use crate::table_surface::TableSurface;
 use point_cloud::{OrganizedCloud, Point};
 use sensor_noise::depth_sigma_m;
 
-/// What lies over the table must be higher than this many sigma of the height
-/// noise.
+/// Least height over the table in sigmas of the depth noise. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
 const NOISE_SIGMAS: f32 = 3.0;
 
-/// Points that are looked at together.
+/// Number of points tested together in one vectorised block.
 const BLOCK: usize = 8;
 
-/// The image is searched in so many bands of rows.
+/// Number of image bands that are searched in parallel.
 const N_BANDS: usize = 16;
 
-/// An object has this share of its points over the table.
+/// Least share of an object's points above the table's cells. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
 const OVER_TABLE_SHARE_MIN: f64 = 0.25;
 
-/// The prism as the inner loop needs it.
+/// Prism above the table, prepared for the inner loop.
 pub(crate) struct Prism<'a> {
     z_range: [f32; 2],
     height_range: [f32; 2],
@@ -34,15 +35,15 @@ pub(crate) struct Prism<'a> {
     holes: &'a SupportPlaneHoles,
 }
 
-/// How high a point must lie to be over the table, metres; `height_min_m` where
-/// the noise of depth is less.
+/// Noise-dependent least height over the table, metres: `height_min_m` or more at depth
+/// `z`.
 #[inline]
 pub(crate) fn lowest_m(z: f32, height_min_m: f32) -> f32 {
     height_min_m.max(NOISE_SIGMAS * depth_sigma_m(z))
 }
 
 impl<'a> Prism<'a> {
-    /// The prism over a table, with what lies lower on its holes.
+    /// Prism above a table, extended by the holes of the support plane.
     pub(crate) fn over(
         table: &Table,
         config: &RawConfig,
@@ -61,12 +62,12 @@ impl<'a> Prism<'a> {
         }
     }
 
-    /// Whether a point lies as high as the prism. Without a branch: the answer
-    /// changes too often from pixel to pixel to be foreseen.
+    /// Depth and height test of a point. Branch-free, because the outcome changes too often
+    /// from pixel to pixel to be predicted.
     #[inline]
     #[expect(
         clippy::needless_bitwise_bool,
-        reason = "branches that can not be foreseen cost more than comparisons"
+        reason = "unpredictable branches cost more than comparisons"
     )]
     fn is_in_slab(&self, point: &Point) -> bool {
         let height = self.height.at(point.x, point.y, point.z);
@@ -75,12 +76,12 @@ impl<'a> Prism<'a> {
             & (height <= self.height_range[1])
     }
 
-    /// False for a block without any point of the prism's heights: most of an image is
-    /// table and what is lower.
+    /// Conservative height test of a block: `false` when no point is within the heights of
+    /// the prism. Most of an image is table or lower.
     #[inline]
     #[expect(
         clippy::needless_bitwise_bool,
-        reason = "branches that can not be foreseen cost more than comparisons"
+        reason = "unpredictable branches cost more than comparisons"
     )]
     fn block_meets_slab(&self, block: &[Point; BLOCK]) -> bool {
         let [lowest, highest] = self.height_range;
@@ -90,12 +91,12 @@ impl<'a> Prism<'a> {
         })
     }
 
-    /// [`is_in_slab`](Self::is_in_slab) of each point of a block, coordinate by
-    /// coordinate, which the compiler turns into vector instructions.
+    /// [`is_in_slab`](Self::is_in_slab) for each point of a block, coordinate by
+    /// coordinate, so that the compiler vectorises it.
     #[inline]
     #[expect(
         clippy::needless_bitwise_bool,
-        reason = "branches that can not be foreseen cost more than comparisons"
+        reason = "unpredictable branches cost more than comparisons"
     )]
     fn slab_mask(&self, block: &[Point; BLOCK]) -> [bool; BLOCK] {
         let (mut x, mut y, mut z) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
@@ -116,7 +117,7 @@ impl<'a> Prism<'a> {
         mask
     }
 
-    /// Whether a point lies over the table or near its rim, at any height.
+    /// `true` when a point lies above the table or near its rim, at any height.
     #[inline]
     fn is_near_table(&self, point: &Point) -> bool {
         self.surface.is_near(
@@ -125,7 +126,7 @@ impl<'a> Prism<'a> {
         )
     }
 
-    /// Whether a point of an image lies on an island.
+    /// `true` when a pixel lies in a hole of the support plane.
     #[inline]
     fn is_in_hole(&self, column: usize, row: usize, point: &Point) -> bool {
         is_in_range(point, self.z_range[0], self.z_range[1])
@@ -134,7 +135,7 @@ impl<'a> Prism<'a> {
                 .contains(column, row, self.height.at(point.x, point.y, point.z))
     }
 
-    /// Lists the pixels in the prism, in image order; `bands` is scratch memory.
+    /// List the pixels in the prism, in image order; `bands` is scratch memory.
     pub(crate) fn list_pixels(
         &self,
         cloud: &OrganizedCloud<'_>,
@@ -161,7 +162,7 @@ impl<'a> Prism<'a> {
         }
     }
 
-    /// Lists the pixels of a row.
+    /// List the pixels of a row that are in the prism.
     fn list_row(&self, cloud: &OrganizedCloud<'_>, row: usize, pixels: &mut Vec<u32>) {
         let points = cloud.row(row);
         let start = (row * cloud.width()) as u32;
@@ -176,8 +177,8 @@ impl<'a> Prism<'a> {
         }
     }
 
-    /// Lists the pixels of a row without holes: first what is high, then what
-    /// of that lies over the table.
+    /// List the pixels of a row without holes: first by height, then by position above the
+    /// table.
     fn list_row_without_holes(&self, start: u32, points: &[Point], pixels: &mut Vec<u32>) {
         let n_before = pixels.len();
         pixels.resize(n_before + points.len(), 0);
@@ -210,7 +211,7 @@ impl<'a> Prism<'a> {
     }
 }
 
-/// Tells which clusters lie over the table and not mostly beside it.
+/// Overlap test of clusters with the table's cells.
 pub(crate) struct TableOverlap<'a> {
     u: AffineForm,
     v: AffineForm,
@@ -218,13 +219,13 @@ pub(crate) struct TableOverlap<'a> {
 }
 
 impl<'a> TableOverlap<'a> {
-    /// The test for a table.
+    /// Overlap test for a table.
     pub(crate) fn new(table: &Table, surface: &'a TableSurface) -> Self {
         let [u, v, _] = AffineForm::coordinates_of(&table.table_from_camera);
         Self { u, v, surface }
     }
 
-    /// Whether enough of a cluster's points lie over the table.
+    /// `true` when enough of a cluster's points lie above the table.
     pub(crate) fn is_sufficient(&self, pixels: &[u32], cloud: &OrganizedCloud<'_>) -> bool {
         let is_inside = |&&pixel: &&u32| {
             let p = &cloud.points()[pixel as usize];

@@ -1,66 +1,72 @@
-//! Where regions of a cluster meet, and which of them are one object.
+//! Region merging: logistic decision on whether adjacent regions of a cluster are one
+//! object.
 
 use crate::cielab::ColorSum;
 use point_cloud::Point;
 
-/// A step of depth beyond this, metres at 1 m, growing with squared depth, is
-/// an outline: of the surface there nothing is known.
+/// Greatest depth step within one surface, metres at 1 m, growing with squared depth.
+/// Across a larger step the continuation of the surface is unknown. Chosen; sensitivity:
+/// see `tabula-lab sweep`.
 const STEP_M: f32 = 0.006;
 
-/// A bend of more than this is concave, metres a metre on either side.
+/// Least bend of a concave boundary, metres per metre on either side. Chosen; sensitivity:
+/// see `tabula-lab sweep`.
 const CONCAVE_MIN: f32 = 0.4;
 
-/// Colours differ by this at most: beyond, they are just different.
+/// Saturation of the colour difference ΔE. Chosen; sensitivity: see `tabula-lab sweep`.
 const COLOR_DIFFERENCE_MAX: f32 = 50.0;
 
-/// Logarithm of the odds that two regions are one object, as a sum of weights.
-/// The weights are a logistic regression over the boundaries in simulated piles and
-/// in the even scenes of mOSD `learn`, rounded; the constant is then taken lower
-/// by 0.7, because a joint of two objects is worse than an object in two.
+/// Weights of the log odds that two regions are one object. Logistic regression over the
+/// boundaries in simulated piles and in the even scenes of mOSD `learn`, rounded; the
+/// constant is then lowered by 0.7, because merging two objects is worse than splitting
+/// one.
 mod weights {
-    /// Without any weights.
+    /// Constant of the log odds.
     pub(super) const CONSTANT: f32 = 2.15;
-    /// For the share of the boundary that is an outline or too narrow to tell.
+    /// Weight of the share of the boundary with unknown continuation: a depth step or too
+    /// narrow to measure.
     pub(super) const UNKNOWN: f32 = -1.9;
-    /// For the share of the boundary that is concave.
+    /// Weight of the concave share of the boundary.
     pub(super) const CONCAVE: f32 = -1.25;
-    /// For each unit of colour delta_e of the regions (CIE 1976).
+    /// Weight per unit of colour difference ΔE between the regions (CIE 1976).
     pub(super) const COLOR: f32 = -0.038;
-    /// For the logarithm of the smaller and of the larger area, in thousands of
-    /// pixels at 1 m: large regions are seldom one object's.
+    /// Weight of the logarithm of the smaller area, in thousands of pixels at 1 m: large
+    /// regions seldom belong together.
     pub(super) const SMALLER_AREA: f32 = -0.8;
+    /// Weight of the logarithm of the larger area, in thousands of pixels at 1 m.
     pub(super) const LARGER_AREA: f32 = -0.35;
-    /// For the logarithm of the boundary's length over the root of the smaller area.
+    /// Weight of the logarithm of the boundary's length over the square root of the smaller
+    /// area.
     pub(super) const LENGTH: f32 = 0.6;
 }
 
-/// Two neighbouring pixels of different regions.
+/// Boundary pair: two neighbouring pixels of different regions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct BoundaryPair {
-    /// The regions, the lower number first, and their pixels.
+    /// Regions, lower number first.
     regions: [u32; 2],
     pixels: [u32; 2],
 }
 
-/// What is known of one boundary; sums, so that boundaries can be added up.
+/// Boundary statistics of two adjacent regions; sums, so that boundaries can be added.
 #[derive(Debug, Clone, Copy)]
 struct RegionBoundary {
-    /// The regions, the lower number first.
+    /// Regions, lower number first.
     regions: [u32; 2],
     n_pairs: u32,
     n_unknown: u32,
     n_concave: u32,
 }
 
-/// What is known of one region.
+/// Region statistics: colour and area.
 #[derive(Debug, Clone, Copy, Default)]
 struct RegionSums {
     color: ColorSum,
-    /// Pixels, as many as there were at 1 m.
+    /// Area as the number of pixels it would have at 1 m.
     n_pixels_at_1m: f32,
 }
 
-/// The regions and the pixel pairs along all their boundaries. Reused from frame to
+/// Region adjacency graph with the pixel pairs along all boundaries. Reused from frame to
 /// frame.
 #[derive(Debug, Default)]
 pub(crate) struct RegionAdjacency {
@@ -70,14 +76,14 @@ pub(crate) struct RegionAdjacency {
 }
 
 impl RegionAdjacency {
-    /// Forgets everything; regions are counted from 0.
+    /// Reset to `n_parts` empty regions, counted from 0.
     pub(crate) fn clear(&mut self, n_parts: usize) {
         self.pairs.clear();
         self.regions.clear();
         self.regions.resize(n_parts, RegionSums::default());
     }
 
-    /// Adds a pixel to its region.
+    /// Add a pixel to its region.
     #[inline]
     pub(crate) fn add_pixel(&mut self, region: u32, point: &Point) {
         let sums = &mut self.regions[region as usize];
@@ -85,7 +91,7 @@ impl RegionAdjacency {
         sums.n_pixels_at_1m += point.z * point.z;
     }
 
-    /// Adds two neighbouring pixels of different regions.
+    /// Add a pair of neighbouring pixels of different regions.
     #[inline]
     pub(crate) fn add_pair(&mut self, regions: [u32; 2], pixels: [usize; 2]) {
         let [a, b] = pixels.map(|pixel| pixel as u32);
@@ -102,10 +108,9 @@ impl RegionAdjacency {
         });
     }
 
-    /// Calls `join` for each two regions that are one object, the most certain
-    /// first; the first takes the second in, and what is then known of it counts
-    /// for what follows. `points` and `bend` are the point and the bend of the surface
-    /// at each pixel.
+    /// Greedy region merging: call `join(target, source)` for each two regions that are one
+    /// object, most certain first, and update the graph after each merge. `points` and
+    /// `bend` hold the point and the signed bend at each pixel.
     pub(crate) fn merge_regions(
         &mut self,
         points: &[Point],
@@ -124,7 +129,7 @@ impl RegionAdjacency {
         }
     }
 
-    /// The boundary whose regions are most certainly one object; `None` when no two are.
+    /// Boundary with the highest log odds; `None` when no two regions are one object.
     fn most_certain(&self) -> Option<usize> {
         let odds = self
             .boundaries
@@ -134,7 +139,7 @@ impl RegionAdjacency {
         (odds > 0.0).then_some(at)
     }
 
-    /// Logarithm of the odds that the regions of a boundary are one object.
+    /// Log odds that the regions of a boundary are one object.
     fn log_odds(&self, boundary: &RegionBoundary) -> f32 {
         let [a, b] = boundary
             .regions
@@ -152,7 +157,7 @@ impl RegionAdjacency {
             + weights::LENGTH * (boundary.n_pairs as f32 / smaller.sqrt()).ln()
     }
 
-    /// Makes one region of two, and one boundary of their boundaries to a third.
+    /// Merge two regions, and their boundaries to a common third region.
     fn merge(&mut self, target: u32, source: u32) {
         let gone = self.regions[source as usize];
         let kept = &mut self.regions[target as usize];
@@ -214,8 +219,8 @@ mod tests {
     const WIDTH: usize = 150;
     const HEIGHT: usize = 60;
 
-    /// Three regions side by side, each 50 columns wide, at 1 m; `bends` and
-    /// `steps_m` are at their two boundaries, the colours those of the regions.
+    /// Merges of three regions in a row, each 50 columns wide, at 1 m; `bends` and
+    /// `steps_m` apply to their two boundaries.
     fn joined(bends: [f32; 2], steps_m: [f32; 2], colors: [[u8; 3]; 3]) -> Vec<(u32, u32)> {
         let region = |i: usize| i % WIDTH / 50;
         let depth = |region: usize| 1.0 + steps_m[..region].iter().sum::<f32>();
@@ -249,19 +254,19 @@ mod tests {
     const RED: [u8; 3] = [220, 30, 30];
 
     #[test]
-    fn smooth_borders_within_one_color_join() {
+    fn smooth_boundaries_within_one_color_merge() {
         assert_eq!(joined([0.0; 2], [0.0; 2], [GREY; 3]).len(), 2);
     }
 
     #[test]
-    fn a_crease_an_outline_or_an_unknown_bend_parts_large_parts() {
+    fn crease_depth_step_or_unknown_bend_prevents_merging() {
         assert_eq!(joined([1.0, 0.0], [0.0; 2], [GREY; 3]), [(1, 2)]);
         assert_eq!(joined([0.0; 2], [0.0, 0.02], [GREY; 3]), [(0, 1)]);
         assert_eq!(joined([f32::NAN, 0.0], [0.0; 2], [GREY; 3]), [(1, 2)]);
     }
 
     #[test]
-    fn colors_speak_against_one_object() {
+    fn color_difference_prevents_merging() {
         assert_eq!(joined([0.0; 2], [0.0; 2], [GREY, GREY, RED]), [(0, 1)]);
     }
 }

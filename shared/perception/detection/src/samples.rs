@@ -1,4 +1,4 @@
-//! The thinned image on which planes are searched.
+//! Subsampled image on which planes are searched.
 
 use crate::RawConfig;
 use crate::affine_form::AffineForm;
@@ -6,21 +6,20 @@ use nalgebra::Point3;
 use point_cloud::{Moments, OrganizedCloud, Point};
 use sensor_noise::depth_sigma_m;
 
-/// About how many samples an image is thinned to.
+/// Target number of samples of an image.
 const N_SAMPLES_TARGET: usize = 20_000;
 
-/// How far sideways of the optical axis a point may lie, in units of its
-/// depth. A wider view than 150 degrees is a damaged point.
+/// Greatest tangent of a viewing ray; a view wider than 150 degrees is a damaged point.
 const TANGENT_MAX: f32 = 3.8;
 
-/// Farther depths are damage, metres.
+/// Greatest plausible depth, metres; farther points are damaged.
 const DEPTH_LIMIT_M: f32 = 20.0;
 
-/// Band of a sample that belongs to nothing: no distance is this small.
+/// Inlier band of a sample without a plane or out of range; no distance is this small.
 const NO_BAND: f32 = -1.0;
 
-/// Coordinates and inlier bands of the samples, row by row of the thinned
-/// image; a sample out of range has a negative band.
+/// Subsampled image: coordinates and inlier bands of the samples, row by row. A sample out
+/// of range has a negative band.
 #[derive(Debug, Default)]
 pub(crate) struct Samples {
     stride: usize,
@@ -32,7 +31,7 @@ pub(crate) struct Samples {
     band: Vec<f32>,
 }
 
-/// First and last column and row of the thinned image with samples in range.
+/// Bounding rectangle of the samples in range.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SampleBounds {
     columns: [usize; 2],
@@ -40,25 +39,25 @@ pub(crate) struct SampleBounds {
 }
 
 impl SampleBounds {
-    /// Whether a sample lies at the border of what is bounds, or beside it.
+    /// `true` when a sample is at the border of the rectangle or outside.
     pub(crate) fn is_border(&self, column: usize, row: usize) -> bool {
         let near = |[first, last]: [usize; 2], at: usize| at <= first + 1 || at + 1 >= last;
         near(self.columns, column) || near(self.rows, row)
     }
 }
 
-/// How far to the side of the optical axis a point may lie, metres.
+/// Greatest lateral offset from the optical axis, metres.
 #[inline]
 pub(crate) fn sideways_max_m(z_max: f32) -> f32 {
     TANGENT_MAX * z_max
 }
 
-/// Whether a point can be used: in the range of depth and not absurdly far to
-/// the side. False for whatever is not finite.
+/// Range test of a point: depth in range and lateral offset plausible. `false` for values
+/// that are not finite.
 #[inline]
 #[expect(
     clippy::needless_bitwise_bool,
-    reason = "branches that can not be foreseen cost more than comparisons"
+    reason = "unpredictable branches cost more than comparisons"
 )]
 pub(crate) fn is_in_range(point: &Point, z_min: f32, z_max: f32) -> bool {
     let side_max = sideways_max_m(z_max);
@@ -69,7 +68,7 @@ pub(crate) fn is_in_range(point: &Point, z_min: f32, z_max: f32) -> bool {
 }
 
 impl Samples {
-    /// Thins the image: the middle pixel of every `stride x stride` block.
+    /// Subsample a cloud: the middle pixel of every `stride x stride` block.
     pub(crate) fn refill(&mut self, cloud: &OrganizedCloud<'_>, config: &RawConfig) {
         let stride = stride_for(cloud);
         self.clear();
@@ -94,7 +93,7 @@ impl Samples {
     fn push(&mut self, point: &Point, config: &RawConfig) {
         let range_max_m = config.range_max_m as f32;
         let usable = is_in_range(point, config.range_min_m as f32, range_max_m);
-        // What is farther still shows what its ray passes through.
+        // A point beyond the range still tells that its ray passes the plane.
         let [x, y, z] = if usable || is_in_range(point, range_max_m, DEPTH_LIMIT_M) {
             [point.x, point.y, point.z]
         } else {
@@ -110,23 +109,23 @@ impl Samples {
         });
     }
 
-    /// Depth of a sample, metres; 0 for one that is nearer than the range or has
-    /// none. One that is farther has its depth, but belongs to nothing.
+    /// Depth of a sample, metres; 0 for a sample nearer than the range or without depth. A
+    /// sample beyond the range keeps its depth but supports no plane.
     pub(crate) fn depth(&self, sample: usize) -> f32 {
         self.z[sample]
     }
 
-    /// Pixels from one sample to the next.
+    /// Pixels between samples.
     pub(crate) fn stride(&self) -> usize {
         self.stride
     }
 
-    /// Columns of the thinned image.
+    /// Columns of the subsampled image.
     pub(crate) fn width(&self) -> usize {
         self.width
     }
 
-    /// Rows of the thinned image.
+    /// Rows of the subsampled image.
     pub(crate) fn height(&self) -> usize {
         self.height
     }
@@ -136,7 +135,7 @@ impl Samples {
         self.band.len()
     }
 
-    /// The part of the thinned image in which there are samples in range.
+    /// Bounding rectangle of the samples in range.
     pub(crate) fn bounds(&self) -> SampleBounds {
         let mut bounds = SampleBounds {
             columns: [usize::MAX, 0],
@@ -150,7 +149,7 @@ impl Samples {
         bounds
     }
 
-    /// Whether a sample still belongs to no plane and is in range.
+    /// `true` when a sample is in range and not assigned to a plane.
     #[inline]
     pub(crate) fn is_unassigned(&self, sample: usize) -> bool {
         self.band[sample] >= 0.0
@@ -163,14 +162,14 @@ impl Samples {
         Point3::new(as_f64(&self.x), as_f64(&self.y), as_f64(&self.z))
     }
 
-    /// Whether a sample lies within its own band of the plane.
+    /// Inlier test: `true` when a sample is within its own band of the plane.
     #[inline]
     pub(crate) fn is_inlier(&self, sample: usize, plane: &AffineForm) -> bool {
         let height = plane.at(self.x[sample], self.y[sample], self.z[sample]);
         height.abs() <= self.band[sample]
     }
 
-    /// Number of inliers.
+    /// Number of inliers of a plane.
     pub(crate) fn count_inliers(&self, plane: &AffineForm) -> u32 {
         let n = self.len();
         let (x, y, z, band) = (&self.x[..n], &self.y[..n], &self.z[..n], &self.band[..n]);
@@ -179,7 +178,7 @@ impl Samples {
             .sum()
     }
 
-    /// Sums over the inliers.
+    /// Moments of the inliers of a plane.
     pub(crate) fn inlier_moments(&self, plane: &AffineForm) -> Moments {
         let mut moments = Moments::default();
         for sample in 0..self.len() {
@@ -190,7 +189,7 @@ impl Samples {
         moments
     }
 
-    /// Copies every `step`-th free sample, without the grid.
+    /// Copy every `step`-th unassigned sample, without the grid.
     pub(crate) fn subsample_into(&self, step: usize, out: &mut Self) {
         out.clear();
         let mut n_seen = 0;
@@ -207,7 +206,7 @@ impl Samples {
         }
     }
 
-    /// Takes the inliers of a plane out of further searches.
+    /// Assign the inliers of a plane, which removes them from further searches.
     pub(crate) fn assign_inliers(&mut self, plane: &AffineForm) {
         for sample in 0..self.len() {
             if self.is_inlier(sample, plane) {
@@ -216,7 +215,7 @@ impl Samples {
         }
     }
 
-    /// Makes all samples in range free again.
+    /// Unassign all samples in range.
     pub(crate) fn reset_assignment(&mut self, config: &RawConfig) {
         for (band, &z) in self.band.iter_mut().zip(&self.z) {
             *band = if z > 0.0 && z <= config.range_max_m as f32 {
@@ -227,20 +226,22 @@ impl Samples {
         }
     }
 
-    /// Coordinates of a sample coordinate an axis, metres.
+    /// Value of an affine form at a sample, metres.
     #[inline]
     pub(crate) fn coordinate(&self, axis: &AffineForm, sample: usize) -> f32 {
         axis.at(self.x[sample], self.y[sample], self.z[sample])
     }
 }
 
-/// Half width of the band around a plane at a depth, metres.
+/// Half width of a plane's inlier band at a depth, metres: three sigma of the depth noise
+/// or the configured least width.
 #[inline]
 pub(crate) fn plane_band_m(z: f32, config: &RawConfig) -> f32 {
     (3.0 * depth_sigma_m(z)).max(config.plane_band_min_m as f32)
 }
 
-/// No more than the shorter side, so that at least one sample is left.
+/// Subsampling stride of a cloud, at most its shorter side, so that at least one sample
+/// remains.
 fn stride_for(cloud: &OrganizedCloud<'_>) -> usize {
     let thinning = (cloud.points().len() as f64 / N_SAMPLES_TARGET as f64).sqrt();
     (thinning.round() as usize).clamp(1, cloud.width().min(cloud.height()))

@@ -1,21 +1,22 @@
-//! Which clusters may be several objects.
+//! Split gate: size test for clusters that may be several objects.
 
 use crate::affine_form::AffineForm;
 use crate::footprint::Footprint;
 use point_cloud::Point;
 
-/// A cluster with a longer side may be several objects, metres,
+/// Longest side above which a cluster may be several objects, metres. Chosen; sensitivity:
+/// see `tabula-lab sweep`.
 const LONGEST_SIDE_M: f64 = 0.17;
 
-/// as may one that covers more of the table, square metres.
+/// Footprint area above which a cluster may be several objects, square metres. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
 const FOOTPRINT_M2: f64 = 0.013;
 
-/// A cluster is measured over about this many points.
+/// Target number of points on which a cluster is measured.
 const N_SAMPLES: usize = 512;
 
-/// Whether a cluster is so large that it is searched for creases. What one hand holds
-/// is taken as one object: the inside of a cup and its handle meet the rest of it in
-/// creases, too.
+/// Size test of a cluster before the crease search. A hand-sized cluster counts as one
+/// object: the inside of a cup and its handle meet the cup in creases too.
 pub(crate) fn may_be_several_objects(
     points: &[Point],
     pixels: &[u32],

@@ -1,26 +1,26 @@
-//! The steps of the search.
+//! Detection stages, for timing.
 
-/// A step of the search in an image, in the order in which they are taken.
+/// Detection stage of an organised cloud, in the order of execution.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Step {
-    /// The points in range are sampled on a grid.
+    /// Subsampling of the cloud.
     Samples,
-    /// The plane of the table is found.
+    /// Table plane search.
     TablePlane,
-    /// Its cells and outline.
+    /// Table surface cells and outline.
     TableSurface,
-    /// The points over it are listed.
+    /// Prism filter: pixels above the table.
     Prism,
-    /// They are joined to clusters, apart from people and robot.
+    /// Connected components, with people and robot masked.
     Clusters,
-    /// Clusters of several objects are parted along creases.
+    /// Concavity split of clusters of several objects.
     Piles,
-    /// Clusters are parted and joined by the expected tracks.
+    /// Track-guided splitting and merging of clusters.
     Regrouping,
-    /// Clusters grow down to the table.
+    /// Growth of the clusters down to the support plane.
     Feet,
-    /// Boxes around the clusters.
+    /// Bounding boxes and support relations.
     Boxes,
-    /// Constraints and rule; candidates are written.
+    /// Constraint evaluation and output of the candidates.
     Judging,
 }

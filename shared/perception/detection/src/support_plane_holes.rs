@@ -1,51 +1,54 @@
-//! RegionFilter of the table's plane that are no table: the floor of a pot, the middle
-//! of a plate.
+//! Support-plane holes: regions level with the table that an object encloses, such as the
+//! floor of a pot or the middle of a plate.
 
 use crate::affine_form::AffineForm;
 use crate::samples::Samples;
 
-/// Number of the region of samples that are not level with the table.
+/// Label of samples that are not level with the table.
 const NO_REGION: u16 = 0;
 
-/// An island has this many samples at least,
+/// Least number of samples of a hole. Chosen; sensitivity: see `tabula-lab sweep`.
 const SAMPLES_MIN: u32 = 4;
 
-/// and at most: a table between objects may be cut in two by them.
+/// Greatest number of samples of a hole; objects may cut a table in two. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
 const SAMPLES_MAX: u32 = 2_000;
 
-/// Its mean height over the table is more than this, metres: through the
-/// handle of a cup the table itself is seen.
+/// Least mean height of a hole over the table, metres; through the handle of a cup the
+/// table itself is visible. Chosen; sensitivity: see `tabula-lab sweep`.
 const MEAN_HEIGHT_MIN_M: f32 = 0.0025;
 
-/// This share of what surrounds it must be higher than the table.
+/// Least share of a hole's neighbours that are higher than the table. Chosen; sensitivity:
+/// see `tabula-lab sweep`.
 const RIM_SHARE_MIN: f32 = 0.7;
 
-/// How high over the table an island's points lie, metres.
+/// Height range of a hole's points over the table, metres. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
 const HEIGHT_M: std::ops::RangeInclusive<f32> = -0.006..=0.02;
 
-/// Rows when there are no holes.
+/// Empty row range.
 const NO_ROWS: [usize; 2] = [1, 0];
 
-/// The holes found last, and buffers.
+/// Holes found last, with buffers.
 #[derive(Debug, Default)]
 pub(crate) struct SupportPlaneHoles {
     height_classes: Vec<HeightClass>,
     region_of: Vec<u16>,
     regions: Vec<LevelRegion>,
     stack: Vec<u32>,
-    /// Pixels between samples, columns of samples.
+    /// Pixels between samples.
     stride: usize,
     width: usize,
-    /// First and last row of samples with an island; empty without any.
+    /// First and last row of samples with a hole; empty without any.
     rows: [usize; 2],
 }
 
-/// A connected region of the samples level with the table.
+/// Connected region of samples level with the table.
 #[derive(Debug, Clone, Copy, Default)]
 struct LevelRegion {
     n: u32,
     height_sum_m: f32,
-    /// Neighbours higher than the table, and all others.
+    /// Number of neighbours higher than the table.
     n_rim: u32,
     n_open: u32,
 }
@@ -59,7 +62,7 @@ impl LevelRegion {
     }
 }
 
-/// Where a sample is, seen from the table.
+/// Height class of a sample relative to the table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum HeightClass {
     Level,
@@ -68,9 +71,9 @@ enum HeightClass {
 }
 
 impl SupportPlaneHoles {
-    /// Finds the regions of the plane that objects surround in the image and that
-    /// lie a little higher than the table. `lowest_m` tells, by depth, how high
-    /// a point must be to be over the table.
+    /// Find the level regions that objects enclose in the image and that lie a little above
+    /// the table. `lowest_m` gives the least height over the table of a point at a depth,
+    /// metres.
     pub(crate) fn find(
         &mut self,
         samples: &Samples,
@@ -117,7 +120,7 @@ impl SupportPlaneHoles {
         };
     }
 
-    /// Marks the level samples connected with `start`.
+    /// Flood fill of the level samples connected with `start`.
     fn flood(&mut self, start: usize, samples: &Samples, height: &AffineForm) -> LevelRegion {
         let (number, width) = (self.regions.len() as u16, self.width);
         let mut region = LevelRegion::default();
@@ -147,7 +150,8 @@ impl SupportPlaneHoles {
                     HeightClass::Above => region.n_rim += 1,
                     HeightClass::BelowOrUnknown => region.n_open += 1,
                     HeightClass::Level => {
-                        // Two abreast: a thin wall seen edge-on leaves gaps of one.
+                        // Require a width of two: a thin wall seen edge-on leaves gaps of
+                        // one sample.
                         let step = near.map(|near| near.wrapping_sub(sample));
                         let is_wide = sides.into_iter().any(|side| {
                             let ahead = side.zip(step).map(|(side, step)| side.wrapping_add(step));
@@ -165,12 +169,12 @@ impl SupportPlaneHoles {
         region
     }
 
-    /// Whether a row of the image may have some.
+    /// `true` when a row of the image may contain a hole.
     pub(crate) fn intersects_row(&self, row: usize) -> bool {
         (self.rows[0]..=self.rows[1]).contains(&(row / self.stride))
     }
 
-    /// Whether a pixel whose point lies at a height lies on an island.
+    /// `true` when a pixel with a point at a height, metres, lies in a hole.
     #[inline]
     pub(crate) fn contains(&self, column: usize, row: usize, height_m: f32) -> bool {
         let sample_column = (column / self.stride).min(self.width - 1);
@@ -191,8 +195,7 @@ mod tests {
     use nalgebra::{Point3, Vector3};
     use point_cloud::{OrganizedCloud, Point, Rgba};
 
-    /// A plane at 1 m seen straight from above, on which a wall around a square
-    /// floor stands; heights in metres.
+    /// Plane at 1 m seen from above, with a wall around a square floor; heights in metres.
     fn holes(wall_m: f32, floor_m: f32) -> SupportPlaneHoles {
         let points: Vec<Point> = (0..160 * 120)
             .map(|i| {
@@ -223,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn the_floor_of_a_pot_is_an_island_and_the_table_around_is_none() {
+    fn pot_floor_is_a_hole_and_the_table_around_is_not() {
         let holes = holes(0.05, 0.005);
         assert!(holes.intersects_row(60) && !holes.intersects_row(20));
         assert!(holes.contains(80, 60, 0.005) && !holes.contains(20, 20, 0.005));
@@ -231,12 +234,12 @@ mod tests {
     }
 
     #[test]
-    fn the_table_seen_through_a_ring_is_none() {
+    fn table_inside_a_ring_is_not_a_hole() {
         assert!((0..120).all(|row| !holes(0.05, 0.0).intersects_row(row)));
     }
 
     #[test]
-    fn what_nothing_surrounds_is_none() {
+    fn unenclosed_region_is_not_a_hole() {
         assert!((0..120).all(|row| !holes(0.0, 0.005).intersects_row(row)));
     }
 }

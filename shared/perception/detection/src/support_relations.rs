@@ -1,4 +1,4 @@
-//! What carries a cluster.
+//! Support relations: which hypothesis rests on the table or on another one.
 
 use crate::candidate::Support;
 use crate::cluster_hypothesis::ClusterHypothesis;
@@ -6,31 +6,32 @@ use crate::clusters::Clusters;
 use nalgebra::{Point3, Vector3};
 use point_cloud::OrganizedCloud;
 
-/// Boxes this near touch, metres: the side of the lower object that the upper
-/// one rests on is often hidden.
+/// Greatest gap between boxes in contact, metres; the supporting side of the lower object
+/// is often occluded. Chosen; sensitivity: see `tabula-lab sweep`.
 const TOUCH_M: f64 = 0.03;
 
-/// What is nearer by more hides what is behind it, metres.
+/// Least depth step of an occlusion, metres. Chosen; sensitivity: see `tabula-lab sweep`.
 const OCCLUSION_STEP_M: f32 = 0.02;
 
-/// How far below its lower border a cluster's neighbour is looked for, pixels.
+/// Distances of the probes below the lower border of a cluster, pixels. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
 const PROBE_PX: [f64; 3] = [2.0, 4.0, 8.0];
 
-/// Share of the lower border that must be hidden by something.
+/// Least occluded share of the lower border for an occluded support. Chosen; sensitivity:
+/// see `tabula-lab sweep`.
 const OCCLUDED_SHARE_MIN: f64 = 0.3;
 
-/// With this share of the lower border without any depth below, nobody knows
-/// what carries a cluster.
+/// Least share of the lower border without depth below for an unknown support. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
 const NO_DEPTH_SHARE_MIN: f64 = 0.5;
 
-/// Least cosine between the line of sight and straight down at which an object
-/// hides its own foot: about 25 degrees.
+/// Least cosine between the line of sight and straight down at which an object occludes its
+/// own base: about 25 degrees. Chosen; sensitivity: see `tabula-lab sweep`.
 const STEEP_VIEW_COS_MIN: f64 = 0.905;
 
-/// Finds what carries each cluster that does not stand on the table itself: a
-/// carried cluster that its box touches, or, unseen, whatever hides its lower
-/// border. Without either it hangs in the air and keeps `None`. People and the
-/// robot carry nothing that stands, and are not asked what carries them.
+/// Find the support of each hypothesis that does not stand on the table: a supported
+/// hypothesis in contact, or an unseen one behind an occluded lower border. Without either
+/// it stays `None`. People and the robot neither give nor need support.
 pub(crate) fn find_support_relations(
     cloud: &OrganizedCloud<'_>,
     clusters: &Clusters,
@@ -51,11 +52,11 @@ pub(crate) fn find_support_relations(
         }
         hypothesis.is_base_without_depth = base.no_depth_share >= NO_DEPTH_SHARE_MIN;
     }
-    // Each pass carries support one object higher; a pass without news ends it.
+    // Each pass carries support one object higher; a pass without change ends it.
     while propagate_support(hypotheses) {}
 }
 
-/// Whether another cluster was found to rest on a carried one.
+/// Propagate support by contact to hypotheses without one; returns `true` on a change.
 pub(crate) fn propagate_support(hypotheses: &mut [ClusterHypothesis]) -> bool {
     let mut news = false;
     for i in 0..hypotheses.len() {
@@ -75,13 +76,13 @@ pub(crate) fn propagate_support(hypotheses: &mut [ClusterHypothesis]) -> bool {
     news
 }
 
-/// Whether a place is seen so steeply from above that an object there shows
-/// nothing but its top.
+/// `true` when a point is seen so steeply from above that an object there shows only its
+/// top.
 fn is_seen_from_above(at: &Point3<f64>, up: &Vector3<f64>) -> bool {
     -at.coords.dot(up) >= STEEP_VIEW_COS_MIN * at.coords.norm()
 }
 
-/// The image direction towards the table at a point, columns and rows, length 1.
+/// Unit direction in the image towards the table at a point: columns and rows.
 fn image_direction_down(at: &Point3<f64>, up: &Vector3<f64>) -> [f64; 2] {
     let (columns, rows) = (at.x * up.z - up.x * at.z, at.y * up.z - up.y * at.z);
     let length = columns.hypot(rows);
@@ -92,12 +93,12 @@ fn image_direction_down(at: &Point3<f64>, up: &Vector3<f64>) -> [f64; 2] {
     }
 }
 
-/// What is seen at a cluster's lower border.
+/// Visibility of the base: the surroundings of a cluster's lower border.
 #[derive(Debug, Clone, Copy)]
 struct BaseVisibility {
-    /// Share of it before which something nearer is seen.
+    /// Share of the lower border with a nearer surface below it.
     occluded_share: f64,
-    /// Share of it below which there is no depth.
+    /// Share of the lower border without depth below it.
     no_depth_share: f64,
 }
 

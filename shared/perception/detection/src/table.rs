@@ -5,54 +5,55 @@ use geometry::{ConvexPolygon, Plane, RigidTransform};
 use nalgebra::Point2;
 use std::fmt;
 
-/// A plane this far under another one, seen by the same camera, is the floor
-/// occluded the table, metres; the tops of objects are nearer to their table.
+/// Least gap between a table and the floor under it, metres; tops of objects are nearer to
+/// their table. Chosen; sensitivity: see `tabula-lab sweep`.
 pub(crate) const FLOOR_GAP_M: f64 = 0.35;
 
-/// A table found in an image.
+/// Table: the support surface found in a cloud.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
-    /// The plane, camera frame; its positive side holds the camera, or is up in a
-    /// cloud that no single camera has seen.
+    /// Plane, camera frame; its positive side holds the camera, or is up in a cloud that no
+    /// single camera has seen.
     pub plane: Plane,
-    /// The frame of the table: z along the normal, heights over the table.
+    /// Transform into the table's frame: z along the normal, heights over the table.
     pub table_from_camera: RigidTransform,
-    /// Convex hull of the part of the table that is seen, in the table's frame.
+    /// Convex hull of the visible part of the table, in the table's frame.
     pub polygon: ConvexPolygon,
-    /// The same without what is seen to be no table, as in the corner of an L.
+    /// Outline polygon without the gaps of the table, for example the missing corner of an
+    /// L shape.
     pub outline: Outline,
-    /// Why this and no other plane of the image is the table.
+    /// Reason for the selection among the planes of the image.
     pub choice: TableChoice,
-    /// Number of samples of the thinned image on the table.
+    /// Number of samples of the subsampled image on the table.
     pub n_samples: usize,
 }
 
 impl Table {
-    /// Distance of a place on the table, in the table's frame, from the rim,
-    /// metres; see [`Outline::rim_distance_m`].
+    /// Signed distance of a point in the table's frame from the rim, metres; see
+    /// [`Outline::rim_distance_m`].
     pub fn rim_distance_m(&self, place: &Point2<f64>) -> f64 {
         self.outline.rim_distance_m(place)
     }
 }
 
-/// Why a surface is the table. Two tables of one height are two surfaces.
+/// Reason for the selection of a table. Two tables of one height count as two surfaces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TableChoice {
-    /// No other surface could be a table.
+    /// No other surface can be a table.
     Only,
-    /// It shows so much of itself that no other was looked for.
+    /// It covers so much of the view that no other surface was searched.
     Most,
-    /// It shows more of itself than the others.
+    /// It is larger than the other surfaces.
     Largest {
-        /// How many others there are.
+        /// Number of other surfaces.
         n_others: usize,
     },
-    /// It lies over a larger one, which is the floor or a lower table.
+    /// It lies over a larger surface, which is the floor or a lower table.
     OverLarger {
-        /// How many others there are.
+        /// Number of other surfaces.
         n_others: usize,
     },
-    /// It is seen around a larger surface a little over it, the top of an object.
+    /// It surrounds a larger surface a little above it, the top of an object.
     Around,
 }
 

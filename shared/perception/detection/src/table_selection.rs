@@ -1,4 +1,4 @@
-//! Which plane is the table.
+//! Table selection among the dominant planes of an image.
 
 use crate::RawConfig;
 use crate::affine_form::AffineForm;
@@ -13,76 +13,80 @@ use geometry::Plane;
 use nalgebra::{Unit, Vector3};
 use random::Random;
 
-/// Planes looked at in one image, at most.
+/// Greatest number of planes searched in one image.
 const N_PLANES_MAX: usize = 5;
 
-/// A plane needs this share of the image's samples.
+/// Least share of the image's samples on a plane. Chosen; sensitivity: see `tabula-lab
+/// sweep`.
 const SHARE_MIN: f64 = 0.02;
 
-/// A table with this share of the samples in range ends the search, unless
-/// enough is over it to be a table over a floor.
+/// Share of the samples in range at which a table ends the search, unless enough lies above
+/// it for a table over a floor. Chosen; sensitivity: see `tabula-lab sweep`.
 const DOMINANT_SHARE: f64 = 0.5;
 
-/// The upper of two parallel planes is a table, and no object's top, when it
-/// has this share of the lower one's samples.
+/// Least ratio of samples of the upper to the lower of two parallel planes at which the
+/// upper is a table and not the top of an object. Chosen; sensitivity: see `tabula-lab
+/// sweep`.
 const TABLE_SHARE_OF_FLOOR: f64 = 0.2;
 
-/// Without known up: least component of a table's normal against the image's
-/// downward axis. A camera that looks down sees walls with a component of zero
-/// or less, a table with the cosine of its pitch.
+/// Least component of a table's normal against the image's downward axis, when up is
+/// unknown. Under a camera that looks down, walls have zero or less and a table has the
+/// cosine of the pitch. Chosen; sensitivity: see `tabula-lab sweep`.
 const UPWARD_MIN: f64 = 0.2;
 
-/// Without known up: greatest component of a table's normal along the image's
-/// rows; what is steeper is a wall at the side of a camera held aslant.
+/// Greatest component of a table's normal along the image rows, when up is unknown; a
+/// larger one is a side wall seen by a rolled camera. Chosen; sensitivity: see `tabula-lab
+/// sweep`.
 const SIDEWARD_MAX: f64 = 0.6;
 
-/// Without known up: a plane whose normal comes this straight at the camera
-/// may be a table seen from above.
+/// Least component of a normal towards the camera for a table seen from above, when up is
+/// unknown. Chosen; sensitivity: see `tabula-lab sweep`.
 const FROM_ABOVE_MIN: f64 = 0.9;
 
-/// Buffers of the search.
+/// Buffers of the table selection.
 #[derive(Debug, Default)]
 pub(crate) struct TableSelectionBuffers {
     search: PlaneSearchBuffers,
     region: PlaneRegionBuffers,
     found: Vec<PlaneCandidate>,
     occluded: OccludedTableBuffers,
-    /// The table of an earlier frame, whose memory the next one takes.
+    /// Table of an earlier frame, whose memory the next one reuses.
     spare: Option<Table>,
 }
 
 impl TableSelectionBuffers {
-    /// Takes back the memory of a table that is not needed any more.
+    /// Take back the memory of a table.
     pub(crate) fn recycle(&mut self, table: Option<Table>) {
         self.spare = table.or(self.spare.take());
     }
 }
 
+/// Plane found in an image, with its table likelihood.
 #[derive(Debug, Clone, Copy)]
 struct PlaneCandidate {
     plane: Plane,
     n_samples: usize,
-    /// Number of its parts that are large enough for a table.
+    /// Number of its regions that are large enough for a table.
     n_surfaces: usize,
     likelihood: TableLikelihood,
 }
 
-/// How much a plane's direction resembles that of a table.
+/// Likelihood of a table by the direction of the plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum TableLikelihood {
-    /// A wall, a ceiling, a side of furniture.
+    /// Wall, ceiling or side of furniture.
     None,
-    /// A table from above, or a wall in front of a level camera.
+    /// Table seen from above, or a wall in front of a level camera.
     Possible,
-    /// A table seen by a camera that looks down at it.
+    /// Table seen by a camera that looks down.
     Likely,
 }
 
-/// The table of an image: among the largest planes the one that most resembles
-/// a table, by its direction, its place over a floor and its size.
-/// `None` when no plane is large enough and directed like a table.
+/// Select the table of an image: among the largest planes the most table-like one by
+/// direction, place over a floor and size. `None` when no plane is large enough and
+/// directed like a table.
 ///
-/// `samples` are used up and then freed again.
+/// `samples` are assigned to planes during the search and reset afterwards.
 pub(crate) fn select_table(
     samples: &mut Samples,
     up_in_camera: Option<Unit<Vector3<f64>>>,
@@ -146,7 +150,7 @@ pub(crate) fn select_table(
     )
 }
 
-/// Whether so much of what is left lies over a plane that a table may be there.
+/// `true` when enough of the unassigned samples lie above a plane for a table over it.
 fn may_be_floor(samples: &Samples, found: &PlaneCandidate) -> bool {
     let height = AffineForm::from(&found.plane);
     let is_over = |&sample: &usize| {
@@ -157,7 +161,7 @@ fn may_be_floor(samples: &Samples, found: &PlaneCandidate) -> bool {
     n_over as f64 >= TABLE_SHARE_OF_FLOOR * found.n_samples as f64
 }
 
-/// The plane through its own largest through_largest_region part.
+/// Plane refitted to its own largest connected region.
 fn through_largest_region(
     samples: &Samples,
     plane: Plane,
@@ -197,8 +201,8 @@ fn likelihood(plane: &Plane, up_in_camera: Option<Unit<Vector3<f64>>>) -> TableL
     }
 }
 
-/// The most table-like of the planes; of several, the largest, unless a fairly
-/// large one lies over it as a table over a floor.
+/// Most table-like plane; among equals the largest, unless a fairly large one lies over it
+/// as a table over a floor.
 fn choose_table(found: &[PlaneCandidate], n_min: usize) -> Option<(PlaneCandidate, TableChoice)> {
     let large = || found.iter().filter(|plane| plane.n_samples >= n_min);
     let likelihood = large().map(|plane| plane.likelihood).max()?;
@@ -229,7 +233,7 @@ fn is_above(upper: &PlaneCandidate, lower: &PlaneCandidate) -> bool {
         && upper.n_samples as f64 >= TABLE_SHARE_OF_FLOOR * lower.n_samples as f64
 }
 
-/// The table of a plane that goes through its own region, with its polygon.
+/// Table of a plane with the polygon of its region.
 fn outlined_table(
     samples: &Samples,
     plane: Plane,

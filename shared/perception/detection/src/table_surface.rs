@@ -1,4 +1,4 @@
-//! Where the table is and where it is not, cell by cell.
+//! Table surface map: occupancy cells of the table with see-through gaps.
 
 use crate::affine_form::AffineForm;
 use crate::samples::Samples;
@@ -6,40 +6,46 @@ use crate::table::Table;
 use geometry::ConvexPolygon;
 use nalgebra::Point2;
 
-/// Side of a cell, metres; a larger table gets larger cells.
+/// Side of a cell, metres; a larger table gets larger cells. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
 const CELL_M: f64 = 0.02;
 
-/// Most cells a side.
+/// Greatest number of cells per side.
 const CELLS_MAX: usize = 256;
 
-/// What lies within the polygon, grown by this, is over the table, metres: the
-/// seen table ends half a sample before its rim.
+/// Margin by which the polygon is grown, metres: the visible table ends half a sample
+/// before its rim. Chosen; sensitivity: see `tabula-lab sweep`.
 const POLYGON_MARGIN_M: f64 = 0.01;
 
-/// How far outside the table a point of an object may lie, metres: objects stand
-/// at the rim of what is seen of the table, hide it, and reach out over it.
+/// Greatest overhang of an object's points beyond the table, metres: objects at the rim
+/// occlude it and extend over it. Chosen; sensitivity: see `tabula-lab sweep`.
 const OVERHANG_M: f64 = 0.10;
 
-/// A sample this far below the plane is seen through it, metres.
+/// Least depth below the plane of a sample that is seen through it, metres. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
 const SEEN_THROUGH_M: f32 = 0.03;
 
-/// A sample this near to the plane may be table, metres.
+/// Greatest distance from the plane of a sample level with the table, metres. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
 const LEVEL_M: f32 = 0.015;
 
-/// A surface that goes on below the plane is looked for down to here, metres.
+/// Greatest depth below the plane at which a surface counts as passing through it, metres.
+/// Chosen; sensitivity: see `tabula-lab sweep`.
 const BELOW_M: f32 = 0.10;
 
-/// So many samples seen through a cell show that there is no table.
+/// Least number of samples seen through a cell that proves a gap. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
 const THROUGH_SAMPLES_MIN: u8 = 2;
 
-/// So many samples right below and right above a cell show that something passes
-/// through it that stands on the floor.
+/// Least number of samples right below and right above a cell that prove an object from the
+/// floor passing through it. Chosen; sensitivity: see `tabula-lab sweep`.
 const PIERCING_SAMPLES_MIN: i32 = 2;
 
-/// Holes smaller than this are noise, square metres.
+/// Least total area of gaps, square metres; smaller ones are noise. Chosen; sensitivity:
+/// see `tabula-lab sweep`.
 const GAP_AREA_MIN_M2: f64 = 0.01;
 
-/// The table's cells, in the table's frame. Reused from frame to frame.
+/// Table surface map: cells in the frame of the table. Reused from frame to frame.
 #[derive(Debug, Default)]
 pub(crate) struct TableSurface {
     u_min: f32,
@@ -49,11 +55,11 @@ pub(crate) struct TableSurface {
     pub(crate) height: usize,
     is_table: Vec<bool>,
     is_near: Vec<bool>,
-    /// Samples seen through each cell.
+    /// Per cell: number of samples seen through it.
     n_through: Vec<u8>,
-    /// Samples level with each cell, less those above it.
+    /// Per cell: number of samples level with it, minus those above it.
     n_level: Vec<i32>,
-    /// Samples right below each cell.
+    /// Per cell: number of samples right below it.
     n_below: Vec<i32>,
     is_gap: Vec<bool>,
     front: Vec<u32>,
@@ -61,8 +67,8 @@ pub(crate) struct TableSurface {
 }
 
 impl TableSurface {
-    /// Cells of a table: those of its polygon but where something farther away
-    /// is seen through the plane, as in the corner of an L-shaped table.
+    /// Fill the map of a table: the cells of its polygon without the gaps through which
+    /// something farther is visible, as in the corner of an L-shaped table.
     pub(crate) fn refill(&mut self, table: &Table, samples: &Samples) {
         self.fit_grid(&table.polygon);
         self.fill_polygon(&table.polygon);
@@ -78,7 +84,7 @@ impl TableSurface {
         );
     }
 
-    /// Cells of a table of which only the polygon is known.
+    /// Fill the map from a polygon alone, without gaps.
     pub(crate) fn refill_from_polygon(&mut self, polygon: &ConvexPolygon) {
         self.fit_grid(polygon);
         self.fill_polygon(polygon);
@@ -87,32 +93,31 @@ impl TableSurface {
         self.is_near.extend_from_slice(&self.is_table);
     }
 
-    /// Whether a place is on the table.
+    /// `true` when a point is on the table; coordinates in the table's frame, metres.
     #[inline]
     pub(crate) fn is_table(&self, u: f32, v: f32) -> bool {
         self.cell_of(u, v).is_some_and(|cell| self.is_table[cell])
     }
 
-    /// Whether a place is on the table or so near to it that an object on the
-    /// table may reach there.
+    /// `true` when a point is on the table or within the overhang of an object.
     #[inline]
     pub(crate) fn is_near(&self, u: f32, v: f32) -> bool {
         self.cell_of(u, v).is_some_and(|cell| self.is_near[cell])
     }
 
-    /// Whether the table is not all of its polygon.
+    /// `true` when the table has gaps inside its polygon.
     pub(crate) fn has_gaps(&self) -> bool {
         self.is_gap.contains(&true)
     }
 
-    /// Whether a cell, counted from 0, is table; none is outside of the grid.
+    /// `true` when a cell, counted from 0, is table; `false` outside of the grid.
     pub(crate) fn is_table_cell(&self, column: isize, row: isize) -> bool {
         let inside =
             (0..self.width as isize).contains(&column) && (0..self.height as isize).contains(&row);
         inside && self.is_table[row as usize * self.width + column as usize]
     }
 
-    /// Corner of four cells, table's frame.
+    /// Corner between four cells, table's frame.
     pub(crate) fn corner(&self, column: usize, row: usize) -> Point2<f64> {
         let cell_m = 1.0 / f64::from(self.cells_per_m);
         Point2::new(
@@ -124,7 +129,7 @@ impl TableSurface {
     #[inline]
     #[expect(
         clippy::needless_bitwise_bool,
-        reason = "branches that can not be foreseen cost more than comparisons"
+        reason = "unpredictable branches cost more than comparisons"
     )]
     fn cell_of(&self, u: f32, v: f32) -> Option<usize> {
         let column = (u - self.u_min) * self.cells_per_m;
@@ -136,7 +141,7 @@ impl TableSurface {
         inside.then(|| row as usize * self.width + column as usize)
     }
 
-    /// Lays the cells over the polygon with the overhang around it.
+    /// Fit the grid to the polygon with the overhang around it.
     fn fit_grid(&mut self, polygon: &ConvexPolygon) {
         let around = OVERHANG_M + 2.0 * CELL_M;
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
@@ -160,7 +165,7 @@ impl TableSurface {
         (self.width, self.height) = (n_cells(0), n_cells(1));
     }
 
-    /// Marks the cells whose middle lies in the polygon or at its margin.
+    /// Mark the cells with their centre inside the polygon or its margin.
     fn fill_polygon(&mut self, polygon: &ConvexPolygon) {
         self.is_table.clear();
         self.is_table.resize(self.width * self.height, false);
@@ -174,8 +179,8 @@ impl TableSurface {
         }
     }
 
-    /// Counts, for each cell, the samples that are seen through it, and those
-    /// level with it, above and below it.
+    /// Ray counting: per cell, the samples seen through it, level with it, above it and
+    /// below it.
     fn count_rays(&mut self, table: &Table, samples: &Samples) {
         self.n_through.clear();
         self.n_through.resize(self.is_table.len(), 0);
@@ -199,7 +204,7 @@ impl TableSurface {
                 }
             }
             if above < -SEEN_THROUGH_M {
-                // Where the ray from the camera to the sample meets the plane.
+                // Intersection of the plane with the ray from the camera to the sample.
                 let share = camera_height / (camera_height - above);
                 let at = |axis: &AffineForm| {
                     let from = axis.at(0.0, 0.0, 0.0);
@@ -212,14 +217,14 @@ impl TableSurface {
         }
     }
 
-    /// Finds the holes of the table, when they are more than noise: cells seen
-    /// through, without those that stand alone.
+    /// Find the gaps of the table by morphological opening of the see-through cells; too
+    /// small a total area is noise.
     fn find_gaps(&mut self) {
         let size = (self.width, self.height);
         let not_through = self.n_through.iter().map(|&n| n < THROUGH_SAMPLES_MIN);
         self.is_near.clear();
         self.is_near.extend(not_through);
-        // Opening: what is left of the holes when all else grows by a cell, grown back.
+        // Opening: dilate the complement by a cell, then dilate the remaining gaps back.
         dilate(&self.is_near, size, 1, &mut self.scratch, &mut self.is_gap);
         self.is_gap.iter_mut().for_each(|cell| *cell = !*cell);
         dilate(&self.is_gap, size, 1, &mut self.scratch, &mut self.is_near);
@@ -234,8 +239,8 @@ impl TableSurface {
         }
     }
 
-    /// Takes the holes out of the table, with what is hidden by things that
-    /// stand in a hole and reach up through it.
+    /// Remove the gaps from the table, with the cells occluded by objects that reach up
+    /// through a gap.
     fn cut_gaps(&mut self) {
         if self.has_gaps() {
             self.grow_gaps();
@@ -245,8 +250,8 @@ impl TableSurface {
         }
     }
 
-    /// Gives each hidden cell to what is nearer to it: a place where the table
-    /// is seen or one that something passes through.
+    /// Assign each occluded cell to the nearest known one: visible table or an object
+    /// passing through.
     fn grow_gaps(&mut self) {
         let Self {
             front,
@@ -272,7 +277,7 @@ impl TableSurface {
         while let Some(&cell) = front.get(next) {
             next += 1;
             let cell = cell as usize;
-            // Around the table are cells that are none, but for enormous cells.
+            // The cells around the table are not table, except with very large cells.
             for step in [-1, 1, -(self.width as isize), self.width as isize] {
                 let near = cell.wrapping_add_signed(step);
                 if is_known.get(near) == Some(&false) {
@@ -285,7 +290,7 @@ impl TableSurface {
     }
 }
 
-/// Marks each cell that has a marked cell within `reach` columns and rows.
+/// Morphological dilation with a square of `reach` columns and rows.
 fn dilate(
     marked: &[bool],
     (width, height): (usize, usize),
@@ -306,7 +311,7 @@ fn dilate(
     }
 }
 
-/// One line of a dilation, its cells `stride` apart.
+/// One-dimensional dilation of a line with its cells `stride` apart.
 fn dilate_line(marked: &[bool], stride: usize, reach: usize, dilate_line: &mut [bool]) {
     let n = marked.len().div_ceil(stride);
     let mut until = 0;
@@ -320,8 +325,7 @@ fn dilate_line(marked: &[bool], stride: usize, reach: usize, dilate_line: &mut [
     }
 }
 
-/// Where the line at `v` enters and leaves a convex polygon grown by a margin;
-/// an empty interval outside.
+/// Scanline interval of a convex polygon grown by a margin at ordinate `v`; empty outside.
 fn scanline_interval(corners: &[Point2<f64>], v: f64, margin_m: f64) -> [f64; 2] {
     const EMPTY: [f64; 2] = [1.0, 0.0];
     let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -389,7 +393,7 @@ mod tests {
         }
 
         #[test]
-        fn a_dilation_marks_what_is_near(
+        fn dilation_matches_brute_force(
             marked in prop::collection::vec(prop::bool::weighted(0.1), 12 * 9), reach in 0..4_usize,
         ) {
             let (mut scratch, mut dilated) = (Vec::new(), Vec::new());
@@ -405,7 +409,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_lies_over_an_empty_polygon() {
+    fn empty_polygon_has_no_cells() {
         let mut surface = TableSurface::default();
         surface.refill(&table(&mut []), &Samples::default());
         assert!(!surface.is_near(0.0, 0.0) && !surface.is_near(f32::NAN, 0.0));

@@ -1,12 +1,11 @@
-//! Clouds without an image grid: one row or one column of points.
+//! Detection in unorganised clouds: one row or one column of points.
 //!
-//! A cloud that is one view from its origin along z, as an organised cloud is
-//! that lost its empty pixels and its order, is laid back on an image grid and
-//! searched there like any image. Any other cloud, such as one merged from
-//! several views or turned into the frame of the world, takes the voxel path:
-//! planes are searched on the voxel_centroids of voxel_grid, clusters are connected cells
-//! of the space over the table, and large ones are parted as they look from a
-//! camera that is placed before them.
+//! A cloud that is a single view from its origin along z, for example an organised cloud
+//! without its empty pixels and its order, is reprojected onto an image grid and takes the
+//! image path. Any other cloud, for example one merged from several views or in the world
+//! frame, takes the voxel path: planes are searched on voxel centroids, clusters are
+//! connected cells above the table, and large clusters are split in a depth image from a
+//! virtual viewpoint.
 
 mod label_groups;
 mod pixel_lattice;
@@ -34,13 +33,13 @@ use crate::output::Detection;
 use crate::parallelism::Sequential;
 use point_cloud::OrganizedCloud;
 
-/// A cloud with fewer usable points is no view.
+/// Least number of usable points of a view.
 const N_POINTS_MIN: usize = 64;
 
-/// Mark of a point that is nowhere: in no pixel, voxel or cluster.
+/// Label of a point in no pixel, voxel or cluster.
 const UNLABELLED: u32 = u32::MAX;
 
-/// UnorganizedBuffers of clouds without a grid.
+/// Buffers of the unorganised path.
 #[derive(Debug, Default)]
 pub(crate) struct UnorganizedBuffers {
     view: SingleView,
@@ -48,7 +47,7 @@ pub(crate) struct UnorganizedBuffers {
     voxel_detector: VoxelDetector,
 }
 
-/// Whether a cloud has no image grid.
+/// `true` when a cloud has no image grid.
 pub(crate) fn is_unorganized(cloud: &OrganizedCloud<'_>) -> bool {
     cloud.width() == 1 || cloud.height() == 1
 }

@@ -6,19 +6,19 @@ use geometry::{OrientedBox, RigidTransform};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use point_cloud::Point;
 
-/// A footprint is taken from about this many points at most.
+/// Greatest number of points of which a footprint is taken.
 const N_FOOTPRINT_MAX: usize = 4096;
 
-/// A box that stands upright on the table, in the table's frame.
+/// Upright bounding box in the table's frame: minimum-area footprint and height range.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct UprightBox {
     footprint: Rectangle,
-    /// Lowest and highest point over the table.
+    /// Least and greatest height over the table, metres.
     height_m: [f64; 2],
 }
 
 impl UprightBox {
-    /// The smallest one around points; `None` without points.
+    /// Minimum-area upright box around points; `None` without points.
     pub(crate) fn around(
         pixels: &[u32],
         points: &[Point],
@@ -55,14 +55,14 @@ impl UprightBox {
         4.0 * self.footprint.half_sides_m.product()
     }
 
-    /// Whether two boxes come within a distance of each other.
+    /// Contact test: `true` when two boxes are within a distance of each other, metres.
     pub(crate) fn touches(&self, other: &Self, distance_m: f64) -> bool {
         self.height_m[0] <= other.height_m[1] + distance_m
             && other.height_m[0] <= self.height_m[1] + distance_m
             && self.footprint.overlaps(&other.footprint, distance_m)
     }
 
-    /// The box in the camera's frame.
+    /// Oriented box in the camera's frame.
     pub(crate) fn in_camera(&self, table_from_camera: &RigidTransform) -> OrientedBox {
         let Self {
             footprint,

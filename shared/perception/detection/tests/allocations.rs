@@ -1,4 +1,4 @@
-//! A frame in steady state allocates nothing.
+//! Allocation test: detection of a frame in steady state allocates nothing.
 
 #[path = "synthetic/scene_priors.rs"]
 mod scene_priors;
@@ -14,11 +14,11 @@ thread_local! {
     static N_ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
 }
 
-struct Counting;
+struct CountingAllocator;
 
-#[expect(unsafe_code, reason = "an allocator can not be written without")]
-// SAFETY: everything is handed on to the system's allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
+#[expect(unsafe_code, reason = "`GlobalAlloc` is an unsafe trait")]
+// SAFETY: every call is forwarded unchanged to the system allocator.
+unsafe impl GlobalAlloc for CountingAllocator {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         N_ALLOCATIONS.with(|n| n.set(n.get() + 1));
         // SAFETY: the caller keeps the contract of `alloc`.
@@ -38,10 +38,10 @@ unsafe impl GlobalAlloc for Counting {
 }
 
 #[global_allocator]
-static ALLOCATOR: Counting = Counting;
+static ALLOCATOR: CountingAllocator = CountingAllocator;
 
 #[test]
-fn a_frame_in_steady_state_allocates_nothing() {
+fn organized_detection_allocates_nothing_in_steady_state() {
     let solid = |x: f64| BoxOnTable {
         centre: [x, 0.0],
         bottom: 0.0,
@@ -76,11 +76,12 @@ fn a_frame_in_steady_state_allocates_nothing() {
     }
 }
 
-/// A polygon for each plane that is looked at, and those of the looks at piles.
+/// Allowed allocations of the voxel path: a polygon per searched plane and those of the
+/// virtual views.
 const VOXEL_ALLOCATIONS_MAX: usize = 60;
 
 #[test]
-fn a_cloud_without_a_grid_allocates_nothing_but_polygons_either() {
+fn unorganized_detection_allocates_only_polygons_in_steady_state() {
     let solid = |x: f64, bottom: f64, sides: [f64; 3]| BoxOnTable {
         centre: [x, 0.0],
         bottom,

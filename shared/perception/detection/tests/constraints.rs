@@ -1,4 +1,4 @@
-//! Each constraint on rendered tables, where the truth is known.
+//! Constraint evaluation on rendered tables with known ground truth.
 
 mod synthetic;
 
@@ -44,7 +44,7 @@ fn found_plainly(boxes: &[BoxOnTable]) -> Detection {
     found(&points, Surroundings::default(), &Config::default())
 }
 
-/// The candidate whose middle is nearest to a place of the table's frame.
+/// Candidate with its box centre nearest to a point of the table's frame.
 fn near(detection: &Detection, place: [f64; 3]) -> &Candidate {
     let place = camera_from_table() * Point3::from(place);
     let away = |candidate: &&Candidate| (candidate.oriented_box.centre() - place).norm();
@@ -81,7 +81,7 @@ fn check(findings: &Findings, constraint: Constraint, truth: Truth, is_reason: f
 }
 
 #[test]
-fn what_stands_free_on_the_table_is_an_object() {
+fn verdict_is_true_for_a_free_standing_object() {
     let detection = found_plainly(&[MIDDLE]);
     let candidate = near(&detection, [0.0, 0.0, 0.06]);
     assert_eq!(candidate.verdict, Truth::True);
@@ -113,7 +113,7 @@ fn what_stands_free_on_the_table_is_an_object() {
 }
 
 #[test]
-fn what_was_taken_for_granted_is_told() {
+fn assumptions_name_the_absent_sources() {
     let points = render(&[MIDDLE], 1.0);
     let told = |surroundings| found(&points, surroundings, &Config::default()).assumptions;
     let nothing_known = told(Surroundings::default());
@@ -135,9 +135,9 @@ fn what_was_taken_for_granted_is_told() {
     );
 }
 
-/// Two boxes of one colour that stand side by side look like one longer box.
+/// Two boxes of one colour side by side look like one longer box.
 #[test]
-fn two_tracks_that_have_come_together_stay_two() {
+fn track_regrouping_splits_two_touching_tracked_objects() {
     let sides = [0.08, 0.08, 0.12];
     let pair = [box_at(-0.04, 0.0, sides), box_at(0.04, 0.0, sides)];
     let points = render(&pair, 1.0);
@@ -168,7 +168,7 @@ fn two_tracks_that_have_come_together_stay_two() {
         );
         assert!(half.n_points() > n_points * 8 / 10);
     }
-    // One track of the whole, one where an object may have been, two of one object.
+    // One track of the whole, two boxes that may be empty, two tracks of one object.
     let twice = box_at(0.0, 0.0, [0.16, 0.08, 0.12]);
     let unseen = pair.each_ref().map(|solid| track(solid, 0));
     for tracks in [
@@ -181,7 +181,7 @@ fn two_tracks_that_have_come_together_stay_two() {
 }
 
 #[test]
-fn what_a_track_explains_begins_no_other() {
+fn track_constraint_is_false_for_an_explained_candidate() {
     let points = render(&[MIDDLE], 1.0);
     let judged = |boxes: &[OrientedBox]| {
         let tracks: Vec<ExpectedTrack> = boxes.iter().map(|shape| (*shape).into()).collect();
@@ -204,7 +204,7 @@ fn what_a_track_explains_begins_no_other() {
         same.decisive.iter().collect::<Vec<_>>(),
         [Constraint::Track]
     );
-    // A track of something much larger around it.
+    // A track of a much larger object around it.
     let larger = BoxOnTable {
         sides: [0.3, 0.3, 0.3],
         ..MIDDLE
@@ -232,7 +232,7 @@ fn what_a_track_explains_begins_no_other() {
 }
 
 #[test]
-fn size_tells_which_side_is_too_long() {
+fn size_constraint_names_the_violated_limit() {
     let judged = |sides: [f64; 3]| {
         let detection = found_plainly(&[box_at(0.0, 0.05, sides)]);
         near(&detection, [0.0, 0.05, 0.5 * sides[2]]).clone()
@@ -244,7 +244,7 @@ fn size_tells_which_side_is_too_long() {
         Truth::False,
         |r| matches!(r, Reason::TooLong { side_m, max_m } if (side_m - 0.45).abs() < 0.02 && max_m == 0.35),
     );
-    // The rule does not ask for C_size.
+    // The default rule does not include C_size.
     assert_eq!(long.verdict, Truth::True);
     let broad = judged([0.30, 0.29, 0.05]);
     check(
@@ -282,7 +282,7 @@ fn size_tells_which_side_is_too_long() {
 }
 
 #[test]
-fn the_border_of_the_image_makes_the_size_unknown() {
+fn size_constraint_is_unknown_at_the_image_border() {
     let detection = found_plainly(&[box_at(-0.47, 0.0, [0.12, 0.1, 0.2])]);
     let cut = near(&detection, [-0.47, 0.0, 0.1]);
     check(&cut.findings, Constraint::Size, Truth::Unknown, |r| {
@@ -294,8 +294,8 @@ fn the_border_of_the_image_makes_the_size_unknown() {
 }
 
 #[test]
-fn half_an_object_at_the_rim_begins_no_track() {
-    // The far rim is seen as a whole; it lies at y = 0.4.
+fn edge_constraint_rejects_an_object_at_the_rim() {
+    // The far rim is fully visible, at y = 0.4.
     let judged = |y: f64| {
         let detection = found_plainly(&[box_at(0.0, y, [0.1, 0.05, 0.03])]);
         near(&detection, [0.0, y, 0.015]).clone()
@@ -318,7 +318,7 @@ fn half_an_object_at_the_rim_begins_no_track() {
 }
 
 #[test]
-fn a_link_of_the_robot_is_not_an_object() {
+fn robot_constraint_rejects_a_robot_link() {
     let points = render(
         &[
             box_at(-0.2, 0.0, [0.3, 0.04, 0.05]),
@@ -368,9 +368,9 @@ fn a_link_of_the_robot_is_not_an_object() {
 }
 
 #[test]
-fn where_person_and_robot_meet_each_part_may_be_either() {
+fn body_constraints_are_independent_where_person_and_robot_meet() {
     let points = render(&[box_at(0.0, 0.0, [0.4, 0.05, 0.05])], 1.0);
-    // A fifth of it is only the robot's, the rest the person's.
+    // One fifth belongs only to the robot, the rest to the person.
     let robot = [capsule_in_camera(
         [-0.2, 0.0, 0.025],
         [-0.15, 0.0, 0.025],
@@ -400,8 +400,8 @@ fn where_person_and_robot_meet_each_part_may_be_either() {
 }
 
 #[test]
-fn a_hand_at_an_object_does_not_melt_with_it() {
-    // A beam through a box, as an arm over a carton: one connected surface.
+fn body_mask_separates_a_hand_from_the_object_it_touches() {
+    // A beam through a box, like an arm over a carton: one connected surface.
     let carton = box_at(0.0, 0.0, [0.12, 0.12, 0.14]);
     let forearm = BoxOnTable {
         centre: [0.2, -0.03],
@@ -436,7 +436,7 @@ fn a_hand_at_an_object_does_not_melt_with_it() {
         .collect::<Vec<_>>();
     assert_eq!(kept.len(), 1, "{objects:?}");
     assert!(green(kept[0]) < 50.0, "{:?}", kept[0].mean_rgb);
-    // What is touched begins no track: a part of it may be missing.
+    // A touched object begins no track: a part of it may be missing.
     check(
         &kept[0].findings,
         Constraint::Instructor,
@@ -450,7 +450,7 @@ fn a_hand_at_an_object_does_not_melt_with_it() {
         (sides - Vector3::new(0.12, 0.12, 0.14)).amax() < 0.03,
         "{sides}"
     );
-    // Without the capsule the two are told apart worse or not at all.
+    // Without the capsule, box and beam are separated worse or not at all.
     let n_points_in_box = |detection: &Detection| near(detection, [0.0, 0.0, 0.07]).n_points();
     assert!(n_points_in_box(&melted) >= n_points_in_box(&detection));
     let mut indices = detection.point_indices.clone();
@@ -460,8 +460,8 @@ fn a_hand_at_an_object_does_not_melt_with_it() {
 }
 
 #[test]
-fn what_has_no_depth_below_it_stands_on_nobody_knows_what() {
-    // A plate 0.2 m over the table, with and without a dark strip below it.
+fn table_constraint_is_unknown_without_depth_below() {
+    // A plate 0.2 m over the table, with and without a strip without depth below it.
     let mut points = render(&[], 0.0);
     let camera_from_table = camera_from_table();
     let eye = camera_from_table.inverse() * Point3::origin();
@@ -500,7 +500,7 @@ fn what_has_no_depth_below_it_stands_on_nobody_knows_what() {
 }
 
 #[test]
-fn a_rule_from_the_settings_decides() {
+fn rule_of_the_settings_decides_the_verdict() {
     let points = render(&[box_at(-0.47, 0.0, [0.12, 0.1, 0.2]), MIDDLE], 1.0);
     let verdicts = |rule: &str| {
         let raw = RawConfig {
@@ -525,7 +525,7 @@ fn a_rule_from_the_settings_decides() {
 }
 
 #[test]
-fn broken_capsules_are_nobody() {
+fn body_mask_ignores_non_finite_capsules() {
     let points = render(&[MIDDLE], 1.0);
     let capsules: Vec<Capsule> = [f64::NAN, f64::INFINITY, -1.0, 1e300]
         .into_iter()

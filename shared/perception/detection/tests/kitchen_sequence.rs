@@ -1,4 +1,4 @@
-//! The table of a kitchen with a floor, walls, cupboards and chairs.
+//! Table selection in a kitchen sequence with floor, walls, cupboards and chairs.
 
 use dataset::rgbd_sequence::{RgbdSequence, Scratch};
 use detection::{Config, Detection, Frame, Surroundings, Table, Workspace, detect};
@@ -6,12 +6,12 @@ use nalgebra::{Unit, Vector3};
 use point_cloud::{OrganizedCloud, Point};
 use std::path::PathBuf;
 
-/// Where the top of the table lies in the world of the sequence: read off the
-/// planes found with gravity, which scatter by this much with the poses. A
-/// regression bound, not a surveyed height. The floor is found near -1.6 m.
+/// Accepted height of the table top in the world of the sequence, metres. Read off the
+/// planes found with gravity, which scatter by this much with the poses; a regression
+/// bound, not a surveyed height. The floor is found near -1.6 m.
 const TABLE_HEIGHT_M: std::ops::Range<f64> = -0.88..-0.75;
 
-/// Every n-th frame is looked at.
+/// Frame step of the evaluation.
 const STEP: usize = 5;
 
 fn sequence() -> RgbdSequence {
@@ -21,8 +21,8 @@ fn sequence() -> RgbdSequence {
         .expect("TABULA_DATA must hold kitchen-sequence")
 }
 
-/// Height of a table over the world's origin against gravity, where its normal
-/// is within 12 degrees of up.
+/// Height of a table over the world's origin against gravity, metres; `None` unless its
+/// normal is within 12 degrees of up.
 fn height_m(
     table: Option<&Table>,
     world_from_camera: &geometry::RigidTransform,
@@ -33,14 +33,14 @@ fn height_m(
     (cosine > 12_f64.to_radians().cos()).then_some(-plane.offset_m / cosine)
 }
 
-/// Whether the table is in view: the sequence looks away from it for a while.
+/// `true` when the table is in view; the sequence looks away from it for a while.
 fn shows_table(index: usize) -> bool {
     !(75..200).contains(&index)
 }
 
 #[test]
 #[ignore = "needs TABULA_DATA"]
-fn the_table_wins_over_walls_and_floor_with_and_without_gravity() {
+fn table_selection_prefers_the_table_to_walls_and_floor() {
     let sequence = sequence();
     let mut points = vec![Point::default(); sequence.camera().n_pixels()];
     let (mut workspace, mut detection) = (Workspace::default(), Detection::default());

@@ -1,4 +1,4 @@
-//! What is found does not depend on how many threads search.
+//! Parallelism test: the result does not depend on the number of threads.
 
 #[path = "synthetic/scene_priors.rs"]
 mod scene_priors;
@@ -13,7 +13,7 @@ use point_cloud::{OrganizedCloud, Point};
 use scoped_threads::ScopedThreads;
 use synthetic::{BoxOnTable, render};
 
-/// What is found of some boxes with two tracks and an arm among them, frame by frame.
+/// Detections of rendered boxes with two tracks and a robot link, frame by frame.
 fn searched(points: &[Point], parallelism: &dyn Crew) -> Vec<Detection> {
     let (tracks, links) = (scene_priors::tracks(), [scene_priors::link()]);
     let config = Config::default();
@@ -46,7 +46,7 @@ fn searched(points: &[Point], parallelism: &dyn Crew) -> Vec<Detection> {
 }
 
 #[test]
-fn any_number_of_threads_finds_the_same() {
+fn parallelism_does_not_change_the_result() {
     let solid = |x: f64, bottom: f64, sides: [f64; 3]| BoxOnTable {
         centre: [x, 0.0],
         bottom,

@@ -1,4 +1,4 @@
-//! Detection where the truth is known exactly, and where there is none.
+//! Detection on rendered scenes with known ground truth, and on degenerate images.
 
 mod synthetic;
 
@@ -41,17 +41,17 @@ fn found(points: &[Point], size: (usize, usize), up: Option<Unit<Vector3<f64>>>)
     detection
 }
 
-/// What can be an object before the rule is asked.
+/// Number of candidates that are object hypotheses before the rule.
 fn n_objects(detection: &Detection) -> usize {
     let objects = detection.candidates.iter().filter(|c| c.is_hypothesis());
     objects.count()
 }
 
 #[test]
-fn boxes_are_found_where_they_stand() {
+fn detection_finds_boxes_at_their_true_pose() {
     let points = render(&[RED, BLUE], 1.0);
     let up = Unit::new_normalize(camera_from_table() * Vector3::z());
-    // The near corners of the table lie outside the image.
+    // The near corners of the table are outside of the image.
     let seen_share = 0.78..0.9;
     for known_up in [None, Some(up)] {
         let detection = found(&points, (640, 480), known_up);
@@ -98,7 +98,7 @@ fn boxes_are_found_where_they_stand() {
 }
 
 #[test]
-fn a_stack_comes_apart_at_its_creases() {
+fn concavity_split_separates_a_stack() {
     let low = BoxOnTable {
         centre: [0.0, 0.0],
         bottom: 0.0,
@@ -132,7 +132,7 @@ fn a_stack_comes_apart_at_its_creases() {
 }
 
 #[test]
-fn each_point_belongs_to_one_candidate_at_most() {
+fn candidates_share_no_points() {
     let detection = found(&render(&[RED, BLUE], 1.0), (640, 480), None);
     let mut indices = detection.point_indices.clone();
     indices.sort_unstable();
@@ -147,7 +147,7 @@ fn each_point_belongs_to_one_candidate_at_most() {
 }
 
 #[test]
-fn an_object_cut_by_the_image_is_kept_and_marked() {
+fn image_border_flag_marks_a_cut_object() {
     let cut = BoxOnTable {
         centre: [-0.47, 0.0],
         bottom: 0.0,
@@ -170,8 +170,8 @@ fn an_object_cut_by_the_image_is_kept_and_marked() {
 }
 
 #[test]
-fn what_hangs_in_the_air_is_no_object_and_what_is_hidden_is() {
-    // A thin plate 0.2 m over the table: only its top is drawn.
+fn support_is_required_unless_the_base_is_occluded() {
+    // A thin plate 0.2 m over the table; only its top is rendered.
     let mut points = render(&[BLUE], 0.0);
     let camera_from_table = camera_from_table();
     let plate = |points: &mut [Point], front: f64| {
@@ -196,7 +196,7 @@ fn what_hangs_in_the_air_is_no_object_and_what_is_hidden_is() {
     assert_eq!(verdicts.len(), 2);
     assert!(verdicts.contains(&Truth::True) && verdicts.contains(&Truth::False));
     assert_eq!(n_objects(&hanging), 1);
-    // A box whose lower part is hidden by a taller one.
+    // A box with its lower part occluded by a taller one.
     let tall = BoxOnTable {
         centre: [-0.27, -0.17],
         bottom: 0.0,
@@ -217,7 +217,7 @@ fn what_hangs_in_the_air_is_no_object_and_what_is_hidden_is() {
 }
 
 #[test]
-fn an_image_of_nothing_has_no_table() {
+fn detection_of_an_empty_image_has_no_table() {
     let zero = Point::default();
     let empty = Point::without_depth(Rgba::default());
     let far = Point {
@@ -242,7 +242,7 @@ fn an_image_of_nothing_has_no_table() {
 }
 
 #[test]
-fn a_reused_workspace_forgets_the_frame_before() {
+fn workspace_reuse_keeps_no_state() {
     let (mut workspace, mut detection) = (Workspace::default(), Detection::default());
     let scenes = [
         render(&[RED, BLUE], 1.0),
@@ -277,7 +277,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(96))]
 
     #[test]
-    fn any_bit_pattern_is_survived(
+    fn detection_accepts_any_bit_pattern(
         size in (2..40_usize, 2..40_usize),
         seed in any::<u64>(),
         values in prop::collection::vec((coordinate(), coordinate(), coordinate(), any::<u32>()), 1600),
@@ -294,7 +294,7 @@ proptest! {
     }
 
     #[test]
-    fn a_scene_with_damaged_points_still_gives_sound_boxes(
+    fn detection_gives_finite_boxes_with_damaged_points(
         damage in prop::collection::vec((0..640 * 480_usize, any::<[u32; 4]>()), 0..3000),
     ) {
         let mut points = render_once().clone();

@@ -1,4 +1,4 @@
-//! Clouds without a grid where the truth is known exactly, and where there is none.
+//! Detection in unorganised clouds with known ground truth, and in degenerate clouds.
 
 mod synthetic;
 
@@ -49,7 +49,7 @@ fn without_gaps(points: &[Point]) -> Vec<Point> {
     points.iter().copied().filter(Point::is_finite).collect()
 }
 
-/// The points in an order without any.
+/// Points in a deterministic pseudo-random order.
 fn shuffled(points: &[Point]) -> Vec<Point> {
     let mut order: Vec<usize> = (0..points.len()).collect();
     order.sort_by_key(|&i| (i as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15));
@@ -69,7 +69,7 @@ fn moved(points: &[Point], transform: &Isometry3<f64>) -> Vec<Point> {
     points.iter().map(each).collect()
 }
 
-/// Two views of a table from opposite sides, in the table's frame.
+/// Two views of a table from opposite sides, merged in the table's frame.
 fn merged(boxes: &[BoxOnTable]) -> Vec<Point> {
     let table_from_camera = camera_from_table().inverse();
     let half_turn = Isometry3::rotation(Vector3::z() * PI);
@@ -88,7 +88,7 @@ fn merged(boxes: &[BoxOnTable]) -> Vec<Point> {
     points
 }
 
-/// The share that a candidate has of the points of its box and itself.
+/// Greatest intersection over union of a candidate's points with those of a box.
 fn overlap(detection: &Detection, points: &[Point], solid: &BoxOnTable) -> f64 {
     let is_of_box = |point: &Point| point.color.rgb() == solid.rgb;
     let n_box = points.iter().filter(|point| is_of_box(point)).count();
@@ -107,14 +107,14 @@ fn overlap(detection: &Detection, points: &[Point], solid: &BoxOnTable) -> f64 {
 }
 
 #[test]
-fn a_view_is_searched_like_its_image_in_any_order() {
+fn unorganized_single_view_matches_its_image_in_any_order() {
     let image = render(&[RED, BLUE, GREEN], 1.0);
     let row = without_gaps(&image);
     for points in [row.clone(), shuffled(&row)] {
         let detection = found(&points, None);
         assert_eq!(detection.candidates.len(), 3);
         for solid in [RED, BLUE, GREEN] {
-            // The lowest points of a box are table.
+            // The lowest points of a box count as table.
             let overlap = overlap(&detection, &points, &solid);
             assert!(overlap > 0.8, "{overlap} of {solid:?}");
         }
@@ -127,7 +127,7 @@ fn a_view_is_searched_like_its_image_in_any_order() {
 }
 
 #[test]
-fn a_column_is_searched_like_a_row() {
+fn unorganized_column_matches_row() {
     let points = without_gaps(&render(&[RED, BLUE], 1.0));
     let mut detection = Detection::default();
     let frame = Frame {
@@ -148,8 +148,8 @@ fn a_column_is_searched_like_a_row() {
 }
 
 #[test]
-fn a_view_whose_points_left_their_pixels_is_still_one() {
-    // Rounded to millimetres, as text files are, and turned about the line of sight.
+fn unorganized_single_view_tolerates_points_off_their_pixels() {
+    // Rounded to millimetres, as in text files, and rotated about the optical axis.
     let row = without_gaps(&render(&[RED, BLUE, GREEN], 1.0));
     let turned = moved(&row, &Isometry3::rotation(Vector3::z() * 0.1));
     let round = |value: f32| (value * 1000.0).round() / 1000.0;
@@ -171,7 +171,7 @@ fn a_view_whose_points_left_their_pixels_is_still_one() {
 }
 
 #[test]
-fn views_from_two_sides_are_searched_in_the_frame_of_the_world() {
+fn unorganized_merged_views_in_the_world_frame() {
     let boxes = [RED, BLUE, GREEN];
     let in_table = merged(&boxes);
     let yaw = Vector3::z() * 0.7;
@@ -204,7 +204,7 @@ fn views_from_two_sides_are_searched_in_the_frame_of_the_world() {
 }
 
 #[test]
-fn views_from_two_sides_are_searched_in_the_frame_of_the_first_camera() {
+fn unorganized_merged_views_in_the_camera_frame() {
     let boxes = [RED, BLUE, GREEN];
     let points = moved(&merged(&boxes), &camera_from_table());
     let up = camera_from_table() * Vector3::z();
@@ -219,8 +219,8 @@ fn views_from_two_sides_are_searched_in_the_frame_of_the_first_camera() {
 }
 
 #[test]
-fn a_thinned_cloud_is_searched_with_larger_cells() {
-    // One point in each cell of 12 mm.
+fn unorganized_sparse_cloud_uses_larger_cells() {
+    // One point per cell of 12 mm.
     let mut cells = std::collections::BTreeSet::new();
     let mut points = merged(&[RED, BLUE, GREEN]);
     points.retain(|p| cells.insert([p.x, p.y, p.z].map(|x| (x / 0.012).floor() as i32)));
@@ -233,7 +233,7 @@ fn a_thinned_cloud_is_searched_with_larger_cells() {
 }
 
 #[test]
-fn what_hangs_over_a_seen_table_is_carried_by_nothing() {
+fn unorganized_support_is_absent_over_visible_table() {
     let table_from_camera = camera_from_table().inverse();
     let below = render(&[BLUE], 1.0);
     let plate = BoxOnTable {
@@ -242,7 +242,7 @@ fn what_hangs_over_a_seen_table_is_carried_by_nothing() {
         sides: [0.15, 0.1, 0.01],
         rgb: [0, 200, 0],
     };
-    // The plate was brought in after the table was seen.
+    // The plate is added after the table was seen.
     let with_plate = render(&[BLUE, plate], 1.0);
     let mut points = moved(&without_gaps(&below), &table_from_camera);
     points.extend(moved(&without_gaps(&with_plate), &table_from_camera));
@@ -251,7 +251,7 @@ fn what_hangs_over_a_seen_table_is_carried_by_nothing() {
         detection.candidates.iter().filter(carried).count()
     };
     assert_eq!(n_carried(&found(&points, Some(Vector3::z()))), 1);
-    // Where the table under it was never seen it may stand on something.
+    // With the table below it never seen, it may stand on something.
     points.retain(|p| !(p.z < 0.02 && (-0.39..-0.21).contains(&p.x) && p.y.abs() < 0.06));
     let detection = found(&points, Some(Vector3::z()));
     let hidden = |c: &&detection::Candidate| c.support == Some(Support::Occluded);
@@ -260,7 +260,7 @@ fn what_hangs_over_a_seen_table_is_carried_by_nothing() {
 }
 
 #[test]
-fn a_table_over_the_origin_is_not_taken_for_a_view_from_below() {
+fn unorganized_table_above_the_origin_is_no_view_from_below() {
     let boxes = [RED, BLUE, GREEN];
     let one_view = moved(
         &without_gaps(&render(&boxes, 1.0)),
@@ -281,7 +281,7 @@ fn a_table_over_the_origin_is_not_taken_for_a_view_from_below() {
 }
 
 #[test]
-fn a_stack_seen_from_two_sides_comes_apart() {
+fn unorganized_stack_is_split_by_a_virtual_view() {
     let low = BoxOnTable {
         centre: [0.0, 0.0],
         bottom: 0.0,
@@ -306,7 +306,7 @@ fn a_stack_seen_from_two_sides_comes_apart() {
 }
 
 #[test]
-fn clouds_of_nothing_have_no_table() {
+fn unorganized_degenerate_clouds_have_no_table() {
     let at = |x: f32, y: f32, z: f32| Point {
         x,
         y,
@@ -334,7 +334,7 @@ fn clouds_of_nothing_have_no_table() {
 }
 
 #[test]
-fn a_table_with_nothing_on_it_has_no_candidates() {
+fn unorganized_empty_table_has_no_candidates() {
     for (points, up) in [
         (without_gaps(&render(&[], 1.0)), None),
         (merged(&[]), Some(Vector3::z())),
@@ -345,7 +345,7 @@ fn a_table_with_nothing_on_it_has_no_candidates() {
 }
 
 #[test]
-fn a_reused_workspace_forgets_the_cloud_before() {
+fn unorganized_workspace_reuse_keeps_no_state() {
     let clouds = [
         merged(&[RED, BLUE]),
         without_gaps(&render(&[GREEN], 1.0)),
@@ -366,7 +366,7 @@ fn a_reused_workspace_forgets_the_cloud_before() {
 }
 
 #[test]
-fn thousands_of_things_on_a_floor_are_cut_to_the_largest() {
+fn unorganized_hypotheses_are_limited_to_the_largest() {
     // A floor of 20 m by 20 m with a cube of 3 cm every 20 cm.
     let at = |x: f64, y: f64, z: f64| Point {
         x: x as f32,
@@ -398,10 +398,10 @@ fn thousands_of_things_on_a_floor_are_cut_to_the_largest() {
     assert!((1..=512).contains(&detection.candidates.len()));
 }
 
-/// Ten million points of a room with a table, in the frame of the world.
+/// Ten million points of a room with a table, in the world frame.
 #[test]
 #[ignore = "takes seconds and a gigabyte"]
-fn ten_million_points_are_searched() {
+fn unorganized_detection_handles_ten_million_points() {
     let dense = |points: &[Point]| -> Vec<Point> {
         let jitter = |i: usize, k: f64| (((i as f64 * k).fract() - 0.5) * 0.002) as f32;
         let more = |i: usize| {
@@ -456,7 +456,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
-    fn any_bit_pattern_is_survived(
+    fn unorganized_detection_accepts_any_bit_pattern(
         seed in any::<u64>(),
         values in prop::collection::vec((coordinate(), coordinate(), coordinate(), any::<u32>()), 1..2500),
         up in prop::option::of(prop::array::uniform3(-1.0..1.0_f64)),
@@ -474,7 +474,7 @@ proptest! {
     }
 
     #[test]
-    fn a_merged_scene_with_damaged_points_still_gives_sound_boxes(
+    fn unorganized_detection_gives_finite_boxes_with_damaged_points(
         damage in prop::collection::vec((0..60_000_usize, any::<[u32; 4]>()), 0..2000),
     ) {
         let mut points = scene().clone();

@@ -31,7 +31,7 @@ fn assignments() -> impl Iterator<Item = Findings> {
 }
 
 #[test]
-fn the_papers_rule_is_the_default_in_every_spelling() {
+fn default_rule_parses_from_every_spelling() {
     for text in [
         "C_table ∧ C_track ∧ ¬(C_instructor ∨ C_robot ∨ C_edge)",
         "C_table and C_track and not (C_instructor or C_robot or C_edge)",
@@ -48,7 +48,7 @@ fn the_papers_rule_is_the_default_in_every_spelling() {
 }
 
 #[test]
-fn not_binds_closest_and_then_and() {
+fn precedence_is_not_then_and_then_or() {
     assert_eq!(
         read("not table and track or size"),
         read("((not table) and track) or size")
@@ -61,7 +61,7 @@ fn not_binds_closest_and_then_and() {
 }
 
 #[test]
-fn the_rule_is_kleenes_logic_of_its_parts() {
+fn evaluation_matches_kleenes_logic() {
     use Constraint::{Edge, Instructor, Robot, Table, Track};
     for findings in assignments() {
         let is = |constraint| findings.of(constraint).truth;
@@ -73,7 +73,7 @@ fn the_rule_is_kleenes_logic_of_its_parts() {
 }
 
 #[test]
-fn what_decides_is_what_would_change_the_verdict() {
+fn decisive_constraints_alone_fix_a_false_verdict() {
     let rule = Expression::default();
     for findings in assignments() {
         let truth = rule.evaluate(&findings);
@@ -101,7 +101,7 @@ fn what_decides_is_what_would_change_the_verdict() {
 }
 
 #[test]
-fn a_bad_rule_is_quoted_and_its_fault_is_shown() {
+fn syntax_error_quotes_the_rule_and_locates_the_fault() {
     for (text, words) in [
         ("", ["is empty", "C_table and C_track"]),
         (" \t ", ["is empty", "C_table"]),
@@ -141,7 +141,7 @@ fn a_bad_rule_is_quoted_and_its_fault_is_shown() {
 }
 
 #[test]
-fn hostile_rules_are_refused_in_time() {
+fn oversized_rules_are_rejected() {
     let deep = format!("{}table{}", "(".repeat(200), ")".repeat(200));
     assert!(refused(&deep).contains("flatter"));
     assert!(refused(&"!".repeat(1024)).contains("flatter"));
@@ -177,7 +177,7 @@ fn ops() -> impl Strategy<Value = Vec<PostfixOp>> {
 
 proptest! {
     #[test]
-    fn what_is_printed_reads_the_same_again(ops in ops()) {
+    fn display_round_trips_through_parsing(ops in ops()) {
         let n_names = ops.iter().filter(|step| matches!(step, PostfixOp::Is(_))).count();
         prop_assume!(n_names <= N_NAMES_MAX);
         let rule = Expression::from_ops(ops);
@@ -186,7 +186,7 @@ proptest! {
     }
 
     #[test]
-    fn any_text_is_read_or_refused(text in "[a-zA-Z_()&|!∧∨¬~ ]{0,60}|\\PC{0,40}") {
+    fn parsing_accepts_any_text_without_panic(text in "[a-zA-Z_()&|!∧∨¬~ ]{0,60}|\\PC{0,40}") {
         match text.parse::<Expression>() {
             Ok(rule) => { rule.evaluate(&Findings::default()); }
             Err(error) => prop_assert!(!error.to_string().is_empty()),

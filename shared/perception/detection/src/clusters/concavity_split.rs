@@ -1,4 +1,4 @@
-//! Clusters that are several objects, split_clusters along their creases.
+//! Concavity split: clusters of several objects are separated along concave creases.
 
 use super::{Clusters, LinkDistance, NO_CLUSTER, find_root, squared_distance, union};
 use crate::creases::Creases;
@@ -8,17 +8,19 @@ use crate::region_merging::RegionAdjacency;
 use point_cloud::OrganizedCloud;
 use std::cmp::Reverse;
 
-/// A part of a cluster between creases has at least this many pixels.
+/// Least number of pixels of a part between creases. Chosen; sensitivity: see `tabula-lab
+/// sweep`.
 const PART_PIXELS_MIN: u32 = 150;
 
-/// LinkDistance between creases: narrow, since what they cut off is given back later.
+/// Link rule between creases. Narrow, because growth later restores the pixels that it cuts
+/// off. Chosen; sensitivity: see `tabula-lab sweep`.
 const NARROW_LINKS: LinkDistance = LinkDistance {
     floor_m: 0.002,
     per_m2: 0.003,
     reach_px: 1,
 };
 
-/// Columns and rows by which a part grows; across a hole of one pixel too.
+/// Growth steps of a part, columns and rows; a step of two crosses a hole of one pixel.
 const GROWTH_STEPS: [[isize; 2]; 8] = [
     [-1, 0],
     [1, 0],
@@ -30,31 +32,32 @@ const GROWTH_STEPS: [[isize; 2]; 8] = [
     [0, 2],
 ];
 
-/// Buffers for one cluster after the other, and the clusters that were split_clusters.
+/// Concavity split of one cluster after the other: buffers and the clusters split so far.
 #[derive(Debug, Default)]
 pub(crate) struct ConcavitySplit {
     patch: Patch,
     creases: Creases,
     adjacency: RegionAdjacency,
-    /// Per label of a part: the label it was joined with.
+    /// Union-find forest, per part label: the parent label.
     parents: Vec<u32>,
     /// Per label: its number of pixels, then the number of its part.
     number_of: Vec<u32>,
-    /// Places from which parts grow.
+    /// Growth front, patch indices.
     front: Vec<u32>,
-    /// Per index: whether the front has begun with it.
+    /// Per patch index: `true` when it is in the initial front.
     is_queued: Vec<bool>,
     split_clusters: Vec<u32>,
-    /// The pixels of the split_clusters clusters, part by part, and the parts' sizes.
+    /// Pixels of the split clusters, part by part.
     sorted: Vec<u32>,
     sizes: Vec<u32>,
 }
 
 impl Clusters {
-    /// RegionFilter the clusters that may be piles along their creases, cluster by cluster:
-    /// joins what lies between creases, keeps parts of some size, gives every other
-    /// pixel to the part that reaches it first, and joins parts again whose border
-    /// says that they are one.
+    /// Split clusters along their concave creases.
+    ///
+    /// Labels the connected components between creases, keeps the large ones, grows them
+    /// over all other pixels, and merges parts again whose boundary indicates one object.
+    /// `may_be_several_objects` selects the clusters to examine.
     pub(crate) fn split_at_concavities(
         &mut self,
         cloud: &OrganizedCloud<'_>,
@@ -62,7 +65,7 @@ impl Clusters {
         may_be_several_objects: impl Fn(&[u32]) -> bool + Sync,
         splits: &mut ScratchPool<ConcavitySplit>,
     ) {
-        // Who takes the largest last keeps all others waiting.
+        // Longest job first, so that no thread finishes late with a large cluster.
         let mut by_size = std::mem::take(&mut self.by_size);
         by_size.clear();
         by_size.extend(0..self.len() as u32);
@@ -85,13 +88,13 @@ impl Clusters {
         }
     }
 
-    /// Number of a cluster's pixels.
+    /// Number of pixels of a cluster.
     fn n_pixels(&self, cluster: u32) -> u32 {
         self.starts[cluster as usize + 1] - self.starts[cluster as usize]
     }
 
-    /// Takes over the pixels of split_clusters clusters in their new order. Where their parts
-    /// begin comes behind the first `n_starts` starts.
+    /// Take over the reordered pixels of split clusters. The starts of their parts are
+    /// appended behind the first `n_starts` starts.
     fn adopt_parts(&mut self, split: &ConcavitySplit, n_starts: usize) {
         let mut sorted = split.sorted.as_slice();
         let mut sizes = split.sizes.as_slice();
@@ -111,7 +114,7 @@ impl Clusters {
         }
     }
 
-    /// Notes for each pixel in which cluster it is now.
+    /// Label each pixel with its cluster.
     fn label_pixels(&mut self) {
         for (cluster, range) in (0..).zip(self.starts.windows(2)) {
             for &pixel in &self.pixels[range[0] as usize..range[1] as usize] {
@@ -122,20 +125,20 @@ impl Clusters {
 }
 
 impl ConcavitySplit {
-    /// Forgets the clusters that were split_clusters.
+    /// Clear the list of split clusters.
     fn clear(&mut self) {
         self.split_clusters.clear();
         self.sorted.clear();
         self.sizes.clear();
     }
 
-    /// Finds the parts of a cluster. Returns whether there are several.
+    /// Find the parts of a cluster. Returns `true` when there are several.
     fn find_parts(&mut self, cloud: &OrganizedCloud<'_>, cluster: &[u32]) -> bool {
         self.patch.copy_cluster(cloud, cluster);
         self.creases.find(&self.patch, cloud.width()) && self.split_patch(PART_PIXELS_MIN)
     }
 
-    /// Finds the parts, of at least `n_min` pixels each, between the creases.
+    /// Find the parts between the creases, of at least `n_min` pixels each.
     fn split_patch(&mut self, n_min: u32) -> bool {
         self.label_between_creases();
         let n_parts = self.keep_large_parts(n_min);
@@ -144,8 +147,7 @@ impl ConcavitySplit {
         self.merge_regions()
     }
 
-    /// Gives each pixel beside the creases the label of the neighbours before it that
-    /// are near in space, or a new one.
+    /// Label the connected components of the patch without its crease pixels.
     fn label_between_creases(&mut self) {
         let Self {
             patch,
@@ -192,8 +194,8 @@ impl ConcavitySplit {
         }
     }
 
-    /// Numbers the parts that are large enough, in the order in which they begin, and
-    /// frees the pixels of the others. Returns the number of parts.
+    /// Number the parts with at least `n_min` pixels in image order and unassign the pixels
+    /// of the others. Returns the number of parts.
     fn keep_large_parts(&mut self, n_min: u32) -> u32 {
         let Self {
             patch,
@@ -226,7 +228,7 @@ impl ConcavitySplit {
         n_parts
     }
 
-    /// Lets the parts grow, pixel by pixel, over what is free.
+    /// Grow the parts breadth-first over unassigned pixels.
     fn grow(&mut self) {
         let Self {
             patch,
@@ -240,7 +242,7 @@ impl ConcavitySplit {
         let part_of = &mut patch.part_of;
         is_queued.clear();
         is_queued.resize(part_of.len(), false);
-        // The front begins with the parts' pixels that have somewhere to grow.
+        // Initial front: pixels of parts next to an unassigned pixel.
         front.clear();
         let indices = patch.pixels.iter().map(|pixel| pixel.index);
         for index in indices.filter(|&index| part_of[index as usize] == UNASSIGNED) {
@@ -264,8 +266,8 @@ impl ConcavitySplit {
         }
     }
 
-    /// Notes where parts meet, and what they look like. What no part reaches is one
-    /// more, the last.
+    /// Collect the statistics of parts and boundaries. Pixels that no part reaches form one
+    /// more part, the last.
     fn find_boundaries(&mut self, n_parts: u32) {
         let Self {
             patch, adjacency, ..
@@ -289,8 +291,8 @@ impl ConcavitySplit {
         self.parents.extend(0..=n_parts);
     }
 
-    /// Joins the parts whose border says that they are one, and numbers what is left.
-    /// Returns whether it is more than one.
+    /// Merge parts of one object and relabel the pixels. Returns `true` when several parts
+    /// remain.
     fn merge_regions(&mut self) -> bool {
         let Self {
             patch,
@@ -313,7 +315,7 @@ impl ConcavitySplit {
         number_of.iter().filter(|&&n| n > 0).count() > 1
     }
 
-    /// Keeps the pixels of a split_clusters cluster, sorted by the part they are in.
+    /// Store the pixels of a split cluster, sorted by part.
     fn store_parts(&mut self, cluster: u32, pixels: &[u32]) {
         let Self {
             patch,
@@ -344,8 +346,8 @@ impl ConcavitySplit {
 
 #[cfg(test)]
 impl ConcavitySplit {
-    /// RegionFilter a cluster along creases as given, for each pixel of the image; returns
-    /// its pixels part by part, and the sizes of the parts.
+    /// Split a cluster along given creases, one mark per pixel of the image; returns its
+    /// pixels part by part and the sizes of the parts.
     pub(super) fn split_along(
         &mut self,
         cloud: &OrganizedCloud<'_>,

@@ -1,29 +1,29 @@
-//! Joining pixels to clusters, band by band of the image.
+//! Connected-component labelling of pixels by union-find.
 //!
-//! The bands know nothing of each other, so that several threads can join; then the
-//! bands are joined along their seams. Clusters are what the links connect, in
-//! whatever order these are followed.
+//! The image is cut into bands of rows that are labelled independently, possibly in
+//! parallel, and merged along their seams. The components do not depend on the order in
+//! which links are followed.
 
 use super::{Clusters, LINKS, NO_CLUSTER, squared_distance, union};
 use crate::parallelism::{Crew, for_each};
 use point_cloud::{OrganizedCloud, Point};
 
-/// So many bands, where the image has the rows.
+/// Number of bands, unless the image has fewer rows.
 const N_BANDS: usize = 8;
 
-/// PointLabels of a band's pixels.
+/// Union-find labels of one image band.
 #[derive(Debug, Default)]
 pub(super) struct Band {
-    /// Where its pixels are among those that are joined.
+    /// Index of its first pixel in the list of pixels.
     first: usize,
     end: usize,
-    /// Per label: the label it was joined with; a root is its own parent.
+    /// Union-find forest, per label: the parent label; a root is its own parent.
     parents: Vec<u32>,
 }
 
 impl Clusters {
-    /// Joins pixels, given in image order, to clusters of neighbours link in
-    /// space; those with fewer than `n_min` pixels are left out.
+    /// Label the connected components of pixels, given in image order; components with
+    /// fewer than `n_min` pixels are dropped.
     ///
     /// Union-find in one pass over the pixels (after Wu, Otoo and Suzuki 2009).
     pub(crate) fn label_components(
@@ -42,7 +42,7 @@ impl Clusters {
         self.sort_by_cluster();
     }
 
-    /// Gives each pixel the label of its cluster within its band of so many rows.
+    /// Label each band of `n_rows` rows.
     fn label_bands(&mut self, cloud: &OrganizedCloud<'_>, parallelism: &dyn Crew, n_rows: usize) {
         let n_pixels = n_rows * cloud.width();
         self.bands
@@ -68,8 +68,7 @@ impl Clusters {
         });
     }
 
-    /// Joins the bands where they meet, after their labels have become those of the
-    /// whole image.
+    /// Merge the bands along their seams, after their labels are made unique in the image.
     fn merge_seams(&mut self, cloud: &OrganizedCloud<'_>, n_rows: usize) {
         let Self {
             cluster_of,
@@ -106,8 +105,8 @@ impl Clusters {
 }
 
 impl Band {
-    /// Joins the pixels of the band; `points` and `labels` are of the band alone, and
-    /// its first pixel is the `start`-th of the image.
+    /// Label the pixels of the band; `points` and `labels` cover the band only, `start` is
+    /// the index of its first pixel in the image.
     fn label(
         &mut self,
         points: &[Point],
@@ -128,8 +127,8 @@ impl Band {
         }
     }
 
-    /// Gives a pixel the label of the neighbours before it that are link in
-    /// space, or a new one.
+    /// Label a pixel with the component of its linked neighbours to the left and above, or
+    /// with a new label.
     #[inline]
     fn link_pixel(
         &mut self,
@@ -146,7 +145,7 @@ impl Band {
         let mut own = united_label(parents, left, above);
         if row > 0 {
             for diagonal in diagonals(pixel, width, column) {
-                // Mostly it has the same label already, and no distance is needed.
+                // Usually the label is the same already, and no distance is needed.
                 if labels[diagonal] != own {
                     own = united_label(parents, own, link.label(diagonal));
                 }
@@ -160,7 +159,7 @@ impl Band {
     }
 }
 
-/// The neighbours in the row above, on the left and on the right.
+/// Diagonal neighbours in the row above, left and right.
 #[inline]
 fn diagonals(pixel: usize, width: usize, column: usize) -> impl Iterator<Item = usize> {
     let left = (column > 0).then(|| pixel - width - 1);
@@ -168,7 +167,7 @@ fn diagonals(pixel: usize, width: usize, column: usize) -> impl Iterator<Item = 
     left.into_iter().chain(right)
 }
 
-/// What is asked about the neighbours of a point.
+/// Link test between a pixel and its neighbours.
 struct LinkTest<'a> {
     points: &'a [Point],
     labels: &'a [u32],
@@ -177,7 +176,7 @@ struct LinkTest<'a> {
 }
 
 impl<'a> LinkTest<'a> {
-    /// Of a pixel.
+    /// Link test of a pixel.
     #[inline]
     fn of(points: &'a [Point], labels: &'a [u32], pixel: usize) -> Self {
         let point = points[pixel];
@@ -189,7 +188,7 @@ impl<'a> LinkTest<'a> {
         }
     }
 
-    /// The label of a neighbour that is linked; [`NO_CLUSTER`] for others.
+    /// Label of a neighbour when it is linked, else [`NO_CLUSTER`].
     #[inline]
     fn label(&self, neighbour: usize) -> u32 {
         let label = self.labels[neighbour];
@@ -201,8 +200,8 @@ impl<'a> LinkTest<'a> {
         }
     }
 
-    /// The label of the first linked one of `n` neighbours, each `step` before the
-    /// last.
+    /// Label of the first linked one of `n` neighbours at multiples of `step` before the
+    /// pixel.
     #[inline]
     fn first_label(&self, mut pixel: usize, step: usize, n: usize) -> u32 {
         for _ in 0..n {
@@ -216,7 +215,7 @@ impl<'a> LinkTest<'a> {
     }
 }
 
-/// Joins the clusters of two labels, either of which may be none.
+/// Union of the components of two labels, either of which may be [`NO_CLUSTER`].
 #[inline]
 fn united_label(parents: &mut [u32], a: u32, b: u32) -> u32 {
     if a == NO_CLUSTER || a == b {

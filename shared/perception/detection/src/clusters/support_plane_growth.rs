@@ -1,15 +1,15 @@
-//! The base_pixel of an object: too near to the table to be told from it by itself.
+//! Growth to the support plane: adds the base of an object, which is too low for the prism.
 
 use super::{Clusters, NO_CLUSTER};
 
-/// A base_pixel is at most this high in the image, pixels.
+/// Greatest growth of a cluster in the image, pixels. Chosen; sensitivity: see `tabula-lab
+/// sweep`.
 const BASE_PX: usize = 6;
 
 impl Clusters {
-    /// Lets each cluster grow from its pixels by `step`, the neighbour towards
-    /// the table, while `is_base` holds for what no cluster has and the pixel
-    /// before. `joined` are the pixels the clusters were joined from, in image
-    /// order.
+    /// Grow each cluster from its pixels by `step`, the neighbour towards the table, while
+    /// `is_base(next, previous)` holds and the next pixel has no cluster. `joined` are the
+    /// pixels from which the clusters were labelled, in image order.
     pub(crate) fn grow_to_support_plane(
         &mut self,
         joined: &[u32],
@@ -41,8 +41,8 @@ impl Clusters {
         self.sort_by_cluster();
     }
 
-    /// Makes the clustered ones of `joined`, and the pixels of the front, the
-    /// pixels to be grouped, in image order.
+    /// Merge the clustered ones of `joined` with the grown pixels, in image order, into the
+    /// list to be sorted by cluster.
     fn merge_into_ungrouped(&mut self, joined: &[u32]) {
         let Self {
             ungrouped,
@@ -56,8 +56,8 @@ impl Clusters {
             while let Some(base_pixel) = base_pixels.next_if(|&base_pixel| base_pixel < pixel) {
                 ungrouped.push(base_pixel);
             }
-            // Pixels of clusters too small to be kept were listed, too, and may
-            // have become someone's base_pixel.
+            // Pixels of dropped small clusters were listed too, and may have become base
+            // pixels.
             let is_base = base_pixels.next_if_eq(&pixel).is_some();
             if is_base || cluster_of[pixel as usize] != NO_CLUSTER {
                 ungrouped.push(pixel);

@@ -1,4 +1,4 @@
-//! Clusters against brute force.
+//! Clusters compared with brute force.
 
 use super::*;
 use crate::parallelism::{ScopedThreads, Sequential};
@@ -8,7 +8,7 @@ use proptest::prelude::*;
 
 const WIDTH: usize = 12;
 
-/// Depths in steps around 1 m; `None` is not in the prism.
+/// Depth steps around 1 m; `None` is outside of the prism.
 fn image() -> impl Strategy<Value = Vec<Option<u8>>> {
     prop::collection::vec(prop::option::weighted(0.8, 0..4_u8), WIDTH * 8)
 }
@@ -23,7 +23,7 @@ fn points(image: &[Option<u8>]) -> Vec<Point> {
     image.iter().enumerate().map(point).collect()
 }
 
-/// The neighbours a pixel is compared with, nearest linked one per direction.
+/// Linked neighbours of a pixel, nearest one per direction.
 fn linked(points: &[Point], inside: &[bool], pixel: usize) -> Vec<usize> {
     let near = |other: &usize| {
         let limit = LINKS.floor_m + LINKS.per_m2 * points[pixel].z * points[pixel].z;
@@ -42,7 +42,7 @@ fn linked(points: &[Point], inside: &[bool], pixel: usize) -> Vec<usize> {
     found
 }
 
-/// Clusters by spreading the smallest pixel number until nothing changes.
+/// Clusters by propagating the smallest pixel number until nothing changes.
 fn clusters_by_spreading(points: &[Point], inside: &[bool]) -> Vec<usize> {
     let mut first: Vec<usize> = (0..points.len()).collect();
     loop {
@@ -61,7 +61,7 @@ fn clusters_by_spreading(points: &[Point], inside: &[bool]) -> Vec<usize> {
 
 proptest! {
     #[test]
-    fn clusters_are_what_links_connect(image in image(), n_min in 1..6_u32) {
+    fn clusters_match_brute_force(image in image(), n_min in 1..6_u32) {
         let points = points(&image);
         let inside: Vec<bool> = image.iter().map(Option::is_some).collect();
         let pixels: Vec<u32> = (0..image.len() as u32).filter(|&i| inside[i as usize]).collect();
@@ -78,7 +78,7 @@ proptest! {
     }
 
     #[test]
-    fn a_parted_cluster_loses_no_pixel(
+    fn concavity_split_loses_no_pixel(
         image in image(), creased in prop::collection::vec(any::<bool>(), WIDTH * 8),
     ) {
         let points = points(&image);

@@ -1,47 +1,54 @@
-//! Clusters that are several tracked objects that touch, or parts of one.
+//! Track-guided regrouping: splits clusters of touching tracked objects and merges
+//! fragments of one.
 
 use super::Clusters;
 use crate::input::ExpectedTrack;
 use nalgebra::{Point3, Vector3};
 use point_cloud::{OrganizedCloud, Point};
 
-/// A point sticks out of its object's expected box by this at most, metres.
+/// Tolerance around a track's predicted box, metres. Chosen; sensitivity: see `tabula-lab
+/// sweep`.
 const MARGIN_M: f64 = 0.008;
 
-/// Every so many points of a cluster one is asked whose it is.
+/// Sampling stride over the points of a cluster.
 const STRIDE: usize = 8;
 
-/// As many points of a cluster are asked whether it is a fragment, and when none of
-/// the first ones lies in the box, no more.
+/// Greatest number of sampled points in the fragment test.
 const N_SAMPLED_MAX: usize = 64;
+
+/// Number of first sampled points after which the fragment test stops if none is inside the
+/// box.
 const N_SAMPLED_FIRST: usize = 4;
 
-/// A track claims a cluster with this share of the points it had.
+/// Least share of a track's last points in a cluster that the track claims. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
 const CLAIM_SHARE: f64 = 0.35;
 
-/// Boxes that share more of their points than this are two tracks of one object.
+/// Greatest share of a box's points that other boxes claim; above it, two tracks see one
+/// object. Chosen; sensitivity: see `tabula-lab sweep`.
 const COMMON_SHARE_MAX: f64 = 0.3;
 
-/// What is farther from every claimed box is something else, metres.
+/// Greatest distance of a point from the claiming boxes, metres; farther points are another
+/// object. Chosen; sensitivity: see `tabula-lab sweep`.
 const ELSEWHERE_M: f64 = 0.03;
 
-/// What a track finds of a cluster in its box.
+/// Claim of a track on a cluster.
 #[derive(Debug, Clone, Copy)]
 struct TrackClaim {
     track: usize,
-    /// Points asked that lie in the box, and those that lie best in it.
+    /// Number of sampled points inside the box.
     n_inside: usize,
     n_best: usize,
 }
 
-/// Buffers.
+/// Claims of tracks on one cluster.
 #[derive(Debug, Default)]
 pub(crate) struct TrackClaims {
     near: Vec<TrackClaim>,
 }
 
 impl TrackClaims {
-    /// The tracks that claim a cluster; fewer than two when it is to stay whole.
+    /// Find the tracks that claim a cluster; with fewer than two the cluster stays whole.
     fn find(&mut self, points: &[Point], pixels: &[u32], tracks: &[ExpectedTrack]) {
         let (low, high) = bounds(points, pixels);
         self.near.clear();
@@ -88,11 +95,10 @@ impl TrackClaims {
 }
 
 impl Clusters {
-    /// RegionFilter clusters in which two or more tracks find most of their objects:
-    /// each point goes to the box it lies in or nearest_claim to, and what is far from
-    /// all of them is a cluster of its own.
+    /// Split clusters claimed by two or more tracks. Each point goes to its nearest box,
+    /// and points far from all boxes form a cluster of their own.
     ///
-    /// Boxes of the tracks in the camera's frame.
+    /// Boxes are in the camera frame.
     pub(crate) fn split_by_tracks(
         &mut self,
         cloud: &OrganizedCloud<'_>,
@@ -125,7 +131,7 @@ impl Clusters {
         }
     }
 
-    /// LabelGroups the pixels anew by what `cluster_of` says now.
+    /// Sort the pixels again by the labels in `cluster_of`.
     fn rebuild_groups(&mut self, n_clusters: usize) {
         self.ungrouped.clear();
         self.ungrouped.extend_from_slice(&self.pixels);
@@ -148,8 +154,7 @@ impl Clusters {
 }
 
 impl TrackClaims {
-    /// The number of the claim a point belongs to; that behind the last one for
-    /// what belongs to none.
+    /// Index of the claim nearest to a point; the number of claims when none is near.
     fn nearest_claim(&self, tracks: &[ExpectedTrack], point: &Point3<f64>) -> usize {
         let outside = |claim: &TrackClaim| distance_outside_m(&tracks[claim.track], point);
         let best = (0..self.near.len())
@@ -162,28 +167,31 @@ impl TrackClaims {
     }
 }
 
-/// How far a point lies outside the box of a track, metres; negative within it.
+/// Distance of a point from the box of a track, metres; negative inside.
 fn distance_outside_m(track: &ExpectedTrack, point: &Point3<f64>) -> f64 {
     let place = track.shape.frame_from_box.inverse_transform_point(point);
     let beyond = |i: usize| place[i].abs() - track.shape.half_sides_m[i];
     (0..3).map(beyond).fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// Clusters of which this share lies in the box of a track are its object's, ...
+/// Least share of a cluster inside a track's box at which the cluster belongs to the track.
+/// Chosen; sensitivity: see `tabula-lab sweep`.
 const PART_SHARE: f64 = 0.85;
 
-/// ... the main one with at least this share of the points it had, ...
+/// Least share of a track's last points in its main cluster. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
 const MAIN_SHARE: f64 = 0.4;
 
-/// ... and the others, like the handle of a mug seen end on, with at most this: what
-/// is larger is another object, like an apple in a bowl.
+/// Greatest share of a track's last points in a fragment, such as the handle of a mug seen
+/// end on. A larger cluster is another object, such as an apple in a bowl. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
 const FRAGMENT_SHARE: f64 = 0.15;
 
 impl Clusters {
-    /// Joins the fragments of tracked objects with their main clusters, unless they
-    /// are tracked themselves.
+    /// Merge fragments of tracked objects into their main clusters, unless they are tracked
+    /// themselves.
     ///
-    /// Boxes of the tracks in the camera's frame.
+    /// Boxes are in the camera frame.
     pub(crate) fn merge_by_tracks(&mut self, cloud: &OrganizedCloud<'_>, tracks: &[ExpectedTrack]) {
         let mut is_joined = false;
         for (i, track) in tracks.iter().enumerate() {
@@ -217,7 +225,7 @@ impl Clusters {
     }
 }
 
-/// Whether a cluster is what one of some tracks saw.
+/// `true` when a cluster is the observation of one of the tracks.
 fn is_tracked<'a>(
     points: &[Point],
     pixels: &[u32],
@@ -230,7 +238,7 @@ fn is_tracked<'a>(
     })
 }
 
-/// Share of a cluster's points in the box of a track.
+/// Share of a cluster's sampled points inside the box of a track.
 fn share_inside(points: &[Point], pixels: &[u32], track: &ExpectedTrack) -> f64 {
     let stride = pixels.len().div_ceil(N_SAMPLED_MAX).max(1);
     let (mut n, mut n_inside) = (0_usize, 0_usize);
@@ -238,7 +246,7 @@ fn share_inside(points: &[Point], pixels: &[u32], track: &ExpectedTrack) -> f64 
         n += 1;
         let point = points[pixel as usize].position();
         n_inside += usize::from(distance_outside_m(track, &point) <= MARGIN_M);
-        // Mostly it lies elsewhere altogether.
+        // Early exit: most clusters are elsewhere.
         if n == N_SAMPLED_FIRST && n_inside == 0 {
             return 0.0;
         }
@@ -246,7 +254,7 @@ fn share_inside(points: &[Point], pixels: &[u32], track: &ExpectedTrack) -> f64 
     n_inside as f64 / n.max(1) as f64
 }
 
-/// The corners of the box along the camera's axes around some of the points.
+/// Axis-aligned bounds of the sampled points, camera frame.
 fn bounds(points: &[Point], pixels: &[u32]) -> (Vector3<f64>, Vector3<f64>) {
     let (mut low, mut high) = (Vector3::repeat(f64::MAX), Vector3::repeat(f64::MIN));
     for &pixel in pixels.iter().step_by(STRIDE) {

@@ -1,7 +1,7 @@
-//! Points of a person or of the robot.
+//! Body mask (self-filter): pixels of people and the robot.
 //!
-//! They are told apart from the objects' points before clusters are formed, so
-//! that a hand at a cup, or a gripper on a box, does not melt with it.
+//! They are removed from the objects' pixels before clustering, so that an object does not
+//! merge with the hand or gripper that touches it.
 
 use crate::RawConfig;
 use crate::input::{ExpectedTrack, Surroundings};
@@ -10,24 +10,26 @@ use geometry::Capsule;
 use nalgebra::{Point3, Vector3};
 use point_cloud::{OrganizedCloud, Point};
 
-/// What is nearer to a capsule than this is the capsule itself, metres; the rest of the
-/// margin is there for what the capsules do not tell.
+/// Core margin around a capsule, metres: nearer points always belong to the body. The rest
+/// of the configured margin covers the inaccuracy of the capsules. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
 const BODY_MARGIN_M: f32 = 0.012;
 
-/// A point sticks out of its object's expected box by this at most, metres.
+/// Tolerance around a track's predicted box, metres. Chosen; sensitivity: see `tabula-lab
+/// sweep`.
 const TRACK_MARGIN_M: f64 = 0.008;
 
-/// So many pixels in the order of the image are looked at together.
+/// Number of pixels tested together against the capsules' bounds.
 const BLOCK: usize = 16;
 
-/// Whose body a capsule is.
+/// Owner of a capsule: a person or the robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum BodyKind {
     Person,
     Robot,
 }
 
-/// A box along the axes; contains nothing until it is grown.
+/// Axis-aligned bounding box; [`NOTHING`](Self::NOTHING) is empty.
 #[derive(Debug, Clone, Copy)]
 struct Aabb {
     low: Vector3<f32>,
@@ -62,16 +64,16 @@ impl Aabb {
     }
 }
 
-/// A capsule grown by its margin, as the inner loop needs it.
+/// Capsule grown by its margin, prepared for the inner loop.
 #[derive(Debug, Clone, Copy)]
 struct MarginCapsule {
     kind: BodyKind,
     from: Vector3<f32>,
     axis: Vector3<f32>,
     per_length2: f32,
-    /// With the margin.
+    /// Radius with the margin, metres.
     radius: f32,
-    /// Without.
+    /// Radius without the margin, metres.
     body_radius: f32,
     bounds: Aabb,
 }
@@ -95,7 +97,7 @@ impl MarginCapsule {
         }
     }
 
-    /// The same with a greater margin.
+    /// The capsule with its margin increased.
     fn grown(&self, by_m: f32) -> Self {
         let reach = Vector3::repeat(by_m);
         Self {
@@ -113,13 +115,13 @@ impl MarginCapsule {
         self.bounds.contains(point) && self.squared_distance(point) <= self.radius * self.radius
     }
 
-    /// Whether a point is the capsule's own, not only in its margin.
+    /// `true` when a point belongs to the body itself and not only to the margin.
     fn is_core(&self, point: &Point) -> bool {
         let own = self.radius.min(self.body_radius + BODY_MARGIN_M);
         self.squared_distance(point) <= own * own
     }
 
-    /// From the capsule's axis, square metres.
+    /// Squared distance from the capsule's axis, square metres.
     #[inline]
     fn squared_distance(&self, point: &Point) -> f32 {
         let away = Vector3::new(point.x, point.y, point.z) - self.from;
@@ -128,22 +130,22 @@ impl MarginCapsule {
     }
 }
 
-/// Whether a point lies where a live track's object is expected.
+/// `true` when a point is inside the predicted box of a live track.
 fn is_expected(tracks: &[ExpectedTrack], point: &Point) -> bool {
     let point = point.position();
     let mut shapes = tracks.iter().map(|track| &track.shape);
     shapes.any(|shape| shape.contains(&point, TRACK_MARGIN_M))
 }
 
-/// What of a person and of the robot reaches over the table. Reused from frame
-/// to frame.
+/// Body mask: the capsules of people and the robot above the table. Reused from frame to
+/// frame.
 #[derive(Debug, Default)]
 pub(crate) struct BodyMask {
     capsules: Vec<MarginCapsule>,
 }
 
 impl BodyMask {
-    /// Takes the capsules that reach into the prism over the table.
+    /// Collect the capsules that reach into the prism above the table.
     pub(crate) fn refill(&mut self, priors: &Surroundings<'_>, table: &Table, config: &RawConfig) {
         self.capsules.clear();
         let Surroundings {
@@ -162,9 +164,9 @@ impl BodyMask {
         }
     }
 
-    /// Moves the pixels of capsules out of `pixels` into `masked`, both in image
-    /// order. What lies in the margin of a capsule only, and where the object of a
-    /// live track is expected, is the object's: a hand holds it.
+    /// Move the body pixels out of `pixels` into `masked`, both in image order. A pixel
+    /// only in the margin of a capsule stays when it is in the predicted box of a live
+    /// track: a hand holds that object.
     pub(crate) fn extract(
         &self,
         cloud: &OrganizedCloud<'_>,
@@ -181,7 +183,7 @@ impl BodyMask {
                 && (self.capsules.iter().any(|capsule| capsule.is_core(point))
                     || !is_expected(tracks, point))
         };
-        // Neighbours in the list are mostly neighbours in space, and far from all capsules.
+        // Neighbours in the list are usually neighbours in space and far from all capsules.
         let mut n_kept = 0;
         for first in (0..pixels.len()).step_by(BLOCK) {
             let block = first..pixels.len().min(first + BLOCK);
@@ -204,13 +206,13 @@ impl BodyMask {
         pixels.truncate(n_kept);
     }
 
-    /// Whether nobody reaches over the table.
+    /// `true` when no capsule reaches above the table.
     pub(crate) fn is_empty(&self) -> bool {
         self.capsules.is_empty()
     }
 
-    /// Shares of some points that belong to a person and to the robot, 0 to 1,
-    /// when their margins are greater by `more_m`.
+    /// Shares of points near a person and near the robot, 0 to 1, with margins increased by
+    /// `more_m`, metres.
     pub(crate) fn shares<'a>(
         &self,
         points: &(impl Iterator<Item = &'a Point> + Clone),
@@ -229,7 +231,8 @@ impl BodyMask {
     }
 }
 
-/// Whether a grown capsule's bounds meet the prism's. False for a broken one.
+/// Bounding-box test of a grown capsule against the prism; `false` for a capsule that is
+/// not finite.
 fn reaches_into_prism(capsule: &Capsule, margin_m: f64, table: &Table, config: &RawConfig) -> bool {
     let [from, to] = [capsule.from, capsule.to].map(|end| table.table_from_camera * end);
     let reach = capsule.radius_m + margin_m;

@@ -1,13 +1,13 @@
-//! How much of two boxes is common.
+//! Intersection over union of oriented boxes.
 
 use geometry::OrientedBox;
 use nalgebra::Vector3;
 
-/// Samples along each side of a box: an iou is found to a few percent.
+/// Number of samples along each side of a box; the result is accurate to a few percent.
 const N_SAMPLES: usize = 12;
 
-/// Intersection over union of two boxes, 0 to 1, by samples on a grid in the
-/// smaller one; 0 where neither has a volume.
+/// Intersection over union of two boxes, 0 to 1, by grid sampling in the smaller one; 0
+/// when neither has a volume.
 pub(super) fn iou(a: &OrientedBox, b: &OrientedBox) -> f64 {
     if !a.may_meet(b, 0.0) {
         return 0.0;
@@ -26,11 +26,11 @@ pub(super) fn iou(a: &OrientedBox, b: &OrientedBox) -> f64 {
     }
 }
 
-/// Share of `inner` that lies in `outer`.
+/// Share of `inner` inside `outer`.
 fn share_within(inner: &OrientedBox, outer: &OrientedBox) -> f64 {
     let outer_from_inner = outer.frame_from_box.inverse() * inner.frame_from_box;
     let turn = outer_from_inner.rotation.to_rotation_matrix();
-    // A sample is the middle and a step along each side of the inner box.
+    // Steps from the centre to the samples along each side of the inner box.
     let steps: [[Vector3<f64>; N_SAMPLES]; 3] = std::array::from_fn(|side| {
         let half_side = turn.matrix().column(side) * inner.half_sides_m[side];
         std::array::from_fn(|i| half_side * ((2 * i + 1) as f64 / N_SAMPLES as f64 - 1.0))
@@ -69,7 +69,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn parallel_boxes_overlap_as_intervals_do(
+        fn iou_of_parallel_boxes_matches_intervals(
             half in lengths(), other_half in lengths(),
             shift in prop::array::uniform3(-0.2..0.2_f64),
             turn in prop::array::uniform3(-2.0..2.0_f64),
@@ -84,7 +84,7 @@ mod tests {
                 .product();
             let (a, b) = (upright(Vector3::zeros(), half), upright(shift, other_half));
             let expected = common_m3 / (a.volume_m3() + b.volume_m3() - common_m3);
-            // The same pair, seen from anywhere.
+            // The same pair in another frame.
             let view = Isometry3::new(Vector3::new(0.3, -0.2, 1.0), turn.into());
             let found = iou(&a.transformed(&view), &b.transformed(&view));
             prop_assert!((found - expected).abs() < 0.15, "{} for {}", found, expected);
@@ -93,7 +93,7 @@ mod tests {
     }
 
     #[test]
-    fn a_box_is_all_of_itself_and_a_flat_or_broken_one_is_nothing() {
+    fn iou_of_identical_flat_and_non_finite_boxes() {
         let solid = upright(Vector3::zeros(), Vector3::repeat(0.05));
         assert!((iou(&solid, &solid) - 1.0).abs() < 1e-9);
         let flat = upright(Vector3::zeros(), Vector3::new(0.05, 0.05, 0.0));

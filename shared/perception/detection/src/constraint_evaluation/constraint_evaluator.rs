@@ -1,4 +1,4 @@
-//! Judges a hypothesis by every constraint.
+//! Constraint evaluator: findings and verdict of one hypothesis.
 
 use super::BodyMask;
 use super::box_iou::iou;
@@ -13,26 +13,33 @@ use nalgebra::Point3;
 use point_cloud::OrganizedCloud;
 use std::ops::Range;
 
-/// A track explains what lies in its box grown by this factor.
+/// Growth factor of a track's box in the containment test. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
 const TRACK_GROWTH: f64 = 1.15;
 
-/// Share of a cluster's points near a person or the robot from which it is a
-/// part of them, and from which it may be one.
+/// Least share of a cluster's points near a body at which the cluster is a part of it.
+/// Chosen; sensitivity: see `tabula-lab sweep`.
 const BODY_SHARE: f32 = 0.5;
+
+/// Least share of a cluster's points near a body at which the cluster may be a part of it.
+/// Chosen; sensitivity: see `tabula-lab sweep`.
 const BODY_SHARE_MAYBE: f32 = 0.1;
 
-/// What has this share of its points within the margins and so much more, metres,
-/// is touched: points of it were taken for the person's or the robot's.
+/// Increase of the body margins in the contact test, metres: points within the margins were
+/// masked. Chosen; sensitivity: see `tabula-lab sweep`.
 const TOUCH_M: f64 = 0.02;
+
+/// Least share of a cluster's points within the increased margins of a contact. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
 const TOUCH_SHARE: f32 = 0.05;
 
-/// A point sticks out of its hypothesis's box by less than this, metres.
+/// Tolerance of a hypothesis's box around its points, metres.
 const BOX_TOLERANCE_M: f64 = 0.02;
 
-/// Shares are counted over at most this many points of a cluster.
+/// Greatest number of sampled points of a cluster.
 const N_SAMPLES: usize = 256;
 
-/// What a hypothesis is evaluated by.
+/// Constraint evaluator: the scene against which hypotheses are evaluated.
 pub(crate) struct ConstraintEvaluator<'a> {
     pub(crate) cloud: OrganizedCloud<'a>,
     pub(crate) table: &'a Table,
@@ -51,8 +58,8 @@ fn finding(truth: impl Into<Truth>, reason: Reason) -> Finding {
 impl ConstraintEvaluator<'_> {
     /// Candidate of a hypothesis, with its findings and the verdict of the rule.
     ///
-    /// `range` locates its points among those of the detection and `indices` in the
-    /// cloud; `is_cut` tells that the image border may cut it.
+    /// `range` locates its points among those of the detection and `indices` in the cloud;
+    /// `is_cut` tells that the image border may cut it.
     pub(crate) fn candidate(
         &self,
         hypothesis: &ClusterHypothesis,
@@ -85,8 +92,8 @@ impl ConstraintEvaluator<'_> {
         }
     }
 
-    /// What every constraint says of a hypothesis with these pixels, whose box is
-    /// `hypothesis_box` in the camera's frame and which may be cut by the image.
+    /// Findings of all constraints for a hypothesis with these pixels and its box in the
+    /// camera frame.
     fn findings(
         &self,
         hypothesis: &ClusterHypothesis,
@@ -140,7 +147,7 @@ impl ConstraintEvaluator<'_> {
         sides.sort_by(|a, b| b.total_cmp(a));
         let volume_m3 = sides.iter().product::<f64>();
         let [longest, second] = [sides[0], sides[1]].map(|side| side as f32);
-        // What is no object at all is told so, not that it is hard to grasp.
+        // Beyond object size, the reason names the object limit instead of the grasp limit.
         let longest_max = if sides[0] > config.side_max_m {
             config.side_max_m
         } else {
@@ -174,10 +181,10 @@ impl ConstraintEvaluator<'_> {
         finding(false, reason)
     }
 
-    /// Whether the hypothesis is a part of a person, and of the robot.
+    /// Person and robot findings of a hypothesis.
     fn person_and_robot(&self, hypothesis: &ClusterHypothesis, pixels: &[u32]) -> [Finding; 2] {
-        // Clusters of objects have no point within the margins: those were taken
-        // out. What is left of an object in a hand lies close to them.
+        // Object clusters have no point within the margins, because those were masked. The
+        // remaining points of a held object are close to the margins.
         let more_m = if hypothesis.is_masked { 0.0 } else { TOUCH_M };
         let shares = if self.body_mask.is_empty() {
             [0.0; 2]
@@ -204,7 +211,7 @@ impl ConstraintEvaluator<'_> {
         })
     }
 
-    /// Share of a cluster's points that lie in the boxes of tracks, grown, over samples.
+    /// Share of a cluster's sampled points inside grown track boxes.
     fn share_in_tracks(&self, hypothesis_box: &OrientedBox, pixels: &[u32]) -> f32 {
         let mut is_inside = [false; N_SAMPLES];
         let near = |track: &&OrientedBox| track.may_meet(hypothesis_box, BOX_TOLERANCE_M);
@@ -238,7 +245,7 @@ impl ConstraintEvaluator<'_> {
         finding(false, Reason::AwayFromRim)
     }
 
-    /// Share of a cluster's points for which something is so, over samples.
+    /// Share of a cluster's sampled points that satisfy a predicate.
     fn share(&self, pixels: &[u32], is_so: impl Fn(&Point3<f64>) -> bool) -> f32 {
         let (mut n, mut n_so) = (0_u32, 0_u32);
         for &pixel in samples(pixels) {
@@ -264,7 +271,7 @@ fn table_finding(hypothesis: &ClusterHypothesis) -> Finding {
     }
 }
 
-/// What the share of a person_and_robot's points that are the person's or the robot's says.
+/// Finding of a masked cluster from its share of points near the body.
 fn mask_finding(constraint: Constraint, share: f32, margin_m: f32) -> Finding {
     let is_robot = constraint == Constraint::Robot;
     let truth = if share >= BODY_SHARE {
@@ -285,8 +292,7 @@ fn mask_finding(constraint: Constraint, share: f32, margin_m: f32) -> Finding {
     finding(truth, reason)
 }
 
-/// What the share of an object's points that are close to a person or the robot
-/// says.
+/// Contact finding of an object cluster from its share of points near the body.
 fn touch_finding(constraint: Constraint, share: f32, margin_m: f32) -> Finding {
     match (share >= TOUCH_SHARE, constraint == Constraint::Robot) {
         (true, false) => finding(Truth::Unknown, Reason::TouchedByPerson { share, margin_m }),
@@ -296,12 +302,12 @@ fn touch_finding(constraint: Constraint, share: f32, margin_m: f32) -> Finding {
     }
 }
 
-/// How far from the middle of a hypothesis's box any of its points can lie, metres.
+/// Radius of a hypothesis's box around its centre, metres.
 fn reach_m(hypothesis_box: &OrientedBox) -> f64 {
     hypothesis_box.half_sides_m.norm() + BOX_TOLERANCE_M
 }
 
-/// At most [`N_SAMPLES`] pixels of a cluster.
+/// At most [`N_SAMPLES`] pixels of a cluster, evenly strided.
 fn samples(pixels: &[u32]) -> impl Iterator<Item = &u32> + Clone {
     pixels
         .iter()

@@ -1,8 +1,8 @@
-//! Indices grouped by label.
+//! Counting sort of indices into groups by label.
 
 use super::UNLABELLED;
 
-/// Buffers, and the groups made last.
+/// Index groups made last, with buffers.
 #[derive(Debug, Default)]
 pub(super) struct LabelGroups {
     starts: Vec<u32>,
@@ -10,8 +10,8 @@ pub(super) struct LabelGroups {
 }
 
 impl LabelGroups {
-    /// LabelGroups the indices of `labels` by their label below `n_groups`, in
-    /// ascending order within each group; [`UNLABELLED`] is no label.
+    /// Group the indices of `labels` by label below `n_groups`, ascending within each
+    /// group; [`UNLABELLED`] indices are dropped.
     pub(super) fn refill(&mut self, labels: &[u32], n_groups: usize) {
         self.starts.clear();
         self.starts.resize(n_groups + 2, 0);
@@ -27,7 +27,7 @@ impl LabelGroups {
         self.members.resize(self.starts[n_groups + 1] as usize, 0);
         for (index, &label) in (0..).zip(labels) {
             if label != UNLABELLED {
-                // The next place of a group; in the end, where the next begins.
+                // Write position of a group; finally the start of the next group.
                 let place = &mut self.starts[label as usize + 1];
                 self.members[*place as usize] = index;
                 *place += 1;

@@ -1,21 +1,24 @@
-//! The columns, or the rows, of the image that points were seen in.
+//! Pixel lattice: recovers the columns, or rows, of the image from which points were seen.
 
-/// Values nearer than this share of the pitch are of one column.
+/// Greatest gap between values of one column, share of the pitch. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
 const COLUMN_TOLERANCE: f64 = 0.12;
 
-/// The pitch may differ from the one guessed by these factors.
+/// Accepted ratio of the fitted to the guessed pitch. Chosen; sensitivity: see `tabula-lab
+/// sweep`.
 const PITCH_RATIO: [f64; 2] = [0.5, 1.6];
 
-/// Greatest mean distance of the columns from the lattice, in pitches.
+/// Greatest mean distance of the columns from the lattice, in pitches. Chosen; sensitivity:
+/// see `tabula-lab sweep`.
 const RESIDUAL_MAX: f64 = 0.08;
 
-/// Fewest columns that make a lattice.
+/// Least number of columns of a lattice. Chosen; sensitivity: see `tabula-lab sweep`.
 const N_COLUMNS_MIN: usize = 16;
 
-/// More columns than any lattice has before its first.
+/// Offset that makes all column numbers positive.
 const COLUMN_OFFSET: i64 = 1 << 32;
 
-/// Evenly spaced tangents: column `i` looks along `first + i * pitch`.
+/// Pixel lattice: evenly spaced tangents; column `i` views along `first + i * pitch`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct PixelLattice {
     first: f64,
@@ -24,7 +27,7 @@ pub(super) struct PixelLattice {
 }
 
 impl PixelLattice {
-    /// A lattice of positive pitch.
+    /// Lattice of positive pitch.
     pub(super) fn new(first: f64, pitch: f64) -> Self {
         Self {
             first,
@@ -33,35 +36,34 @@ impl PixelLattice {
         }
     }
 
-    /// The tangent of a column.
+    /// Tangent of a column.
     pub(super) fn tangent_of(&self, column: i64) -> f64 {
         self.first + self.pitch * column as f64
     }
 
-    /// Step between columns, tangent.
+    /// Pitch: the step between columns, tangent.
     pub(super) fn pitch(&self) -> f64 {
         self.pitch
     }
 
-    /// The column nearest to a tangent; may be negative.
+    /// Column nearest to a tangent; may be negative.
     #[inline]
     pub(super) fn column_of(&self, tangent: f32) -> i64 {
-        // Truncated where all values are positive, which is faster than to round.
+        // Truncation of a positive value is faster than rounding.
         let column = (f64::from(tangent) - self.first) * self.columns_per_tangent;
         (column + (COLUMN_OFFSET as f64 + 0.5)) as i64 - COLUMN_OFFSET
     }
 
-    /// The lattice with every `n` columns, a whole number, made one.
+    /// Lattice with every `n` columns merged into one; `n` is a whole number.
     pub(super) fn downsampled(&self, n: f64) -> Self {
         Self::new(self.first + 0.5 * (n - 1.0) * self.pitch, self.pitch * n)
     }
 
-    /// Fits a lattice to the tangents of points, of which a sample is enough;
-    /// `None` when they do not lie on one. `tangents` are sorted, `columns` is
-    /// a buffer.
+    /// Fit a lattice to the tangents of sampled points; `None` when they do not lie on one.
+    /// Sorts `tangents`; `columns` and `gaps` are buffers.
     ///
-    /// The distinct values are numbered from one to the next, which needs no
-    /// exact pitch, and a line is fitted through values over numbers.
+    /// Distinct values are numbered by rounded steps, which needs no exact pitch, and a
+    /// line is fitted through values over numbers.
     pub(super) fn fit(
         tangents: &mut [f32],
         pitch_guess: f64,
@@ -101,8 +103,8 @@ impl PixelLattice {
     }
 }
 
-/// Least squares of the values over their numbers, which count on by the
-/// rounded distance to the value before.
+/// Least-squares line through the values over their column numbers, which advance by the
+/// rounded distance to the previous value.
 fn line_through(values: &[f64], pitch: f64) -> PixelLattice {
     let (mut number, mut before) = (0.0, values[0]);
     let (mut n, mut sum_k, mut sum_v, mut sum_kk, mut sum_kv) = (0.0, 0.0, 0.0, 0.0, 0.0);

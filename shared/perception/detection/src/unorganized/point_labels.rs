@@ -1,10 +1,10 @@
-//! Which candidate of an image each point of a cloud belongs to.
+//! Transfer of candidate labels from image pixels to points.
 
 use super::UNLABELLED;
 use super::label_groups::LabelGroups;
 use crate::output::Detection;
 
-/// Buffers, and the labels set last.
+/// Point labels set last, with buffers.
 #[derive(Debug, Default)]
 pub(super) struct PointLabels {
     of_pixel: Vec<u32>,
@@ -13,8 +13,8 @@ pub(super) struct PointLabels {
 }
 
 impl PointLabels {
-    /// PointLabels `n_points` points by the candidates of an image of `n_pixels`;
-    /// `pixel_of` names the pixel whose surface a point belongs to.
+    /// Label `n_points` points by the candidates of an image of `n_pixels`; `pixel_of`
+    /// gives the pixel whose surface a point belongs to.
     pub(super) fn refill(
         &mut self,
         detection: &Detection,
@@ -39,8 +39,8 @@ impl PointLabels {
         &self.of_point
     }
 
-    /// Replaces the pixels of the candidates by the points with their labels,
-    /// in the order of the cloud.
+    /// Replace the pixels of the candidates by the labelled points, in the order of the
+    /// cloud.
     pub(super) fn write_indices(&mut self, detection: &mut Detection) {
         self.groups
             .refill(&self.of_point, detection.candidates.len());

@@ -1,16 +1,17 @@
-//! Points moved to the centres of their pixels.
+//! Depth resampling to pixel centres.
 
 use point_cloud::Point;
 
-/// Neighbours belong to one surface up to this step of depth, metres, at 1 m;
-/// it grows with squared depth.
+/// Greatest depth step between neighbours on one surface, metres at 1 m; grows with squared
+/// depth. Chosen; sensitivity: see `tabula-lab sweep`.
 const STEP_M: f32 = 0.012;
 
-/// Neighbours nearer to each other than this, in pixels, give no slope.
+/// Least distance of neighbours for a slope, pixels. Chosen; sensitivity: see `tabula-lab
+/// sweep`.
 const APART_PX: f32 = 0.7;
 
-/// Where the pixels look: tangents of the centres of the first column and row,
-/// and of the steps between columns and rows.
+/// Pixel centres of an image: tangents of the first column and row, and the pitch of
+/// columns and rows.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PixelCentres {
     pub(super) first: [f32; 2],
@@ -26,9 +27,8 @@ impl PixelCentres {
     }
 }
 
-/// Moves the points of an image along their surface to the lines of sight of
-/// their pixels' centres: points that were seen elsewhere make a smooth
-/// surface jagged. `depths` is a buffer.
+/// Move the points of an image along their surface to the viewing rays of their pixels'
+/// centres, which removes the jaggedness of off-centre points. `depths` is a buffer.
 pub(super) fn resample(
     image: &mut [Point],
     width: usize,
@@ -58,9 +58,9 @@ pub(super) fn resample(
     }
 }
 
-/// Change of depth over the tangent along a line of the image, from the
-/// neighbours on the same surface; 0 without any. `at` is the pixel's place in
-/// the line and the line's length, `stride` leads to the next pixel.
+/// Slope of depth over the tangent along an image line, from the neighbours on the same
+/// surface; 0 without any. `at` is the pixel's position in the line and the line's length,
+/// `stride` leads to the next pixel.
 fn slope(
     image: &[Point],
     pixel: usize,
@@ -94,7 +94,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn points_of_a_plane_stay_on_it_and_come_to_the_centres(
+        fn resampling_moves_points_along_their_plane_to_the_centres(
             offsets in prop::collection::vec((-0.4..0.4_f32, -0.4..0.4_f32), WIDTH * 12),
             tilt in prop::array::uniform2(-1.0..1.0_f32),
             holes in prop::collection::vec(prop::bool::weighted(0.1), WIDTH * 12),

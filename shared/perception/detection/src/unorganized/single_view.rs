@@ -1,4 +1,4 @@
-//! A cloud laid back on the image that it was seen in.
+//! Single-view reprojection of an unorganised cloud onto an image grid.
 
 use super::UNLABELLED;
 use super::pixel_lattice::PixelLattice;
@@ -7,58 +7,61 @@ use super::view_extent::{ViewExtent, tangents_of};
 use point_cloud::{OrganizedCloud, Point, Rgba};
 use random::Random;
 
-/// The lattice is fitted to about this many points.
+/// Target number of points of the lattice fit.
 const N_FITTED: usize = 16_384;
 
-/// Least share of the finite points that a single view sees.
+/// Least share of the finite points in front of the camera of a single view. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
 const SEEN_SHARE_MIN: f64 = 0.98;
 
-/// Greatest share of the points that lie behind others in a single view.
+/// Greatest share of the points behind others in a single view. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
 const LAYERED_SHARE_MAX: f64 = 0.05;
 
-/// Least share of the points at the usual density, where no lattice is found:
-/// a camera sees every direction once, a merged cloud does not.
+/// Least share of the points at the usual density when no lattice is found: a camera
+/// samples every direction once, a merged cloud does not. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
 const UNIFORM_SHARE_MIN: f64 = 0.75;
 
-/// Without a lattice a pixel is wider than the mean distance of neighbours, so
-/// that few pixels stay empty.
+/// Ratio of pixel width to mean point spacing without a lattice, so that few pixels stay
+/// empty. Chosen; sensitivity: see `tabula-lab sweep`.
 const PIXEL_WIDENING: f64 = 1.5;
 
-/// Where the mean distance of neighbours is this many pixels, so many of them
-/// are empty that some are n_merged_columns.
+/// Mean point spacing above which columns are merged, pixels, because too many would stay
+/// empty. Chosen; sensitivity: see `tabula-lab sweep`.
 const SPARSE_SPACING_PX: f64 = 1.2;
 
-/// A point this far behind its pixel's surface is of another one: metres at
-/// 1 m, growing with squared depth.
+/// Least distance of a point behind its pixel's surface that makes it another surface,
+/// metres at 1 m, growing with squared depth. Chosen; sensitivity: see `tabula-lab sweep`.
 const BEHIND_M: f32 = 0.02;
 
-/// Pitch of a Kinect v1, tangent per pixel. The search of an image counts in
-/// its pixels: those of a finer view are n_merged_columns until they are about as large.
+/// Pixel pitch of a Kinect v1, tangent. Thresholds of the image path count such pixels;
+/// finer views are merged to about this pitch.
 const KINECT_PITCH: f64 = 1.0 / 585.0;
 
-/// Field of view of a Kinect v1, tangents of its width and height. The image
-/// of a smaller view gets empty margins up to this.
+/// Field of view of a Kinect v1, tangents of width and height. A smaller view gets empty
+/// margins up to this size.
 const KINECT_VIEW: [f64; 2] = [640.0 * KINECT_PITCH, 480.0 * KINECT_PITCH];
 
-/// Most pixels of an image; a finer view is made downsampled.
+/// Greatest number of pixels of an image; a finer view is downsampled.
 const N_PIXELS_MAX: f64 = 4_194_304.0;
 
-/// Most pixels of an image with margins.
+/// Greatest number of pixels of an image with margins.
 const N_PIXELS_WITH_MARGIN_MAX: f64 = 1_048_576.0;
 
 /// Longest side of an image, pixels.
 const SIDE_PX_MAX: f64 = 8192.0;
 
-/// How sure it is that a cloud is a single view.
+/// Evidence that a cloud is a single view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum ViewEvidence {
-    /// Its points lie on the rows and columns of an image.
+    /// The points lie on the rows and columns of an image.
     Lattice,
-    /// Its points are spread evenly over the directions of view.
+    /// The points cover the viewing directions with uniform density.
     UniformDensity,
 }
 
-/// Buffers, and the image laid last.
+/// Single-view image made last, with buffers.
 #[derive(Debug, Default)]
 pub(super) struct SingleView {
     extent: ViewExtent,
@@ -71,7 +74,7 @@ pub(super) struct SingleView {
     depths: Vec<f32>,
 }
 
-/// Rows and columns of an image that is to be laid.
+/// Pixel grid of the image to be rendered.
 #[derive(Debug, Clone, Copy)]
 struct PixelGrid {
     lattices: [PixelLattice; 2],
@@ -80,7 +83,7 @@ struct PixelGrid {
 }
 
 impl PixelGrid {
-    /// Around the extent of a view, with margins.
+    /// Grid around the extent of a view, with margins.
     fn around(extent: &ViewExtent, lattices: [PixelLattice; 2]) -> Self {
         let margined = [0, 1].map(|axis| {
             let half = 0.5 * KINECT_VIEW[axis] as f32;
@@ -129,7 +132,7 @@ impl PixelGrid {
         }
     }
 
-    /// The pixel that sees a point.
+    /// Pixel that sees a point.
     #[inline]
     fn pixel_of(&self, point: &Point) -> Option<usize> {
         let [u, v] = tangents_of(point)?;
@@ -139,7 +142,7 @@ impl PixelGrid {
     }
 }
 
-/// How many columns of a pitch make one of the image.
+/// Number of lattice columns merged into one image column.
 fn n_merged_columns(pitch: f64, point_pitch: f64) -> f64 {
     let n_sparse = if point_pitch > SPARSE_SPACING_PX * pitch {
         (PIXEL_WIDENING * point_pitch / pitch).floor()
@@ -150,8 +153,8 @@ fn n_merged_columns(pitch: f64, point_pitch: f64) -> f64 {
 }
 
 impl SingleView {
-    /// Lays a cloud on an image; `None` when it is no single view from its
-    /// origin along z.
+    /// Reproject a cloud onto an image; `None` when it is not a single view from its origin
+    /// along z.
     pub(super) fn reproject(&mut self, points: &[Point]) -> Option<ViewEvidence> {
         self.size = [0, 0];
         self.extent.measure(points)?;
@@ -180,12 +183,12 @@ impl SingleView {
         (n_layered as f64 <= LAYERED_SHARE_MAX * f64::from(n_placed)).then_some(trust)
     }
 
-    /// The image laid last.
+    /// Image made last.
     pub(super) fn image(&self) -> Option<OrganizedCloud<'_>> {
         OrganizedCloud::new(&self.image, self.size[0], self.size[1]).ok()
     }
 
-    /// The pixel whose surface a point belongs to.
+    /// Pixel whose surface a point belongs to.
     #[inline]
     pub(super) fn surface_pixel(&self, index: usize, point: &Point) -> Option<usize> {
         let pixel = self.pixel_of_point[index];
@@ -228,7 +231,7 @@ impl SingleView {
             .map(|[low, _]| PixelLattice::new(f64::from(low), pitch))
     }
 
-    /// Draws the points; each pixel keeps the nearest.
+    /// Render the points with a z-buffer: each pixel keeps the nearest.
     fn render(&mut self, points: &[Point], grid: &PixelGrid) {
         self.size = grid.size;
         self.image.clear();

@@ -1,14 +1,14 @@
-//! Where the table itself is seen.
+//! Table coverage map: cells in which the table itself is visible.
 
 use geometry::ConvexPolygon;
 
-/// Side of a cell, metres.
+/// Side of a cell, metres. Chosen; sensitivity: see `tabula-lab sweep`.
 const CELL_M: f32 = 0.010;
 
-/// Most cells a side; a larger table gets larger cells.
+/// Greatest number of cells per side; a larger table gets larger cells.
 const CELLS_MAX: usize = 1024;
 
-/// A map of the table, in its frame, that tells where points lie on it.
+/// Table coverage map in the frame of the table.
 #[derive(Debug, Default)]
 pub(super) struct TableCoverage {
     low: [f32; 2],
@@ -18,7 +18,7 @@ pub(super) struct TableCoverage {
 }
 
 impl TableCoverage {
-    /// An empty map of the bounds of a polygon.
+    /// Clear the map and fit it to the bounds of a polygon.
     pub(super) fn clear(&mut self, polygon: &ConvexPolygon) {
         let (mut low, mut high) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
         for corner in polygon.corners() {
@@ -35,7 +35,7 @@ impl TableCoverage {
         self.is_seen.resize(self.size[0] * self.size[1], false);
     }
 
-    /// Notes a point of the table.
+    /// Mark the cell of a table point.
     #[inline]
     pub(super) fn add(&mut self, u: f32, v: f32) {
         if let Some(cell) = self.cell_of(u, v) {
@@ -43,7 +43,7 @@ impl TableCoverage {
         }
     }
 
-    /// Whether the table is seen at a place.
+    /// `true` when the table is visible at a point.
     #[inline]
     pub(super) fn is_seen(&self, u: f32, v: f32) -> bool {
         self.cell_of(u, v).is_some_and(|cell| self.is_seen[cell])

@@ -1,45 +1,46 @@
-//! How much of the field of view a cloud covers, and how densely.
+//! View extent: angular bounds, density and uniformity of a cloud seen from its origin.
 
 use point_cloud::Point;
 use random::Random;
 
-/// Greatest tangent of a viewing ray, along the rows and along the columns: a
-/// wider view than 150 degrees is no camera's.
+/// Greatest tangent of a viewing ray along rows and columns; no camera's view is wider than
+/// 150 degrees.
 const TANGENT_MAX: f32 = 3.8;
 
-/// Depths a camera can measure, metres.
+/// Depth range of a camera, metres.
 const DEPTH_M: [f32; 2] = [0.05, 100.0];
 
-/// Bins of the histogram of each tangent.
+/// Number of histogram bins per tangent.
 const N_BINS: usize = 2048;
 
-/// One point in so many may lie outside the extent, on each side.
+/// Reciprocal of the outlier share trimmed on each side of the extent. Chosen; sensitivity:
+/// see `tabula-lab sweep`.
 const OUTLIER_DIVISOR: usize = 20_000;
 
-/// About so many points are looked at.
+/// Greatest number of sampled points.
 const N_SAMPLES_MAX: usize = 100_000;
 
-/// Cells a side in which the points are counted.
+/// Number of density cells per side.
 const N_CELLS: usize = 64;
 
-/// Buffers, and the extent measured last.
+/// View extent measured last, with buffers.
 #[derive(Debug, Default)]
 pub(super) struct ViewExtent {
     bins: [Vec<u32>; 2],
     sample: Vec<[f32; 2]>,
     counts: Vec<u32>,
-    /// Lowest and highest tangent along rows and along columns.
+    /// Least and greatest tangent along rows and along columns.
     pub(super) tangents: [[f32; 2]; 2],
     /// Share of the finite points that a camera at the origin can see.
     pub(super) seen_share: f64,
-    /// Mean distance of neighbours, tangent of the angle.
+    /// Mean point spacing, tangent of the angle.
     pub(super) pitch: f64,
-    /// Share of the points where the density is about the usual one.
+    /// Share of the points at about the median density.
     pub(super) uniform_share: f64,
 }
 
-/// The tangents of the ray to a point, for a camera at the origin that looks
-/// along z; `None` when it can not see the point.
+/// Tangents of the ray to a point, for a camera at the origin along z; `None` when it
+/// cannot see the point.
 #[inline]
 pub(super) fn tangents_of(point: &Point) -> Option<[f32; 2]> {
     let tangents = [point.x / point.z, point.y / point.z];
@@ -50,13 +51,12 @@ pub(super) fn tangents_of(point: &Point) -> Option<[f32; 2]> {
 }
 
 impl ViewExtent {
-    /// Tangents of the points looked at.
+    /// Tangents of the sampled points.
     pub(super) fn sample(&self) -> &[[f32; 2]] {
         &self.sample
     }
 
-    /// Measures a cloud; `None` when hardly any point can be seen or all lie
-    /// on one line of sight.
+    /// Measure a cloud; `None` when too few points are visible or all lie on one ray.
     pub(super) fn measure(&mut self, points: &[Point]) -> Option<()> {
         let n_drawn = self.draw(points);
         if self.sample.len() < super::N_POINTS_MIN {
@@ -69,12 +69,12 @@ impl ViewExtent {
         self.count_cells(points.len() as f64 / n_drawn as f64)
     }
 
-    /// Draws points, or takes all of few; returns how many.
+    /// Sample the points, all of them if few; returns their number.
     fn draw(&mut self, points: &[Point]) -> usize {
         self.sample.clear();
         let n_drawn = points.len().min(N_SAMPLES_MAX);
         let all = n_drawn == points.len();
-        // An even step could see every other column only.
+        // A fixed stride could hit every other column only.
         let mut random = Random::from_seed(points.len() as u64);
         let mut n_finite = 0;
         for i in 0..n_drawn {
@@ -96,9 +96,8 @@ impl ViewExtent {
         }
     }
 
-    /// Counts the points per cell; the usual density is the one at which half
-    /// of the points have a denser and half a thinner surrounding. Each point
-    /// looked at stands for `n_each`.
+    /// Density per cell. The usual density is the median over points; each sampled point
+    /// stands for `n_each`.
     fn count_cells(&mut self, n_each: f64) -> Option<()> {
         let [columns, rows] = self.tangents;
         let per = |[low, high]: [f32; 2]| N_CELLS as f32 / (high - low);
@@ -137,7 +136,7 @@ fn bin_of(tangent: f32) -> usize {
     (bin as usize).min(N_BINS - 1)
 }
 
-/// The part of a histogram beyond which at most `n_outliers` points lie.
+/// Range of a histogram without at most `n_outliers` points at each end.
 fn trimmed(bins: &[u32], n_outliers: usize) -> Option<[f32; 2]> {
     let beyond = |bins: &mut dyn Iterator<Item = &u32>| {
         let mut n = 0;

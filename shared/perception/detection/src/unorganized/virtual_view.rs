@@ -1,4 +1,5 @@
-//! A cluster seen by a camera that was never there.
+//! Virtual viewpoint: a cluster of an unorganised cloud is rendered into a depth image, so
+//! that the image path can split it.
 
 use super::UNLABELLED;
 use super::point_labels::PointLabels;
@@ -14,37 +15,45 @@ use nalgebra::{Matrix3, Point3, Rotation3, Unit, UnitQuaternion, Vector3};
 use point_cloud::{OrganizedCloud, Point, Rgba};
 use std::f64::consts::TAU;
 
-/// The camera, and its least distance, metres: nearer, more precise points
-/// would be expected of it than a camera has measured from where it was.
+/// Virtual camera; its pixels match the thresholds of the image path.
 const CAMERA: PinholeCamera = PinholeCamera::KINECT_V1;
+
+/// Least distance of the virtual camera, metres. A nearer view would imply a finer depth
+/// resolution than the original sensor had. Chosen; sensitivity: see `tabula-lab sweep`.
 const DISTANCE_MIN_M: f64 = 1.0;
 
-/// Pixels from the image's centre to the border of the cluster.
+/// Radius of the cluster in the image, pixels. Chosen; sensitivity: see `tabula-lab sweep`.
 const RADIUS_PX: f64 = 200.0;
 
-/// A cluster with a larger radius is nothing on a table, metres.
+/// Greatest radius of a cluster on a table, metres. Chosen; sensitivity: see `tabula-lab
+/// sweep`.
 const RADIUS_MAX_M: f64 = 1.0;
 
-/// Directions to find_parts from, azimuths and elevations over the table, radians;
-/// that from which most is seen is taken.
+/// Number of azimuths of candidate viewpoints; the one with the largest visible area is
+/// used.
 const N_AZIMUTHS: usize = 12;
+
+/// Elevations of candidate viewpoints over the table, radians. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
 const ELEVATIONS_RAD: [f64; 2] = [0.65, 0.95];
 
-/// Side of the coarse pixels in which is counted what is seen, and about how
-/// many points are counted.
+/// Side of the coarse pixels in which visible area is counted, pixels.
 const COARSE_PX: usize = 4;
+
+/// Target number of points counted per candidate viewpoint.
 const N_COUNTED: usize = 20_000;
 
-/// Each point covers the pixels this far around its own.
+/// Splat radius of a point, pixels.
 const SPLAT_PX: isize = 1;
 
-/// A point this far behind what covers its pixel is hidden, metres.
+/// Least distance behind the splatted surface of an occluded point, metres. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
 const BEHIND_M: f32 = 0.012;
 
-/// Width and height of the image.
+/// Width and height of the image, pixels.
 const SIZE: [usize; 2] = [CAMERA.width as usize, CAMERA.height as usize];
 
-/// Buffers, and the parts found last.
+/// Virtual view with the parts found last, and buffers.
 #[derive(Debug, Default)]
 pub(super) struct VirtualView {
     seen: Vec<bool>,
@@ -56,13 +65,13 @@ pub(super) struct VirtualView {
     labels: PointLabels,
 }
 
-/// What is nearest in a pixel.
+/// Z-buffer pixel of the splatting.
 #[derive(Debug, Clone, Copy)]
 struct SplatPixel {
-    /// Nearest depth of any point that covers the pixel, and its colour.
+    /// Nearest depth of any point splatted onto the pixel, metres.
     depth_m: f32,
     color: Rgba,
-    /// Nearest depth of a point in the pixel itself.
+    /// Nearest depth of a point in the pixel itself, metres.
     own_m: f32,
 }
 
@@ -72,20 +81,20 @@ const EMPTY_PIXEL: SplatPixel = SplatPixel {
     own_m: f32::INFINITY,
 };
 
-/// A cluster over a table.
+/// Cluster of an unorganised cloud above a table.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CloudCluster<'a> {
-    /// The cloud, and the indices of the cluster's points.
+    /// Points of the cloud.
     pub(super) points: &'a [Point],
     pub(super) members: &'a [u32],
-    /// A box around them, in the frame of the cloud.
+    /// Bounding box of the members, in the frame of the cloud.
     pub(super) bounds: &'a OrientedBox,
     pub(super) table: &'a Table,
 }
 
 impl VirtualView {
-    /// Looks at a cluster that stands alone on the table. Returns in how many
-    /// parts it is seen to fall.
+    /// Find the parts of a cluster in its depth image, standing alone on the table. Returns
+    /// their number.
     pub(super) fn find_parts(
         &mut self,
         cluster: &CloudCluster<'_>,
@@ -110,7 +119,8 @@ impl VirtualView {
         let camera_from_table = self.widest_view(cluster, radius_m);
         let camera_from_cloud = camera_from_table * table.table_from_camera;
         self.splat(points, members, &camera_from_cloud);
-        // What hides the foot of a cluster is not drawn; nothing hangs in the air.
+        // Occluders of the base are not rendered, so the ground is raised to the lowest
+        // point and nothing floats.
         let ground_m = lowest_height_m(points, members, table) - config.get().height_min_m;
         self.compose_depth_image(&camera_from_table, ground_m.max(0.0));
         let Ok(cloud) = OrganizedCloud::new(&self.image, SIZE[0], SIZE[1]) else {
@@ -150,13 +160,13 @@ impl VirtualView {
         detection.candidates.len()
     }
 
-    /// Per member: the part it was seen in, or [`UNLABELLED`].
+    /// Per member: the part it is visible in, or [`UNLABELLED`].
     pub(super) fn part_of(&self) -> &[u32] {
         self.labels.of_point()
     }
 
-    /// `camera_from_table` of the direction from which the cluster covers most
-    /// pixels: from where a side was never measured one sees through it.
+    /// Viewpoint with the largest visible area, as `camera_from_table`; sides that were
+    /// never measured are transparent and show little.
     fn widest_view(&mut self, cluster: &CloudCluster<'_>, radius_m: f64) -> RigidTransform {
         let CloudCluster {
             points,
@@ -191,7 +201,7 @@ impl VirtualView {
         best.0
     }
 
-    /// Finds what is nearest in every pixel.
+    /// Splat the points into the z-buffer.
     fn splat(&mut self, points: &[Point], members: &[u32], camera_from_cloud: &RigidTransform) {
         self.splats.clear();
         self.splats.resize(SIZE[0] * SIZE[1], EMPTY_PIXEL);
@@ -225,8 +235,8 @@ impl VirtualView {
         }
     }
 
-    /// Makes the image of what was drawn, and of a table so high where nothing
-    /// was.
+    /// Compose the depth image from the splats, with a ground plane at a height, metres, in
+    /// empty pixels.
     fn compose_depth_image(&mut self, camera_from_table: &RigidTransform, ground_m: f64) {
         let up = camera_from_table.rotation * Vector3::z();
         let height_m = camera_from_table.translation.vector.dot(&up) + ground_m;
@@ -253,7 +263,7 @@ impl VirtualView {
     }
 }
 
-/// Height over the table of the lowest of some points, metres.
+/// Least height of points over the table, metres.
 fn lowest_height_m(points: &[Point], members: &[u32], table: &Table) -> f64 {
     let height = AffineForm::from(&table.plane);
     let heights = members.iter().map(|&member| {
@@ -263,7 +273,7 @@ fn lowest_height_m(points: &[Point], members: &[u32], table: &Table) -> f64 {
     f64::from(heights.fold(f32::INFINITY, f32::min))
 }
 
-/// `camera_from_table` of a camera at a distance from a target.
+/// Look-at transform `camera_from_table` at a distance from a target.
 fn look_at(
     target: &Point3<f64>,
     azimuth_rad: f64,
@@ -281,7 +291,7 @@ fn look_at(
     RigidTransform::from_parts((-(rotation * eye.coords)).into(), rotation)
 }
 
-/// Column and row, and depth, of a point in the image.
+/// Projection of a point: column, row and depth.
 #[inline]
 fn project(point: &Point, camera_from_cloud: &RigidTransform) -> Option<([usize; 2], f32)> {
     let seen = camera_from_cloud * point.position();

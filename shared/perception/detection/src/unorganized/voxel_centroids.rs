@@ -1,4 +1,4 @@
-//! The centroids of voxels, on which planes are searched.
+//! Voxel centroids for the plane search, sorted by coarse cube.
 
 use super::voxel_grid::VoxelGrid;
 use crate::affine_form::AffineForm;
@@ -6,12 +6,12 @@ use nalgebra::Point3;
 use point_cloud::Moments;
 use random::Random;
 
-/// Points of a hypothesis are drawn from one cube of this side, metres: they
-/// lie on one surface far more often than points from all over the cloud.
+/// Side of the coarse cubes, metres. The points of a hypothesis are drawn from one cube,
+/// because neighbours share a surface more often than random points. Chosen; sensitivity:
+/// see `tabula-lab sweep`.
 const CUBE_M: f32 = 0.25;
 
-/// Coordinates of the centroids, sorted by cube, and whether each belongs to
-/// a plane already.
+/// Voxel centroids sorted by cube, each with its assignment to a plane.
 #[derive(Debug, Default)]
 pub(super) struct VoxelCentroids {
     order: Vec<(u64, u32)>,
@@ -27,7 +27,7 @@ impl VoxelCentroids {
         order.clear();
         order.extend((0..voxels.len()).map(|voxel| {
             let centroid = voxels.centroid(voxel);
-            // Coordinates are bounded by the grid's reach: 10 bits are enough.
+            // Coordinates are bounded by the grid's reach, so 10 bits suffice.
             let [i, j, k] = centroid.map(|x| ((x + super::voxel_grid::REACH_M) / CUBE_M) as u64);
             ((k << 10 | j) << 10 | i, voxel as u32)
         }));
@@ -58,17 +58,17 @@ impl VoxelCentroids {
         self.x.len()
     }
 
-    /// Number of centroids on no plane.
+    /// Number of centroids not assigned to a plane.
     pub(super) fn n_unassigned(&self) -> usize {
         self.is_unassigned.iter().filter(|&&free| free).count()
     }
 
-    /// Makes all free.
+    /// Unassign all centroids.
     pub(super) fn reset_assignment(&mut self) {
         self.is_unassigned.fill(true);
     }
 
-    /// Copies about `n_target` free centroids, evenly over space.
+    /// Copy about `n_target` unassigned centroids, evenly over space.
     pub(super) fn subsample_into(&self, n_target: usize, out: &mut Self) {
         out.clear();
         let step = (self.n_unassigned() / n_target).max(1);
@@ -89,13 +89,13 @@ impl VoxelCentroids {
         )
     }
 
-    /// Coordinate coordinate an axis, metres.
+    /// Value of an affine form at a centroid, metres.
     #[inline]
     pub(super) fn coordinate(&self, axis: &AffineForm, i: usize) -> f32 {
         axis.at(self.x[i], self.y[i], self.z[i])
     }
 
-    /// Three free centroids of one cube; `None` when the draw missed.
+    /// Draw three unassigned centroids of one cube; `None` when the draw missed.
     pub(super) fn draw(&self, random: &mut Random) -> Option<[usize; 3]> {
         let anchor = random.below(self.len());
         let cube = self.order.get(anchor)?.0;
@@ -108,7 +108,7 @@ impl VoxelCentroids {
             .then_some(drawn)
     }
 
-    /// Number of centroids, free or not, in a band around a plane.
+    /// Number of centroids in a band around a plane, assigned or not.
     pub(super) fn count_in_band(&self, height: &AffineForm, band_m: f32) -> u32 {
         let n = self.len();
         let (x, y, z) = (&self.x[..n], &self.y[..n], &self.z[..n]);
@@ -117,7 +117,7 @@ impl VoxelCentroids {
             .sum()
     }
 
-    /// Sums over the free centroids in a band around a plane.
+    /// Moments of the unassigned centroids in a band around a plane.
     pub(super) fn band_moments(&self, height: &AffineForm, band_m: f32) -> Moments {
         let mut moments = Moments::default();
         for i in self.unassigned_in_band(height, band_m) {
@@ -126,7 +126,7 @@ impl VoxelCentroids {
         moments
     }
 
-    /// The free centroids in a band around a plane.
+    /// Unassigned centroids in a band around a plane.
     pub(super) fn unassigned_in_band<'a>(
         &'a self,
         height: &'a AffineForm,
@@ -136,7 +136,8 @@ impl VoxelCentroids {
             .filter(move |&i| self.is_unassigned[i] && self.coordinate(height, i).abs() <= band_m)
     }
 
-    /// Takes the centroids in a band around a plane out of further searches.
+    /// Assign the centroids in a band around a plane, which removes them from further
+    /// searches.
     pub(super) fn assign_in_band(&mut self, height: &AffineForm, band_m: f32) {
         for i in 0..self.len() {
             if self.coordinate(height, i).abs() <= band_m {

@@ -1,4 +1,4 @@
-//! Connected cells of the space over the table.
+//! Voxel clusters: connected components of occupied cells above the table.
 
 use super::UNLABELLED;
 use super::label_groups::LabelGroups;
@@ -7,14 +7,14 @@ use crate::affine_form::AffineForm;
 use crate::clusters::find_root;
 use point_cloud::Point;
 
-/// A part grows by this many cells to its sides while it grows by one upwards
-/// or downwards: what stands on something else is parted from it at a level.
+/// Horizontal cells grown per vertical cell, so that stacked parts are separated at a
+/// level. Chosen; sensitivity: see `tabula-lab sweep`.
 const HORIZONTAL_REACH: usize = 3;
 
-/// Growth as far ahead as a step can lead.
+/// Number of growth fronts: one more than the longest step.
 const N_FRONTS: usize = HORIZONTAL_REACH + 1;
 
-/// Buffers, and the clusters found last.
+/// Voxel clusters found last, with buffers.
 #[derive(Debug, Default)]
 pub(super) struct VoxelClusters {
     parents: Vec<u32>,
@@ -26,10 +26,10 @@ pub(super) struct VoxelClusters {
 }
 
 impl VoxelClusters {
-    /// Joins the points listed, which then are known by their place in the
-    /// list. Cells of side `cell_m` that touch are connected: points nearer
-    /// than one cell are joined, and none across more than one empty cell.
-    /// Clusters of fewer than `n_min` cells are left out.
+    /// Label the connected components of the listed points, which are then known by their
+    /// position in the list. Touching cells of side `cell_m`, metres, are connected: points
+    /// closer than one cell always, points across more than one empty cell never.
+    /// Components with fewer than `n_min` cells are dropped.
     pub(super) fn label_components(
         &mut self,
         points: &[Point],
@@ -58,7 +58,7 @@ impl VoxelClusters {
         self.group_points(n_clusters, voxels);
     }
 
-    /// Numbers the large clusters in the order of their first cells.
+    /// Number the large components in the order of their first cells.
     fn number_large(&mut self, n_min: u32) -> u32 {
         let n_cells = self.parents.len();
         self.n_cells.clear();
@@ -98,20 +98,19 @@ impl VoxelClusters {
         self.groups.len()
     }
 
-    /// Places, in the list, of a cluster's points.
+    /// Positions of a cluster's points in the list.
     pub(super) fn members(&self, cluster: usize) -> &[u32] {
         self.groups.members(cluster)
     }
 
-    /// LabelGroups the points anew after parts were given new numbers.
+    /// Regroup the points after splits changed their labels.
     pub(super) fn regroup(&mut self, n_clusters: usize) {
         self.groups.refill(&self.of_point, n_clusters);
     }
 
-    /// RegionFilter a cluster: members with a part, as `part_of` tells by their place
-    /// among the members, go to it, all others to the part that grows to their
-    /// cell first. Part 0 keeps the cluster's number, the others count on from
-    /// `next`. The members stay grouped as they were until [`Self::regroup`].
+    /// Split a cluster. `part_of` gives the part of each member; members without one take
+    /// the part that grows to their cell first. Part 0 keeps the cluster's number, the
+    /// others are numbered from `next`. Groups change only at [`Self::regroup`].
     pub(super) fn split(&mut self, cluster: usize, part_of: &[u32], next: u32, voxels: &VoxelGrid) {
         let Self {
             of_point,
@@ -145,12 +144,11 @@ impl VoxelClusters {
     }
 }
 
-/// Lets the clusters of the cells in the first front grow over the cells that
-/// are connected with them and have no cluster, the near ones first (Dial
-/// 1969). All cells next to one of a cluster are of that cluster.
+/// Region growing from the cells of the first front over connected unlabelled cells,
+/// nearest first (bucket queue, Dial 1969). All neighbours of a cluster's cells join it.
 fn grow(cluster_of_cell: &mut [u32], fronts: &mut [Vec<u32>; N_FRONTS], voxels: &VoxelGrid) {
-    // A cell is claimed when the growth arrives; claims come as pairs of the
-    // cell and the one it is reached from.
+    // A claim is a pair of a cell and the cell from which it is reached; it is settled on
+    // arrival.
     let reach = |cell: usize, distance: usize, fronts: &mut [Vec<u32>; N_FRONTS], of: &[u32]| {
         for (near, [_, _, up]) in voxels.neighbours(cell) {
             if of[near] == UNLABELLED {
@@ -215,7 +213,7 @@ mod tests {
             let points: Vec<Point> = points.iter().map(|&(x, y, z)| at(x, y, z)).collect();
             let (clusters, _) = joined(&points);
             let cluster = |i: usize| clusters.of_point[i];
-            // Two clusters are apart by more than a cell, along some axis.
+            // Points of two clusters are more than a cell apart along some axis.
             for i in 0..points.len() {
                 for j in 0..i {
                     let (a, b) = (&points[i], &points[j]);
@@ -234,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn parts_grow_until_they_meet() {
+    fn split_parts_meet_halfway() {
         let points: Vec<Point> = (0..100).map(|i| at(0.003 * i as f32, 0.0, 0.0)).collect();
         let (mut clusters, voxels) = joined(&points);
         assert_eq!(clusters.len(), 1);

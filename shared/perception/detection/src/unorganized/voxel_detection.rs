@@ -1,4 +1,4 @@
-//! Detection in a cloud that is no single view.
+//! Voxel path of detection, for clouds that are not a single view.
 
 use super::table_coverage::TableCoverage;
 use super::virtual_view::{CloudCluster, VirtualView};
@@ -19,33 +19,41 @@ use crate::{Config, RawConfig};
 use point_cloud::{OrganizedCloud, Point};
 use random::Random;
 
-/// Side of the voxels on whose centroids planes are searched, metres.
+/// Side of the voxels for the plane search, metres. Chosen; sensitivity: see `tabula-lab
+/// sweep`.
 const VOXEL_M: f32 = 0.010;
 
-/// Least side of the cells that are connected, metres, and in mean distances
-/// of neighbours on the table.
+/// Least side of the cluster cells, metres. Chosen; sensitivity: see `tabula-lab sweep`.
 const CELL_M: f64 = 0.006;
+
+/// Least side of the cluster cells, in mean point spacings on the table. Chosen; sensitivity:
+/// see `tabula-lab sweep`.
 const SPACINGS: f64 = 1.5;
 
-/// What a pixel of a Kinect v1 sees at 1 m, square metres: the smallest object
-/// is so large per point that it needs there.
+/// Area of a Kinect v1 pixel at 1 m, square metres; converts the configured least number of
+/// points into a least area.
 const PIXEL_AREA_M2: f64 = 2.9e-6;
 
-/// A cluster larger than this is looked at for its parts: longest side, metres,
-/// and footprint, square metres.
+/// Longest side above which a cluster is examined for parts, metres. Chosen; sensitivity:
+/// see `tabula-lab sweep`.
 const LONGEST_SIDE_M: f64 = 0.30;
+
+/// Footprint area above which a cluster is examined for parts, square metres. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
 const FOOTPRINT_M2: f64 = 0.03;
 
-/// Most clusters that are looked at, and most that can be objects; of more,
-/// the largest are kept. No table carries so many, a damaged cloud may.
+/// Greatest number of clusters examined for parts; only a damaged cloud has more.
 const N_SPLITS_MAX: usize = 32;
+
+/// Greatest number of hypotheses; of more, which only a damaged cloud has, the largest are
+/// kept.
 const N_HYPOTHESES_MAX: usize = 512;
 
-/// Greatest share of a cluster's points straight under which the table is
-/// seen, where the cluster may stand on it all the same.
+/// Greatest share of a cluster's points with visible table below at which its support may
+/// be occluded. Chosen; sensitivity: see `tabula-lab sweep`.
 const SEEN_UNDER_MAX: f64 = 0.3;
 
-/// Buffers.
+/// Voxel detector with its buffers.
 #[derive(Debug, Default)]
 pub(super) struct VoxelDetector {
     voxels: VoxelGrid,
@@ -58,12 +66,12 @@ pub(super) struct VoxelDetector {
     body_mask: BodyMask,
     indices: Vec<u32>,
     hypotheses: Vec<ClusterHypothesis>,
-    /// Fewest points of an object, as densely as the table is seen.
+    /// Least number of points of an object at the density of the table.
     n_points_min: f64,
 }
 
 impl VoxelDetector {
-    /// Searches a cloud. `workspace` serves to find_parts at piles.
+    /// Detect in a cloud; `organized` serves the virtual views of large clusters.
     pub(super) fn detect(
         &mut self,
         frame: &Frame<'_>,
@@ -106,8 +114,8 @@ impl VoxelDetector {
         detection.table = Some(table);
     }
 
-    /// Lists the points in the prism over the table, and maps the table's own.
-    /// Returns the mean distance of neighbours on the table, metres.
+    /// List the points in the prism above the table and map the table's own points. Returns
+    /// the mean point spacing on the table, metres.
     fn list_above_table(
         &mut self,
         points: &[Point],
@@ -142,7 +150,7 @@ impl VoxelDetector {
         (table.polygon.area_m2() / f64::from(n_on_table.max(1))).sqrt()
     }
 
-    /// Gives the parts of piles clusters of their own.
+    /// Split large clusters into the parts seen from a virtual viewpoint.
     fn split_large_clusters(
         &mut self,
         cloud: &OrganizedCloud<'_>,
@@ -188,7 +196,7 @@ impl VoxelDetector {
         self.clusters.regroup(n_clusters);
     }
 
-    /// Lists the indices of a cluster's points in the cloud.
+    /// List the indices of a cluster's points in the cloud.
     fn list_members(&mut self, cluster: usize) {
         self.indices.clear();
         let members = self.clusters.members(cluster).iter();
@@ -196,7 +204,7 @@ impl VoxelDetector {
             .extend(members.map(|&member| self.over_table[member as usize]));
     }
 
-    /// The clusters that can be objects, nearest to the cloud's origin first.
+    /// Hypotheses of the clusters, nearest to the cloud's origin first.
     fn find_hypotheses(
         &mut self,
         cloud: &OrganizedCloud<'_>,
@@ -238,8 +246,8 @@ impl VoxelDetector {
         }
     }
 
-    /// What does not reach down to the table, and under which no table is seen
-    /// either, stands on something that no view has seen.
+    /// Set an occluded support for hypotheses that neither reach the table nor have visible
+    /// table below.
     fn find_occluded_support(&mut self, points: &[Point], table_axes: &[AffineForm; 3]) {
         let [u, v, _] = table_axes;
         for hypothesis in self
@@ -286,7 +294,7 @@ impl VoxelDetector {
                 .extend(members.map(|&member| self.over_table[member as usize]));
             let range = first..detection.point_indices.len();
             let indices = &detection.point_indices[range.clone()];
-            // There is no image whose border could cut it.
+            // Without an image, no border can cut it.
             let candidate = evaluator.candidate(hypothesis, range, indices, false, config.rule());
             detection.candidates.push(candidate);
         }

@@ -1,21 +1,20 @@
-//! A hashed voxel grid.
+//! Hashed voxel grid with point sums.
 
 use super::UNLABELLED;
 
-/// Coordinates beyond this are ignored, metres: no room is so large, and the
-/// number of voxels along an axis fits its part of the key.
+/// Greatest absolute coordinate of a point, metres; it bounds the voxel keys.
 pub(super) const REACH_M: f32 = 100.0;
 
-/// Most voxels; a cloud that fills more gets larger ones.
+/// Greatest number of voxels; a cloud that fills more gets larger ones.
 const N_VOXELS_MAX: usize = 1 << 21;
 
-/// Bits of a key per axis.
+/// Bits per axis of a voxel key.
 const AXIS_BITS: u32 = 21;
 
-/// Empty voxels around the reach, so that neighbours need no check.
+/// Empty voxels around the reach, so that neighbour keys need no check.
 const MARGIN: u64 = 1;
 
-/// Steps to one half of the 26 neighbours; the other half are their opposites.
+/// Steps to one half of the 26 neighbours; the opposite steps lead to the other half.
 const HALF_NEIGHBOURS: [[i64; 3]; 13] = [
     [1, 0, 0],
     [-1, 1, 0],
@@ -32,19 +31,19 @@ const HALF_NEIGHBOURS: [[i64; 3]; 13] = [
     [1, 1, 1],
 ];
 
-/// VoxelGrid numbered in the order of their first points, found by open
-/// addressing: the same points in the same order give the same voxels.
+/// Hashed voxel grid with open addressing. Voxels are numbered in the order of their first
+/// points, so equal input gives equal numbers.
 #[derive(Debug, Default)]
 pub(super) struct VoxelGrid {
     size_m: f32,
-    /// A power of two of them, at least half empty.
+    /// Hash table: a power of two of slots, at least half of them empty.
     slots: Vec<u32>,
     keys: Vec<u64>,
     sums: Vec<VoxelSum>,
     voxel_of: Vec<u32>,
 }
 
-/// VoxelSum of the points of a voxel, from its corner.
+/// Sum of the points of a voxel, relative to its corner.
 #[derive(Debug, Clone, Copy, Default)]
 struct VoxelSum {
     offset_m: [f32; 3],
@@ -52,11 +51,11 @@ struct VoxelSum {
 }
 
 impl VoxelGrid {
-    /// Fills the grid with `n` points. Those at no position, and those not
-    /// within the reach, are in no voxel. VoxelGrid are `size_m` wide, or
-    /// twice, four times, ... as wide where there would be too many of them.
+    /// Fill the grid with `n` points. Points without a position or beyond the reach have no
+    /// voxel. Voxels are `size_m` wide, or a power of two wider where there would be too
+    /// many of them.
     ///
-    /// O(n); memory for one index a point and at most 2^21 voxels.
+    /// O(n); memory for one index per point and at most 2^21 voxels.
     pub(super) fn fill(
         &mut self,
         n: usize,
@@ -104,7 +103,7 @@ impl VoxelGrid {
         self.size_m
     }
 
-    /// Number of voxels with points.
+    /// Number of occupied voxels.
     pub(super) fn len(&self) -> usize {
         self.keys.len()
     }
@@ -124,16 +123,15 @@ impl VoxelGrid {
         })
     }
 
-    /// The neighbours of a voxel, at faces, edges and corners, that come after
-    /// it along the axes.
+    /// Occupied neighbours of a voxel, at faces, edges and corners, in the positive half
+    /// space of steps.
     pub(super) fn later_neighbours(&self, voxel: usize) -> impl Iterator<Item = usize> + '_ {
         HALF_NEIGHBOURS
             .iter()
             .filter_map(move |step| self.neighbour(voxel, *step))
     }
 
-    /// All neighbours of a voxel, at faces, edges and corners, and the steps
-    /// that lead to them.
+    /// Occupied neighbours of a voxel, at faces, edges and corners, with the steps to them.
     pub(super) fn neighbours(&self, voxel: usize) -> impl Iterator<Item = (usize, [i64; 3])> + '_ {
         let before = HALF_NEIGHBOURS.iter().map(|step| step.map(|part| -part));
         before
@@ -172,7 +170,7 @@ impl VoxelGrid {
         }
     }
 
-    /// The slot that holds a key, or the empty one where it belongs.
+    /// Slot of a key, or the empty slot for it (linear probing).
     #[inline]
     fn slot_of(&self, key: u64) -> usize {
         let mask = self.slots.len() - 1;

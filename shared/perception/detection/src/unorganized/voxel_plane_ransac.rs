@@ -1,4 +1,4 @@
-//! RANSAC for planes on voxel centroids.
+//! RANSAC plane search on voxel centroids.
 
 use super::voxel_centroids::VoxelCentroids;
 use crate::affine_form::AffineForm;
@@ -6,20 +6,21 @@ use geometry::Plane;
 use nalgebra::{Unit, Vector3};
 use random::Random;
 
-/// A hypothesis is counted on about this many centroids.
+/// Target number of centroids on which a hypothesis is scored.
 const N_COUNTED_AIMED: usize = 2400;
 
-/// Most hypotheses for one plane.
+/// Greatest number of hypotheses for one plane.
 const N_HYPOTHESES_MAX: usize = 800;
 
-/// Accepted chance of not drawing a single good hypothesis.
+/// Accepted probability of drawing no good hypothesis. Chosen; sensitivity: see `tabula-lab
+/// sweep`.
 const MISS_CHANCE: f64 = 0.005;
 
-/// Chance that three centroids of one cube are of one plane and far enough
-/// apart, given that the first one is on it.
+/// Assumed probability that three centroids of one cube are on one plane and far enough
+/// apart, given that the first is on it. Chosen; sensitivity: see `tabula-lab sweep`.
 const NEIGHBOURS_AGREE: f64 = 0.2;
 
-/// Directions a normal may have.
+/// Cone of accepted plane normals around up.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct UpCone {
     pub(super) up: Unit<Vector3<f64>>,
@@ -28,7 +29,7 @@ pub(super) struct UpCone {
 }
 
 impl UpCone {
-    /// The plane with its positive side up, when it may be a table.
+    /// Plane oriented upwards; `None` when its normal is outside of the cone.
     pub(super) fn admit(&self, plane: Plane) -> Option<Plane> {
         let cos = plane.normal.dot(&self.up);
         let upwards = if cos < 0.0 {
@@ -43,9 +44,9 @@ impl UpCone {
     }
 }
 
-/// The plane with the most free centroids in its band, refined by least
-/// squares; `None` when no hypothesis has `n_min`. (Fischler and Bolles 1981,
-/// with local draws and an adaptive number of rounds.)
+/// Largest plane: the plane with the most unassigned centroids in its band, refined by
+/// least squares; `None` when no hypothesis has `n_min`. RANSAC (Fischler and Bolles 1981)
+/// with local draws and an adaptive number of rounds.
 pub(super) fn largest_plane(
     centroids: &VoxelCentroids,
     cone: &UpCone,
@@ -97,7 +98,7 @@ fn through(centroids: &VoxelCentroids, drawn: [usize; 3], cone: &UpCone) -> Opti
     cone.admit(Plane::through_three(&a, &b, &c)?)
 }
 
-/// The least-squares plane of the free centroids in a plane's band.
+/// Least-squares plane of the unassigned centroids in a plane's band.
 fn fitted(centroids: &VoxelCentroids, plane: &Plane, cone: &UpCone, band_m: f32) -> Option<Plane> {
     let axes = centroids
         .band_moments(&AffineForm::from(plane), band_m)

@@ -1,25 +1,30 @@
-//! The wide, connected part of a plane, and the polygon around it.
+//! Largest wide connected region of a plane's voxel centroids and its polygon.
 
 use super::voxel_centroids::VoxelCentroids;
 use crate::affine_form::AffineForm;
 use geometry::{ConvexPolygon, RigidTransform};
 use nalgebra::Point2;
 
-/// Side of a cell of the map of the plane, metres, and in voxels.
+/// Least side of an occupancy cell on the plane, metres. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
 const CELL_M: f32 = 0.04;
+
+/// Least side of an occupancy cell on the plane, voxels. Chosen; sensitivity: see `tabula-lab
+/// sweep`.
 const CELL_VOXELS: f32 = 2.5;
 
-/// Most cells a side; a larger plane gets larger cells.
+/// Greatest number of cells per side; a larger plane gets larger cells.
 const CELLS_MAX: usize = 512;
 
-/// A cell is covered when it holds this many centroids.
+/// Least number of centroids in an occupied cell. Chosen; sensitivity: see `tabula-lab
+/// sweep`.
 const COVERED_MIN: u32 = 2;
 
-/// Table is continuous across this many empty cells: what stands on it hides
-/// parts of it.
+/// Greatest gap bridged within a region, cells: objects on the table occlude parts of it.
+/// Chosen; sensitivity: see `tabula-lab sweep`.
 const GAP_CELLS: isize = 3;
 
-/// Buffers, and the region found last.
+/// Region found last, with buffers.
 #[derive(Debug, Default)]
 pub(super) struct VoxelPlaneRegion {
     placed: Vec<(u32, [f32; 2])>,
@@ -32,7 +37,7 @@ pub(super) struct VoxelPlaneRegion {
     outline: Vec<Point2<f64>>,
 }
 
-/// The cells over a plane.
+/// Occupancy grid over a plane.
 #[derive(Debug, Clone, Copy)]
 struct PlaneCells {
     low: [f32; 2],
@@ -51,7 +56,7 @@ impl PlaneCells {
         }
         let extent_m = (high[0] - low[0]).max(high[1] - low[1]);
         let cell_m = cell_m.max(extent_m / (CELLS_MAX - 1) as f32);
-        // One empty cell around all of them.
+        // One empty cell on each side.
         let size = [0, 1].map(|axis| ((high[axis] - low[axis]) / cell_m) as usize + 3);
         Self { low, cell_m, size }
     }
@@ -64,7 +69,7 @@ impl PlaneCells {
         index(1) * self.size[0] + index(0)
     }
 
-    /// The cells at most `reach` away in either direction.
+    /// Cells at most `reach` rows and columns away.
     fn around_cell(&self, cell: usize, reach: isize) -> impl Iterator<Item = usize> + use<> {
         let [width, height] = self.size;
         let (column, row) = (cell % width, cell / width);
@@ -78,8 +83,8 @@ impl PlaneCells {
 }
 
 impl VoxelPlaneRegion {
-    /// Finds the part of the free centroids in a plane's band with the most of
-    /// them; returns how many. z of the plane's frame is the height.
+    /// Find the largest region of the unassigned centroids in a plane's band; returns their
+    /// number. z of the plane's frame is the height.
     pub(super) fn find(
         &mut self,
         centroids: &VoxelCentroids,
@@ -106,12 +111,12 @@ impl VoxelPlaneRegion {
         self.placed.len()
     }
 
-    /// The centroids of the region found last.
+    /// Centroids of the region found last.
     pub(super) fn members(&self) -> impl Iterator<Item = usize> + '_ {
         self.placed.iter().map(|&(i, _)| i as usize)
     }
 
-    /// Convex hull of the region found last, coordinates of the plane's frame.
+    /// Convex hull of the region found last, in the frame of the plane.
     pub(super) fn polygon(&mut self) -> ConvexPolygon {
         self.outline.clear();
         let corner = |at: [f32; 2]| Point2::new(f64::from(at[0]), f64::from(at[1]));
@@ -128,8 +133,8 @@ impl VoxelPlaneRegion {
         }
     }
 
-    /// Marks the covered cells of squares of three by three: a plane cuts
-    /// through walls and chairs too, but only in strips.
+    /// Mark fully occupied squares of three by three cells and the occupied cells around
+    /// them. Rejects strips, in which a plane cuts through walls and chairs.
     fn mark_wide(&mut self, cells: &PlaneCells) {
         let Self {
             counts, is_wide, ..
@@ -178,7 +183,7 @@ impl VoxelPlaneRegion {
         placed.retain(|&(_, at)| is_taken[cells.cell_of(at)]);
     }
 
-    /// Lists the wide cells connected with `start` in `region`; returns the
+    /// Flood fill of the wide cells connected with `start` into `region`; returns the
     /// number of their centroids.
     fn flood(&mut self, cells: &PlaneCells, start: usize) -> u64 {
         let mut n = 0;

@@ -1,4 +1,4 @@
-//! Which plane of a cloud without a view is the table.
+//! Table selection in voxel clouds.
 
 use super::voxel_centroids::VoxelCentroids;
 use super::voxel_grid::VoxelGrid;
@@ -13,45 +13,56 @@ use geometry::{ConvexPolygon, Plane, RigidTransform};
 use nalgebra::{Unit, Vector3};
 use random::Random;
 
-/// Planes looked at, at most.
+/// Greatest number of planes searched per direction.
 const N_PLANES_MAX: usize = 5;
 
-/// A plane needs this share of the voxels, and this many.
+/// Least share of the voxels on a plane. Chosen; sensitivity: see `tabula-lab sweep`.
 const SHARE_MIN: f64 = 0.005;
+
+/// Least number of voxels on a plane. Chosen; sensitivity: see `tabula-lab sweep`.
 const N_VOXELS_MIN: usize = 100;
 
-/// Least half width of a plane's band, in voxels.
+/// Least half width of a plane's band, in voxels. Chosen; sensitivity: see `tabula-lab
+/// sweep`.
 const BAND_VOXELS: f32 = 0.5;
 
-/// A plane carries something when voxels lie this much higher over it than the
-/// least height of an object, metres: above all noise.
+/// Height above the least object height at which voxels count as carried by a plane,
+/// metres; above all noise. Chosen; sensitivity: see `tabula-lab sweep`.
 const CARRIED_M: f32 = 0.02;
 
-/// Share of a plane's voxels, and number, that must lie over it.
+/// Least share of carried voxels, relative to those of the plane, of a plane that carries
+/// objects. Chosen; sensitivity: see `tabula-lab sweep`.
 const CARRIED_SHARE_MIN: f64 = 0.005;
+
+/// Least number of carried voxels of a plane that carries objects. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
 const N_CARRIED_MIN: usize = 12;
 
-/// The upper of two planes that carry something is the table when it has this
-/// share of the lower one's voxels: the floor of a whole room is large.
+/// Least ratio of voxels of the upper to the lower of two carrying planes at which the
+/// upper is the table; the floor of a whole room is large. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
 const TABLE_SHARE_OF_FLOOR: f64 = 0.05;
 
-/// Up in the frame of a camera that looks down oblique, and how far its true
-/// direction may lie from there, radians.
+/// Assumed up direction in the frame of a camera that looks down obliquely. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
 const OBLIQUE_UP: [f64; 3] = [0.0, -0.8, -0.6];
+
+/// Greatest angle between the true and the assumed up direction, radians. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
 const OBLIQUE_TILT_RAD: f64 = 0.96;
 
-/// What lies over the table is higher than this many times the scatter of its
-/// voxels' centroids.
+/// Least height of objects over the table, in sigmas of its voxel centroids. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
 const NOISE_SIGMAS: f64 = 3.0;
 
-/// A table, and from which height on something lies on it.
+/// Table of a voxel cloud, with the least height of objects over it, metres.
 #[derive(Debug, Clone)]
 pub(super) struct VoxelTable {
     pub(super) table: Table,
     pub(super) lowest_m: f32,
 }
 
-/// Buffers of the search.
+/// Table search in voxel clouds, with its buffers.
 #[derive(Debug, Default)]
 pub(super) struct VoxelTableSearch {
     centroids: VoxelCentroids,
@@ -60,6 +71,7 @@ pub(super) struct VoxelTableSearch {
     found: Vec<VoxelPlaneCandidate>,
 }
 
+/// Plane found in a voxel cloud, with the number of voxels it carries.
 #[derive(Debug)]
 struct VoxelPlaneCandidate {
     plane: Plane,
@@ -78,12 +90,12 @@ impl VoxelPlaneCandidate {
 }
 
 impl VoxelTableSearch {
-    /// The table of a cloud: among its planes across up the largest that
-    /// carries something, or, where one lies over another, the upper one.
+    /// Find the table: among the planes across up the largest that carries objects, or,
+    /// where one lies over another, the upper one.
     ///
-    /// Without known up it is the cloud's z axis, as in a frame of the world;
-    /// where no plane across that carries anything, a camera that looks down
-    /// oblique along z is assumed, whose up is mostly -y.
+    /// When up is unknown it is assumed to be the cloud's z axis, as in a world frame; if
+    /// no such plane carries objects, a camera that looks down obliquely along z is
+    /// assumed, whose up is mostly -y.
     pub(super) fn find(
         &mut self,
         voxels: &VoxelGrid,
@@ -154,7 +166,7 @@ impl VoxelTableSearch {
         }
     }
 
-    /// The plane through its own largest connected part, with its polygon.
+    /// Plane refitted to its own largest region, with its polygon.
     fn outlined(
         &mut self,
         plane: Plane,
@@ -186,7 +198,7 @@ impl VoxelTableSearch {
         })
     }
 
-    /// Number of voxels that lie well over a plane.
+    /// Number of voxels carried by a plane.
     fn count_carried(
         &self,
         found: &VoxelPlaneCandidate,
@@ -230,7 +242,7 @@ fn choose_table(found: &[VoxelPlaneCandidate]) -> Option<(&VoxelPlaneCandidate, 
         let largest = found.iter().max_by_key(|plane| plane.n_voxels)?;
         return Some((largest, choice));
     };
-    // Each step leads at least the gap upwards, so this ends.
+    // Each iteration climbs at least the floor gap, so the loop ends.
     while let Some(upper) = carrying()
         .filter(|plane| is_above(plane, chosen))
         .max_by_key(|plane| plane.n_voxels)

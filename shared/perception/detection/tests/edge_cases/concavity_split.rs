@@ -1,7 +1,7 @@
-//! What comes apart and what stays whole.
+//! Concavity split: touching objects are separated, single objects stay whole.
 
 use crate::detection_outcome::DetectionOutcome;
-use crate::synthetic_scene::{OBJECT, Solid};
+use crate::synthetic_scene::{OBJECT, PlacedShape};
 use crate::{HIGH, objects, on_table, room};
 
 const GREY: [u8; 3] = [150, 150, 150];
@@ -17,7 +17,7 @@ fn boxes_of_one_color_one_behind_the_other_come_apart() {
 
 #[test]
 fn boxes_of_one_color_one_on_the_other_come_apart() {
-    let upper = Solid::cuboid([0.10, 0.08, 0.10], [0.0, 0.02, HIGH + 0.08], OBJECT + 1);
+    let upper = PlacedShape::cuboid([0.10, 0.08, 0.10], [0.0, 0.02, HIGH + 0.08], OBJECT + 1);
     let solids =
         [on_table([0.20, 0.18, 0.08], [0.0, 0.0], 0), upper].map(|solid| solid.painted(GREY));
     DetectionOutcome::of(&room().with(solids)).assert_objects(&objects(2), 0.85);
@@ -38,30 +38,34 @@ fn a_box_seen_at_its_corner_stays_whole() {
 #[test]
 fn a_cylinder_stays_whole() {
     for (radius, height) in [(0.05, 0.20), (0.09, 0.12), (0.03, 0.10)] {
-        let scene = room().with([Solid::cylinder(radius, height, [0.0, 0.0, HIGH], OBJECT)]);
+        let scene = room().with([PlacedShape::cylinder(
+            radius,
+            height,
+            [0.0, 0.0, HIGH],
+            OBJECT,
+        )]);
         DetectionOutcome::of(&scene).assert_objects(&objects(1), 0.95);
     }
 }
 
-/// Ten objects that touch: three on the table at the back with three on top,
-/// four before them.
-fn pile() -> [Solid; 10] {
+/// Ten touching objects: three on the table at the back with three on top, four in front.
+fn pile() -> [PlacedShape; 10] {
     let at = |x: f64, y: f64, z: f64| [x, y, HIGH + z];
     [
         on_table([0.20, 0.14, 0.09], [-0.14, 0.08], 0),
         on_table([0.16, 0.14, 0.09], [0.05, 0.09], 1).turned(8.0),
         on_table([0.10, 0.12, 0.16], [0.20, 0.08], 2).turned(-10.0),
-        Solid::cylinder(0.045, 0.14, at(-0.12, -0.05, 0.0), OBJECT + 3),
+        PlacedShape::cylinder(0.045, 0.14, at(-0.12, -0.05, 0.0), OBJECT + 3),
         on_table([0.13, 0.09, 0.06], [0.0, -0.05], 4).turned(15.0),
         on_table([0.09, 0.09, 0.09], [0.13, -0.05], 5).turned(-20.0),
-        Solid::cylinder(0.04, 0.10, at(0.05, 0.10, 0.09), OBJECT + 6),
-        Solid::cuboid([0.12, 0.08, 0.07], at(-0.17, 0.08, 0.09), OBJECT + 7).turned(12.0),
-        Solid::cuboid([0.08, 0.06, 0.12], at(-0.06, 0.10, 0.09), OBJECT + 8).turned(-5.0),
+        PlacedShape::cylinder(0.04, 0.10, at(0.05, 0.10, 0.09), OBJECT + 6),
+        PlacedShape::cuboid([0.12, 0.08, 0.07], at(-0.17, 0.08, 0.09), OBJECT + 7).turned(12.0),
+        PlacedShape::cuboid([0.08, 0.06, 0.12], at(-0.06, 0.10, 0.09), OBJECT + 8).turned(-5.0),
         on_table([0.08, 0.06, 0.05], [-0.22, -0.06], 9).turned(35.0),
     ]
 }
 
-/// Overlap over union of each object of the pile, and the number of candidates.
+/// Intersection over union of each object of the pile, and the number of candidates.
 fn pile_overlaps(is_stepped: bool) -> (Vec<f64>, usize) {
     let mut scene = room().with(pile());
     scene.is_stepped = is_stepped;

@@ -1,23 +1,23 @@
-//! What is detected in a scene, beside what is there.
+//! Comparison of a detection with the ground truth of a synthetic scene.
 
-use crate::synthetic_scene::Scene;
+use crate::synthetic_scene::SyntheticScene;
 use detection::{Config, Detection, Frame, Surroundings, Table, Workspace, detect};
 use nalgebra::{Point2, Point3, Unit, Vector3};
 use point_cloud::{OrganizedCloud, Point};
 
-/// Mark of a pixel without a candidate.
-pub(crate) const FREE: usize = usize::MAX;
+/// Label of a pixel without a candidate.
+pub(crate) const NO_CANDIDATE: usize = usize::MAX;
 
 pub(crate) struct DetectionOutcome {
-    pub(crate) scene: Scene,
+    pub(crate) scene: SyntheticScene,
     pub(crate) detection: Detection,
-    /// Per pixel: what is there.
+    /// Per pixel: the ground-truth label.
     pub(crate) truth: Vec<u16>,
-    /// Per pixel: its candidate or [`FREE`].
+    /// Per pixel: its candidate or [`NO_CANDIDATE`].
     pub(crate) candidate_of: Vec<usize>,
 }
 
-/// The table and the objects of a cloud.
+/// Detection in a cloud with default settings.
 pub(crate) fn detected(
     points: &[Point],
     size: (usize, usize),
@@ -36,30 +36,30 @@ pub(crate) fn detected(
 }
 
 impl DetectionOutcome {
-    /// Of a scene whose up is not known.
-    pub(crate) fn of(scene: &Scene) -> Self {
+    /// Outcome for a scene with unknown up.
+    pub(crate) fn of(scene: &SyntheticScene) -> Self {
         Self::with_up(scene, None)
     }
 
-    /// Of a scene, first without and then with known up.
-    pub(crate) fn both(scene: &Scene) -> [Self; 2] {
+    /// Outcomes for a scene without and with known up.
+    pub(crate) fn both(scene: &SyntheticScene) -> [Self; 2] {
         [None, Some(scene.up_in_camera())].map(|up| Self::with_up(scene, up))
     }
 
-    fn with_up(scene: &Scene, up: Option<Unit<Vector3<f64>>>) -> Self {
+    fn with_up(scene: &SyntheticScene, up: Option<Unit<Vector3<f64>>>) -> Self {
         let (points, truth) = scene.render();
         Self::of_points(scene, &points, truth, up)
     }
 
     pub(crate) fn of_points(
-        scene: &Scene,
+        scene: &SyntheticScene,
         points: &[Point],
         truth: Vec<u16>,
         up: Option<Unit<Vector3<f64>>>,
     ) -> Self {
         let size = (scene.camera.width as usize, scene.camera.height as usize);
         let detection = detected(points, size, up);
-        let mut candidate_of = vec![FREE; truth.len()];
+        let mut candidate_of = vec![NO_CANDIDATE; truth.len()];
         for (number, candidate) in detection.candidates.iter().enumerate() {
             for &pixel in detection.points_of(candidate) {
                 candidate_of[pixel as usize] = number;
@@ -77,20 +77,20 @@ impl DetectionOutcome {
         self.detection.table.as_ref().expect("a table")
     }
 
-    /// Height of the table over the floor where a vertical line meets it, metres.
+    /// Height of the table over the floor along a vertical line, metres.
     pub(crate) fn table_height_m(&self, at: [f64; 2]) -> f64 {
         let world_from_camera = self.scene.camera_from_world.inverse();
         let plane = self.table().plane.transformed(&world_from_camera);
         -(plane.offset_m + plane.normal.x * at[0] + plane.normal.y * at[1]) / plane.normal.z
     }
 
-    /// A place in the world on the table, in the table's frame.
+    /// Position in the table's frame of a point given in the world frame.
     pub(crate) fn on_table(&self, place: [f64; 3]) -> Point2<f64> {
         let in_camera = self.scene.camera_from_world * Point3::from(place);
         (self.table().table_from_camera * in_camera).xy()
     }
 
-    /// Area within the outline, square metres.
+    /// Area of the outline polygon, square metres.
     pub(crate) fn outline_m2(&self) -> f64 {
         let corners = &self.table().outline.corners;
         let next = corners.iter().cycle().skip(1);
@@ -113,7 +113,7 @@ impl DetectionOutcome {
             .count()
     }
 
-    /// The candidate that has most of an object, and their overlap over union.
+    /// Candidate with the greatest intersection over union with an object, and that value.
     pub(crate) fn best(&self, object: u16) -> (usize, f64) {
         let overlap = |number: usize| {
             let both = self.count(|what, candidate| what == object && candidate == number);
@@ -122,17 +122,18 @@ impl DetectionOutcome {
         };
         let all = (0..self.n_candidates()).map(overlap);
         all.max_by(|a, b| a.1.total_cmp(&b.1))
-            .unwrap_or((FREE, 0.0))
+            .unwrap_or((NO_CANDIDATE, 0.0))
     }
 
-    /// Share of what is there that some candidate has.
+    /// Share of the pixels of a label that belong to any candidate.
     pub(crate) fn labelled_share(&self, what: u16) -> f64 {
         let all = self.count(|there, _| there == what);
-        self.count(|there, candidate| there == what && candidate != FREE) as f64 / all as f64
+        self.count(|there, candidate| there == what && candidate != NO_CANDIDATE) as f64
+            / all as f64
     }
 
-    /// Checks that the objects, and they alone, are found, each with this
-    /// overlap over union at least.
+    /// Assert that exactly these objects are found, each with at least this intersection
+    /// over union.
     #[track_caller]
     pub(crate) fn assert_objects(&self, objects: &[u16], overlap_min: f64) {
         let overlaps: Vec<_> = objects

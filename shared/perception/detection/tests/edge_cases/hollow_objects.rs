@@ -1,20 +1,20 @@
-//! What has a hole: pots, rings, mugs.
+//! Hollow objects: pots, rings, mugs.
 
-use crate::detection_outcome::{DetectionOutcome, FREE};
-use crate::synthetic_scene::{OBJECT, Scene, Shape, Solid, TABLE};
+use crate::detection_outcome::{DetectionOutcome, NO_CANDIDATE};
+use crate::synthetic_scene::{OBJECT, PlacedShape, Shape, SyntheticScene, TABLE};
 use crate::{HIGH, objects, room, table};
 
-fn hollow(radius: f64, height: f64, floor: f64) -> Solid {
+fn hollow(radius: f64, height: f64, floor: f64) -> PlacedShape {
     let shape = Shape::Cylinder {
         radius,
         height,
         bore: radius - 0.004,
         floor,
     };
-    Solid::new(shape, [0.0, 0.0, HIGH], OBJECT)
+    PlacedShape::new(shape, [0.0, 0.0, HIGH], OBJECT)
 }
 
-/// Pixels within the bore, and how many of those some candidate has.
+/// Number of counted pixels inside the bore, and of those in a candidate.
 fn seen_within(
     outcome: &DetectionOutcome,
     bore: f64,
@@ -27,14 +27,15 @@ fn seen_within(
         let at = world_from_camera * point.position();
         if at.x.hypot(at.y) < bore - 0.006 && is_counted(outcome.truth[i], at.z - HIGH) {
             n += 1;
-            n_labelled += usize::from(outcome.candidate_of[i] != FREE);
+            n_labelled += usize::from(outcome.candidate_of[i] != NO_CANDIDATE);
         }
     }
     (n, n_labelled)
 }
 
-fn from_above() -> Scene {
-    Scene::seen_from([0.0, -0.45, HIGH + 0.85], [0.0, 0.0, HIGH]).with([table(), Solid::floor()])
+fn from_above() -> SyntheticScene {
+    SyntheticScene::seen_from([0.0, -0.45, HIGH + 0.85], [0.0, 0.0, HIGH])
+        .with([table(), PlacedShape::floor()])
 }
 
 #[test]
@@ -66,7 +67,8 @@ fn the_table_within_a_ring_belongs_to_nothing() {
 
 #[test]
 fn a_mug_with_a_handle_stays_whole() {
-    let bar = |sides: [f64; 3], x: f64, z: f64| Solid::cuboid(sides, [x, 0.0, HIGH + z], OBJECT);
+    let bar =
+        |sides: [f64; 3], x: f64, z: f64| PlacedShape::cuboid(sides, [x, 0.0, HIGH + z], OBJECT);
     let mug = || {
         [
             hollow(0.04, 0.10, 0.005),

@@ -1,21 +1,21 @@
-//! Images of odd sizes, with margins, in other resolutions.
+//! Image geometry: empty margins, odd sizes and other resolutions.
 
 use crate::detection_outcome::{DetectionOutcome, detected};
-use crate::synthetic_scene::{NOTHING, OBJECT, Scene, Solid};
+use crate::synthetic_scene::{NOTHING, OBJECT, PlacedShape, SyntheticScene};
 use crate::{HIGH, objects, on_table, room};
 use nalgebra::Vector3;
 use point_cloud::{Point, Rgba};
 
-fn three_objects() -> Scene {
+fn three_objects() -> SyntheticScene {
     room().with([
         on_table([0.1, 0.08, 0.12], [-0.2, 0.0], 0).turned(20.0),
         on_table([0.12, 0.1, 0.06], [0.2, 0.1], 1).turned(30.0),
-        Solid::cylinder(0.04, 0.15, [0.0, -0.12, HIGH], OBJECT + 2),
+        PlacedShape::cylinder(0.04, 0.15, [0.0, -0.12, HIGH], OBJECT + 2),
     ])
 }
 
 #[test]
-fn margins_without_depth_change_nothing() {
+fn empty_margins_do_not_change_the_result() {
     const MARGIN: usize = 30;
     let scene = three_objects();
     let (mut points, mut truth) = scene.render();
@@ -44,11 +44,11 @@ fn margins_without_depth_change_nothing() {
 }
 
 #[test]
-fn an_object_at_the_border_of_what_is_seen_is_marked() {
+fn image_border_flag_uses_the_border_of_depth() {
     const MARGIN: usize = 30;
     let scene = three_objects();
     let (mut points, truth) = scene.render();
-    // The margin on the left ends within the leftmost object.
+    // The margin on the left ends inside the leftmost object.
     let first = truth
         .iter()
         .enumerate()
@@ -103,13 +103,13 @@ fn the_smallest_images_have_no_table() {
 }
 
 #[test]
-fn any_width_will_do() {
+fn image_width_may_be_arbitrary() {
     for n_columns in [1, 3, 7, 9, 15, 100] {
         DetectionOutcome::of(&three_objects().narrowed(n_columns)).assert_objects(&objects(3), 0.9);
     }
 }
 
-/// Checks that a scene shows the same objects at another resolution.
+/// Assert that a scene shows the same objects at another resolution.
 fn assert_same_at(factor: f64) {
     let full = DetectionOutcome::of(&three_objects());
     full.assert_objects(&objects(3), 0.9);

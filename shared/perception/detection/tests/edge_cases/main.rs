@@ -1,5 +1,5 @@
-//! Tables and objects as they are rarely: no table, several, cut, concave,
-//! covered, seen from odd places and in odd images.
+//! Rare tables, views and images: no table, several, cut, concave, covered, unusual
+//! viewpoints and image sizes.
 
 mod concavity_split;
 mod detection_outcome;
@@ -12,32 +12,32 @@ mod table_outline;
 mod table_rim;
 mod table_selection;
 
-use synthetic_scene::{OBJECT, Scene, Solid, TABLE};
+use synthetic_scene::{OBJECT, PlacedShape, SyntheticScene, TABLE};
 
 /// Height of the table over the floor, metres.
 const HIGH: f64 = 0.72;
 
-/// A camera 0.6 m over the table, 0.85 m before its middle.
-fn view() -> Scene {
-    Scene::seen_from([0.0, -0.85, HIGH + 0.6], [0.0, 0.0, HIGH])
+/// View from 0.6 m over the table, 0.85 m in front of its centre.
+fn view() -> SyntheticScene {
+    SyntheticScene::seen_from([0.0, -0.85, HIGH + 0.6], [0.0, 0.0, HIGH])
 }
 
-/// A table that is wholly in view.
-fn table() -> Solid {
-    Solid::rectangle([0.8, 0.6], HIGH, TABLE)
+/// Table entirely in view.
+fn table() -> PlacedShape {
+    PlacedShape::rectangle([0.8, 0.6], HIGH, TABLE)
 }
 
-/// The view of that table over the floor.
-fn room() -> Scene {
-    view().with([table(), Solid::floor()])
+/// View of that table over the floor.
+fn room() -> SyntheticScene {
+    view().with([table(), PlacedShape::floor()])
 }
 
-/// A box on the table.
-fn on_table(sides: [f64; 3], at: [f64; 2], n: u16) -> Solid {
-    Solid::cuboid(sides, [at[0], at[1], HIGH], OBJECT + n)
+/// Box on the table.
+fn on_table(sides: [f64; 3], at: [f64; 2], n: u16) -> PlacedShape {
+    PlacedShape::cuboid(sides, [at[0], at[1], HIGH], OBJECT + n)
 }
 
-/// PointLabels of the first objects.
+/// Labels of the first `n` objects.
 fn objects(n: u16) -> Vec<u16> {
     (OBJECT..OBJECT + n).collect()
 }

@@ -1,14 +1,14 @@
-//! Several tables in one view.
+//! Table selection among several tables in one view.
 
 use crate::detection_outcome::DetectionOutcome;
-use crate::synthetic_scene::{OBJECT, Scene, Solid, TABLE};
+use crate::synthetic_scene::{OBJECT, PlacedShape, SyntheticScene, TABLE};
 use crate::{HIGH, objects};
 use detection::TableChoice;
 
-/// A rectangle with its middle at a place.
-fn table_at(sides: [f64; 2], [x, y]: [f64; 2], z: f64) -> Solid {
+/// Rectangular table with its centre at a point.
+fn table_at(sides: [f64; 2], [x, y]: [f64; 2], z: f64) -> PlacedShape {
     let [a, b] = sides.map(|side| 0.5 * side);
-    Solid::polygon(
+    PlacedShape::polygon(
         &[
             [x - a, y - b],
             [x + a, y - b],
@@ -20,16 +20,16 @@ fn table_at(sides: [f64; 2], [x, y]: [f64; 2], z: f64) -> Solid {
     )
 }
 
-fn view() -> Scene {
-    Scene::seen_from([0.0, -1.0, HIGH + 0.7], [0.0, 0.0, HIGH])
+fn view() -> SyntheticScene {
+    SyntheticScene::seen_from([0.0, -1.0, HIGH + 0.7], [0.0, 0.0, HIGH])
 }
 
 #[test]
 fn of_two_tables_side_by_side_the_larger_is_chosen() {
     let lower = table_at([0.6, 0.5], [-0.35, 0.0], HIGH - 0.2);
     let upper = table_at([0.4, 0.4], [0.35, 0.0], HIGH);
-    let on_lower = Solid::cuboid([0.1, 0.1, 0.12], [-0.3, 0.0, HIGH - 0.2], OBJECT);
-    let on_upper = Solid::cuboid([0.1, 0.1, 0.12], [0.3, 0.0, HIGH], OBJECT + 1);
+    let on_lower = PlacedShape::cuboid([0.1, 0.1, 0.12], [-0.3, 0.0, HIGH - 0.2], OBJECT);
+    let on_upper = PlacedShape::cuboid([0.1, 0.1, 0.12], [0.3, 0.0, HIGH], OBJECT + 1);
     let scene = view().with([lower, upper, on_lower, on_upper]);
     for outcome in DetectionOutcome::both(&scene) {
         assert!((outcome.table_height_m([0.0, 0.0]) - (HIGH - 0.2)).abs() < 0.003);
@@ -42,7 +42,7 @@ fn of_two_tables_side_by_side_the_larger_is_chosen() {
 fn a_table_over_a_lower_one_is_chosen() {
     let lower = table_at([0.8, 0.6], [0.0, -0.15], HIGH - 0.4);
     let upper = table_at([0.8, 0.3], [0.0, 0.3], HIGH);
-    let on_upper = Solid::cuboid([0.1, 0.1, 0.12], [0.3, 0.3, HIGH], OBJECT);
+    let on_upper = PlacedShape::cuboid([0.1, 0.1, 0.12], [0.3, 0.3, HIGH], OBJECT);
     let scene = view().with([lower, upper, on_upper]);
     for outcome in DetectionOutcome::both(&scene) {
         assert!((outcome.table_height_m([0.0, 0.3]) - HIGH).abs() < 0.003);
@@ -57,8 +57,8 @@ fn a_table_over_a_lower_one_is_chosen() {
 }
 
 #[test]
-fn a_floor_under_the_table_is_named_by_the_choice() {
-    let scene = view().with([table_at([0.5, 0.4], [0.0, 0.0], HIGH), Solid::floor()]);
+fn table_choice_names_a_floor_under_the_table() {
+    let scene = view().with([table_at([0.5, 0.4], [0.0, 0.0], HIGH), PlacedShape::floor()]);
     for outcome in DetectionOutcome::both(&scene) {
         let choice = outcome.table().choice;
         assert_eq!(choice, TableChoice::OverLarger { n_others: 1 }, "{choice}");
@@ -73,10 +73,10 @@ fn of_two_tables_of_one_height_the_larger_is_chosen_and_the_other_counted() {
     ];
     let on_both = [-0.35, 0.3].map(|x| [x, 0.0, HIGH]);
     let scene = view().with(tables).with([
-        Solid::cuboid([0.1, 0.1, 0.12], on_both[0], OBJECT),
-        Solid::cuboid([0.1, 0.1, 0.12], on_both[1], OBJECT + 1),
+        PlacedShape::cuboid([0.1, 0.1, 0.12], on_both[0], OBJECT),
+        PlacedShape::cuboid([0.1, 0.1, 0.12], on_both[1], OBJECT + 1),
     ]);
-    for floor in [None, Some(Solid::floor())] {
+    for floor in [None, Some(PlacedShape::floor())] {
         for outcome in DetectionOutcome::both(&scene.clone().with(floor.clone())) {
             outcome.assert_objects(&[OBJECT], 0.9);
             assert!(

@@ -1,11 +1,11 @@
-//! The table's outline: concave, convex, cut by the image.
+//! Table outline: concave, convex, cut by the image.
 
 use crate::detection_outcome::DetectionOutcome;
-use crate::synthetic_scene::{FLOOR, OBJECT, Scene, Solid, TABLE};
+use crate::synthetic_scene::{FLOOR, OBJECT, PlacedShape, SyntheticScene, TABLE};
 use crate::{HIGH, objects, on_table, room, view};
 use nalgebra::Point2;
 
-/// A table without its far right quarter.
+/// L-shaped table without its far right quarter.
 const L_CORNERS: [[f64; 2]; 6] = [
     [-0.4, -0.35],
     [0.4, -0.35],
@@ -16,13 +16,13 @@ const L_CORNERS: [[f64; 2]; 6] = [
 ];
 const L_AREA_M2: f64 = 0.56 - 0.14;
 
-/// A floor that is in range.
+/// Height of a floor in range, metres.
 const NEAR_FLOOR: f64 = HIGH - 0.38;
 
-fn l_room() -> Scene {
-    Scene::seen_from([0.0, -0.8, HIGH + 0.7], [0.0, 0.0, HIGH]).with([
-        Solid::polygon(&L_CORNERS, HIGH, TABLE),
-        Solid::rectangle([8.0, 8.0], NEAR_FLOOR, FLOOR),
+fn l_room() -> SyntheticScene {
+    SyntheticScene::seen_from([0.0, -0.8, HIGH + 0.7], [0.0, 0.0, HIGH]).with([
+        PlacedShape::polygon(&L_CORNERS, HIGH, TABLE),
+        PlacedShape::rectangle([8.0, 8.0], NEAR_FLOOR, FLOOR),
     ])
 }
 
@@ -70,8 +70,10 @@ fn an_l_shaped_table_has_a_concave_outline() {
 
 #[test]
 fn an_l_shaped_table_over_a_far_floor_has_a_concave_outline() {
-    let scene = Scene::seen_from([0.0, -0.8, HIGH + 0.7], [0.0, 0.0, HIGH])
-        .with([Solid::polygon(&L_CORNERS, HIGH, TABLE), Solid::floor()]);
+    let scene = SyntheticScene::seen_from([0.0, -0.8, HIGH + 0.7], [0.0, 0.0, HIGH]).with([
+        PlacedShape::polygon(&L_CORNERS, HIGH, TABLE),
+        PlacedShape::floor(),
+    ]);
     let outcome = DetectionOutcome::of(&scene);
     let error = outcome.outline_m2() / L_AREA_M2 - 1.0;
     assert!(error.abs() < 0.05, "{error}");
@@ -96,7 +98,7 @@ fn objects_on_both_legs_of_an_l_are_found() {
 #[test]
 fn a_box_on_the_floor_beside_the_table_is_none_of_its_objects() {
     for (x, y) in [(0.18, 0.16), (0.2, 0.18), (0.25, 0.25)] {
-        let tall = Solid::cuboid([0.15, 0.15, 0.38 + 0.15], [x, y, NEAR_FLOOR], OBJECT + 1);
+        let tall = PlacedShape::cuboid([0.15, 0.15, 0.38 + 0.15], [x, y, NEAR_FLOOR], OBJECT + 1);
         let solids = [on_table([0.08, 0.1, 0.12], [-0.2, 0.2], 0), tall];
         for outcome in DetectionOutcome::both(&l_room().with(solids)) {
             outcome.assert_objects(&objects(1), 0.9);
@@ -122,10 +124,13 @@ fn a_convex_table_is_outlined_by_its_polygon() {
 }
 
 #[test]
-fn where_the_image_cuts_the_table_is_no_rim() {
-    // Cut on the left and below: two sides of the outline end the view.
+fn image_cut_sides_are_not_rim() {
+    // Cut on the left and below: two sides of the outline are the end of the view.
     let corners = [[-1.5, -0.8], [0.3, -0.8], [0.3, 0.25], [-1.5, 0.25]];
-    let scene = view().with([Solid::polygon(&corners, HIGH, TABLE), Solid::floor()]);
+    let scene = view().with([
+        PlacedShape::polygon(&corners, HIGH, TABLE),
+        PlacedShape::floor(),
+    ]);
     for outcome in DetectionOutcome::both(&scene) {
         let outline = &outcome.table().outline;
         let n = outline.corners.len();

@@ -1,12 +1,12 @@
-//! Objects at the rim of the table and their feet.
+//! Objects at the rim of the table and growth to the support plane.
 
-use crate::detection_outcome::{DetectionOutcome, FREE};
-use crate::synthetic_scene::{OBJECT, Solid, TABLE};
+use crate::detection_outcome::{DetectionOutcome, NO_CANDIDATE};
+use crate::synthetic_scene::{OBJECT, PlacedShape, TABLE};
 use crate::{HIGH, objects, on_table, room};
 use nalgebra::{Isometry3, Point3};
 
 #[test]
-fn what_reaches_out_over_the_rim_belongs_to_its_object() {
+fn overhanging_points_belong_to_their_object() {
     for (at, sides) in [
         ([0.4, 0.0], [0.16, 0.1, 0.1]),
         ([-0.1, -0.3], [0.1, 0.16, 0.1]),
@@ -17,7 +17,7 @@ fn what_reaches_out_over_the_rim_belongs_to_its_object() {
             let number = outcome.best(OBJECT).0;
             let (points, _) = outcome.scene.render();
             let world_from_camera: Isometry3<f64> = outcome.scene.camera_from_world.inverse();
-            // On its top and sides, over the table's height.
+            // On the top and sides, above the table's height.
             let beyond = (0..points.len()).filter(|&i| {
                 let at: Point3<f64> = world_from_camera * points[i].position();
                 outcome.truth[i] == OBJECT
@@ -38,7 +38,7 @@ fn what_reaches_out_over_the_rim_belongs_to_its_object() {
 }
 
 #[test]
-fn a_box_has_its_foot_and_no_table() {
+fn support_plane_growth_adds_the_base_and_no_table() {
     for is_stepped in [false, true] {
         let solids = [
             on_table([0.1, 0.08, 0.12], [-0.2, 0.0], 0).turned(20.0),
@@ -68,7 +68,7 @@ fn a_box_has_its_foot_and_no_table() {
             };
             let wrong = (0..outcome.truth.len()).filter(|&pixel| {
                 outcome.truth[pixel] == TABLE
-                    && outcome.candidate_of[pixel] != FREE
+                    && outcome.candidate_of[pixel] != NO_CANDIDATE
                     && far_from_objects(pixel)
             });
             assert_eq!(wrong.count(), 0);
@@ -77,9 +77,9 @@ fn a_box_has_its_foot_and_no_table() {
 }
 
 #[test]
-fn a_foot_does_not_grow_into_what_stands_behind() {
+fn support_plane_growth_stops_before_objects_behind() {
     let solids = [
-        Solid::cylinder(0.04, 0.15, [0.05, -0.12, HIGH], OBJECT),
+        PlacedShape::cylinder(0.04, 0.15, [0.05, -0.12, HIGH], OBJECT),
         on_table([0.12, 0.1, 0.06], [0.15, 0.1], 1).turned(30.0),
     ];
     let outcome = DetectionOutcome::of(&room().with(solids));

@@ -1,7 +1,7 @@
-//! One plane or none: whether it is a table, and what it is seen to be.
+//! Table selection in views with one plane or none.
 
 use crate::detection_outcome::DetectionOutcome;
-use crate::synthetic_scene::{FLOOR, OBJECT, Scene, Solid, TABLE};
+use crate::synthetic_scene::{FLOOR, OBJECT, PlacedShape, SyntheticScene, TABLE};
 use crate::{HIGH, objects, on_table, room, table, view};
 use detection::TableChoice;
 use nalgebra::Vector3;
@@ -9,7 +9,8 @@ use nalgebra::Vector3;
 #[test]
 fn a_wall_is_no_table() {
     for eye_z in [1.0, 1.6] {
-        let scene = Scene::seen_from([0.0, -1.0, eye_z], [0.0, 0.0, 0.5]).with([Solid::wall(0.2)]);
+        let scene = SyntheticScene::seen_from([0.0, -1.0, eye_z], [0.0, 0.0, 0.5])
+            .with([PlacedShape::wall(0.2)]);
         for outcome in DetectionOutcome::both(&scene) {
             assert!(
                 outcome.detection.table.is_none(),
@@ -22,18 +23,19 @@ fn a_wall_is_no_table() {
 
 #[test]
 fn a_wall_before_a_level_camera_needs_known_up() {
-    let scene = Scene::seen_from([0.0, -1.0, 1.0], [0.0, 0.0, 1.0]).with([Solid::wall(0.2)]);
+    let scene =
+        SyntheticScene::seen_from([0.0, -1.0, 1.0], [0.0, 0.0, 1.0]).with([PlacedShape::wall(0.2)]);
     let [without, with] = DetectionOutcome::both(&scene);
-    // Without it, this is a table seen from straight above.
+    // With unknown up, this looks like a table seen from above.
     assert!(without.detection.table.is_some());
     assert!(with.detection.table.is_none());
 }
 
 #[test]
 fn the_floor_carries_objects_where_there_is_no_table() {
-    let cuboid = |x: f64, n: u16| Solid::cuboid([0.15, 0.1, 0.2], [x, 0.0, 0.0], OBJECT + n);
-    let scene = Scene::seen_from([0.0, -0.9, 1.2], [0.0, 0.0, 0.0]);
-    let scene = scene.with([Solid::floor(), cuboid(-0.25, 0), cuboid(0.2, 1)]);
+    let cuboid = |x: f64, n: u16| PlacedShape::cuboid([0.15, 0.1, 0.2], [x, 0.0, 0.0], OBJECT + n);
+    let scene = SyntheticScene::seen_from([0.0, -0.9, 1.2], [0.0, 0.0, 0.0]);
+    let scene = scene.with([PlacedShape::floor(), cuboid(-0.25, 0), cuboid(0.2, 1)]);
     for outcome in DetectionOutcome::both(&scene) {
         outcome.assert_objects(&objects(2), 0.9);
         assert_eq!(outcome.table().choice, TableChoice::Most);
@@ -54,9 +56,9 @@ fn a_table_is_found_at_a_grazing_view_and_from_above() {
         let solids = [
             table(),
             on_table([0.1, 0.08, 0.12], [-0.1, 0.0], 0).turned(20.0),
-            Solid::floor(),
+            PlacedShape::floor(),
         ];
-        let scene = Scene::seen_from(eye, target).with(solids);
+        let scene = SyntheticScene::seen_from(eye, target).with(solids);
         for outcome in DetectionOutcome::both(&scene) {
             assert!(
                 (outcome.table_height_m([0.0, 0.0]) - HIGH).abs() < 0.003,
@@ -74,9 +76,9 @@ fn a_box_seen_from_straight_above_is_an_object() {
     let solids = [
         table(),
         on_table([0.1, 0.08, 0.12], [0.0, 0.0], 0),
-        Solid::floor(),
+        PlacedShape::floor(),
     ];
-    let scene = Scene::seen_from([0.0, 0.0, HIGH + 1.0], [0.0, 0.0, HIGH]).with(solids);
+    let scene = SyntheticScene::seen_from([0.0, 0.0, HIGH + 1.0], [0.0, 0.0, HIGH]).with(solids);
     for outcome in DetectionOutcome::both(&scene) {
         outcome.assert_objects(&objects(1), 0.9);
     }
@@ -95,7 +97,10 @@ fn a_tilted_plane_is_no_table_where_up_is_known() {
 
 #[test]
 fn a_tilted_plane_gives_way_to_the_level_floor_under_it() {
-    let scene = view().with([table().tilted(Vector3::x_axis(), 25.0), Solid::floor()]);
+    let scene = view().with([
+        table().tilted(Vector3::x_axis(), 25.0),
+        PlacedShape::floor(),
+    ]);
     let [_, with] = DetectionOutcome::both(&scene);
     assert!(
         with.detection
@@ -117,14 +122,15 @@ fn an_empty_table_has_no_objects() {
 }
 
 #[test]
-fn a_floor_all_around_the_table_is_none() {
+fn floor_around_the_table_is_not_selected() {
     for sides in [[0.8, 0.6], [0.45, 0.4]] {
         let solids = [
-            Solid::rectangle(sides, HIGH, TABLE),
-            Solid::floor(),
+            PlacedShape::rectangle(sides, HIGH, TABLE),
+            PlacedShape::floor(),
             on_table([0.1, 0.08, 0.12], [0.05, 0.0], 0),
         ];
-        let scene = Scene::seen_from([0.0, -0.9, HIGH + 0.75], [0.0, 0.0, HIGH]).with(solids);
+        let scene =
+            SyntheticScene::seen_from([0.0, -0.9, HIGH + 0.75], [0.0, 0.0, HIGH]).with(solids);
         for outcome in DetectionOutcome::both(&scene) {
             let share = |what: u16| {
                 outcome.truth.iter().filter(|&&there| there == what).count() as f64 / 307_200.0
@@ -147,8 +153,8 @@ fn a_floor_all_around_the_table_is_none() {
 }
 
 #[test]
-fn a_box_may_cover_most_of_the_table() {
-    // Its top is a larger plane than what is left of the table.
+fn occluded_table_is_found_around_a_large_box() {
+    // The top of the box is a larger plane than the visible rest of the table.
     for sides in [[0.72, 0.53, 0.03], [0.62, 0.46, 0.06], [0.5, 0.4, 0.10]] {
         for outcome in DetectionOutcome::both(&room().with([on_table(sides, [0.0, 0.0], 0)])) {
             let height_m = outcome.table_height_m([0.0, 0.0]);
@@ -161,7 +167,7 @@ fn a_box_may_cover_most_of_the_table() {
 }
 
 #[test]
-fn a_box_that_hides_the_table_is_one() {
+fn box_that_occludes_the_table_is_selected_as_table() {
     let scene = room().with([on_table([0.82, 0.62, 0.12], [0.0, 0.0], 0)]);
     for outcome in DetectionOutcome::both(&scene) {
         assert!((outcome.table_height_m([0.0, 0.0]) - HIGH - 0.12).abs() < 0.003);

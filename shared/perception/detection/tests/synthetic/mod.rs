@@ -1,21 +1,21 @@
-//! A rendered table with boxes on it.
+//! Rendered table with boxes, by ray casting.
 
 use geometry::PinholeCamera;
 use nalgebra::{Isometry3, Point3, Rotation3, Vector3};
 use point_cloud::{Point, Rgba};
 
-/// A box on the table: centre of its footprint and full sides, table frame.
+/// Box on the table: centre of its footprint and full sides, table frame, metres.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BoxOnTable {
     pub(crate) centre: [f64; 2],
-    /// Height of the bottom over the table.
+    /// Height of the bottom over the table, metres.
     pub(crate) bottom: f64,
     pub(crate) sides: [f64; 3],
     pub(crate) rgb: [u8; 3],
 }
 
-/// The camera looks at the table's origin from 1 m away, down by 35 degrees;
-/// the table is 1.2 m by 0.8 m, a wall stands behind it, the floor 0.7 m below.
+/// Camera pose: it looks at the table's origin from 1 m away, 35 degrees downwards. The
+/// table is 1.2 m by 0.8 m, with a wall behind it and the floor 0.7 m below.
 pub(crate) fn camera_from_table() -> Isometry3<f64> {
     let pitch = 35_f64.to_radians();
     let (sin, cos) = pitch.sin_cos();
@@ -25,8 +25,8 @@ pub(crate) fn camera_from_table() -> Isometry3<f64> {
     Isometry3::from_parts(Vector3::new(0.0, 0.0, 1.0).into(), rotation.into())
 }
 
-/// Renders the scene by casting a ray through every pixel; `noise` moves each
-/// depth by up to this many times 2 mm at 1 m.
+/// Render the scene by casting a ray through every pixel. `noise` scales the uniform depth
+/// jitter, 2 mm wide at 1 m and growing with squared depth.
 pub(crate) fn render(boxes: &[BoxOnTable], noise: f64) -> Vec<Point> {
     let camera = PinholeCamera::KINECT_V1;
     let table_from_camera = camera_from_table().inverse();
@@ -56,7 +56,7 @@ pub(crate) fn render(boxes: &[BoxOnTable], noise: f64) -> Vec<Point> {
     pixels.enumerate().map(point_of).collect()
 }
 
-/// Depth along the ray and colour of what it meets first.
+/// Depth along the ray and colour of the nearest surface.
 fn nearest(
     eye: &Point3<f64>,
     direction: &Vector3<f64>,
@@ -83,7 +83,7 @@ fn nearest(
     best
 }
 
-/// Where a ray enters a box (slab method).
+/// Depth at which a ray enters a box (slab method).
 fn enter(eye: &Point3<f64>, direction: &Vector3<f64>, solid: &BoxOnTable) -> Option<f64> {
     let centre = [
         solid.centre[0],

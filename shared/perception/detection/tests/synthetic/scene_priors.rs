@@ -1,11 +1,11 @@
-//! What is known beside the rendered boxes.
+//! SyntheticScene priors for the rendered boxes: tracks and a robot link.
 
 use crate::synthetic::camera_from_table;
 use detection::ExpectedTrack;
 use geometry::{Capsule, OrientedBox};
 use nalgebra::{Isometry3, Point3, Vector3};
 
-/// Tracks of a box in the middle of the table and of one to the right of it.
+/// Tracks of a box in the middle of the table and of one on the right.
 pub(crate) fn tracks() -> [ExpectedTrack; 2] {
     [0.0, 0.25].map(|x| ExpectedTrack {
         shape: OrientedBox {
@@ -16,7 +16,7 @@ pub(crate) fn tracks() -> [ExpectedTrack; 2] {
     })
 }
 
-/// A link of an arm over a box on the left.
+/// Robot link over a box on the left.
 pub(crate) fn link() -> Capsule {
     let link = Capsule {
         from: Point3::new(-0.5, 0.0, 0.06),

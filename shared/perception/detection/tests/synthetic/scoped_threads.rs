@@ -1,8 +1,8 @@
-//! A parallelism of threads that are started for each piece of work.
+//! Parallelism by scoped threads, started for each stage.
 
 use crate::Crew;
 
-/// So many threads.
+/// Parallelism by this number of scoped threads.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ScopedThreads(pub(crate) usize);
 

@@ -1,30 +1,31 @@
-//! Scenes of polygons, boxes and hollow cylinders, seen by a camera anywhere.
+//! Synthetic scenes of polygons, boxes and hollow cylinders, rendered by ray casting.
 //!
-//! World frame: z up, the floor at 0. Every pixel knows what it shows.
+//! World frame: z up, the floor at 0. Every pixel has a ground-truth label.
 
 use geometry::PinholeCamera;
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Unit, UnitQuaternion, Vector3};
 use point_cloud::{Point, Rgba};
 
-/// What a pixel shows when it shows nothing.
+/// Label of a pixel without a surface.
 pub(crate) const NOTHING: u16 = 0;
 pub(crate) const TABLE: u16 = 1;
 pub(crate) const FLOOR: u16 = 2;
 pub(crate) const WALL: u16 = 3;
-/// Objects count from here.
+/// First label of an object.
 pub(crate) const OBJECT: u16 = 10;
 
-/// Steps of inverse depth of a Kinect v1, 1/metre: 2.85 mm at 1 m.
+/// Disparity step of a Kinect v1 in inverse depth, 1/metre: 2.85 mm at 1 m.
 const INVERSE_DEPTH_STEP: f64 = 0.002_85;
 
-/// A shape in its own frame; it stands on z = 0.
+/// Shape in its own frame, standing on z = 0.
 #[derive(Debug, Clone)]
 pub(crate) enum Shape {
-    /// A patch of z = 0, seen from both sides; need not be convex.
+    /// Polygon in z = 0, visible from both sides, possibly concave; corners in metres.
     Polygon(Vec<[f64; 2]>),
-    /// Full sides, centred over the origin.
+    /// Box with full sides, centred over the origin, metres.
     Box([f64; 3]),
-    /// Upright; with a bore down to its floor, or through it where that is 0.
+    /// Upright cylinder with a bore down to its floor, or through it when the floor is 0;
+    /// metres.
     Cylinder {
         radius: f64,
         height: f64,
@@ -33,16 +34,16 @@ pub(crate) enum Shape {
     },
 }
 
-/// A shape in the world.
+/// Shape placed in the world, with colour and label.
 #[derive(Debug, Clone)]
-pub(crate) struct Solid {
+pub(crate) struct PlacedShape {
     shape: Shape,
     world_from_shape: Isometry3<f64>,
     rgb: [u8; 3],
     label: u16,
 }
 
-impl Solid {
+impl PlacedShape {
     pub(crate) fn new(shape: Shape, at: [f64; 3], label: u16) -> Self {
         Self {
             shape,
@@ -56,7 +57,7 @@ impl Solid {
         Self::new(Shape::Polygon(corners.to_vec()), [0.0, 0.0, z], label)
     }
 
-    /// A rectangle around the world's z axis.
+    /// Rectangle centred on the world's z axis.
     pub(crate) fn rectangle(sides: [f64; 2], z: f64, label: u16) -> Self {
         let [x, y] = sides.map(|side| 0.5 * side);
         Self::polygon(&[[-x, -y], [x, -y], [x, y], [-x, y]], z, label)
@@ -66,7 +67,7 @@ impl Solid {
         Self::new(Shape::Box(sides), at, label)
     }
 
-    /// A solid cylinder.
+    /// PlacedShape cylinder.
     pub(crate) fn cylinder(radius: f64, height: f64, at: [f64; 3], label: u16) -> Self {
         let (bore, floor) = (0.0, 0.0);
         let shape = Shape::Cylinder {
@@ -78,7 +79,7 @@ impl Solid {
         Self::new(shape, at, label)
     }
 
-    /// A wall across the view, behind everything.
+    /// Wall across the view, behind all objects.
     pub(crate) fn wall(y: f64) -> Self {
         let mut wall = Self::rectangle([8.0, 8.0], 0.0, WALL);
         wall.world_from_shape = Isometry3::new(
@@ -92,14 +93,14 @@ impl Solid {
         Self::rectangle([8.0, 8.0], 0.0, FLOOR)
     }
 
-    /// Turned about its own upright axis.
+    /// Rotated about its own upright axis.
     pub(crate) fn turned(mut self, yaw_deg: f64) -> Self {
         self.world_from_shape.rotation *=
             UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw_deg.to_radians());
         self
     }
 
-    /// Turned about an axis of the world through its own origin.
+    /// Rotated about an axis of the world through its own origin.
     pub(crate) fn tilted(mut self, axis: Unit<Vector3<f64>>, deg: f64) -> Self {
         let turn = UnitQuaternion::from_axis_angle(&axis, deg.to_radians());
         self.world_from_shape.rotation = turn * self.world_from_shape.rotation;
@@ -111,7 +112,7 @@ impl Solid {
         self
     }
 
-    /// Where a ray first meets it.
+    /// Depth of the first intersection with a ray.
     fn meet(&self, eye: &Point3<f64>, ray: &Vector3<f64>) -> Option<f64> {
         let eye = self.world_from_shape.inverse_transform_point(eye);
         let ray = self.world_from_shape.inverse_transform_vector(ray);
@@ -131,7 +132,7 @@ impl Solid {
     }
 }
 
-/// Colours that differ from label to label.
+/// Colour of a label.
 fn color_of(label: u16) -> [u8; 3] {
     const COLORS: [[u8; 3]; 10] = [
         [200, 30, 30],
@@ -164,7 +165,7 @@ fn meet_polygon(eye: &Point3<f64>, ray: &Vector3<f64>, corners: &[[f64; 2]]) -> 
     (t > 0.0 && crossings.count() % 2 == 1).then_some(t)
 }
 
-/// Slab method.
+/// Intersection with a box (slab method).
 fn meet_box(eye: &Point3<f64>, ray: &Vector3<f64>, sides: &[f64; 3]) -> Option<f64> {
     let (mut near, mut far) = (f64::MIN, f64::MAX);
     for axis in 0..3 {
@@ -177,8 +178,7 @@ fn meet_box(eye: &Point3<f64>, ray: &Vector3<f64>, sides: &[f64; 3]) -> Option<f
     (near <= far && near > 0.0).then_some(near)
 }
 
-/// All places where a ray meets the surface of a cylinder: its side, that of
-/// its bore, its upper side and its floor.
+/// All intersections of a ray with a cylinder: side, bore, upper face and floor.
 fn meet_cylinder(
     eye: &Point3<f64>,
     ray: &Vector3<f64>,
@@ -206,22 +206,20 @@ fn meet_cylinder(
     ]
 }
 
-/// Solids and the camera that sees them.
+/// Synthetic scene: placed shapes and the camera.
 #[derive(Debug, Clone)]
-pub(crate) struct Scene {
+pub(crate) struct SyntheticScene {
     pub(crate) camera: PinholeCamera,
     pub(crate) camera_from_world: Isometry3<f64>,
-    pub(crate) solids: Vec<Solid>,
-    /// Standard deviation of the noise of depth at 1 m, metres; it grows with
-    /// squared depth.
+    pub(crate) solids: Vec<PlacedShape>,
+    /// Standard deviation of the depth noise at 1 m, metres; grows with squared depth.
     pub(crate) noise_m: f64,
-    /// Whether depth comes in the steps of a Kinect v1.
+    /// `true` for depth quantised like that of a Kinect v1.
     pub(crate) is_stepped: bool,
 }
 
-impl Scene {
-    /// An empty one, seen from `eye` by a camera that looks at `target`, rows
-    /// level.
+impl SyntheticScene {
+    /// Empty scene seen from `eye` towards `target`, with horizontal image rows.
     pub(crate) fn seen_from(eye: [f64; 3], target: [f64; 3]) -> Self {
         let (eye, target) = (Point3::from(eye), Point3::from(target));
         let forward = (target - eye).normalize();
@@ -241,12 +239,12 @@ impl Scene {
         }
     }
 
-    pub(crate) fn with(mut self, solids: impl IntoIterator<Item = Solid>) -> Self {
+    pub(crate) fn with(mut self, solids: impl IntoIterator<Item = PlacedShape>) -> Self {
         self.solids.extend(solids);
         self
     }
 
-    /// The same in an image `factor` times as large.
+    /// The scene in an image scaled by `factor`.
     pub(crate) fn scaled(mut self, factor: f64) -> Self {
         let camera = &mut self.camera;
         (camera.fx_px, camera.fy_px) = (factor * camera.fx_px, factor * camera.fy_px);
@@ -257,7 +255,7 @@ impl Scene {
         self
     }
 
-    /// The same without the image's last columns.
+    /// The scene without the last columns of the image.
     pub(crate) fn narrowed(mut self, n_columns: u32) -> Self {
         self.camera.width -= n_columns;
         self
@@ -267,7 +265,7 @@ impl Scene {
         self.camera_from_world.rotation * Vector3::z_axis()
     }
 
-    /// Points and what each shows, by a ray through every pixel.
+    /// Points and labels of all pixels, by ray casting.
     pub(crate) fn render(&self) -> (Vec<Point>, Vec<u16>) {
         let world_from_camera = self.camera_from_world.inverse();
         let eye = world_from_camera * Point3::origin();
@@ -295,10 +293,10 @@ impl Scene {
         (0..self.camera.n_pixels()).map(pixel).unzip()
     }
 
-    /// A depth as the sensor of pixel `i` gives it.
+    /// Measured depth of pixel `i` with noise and quantisation.
     fn measured(&self, z: f64, i: usize) -> f64 {
         let draw = |k: usize| random::unit(random::nth((4 * i + k) as u64));
-        // A sum of four even draws is nearly normal; its variance is a third.
+        // A sum of four uniform draws is nearly normal; its variance is a third.
         let normal = ((0..4).map(draw).sum::<f64>() - 2.0) * 3_f64.sqrt();
         let noisy = z + self.noise_m * normal * z * z;
         if self.is_stepped {
