@@ -5,7 +5,7 @@ use geometry::OrientedBox;
 use nalgebra::Point3;
 use std::ops::Range;
 
-/// Support relation: what a candidate stands on.
+/// Support relation of a candidate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Support {
     /// Table: the lowest points are near the plane.
@@ -37,7 +37,7 @@ pub struct Candidate {
     /// `true` when the candidate reaches the border of the sensor's view, so that a part of
     /// it may be missing.
     pub touches_image_border: bool,
-    /// `true` when the longest side lies between `side_min_m` and `side_max_m` of the
+    /// `true` when the longest side is between `side_min_m` and `side_max_m` of the
     /// settings.
     pub is_object_sized: bool,
     /// Findings of all constraints.

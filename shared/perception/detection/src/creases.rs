@@ -12,8 +12,8 @@ const IMAGE_WIDTH_RAD: f32 = 1.09;
 /// Chosen; sensitivity: see `tabula-lab sweep`.
 const SLOPE_SIGMA: f32 = 0.14;
 
-/// Least and greatest arm length of a crease, pixels. Chosen; sensitivity: see `tabula-lab
-/// sweep`.
+/// Least and greatest arm length of a crease, pixels. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
 const ARM_PX: [usize; 2] = [4, 24];
 
 /// Least slope of a concave crease, metres per metre across the line of sight on either

@@ -4,8 +4,8 @@ use crate::outline::{Outline, distance_m};
 use crate::table_surface::TableSurface;
 use nalgebra::Point2;
 
-/// Tolerance of the polygon simplification, metres. Chosen; sensitivity: see `tabula-lab
-/// sweep`.
+/// Tolerance of the polygon simplification, metres. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
 const TOLERANCE_M: f64 = 0.03;
 
 /// Contour tracer of the table's cells, with its buffers.
@@ -18,7 +18,7 @@ pub(crate) struct OutlineTracer {
 
 impl OutlineTracer {
     /// Trace the border of the table's cells into `outline`. A side is marked as rim unless
-    /// it lies along a side of `hull` that is none.
+    /// it is along a side of `hull` that is none.
     pub(crate) fn trace(&mut self, surface: &TableSurface, hull: &Outline, outline: &mut Outline) {
         self.trace_border(surface);
         self.simplify();

@@ -21,8 +21,8 @@ const WINDOW_MIN: isize = 5;
 /// Greatest number of hypotheses for one plane.
 const N_HYPOTHESES_MAX: usize = 240;
 
-/// Accepted probability of drawing no good hypothesis. Chosen; sensitivity: see `tabula-lab
-/// sweep`.
+/// Accepted probability of drawing no good hypothesis. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
 const MISS_CHANCE: f64 = 0.005;
 
 /// Assumed probability that two window neighbours of an inlier are inliers too. Chosen;

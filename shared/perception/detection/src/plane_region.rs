@@ -7,15 +7,15 @@ use geometry::{ConvexPolygon, Plane, RigidTransform};
 use nalgebra::{Point2, Point3, Unit};
 use point_cloud::Moments;
 
-/// Side of an occupancy cell on the plane, metres. Chosen; sensitivity: see `tabula-lab
-/// sweep`.
+/// Side of an occupancy cell on the plane, metres. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
 const CELL_M: f32 = 0.04;
 
 /// Greatest number of cells per side; a larger plane gets larger cells.
 const CELLS_MAX: usize = 256;
 
-/// Least number of samples in an occupied cell. Chosen; sensitivity: see `tabula-lab
-/// sweep`.
+/// Least number of samples in an occupied cell. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
 const CELL_SAMPLES_MIN: u32 = 2;
 
 /// Greatest gap bridged within a region, cells: objects on the table occlude parts of it.
@@ -23,8 +23,8 @@ const CELL_SAMPLES_MIN: u32 = 2;
 const GAP_CELLS: isize = 3;
 
 /// Greatest width of the image margin without registered depth, share of a side. An edge of
-/// depth farther inside is an edge of the surface. Chosen; sensitivity: see `tabula-lab
-/// sweep`.
+/// depth farther inside is an edge of the surface. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
 const MARGIN_SHARE_MAX: f64 = 0.1;
 
 /// Region found last, with buffers.
@@ -98,9 +98,9 @@ impl CellGrid {
 /// Filter on the connected regions of a plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum RegionFilter {
-    /// Only regions that are somewhere wider than a strip.
+    /// Accept only regions that are somewhere wider than a strip.
     WideOnly,
-    /// All regions, strips included.
+    /// Accept all regions, including strips.
     All,
 }
 

@@ -117,7 +117,7 @@ impl<'a> Prism<'a> {
         mask
     }
 
-    /// `true` when a point lies above the table or near its rim, at any height.
+    /// `true` when a point is above the table or near its rim, at any height.
     #[inline]
     fn is_near_table(&self, point: &Point) -> bool {
         self.surface.is_near(
@@ -126,7 +126,7 @@ impl<'a> Prism<'a> {
         )
     }
 
-    /// `true` when a pixel lies in a hole of the support plane.
+    /// `true` when a pixel is in a hole of the support plane.
     #[inline]
     fn is_in_hole(&self, column: usize, row: usize, point: &Point) -> bool {
         is_in_range(point, self.z_range[0], self.z_range[1])
@@ -225,7 +225,7 @@ impl<'a> TableOverlap<'a> {
         Self { u, v, surface }
     }
 
-    /// `true` when enough of a cluster's points lie above the table.
+    /// `true` when enough of a cluster's points are above the table.
     pub(crate) fn is_sufficient(&self, pixels: &[u32], cloud: &OrganizedCloud<'_>) -> bool {
         let is_inside = |&&pixel: &&u32| {
             let p = &cloud.points()[pixel as usize];

@@ -43,7 +43,7 @@ mod weights {
 /// Boundary pair: two neighbouring pixels of different regions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct BoundaryPair {
-    /// Regions, lower number first.
+    /// Pair of adjacent regions, lower number first.
     regions: [u32; 2],
     pixels: [u32; 2],
 }
@@ -51,7 +51,7 @@ struct BoundaryPair {
 /// Boundary statistics of two adjacent regions; sums, so that boundaries can be added.
 #[derive(Debug, Clone, Copy)]
 struct RegionBoundary {
-    /// Regions, lower number first.
+    /// Pair of adjacent regions, lower number first.
     regions: [u32; 2],
     n_pairs: u32,
     n_unknown: u32,

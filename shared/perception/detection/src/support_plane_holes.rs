@@ -65,13 +65,16 @@ impl LevelRegion {
 /// Height class of a sample relative to the table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum HeightClass {
+    /// Level with the table.
     Level,
+    /// Higher than the table.
     Above,
+    /// Lower than the table or without depth.
     BelowOrUnknown,
 }
 
 impl SupportPlaneHoles {
-    /// Find the level regions that objects enclose in the image and that lie a little above
+    /// Find the level regions that objects enclose in the image and that are a little above
     /// the table. `lowest_m` gives the least height over the table of a point at a depth,
     /// metres.
     pub(crate) fn find(
@@ -174,7 +177,7 @@ impl SupportPlaneHoles {
         (self.rows[0]..=self.rows[1]).contains(&(row / self.stride))
     }
 
-    /// `true` when a pixel with a point at a height, metres, lies in a hole.
+    /// `true` when a pixel with a point at a height, metres, is in a hole.
     #[inline]
     pub(crate) fn contains(&self, column: usize, row: usize, height_m: f32) -> bool {
         let sample_column = (column / self.stride).min(self.width - 1);

@@ -39,21 +39,21 @@ impl Table {
 /// Reason for the selection of a table. Two tables of one height count as two surfaces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TableChoice {
-    /// No other surface can be a table.
+    /// Only surface that can be a table.
     Only,
-    /// It covers so much of the view that no other surface was searched.
+    /// Dominant surface: it covers so much of the view that no other was searched.
     Most,
-    /// It is larger than the other surfaces.
+    /// Largest of several surfaces that can be a table.
     Largest {
         /// Number of other surfaces.
         n_others: usize,
     },
-    /// It lies over a larger surface, which is the floor or a lower table.
+    /// Surface over a larger one, which is the floor or a lower table.
     OverLarger {
         /// Number of other surfaces.
         n_others: usize,
     },
-    /// It surrounds a larger surface a little above it, the top of an object.
+    /// Surface around a larger one a little above it, the top of an object.
     Around,
 }
 

@@ -16,17 +16,17 @@ use random::Random;
 /// Greatest number of planes searched in one image.
 const N_PLANES_MAX: usize = 5;
 
-/// Least share of the image's samples on a plane. Chosen; sensitivity: see `tabula-lab
-/// sweep`.
+/// Least share of the image's samples on a plane. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
 const SHARE_MIN: f64 = 0.02;
 
-/// Share of the samples in range at which a table ends the search, unless enough lies above
+/// Share of the samples in range at which a table ends the search, unless enough is above
 /// it for a table over a floor. Chosen; sensitivity: see `tabula-lab sweep`.
 const DOMINANT_SHARE: f64 = 0.5;
 
 /// Least ratio of samples of the upper to the lower of two parallel planes at which the
-/// upper is a table and not the top of an object. Chosen; sensitivity: see `tabula-lab
-/// sweep`.
+/// upper is a table and not the top of an object. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
 const TABLE_SHARE_OF_FLOOR: f64 = 0.2;
 
 /// Least component of a table's normal against the image's downward axis, when up is
@@ -35,8 +35,8 @@ const TABLE_SHARE_OF_FLOOR: f64 = 0.2;
 const UPWARD_MIN: f64 = 0.2;
 
 /// Greatest component of a table's normal along the image rows, when up is unknown; a
-/// larger one is a side wall seen by a rolled camera. Chosen; sensitivity: see `tabula-lab
-/// sweep`.
+/// larger one is a side wall seen by a rolled camera. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
 const SIDEWARD_MAX: f64 = 0.6;
 
 /// Least component of a normal towards the camera for a table seen from above, when up is
@@ -150,7 +150,7 @@ pub(crate) fn select_table(
     )
 }
 
-/// `true` when enough of the unassigned samples lie above a plane for a table over it.
+/// `true` when enough of the unassigned samples are above a plane for a table over it.
 fn may_be_floor(samples: &Samples, found: &PlaneCandidate) -> bool {
     let height = AffineForm::from(&found.plane);
     let is_over = |&sample: &usize| {
@@ -201,7 +201,7 @@ fn likelihood(plane: &Plane, up_in_camera: Option<Unit<Vector3<f64>>>) -> TableL
     }
 }
 
-/// Most table-like plane; among equals the largest, unless a fairly large one lies over it
+/// Most table-like plane; among equals the largest, unless a fairly large one is over it
 /// as a table over a floor.
 fn choose_table(found: &[PlaneCandidate], n_min: usize) -> Option<(PlaneCandidate, TableChoice)> {
     let large = || found.iter().filter(|plane| plane.n_samples >= n_min);

@@ -6,7 +6,7 @@ use crate::table::Table;
 use geometry::ConvexPolygon;
 use nalgebra::Point2;
 
-/// Side of a cell, metres; a larger table gets larger cells. Chosen; sensitivity: see
+/// Cell size of the surface map, metres; a larger table gets larger cells. Chosen; sensitivity: see
 /// `tabula-lab sweep`.
 const CELL_M: f64 = 0.02;
 

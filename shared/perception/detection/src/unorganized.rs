@@ -33,12 +33,6 @@ use crate::output::Detection;
 use crate::parallelism::Sequential;
 use point_cloud::OrganizedCloud;
 
-/// Least number of usable points of a view.
-const N_POINTS_MIN: usize = 64;
-
-/// Label of a point in no pixel, voxel or cluster.
-const UNLABELLED: u32 = u32::MAX;
-
 /// Buffers of the unorganised path.
 #[derive(Debug, Default)]
 pub(crate) struct UnorganizedBuffers {

@@ -115,8 +115,9 @@ fn verdict_is_true_for_a_free_standing_object() {
 #[test]
 fn assumptions_name_the_absent_sources() {
     let points = render(&[MIDDLE], 1.0);
-    let told = |surroundings| found(&points, surroundings, &Config::default()).assumptions;
-    let nothing_known = told(Surroundings::default());
+    let assumptions_of =
+        |surroundings| found(&points, surroundings, &Config::default()).assumptions;
+    let nothing_known = assumptions_of(Surroundings::default());
     for assumption in [
         Assumption::NoPersonKnown,
         Assumption::NoRobotKnown,
@@ -124,13 +125,13 @@ fn assumptions_name_the_absent_sources() {
     ] {
         assert!(nothing_known.contains(assumption));
     }
-    let nobody_there = told(Surroundings {
+    let empty_scene = assumptions_of(Surroundings {
         instructor: Some(&[]),
         robot: Some(&[]),
         tracks: &[],
     });
     assert_eq!(
-        nobody_there.iter().collect::<Vec<_>>(),
+        empty_scene.iter().collect::<Vec<_>>(),
         [Assumption::UpGuessed]
     );
 }
@@ -156,11 +157,11 @@ fn track_regrouping_splits_two_touching_tracked_objects() {
         n_points,
     };
     let both = pair.each_ref().map(|solid| track(solid, n_points));
-    let parted = with(&both);
-    assert_eq!(parted.candidates.len(), 2);
+    let split = with(&both);
+    assert_eq!(split.candidates.len(), 2);
     for solid in &pair {
         let [x, y] = solid.centre;
-        let half = near(&parted, [x, y, 0.06]);
+        let half = near(&split, [x, y, 0.06]);
         let middle = camera_from_table() * Point3::new(x, y, 0.06);
         assert!(
             (half.oriented_box.centre() - middle).norm() < 0.012,
@@ -183,7 +184,7 @@ fn track_regrouping_splits_two_touching_tracked_objects() {
 #[test]
 fn track_constraint_is_false_for_an_explained_candidate() {
     let points = render(&[MIDDLE], 1.0);
-    let judged = |boxes: &[OrientedBox]| {
+    let evaluated = |boxes: &[OrientedBox]| {
         let tracks: Vec<ExpectedTrack> = boxes.iter().map(|shape| (*shape).into()).collect();
         let surroundings = Surroundings {
             tracks: &tracks,
@@ -192,7 +193,7 @@ fn track_constraint_is_false_for_an_explained_candidate() {
         let detection = found(&points, surroundings, &Config::default());
         near(&detection, [0.0, 0.0, 0.06]).clone()
     };
-    let same = judged(&[box_in_camera(&MIDDLE, [0.01, 0.0, 0.0])]);
+    let same = evaluated(&[box_in_camera(&MIDDLE, [0.01, 0.0, 0.0])]);
     check(
         &same.findings,
         Constraint::Track,
@@ -209,14 +210,14 @@ fn track_constraint_is_false_for_an_explained_candidate() {
         sides: [0.3, 0.3, 0.3],
         ..MIDDLE
     };
-    let inside = judged(&[box_in_camera(&larger, [0.0; 3])]);
+    let inside = evaluated(&[box_in_camera(&larger, [0.0; 3])]);
     check(
         &inside.findings,
         Constraint::Track,
         Truth::False,
         |r| matches!(r, Reason::InsideTrack { share } if share > 0.95),
     );
-    let beside = judged(&[box_in_camera(&MIDDLE, [0.2, 0.0, 0.0])]);
+    let beside = evaluated(&[box_in_camera(&MIDDLE, [0.2, 0.0, 0.0])]);
     check(
         &beside.findings,
         Constraint::Track,
@@ -224,7 +225,7 @@ fn track_constraint_is_false_for_an_explained_candidate() {
         |r| matches!(r, Reason::NoOverlappingTrack { overlap } if overlap == 0.0),
     );
     assert_eq!(beside.verdict, Truth::True);
-    let broken = judged(&[OrientedBox {
+    let broken = evaluated(&[OrientedBox {
         half_sides_m: Vector3::repeat(f64::NAN),
         ..box_in_camera(&MIDDLE, [0.0; 3])
     }]);
@@ -233,11 +234,11 @@ fn track_constraint_is_false_for_an_explained_candidate() {
 
 #[test]
 fn size_constraint_names_the_violated_limit() {
-    let judged = |sides: [f64; 3]| {
+    let evaluated = |sides: [f64; 3]| {
         let detection = found_plainly(&[box_at(0.0, 0.05, sides)]);
         near(&detection, [0.0, 0.05, 0.5 * sides[2]]).clone()
     };
-    let long = judged([0.45, 0.06, 0.06]);
+    let long = evaluated([0.45, 0.06, 0.06]);
     check(
         &long.findings,
         Constraint::Size,
@@ -246,14 +247,14 @@ fn size_constraint_names_the_violated_limit() {
     );
     // The default rule does not include C_size.
     assert_eq!(long.verdict, Truth::True);
-    let broad = judged([0.30, 0.29, 0.05]);
+    let broad = evaluated([0.30, 0.29, 0.05]);
     check(
         &broad.findings,
         Constraint::Size,
         Truth::False,
         |r| matches!(r, Reason::TooBroad { side_m, .. } if (side_m - 0.29).abs() < 0.02),
     );
-    let bulky = judged([0.34, 0.24, 0.24]);
+    let bulky = evaluated([0.34, 0.24, 0.24]);
     check(
         &bulky.findings,
         Constraint::Size,
@@ -296,11 +297,11 @@ fn size_constraint_is_unknown_at_the_image_border() {
 #[test]
 fn edge_constraint_rejects_an_object_at_the_rim() {
     // The far rim is fully visible, at y = 0.4.
-    let judged = |y: f64| {
+    let evaluated = |y: f64| {
         let detection = found_plainly(&[box_at(0.0, y, [0.1, 0.05, 0.03])]);
         near(&detection, [0.0, y, 0.015]).clone()
     };
-    let at_rim = judged(0.375);
+    let at_rim = evaluated(0.375);
     check(
         &at_rim.findings,
         Constraint::Edge,
@@ -310,7 +311,7 @@ fn edge_constraint_rejects_an_object_at_the_rim() {
     assert_eq!(at_rim.verdict, Truth::False);
     assert!(at_rim.can_continue_track());
     check(
-        &judged(0.25).findings,
+        &evaluated(0.25).findings,
         Constraint::Edge,
         Truth::False,
         |r| r == Reason::AwayFromRim,
@@ -327,8 +328,8 @@ fn robot_constraint_rejects_a_robot_link() {
         1.0,
     );
     let link = [capsule_in_camera([-0.4, 0.0, 0.02], [0.0, 0.0, 0.02], 0.03)];
-    let judged = |surroundings| found(&points, surroundings, &Config::default());
-    let as_robot = judged(Surroundings {
+    let evaluated = |surroundings| found(&points, surroundings, &Config::default());
+    let as_robot = evaluated(Surroundings {
         robot: Some(&link),
         instructor: Some(&[]),
         ..Surroundings::default()
@@ -351,7 +352,7 @@ fn robot_constraint_rejects_a_robot_link() {
         r == Reason::NotRobot
     });
     assert_eq!(other.verdict, Truth::True);
-    let as_person = judged(Surroundings {
+    let as_person = evaluated(Surroundings {
         instructor: Some(&link),
         ..Surroundings::default()
     });
@@ -410,7 +411,7 @@ fn body_mask_separates_a_hand_from_the_object_it_touches() {
         rgb: [30, 200, 30],
     };
     let points = render(&[carton, forearm], 1.0);
-    let melted = found(&points, Surroundings::default(), &Config::default());
+    let merged = found(&points, Surroundings::default(), &Config::default());
     let capsule = [capsule_in_camera(
         [0.08, -0.03, 0.085],
         [0.40, -0.03, 0.085],
@@ -452,7 +453,7 @@ fn body_mask_separates_a_hand_from_the_object_it_touches() {
     );
     // Without the capsule, box and beam are separated worse or not at all.
     let n_points_in_box = |detection: &Detection| near(detection, [0.0, 0.0, 0.07]).n_points();
-    assert!(n_points_in_box(&melted) >= n_points_in_box(&detection));
+    assert!(n_points_in_box(&merged) >= n_points_in_box(&detection));
     let mut indices = detection.point_indices.clone();
     indices.sort_unstable();
     indices.dedup();

@@ -8,8 +8,8 @@ use crate::region_merging::RegionAdjacency;
 use point_cloud::OrganizedCloud;
 use std::cmp::Reverse;
 
-/// Least number of pixels of a part between creases. Chosen; sensitivity: see `tabula-lab
-/// sweep`.
+/// Least number of pixels of a part between creases. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
 const PART_PIXELS_MIN: u32 = 150;
 
 /// Link rule between creases. Narrow, because growth later restores the pixels that it cuts
@@ -32,7 +32,8 @@ const GROWTH_STEPS: [[isize; 2]; 8] = [
     [0, 2],
 ];
 
-/// Concavity split of one cluster after the other: buffers and the clusters split so far.
+/// Concavity splitter: buffers for one cluster after the other, and the clusters split so
+/// far.
 #[derive(Debug, Default)]
 pub(crate) struct ConcavitySplit {
     patch: Patch,

@@ -6,8 +6,8 @@ use crate::input::ExpectedTrack;
 use nalgebra::{Point3, Vector3};
 use point_cloud::{OrganizedCloud, Point};
 
-/// Tolerance around a track's predicted box, metres. Chosen; sensitivity: see `tabula-lab
-/// sweep`.
+/// Tolerance around a track's predicted box, metres. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
 const MARGIN_M: f64 = 0.008;
 
 /// Sampling stride over the points of a cluster.

@@ -15,8 +15,8 @@ use point_cloud::{OrganizedCloud, Point};
 /// `tabula-lab sweep`.
 const BODY_MARGIN_M: f32 = 0.012;
 
-/// Tolerance around a track's predicted box, metres. Chosen; sensitivity: see `tabula-lab
-/// sweep`.
+/// Tolerance around a track's predicted box, metres. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
 const TRACK_MARGIN_M: f64 = 0.008;
 
 /// Number of pixels tested together against the capsules' bounds.
@@ -212,15 +212,15 @@ impl BodyMask {
     }
 
     /// Shares of points near a person and near the robot, 0 to 1, with margins increased by
-    /// `more_m`, metres.
+    /// `extra_margin_m`, metres.
     pub(crate) fn shares<'a>(
         &self,
         points: &(impl Iterator<Item = &'a Point> + Clone),
-        more_m: f64,
+        extra_margin_m: f64,
     ) -> [f32; 2] {
         [BodyKind::Person, BodyKind::Robot].map(|kind| {
             let own = self.capsules.iter().filter(|capsule| capsule.kind == kind);
-            let own = own.map(|capsule| capsule.grown(more_m as f32));
+            let own = own.map(|capsule| capsule.grown(extra_margin_m as f32));
             let (mut n, mut n_own) = (0_u32, 0_u32);
             for point in points.clone() {
                 n += 1;

@@ -185,12 +185,12 @@ impl ConstraintEvaluator<'_> {
     fn person_and_robot(&self, hypothesis: &ClusterHypothesis, pixels: &[u32]) -> [Finding; 2] {
         // Object clusters have no point within the margins, because those were masked. The
         // remaining points of a held object are close to the margins.
-        let more_m = if hypothesis.is_masked { 0.0 } else { TOUCH_M };
+        let extra_margin_m = if hypothesis.is_masked { 0.0 } else { TOUCH_M };
         let shares = if self.body_mask.is_empty() {
             [0.0; 2]
         } else {
             let points = samples(pixels).map(|&pixel| &self.cloud.points()[pixel as usize]);
-            self.body_mask.shares(&points, more_m)
+            self.body_mask.shares(&points, extra_margin_m)
         };
         let is_known = [
             self.priors.instructor.is_some(),
@@ -202,7 +202,7 @@ impl ConstraintEvaluator<'_> {
             if !is_known[i] {
                 return constraint.default_finding();
             }
-            let margin_m = (margins_m[i] + more_m) as f32;
+            let margin_m = (margins_m[i] + extra_margin_m) as f32;
             if hypothesis.is_masked {
                 mask_finding(constraint, shares[i], margin_m)
             } else {
@@ -246,13 +246,13 @@ impl ConstraintEvaluator<'_> {
     }
 
     /// Share of a cluster's sampled points that satisfy a predicate.
-    fn share(&self, pixels: &[u32], is_so: impl Fn(&Point3<f64>) -> bool) -> f32 {
-        let (mut n, mut n_so) = (0_u32, 0_u32);
+    fn share(&self, pixels: &[u32], predicate: impl Fn(&Point3<f64>) -> bool) -> f32 {
+        let (mut n, mut n_true) = (0_u32, 0_u32);
         for &pixel in samples(pixels) {
             n += 1;
-            n_so += u32::from(is_so(&self.cloud.points()[pixel as usize].position()));
+            n_true += u32::from(predicate(&self.cloud.points()[pixel as usize].position()));
         }
-        n_so as f32 / n.max(1) as f32
+        n_true as f32 / n.max(1) as f32
     }
 }
 

@@ -1,6 +1,7 @@
 //! Counting sort of indices into groups by label.
 
-use super::UNLABELLED;
+/// Label of a point in no pixel, voxel or cluster.
+pub(super) const UNLABELLED: u32 = u32::MAX;
 
 /// Index groups made last, with buffers.
 #[derive(Debug, Default)]

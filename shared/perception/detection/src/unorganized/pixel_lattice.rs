@@ -4,8 +4,8 @@
 /// `tabula-lab sweep`.
 const COLUMN_TOLERANCE: f64 = 0.12;
 
-/// Accepted ratio of the fitted to the guessed pitch. Chosen; sensitivity: see `tabula-lab
-/// sweep`.
+/// Accepted ratio of the fitted to the guessed pitch. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
 const PITCH_RATIO: [f64; 2] = [0.5, 1.6];
 
 /// Greatest mean distance of the columns from the lattice, in pitches. Chosen; sensitivity:
@@ -59,7 +59,7 @@ impl PixelLattice {
         Self::new(self.first + 0.5 * (n - 1.0) * self.pitch, self.pitch * n)
     }
 
-    /// Fit a lattice to the tangents of sampled points; `None` when they do not lie on one.
+    /// Fit a lattice to the tangents of sampled points; `None` when they do not fit one.
     /// Sorts `tangents`; `columns` and `gaps` are buffers.
     ///
     /// Distinct values are numbered by rounded steps, which needs no exact pitch, and a

@@ -1,7 +1,6 @@
 //! Transfer of candidate labels from image pixels to points.
 
-use super::UNLABELLED;
-use super::label_groups::LabelGroups;
+use super::label_groups::{LabelGroups, UNLABELLED};
 use crate::output::Detection;
 
 /// Point labels set last, with buffers.

@@ -6,8 +6,8 @@ use point_cloud::Point;
 /// depth. Chosen; sensitivity: see `tabula-lab sweep`.
 const STEP_M: f32 = 0.012;
 
-/// Least distance of neighbours for a slope, pixels. Chosen; sensitivity: see `tabula-lab
-/// sweep`.
+/// Least distance of neighbours for a slope, pixels. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
 const APART_PX: f32 = 0.7;
 
 /// Pixel centres of an image: tangents of the first column and row, and the pitch of

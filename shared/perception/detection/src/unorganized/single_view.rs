@@ -1,6 +1,6 @@
 //! Single-view reprojection of an unorganised cloud onto an image grid.
 
-use super::UNLABELLED;
+use super::label_groups::UNLABELLED;
 use super::pixel_lattice::PixelLattice;
 use super::resampling::{PixelCentres, resample};
 use super::view_extent::{ViewExtent, tangents_of};
@@ -55,7 +55,7 @@ const SIDE_PX_MAX: f64 = 8192.0;
 /// Evidence that a cloud is a single view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum ViewEvidence {
-    /// The points lie on the rows and columns of an image.
+    /// The points are on the rows and columns of an image.
     Lattice,
     /// The points cover the viewing directions with uniform density.
     UniformDensity,

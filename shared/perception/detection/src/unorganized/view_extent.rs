@@ -3,6 +3,9 @@
 use point_cloud::Point;
 use random::Random;
 
+/// Least number of usable points of a view. Chosen; sensitivity: see `tabula-lab sweep`.
+const N_POINTS_MIN: usize = 64;
+
 /// Greatest tangent of a viewing ray along rows and columns; no camera's view is wider than
 /// 150 degrees.
 const TANGENT_MAX: f32 = 3.8;
@@ -56,10 +59,10 @@ impl ViewExtent {
         &self.sample
     }
 
-    /// Measure a cloud; `None` when too few points are visible or all lie on one ray.
+    /// Measure a cloud; `None` when too few points are visible or all are on one ray.
     pub(super) fn measure(&mut self, points: &[Point]) -> Option<()> {
         let n_drawn = self.draw(points);
-        if self.sample.len() < super::N_POINTS_MIN {
+        if self.sample.len() < N_POINTS_MIN {
             return None;
         }
         self.fill_bins();

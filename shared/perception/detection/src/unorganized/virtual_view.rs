@@ -1,7 +1,7 @@
 //! Virtual viewpoint: a cluster of an unorganised cloud is rendered into a depth image, so
 //! that the image path can split it.
 
-use super::UNLABELLED;
+use super::label_groups::UNLABELLED;
 use super::point_labels::PointLabels;
 use crate::affine_form::AffineForm;
 use crate::input::{Frame, Surroundings};
@@ -25,8 +25,8 @@ const DISTANCE_MIN_M: f64 = 1.0;
 /// Radius of the cluster in the image, pixels. Chosen; sensitivity: see `tabula-lab sweep`.
 const RADIUS_PX: f64 = 200.0;
 
-/// Greatest radius of a cluster on a table, metres. Chosen; sensitivity: see `tabula-lab
-/// sweep`.
+/// Greatest radius of a cluster on a table, metres. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
 const RADIUS_MAX_M: f64 = 1.0;
 
 /// Number of azimuths of candidate viewpoints; the one with the largest visible area is

@@ -1,7 +1,6 @@
 //! Voxel clusters: connected components of occupied cells above the table.
 
-use super::UNLABELLED;
-use super::label_groups::LabelGroups;
+use super::label_groups::{LabelGroups, UNLABELLED};
 use super::voxel_grid::VoxelGrid;
 use crate::affine_form::AffineForm;
 use crate::clusters::find_root;

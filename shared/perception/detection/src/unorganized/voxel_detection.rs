@@ -19,8 +19,8 @@ use crate::{Config, RawConfig};
 use point_cloud::{OrganizedCloud, Point};
 use random::Random;
 
-/// Side of the voxels for the plane search, metres. Chosen; sensitivity: see `tabula-lab
-/// sweep`.
+/// Side of the voxels for the plane search, metres. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
 const VOXEL_M: f32 = 0.010;
 
 /// Least side of the cluster cells, metres. Chosen; sensitivity: see `tabula-lab sweep`.

@@ -1,6 +1,6 @@
 //! Hashed voxel grid with point sums.
 
-use super::UNLABELLED;
+use super::label_groups::UNLABELLED;
 
 /// Greatest absolute coordinate of a point, metres; it bounds the voxel keys.
 pub(super) const REACH_M: f32 = 100.0;

@@ -22,8 +22,8 @@ const SHARE_MIN: f64 = 0.005;
 /// Least number of voxels on a plane. Chosen; sensitivity: see `tabula-lab sweep`.
 const N_VOXELS_MIN: usize = 100;
 
-/// Least half width of a plane's band, in voxels. Chosen; sensitivity: see `tabula-lab
-/// sweep`.
+/// Least half width of a plane's band, in voxels. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
 const BAND_VOXELS: f32 = 0.5;
 
 /// Height above the least object height at which voxels count as carried by a plane,
@@ -91,7 +91,7 @@ impl VoxelPlaneCandidate {
 
 impl VoxelTableSearch {
     /// Find the table: among the planes across up the largest that carries objects, or,
-    /// where one lies over another, the upper one.
+    /// where one is over another, the upper one.
     ///
     /// When up is unknown it is assumed to be the cloud's z axis, as in a world frame; if
     /// no such plane carries objects, a camera that looks down obliquely along z is

@@ -1,4 +1,4 @@
-//! SyntheticScene priors for the rendered boxes: tracks and a robot link.
+//! Scene priors for the rendered boxes: tracks and a robot link.
 
 use crate::synthetic::camera_from_table;
 use detection::ExpectedTrack;

@@ -67,7 +67,7 @@ impl PlacedShape {
         Self::new(Shape::Box(sides), at, label)
     }
 
-    /// PlacedShape cylinder.
+    /// Solid cylinder.
     pub(crate) fn cylinder(radius: f64, height: f64, at: [f64; 3], label: u16) -> Self {
         let (bore, floor) = (0.0, 0.0);
         let shape = Shape::Cylinder {
