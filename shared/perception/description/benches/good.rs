@@ -1,5 +1,5 @@
-//! One object of 5 000 points, chosen by index from a frame of 640 x 480: its
-//! frame and its descriptor. The authors' programs do both in one.
+//! Benchmark of descriptors and object frames: one object of 5 000 points selected from
+//! a frame of 640 x 480. The authors' programs compute frame and descriptor together.
 
 use description::{
     Appearance, AppearanceWeights, Descriptor, DescriptorFrame, Good, GoodVariant, ObjectPoints,
@@ -14,7 +14,7 @@ fn main() {
     divan::main();
 }
 
-/// A frame in which a curved, lopsided object of 100 columns stands in the middle.
+/// Frame with a curved asymmetric object of 100 columns in the middle.
 fn scene() -> (Vec<Point>, Vec<u32>) {
     let mut frame = vec![Point::without_depth(Rgba(0)); 640 * 480];
     let indices: Vec<u32> = (0..N_POINTS)
@@ -73,7 +73,7 @@ fn frame_of_the_reference(bencher: Bencher<'_, '_>) {
     bencher.bench_local(|| reference_frame(black_box(points)));
 }
 
-/// The frame and the descriptor, which is what the authors' programs are timed for.
+/// Frame and descriptor together, as the authors' programs are timed.
 #[divan::bench]
 fn published_15_with_its_frame(bencher: Bencher<'_, '_>) {
     let (cloud, indices) = scene();
@@ -88,7 +88,7 @@ fn published_15_with_its_frame(bencher: Bencher<'_, '_>) {
     });
 }
 
-/// Frame, shape, size, colour and all readings.
+/// Axes, shape, size, colour and all axis hypotheses.
 #[divan::bench(args = [false, true])]
 fn appearance(bencher: Bencher<'_, '_>, is_upright: bool) {
     let (cloud, indices) = scene();

@@ -1,22 +1,21 @@
-//! What every descriptor can do.
+//! Descriptor trait.
 
 use crate::{DescriptorFrame, Error, ObjectPoints};
 
-/// Turns the visible points of an object into a vector of fixed length.
+/// Descriptor of fixed length for the visible points of an object.
 ///
-/// A value owns its scratch memory, which grows to the largest object seen and
-/// is then reused: keep one for each worker.
+/// An implementation owns its scratch memory, which grows to the largest object and is
+/// then reused: keep one per worker.
 pub trait Descriptor {
-    /// Number of values of a descriptor.
+    /// Length of a descriptor.
     fn dimension(&self) -> usize;
 
-    /// Replaces the content of `out` by the descriptor of the points.
+    /// Computes the descriptor of the points into `out`, replacing its content.
     ///
-    /// Points whose coordinates are not finite are left out.
+    /// Points with a coordinate that is not finite are skipped.
     ///
     /// # Errors
-    /// When no finite point is there, or the extent is not finite; `out` is empty
-    /// then.
+    /// When no point is finite, or the extent is not finite; `out` is then empty.
     fn compute(
         &mut self,
         points: ObjectPoints<'_>,

@@ -1,21 +1,21 @@
-//! The frame a descriptor is computed in.
+//! Object frame of a descriptor.
 
 use geometry::RigidTransform;
 use point_cloud::Point;
 
-/// A rigid transform in single precision, `object_from_source`, as the 3 x 4
-/// matrix `[R | t]`: it brings points of the cloud's frame to the object's.
+/// Rigid transform `object_from_source` in single precision, as the 3 x 4 matrix `[R |
+/// t]`.
 ///
-/// Single precision is enough for points, and lets the published numbers be
-/// reproduced to the last bit.
+/// Single precision suffices for points and reproduces the published numbers bit for
+/// bit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DescriptorFrame {
-    /// Rows of `[R | t]`; the translation in metres.
+    /// Rows of `[R | t]`; the translation is in metres.
     pub object_from_source: [[f32; 4]; 3],
 }
 
 impl DescriptorFrame {
-    /// The point in the object's frame, metres. The order of the additions is that
+    /// Transforms a point into the object frame, metres. The additions follow the order
     /// of the Point Cloud Library's vector code: `x c0 + (y c1 + (z c2 + c3))`.
     #[inline]
     pub fn apply(&self, point: &Point) -> [f32; 3] {
@@ -40,7 +40,7 @@ mod tests {
     use nalgebra::Vector3;
 
     #[test]
-    fn a_frame_moves_points_as_its_transform_does() {
+    fn a_frame_equals_its_rigid_transform() {
         let object_from_source =
             RigidTransform::new(Vector3::new(0.5, -1.0, 2.0), Vector3::new(0.3, 1.0, -0.4));
         let point = Point {

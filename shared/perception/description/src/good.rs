@@ -1,13 +1,12 @@
-//! GOOD, the global orthographic object descriptor, as its authors compute it.
+//! GOOD, the Global Orthographic Object Descriptor, in the variants of its authors.
 //!
-//! The points are projected along the three axes of the object's frame; each
-//! projection is a histogram of n x n bins. The most informative projection
-//! comes first, the other two by ascending variance.
+//! The points are projected along the three axes of the object frame, each into a
+//! histogram of n x n bins. The most informative projection comes first, the other two
+//! in order of ascending variance.
 //!
-//! *Source*: Kasaei, Tomé, Seabra Lopes, Oliveira, "GOOD: A global orthographic
-//! object descriptor for 3D object recognition and manipulation", Pattern
-//! Recognition Letters 83, 2016, and the authors' implementations, whose rounding
-//! is kept.
+//! *Source*: Kasaei, Tomé, Seabra Lopes, Oliveira, "GOOD: A global orthographic object
+//! descriptor for 3D object recognition and manipulation", Pattern Recognition Letters
+//! 83, 2016, and the authors' implementations, whose rounding is reproduced.
 
 mod bins;
 mod part_order;
@@ -22,7 +21,7 @@ use part_order::order_of_parts;
 use projections::Projections;
 pub use variant::{GoodVariant, Support};
 
-/// The GOOD descriptor: 3 n² values, each third sums to 1.
+/// GOOD descriptor with its scratch memory: 3 n² values, each third with a sum of 1.
 #[derive(Debug, Clone)]
 pub struct Good {
     n_bins: usize,
@@ -32,7 +31,7 @@ pub struct Good {
 }
 
 impl Good {
-    /// A descriptor with `n_bins` bins a side, 2 to 64; the paper has 15, the
+    /// GOOD descriptor with `n_bins` bins per side, 2 to 64. The paper uses 15, the
     /// published program 5, the authors' evaluations 15 and 50.
     ///
     /// # Errors
@@ -57,9 +56,9 @@ impl Descriptor for Good {
         3 * self.n_bins * self.n_bins
     }
 
-    /// The support is a cube around the frame's origin; points outside are left out,
-    /// as by the authors: some of a very asymmetric object, many of an object larger
-    /// than a fixed support. When all points of a projection are, its part is zero.
+    /// Computes GOOD in a cubic support around the frame's origin. As in the authors'
+    /// programs, points outside are skipped: some points of a very asymmetric object,
+    /// many of an object larger than a fixed support. A part without points is zero.
     fn compute(
         &mut self,
         points: ObjectPoints<'_>,
@@ -80,7 +79,7 @@ impl Descriptor for Good {
             .shared_sign(&self.points);
         self.projections.fill(&self.points, sign, bins);
         let parts = self.projections.parts();
-        for part in order_of_parts(parts, self.variant.leader()) {
+        for part in order_of_parts(parts, self.variant.first_part_criterion()) {
             out.extend_from_slice(parts[part]);
         }
         Ok(())

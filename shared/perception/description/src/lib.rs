@@ -1,14 +1,36 @@
-//! Object descriptors: GOOD and the frame it is computed in.
+//! Object descriptors: appearance (shape, size, colour) and GOOD, with their object
+//! frames.
 //!
-//! A descriptor is a vector of numbers that says what the visible surface of an
-//! object looks like; similar objects have similar vectors. It is computed in a
-//! frame of the object. [`Appearance`] is our own, with shape, size and colour; it
-//! finds its frame itself. [`Good`] is the published one, with the frame of its
-//! implementation, [`reference_frame`], where its numbers must be reproduced.
+//! A descriptor is a vector that is similar for similar visible surfaces. [`Appearance`]
+//! is the descriptor of the live system; it determines the object frame itself. [`Good`]
+//! is the published descriptor; with [`reference_frame`], the frame of its
+//! implementation, it reproduces the published numbers.
 //!
-//! This crate never copies an object's points except once into the frame of the
-//! object, never allocates in steady state, never does I/O, and knows nothing
-//! about categories or distances between descriptors.
+//! Invariants: this crate copies an object's points once, into the object frame; it
+//! never allocates in steady state, never does I/O, and knows nothing about categories
+//! or distances between descriptors.
+//!
+//! # Example
+//!
+//! ```
+//! use description::{Appearance, AppearanceWeights, ObjectPoints};
+//! use point_cloud::{Point, Rgba};
+//!
+//! let point = |i: u16| {
+//!     let t = f32::from(i);
+//!     Point {
+//!         x: 0.1 * t.sin(),
+//!         y: 0.05 * (1.7 * t).sin(),
+//!         z: 0.9 + 0.02 * (2.3 * t).sin(),
+//!         color: Rgba::opaque(200, 40, 40),
+//!     }
+//! };
+//! let cloud: Vec<Point> = (0..500).map(point).collect();
+//! let mut appearance = Appearance::new(AppearanceWeights::default())?;
+//! let hypotheses = appearance.describe(ObjectPoints::all(&cloud), None)?;
+//! assert_eq!(hypotheses[0].len(), Appearance::DIMENSION);
+//! # Ok::<(), description::Error>(())
+//! ```
 
 mod object_points;
 
@@ -19,7 +41,7 @@ mod error;
 mod object_axes;
 mod projected_points;
 mod reference_frame;
-mod reference_solver;
+mod symmetric_eigen;
 
 mod appearance;
 mod good;

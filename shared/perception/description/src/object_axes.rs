@@ -1,38 +1,37 @@
-//! The axes along which an object is described.
+//! Object axes: principal or gravity-aligned.
 
 use crate::{DescriptorFrame, ObjectPoints};
 use geometry::RigidTransform;
 use nalgebra::{Matrix3, Rotation3, SymmetricEigen, UnitQuaternion, UnitVector3, Vector3};
 use point_cloud::{Moments, PrincipalAxes};
 
-/// How the axes of an object are known, which says in how many ways they can be
-/// read.
+/// Kind of object axes, which determines their ambiguity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum AxesKind {
-    /// By variance alone, largest first: each axis may point either way, so there
-    /// are four right-handed readings.
+    /// Principal axes, largest variance first. The signs are ambiguous: there are four
+    /// right-handed hypotheses.
     Principal,
-    /// z points against gravity, x along the larger variance of the footprint. An
-    /// object that is about as long as wide may be read in four quarter turns.
+    /// Gravity-aligned axes: z up, x along the larger variance of the footprint. A
+    /// nearly square footprint is ambiguous by quarter turns.
     Upright,
 }
 
-/// The frame of an object's axes, its origin in the centroid of the points.
+/// Object axes with the centroid of the points as origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ObjectAxes {
-    /// How the axes were found.
+    /// Kind of the axes.
     pub kind: AxesKind,
-    /// Brings points to the axes.
+    /// Transform from the cloud's frame to the axes.
     pub object_from_source: DescriptorFrame,
 }
 
-/// Finds the axes of the finite points: upright ones when `up`, the direction
-/// against gravity in the frame of the points, is known, else principal ones.
+/// Axes of the finite points: gravity-aligned if `up`, the direction against gravity in
+/// their frame, is given, else principal.
 ///
-/// The signs of the axes, and for upright ones which of two nearly equal sides
-/// comes first, are left to noise: compare all readings of a descriptor.
+/// The signs of the axes, and the order of two nearly equal horizontal sides, depend on
+/// noise: compare all axis hypotheses of a descriptor.
 ///
-/// `None` for fewer than three finite points. One pass, no allocation.
+/// Returns `None` for fewer than three finite points. One pass, no allocation.
 pub fn object_axes(points: ObjectPoints<'_>, up: Option<&UnitVector3<f64>>) -> Option<ObjectAxes> {
     let mut moments = Moments::default();
     points.for_each(|p| {
@@ -56,14 +55,14 @@ pub fn object_axes(points: ObjectPoints<'_>, up: Option<&UnitVector3<f64>>) -> O
     })
 }
 
-/// Axes with z upwards and x along the larger variance in the plane across it.
+/// Axes with z up and x along the larger variance of the horizontal footprint.
 fn upright_axes(principal: &PrincipalAxes, up: &UnitVector3<f64>) -> Matrix3<f64> {
     let across = Matrix3::identity() - up.into_inner() * up.transpose();
     let variances = Matrix3::from_diagonal(&principal.variances_m2);
     let covariance = principal.axes * variances * principal.axes.transpose();
     let footprint = SymmetricEigen::new(across * covariance * across);
     let largest = footprint.eigenvectors.column(footprint.eigenvalues.imax());
-    // A vertical line has no footprint: any direction will do.
+    // A vertical line has no footprint: any horizontal direction is valid.
     let x = (across * largest)
         .try_normalize(1e-6)
         .unwrap_or_else(|| any_direction_across(up));
@@ -115,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn upright_axes_keep_what_is_up() {
+    fn upright_axes_keep_the_up_direction() {
         let cloud = slab();
         let up = UnitVector3::new_normalize(Vector3::new(0.1, -0.1, 1.0));
         let axes = object_axes(ObjectPoints::all(&cloud), Some(&up)).unwrap();

@@ -1,10 +1,10 @@
-//! The points of one object within a larger cloud.
+//! Borrowed points of one object.
 
 use crate::Error;
 use point_cloud::{Point, Rgba};
 
-/// Borrowed points of one object: a whole cloud, or a choice of a frame's points
-/// by index. Nothing is copied.
+/// View of one object's points: a whole cloud, or a selection by index. Nothing is
+/// copied.
 #[derive(Debug, Clone, Copy)]
 pub struct ObjectPoints<'a> {
     cloud: &'a [Point],
@@ -20,7 +20,7 @@ impl<'a> ObjectPoints<'a> {
         }
     }
 
-    /// The points of `cloud` at `indices`, in the order of the indices.
+    /// Points of `cloud` at `indices`, in the order of the indices.
     ///
     /// # Errors
     /// When an index lies outside the cloud.
@@ -37,18 +37,17 @@ impl<'a> ObjectPoints<'a> {
         }
     }
 
-    /// Number of points, those without depth included.
+    /// Number of points, including those without depth.
     pub fn len(&self) -> usize {
         self.indices.map_or(self.cloud.len(), <[u32]>::len)
     }
 
-    /// Whether there is no point.
+    /// True if there are no points.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Visits the points in order. The choice between the two kinds of objects is
-    /// made once, so that each has a loop of its own.
+    /// Visits the points in order. The representation is tested once, outside the loop.
     #[inline]
     pub fn for_each(&self, mut visit: impl FnMut(&Point)) {
         match self.indices {
@@ -57,7 +56,7 @@ impl<'a> ObjectPoints<'a> {
         }
     }
 
-    /// Visits the points in order, `N` at once; the last block is filled up with
+    /// Visits the points in order, in blocks of `N`; the last block is padded with
     /// points without depth.
     #[inline]
     pub(crate) fn for_each_block<const N: usize>(&self, mut visit: impl FnMut(&[Point; N])) {
@@ -134,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn an_index_behind_the_cloud_is_refused_by_a_sentence() {
+    fn an_index_outside_the_cloud_is_rejected() {
         let cloud = [Point::default(); 3];
         let error = ObjectPoints::selected(&cloud, &[0, 7, 3]).unwrap_err();
         assert!(

@@ -1,13 +1,13 @@
-//! The object's points in its own frame, coordinate by coordinate.
+//! Points in the object frame, as a structure of arrays.
 
 use crate::{DescriptorFrame, ObjectPoints};
 use point_cloud::Point;
 
-/// Points of a block: some registers of single-precision numbers.
+/// Points per block: a few vector registers of single precision.
 pub(crate) const LANES: usize = 8;
 
-/// Coordinates of some points in the object's frame, metres. All three are NaN
-/// where there is no finite point, which no comparison counts.
+/// Coordinates of a block of points in the object frame, metres. All three are NaN for a
+/// point that is not finite, which comparisons ignore.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Block {
     pub(crate) x: [f32; LANES],
@@ -16,7 +16,7 @@ pub(crate) struct Block {
 }
 
 impl Block {
-    /// No points.
+    /// Block without points.
     pub(crate) const EMPTY: Self = Self {
         x: [f32::NAN; LANES],
         y: [f32::NAN; LANES],
@@ -28,7 +28,8 @@ impl Block {
         let mut block = Self::EMPTY;
         for (i, point) in points.iter().enumerate() {
             let [x, y, z] = frame.apply(point);
-            // A sum is finite only if its terms are: one test for three numbers.
+            // A sum of magnitudes is finite only if its terms are: one test for three
+            // numbers.
             let is_finite = x.abs() + y.abs() + z.abs() < f32::INFINITY;
             block.x[i] = if is_finite { x } else { f32::NAN };
             block.y[i] = if is_finite { y } else { f32::NAN };
@@ -38,26 +39,26 @@ impl Block {
     }
 }
 
-/// Points in the object's frame, block by block; the only copy that is made.
+/// Points in the object frame, block by block; the only copy of the points.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct ProjectedPoints {
     blocks: Vec<Block>,
 }
 
 impl ProjectedPoints {
-    /// Replaces the content by the points seen from the frame.
+    /// Replaces the content by points transformed into a frame.
     pub(crate) fn fill(&mut self, points: ObjectPoints<'_>, frame: &DescriptorFrame) {
         self.blocks.clear();
         self.blocks.reserve(points.len().div_ceil(LANES));
         points.for_each_block(|block| self.blocks.push(Block::new(block, frame)));
     }
 
-    /// The points in their order; the last block is filled up.
+    /// Blocks in the order of the points; the last one is padded.
     pub(crate) fn blocks(&self) -> &[Block] {
         &self.blocks
     }
 
-    /// Lowest and highest coordinate along each axis, metres; `None` without points.
+    /// Minimum and maximum coordinate along each axis, metres; `None` without points.
     pub(crate) fn ranges_m(&self) -> Option<[(f32, f32); 3]> {
         let mut low = [[f32::INFINITY; LANES]; 3];
         let mut high = [[f32::NEG_INFINITY; LANES]; 3];
@@ -77,8 +78,8 @@ impl ProjectedPoints {
             .then_some(ranges)
     }
 
-    /// Longest side of the box around the points, metres; `None` without points.
-    /// Infinite when it overflows.
+    /// Longest side of the axis-aligned bounding box, metres; `None` without points,
+    /// infinite on overflow.
     pub(crate) fn longest_side_m(&self) -> Option<f32> {
         let ranges = self.ranges_m()?;
         Some(
@@ -90,7 +91,8 @@ impl ProjectedPoints {
     }
 }
 
-/// Plain comparisons, which are one instruction each and leave out NaN.
+/// Updates minimum and maximum per lane. Plain comparisons compile to one instruction
+/// each and ignore NaN.
 #[inline]
 fn widen(low: &mut [f32; LANES], high: &mut [f32; LANES], values: &[f32; LANES]) {
     for i in 0..LANES {

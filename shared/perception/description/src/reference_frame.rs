@@ -1,21 +1,21 @@
-//! The object's frame as the published implementation finds it.
+//! Object frame of the published GOOD implementation.
 
-use crate::reference_solver::{Matrix, symmetric_eigen};
+use crate::symmetric_eigen::{Matrix, symmetric_eigen};
 use crate::{DescriptorFrame, ObjectPoints};
 use point_cloud::Point;
 
-/// Largest-variance axis as x, the middle one as y, with the signs of the
-/// reference's solver, centred at the centroid.
+/// Principal axes as the published program computes them: x along the largest variance,
+/// y along the middle one, signs as returned by its eigen solver, origin at the
+/// centroid.
 ///
-/// Sums are single-precision and sequential, in the order of the points, since
-/// the reference's rounding decides its bins. The signs change when the object
-/// turns: for anything but reproducing published numbers use
-/// [`Appearance`](crate::Appearance).
+/// Sums are sequential and in single precision, in the order of the points, because
+/// their rounding decides the bins. The signs change when the object turns: for anything
+/// but reproducing published numbers use [`Appearance`](crate::Appearance).
 ///
-/// `None` when no point is finite or the sums overflow.
+/// Returns `None` when no point is finite or the sums overflow.
 ///
-/// *Source*: Kasaei, Lopes, Tomé, Seabra Lopes, "GOOD: a global orthographic
-/// object descriptor", 2016, and its implementation.
+/// *Source*: Kasaei, Lopes, Tomé, Seabra Lopes, "GOOD: a global orthographic object
+/// descriptor", 2016, and its implementation.
 pub fn reference_frame(points: ObjectPoints<'_>) -> Option<DescriptorFrame> {
     let (centroid, n) = centroid(points)?;
     let eigen = symmetric_eigen(&covariance(points, centroid, n))?;
@@ -28,7 +28,7 @@ pub fn reference_frame(points: ObjectPoints<'_>) -> Option<DescriptorFrame> {
     })
 }
 
-/// Mean and number of the finite points.
+/// Centroid and number of the finite points.
 fn centroid(points: ObjectPoints<'_>) -> Option<([f32; 3], f32)> {
     let mut sum = [0.0_f32; 3];
     let mut n = 0_usize;
@@ -72,7 +72,7 @@ fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
     ]
 }
 
-/// In the order of the reference's additions.
+/// Dot product in the order of the reference's additions.
 fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
     a[0] * b[0] + (a[1] * b[1] + a[2] * b[2])
 }
@@ -82,7 +82,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nothing_finite_has_no_frame() {
+    fn points_without_finite_coordinates_have_no_frame() {
         assert_eq!(reference_frame(ObjectPoints::all(&[])), None);
         let hole = [Point::without_depth(point_cloud::Rgba(0)); 4];
         assert_eq!(reference_frame(ObjectPoints::all(&hole)), None);

@@ -1,4 +1,4 @@
-//! Describing an object allocates nothing in steady state.
+//! Allocation test: describing an object does not allocate in steady state.
 
 use description::{Descriptor, DescriptorFrame, Good, GoodVariant, ObjectPoints, Support};
 use point_cloud::{Point, Rgba};
@@ -58,7 +58,7 @@ fn cloud(n_points: u32) -> Vec<Point> {
 }
 
 #[test]
-fn nothing_is_allocated_once_the_largest_object_was_seen() {
+fn description_does_not_allocate_after_the_largest_object() {
     let cloud = cloud(5000);
     let indices: Vec<u32> = (0..5000).rev().collect();
     let published = GoodVariant::Published {

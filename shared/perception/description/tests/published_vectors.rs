@@ -1,4 +1,4 @@
-//! The numbers of the authors' programs are reproduced.
+//! Golden-vector test: the numbers of the authors' programs are reproduced.
 
 mod reference_vectors;
 
@@ -23,7 +23,8 @@ fn described(vector: &ReferenceVector, frame: &DescriptorFrame) -> Vec<f32> {
     out
 }
 
-/// With the frame that was found, and with the one which is found again.
+/// Compares descriptors in the recorded frame, and the recomputed frame with the
+/// recorded one.
 fn check(vectors: &[ReferenceVector]) {
     for vector in vectors {
         let found_again =
@@ -37,12 +38,12 @@ fn check(vectors: &[ReferenceVector]) {
 
 #[test]
 #[ignore = "needs TABULA_DATA"]
-fn frames_are_the_published_ones_to_the_last_bit_and_so_are_descriptors() {
+fn good_equals_the_published_program_in_frames_and_descriptors() {
     check(&all_published());
 }
 
 #[test]
 #[ignore = "needs TABULA_DATA"]
-fn descriptors_of_the_evaluation_workspace_are_its_own() {
+fn good_equals_the_workspace_program_in_frames_and_descriptors() {
     check(&all_workspace());
 }

@@ -1,6 +1,6 @@
-//! One query against 1 000 and 10 000 taught views of GOOD with 15 bins, in 20
-//! categories, and one pair in each metric; the descriptors are sparse, as GOOD's
-//! are.
+//! Benchmark of recognition: one query against 1 000 and 10 000 taught views of GOOD
+//! with 15 bins, in 20 categories, and one pair in each metric. The descriptors are
+//! sparse like those of GOOD.
 
 use divan::{Bencher, black_box};
 use learning::{CategoryIndex, CategoryName, Metric, ViewId};
@@ -11,8 +11,8 @@ fn main() {
     divan::main();
 }
 
-/// A histogram with a bump in each of three parts, whose place and width depend on
-/// the category a little and on the view less.
+/// Synthetic histogram with a peak in each of three parts; position and width depend on
+/// the category and less on the view.
 fn descriptor(category: u64, view: u64) -> Vec<f32> {
     let noise = |i: u64| ((view * 131 + i) as f64 * 0.618_034).fract();
     let mut values: Vec<f32> = (0..DIMENSION as u64)
@@ -64,7 +64,7 @@ fn manhattan(bencher: Bencher<'_, '_>, n_views: u64) {
     query(bencher, n_views, Metric::Manhattan);
 }
 
-/// Without early ends: each pair is computed to the last bin.
+/// Exhaustive comparison without early termination.
 #[divan::bench(args = [1000])]
 fn all_pairs_half_chi_squared_root(bencher: Bencher<'_, '_>, n_views: u64) {
     let stored: Vec<Vec<f32>> = (0..n_views)
@@ -81,7 +81,7 @@ fn all_pairs_half_chi_squared_root(bencher: Bencher<'_, '_>, n_views: u64) {
     });
 }
 
-/// One pair of descriptors.
+/// Distance of one pair of descriptors.
 #[divan::bench(args = Metric::ALL)]
 fn pair(bencher: Bencher<'_, '_>, metric: Metric) {
     let (a, b) = (descriptor(3, 1), descriptor(4, 2));

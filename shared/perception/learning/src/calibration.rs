@@ -1,44 +1,44 @@
-//! How sure one may be that an object belongs to the nearest category.
+//! Probability calibration of nearest-neighbour distances.
 
-/// From distances to probabilities.
+/// Logistic calibration from nearest-neighbour distances to probabilities.
 ///
-/// The views of some categories are alike, those of others are not. What is far
-/// for one is near for the other, so distances are compared with the spread of the
-/// category: the mean distance from its views to their nearest neighbours within
-/// it. A category with few views borrows from all others, and they from what is
-/// usual.
+/// Categories differ in variability: a distance that is large in one is small in
+/// another. Distances are therefore divided by the spread of the category, the mean
+/// distance from its views to their nearest neighbours within it. The spread of a
+/// category with few views is shrunk towards the mean over all categories, and that mean
+/// towards a prior.
 #[derive(Debug, Clone, Copy)]
 pub struct Calibration {
-    /// All readings of a stored descriptor, itself among them: their least distance
-    /// is that of two views.
-    pub readings_of: fn(&[f32]) -> Vec<Vec<f32>>,
-    /// Usual spread of a category.
-    pub spread: f32,
-    /// Usual distance to a category that an object does not belong to.
-    pub far: f32,
-    /// Novelty at which it is as likely as not that an object belongs to the nearest
-    /// category.
-    pub even_novelty: f32,
-    /// How fast the odds fall: with which power of novelty.
+    /// All axis hypotheses of a stored descriptor, itself included; the distance of two
+    /// views is the least over them.
+    pub axis_hypotheses_of: fn(&[f32]) -> Vec<Vec<f32>>,
+    /// Prior of the spread of a category.
+    pub spread_prior: f32,
+    /// Prior of the distance to the nearest unrelated category.
+    pub unrelated_distance_prior: f32,
+    /// Novelty at which the probability is one half.
+    pub even_odds_novelty: f32,
+    /// Slope of the logistic from log novelty to log odds.
     pub steepness: f32,
 }
 
-/// How many views of its own a category needs until they say as much as all others
-/// about its spread.
-const OWN_WEIGHT: f64 = 3.0;
+/// Pseudo-count of the mean over all categories when the spread of one category is
+/// estimated. Chosen; sensitivity: see `tabula-lab sweep`.
+const GLOBAL_SPREAD_WEIGHT: f64 = 3.0;
 
-/// The same for all categories and what is usual.
-const ALL_WEIGHT: f64 = 10.0;
+/// Pseudo-count of the prior when the mean spread over all categories is estimated.
+/// Chosen; sensitivity: see `tabula-lab sweep`.
+const PRIOR_SPREAD_WEIGHT: f64 = 10.0;
 
-/// A sum of distances and their number.
+/// Running sum and count of distances.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(crate) struct Distances {
+pub(crate) struct DistanceSum {
     pub(crate) sum: f64,
     pub(crate) n: usize,
 }
 
-impl Distances {
-    /// Exchanges one distance; none is none.
+impl DistanceSum {
+    /// Replaces one distance by another; `None` stands for no distance.
     pub(crate) fn replace(&mut self, before: Option<f32>, after: Option<f32>) {
         if let Some(distance) = before {
             self.sum -= f64::from(distance);
@@ -50,30 +50,34 @@ impl Distances {
         }
     }
 
-    /// Exchanges those of one category among those of all.
+    /// Replaces the distances of one category within the total of all categories.
     pub(crate) fn exchange(&mut self, before: Self, after: Self) {
         self.sum += after.sum - before.sum;
         self.n = self.n + after.n - before.n;
     }
+    /// Mean shrunk towards an expected value, which counts as `weight` observations.
 
-    fn mean_with(self, weight: f64, expected: f64) -> f64 {
+    fn shrunken_mean(self, weight: f64, expected: f64) -> f64 {
         (self.sum + weight * expected) / (self.n as f64 + weight)
     }
 }
 
 impl Calibration {
-    /// How new an object is: the distance of its nearest view as a multiple of the
-    /// category's spread, times the same as a share of the distance to the runner-up.
+    /// Novelty of an object: the nearest distance in units of the category's spread,
+    /// times its ratio to the distance of the runner-up category.
     pub(crate) fn novelty(
         &self,
         distance: f32,
         runner_up: Option<f32>,
-        own: Distances,
-        all: Distances,
+        own: DistanceSum,
+        all: DistanceSum,
     ) -> f32 {
-        let usual = all.mean_with(ALL_WEIGHT, f64::from(self.spread));
-        let spread = own.mean_with(OWN_WEIGHT, usual).max(f64::MIN_POSITIVE);
-        let runner_up = f64::from(runner_up.unwrap_or(self.far)).max(f64::from(distance));
+        let usual = all.shrunken_mean(PRIOR_SPREAD_WEIGHT, f64::from(self.spread_prior));
+        let spread = own
+            .shrunken_mean(GLOBAL_SPREAD_WEIGHT, usual)
+            .max(f64::MIN_POSITIVE);
+        let runner_up =
+            f64::from(runner_up.unwrap_or(self.unrelated_distance_prior)).max(f64::from(distance));
         if runner_up <= 0.0 {
             return 0.0;
         }
@@ -81,10 +85,10 @@ impl Calibration {
         (distance / spread * (distance / runner_up)) as f32
     }
 
-    /// The probability that an object of this novelty belongs to the nearest category,
-    /// from 0 to 1: logistic in the logarithm of novelty.
+    /// Probability that an object of this novelty belongs to the nearest category, 0 to
+    /// 1; logistic in the logarithm of novelty.
     pub fn probability(&self, novelty: f32) -> f32 {
-        1.0 / (1.0 + (novelty / self.even_novelty).powf(self.steepness))
+        1.0 / (1.0 + (novelty / self.even_odds_novelty).powf(self.steepness))
     }
 }
 
@@ -93,20 +97,20 @@ mod tests {
     use super::*;
 
     const CALIBRATION: Calibration = Calibration {
-        readings_of: |stored| vec![stored.to_vec()],
-        spread: 0.6,
-        far: 1.5,
-        even_novelty: 0.9,
+        axis_hypotheses_of: |stored| vec![stored.to_vec()],
+        spread_prior: 0.6,
+        unrelated_distance_prior: 1.5,
+        even_odds_novelty: 0.9,
         steepness: 4.0,
     };
 
-    const NONE: Distances = Distances { sum: 0.0, n: 0 };
+    const NONE: DistanceSum = DistanceSum { sum: 0.0, n: 0 };
 
     #[test]
-    fn what_is_usual_stands_in_for_what_is_not_known() {
+    fn priors_replace_missing_distances() {
         let novelty = CALIBRATION.novelty(0.6, None, NONE, NONE);
         assert!((novelty - 0.4).abs() < 1e-6);
-        let all = Distances {
+        let all = DistanceSum {
             sum: 100.0,
             n: 1000,
         };
@@ -114,10 +118,10 @@ mod tests {
     }
 
     #[test]
-    fn a_wide_category_takes_what_a_narrow_one_does_not() {
+    fn a_distance_is_judged_by_the_spread_of_its_category() {
         let (wide, narrow) = (
-            Distances { sum: 20.0, n: 20 },
-            Distances { sum: 2.0, n: 20 },
+            DistanceSum { sum: 20.0, n: 20 },
+            DistanceSum { sum: 2.0, n: 20 },
         );
         let novelty = |own| CALIBRATION.novelty(0.7, Some(1.0), own, NONE);
         assert!(CALIBRATION.probability(novelty(wide)) > 0.7);

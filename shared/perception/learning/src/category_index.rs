@@ -1,72 +1,69 @@
-//! The taught views, ready to be compared with.
+//! Nearest-neighbour index of taught views by category.
 
-mod calibrated;
+mod intra_category_distances;
+mod nearest_view_cache;
+mod novelty;
 mod pruned_search;
 mod sketch;
-mod spread;
-mod vicinity;
 mod view_rows;
 mod view_table;
 
-use crate::calibration::{Calibration, Distances};
-use crate::nearest_categories::{Candidate, NearestCategories};
+use crate::calibration::{Calibration, DistanceSum};
+use crate::nearest_categories::{NearestCategories, ScoredView};
 use crate::{CategoryName, Error, Metric, Neighbour, Recognition, UnknownRule, ViewId};
-use sketch::N_TOGETHER;
-use spread::Spread;
+use intra_category_distances::IntraCategoryDistances;
+use sketch::N_QUERIES_MAX;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use view_rows::ViewRows;
-use view_table::{BLOCK, IndexedView, ViewTable};
+use view_table::{BLOCK_LEN, IndexedView, ViewTable};
 
-pub use vicinity::Vicinity;
+pub use nearest_view_cache::NearestViewCache;
 
-/// Taught views with their categories and descriptors.
+/// Nearest-neighbour index over the descriptors of taught views.
 ///
-/// Changes of single views can be applied again, in the same order, over a newer
-/// state: a view that is there is replaced, one that is not there is not missed,
-/// and the last change of each view decides. Only the removal of a category must
-/// not be replayed over views that came to it later.
+/// Changes of single views are idempotent: replaying them in the same order over a newer
+/// state gives the same index, since the last change of each view decides. Only the
+/// removal of a category must not be replayed over views that were added to it later.
 ///
-/// A clone shares the views with its original, in blocks of 64; a change copies
-/// the block it is in when a clone holds it, too. So one may read a clone while
-/// another extends the index: making the clone and the first change after it take
-/// microseconds.
+/// Clones share the views copy-on-write, in blocks of 64 views, so that one thread may
+/// read a clone while another one extends the index. A clone and the first change after
+/// it take microseconds.
 ///
-/// *Shape*: the descriptors of a block lie in one piece of memory, a row for each
-/// view.
+/// *Shape*: the descriptors of a block are contiguous, one row per view.
 ///
-/// *Memory*: a view takes 4 bytes a value and about 80 for its names; with
-/// [`Metric::Euclidean`] 268 bytes more, the sketch by which it is passed over.
+/// *Memory*: a view takes 4 bytes per value and about 80 for its names; with
+/// [`Metric::Euclidean`] another 268 bytes for the sketch of the pruned search.
 #[derive(Debug, Clone)]
 pub struct CategoryIndex {
     metric: Metric,
     dimension: usize,
-    /// Tells states apart, also those of clones that went different ways.
+    /// Revision number, unique for each state of each clone.
     revision: u64,
     views: ViewTable,
     rows: ViewRows,
     categories: BTreeMap<CategoryName, Category>,
     next_category: u64,
     calibration: Option<Calibration>,
-    /// Of all categories together.
-    distances: Distances,
+    /// Nearest-neighbour distances of all categories together.
+    distances: DistanceSum,
 }
 
-/// A category with at least one view.
+/// Category with at least one view.
 #[derive(Debug, Clone)]
 struct Category {
-    /// Never used again when the category is gone.
+    /// Category number, never reused.
     number: u64,
     n_views: usize,
-    /// Empty without a calibration.
-    spread: Arc<Spread>,
+    /// Distances between the views; empty without a calibration.
+    spread: Arc<IntraCategoryDistances>,
 }
 
 impl CategoryIndex {
-    /// An index for descriptors of `dimension` values. With [`Metric::Euclidean`]
-    /// the first 64 values should be those that differ most between views: a view is
-    /// passed over by them.
+    /// Empty index for descriptors of `dimension` values. With [`Metric::Euclidean`] the
+    /// first 64 values should be those of the largest variance, because the search
+    /// prunes views by them.
     pub fn new(dimension: usize, metric: Metric) -> Self {
         Self {
             metric,
@@ -77,14 +74,14 @@ impl CategoryIndex {
             categories: BTreeMap::new(),
             next_category: 0,
             calibration: None,
-            distances: Distances::default(),
+            distances: DistanceSum::default(),
         }
     }
 
-    /// The same, which also says how probable its answers are.
+    /// Empty index with a probability calibration; any views are removed.
     ///
-    /// *Complexity*: what is taught is compared with all views of its category, what
-    /// is removed costs the same for each view whose nearest it was.
+    /// *Complexity*: an inserted view is compared with all views of its category; a
+    /// removed one costs as much for each view whose nearest neighbour it was.
     #[must_use]
     pub fn with_calibration(mut self, calibration: Calibration) -> Self {
         self.clear();
@@ -92,7 +89,7 @@ impl CategoryIndex {
         self
     }
 
-    /// Adds a view to a category. A view with the same id is replaced.
+    /// Inserts a view into a category. A view with the same id is replaced.
     ///
     /// # Errors
     /// When the descriptor has another length, or a value that the metric does not
@@ -106,12 +103,12 @@ impl CategoryIndex {
         self.check(descriptor)?;
         self.revision = new_revision();
         if let Some(row) = self.rows.get(id) {
-            self.leave_spread(row);
+            self.remove_from_spread(row);
             self.views.describe(row, descriptor);
             self.assign(row, category);
-            self.enter_spread(row);
+            self.add_to_spread(row);
         } else {
-            let number = self.enter(category);
+            let number = self.add_to_category(category);
             self.rows.insert(id, self.views.len());
             let view = IndexedView {
                 id,
@@ -119,33 +116,33 @@ impl CategoryIndex {
                 category: number,
             };
             self.views.push(view, descriptor);
-            self.enter_spread(self.views.len() - 1);
+            self.add_to_spread(self.views.len() - 1);
         }
         Ok(())
     }
 
-    /// Moves a view to another category; says whether the view was there.
+    /// Moves a view to another category; `false` if the view is unknown.
     pub fn move_view(&mut self, id: ViewId, category: &CategoryName) -> bool {
         let row = self.rows.get(id);
         if let Some(row) = row {
             self.revision = new_revision();
-            self.leave_spread(row);
+            self.remove_from_spread(row);
             self.assign(row, category);
-            self.enter_spread(row);
+            self.add_to_spread(row);
         }
         row.is_some()
     }
 
-    /// Removes a view; says whether it was there.
+    /// Removes a view; `false` if the view is unknown.
     pub fn remove_view(&mut self, id: ViewId) -> bool {
         let Some(row) = self.rows.get(id) else {
             return false;
         };
         self.revision = new_revision();
-        self.leave_spread(row);
+        self.remove_from_spread(row);
         self.rows.remove(id);
         if let Some(removed) = self.views.swap_remove(row) {
-            self.leave(&removed.name);
+            self.remove_from_category(&removed.name);
         }
         if row < self.views.len() {
             self.rows.insert(self.views.view(row).id, row);
@@ -153,7 +150,7 @@ impl CategoryIndex {
         true
     }
 
-    /// Removes a category with all its views; says how many there were.
+    /// Removes a category with all its views and returns their number.
     pub fn remove_category(&mut self, category: &CategoryName) -> usize {
         let of_category = |view: &&IndexedView| view.name == *category;
         let ids: Vec<ViewId> = self
@@ -167,16 +164,16 @@ impl CategoryIndex {
         ids.into_iter().filter(|&id| self.remove_view(id)).count()
     }
 
-    /// Removes everything.
+    /// Removes all views.
     pub fn clear(&mut self) {
         self.revision = new_revision();
         self.views.clear();
         self.rows = ViewRows::new();
         self.categories.clear();
-        self.distances = Distances::default();
+        self.distances = DistanceSum::default();
     }
 
-    /// The metric of the distances.
+    /// Metric of the distances.
     pub fn metric(&self) -> Metric {
         self.metric
     }
@@ -191,25 +188,24 @@ impl CategoryIndex {
         self.views.len()
     }
 
-    /// The categories with their numbers of views, in the order of their names.
+    /// Categories with their numbers of views, ordered by name.
     pub fn categories(&self) -> impl ExactSizeIterator<Item = (&CategoryName, usize)> {
         self.categories
             .iter()
             .map(|(name, category)| (name, category.n_views))
     }
 
-    /// Finds the category of a descriptor: that of the nearest of all views unless
-    /// `rule` says that it is unknown. Of equally near views the one
-    /// with the smaller id counts, so the order of teaching has no say.
+    /// Nearest-neighbour recognition of a descriptor: the category of the nearest view,
+    /// unless `rule` rejects it as unknown. Ties are broken by the smaller view id, so
+    /// the order of teaching is irrelevant.
     ///
-    /// A category with a single view can win, and a view that was taught is found at
-    /// the metric's least distance, 0 with all but Motyka's.
+    /// A category with a single view can win. A taught view is found at the metric's
+    /// least distance, which is 0 for all metrics but Motyka's.
     ///
-    /// *Complexity*: linear in the views. With [`Metric::Euclidean`] only those are
-    /// compared of which a lower bound of their distance says that they may belong
-    /// to the nearest categories; with other metrics all are, and where the metric
-    /// allows it, a comparison ends as soon as the view can not belong to them. The
-    /// answer is the same as without these shortcuts, to the bit. No allocation.
+    /// *Complexity*: linear in the views, without allocation. With [`Metric::Euclidean`]
+    /// views are pruned by a lower bound of their distance; with other metrics a
+    /// comparison ends early where the metric allows it. The pruned result equals the
+    /// exhaustive one bit for bit.
     ///
     /// # Errors
     /// As for [`insert`](Self::insert).
@@ -221,14 +217,13 @@ impl CategoryIndex {
         self.recognise_any(&[descriptor], rule)
     }
 
-    /// Finds the category of an object that was described in several ways: what is
-    /// nearest to any of the descriptors is nearest to the object. Without a
-    /// descriptor nothing is.
+    /// Nearest-neighbour recognition of an object with several descriptors: the distance
+    /// of a view is the least over them. Without descriptors the object is unknown.
     ///
     /// *Complexity*: as for [`recognise`](Self::recognise) with each descriptor, or
-    /// less: what one of them was near to ends the comparisons of the next earlier.
-    /// With [`Metric::Euclidean`] four descriptors are compared at once, at the price
-    /// of one for all values that they share.
+    /// less, since the result of one descriptor prunes the search of the next. With
+    /// [`Metric::Euclidean`] four descriptors are compared at once; values that they
+    /// share cost as much as one descriptor.
     ///
     /// # Errors
     /// As for [`insert`](Self::insert).
@@ -238,35 +233,35 @@ impl CategoryIndex {
         rule: impl Into<UnknownRule>,
     ) -> Result<Recognition, Error> {
         let mut found = NearestCategories::default();
-        for descriptors in descriptors.chunks(N_TOGETHER) {
-            let readings = self.checked(descriptors)?;
-            let readings = &readings[..descriptors.len()];
+        for descriptors in descriptors.chunks(N_QUERIES_MAX) {
+            let queries = self.checked(descriptors)?;
+            let queries = &queries[..descriptors.len()];
             match self.metric {
                 Metric::Euclidean => {
                     let all = 0..self.views.blocks().len();
-                    pruned_search::search(&self.views, all, readings, &mut found, |_| {});
+                    pruned_search::search(&self.views, all, queries, &mut found, |_| {});
                 }
-                _ => self.compare_all(readings, &mut found),
+                _ => self.compare_all(queries, &mut found),
             }
         }
-        Ok(self.answer(found, rule.into()))
+        Ok(self.recognition(found, rule.into()))
     }
 
-    fn compare_all(&self, readings: &[&[f32]], found: &mut NearestCategories) {
-        for reading in readings {
-            for (block, first_row) in self.views.blocks().iter().zip((0..).step_by(BLOCK)) {
+    fn compare_all(&self, queries: &[&[f32]], found: &mut NearestCategories) {
+        for query in queries {
+            for (block, first_row) in self.views.blocks().iter().zip((0..).step_by(BLOCK_LEN)) {
                 for (row, view) in (first_row..).zip(block.views()) {
                     let bound = found.bound(view.category);
-                    block.offer(row, (self.metric, reading), bound, found);
+                    block.offer(row, (self.metric, query), bound, found);
                 }
             }
         }
     }
 
-    fn answer(&self, found: NearestCategories, rule: UnknownRule) -> Recognition {
-        let nearest = found.candidates().map(|candidate| {
-            candidate.map(
-                |Candidate {
+    fn recognition(&self, found: NearestCategories, rule: UnknownRule) -> Recognition {
+        let nearest = found.views().map(|scored| {
+            scored.map(
+                |ScoredView {
                      score, view, row, ..
                  }| Neighbour {
                     view,
@@ -296,17 +291,17 @@ impl CategoryIndex {
         }
     }
 
-    /// Up to four descriptors, behind which the array is empty.
+    /// Checked queries, up to four; the remaining entries are empty.
     fn checked<'a>(
         &self,
         descriptors: &'a [impl AsRef<[f32]>],
-    ) -> Result<[&'a [f32]; N_TOGETHER], Error> {
-        let mut readings: [&[f32]; N_TOGETHER] = [&[]; N_TOGETHER];
-        for (reading, descriptor) in readings.iter_mut().zip(descriptors) {
-            *reading = descriptor.as_ref();
-            self.check(reading)?;
+    ) -> Result<[&'a [f32]; N_QUERIES_MAX], Error> {
+        let mut queries: [&[f32]; N_QUERIES_MAX] = [&[]; N_QUERIES_MAX];
+        for (query, descriptor) in queries.iter_mut().zip(descriptors) {
+            *query = descriptor.as_ref();
+            self.check(query)?;
         }
-        Ok(readings)
+        Ok(queries)
     }
 
     fn check(&self, descriptor: &[f32]) -> Result<(), Error> {
@@ -317,15 +312,16 @@ impl CategoryIndex {
         if self.views.view(row).name == *category {
             return;
         }
-        let number = self.enter(category);
+        let number = self.add_to_category(category);
         let view = self.views.view_mut(row);
         view.category = number;
         let left = std::mem::replace(&mut view.name, category.clone());
-        self.leave(&left);
+        self.remove_from_category(&left);
     }
 
-    /// Counts one more view of a category and returns its number.
-    fn enter(&mut self, category: &CategoryName) -> u64 {
+    /// Adds a view to the count of its category, which is created if needed, and returns
+    /// its number.
+    fn add_to_category(&mut self, category: &CategoryName) -> u64 {
         let next = &mut self.next_category;
         let entry = self.categories.entry(category.clone()).or_insert_with(|| {
             *next += 1;
@@ -339,8 +335,9 @@ impl CategoryIndex {
         entry.number
     }
 
-    /// Counts one view less of a category and forgets it with the last one.
-    fn leave(&mut self, category: &CategoryName) {
+    /// Subtracts a view from the count of its category, which is removed with the last
+    /// view.
+    fn remove_from_category(&mut self, category: &CategoryName) {
         if let Some(entry) = self.categories.get_mut(category) {
             entry.n_views -= 1;
             if entry.n_views == 0 {
@@ -356,8 +353,6 @@ fn new_revision() -> u64 {
 }
 
 #[cfg(test)]
-mod again;
-#[cfg(test)]
-mod exactness;
+mod test_views;
 #[cfg(test)]
 mod tests;

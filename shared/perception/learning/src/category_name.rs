@@ -1,44 +1,51 @@
-//! The name of a category.
+//! Validated category name.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::sync::Arc;
 
-/// Longest name, bytes of UTF-8.
+/// Largest length of a name, bytes of UTF-8.
 const MAX_BYTES: usize = 64;
 
-/// A name that a person gave to a category. Cheap to clone.
+/// Category name given by a person; cheap to clone.
 ///
-/// White space around the name is dropped and runs of it inside become one
-/// space, so that what looks equal is equal. Apart from that, equal names are the
-/// same text, letter for letter and with the same case: whoever uses a name as a
-/// key may use either of two equal ones. Serialised as its text, and checked when
-/// it is read back.
+/// Leading and trailing white space is removed and inner runs become one space. Names
+/// are otherwise compared as text, with case. Serialised as text and validated on
+/// reading.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
 pub struct CategoryName(Arc<str>);
 
-/// Why a text can not be the name of a category.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// Rejected category name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InvalidCategoryName {
-    /// Nothing visible is in it.
+    /// No visible character.
+    #[error("the category has no name: give it one, \"mug\" for example")]
     Empty,
-    /// It is longer than 64 bytes.
+    /// More than 64 bytes.
+    #[error("the name of the category is {n_bytes} bytes long: use {MAX_BYTES} at most")]
     TooLong {
-        /// Its length, bytes.
+        /// Length, bytes.
         n_bytes: usize,
     },
-    /// It contains a character that can not be seen or that changes the direction
-    /// of writing.
+    /// Invisible character, or one that changes the writing direction.
+    #[error(
+        "the name of the category contains the invisible character U+{:04X}: remove it",
+        u32::from(*character)
+    )]
     Invisible {
-        /// The character.
+        /// Rejected character.
         character: char,
     },
 }
 
 impl CategoryName {
-    /// A name from what a person typed or a file holds.
+    /// Validated name from user input or a file.
+    ///
+    /// # Errors
+    /// When nothing or more than 64 bytes remain after removing surplus white space, or
+    /// when the text contains a control character or an invisible one.
     ///
     /// # Errors
     /// When nothing or more than 64 bytes remain without surplus white space, or
@@ -56,21 +63,21 @@ impl CategoryName {
         }
     }
 
-    /// The name as text.
+    /// Name as text.
     pub fn as_str(&self) -> &str {
         &self.0
     }
 }
 
-/// The words with one space between them.
+/// Words of the name, separated by single spaces.
 fn normalised_pieces(text: &str) -> impl Iterator<Item = &str> {
     text.split_whitespace()
         .enumerate()
         .flat_map(|(i, word)| [if i == 0 { "" } else { " " }, word])
 }
 
-/// Control characters, line separators, marks and overrides of direction, and
-/// characters without width except the joiners that some scripts need.
+/// True for control characters, line separators, direction marks and overrides, and
+/// zero-width characters other than the joiners that some scripts need.
 fn is_invisible(c: char) -> bool {
     c.is_control()
         || matches!(c,
@@ -120,34 +127,13 @@ impl fmt::Display for CategoryName {
     }
 }
 
-impl fmt::Display for InvalidCategoryName {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Empty => {
-                f.write_str("the category has no name: give it one, \"mug\" for example")
-            }
-            Self::TooLong { n_bytes } => write!(
-                f,
-                "the name of the category is {n_bytes} bytes long: use {MAX_BYTES} at most"
-            ),
-            Self::Invisible { character } => write!(
-                f,
-                "the name of the category contains the invisible character U+{:04X}: remove it",
-                u32::from(*character)
-            ),
-        }
-    }
-}
-
-impl std::error::Error for InvalidCategoryName {}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use proptest::prelude::*;
 
     #[test]
-    fn surplus_white_space_is_no_part_of_a_name() {
+    fn surplus_white_space_is_removed() {
         for text in [
             "coffee jug",
             "  coffee jug\n",
@@ -176,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn what_can_not_be_read_is_refused() {
+    fn empty_and_invisible_names_are_rejected() {
         for text in ["", " ", "\n\t\r", "\u{3000}"] {
             assert_eq!(CategoryName::new(text), Err(InvalidCategoryName::Empty));
         }
@@ -192,7 +178,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_name_is_made_of_its_own_text(text in any::<String>()) {
+        fn a_valid_name_parses_to_itself(text in any::<String>()) {
             if let Ok(name) = CategoryName::new(&text) {
                 prop_assert!((1..=64).contains(&name.as_str().len()));
                 prop_assert_eq!(CategoryName::new(name.as_str()), Ok(name));

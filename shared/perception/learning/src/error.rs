@@ -1,51 +1,35 @@
-//! Why descriptors can not be compared.
+//! Errors of descriptor comparison.
 
 use crate::Metric;
-use std::fmt;
 
-/// Why a descriptor was refused.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Rejected descriptor.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// It has another length than those it should be compared with.
+    /// Length different from that of the other descriptors.
+    #[error(
+        "a descriptor of {found} values can not be compared with descriptors of \
+         {expected}: describe both in the same way"
+    )]
     Dimension {
-        /// Values of the other descriptors.
+        /// Length of the other descriptors.
         expected: usize,
-        /// Values of this one.
+        /// Length of this descriptor.
         found: usize,
     },
-    /// One of its values is none that the metric takes.
+    /// Value outside the domain of the metric.
+    #[error(
+        "value {position} of the descriptor is {value}, but the metric {metric} takes \
+         finite values from {} to {}: describe the view again",
+        metric.values().start(),
+        metric.values().end()
+    )]
     Value {
-        /// Which one, from 0.
+        /// Index of the value.
         position: usize,
-        /// The value.
+        /// Rejected value.
         value: f32,
-        /// The metric.
+        /// Metric of the comparison.
         metric: Metric,
     },
 }
-
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Dimension { expected, found } => write!(
-                f,
-                "a descriptor of {found} values can not be compared with descriptors of \
-                 {expected}: describe both in the same way"
-            ),
-            Self::Value {
-                position,
-                value,
-                metric,
-            } => write!(
-                f,
-                "value {position} of the descriptor is {value}, but the metric {metric} takes \
-                 finite values from {} to {}: describe the view again",
-                metric.values().start(),
-                metric.values().end()
-            ),
-        }
-    }
-}
-
-impl std::error::Error for Error {}

@@ -1,14 +1,29 @@
-//! Categories and instance-based recognition with unknowns.
+//! Instance-based category learning and open-set recognition.
 //!
-//! A category is the set of views a person has taught under its name; an object
-//! belongs to the category of the most similar taught view, or to none when even
-//! that one is too different. [`CategoryIndex`] holds the taught views and
-//! answers; [`teach`], [`correct`] and [`forget`] are the rules by which views
-//! change their category; [`least_telling`] says which views of a category can be
-//! spared.
+//! A category is the set of views that a person taught under its name. An object belongs
+//! to the category of its nearest taught view, or is unknown when even that one is too
+//! different. [`CategoryIndex`] is the nearest-neighbour index; [`teach`], [`correct`]
+//! and [`forget`] compute the label changes of views; [`least_telling`] selects the
+//! views that a category can lose.
 //!
-//! This crate never does I/O, depends on no other crate, and knows nothing about
-//! where descriptors come from or where views are stored.
+//! Invariants: this crate never does I/O, depends on no other crate of the workspace,
+//! and is independent of the origin of descriptors and of the storage of views.
+//!
+//! # Example
+//!
+//! ```
+//! use learning::{CategoryIndex, CategoryName, Metric, UnknownRule, ViewId};
+//!
+//! let mut index = CategoryIndex::new(2, Metric::Euclidean);
+//! let mug = CategoryName::new("mug")?;
+//! let view = ViewId { track_id: 1, view_id: 0 };
+//! index.insert(view, &mug, &[0.9, 0.1])?;
+//!
+//! let rule = UnknownRule::FartherThan(0.5);
+//! assert_eq!(index.recognise(&[0.8, 0.1], rule)?.label, Some(mug));
+//! assert_eq!(index.recognise(&[0.0, 0.9], rule)?.label, None);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod category_name;
 mod error;
@@ -21,18 +36,18 @@ mod category_index;
 mod nearest_categories;
 mod recognition;
 
-mod conceptualizer;
-mod economy;
+mod instance_pruning;
+mod labelling;
 
 #[cfg(test)]
-mod noise;
+mod test_noise;
 
 pub use calibration::Calibration;
-pub use category_index::{CategoryIndex, Vicinity};
+pub use category_index::{CategoryIndex, NearestViewCache};
 pub use category_name::{CategoryName, InvalidCategoryName};
-pub use conceptualizer::{Refusal, ViewChange, ViewRecord, correct, forget, teach};
-pub use economy::least_telling;
 pub use error::Error;
+pub use instance_pruning::least_telling;
+pub use labelling::{Refusal, ViewChange, ViewRecord, correct, forget, teach};
 pub use metric::{Metric, UnknownMetric};
 pub use recognition::{N_NEAREST, Neighbour, Recognition, UnknownRule};
 pub use view_id::ViewId;

@@ -1,4 +1,4 @@
-//! Dissimilarities of histograms.
+//! Dissimilarity measures of histograms and descriptors.
 
 mod name;
 mod quotients;
@@ -8,83 +8,89 @@ use crate::Error;
 pub use name::UnknownMetric;
 use sums::bounded_sum;
 
-/// Largest magnitude of a value; no sum of differences overflows below it.
+/// Largest magnitude of a descriptor value; below it no sum of differences overflows.
 pub(crate) const MAX_VALUE: f32 = 1e6;
 
-/// How dissimilar two descriptors are: a finite number, at least 0, for all values
-/// from 0 to 1e6, those of empty histograms included. Metrics of differences alone,
-/// [`Manhattan`](Self::Manhattan), [`Euclidean`](Self::Euclidean) and
-/// [`Gower`](Self::Gower), take negative values, too, from -1e6.
+/// Dissimilarity measure of two descriptors: finite and at least 0 for all values from 0
+/// to 1e6, including empty histograms. [`Manhattan`](Self::Manhattan),
+/// [`Euclidean`](Self::Euclidean) and [`Gower`](Self::Gower), which use differences
+/// only, also accept negative values, down to -1e6.
 ///
-/// It is 0 for equal descriptors, but 0.5 for [`Motyka`](Self::Motyka), and
-/// symmetric, but for [`Pearson`](Self::Pearson), [`Neyman`](Self::Neyman) and
-/// [`KullbackLeibler`](Self::KullbackLeibler). In the formulas p is a value of the
-/// first descriptor, the one that is asked for, and q that of the second, the taught
-/// one. A range for GOOD is that of two descriptors whose three parts sum to 1.
+/// Equal descriptors have dissimilarity 0, except 0.5 for [`Motyka`](Self::Motyka). All
+/// measures are symmetric, except [`Pearson`](Self::Pearson), [`Neyman`](Self::Neyman)
+/// and [`KullbackLeibler`](Self::KullbackLeibler). In the formulas p is a value of the
+/// query and q one of the stored descriptor. The range given for GOOD is that of two
+/// descriptors whose three parts sum to 1.
 ///
 /// *Source*: Cha, "Comprehensive survey on distance/similarity measures between
-/// probability density functions", 2007, and the program of GOOD's authors, without
-/// its defects; each is told where the formula stands.
+/// probability density functions", 2007, and the program of GOOD's authors. Deviations
+/// from that program, which correct its defects, are stated at the formulas.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Metric {
-    /// `sqrt(½ Σ (p - q)² / (p + q))`, bins empty in both left out; 0 to `sqrt(3)`
-    /// for GOOD. The threshold of 0.75 in the paper fits this scale.
+    /// Square root of half the chi-squared distance, `sqrt(½ Σ (p - q)² / (p + q))`,
+    /// without bins empty in both; 0 to `sqrt(3)` for GOOD. The threshold of 0.75 in the
+    /// paper fits this scale.
     #[default]
     HalfChiSquaredRoot,
-    /// `½ Σ (p - q)² / (p + q)`, bins empty in both left out; 0 to 3 for GOOD.
+    /// Half the chi-squared distance, `½ Σ (p - q)² / (p + q)`, without bins empty in
+    /// both; 0 to 3 for GOOD.
     ChiSquared,
-    /// `Σ |p - q|`; 0 to 6 for GOOD.
+    /// Manhattan distance, `Σ |p - q|`; 0 to 6 for GOOD.
     Manhattan,
-    /// `sqrt(Σ (p - q)²)`; 0 to `sqrt(6)` for GOOD. The authors' program computes
-    /// Manhattan when asked for it.
+    /// Euclidean distance, `sqrt(Σ (p - q)²)`; 0 to `sqrt(6)` for GOOD. The authors'
+    /// program computes Manhattan instead.
     Euclidean,
-    /// `Σ |p - q| / D` for D values; 0 to 6 / D for GOOD.
+    /// Gower distance, `Σ |p - q| / D` for D values; 0 to 6 / D for GOOD.
     Gower,
-    /// `Σ |p - q| / (p + q)`, bins empty in both left out; 0 to D for D values.
+    /// Canberra distance, `Σ |p - q| / (p + q)`, without bins empty in both; 0 to D for
+    /// D values.
     Canberra,
-    /// `2 Σ (p - q)² / (p + q)²`, bins empty in both left out; 0 to 2 D for D
-    /// values. The authors' program divides by 0 at such bins.
+    /// Divergence distance, `2 Σ (p - q)² / (p + q)²`, without bins empty in both; 0 to
+    /// 2 D for D values. The authors' program divides by 0 at such bins.
     Divergence,
-    /// `Σ (p - q)² / q`, bins with q below 1e-12 left out; from 0, and for GOOD to
-    /// 3 `n_max`, where a bin holds at least 1 / `n_max`. Not symmetric.
+    /// Pearson chi-squared divergence, `Σ (p - q)² / q`, without bins with q below
+    /// 1e-12; 0 to 3 `n_max` for GOOD, if a bin holds at least 1 / `n_max`. Not
+    /// symmetric.
     Pearson,
-    /// `Σ (p - q)² / p`, bins with p below 1e-12 left out: Pearson's with the
-    /// descriptors exchanged.
+    /// Neyman chi-squared divergence, `Σ (p - q)² / p`, without bins with p below 1e-12:
+    /// Pearson's with the descriptors exchanged. Not symmetric.
     Neyman,
-    /// `sqrt(½ Σ (sqrt(p) - sqrt(q))²)`; 0 to `sqrt(3)` for GOOD.
+    /// Hellinger distance, `sqrt(½ Σ (sqrt(p) - sqrt(q))²)`; 0 to `sqrt(3)` for GOOD.
     Hellinger,
-    /// `Σ p ln(p / q) - p + q`, values below 1e-6 taken for 1e-6; 0 to 41.5 for
-    /// GOOD. Not symmetric. For equal sums it is Kullback and Leibler's divergence,
-    /// and it is never negative for others. The authors' program leaves out bins
-    /// empty in either, so that histograms with nothing in common are equal, and
-    /// takes the logarithm to base 10.
+    /// Kullback-Leibler divergence, `Σ p ln(p / q) - p + q`, with values clamped to at
+    /// least 1e-6; 0 to 41.5 for GOOD. Not symmetric. The added terms vanish for equal
+    /// sums and keep it non-negative for others. The authors' program skips bins empty
+    /// in either, so that disjoint histograms are equal, and uses the logarithm to base
+    /// 10.
     KullbackLeibler,
-    /// `½ Σ (p - q) ln(p / q)`, values below 1e-6 taken for 1e-6; 0 to 41.5 for
-    /// GOOD. The mean of both directions; the authors' program as above.
+    /// Symmetric Kullback-Leibler divergence, `½ Σ (p - q) ln(p / q)`, the mean of both
+    /// directions, with values clamped to at least 1e-6; 0 to 41.5 for GOOD. The
+    /// authors' program deviates as for [`KullbackLeibler`](Self::KullbackLeibler).
     SymmetricKullbackLeibler,
-    /// `Σ max(p, q) / Σ (p + q)`; 0.5 for equal descriptors, two empty ones
-    /// included, to 1.
+    /// Motyka distance, `Σ max(p, q) / Σ (p + q)`; 0.5 for equal descriptors, including
+    /// two empty ones, to 1.
     Motyka,
-    /// `Σ |p - q| / Σ (p + q)`, 0 if both are empty; 0 to 1.
+    /// Sørensen distance, `Σ |p - q| / Σ (p + q)`, 0 if both are empty; 0 to 1.
     Sorensen,
-    /// `Σ (p - q)² / (Σ p² + Σ q²)`, 0 if both are empty; 0 to 1.
+    /// Dice distance, `Σ (p - q)² / (Σ p² + Σ q²)`, 0 if both are empty; 0 to 1.
     Dice,
-    /// `1 - Σ p q / sqrt(Σ p² Σ q²)`; 0 to 1, which is also the distance to an empty
-    /// one. The authors' program leaves out the norms, so that equal descriptors are
+    /// Cosine distance, `1 - Σ p q / sqrt(Σ p² Σ q²)`; 0 to 1, and 1 to an empty
+    /// descriptor. The authors' program omits the norms, so that equal descriptors are
     /// not at 0.
     Cosine,
-    /// `1 - Σ min(p, q) / max(Σ p, Σ q)`, 0 if both are empty; 0 to 1. The authors'
-    /// program takes `Σ min(p, q)`, which is large for similar ones, for a distance.
+    /// Histogram intersection distance, `1 - Σ min(p, q) / max(Σ p, Σ q)`, 0 if both are
+    /// empty; 0 to 1. The authors' program uses the similarity `Σ min(p, q)` as a
+    /// distance.
     Intersection,
-    /// `-ln(Σ sqrt(p q) / sqrt(Σ p Σ q))`, the argument at least 1e-9; 0 to 20.73,
-    /// which is also the distance to an empty one. The authors' program leaves out
-    /// the sums, so that equal descriptors of GOOD are at -1.1 and such with nothing
-    /// in common are infinitely far.
+    /// Bhattacharyya distance, `-ln(Σ sqrt(p q) / sqrt(Σ p Σ q))`, with the argument
+    /// clamped to at least 1e-9; 0 to 20.73, which is also the distance to an empty
+    /// descriptor. The authors' program omits the sums, so that equal descriptors of
+    /// GOOD are at -1.1 and disjoint ones at infinity.
     Bhattacharyya,
 }
 
 impl Metric {
-    /// All metrics, in the order of the documentation.
+    /// All metrics, in the order of their declaration.
     pub const ALL: [Self; 18] = [
         Self::HalfChiSquaredRoot,
         Self::ChiSquared,
@@ -106,7 +112,7 @@ impl Metric {
         Self::Bhattacharyya,
     ];
 
-    /// The distance of two descriptors.
+    /// Dissimilarity of a query `a` and a stored descriptor `b`.
     ///
     /// # Errors
     /// When they differ in length.
@@ -121,7 +127,7 @@ impl Metric {
         Ok(self.distance_from_score(score.unwrap_or(f32::INFINITY), a.len()))
     }
 
-    /// The values that a descriptor may have.
+    /// Domain of descriptor values.
     pub(crate) fn values(self) -> std::ops::RangeInclusive<f32> {
         match self {
             Self::Manhattan | Self::Euclidean | Self::Gower => -MAX_VALUE..=MAX_VALUE,
@@ -129,7 +135,7 @@ impl Metric {
         }
     }
 
-    /// Whether a descriptor is one of `dimension` values that the metric takes.
+    /// Checks the length of a descriptor and the domain of its values.
     pub(crate) fn check(self, descriptor: &[f32], dimension: usize) -> Result<(), Error> {
         if descriptor.len() != dimension {
             return Err(Error::Dimension {
@@ -149,11 +155,11 @@ impl Metric {
         }
     }
 
-    /// A number that orders pairs as their distances do and needs no root; `None`
-    /// when it is larger than `bound`.
+    /// Score ordered like the distance but without its final root or factor; `None` when
+    /// it exceeds `bound`.
     ///
-    /// *Complexity*: a sum ends where it exceeds the bound; a quotient of sums can
-    /// shrink until its last bin, so it is computed to the end.
+    /// *Complexity*: a sum terminates when it exceeds the bound; a quotient of sums may
+    /// shrink until its last bin, so it is computed completely.
     pub(crate) fn bounded_score(self, a: &[f32], b: &[f32], bound: f32) -> Option<f32> {
         let quotient = |score: f32| (score <= bound).then_some(score);
         match self {
@@ -178,7 +184,7 @@ impl Metric {
         }
     }
 
-    /// The distance that belongs to a score of descriptors of `dimension` values.
+    /// Distance of a score for descriptors of `dimension` values.
     pub(crate) fn distance_from_score(self, score: f32, dimension: usize) -> f32 {
         match self {
             Self::HalfChiSquaredRoot | Self::Hellinger => (0.5 * score).sqrt(),

@@ -1,23 +1,23 @@
-//! The nearest view of each of the nearest categories, while views pass by.
+//! Top-k categories with their nearest view, updated while views are compared.
 
 use crate::ViewId;
 use crate::recognition::N_NEAREST;
 
-/// A view that was compared.
+/// View with the score of its comparison.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Candidate {
-    /// Orders candidates as their distances do.
+pub(crate) struct ScoredView {
+    /// Score, ordered like the distance.
     pub(crate) score: f32,
-    /// Decides between equal scores.
+    /// View id, which breaks ties.
     pub(crate) view: ViewId,
-    /// Number of its category.
+    /// Number of the view's category.
     pub(crate) category: u64,
-    /// Row of its descriptor.
+    /// Row of the view's descriptor.
     pub(crate) row: usize,
 }
 
-impl Candidate {
-    fn is_before(&self, other: &Self) -> bool {
+impl ScoredView {
+    fn precedes(&self, other: &Self) -> bool {
         self.score
             .total_cmp(&other.score)
             .then(self.view.cmp(&other.view))
@@ -25,53 +25,55 @@ impl Candidate {
     }
 }
 
-/// At most [`N_NEAREST`] candidates of different categories, nearest first.
+/// Top-k list: the nearest view of each of the [`N_NEAREST`] nearest categories, nearest
+/// first.
 ///
-/// A category that was pushed out needs no memory: what pushed it out is nearer
-/// than all it had, so only a nearer view can bring it back.
+/// A category that leaves the list needs no record: its views were all farther than the
+/// list's last entry, so only a nearer view can bring it back.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct NearestCategories {
-    candidates: [Option<Candidate>; N_NEAREST],
+    views: [Option<ScoredView>; N_NEAREST],
 }
 
 impl NearestCategories {
-    /// The candidates, nearest first.
-    pub(crate) fn candidates(&self) -> [Option<Candidate>; N_NEAREST] {
-        self.candidates
+    /// Entries, nearest first.
+    pub(crate) fn views(&self) -> [Option<ScoredView>; N_NEAREST] {
+        self.views
     }
 
-    /// The largest score with which a view of the category can still matter.
+    /// Largest score with which a view of the category can still change the list.
     #[inline]
     pub(crate) fn bound(&self, category: u64) -> f32 {
-        self.candidates[self.place_of(category)].map_or(f32::INFINITY, |present| present.score)
+        self.views[self.slot_of(category)].map_or(f32::INFINITY, |present| present.score)
     }
 
-    /// The largest score with which a view of any category can still matter.
+    /// Largest score with which a view of any category can still change the list.
     #[inline]
-    pub(crate) fn farthest(&self) -> f32 {
-        self.candidates[N_NEAREST - 1].map_or(f32::INFINITY, |last| last.score)
+    pub(crate) fn worst_score(&self) -> f32 {
+        self.views[N_NEAREST - 1].map_or(f32::INFINITY, |last| last.score)
     }
 
-    /// Takes a candidate if it is nearer than what is there; says whether it is.
-    pub(crate) fn offer(&mut self, candidate: Candidate) -> bool {
-        let mut place = self.place_of(candidate.category);
-        if self.candidates[place].is_some_and(|present| !candidate.is_before(&present)) {
+    /// Inserts a view if it is nearer than the present entry; `true` if the list
+    /// changed.
+    pub(crate) fn offer(&mut self, scored: ScoredView) -> bool {
+        let mut slot = self.slot_of(scored.category);
+        if self.views[slot].is_some_and(|present| !scored.precedes(&present)) {
             return false;
         }
-        self.candidates[place] = Some(candidate);
-        while place > 0 && self.candidates[place - 1].is_some_and(|c| candidate.is_before(&c)) {
-            self.candidates.swap(place - 1, place);
-            place -= 1;
+        self.views[slot] = Some(scored);
+        while slot > 0 && self.views[slot - 1].is_some_and(|c| scored.precedes(&c)) {
+            self.views.swap(slot - 1, slot);
+            slot -= 1;
         }
         true
     }
 
-    /// Where the category is, else the first free place, else the last one.
+    /// Slot of the category, else the first free slot, else the last one.
     #[inline]
-    fn place_of(&self, category: u64) -> usize {
-        self.candidates
+    fn slot_of(&self, category: u64) -> usize {
+        self.views
             .iter()
-            .position(|place| place.is_none_or(|present| present.category == category))
+            .position(|slot| slot.is_none_or(|present| present.category == category))
             .unwrap_or(N_NEAREST - 1)
     }
 }

@@ -1,17 +1,18 @@
-//! The answer to "what is this?".
+//! Recognition result and the rule for unknown objects.
 
 use crate::{CategoryName, ViewId};
 
-/// Most categories named in an answer.
+/// Number of nearest categories in a result.
 pub const N_NEAREST: usize = 4;
 
-/// When an object is unknown.
+/// Rejection rule of open-set recognition.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum UnknownRule {
-    /// When the nearest view is farther than this, as in the paper.
+    /// Unknown if the nearest view is farther than this distance, as in the paper of
+    /// GOOD.
     FartherThan(f32),
-    /// When the probability that it belongs to the nearest category is less than
-    /// this, 0 to 1. Without a calibration nothing is unknown.
+    /// Unknown if the probability of the nearest category is below this value, 0 to 1.
+    /// Without a calibration every object is known.
     LessProbableThan(f32),
 }
 
@@ -21,32 +22,32 @@ impl From<f32> for UnknownRule {
     }
 }
 
-/// What an object was recognised as, and why.
+/// Recognition result with its evidence.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recognition {
-    /// The category of the nearest view; `None` when the rule says "unknown", or
+    /// Category of the nearest view; `None` when the object is rejected as unknown or
     /// nothing was taught.
     pub label: Option<CategoryName>,
-    /// Distance of the nearest view; infinite when nothing was taught.
+    /// Distance to the nearest view; infinite when nothing was taught.
     pub distance: f32,
-    /// How new the object is to an index with a calibration: the greater, the less
-    /// likely it belongs to any category that was taught; infinite when nothing was.
+    /// Novelty score of a calibrated index: the larger, the less likely the object
+    /// belongs to a taught category. Infinite when nothing was taught.
     pub novelty: Option<f32>,
-    /// The probability that it belongs to the nearest category, 0 to 1, by the
-    /// calibration of the index.
+    /// Probability that the object belongs to the nearest category, 0 to 1; `None`
+    /// without a calibration.
     pub probability: Option<f32>,
-    /// The nearest view of each of the nearest categories, nearest first, whatever
-    /// the rule; `None` behind the last one.
+    /// Nearest view of each of the nearest categories, nearest first, before rejection;
+    /// unused entries are `None`.
     pub nearest: [Option<Neighbour>; N_NEAREST],
 }
 
-/// The view of a category that is most similar to what was asked.
+/// Nearest stored view of a category.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Neighbour {
-    /// The view.
+    /// View id.
     pub view: ViewId,
-    /// Its category.
+    /// Category of the view.
     pub category: CategoryName,
-    /// Its distance.
+    /// Distance to the view.
     pub distance: f32,
 }

@@ -1,15 +1,15 @@
-//! Identity of a view.
+//! View identifier.
 
 use serde::{Deserialize, Serialize};
 
-/// One view of one tracked object; never used twice. Ordered by track, then view.
-/// Serialised as the two numbers.
+/// Identifier of one view of one track; never reused. Ordered by track, then view.
+/// Serialised as the pair of numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(into = "(u64, u32)", from = "(u64, u32)")]
 pub struct ViewId {
-    /// The track.
+    /// Track id.
     pub track_id: u64,
-    /// The view of the track.
+    /// View number within the track.
     pub view_id: u32,
 }
 

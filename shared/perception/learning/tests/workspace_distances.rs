@@ -1,22 +1,22 @@
-//! The distances of the authors' evaluation workspace are reproduced where its
-//! definitions are meant, and differ as documented where they are not.
+//! Golden-value test of the metrics against the authors' evaluation workspace: equal
+//! where the definitions agree, different as documented where they do not.
 
 use learning::Metric;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-/// All pairs of clouds that the authors' program has compared.
+/// Golden distances of all pairs of clouds.
 struct Reference {
-    /// By the cloud's name.
+    /// Descriptors by cloud name.
     descriptors: HashMap<String, Vec<f32>>,
     distances: Vec<ReferenceDistance>,
 }
 
-/// One pair.
+/// Golden distance of one pair.
 struct ReferenceDistance {
-    /// The program's name for the function.
+    /// Name of the function in the authors' program.
     function: String,
-    /// Names of the clouds.
+    /// Names of the two clouds.
     clouds: [String; 2],
     value: f64,
 }
@@ -48,8 +48,8 @@ impl Reference {
         }
     }
 
-    /// Checks all pairs of a function against what the distance should be, given the
-    /// program's and both descriptors.
+    /// Compares all pairs of a function with the expected distance, computed from the
+    /// golden one and both descriptors.
     fn check(&self, function: &str, metric: Metric, expected: impl Fn(f64, &[f32], &[f32]) -> f64) {
         let pairs = self.distances.iter().filter(|d| d.function == function);
         assert_eq!(pairs.clone().count(), 19 * 19, "{function}");
@@ -57,7 +57,7 @@ impl Reference {
             let [p, q] = pair.clouds.each_ref().map(|cloud| &self.descriptors[cloud]);
             let ours = f64::from(metric.distance(p, q).expect("equal lengths"));
             let expected = expected(pair.value, p, q);
-            // Their sums are in single precision, one value after the other.
+            // The reference sums sequentially in single precision.
             let tolerance = 2e-5 * expected.abs() + 3e-6;
             let clouds = &pair.clouds;
             assert!(
@@ -95,7 +95,7 @@ fn sum(a: &[f32], b: &[f32], term: impl Fn(f64, f64) -> f64) -> f64 {
 
 #[test]
 #[ignore = "needs TABULA_DATA"]
-fn where_definitions_agree_so_do_distances() {
+fn metric_equals_the_workspace_where_definitions_agree() {
     let reference = Reference::read();
     for (function, metric) in [
         ("chiSquared", Metric::ChiSquared),
@@ -117,7 +117,7 @@ fn where_definitions_agree_so_do_distances() {
 
 #[test]
 #[ignore = "needs TABULA_DATA"]
-fn bins_empty_in_both_do_not_spoil_the_divergence() {
+fn divergence_skips_bins_empty_in_both() {
     Reference::read().check("divergence", Metric::Divergence, |theirs, p, q| {
         assert!(theirs.is_nan());
         2.0 * sum(p, q, |p, q| ((p - q) / (p + q).max(1e-30)).powi(2))
@@ -126,7 +126,7 @@ fn bins_empty_in_both_do_not_spoil_the_divergence() {
 
 #[test]
 #[ignore = "needs TABULA_DATA"]
-fn the_cosine_has_norms() {
+fn cosine_is_normalised() {
     Reference::read().check("cosine", Metric::Cosine, |theirs, p, q| {
         let norms = (sum(p, p, |p, _| p * p) * sum(q, q, |q, _| q * q)).sqrt();
         1.0 - (1.0 - theirs) / norms
@@ -135,7 +135,7 @@ fn the_cosine_has_norms() {
 
 #[test]
 #[ignore = "needs TABULA_DATA"]
-fn the_intersection_is_a_distance() {
+fn intersection_is_a_distance() {
     Reference::read().check("intersection", Metric::Intersection, |theirs, p, q| {
         1.0 - theirs / sum(p, p, |p, _| p).max(sum(q, q, |q, _| q))
     });
@@ -143,14 +143,14 @@ fn the_intersection_is_a_distance() {
 
 #[test]
 #[ignore = "needs TABULA_DATA"]
-fn the_bhattacharyya_distance_of_equal_ones_is_zero() {
+fn bhattacharyya_of_equal_histograms_is_zero() {
     Reference::read().check("bhattacharyya", Metric::Bhattacharyya, |theirs, p, q| {
         theirs + 0.5 * (sum(p, p, |p, _| p) * sum(q, q, |q, _| q)).ln()
     });
 }
 
-/// What the bins add that are empty in one of both, which the program leaves out;
-/// values below 1e-6 are taken for it.
+/// Terms of the bins empty in exactly one descriptor, which the authors' program skips;
+/// values below 1e-6 are clamped.
 fn left_out(p: &[f32], q: &[f32], term: impl Fn(f64, f64) -> f64) -> f64 {
     sum(p, q, |p, q| {
         if p * q > 0.0 {
@@ -163,7 +163,7 @@ fn left_out(p: &[f32], q: &[f32], term: impl Fn(f64, f64) -> f64) -> f64 {
 
 #[test]
 #[ignore = "needs TABULA_DATA"]
-fn divergences_are_natural_and_count_what_only_one_has() {
+fn kullback_leibler_is_natural_and_counts_bins_empty_in_one() {
     let reference = Reference::read();
     let natural = std::f64::consts::LN_10;
     reference.check("KLDivergance", Metric::KullbackLeibler, |theirs, p, q| {

@@ -1,14 +1,14 @@
-//! Settings of the step.
+//! Configuration of tracking and recognition.
 
 use crate::Error;
 use description::{Appearance, AxesKind};
 use learning::{Calibration, CategoryIndex, Metric, UnknownRule};
 use tracking::{AssociationConfig, MotionConfig};
 
-/// How the descriptors of this version are made; only equal kinds compare.
+/// Descriptor kind of this version; only descriptors of equal kind are comparable.
 pub const DESCRIPTOR_KIND: &str = "appearance-1-upright";
 
-/// Settings of tracking and recognition, checked.
+/// Validated settings of tracking and recognition.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Config {
     motion: MotionConfig,
@@ -17,8 +17,8 @@ pub struct Config {
 }
 
 impl Config {
-    /// Settings; an object is unknown when the probability that it belongs to the
-    /// nearest category is less than `known_probability_min`, 0 to 1.
+    /// Settings after a range check. An object whose probability of belonging to the
+    /// nearest category is below `known_probability_min`, 0 to 1, is unknown.
     ///
     /// # Errors
     /// Names the first setting out of its range.
@@ -50,34 +50,38 @@ impl Config {
     }
 }
 
-/// Values of a descriptor.
+/// Length of a descriptor.
 const DESCRIPTOR_DIMENSION: usize = Appearance::DIMENSION;
 
-/// The metric in which descriptors are compared.
+/// Metric of descriptor distances.
 pub(crate) const METRIC: Metric = Metric::Euclidean;
 
-/// An index for the descriptions of the live system, which says how probable its
-/// answers are.
+/// Empty category index for the descriptors of the live system, with probability
+/// calibration.
 pub fn category_index() -> CategoryIndex {
     let calibration = calibration(AxesKind::Upright);
     CategoryIndex::new(DESCRIPTOR_DIMENSION, METRIC).with_calibration(calibration)
 }
 
-/// From distances of descriptions with axes of this kind to probabilities. The
-/// live system describes objects upright.
+/// Probability calibration for descriptors with axes of this kind; the live system uses
+/// upright axes.
 ///
-/// The figures fit views of simulated and of scanned objects, and those of the
-/// Restaurant data set, with 1 to 50 taught views of each category.
+/// The parameters are fitted to views of simulated and of scanned objects and to the
+/// Restaurant data set, with 1 to 50 taught views per category.
 pub fn calibration(kind: AxesKind) -> Calibration {
-    let readings_of: fn(&[f32]) -> Vec<Vec<f32>> = match kind {
-        AxesKind::Principal => |stored| Appearance::readings_of(stored, AxesKind::Principal).into(),
-        AxesKind::Upright => |stored| Appearance::readings_of(stored, AxesKind::Upright).into(),
+    let axis_hypotheses_of: fn(&[f32]) -> Vec<Vec<f32>> = match kind {
+        AxesKind::Principal => {
+            |stored| Appearance::axis_hypotheses_of(stored, AxesKind::Principal).into()
+        }
+        AxesKind::Upright => {
+            |stored| Appearance::axis_hypotheses_of(stored, AxesKind::Upright).into()
+        }
     };
     Calibration {
-        readings_of,
-        spread: 0.6,
-        far: 1.5,
-        even_novelty: 0.9,
+        axis_hypotheses_of,
+        spread_prior: 0.6,
+        unrelated_distance_prior: 1.5,
+        even_odds_novelty: 0.9,
         steepness: 4.2,
     }
 }

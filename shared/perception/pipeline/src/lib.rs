@@ -1,33 +1,61 @@
-//! One frame's step as pure functions over explicit state.
+//! Per-frame perception pipeline: data association, tracking, description and
+//! recognition as pure functions over explicit state.
 //!
-//! The step is written once: the perception process, evaluation, latency
-//! measurements and demos all call it. It has two halves, because the second
-//! runs once for every object, on any thread:
+//! A frame is processed in two halves, because the second runs once per object and on
+//! any thread:
 //!
-//! 1. [`TrackTable::predict`] says where the tracks are expected, which detection
-//!    has to know; [`TrackTable::step`] associates the candidates of the
-//!    [`detection::Detection`] with them, begins new tracks for those of which the
-//!    rule is true, and ends old ones.
-//! 2. [`ObjectState::observe`] takes one object's measurement: motion filter,
-//!    key-view rule, descriptor, recognition. Its [`Posterior`] goes back to the
-//!    table ([`TrackTable::absorb`]).
+//! - [`TrackTable::predict`] supplies the expected boxes that detection needs as a
+//!   prior. [`TrackTable::step`] associates the candidates of a [`detection::Detection`]
+//!   with the tracks, starts tracks for accepted candidates and ends lost tracks.
+//! - [`ObjectState::observe`] processes one object's measurement: motion filter,
+//!   descriptor, recognition and key-view selection. [`TrackTable::absorb`] applies the
+//!   resulting [`Posterior`] to the track.
 //!
-//! This crate never reads a clock, draws no random numbers, does no I/O, and
+//! Invariants: this crate never reads a clock, draws no random numbers, does no I/O, and
 //! knows nothing of threads, actors or messages.
+//!
+//! # Example
+//!
+//! ```
+//! use geometry::RigidTransform;
+//! use pipeline::{Config, Frame, Step, TrackTable};
+//! use tracking::{AssociationConfig, MotionConfig};
+//!
+//! let config = Config::new(MotionConfig::default(), AssociationConfig::default(), 0.5)?;
+//! let mut table = TrackTable::new(config);
+//! let frame = Frame {
+//!     capture_ns: 0,
+//!     world_from_camera: RigidTransform::identity(),
+//!     camera: None,
+//! };
+//! // Expected boxes of the tracks: a prior for detection.
+//! let mut expected = Vec::new();
+//! table.predict(&frame, &mut expected);
+//! let detection = detection::Detection::default();
+//!
+//! let (mut ids, mut update) = (1_u64.., Step::default());
+//! table.step(&detection, &[], &frame, || ids.next(), &mut update);
+//! assert!(update.sightings.is_empty() && table.tracks().is_empty());
+//! # Ok::<(), pipeline::Error>(())
+//! ```
 
+mod candidate_measurement;
 mod config;
-mod departed;
 mod error;
-mod frame;
-mod key_views;
+mod frame_pose;
+mod key_view_selector;
+mod lost_track_gallery;
 mod object;
-mod search;
 mod track;
+mod track_recovery;
 mod track_table;
 
+pub use candidate_measurement::Measured;
 pub use config::{Config, DESCRIPTOR_KIND, calibration, category_index};
 pub use error::Error;
-pub use frame::{Frame, Measured};
-pub use object::{ObjectState, ObjectTools, Observation, Posterior, Stage, Stages};
+pub use frame_pose::Frame;
+pub use object::{
+    ObjectState, ObjectTools, Observation, ObservationOutput, ObservationStage, Posterior, Stages,
+};
 pub use track::Track;
 pub use track_table::{Sighting, Step, TrackTable};

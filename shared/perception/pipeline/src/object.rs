@@ -1,179 +1,192 @@
-//! One object's half of the step.
+//! Per-object half of the pipeline: motion filter, descriptor, recognition and key
+//! views.
 
-use crate::frame::Measured;
-use crate::key_views::KeyViews;
-use crate::track::WHOLE_SHARE;
+use crate::candidate_measurement::Measured;
+use crate::key_view_selector::KeyViewSelector;
+use crate::track::WHOLE_FRACTION_MIN;
 use crate::{Config, Error};
 use description::{Appearance, AppearanceWeights, N_READINGS, ObjectPoints};
 use geometry::{OrientedBox, RigidTransform};
-use learning::{CategoryIndex, CategoryName, N_NEAREST, Neighbour, Vicinity};
+use learning::{CategoryIndex, CategoryName, N_NEAREST, NearestViewCache, Neighbour};
 use nalgebra::Vector3;
 use point_cloud::Point;
-use tracking::{Evidence, MotionFilter};
+use tracking::{MotionFilter, ObservationContext};
 
-/// An object whose shorter side is at least so long, as a share of the longer one,
-/// may be round.
-const ROUND_RATIO: f64 = 0.75;
+/// Ratio of the shorter to the longer footprint side above which an object may be
+/// rotationally symmetric. Chosen; sensitivity: see `tabula-lab sweep`.
+const ROUND_SIDE_RATIO_MIN: f64 = 0.75;
 
-/// What is known of one object; small, so that a copy of it is a checkpoint.
+/// Tracking state of one object; small, so that a clone serves as a checkpoint.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ObjectState {
     filter: Option<MotionFilter>,
-    key_views: KeyViews,
+    key_view_selector: KeyViewSelector,
     n_views: u32,
     n_key_views: u32,
 }
 
-/// Scratch memory for observing; best one for each object, because what an object was
-/// near to saves comparisons the next time.
+/// Scratch memory and nearest-view cache of one object. Sharing it between objects gives
+/// equal results but defeats the cache.
 #[derive(Debug, Clone)]
 pub struct ObjectTools {
     appearance: Appearance,
-    vicinity: Vicinity,
+    nearest_views: NearestViewCache,
 }
 
 impl ObjectTools {
-    /// Tools without memory yet.
+    /// Empty scratch memory.
     ///
     /// # Errors
-    /// When the descriptor is impossible.
+    /// When the descriptor weights are invalid.
     pub fn new() -> Result<Self, Error> {
         Ok(Self {
             appearance: Appearance::new(AppearanceWeights::default())
                 .map_err(Error::Description)?,
-            vicinity: Vicinity::default(),
+            nearest_views: NearestViewCache::default(),
         })
     }
 }
 
-/// One frame's view of an object.
+/// One object's points and measurement in a frame.
 #[derive(Debug, Clone, Copy)]
 pub struct Observation<'a> {
-    /// The whole frame, camera frame.
+    /// Point cloud of the whole frame. *Frame*: camera.
     pub cloud: &'a [Point],
-    /// The object's points in it.
+    /// Indices of the object's points in the cloud.
     pub indices: &'a [u32],
-    /// Its box and looks.
+    /// Measured box and appearance.
     pub measured: &'a Measured,
 }
 
-/// What an object's half of the step has found.
+/// Posterior of one object after an observation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Posterior {
-    /// Motion after the measurement.
+    /// Motion filter after the measurement update.
     pub filter: MotionFilter,
-    /// Counts the views of the object from 0.
+    /// Number of the view, counted per object from 0.
     pub view_id: u32,
-    /// Whether the view is to be stored.
+    /// `true` when the view is a key view, which is stored.
     pub is_key_view: bool,
-    /// The learned category; `None` when unknown.
+    /// Recognised category; `None` when unknown.
     pub label: Option<CategoryName>,
     /// Distance to the nearest stored view; infinite when nothing was taught.
     pub distance: f32,
-    /// Probability that it belongs to the nearest category; `None` when nothing was
-    /// taught.
+    /// Probability that the object belongs to the nearest category; `None` when nothing
+    /// was taught.
     pub probability: Option<f32>,
-    /// The nearest stored view of each of the nearest categories, nearest first.
+    /// Nearest stored view of each of the nearest categories, nearest first.
     pub nearest: [Option<Neighbour>; N_NEAREST],
-    /// Key views of the object so far, this one included.
+    /// Number of key views of the object, this one included.
     pub n_key_views: u32,
 }
 
-/// A stage that a view has behind it.
+/// Completed stage of an observation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Stage {
-    /// The motion filter has taken the measurement.
+pub enum ObservationStage {
+    /// Motion filter updated.
     Tracked,
-    /// The points are described.
+    /// Descriptor computed.
     Described,
-    /// The description was compared with what was taught.
+    /// Category recognised.
     Recognised,
 }
 
-/// What becomes of a view while it is observed.
-pub struct Stages<'a> {
-    /// Becomes the first reading's descriptor, which is the one to be stored.
+/// Output buffer and optional stage observer of an observation.
+pub struct ObservationOutput<'a> {
+    /// Receives the descriptor of the first axis hypothesis, which is the one to be
+    /// stored.
     pub descriptor: &'a mut Vec<f32>,
-    /// Called at the end of a stage: who has a clock may read it.
-    pub on_stage: &'a mut dyn FnMut(Stage),
+    /// Called at the end of each stage, for instance to read a clock.
+    pub on_stage: Option<&'a mut dyn FnMut(ObservationStage)>,
+}
+
+impl<'a> From<&'a mut Vec<f32>> for ObservationOutput<'a> {
+    fn from(descriptor: &'a mut Vec<f32>) -> Self {
+        Self {
+            descriptor,
+            on_stage: None,
+        }
+    }
+}
+
+/// Output buffer and stage observer; the older form of [`ObservationOutput`].
+pub struct Stages<'a> {
+    /// Receives the descriptor of the first axis hypothesis.
+    pub descriptor: &'a mut Vec<f32>,
+    /// Called at the end of each stage.
+    pub on_stage: &'a mut dyn FnMut(ObservationStage),
+}
+
+impl<'a> From<Stages<'a>> for ObservationOutput<'a> {
+    fn from(stages: Stages<'a>) -> Self {
+        Self {
+            descriptor: stages.descriptor,
+            on_stage: Some(stages.on_stage),
+        }
+    }
 }
 
 impl ObjectState {
-    /// Takes one view: updates the motion filter, decides whether the view is
-    /// key, describes it, and compares all readings of it with what was taught.
-    /// `descriptor` becomes the first reading, which is the one to be stored.
+    /// Processes one view: updates the motion filter, describes the points, recognises
+    /// the category over all axis hypotheses and selects key views. The descriptor of
+    /// the first hypothesis, which is the one to be stored, is written to `output`.
     ///
-    /// Frame: points in the camera's, the posterior in the world's.
+    /// *Frame*: points in the camera frame, posterior in the world frame.
     ///
     /// # Errors
-    /// When the measurement is older than the state, or the points can not be
-    /// described. The state is unchanged then.
-    pub fn observe(
+    /// When the measurement is older than the state, or the points cannot be described.
+    /// The state is unchanged then.
+    pub fn observe<'a>(
         &mut self,
         observation: &Observation<'_>,
         taught: &CategoryIndex,
         config: &Config,
         tools: &mut ObjectTools,
-        descriptor: &mut Vec<f32>,
+        output: impl Into<ObservationOutput<'a>>,
     ) -> Result<Posterior, Error> {
-        let on_stage = &mut |_| {};
-        let stages = Stages {
+        let ObservationOutput {
             descriptor,
-            on_stage,
+            mut on_stage,
+        } = output.into();
+        let mut end_stage = |stage| {
+            if let Some(on_stage) = &mut on_stage {
+                on_stage(stage);
+            }
         };
-        self.observe_in_stages(observation, taught, config, tools, stages)
-    }
-
-    /// Like [`observe`](Self::observe), and tells when a stage is over.
-    ///
-    /// # Errors
-    /// As for [`observe`](Self::observe).
-    pub fn observe_in_stages(
-        &mut self,
-        observation: &Observation<'_>,
-        taught: &CategoryIndex,
-        config: &Config,
-        tools: &mut ObjectTools,
-        stages: Stages<'_>,
-    ) -> Result<Posterior, Error> {
-        let Stages {
-            descriptor,
-            on_stage,
-        } = stages;
         let Observation {
             cloud,
             indices,
             measured,
         } = observation;
-        let evidence = Evidence {
+        let context = ObservationContext {
             cloud,
             indices,
             world_from_camera: measured.frame.world_from_camera,
             view: measured.frame.view(cloud),
         };
         let filter = match &self.filter {
-            Some(filter) => filter.updated(&measured.measurement, Some(&evidence), config.motion()),
+            Some(filter) => filter.updated(&measured.measurement, Some(&context), config.motion()),
             None => Ok(MotionFilter::start(&measured.measurement, config.motion())),
         }
         .map_err(Error::Tracking)?;
-        on_stage(Stage::Tracked);
+        end_stage(ObservationStage::Tracked);
         let points = ObjectPoints::selected(cloud, indices).map_err(Error::Description)?;
         let ObjectTools {
             appearance,
-            vicinity,
+            nearest_views,
         } = tools;
-        let readings = describe(points, measured, appearance)?;
-        on_stage(Stage::Described);
+        let hypotheses = describe(points, measured, appearance)?;
+        end_stage(ObservationStage::Described);
         let answer = taught
-            .recognise_again(readings, config.unknown_rule(), vicinity)
+            .recognise_incremental(hypotheses, config.unknown_rule(), nearest_views)
             .map_err(Error::Learning)?;
-        on_stage(Stage::Recognised);
-        descriptor.clone_from(&readings[0]);
-        let pose = pose_that_tells(&filter.box_in_world());
-        let is_whole = !measured.is_cut && filter.completeness() >= WHOLE_SHARE;
-        let is_key_view = self
-            .key_views
-            .take(filter.stamp_ns(), &pose, is_whole, readings);
+        end_stage(ObservationStage::Recognised);
+        descriptor.clone_from(&hypotheses[0]);
+        let pose = observable_pose(&filter.box_in_world());
+        let is_whole = !measured.is_truncated && filter.completeness() >= WHOLE_FRACTION_MIN;
+        let is_key_view =
+            self.key_view_selector
+                .accept(filter.stamp_ns(), &pose, is_whole, hypotheses);
         let view_id = self.n_views;
         self.n_views = self.n_views.saturating_add(1);
         self.n_key_views = self.n_key_views.saturating_add(u32::from(is_key_view));
@@ -189,20 +202,36 @@ impl ObjectState {
             n_key_views: self.n_key_views,
         })
     }
+
+    /// Observation with a stage observer; the older form of [`observe`](Self::observe).
+    ///
+    /// # Errors
+    /// As for [`observe`](Self::observe).
+    pub fn observe_in_stages(
+        &mut self,
+        observation: &Observation<'_>,
+        taught: &CategoryIndex,
+        config: &Config,
+        tools: &mut ObjectTools,
+        stages: Stages<'_>,
+    ) -> Result<Posterior, Error> {
+        self.observe(observation, taught, config, tools, stages)
+    }
 }
 
-/// The pose from which it is told whether an object was moved: how what is round is
-/// turned is the noise of its footprint.
-fn pose_that_tells(shape: &OrientedBox) -> RigidTransform {
+/// Pose for motion detection. The yaw of a rotationally symmetric object is
+/// unobservable, so its rotation is left out.
+fn observable_pose(shape: &OrientedBox) -> RigidTransform {
     let [x, y] = [shape.half_sides_m.x, shape.half_sides_m.y];
-    if x.min(y) < ROUND_RATIO * x.max(y) {
+    if x.min(y) < ROUND_SIDE_RATIO_MIN * x.max(y) {
         shape.frame_from_box
     } else {
         RigidTransform::from(shape.frame_from_box.translation)
     }
 }
 
-/// Describes an object upright: its box stands on the table.
+/// Upright descriptor of an object in all axis hypotheses; the box axis z is the up
+/// direction.
 fn describe<'a>(
     points: ObjectPoints<'_>,
     measured: &Measured,

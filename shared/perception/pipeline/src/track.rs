@@ -1,66 +1,67 @@
-//! One object as the frame loop knows it.
+//! Track of one object.
 
-use crate::frame::Measured;
+use crate::candidate_measurement::Measured;
 use geometry::OrientedBox;
 use learning::{CategoryName, N_NEAREST, Neighbour};
 use nalgebra::{Matrix3, Vector3};
-use tracking::{Appearance, MotionFilter, Sight, TrackLife, TrackPhase};
+use tracking::{CoarseAppearance, MotionFilter, Sight, TrackLifecycle, TrackPhase};
 
-/// One object as the frame loop knows it.
+/// Track of one object: motion, appearance and recognition result.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Track {
-    /// The track-id.
+    /// Track id, never reused.
     pub id: u64,
-    /// Capture stamp of the first sighting.
+    /// Capture stamp of the first measurement, nanoseconds.
     pub first_seen_ns: u64,
-    /// Capture stamp of the last sighting.
+    /// Capture stamp of the last measurement, nanoseconds.
     pub last_seen_ns: u64,
-    /// What the last sighting measured.
+    /// Last measurement.
     pub measured: Measured,
-    /// Views described.
+    /// Number of described views.
     pub n_views: u32,
-    /// The learned category; `None` when unknown.
+    /// Recognised category; `None` when unknown.
     pub label: Option<CategoryName>,
     /// Distance to the nearest stored view; infinite when nothing was taught.
     pub distance: f32,
-    /// Probability that it belongs to the nearest category; `None` when nothing was
-    /// taught.
+    /// Probability that the object belongs to the nearest category; `None` when nothing
+    /// was taught.
     pub probability: Option<f32>,
-    /// The nearest stored view of each of the nearest categories, nearest first.
+    /// Nearest stored view of each of the nearest categories, nearest first.
     pub nearest: [Option<Neighbour>; N_NEAREST],
-    /// Key views described.
+    /// Number of key views.
     pub n_key_views: u32,
-    /// The lost track whose object this one is taken to be, by its looks.
+    /// Id of the lost track as which this object was re-identified by appearance.
     pub linked_to: Option<u64>,
-    pub(crate) life: TrackLife,
-    /// After the last measurement.
+    pub(crate) lifecycle: TrackLifecycle,
+    /// Motion state after the last measurement update.
     pub(crate) posterior: MotionFilter,
-    /// The same, predicted to the last step.
+    /// Motion state predicted to the last frame.
     pub(crate) filter: MotionFilter,
-    pub(crate) appearance: Appearance,
-    /// Capture stamp of the last sighting in a hand; 0 for never.
+    /// Remembered appearance for data association.
+    pub(crate) appearance: CoarseAppearance,
+    /// Capture stamp of the last measurement with hand contact; 0 for none.
     pub(crate) last_handled_ns: u64,
-    /// Frames in which it had no candidate and lay in what another track saw.
-    pub(crate) n_swallowed: u32,
+    /// Number of frames without a candidate inside the measured box of another track.
+    pub(crate) n_frames_contained: u32,
 }
 
 impl Track {
-    /// How far the track is to be believed.
+    /// Life-cycle phase.
     pub fn phase(&self) -> TrackPhase {
-        self.life.phase()
+        self.lifecycle.phase()
     }
 
-    /// Whether its object was seen in the last frame, and if not, why.
+    /// Visibility in the last frame.
     pub fn sight(&self) -> Sight {
-        self.life.sight()
+        self.lifecycle.visibility()
     }
 
-    /// The box at the last step's capture stamp, world frame.
+    /// Predicted box at the capture stamp of the last frame, world frame.
     pub fn box_in_world(&self) -> OrientedBox {
         self.filter.box_in_world()
     }
 
-    /// Velocity of the box's centre, world frame, metres a second.
+    /// Velocity of the box centre, world frame, metres a second.
     pub fn velocity_m_s(&self) -> Vector3<f64> {
         self.filter.velocity_m_s()
     }
@@ -70,43 +71,45 @@ impl Track {
         self.filter.angular_velocity_rad_s()
     }
 
-    /// Covariance of the box's centre, world axes, square metres.
+    /// Covariance of the box centre, world axes, square metres.
     pub fn position_covariance_m2(&self) -> Matrix3<f64> {
         self.filter.position_covariance_m2()
     }
 
-    /// Covariance of a small turn about the world's axes, square radians.
+    /// Covariance of a small rotation about the world axes, square radians.
     pub fn rotation_covariance_rad2(&self) -> Matrix3<f64> {
         self.filter.rotation_covariance_rad2()
     }
 
-    /// Whether a hand has had the object within a time before a capture stamp.
+    /// True if a hand touched the object within a time before a capture stamp.
     pub(crate) fn was_handled(&self, now_ns: u64, within_ns: u64) -> bool {
         self.last_handled_ns > 0 && now_ns.saturating_sub(self.last_handled_ns) < within_ns
     }
 
-    /// Takes another look into what is remembered of the object's looks. What a
-    /// hand, the border of the image or another object hides a part of says
-    /// nothing of size, and its colours may be another thing's.
-    pub(crate) fn remember(&mut self, looks: &Appearance, is_whole: bool) {
-        if self.appearance.is_cut {
-            // What is smaller than a part is a smaller part, cut or not.
-            if looks.volume_m3 >= AS_LARGE_SHARE * self.appearance.volume_m3 {
-                self.appearance = *looks;
+    /// Updates the remembered appearance. A truncated or occluded view carries no size
+    /// information, and its colours may belong to another object.
+    pub(crate) fn remember(&mut self, appearance: &CoarseAppearance, is_whole: bool) {
+        if self.appearance.is_truncated {
+            // A smaller truncated view shows less of the object.
+            if appearance.volume_m3 >= SIMILAR_VOLUME_RATIO_MIN * self.appearance.volume_m3 {
+                self.appearance = *appearance;
             }
         } else if is_whole {
             let colors = &self.appearance.colors;
-            self.appearance.colors = colors.blended(&looks.colors, COLOR_RATE);
-            self.appearance.volume_m3 = looks.volume_m3;
+            self.appearance.colors = colors.blended(&appearance.colors, COLOR_LEARNING_RATE);
+            self.appearance.volume_m3 = appearance.volume_m3;
         }
     }
 }
 
-/// A view shows an object whole with this share of its box.
-pub(crate) const WHOLE_SHARE: f64 = 0.9;
+/// Visible fraction of the box above which a view shows the whole object. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
+pub(crate) const WHOLE_FRACTION_MIN: f64 = 0.9;
 
-/// What has this share of a volume is about as large.
-const AS_LARGE_SHARE: f64 = 0.8;
+/// Volume ratio above which two boxes are about equally large. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
+const SIMILAR_VOLUME_RATIO_MIN: f64 = 0.8;
 
-/// Share of a frame's colours in what is remembered.
-const COLOR_RATE: f32 = 0.05;
+/// Learning rate of the remembered colour histogram. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
+const COLOR_LEARNING_RATE: f32 = 0.05;

@@ -1,126 +1,133 @@
-//! The frame loop's half of the step: which candidate is which object.
+//! Track table: data association and track management, once per frame.
 
-use crate::departed::Departed;
-use crate::frame::{Frame, Measured};
-use crate::search::{Search, unseen_place};
-use crate::track::{Track, WHOLE_SHARE};
+use crate::candidate_measurement::Measured;
+use crate::frame_pose::Frame;
+use crate::lost_track_gallery::LostTrackGallery;
+use crate::track::{Track, WHOLE_FRACTION_MIN};
+use crate::track_recovery::{TrackRecovery, occlusion_of_unmatched};
 use crate::{Config, Posterior};
 use constraint::Truth;
 use detection::{Candidate, Detection, ExpectedTrack, Support};
 use point_cloud::Point;
 use tracking::{
-    AssociationBuffers, MotionFilter, Observed, Place, Predicted, Sight, TrackLife, TrackPhase,
-    associate, share_inside,
+    AssociationBuffers, MotionFilter, ObservedCandidate, OcclusionState, PredictedTrack, Sight,
+    TrackLifecycle, TrackPhase, associate, fraction_inside,
 };
 
-/// Where a track that was not seen for a while is looked for: the uncertainty of
-/// its place does not grow beyond this, metres. On a table, what is farther away
-/// is another object, whose views must not become this one's.
-const SEARCH_SIGMA_MAX_M: f64 = 0.04;
+/// Upper limit of the predicted position uncertainty in the association gate (standard
+/// deviation per axis), metres. A wider gate would reach neighbouring objects and mix
+/// their views. Chosen; sensitivity: see `tabula-lab sweep`.
+const GATE_SIGMA_MAX_M: f64 = 0.04;
 
-/// A fragment of an object has a smaller share of the volume of its box.
-const WHOLE_VOLUME_SHARE: f64 = 0.7;
+/// Volume ratio of measured to predicted box above which a view shows the whole object.
+/// Chosen; sensitivity: see `tabula-lab sweep`.
+const WHOLE_VOLUME_RATIO_MIN: f64 = 0.7;
 
-/// Near what was handled so lately, ...
+/// Time after hand contact in which no new track starts near the handled object,
+/// nanoseconds. Chosen; sensitivity: see `tabula-lab sweep`.
 const HANDLED_NS: u64 = 500_000_000;
 
-/// ... nearer to its box than this, metres, nothing new begins: it may be a part of
-/// what the hand cuts in two.
+/// Margin around a recently handled object in which no new track starts, metres: the
+/// hand may split the object into parts. Chosen; sensitivity: see `tabula-lab sweep`.
 const HANDLED_MARGIN_M: f64 = 0.03;
 
-/// What has at most this share of the points of a larger thing, ...
-const PART_POINTS_SHARE: f64 = 0.12;
+/// Point-count ratio below which a candidate may be a part of a larger one. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
+const PART_POINTS_RATIO_MAX: f64 = 0.12;
 
-/// ... whose middle is no farther from its box, metres, ...
-const PART_REACH_M: f64 = 0.035;
+/// Largest horizontal distance of a part's centre from the box of the larger candidate,
+/// metres. Chosen; sensitivity: see `tabula-lab sweep`.
+const PART_DISTANCE_MAX_M: f64 = 0.035;
 
-/// ... and whose mean colour is as near, of 255, may be a part of it.
+/// Largest Euclidean distance between the mean colours of a part and the larger
+/// candidate, per channel 0 to 255. Chosen; sensitivity: see `tabula-lab sweep`.
 const PART_COLOR_DISTANCE_MAX: f32 = 45.0;
 
-/// A track whose box lies in what another one sees, by this share, ...
-const SWALLOWED_SHARE: f64 = 0.8;
+/// Fraction of a track's box inside another track's measurement above which the two may
+/// be duplicates. Chosen; sensitivity: see `tabula-lab sweep`.
+const CONTAINED_FRACTION_MIN: f64 = 0.8;
 
-/// ... which is at least about as large, ...
-const SWALLOWING_RATIO_MIN: f64 = 0.9;
+/// Volume ratio of the containing measurement to the contained track that a duplicate
+/// requires. Chosen; sensitivity: see `tabula-lab sweep`.
+const CONTAINER_VOLUME_RATIO_MIN: f64 = 0.9;
 
-/// ... and which has no candidate of its own in so many frames, has no object.
-const N_SWALLOWED_MAX: u32 = 3;
+/// Number of frames contained without a candidate after which a track is merged into the
+/// other one. Chosen; sensitivity: see `tabula-lab sweep`.
+const N_FRAMES_CONTAINED_MAX: u32 = 3;
 
-/// A candidate that is a track's object.
+/// Track-to-candidate match of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sighting {
-    /// The track.
+    /// Track id.
     pub track_id: u64,
-    /// The candidate's place in the detection.
+    /// Index of the candidate in the detection.
     pub candidate: usize,
-    /// What it measured.
+    /// Measurement of the candidate.
     pub measured: Measured,
-    /// Whether the track begins with it.
+    /// `true` when the track starts with this candidate.
     pub is_new: bool,
 }
 
-/// What a step has decided. Reused from frame to frame.
+/// Track update of a frame: matches, ended tracks and rejected candidates. Reused from
+/// frame to frame.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Step {
-    /// Tracks with a measurement, known ones first.
+    /// Matched tracks with their measurements; continued tracks precede new ones.
     pub sightings: Vec<Sighting>,
-    /// Tracks that have ended.
+    /// Ids of the tracks that ended.
     pub gone: Vec<u64>,
-    /// Candidates that continued no track and began none, by their places in the
-    /// detection, ascending.
+    /// Indices of the candidates that neither continued nor started a track, ascending.
     pub rejected: Vec<usize>,
 }
 
-/// The tracks, and what is needed to go on with them.
+/// Live tracks with the buffers of association.
 #[derive(Debug)]
 pub struct TrackTable {
     config: Config,
     tracks: Vec<Track>,
-    departed: Departed,
+    lost_tracks: LostTrackGallery,
     measured: Vec<Option<Measured>>,
-    usable: Vec<usize>,
-    predicted: Vec<Predicted>,
-    observed: Vec<Observed>,
+    candidate_of_column: Vec<usize>,
+    predicted: Vec<PredictedTrack>,
+    observed: Vec<ObservedCandidate>,
     association: AssociationBuffers,
-    rows: Vec<usize>,
-    places: Vec<Option<Place>>,
-    search: Search,
+    track_of_row: Vec<usize>,
+    occlusions: Vec<Option<OcclusionState>>,
+    recovery: TrackRecovery,
 }
 
 impl TrackTable {
-    /// A table without tracks.
+    /// Empty table.
     pub fn new(config: Config) -> Self {
         Self {
             config,
             tracks: Vec::new(),
-            departed: Departed::default(),
+            lost_tracks: LostTrackGallery::default(),
             measured: Vec::new(),
-            usable: Vec::new(),
+            candidate_of_column: Vec::new(),
             predicted: Vec::new(),
             observed: Vec::new(),
             association: AssociationBuffers::default(),
-            rows: Vec::new(),
-            places: Vec::new(),
-            search: Search::default(),
+            track_of_row: Vec::new(),
+            occlusions: Vec::new(),
+            recovery: TrackRecovery::default(),
         }
     }
 
-    /// The tracks, by track-id.
+    /// Live tracks, ascending by track id.
     pub fn tracks(&self) -> &[Track] {
         &self.tracks
     }
 
-    /// Ends all tracks, into `gone`, and forgets what has gone before.
+    /// Ends all tracks, appends their ids to `gone` and empties the lost-track gallery.
     pub fn clear(&mut self, gone: &mut Vec<u64>) {
         gone.extend(self.tracks.drain(..).map(|track| track.id));
-        self.departed.clear();
+        self.lost_tracks.clear();
     }
 
-    /// Predicts all tracks to the frame and tells where they are expected, in the
-    /// camera's frame. To be asked before detection, which judges by them what is
-    /// tracked already, and parts what has come together. A track that was not seen
-    /// in the last step gives the box in which it was seen last, too: it may not
-    /// have gone where it was going.
+    /// Predicts all tracks to the frame and writes their expected boxes, camera frame,
+    /// as a prior for detection. A track not measured in the last frame contributes its
+    /// last measured box as well, since its motion may have stopped.
     pub fn predict(&mut self, frame: &Frame, expected: &mut Vec<ExpectedTrack>) {
         self.predict_tracks(frame);
         let camera_from_world = frame.world_from_camera.inverse();
@@ -137,45 +144,45 @@ impl TrackTable {
         }
     }
 
-    /// Predicts all tracks to the frame, gives each its candidate, begins tracks
-    /// for the candidates left over of which the rule is true, and ends tracks
-    /// whose place is empty or which were not seen for too long.
+    /// Updates all tracks with a detection: prediction, association, recovery,
+    /// termination of lost tracks and start of new ones.
     ///
-    /// A track goes on with its candidate whatever the rule says of it, at the
-    /// table's rim or held in the air; where a person or the robot is, only with
-    /// what looks like its object. `next_id` gives ids in ascending order, `None` while
-    /// there are none. `cloud` is that of the detection.
+    /// An existing track accepts its candidate regardless of the constraint rule, for
+    /// instance at the table's rim or in the air. In the space of a person or the robot
+    /// it accepts only candidates of similar appearance. A new track needs a candidate
+    /// for which the rule is true. `next_id` supplies ascending ids, or `None` while
+    /// there are none; `cloud` is the cloud of the detection.
     pub fn step(
         &mut self,
         detection: &Detection,
         cloud: &[Point],
         frame: &Frame,
         mut next_id: impl FnMut() -> Option<u64>,
-        step: &mut Step,
+        update: &mut Step,
     ) {
-        step.sightings.clear();
-        step.gone.clear();
-        step.rejected.clear();
+        update.sightings.clear();
+        update.gone.clear();
+        update.rejected.clear();
         self.measure(detection, cloud, frame);
         self.predict_tracks(frame);
-        self.associate(frame, step);
-        self.look_for_unseen(cloud, frame);
-        self.end_swallowed();
-        self.find_again(frame, step);
-        self.miss(frame);
-        self.end_lost(frame, step);
-        self.begin(detection, frame, &mut next_id, step);
+        self.associate(frame, update);
+        self.classify_unmatched(cloud, frame);
+        self.merge_duplicate_tracks();
+        self.recover_tracks(frame, update);
+        self.mark_missed(frame);
+        self.remove_lost_tracks(frame, update);
+        self.start_tracks(detection, frame, &mut next_id, update);
         let Step {
             sightings,
             rejected,
             ..
-        } = step;
-        let is_sighted = |i: &usize| sightings.iter().any(|sighting| sighting.candidate == *i);
-        rejected.extend((0..detection.candidates.len()).filter(|i| !is_sighted(i)));
+        } = update;
+        let is_matched = |i: &usize| sightings.iter().any(|sighting| sighting.candidate == *i);
+        rejected.extend((0..detection.candidates.len()).filter(|i| !is_matched(i)));
     }
 
-    /// Takes what an object's half of the step has found. A posterior of a track
-    /// that has ended, or older than the track, changes nothing.
+    /// Applies an object's posterior to its track. A posterior of an ended track, or one
+    /// older than the track, is ignored.
     pub fn absorb(&mut self, track_id: u64, posterior: &Posterior) {
         let Ok(i) = self
             .tracks
@@ -204,7 +211,7 @@ impl TrackTable {
             let indices = detection.points_of(candidate);
             let measured = candidate
                 .is_object_sized
-                .then(|| Measured::of(candidate, indices, cloud, frame).ok())
+                .then(|| Measured::from_candidate(candidate, indices, cloud, frame).ok())
                 .flatten();
             self.measured.push(measured);
         }
@@ -212,41 +219,43 @@ impl TrackTable {
 
     fn predict_tracks(&mut self, frame: &Frame) {
         for track in &mut self.tracks {
-            // Always from the measured state: predicting a prediction would let
-            // a track that is not seen coast for ever.
+            // Always predict from the measured state: predictions of predictions would
+            // coast without end.
             track.filter = track
                 .posterior
                 .predicted(frame.capture_ns, self.config.motion());
         }
     }
 
-    /// Gives each track its candidate; used candidates leave `measured`. First come
-    /// the tracks that were seen just now: one that is searched for in a wide place
-    /// must not take theirs.
-    fn associate(&mut self, frame: &Frame, step: &mut Step) {
-        self.places.clear();
-        self.places.resize(self.tracks.len(), Some(Place::Unknown));
-        for is_sure in [true, false] {
-            self.associate_some(is_sure, frame, step);
+    /// Assigns candidates to tracks; assigned candidates leave `measured`. Recently seen
+    /// tracks come first, so that a track with a wide gate does not take their
+    /// candidates.
+    fn associate(&mut self, frame: &Frame, update: &mut Step) {
+        self.occlusions.clear();
+        self.occlusions
+            .resize(self.tracks.len(), Some(OcclusionState::Unknown));
+        for is_recent in [true, false] {
+            self.associate_subset(is_recent, frame, update);
         }
     }
 
-    fn associate_some(&mut self, is_sure: bool, frame: &Frame, step: &mut Step) {
+    fn associate_subset(&mut self, is_recent: bool, frame: &Frame, update: &mut Step) {
         self.predicted.clear();
         self.observed.clear();
-        self.usable.clear();
-        self.rows.clear();
+        self.candidate_of_column.clear();
+        self.track_of_row.clear();
         for (i, track) in self.tracks.iter().enumerate() {
-            let was_sure = track.sight() == Sight::Seen && track.phase() == TrackPhase::Confirmed;
-            if self.places[i].is_some() && was_sure == is_sure {
-                self.rows.push(i);
+            let was_recent = track.sight() == Sight::Seen && track.phase() == TrackPhase::Confirmed;
+            if self.occlusions[i].is_some() && was_recent == is_recent {
+                self.track_of_row.push(i);
                 self.predicted.push(predicted(track));
             }
         }
         for (i, measured) in self.measured.iter().enumerate() {
             if let Some(measured) = measured {
-                self.usable.push(i);
-                self.observed.push(measured.observed(&self.config));
+                self.candidate_of_column.push(i);
+                self.observed
+                    .push(measured.observed_candidate(&self.config));
             }
         }
         let config = self.config.association();
@@ -256,95 +265,101 @@ impl TrackTable {
             config,
             &mut self.association,
         );
-        for (row, pair) in self.rows.iter().zip(pairs) {
-            let candidate = pair.map(|usable| self.usable[usable]);
+        for (row, pair) in self.track_of_row.iter().zip(pairs) {
+            let candidate =
+                pair.map(|candidate_of_column| self.candidate_of_column[candidate_of_column]);
             let taken = candidate.and_then(|i| Some((i, self.measured[i].take()?)));
             if let Some((candidate, measured)) = taken {
-                see(&mut self.tracks[*row], candidate, &measured, frame, step);
-                self.places[*row] = None;
+                update_track(&mut self.tracks[*row], candidate, &measured, frame, update);
+                self.occlusions[*row] = None;
             }
         }
     }
 
-    /// Looks at the places of the tracks without a candidate.
-    fn look_for_unseen(&mut self, cloud: &[Point], frame: &Frame) {
+    /// Occlusion test of the tracks without a candidate.
+    fn classify_unmatched(&mut self, cloud: &[Point], frame: &Frame) {
         let Some(view) = frame.view(cloud) else {
             return;
         };
-        for (track, place) in self.tracks.iter().zip(&mut self.places) {
-            if let Some(place) = place {
-                *place = unseen_place(track, frame.capture_ns, &view);
+        for (track, occlusion) in self.tracks.iter().zip(&mut self.occlusions) {
+            if let Some(occlusion) = occlusion {
+                *occlusion = occlusion_of_unmatched(track, frame.capture_ns, &view);
             }
         }
     }
 
-    /// Gives tracks whose place is empty the candidates left over that they can
-    /// have become since: what a hand takes is faster than any gate.
-    fn find_again(&mut self, frame: &Frame, step: &mut Step) {
+    /// Recovers tracks in free space by matching them with unassigned candidates: a hand
+    /// moves objects out of any gate.
+    fn recover_tracks(&mut self, frame: &Frame, update: &mut Step) {
         let config = self.config.association();
-        self.search.pair(
+        self.recovery.match_candidates(
             &self.tracks,
-            &self.places,
+            &self.occlusions,
             &self.measured,
             frame.capture_ns,
             config,
         );
-        for (track, place) in self.search.pairs() {
-            if let Some(measured) = self.measured[place].take() {
-                see(&mut self.tracks[track], place, &measured, frame, step);
-                self.places[track] = None;
+        for (track, candidate) in self.recovery.pairs() {
+            if let Some(measured) = self.measured[candidate].take() {
+                update_track(&mut self.tracks[track], candidate, &measured, frame, update);
+                self.occlusions[track] = None;
             }
         }
     }
 
-    /// Two tracks of one object, which was seen in two parts when they began: the
-    /// smaller one ends when again and again it lies in what the other one sees.
-    fn end_swallowed(&mut self) {
+    /// Merges duplicate tracks of an object that was first detected in two parts. The
+    /// smaller track ends after it lay repeatedly inside the measurement of the other
+    /// one.
+    fn merge_duplicate_tracks(&mut self) {
         for i in 0..self.tracks.len() {
-            if self.places[i] != Some(Place::Unknown) {
+            if self.occlusions[i] != Some(OcclusionState::Unknown) {
                 continue;
             }
             let own = self.tracks[i].box_in_world();
-            let is_swallowed = self.tracks.iter().zip(&self.places).any(|(other, place)| {
-                let seen = other.measured.measurement.box_in_world();
-                place.is_none()
-                    && seen.volume_m3() >= own.volume_m3() * SWALLOWING_RATIO_MIN
-                    && share_inside(&own, seen) >= SWALLOWED_SHARE
-            });
+            let is_contained =
+                self.tracks
+                    .iter()
+                    .zip(&self.occlusions)
+                    .any(|(other, occlusion)| {
+                        let seen = other.measured.measurement.box_in_world();
+                        occlusion.is_none()
+                            && seen.volume_m3() >= own.volume_m3() * CONTAINER_VOLUME_RATIO_MIN
+                            && fraction_inside(&own, seen) >= CONTAINED_FRACTION_MIN
+                    });
             let track = &mut self.tracks[i];
-            track.n_swallowed += u32::from(is_swallowed);
-            if track.n_swallowed >= N_SWALLOWED_MAX {
-                self.places[i] = Some(Place::Free);
+            track.n_frames_contained += u32::from(is_contained);
+            if track.n_frames_contained >= N_FRAMES_CONTAINED_MAX {
+                self.occlusions[i] = Some(OcclusionState::Empty);
             }
         }
     }
 
-    fn miss(&mut self, frame: &Frame) {
-        for (track, place) in self.tracks.iter_mut().zip(&self.places) {
-            if let Some(place) = place {
-                track.life = track.life.missed(frame.capture_ns, *place);
+    fn mark_missed(&mut self, frame: &Frame) {
+        for (track, occlusion) in self.tracks.iter_mut().zip(&self.occlusions) {
+            if let Some(occlusion) = occlusion {
+                track.lifecycle = track.lifecycle.missed(frame.capture_ns, *occlusion);
             }
         }
     }
 
-    fn end_lost(&mut self, frame: &Frame, step: &mut Step) {
-        let departed = &mut self.departed;
+    fn remove_lost_tracks(&mut self, frame: &Frame, update: &mut Step) {
+        let lost_tracks = &mut self.lost_tracks;
         self.tracks.retain(|track| {
             let is_lost = track.phase() == TrackPhase::Lost;
             if is_lost {
-                step.gone.push(track.id);
-                departed.remember(track, frame.capture_ns);
+                update.gone.push(track.id);
+                lost_tracks.insert(track, frame.capture_ns);
             }
             !is_lost
         });
     }
 
-    fn begin(
+    fn start_tracks(
         &mut self,
         detection: &Detection,
         frame: &Frame,
         next_id: &mut impl FnMut() -> Option<u64>,
-        step: &mut Step,
+        update: &mut Step,
     ) {
         for (candidate, measured) in self.measured.iter_mut().enumerate() {
             let is_object = detection.candidates[candidate].verdict == Truth::True;
@@ -357,7 +372,7 @@ impl TrackTable {
                 continue;
             }
             let Some(track_id) = next_id() else { return };
-            step.sightings.push(Sighting {
+            update.sightings.push(Sighting {
                 track_id,
                 candidate,
                 measured,
@@ -375,31 +390,33 @@ impl TrackTable {
                 probability: None,
                 nearest: Default::default(),
                 n_key_views: 0,
-                linked_to: self.departed.claim(&measured.appearance, frame.capture_ns),
-                life: TrackLife::start(frame.capture_ns),
+                linked_to: self
+                    .lost_tracks
+                    .reidentify(&measured.appearance, frame.capture_ns),
+                lifecycle: TrackLifecycle::start(frame.capture_ns),
                 posterior: filter,
                 filter,
                 appearance: measured.appearance,
                 last_handled_ns: 0,
-                n_swallowed: 0,
+                n_frames_contained: 0,
             });
         }
     }
 }
 
-/// Where a track is expected, and what it looks like.
-fn predicted(track: &Track) -> Predicted {
-    let trace_max_m2 = 3.0 * SEARCH_SIGMA_MAX_M * SEARCH_SIGMA_MAX_M;
+/// Predicted track for data association, with a bounded covariance.
+fn predicted(track: &Track) -> PredictedTrack {
+    let trace_max_m2 = 3.0 * GATE_SIGMA_MAX_M * GATE_SIGMA_MAX_M;
     let covariance_m2 = track.filter.position_covariance_m2();
-    let share = (trace_max_m2 / covariance_m2.trace()).min(1.0);
-    Predicted {
+    let factor = (trace_max_m2 / covariance_m2.trace()).min(1.0);
+    PredictedTrack {
         box_in_world: track.filter.box_in_world(),
-        covariance_m2: covariance_m2 * share,
+        covariance_m2: covariance_m2 * factor,
         appearance: track.appearance,
     }
 }
 
-/// Whether a candidate may be a part of an object that a hand has just had.
+/// True if a candidate may be a part of a recently handled object.
 fn is_part_of_handled(tracks: &[Track], measured: &Measured, frame: &Frame) -> bool {
     let centre = measured.measurement.box_in_world().centre();
     tracks.iter().any(|track| {
@@ -408,9 +425,9 @@ fn is_part_of_handled(tracks: &[Track], measured: &Measured, frame: &Frame) -> b
     })
 }
 
-/// Whether a candidate is a part of a larger one, like the handle of a mug that the
-/// sensor has lost the connection to: small, of the same colour, at its side, and in
-/// the air.
+/// True if a candidate is probably a detached part of a larger one, such as a mug's
+/// handle without depth at its joint: few points, similar colour, close, and not
+/// supported by the table.
 fn is_part_of_larger(part: &Candidate, candidates: &[Candidate]) -> bool {
     let is_like = |whole: &Candidate| {
         let pairs = part.mean_rgb.iter().zip(whole.mean_rgb);
@@ -422,28 +439,34 @@ fn is_part_of_larger(part: &Candidate, candidates: &[Candidate]) -> bool {
         && candidates.iter().any(|whole| {
             let place = whole.oriented_box.frame_from_box.inverse() * centre;
             let half = whole.oriented_box.half_sides_m;
-            part.n_points() as f64 <= PART_POINTS_SHARE * whole.n_points() as f64
-                && place.x.abs() <= half.x + PART_REACH_M
-                && place.y.abs() <= half.y + PART_REACH_M
+            part.n_points() as f64 <= PART_POINTS_RATIO_MAX * whole.n_points() as f64
+                && place.x.abs() <= half.x + PART_DISTANCE_MAX_M
+                && place.y.abs() <= half.y + PART_DISTANCE_MAX_M
                 && place.z.abs() <= half.z
                 && is_like(whole)
         })
 }
 
-/// A track goes on with a candidate.
-fn see(track: &mut Track, candidate: usize, measured: &Measured, frame: &Frame, step: &mut Step) {
-    track.life = track.life.seen(frame.capture_ns);
+/// Continues a track with a candidate.
+fn update_track(
+    track: &mut Track,
+    candidate: usize,
+    measured: &Measured,
+    frame: &Frame,
+    update: &mut Step,
+) {
+    track.lifecycle = track.lifecycle.observed(frame.capture_ns);
     track.last_seen_ns = frame.capture_ns;
-    if measured.measurement.seen().is_handled() {
+    if measured.measurement.conditions().is_handled() {
         track.last_handled_ns = frame.capture_ns;
     }
     track.measured = *measured;
-    let whole_m3 = WHOLE_VOLUME_SHARE * track.filter.box_in_world().volume_m3();
-    let is_whole = !measured.is_cut
-        && track.posterior.completeness() >= WHOLE_SHARE
+    let whole_m3 = WHOLE_VOLUME_RATIO_MIN * track.filter.box_in_world().volume_m3();
+    let is_whole = !measured.is_truncated
+        && track.posterior.completeness() >= WHOLE_FRACTION_MIN
         && measured.appearance.volume_m3 >= whole_m3;
     track.remember(&measured.appearance, is_whole);
-    step.sightings.push(Sighting {
+    update.sightings.push(Sighting {
         track_id: track.id,
         candidate,
         measured: *measured,

@@ -1,12 +1,13 @@
-//! Association and motion filter of a full table.
+//! Benchmark of data association and motion filter for a full table.
 
 use divan::{Bencher, black_box};
 use geometry::{OrientedBox, RigidTransform};
 use nalgebra::{Matrix3, Vector3};
 use point_cloud::Rgba;
 use tracking::{
-    Appearance, AssociationBuffers, AssociationConfig, Circumstances, ColorHistogram, Handling,
-    Measurement, MotionConfig, MotionFilter, Observed, Predicted, associate,
+    AssociationBuffers, AssociationConfig, CoarseAppearance, ColorHistogram, HandContact,
+    Measurement, MotionConfig, MotionFilter, ObservedCandidate, PredictedTrack, ViewingConditions,
+    associate,
 };
 
 fn main() {
@@ -15,28 +16,28 @@ fn main() {
 
 #[divan::bench(args = [5, 20, 80, 200])]
 fn associate_all(bencher: Bencher<'_, '_>, n: usize) {
-    let appearance = Appearance {
+    let appearance = CoarseAppearance {
         volume_m3: 1e-3,
-        colors: ColorHistogram::of([Rgba::opaque(90, 90, 90)]),
-        is_cut: false,
+        colors: ColorHistogram::from_colors([Rgba::opaque(90, 90, 90)]),
+        is_truncated: false,
     };
     let box_of = |i: usize| OrientedBox {
         frame_from_box: RigidTransform::translation(0.02 * i as f64, 0.003 * (i % 7) as f64, 0.0),
         half_sides_m: Vector3::repeat(0.05),
     };
     let tracks: Vec<_> = (0..n)
-        .map(|i| Predicted {
+        .map(|i| PredictedTrack {
             box_in_world: box_of(i),
             covariance_m2: Matrix3::identity() * 1e-4,
             appearance,
         })
         .collect();
     let candidates: Vec<_> = (0..n)
-        .map(|i| Observed {
+        .map(|i| ObservedCandidate {
             box_in_world: box_of(n - 1 - i),
             position_variance_m2: 1e-5,
             appearance,
-            is_limb: false,
+            overlaps_body: false,
         })
         .collect();
     let (config, mut buffers) = (AssociationConfig::default(), AssociationBuffers::default());
@@ -55,15 +56,15 @@ fn update_filter(bencher: Bencher<'_, '_>) {
         frame_from_box: RigidTransform::new(Vector3::new(0.1, 0.2, 0.9), Vector3::z() * 0.3),
         half_sides_m: Vector3::new(0.05, 0.04, 0.1),
     };
-    let circumstances = Circumstances {
+    let conditions = ViewingConditions {
         depth_m: 0.9,
         ray_in_world: Vector3::y_axis(),
         variances_m2: Vector3::new(8e-4, 5e-4, 3e-3),
         stands_on_table: true,
-        is_cut: false,
-        handling: Handling::Alone,
+        is_truncated: false,
+        hand_contact: HandContact::None,
     };
-    let seen = |stamp_ns| Measurement::new(stamp_ns, shape, circumstances);
+    let seen = |stamp_ns| Measurement::new(stamp_ns, shape, conditions);
     let (Ok(first), Ok(second)) = (seen(0), seen(33_000_000)) else {
         return;
     };

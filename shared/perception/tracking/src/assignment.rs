@@ -1,39 +1,38 @@
-//! The cheapest assignment of rows to columns.
+//! Linear assignment problem with a cost for unassigned rows.
 
 use pathfinding::kuhn_munkres::kuhn_munkres_min;
 use pathfinding::matrix::Matrix;
 
-/// Steps of a cost of one: the library wants whole numbers.
-const STEPS: f64 = 1e6;
+/// Fixed-point scale of costs; the solver requires integers.
+const COST_SCALE: f64 = 1e6;
 
-/// Dearer than any sum of allowed costs, and far from overflowing.
+/// Cost of a forbidden pair: larger than any sum of allowed costs, far from overflow.
 const FORBIDDEN: i64 = 1 << 40;
 
-/// Greatest cost, so that sums stay below [`FORBIDDEN`].
+/// Largest cost, so that sums stay below [`FORBIDDEN`].
 const COST_MAX: f64 = 1e3;
 
-/// Buffers of [`assign`], reused from call to call.
+/// Scratch buffers of [`assign`], reused from call to call.
 #[derive(Debug, Default)]
 pub struct AssignmentBuffers {
     column_of_row: Vec<Option<usize>>,
     row_of_column: Vec<usize>,
-    groups: Groups,
+    groups: ConflictGroups,
     rows: Vec<usize>,
     columns: Vec<usize>,
 }
 
-/// Assigns rows to columns, each at most once, at least total cost, where a
-/// row left without a column costs `unassigned_cost` (below 1000). Returns each
-/// row's column.
+/// Minimum-cost assignment: returns the column of each row. Each row and column is used
+/// at most once, and a row without a column costs `unassigned_cost` (below 1000).
 ///
-/// `costs` is `n_rows x n_columns`, row-major; an entry that is not a number,
-/// or not below `unassigned_cost`, is never chosen. Costs are compared to a
-/// millionth; of equally cheap assignments the same one is always chosen.
+/// `costs` is `n_rows x n_columns`, row-major; an entry that is NaN or not below
+/// `unassigned_cost` is forbidden. Costs are compared to a millionth; ties are broken
+/// deterministically.
 ///
-/// Rows and columns fall into groups that share no allowed pair. A group in
-/// which every row's cheapest column is another one is decided by that; only
-/// rows that compete go to the Hungarian method (Kuhn 1955, Munkres 1957) of the
-/// library, which allocates: on a table that is a few rows now and then.
+/// Rows and columns are split into connected components of allowed pairs. A component in
+/// which every row prefers a different column is solved directly. Only competing rows
+/// are solved by the Hungarian method (Kuhn 1955, Munkres 1957) of the library, which
+/// allocates; on a table these are a few rows in rare frames.
 pub fn assign<'a>(
     costs: &[f64],
     n_columns: usize,
@@ -41,7 +40,7 @@ pub fn assign<'a>(
     buffers: &'a mut AssignmentBuffers,
 ) -> &'a [Option<usize>] {
     let n_rows = costs.len().checked_div(n_columns).unwrap_or(0);
-    let pairs = Pairs {
+    let pairs = AllowedPairs {
         costs,
         n_columns,
         unassigned_cost: unassigned_cost.min(COST_MAX),
@@ -49,30 +48,30 @@ pub fn assign<'a>(
     buffers.column_of_row.clear();
     buffers.column_of_row.resize(n_rows, None);
     buffers.groups.refill(&pairs, n_rows);
-    buffers.take_cheapest(&pairs);
+    buffers.assign_cheapest(&pairs);
     for root in 0..n_rows {
-        if buffers.groups.root(root) == root && buffers.competes(root) {
-            buffers.settle(root, &pairs);
+        if buffers.groups.root(root) == root && buffers.has_conflict(root) {
+            buffers.solve_group(root, &pairs);
         }
     }
     &buffers.column_of_row
 }
 
-/// The allowed pairs and their costs.
-struct Pairs<'a> {
+/// Sparse view of the cost matrix: the allowed pairs.
+struct AllowedPairs<'a> {
     costs: &'a [f64],
     n_columns: usize,
     unassigned_cost: f64,
 }
 
-impl Pairs<'_> {
-    /// The cost of an allowed pair. Whatever is not a number is not allowed.
+impl AllowedPairs<'_> {
+    /// Cost of an allowed pair; `None` for NaN and forbidden entries.
     fn cost(&self, row: usize, column: usize) -> Option<f64> {
         let cost = self.costs[row * self.n_columns + column];
         (cost < self.unassigned_cost).then_some(cost.max(-COST_MAX))
     }
 
-    fn cheapest(&self, row: usize) -> Option<usize> {
+    fn cheapest_column(&self, row: usize) -> Option<usize> {
         (0..self.n_columns)
             .filter_map(|column| Some((column, self.cost(row, column)?)))
             .min_by(|a, b| a.1.total_cmp(&b.1))
@@ -80,32 +79,32 @@ impl Pairs<'_> {
     }
 }
 
-const NONE: usize = usize::MAX;
+const UNASSIGNED: usize = usize::MAX;
 
 impl AssignmentBuffers {
-    /// Gives each row its cheapest column; a column wanted twice marks its rows'
-    /// group as one of competitors.
-    fn take_cheapest(&mut self, pairs: &Pairs<'_>) {
+    /// Assigns each row its cheapest column; a column chosen twice marks the component
+    /// of its rows as conflicting.
+    fn assign_cheapest(&mut self, pairs: &AllowedPairs<'_>) {
         self.row_of_column.clear();
-        self.row_of_column.resize(pairs.n_columns, NONE);
+        self.row_of_column.resize(pairs.n_columns, UNASSIGNED);
         for row in 0..self.column_of_row.len() {
-            let Some(column) = pairs.cheapest(row) else {
+            let Some(column) = pairs.cheapest_column(row) else {
                 continue;
             };
             self.column_of_row[row] = Some(column);
-            if std::mem::replace(&mut self.row_of_column[column], row) != NONE {
+            if std::mem::replace(&mut self.row_of_column[column], row) != UNASSIGNED {
                 let root = self.groups.root(row);
                 self.groups.has_conflict[root] = true;
             }
         }
     }
 
-    fn competes(&self, root: usize) -> bool {
+    fn has_conflict(&self, root: usize) -> bool {
         self.groups.has_conflict[root]
     }
 
-    /// Decides among the rows of a group.
-    fn settle(&mut self, root: usize, pairs: &Pairs<'_>) {
+    /// Solves one conflicting component by the Hungarian method.
+    fn solve_group(&mut self, root: usize, pairs: &AllowedPairs<'_>) {
         let Self {
             rows,
             columns,
@@ -118,14 +117,14 @@ impl AssignmentBuffers {
         columns.clear();
         let is_wanted = |column: &usize| rows.iter().any(|row| pairs.cost(*row, *column).is_some());
         columns.extend((0..pairs.n_columns).filter(is_wanted));
-        // Behind the columns each row has one of its own that stands for none.
+        // Each row has an additional dummy column that stands for "unassigned".
         let (n_rows, n_columns) = (rows.len(), columns.len());
         let weight = |(row, column): (usize, usize)| {
             let cost = match columns.get(column) {
                 Some(column) => pairs.cost(rows[row], *column),
                 None => (column - n_columns == row).then_some(pairs.unassigned_cost),
             };
-            cost.map_or(FORBIDDEN, |cost| (cost * STEPS).round() as i64)
+            cost.map_or(FORBIDDEN, |cost| (cost * COST_SCALE).round() as i64)
         };
         let weights = Matrix::from_fn(n_rows, n_columns + n_rows, weight);
         let (_, chosen) = kuhn_munkres_min(&weights);
@@ -135,15 +134,15 @@ impl AssignmentBuffers {
     }
 }
 
-/// Rows that share a column, directly or through others, by union-find.
+/// Union-find over rows that share an allowed column.
 #[derive(Debug, Default)]
-struct Groups {
+struct ConflictGroups {
     parent: Vec<usize>,
     has_conflict: Vec<bool>,
 }
 
-impl Groups {
-    fn refill(&mut self, pairs: &Pairs<'_>, n_rows: usize) {
+impl ConflictGroups {
+    fn refill(&mut self, pairs: &AllowedPairs<'_>, n_rows: usize) {
         self.parent.clear();
         self.parent.extend(0..n_rows);
         self.has_conflict.clear();
@@ -166,7 +165,7 @@ impl Groups {
         row
     }
 
-    /// The smaller number becomes the root, so that groups do not depend on order.
+    /// Union by smallest index, so that components do not depend on order.
     fn join(&mut self, a: usize, b: usize) {
         let (a, b) = (self.root(a), self.root(b));
         self.parent[a.max(b)] = a.min(b);
@@ -178,8 +177,8 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Cost of the best assignment of the rows from `row` on, by trying all.
-    fn best_by_trying(
+    /// Exhaustive minimum of the assignment cost of the rows from `row` on.
+    fn exhaustive_minimum(
         costs: &[f64],
         n_columns: usize,
         unassigned: f64,
@@ -189,7 +188,7 @@ mod tests {
         if row * n_columns >= costs.len() {
             return 0.0;
         }
-        let rest = |used| best_by_trying(costs, n_columns, unassigned, row + 1, used);
+        let rest = |used| exhaustive_minimum(costs, n_columns, unassigned, row + 1, used);
         let mut best = unassigned + rest(used);
         for column in (0..n_columns).filter(|column| used & (1 << column) == 0) {
             let cost = costs[row * n_columns + column];
@@ -219,7 +218,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn no_assignment_is_cheaper((costs, n_columns) in matrix(), unassigned in 1.0..15.0_f64) {
+        fn assignment_has_the_minimum_cost((costs, n_columns) in matrix(), unassigned in 1.0..15.0_f64) {
             let mut buffers = AssignmentBuffers::default();
             let columns = assign(&costs, n_columns, unassigned, &mut buffers);
             let mut used: Vec<usize> = columns.iter().flatten().copied().collect();
@@ -227,14 +226,14 @@ mod tests {
             used.sort_unstable();
             used.dedup();
             prop_assert_eq!(used.len(), n_used);
-            let best = best_by_trying(&costs, n_columns, unassigned, 0, 0);
+            let best = exhaustive_minimum(&costs, n_columns, unassigned, 0, 0);
             let found = total(&costs, n_columns, unassigned, columns);
             prop_assert!((found - best).abs() < 2e-5, "{} instead of {}", found, best);
         }
     }
 
     #[test]
-    fn nothing_is_assigned_to_nothing() {
+    fn assignment_of_an_empty_matrix_is_empty() {
         let mut buffers = AssignmentBuffers::default();
         assert!(assign(&[], 0, 1.0, &mut buffers).is_empty());
         assert!(assign(&[], 3, 1.0, &mut buffers).is_empty());

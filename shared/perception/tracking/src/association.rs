@@ -1,4 +1,5 @@
-//! Which candidate is which track's object.
+//! Data association of tracks and candidates: Mahalanobis gate, appearance cost,
+//! assignment.
 
 use crate::Error;
 use crate::assignment::{AssignmentBuffers, assign};
@@ -7,85 +8,91 @@ use crate::error::check_settings;
 use geometry::OrientedBox;
 use nalgebra::{Matrix3, Point3};
 
-/// A part of an object sticks out of its box by this at most, metres.
+/// Tolerance of the containment test, metres. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
 const PART_MARGIN_M: f64 = 0.012;
 
-/// Steps of a side of a box in which it is looked whether it is a part.
+/// Sample points per side of a box in the containment test. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
 const N_PART_STEPS: usize = 3;
 
-/// They reach so far from its middle: the corners of a box are not filled.
-const PART_REACH: f64 = 0.8;
+/// Extent of the sample points relative to the half sides; the corners of a box are
+/// rarely filled. Chosen; sensitivity: see `tabula-lab sweep`.
+const PART_SAMPLE_EXTENT: f64 = 0.8;
 
-/// Share of a part that lies in the box of the whole.
-const PART_SHARE_MIN: f64 = 0.85;
+/// Contained fraction above which a candidate may be the visible part of a track's
+/// object. Chosen; sensitivity: see `tabula-lab sweep`.
+const PART_FRACTION_MIN: f64 = 0.85;
 
-/// Share of a cut candidate's box that lies in that of its object, or of the latter
-/// in the former.
-const CUT_SHARE_MIN: f64 = 0.5;
+/// Overlap of a truncated candidate with the expected box, or of the expected box with
+/// it, that is required for a match. Chosen; sensitivity: see `tabula-lab sweep`.
+const TRUNCATED_FRACTION_MIN: f64 = 0.5;
 
-/// What lies where a hand is and is larger than the object by more than this is the
-/// hand, or both.
-const LIMB_VOLUME_RATIO_MAX: f64 = 1.6;
+/// Volume ratio to the track above which a candidate in the space of a body is the body
+/// itself. Chosen; sensitivity: see `tabula-lab sweep`.
+const BODY_VOLUME_RATIO_MAX: f64 = 1.6;
 
-/// What an object looks like, coarsely.
+/// Coarse appearance for data association: volume and colour.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Appearance {
-    /// Volume of its box, cubic metres.
+pub struct CoarseAppearance {
+    /// Volume of the bounding box, cubic metres.
     pub volume_m3: f64,
-    /// Its colours.
+    /// Colour histogram.
     pub colors: ColorHistogram,
-    /// Whether a part of it may be missing; then its size says nothing.
-    pub is_cut: bool,
+    /// `true` when a part may be missing, so that the volume is only a lower bound.
+    pub is_truncated: bool,
 }
 
-/// A track, predicted to the frame's capture stamp.
+/// Track predicted to the capture stamp of the frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Predicted {
-    /// Expected box, world frame.
+pub struct PredictedTrack {
+    /// Expected oriented bounding box, world frame.
     pub box_in_world: OrientedBox,
-    /// Covariance of its centre, square metres, world axes.
+    /// Covariance of the centre, world axes, square metres.
     pub covariance_m2: Matrix3<f64>,
-    /// What its object looked like before.
-    pub appearance: Appearance,
+    /// Remembered appearance.
+    pub appearance: CoarseAppearance,
 }
 
-/// A candidate of the frame.
+/// Candidate observed in the frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Observed {
-    /// Measured box, world frame.
+pub struct ObservedCandidate {
+    /// Measured oriented bounding box, world frame.
     pub box_in_world: OrientedBox,
-    /// Variance of the measured centre, each axis, square metres.
+    /// Variance of the measured centre per axis, square metres.
     pub position_variance_m2: f64,
-    /// What it looks like.
-    pub appearance: Appearance,
-    /// Whether it lies where a person or the robot is: it may be the object in the
-    /// hand, or the hand.
-    pub is_limb: bool,
+    /// Measured appearance.
+    pub appearance: CoarseAppearance,
+    /// `true` when the candidate lies in the space of a person or the robot: it may be a
+    /// held object or the hand.
+    pub overlaps_body: bool,
 }
 
-/// How much place, size and colour count.
+/// Gates and weights of the association cost.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AssociationConfig {
-    /// Greatest squared Mahalanobis distance; 1 to 1000. The default lets 1 %
-    /// of true pairs go (chi-squared with three degrees of freedom).
+    /// Gate on the squared Mahalanobis distance; 1 to 1000. The default rejects 1 % of
+    /// true pairs (chi-squared with three degrees of freedom).
     pub distance2_max: f64,
-    /// Cost of a volume e times as large or small; 0 to 100.
+    /// Weight of the absolute logarithm of the volume ratio; 0 to 100.
     pub volume_weight: f64,
-    /// Cost of colours that have nothing in common; 0 to 100.
+    /// Weight of the colour dissimilarity; 0 to 100.
     pub color_weight: f64,
-    /// A volume that differs by this factor is another object's; 1.1 to 1000.
+    /// Gate on the volume ratio; 1.1 to 1000.
     pub volume_ratio_max: f64,
-    /// Colours that are less alike are another object's; 0 to 1, see
-    /// [`ColorHistogram::similarity`].
+    /// Gate on the colour similarity; 0 to 1, see [`ColorHistogram::similarity`].
     pub color_similarity_min: f64,
-    /// The same for what lies where a person or the robot is.
-    pub limb_similarity_min: f64,
-    /// Cost of a candidate that lies in the track's box as a part of its object
-    /// does, whatever its centre; 0 to 1000.
+    /// Gate on the colour similarity of a candidate in the space of a person or the
+    /// robot; 0 to 1.
+    pub body_similarity_min: f64,
+    /// Cost, in place of the squared distance, of a candidate inside the expected box
+    /// that may be the visible part of the object; 0 to 1000.
     pub part_cost: f64,
 }
 
 impl Default for AssociationConfig {
+    /// The chi-squared quantile for the distance; the other values are chosen;
+    /// sensitivity: see `tabula-lab sweep`.
     fn default() -> Self {
         Self {
             distance2_max: 11.34,
@@ -93,14 +100,14 @@ impl Default for AssociationConfig {
             color_weight: 2.0,
             volume_ratio_max: 4.0,
             color_similarity_min: 0.45,
-            limb_similarity_min: 0.85,
+            body_similarity_min: 0.85,
             part_cost: 9.0,
         }
     }
 }
 
 impl AssociationConfig {
-    /// Checks the settings.
+    /// Settings after a range check.
     ///
     /// # Errors
     /// Names the first setting outside its range.
@@ -111,37 +118,36 @@ impl AssociationConfig {
             ("color_weight", self.color_weight, 0.0, 100.0),
             ("volume_ratio_max", self.volume_ratio_max, 1.1, 1000.0),
             ("color_similarity_min", self.color_similarity_min, 0.0, 1.0),
-            ("limb_similarity_min", self.limb_similarity_min, 0.0, 1.0),
+            ("body_similarity_min", self.body_similarity_min, 0.0, 1.0),
             ("part_cost", self.part_cost, 0.0, 1000.0),
         ])?;
         Ok(self)
     }
 
-    /// More than any allowed pair costs.
+    /// Upper bound of the cost of an allowed pair.
     fn unassigned_cost(&self) -> f64 {
         let volume = self.volume_weight * self.volume_ratio_max.ln();
         1.0 + self.distance2_max.max(self.part_cost) + volume + self.color_weight
     }
 }
 
-/// Buffers of [`associate`], reused from frame to frame.
+/// Scratch buffers of [`associate`], reused from frame to frame.
 #[derive(Debug, Default)]
 pub struct AssociationBuffers {
     costs: Vec<f64>,
     assignment: AssignmentBuffers,
 }
 
-/// For each track its candidate, `None` for a track that was not observed.
-/// A candidate named for no track is a new object's.
+/// Candidate index of each track, `None` for an unobserved track. A candidate assigned
+/// to no track belongs to a new object.
 ///
-/// A pair is allowed within the gate of distance, or where the candidate can be
-/// what is left of an object partly hidden, and where size and colour do not tell
-/// different objects; of the allowed pairs the cheapest assignment is chosen that
-/// leaves as little as possible unassigned. Place alone does not make a candidate
-/// the track's object: scenes are exchanged under a running camera.
+/// A pair is allowed within the Mahalanobis gate, or if the candidate may be the visible
+/// part of an occluded object, and if size and colour agree. Among the allowed pairs the
+/// assignment with the fewest unassigned tracks and the least cost is chosen. Position
+/// alone is not sufficient: a scene may be exchanged in front of a running camera.
 pub fn associate<'a>(
-    tracks: &[Predicted],
-    candidates: &[Observed],
+    tracks: &[PredictedTrack],
+    candidates: &[ObservedCandidate],
     config: &AssociationConfig,
     buffers: &'a mut AssociationBuffers,
 ) -> &'a [Option<usize>] {
@@ -150,7 +156,7 @@ pub fn associate<'a>(
         let pair = |candidate| pair_cost(track, candidate, config).unwrap_or(f64::INFINITY);
         buffers.costs.extend(candidates.iter().map(pair));
         if candidates.is_empty() {
-            // A column that nobody can have keeps one row for each track.
+            // A column that cannot be assigned keeps one row for each track.
             buffers.costs.push(f64::INFINITY);
         }
     }
@@ -163,8 +169,12 @@ pub fn associate<'a>(
     )
 }
 
-/// Cost of taking a candidate for a track's object; `None` where it is not.
-fn pair_cost(track: &Predicted, candidate: &Observed, config: &AssociationConfig) -> Option<f64> {
+/// Cost of a track-candidate pair; `None` outside the gates.
+fn pair_cost(
+    track: &PredictedTrack,
+    candidate: &ObservedCandidate,
+    config: &AssociationConfig,
+) -> Option<f64> {
     let between = candidate.box_in_world.centre() - track.box_in_world.centre();
     let covariance = track.covariance_m2 + Matrix3::identity() * candidate.position_variance_m2;
     if !covariance.trace().is_finite() {
@@ -177,22 +187,22 @@ fn pair_cost(track: &Predicted, candidate: &Observed, config: &AssociationConfig
             .similarity(&candidate.appearance.colors)
     };
     let is_swollen =
-        candidate.appearance.volume_m3 > LIMB_VOLUME_RATIO_MAX * track.appearance.volume_m3;
-    if candidate.is_limb && (is_swollen || similarity() < config.limb_similarity_min) {
+        candidate.appearance.volume_m3 > BODY_VOLUME_RATIO_MAX * track.appearance.volume_m3;
+    if candidate.overlaps_body && (is_swollen || similarity() < config.body_similarity_min) {
         return None;
     }
-    // Most pairs are far apart: no direction is wider than the trace.
+    // Fast rejection: no direction has a larger variance than the trace.
     let is_far = between.norm_squared() > config.distance2_max * covariance.trace();
     let distance2 = if is_far {
         f64::INFINITY
     } else {
         (between.transpose() * covariance.try_inverse()? * between).x
     };
-    if distance2 <= config.distance2_max && !is_cut_elsewhere(track, candidate) {
-        let look = look_cost(&track.appearance, &candidate.appearance, config)?;
-        return Some(distance2 + look);
+    if distance2 <= config.distance2_max && !is_truncated_elsewhere(track, candidate) {
+        let appearance = appearance_cost(&track.appearance, &candidate.appearance, config)?;
+        return Some(distance2 + appearance);
     }
-    if share_inside(&candidate.box_in_world, &track.box_in_world) < PART_SHARE_MIN {
+    if fraction_inside(&candidate.box_in_world, &track.box_in_world) < PART_FRACTION_MIN {
         return None;
     }
     let similarity = similarity();
@@ -200,33 +210,37 @@ fn pair_cost(track: &Predicted, candidate: &Observed, config: &AssociationConfig
         .then_some(config.part_cost + config.color_weight * (1.0 - similarity))
 }
 
-/// Whether a candidate of which a part may be missing lies elsewhere: the place of
-/// its centre says little, but what is seen of it lies where the object is.
-fn is_cut_elsewhere(track: &Predicted, candidate: &Observed) -> bool {
+/// True if a truncated candidate does not overlap the expected box. The centre of a
+/// truncated box is unreliable, but its visible part must lie where the object is.
+fn is_truncated_elsewhere(track: &PredictedTrack, candidate: &ObservedCandidate) -> bool {
     let (of_track, of_candidate) = (&track.box_in_world, &candidate.box_in_world);
-    candidate.appearance.is_cut
-        && share_inside(of_candidate, of_track) < CUT_SHARE_MIN
-        && share_inside(of_track, of_candidate) < CUT_SHARE_MIN
+    candidate.appearance.is_truncated
+        && fraction_inside(of_candidate, of_track) < TRUNCATED_FRACTION_MIN
+        && fraction_inside(of_track, of_candidate) < TRUNCATED_FRACTION_MIN
 }
 
-/// Cost of the difference of size and colour; `None` where they tell different
-/// objects. The more colours are alike, the more sizes may differ.
-pub fn look_cost(a: &Appearance, b: &Appearance, config: &AssociationConfig) -> Option<f64> {
+/// Cost of a difference in size and colour; `None` outside the joint gate. The more
+/// similar the colours, the more the sizes may differ.
+pub fn appearance_cost(
+    a: &CoarseAppearance,
+    b: &CoarseAppearance,
+    config: &AssociationConfig,
+) -> Option<f64> {
     let volume = volume_difference(a, b);
     let volume_share = volume / config.volume_ratio_max.ln();
     let unlike = 1.0 - a.colors.similarity(&b.colors);
     let color_share = unlike / (1.0 - config.color_similarity_min).max(1e-6);
-    // Written so that whatever is not a number is refused.
+    // Written so that NaN is rejected.
     (volume_share * volume_share + color_share * color_share <= 1.0)
         .then_some(config.volume_weight * volume + config.color_weight * unlike)
 }
 
-/// Absolute logarithm of the ratio of volumes. What is cut may be a part of the
-/// other one, not more than it; where both are, sizes say nothing. A cubic centimetre
-/// is added to both, so that the noise of thin boxes counts little.
-fn volume_difference(track: &Appearance, candidate: &Appearance) -> f64 {
+/// Absolute logarithm of the volume ratio. A truncated box may be smaller than the other
+/// one, but not larger; if both are truncated, the difference is 0. A cubic centimetre
+/// is added to both volumes to damp the noise of thin boxes.
+fn volume_difference(track: &CoarseAppearance, candidate: &CoarseAppearance) -> f64 {
     let growth = ((candidate.volume_m3 + 1e-6) / (track.volume_m3 + 1e-6)).ln();
-    match (track.is_cut, candidate.is_cut) {
+    match (track.is_truncated, candidate.is_truncated) {
         (false, false) => growth.abs(),
         (false, true) => growth.max(0.0),
         (true, false) => (-growth).max(0.0),
@@ -234,13 +248,14 @@ fn volume_difference(track: &Appearance, candidate: &Appearance) -> f64 {
     }
 }
 
-/// Share of a box that lies in another one, to the width of a part's margin.
-pub fn share_inside(part: &OrientedBox, whole: &OrientedBox) -> f64 {
-    // Most boxes are nowhere near each other.
+/// Fraction of sample points of a box inside another one, within [`PART_MARGIN_M`].
+pub fn fraction_inside(part: &OrientedBox, whole: &OrientedBox) -> f64 {
+    // Most boxes are far apart.
     if !part.may_meet(whole, 2.0 * PART_MARGIN_M) {
         return 0.0;
     }
-    let place = |step: usize| PART_REACH * (step as f64 / (N_PART_STEPS - 1) as f64 * 2.0 - 1.0);
+    let place =
+        |step: usize| PART_SAMPLE_EXTENT * (step as f64 / (N_PART_STEPS - 1) as f64 * 2.0 - 1.0);
     let mut n_inside = 0_usize;
     for i in 0..N_PART_STEPS.pow(3) {
         let [x, y, z] =
@@ -261,11 +276,11 @@ mod tests {
     use point_cloud::Rgba;
     use proptest::prelude::*;
 
-    fn looking(volume_m3: f64, [red, green, blue]: [u8; 3]) -> Appearance {
-        Appearance {
+    fn appearance(volume_m3: f64, [red, green, blue]: [u8; 3]) -> CoarseAppearance {
+        CoarseAppearance {
             volume_m3,
-            colors: ColorHistogram::of([Rgba::opaque(red, green, blue); 20]),
-            is_cut: false,
+            colors: ColorHistogram::from_colors([Rgba::opaque(red, green, blue); 20]),
+            is_truncated: false,
         }
     }
 
@@ -276,27 +291,31 @@ mod tests {
         }
     }
 
-    fn track(x: f64, appearance: Appearance) -> Predicted {
-        Predicted {
+    fn track(x: f64, appearance: CoarseAppearance) -> PredictedTrack {
+        PredictedTrack {
             box_in_world: cube(x, 0.01),
             covariance_m2: Matrix3::identity() * 1e-5,
             appearance,
         }
     }
 
-    fn candidate(x: f64, appearance: Appearance) -> Observed {
-        Observed {
+    fn candidate(x: f64, appearance: CoarseAppearance) -> ObservedCandidate {
+        ObservedCandidate {
             box_in_world: cube(x, 0.01),
             position_variance_m2: 1e-5,
             appearance,
-            is_limb: false,
+            overlaps_body: false,
         }
     }
 
     const RED: [u8; 3] = [200, 40, 40];
     const BLUE: [u8; 3] = [40, 40, 200];
 
-    fn check(tracks: &[Predicted], candidates: &[Observed], expected: &[Option<usize>]) {
+    fn check(
+        tracks: &[PredictedTrack],
+        candidates: &[ObservedCandidate],
+        expected: &[Option<usize>],
+    ) {
         let mut buffers = AssociationBuffers::default();
         let config = AssociationConfig::default().validated().unwrap();
         assert_eq!(
@@ -306,8 +325,8 @@ mod tests {
     }
 
     #[test]
-    fn the_near_one_is_taken_and_the_far_one_is_new() {
-        let mug = looking(1e-3, RED);
+    fn association_prefers_the_nearest_candidate_within_the_gate() {
+        let mug = appearance(1e-3, RED);
         check(
             &[track(0.0, mug)],
             &[candidate(0.5, mug), candidate(0.005, mug)],
@@ -319,9 +338,10 @@ mod tests {
     }
 
     #[test]
-    fn two_tracks_share_their_candidates_for_the_good_of_both() {
-        // Both are nearest to the first candidate; only one of them can go on.
-        let mug = looking(1e-3, RED);
+    fn association_minimises_the_total_cost() {
+        // Both are nearest to the first candidate; only one of them can be assigned to
+        // it.
+        let mug = appearance(1e-3, RED);
         let tracks = [track(0.0, mug), track(0.008, mug)];
         check(
             &tracks,
@@ -331,48 +351,48 @@ mod tests {
     }
 
     #[test]
-    fn an_exchanged_object_does_not_inherit_the_track() {
-        let red_mug = looking(1e-3, RED);
+    fn association_rejects_an_exchanged_object() {
+        let red_mug = appearance(1e-3, RED);
         check(
             &[track(0.0, red_mug)],
-            &[candidate(0.0, looking(1e-3, BLUE))],
+            &[candidate(0.0, appearance(1e-3, BLUE))],
             &[None],
         );
         check(
             &[track(0.0, red_mug)],
-            &[candidate(0.0, looking(8e-3, RED))],
+            &[candidate(0.0, appearance(8e-3, RED))],
             &[None],
         );
         check(
             &[track(0.0, red_mug)],
-            &[candidate(0.0, looking(1.3e-3, [190, 50, 45]))],
+            &[candidate(0.0, appearance(1.3e-3, [190, 50, 45]))],
             &[Some(0)],
         );
     }
 
     #[test]
-    fn a_cut_object_may_look_smaller() {
-        let cut = Appearance {
-            is_cut: true,
-            ..looking(1e-4, RED)
+    fn association_accepts_a_smaller_truncated_candidate() {
+        let cut = CoarseAppearance {
+            is_truncated: true,
+            ..appearance(1e-4, RED)
         };
         check(
-            &[track(0.0, looking(1e-3, RED))],
+            &[track(0.0, appearance(1e-3, RED))],
             &[candidate(0.004, cut)],
             &[Some(0)],
         );
     }
 
     #[test]
-    fn what_is_left_of_a_hidden_object_goes_on_with_its_track() {
+    fn association_accepts_the_visible_part_of_an_occluded_object() {
         let box_of = |x: f64, half_side_m: f64| cube(x, half_side_m);
-        let whole = Predicted {
+        let whole = PredictedTrack {
             box_in_world: box_of(0.0, 0.08),
-            ..track(0.0, looking(4e-3, RED))
+            ..track(0.0, appearance(4e-3, RED))
         };
-        let part = |x: f64, rgb| Observed {
+        let part = |x: f64, rgb| ObservedCandidate {
             box_in_world: box_of(x, 0.02),
-            ..candidate(0.0, looking(6e-5, rgb))
+            ..candidate(0.0, appearance(6e-5, rgb))
         };
         check(&[whole], &[part(0.06, RED)], &[Some(0)]);
         check(&[whole], &[part(0.06, BLUE)], &[None]);
@@ -380,28 +400,28 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_where_a_hand_is_must_look_like_the_object() {
-        let whole = Predicted {
+    fn association_in_the_space_of_a_body_requires_similar_colours() {
+        let whole = PredictedTrack {
             box_in_world: cube(0.0, 0.04),
-            ..track(0.0, looking(5e-4, RED))
+            ..track(0.0, appearance(5e-4, RED))
         };
-        let limb = |x: f64, rgb| Observed {
+        let limb = |x: f64, rgb| ObservedCandidate {
             box_in_world: cube(x, 0.03),
-            is_limb: true,
-            ..candidate(0.0, looking(2e-4, rgb))
+            overlaps_body: true,
+            ..candidate(0.0, appearance(2e-4, rgb))
         };
         check(&[whole], &[limb(0.01, RED)], &[Some(0)]);
         check(&[whole], &[limb(0.01, [180, 130, 100])], &[None]);
     }
 
     #[test]
-    fn what_is_not_a_number_belongs_to_nobody() {
-        let mug = looking(1e-3, RED);
+    fn association_rejects_nan() {
+        let mug = appearance(1e-3, RED);
         for odd in [
             candidate(f64::NAN, mug),
-            candidate(0.0, looking(f64::NAN, RED)),
-            candidate(0.0, looking(-5.0, RED)),
-            Observed {
+            candidate(0.0, appearance(f64::NAN, RED)),
+            candidate(0.0, appearance(-5.0, RED)),
+            ObservedCandidate {
                 position_variance_m2: f64::NAN,
                 ..candidate(0.0, mug)
             },
@@ -434,11 +454,11 @@ mod tests {
         fn the_order_of_tracks_and_candidates_does_not_matter(
             (tracks, candidates) in scene(), turn_tracks in 0..6_usize, turn_candidates in 0..6_usize,
         ) {
-            let mug = looking(1e-3, RED);
+            let mug = appearance(1e-3, RED);
             let config = AssociationConfig::default();
             let mut tracks: Vec<_> = tracks.into_iter().map(|x| track(x, mug)).collect();
             let mut candidates: Vec<_> = candidates.into_iter().map(|x| candidate(x, mug)).collect();
-            let pairs = |tracks: &[Predicted], candidates: &[Observed]| {
+            let pairs = |tracks: &[PredictedTrack], candidates: &[ObservedCandidate]| {
                 let mut buffers = AssociationBuffers::default();
                 let found = associate(tracks, candidates, &config, &mut buffers);
                 let x = |shape: &OrientedBox| shape.centre().x.to_bits();

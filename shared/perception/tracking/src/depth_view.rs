@@ -1,40 +1,48 @@
-//! What a frame shows at a place: the object, something before it, or nothing.
+//! Occlusion test: rays through a box are compared with the depth image.
 
-use crate::track_life::Place;
+use crate::visibility::OcclusionState;
 use geometry::{OrientedBox, PinholeCamera, RigidTransform};
 use nalgebra::{Point3, Translation3, Vector3};
 use point_cloud::Point;
 use sensor_noise::kinect_depth_sigma_m;
 
-/// What lies this many sigma of the depth noise, and at least this far, metres,
-/// before or behind a place is not at it.
-const APART_SIGMAS: f64 = 4.0;
-const APART_MIN_M: f64 = 0.012;
+/// Depth tolerance in sigmas of the depth noise. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
+const DEPTH_TOLERANCE_SIGMAS: f64 = 4.0;
 
-/// Where a box is looked at, along each of its sides, as shares of the half sides.
-const STEPS: [f64; 4] = [-0.8, -0.3, 0.3, 0.8];
+/// Smallest depth tolerance, metres. Chosen; sensitivity: see `tabula-lab sweep`.
+const DEPTH_TOLERANCE_MIN_M: f64 = 0.012;
 
-/// Of a box on a table only this share, from the top, is looked for: its foot is
-/// too near to the table behind it. Its sides are drawn in a little, too, since
-/// their corners are not filled by what is round.
-const TOP_SHARE: f64 = 0.6;
-const SIDE_SHARE: f64 = 0.9;
+/// Sample positions along each side of a box, relative to the half side. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
+const SAMPLE_OFFSETS: [f64; 4] = [-0.8, -0.3, 0.3, 0.8];
 
-/// More of the places than this outside the image: it is out of view.
-const OUT_OF_VIEW_SHARE: f64 = 0.5;
+/// Tested upper fraction of a box on a table; the foot is too close to the table behind
+/// it. Chosen; sensitivity: see `tabula-lab sweep`.
+const UPPER_RATIO: f64 = 0.6;
 
-/// Share of what is seen that is behind an empty place: as there is always some
-/// surface of an object in its box, an object leaves less.
-const FREE_SHARE: f64 = 0.92;
+/// Tested central fraction of the horizontal sides; the corners of round objects are
+/// empty. Chosen; sensitivity: see `tabula-lab sweep`.
+const SIDE_RATIO: f64 = 0.9;
 
-/// What is seen must be this share of the box before it is called empty.
-const SEEN_SHARE_MIN: f64 = 0.25;
+/// Fraction of samples outside the image above which a box is out of view. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
+const OUT_OF_VIEW_FRACTION: f64 = 0.5;
 
-/// With this share behind something nearer the place is hidden.
-const HIDDEN_SHARE: f64 = 0.3;
+/// Fraction of observed samples with free space above which a box is empty. It is below
+/// 1 because of noise, and high because any object leaves some surface in its box.
+/// Chosen; sensitivity: see `tabula-lab sweep`.
+const EMPTY_FRACTION_MIN: f64 = 0.92;
 
-/// A frame into which can be looked: an organised cloud, its camera, and from
-/// where it was taken.
+/// Fraction of samples with a depth behind or inside the box that the empty test
+/// requires. Chosen; sensitivity: see `tabula-lab sweep`.
+const OBSERVED_FRACTION_MIN: f64 = 0.25;
+
+/// Fraction of samples behind a nearer surface above which a box is occluded. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
+const OCCLUDED_FRACTION_MIN: f64 = 0.3;
+
+/// Depth image for occlusion tests: organised cloud, camera intrinsics and camera pose.
 #[derive(Debug, Clone, Copy)]
 pub struct DepthView<'a> {
     cloud: &'a [Point],
@@ -42,51 +50,52 @@ pub struct DepthView<'a> {
     camera_from_world: RigidTransform,
 }
 
-/// What is seen in the direction of a place.
+/// Relation of the measured depth to a box along one ray.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Seen {
+enum RayResult {
     /// Outside the image or behind the camera.
     Outside,
-    /// No depth.
-    Nothing,
-    /// Something before the place.
+    /// No valid depth.
+    NoDepth,
+    /// Surface in front of the box.
     Nearer,
-    /// Something at the place.
-    At,
-    /// Something behind the place, so that it is empty.
+    /// Surface inside the box.
+    Inside,
+    /// Surface behind the box, so that the sample is free space.
     Farther,
 }
 
-/// How often each was seen.
+/// Number of rays for each result.
 #[derive(Debug, Clone, Copy, Default)]
 struct Counts {
     outside: u32,
-    nothing: u32,
+    no_depth: u32,
     nearer: u32,
-    at: u32,
+    inside: u32,
     farther: u32,
 }
 
 impl Counts {
-    fn add(&mut self, seen: Seen) {
+    fn add(&mut self, seen: RayResult) {
         *match seen {
-            Seen::Outside => &mut self.outside,
-            Seen::Nothing => &mut self.nothing,
-            Seen::Nearer => &mut self.nearer,
-            Seen::At => &mut self.at,
-            Seen::Farther => &mut self.farther,
+            RayResult::Outside => &mut self.outside,
+            RayResult::NoDepth => &mut self.no_depth,
+            RayResult::Nearer => &mut self.nearer,
+            RayResult::Inside => &mut self.inside,
+            RayResult::Farther => &mut self.farther,
         } += 1;
     }
 
     fn total(&self) -> f64 {
-        f64::from(self.outside + self.nothing + self.nearer + self.at + self.farther)
+        f64::from(self.outside + self.no_depth + self.nearer + self.inside + self.farther)
     }
 }
 
 impl<'a> DepthView<'a> {
-    /// A view; `None` when the cloud is no image of the camera.
+    /// Depth image; `None` when the cloud does not have one point per pixel of the
+    /// camera.
     ///
-    /// Frame: points in the camera's.
+    /// *Frame*: points in the camera frame.
     pub fn new(
         cloud: &'a [Point],
         camera: PinholeCamera,
@@ -99,73 +108,74 @@ impl<'a> DepthView<'a> {
         })
     }
 
-    /// What the frame shows where a box is expected that is not seen as such. The
-    /// box stands upright: its z axis points up.
-    pub fn place_of(&self, box_in_world: &OrientedBox) -> Place {
-        let counts = self.look_through(
-            &top_of(box_in_world),
-            |depth_m, [entry_m, exit_m], apart_m| {
-                if depth_m < entry_m - apart_m {
-                    Seen::Nearer
-                } else if depth_m > exit_m + apart_m {
-                    Seen::Farther
+    /// Occlusion state of an expected box that was not detected. The box is upright: its
+    /// z axis points up.
+    pub fn occlusion_of(&self, box_in_world: &OrientedBox) -> OcclusionState {
+        let counts = self.cast_rays(
+            &upper_part(box_in_world),
+            |depth_m, [entry_m, exit_m], tolerance_m| {
+                if depth_m < entry_m - tolerance_m {
+                    RayResult::Nearer
+                } else if depth_m > exit_m + tolerance_m {
+                    RayResult::Farther
                 } else {
-                    Seen::At
+                    RayResult::Inside
                 }
             },
         );
         let share = |n: u32| f64::from(n) / counts.total();
-        let n_seen = counts.at + counts.farther;
-        if share(counts.outside) > OUT_OF_VIEW_SHARE {
-            Place::OutOfView
-        } else if share(n_seen) >= SEEN_SHARE_MIN
-            && f64::from(counts.farther) >= FREE_SHARE * f64::from(n_seen)
+        let n_seen = counts.inside + counts.farther;
+        if share(counts.outside) > OUT_OF_VIEW_FRACTION {
+            OcclusionState::OutOfView
+        } else if share(n_seen) >= OBSERVED_FRACTION_MIN
+            && f64::from(counts.farther) >= EMPTY_FRACTION_MIN * f64::from(n_seen)
         {
-            Place::Free
-        } else if share(counts.nearer) >= HIDDEN_SHARE {
-            Place::Hidden
+            OcclusionState::Empty
+        } else if share(counts.nearer) >= OCCLUDED_FRACTION_MIN {
+            OcclusionState::Occluded
         } else {
-            Place::Unknown
+            OcclusionState::Unknown
         }
     }
 
-    /// Share of a box in which a surface could be and not be seen, 0 to 1: something
-    /// stands before the box's far side, or the box lies outside the image. What lies
-    /// at the far side itself, as a table does, is no obstacle.
-    pub fn obstructed_share(&self, box_in_world: &OrientedBox) -> f64 {
-        let counts = self.look_through(box_in_world, |depth_m, [_, exit_m], apart_m| {
-            if depth_m < exit_m - apart_m {
-                Seen::Nearer
+    /// Occluded fraction of a box, 0 to 1: samples in front of which a surface lies, or
+    /// which are outside the image. A surface at the far side of the box, such as the
+    /// table, does not occlude it.
+    pub fn occluded_fraction(&self, box_in_world: &OrientedBox) -> f64 {
+        let counts = self.cast_rays(box_in_world, |depth_m, [_, exit_m], tolerance_m| {
+            if depth_m < exit_m - tolerance_m {
+                RayResult::Nearer
             } else {
-                Seen::Farther
+                RayResult::Farther
             }
         });
         f64::from(counts.outside + counts.nearer) / counts.total()
     }
 
-    /// What the rays through the places of a box show. `judge` is given the seen
-    /// depth, those at which the ray enters and leaves the box, and how far apart
-    /// depths must be to differ.
-    fn look_through(
+    /// Casts rays through sample points of a box. `classify` receives the measured
+    /// depth, the depths at which the ray enters and leaves the box, and the depth
+    /// tolerance, metres.
+    fn cast_rays(
         &self,
         box_in_world: &OrientedBox,
-        judge: impl Fn(f64, [f64; 2], f64) -> Seen,
+        classify: impl Fn(f64, [f64; 2], f64) -> RayResult,
     ) -> Counts {
         let camera_from_box = self.camera_from_world * box_in_world.frame_from_box;
         let rays = BoxRays::new(&camera_from_box, &box_in_world.half_sides_m);
-        let apart_m =
-            (APART_SIGMAS * kinect_depth_sigma_m(camera_from_box.translation.z)).max(APART_MIN_M);
+        let tolerance_m = (DEPTH_TOLERANCE_SIGMAS
+            * kinect_depth_sigma_m(camera_from_box.translation.z))
+        .max(DEPTH_TOLERANCE_MIN_M);
         let half = box_in_world.half_sides_m;
         let mut counts = Counts::default();
-        for z in STEPS {
-            for y in STEPS {
-                for x in STEPS {
+        for z in SAMPLE_OFFSETS {
+            for y in SAMPLE_OFFSETS {
+                for x in SAMPLE_OFFSETS {
                     let place = camera_from_box * Point3::new(x * half.x, y * half.y, z * half.z);
                     counts.add(match self.depth_at(&place) {
                         Err(seen) => seen,
                         Ok((depth_m, ray)) => {
                             let range_m = rays.depths_m(&ray).unwrap_or([place.z; 2]);
-                            judge(depth_m, range_m, apart_m)
+                            classify(depth_m, range_m, tolerance_m)
                         }
                     });
                 }
@@ -174,39 +184,38 @@ impl<'a> DepthView<'a> {
         counts
     }
 
-    /// The depth seen in the direction of a place, and the ray of its pixel, or
-    /// why there is none.
-    fn depth_at(&self, place_in_camera: &Point3<f64>) -> Result<(f64, Vector3<f64>), Seen> {
+    /// Measured depth in the direction of a point and the ray of its pixel.
+    fn depth_at(&self, place_in_camera: &Point3<f64>) -> Result<(f64, Vector3<f64>), RayResult> {
         let Some(pixel) = self.camera.project(place_in_camera) else {
-            return Err(Seen::Outside);
+            return Err(RayResult::Outside);
         };
         let (column, row) = (pixel.x.round(), pixel.y.round());
         let is_inside = (0.0..f64::from(self.camera.width)).contains(&column)
             && (0.0..f64::from(self.camera.height)).contains(&row);
         if !is_inside {
-            return Err(Seen::Outside);
+            return Err(RayResult::Outside);
         }
         let index = row as usize * self.camera.width as usize + column as usize;
         let depth_m = f64::from(self.cloud[index].z);
         if depth_m.is_finite() && depth_m > 0.0 {
             Ok((depth_m, self.camera.ray(column, row)))
         } else {
-            Err(Seen::Nothing)
+            Err(RayResult::NoDepth)
         }
     }
 }
 
-/// The part of an upright box that is looked for.
-fn top_of(whole: &OrientedBox) -> OrientedBox {
+/// Upper central part of an upright box.
+fn upper_part(whole: &OrientedBox) -> OrientedBox {
     let half = whole.half_sides_m;
-    let up = Translation3::new(0.0, 0.0, (1.0 - TOP_SHARE) * half.z);
+    let up = Translation3::new(0.0, 0.0, (1.0 - UPPER_RATIO) * half.z);
     OrientedBox {
         frame_from_box: whole.frame_from_box * up,
-        half_sides_m: half.component_mul(&Vector3::new(SIDE_SHARE, SIDE_SHARE, TOP_SHARE)),
+        half_sides_m: half.component_mul(&Vector3::new(SIDE_RATIO, SIDE_RATIO, UPPER_RATIO)),
     }
 }
 
-/// A box, ready to be cut with rays from the camera.
+/// Box prepared for ray intersection, in the camera frame.
 struct BoxRays {
     box_from_camera: RigidTransform,
     half_sides_m: Vector3<f64>,
@@ -220,8 +229,8 @@ impl BoxRays {
         }
     }
 
-    /// Depths at which a ray (z = 1) enters and leaves the box; `None` when it
-    /// passes by (slab method, Kay and Kajiya 1986).
+    /// Entry and exit depth of a ray (z = 1); `None` when it misses (slab method, Kay
+    /// and Kajiya 1986).
     fn depths_m(&self, ray: &Vector3<f64>) -> Option<[f64; 2]> {
         let origin = self.box_from_camera.translation.vector;
         let direction = self.box_from_camera.rotation * ray;
@@ -246,7 +255,7 @@ mod tests {
     use super::*;
     use nalgebra::UnitQuaternion;
 
-    /// A camera that looks straight along z at walls: the depth of each column.
+    /// Camera facing walls along z, with the depth given per column.
     fn wall(depth_of: impl Fn(u32) -> f32) -> (Vec<Point>, PinholeCamera) {
         let camera = PinholeCamera::KINECT_V1;
         let point = |column: u32| Point {
@@ -258,7 +267,7 @@ mod tests {
         (rows.flatten().collect(), camera)
     }
 
-    /// A box of 16 cm at a depth, upright for a camera whose y points down.
+    /// Box of 16 cm at a depth, upright for a camera whose y points down.
     fn box_at(x: f64, z: f64) -> OrientedBox {
         let upright =
             UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::FRAC_PI_2);
@@ -268,52 +277,58 @@ mod tests {
         }
     }
 
-    fn place(depth_of: impl Fn(u32) -> f32, shape: &OrientedBox) -> Place {
+    fn occlusion(depth_of: impl Fn(u32) -> f32, shape: &OrientedBox) -> OcclusionState {
         let (cloud, camera) = wall(depth_of);
         let view = DepthView::new(&cloud, camera, &RigidTransform::identity()).unwrap();
-        view.place_of(shape)
+        view.occlusion_of(shape)
     }
 
     #[test]
-    fn what_is_seen_decides_what_a_place_is() {
+    fn occlusion_state_follows_from_the_depths_along_the_rays() {
         let shape = box_at(0.0, 1.0);
-        assert_eq!(place(|_| 1.5, &shape), Place::Free);
-        assert_eq!(place(|_| 0.6, &shape), Place::Hidden);
+        assert_eq!(occlusion(|_| 1.5, &shape), OcclusionState::Empty);
+        assert_eq!(occlusion(|_| 0.6, &shape), OcclusionState::Occluded);
         assert_eq!(
-            place(|_| 0.93, &shape),
-            Place::Unknown,
+            occlusion(|_| 0.93, &shape),
+            OcclusionState::Unknown,
             "its own front is seen"
         );
-        assert_eq!(place(|_| f32::NAN, &shape), Place::Unknown);
-        assert_eq!(place(|_| 1.5, &box_at(2.0, 1.0)), Place::OutOfView);
-        assert_eq!(place(|_| 1.5, &box_at(0.0, -1.0)), Place::OutOfView);
+        assert_eq!(occlusion(|_| f32::NAN, &shape), OcclusionState::Unknown);
+        assert_eq!(
+            occlusion(|_| 1.5, &box_at(2.0, 1.0)),
+            OcclusionState::OutOfView
+        );
+        assert_eq!(
+            occlusion(|_| 1.5, &box_at(0.0, -1.0)),
+            OcclusionState::OutOfView
+        );
     }
 
     #[test]
-    fn half_hidden_and_the_other_half_empty_is_empty() {
+    fn a_half_occluded_box_with_free_space_is_empty() {
         let shape = box_at(0.0, 1.0);
         assert_eq!(
-            place(|column| if column < 320 { 0.6 } else { 1.5 }, &shape),
-            Place::Free
+            occlusion(|column| if column < 320 { 0.6 } else { 1.5 }, &shape),
+            OcclusionState::Empty
         );
         assert_eq!(
-            place(|column| if column < 320 { 0.6 } else { 1.0 }, &shape),
-            Place::Hidden
+            occlusion(|column| if column < 320 { 0.6 } else { 1.0 }, &shape),
+            OcclusionState::Occluded
         );
         assert_eq!(
-            place(|column| if column < 320 { 1.0 } else { 1.5 }, &shape),
-            Place::Unknown
+            occlusion(|column| if column < 320 { 1.0 } else { 1.5 }, &shape),
+            OcclusionState::Unknown
         );
     }
 
     #[test]
-    fn a_box_is_obstructed_by_what_is_before_it_or_in_it_but_not_behind() {
+    fn a_box_is_occluded_by_nearer_and_inner_surfaces_only() {
         let slab = box_at(0.0, 1.0);
         for (depth_m, is_obstructed) in [(0.7, true), (1.0, true), (1.09, false), (1.4, false)] {
             let (cloud, camera) = wall(|_| depth_m);
             let view = DepthView::new(&cloud, camera, &RigidTransform::identity()).unwrap();
             assert_eq!(
-                view.obstructed_share(&slab) > 0.5,
+                view.occluded_fraction(&slab) > 0.5,
                 is_obstructed,
                 "{depth_m}"
             );
@@ -321,7 +336,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cloud_that_is_no_image_of_the_camera_is_not_looked_into() {
+    fn an_unorganised_cloud_gives_no_depth_view() {
         let camera = PinholeCamera::KINECT_V1;
         assert!(DepthView::new(&[Point::default()], camera, &RigidTransform::identity()).is_none());
     }

@@ -1,69 +1,42 @@
-//! What can go wrong with a measurement or a setting.
+//! Errors of the tracking crate.
 
-use std::fmt;
-
-/// Why a measurement or a setting was refused.
-#[derive(Debug, Clone, PartialEq)]
+/// Rejected measurement or setting.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A number of the measurement can not belong to an object.
+    /// Measurement outside the physically possible range of an object.
+    #[error("the measurement can not be that of an object: {rule}; ignore it")]
     ImpossibleMeasurement {
-        /// Which one, and what it must be.
+        /// Violated constraint, as a clause.
         rule: &'static str,
     },
-    /// The measurement was captured before the one the track saw last.
+    /// Measurement older than the state of the track.
+    #[error(
+        "the measurement of {stamp_ns} ns is older than the track's state of \
+         {state_stamp_ns} ns; give each track its frames in the order of capture"
+    )]
     OutOfOrder {
         /// Capture stamp of the measurement.
         stamp_ns: u64,
         /// Capture stamp of the track's state.
         state_stamp_ns: u64,
     },
-    /// A setting lies outside its range.
+    /// Setting outside its valid range.
+    #[error("the tracking setting {name} is {value} but must lie between {min} and {max}")]
     InvalidSetting {
         /// Name of the setting.
         name: &'static str,
-        /// Its value.
+        /// Rejected value.
         value: f64,
-        /// Least allowed value.
+        /// Smallest valid value.
         min: f64,
-        /// Greatest allowed value.
+        /// Largest valid value.
         max: f64,
     },
 }
 
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::ImpossibleMeasurement { rule } => {
-                write!(
-                    f,
-                    "the measurement can not be that of an object: {rule}; ignore it"
-                )
-            }
-            Self::OutOfOrder {
-                stamp_ns,
-                state_stamp_ns,
-            } => write!(
-                f,
-                "the measurement of {stamp_ns} ns is older than the track's state of \
-                 {state_stamp_ns} ns; give each track its frames in the order of capture"
-            ),
-            Self::InvalidSetting {
-                name,
-                value,
-                min,
-                max,
-            } => write!(
-                f,
-                "the tracking setting {name} is {value} but must lie between {min} and {max}"
-            ),
-        }
-    }
-}
-
-impl std::error::Error for Error {}
-
-/// Checks that settings lie in their ranges; NaN lies in none.
+/// Checks settings, given as (name, value, minimum, maximum), against their ranges; NaN
+/// is always invalid.
 pub(crate) fn check_settings(settings: &[(&'static str, f64, f64, f64)]) -> Result<(), Error> {
     for &(name, value, min, max) in settings {
         if !(min..=max).contains(&value) {

@@ -1,57 +1,65 @@
-//! Which views of an object are worth keeping.
+//! Key-view selection: views of an object at rest after motion.
 
 use geometry::RigidTransform;
 use nalgebra::Vector3;
 
-/// An object is at rest when it has been for this long.
+/// Time without motion after which an object is at rest, nanoseconds. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
 const REST_NS: u64 = 700_000_000;
 
-/// Fewest poses from which rest is judged.
+/// Smallest number of poses for the rest test. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
 const N_POSES_MIN: usize = 8;
 
-/// Poses kept; they are taken at least `REST_NS / 24` apart.
+/// Capacity of the pose ring buffer, whose poses are at least `REST_NS / 24` apart.
 const N_POSES_MAX: usize = 32;
 
-/// At rest the centre scatters less, metres.
+/// Standard deviation of the centre below which an object is at rest, metres. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
 const REST_POSITION_SIGMA_M: f64 = 0.004;
 
-/// At rest the orientation scatters less, radians (4 degrees).
+/// Standard deviation of the orientation below which an object is at rest, radians (4
+/// degrees). Chosen; sensitivity: see `tabula-lab sweep`.
 const REST_ROTATION_SIGMA_RAD: f64 = 0.069_8;
 
-/// A larger step from one pose to the next is motion, metres.
+/// Displacement between consecutive poses above which the object moves, metres. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
 const STEP_MAX_M: f64 = 0.010;
 
-/// A larger turn from one pose to the next is motion, radians (8 degrees).
+/// Rotation between consecutive poses above which the object moves, radians (8 degrees).
+/// Chosen; sensitivity: see `tabula-lab sweep`.
 const STEP_MAX_RAD: f64 = 0.14;
 
-/// An object this far from its last key view was moved, metres.
-const MOVED_M: f64 = 0.025;
+/// Displacement from the last key view above which the object was moved, metres. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
+const MOVED_DISTANCE_M: f64 = 0.025;
 
-/// An object turned this far from its last key view was moved, radians
-/// (15 degrees).
-const MOVED_RAD: f64 = 0.262;
+/// Rotation from the last key view above which the object was moved, radians (15
+/// degrees). Chosen; sensitivity: see `tabula-lab sweep`.
+const MOVED_ANGLE_RAD: f64 = 0.262;
 
-/// What an object does.
+/// Motion phase of an object.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MotionPhase {
-    /// It stands where its last key view was taken.
+    /// At rest at the pose of its last key view.
     Static,
-    /// It is being moved.
+    /// In motion.
     Moving,
-    /// It has stopped and may come to rest.
+    /// Stopped, and possibly coming to rest.
     Settling,
 }
 
-/// Decides which views are key views: the first one, and the first one at rest
-/// after each motion. The very first is key even when the border of the image
-/// cuts it, so that whatever is seen can be taught; of later ones only whole
-/// views are, and after a cut first view the next whole one.
+/// Key-view rule: the first view, and the first view at rest after each motion. The
+/// first view counts even when the image border truncates it, so that every object can
+/// be taught. Later key views must show the whole object; after a truncated first view
+/// the next whole view is key.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KeyViewRule {
     phase: MotionPhase,
     has_begun: bool,
     key_pose: Option<RigidTransform>,
-    /// Poses since the object stopped, a ring; `n_poses` of them, newest before `next`.
+    /// Ring buffer of the poses since the object stopped; `n_poses` are valid, the
+    /// newest lies before `next`.
     poses: [(u64, RigidTransform); N_POSES_MAX],
     n_poses: usize,
     next: usize,
@@ -71,9 +79,9 @@ impl Default for KeyViewRule {
 }
 
 impl KeyViewRule {
-    /// Takes the next view; returns whether it is a key view. The pose is that
-    /// of the object's box in the world, filtered; stamps are those of capture.
-    pub fn take(
+    /// Next view; returns `true` for a key view. `pose` is the filtered pose of the
+    /// object's box in the world, stamps are capture stamps.
+    pub fn update(
         &mut self,
         stamp_ns: u64,
         pose: &RigidTransform,
@@ -81,10 +89,10 @@ impl KeyViewRule {
     ) -> bool {
         let is_first = !std::mem::replace(&mut self.has_begun, true);
         let Some(key_pose) = self.key_pose else {
-            return self.take_key(pose, !touches_image_border) || is_first;
+            return self.accept_key_view(pose, !touches_image_border) || is_first;
         };
         if self.phase == MotionPhase::Static {
-            if is_apart(&key_pose, pose, MOVED_M, MOVED_RAD) {
+            if differ_by_more_than(&key_pose, pose, MOVED_DISTANCE_M, MOVED_ANGLE_RAD) {
                 self.phase = MotionPhase::Moving;
                 self.restart(stamp_ns, pose);
             }
@@ -92,7 +100,7 @@ impl KeyViewRule {
         }
         if self
             .newest()
-            .is_some_and(|last| is_apart(&last.1, pose, STEP_MAX_M, STEP_MAX_RAD))
+            .is_some_and(|last| differ_by_more_than(&last.1, pose, STEP_MAX_M, STEP_MAX_RAD))
         {
             self.phase = MotionPhase::Moving;
             self.restart(stamp_ns, pose);
@@ -101,15 +109,15 @@ impl KeyViewRule {
         self.phase = MotionPhase::Settling;
         self.remember(stamp_ns, pose);
         let rests = self.is_at_rest(stamp_ns);
-        rests && self.take_key(pose, !touches_image_border)
+        rests && self.accept_key_view(pose, !touches_image_border)
     }
 
-    /// What the object does.
+    /// Motion phase.
     pub fn phase(&self) -> MotionPhase {
         self.phase
     }
 
-    fn take_key(&mut self, pose: &RigidTransform, is_whole: bool) -> bool {
+    fn accept_key_view(&mut self, pose: &RigidTransform, is_whole: bool) -> bool {
         if is_whole {
             self.key_pose = Some(*pose);
             self.phase = MotionPhase::Static;
@@ -122,8 +130,8 @@ impl KeyViewRule {
         self.remember(stamp_ns, pose);
     }
 
-    /// Keeps a pose, unless the last one is too recent for the ring to cover
-    /// the time of rest.
+    /// Stores a pose, unless the last one is too recent for the ring to cover the rest
+    /// time.
     fn remember(&mut self, stamp_ns: u64, pose: &RigidTransform) {
         let due = |last: &(u64, RigidTransform)| stamp_ns.saturating_sub(last.0) >= REST_NS / 24;
         if self.newest().is_none_or(due) {
@@ -141,7 +149,8 @@ impl KeyViewRule {
         (1..=self.n_poses).map(|back| &self.poses[(self.next + N_POSES_MAX - back) % N_POSES_MAX])
     }
 
-    /// Whether the poses of the last 0.7 s, and at least eight, scatter little.
+    /// True if the poses of the last 0.7 s, and at least eight, have a small standard
+    /// deviation.
     fn is_at_rest(&self, stamp_ns: u64) -> bool {
         let is_recent = |stamp: u64| stamp_ns.saturating_sub(stamp) <= REST_NS;
         let n_recent = self
@@ -149,7 +158,7 @@ impl KeyViewRule {
             .take_while(|pose| is_recent(pose.0))
             .count();
         let n_judged = n_recent.max(N_POSES_MIN);
-        // Rest begins with a pose that is as old as the time of rest.
+        // The rest interval begins with a pose at least as old as the rest time.
         let covers = self
             .newest_first()
             .any(|pose| stamp_ns.saturating_sub(pose.0) >= REST_NS);
@@ -160,23 +169,24 @@ impl KeyViewRule {
             return false;
         };
         let judged = || self.newest_first().take(n_judged).map(|(_, pose)| pose);
-        let position =
-            scatter(judged().map(|pose| pose.translation.vector - reference.translation.vector));
-        let rotation = scatter(
+        let position = standard_deviation(
+            judged().map(|pose| pose.translation.vector - reference.translation.vector),
+        );
+        let rotation = standard_deviation(
             judged().map(|pose| reference.rotation.rotation_to(&pose.rotation).scaled_axis()),
         );
         position < REST_POSITION_SIGMA_M && rotation < REST_ROTATION_SIGMA_RAD
     }
 }
 
-/// Whether two poses differ by more than a distance or an angle.
-fn is_apart(a: &RigidTransform, b: &RigidTransform, metres: f64, radians: f64) -> bool {
+/// True if two poses differ by more than a distance or an angle.
+fn differ_by_more_than(a: &RigidTransform, b: &RigidTransform, metres: f64, radians: f64) -> bool {
     (a.translation.vector - b.translation.vector).norm() > metres
         || a.rotation.angle_to(&b.rotation) > radians
 }
 
-/// Standard deviation of vectors around their mean, all axes together.
-fn scatter(vectors: impl Iterator<Item = Vector3<f64>>) -> f64 {
+/// Standard deviation of vectors about their mean, all axes combined.
+fn standard_deviation(vectors: impl Iterator<Item = Vector3<f64>>) -> f64 {
     let (mut n, mut sum, mut squares) = (0.0, Vector3::zeros(), 0.0);
     for vector in vectors {
         n += 1.0;
@@ -197,12 +207,12 @@ mod tests {
         RigidTransform::new(Vector3::new(x, 0.0, 0.0), Vector3::z() * yaw_rad)
     }
 
-    /// The frames, of 30 a second, whose views are key.
+    /// Indices of the key frames at 30 frames per second.
     fn key_frames(poses: &[(RigidTransform, bool)]) -> Vec<usize> {
         let mut rule = KeyViewRule::default();
         let mut stamps = (0..).map(|frame| frame * FRAME_NS);
         let mut is_key =
-            |&(pose, cut): &(RigidTransform, bool)| rule.take(stamps.next().unwrap(), &pose, cut);
+            |&(pose, cut): &(RigidTransform, bool)| rule.update(stamps.next().unwrap(), &pose, cut);
         (0..poses.len()).filter(|&i| is_key(&poses[i])).collect()
     }
 
@@ -222,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn rest_after_motion_is_key_once_and_only_when_it_lasts() {
+    fn lasting_rest_after_motion_is_key_once() {
         let story = [rest(0.0, 30), slide(0.0, 0.4, 20), rest(0.4, 60)].concat();
         let keys = key_frames(&story);
         assert_eq!(keys.len(), 2, "{keys:?}");
@@ -239,7 +249,7 @@ mod tests {
     }
 
     #[test]
-    fn a_turn_in_place_is_motion() {
+    fn a_rotation_in_place_is_motion() {
         let turn = (0..20)
             .map(|i| (at(0.0, 0.05 * f64::from(i)), false))
             .collect();
@@ -248,14 +258,14 @@ mod tests {
     }
 
     #[test]
-    fn slow_creeping_is_no_rest() {
-        // 2 cm a second never scatters less than 4 mm over 0.7 s.
+    fn slow_motion_is_not_rest() {
+        // 2 cm a second never stays below a standard deviation of 4 mm over 0.7 s.
         let creep = slide(0.0, 2.0, 3000);
         assert_eq!(key_frames(&creep), [0]);
     }
 
     #[test]
-    fn of_cut_views_only_the_first_is_key_and_then_the_next_whole_one() {
+    fn a_truncated_view_is_key_only_as_the_first_and_then_the_next_whole_one() {
         let cut = |x: f64, n: usize| vec![(at(x, 0.0), true); n];
         assert_eq!(key_frames(&[cut(0.0, 10), rest(0.0, 10)].concat()), [0, 10]);
         let story = [
@@ -272,16 +282,16 @@ mod tests {
     fn a_slow_camera_needs_eight_poses() {
         let mut rule = KeyViewRule::default();
         let second = 1_000_000_000;
-        assert!(rule.take(0, &at(0.0, 0.0), false));
+        assert!(rule.update(0, &at(0.0, 0.0), false));
         let keys: Vec<u64> = (1..20)
-            .filter(|i| rule.take(i * second, &at(0.3, 0.0), false))
+            .filter(|i| rule.update(i * second, &at(0.3, 0.0), false))
             .collect();
         assert_eq!(keys, [8]);
     }
 
     proptest! {
         #[test]
-        fn a_replay_decides_the_same_and_a_copy_goes_on_alike(
+        fn a_replay_and_a_copy_decide_alike(
             steps in prop::collection::vec((0..200_000_000_u64, -0.02..0.02_f64, any::<bool>()), 1..200),
             cut in 0..200_usize,
         ) {
@@ -292,11 +302,11 @@ mod tests {
                 stamp += dt;
                 x += if i % 50 < 30 { dx * 0.01 } else { dx };
                 if i == cut { copy = rule; }
-                let is_key = rule.take(stamp, &at(x, 0.0), touches);
+                let is_key = rule.update(stamp, &at(x, 0.0), touches);
                 prop_assert!(!(is_key && touches) || i == 0);
                 prop_assert!(!is_key || rule.phase() == MotionPhase::Static);
                 if i >= cut {
-                    prop_assert_eq!(is_key, copy.take(stamp, &at(x, 0.0), touches));
+                    prop_assert_eq!(is_key, copy.update(stamp, &at(x, 0.0), touches));
                 }
             }
         }

@@ -1,38 +1,76 @@
-//! Follows objects from frame to frame: motion filter, association, the life
-//! of a track, and the rule for key views.
+//! Multi-object tracking: motion filter, data association, track lifecycle and key-view
+//! selection.
 //!
-//! Everything here is a plain value with pure functions over it, so that a
-//! track's whole state can be copied as a checkpoint. Times are capture stamps
-//! in nanoseconds, on any clock that does not run backwards.
+//! Every state is a plain value and every update a pure function, so that a copy of a
+//! track's state is a checkpoint. Times are capture stamps in nanoseconds of a clock
+//! that does not run backwards.
 //!
-//! Invariants: this crate never reads a clock, never does I/O, draws no random
-//! numbers, gives out no track-ids, and no input makes it panic or produce a
-//! number that is not finite.
+//! Invariants: this crate never reads a clock, never does I/O, draws no random numbers
+//! and assigns no track ids. No input makes it panic or produce a number that is not
+//! finite.
+//!
+//! # Example
+//!
+//! ```
+//! use geometry::{OrientedBox, RigidTransform};
+//! use nalgebra::Vector3;
+//! use tracking::{HandContact, Measurement, MotionConfig, MotionFilter, ViewingConditions};
+//!
+//! let conditions = ViewingConditions {
+//!     depth_m: 0.9,
+//!     ray_in_world: Vector3::y_axis(),
+//!     variances_m2: Vector3::new(8e-4, 5e-4, 3e-3),
+//!     stands_on_table: true,
+//!     is_truncated: false,
+//!     hand_contact: HandContact::None,
+//! };
+//! // An object that moves along x at 0.15 m/s.
+//! let measured = |frame: u64| {
+//!     let shape = OrientedBox {
+//!         frame_from_box: RigidTransform::translation(0.005 * frame as f64, 0.0, 0.0),
+//!         half_sides_m: Vector3::new(0.05, 0.04, 0.1),
+//!     };
+//!     Measurement::new(frame * 33_333_333, shape, conditions)
+//! };
+//! let config = MotionConfig::default();
+//! let mut filter = MotionFilter::start(&measured(0)?, &config);
+//! for frame in 1..60 {
+//!     filter = filter.updated(&measured(frame)?, None, &config)?;
+//! }
+//! assert!((filter.velocity_m_s().x - 0.15).abs() < 0.02);
+//! # Ok::<(), tracking::Error>(())
+//! ```
 
 mod assignment;
 mod association;
-mod axis_filter;
+mod axis_kalman;
 mod color_histogram;
 mod depth_view;
 mod error;
-mod evidence;
-mod faces;
+mod face_confidence;
 mod key_view;
 mod measurement;
+mod motion_config;
 mod motion_filter;
+mod observation_context;
 mod orientation;
-mod track_life;
+mod track_lifecycle;
+mod viewing_conditions;
+mod visibility;
 
 pub use assignment::{AssignmentBuffers, assign};
 pub use association::{
-    Appearance, AssociationBuffers, AssociationConfig, Observed, Predicted, associate, look_cost,
-    share_inside,
+    AssociationBuffers, AssociationConfig, CoarseAppearance, ObservedCandidate, PredictedTrack,
+    appearance_cost, associate, fraction_inside,
 };
 pub use color_histogram::ColorHistogram;
 pub use depth_view::DepthView;
 pub use error::Error;
-pub use evidence::Evidence;
 pub use key_view::{KeyViewRule, MotionPhase};
-pub use measurement::{Circumstances, Handling, Measurement};
-pub use motion_filter::{MotionConfig, MotionFilter};
-pub use track_life::{Place, Sight, TrackLife, TrackPhase};
+pub use measurement::Measurement;
+pub use motion_config::MotionConfig;
+pub use motion_filter::MotionFilter;
+pub use observation_context::ObservationContext;
+pub use track_lifecycle::{TrackLifecycle, TrackPhase};
+pub use viewing_conditions::{HandContact, ViewingConditions};
+pub use visibility::{OcclusionState, Sight};

@@ -1,253 +1,209 @@
-//! Where an object is, how fast it moves, how it is turned and how large it is.
+//! Kalman motion filter of one object: pose, velocity and size of its bounding box.
 
 use crate::Error;
-use crate::axis_filter::{End, SlideCovariance, TurnCovariance};
-use crate::error::check_settings;
-use crate::evidence::Evidence;
-use crate::faces::{self, Trust, UPRIGHT};
+use crate::axis_kalman::{FaceSide, RotationCovariance, TranslationCovariance};
+use crate::face_confidence::{self, FaceConfidence, UPRIGHT};
 use crate::measurement::{HALF_SIDE_MAX_M, Measurement};
-use crate::orientation::{nearest_reading, turn_sigmas_rad};
+use crate::motion_config::MotionConfig;
+use crate::observation_context::ObservationContext;
+use crate::orientation::{nearest_equivalent_box, rotation_sigmas_rad};
 use geometry::{OrientedBox, RigidTransform};
 use nalgebra::{Matrix3, Point3, Translation3, UnitQuaternion, Vector3};
 use std::f64::consts::PI;
 
-/// Nothing on a table is faster, metres a second.
+/// Upper limit of the linear speed of an object on a table, metres a second. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
 const SPEED_MAX_M_S: f64 = 5.0;
 
-/// Nothing on a table turns faster, radians a second.
-const TURN_SPEED_MAX_RAD_S: f64 = 12.0;
+/// Upper limit of the angular speed of an object on a table, radians a second. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
+const ANGULAR_SPEED_MAX_RAD_S: f64 = 12.0;
 
-/// An object that is not seen is not thought to move on for longer than this,
-/// seconds.
+/// Longest extrapolation of position and orientation at constant velocity, seconds.
+/// Chosen; sensitivity: see `tabula-lab sweep`.
 const COAST_MAX_S: f64 = 0.3;
 
-/// The uncertainty does not grow for longer than this, seconds.
-const GROWTH_MAX_S: f64 = 10.0;
+/// Longest time over which the predicted covariance grows, seconds. Chosen; sensitivity:
+/// see `tabula-lab sweep`.
+const COVARIANCE_GROWTH_MAX_S: f64 = 10.0;
 
-/// What turns goes on turning for about this long, seconds.
-const TURN_DAMPING_S: f64 = 0.3;
+/// Time constant with which the angular velocity decays, seconds. Chosen; sensitivity:
+/// see `tabula-lab sweep`.
+const ANGULAR_DAMPING_S: f64 = 0.3;
 
-/// What is hidden is not thought to go on moving for longer than about this,
-/// seconds.
-const UNSEEN_DAMPING_S: f64 = 0.15;
+/// Time constant with which the velocity along an occluded axis decays, seconds. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
+const OCCLUDED_DAMPING_S: f64 = 0.15;
 
-/// However it is turned when it is seen first is how it is turned, for what is round:
-/// standard deviation of the first orientation at most, radians (3 degrees), and of
-/// its first speed, radians a second.
-const FIRST_TURN_SIGMA_RAD: f64 = 0.05;
-const FIRST_TURN_SPEED_RAD_S: f64 = 0.05;
+/// Upper limit of the initial rotation uncertainty (standard deviation), radians (3
+/// degrees). The yaw of a rotationally symmetric object is unobservable, so its first
+/// orientation is kept as reference. Chosen; sensitivity: see `tabula-lab sweep`.
+const INITIAL_ROTATION_SIGMA_MAX_RAD: f64 = 0.05;
 
-/// With more noise of its turn than this, radians (8 degrees, of sides like 5 and 3),
-/// an object counts as round.
-const CLEAR_SIGMA_RAD: f64 = 0.14;
+/// Initial standard deviation of the angular velocity, radians a second. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
+const INITIAL_ANGULAR_SPEED_SIGMA_RAD_S: f64 = 0.05;
 
-/// So may one whose shorter side on the ground has this share of the longer one.
+/// Yaw noise above which an object counts as rotationally symmetric, radians (8 degrees,
+/// reached by sides in the ratio 5 to 3). Chosen; sensitivity: see `tabula-lab sweep`.
+const OBSERVABLE_YAW_SIGMA_MAX_RAD: f64 = 0.14;
+
+/// Ratio of the shorter to the longer footprint side above which an object may be
+/// rotationally symmetric. Chosen; sensitivity: see `tabula-lab sweep`.
 const SQUARE_RATIO: f64 = 0.85;
 
-/// With less than this, radians (6 degrees), it is known how it is turned.
-const KNOWN_SIGMA_RAD: f64 = 0.105;
+/// Standard deviation below which the orientation counts as converged, radians (6
+/// degrees). Chosen; sensitivity: see `tabula-lab sweep`.
+const CONVERGED_ROTATION_SIGMA_RAD: f64 = 0.105;
 
-/// What nothing touches is turned by this share of what a hand may do.
-const RESTING_TURN_SHARE: f64 = 0.02;
+/// Angular acceleration noise of an untouched object relative to a handled one. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
+const RESTING_ANGULAR_ACCELERATION_RATIO: f64 = 0.02;
 
-/// Thinnest box, half of a side, metres.
+/// Smallest half side of a box, metres. Chosen; sensitivity: see `tabula-lab sweep`.
 const HALF_SIDE_MIN_M: f64 = 1e-3;
 
-/// Noise of a face that contradicts what was seen before, metres.
-const DOUBT_SIGMA_M: f64 = 0.010;
+/// Standard deviation of a face measurement that contradicts earlier ones, metres.
+/// Chosen; sensitivity: see `tabula-lab sweep`.
+const DOUBTFUL_FACE_SIGMA_M: f64 = 0.010;
 
-/// A half side of which a part may be missing is uncertain by this share.
-const CUT_SHARE: f64 = 0.25;
+/// Initial position uncertainty of a truncated box, as a fraction of its longest half
+/// side. Chosen; sensitivity: see `tabula-lab sweep`.
+const TRUNCATED_SIGMA_RATIO: f64 = 0.25;
 
-/// A box smaller than the expected one by this factor is that of a part.
-const PART_VOLUME_SHARE: f64 = 0.8;
+/// Volume ratio of the measured to the expected box below which the measurement shows
+/// only a part of the object. Chosen; sensitivity: see `tabula-lab sweep`.
+const PARTIAL_VOLUME_RATIO: f64 = 0.8;
 
-/// Where a side face is not sure, the footprint says less of the turn by this factor.
-const PART_TURN_FACTOR: f64 = 3.0;
+/// Factor on the rotation noise when a side face is not reliable. Chosen; sensitivity:
+/// see `tabula-lab sweep`.
+const PARTIAL_ROTATION_NOISE_FACTOR: f64 = 3.0;
 
-/// A surprise of more sigma than this is a hand's doing (99.7 %) ...
+/// Innovation gate of manoeuvre detection, in sigmas: a larger innovation is attributed
+/// to a hand (99.7 % of a normal distribution lie within 3 sigma).
 const MANOEUVRE_SIGMAS: f64 = 3.0;
 
-/// ... and one of more than this, with a hand's noise, no motion but a new place.
+/// Innovation gate of jump detection, in sigmas of the handled-motion model: a larger
+/// innovation is a relocation, not a motion. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
 const JUMP_SIGMAS: f64 = 6.0;
 
-/// What is expected of objects and of the sensor.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MotionConfig {
-    /// Standard deviation of the acceleration of what a hand moves, m/s²; 0.01 to
-    /// 100.
-    pub acceleration_sigma_m_s2: f64,
-    /// Standard deviation of the acceleration of what nothing touches, m/s²; 0.001
-    /// to 100. A surprise too large for it is taken for a hand's doing.
-    pub resting_acceleration_sigma_m_s2: f64,
-    /// Standard deviation of the angular acceleration of what a hand turns,
-    /// rad/s²; 0.01 to 1000. What nothing touches has a fiftieth of it.
-    pub turn_acceleration_sigma_rad_s2: f64,
-    /// How far a half side walks at random in a second, metres; 0.00001 to 0.1.
-    pub resizing_sigma_m: f64,
-    /// Least standard deviation of a face of a measured box, metres; 0.0001 to 0.1.
-    pub face_sigma_min_m: f64,
-    /// Least standard deviation of a measured box centre where objects are told
-    /// apart, metres; 0.0001 to 0.1. The default covers what a handle seen in one
-    /// frame and not in the next moves a box.
-    pub position_sigma_min_m: f64,
-}
-
-impl Default for MotionConfig {
-    fn default() -> Self {
-        Self {
-            acceleration_sigma_m_s2: 1.5,
-            resting_acceleration_sigma_m_s2: 0.1,
-            turn_acceleration_sigma_rad_s2: 15.0,
-            resizing_sigma_m: 0.002,
-            face_sigma_min_m: 0.002,
-            position_sigma_min_m: 0.008,
-        }
-    }
-}
-
-impl MotionConfig {
-    /// Checks the settings.
-    ///
-    /// # Errors
-    /// Names the first setting outside its range.
-    pub fn validated(self) -> Result<Self, Error> {
-        check_settings(&[
-            (
-                "acceleration_sigma_m_s2",
-                self.acceleration_sigma_m_s2,
-                0.01,
-                100.0,
-            ),
-            (
-                "resting_acceleration_sigma_m_s2",
-                self.resting_acceleration_sigma_m_s2,
-                1e-3,
-                100.0,
-            ),
-            (
-                "turn_acceleration_sigma_rad_s2",
-                self.turn_acceleration_sigma_rad_s2,
-                0.01,
-                1000.0,
-            ),
-            ("resizing_sigma_m", self.resizing_sigma_m, 1e-5, 0.1),
-            ("face_sigma_min_m", self.face_sigma_min_m, 1e-4, 0.1),
-            ("position_sigma_min_m", self.position_sigma_min_m, 1e-4, 0.1),
-        ])?;
-        Ok(self)
-    }
-}
-
-/// Whether a hand may be at work.
+/// Process-noise model of a prediction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Motion {
+enum MotionModel {
     Resting,
     Handled,
 }
 
-/// The state of one object, world frame.
+/// Kalman filter (Kalman 1960) of one object's oriented bounding box, world frame.
 ///
-/// A Kalman filter (Kalman 1960) on the position, velocity, orientation, angular
-/// velocity and half sides of its box. Each face of a measured box is a measurement
-/// of centre and side together, and left out where something hides the object
-/// there, so that what is half hidden neither moves nor shrinks.
+/// The state is position, velocity, orientation, angular velocity and half sides. Each
+/// face of a measured box is a measurement of centre and side together. Occluded faces
+/// are left out, so that partial occlusion neither moves nor shrinks the object.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotionFilter {
     stamp_ns: u64,
     position: Point3<f64>,
     velocity_m_s: Vector3<f64>,
     rotation: UnitQuaternion<f64>,
-    /// Along the axes of the box.
-    turn_speed_rad_s: Vector3<f64>,
+    /// Angular velocity about the axes of the box.
+    angular_velocity_in_box_rad_s: Vector3<f64>,
     half_sides_m: Vector3<f64>,
-    slides: [SlideCovariance; 3],
-    turns: [TurnCovariance; 3],
+    translation_covariances: [TranslationCovariance; 3],
+    rotation_covariances: [RotationCovariance; 3],
     completeness: f64,
 }
 
 impl MotionFilter {
-    /// A track's first state: at rest, as far as is known.
+    /// Initial state of a track: at rest, with the uncertainty of the first measurement.
     pub fn start(measurement: &Measurement, config: &MotionConfig) -> Self {
         let shape = measurement.box_in_world();
         let rotation = shape.frame_from_box.rotation;
-        let sigmas_m = measurement.face_sigmas_m(&axes(&rotation), config);
-        let speed_m_s = first_speed_m_s(config);
-        let missing_m = if measurement.seen().is_cut {
-            CUT_SHARE * shape.half_sides_m.max()
+        let sigmas_m = measurement.face_sigmas_m(&axes_in_world(&rotation), config);
+        let speed_m_s = initial_speed_sigma_m_s(config);
+        let missing_m = if measurement.conditions().is_truncated {
+            TRUNCATED_SIGMA_RATIO * shape.half_sides_m.max()
         } else {
             0.0
         };
-        let slide = |axis: usize| {
+        let covariance = |axis: usize| {
             let variance_m2 = sigmas_m[axis].powi(2) + missing_m * missing_m;
-            SlideCovariance::of(variance_m2, speed_m_s * speed_m_s, variance_m2)
+            TranslationCovariance::from_variances(variance_m2, speed_m_s * speed_m_s, variance_m2)
         };
-        let turns = turn_sigmas_rad(&measurement.seen().variances_m2);
+        let sigmas_rad = rotation_sigmas_rad(&measurement.conditions().variances_m2);
         Self {
             stamp_ns: measurement.stamp_ns(),
             position: shape.centre(),
             velocity_m_s: Vector3::zeros(),
             rotation,
-            turn_speed_rad_s: Vector3::zeros(),
+            angular_velocity_in_box_rad_s: Vector3::zeros(),
             half_sides_m: shape.half_sides_m.map(|half| half.max(HALF_SIDE_MIN_M)),
-            slides: std::array::from_fn(slide),
-            turns: std::array::from_fn(|axis| {
-                // But the box of a part is turned anyhow.
-                let turn_rad = if measurement.seen().is_cut {
-                    turns[axis]
+            translation_covariances: std::array::from_fn(covariance),
+            rotation_covariances: std::array::from_fn(|axis| {
+                // The orientation of a truncated box is arbitrary.
+                let sigma_rad = if measurement.conditions().is_truncated {
+                    sigmas_rad[axis]
                 } else {
-                    turns[axis].min(FIRST_TURN_SIGMA_RAD)
+                    sigmas_rad[axis].min(INITIAL_ROTATION_SIGMA_MAX_RAD)
                 };
-                TurnCovariance::of(turn_rad.powi(2), FIRST_TURN_SPEED_RAD_S.powi(2))
+                RotationCovariance::from_variances(
+                    sigma_rad.powi(2),
+                    INITIAL_ANGULAR_SPEED_SIGMA_RAD_S.powi(2),
+                )
             }),
             completeness: 1.0,
         }
     }
 
-    /// The state expected at a later time, when a hand may move the object; at an
-    /// earlier one, the state as it is.
+    /// State predicted to a capture stamp with the handled-motion model; for an earlier
+    /// stamp, the unchanged state.
     #[must_use]
     pub fn predicted(&self, stamp_ns: u64, config: &MotionConfig) -> Self {
-        self.moved_on(stamp_ns, Motion::Handled, config)
+        self.propagated(stamp_ns, MotionModel::Handled, config)
     }
 
-    fn moved_on(&self, stamp_ns: u64, motion: Motion, config: &MotionConfig) -> Self {
+    fn propagated(&self, stamp_ns: u64, model: MotionModel, config: &MotionConfig) -> Self {
         let dt_s = stamp_ns.saturating_sub(self.stamp_ns) as f64 * 1e-9;
-        let (slide_m_s2, turn_share) = match motion {
-            Motion::Handled => (config.acceleration_sigma_m_s2, 1.0),
-            Motion::Resting => (config.resting_acceleration_sigma_m_s2, RESTING_TURN_SHARE),
+        let (acceleration_m_s2, angular_ratio) = match model {
+            MotionModel::Handled => (config.acceleration_sigma_m_s2, 1.0),
+            MotionModel::Resting => (
+                config.resting_acceleration_sigma_m_s2,
+                RESTING_ANGULAR_ACCELERATION_RATIO,
+            ),
         };
-        let turn_rad_s2 = config.turn_acceleration_sigma_rad_s2 * turn_share;
-        let (growth_s, coast_s) = (dt_s.min(GROWTH_MAX_S), dt_s.min(COAST_MAX_S));
-        let resizing_m2_s = config.resizing_sigma_m * config.resizing_sigma_m;
-        let turn = UnitQuaternion::from_scaled_axis(self.turn_speed_rad_s * coast_s);
+        let angular_acceleration_rad_s2 = config.angular_acceleration_sigma_rad_s2 * angular_ratio;
+        let (growth_s, coast_s) = (dt_s.min(COVARIANCE_GROWTH_MAX_S), dt_s.min(COAST_MAX_S));
+        let size_walk_m2_s = config.size_random_walk_sigma_m * config.size_random_walk_sigma_m;
+        let turn = UnitQuaternion::from_scaled_axis(self.angular_velocity_in_box_rad_s * coast_s);
         Self {
             stamp_ns: stamp_ns.max(self.stamp_ns),
             position: self.position + self.velocity_m_s * coast_s,
             rotation: UnitQuaternion::new_normalize((self.rotation * turn).into_inner()),
-            turn_speed_rad_s: self.turn_speed_rad_s * (-dt_s / TURN_DAMPING_S).exp(),
-            slides: self.slides.map(|slide| {
-                slide
-                    .grown(growth_s, slide_m_s2, resizing_m2_s)
-                    .settled(SPEED_MAX_M_S)
+            angular_velocity_in_box_rad_s: self.angular_velocity_in_box_rad_s
+                * (-dt_s / ANGULAR_DAMPING_S).exp(),
+            translation_covariances: self.translation_covariances.map(|covariance| {
+                covariance
+                    .predicted(growth_s, acceleration_m_s2, size_walk_m2_s)
+                    .bounded(SPEED_MAX_M_S)
             }),
-            turns: self.turns.map(|turn| {
-                turn.grown(growth_s, turn_rad_s2, TURN_DAMPING_S)
-                    .settled(PI, TURN_SPEED_MAX_RAD_S)
+            rotation_covariances: self.rotation_covariances.map(|covariance| {
+                covariance
+                    .predicted(growth_s, angular_acceleration_rad_s2, ANGULAR_DAMPING_S)
+                    .bounded(PI, ANGULAR_SPEED_MAX_RAD_S)
             }),
             ..*self
         }
     }
 
-    /// The state after a measurement; `evidence` is what the frame shows of the
-    /// object and around it.
+    /// State after a measurement update. `context` supplies the object's points and the
+    /// depth image around them.
     ///
     /// # Errors
     /// When the measurement is older than the state.
     pub fn updated(
         &self,
         measurement: &Measurement,
-        evidence: Option<&Evidence<'_>>,
+        context: Option<&ObservationContext<'_>>,
         config: &MotionConfig,
     ) -> Result<Self, Error> {
         let stamp_ns = measurement.stamp_ns();
@@ -257,144 +213,181 @@ impl MotionFilter {
                 state_stamp_ns: self.stamp_ns,
             });
         }
-        let mut state = self.moved_on(stamp_ns, Motion::Resting, config);
+        let mut state = self.propagated(stamp_ns, MotionModel::Resting, config);
         let expected = state.box_in_world();
-        let measured = measurement.box_along(&expected, evidence);
-        let sigmas_m = measurement.face_sigmas_m(&axes(&state.rotation), config);
-        let shifts_m = faces::least_shifts_m(&measured, &expected);
-        let is_whole = measured.volume_m3() >= PART_VOLUME_SHARE * expected.volume_m3();
-        let is_moved = measurement.seen().is_handled()
-            || state.surprise_sigmas(&shifts_m, &sigmas_m) > MANOEUVRE_SIGMAS
-            || (is_whole && state.turn_surprise_sigmas(measurement) > MANOEUVRE_SIGMAS);
+        let measured = measurement.aligned_box(&expected, context);
+        let sigmas_m = measurement.face_sigmas_m(&axes_in_world(&state.rotation), config);
+        let shifts_m = face_confidence::minimal_shifts_m(&measured, &expected);
+        let is_whole = measured.volume_m3() >= PARTIAL_VOLUME_RATIO * expected.volume_m3();
+        let is_moved = measurement.conditions().is_handled()
+            || state.translation_innovation_sigmas(&shifts_m, &sigmas_m) > MANOEUVRE_SIGMAS
+            || (is_whole && state.rotation_innovation_sigmas(measurement) > MANOEUVRE_SIGMAS);
         if is_moved {
-            state = self.moved_on(stamp_ns, Motion::Handled, config);
-            if state.surprise_sigmas(&shifts_m, &sigmas_m) > JUMP_SIGMAS {
-                state.allow_jump(&shifts_m, config);
+            state = self.propagated(stamp_ns, MotionModel::Handled, config);
+            if state.translation_innovation_sigmas(&shifts_m, &sigmas_m) > JUMP_SIGMAS {
+                state.inflate_after_jump(&shifts_m, config);
             }
         }
-        let view = evidence.and_then(|evidence| evidence.view.as_ref());
-        let trust = faces::trust(&measured, &expected, &sigmas_m, measurement.seen(), view);
-        // The box around a part of an object is turned anyhow.
+        let view = context.and_then(|context| context.view.as_ref());
+        let confidences = face_confidence::face_confidences(
+            &measured,
+            &expected,
+            &sigmas_m,
+            measurement.conditions(),
+            view,
+        );
+        // The orientation of a partial box is arbitrary.
         if is_whole {
-            state.take_turn(&trust, measurement, is_moved);
+            state.update_rotation(&confidences, measurement, is_moved);
         }
-        state.take_faces(&measured, &trust, &sigmas_m);
-        state.slow_unseen(&trust, (stamp_ns - self.stamp_ns) as f64 * 1e-9);
+        state.update_faces(&measured, &confidences, &sigmas_m);
+        state.damp_occluded_axes(&confidences, (stamp_ns - self.stamp_ns) as f64 * 1e-9);
         Ok(state)
     }
 
-    /// How many sigma the object must have moved from where it is expected, on the
-    /// worst axis.
-    fn surprise_sigmas(&self, shifts_m: &Vector3<f64>, sigmas_m: &Vector3<f64>) -> f64 {
+    /// Translation innovation in sigmas, on the worst axis.
+    fn translation_innovation_sigmas(
+        &self,
+        shifts_m: &Vector3<f64>,
+        sigmas_m: &Vector3<f64>,
+    ) -> f64 {
         let sigmas = (0..3).map(|axis| {
-            let variance_m2 = self.slides[axis].centre_m2() + sigmas_m[axis].powi(2);
+            let variance_m2 =
+                self.translation_covariances[axis].centre_variance_m2() + sigmas_m[axis].powi(2);
             shifts_m[axis].abs() / variance_m2.sqrt()
         });
         sigmas.fold(0.0, f64::max)
     }
 
-    /// The same of how it is turned.
-    fn turn_surprise_sigmas(&self, measurement: &Measurement) -> f64 {
-        let turn = self.turn_to(measurement);
-        let sigmas_rad = turn_sigmas_rad(&measurement.seen().variances_m2);
+    /// Rotation innovation in sigmas, on the worst axis.
+    fn rotation_innovation_sigmas(&self, measurement: &Measurement) -> f64 {
+        let innovation = self.rotation_innovation(measurement);
+        let sigmas_rad = rotation_sigmas_rad(&measurement.conditions().variances_m2);
         let sigmas = (0..3).map(|axis| {
-            let variance_rad2 = self.turns[axis].turn_rad2() + sigmas_rad[axis].powi(2);
-            turn[axis].abs() / variance_rad2.sqrt()
+            let variance_rad2 =
+                self.rotation_covariances[axis].rotation_variance_rad2() + sigmas_rad[axis].powi(2);
+            innovation[axis].abs() / variance_rad2.sqrt()
         });
         sigmas.fold(0.0, f64::max)
     }
 
-    /// From the expected orientation to the nearest reading of the measured one, about
-    /// the axes of the box, radians.
-    fn turn_to(&self, measurement: &Measurement) -> Vector3<f64> {
-        let reading = nearest_reading(measurement.box_in_world(), &self.box_in_world());
-        (self.rotation.inverse() * reading.frame_from_box.rotation).scaled_axis()
+    /// Rotation from the expected orientation to the nearest symmetry-equivalent of the
+    /// measured one, about the axes of the box, radians.
+    fn rotation_innovation(&self, measurement: &Measurement) -> Vector3<f64> {
+        let equivalent = nearest_equivalent_box(measurement.box_in_world(), &self.box_in_world());
+        (self.rotation.inverse() * equivalent.frame_from_box.rotation).scaled_axis()
     }
 
-    /// Whether the ground of its box is about square, so that it may be round.
-    fn is_square(&self) -> bool {
+    /// True if the footprint is nearly square, so that the object may be rotationally
+    /// symmetric.
+    fn has_square_footprint(&self) -> bool {
         let [x, y] = [self.half_sides_m.x, self.half_sides_m.y];
         x.min(y) >= SQUARE_RATIO * x.max(y)
     }
 
-    /// Lets the object be where it is measured now. A jump against its velocity says
-    /// that this was wrong.
-    fn allow_jump(&mut self, shifts_m: &Vector3<f64>, config: &MotionConfig) {
+    /// Inflates the covariance so that the state can jump to the measured position. A
+    /// jump against the velocity resets the velocity.
+    fn inflate_after_jump(&mut self, shifts_m: &Vector3<f64>, config: &MotionConfig) {
         if (self.rotation * shifts_m).dot(&self.velocity_m_s) < 0.0 {
             self.velocity_m_s = Vector3::zeros();
         }
-        for (slide, shift_m) in self.slides.iter_mut().zip(shifts_m.iter()) {
-            *slide = slide.displaced(shift_m * shift_m, first_speed_m_s(config).powi(2));
+        for (covariance, shift_m) in self.translation_covariances.iter_mut().zip(shifts_m.iter()) {
+            *covariance =
+                covariance.after_jump(shift_m * shift_m, initial_speed_sigma_m_s(config).powi(2));
         }
     }
 
-    /// How what is round is turned can not be seen: as long as nothing moves it, it is
-    /// turned as it was.
-    fn take_turn(&mut self, trust: &[[Trust; 2]; 3], measurement: &Measurement, is_moved: bool) {
-        let turn = self.turn_to(measurement);
-        let is_whole = trust[..2].iter().flatten().all(|face| *face == Trust::Sure);
-        let factor = if is_whole { 1.0 } else { PART_TURN_FACTOR };
-        let clear_rad = turn_sigmas_rad(&measurement.seen().variances_m2);
-        let sigmas_rad = clear_rad * factor;
+    /// Rotation update. The yaw of a rotationally symmetric object is unobservable: it
+    /// stays unchanged until the object is moved.
+    fn update_rotation(
+        &mut self,
+        confidences: &[[FaceConfidence; 2]; 3],
+        measurement: &Measurement,
+        is_moved: bool,
+    ) {
+        let innovation = self.rotation_innovation(measurement);
+        let is_whole = confidences[..2]
+            .iter()
+            .flatten()
+            .all(|face| *face == FaceConfidence::Reliable);
+        let factor = if is_whole {
+            1.0
+        } else {
+            PARTIAL_ROTATION_NOISE_FACTOR
+        };
+        let whole_sigmas_rad = rotation_sigmas_rad(&measurement.conditions().variances_m2);
+        let sigmas_rad = whole_sigmas_rad * factor;
         let mut correction = Vector3::zeros();
         for axis in 0..3 {
-            let is_known = self.turns[axis].turn_rad2() <= KNOWN_SIGMA_RAD * KNOWN_SIGMA_RAD;
-            let is_round = axis == UPRIGHT && self.is_square();
-            if !is_moved && is_known && (is_round || clear_rad[axis] >= CLEAR_SIGMA_RAD) {
+            let has_converged = self.rotation_covariances[axis].rotation_variance_rad2()
+                <= CONVERGED_ROTATION_SIGMA_RAD * CONVERGED_ROTATION_SIGMA_RAD;
+            let may_be_symmetric = axis == UPRIGHT && self.has_square_footprint();
+            if !is_moved
+                && has_converged
+                && (may_be_symmetric || whole_sigmas_rad[axis] >= OBSERVABLE_YAW_SIGMA_MAX_RAD)
+            {
                 continue;
             }
-            let (measured, gain) = self.turns[axis].measured(sigmas_rad[axis].powi(2));
-            self.turns[axis] = measured.settled(PI, TURN_SPEED_MAX_RAD_S);
-            correction[axis] = gain[0] * turn[axis];
-            self.turn_speed_rad_s[axis] += gain[1] * turn[axis];
+            let (measured, gain) =
+                self.rotation_covariances[axis].updated(sigmas_rad[axis].powi(2));
+            self.rotation_covariances[axis] = measured.bounded(PI, ANGULAR_SPEED_MAX_RAD_S);
+            correction[axis] = gain[0] * innovation[axis];
+            self.angular_velocity_in_box_rad_s[axis] += gain[1] * innovation[axis];
         }
-        self.turn_speed_rad_s = self.turn_speed_rad_s.cap_magnitude(TURN_SPEED_MAX_RAD_S);
+        self.angular_velocity_in_box_rad_s = self
+            .angular_velocity_in_box_rad_s
+            .cap_magnitude(ANGULAR_SPEED_MAX_RAD_S);
         let turned = self.rotation * UnitQuaternion::from_scaled_axis(correction);
         self.rotation = UnitQuaternion::new_normalize(turned.into_inner());
     }
 
-    fn take_faces(
+    /// Position and size update from the faces that are not occluded.
+    fn update_faces(
         &mut self,
         measured: &OrientedBox,
-        trust: &[[Trust; 2]; 3],
+        confidences: &[[FaceConfidence; 2]; 3],
         sigmas_m: &Vector3<f64>,
     ) {
-        let world_from_axes = axes(&self.rotation);
+        let world_from_axes = axes_in_world(&self.rotation);
         let shift = world_from_axes.tr_mul(&(measured.centre() - self.position));
-        let (mut moved, mut sped) = (Vector3::<f64>::zeros(), Vector3::<f64>::zeros());
+        let (mut moved, mut velocity_change) = (Vector3::<f64>::zeros(), Vector3::<f64>::zeros());
         let mut completeness = 1.0_f64;
         for axis in 0..3 {
             let measured_half_m = measured.half_sides_m[axis];
-            for (end, trust) in [End::Low, End::High].into_iter().zip(trust[axis]) {
-                let sigma_m = match trust {
-                    Trust::Sure => sigmas_m[axis],
-                    Trust::Doubtful => DOUBT_SIGMA_M.max(sigmas_m[axis]),
-                    Trust::Hidden => continue,
+            for (side, confidence) in [FaceSide::Negative, FaceSide::Positive]
+                .into_iter()
+                .zip(confidences[axis])
+            {
+                let sigma_m = match confidence {
+                    FaceConfidence::Reliable => sigmas_m[axis],
+                    FaceConfidence::Doubtful => DOUBTFUL_FACE_SIGMA_M.max(sigmas_m[axis]),
+                    FaceConfidence::Occluded => continue,
                 };
-                let sign = end.sign();
-                let surprise_m = (shift[axis] + sign * measured_half_m)
+                let sign = side.sign();
+                let innovation_m = (shift[axis] + sign * measured_half_m)
                     - (moved[axis] + sign * self.half_sides_m[axis]);
-                let (slide, gain) = self.slides[axis].face_measured(end, sigma_m * sigma_m);
-                self.slides[axis] = slide.settled(SPEED_MAX_M_S);
-                moved[axis] += gain[0] * surprise_m;
-                sped[axis] += gain[1] * surprise_m;
-                let half_m: f64 = self.half_sides_m[axis] + gain[2] * surprise_m;
+                let (covariance, gain) =
+                    self.translation_covariances[axis].updated_by_face(side, sigma_m * sigma_m);
+                self.translation_covariances[axis] = covariance.bounded(SPEED_MAX_M_S);
+                moved[axis] += gain[0] * innovation_m;
+                velocity_change[axis] += gain[1] * innovation_m;
+                let half_m: f64 = self.half_sides_m[axis] + gain[2] * innovation_m;
                 self.half_sides_m[axis] = half_m.clamp(HALF_SIDE_MIN_M, HALF_SIDE_MAX_M);
             }
             completeness *= (measured_half_m / self.half_sides_m[axis]).clamp(0.0, 1.0);
         }
         self.position += world_from_axes * moved;
-        self.velocity_m_s += world_from_axes * sped;
+        self.velocity_m_s += world_from_axes * velocity_change;
         self.velocity_m_s = self.velocity_m_s.cap_magnitude(SPEED_MAX_M_S);
         self.completeness = completeness;
     }
 
-    /// Along an axis of which neither face was seen nothing says that the object
-    /// goes on moving.
-    fn slow_unseen(&mut self, trust: &[[Trust; 2]; 3], dt_s: f64) {
-        let keep = (-dt_s / UNSEEN_DAMPING_S).exp();
-        let shares = trust.map(|ends| match ends {
-            [Trust::Hidden, Trust::Hidden] => keep,
+    /// Decay of the velocity along axes with both faces occluded, where no motion is
+    /// observable.
+    fn damp_occluded_axes(&mut self, confidences: &[[FaceConfidence; 2]; 3], dt_s: f64) {
+        let keep = (-dt_s / OCCLUDED_DAMPING_S).exp();
+        let shares = confidences.map(|ends| match ends {
+            [FaceConfidence::Occluded, FaceConfidence::Occluded] => keep,
             _ => 1.0,
         });
         let along = self.rotation.inverse() * self.velocity_m_s;
@@ -406,33 +399,41 @@ impl MotionFilter {
         self.stamp_ns
     }
 
-    /// Velocity, world frame, metres a second.
+    /// Linear velocity, world frame, metres a second.
     pub fn velocity_m_s(&self) -> Vector3<f64> {
         self.velocity_m_s
     }
 
     /// Angular velocity, world frame, radians a second.
     pub fn angular_velocity_rad_s(&self) -> Vector3<f64> {
-        self.rotation * self.turn_speed_rad_s
+        self.rotation * self.angular_velocity_in_box_rad_s
     }
 
     /// Covariance of the position, world axes, square metres.
     pub fn position_covariance_m2(&self) -> Matrix3<f64> {
-        in_world(&self.rotation, self.slides.map(|slide| slide.centre_m2()))
+        covariance_in_world(
+            &self.rotation,
+            self.translation_covariances
+                .map(|covariance| covariance.centre_variance_m2()),
+        )
     }
 
-    /// Covariance of the orientation, as a turn about the world's axes, square
+    /// Covariance of the orientation as a small rotation about the world axes, square
     /// radians.
     pub fn rotation_covariance_rad2(&self) -> Matrix3<f64> {
-        in_world(&self.rotation, self.turns.map(|turn| turn.turn_rad2()))
+        covariance_in_world(
+            &self.rotation,
+            self.rotation_covariances
+                .map(|turn| turn.rotation_variance_rad2()),
+        )
     }
 
-    /// Share of the box that the last measurement showed, 0 to 1.
+    /// Visible fraction of the box in the last measurement, 0 to 1.
     pub fn completeness(&self) -> f64 {
         self.completeness
     }
 
-    /// The box, world frame; its centre and axes are the object's pose.
+    /// Oriented bounding box, world frame. Its centre and axes are the object's pose.
     pub fn box_in_world(&self) -> OrientedBox {
         let translation = Translation3::from(self.position.coords);
         OrientedBox {
@@ -442,20 +443,19 @@ impl MotionFilter {
     }
 }
 
-/// Standard deviation of the speed of what was not seen moving: a hand's, metres a
-/// second.
-fn first_speed_m_s(config: &MotionConfig) -> f64 {
+/// Initial standard deviation of the speed, metres a second: that of a hand-held object.
+fn initial_speed_sigma_m_s(config: &MotionConfig) -> f64 {
     (0.5 * config.acceleration_sigma_m_s2).min(SPEED_MAX_M_S)
 }
 
-/// The axes of a box as columns, world frame.
-fn axes(rotation: &UnitQuaternion<f64>) -> Matrix3<f64> {
+/// Axes of a box as matrix columns, world frame.
+fn axes_in_world(rotation: &UnitQuaternion<f64>) -> Matrix3<f64> {
     rotation.to_rotation_matrix().into_inner()
 }
 
-/// Variances along the axes of a box as a covariance in the world.
-fn in_world(rotation: &UnitQuaternion<f64>, variances: [f64; 3]) -> Matrix3<f64> {
-    let world_from_axes = axes(rotation);
+/// World-frame covariance from variances along the axes of a box.
+fn covariance_in_world(rotation: &UnitQuaternion<f64>, variances: [f64; 3]) -> Matrix3<f64> {
+    let world_from_axes = axes_in_world(rotation);
     world_from_axes * Matrix3::from_diagonal(&variances.into()) * world_from_axes.transpose()
 }
 

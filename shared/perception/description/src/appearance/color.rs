@@ -1,28 +1,36 @@
-//! What colours an object has.
+//! Colour histograms of an object: chromaticity and lightness.
 
-use super::soft_bins::{SoftBins, add, tame};
+use super::soft_bins::{SoftBins, add, normalise_fourth_roots};
 use crate::ObjectPoints;
 
-/// Bins of a side of chromaticity.
+/// Chromaticity bins per side.
 pub(super) const CHROMATICITY_SIDE: usize = 8;
-/// Cells of chromaticity.
+
+/// Number of chromaticity cells.
 pub(super) const N_CHROMATICITIES: usize = CHROMATICITY_SIDE * CHROMATICITY_SIDE;
-/// Bins of lightness.
+
+/// Number of lightness bins.
 const N_LIGHTNESSES: usize = 8;
-/// Values of the block.
+
+/// Number of colour values of a descriptor.
 pub(super) const N_COLORS: usize = N_CHROMATICITIES + N_LIGHTNESSES;
 
-/// Shares of red and green from which the bins reach, and how far.
+/// Lower end of the chromaticity bins, as a fraction of red or green. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
 const CHROMATICITY_MIN: f32 = 0.1;
+
+/// Width of the chromaticity range. Chosen; sensitivity: see `tabula-lab sweep`.
 const CHROMATICITY_RANGE: f32 = 0.6;
 
-/// Added to each channel, of 255: what is nearly black has no colour but noise.
-const DARKNESS: f32 = 16.0;
+/// Offset added to each channel, of 255, because the chromaticity of nearly black pixels
+/// is noise. Chosen; sensitivity: see `tabula-lab sweep`.
+const CHANNEL_OFFSET: f32 = 16.0;
 
-/// Lightness says less than chromaticity, since lamps differ in strength.
+/// Weight of lightness relative to chromaticity, since the strength of illumination
+/// varies. Chosen; sensitivity: see `tabula-lab sweep`.
 const LIGHTNESS_WEIGHT: f32 = 0.55;
 
-/// Scratch memory for the histograms of one object's colours.
+/// Histograms of chromaticity and lightness, reused from object to object.
 #[derive(Debug, Clone)]
 pub(super) struct Colors {
     chromaticities: [f32; N_CHROMATICITIES],
@@ -37,8 +45,9 @@ impl Colors {
         }
     }
 
-    /// Appends the block, multiplied by `weight`: shares of red and green in a
-    /// pixel's sum, which do not change with the strength of light, then lightness.
+    /// Appends the colour values, multiplied by `weight`: the chromaticity histogram
+    /// over the fractions of red and green, which are invariant to the strength of
+    /// illumination, then lightness.
     pub(super) fn append(&mut self, points: ObjectPoints<'_>, weight: f32, out: &mut Vec<f32>) {
         self.chromaticities.fill(0.0);
         self.lightnesses.fill(0.0);
@@ -53,8 +62,8 @@ impl Colors {
             let [red, green, blue] = point.color.rgb().map(f32::from);
             let sum = red + green + blue;
             let place = |channel: f32| {
-                let share = (channel + DARKNESS) / (sum + 3.0 * DARKNESS);
-                sides.place((share - CHROMATICITY_MIN) / CHROMATICITY_RANGE)
+                let share = (channel + CHANNEL_OFFSET) / (sum + 3.0 * CHANNEL_OFFSET);
+                sides.locate((share - CHROMATICITY_MIN) / CHROMATICITY_RANGE)
             };
             add(
                 &mut self.chromaticities,
@@ -62,12 +71,12 @@ impl Colors {
                 place(red),
                 place(green),
             );
-            let (bin, share) = lightness_bins.place(sum / (3.0 * 255.0));
+            let (bin, share) = lightness_bins.locate(sum / (3.0 * 255.0));
             self.lightnesses[bin as usize] += 1.0 - share;
             self.lightnesses[bin as usize + 1] += share;
         });
-        tame(&mut self.chromaticities);
-        tame(&mut self.lightnesses);
+        normalise_fourth_roots(&mut self.chromaticities);
+        normalise_fourth_roots(&mut self.lightnesses);
         out.extend(self.chromaticities.iter().map(|value| weight * value));
         let weight = weight * LIGHTNESS_WEIGHT;
         out.extend(self.lightnesses.iter().map(|value| weight * value));
@@ -95,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn strength_of_light_changes_less_than_hue() {
+    fn illumination_changes_the_colour_less_than_hue() {
         let red = block(Rgba::opaque(180, 40, 30));
         let dim_red = block(Rgba::opaque(140, 31, 23));
         let blue = block(Rgba::opaque(30, 40, 180));
@@ -104,7 +113,7 @@ mod tests {
     }
 
     #[test]
-    fn the_noise_of_what_is_black_is_no_colour() {
+    fn noise_of_black_pixels_is_not_colour() {
         let black = block(Rgba::opaque(2, 3, 1));
         assert!(distance(&black, &block(Rgba::opaque(3, 1, 2))) < 0.5);
     }

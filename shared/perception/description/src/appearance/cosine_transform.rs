@@ -1,23 +1,24 @@
-//! Low frequencies of a projection.
+//! Truncated two-dimensional discrete cosine transform.
 
 use std::f64::consts::PI;
 
-/// Bins of a side of a projection.
+/// Bins per side of a projection.
 pub(super) const SIDE: usize = 16;
 
-/// Frequencies of a side; a coefficient's two frequencies add up to less.
+/// Number of frequencies per side; the sum of a coefficient's two frequencies is
+/// smaller. Chosen; sensitivity: see `tabula-lab sweep`.
 const N_FREQUENCIES: usize = 12;
 
-/// Coefficients of one projection.
+/// Number of coefficients of one projection.
 pub(super) const N_COEFFICIENTS: usize = N_FREQUENCIES * (N_FREQUENCIES + 1) / 2;
 
-/// The orthonormal cosine transform (type II; Ahmed, Natarajan and Rao 1974) of
-/// `SIDE` x `SIDE` cells, cut to its low frequencies. Since the basis is
-/// orthonormal, distances of coefficients are those of the smoothed cells; since
-/// its functions are even or odd, turning an axis round changes signs only.
+/// Orthonormal cosine transform (type II; Ahmed, Natarajan and Rao 1974) of `SIDE` x
+/// `SIDE` cells, truncated to low frequencies. Orthonormality preserves distances of the
+/// smoothed cells. The basis functions are even or odd, so reversing an axis only
+/// changes signs.
 #[derive(Debug, Clone)]
 pub(super) struct CosineTransform {
-    /// Value of each frequency's function at each bin.
+    /// Basis functions: one row per frequency, one column per bin.
     basis: [[f32; SIDE]; N_FREQUENCIES],
 }
 
@@ -33,8 +34,7 @@ impl CosineTransform {
         }
     }
 
-    /// Appends the coefficients of row-major cells, in the order of
-    /// [`frequencies`].
+    /// Appends the coefficients of row-major cells, in the order of [`frequencies`].
     pub(super) fn append(&self, cells: &[f32; SIDE * SIDE], out: &mut Vec<f32>) {
         for (k, of_row) in self.basis.iter().enumerate() {
             let mut column_sums = [0.0; SIDE];
@@ -49,7 +49,7 @@ impl CosineTransform {
     }
 }
 
-/// The pairs of frequencies (of rows, of columns), in the order of coefficients.
+/// Frequency pairs (of rows, of columns) in the order of the coefficients.
 pub(super) fn frequencies() -> impl Iterator<Item = (usize, usize)> {
     (0..N_FREQUENCIES).flat_map(|k| (0..N_FREQUENCIES - k).map(move |l| (k, l)))
 }
@@ -84,7 +84,7 @@ mod tests {
     }
 
     #[test]
-    fn no_coefficient_adds_to_the_length() {
+    fn the_truncated_transform_never_increases_the_norm() {
         let cells = std::array::from_fn(|i| ((i * 7919) % 31) as f32);
         let length = |values: &[f32]| values.iter().map(|v| v * v).sum::<f32>();
         assert!(length(&transformed(&cells)) <= length(&cells) * 1.000_01);

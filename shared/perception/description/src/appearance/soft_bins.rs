@@ -1,12 +1,12 @@
-//! Bins that share a value between neighbours.
+//! Histogram bins with linear interpolation.
 
-/// A side of `n` bins over 0 to 1. A value between the middles of two bins counts
-/// for both, by its distance: a small change of the value is a small change of
-/// the histogram.
+/// Interpolated bins over 0 to 1. A value between two bin centres counts for both by its
+/// distance, so that the histogram changes continuously.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SoftBins {
     n: f32,
-    /// Just below the middle of the last bin, so that there is always a next one.
+    /// Upper limit of positions, just below the centre of the last bin, so that a next
+    /// bin exists.
     last: f32,
 }
 
@@ -18,17 +18,17 @@ impl SoftBins {
         }
     }
 
-    /// The lower of the two bins and the share of the upper one. Values outside
-    /// of the range are counted at its ends.
+    /// Lower of the two bins and the weight of the upper one. Values outside the range
+    /// are clamped.
     #[inline]
-    pub(super) fn place(self, value: f32) -> (u32, f32) {
+    pub(super) fn locate(self, value: f32) -> (u32, f32) {
         let place = (value * self.n - 0.5).max(0.0).min(self.last);
         let bin = place as u32;
         (bin, place - bin as f32)
     }
 }
 
-/// Adds one to the four cells of a row-major histogram around a place.
+/// Adds one count to a row-major histogram with bilinear interpolation.
 #[inline]
 pub(super) fn add(cells: &mut [f32], n_columns: usize, row: (u32, f32), column: (u32, f32)) {
     let first = row.0 as usize * n_columns + column.0 as usize;
@@ -42,10 +42,10 @@ pub(super) fn add(cells: &mut [f32], n_columns: usize, row: (u32, f32), column: 
     around[n_columns + 1] += upper * column.1;
 }
 
-/// Replaces counts by their fourth roots, of unit length together. Roots tame
-/// what is counted often (Arandjelović and Zisserman 2012 take square roots);
-/// how densely a surface is sampled depends on how it was turned to the camera.
-pub(super) fn tame(cells: &mut [f32]) {
+/// Replaces counts by their fourth roots, normalised to unit length. Roots damp frequent
+/// values (Arandjelović and Zisserman 2012 use square roots); the sampling density of a
+/// surface depends on its orientation to the camera.
+pub(super) fn normalise_fourth_roots(cells: &mut [f32]) {
     let mut squares = 0.0;
     for cell in &mut *cells {
         let root = cell.sqrt();
@@ -65,18 +65,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_value_is_shared_between_its_neighbours() {
+    fn a_value_is_interpolated_between_two_bins() {
         let bins = SoftBins::new(4);
-        assert_eq!(bins.place(0.125), (0, 0.0));
-        assert_eq!(bins.place(0.25), (0, 0.5));
-        assert_eq!(bins.place(0.0), (0, 0.0));
-        let (bin, share) = bins.place(1.0);
+        assert_eq!(bins.locate(0.125), (0, 0.0));
+        assert_eq!(bins.locate(0.25), (0, 0.5));
+        assert_eq!(bins.locate(0.0), (0, 0.0));
+        let (bin, share) = bins.locate(1.0);
         assert!(bin == 2 && share > 0.999);
-        assert_eq!(bins.place(f32::NEG_INFINITY), (0, 0.0));
+        assert_eq!(bins.locate(f32::NEG_INFINITY), (0, 0.0));
     }
 
     #[test]
-    fn what_is_added_is_one_in_all() {
+    fn an_added_count_sums_to_one() {
         let mut cells = [0.0; 12];
         add(&mut cells, 4, (1, 0.25), (2, 0.5));
         assert!((cells.iter().sum::<f32>() - 1.0).abs() < 1e-6);
@@ -85,13 +85,13 @@ mod tests {
     }
 
     #[test]
-    fn roots_have_unit_length_and_nothing_stays_nothing() {
+    fn fourth_roots_have_unit_length_and_zeros_stay_zero() {
         let mut cells = [16.0, 0.0, 1.0];
-        tame(&mut cells);
+        normalise_fourth_roots(&mut cells);
         assert!((cells.iter().map(|c| c * c).sum::<f32>() - 1.0).abs() < 1e-6);
         assert!((cells[0] / cells[2] - 2.0).abs() < 1e-6);
         let mut nothing = [0.0; 3];
-        tame(&mut nothing);
+        normalise_fourth_roots(&mut nothing);
         assert_eq!(nothing, [0.0; 3]);
     }
 }

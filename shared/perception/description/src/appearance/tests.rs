@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Point3, Unit, Vector3};
 use point_cloud::{Point, Rgba};
 use proptest::prelude::*;
 
-/// A bent, lopsided sheet with three different sides, a metre away.
+/// Bent asymmetric sheet with three different sides, a metre away.
 fn sheet(n_points: u16) -> Vec<Point> {
     (0..n_points)
         .map(|i| {
@@ -42,13 +42,16 @@ fn described(cloud: &[Point], up: Option<&UnitVector3<f64>>) -> [Vec<f32>; N_REA
     appearance.describe(points, up).unwrap().clone()
 }
 
-/// Distance of an object to a stored view.
-fn distance(readings: &[Vec<f32>; N_READINGS], stored: &[f32]) -> f32 {
-    let to = |reading: &Vec<f32>| {
-        let squares = reading.iter().zip(stored).map(|(a, b)| (a - b) * (a - b));
+/// Distance of an object to a stored view: the least over the axis hypotheses.
+fn distance(hypotheses: &[Vec<f32>; N_READINGS], stored: &[f32]) -> f32 {
+    let to = |hypothesis: &Vec<f32>| {
+        let squares = hypothesis
+            .iter()
+            .zip(stored)
+            .map(|(a, b)| (a - b) * (a - b));
         squares.sum::<f32>().sqrt()
     };
-    readings.iter().map(to).fold(f32::INFINITY, f32::min)
+    hypotheses.iter().map(to).fold(f32::INFINITY, f32::min)
 }
 
 fn motion() -> impl Strategy<Value = RigidTransform> {
@@ -58,7 +61,7 @@ fn motion() -> impl Strategy<Value = RigidTransform> {
 
 proptest! {
     #[test]
-    fn an_object_moved_or_turned_in_any_way_is_the_same(motion in motion()) {
+    fn appearance_is_invariant_to_rigid_motion(motion in motion()) {
         let cloud = sheet(2000);
         let still = described(&cloud, None);
         let moved = described(&mapped(&cloud, |p| motion * p), None);
@@ -66,7 +69,7 @@ proptest! {
     }
 
     #[test]
-    fn an_object_moved_or_turned_with_its_up_is_the_same(motion in motion(), yaw_rad in -3.1_f64..3.1) {
+    fn upright_appearance_is_invariant_to_rigid_motion_with_up(motion in motion(), yaw_rad in -3.1_f64..3.1) {
         let cloud = sheet(2000);
         let up = Unit::new_normalize(Vector3::new(0.1, -0.9, -0.4));
         let still = described(&cloud, Some(&up));
@@ -77,13 +80,13 @@ proptest! {
     }
 
     #[test]
-    fn the_order_of_points_has_no_say(cloud in Just(sheet(500)).prop_shuffle()) {
+    fn appearance_is_independent_of_the_order_of_points(cloud in Just(sheet(500)).prop_shuffle()) {
         let sorted = described(&sheet(500), None);
         prop_assert!(distance(&described(&cloud, None), &sorted[0]) < 1e-3);
     }
 
     #[test]
-    fn density_says_little(n_points in 600_u16..6000) {
+    fn appearance_depends_little_on_density(n_points in 600_u16..6000) {
         let dense = described(&sheet(6000), None);
         let thin = described(&sheet(n_points), None);
         let narrow = mapped(&sheet(6000), |p| Point3::new(p.x, 0.7 * p.y, p.z));
@@ -92,7 +95,7 @@ proptest! {
     }
 
     #[test]
-    fn hostile_points_do_no_harm(
+    fn appearance_of_arbitrary_points_is_finite(
         points in prop::collection::vec(prop::array::uniform3(any::<f32>()), 0..20),
         is_upright in any::<bool>(),
     ) {
@@ -100,17 +103,17 @@ proptest! {
             points.iter().map(|&[x, y, z]| Point { x, y, z, color: Rgba(0) }).collect();
         let mut appearance = Appearance::new(AppearanceWeights::default()).unwrap();
         let up = is_upright.then(Vector3::y_axis);
-        if let Ok(readings) = appearance.describe(ObjectPoints::all(&cloud), up.as_ref()) {
-            for reading in readings {
-                prop_assert_eq!(reading.len(), Appearance::DIMENSION);
-                prop_assert!(reading.iter().all(|value| value.is_finite()));
+        if let Ok(hypotheses) = appearance.describe(ObjectPoints::all(&cloud), up.as_ref()) {
+            for hypothesis in hypotheses {
+                prop_assert_eq!(hypothesis.len(), Appearance::DIMENSION);
+                prop_assert!(hypothesis.iter().all(|value| value.is_finite()));
             }
         }
     }
 }
 
 #[test]
-fn every_reading_is_that_of_the_turned_frame() {
+fn each_axis_hypothesis_equals_the_descriptor_of_the_turned_frame() {
     let cloud = sheet(800);
     let points = ObjectPoints::all(&cloud);
     let quarters = [0.0, 1.0, 2.0, 3.0].map(|n| Vector3::z() * (n * std::f64::consts::FRAC_PI_2));
@@ -118,7 +121,7 @@ fn every_reading_is_that_of_the_turned_frame() {
         .map(|axis| axis * std::f64::consts::PI);
     let up = UnitVector3::new_unchecked(Vector3::z());
     for (up, turns) in [(None, halves), (Some(&up), quarters)] {
-        let readings = described(&cloud, up);
+        let hypotheses = described(&cloud, up);
         let axes = object_axes(points, up).unwrap();
         let matrix =
             Matrix3::from_fn(|i, j| f64::from(axes.object_from_source.object_from_source[i][j]));
@@ -137,14 +140,17 @@ fn every_reading_is_that_of_the_turned_frame() {
                     &mut found
                 })
                 .unwrap();
-            found.extend(sides.map(|side| (side + THICKNESS_M).ln()));
-            let is_it = |reading: &Vec<f32>| {
-                let stored = layout::places().into_iter().zip(reading);
-                let mut without_color = stored.filter(|(place, _)| *place < COLOR_AT);
+            found.extend(sides.map(|side| (side + SIDE_OFFSET_M).ln()));
+            let is_it = |hypothesis: &Vec<f32>| {
+                let stored = value_order::storage_order().into_iter().zip(hypothesis);
+                let mut without_color = stored.filter(|(place, _)| *place < COLOR_OFFSET);
                 without_color.all(|(place, value)| (found[place] - value).abs() < 1e-3)
             };
             assert_eq!(
-                readings.iter().filter(|reading| is_it(reading)).count(),
+                hypotheses
+                    .iter()
+                    .filter(|hypothesis| is_it(hypothesis))
+                    .count(),
                 1,
                 "{turn}"
             );
@@ -153,17 +159,20 @@ fn every_reading_is_that_of_the_turned_frame() {
 }
 
 #[test]
-fn the_readings_of_a_stored_view_are_those_of_the_object() {
+fn axis_hypotheses_of_a_stored_view_equal_those_of_the_object() {
     let cloud = sheet(800);
     let up = Vector3::z_axis();
     for (up, kind) in [(None, AxesKind::Principal), (Some(&up), AxesKind::Upright)] {
-        let readings = described(&cloud, up);
-        assert_eq!(Appearance::readings_of(&readings[0], kind), readings);
+        let hypotheses = described(&cloud, up);
+        assert_eq!(
+            Appearance::axis_hypotheses_of(&hypotheses[0], kind),
+            hypotheses
+        );
     }
 }
 
 #[test]
-fn a_mirrored_object_is_another_one() {
+fn appearance_distinguishes_mirror_images() {
     let cloud = sheet(2000);
     let stored = &described(&cloud, None)[0];
     let mirrored = described(&mapped(&cloud, |p| Point3::new(-p.x, p.y, p.z)), None);
@@ -171,7 +180,7 @@ fn a_mirrored_object_is_another_one() {
 }
 
 #[test]
-fn size_and_colour_are_seen() {
+fn appearance_distinguishes_size_and_colour() {
     let cloud = sheet(2000);
     let stored = &described(&cloud, None)[0];
     let middle = Point3::new(0.1, 0.0, 0.9);
@@ -192,7 +201,7 @@ fn size_and_colour_are_seen() {
 }
 
 #[test]
-fn weights_out_of_range_and_too_few_points_are_refused_by_sentences() {
+fn invalid_weights_and_too_few_points_are_rejected() {
     for shape in [-0.1, 101.0, f32::NAN] {
         let weights = AppearanceWeights {
             shape,

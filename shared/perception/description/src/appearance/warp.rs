@@ -1,17 +1,17 @@
-//! Metric coordinates in a finite number of bins.
+//! Softsign warp of metric coordinates to histogram bins.
 
 use super::soft_bins::SoftBins;
 
-/// Distance from the middle at which half of the bins of a side are used, metres.
-/// Bins are finest in the middle, where small objects are, and reach half a metre
-/// to both sides; what is farther counts for the last.
-const HALF_WAY_M: f32 = 0.03;
+/// Scale of the warp: half of the bins of a side lie within this distance from the
+/// middle, metres. Bins are finest in the middle, where small objects lie; half a metre
+/// is the last bin on either side. Chosen; sensitivity: see `tabula-lab sweep`.
+const WARP_SCALE_M: f32 = 0.03;
 
-/// Where coordinates lie on a side of `bins`: a coordinate `x` is brought to
-/// `x / (|x| + 30 mm)`, which is from -1 to 1.
-pub(super) fn place(coordinate_m: f32, middle_m: f32, bins: SoftBins) -> (u32, f32) {
+/// Bin and interpolation weight of a coordinate after the warp `x / (|x| + 30 mm)`,
+/// which ranges from -1 to 1.
+pub(super) fn warped_bin(coordinate_m: f32, middle_m: f32, bins: SoftBins) -> (u32, f32) {
     let x = coordinate_m - middle_m;
-    bins.place(0.5 + 0.5 * x / (x.abs() + HALF_WAY_M))
+    bins.locate(0.5 + 0.5 * x / (x.abs() + WARP_SCALE_M))
 }
 
 #[cfg(test)]
@@ -19,9 +19,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn places_are_odd_about_the_middle_and_rise_to_the_last_bin() {
+    fn the_warp_is_odd_and_monotonic() {
         let at = |x: f32| {
-            let (bin, share) = place(x, 0.1, SoftBins::new(16));
+            let (bin, share) = warped_bin(x, 0.1, SoftBins::new(16));
             bin as f32 + share
         };
         assert!((at(0.1) - 7.5).abs() < 1e-6);

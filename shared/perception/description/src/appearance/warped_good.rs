@@ -1,24 +1,24 @@
-//! GOOD on metric, soft bins, as low frequencies.
+//! Variant of GOOD with warped, interpolated metric bins, as cosine coefficients.
 //!
 //! *Source*: Kasaei, Tomé, Seabra Lopes, Oliveira 2016 for the three projections;
-//! support, bins, order and signs are ours.
+//! support, bins, order and signs differ.
 
 use super::cosine_transform::{CosineTransform, N_COEFFICIENTS, SIDE};
-use super::soft_bins::{SoftBins, add, tame};
+use super::soft_bins::{SoftBins, add, normalise_fourth_roots};
 use super::warp;
 use crate::projected_points::{Block, LANES, ProjectedPoints};
 use crate::{Descriptor, DescriptorFrame, Error, ObjectPoints};
 
 type Cells = [f32; SIDE * SIDE];
 
-/// The projections of the points along the axes of a frame, in the order (x, y),
-/// (x, z), (y, z). Each is a histogram of 16 x 16 soft bins around the middle of
-/// the points' box, its fourth roots brought to unit length, kept as its 78 lowest
-/// coefficients of the cosine transform: 234 values, whose Euclidean distances are
-/// at most `sqrt(6)`.
+/// Shape descriptor from the projections of the points in the order (x, y), (x, z), (y,
+/// z). Each projection is a histogram of 16 x 16 interpolated bins around the middle of
+/// the bounding box. Its fourth roots, normalised to unit length, are reduced to the 78
+/// lowest coefficients of the cosine transform: 234 values in all, with Euclidean
+/// distances of at most `sqrt(6)`.
 ///
-/// The bins are metric, fine in the middle, and reach half a metre to both sides. Turning an axis of
-/// the frame round changes nothing but the signs of values.
+/// The bins are metric, fine in the middle, and reach half a metre to both sides.
+/// Reversing an axis of the frame only changes the signs of values.
 #[derive(Debug, Clone)]
 pub struct WarpedGood {
     points: ProjectedPoints,
@@ -49,10 +49,10 @@ impl Descriptor for WarpedGood {
 }
 
 impl WarpedGood {
-    /// Values of a descriptor.
+    /// Length of a descriptor.
     pub const DIMENSION: usize = 3 * N_COEFFICIENTS;
 
-    /// A descriptor without scratch memory yet.
+    /// Descriptor without scratch memory.
     pub fn new() -> Self {
         Self {
             points: ProjectedPoints::default(),
@@ -61,8 +61,7 @@ impl WarpedGood {
         }
     }
 
-    /// Appends the values to `out` and returns the sides of the box around the
-    /// points, metres.
+    /// Appends the values to `out` and returns the sides of the bounding box, metres.
     pub(super) fn append(
         &mut self,
         points: ObjectPoints<'_>,
@@ -77,7 +76,7 @@ impl WarpedGood {
         }
         self.project(ranges.map(|(low, high)| low + 0.5 * (high - low)));
         for cells in &mut self.projections {
-            tame(cells);
+            normalise_fourth_roots(cells);
             self.transform.append(cells, out);
         }
         Ok(sides_m)
@@ -91,12 +90,12 @@ impl WarpedGood {
     }
 }
 
-/// Adds the points of a block to all projections. Where they lie is worked out for
-/// all together, which the compiler turns into vector instructions.
+/// Adds a block of points to all projections. The bins of all points are computed first,
+/// which compiles to vector instructions.
 fn add_block(projections: &mut [Cells; 3], block: &Block, middle_m: [f32; 3]) {
     let bins = SoftBins::new(SIDE);
     let place =
-        |values: &[f32; LANES], middle_m: f32| values.map(|v| warp::place(v, middle_m, bins));
+        |values: &[f32; LANES], middle_m: f32| values.map(|v| warp::warped_bin(v, middle_m, bins));
     let x = place(&block.x, middle_m[0]);
     let y = place(&block.y, middle_m[1]);
     let z = place(&block.z, middle_m[2]);

@@ -1,46 +1,46 @@
-//! Bins of equal width along one axis.
+//! Equal-width bins along one axis, bit-exact with the reference programs.
 
 use crate::projected_points::{Block, LANES};
 
-/// Precision in which a coordinate is moved to the corner of the support.
+/// Precision in which a coordinate is shifted to the corner of the support.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Rounding {
-    /// As in the published program, which keeps it in a point of a cloud.
+    /// Single precision, as in the published program, which stores it in a point.
     Single,
-    /// As in the workspace's program.
+    /// Double precision, as in the program of the authors' workspace.
     Double,
 }
 
-/// `n` bins that divide a support around 0.
+/// Equal-width bins that divide a support around 0.
 ///
-/// A program's bin is found by a division in double precision. A multiplication in
-/// single precision finds the same one except next to an edge, where the division
-/// decides; so few blocks are divided (benchmark `good`).
+/// The reference programs find the bin by a division in double precision. A
+/// multiplication in single precision gives the same bin except next to an edge, where
+/// the division decides; few blocks need it (benchmark `good`).
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bins {
     n: u32,
     half_support_m: f64,
     width_m: f64,
     rounding: Rounding,
-    /// Bins in a metre.
+    /// Bins per metre.
     density: f32,
-    /// The middle of the support in bins, less the half bin which turns rounding to
-    /// the nearest bin into rounding down.
+    /// Middle of the support in bins, minus half a bin, which turns rounding to the
+    /// nearest bin into rounding down.
     middle: f32,
-    /// Farther than this from the middle of a bin, in bins, an edge is near.
+    /// Distance from the middle of a bin, in bins, above which an edge is near.
     safe: f32,
 }
 
-/// 1.5 x 2^23, around which neighbouring numbers in single precision differ by one:
-/// adding it rounds to the nearest integer, which is then in the lowest bits.
-const ROUNDER: f32 = 12_582_912.0;
+/// Rounding constant 1.5 x 2^23: neighbouring single-precision numbers around it differ
+/// by one, so adding it rounds to the nearest integer, which is then in the lowest bits.
+const ROUNDING_CONSTANT: f32 = 12_582_912.0;
 
 impl Bins {
-    /// `n` bins, at most 64, along a finite support of more than 0 m.
+    /// Bins, 2 to 64, along a finite support of positive length.
     pub(super) fn new(n: u32, support_m: f64, rounding: Rounding) -> Self {
         let density = (f64::from(n) / support_m) as f32;
-        // Four roundings of numbers up to n are n 2^-22 bins at most. Out of the
-        // normal numbers nothing is known, and the division decides always.
+        // Four roundings of numbers up to n amount to n 2^-22 bins at most. For
+        // subnormal numbers no bound is known, and the division always decides.
         let uncertain = if density.is_normal() {
             n as f32 / 1_048_576.0
         } else {
@@ -57,10 +57,10 @@ impl Bins {
         }
     }
 
-    /// The bins of x, y and z, the first two times `sign`, +1 or -1; `n` where a
-    /// coordinate lies in none or is NaN.
+    /// Bins of x, y and z, the first two multiplied by `sign`, +1 or -1; `n` for a
+    /// coordinate outside the support or NaN.
     #[inline]
-    pub(super) fn of(self, block: &Block, sign: f32) -> [[u32; LANES]; 3] {
+    pub(super) fn indices(self, block: &Block, sign: f32) -> [[u32; LANES]; 3] {
         let mut bins = [[0; LANES]; 3];
         let mut near_edge = [0; LANES];
         let behind = self.n as f32;
@@ -70,22 +70,22 @@ impl Bins {
             for i in 0..LANES {
                 let place = coordinates_m[i] * density + self.middle;
                 let place = if place < behind { place } else { behind };
-                let rounded = place + ROUNDER;
-                let from_middle = (place - (rounded - ROUNDER)).abs();
-                bins[i] = rounded.to_bits().wrapping_sub(ROUNDER.to_bits());
+                let rounded = place + ROUNDING_CONSTANT;
+                let from_middle = (place - (rounded - ROUNDING_CONSTANT)).abs();
+                bins[i] = rounded.to_bits().wrapping_sub(ROUNDING_CONSTANT.to_bits());
                 near_edge[i] |= u32::from(from_middle > self.safe) | u32::from(place < -self.safe);
             }
         }
         if near_edge.into_iter().fold(0, |any, lane| any | lane) != 0 {
-            bins = axes.map(|(axis, sign)| self.divided(axis, sign));
+            bins = axes.map(|(axis, sign)| self.by_division(axis, sign));
         }
         bins
     }
 
-    /// The bins by the programs' own rule. Truncation goes towards zero, so the first
-    /// bin reaches back by one width.
+    /// Bins by division, as the reference programs compute them. Truncation goes towards
+    /// zero, so the first bin extends back by one width.
     #[cold]
-    fn divided(self, coordinates_m: &[f32; LANES], sign: f32) -> [u32; LANES] {
+    fn by_division(self, coordinates_m: &[f32; LANES], sign: f32) -> [u32; LANES] {
         coordinates_m.map(|coordinate_m| {
             let shifted = f64::from(sign * coordinate_m) + self.half_support_m;
             let shifted = match self.rounding {
@@ -115,9 +115,9 @@ mod tests {
         }
     }
 
-    /// The bin, which is the same along each axis.
+    /// Bin, which must be equal along each axis.
     fn bin(bins: Bins, coordinate: f32) -> u32 {
-        let [x, y, z] = bins.of(&block([coordinate; LANES]), 1.0);
+        let [x, y, z] = bins.indices(&block([coordinate; LANES]), 1.0);
         assert_eq!((x, y), (y, z));
         x[0]
     }
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_next_to_an_edge_depends_on_the_rounding() {
+    fn coordinates_next_to_an_edge_depend_on_the_rounding() {
         // 2^-25 below the edge at 0: lost when 2 is added in single precision.
         let coordinate = -(0.5_f32.powi(25));
         assert_eq!(bin(Bins::new(4, 4.0, Rounding::Single), coordinate), 2);
@@ -154,7 +154,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_multiplication_finds_what_the_division_finds(
+        fn multiplication_and_division_find_the_same_bin(
             n in 2_u32..=64,
             support_m in prop_oneof![0.02_f64..1.0, 1e-30_f64..1e-20, 1e20_f64..1e38, Just(1e300)],
             places in prop::array::uniform8(-1.5_f64..1.5),
@@ -165,13 +165,13 @@ mod tests {
             let rounding = if is_single { Rounding::Single } else { Rounding::Double };
             let bins = Bins::new(n, support_m, rounding);
             let check = |coordinates: [f32; LANES]| {
-                let turned = bins.divided(&coordinates, sign);
-                let expected = [turned, turned, bins.divided(&coordinates, 1.0)];
-                prop_assert_eq!(bins.of(&block(coordinates), sign), expected);
+                let turned = bins.by_division(&coordinates, sign);
+                let expected = [turned, turned, bins.by_division(&coordinates, 1.0)];
+                prop_assert_eq!(bins.indices(&block(coordinates), sign), expected);
                 Ok(())
             };
             check(places.map(|place| (place * support_m) as f32))?;
-            // Some steps of single precision beside each edge.
+            // Some steps of single precision around each edge.
             for edge in 0..=n {
                 let edge_m = (f64::from(edge) / f64::from(n) - 0.5) * support_m;
                 let bits = (edge_m as f32).to_bits().wrapping_add_signed(steps);

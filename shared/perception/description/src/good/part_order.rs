@@ -1,16 +1,16 @@
-//! The order of the three parts of a descriptor.
+//! Order of the three parts of a GOOD descriptor.
 
-/// What makes a part the first.
+/// Criterion that selects the first part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Leader {
-    /// Shannon's entropy, as published.
+pub(super) enum FirstPartCriterion {
+    /// Largest Shannon entropy, as published.
     MostEntropy,
-    /// The number of bins that are not empty: what the workspace's program calls
-    /// entropy takes each of them for equally full.
+    /// Largest number of non-empty bins. The workspace's program calls it entropy,
+    /// taking every non-empty bin as equally full.
     MostOccupiedBins,
 }
 
-impl Leader {
+impl FirstPartCriterion {
     fn score(self, shares: &[f32]) -> f32 {
         match self {
             Self::MostEntropy => entropy_bits(shares),
@@ -23,10 +23,13 @@ impl Leader {
     }
 }
 
-/// Indices of the parts: the leader first, the first of equal ones; then the other
-/// two by ascending variance, in their own order when equal.
-pub(super) fn order_of_parts(parts: [&[f32]; 3], leader: Leader) -> [usize; 3] {
-    let scores = parts.map(|shares| leader.score(shares));
+/// Indices of the parts: the one with the highest criterion first, then the other two by
+/// ascending variance. Ties keep the original order.
+pub(super) fn order_of_parts(
+    parts: [&[f32]; 3],
+    first_part_criterion: FirstPartCriterion,
+) -> [usize; 3] {
+    let scores = parts.map(|shares| first_part_criterion.score(shares));
     let mut first = 0;
     for part in 1..3 {
         if scores[part] > scores[first] {
@@ -45,7 +48,7 @@ pub(super) fn order_of_parts(parts: [&[f32]; 3], leader: Leader) -> [usize; 3] {
     }
 }
 
-/// Shannon's entropy of a distribution.
+/// Shannon entropy of a distribution, bits.
 fn entropy_bits(shares: &[f32]) -> f32 {
     shares
         .iter()
@@ -53,7 +56,7 @@ fn entropy_bits(shares: &[f32]) -> f32 {
         .fold(0.0, |sum, share| sum - share * share.log2())
 }
 
-/// Variance of the bin's index in the flattened histogram, counted from 1.
+/// Variance of the one-based bin index in the flattened histogram.
 fn index_variance(shares: &[f32]) -> f32 {
     let indexed = || (1_u16..).map(f32::from).zip(shares);
     let mean = indexed().fold(0.0, |sum, (i, share)| sum + i * share);
@@ -65,7 +68,7 @@ mod tests {
     use super::*;
 
     fn order(parts: [&[f32]; 3]) -> [usize; 3] {
-        order_of_parts(parts, Leader::MostEntropy)
+        order_of_parts(parts, FirstPartCriterion::MostEntropy)
     }
 
     #[test]
@@ -85,14 +88,23 @@ mod tests {
         let single = [0.0, 1.0, 0.0, 0.0];
         let parts: [&[f32]; 3] = [&even, &spread, &single];
         assert_eq!(order(parts), [0, 2, 1]);
-        assert_eq!(order_of_parts(parts, Leader::MostOccupiedBins), [1, 2, 0]);
+        assert_eq!(
+            order_of_parts(parts, FirstPartCriterion::MostOccupiedBins),
+            [1, 2, 0]
+        );
     }
 
     #[test]
     fn equal_parts_keep_their_order() {
         let part = [0.1, 0.2, 0.3, 0.4];
-        for leader in [Leader::MostEntropy, Leader::MostOccupiedBins] {
-            assert_eq!(order_of_parts([&part, &part, &part], leader), [0, 1, 2]);
+        for first_part_criterion in [
+            FirstPartCriterion::MostEntropy,
+            FirstPartCriterion::MostOccupiedBins,
+        ] {
+            assert_eq!(
+                order_of_parts([&part, &part, &part], first_part_criterion),
+                [0, 1, 2]
+            );
         }
     }
 }

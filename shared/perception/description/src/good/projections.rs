@@ -1,21 +1,21 @@
-//! The three histograms of a point set.
+//! Orthographic projection histograms of a point set.
 
 use super::bins::Bins;
 use crate::projected_points::{LANES, ProjectedPoints};
 
-/// Histograms of the projections (y, z), (x, z) and (x, y), each `n x n`,
-/// row-major, the first coordinate choosing the row.
+/// Histograms of the projections (y, z), (x, z) and (x, y), each `n x n`, row-major; the
+/// first coordinate is the row.
 #[derive(Debug, Clone)]
 pub(super) struct Projections {
     n_bins: usize,
-    /// `(n + 1) x (n + 1)` for each projection: the last row and column take what
-    /// lies in no bin, so that nothing is asked for each point.
+    /// Counts, `(n + 1) x (n + 1)` per projection: the last row and column collect
+    /// points outside the support, which avoids a branch per point.
     counts: Vec<u32>,
     shares: Vec<f32>,
 }
 
 impl Projections {
-    /// Empty histograms of `n_bins` a side.
+    /// Empty histograms with `n_bins` bins per side.
     pub(super) fn new(n_bins: usize) -> Self {
         Self {
             n_bins,
@@ -24,7 +24,7 @@ impl Projections {
         }
     }
 
-    /// Counts the points in the bins; x and y are multiplied by `sign`, z never is.
+    /// Counts the points in the bins; x and y are multiplied by `sign`, z is not.
     pub(super) fn fill(&mut self, points: &ProjectedPoints, sign: f32, bins: Bins) {
         self.count(points, sign, bins);
         let (n, stride) = (self.n_bins, self.n_bins + 1);
@@ -43,7 +43,7 @@ impl Projections {
         }
     }
 
-    /// Shares of the counted points in the bins of (y, z), (x, z) and (x, y).
+    /// Normalised histograms of (y, z), (x, z) and (x, y).
     pub(super) fn parts(&self) -> [&[f32]; 3] {
         let n_cells = self.n_bins * self.n_bins;
         let (yz, rest) = self.shares.split_at(n_cells);
@@ -57,7 +57,7 @@ impl Projections {
         let (yz, rest) = self.counts.split_at_mut(stride * stride);
         let (xz, xy) = rest.split_at_mut(stride * stride);
         for block in points.blocks() {
-            let [x, y, z] = bins.of(block, sign);
+            let [x, y, z] = bins.indices(block, sign);
             for i in 0..LANES {
                 let (x, y, z) = (x[i] as usize, y[i] as usize, z[i] as usize);
                 yz[y * stride + z] += 1;

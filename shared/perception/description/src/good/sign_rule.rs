@@ -1,26 +1,25 @@
-//! The rule for the direction of the projections.
+//! Sign disambiguation of the axes by point majority.
 
 use crate::projected_points::{Block, LANES, ProjectedPoints};
 
-/// When an axis is turned around.
+/// Majority rule that reverses an axis.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SignRule {
-    /// Points nearer than this to the middle are not counted, metres.
+    /// Half width of the ignored band around the middle, metres.
     pub(super) band_m: f32,
-    /// By so many the points below must outnumber those above.
+    /// Majority of points below the band that reverses the axis.
     pub(super) margin_points: usize,
 }
 
 impl SignRule {
-    /// One sign for both axes of the plane, +1 or -1: the product of the signs
-    /// along x and y.
+    /// Common sign of both axes, +1 or -1: the product of the signs along x and y.
     pub(super) fn shared_sign(self, points: &ProjectedPoints) -> f32 {
         self.axis_sign(points.blocks(), |block| &block.x)
             * self.axis_sign(points.blocks(), |block| &block.y)
     }
 
-    /// -1 when the points below the band outnumber those above it by the margin or
-    /// more, else +1.
+    /// Sign of one axis: -1 when the points below the band outnumber those above it by
+    /// the margin or more, else +1.
     fn axis_sign(self, blocks: &[Block], axis: impl Fn(&Block) -> &[f32; LANES]) -> f32 {
         let (mut above, mut below) = ([0_u32; LANES], [0_u32; LANES]);
         for block in blocks {
@@ -73,7 +72,7 @@ mod tests {
     }
 
     #[test]
-    fn points_within_the_band_have_no_say() {
+    fn points_within_the_band_are_ignored() {
         for (band_m, expected) in [(0.019, -1.0), (0.02, 1.0)] {
             let margin_points = 1;
             check(

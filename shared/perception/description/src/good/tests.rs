@@ -5,17 +5,17 @@ use nalgebra::Vector3;
 use point_cloud::{Point, Rgba};
 use proptest::prelude::*;
 
-/// As the published program does it.
+/// Variant of the published program.
 const PUBLISHED: GoodVariant = GoodVariant::Published {
     sign_threshold_m: 0.0015,
 };
 
-/// As the authors' evaluations do it.
+/// Variant of the authors' evaluations.
 const WORKSPACE: GoodVariant = GoodVariant::Workspace {
     support: Support::Adaptive,
 };
 
-/// The same with a support for all objects.
+/// Variant of the authors' evaluations with a fixed support.
 const WORKSPACE_FIXED: GoodVariant = GoodVariant::Workspace {
     support: Support::Fixed { side_m: 0.2 },
 };
@@ -32,7 +32,7 @@ const IDENTITY: DescriptorFrame = DescriptorFrame {
     ],
 };
 
-/// About the middle of the sheet.
+/// Frame at about the middle of the sheet.
 const CENTRED: DescriptorFrame = DescriptorFrame {
     object_from_source: [
         [1.0, 0.0, 0.0, -0.0625],
@@ -41,7 +41,7 @@ const CENTRED: DescriptorFrame = DescriptorFrame {
     ],
 };
 
-/// Points on a lopsided, curved sheet about a metre in front of the camera.
+/// Points on a curved asymmetric sheet about a metre in front of the camera.
 fn sheet(n_points: u32) -> Vec<Point> {
     (0..n_points)
         .map(|i| {
@@ -85,13 +85,13 @@ proptest! {
         prop_assert_eq!(out.len(), good.dimension());
         for part in out.chunks(n_bins * n_bins) {
             let sum: f32 = part.iter().sum();
-            // A part is empty only when no point is within the cube.
+            // A part is empty only when no point lies within the cube.
             prop_assert!(sum == 0.0 || (sum - 1.0).abs() < 1e-4);
         }
     }
 
     #[test]
-    fn points_and_frame_moved_together_have_the_same_descriptor(
+    fn good_is_invariant_to_a_common_motion_of_points_and_frame(
         variant in variant(),
         turn in prop::array::uniform3(-3.0_f64..3.0),
         shift in prop::array::uniform3(-1.0_f64..1.0),
@@ -108,12 +108,12 @@ proptest! {
         let still = describe(&cloud, &object_from_source);
         let followed = describe(&moved(&cloud, &motion), &(object_from_source * motion.inverse()));
         let difference: f32 = still.iter().zip(&followed).map(|(a, b)| (a - b).abs()).sum();
-        // Of 6 for disjoint descriptors: rounding moves a few points to the next bin.
+        // Disjoint descriptors differ by 6: rounding moves a few points to the next bin.
         prop_assert!(difference < 0.05, "{}", difference);
     }
 
     #[test]
-    fn the_order_of_points_has_no_say(
+    fn good_is_independent_of_the_order_of_points(
         variant in variant(),
         cloud in Just(sheet(300)).prop_shuffle(),
     ) {
@@ -125,7 +125,7 @@ proptest! {
     }
 
     #[test]
-    fn a_shift_by_what_is_exact_changes_no_bit(
+    fn an_exactly_representable_shift_changes_no_bit(
         variant in variant(),
         steps in prop::array::uniform3(-400_i16..400),
     ) {
@@ -151,7 +151,7 @@ proptest! {
     }
 
     #[test]
-    fn hostile_points_and_frames_do_no_harm(
+    fn good_of_arbitrary_points_and_frames_is_bounded(
         variant in variant(),
         points in prop::collection::vec(prop::array::uniform3(any::<f32>()), 0..20),
         rows in prop::array::uniform3(prop::array::uniform4(any::<f32>())),
@@ -167,7 +167,7 @@ proptest! {
 }
 
 #[test]
-fn a_selection_is_described_like_a_copy() {
+fn a_selection_has_the_descriptor_of_its_copy() {
     let cloud = sheet(2000);
     let indices: Vec<u32> = (0..2000).filter(|i| i % 3 == 0).collect();
     let copy: Vec<Point> = indices.iter().map(|&i| cloud[i as usize]).collect();
@@ -183,7 +183,7 @@ fn a_selection_is_described_like_a_copy() {
 }
 
 #[test]
-fn four_points_fall_where_they_should() {
+fn four_points_fall_into_the_expected_bins() {
     // Support 0.1 + 0.02 m, so bins of 0.06 m: each coordinate falls left or right.
     let at = |x: f32, y: f32, z: f32| Point {
         x,
@@ -210,7 +210,7 @@ fn four_points_fall_where_they_should() {
 }
 
 #[test]
-fn points_without_depth_are_left_out() {
+fn points_without_depth_are_skipped() {
     let mut cloud = sheet(1000);
     let mut good = Good::new(5, PUBLISHED).unwrap();
     let (mut whole, mut with_holes) = (Vec::new(), Vec::new());
@@ -229,7 +229,7 @@ fn points_without_depth_are_left_out() {
 }
 
 #[test]
-fn impossible_parameters_are_refused() {
+fn invalid_parameters_are_rejected() {
     for n_bins in [0, 1, 65, usize::MAX] {
         assert_eq!(
             Good::new(n_bins, PUBLISHED).unwrap_err(),
@@ -256,7 +256,7 @@ fn impossible_parameters_are_refused() {
 }
 
 #[test]
-fn the_support_decides_whether_size_shows() {
+fn a_fixed_support_preserves_size() {
     let small = sheet(3000);
     let large: Vec<Point> = small
         .iter()
@@ -283,13 +283,13 @@ fn the_support_decides_whether_size_shows() {
     assert!(2.0 * adaptive < fixed, "{adaptive} {fixed}");
 }
 
-/// The signs of two principal axes are an accident of the solver that finds them,
-/// and the third follows. The programs multiply by one common sign, which undoes
-/// only a part of it: the same points have four descriptors. So these variants need
-/// a frame whose axes have a meaning.
+/// Sign ambiguity of principal axes: two signs depend on the eigen solver, and the third
+/// follows. The programs multiply by one common sign, which resolves only a part, so the
+/// same points have four descriptors. These variants therefore need a frame with
+/// meaningful axes.
 #[test]
 fn the_four_signs_of_the_axes_give_four_descriptors() {
-    // Lopsided along each of its axes.
+    // Asymmetric along each axis.
     let bend = |p: &Point| Point {
         y: p.y + 40.0 * p.y * p.y,
         z: p.z + 1.5 * p.x * p.x,
@@ -313,7 +313,7 @@ fn the_four_signs_of_the_axes_give_four_descriptors() {
             for j in 0..i {
                 let pairs = descriptors[i].iter().zip(&descriptors[j]);
                 let difference: f32 = pairs.map(|(a, b)| (a - b).abs()).sum();
-                // Of 6 for disjoint descriptors.
+                // Disjoint descriptors differ by 6.
                 assert!(difference > 0.5, "{variant:?} {i} {j}: {difference}");
             }
         }

@@ -1,57 +1,56 @@
-//! The two programs of GOOD's authors, and in what they differ.
+//! Variants of GOOD: the two programs of its authors.
 
 use super::bins::Rounding;
-use super::part_order::Leader;
+use super::part_order::FirstPartCriterion;
 use super::sign_rule::SignRule;
 use crate::Error;
 
-/// Added to the longest side of the object to make the side of an adaptive
-/// support, metres.
+/// Margin added to the longest side of the object for an adaptive support, metres.
+/// *Source*: the authors' programs.
 const SUPPORT_MARGIN_M: f64 = 0.02;
 
-/// Points nearer than this to the middle have no say in the signs of the
-/// workspace variant, metres. The program compares with the double 0.015; this is
-/// the largest single below it, which no single-precision coordinate can tell from
-/// it.
+/// Half width of the band whose points are ignored by the sign rule of the workspace
+/// variant, metres. The program compares with the double 0.015; this is the largest
+/// single below it, which no single-precision coordinate can distinguish from it.
 const WORKSPACE_BAND_M: f32 = 0.015;
 
-/// Points that decide about a sign in the workspace variant.
+/// Majority of points that decides a sign in the workspace variant. *Source*: the
+/// authors' program.
 const WORKSPACE_MARGIN_POINTS: usize = 10;
 
-/// Which of the authors' programs is followed.
+/// Variant of GOOD, one per program of its authors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum GoodVariant {
-    /// The published program: signs by a majority of a tenth of all points, the
-    /// projection of most entropy first, an adaptive support.
+    /// Published program: signs by a majority of a tenth of all points, projection of
+    /// largest entropy first, adaptive support.
     Published {
-        /// Points nearer than this to the middle have no say in the signs, metres,
-        /// finite, 0 or more; 0.0015 in the program.
+        /// Half width of the band whose points are ignored by the sign rule, metres;
+        /// finite, at least 0, 0.0015 in the program.
         sign_threshold_m: f32,
     },
-    /// The program of the authors' evaluations: signs by a majority of 10 points
-    /// farther than 0.015 m from the middle, the projection with most occupied bins
-    /// first.
+    /// Program of the authors' evaluations: signs by a majority of 10 points farther
+    /// than 0.015 m from the middle, projection with most occupied bins first.
     Workspace {
-        /// The cube that is divided into bins.
+        /// Support of the histograms.
         support: Support,
     },
 }
 
-/// The cube around the frame's origin that is divided into bins.
+/// Cubic support of the histograms around the frame's origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Support {
-    /// 0.02 m longer than the longest side of the object.
+    /// Cube 0.02 m longer than the longest side of the object.
     Adaptive,
-    /// The same for all objects, so that their sizes show; points outside are left
-    /// out.
+    /// Cube of equal size for all objects, which preserves their size; points outside
+    /// are skipped.
     Fixed {
-        /// Its side, metres, finite, more than 0; 0.2 in the authors' evaluations.
+        /// Side, metres, finite, greater than 0; 0.2 in the authors' evaluations.
         side_m: f64,
     },
 }
 
 impl Support {
-    /// Side of the cube, metres, for an object whose longest side is known.
+    /// Side of the cube, metres, for an object with a given longest side.
     fn side_m(self, longest_side_m: f32) -> f64 {
         match self {
             Self::Adaptive => f64::from(longest_side_m) + SUPPORT_MARGIN_M,
@@ -61,7 +60,7 @@ impl Support {
 }
 
 impl GoodVariant {
-    /// Refuses lengths that are none.
+    /// Checks that the lengths are finite and not negative.
     pub(super) fn check(self) -> Result<(), Error> {
         match self {
             Self::Published {
@@ -74,7 +73,7 @@ impl GoodVariant {
         }
     }
 
-    /// Side of the cube that is divided into bins, metres.
+    /// Side of the support, metres.
     pub(super) fn support_m(self, longest_side_m: f32) -> f64 {
         match self {
             Self::Published { .. } => Support::Adaptive.side_m(longest_side_m),
@@ -82,7 +81,7 @@ impl GoodVariant {
         }
     }
 
-    /// The rule for an object of `n_points` points, those without depth included.
+    /// Sign rule for an object of `n_points` points, including those without depth.
     pub(super) fn sign_rule(self, n_points: usize) -> SignRule {
         match self {
             Self::Published { sign_threshold_m } => SignRule {
@@ -96,7 +95,7 @@ impl GoodVariant {
         }
     }
 
-    /// Precision of a coordinate before it is divided by the bins' width.
+    /// Precision of a coordinate before the division by the bin width.
     pub(super) fn rounding(self) -> Rounding {
         match self {
             Self::Published { .. } => Rounding::Single,
@@ -104,11 +103,11 @@ impl GoodVariant {
         }
     }
 
-    /// What makes a projection the first.
-    pub(super) fn leader(self) -> Leader {
+    /// Criterion that selects the first projection.
+    pub(super) fn first_part_criterion(self) -> FirstPartCriterion {
         match self {
-            Self::Published { .. } => Leader::MostEntropy,
-            Self::Workspace { .. } => Leader::MostOccupiedBins,
+            Self::Published { .. } => FirstPartCriterion::MostEntropy,
+            Self::Workspace { .. } => FirstPartCriterion::MostOccupiedBins,
         }
     }
 }

@@ -1,27 +1,27 @@
-//! Reads the golden values of the authors' programs.
+//! Reader of the golden vectors of the authors' programs.
 
 use description::{DescriptorFrame, GoodVariant, Support};
 use point_cloud::Point;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-/// One run of one of the programs.
+/// Golden vector: one run of a reference program.
 pub(crate) struct ReferenceVector {
-    /// Name of the file.
+    /// File name.
     pub(crate) name: String,
-    /// The points described.
+    /// Described points.
     pub(crate) cloud: Vec<Point>,
-    /// Bins a side.
+    /// Bins per side.
     pub(crate) n_bins: usize,
-    /// Which program it was.
+    /// Program variant.
     pub(crate) variant: GoodVariant,
-    /// The frame it found.
+    /// Object frame found by the program.
     pub(crate) frame: DescriptorFrame,
-    /// The descriptor it computed.
+    /// Descriptor computed by the program.
     pub(crate) descriptor: Vec<f32>,
 }
 
-/// All runs of the published program, in the order of their names.
+/// All runs of the published program, ordered by name.
 pub(crate) fn all_published() -> Vec<ReferenceVector> {
     let is_published = |name: &str| !name.starts_with("ws_") && name.contains("_thr");
     let variant = |rows: &Rows| GoodVariant::Published {
@@ -30,7 +30,7 @@ pub(crate) fn all_published() -> Vec<ReferenceVector> {
     all(is_published, variant)
 }
 
-/// All runs of the evaluation workspace's program, in the order of their names.
+/// All runs of the workspace's program, ordered by name.
 pub(crate) fn all_workspace() -> Vec<ReferenceVector> {
     let is_workspace = |name: &str| name.starts_with("ws_") && name.contains("_bins");
     let variant = |rows: &Rows| {
@@ -82,7 +82,7 @@ fn all(
         .collect()
 }
 
-/// The frame of a cloud, which depends on neither program nor parameters.
+/// Object frame of a cloud, which depends on neither program nor parameters.
 fn frame(folder: &Path, cloud: &str) -> DescriptorFrame {
     let transform =
         Rows::read(folder, &format!("{cloud}_bins15_thr0.0015")).numbers("transform_rowmajor_4x4");
@@ -92,7 +92,7 @@ fn frame(folder: &Path, cloud: &str) -> DescriptorFrame {
     }
 }
 
-/// A file of rows `key,values...`.
+/// CSV file of rows `key,values...`.
 struct Rows(HashMap<String, String>);
 
 impl Rows {

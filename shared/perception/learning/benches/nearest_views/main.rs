@@ -1,23 +1,25 @@
-//! One object, in its four readings, against 1 000 to 100 000 taught views of our
-//! own descriptor; and what teaching, cloning and teaching beside a clone cost.
+//! Benchmark of nearest-view search with the appearance descriptor: one object in its
+//! four axis hypotheses against 1 000 to 100 000 taught views, and the cost of teaching,
+//! of cloning and of teaching while a clone is held.
 //!
-//! The views are of generated objects, or of those in the folder that the variable
-//! `TABULA_VIEWS` names, in the Washington layout, with points disturbed as often as
-//! the number needs. The objects that are asked for are not among the taught views.
+//! The views show generated objects, or those in the folder named by `TABULA_VIEWS`, in
+//! the Washington layout, augmented to the required number. The query objects are not
+//! among the taught views.
 
 mod views;
 
 use divan::{Bencher, black_box};
-use learning::{CategoryIndex, CategoryName, Metric, Vicinity, ViewId};
+use learning::{CategoryIndex, CategoryName, Metric, NearestViewCache, ViewId};
 use std::sync::OnceLock;
 use views::{N_READINGS, View, views};
 
-/// Taught views of the largest index.
+/// Number of taught views of the largest index.
 const N_VIEWS: usize = 100_000;
-/// Of so many views one is asked for and not taught.
+
+/// One view in this number is a query and not taught.
 const ONE_ASKED_OF: usize = 50;
 
-type Readings = [Vec<f32>; N_READINGS];
+type AxisHypotheses = [Vec<f32>; N_READINGS];
 
 fn main() {
     divan::main();
@@ -36,21 +38,18 @@ fn id(number: usize) -> ViewId {
     }
 }
 
-/// An index with every so-many-th view taught, in order, and objects to ask for.
-fn taught(n_views: usize) -> (CategoryIndex, Vec<&'static Readings>) {
+/// Index with an evenly strided subset of the views, and the queries.
+fn taught(n_views: usize) -> (CategoryIndex, Vec<&'static AxisHypotheses>) {
     let mut index = CategoryIndex::new(views::DIMENSION, Metric::Euclidean);
     let is_asked = |&(number, _): &(usize, &View)| number % ONE_ASKED_OF == 7;
     let (asked, stored): (Vec<_>, Vec<_>) = all().iter().enumerate().partition(is_asked);
     for (number, view) in stored.iter().step_by(N_VIEWS / n_views) {
         let name = CategoryName::new(&view.category).expect("the name is valid");
         index
-            .insert(id(*number), &name, &view.readings[0])
+            .insert(id(*number), &name, &view.queries[0])
             .expect("the descriptor is valid");
     }
-    (
-        index,
-        asked.iter().map(|(_, view)| &view.readings).collect(),
-    )
+    (index, asked.iter().map(|(_, view)| &view.queries).collect())
 }
 
 #[divan::bench(args = [1000, 10_000, 100_000], sample_count = 500, sample_size = 1)]
@@ -59,27 +58,27 @@ fn recognise(bencher: Bencher<'_, '_>, n_views: usize) {
     let mut asked = asked.into_iter().cycle();
     bencher
         .with_inputs(|| asked.next())
-        .bench_local_values(|readings| {
-            readings.map(|readings| index.recognise_any(black_box(readings), 1.0))
+        .bench_local_values(|queries| {
+            queries.map(|queries| index.recognise_any(black_box(queries), 1.0))
         });
 }
 
-/// Objects of which each is seen again and again, as it stands still.
+/// Incremental recognition of twenty objects at rest.
 #[divan::bench(args = [1000, 10_000, 100_000], sample_count = 500, sample_size = 1)]
-fn recognise_again(bencher: Bencher<'_, '_>, n_views: usize) {
+fn recognise_incremental(bencher: Bencher<'_, '_>, n_views: usize) {
     let (index, asked) = taught(n_views);
     let seen = asked.into_iter().take(20);
     let mut objects: Vec<_> = seen
-        .map(|readings| (readings, Vicinity::default()))
+        .map(|queries| (queries, NearestViewCache::default()))
         .collect();
-    for (readings, vicinity) in &mut objects {
-        let _ = index.recognise_again(*readings, 1.0, vicinity);
+    for (queries, cache) in &mut objects {
+        let _ = index.recognise_incremental(*queries, 1.0, cache);
     }
     let mut next = 0;
     bencher.bench_local(|| {
         next = (next + 1) % objects.len();
-        let (readings, vicinity) = &mut objects[next];
-        index.recognise_again(black_box(*readings), 1.0, vicinity)
+        let (queries, cache) = &mut objects[next];
+        index.recognise_incremental(black_box(*queries), 1.0, cache)
     });
 }
 
@@ -89,8 +88,7 @@ fn clone(bencher: Bencher<'_, '_>, n_views: usize) {
     bencher.bench_local(|| black_box(&index).clone());
 }
 
-/// Teaches one more view and forgets it; in the second case beside a fresh clone
-/// that holds all memory.
+/// Teaches and forgets one view, without or with a fresh clone that shares all memory.
 #[divan::bench(args = [false, true])]
 fn teach_and_forget(bencher: Bencher<'_, '_>, has_clone: bool) {
     let (mut index, asked) = taught(10_000);

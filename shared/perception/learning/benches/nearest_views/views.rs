@@ -1,4 +1,4 @@
-//! Views of objects, described.
+//! Described views of generated or recorded objects.
 
 use dataset::washington::ObjectDataset;
 use description::{Appearance, AppearanceWeights, ObjectPoints};
@@ -12,24 +12,26 @@ use std::path::Path;
 pub(crate) use description::N_READINGS;
 pub(crate) const DIMENSION: usize = Appearance::DIMENSION;
 
-/// Views of one generated object, in turns of 32 at three heights, and their points.
+/// Number of views of one generated object: turns of 32 at three heights.
 const N_VIEWS_OF_OBJECT: usize = 96;
+
+/// Number of points of a generated view.
 const N_POINTS: usize = 800;
 
-/// A view of an object of a category.
+/// Described view of an object.
 pub(crate) struct View {
     pub(crate) category: String,
-    pub(crate) readings: [Vec<f32>; N_READINGS],
+    pub(crate) queries: [Vec<f32>; N_READINGS],
 }
 
-/// The points of a view and the direction against gravity in their frame.
+/// Points of a view and the direction against gravity in their frame.
 struct Seen {
     category: String,
     points: Vec<Point>,
     up: UnitVector3<f64>,
 }
 
-/// Of variance 1, nearly normal.
+/// Approximately normal random number of variance 1.
 fn normal(random: &mut Random) -> f32 {
     (0..12).map(|_| random.unit_f32()).sum::<f32>() - 6.0
 }
@@ -38,16 +40,16 @@ fn normal_vector(random: &mut Random) -> Vector3<f32> {
     Vector3::new(normal(random), normal(random), normal(random))
 }
 
-/// So many views, those of an object one after the other.
+/// Described views, grouped by object.
 pub(crate) fn views(n_views: usize) -> Vec<View> {
     let mut appearance =
         Appearance::new(AppearanceWeights::default()).expect("the weights are valid");
     let mut views = Vec::with_capacity(n_views);
     let mut add = |seen: &Seen| {
-        if let Ok(readings) = appearance.describe(ObjectPoints::all(&seen.points), Some(&seen.up)) {
+        if let Ok(queries) = appearance.describe(ObjectPoints::all(&seen.points), Some(&seen.up)) {
             views.push(View {
                 category: seen.category.clone(),
-                readings: readings.clone(),
+                queries: queries.clone(),
             });
         }
     };
@@ -58,8 +60,7 @@ pub(crate) fn views(n_views: usize) -> Vec<View> {
     views
 }
 
-/// Views of a data set; each is repeated with disturbed points until there are
-/// enough.
+/// Views of a data set, augmented by disturbed copies up to the required number.
 fn see_folder(folder: &Path, n_views: usize, add: &mut impl FnMut(&Seen)) {
     let dataset = ObjectDataset::open(folder).expect("TABULA_VIEWS names a folder of views");
     let mut random = Random::from_seed(7);
@@ -85,8 +86,8 @@ fn see_folder(folder: &Path, n_views: usize, add: &mut impl FnMut(&Seen)) {
     }
 }
 
-/// Another size by 6 % at most, noise of 2 mm at most, and up to a quarter of the
-/// points, on one side, missing.
+/// Augmented copy: scaled by at most 6 %, noise of at most 2 mm, and up to a quarter of
+/// the points removed on one side.
 fn disturbed(points: &[Point], random: &mut Random) -> Vec<Point> {
     let centre = points
         .iter()
@@ -120,8 +121,8 @@ fn position(point: &Point) -> Vector3<f32> {
     Vector3::new(point.x, point.y, point.z)
 }
 
-/// Views of generated objects of all categories: points on the faces that are
-/// turned to the viewer. What hides them is left out of account.
+/// Views of generated objects of all categories: points on front faces, without
+/// occlusion.
 fn see_generated(n_views: usize, add: &mut impl FnMut(&Seen)) {
     let mut random = Random::from_seed(7);
     let n_instances = n_views.div_ceil(N_VIEWS_OF_OBJECT * categories().len()) as u64;
@@ -143,8 +144,8 @@ fn see_generated(n_views: usize, add: &mut impl FnMut(&Seen)) {
     }
 }
 
-/// Points on the faces turned to the viewer, as dense as the viewer sees them, with
-/// noise of a millimetre.
+/// Sample of the front faces, as dense as the viewer sees them, with noise of a
+/// millimetre.
 fn sampled(mesh: &TriangleMesh, viewer: &Vector3<f32>, random: &mut Random) -> Vec<Point> {
     let mut seen_area = 0.0;
     let mut faces = Vec::new();

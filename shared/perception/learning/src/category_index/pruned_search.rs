@@ -1,58 +1,58 @@
-//! The nearest views by Euclidean distance, most of them never compared in full.
+//! Exact nearest-neighbour search in Euclidean distance with lower-bound pruning.
 
-use super::sketch::{Bounds, Level, N_TOGETHER, QuerySketch};
-use super::view_table::{BLOCK, ViewBlock, ViewTable};
+use super::sketch::{DistanceBounds, N_QUERIES_MAX, QuerySketch, SketchLevel};
+use super::view_table::{BLOCK_LEN, ViewBlock, ViewTable};
 use crate::Metric;
 use crate::nearest_categories::NearestCategories;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Blocks that are put in order at once, the most promising first, so that the
-/// others have little left to offer.
-const GROUP: usize = 512;
+/// Number of blocks sorted at once by their lower bound; searching the best first prunes
+/// the rest.
+const GROUP_LEN: usize = 512;
 
-/// The readings that are compared, and the nearest views so far.
-struct Search<'a, F> {
-    readings: &'a [&'a [f32]],
+/// State of a pruned search: queries, bounds and nearest views so far.
+struct PrunedSearch<'a, F> {
+    queries: &'a [&'a [f32]],
     coarse: QuerySketch,
     fine: QuerySketch,
-    bounds: Bounds,
+    bounds: DistanceBounds,
     found: &'a mut NearestCategories,
     on_nearer: F,
     n_compared: usize,
 }
 
-/// Offers what is nearest to one to four readings of an object, as a comparison of
-/// all pairs with [`Metric::Euclidean`] does, to the bit: lower bounds decide which
-/// views of the blocks are compared, their distance is computed as always. Tells the row
-/// of each view that is the nearest of its category so far, and returns how many views
-/// were compared.
+/// Exact nearest-neighbour search for one to four queries of an object. Views whose
+/// lower bound exceeds the present result are skipped; the distances of the others are
+/// computed as in an exhaustive search, so the result is equal bit for bit. Calls
+/// `on_nearer` with the row of each view that becomes the nearest of its category, and
+/// returns the number of compared views.
 pub(super) fn search(
     table: &ViewTable,
     blocks: Range<usize>,
-    readings: &[&[f32]],
+    queries: &[&[f32]],
     found: &mut NearestCategories,
     on_nearer: impl FnMut(usize),
 ) -> usize {
     let first_block = blocks.start;
-    let mut search = Search {
-        readings,
-        coarse: QuerySketch::new(readings, Level::Coarse),
-        fine: QuerySketch::new(readings, Level::Fine),
-        bounds: [[0.0; BLOCK]; N_TOGETHER],
+    let mut search = PrunedSearch {
+        queries,
+        coarse: QuerySketch::new(queries, SketchLevel::Coarse),
+        fine: QuerySketch::new(queries, SketchLevel::Fine),
+        bounds: [[0.0; BLOCK_LEN]; N_QUERIES_MAX],
         found,
         on_nearer,
         n_compared: 0,
     };
-    for (group, blocks) in table.blocks()[blocks].chunks(GROUP).enumerate() {
-        search.look_at_group(blocks, (first_block + group * GROUP) * BLOCK);
+    for (group, blocks) in table.blocks()[blocks].chunks(GROUP_LEN).enumerate() {
+        search.search_group(blocks, (first_block + group * GROUP_LEN) * BLOCK_LEN);
     }
     search.n_compared
 }
 
-impl<F: FnMut(usize)> Search<'_, F> {
-    fn look_at_group(&mut self, blocks: &[Arc<ViewBlock>], first_row: usize) {
-        let mut order = [(f32::INFINITY, 0); GROUP];
+impl<F: FnMut(usize)> PrunedSearch<'_, F> {
+    fn search_group(&mut self, blocks: &[Arc<ViewBlock>], first_row: usize) {
+        let mut order = [(f32::INFINITY, 0); GROUP_LEN];
         for (i, block) in blocks.iter().enumerate() {
             if let Some(sketches) = block.sketches() {
                 order[i] = (self.coarse.bound(sketches, &mut self.bounds), i);
@@ -61,27 +61,27 @@ impl<F: FnMut(usize)> Search<'_, F> {
         let order = &mut order[..blocks.len()];
         order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
         for &(least, i) in &*order {
-            if least > self.found.farthest() {
+            if least > self.found.worst_score() {
                 return;
             }
             if let Some(sketches) = blocks[i].sketches()
-                && self.fine.bound(sketches, &mut self.bounds) <= self.found.farthest()
+                && self.fine.bound(sketches, &mut self.bounds) <= self.found.worst_score()
             {
-                self.look_at_block(&blocks[i], first_row + i * BLOCK);
+                self.search_block(&blocks[i], first_row + i * BLOCK_LEN);
             }
         }
     }
 
-    /// Compares the views of a block that may be near enough, the most promising
+    /// Compares the views of a block that the bounds do not exclude, smallest bound
     /// first.
-    fn look_at_block(&mut self, block: &ViewBlock, first_row: usize) {
-        let farthest = self.found.farthest();
-        let mut promising = [(0.0, 0); BLOCK];
+    fn search_block(&mut self, block: &ViewBlock, first_row: usize) {
+        let worst_score = self.found.worst_score();
+        let mut promising = [(0.0, 0); BLOCK_LEN];
         let mut n_promising = 0;
         for place in 0..block.views().len() {
             let of_readings = self.bounds.each_ref().map(|bounds| bounds[place]);
             let least = of_readings.into_iter().fold(f32::INFINITY, f32::min);
-            if least <= farthest {
+            if least <= worst_score {
                 promising[n_promising] = (least, place);
                 n_promising += 1;
             }
@@ -89,7 +89,7 @@ impl<F: FnMut(usize)> Search<'_, F> {
         let promising = &mut promising[..n_promising];
         promising.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
         for &(least, place) in &*promising {
-            if least > self.found.farthest() {
+            if least > self.found.worst_score() {
                 return;
             }
             self.compare(block, place, first_row);
@@ -99,14 +99,17 @@ impl<F: FnMut(usize)> Search<'_, F> {
     fn compare(&mut self, block: &ViewBlock, place: usize, first_row: usize) {
         let (category, row) = (block.views()[place].category, first_row + place);
         self.n_compared += 1;
-        for (reading, bounds) in self.readings.iter().zip(&self.bounds) {
+        for (query, bounds) in self.queries.iter().zip(&self.bounds) {
             let bound = self.found.bound(category);
             if bounds[place] > bound {
                 continue;
             }
-            if block.offer(row, (Metric::Euclidean, reading), bound, self.found) {
+            if block.offer(row, (Metric::Euclidean, query), bound, self.found) {
                 (self.on_nearer)(row);
             }
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

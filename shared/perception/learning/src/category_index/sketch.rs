@@ -1,74 +1,79 @@
-//! Lower bounds of Euclidean distances from a few values of each view.
+//! Sketches: lower bounds of Euclidean distances from a few values of each view.
 //!
-//! With x₁ and y₁ the leading values of a reading and a view, and x₂ and y₂ the
-//! rest, `|x - y|² >= |x|² + |y|² - 2 (x₁ · y₁ + |x₂| |y₂|)` by Cauchy's and
-//! Schwarz's inequality. So a view's sketch is y₁, |y₂| and |y|². It has two levels:
-//! a coarse one with few leading values, and a fine one with more.
+//! Let x₁ and y₁ be the leading values of a query and a view, and x₂ and y₂ the rest. By
+//! the Cauchy-Schwarz inequality, `|x - y|² >= |x|² + |y|² - 2 (x₁ · y₁ + |x₂| |y₂|)`.
+//! The sketch of a view is y₁, |y₂| and |y|², on two levels: coarse with few leading
+//! values, fine with more.
 
-use super::view_table::BLOCK;
+use super::view_table::BLOCK_LEN;
 
-/// Leading values of the coarse and of the fine level.
-const N_COARSE: usize = 16;
-const N_FINE: usize = 64;
-/// Values of a sketch: the leading ones, then for each level the length of the rest.
-const N_VALUES: usize = N_FINE + 2;
-/// Most values of a level's product: the leading ones and the length of the rest.
-const N_PRODUCT: usize = N_FINE + 1;
+/// Leading values of the coarse level.
+const N_COARSE_VALUES: usize = 16;
 
-/// Views that are compared at once; eight vector registers of the baseline.
+/// Leading values of the fine level.
+const N_FINE_VALUES: usize = 64;
+
+/// Values of a sketch: the leading ones, then for each level the norm of the rest.
+const N_VALUES: usize = N_FINE_VALUES + 2;
+
+/// Largest number of terms of a level's inner product: the leading values and the norm
+/// of the rest.
+const N_TERMS_MAX: usize = N_FINE_VALUES + 1;
+
+/// Views compared at once; eight vector registers of the baseline instruction set.
 const LANES: usize = 32;
 type Lanes = [f32; LANES];
 
-/// Readings of an object that are compared at once.
-pub(super) const N_TOGETHER: usize = 4;
+/// Number of queries compared at once.
+pub(super) const N_QUERIES_MAX: usize = 4;
 
-/// Lower bounds of the squared distances of all views of a block, for each reading.
-pub(super) type Bounds = [[f32; BLOCK]; N_TOGETHER];
+/// Lower bounds of the squared distances of all views of a block, for each query.
+pub(super) type DistanceBounds = [[f32; BLOCK_LEN]; N_QUERIES_MAX];
 
-/// Signs of the readings in Hadamard's matrix of order 4.
-const HADAMARD: [[f32; N_TOGETHER]; N_TOGETHER] = [
+/// Hadamard matrix of order 4; its rows combine the queries.
+const HADAMARD: [[f32; N_QUERIES_MAX]; N_QUERIES_MAX] = [
     [1.0, 1.0, 1.0, 1.0],
     [1.0, 1.0, -1.0, -1.0],
     [1.0, -1.0, 1.0, -1.0],
     [1.0, -1.0, -1.0, 1.0],
 ];
 
-/// The sketches of a block of views, value by value.
+/// Sketches of a block of views, column by column.
 #[derive(Debug, Clone)]
 pub(super) struct SketchBlock {
-    values: Vec<[Lanes; BLOCK / LANES]>,
-    /// Infinite where no view is, so that nothing is near.
-    squared_lengths: [Lanes; BLOCK / LANES],
+    values: Vec<[Lanes; BLOCK_LEN / LANES]>,
+    /// Squared norms; infinite for unused slots, so that nothing is near.
+    squared_lengths: [Lanes; BLOCK_LEN / LANES],
 }
 
-/// One value of a combination of readings that is not 0.
+/// Non-zero value of a combination of queries.
 #[derive(Debug, Clone, Copy, Default)]
 struct Term {
     value: usize,
     weight: f32,
 }
 
-/// Up to four readings of an object, ready to be compared with sketches.
+/// Sketches of up to four queries for comparison with those of views.
 ///
-/// Not the readings are multiplied with a view but their four combinations by
-/// Hadamard's matrix, from which the readings' products follow by additions. What
-/// is the same in all readings, or changes signs only, is in one combination and
-/// costs one multiplication instead of four.
+/// Instead of the queries, their four combinations by the Hadamard matrix are multiplied
+/// with a view; the inner products of the queries follow by additions. A value that is
+/// equal in all queries, or differs in sign only, appears in one combination and costs
+/// one multiplication instead of four.
 #[derive(Debug, Clone)]
 pub(super) struct QuerySketch {
-    terms: [[Term; N_PRODUCT]; N_TOGETHER],
-    n_terms: [usize; N_TOGETHER],
-    /// Factor of a view's squared length.
+    terms: [[Term; N_TERMS_MAX]; N_QUERIES_MAX],
+    n_terms: [usize; N_QUERIES_MAX],
+    /// Factor of a view's squared norm.
     scale: f32,
-    /// Constant part of each reading's bound.
-    offsets: [f32; N_TOGETHER],
+    /// Constant part of the bound of each query.
+    offsets: [f32; N_QUERIES_MAX],
 }
 
 impl SketchBlock {
     pub(super) fn new() -> Self {
         Self {
-            values: vec![[[0.0; LANES]; BLOCK / LANES]; N_VALUES],
-            squared_lengths: [[f32::INFINITY; LANES]; BLOCK / LANES],
+            values: vec![[[0.0; LANES]; BLOCK_LEN / LANES]; N_VALUES],
+            squared_lengths: [[f32::INFINITY; LANES]; BLOCK_LEN / LANES],
         }
     }
 
@@ -81,53 +86,53 @@ impl SketchBlock {
         self.squared_lengths[place / LANES][place % LANES] = squared_length;
     }
 
-    /// Forgets the sketch of a view.
+    /// Removes the sketch of a view.
     pub(super) fn clear(&mut self, place: usize) {
         self.squared_lengths[place / LANES][place % LANES] = f32::INFINITY;
     }
 }
 
-/// How much of the sketches is compared.
+/// Level of detail of the sketches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Level {
+pub(super) enum SketchLevel {
     Coarse,
     Fine,
 }
 
 impl QuerySketch {
-    /// Sketches of one to four readings of equal length; further ones are left out.
-    pub(super) fn new(readings: &[&[f32]], level: Level) -> Self {
-        let dimension = readings.first().map_or(0, |reading| reading.len());
-        // Fewer readings are repeated; that changes no bound.
-        let n_readings = readings.len().max(1);
-        let sketches: [_; N_TOGETHER] =
-            std::array::from_fn(|i| sketch(readings.get(i % n_readings).unwrap_or(&&[][..])));
-        let slack = Slack::new(dimension);
+    /// Sketches of one to four queries of equal length; further queries are ignored.
+    pub(super) fn new(queries: &[&[f32]], level: SketchLevel) -> Self {
+        let dimension = queries.first().map_or(0, |query| query.len());
+        // Fewer queries are repeated, which changes no bound.
+        let n_queries = queries.len().max(1);
+        let sketches: [_; N_QUERIES_MAX] =
+            std::array::from_fn(|i| sketch(queries.get(i % n_queries).unwrap_or(&&[][..])));
+        let margin = RoundingMargin::new(dimension);
         let longest = sketches.iter().map(|s| s.1).fold(0.0, f32::max);
-        let error = 4.0 * slack.per_length * longest;
-        let offset = |length: f32| slack.factor * (length - error) - slack.absolute;
+        let error = 4.0 * margin.per_length * longest;
+        let offset = |length: f32| margin.factor * (length - error) - margin.absolute;
         let mut query = Self {
-            terms: [[Term::default(); N_PRODUCT]; N_TOGETHER],
-            n_terms: [0; N_TOGETHER],
-            scale: slack.factor * (1.0 - slack.per_length),
+            terms: [[Term::default(); N_TERMS_MAX]; N_QUERIES_MAX],
+            n_terms: [0; N_QUERIES_MAX],
+            scale: margin.factor * (1.0 - margin.per_length),
             offsets: sketches.map(|(_, length)| offset(length)),
         };
         let (n_leading, rest) = match level {
-            Level::Coarse => (N_COARSE, N_FINE),
-            Level::Fine => (N_FINE, N_FINE + 1),
+            SketchLevel::Coarse => (N_COARSE_VALUES, N_FINE_VALUES),
+            SketchLevel::Fine => (N_FINE_VALUES, N_FINE_VALUES + 1),
         };
         for value in (0..n_leading).chain([rest]) {
             let of_readings = sketches.map(|(values, _)| values[value]);
-            query.add(value, of_readings, -2.0 * slack.factor);
+            query.add(value, of_readings, -2.0 * margin.factor);
         }
         query
     }
 
-    /// Adds a value of the four readings to the combinations.
-    fn add(&mut self, value: usize, of_readings: [f32; N_TOGETHER], factor: f32) {
+    /// Adds one value of the four queries to the combinations.
+    fn add(&mut self, value: usize, of_readings: [f32; N_QUERIES_MAX], factor: f32) {
         for (combination, signs) in HADAMARD.iter().enumerate() {
             let products = std::array::from_fn(|i| signs[i] * of_readings[i]);
-            let [a, b, c, d]: [f32; N_TOGETHER] = products;
+            let [a, b, c, d]: [f32; N_QUERIES_MAX] = products;
             let weight = 0.25 * factor * ((a + b) + (c + d));
             if weight != 0.0 {
                 let place = &mut self.n_terms[combination];
@@ -137,10 +142,10 @@ impl QuerySketch {
         }
     }
 
-    /// Lower bounds of the squared distances, as the metric computes them, between
-    /// the readings and all views of a block; infinite where no view is. Returns the
-    /// least.
-    pub(super) fn bound(&self, block: &SketchBlock, bounds: &mut Bounds) -> f32 {
+    /// Computes lower bounds of the squared distances, as the metric computes them,
+    /// between the queries and all views of a block; infinite for unused slots. Returns
+    /// the least bound.
+    pub(super) fn bound(&self, block: &SketchBlock, bounds: &mut DistanceBounds) -> f32 {
         let mut least = [f32::INFINITY; LANES];
         for (part, lengths) in block.squared_lengths.iter().enumerate() {
             let [a, b, c, d] = std::array::from_fn(|i| self.combination(i, block, part));
@@ -154,7 +159,7 @@ impl QuerySketch {
                     difference + other_difference,
                     difference - other_difference,
                 ];
-                for i in 0..N_TOGETHER {
+                for i in 0..N_QUERIES_MAX {
                     let bound = (length + self.offsets[i]) + products[i];
                     bounds[i][part * LANES + lane] = bound;
                     least[lane] = if bound < least[lane] {
@@ -168,7 +173,7 @@ impl QuerySketch {
         least.into_iter().fold(f32::INFINITY, f32::min)
     }
 
-    /// The products of a combination of readings with the views of a part.
+    /// Inner products of a combination of queries with the views of a part.
     #[inline]
     fn combination(&self, combination: usize, block: &SketchBlock, part: usize) -> Lanes {
         let mut sums = [0.0; LANES];
@@ -182,49 +187,50 @@ impl QuerySketch {
     }
 }
 
-/// How far rounding can bring a computed bound above a computed distance.
-struct Slack {
-    /// Error of a bound, of the sum of a view's squared length and four times the
-    /// largest of the readings'.
+/// Margin for rounding errors by which a computed bound may exceed a computed distance.
+struct RoundingMargin {
+    /// Error of a bound relative to the sum of a view's squared norm and four times the
+    /// largest one of the queries.
     per_length: f32,
-    /// What remains of a bound when the distance is rounded downwards.
+    /// Factor for the downward rounding of a distance.
     factor: f32,
-    /// What is lost of squares too small for normal numbers.
+    /// Absolute error from underflowing squares.
     absolute: f32,
 }
 
-impl Slack {
-    /// With the unit roundoff u = eps / 2 (Higham, "Accuracy and stability of
-    /// numerical algorithms", 2002, chapter 3): a combination's value is off by
-    /// 4 u A, A the readings' largest such value, and the values of the four add up
-    /// to 2 A at most, so that a product of M values and the additions after it are
-    /// off by `(2 M + 24) u Σ A |y|`; the bound is off by twice that, and by less
-    /// than 8 u of each length. The distance's sum of D squares in 16 lanes is off by
-    /// `(D / 16 + 8) u` of itself. Both are taken twice.
+impl RoundingMargin {
+    /// Error analysis with the unit roundoff u = eps / 2 (Higham, "Accuracy and
+    /// stability of numerical algorithms", 2002, chapter 3). Let A be the largest
+    /// magnitude of a value among the queries. A value of a combination has an error of
+    /// 4 u A, and the values of the four add up to at most 2 A, so that an inner product
+    /// of M values and the following additions have an error of `(2 M + 24) u Σ A |y|`.
+    /// The bound has twice that error and less than 8 u of each squared norm. The
+    /// distance, a sum of D squares in 16 lanes, has a relative error of `(D / 16 + 8)
+    /// u`. Both errors are doubled for safety.
     fn new(dimension: usize) -> Self {
         Self {
-            per_length: (2 * N_PRODUCT + 32) as f32 * f32::EPSILON,
+            per_length: (2 * N_TERMS_MAX + 32) as f32 * f32::EPSILON,
             factor: 1.0 - (dimension as f32 / 16.0 + 8.0) * f32::EPSILON,
-            absolute: (dimension + N_PRODUCT) as f32 * f32::MIN_POSITIVE,
+            absolute: (dimension + N_TERMS_MAX) as f32 * f32::MIN_POSITIVE,
         }
     }
 }
 
-/// The values of a sketch, zeros where the descriptor is shorter; and the squared
-/// length of the whole.
+/// Values of a sketch, zero-padded for short descriptors, and the squared norm of the
+/// descriptor.
 fn sketch(descriptor: &[f32]) -> ([f32; N_VALUES], f32) {
-    let (leading, rest) = descriptor.split_at(descriptor.len().min(N_FINE));
-    let (coarse, fine) = leading.split_at(leading.len().min(N_COARSE));
+    let (leading, rest) = descriptor.split_at(descriptor.len().min(N_FINE_VALUES));
+    let (coarse, fine) = leading.split_at(leading.len().min(N_COARSE_VALUES));
     let mut values = [0.0; N_VALUES];
     values[..leading.len()].copy_from_slice(leading);
     let of_rest = squared_length(rest);
     let of_coarse_rest = squared_length(fine) + of_rest;
-    values[N_FINE] = of_coarse_rest.sqrt() as f32;
-    values[N_FINE + 1] = of_rest.sqrt() as f32;
+    values[N_FINE_VALUES] = of_coarse_rest.sqrt() as f32;
+    values[N_FINE_VALUES + 1] = of_rest.sqrt() as f32;
     (values, (squared_length(coarse) + of_coarse_rest) as f32)
 }
 
-/// In double precision, so that only the conversion rounds.
+/// Squared norm in double precision, so that only the conversion rounds.
 fn squared_length(values: &[f32]) -> f64 {
     values.iter().map(|&v| f64::from(v) * f64::from(v)).sum()
 }

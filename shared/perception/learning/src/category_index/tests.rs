@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 const DIMENSION: usize = 150;
 
-/// A change of what was taught; categories and descriptors by number.
+/// Random change of the index; categories and descriptors by number.
 #[derive(Debug, Clone)]
 enum Change {
     Insert(ViewId, u8, u8),
@@ -17,7 +17,7 @@ fn name(number: u8) -> CategoryName {
     CategoryName::new(&format!("category {number}")).unwrap()
 }
 
-/// One of 40 sparse histograms: few enough that equal ones and ties happen.
+/// One of 40 sparse histograms: few enough for duplicates and ties.
 fn descriptor(number: u8) -> Vec<f32> {
     let mut values = vec![0.0; DIMENSION];
     for i in 0..30_usize {
@@ -52,7 +52,7 @@ fn apply(index: &mut CategoryIndex, change: &Change) {
     }
 }
 
-/// The same rules on a map.
+/// Reference model of the index: a map.
 type Model = BTreeMap<ViewId, (CategoryName, Vec<f32>)>;
 
 fn apply_to_model(model: &mut Model, change: &Change) {
@@ -72,7 +72,7 @@ fn apply_to_model(model: &mut Model, change: &Change) {
     }
 }
 
-/// All views sorted by score, then id; the first of each category.
+/// Brute-force search: all views sorted by score, then id; the first of each category.
 fn brute_force(model: &Model, metric: Metric, query: &[f32]) -> Vec<Neighbour> {
     let score = |stored: &[f32]| {
         let unbounded = metric.bounded_score(query, stored, f32::INFINITY);
@@ -112,12 +112,12 @@ fn answers(index: &CategoryIndex) -> Vec<Recognition> {
         .collect()
 }
 
-/// Two views have two readings: one is the other backwards.
+/// Calibration with two axis hypotheses: a descriptor and its reverse.
 const CALIBRATION: Calibration = Calibration {
-    readings_of: |stored| vec![stored.to_vec(), stored.iter().rev().copied().collect()],
-    spread: 0.5,
-    far: 1.5,
-    even_novelty: 0.9,
+    axis_hypotheses_of: |stored| vec![stored.to_vec(), stored.iter().rev().copied().collect()],
+    spread_prior: 0.5,
+    unrelated_distance_prior: 1.5,
+    even_odds_novelty: 0.9,
     steepness: 4.0,
 };
 
@@ -127,7 +127,7 @@ fn calibrated() -> CategoryIndex {
 
 proptest! {
     #[test]
-    fn how_an_index_came_about_has_no_say_in_its_probabilities(
+    fn probabilities_are_independent_of_the_history_of_the_index(
         changes in prop::collection::vec(change(), 0..40),
         asked in any::<u8>(),
     ) {
@@ -149,7 +149,7 @@ proptest! {
     }
 
     #[test]
-    fn answers_equal_those_of_brute_force(
+    fn recognition_equals_brute_force(
         changes in prop::collection::vec(change(), 0..120),
         query in any::<u8>(),
         threshold in 0.0_f32..2.0,
@@ -167,7 +167,7 @@ proptest! {
     }
 
     #[test]
-    fn of_several_descriptors_the_nearest_of_each_category_counts(
+    fn several_descriptors_give_the_least_distance_per_category(
         changes in prop::collection::vec(change(), 0..120),
         queries in prop::collection::vec(any::<u8>(), 0..5),
         threshold in 0.0_f32..2.0,
@@ -195,7 +195,7 @@ proptest! {
     }
 
     #[test]
-    fn counts_are_those_of_the_model(changes in prop::collection::vec(change(), 0..120)) {
+    fn counts_match_the_model(changes in prop::collection::vec(change(), 0..120)) {
         let (index, model) = filled(&changes, Metric::default());
         let mut counts: BTreeMap<&CategoryName, usize> = BTreeMap::new();
         for (category, _) in model.values() {
@@ -222,7 +222,7 @@ proptest! {
     }
 
     #[test]
-    fn a_change_applied_twice_is_applied_once(
+    fn changes_are_idempotent(
         changes in prop::collection::vec(change(), 0..60),
         twice in change(),
     ) {
@@ -234,7 +234,7 @@ proptest! {
     }
 
     #[test]
-    fn the_order_of_teaching_has_no_say(
+    fn recognition_is_independent_of_the_order_of_teaching(
         (taught, shuffled) in prop::collection::btree_map(view(), (0_u8..6, any::<u8>()), 0..36)
             .prop_map(|views| {
                 views.into_iter().map(|(v, (c, d))| Change::Insert(v, c, d)).collect::<Vec<_>>()
@@ -248,7 +248,7 @@ proptest! {
 }
 
 #[test]
-fn a_single_view_wins_and_a_duplicate_is_found_at_zero() {
+fn a_single_view_can_win_and_a_duplicate_has_distance_zero() {
     let mut index = CategoryIndex::new(DIMENSION, Metric::default());
     let id = ViewId {
         track_id: 1,
@@ -262,7 +262,7 @@ fn a_single_view_wins_and_a_duplicate_is_found_at_zero() {
 }
 
 #[test]
-fn what_is_too_different_is_unknown_but_named_as_neighbour() {
+fn a_rejected_object_keeps_its_nearest_neighbour() {
     let mut index = CategoryIndex::new(DIMENSION, Metric::default());
     assert_eq!(
         index.recognise(&descriptor(0), 9.0).unwrap().distance,
@@ -297,7 +297,7 @@ fn what_is_too_different_is_unknown_but_named_as_neighbour() {
 }
 
 #[test]
-fn unfit_descriptors_are_refused_and_change_nothing() {
+fn invalid_descriptors_are_rejected_without_effect() {
     let mut index = CategoryIndex::new(3, Metric::default());
     let id = ViewId {
         track_id: 1,
@@ -318,7 +318,7 @@ fn unfit_descriptors_are_refused_and_change_nothing() {
 }
 
 #[test]
-fn a_cleared_index_starts_anew() {
+fn a_cleared_index_is_empty() {
     let mut index = CategoryIndex::new(DIMENSION, Metric::default());
     let id = ViewId {
         track_id: 1,
@@ -332,7 +332,7 @@ fn a_cleared_index_starts_anew() {
 }
 
 #[test]
-fn what_is_unlike_all_that_was_taught_is_improbable_and_unknown() {
+fn a_novel_object_is_improbable_and_unknown() {
     let mut index = calibrated();
     let rule = UnknownRule::LessProbableThan(0.5);
     let at = |place: usize, value: f32| {

@@ -1,48 +1,48 @@
-//! In which row a view is.
+//! Hash map from view id to row with copy-on-write shards.
 
 use crate::ViewId;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Pieces of the map. Copying a piece, some hundreds of views in a hundred
-/// thousand, and sharing all of them both take microseconds.
-const N_PIECES: usize = 256;
+/// Number of shards. Copying one shard, some hundreds of a hundred thousand views, and
+/// sharing all of them both take microseconds.
+const N_SHARDS: usize = 256;
 
-/// Rows by view. A copy shares all pieces; a piece is copied when it changes while
-/// a copy holds it.
+/// Row of each view. Clones share the shards; a shared shard is copied when it changes.
 #[derive(Debug, Clone)]
 pub(super) struct ViewRows {
-    pieces: Vec<Arc<HashMap<ViewId, usize>>>,
+    shards: Vec<Arc<HashMap<ViewId, usize>>>,
 }
 
 impl ViewRows {
     pub(super) fn new() -> Self {
         Self {
-            pieces: vec![Arc::default(); N_PIECES],
+            shards: vec![Arc::default(); N_SHARDS],
         }
     }
 
     pub(super) fn get(&self, id: ViewId) -> Option<usize> {
-        self.pieces[piece_of(id)].get(&id).copied()
+        self.shards[shard_of(id)].get(&id).copied()
     }
 
     pub(super) fn insert(&mut self, id: ViewId, row: usize) {
-        Arc::make_mut(&mut self.pieces[piece_of(id)]).insert(id, row);
+        Arc::make_mut(&mut self.shards[shard_of(id)]).insert(id, row);
     }
 
     /// Removes a view and returns its row.
     pub(super) fn remove(&mut self, id: ViewId) -> Option<usize> {
-        let piece = &mut self.pieces[piece_of(id)];
-        // What is not there must not copy a shared piece.
-        piece.contains_key(&id).then_some(())?;
-        Arc::make_mut(piece).remove(&id)
+        let shard = &mut self.shards[shard_of(id)];
+        // An unknown view must not copy a shared shard.
+        shard.contains_key(&id).then_some(())?;
+        Arc::make_mut(shard).remove(&id)
     }
 }
 
-/// Consecutive tracks, and the views of one track, are spread over the pieces.
-fn piece_of(id: ViewId) -> usize {
+/// Shard of a view; consecutive tracks, and the views of a track, are spread over the
+/// shards.
+fn shard_of(id: ViewId) -> usize {
     let number = id
         .track_id
         .wrapping_add(u64::from(id.view_id).wrapping_mul(31));
-    (number % N_PIECES as u64) as usize
+    (number % N_SHARDS as u64) as usize
 }

@@ -1,24 +1,24 @@
-//! The taught views in pieces that copies of an index share.
+//! Table of taught views in copy-on-write blocks.
 
 use super::sketch::SketchBlock;
-use crate::nearest_categories::{Candidate, NearestCategories};
+use crate::nearest_categories::{NearestCategories, ScoredView};
 use crate::{CategoryName, Metric, ViewId};
 use std::sync::Arc;
 
-/// Views of a block.
-pub(super) const BLOCK: usize = 64;
+/// Number of views of a block.
+pub(super) const BLOCK_LEN: usize = 64;
 
-/// What is known of a view besides its descriptor.
+/// Id and category of a view.
 #[derive(Debug, Clone)]
 pub(super) struct IndexedView {
     pub(super) id: ViewId,
     pub(super) name: CategoryName,
-    /// Number of the category.
+    /// Category number.
     pub(super) category: u64,
 }
 
-/// Views by row, without gaps. A copy shares all blocks; a block is copied when
-/// one of its views changes while a copy holds it.
+/// Views by row, without gaps. Clones share the blocks; a shared block is copied when
+/// one of its views changes.
 #[derive(Debug, Clone)]
 pub(super) struct ViewTable {
     dimension: usize,
@@ -27,18 +27,18 @@ pub(super) struct ViewTable {
     blocks: Vec<Arc<ViewBlock>>,
 }
 
-/// Up to [`BLOCK`] views; only the last block of a table has fewer.
+/// Block of up to [`BLOCK_LEN`] views; only the last one of a table has fewer.
 #[derive(Debug, Clone)]
 pub(super) struct ViewBlock {
     dimension: usize,
     views: Vec<IndexedView>,
-    /// A row for each view.
+    /// Descriptors, row-major, one row per view.
     descriptors: Vec<f32>,
     sketches: Option<SketchBlock>,
 }
 
 impl ViewTable {
-    /// A table for descriptors of `dimension` values, with or without sketches.
+    /// Empty table for descriptors of `dimension` values, with or without sketches.
     pub(super) fn new(dimension: usize, has_sketches: bool) -> Self {
         Self {
             dimension,
@@ -52,31 +52,31 @@ impl ViewTable {
         self.n_views
     }
 
-    /// All blocks; the row of a view is [`BLOCK`] times its block, and its place there.
+    /// Blocks; the row of a view is [`BLOCK_LEN`] times its block, plus its slot there.
     pub(super) fn blocks(&self) -> &[Arc<ViewBlock>] {
         &self.blocks
     }
 
     pub(super) fn view(&self, row: usize) -> &IndexedView {
-        &self.blocks[row / BLOCK].views[row % BLOCK]
+        &self.blocks[row / BLOCK_LEN].views[row % BLOCK_LEN]
     }
 
     pub(super) fn view_mut(&mut self, row: usize) -> &mut IndexedView {
-        &mut Arc::make_mut(&mut self.blocks[row / BLOCK]).views[row % BLOCK]
+        &mut Arc::make_mut(&mut self.blocks[row / BLOCK_LEN]).views[row % BLOCK_LEN]
     }
 
     pub(super) fn descriptor(&self, row: usize) -> &[f32] {
-        self.blocks[row / BLOCK].descriptor(row % BLOCK)
+        self.blocks[row / BLOCK_LEN].descriptor(row % BLOCK_LEN)
     }
 
     /// Replaces the descriptor of a view.
     pub(super) fn describe(&mut self, row: usize, descriptor: &[f32]) {
-        Arc::make_mut(&mut self.blocks[row / BLOCK]).describe(row % BLOCK, descriptor);
+        Arc::make_mut(&mut self.blocks[row / BLOCK_LEN]).describe(row % BLOCK_LEN, descriptor);
     }
 
-    /// Adds a view behind the last row.
+    /// Appends a view.
     pub(super) fn push(&mut self, view: IndexedView, descriptor: &[f32]) {
-        if self.n_views == self.blocks.len() * BLOCK {
+        if self.n_views == self.blocks.len() * BLOCK_LEN {
             let block = ViewBlock::new(self.dimension, self.has_sketches);
             self.blocks.push(Arc::new(block));
         }
@@ -112,8 +112,8 @@ impl ViewBlock {
     fn new(dimension: usize, has_sketches: bool) -> Self {
         Self {
             dimension,
-            views: Vec::with_capacity(BLOCK),
-            descriptors: Vec::with_capacity(BLOCK * dimension),
+            views: Vec::with_capacity(BLOCK_LEN),
+            descriptors: Vec::with_capacity(BLOCK_LEN * dimension),
             sketches: has_sketches.then(SketchBlock::new),
         }
     }
@@ -130,20 +130,20 @@ impl ViewBlock {
         self.sketches.as_ref()
     }
 
-    /// Offers the view of a row in one reading; says whether it became the nearest of
-    /// its category, which it can with a score up to `bound` only.
+    /// Compares a query with the view of a row and offers it to the result; `true` if it
+    /// became the nearest of its category. Its score must not exceed `bound`.
     #[inline]
     pub(super) fn offer(
         &self,
         row: usize,
-        (metric, reading): (Metric, &[f32]),
+        (metric, query): (Metric, &[f32]),
         bound: f32,
         found: &mut NearestCategories,
     ) -> bool {
-        let view = &self.views[row % BLOCK];
-        let score = metric.bounded_score(reading, self.descriptor(row % BLOCK), bound);
+        let view = &self.views[row % BLOCK_LEN];
+        let score = metric.bounded_score(query, self.descriptor(row % BLOCK_LEN), bound);
         score.is_some_and(|score| {
-            found.offer(Candidate {
+            found.offer(ScoredView {
                 score,
                 view: view.id,
                 category: view.category,

@@ -1,13 +1,14 @@
-//! The names under which metrics are asked for.
+//! Names of metrics, for display and parsing.
 
 use super::Metric;
 use std::fmt;
 use std::str::FromStr;
 
-/// No metric has this name.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// Parse error: no metric has this name.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("there is no metric \"{name}\": choose one of {}", Metric::ALL.map(Metric::name).join(", "))]
 pub struct UnknownMetric {
-    /// What was asked for.
+    /// Requested name.
     pub name: String,
 }
 
@@ -37,7 +38,7 @@ impl Metric {
 }
 
 impl fmt::Display for Metric {
-    /// The name, in lower case with hyphens.
+    /// Writes the name in lower case with hyphens.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(self.name())
     }
@@ -46,11 +47,11 @@ impl fmt::Display for Metric {
 impl FromStr for Metric {
     type Err = UnknownMetric;
 
-    /// Reads a name; upper case, hyphens, underscores and spaces make no difference,
-    /// so the authors' `chiSquared` and `symmetricKL` are understood, too.
+    /// Parses a name. Case, hyphens, underscores and spaces are ignored, so that the
+    /// authors' `chiSquared` and `symmetricKL` are accepted.
     fn from_str(text: &str) -> Result<Self, UnknownMetric> {
-        let asked = letters(text);
-        let is_asked = |metric: &Self| letters(metric.name()) == asked;
+        let asked = normalised(text);
+        let is_asked = |metric: &Self| normalised(metric.name()) == asked;
         Self::ALL
             .into_iter()
             .find(is_asked)
@@ -60,33 +61,19 @@ impl FromStr for Metric {
     }
 }
 
-fn letters(name: &str) -> String {
+fn normalised(name: &str) -> String {
     name.chars()
         .filter(|c| !matches!(c, '-' | '_' | ' '))
         .map(|c| c.to_ascii_lowercase())
         .collect()
 }
 
-impl fmt::Display for UnknownMetric {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let names: Vec<_> = Metric::ALL.map(Metric::name).into();
-        write!(
-            f,
-            "there is no metric \"{}\": choose one of {}",
-            self.name,
-            names.join(", ")
-        )
-    }
-}
-
-impl std::error::Error for UnknownMetric {}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn a_metric_is_found_by_the_name_it_shows() {
+    fn a_metric_parses_its_displayed_name() {
         for metric in Metric::ALL {
             assert_eq!(metric.to_string().parse(), Ok(metric));
         }
@@ -101,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn another_name_is_refused_by_a_sentence_with_all_names() {
+    fn an_unknown_name_is_rejected_with_all_valid_names() {
         for name in ["", "kll", "chi"] {
             let sentence = name.parse::<Metric>().unwrap_err().to_string();
             assert!(sentence.starts_with(&format!("there is no metric \"{name}\": choose")));

@@ -1,20 +1,19 @@
-//! Distances that are quotients of sums over all bins: none is known before the
-//! last bin.
+//! Dissimilarities that are quotients of sums over all bins, without early termination.
 
 use super::sums::{absolute_difference, squared_difference, sum};
 
-/// Least argument of Bhattacharyya's logarithm: below what one point in common
-/// weighs, and finite.
-pub(super) const LEAST_COEFFICIENT: f64 = 1e-9;
+/// Smallest argument of the Bhattacharyya logarithm: below the weight of one common
+/// point, and finite.
+pub(super) const BHATTACHARYYA_COEFFICIENT_MIN: f64 = 1e-9;
 
 pub(super) fn motyka(a: &[f32], b: &[f32]) -> f32 {
-    // Plain comparisons here and below, which are one instruction each.
+    // Plain comparisons here and below compile to one instruction each.
     let larger = sum(a, b, |p, q| if p > q { p } else { q });
-    quotient(larger, both(a, b), 0.5)
+    quotient(larger, total_mass(a, b), 0.5)
 }
 
 pub(super) fn sorensen(a: &[f32], b: &[f32]) -> f32 {
-    quotient(sum(a, b, absolute_difference), both(a, b), 0.0)
+    quotient(sum(a, b, absolute_difference), total_mass(a, b), 0.0)
 }
 
 pub(super) fn dice(a: &[f32], b: &[f32]) -> f32 {
@@ -29,10 +28,11 @@ pub(super) fn cosine(a: &[f32], b: &[f32]) -> f32 {
     if squares_a == squares_b && squares_a == 0.0 {
         return 0.0;
     }
-    // In double precision a square has its exact root: equal ones are at 0.
+    // In double precision the root of a square is exact: equal descriptors have distance
+    // 0.
     let norms = (squares_a * squares_b).sqrt();
     let similarity = if norms > 0.0 { product / norms } else { 0.0 };
-    // Rounding may exceed the bound of Cauchy and Schwarz.
+    // Rounding may exceed the Cauchy-Schwarz bound.
     (1.0 - similarity).max(0.0) as f32
 }
 
@@ -46,7 +46,7 @@ pub(super) fn bhattacharyya(a: &[f32], b: &[f32]) -> f32 {
     if mass_a == mass_b && mass_a == 0.0 {
         return 0.0;
     }
-    // In double precision no product vanishes, and a square has its exact root.
+    // In double precision no product underflows, and the root of a square is exact.
     let common = sum(a, b, |p, q| (f64::from(p) * f64::from(q)).sqrt() as f32);
     let masses = (mass_a * mass_b).sqrt();
     let coefficient = if masses > 0.0 {
@@ -54,11 +54,11 @@ pub(super) fn bhattacharyya(a: &[f32], b: &[f32]) -> f32 {
     } else {
         0.0
     };
-    // From 1 on by rounding only.
-    -coefficient.clamp(LEAST_COEFFICIENT, 1.0).ln() as f32
+    // Only rounding can exceed 1.
+    -coefficient.clamp(BHATTACHARYYA_COEFFICIENT_MIN, 1.0).ln() as f32
 }
 
-fn both(a: &[f32], b: &[f32]) -> f32 {
+fn total_mass(a: &[f32], b: &[f32]) -> f32 {
     sum(a, b, |p, q| p + q)
 }
 

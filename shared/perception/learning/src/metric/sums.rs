@@ -1,22 +1,22 @@
-//! Sums over all bins of a term that is never negative, and the terms.
+//! Dissimilarities that are sums of non-negative terms, with early termination.
 //!
-//! Rounding never makes such a sum smaller, so a partial sum above a bound decides.
+//! Rounding never decreases such a sum, so a partial sum above the bound is conclusive.
 
-/// Independent sums, for vector instructions. They are added up in the same way
-/// always, so a sum does not depend on whether it was bounded.
+/// Number of independent partial sums, for vector instructions. They are always added in
+/// the same order, so the sum does not depend on the bound.
 const LANES: usize = 16;
 
-/// Values after which the sum is compared with the bound.
-const BLOCK: usize = 8 * LANES;
+/// Number of values between comparisons with the bound.
+const BLOCK_LEN: usize = 8 * LANES;
 
-/// What is divided by less is left out where the quotient has no bound of its own;
-/// far below the share of one point, and no quotient overflows.
-pub(super) const EMPTY_BELOW: f32 = 1e-12;
+/// Denominators below this value are skipped where the quotient is unbounded; far below
+/// the share of one point, and large enough that no quotient overflows.
+pub(super) const DENOMINATOR_MIN: f32 = 1e-12;
 
-/// Taken for less where a logarithm follows: the share of one point of a million.
-pub(super) const FLOOR: f32 = 1e-6;
+/// Lower limit of arguments of a logarithm: the share of one point in a million.
+pub(super) const LOGARITHM_ARGUMENT_MIN: f32 = 1e-6;
 
-/// The sum of the terms; `None` when it is larger than `bound`.
+/// Sum of the terms; `None` when it exceeds `bound`.
 #[inline]
 pub(super) fn bounded_sum(
     a: &[f32],
@@ -25,7 +25,7 @@ pub(super) fn bounded_sum(
     term: impl Fn(f32, f32) -> f32 + Copy,
 ) -> Option<f32> {
     let mut lanes = [0.0; LANES];
-    for (a, b) in a.chunks(BLOCK).zip(b.chunks(BLOCK)) {
+    for (a, b) in a.chunks(BLOCK_LEN).zip(b.chunks(BLOCK_LEN)) {
         add_block(&mut lanes, a, b, term);
         if total(&lanes) > bound {
             return None;
@@ -34,7 +34,7 @@ pub(super) fn bounded_sum(
     Some(total(&lanes))
 }
 
-/// The sum of the terms.
+/// Sum of the terms.
 #[inline]
 pub(super) fn sum(a: &[f32], b: &[f32], term: impl Fn(f32, f32) -> f32) -> f32 {
     let mut lanes = [0.0; LANES];
@@ -56,7 +56,7 @@ fn add_block(lanes: &mut [f32; LANES], a: &[f32], b: &[f32], term: impl Fn(f32, 
     }
 }
 
-/// Sum of the lanes, halving their number at each step.
+/// Sum of the lanes by pairwise halving.
 #[inline]
 fn total(lanes: &[f32; LANES]) -> f32 {
     let mut lanes = *lanes;
@@ -80,13 +80,14 @@ pub(super) fn squared_difference(p: f32, q: f32) -> f32 {
     (p - q) * (p - q)
 }
 
-/// A bin empty in both gives 0 divided by a positive number.
+/// Term of the chi-squared distance; a bin empty in both gives 0 divided by a positive
+/// number.
 #[inline]
 pub(super) fn chi_squared(p: f32, q: f32) -> f32 {
     (p - q) * (p - q) / positive(p + q)
 }
 
-/// As for [`chi_squared`] where both are empty; 1 at most.
+/// Term of the Canberra distance, at most 1; 0 for a bin empty in both.
 #[inline]
 pub(super) fn relative_difference(p: f32, q: f32) -> f32 {
     (p - q).abs() / positive(p + q)
@@ -100,7 +101,7 @@ pub(super) fn squared_relative_difference(p: f32, q: f32) -> f32 {
 
 #[inline]
 pub(super) fn pearson(p: f32, q: f32) -> f32 {
-    if q < EMPTY_BELOW {
+    if q < DENOMINATOR_MIN {
         0.0
     } else {
         (p - q) * (p - q) / q
@@ -112,22 +113,25 @@ pub(super) fn squared_difference_of_roots(p: f32, q: f32) -> f32 {
     squared_difference(p.sqrt(), q.sqrt())
 }
 
-/// The term of Csiszár's I-divergence, which unlike `p ln(p / q)` is never negative
-/// and has the same sum for histograms of equal sums.
+/// Term of Csiszár's I-divergence. Unlike `p ln(p / q)` it is never negative, and it has
+/// the same sum for histograms of equal sums.
 #[inline]
 pub(super) fn kullback_leibler(p: f32, q: f32) -> f32 {
-    let (p, q) = (p.max(FLOOR), q.max(FLOOR));
+    let (p, q) = (p.max(LOGARITHM_ARGUMENT_MIN), q.max(LOGARITHM_ARGUMENT_MIN));
     if p == q {
         return 0.0;
     }
     (p * (p / q).ln() - (p - q)).max(0.0)
 }
 
-/// The term of Jeffreys' divergence, the larger value first so that both orders
-/// give the same bits.
+/// Term of Jeffreys' divergence, the larger value first, so that both orders give the
+/// same bits.
 #[inline]
 pub(super) fn jeffreys(p: f32, q: f32) -> f32 {
-    let (low, high) = (p.min(q).max(FLOOR), p.max(q).max(FLOOR));
+    let (low, high) = (
+        p.min(q).max(LOGARITHM_ARGUMENT_MIN),
+        p.max(q).max(LOGARITHM_ARGUMENT_MIN),
+    );
     if low == high {
         return 0.0;
     }

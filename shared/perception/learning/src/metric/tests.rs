@@ -1,18 +1,18 @@
-use super::quotients::LEAST_COEFFICIENT;
-use super::sums::{EMPTY_BELOW, FLOOR};
+use super::quotients::BHATTACHARYYA_COEFFICIENT_MIN;
+use super::sums::{DENOMINATOR_MIN, LOGARITHM_ARGUMENT_MIN};
 use super::*;
 use proptest::prelude::*;
 
 const DIRECTED: [Metric; 3] = [Metric::Pearson, Metric::Neyman, Metric::KullbackLeibler];
 
-/// What two equal descriptors are apart.
-fn least(metric: Metric) -> f32 {
+/// Distance of two equal descriptors.
+fn minimum(metric: Metric) -> f32 {
     if metric == Metric::Motyka { 0.5 } else { 0.0 }
 }
 
-/// The documented range for two descriptors of 675 values, with parts that sum to 1
-/// and at least 1 / `n_max` in each bin that is not empty.
-fn most_for_good(metric: Metric, n_max: f32) -> f32 {
+/// Upper end of the documented range for two descriptors of 675 values, with parts that
+/// sum to 1 and at least 1 / `n_max` in each bin that is not empty.
+fn maximum_for_good(metric: Metric, n_max: f32) -> f32 {
     match metric {
         Metric::HalfChiSquaredRoot | Metric::Hellinger => 3_f32.sqrt(),
         Metric::ChiSquared => 3.0,
@@ -32,28 +32,28 @@ fn most_for_good(metric: Metric, n_max: f32) -> f32 {
     }
 }
 
-fn defined_sum(a: &[f32], b: &[f32], term: impl Fn(f64, f64) -> f64) -> f64 {
+fn reference_sum(a: &[f32], b: &[f32], term: impl Fn(f64, f64) -> f64) -> f64 {
     let pairs = a.iter().zip(b);
     pairs.map(|(&p, &q)| term(p.into(), q.into())).sum()
 }
 
-/// The definition, in double precision.
-fn defined(metric: Metric, a: &[f32], b: &[f32]) -> f64 {
+/// Reference implementation in double precision.
+fn reference(metric: Metric, a: &[f32], b: &[f32]) -> f64 {
     let relative = |p: f64, q: f64| (p - q).abs() / (p + q).max(f32::MIN_POSITIVE.into());
     let chi_squared = |p: f64, q: f64| (p - q).abs() * relative(p, q);
     let pearson = |p: f64, q: f64| {
-        if q < EMPTY_BELOW.into() {
+        if q < DENOMINATOR_MIN.into() {
             0.0
         } else {
             (p - q).powi(2) / q
         }
     };
-    let at_least = |value: f64| value.max(FLOOR.into());
+    let at_least = |value: f64| value.max(LOGARITHM_ARGUMENT_MIN.into());
     let kullback_leibler = |p: f64, q: f64| {
         let (p, q) = (at_least(p), at_least(q));
         p * (p / q).ln() - p + q
     };
-    let sum = |term: &dyn Fn(f64, f64) -> f64| defined_sum(a, b, term);
+    let sum = |term: &dyn Fn(f64, f64) -> f64| reference_sum(a, b, term);
     let manhattan = sum(&|p, q| (p - q).abs());
     match metric {
         Metric::HalfChiSquaredRoot => (0.5 * sum(&chi_squared)).sqrt(),
@@ -70,13 +70,13 @@ fn defined(metric: Metric, a: &[f32], b: &[f32]) -> f64 {
         Metric::SymmetricKullbackLeibler => {
             0.5 * sum(&|p, q| kullback_leibler(p, q) + kullback_leibler(q, p))
         }
-        _ => defined_quotient(metric, a, b),
+        _ => reference_quotient(metric, a, b),
     }
 }
 
-/// The definition, in double precision; the squares of what has none in single
-/// precision are 0.
-fn defined_quotient(metric: Metric, a: &[f32], b: &[f32]) -> f64 {
+/// Reference implementation of quotients in double precision; squares that underflow in
+/// single precision are 0.
+fn reference_quotient(metric: Metric, a: &[f32], b: &[f32]) -> f64 {
     let over = |numerator: f64, denominator: f64, if_empty: f64| {
         if denominator > 0.0 {
             numerator / denominator
@@ -85,7 +85,7 @@ fn defined_quotient(metric: Metric, a: &[f32], b: &[f32]) -> f64 {
         }
     };
     let product = |p: f64, q: f64| f64::from((p * q) as f32);
-    let sum = |term: &dyn Fn(f64, f64) -> f64| defined_sum(a, b, term);
+    let sum = |term: &dyn Fn(f64, f64) -> f64| reference_sum(a, b, term);
     let squares = (sum(&|p, _| product(p, p)), sum(&|_, q| product(q, q)));
     let masses = (sum(&|p, _| p), sum(&|_, q| q));
     let both = masses.0 + masses.1;
@@ -103,14 +103,14 @@ fn defined_quotient(metric: Metric, a: &[f32], b: &[f32]) -> f64 {
         Metric::Bhattacharyya => {
             let common = sum(&|p, q| (p * q).sqrt());
             let coefficient = over(common, (masses.0 * masses.1).sqrt(), 0.0);
-            -coefficient.clamp(LEAST_COEFFICIENT, 1.0).ln()
+            -coefficient.clamp(BHATTACHARYYA_COEFFICIENT_MIN, 1.0).ln()
         }
         _ => f64::NAN,
     }
 }
 
-/// What rounding may change: a share of the distance, and where small numbers are
-/// left from the difference of large ones, a share of those.
+/// Rounding tolerance: relative to the distance, and for differences of large numbers
+/// relative to these.
 fn tolerance(metric: Metric, a: &[f32], b: &[f32], expected: f64) -> f64 {
     let absolute = match metric {
         Metric::Cosine | Metric::Intersection | Metric::Bhattacharyya => 1e-5,
@@ -132,7 +132,7 @@ fn histogram(n: usize) -> impl Strategy<Value = Vec<f32>> {
     prop_oneof![8 => values, 1 => Just(vec![0.0; n])]
 }
 
-/// Three parts of 225 bins, each with some points in it.
+/// Three parts of 225 bins, each with some points.
 fn good() -> impl Strategy<Value = Vec<f32>> {
     let part = prop::collection::vec(0_usize..225, N_POINTS);
     prop::array::uniform3(part).prop_map(|parts| {
@@ -150,11 +150,11 @@ const N_POINTS: usize = 64;
 
 proptest! {
     #[test]
-    fn distances_are_as_defined(
+    fn distances_match_the_reference_implementation(
         (a, b) in (0_usize..300).prop_flat_map(|n| (histogram(n), histogram(n))),
     ) {
         for metric in Metric::ALL {
-            let (distance, expected) = (metric.distance(&a, &b).unwrap(), defined(metric, &a, &b));
+            let (distance, expected) = (metric.distance(&a, &b).unwrap(), reference(metric, &a, &b));
             let difference = (f64::from(distance) - expected).abs();
             prop_assert!(
                 difference <= tolerance(metric, &a, &b, expected),
@@ -169,8 +169,8 @@ proptest! {
     ) {
         for metric in Metric::ALL {
             let distance = metric.distance(&a, &b).unwrap();
-            prop_assert!(distance.is_finite() && distance >= least(metric), "{} {}", metric, distance);
-            prop_assert_eq!(metric.distance(&a, &a).unwrap(), least(metric), "{}", metric);
+            prop_assert!(distance.is_finite() && distance >= minimum(metric), "{} {}", metric, distance);
+            prop_assert_eq!(metric.distance(&a, &a).unwrap(), minimum(metric), "{}", metric);
             if !DIRECTED.contains(&metric) {
                 prop_assert_eq!(metric.distance(&b, &a).unwrap(), distance, "{}", metric);
             }
@@ -183,13 +183,13 @@ proptest! {
     fn descriptors_are_within_the_documented_ranges(a in good(), b in good()) {
         for metric in Metric::ALL {
             let distance = metric.distance(&a, &b).unwrap();
-            let most = most_for_good(metric, N_POINTS as f32) * (1.0 + 1e-5);
-            prop_assert!((least(metric)..=most).contains(&distance), "{} {}", metric, distance);
+            let most = maximum_for_good(metric, N_POINTS as f32) * (1.0 + 1e-5);
+            prop_assert!((minimum(metric)..=most).contains(&distance), "{} {}", metric, distance);
         }
     }
 
     #[test]
-    fn a_bound_changes_no_score(a in histogram(400), b in histogram(400), share in 0.0_f32..2.0) {
+    fn early_termination_changes_no_score(a in histogram(400), b in histogram(400), share in 0.0_f32..2.0) {
         for metric in Metric::ALL {
             let score = metric.bounded_score(&a, &b, f32::INFINITY).unwrap();
             let bound = share * score;
@@ -210,15 +210,15 @@ fn disjoint_descriptors_have_the_largest_distance() {
     }
     for metric in Metric::ALL {
         let expected = match metric {
-            // These count bins: the three of each.
+            // These count bins: three of each descriptor.
             Metric::Canberra => 6.0,
             Metric::Divergence => 12.0,
-            // Each leaves out the bins of one of them.
+            // Each ignores the bins of one descriptor.
             Metric::Pearson | Metric::Neyman => 3.0,
-            _ => most_for_good(metric, 1.0),
+            _ => maximum_for_good(metric, 1.0),
         };
         let distance = metric.distance(&a, &b).unwrap();
-        // The ends of the logarithms are documented with three digits.
+        // The limits of the logarithms are documented with three digits.
         let digits = if expected > 20.0 { 3e-3 } else { 1e-6 };
         assert!(
             (distance - expected).abs() <= digits * expected,
@@ -228,21 +228,21 @@ fn disjoint_descriptors_have_the_largest_distance() {
 }
 
 #[test]
-fn an_empty_histogram_is_far_from_others_and_equal_to_itself() {
+fn an_empty_histogram_is_equal_only_to_itself() {
     let (empty, full) = ([0.0; 8], [0.125; 8]);
     for metric in Metric::ALL {
         let to_itself = metric.distance(&empty, &empty).unwrap();
-        assert_eq!(to_itself, least(metric), "{metric}");
+        assert_eq!(to_itself, minimum(metric), "{metric}");
         let ways = [(&empty, &full), (&full, &empty)];
         let distances = ways.map(|(a, b)| metric.distance(a, b).unwrap());
-        // Pearson's leaves out what is empty in the second, Neyman's in the first.
+        // Pearson's ignores bins empty in the second, Neyman's those empty in the first.
         let expected_zero = match metric {
             Metric::Neyman => [true, false],
             Metric::Pearson => [false, true],
             _ => [false; 2],
         };
         assert_eq!(
-            distances.map(|d| d <= least(metric)),
+            distances.map(|d| d <= minimum(metric)),
             expected_zero,
             "{metric}"
         );
@@ -250,7 +250,7 @@ fn an_empty_histogram_is_far_from_others_and_equal_to_itself() {
 }
 
 #[test]
-fn other_lengths_are_refused_by_a_sentence() {
+fn different_lengths_are_rejected() {
     for metric in Metric::ALL {
         let error = metric.distance(&[0.0; 75], &[0.0; 675]).unwrap_err();
         let sentence = error.to_string();

@@ -28,21 +28,21 @@ fn candidate_at(x: f64) -> Candidate {
     }
 }
 
-/// A hundred grey points, which all objects share, and a hundred of a sleeve.
+/// A hundred grey points, shared by all objects, and a hundred blue ones of a sleeve.
 fn cloud() -> Vec<Point> {
     let mut points = vec![Point::without_depth(Rgba::opaque(120, 120, 120)); 100];
     points.resize(200, Point::without_depth(Rgba::opaque(30, 40, 160)));
     points
 }
 
-/// A part of the object beside it.
+/// Small candidate that is a part of a larger one.
 fn small_at(x: f64) -> Candidate {
     let mut small = candidate_at(x);
     small.oriented_box.half_sides_m = Vector3::repeat(0.02);
     small
 }
 
-/// What an actor would answer to the last sighting of a track.
+/// Posterior as an object actor returns it for the last measurement.
 fn posterior_of(track: &Track) -> Posterior {
     Posterior {
         filter: track.filter,
@@ -56,8 +56,8 @@ fn posterior_of(track: &Track) -> Posterior {
     }
 }
 
-/// The same, of which the rule is not true.
-fn ignored_at(x: f64, verdict: Truth) -> Candidate {
+/// Candidate with another verdict of the constraint rule.
+fn candidate_with_verdict(x: f64, verdict: Truth) -> Candidate {
     Candidate {
         verdict,
         support: None,
@@ -65,37 +65,39 @@ fn ignored_at(x: f64, verdict: Truth) -> Candidate {
     }
 }
 
-/// The same as a part of the robot or of a person.
-fn limb_at(x: f64, constraint: Constraint) -> Candidate {
-    let mut limb = ignored_at(x, Truth::False);
-    limb.range = 100..200;
+/// Candidate in the space of the robot or a person.
+fn body_part_at(x: f64, constraint: Constraint) -> Candidate {
+    let mut body_part = candidate_with_verdict(x, Truth::False);
+    body_part.range = 100..200;
     let reason = Reason::NotJudged;
     let truth = Truth::True;
-    limb.findings.set(constraint, Finding { truth, reason });
-    limb
+    body_part
+        .findings
+        .set(constraint, Finding { truth, reason });
+    body_part
 }
 
-/// A table and the steps it makes, with ids counted from 1.
-struct Story {
+/// Track table driven frame by frame, with ids counted from 1.
+struct TableFixture {
     table: TrackTable,
-    step: Step,
+    update: Step,
     n_frames: u64,
     last_id: u64,
 }
 
-impl Story {
+impl TableFixture {
     fn new() -> Self {
         let (motion, association) = (MotionConfig::default(), AssociationConfig::default());
         let config = Config::new(motion, association, 0.75).unwrap();
         Self {
             table: TrackTable::new(config),
-            step: Step::default(),
+            update: Step::default(),
             n_frames: 0,
             last_id: 0,
         }
     }
 
-    /// One frame with an object at each place.
+    /// One frame with an object at each x coordinate.
     fn frame(&mut self, places: &[f64]) {
         self.frame_of(places.iter().map(|x| candidate_at(*x)).collect());
     }
@@ -118,7 +120,7 @@ impl Story {
             Some(*last_id)
         };
         self.table
-            .step(&detection, &cloud(), &frame, next_id, &mut self.step);
+            .step(&detection, &cloud(), &frame, next_id, &mut self.update);
     }
 
     fn ids(&self) -> Vec<u64> {
@@ -128,15 +130,15 @@ impl Story {
 
 #[test]
 fn objects_keep_their_ids_and_new_ones_get_the_next() {
-    let mut story = Story::new();
+    let mut fixture = TableFixture::new();
     for _ in 0..10 {
-        story.frame(&[0.0, 0.3]);
+        fixture.frame(&[0.0, 0.3]);
     }
-    assert_eq!(story.ids(), [1, 2]);
-    story.frame(&[0.3, 0.6, 0.0]);
-    assert_eq!(story.ids(), [1, 2, 3]);
-    let new = story
-        .step
+    assert_eq!(fixture.ids(), [1, 2]);
+    fixture.frame(&[0.3, 0.6, 0.0]);
+    assert_eq!(fixture.ids(), [1, 2, 3]);
+    let new = fixture
+        .update
         .sightings
         .iter()
         .filter(|sighting| sighting.is_new);
@@ -147,29 +149,29 @@ fn objects_keep_their_ids_and_new_ones_get_the_next() {
 }
 
 #[test]
-fn an_unseen_track_stays_near_where_it_was_and_ends_in_time() {
-    let mut story = Story::new();
+fn an_unseen_track_coasts_briefly_and_times_out() {
+    let mut fixture = TableFixture::new();
     for _ in 0..10 {
-        story.frame(&[0.0]);
+        fixture.frame(&[0.0]);
     }
     for _ in 0..40 {
-        story.frame(&[]);
-        let place = story.table.tracks()[0].box_in_world().centre();
+        fixture.frame(&[]);
+        let place = fixture.table.tracks()[0].box_in_world().centre();
         assert!(place.x.abs() < 0.05, "{place}");
     }
     for _ in 0..10 {
-        story.frame(&[]);
+        fixture.frame(&[]);
     }
-    assert_eq!(story.ids(), [0_u64; 0]);
+    assert_eq!(fixture.ids(), [0_u64; 0]);
 }
 
 #[test]
-fn without_ids_nothing_begins_and_clearing_ends_all() {
-    let mut story = Story::new();
-    story.frame(&[0.0]);
+fn no_track_starts_without_an_id_and_clearing_ends_all() {
+    let mut fixture = TableFixture::new();
+    fixture.frame(&[0.0]);
     let mut gone = Vec::new();
-    story.table.clear(&mut gone);
-    assert_eq!((gone, story.ids()), (vec![1], vec![]));
+    fixture.table.clear(&mut gone);
+    assert_eq!((gone, fixture.ids()), (vec![1], vec![]));
     let detection = Detection {
         candidates: vec![candidate_at(0.0)],
         point_indices: (0..200).collect(),
@@ -180,68 +182,71 @@ fn without_ids_nothing_begins_and_clearing_ends_all() {
         world_from_camera: RigidTransform::identity(),
         camera: None,
     };
-    story
+    fixture
         .table
-        .step(&detection, &cloud(), &frame, || None, &mut story.step);
-    assert_eq!((story.ids(), &story.step.rejected), (vec![], &vec![0]));
+        .step(&detection, &cloud(), &frame, || None, &mut fixture.update);
+    assert_eq!(
+        (fixture.ids(), &fixture.update.rejected),
+        (vec![], &vec![0])
+    );
 }
 
 #[test]
-fn only_what_the_rule_is_true_of_begins_a_track() {
-    let mut story = Story::new();
-    story.frame_of(vec![
-        ignored_at(0.0, Truth::False),
+fn only_an_accepted_candidate_starts_a_track() {
+    let mut fixture = TableFixture::new();
+    fixture.frame_of(vec![
+        candidate_with_verdict(0.0, Truth::False),
         candidate_at(0.3),
-        ignored_at(0.6, Truth::Unknown),
+        candidate_with_verdict(0.6, Truth::Unknown),
     ]);
-    assert_eq!(story.ids(), [1]);
-    assert_eq!(story.step.sightings[0].candidate, 1);
-    assert_eq!(story.step.rejected, [0, 2]);
+    assert_eq!(fixture.ids(), [1]);
+    assert_eq!(fixture.update.sightings[0].candidate, 1);
+    assert_eq!(fixture.update.rejected, [0, 2]);
 }
 
 #[test]
-fn a_track_goes_on_whatever_the_rule_says() {
+fn a_track_continues_regardless_of_the_rule() {
     for verdict in [Truth::False, Truth::Unknown] {
-        let mut story = Story::new();
-        story.frame(&[0.0]);
+        let mut fixture = TableFixture::new();
+        fixture.frame(&[0.0]);
         for _ in 0..60 {
-            story.frame_of(vec![ignored_at(0.0, verdict)]);
-            assert_eq!(story.table.tracks()[0].sight(), Sight::Seen);
+            fixture.frame_of(vec![candidate_with_verdict(0.0, verdict)]);
+            assert_eq!(fixture.table.tracks()[0].sight(), Sight::Seen);
         }
-        assert_eq!((story.ids(), story.step.rejected.len()), (vec![1], 0));
+        assert_eq!((fixture.ids(), fixture.update.rejected.len()), (vec![1], 0));
     }
 }
 
 #[test]
-fn a_track_never_goes_on_with_a_hand_or_the_arm() {
+fn a_track_never_continues_with_a_hand_or_the_arm() {
     for constraint in [Constraint::Robot, Constraint::Instructor] {
-        let mut story = Story::new();
-        story.frame(&[0.0]);
-        story.frame_of(vec![limb_at(0.0, constraint)]);
-        assert_ne!(story.table.tracks()[0].sight(), Sight::Seen);
-        assert_eq!(story.step.rejected, [0]);
+        let mut fixture = TableFixture::new();
+        fixture.frame(&[0.0]);
+        fixture.frame_of(vec![body_part_at(0.0, constraint)]);
+        assert_ne!(fixture.table.tracks()[0].sight(), Sight::Seen);
+        assert_eq!(fixture.update.rejected, [0]);
         let oversized = Candidate {
             is_object_sized: false,
             ..candidate_at(0.0)
         };
-        story.frame_of(vec![oversized]);
-        assert_ne!(story.table.tracks()[0].sight(), Sight::Seen);
-        // What a hand holds lies where the hand is, and looks like the object.
-        let mut held = limb_at(0.0, constraint);
+        fixture.frame_of(vec![oversized]);
+        assert_ne!(fixture.table.tracks()[0].sight(), Sight::Seen);
+        // A held object lies in the space of the hand but has its own appearance.
+        let mut held = body_part_at(0.0, constraint);
         held.range = 0..100;
-        story.frame_of(vec![held]);
-        assert_eq!(story.table.tracks()[0].sight(), Sight::Seen);
-        assert_eq!(story.ids(), [1]);
+        fixture.frame_of(vec![held]);
+        assert_eq!(fixture.table.tracks()[0].sight(), Sight::Seen);
+        assert_eq!(fixture.ids(), [1]);
     }
 }
 
 #[test]
-fn what_is_left_of_an_object_in_a_hand_does_not_shrink_its_track() {
-    let mut story = Story::new();
+fn a_hand_that_covers_an_object_does_not_shrink_its_track() {
+    let mut fixture = TableFixture::new();
     for _ in 0..20 {
-        story.frame(&[0.0]);
+        fixture.frame(&[0.0]);
     }
-    let mut touched = ignored_at(0.0, Truth::Unknown);
+    let mut touched = candidate_with_verdict(0.0, Truth::Unknown);
     touched.oriented_box.half_sides_m.z = 0.02;
     let truth = Truth::Unknown;
     let reason = Reason::NotJudged;
@@ -249,11 +254,13 @@ fn what_is_left_of_an_object_in_a_hand_does_not_shrink_its_track() {
         .findings
         .set(Constraint::Instructor, Finding { truth, reason });
     for _ in 0..20 {
-        story.frame_of(vec![touched.clone()]);
+        fixture.frame_of(vec![touched.clone()]);
     }
-    let track = &story.table.tracks()[0];
+    let track = &fixture.table.tracks()[0];
     assert!(
-        track.sight() == Sight::Seen && track.measured.is_cut && !track.measured.is_cut_by_image
+        track.sight() == Sight::Seen
+            && track.measured.is_truncated
+            && !track.measured.is_cut_by_image
     );
     assert!(
         track.appearance.volume_m3 > 0.9e-3,
@@ -263,44 +270,44 @@ fn what_is_left_of_an_object_in_a_hand_does_not_shrink_its_track() {
 }
 
 #[test]
-fn two_tracks_of_one_object_become_one() {
-    let mut story = Story::new();
-    story.frame_of(vec![candidate_at(0.0), small_at(0.02)]);
-    story.frame_of(vec![candidate_at(0.0), small_at(0.02)]);
-    assert_eq!(story.ids(), [1, 2]);
-    // Now and then detection sees the whole.
+fn duplicate_tracks_are_merged() {
+    let mut fixture = TableFixture::new();
+    fixture.frame_of(vec![candidate_at(0.0), small_at(0.02)]);
+    fixture.frame_of(vec![candidate_at(0.0), small_at(0.02)]);
+    assert_eq!(fixture.ids(), [1, 2]);
+    // In some frames detection sees the whole.
     for _ in 0..3 {
-        story.frame(&[0.0]);
+        fixture.frame(&[0.0]);
     }
-    assert_eq!(story.ids(), [1]);
+    assert_eq!(fixture.ids(), [1]);
 }
 
 #[test]
-fn what_comes_back_is_linked_to_what_it_was() {
-    let mut story = Story::new();
+fn a_returning_object_is_reidentified() {
+    let mut fixture = TableFixture::new();
     for _ in 0..10 {
-        story.frame(&[0.0]);
-        let posterior = posterior_of(&story.table.tracks()[0]);
-        story.table.absorb(1, &posterior);
+        fixture.frame(&[0.0]);
+        let posterior = posterior_of(&fixture.table.tracks()[0]);
+        fixture.table.absorb(1, &posterior);
     }
     for _ in 0..60 {
-        story.frame(&[]);
+        fixture.frame(&[]);
     }
-    assert_eq!(story.ids(), [0_u64; 0]);
-    story.frame(&[0.4]);
-    assert_eq!(story.table.tracks()[0].linked_to, Some(1));
-    story.frame(&[0.4, 0.9]);
+    assert_eq!(fixture.ids(), [0_u64; 0]);
+    fixture.frame(&[0.4]);
+    assert_eq!(fixture.table.tracks()[0].linked_to, Some(1));
+    fixture.frame(&[0.4, 0.9]);
     assert_eq!(
-        story.table.tracks()[1].linked_to,
+        fixture.table.tracks()[1].linked_to,
         None,
         "it is back already"
     );
 }
 
 #[test]
-fn the_boxes_of_the_tracks_are_known_before_detection() {
-    let mut story = Story::new();
-    story.frame(&[0.0, 0.3]);
+fn prediction_supplies_the_boxes_of_the_tracks() {
+    let mut fixture = TableFixture::new();
+    fixture.frame(&[0.0, 0.3]);
     let world_from_camera =
         RigidTransform::new(Vector3::new(0.5, -0.2, 1.0), Vector3::new(2.0, 0.1, 0.0));
     let frame = Frame {
@@ -309,7 +316,7 @@ fn the_boxes_of_the_tracks_are_known_before_detection() {
         camera: None,
     };
     let mut boxes = vec![];
-    story.table.predict(&frame, &mut boxes);
+    fixture.table.predict(&frame, &mut boxes);
     assert_eq!(boxes.len(), 2);
     for (found, x) in boxes.iter().zip([0.0, 0.3]) {
         let in_world = world_from_camera * found.shape.centre();
@@ -319,8 +326,8 @@ fn the_boxes_of_the_tracks_are_known_before_detection() {
         );
         assert!((found.shape.half_sides_m - Vector3::repeat(0.05)).norm() < 1e-9);
     }
-    // What is not seen may be where it was.
-    story.frame(&[0.3]);
-    story.table.predict(&frame, &mut boxes);
+    // An unseen object may still be where it was.
+    fixture.frame(&[0.3]);
+    fixture.table.predict(&frame, &mut boxes);
     assert_eq!(boxes.len(), 3);
 }

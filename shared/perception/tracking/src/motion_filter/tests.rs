@@ -1,5 +1,5 @@
 use super::*;
-use crate::measurement::{Circumstances, Handling};
+use crate::viewing_conditions::{HandContact, ViewingConditions};
 use proptest::prelude::*;
 use std::f64::consts::FRAC_PI_2;
 
@@ -13,20 +13,20 @@ fn upright(position: Point3<f64>, yaw_rad: f64, half_sides_m: Vector3<f64>) -> O
     }
 }
 
-/// From a metre away, straight on, of a long object.
-fn circumstances(is_cut: bool) -> Circumstances {
-    Circumstances {
+/// Viewing conditions of an elongated object, one metre away, frontal.
+fn conditions(is_truncated: bool) -> ViewingConditions {
+    ViewingConditions {
         depth_m: 1.0,
         ray_in_world: Vector3::y_axis(),
         variances_m2: Vector3::new(3.3e-3, 5e-4, 2e-3),
         stands_on_table: false,
-        is_cut,
-        handling: Handling::Alone,
+        is_truncated,
+        hand_contact: HandContact::None,
     }
 }
 
-fn measured(frame: u64, shape: OrientedBox, is_cut: bool) -> Measurement {
-    Measurement::new(frame * FRAME_NS, shape, circumstances(is_cut)).unwrap()
+fn measured(frame: u64, shape: OrientedBox, is_truncated: bool) -> Measurement {
+    Measurement::new(frame * FRAME_NS, shape, conditions(is_truncated)).unwrap()
 }
 
 fn seen(frame: u64, position: Point3<f64>, yaw_rad: f64) -> Measurement {
@@ -34,21 +34,21 @@ fn seen(frame: u64, position: Point3<f64>, yaw_rad: f64) -> Measurement {
     measured(frame, shape, false)
 }
 
-/// Noise in [-1, 1) with mean zero that needs no generator.
-fn wobble(i: u64) -> f64 {
+/// Low-discrepancy noise in [-1, 1) with mean zero.
+fn quasi_noise(i: u64) -> f64 {
     (i as f64 * 0.618_033_988_749_895).fract() * 2.0 - 1.0
 }
 
 proptest! {
     #[test]
-    fn constant_velocity_is_found_through_noise(
+    fn constant_velocity_is_estimated_through_noise(
         v in prop::array::uniform3(-0.4..0.4_f64),
         p in prop::array::uniform3(-2.0..2.0_f64),
     ) {
         let (config, velocity, start) = (MotionConfig::default(), Vector3::from(v), Point3::from(p));
         let truth = |frame: u64| start + velocity * (frame as f64 / 30.0);
         let noisy = |frame: u64| {
-            let noise = Vector3::new(wobble(frame), wobble(3 * frame + 1), wobble(7 * frame + 2));
+            let noise = Vector3::new(quasi_noise(frame), quasi_noise(3 * frame + 1), quasi_noise(7 * frame + 2));
             seen(frame, truth(frame) + 0.003 * noise, 0.3)
         };
         let mut filter = MotionFilter::start(&noisy(0), &config);
@@ -64,7 +64,7 @@ proptest! {
     }
 
     #[test]
-    fn every_finite_history_keeps_every_number_finite(
+    fn every_finite_history_keeps_the_state_finite(
         history in prop::collection::vec(
             (any::<u64>(), prop::array::uniform3(-1e5..1e5_f64), -4.0..4.0_f64,
              prop::array::uniform3(0.0..50.0_f64), -1e5..1e5_f64, any::<(bool, bool)>()),
@@ -75,10 +75,10 @@ proptest! {
         let mut stamps: Vec<u64> = history.iter().map(|step| step.0).collect();
         stamps.sort_unstable();
         let mut filter: Option<MotionFilter> = None;
-        for (stamp_ns, (_, p, yaw, sides, depth_m, (is_cut, is_handled))) in stamps.into_iter().zip(history) {
+        for (stamp_ns, (_, p, yaw, sides, depth_m, (is_truncated, is_handled))) in stamps.into_iter().zip(history) {
             let shape = upright(p.into(), yaw, sides.into());
-            let handling = if is_handled { Handling::Touched } else { Handling::Alone };
-            let seen = Circumstances { depth_m, handling, ..circumstances(is_cut) };
+            let hand_contact = if is_handled { HandContact::Touching } else { HandContact::None };
+            let seen = ViewingConditions { depth_m, hand_contact, ..conditions(is_truncated) };
             let measurement = Measurement::new(stamp_ns, shape, seen).unwrap();
             let next = filter.map_or_else(
                 || MotionFilter::start(&measurement, &config),
@@ -101,7 +101,7 @@ proptest! {
     }
 
     #[test]
-    fn a_box_read_with_any_symmetry_keeps_its_pose(
+    fn equivalent_boxes_keep_the_pose(
         yaw in -3.0..3.0_f64, readings in prop::collection::vec(0..4_u8, 1..20),
     ) {
         let config = MotionConfig::default();
@@ -120,7 +120,7 @@ proptest! {
 }
 
 #[test]
-fn a_cut_box_does_not_shrink_the_object() {
+fn a_truncated_box_does_not_shrink_the_object() {
     let config = MotionConfig::default();
     let mut filter = MotionFilter::start(&seen(0, Point3::origin(), 0.0), &config);
     let half = upright(
@@ -138,21 +138,21 @@ fn a_cut_box_does_not_shrink_the_object() {
     assert!((filter.completeness() - 0.5).abs() < 1e-3);
 }
 
-/// The error after a turn by 3 rad in 3 s and a second of rest, radians.
+/// Rotation error after a turn by 3 rad in 3 s and a second of rest, radians.
 fn error_after_turn(is_handled: bool) -> f64 {
     let config = MotionConfig::default();
     let seen = |frame: u64, yaw_rad: f64, is_handled: bool| {
-        let handling = if is_handled {
-            Handling::Touched
+        let hand_contact = if is_handled {
+            HandContact::Touching
         } else {
-            Handling::Alone
+            HandContact::None
         };
-        let circumstances = Circumstances {
-            handling,
-            ..circumstances(false)
+        let conditions = ViewingConditions {
+            hand_contact,
+            ..conditions(false)
         };
         let shape = upright(Point3::origin(), yaw_rad, Vector3::new(0.1, 0.04, 0.08));
-        Measurement::new(frame * FRAME_NS, shape, circumstances).unwrap()
+        Measurement::new(frame * FRAME_NS, shape, conditions).unwrap()
     };
     let mut filter = MotionFilter::start(&seen(0, 0.0, false), &config);
     for frame in 1..=120 {
@@ -168,7 +168,7 @@ fn error_after_turn(is_handled: bool) -> f64 {
 #[test]
 fn an_object_turned_by_hand_is_followed() {
     assert!(error_after_turn(true) < 0.02);
-    // Also where nobody tells of the hand.
+    // Also without a reported hand contact.
     assert!(
         error_after_turn(false) < 0.10,
         "{}",
@@ -177,15 +177,19 @@ fn an_object_turned_by_hand_is_followed() {
 }
 
 #[test]
-fn what_is_round_keeps_the_orientation_it_was_given() {
+fn a_rotationally_symmetric_object_keeps_its_first_orientation() {
     let config = MotionConfig::default();
     let seen = |frame: u64| {
-        let round = Circumstances {
+        let round = ViewingConditions {
             variances_m2: Vector3::new(1e-3, 1e-3, 3e-3),
-            ..circumstances(false)
+            ..conditions(false)
         };
         // Any rectangle fits a circle.
-        let shape = upright(Point3::origin(), 0.7 * wobble(frame), Vector3::repeat(0.04));
+        let shape = upright(
+            Point3::origin(),
+            0.7 * quasi_noise(frame),
+            Vector3::repeat(0.04),
+        );
         Measurement::new(frame * FRAME_NS, shape, round).unwrap()
     };
     let mut filter = MotionFilter::start(&seen(0), &config);
@@ -219,21 +223,21 @@ fn impossible_measurements_and_settings_are_refused() {
         ..good
     };
     for bad in [far, unknown, negative] {
-        assert!(Measurement::new(0, bad, circumstances(false)).is_err());
+        assert!(Measurement::new(0, bad, conditions(false)).is_err());
     }
-    let endless = Circumstances {
+    let endless = ViewingConditions {
         depth_m: f64::INFINITY,
-        ..circumstances(false)
+        ..conditions(false)
     };
-    let shapeless = Circumstances {
+    let shapeless = ViewingConditions {
         variances_m2: Vector3::repeat(f64::NAN),
-        ..circumstances(false)
+        ..conditions(false)
     };
     for bad in [endless, shapeless] {
         assert!(Measurement::new(0, good, bad).is_err());
     }
     let config = MotionConfig {
-        resizing_sigma_m: f64::NAN,
+        size_random_walk_sigma_m: f64::NAN,
         ..MotionConfig::default()
     };
     assert!(
@@ -241,15 +245,15 @@ fn impossible_measurements_and_settings_are_refused() {
             .validated()
             .unwrap_err()
             .to_string()
-            .contains("resizing_sigma_m")
+            .contains("size_random_walk_sigma_m")
     );
     assert!(MotionConfig::default().validated().is_ok());
 }
 
-/// Truth from whole views, then half hidden ones: the filter without a view into
-/// the frame must not follow the shrinking box.
+/// Whole views, then persistently smaller ones, without a depth image: a single smaller
+/// box must be ignored, a lasting one accepted.
 #[test]
-fn a_size_that_lasts_is_taken_and_a_flicker_is_not() {
+fn a_lasting_size_change_is_accepted_and_a_flicker_is_not() {
     let config = MotionConfig::default();
     let small = upright(
         Point3::new(-0.02, 0.0, 0.0),
@@ -284,15 +288,19 @@ fn a_size_that_lasts_is_taken_and_a_flicker_is_not() {
 }
 
 #[test]
-fn a_jump_is_followed_at_once_and_rest_is_quiet() {
+fn a_jump_is_followed_at_once_and_noise_at_rest_is_damped() {
     let config = MotionConfig::default();
     let mut filter = MotionFilter::start(&seen(0, Point3::origin(), 0.0), &config);
     let noisy = |frame: u64, x: f64| {
-        let noise = Vector3::new(wobble(frame), wobble(3 * frame + 1), wobble(7 * frame + 2));
+        let noise = Vector3::new(
+            quasi_noise(frame),
+            quasi_noise(3 * frame + 1),
+            quasi_noise(7 * frame + 2),
+        );
         seen(
             frame,
             Point3::from(Vector3::x() * x + 0.003 * noise),
-            0.02 * wobble(5 * frame),
+            0.02 * quasi_noise(5 * frame),
         )
     };
     for frame in 1..60 {

@@ -1,27 +1,27 @@
-//! What of a frame a track is updated with, besides its measurement.
+//! Observation context of a track: its points and the surrounding depth image.
 
 use crate::depth_view::DepthView;
 use geometry::{OrientedBox, RigidTransform};
 use nalgebra::{Translation3, Vector3};
 use point_cloud::Point;
 
-/// The points of an object in a frame, and the frame around them.
+/// Points of one object in a frame together with the whole frame.
 #[derive(Debug, Clone, Copy)]
-pub struct Evidence<'a> {
-    /// The whole cloud, camera frame.
+pub struct ObservationContext<'a> {
+    /// Point cloud of the whole frame. *Frame*: camera.
     pub cloud: &'a [Point],
-    /// The object's points in it.
+    /// Indices of the object's points in the cloud.
     pub indices: &'a [u32],
-    /// Pose of the camera.
+    /// Camera pose.
     pub world_from_camera: RigidTransform,
-    /// A view into the frame, where it is an image.
+    /// Depth image for occlusion tests; `None` when the cloud is not organised.
     pub view: Option<DepthView<'a>>,
 }
 
-impl Evidence<'_> {
-    /// The box around the object's points with the axes of another one; `None`
-    /// without points. Frame: world.
-    pub(crate) fn box_along(&self, axes_of: &OrientedBox) -> Option<OrientedBox> {
+impl ObservationContext<'_> {
+    /// Bounding box of the object's points along the axes of another box, world frame.
+    /// `None` without points.
+    pub(crate) fn aligned_box(&self, axes_of: &OrientedBox) -> Option<OrientedBox> {
         let box_from_camera =
             (axes_of.frame_from_box.inverse() * self.world_from_camera).cast::<f32>();
         let (mut low, mut high) = (Vector3::repeat(f32::MAX), Vector3::repeat(f32::MIN));

@@ -1,88 +1,70 @@
-//! When and from where a frame was seen, and what it says of a candidate.
+//! Measurement of a detection candidate from its points.
 
-use crate::{Config, Error};
+use crate::{Config, Error, Frame};
 use detection::{Candidate, Support};
-use geometry::{OrientedBox, PinholeCamera, RigidTransform};
+use geometry::{OrientedBox, RigidTransform};
 use nalgebra::{Translation3, Unit, Vector3};
 use point_cloud::{Moments, Point};
 use tracking::{
-    Appearance, Circumstances, ColorHistogram, DepthView, Handling, Measurement, Observed,
+    CoarseAppearance, ColorHistogram, HandContact, Measurement, ObservedCandidate,
+    ViewingConditions,
 };
 
-/// An object's colours and the spread of its points are taken from about this
-/// many of them.
+/// Number of points, approximately, from which colours and variances are sampled.
+/// Chosen; sensitivity: see `tabula-lab sweep`.
 const N_SAMPLES: usize = 400;
 
-/// The circumstances of a frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Frame {
-    /// Capture stamp, nanoseconds.
-    pub capture_ns: u64,
-    /// Pose of the camera; the identity when it is not known.
-    pub world_from_camera: RigidTransform,
-    /// The camera, where the cloud is its image; without it nothing is known of
-    /// what hides an object.
-    pub camera: Option<PinholeCamera>,
-}
-
-impl Frame {
-    /// A view into the frame's cloud, where it is an image.
-    pub fn view<'a>(&self, cloud: &'a [Point]) -> Option<DepthView<'a>> {
-        DepthView::new(cloud, self.camera?, &self.world_from_camera)
-    }
-}
-
-/// What a frame says of one candidate.
+/// Measurement of one detection candidate: box, appearance and truncation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measured {
-    /// The box in the world and its stamp.
+    /// Oriented bounding box in the world with its stamp.
     pub measurement: Measurement,
-    /// The frame it was seen in.
+    /// Frame of the measurement.
     pub frame: Frame,
-    /// Coarse looks.
-    pub appearance: Appearance,
-    /// Mean red, green, blue; 0 to 255.
+    /// Coarse appearance for data association.
+    pub appearance: CoarseAppearance,
+    /// Mean red, green and blue, 0 to 255.
     pub mean_rgb: [f32; 3],
     /// Number of points.
     pub n_points: usize,
-    /// Whether it lies where a person or the robot is.
-    pub is_limb: bool,
-    /// Whether the border of the image cuts the object.
+    /// `true` when the candidate lies in the space of a person or the robot.
+    pub overlaps_body: bool,
+    /// `true` when the image border truncates the object.
     pub is_cut_by_image: bool,
-    /// Whether a part of it may be missing: the border of the image cuts it, or a
-    /// person or the robot touches it.
-    pub is_cut: bool,
+    /// `true` when a part may be missing: truncated by the image border or touched by a
+    /// person or the robot.
+    pub is_truncated: bool,
 }
 
 impl Measured {
-    /// The measurement of a candidate from its points.
+    /// Measurement of a candidate from its points.
     ///
     /// # Errors
-    /// When the candidate's box is no possible measurement.
-    pub fn of(
+    /// When the candidate's box is not a valid measurement.
+    pub fn from_candidate(
         candidate: &Candidate,
         indices: &[u32],
         cloud: &[Point],
         frame: &Frame,
     ) -> Result<Self, Error> {
-        let box_in_camera = seen_box(candidate);
+        let box_in_camera = visible_box(candidate);
         let box_in_world = box_in_camera.transformed(&frame.world_from_camera);
         let is_cut_by_image = candidate.touches_image_border;
-        let is_limb = candidate.findings.is_limb();
-        let handling = match (is_limb, candidate.is_touched()) {
-            (true, _) => Handling::WithinHand,
-            (false, true) => Handling::Touched,
-            (false, false) => Handling::Alone,
+        let overlaps_body = candidate.findings.is_limb();
+        let hand_contact = match (overlaps_body, candidate.is_touched()) {
+            (true, _) => HandContact::Overlapping,
+            (false, true) => HandContact::Touching,
+            (false, false) => HandContact::None,
         };
-        let is_handled = handling != Handling::Alone;
-        let is_cut = is_cut_by_image || is_handled;
-        let seen = Circumstances {
+        let is_handled = hand_contact != HandContact::None;
+        let is_truncated = is_cut_by_image || is_handled;
+        let seen = ViewingConditions {
             depth_m: candidate.centroid.z,
             ray_in_world: ray(candidate, &frame.world_from_camera),
             variances_m2: variances_m2(candidate, indices, cloud),
             stands_on_table: stands_on_table(candidate) && !is_handled,
-            is_cut,
-            handling,
+            is_truncated,
+            hand_contact,
         };
         let measurement =
             Measurement::new(frame.capture_ns, box_in_world, seen).map_err(Error::Tracking)?;
@@ -90,32 +72,32 @@ impl Measured {
         Ok(Self {
             measurement,
             frame: *frame,
-            appearance: Appearance {
+            appearance: CoarseAppearance {
                 volume_m3: box_in_world.volume_m3(),
-                colors: ColorHistogram::of(colors),
-                is_cut,
+                colors: ColorHistogram::from_colors(colors),
+                is_truncated,
             },
             mean_rgb: candidate.mean_rgb,
             n_points: candidate.n_points(),
-            is_limb,
+            overlaps_body,
             is_cut_by_image,
-            is_cut,
+            is_truncated,
         })
     }
 
-    pub(crate) fn observed(&self, config: &Config) -> Observed {
-        Observed {
+    pub(crate) fn observed_candidate(&self, config: &Config) -> ObservedCandidate {
+        ObservedCandidate {
             box_in_world: *self.measurement.box_in_world(),
             position_variance_m2: self.measurement.position_variance_m2(config.motion()),
             appearance: self.appearance,
-            is_limb: self.is_limb,
+            overlaps_body: self.overlaps_body,
         }
     }
 }
 
-/// The box around what was seen of a candidate, without the foot it is thought to
-/// have: whether that is there changes when it is lifted.
-fn seen_box(candidate: &Candidate) -> OrientedBox {
+/// Box around the visible points of a candidate, without its inferred foot. The foot is
+/// left out because it vanishes when the object is lifted.
+fn visible_box(candidate: &Candidate) -> OrientedBox {
     let whole = &candidate.oriented_box;
     let half_foot_m = (0.5 * candidate.unseen_foot_m).min(whole.half_sides_m.z);
     OrientedBox {
@@ -124,12 +106,12 @@ fn seen_box(candidate: &Candidate) -> OrientedBox {
     }
 }
 
-/// Whether a candidate's box was seen to end at the table.
+/// True if the box was seen to end at the table.
 fn stands_on_table(candidate: &Candidate) -> bool {
     candidate.support == Some(Support::Table) && candidate.unseen_foot_m == 0.0
 }
 
-/// Some of the points of an object, evenly.
+/// Evenly strided sample of an object's points.
 fn sampled<'a>(indices: &'a [u32], cloud: &'a [Point]) -> impl Iterator<Item = &'a Point> {
     let stride = indices.len().div_ceil(N_SAMPLES).max(1);
     let index = indices.iter().step_by(stride);
@@ -153,7 +135,7 @@ fn variances_m2(candidate: &Candidate, indices: &[u32], cloud: &[Point]) -> Vect
         .map(|variance| variance.max(0.0))
 }
 
-/// From the camera to a candidate, world frame.
+/// Unit ray from the camera to a candidate, world frame.
 fn ray(candidate: &Candidate, world_from_camera: &RigidTransform) -> Unit<Vector3<f64>> {
     let ray_in_camera = candidate.oriented_box.centre().coords;
     let ray = Unit::try_new(world_from_camera.rotation * ray_in_camera, 1e-9);

@@ -1,9 +1,9 @@
 use super::*;
-use crate::noise::noise;
+use crate::test_noise::noise;
 use proptest::prelude::*;
 
-/// The definition: all pairs, each time again.
-fn defined(descriptors: &[Vec<f32>], n_to_drop: usize) -> Vec<usize> {
+/// Reference implementation: all pairs are compared in each round.
+fn reference(descriptors: &[Vec<f32>], n_to_drop: usize) -> Vec<usize> {
     let mut left: Vec<usize> = (0..descriptors.len()).collect();
     let mut dropped = Vec::new();
     while dropped.len() < n_to_drop && !left.is_empty() {
@@ -23,7 +23,7 @@ fn defined(descriptors: &[Vec<f32>], n_to_drop: usize) -> Vec<usize> {
     dropped
 }
 
-/// `n_views` views around each of the centres of a category's kinds of views.
+/// Views in clusters of `n_views` around each centre of a category.
 fn clustered(category: u64, n_clusters: u64, n_views: u64) -> Vec<Vec<f32>> {
     let around = |cluster: u64, view: u64| -> Vec<f32> {
         let centre = noise(category * 1000 + cluster);
@@ -40,29 +40,29 @@ fn clustered(category: u64, n_clusters: u64, n_views: u64) -> Vec<Vec<f32>> {
 }
 
 #[test]
-fn duplicates_go_first_and_the_outlier_stays() {
+fn duplicates_are_pruned_first_and_outliers_last() {
     let descriptors = [[0.0, 0.0], [9.0, 9.0], [1.0, 0.0], [0.0, 0.0], [1.5, 0.0]];
     assert_eq!(least_telling(&descriptors, 1), Ok(vec![0]));
-    // What is left of three that are alike is the newest one, and the outlier.
+    // Of three similar views the newest remains, and the outlier.
     assert_eq!(least_telling(&descriptors, 3), Ok(vec![0, 2, 3]));
 }
 
 #[test]
-fn ties_are_settled_by_age() {
+fn ties_are_broken_by_age() {
     let descriptors = [[5.0], [0.0], [6.0], [1.0]];
     assert_eq!(least_telling(&descriptors, 2), Ok(vec![0, 1]));
     assert_eq!(least_telling(&[[1.0]; 4], 3), Ok(vec![0, 1, 2]));
 }
 
 #[test]
-fn no_more_go_than_there_are() {
+fn pruning_ends_with_the_last_view() {
     assert_eq!(least_telling(&[[1.0], [2.0]], 9), Ok(vec![0, 1]));
     assert_eq!(least_telling(&[[1.0], [2.0]], 0), Ok(vec![]));
     assert_eq!(least_telling(&[] as &[Vec<f32>], 3), Ok(vec![]));
 }
 
 #[test]
-fn what_can_not_be_compared_is_refused() {
+fn incomparable_descriptors_are_rejected() {
     let unequal = [vec![1.0, 2.0], vec![1.0]];
     let error = least_telling(&unequal, 1).unwrap_err();
     let (expected, found) = (2, 1);
@@ -73,7 +73,7 @@ fn what_can_not_be_compared_is_refused() {
     }
 }
 
-/// The category of the nearest view among others than the one at `but`.
+/// Category of the nearest view, except the one at `but`.
 fn nearest_category(views: &[(u64, Vec<f32>)], asked: &[f32], but: Option<usize>) -> u64 {
     let others = views.iter().enumerate().filter(|(i, _)| Some(*i) != but);
     let distance = |view: &[f32]| METRIC.distance(asked, view).unwrap();
@@ -81,10 +81,10 @@ fn nearest_category(views: &[(u64, Vec<f32>)], asked: &[f32], but: Option<usize>
     nearest.unwrap().1.0
 }
 
-/// With a tenth fewer views each view is still recognised as it was, when it is left
-/// out of what was taught.
+/// Leave-one-out recognition is unchanged for 99 % of the views after pruning a tenth of
+/// them.
 #[test]
-fn recognition_hardly_notices_a_tenth_fewer_views() {
+fn recognition_survives_the_pruning_of_a_tenth() {
     let mut all: Vec<(u64, Vec<f32>)> = Vec::new();
     let mut kept: Vec<(usize, u64, Vec<f32>)> = Vec::new();
     for category in 0..5 {
@@ -111,9 +111,9 @@ fn recognition_hardly_notices_a_tenth_fewer_views() {
     );
 }
 
-/// No kind of view dies out before the kinds are as few as what is left.
+/// Pruning keeps one view of each cluster as long as possible.
 #[test]
-fn each_kind_of_view_keeps_one() {
+fn pruning_keeps_one_view_of_each_cluster() {
     let views = clustered(1, 20, 10);
     let gone = least_telling(&views, 180).unwrap();
     let mut kinds: Vec<usize> = (0..200)
@@ -126,8 +126,8 @@ fn each_kind_of_view_keeps_one() {
 
 proptest! {
     #[test]
-    fn the_answer_is_that_of_the_definition(
-        // Few values, so that duplicates and ties are frequent.
+    fn pruning_matches_the_reference_implementation(
+        // Few distinct values, so that duplicates and ties are frequent.
         descriptors in (1_usize..40).prop_flat_map(|dimension| {
             let value = prop_oneof![(0_u8..3).prop_map(f32::from), -2.0_f32..2.0];
             let descriptor = prop::collection::vec(value, dimension);
@@ -137,7 +137,7 @@ proptest! {
     ) {
         prop_assert_eq!(
             least_telling(&descriptors, n_to_drop).unwrap(),
-            defined(&descriptors, n_to_drop)
+            reference(&descriptors, n_to_drop)
         );
     }
 }

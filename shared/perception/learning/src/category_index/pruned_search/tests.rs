@@ -1,24 +1,16 @@
-//! With the Euclidean metric, too, the answers are those of a comparison of all
-//! pairs: the same views, in the same order, with the same bits of distances.
+//! Exactness of the pruned search: same views, same order and same bits of distances as
+//! a brute-force comparison.
 
 use super::*;
-use crate::noise::noise;
+use crate::category_index::test_views::{clustered, id, name};
 use crate::recognition::N_NEAREST;
+use crate::test_noise::noise;
+use crate::{CategoryIndex, CategoryName, Neighbour, ViewId};
 use proptest::prelude::*;
+use std::collections::BTreeMap;
 
-/// A view to be taught: its category and descriptor.
+/// Category and descriptor of a taught view.
 type Taught = (u8, Vec<f32>);
-
-pub(super) fn name(number: u8) -> CategoryName {
-    CategoryName::new(&format!("category {number}")).unwrap()
-}
-
-pub(super) fn id(number: usize) -> ViewId {
-    ViewId {
-        track_id: number as u64 / 3,
-        view_id: number as u32 % 3,
-    }
-}
 
 fn taught(views: &[Taught], dimension: usize) -> CategoryIndex {
     let mut index = CategoryIndex::new(dimension, Metric::Euclidean);
@@ -30,17 +22,18 @@ fn taught(views: &[Taught], dimension: usize) -> CategoryIndex {
     index
 }
 
-/// Each view's least distance to any reading, sorted; the first of each category.
+/// Brute-force search: least distance of each view to any query, sorted; the first of
+/// each category.
 fn brute_force<'a>(
     views: impl Iterator<Item = (ViewId, CategoryName, &'a [f32])>,
-    readings: &[Vec<f32>],
+    queries: &[Vec<f32>],
 ) -> Vec<Neighbour> {
     let metric = Metric::Euclidean;
     let mut all: Vec<(f32, ViewId, CategoryName)> = views
         .map(|(view, category, stored)| {
-            let scores = readings
+            let scores = queries
                 .iter()
-                .filter_map(|reading| metric.bounded_score(reading, stored, f32::INFINITY));
+                .filter_map(|query| metric.bounded_score(query, stored, f32::INFINITY));
             (scores.fold(f32::INFINITY, f32::min), view, category)
         })
         .collect();
@@ -59,27 +52,20 @@ fn brute_force<'a>(
     nearest
 }
 
-fn check(views: &[Taught], readings: &[Vec<f32>]) {
-    let index = taught(views, readings[0].len());
+fn check(views: &[Taught], queries: &[Vec<f32>]) {
+    let index = taught(views, queries[0].len());
     let all = views.iter().enumerate();
     let all = all.map(|(number, (category, d))| (id(number), name(*category), d.as_slice()));
-    let answer = index.recognise_any(readings, 1.0).unwrap();
+    let answer = index.recognise_any(queries, 1.0).unwrap();
     let found: Vec<_> = answer.nearest.into_iter().flatten().collect();
-    assert_eq!(found, brute_force(all, readings));
-}
-
-/// A point near one of a few centres, so that some views are near and most are not.
-pub(super) fn clustered(seed: u64, dimension: usize, spread: f32) -> Vec<f32> {
-    let centre = noise(1000 + seed % 7);
-    let values = centre.zip(noise(seed)).take(dimension);
-    values.map(|(centre, own)| centre + spread * own).collect()
+    assert_eq!(found, brute_force(all, queries));
 }
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
-    fn of_random_views(
+    fn search_is_exact_for_random_views(
         seeds in prop::collection::vec((0_u64..500, 0_u8..9), 0..300),
         asked in prop::collection::vec(0_u64..500, 1..6),
         dimension in prop_oneof![Just(1_usize), Just(15), Just(64), Just(65), Just(309)],
@@ -90,12 +76,12 @@ proptest! {
             clustered(seed, dimension, spread).iter().map(|v| v * scale).collect()
         };
         let views: Vec<_> = seeds.iter().map(|&(seed, c)| (c, scaled(seed))).collect();
-        let readings: Vec<_> = asked.into_iter().map(scaled).collect();
-        check(&views, &readings);
+        let queries: Vec<_> = asked.into_iter().map(scaled).collect();
+        check(&views, &queries);
     }
 
     #[test]
-    fn of_views_that_differ_in_their_last_values_only(
+    fn search_is_exact_for_views_that_differ_in_their_last_values(
         last in prop::collection::vec((0_u8..6, -3_i8..4, -3_i8..4), 0..200),
         asked in prop::collection::vec((-3_i8..4, -3_i8..4), 1..5),
     ) {
@@ -106,13 +92,13 @@ proptest! {
             values
         };
         let views: Vec<_> = last.iter().map(|&(c, a, b)| (c, descriptor(a, b))).collect();
-        let readings: Vec<_> = asked.iter().map(|&(a, b)| descriptor(a, b)).collect();
-        check(&views, &readings);
+        let queries: Vec<_> = asked.iter().map(|&(a, b)| descriptor(a, b)).collect();
+        check(&views, &queries);
     }
 
-    /// The distances differ by less than the bounds are rounded by.
+    /// The distances differ by less than the rounding errors of the bounds.
     #[test]
-    fn of_views_far_from_the_origin_and_near_to_each_other(
+    fn search_is_exact_for_close_views_far_from_the_origin(
         seeds in prop::collection::vec((0_u64..60, 0_u8..6), 0..200),
         asked in prop::collection::vec(0_u64..60, 1..5),
         offset in prop_oneof![Just(10.0_f32), Just(1e3), Just(9e5)],
@@ -124,13 +110,13 @@ proptest! {
             near.iter().enumerate().map(|(i, v)| sign(i) * offset + v).collect()
         };
         let views: Vec<_> = seeds.iter().map(|&(seed, c)| (c, descriptor(seed))).collect();
-        let readings: Vec<_> = asked.into_iter().map(descriptor).collect();
-        check(&views, &readings);
+        let queries: Vec<_> = asked.into_iter().map(descriptor).collect();
+        check(&views, &queries);
     }
 
-    /// Parallel descriptors, of which the inequality is an equation.
+    /// Parallel descriptors, for which the Cauchy-Schwarz inequality is an equality.
     #[test]
-    fn of_views_on_a_line(
+    fn search_is_exact_for_parallel_views(
         factors in prop::collection::vec((1_u16..50, 0_u8..6), 0..200),
         asked in prop::collection::vec(1_u16..50, 1..5),
     ) {
@@ -138,24 +124,24 @@ proptest! {
             noise(3).take(309).map(|v| v * f32::from(factor) / 7.0).collect()
         };
         let views: Vec<_> = factors.iter().map(|&(f, c)| (c, descriptor(f))).collect();
-        let readings: Vec<_> = asked.into_iter().map(descriptor).collect();
-        check(&views, &readings);
+        let queries: Vec<_> = asked.into_iter().map(descriptor).collect();
+        check(&views, &queries);
     }
 
     #[test]
-    fn after_any_changes_and_of_a_clone_as_it_was(
+    fn search_is_exact_after_changes_and_in_an_older_clone(
         before in prop::collection::vec((0_usize..150, 0_u8..6, 0_u64..40, 0_u8..5), 0..300),
         after in prop::collection::vec((0_usize..150, 0_u8..6, 0_u64..40, 0_u8..5), 0..100),
         asked in prop::collection::vec(0_u64..40, 1..5),
     ) {
         let mut index = CategoryIndex::new(309, Metric::Euclidean);
         let mut model = BTreeMap::new();
-        let readings: Vec<_> = asked.iter().map(|&seed| clustered(seed, 309, 0.4)).collect();
+        let queries: Vec<_> = asked.iter().map(|&seed| clustered(seed, 309, 0.4)).collect();
         let expected = |model: &BTreeMap<usize, (u8, Vec<f32>)>| {
-            brute_force(model.iter().map(|(n, (c, d))| (id(*n), name(*c), d.as_slice())), &readings)
+            brute_force(model.iter().map(|(n, (c, d))| (id(*n), name(*c), d.as_slice())), &queries)
         };
         let found = |index: &CategoryIndex| -> Vec<Neighbour> {
-            index.recognise_any(&readings, 1.0).unwrap().nearest.into_iter().flatten().collect()
+            index.recognise_any(&queries, 1.0).unwrap().nearest.into_iter().flatten().collect()
         };
         for change in before {
             apply(&mut index, &mut model, change);
@@ -202,18 +188,18 @@ fn apply(
 }
 
 #[test]
-fn the_bounds_pass_over_most_views() {
+fn the_bounds_prune_most_views() {
     let views: Vec<Taught> = (0..2000_u64)
         .map(|i| ((i / 7 % 6) as u8, clustered(i, 309, 0.2)))
         .collect();
     let index = taught(&views, 309);
-    let readings = [clustered(7 * 300 + 3, 309, 0.2)];
-    let readings: Vec<&[f32]> = readings.iter().map(Vec::as_slice).collect();
+    let queries = [clustered(7 * 300 + 3, 309, 0.2)];
+    let queries: Vec<&[f32]> = queries.iter().map(Vec::as_slice).collect();
     let mut found = NearestCategories::default();
-    let n_compared = pruned_search::search(
+    let n_compared = search(
         &index.views,
         0..index.views.blocks().len(),
-        &readings,
+        &queries,
         &mut found,
         |_| {},
     );

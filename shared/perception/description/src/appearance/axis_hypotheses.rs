@@ -1,44 +1,44 @@
-//! The same object, its axes read in another way.
+//! Axis hypotheses: a descriptor under all ambiguous choices of the object axes.
 
 use super::cosine_transform::{N_COEFFICIENTS, frequencies};
-use super::{COLOR_AT, DIMENSION, SIZE_AT, layout};
+use super::{COLOR_OFFSET, DIMENSION, SIZE_OFFSET, value_order};
 use crate::AxesKind;
 
-/// In how many ways the axes of an object can be read.
+/// Number of axis hypotheses of a descriptor.
 pub const N_READINGS: usize = 4;
 
-/// For each kind of axes the four readings of a descriptor: since turning an
-/// axis round changes only signs of coefficients, and a quarter turn only their
-/// places, no reading needs the points again.
+/// Signed permutations of the four axis hypotheses, for each kind of axes. Reversing an
+/// axis only changes signs of coefficients, and a quarter turn only permutes them, so no
+/// hypothesis needs the points again.
 #[derive(Debug, Clone)]
-pub(super) struct Readings {
-    principal: [Reading; N_READINGS],
-    upright: [Reading; N_READINGS],
+pub(super) struct AxisHypotheses {
+    principal: [SignedPermutation; N_READINGS],
+    upright: [SignedPermutation; N_READINGS],
 }
 
-/// Where each value of a reading comes from, and its sign.
+/// Signed permutation of descriptor values: source index and sign of each value.
 #[derive(Debug, Clone)]
-struct Reading {
+struct SignedPermutation {
     source: Vec<u16>,
     sign: Vec<f32>,
 }
 
-/// A right-handed change of axes that keeps their lines: new axis `i` is old axis
-/// `axis[i]`, turned round where `sign[i]` is negative.
+/// Right-handed permutation of axes: new axis `i` is old axis `axis[i]`, reversed where
+/// `sign[i]` is negative.
 #[derive(Debug, Clone, Copy)]
-struct Turn {
+struct AxisPermutation {
     axis: [usize; 3],
     sign: [i8; 3],
 }
 
-/// The axes of the three projections: rows and columns.
+/// Row and column axes of the three projections.
 const PLANES: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];
 
-impl Readings {
+impl AxisHypotheses {
     pub(super) fn new() -> Self {
         let keep = [0, 1, 2];
         let principal = [[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]
-            .map(|sign| Reading::new(Turn { axis: keep, sign }));
+            .map(|sign| SignedPermutation::new(AxisPermutation { axis: keep, sign }));
         let swap = [1, 0, 2];
         let upright = [
             (keep, [1, 1, 1]),
@@ -46,44 +46,46 @@ impl Readings {
             (keep, [-1, -1, 1]),
             (swap, [-1, 1, 1]),
         ]
-        .map(|(axis, sign)| Reading::new(Turn { axis, sign }));
+        .map(|(axis, sign)| SignedPermutation::new(AxisPermutation { axis, sign }));
         Self { principal, upright }
     }
 
-    /// Replaces the content of `out` by one reading of a descriptor's values as they
-    /// are computed.
-    pub(super) fn read(
+    /// Writes one axis hypothesis of the computed descriptor to `out`, replacing its
+    /// content.
+    pub(super) fn apply(
         &self,
         kind: AxesKind,
-        reading: usize,
+        hypothesis: usize,
         descriptor: &[f32],
         out: &mut Vec<f32>,
     ) {
-        let readings = match kind {
+        let hypotheses = match kind {
             AxesKind::Principal => &self.principal,
             AxesKind::Upright => &self.upright,
         };
-        let Reading { source, sign } = &readings[reading];
+        let SignedPermutation { source, sign } = &hypotheses[hypothesis];
         let values = source.iter().zip(sign);
         out.clear();
         out.extend(values.map(|(&i, sign)| sign * descriptor[usize::from(i)]));
     }
 }
 
-impl Reading {
-    fn new(turn: Turn) -> Self {
+impl SignedPermutation {
+    fn new(permutation: AxisPermutation) -> Self {
         let mut source: Vec<u16> = Vec::with_capacity(DIMENSION);
         let mut sign = Vec::with_capacity(DIMENSION);
         for (row, column) in PLANES {
             for (k, l) in frequencies() {
-                source.push(coefficient([turn.axis[row], turn.axis[column]], [k, l]) as u16);
-                sign.push(parity(turn.sign[row], k) * parity(turn.sign[column], l));
+                source.push(
+                    coefficient([permutation.axis[row], permutation.axis[column]], [k, l]) as u16,
+                );
+                sign.push(parity(permutation.sign[row], k) * parity(permutation.sign[column], l));
             }
         }
-        source.extend(turn.axis.map(|axis| (SIZE_AT + axis) as u16));
-        source.extend(COLOR_AT as u16..DIMENSION as u16);
+        source.extend(permutation.axis.map(|axis| (SIZE_OFFSET + axis) as u16));
+        source.extend(COLOR_OFFSET as u16..DIMENSION as u16);
         sign.resize(DIMENSION, 1.0);
-        let places = layout::places();
+        let places = value_order::storage_order();
         Self {
             source: places.iter().map(|&place| source[place]).collect(),
             sign: places.iter().map(|&place| sign[place]).collect(),
@@ -91,7 +93,7 @@ impl Reading {
     }
 }
 
-/// Place of the coefficient with these frequencies along these two axes.
+/// Index of the coefficient with two frequencies along two axes.
 fn coefficient(axes: [usize; 2], frequencies_wanted: [usize; 2]) -> usize {
     let is_plane = |plane: &(usize, usize)| {
         (plane.0 == axes[0] && plane.1 == axes[1]) || (plane.0 == axes[1] && plane.1 == axes[0])
@@ -104,7 +106,7 @@ fn coefficient(axes: [usize; 2], frequencies_wanted: [usize; 2]) -> usize {
     plane * N_COEFFICIENTS + within
 }
 
-/// Sign of a function of this frequency when its axis is turned round.
+/// Sign of a cosine basis function when its axis is reversed.
 fn parity(sign: i8, frequency: usize) -> f32 {
     if sign < 0 && frequency % 2 == 1 {
         -1.0

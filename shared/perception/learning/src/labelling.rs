@@ -1,65 +1,73 @@
-//! The rules of teaching: which views change their category.
+//! Teaching rules: label changes of views for teach, correct and forget.
 //!
-//! A person teaches an object, not a picture: all key views of the track get the
-//! name. The rules only say what must change; who keeps the views writes the
-//! changes in one piece.
+//! A person teaches an object, not an image: all key views of a track receive the label.
+//! The functions compute the changes only; the memory applies them atomically.
 
 use crate::{CategoryName, ViewId};
-use std::fmt;
 
-/// A key view and its category, as it is stored.
+/// Stored key view with its label.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ViewRecord<'a> {
-    /// The view.
+    /// View id.
     pub id: ViewId,
-    /// Its category; `None` when it was never taught or forgotten.
+    /// Label; `None` when the view was never taught, or forgotten.
     pub category: Option<&'a CategoryName>,
 }
 
-/// One view's change of category; `before` and `after` differ.
+/// Label change of one view; `before` and `after` differ.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ViewChange {
-    /// The view.
+    /// View id.
     pub id: ViewId,
-    /// The category it leaves.
+    /// Previous label.
     pub before: Option<CategoryName>,
-    /// The category it belongs to from now on.
+    /// New label.
     pub after: Option<CategoryName>,
 }
 
-/// Why a lesson changes nothing.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// Rejected teaching request.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Refusal {
-    /// The track has no key views.
+    /// Track without key views.
+    #[error(
+        "track {track_id} has no key views to learn from: let the object rest in view of the \
+         camera and teach it again"
+    )]
     NoViews {
-        /// The track.
+        /// Track id.
         track_id: u64,
     },
-    /// The track was taught as something else.
+    /// Track with another label.
+    #[error(
+        "track {track_id} was taught as {present}, not as {asked}: correct it if {asked} is right"
+    )]
     LabelledOtherwise {
-        /// The track.
+        /// Track id.
         track_id: u64,
-        /// What it was taught as.
+        /// Present label.
         present: CategoryName,
-        /// What it should be taught as now.
+        /// Requested label.
         asked: CategoryName,
     },
-    /// No view belongs to the category.
+    /// Category without views.
+    #[error(
+        "no view belongs to the category {category}: list the categories to see which there are"
+    )]
     UnknownCategory {
-        /// The category.
+        /// Requested category.
         category: CategoryName,
     },
 }
 
-/// Teaches a track: all its views without a category get this one. Teaching the
-/// same again changes nothing, or adds the views that have come since.
+/// Label changes that teach a track: its unlabelled views receive the category. Teaching
+/// the same category again labels only newer views.
 ///
-/// `records` may contain other tracks; the changes are in its order.
+/// `records` may contain other tracks; the changes follow its order.
 ///
 /// # Errors
-/// When the track has no views, or one of them belongs to another category: then
-/// two people disagree, and [`correct`] decides.
+/// When the track has no views, or a view with another label: two people disagree, and
+/// [`correct`] decides.
 pub fn teach<'a>(
     records: impl IntoIterator<Item = ViewRecord<'a>> + Clone,
     track_id: u64,
@@ -82,10 +90,10 @@ pub fn teach<'a>(
     correct(records, track_id, category)
 }
 
-/// Corrects a track: all its views leave whatever category they are in and
-/// belong to this one. On a track without a category it is the same as [`teach`].
+/// Label changes that correct a track: all its views receive the category, whatever
+/// their present one. Equals [`teach`] for an unlabelled track.
 ///
-/// `records` may contain other tracks; the changes are in its order.
+/// `records` may contain other tracks; the changes follow its order.
 ///
 /// # Errors
 /// When the track has no views.
@@ -107,8 +115,8 @@ pub fn correct<'a>(
         .collect())
 }
 
-/// Forgets a category: its views belong to none. They stay stored, so the tracks
-/// can be taught again.
+/// Label changes that forget a category: its views become unlabelled but stay stored, so
+/// that their tracks can be taught again.
 ///
 /// # Errors
 /// When no view belongs to the category.
@@ -137,34 +145,6 @@ impl ViewRecord<'_> {
         }
     }
 }
-
-impl fmt::Display for Refusal {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoViews { track_id } => write!(
-                f,
-                "track {track_id} has no key views to learn from: let the object rest in view of \
-                 the camera and teach it again"
-            ),
-            Self::LabelledOtherwise {
-                track_id,
-                present,
-                asked,
-            } => write!(
-                f,
-                "track {track_id} was taught as {present}, not as {asked}: correct it if {asked} is \
-                 right"
-            ),
-            Self::UnknownCategory { category } => write!(
-                f,
-                "no view belongs to the category {category}: list the categories to see which there \
-                 are"
-            ),
-        }
-    }
-}
-
-impl std::error::Error for Refusal {}
 
 #[cfg(test)]
 mod tests;

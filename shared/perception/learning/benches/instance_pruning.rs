@@ -1,19 +1,20 @@
-//! What it costs to find the views of a category that can be spared: a tenth of
-//! them, and nearly all.
+//! Benchmark of instance pruning: removal of a tenth, and of nearly all views of a
+//! category.
 
 use divan::{Bencher, black_box};
 use learning::least_telling;
 
-/// Values of a descriptor.
+/// Length of a descriptor.
 const DIMENSION: usize = 309;
-/// Views of the category.
+
+/// Number of views of the category.
 const N_VIEWS: usize = 2000;
 
 fn main() {
     divan::main();
 }
 
-/// Views around 50 centres.
+/// Clustered views around 50 centres.
 fn views() -> Vec<Vec<f32>> {
     let wave = |seed: usize, i: usize| ((seed * 131 + i * i) as f64 * 0.618_034).fract();
     let value = |view: usize, i: usize| wave(view % 50, i) + 0.3 * wave(1000 + view, i);

@@ -1,14 +1,14 @@
 use super::*;
 use proptest::prelude::*;
 
-/// Views by number of the track, with the number of their category.
-type Memory = Vec<(ViewId, Option<u8>)>;
+/// Views with the number of their category.
+type NumberedViews = Vec<(ViewId, Option<u8>)>;
 
 fn name(number: u8) -> CategoryName {
     CategoryName::new(&format!("category {number}")).unwrap()
 }
 
-fn memory() -> impl Strategy<Value = Memory> {
+fn memory() -> impl Strategy<Value = NumberedViews> {
     let view = (0_u64..4, prop::option::of(0_u8..3));
     prop::collection::vec(view, 0..30).prop_map(|views| {
         let id = |(i, (track_id, category))| {
@@ -24,7 +24,7 @@ fn memory() -> impl Strategy<Value = Memory> {
     })
 }
 
-fn named(memory: &Memory) -> Vec<(ViewId, Option<CategoryName>)> {
+fn named(memory: &NumberedViews) -> Vec<(ViewId, Option<CategoryName>)> {
     memory
         .iter()
         .map(|&(id, category)| (id, category.map(name)))
@@ -40,7 +40,7 @@ fn records(
     })
 }
 
-/// Carries the changes out, each on a view that was what the change says.
+/// Applies label changes and checks that each starts from the present label.
 fn apply(views: &mut [(ViewId, Option<CategoryName>)], changes: &[ViewChange]) {
     for change in changes {
         let (_, category) = views.iter_mut().find(|(id, _)| *id == change.id).unwrap();
@@ -104,7 +104,7 @@ proptest! {
 }
 
 #[test]
-fn refusals_say_what_to_do() {
+fn error_messages_name_the_remedy() {
     let (mug, cup) = (
         CategoryName::new("mug").unwrap(),
         CategoryName::new("cup").unwrap(),

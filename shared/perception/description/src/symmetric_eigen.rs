@@ -1,44 +1,45 @@
-//! Eigenvectors of a symmetric 3 x 3 matrix, bit for bit as the reference
-//! computes them.
+//! Eigen decomposition of a symmetric 3 x 3 matrix, bit-exact with the reference
+//! implementation of GOOD.
 //!
-//! The published descriptor depends on the signs of the eigenvectors, and the
-//! signs are those that fall out of its solver. So this is the same sequence of
-//! single-precision operations: one Householder step to tridiagonal form, then
-//! implicit QR steps with Wilkinson's shift (Golub and Van Loan 1996, 8.3).
-//! Use it for that comparison only; `point_cloud::Moments` is more accurate.
+//! The published descriptor depends on the signs of the eigenvectors, which are an
+//! accident of its solver. This is the same sequence of single-precision operations: one
+//! Householder step to tridiagonal form, then implicit QR steps with Wilkinson's shift
+//! (Golub and Van Loan 1996, 8.3). Use it for that comparison only;
+//! `point_cloud::Moments` is more accurate.
 
-/// A symmetric matrix; the lower triangle is read.
+/// Symmetric matrix; only the lower triangle is read.
 pub(crate) type Matrix = [[f32; 3]; 3];
 
-/// QR steps for each row after which the solver gives up.
-const MAX_STEPS_A_ROW: usize = 30;
+/// Maximum number of QR steps per row.
+const MAX_STEPS_PER_ROW: usize = 30;
 
-/// Eigenvalues, ascending, with their unit eigenvectors.
+/// Eigenvalues in ascending order with their unit eigenvectors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Eigen {
     /// Eigenvalues, smallest first.
     pub values: [f32; 3],
-    /// One eigenvector for each value, in their order.
+    /// Eigenvectors in the order of the values.
     pub vectors: [[f32; 3]; 3],
 }
 
-/// A tridiagonal matrix on its way to a diagonal one.
+/// Symmetric tridiagonal matrix during QR iteration.
 struct Tridiagonal {
     diagonal: [f32; 3],
-    /// Entry `i` stands between the diagonal's `i` and `i + 1`.
-    beside: [f32; 2],
+    /// Off-diagonal entries; entry `i` couples rows `i` and `i + 1`.
+    off_diagonal: [f32; 2],
     /// Columns of the accumulated rotation.
     columns: [[f32; 3]; 3],
 }
 
-/// A plane rotation.
+/// Givens rotation.
 #[derive(Clone, Copy)]
 struct Givens {
     c: f32,
     s: f32,
 }
 
-/// Solves a matrix; `None` when it is not finite or does not converge.
+/// Eigen decomposition; `None` when the matrix is not finite or the iteration does not
+/// converge.
 pub(crate) fn symmetric_eigen(matrix: &Matrix) -> Option<Eigen> {
     let lower = (0..3).flat_map(|i| matrix[i].iter().take(i + 1));
     if lower.clone().any(|v| !v.is_finite()) {
@@ -60,7 +61,7 @@ fn tridiagonalise(a: &Matrix) -> Tridiagonal {
     if corner <= f32::MIN_POSITIVE {
         return Tridiagonal {
             diagonal: [a[0][0], a[1][1], a[2][2]],
-            beside: [a[1][0], a[2][1]],
+            off_diagonal: [a[1][0], a[2][1]],
             columns: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
         };
     }
@@ -70,28 +71,28 @@ fn tridiagonalise(a: &Matrix) -> Tridiagonal {
     let q = 2.0 * m1 * a[2][1] + m2 * (a[2][2] - a[1][1]);
     Tridiagonal {
         diagonal: [a[0][0], a[1][1] + m2 * q, a[2][2] - m2 * q],
-        beside: [beta, a[2][1] - m1 * q],
+        off_diagonal: [beta, a[2][1] - m1 * q],
         columns: [[1.0, 0.0, 0.0], [0.0, m1, m2], [0.0, m2, -m1]],
     }
 }
 
-/// QR steps on the unreduced block at the end, until there is none.
+/// QR iteration with deflation until the matrix is diagonal.
 fn diagonalise(t: &mut Tridiagonal) -> Option<()> {
     let (mut start, mut end) = (0, 2);
-    for _ in 0..=3 * MAX_STEPS_A_ROW {
+    for _ in 0..=3 * MAX_STEPS_PER_ROW {
         for i in start..end {
             if is_negligible(t, i) {
-                t.beside[i] = 0.0;
+                t.off_diagonal[i] = 0.0;
             }
         }
-        while end > 0 && t.beside[end - 1] == 0.0 {
+        while end > 0 && t.off_diagonal[end - 1] == 0.0 {
             end -= 1;
         }
         if end == 0 {
             return Some(());
         }
         start = end - 1;
-        while start > 0 && t.beside[start - 1] != 0.0 {
+        while start > 0 && t.off_diagonal[start - 1] != 0.0 {
             start -= 1;
         }
         qr_step(t, start, end);
@@ -100,14 +101,14 @@ fn diagonalise(t: &mut Tridiagonal) -> Option<()> {
 }
 
 fn is_negligible(t: &Tridiagonal, i: usize) -> bool {
-    let scaled = t.beside[i] / f32::EPSILON;
-    t.beside[i].abs() < f32::MIN_POSITIVE
+    let scaled = t.off_diagonal[i] / f32::EPSILON;
+    t.off_diagonal[i].abs() < f32::MIN_POSITIVE
         || scaled * scaled <= t.diagonal[i].abs() + t.diagonal[i + 1].abs()
 }
 
 fn qr_step(t: &mut Tridiagonal, start: usize, end: usize) {
     let mut x = t.diagonal[start] - wilkinson_shift(t, end);
-    let mut z = t.beside[start];
+    let mut z = t.off_diagonal[start];
     for k in start..end {
         if z == 0.0 {
             break;
@@ -116,12 +117,12 @@ fn qr_step(t: &mut Tridiagonal, start: usize, end: usize) {
         let Givens { c, s } = rotation;
         rotate_block(t, k, rotation);
         if k > start {
-            t.beside[k - 1] = c * t.beside[k - 1] - s * z;
+            t.off_diagonal[k - 1] = c * t.off_diagonal[k - 1] - s * z;
         }
-        x = t.beside[k];
+        x = t.off_diagonal[k];
         if k + 1 < end {
-            z = -s * t.beside[k + 1];
-            t.beside[k + 1] *= c;
+            z = -s * t.off_diagonal[k + 1];
+            t.off_diagonal[k + 1] *= c;
         }
         for row in 0..3 {
             let (q, next) = (t.columns[k][row], t.columns[k + 1][row]);
@@ -131,10 +132,10 @@ fn qr_step(t: &mut Tridiagonal, start: usize, end: usize) {
     }
 }
 
-/// The eigenvalue of the last 2 x 2 block that is nearer to its last entry.
+/// Wilkinson's shift: the eigenvalue of the last 2 x 2 block nearer to its last entry.
 fn wilkinson_shift(t: &Tridiagonal, end: usize) -> f32 {
     let half_difference = (t.diagonal[end - 1] - t.diagonal[end]) * 0.5;
-    let e = t.beside[end - 1];
+    let e = t.off_diagonal[end - 1];
     if half_difference == 0.0 {
         return t.diagonal[end] - e.abs();
     }
@@ -143,7 +144,7 @@ fn wilkinson_shift(t: &Tridiagonal, end: usize) -> f32 {
     t.diagonal[end] - e * e / (half_difference + signed_root)
 }
 
-/// `sqrt(a² + b²)` by the reference's formula; the standard library's rounds
+/// Hypotenuse `sqrt(a² + b²)` by the reference's formula; the standard library rounds
 /// differently.
 fn hypotenuse(a: f32, b: f32) -> f32 {
     let (a, b) = (a.abs(), b.abs());
@@ -155,7 +156,7 @@ fn hypotenuse(a: f32, b: f32) -> f32 {
     larger * (1.0 + ratio * ratio).sqrt()
 }
 
-/// The rotation that brings `(x, z)` to `(r, 0)`.
+/// Givens rotation that maps `(x, z)` to `(r, 0)`.
 fn givens(x: f32, z: f32) -> Givens {
     if z == 0.0 {
         return Givens {
@@ -182,17 +183,17 @@ fn givens(x: f32, z: f32) -> Givens {
     }
 }
 
-/// Applies the rotation to rows and columns `k` and `k + 1`.
+/// Applies a Givens rotation to rows and columns `k` and `k + 1`.
 fn rotate_block(t: &mut Tridiagonal, k: usize, Givens { c, s }: Givens) {
-    let (d, e, next) = (t.diagonal[k], t.beside[k], t.diagonal[k + 1]);
+    let (d, e, next) = (t.diagonal[k], t.off_diagonal[k], t.diagonal[k + 1]);
     let sdk = s * d + c * e;
     let dk1 = s * e + c * next;
     t.diagonal[k] = c * (c * d - s * e) - s * (c * e - s * next);
     t.diagonal[k + 1] = s * sdk + c * dk1;
-    t.beside[k] = c * sdk - s * dk1;
+    t.off_diagonal[k] = c * sdk - s * dk1;
 }
 
-/// Selection sort; the first of equal values stays first.
+/// Selection sort by eigenvalue; stable for equal values.
 fn sort_ascending(t: &mut Tridiagonal) {
     for i in 0..2 {
         let mut smallest = i;
@@ -231,12 +232,12 @@ mod tests {
 
     proptest! {
         #[test]
-        fn eigenvectors_are_only_stretched(e in prop::array::uniform6(-1.0_f32..1.0)) {
+        fn eigenvectors_satisfy_their_equation(e in prop::array::uniform6(-1.0_f32..1.0)) {
             check(&[[e[0], e[1], e[2]], [e[1], e[3], e[4]], [e[2], e[4], e[5]]])?;
         }
 
         #[test]
-        fn small_numbers_are_solved_as_well(e in prop::array::uniform6(-1e-4_f32..1e-4)) {
+        fn small_matrices_are_solved(e in prop::array::uniform6(-1e-4_f32..1e-4)) {
             check(&[[e[0], e[1], 0.0], [e[1], e[3], e[4]], [0.0, e[4], e[5]]])?;
         }
     }

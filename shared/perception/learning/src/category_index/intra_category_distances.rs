@@ -1,27 +1,28 @@
-//! How far the views of a category are from each other.
+//! Nearest-neighbour distances within a category.
 
 use crate::ViewId;
-use crate::calibration::Distances;
+use crate::calibration::DistanceSum;
 
-/// The views of a category with their nearest neighbours within it. It does not
-/// depend on the order in which views came, but for rounding of the sum.
+/// Views of a category with their nearest neighbours within it. Independent of the
+/// insertion order, except for rounding of the sum.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Spread {
+pub(super) struct IntraCategoryDistances {
     members: Vec<Member>,
-    distances: Distances,
+    distances: DistanceSum,
 }
 
+/// View with its nearest neighbour in the category.
 #[derive(Debug, Clone, Copy)]
 struct Member {
     id: ViewId,
-    nearest: Option<Nearest>,
+    nearest: Option<NeighbourDistance>,
 }
 
-/// A view, and its distance.
-pub(super) type Nearest = (ViewId, f32);
+/// Neighbouring view and its distance.
+pub(super) type NeighbourDistance = (ViewId, f32);
 
-impl Spread {
-    /// Adds a view; `distance` measures it against another one.
+impl IntraCategoryDistances {
+    /// Adds a view; `distance` returns the distance from it to another view.
     pub(super) fn add(&mut self, id: ViewId, mut distance: impl FnMut(ViewId) -> f32) {
         let mut nearest = None;
         for member in &mut self.members {
@@ -29,24 +30,25 @@ impl Spread {
             nearest = nearer(nearest, (member.id, distance));
             let before = member.nearest;
             member.nearest = nearer(before, (id, distance));
-            self.distances.replace(far(before), far(member.nearest));
+            self.distances
+                .replace(distance_of(before), distance_of(member.nearest));
         }
-        self.distances.replace(None, far(nearest));
+        self.distances.replace(None, distance_of(nearest));
         self.members.push(Member { id, nearest });
     }
 
-    /// Removes a view. Whose nearest neighbour it was looks for another one among
-    /// the others, by `nearest_of`.
+    /// Removes a view. Views whose nearest neighbour it was search for another one among
+    /// the rest with `nearest_of`.
     pub(super) fn remove(
         &mut self,
         id: ViewId,
-        mut nearest_of: impl FnMut(ViewId, &[ViewId]) -> Option<Nearest>,
+        mut nearest_of: impl FnMut(ViewId, &[ViewId]) -> Option<NeighbourDistance>,
     ) {
         let Some(place) = self.members.iter().position(|member| member.id == id) else {
             return;
         };
         let removed = self.members.swap_remove(place);
-        self.distances.replace(far(removed.nearest), None);
+        self.distances.replace(distance_of(removed.nearest), None);
         let mut others = Vec::new();
         for i in 0..self.members.len() {
             let Member { id: left, nearest } = self.members[i];
@@ -58,23 +60,27 @@ impl Spread {
             others.extend(ids.filter(|&other| other != left));
             let found = nearest_of(left, &others);
             self.members[i].nearest = found;
-            self.distances.replace(far(nearest), far(found));
+            self.distances
+                .replace(distance_of(nearest), distance_of(found));
         }
     }
 
-    /// The distances to the nearest neighbours.
-    pub(super) fn distances(&self) -> Distances {
+    /// Sum and count of the nearest-neighbour distances.
+    pub(super) fn distances(&self) -> DistanceSum {
         self.distances
     }
 }
 
-/// How far it is.
-fn far(nearest: Option<Nearest>) -> Option<f32> {
+/// Distance to the neighbour.
+fn distance_of(nearest: Option<NeighbourDistance>) -> Option<f32> {
     nearest.map(|(_, distance)| distance)
 }
 
-/// The nearer of two.
-pub(super) fn nearer(present: Option<Nearest>, other: Nearest) -> Option<Nearest> {
+/// Nearer of two neighbours.
+pub(super) fn nearer(
+    present: Option<NeighbourDistance>,
+    other: NeighbourDistance,
+) -> Option<NeighbourDistance> {
     let is_nearer = present.is_none_or(|(_, distance)| other.1 < distance);
     if is_nearer { Some(other) } else { present }
 }
@@ -97,12 +103,12 @@ mod tests {
 
     proptest! {
         #[test]
-        fn after_any_changes_the_spread_is_that_of_what_is_left(
+        fn distances_after_any_changes_are_those_of_the_remaining_views(
             places in prop::collection::vec(0.0_f32..9.0, 1..12),
             removed in prop::collection::vec(any::<bool>(), 12),
         ) {
             let n = places.len() as u32;
-            let mut spread = Spread::default();
+            let mut spread = IntraCategoryDistances::default();
             for view in 0..n {
                 spread.add(id(view), |other| distance(&places, id(view), other));
             }

@@ -1,0 +1,172 @@
+//! Appearance descriptor: shape, size and colour of an object in one vector, compared by
+//! Euclidean distance.
+//!
+//! The shape part is a variant of GOOD. Its support is metric and centred in the
+//! bounding box, bins are interpolated, the order of the projections is fixed, and the
+//! signs of the axes are not decided because all axis hypotheses are compared.
+//!
+//! *Source*: the projections are those of Kasaei, Tomé, Seabra Lopes, Oliveira,
+//! "GOOD: A global orthographic object descriptor for 3D object recognition and
+//! manipulation", Pattern Recognition Letters 83, 2016.
+
+mod axis_hypotheses;
+mod color;
+mod cosine_transform;
+mod soft_bins;
+mod value_order;
+mod warp;
+mod warped_good;
+
+use crate::object_axes::{AxesKind, object_axes};
+use crate::{Error, ObjectPoints};
+use axis_hypotheses::AxisHypotheses;
+use color::{Colors, N_CHROMATICITIES, N_COLORS};
+use nalgebra::UnitVector3;
+use std::sync::LazyLock;
+
+pub use axis_hypotheses::N_READINGS;
+pub use warped_good::WarpedGood;
+
+/// Offset of the size values in the computed order, behind the shape values. Stored
+/// values follow [`value_order`].
+const SIZE_OFFSET: usize = WarpedGood::DIMENSION;
+
+/// Offset of the colour values in the computed order.
+const COLOR_OFFSET: usize = SIZE_OFFSET + 3;
+
+/// Length of a descriptor.
+const DIMENSION: usize = COLOR_OFFSET + N_COLORS;
+
+/// Offset added to a side before the logarithm, metres: the thickness that noise gives
+/// to thin objects. Chosen; sensitivity: see `tabula-lab sweep`.
+const SIDE_OFFSET_M: f32 = 0.005;
+
+/// Weights of the parts of an appearance descriptor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AppearanceWeights {
+    /// Weight of the three projections, whose squared distance is at most 6.
+    pub shape: f32,
+    /// Weight of the logarithms of the box sides.
+    pub size: f32,
+    /// Weight of chromaticity, whose squared distance is at most 2; lightness counts
+    /// about half as much.
+    pub color: f32,
+}
+
+impl Default for AppearanceWeights {
+    /// Weights of the live system. Chosen; sensitivity: see `tabula-lab sweep`.
+    fn default() -> Self {
+        Self {
+            shape: 1.0,
+            size: 1.0,
+            color: 0.55,
+        }
+    }
+}
+
+impl AppearanceWeights {
+    /// Weights without colour.
+    pub fn shape_only() -> Self {
+        Self {
+            color: 0.0,
+            ..Self::default()
+        }
+    }
+
+    fn validated(self) -> Result<Self, Error> {
+        for weight in [self.shape, self.size, self.color] {
+            if !(0.0..=100.0).contains(&weight) {
+                return Err(Error::Weight(weight));
+            }
+        }
+        Ok(self)
+    }
+}
+
+/// Appearance descriptor with its scratch memory and last result.
+#[derive(Debug, Clone)]
+pub struct Appearance {
+    weights: AppearanceWeights,
+    shape: WarpedGood,
+    colors: Colors,
+    hypotheses: AxisHypotheses,
+    computed: Vec<f32>,
+    described: [Vec<f32>; N_READINGS],
+}
+
+impl Appearance {
+    /// Length of a descriptor.
+    pub const DIMENSION: usize = DIMENSION;
+
+    /// Descriptor with weights from 0 to 100.
+    ///
+    /// # Errors
+    /// When a weight is out of range.
+    pub fn new(weights: AppearanceWeights) -> Result<Self, Error> {
+        Ok(Self {
+            weights: weights.validated()?,
+            shape: WarpedGood::new(),
+            colors: Colors::new(),
+            hypotheses: AxisHypotheses::new(),
+            computed: Vec::with_capacity(DIMENSION),
+            described: Default::default(),
+        })
+    }
+
+    /// Describes the finite points of an object; `up` is the direction against gravity
+    /// in their frame. Descriptors with and without `up` are not comparable.
+    ///
+    /// Returns the descriptor in all axis hypotheses, each with the values of largest
+    /// variance first. One of them, for instance the first, is stored for a view. The
+    /// distance of an object to a stored view is the least Euclidean distance over the
+    /// hypotheses. It is invariant to translation, to rotation (about `up`, if given)
+    /// and to the order of the points, but not to mirroring.
+    ///
+    /// Allocates for the first objects only.
+    ///
+    /// # Errors
+    /// When there are fewer than three finite points, or their extent is not finite.
+    pub fn describe(
+        &mut self,
+        points: ObjectPoints<'_>,
+        up: Option<&UnitVector3<f64>>,
+    ) -> Result<&[Vec<f32>; N_READINGS], Error> {
+        let axes = object_axes(points, up).ok_or(Error::NoPoints)?;
+        let computed = &mut self.computed;
+        computed.clear();
+        let sides_m = self
+            .shape
+            .append(points, &axes.object_from_source, computed)?;
+        for value in &mut *computed {
+            *value *= self.weights.shape;
+        }
+        let log_side = |side_m: f32| self.weights.size * (side_m + SIDE_OFFSET_M).ln();
+        computed.extend(sides_m.map(log_side));
+        self.colors.append(points, self.weights.color, computed);
+        for (hypothesis, described) in self.described.iter_mut().enumerate() {
+            self.hypotheses
+                .apply(axes.kind, hypothesis, computed, described);
+        }
+        Ok(&self.described)
+    }
+
+    /// Descriptor of a stored view in all axis hypotheses, the stored one first: the
+    /// result of [`describe`](Self::describe), had it started with that hypothesis.
+    /// Missing values are taken as 0.
+    pub fn axis_hypotheses_of(stored: &[f32], kind: AxesKind) -> [Vec<f32>; N_READINGS] {
+        static HYPOTHESES: LazyLock<AxisHypotheses> = LazyLock::new(AxisHypotheses::new);
+        static STORAGE_ORDER: LazyLock<Vec<usize>> = LazyLock::new(value_order::storage_order);
+        let mut computed = vec![0.0; DIMENSION];
+        for (&place, &value) in STORAGE_ORDER.iter().zip(stored) {
+            computed[place] = value;
+        }
+        std::array::from_fn(|hypothesis| {
+            let mut described = Vec::with_capacity(DIMENSION);
+            HYPOTHESES.apply(kind, hypothesis, &computed, &mut described);
+            described
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,28 @@
+//! Visibility of a track and occlusion state of its expected box.
+
+/// Occlusion state of the expected box of a track without a measurement.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OcclusionState {
+    /// Not tested, or a surface is there that may be the object.
+    Unknown,
+    /// Free space: the visible surface lies behind the expected box, so the object is
+    /// gone.
+    Empty,
+    /// A nearer surface covers the expected box.
+    Occluded,
+    /// The expected box lies outside the image.
+    OutOfView,
+}
+
+/// Visibility of a track's object in the last frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sight {
+    /// The object was measured.
+    Seen,
+    /// The object is occluded.
+    Occluded,
+    /// The object is outside the image.
+    OutOfView,
+    /// The object should be visible but was not detected.
+    Missing,
+}
