@@ -10,7 +10,7 @@
 //! manipulation", Pattern Recognition Letters 83, 2016.
 
 mod axis_hypotheses;
-mod color;
+mod color_histograms;
 mod cosine_transform;
 mod soft_bins;
 mod value_order;
@@ -20,7 +20,7 @@ mod warped_good;
 use crate::object_axes::{AxesKind, object_axes};
 use crate::{Error, ObjectPoints};
 use axis_hypotheses::AxisHypotheses;
-use color::{Colors, N_CHROMATICITIES, N_COLORS};
+use color_histograms::{ColorHistograms, N_CHROMATICITIES, N_COLORS};
 use nalgebra::UnitVector3;
 use std::sync::LazyLock;
 
@@ -88,7 +88,7 @@ impl AppearanceWeights {
 pub struct Appearance {
     weights: AppearanceWeights,
     shape: WarpedGood,
-    colors: Colors,
+    colors: ColorHistograms,
     hypotheses: AxisHypotheses,
     computed: Vec<f32>,
     described: [Vec<f32>; N_READINGS],
@@ -106,7 +106,7 @@ impl Appearance {
         Ok(Self {
             weights: weights.validated()?,
             shape: WarpedGood::new(),
-            colors: Colors::new(),
+            colors: ColorHistograms::new(),
             hypotheses: AxisHypotheses::new(),
             computed: Vec::with_capacity(DIMENSION),
             described: Default::default(),

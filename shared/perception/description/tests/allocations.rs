@@ -11,7 +11,7 @@ thread_local! {
 
 struct Counting;
 
-#[expect(unsafe_code, reason = "an allocator can not be written without")]
+#[expect(unsafe_code, reason = "a global allocator requires unsafe code")]
 // SAFETY: everything is handed on to the system's allocator unchanged.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {

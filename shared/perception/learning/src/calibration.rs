@@ -55,8 +55,8 @@ impl DistanceSum {
         self.sum += after.sum - before.sum;
         self.n = self.n + after.n - before.n;
     }
-    /// Mean shrunk towards an expected value, which counts as `weight` observations.
 
+    /// Mean shrunk towards an expected value, which counts as `weight` observations.
     fn shrunken_mean(self, weight: f64, expected: f64) -> f64 {
         (self.sum + weight * expected) / (self.n as f64 + weight)
     }

@@ -12,12 +12,12 @@ use crate::calibration::{Calibration, DistanceSum};
 use crate::nearest_categories::{NearestCategories, ScoredView};
 use crate::{CategoryName, Error, Metric, Neighbour, Recognition, UnknownRule, ViewId};
 use intra_category_distances::IntraCategoryDistances;
-use sketch::N_QUERIES_MAX;
+use sketch::{BLOCK_LEN, N_QUERIES_MAX};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use view_rows::ViewRows;
-use view_table::{BLOCK_LEN, IndexedView, ViewTable};
+use view_table::{IndexedView, ViewTable};
 
 pub use nearest_view_cache::NearestViewCache;
 

@@ -17,7 +17,7 @@ pub struct Config {
 }
 
 impl Config {
-    /// Settings after a range check. An object whose probability of belonging to the
+    /// Validates the settings against their ranges. An object whose probability of belonging to the
     /// nearest category is below `known_probability_min`, 0 to 1, is unknown.
     ///
     /// # Errors

@@ -45,7 +45,7 @@ mod error;
 mod frame_pose;
 mod key_view_selector;
 mod lost_track_gallery;
-mod object;
+mod object_state;
 mod track;
 mod track_recovery;
 mod track_table;
@@ -54,7 +54,7 @@ pub use candidate_measurement::Measured;
 pub use config::{Config, DESCRIPTOR_KIND, calibration, category_index};
 pub use error::Error;
 pub use frame_pose::Frame;
-pub use object::{
+pub use object_state::{
     ObjectState, ObjectTools, Observation, ObservationOutput, ObservationStage, Posterior, Stages,
 };
 pub use track::Track;

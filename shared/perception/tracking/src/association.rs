@@ -107,7 +107,7 @@ impl Default for AssociationConfig {
 }
 
 impl AssociationConfig {
-    /// Settings after a range check.
+    /// Validates the settings against their ranges.
     ///
     /// # Errors
     /// Names the first setting outside its range.
@@ -248,7 +248,7 @@ fn volume_difference(track: &CoarseAppearance, candidate: &CoarseAppearance) -> 
     }
 }
 
-/// Fraction of sample points of a box inside another one, within [`PART_MARGIN_M`].
+/// Fraction of sample points of a box inside another one, with a tolerance of 12 mm.
 pub fn fraction_inside(part: &OrientedBox, whole: &OrientedBox) -> f64 {
     // Most boxes are far apart.
     if !part.may_meet(whole, 2.0 * PART_MARGIN_M) {

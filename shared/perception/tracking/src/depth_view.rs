@@ -291,7 +291,7 @@ mod tests {
         assert_eq!(
             occlusion(|_| 0.93, &shape),
             OcclusionState::Unknown,
-            "its own front is seen"
+            "the object's own front is visible"
         );
         assert_eq!(occlusion(|_| f32::NAN, &shape), OcclusionState::Unknown);
         assert_eq!(

@@ -48,7 +48,7 @@ mod color_histogram;
 mod depth_view;
 mod error;
 mod face_confidence;
-mod key_view;
+mod key_view_rule;
 mod measurement;
 mod motion_config;
 mod motion_filter;
@@ -66,7 +66,7 @@ pub use association::{
 pub use color_histogram::ColorHistogram;
 pub use depth_view::DepthView;
 pub use error::Error;
-pub use key_view::{KeyViewRule, MotionPhase};
+pub use key_view_rule::{KeyViewRule, MotionPhase};
 pub use measurement::Measurement;
 pub use motion_config::MotionConfig;
 pub use motion_filter::MotionFilter;

@@ -40,7 +40,7 @@ impl Default for MotionConfig {
 }
 
 impl MotionConfig {
-    /// Settings after a range check.
+    /// Validates the settings against their ranges.
     ///
     /// # Errors
     /// Names the first setting outside its range.

@@ -1,6 +1,6 @@
 //! Storage order of descriptor values, by expected variance.
 
-use super::color::CHROMATICITY_SIDE;
+use super::color_histograms::CHROMATICITY_SIDE;
 use super::cosine_transform::frequencies;
 use super::{COLOR_OFFSET, DIMENSION, N_CHROMATICITIES, SIZE_OFFSET};
 

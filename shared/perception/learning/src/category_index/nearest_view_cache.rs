@@ -1,8 +1,7 @@
 //! Incremental recognition of a tracked object with a cache of its nearest views.
 
 use super::pruned_search::search;
-use super::sketch::N_QUERIES_MAX;
-use super::view_table::BLOCK_LEN;
+use super::sketch::{BLOCK_LEN, N_QUERIES_MAX};
 use super::{CategoryIndex, UnknownRule};
 use crate::nearest_categories::NearestCategories;
 use crate::{Error, Metric, Recognition};

@@ -1,7 +1,7 @@
 //! Exact nearest-neighbour search in Euclidean distance with lower-bound pruning.
 
-use super::sketch::{DistanceBounds, N_QUERIES_MAX, QuerySketch, SketchLevel};
-use super::view_table::{BLOCK_LEN, ViewBlock, ViewTable};
+use super::sketch::{BLOCK_LEN, DistanceBounds, N_QUERIES_MAX, QuerySketch, SketchLevel};
+use super::view_table::{ViewBlock, ViewTable};
 use crate::Metric;
 use crate::nearest_categories::NearestCategories;
 use std::ops::Range;

@@ -5,7 +5,8 @@
 //! The sketch of a view is y₁, |y₂| and |y|², on two levels: coarse with few leading
 //! values, fine with more.
 
-use super::view_table::BLOCK_LEN;
+/// Number of views of a block.
+pub(super) const BLOCK_LEN: usize = 64;
 
 /// Leading values of the coarse level.
 const N_COARSE_VALUES: usize = 16;

@@ -1,12 +1,9 @@
 //! Table of taught views in copy-on-write blocks.
 
-use super::sketch::SketchBlock;
+use super::sketch::{BLOCK_LEN, SketchBlock};
 use crate::nearest_categories::{NearestCategories, ScoredView};
 use crate::{CategoryName, Metric, ViewId};
 use std::sync::Arc;
-
-/// Number of views of a block.
-pub(super) const BLOCK_LEN: usize = 64;
 
 /// Id and category of a view.
 #[derive(Debug, Clone)]

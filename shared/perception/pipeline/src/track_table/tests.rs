@@ -300,7 +300,7 @@ fn a_returning_object_is_reidentified() {
     assert_eq!(
         fixture.table.tracks()[1].linked_to,
         None,
-        "it is back already"
+        "the lost track was re-identified already"
     );
 }
 

@@ -271,7 +271,7 @@ fn a_lasting_size_change_is_accepted_and_a_flicker_is_not() {
         .unwrap();
     assert!(
         filter.box_in_world().half_sides_m.x > 0.098,
-        "one frame says little"
+        "a single frame must not change the size"
     );
     for frame in 12..400 {
         filter = filter

@@ -117,7 +117,7 @@ fn alternating_descriptions_need_one_exhaustive_search_each() {
         assert_eq!(
             recognise(&index, way, &mut cache),
             exhaustive(&index, way),
-            "what was near in the other way is kept"
+            "the cached views of the other description are kept"
         );
     }
     assert_eq!((n_references, cache.n_references()), (2, 2));

@@ -32,12 +32,12 @@ const LIGHTNESS_WEIGHT: f32 = 0.55;
 
 /// Histograms of chromaticity and lightness, reused from object to object.
 #[derive(Debug, Clone)]
-pub(super) struct Colors {
+pub(super) struct ColorHistograms {
     chromaticities: [f32; N_CHROMATICITIES],
     lightnesses: [f32; N_LIGHTNESSES],
 }
 
-impl Colors {
+impl ColorHistograms {
     pub(super) fn new() -> Self {
         Self {
             chromaticities: [0.0; N_CHROMATICITIES],
@@ -94,7 +94,7 @@ mod tests {
             ..Point::default()
         }; 9];
         let mut out = Vec::new();
-        Colors::new().append(ObjectPoints::all(&cloud), 1.0, &mut out);
+        ColorHistograms::new().append(ObjectPoints::all(&cloud), 1.0, &mut out);
         out
     }
 
