@@ -102,6 +102,9 @@ fn start(folder: &TempDir) -> (StoreThread, StoreHandle) {
         on_reopened: Box::new(|_| {}),
     };
     let (thread, handle, _) = StoreThread::start(config).expect("a store");
+    handle
+        .lease_track_ids_and_wait(store::MAX_LEASE)
+        .expect("a lease");
     (thread, handle)
 }
 

@@ -81,8 +81,6 @@ impl Target<'_> {
         let register = Register::untouched(sequence);
         self.catalogue.insert(view, facts, register);
         self.meta.n_views += 1;
-        // A view may come with an id this store never leased: that of a lost one.
-        self.meta.next_track_id = self.meta.next_track_id.max(view.track_id + 1);
     }
 
     fn put_blob(&mut self, digest: Digest, content: &[u8]) {

@@ -195,11 +195,6 @@ impl Catalogue {
         larger.map(|(name, _)| name.clone()).collect()
     }
 
-    /// The greatest track-id of any view.
-    pub(crate) fn last_track_id(&self) -> Option<u64> {
-        self.views.last_key_value().map(|(view, _)| view.track_id)
-    }
-
     /// Contents of descriptors from `from` on, each with the views that have it.
     pub(crate) fn descriptors_from(
         &self,

@@ -132,6 +132,7 @@ fn live(memory: &mut PerceptualMemory, track_id: u64, cloud_bytes: usize) {
     let name = |kind: u64| CategoryName::new(&format!("Thing {}", kind % 7)).unwrap();
     let views = (0..VIEWS_PER_TRACK).map(|view_id| view(ViewId { track_id, view_id }, cloud_bytes));
     let mut changes = vec![Change::StoreViews(views.collect())];
+    memory.lease_track_ids(1).unwrap();
     let category = name(track_id);
     changes.push(Change::Teach { track_id, category });
     if track_id.is_multiple_of(3) {

@@ -25,6 +25,8 @@ pub(crate) struct Decision {
     pub(crate) effects: Vec<Effect>,
     pub(crate) contradiction: Option<Contradiction>,
     pub(crate) contents: Contents,
+    /// First track-id still free after those given to foreign tracks; zero when none was.
+    pub(crate) next_track_id: u64,
 }
 
 /// New content, by its digest.
@@ -42,6 +44,7 @@ impl Decision {
             effects,
             contradiction: None,
             contents: Contents::default(),
+            next_track_id: 0,
         }
     }
 }
@@ -53,7 +56,7 @@ pub(crate) fn decide(
     change: &Change,
 ) -> Result<Decision, Refusal> {
     match change {
-        Change::StoreViews(views) => store_views(catalogue, meta.memory_id(), views),
+        Change::StoreViews(views) => store_views(catalogue, meta, views),
         Change::Teach { track_id, category } => teach(catalogue, *track_id, category),
         Change::Correct { target, category } => correct(catalogue, target, category),
         Change::Forget(target) => forget(catalogue, target),
@@ -72,16 +75,12 @@ pub(crate) fn decide(
 }
 
 /// Stores those of the views that are new, or refuses all.
-fn store_views(
-    catalogue: &Catalogue,
-    memory_id: u128,
-    views: &[View],
-) -> Result<Decision, Refusal> {
+fn store_views(catalogue: &Catalogue, meta: &Meta, views: &[View]) -> Result<Decision, Refusal> {
     let mut decision = Decision::new(Operation::StoreViews, Vec::new());
     let mut new: HashMap<ViewId, Digest> = HashMap::new();
     for view in views {
         let origin = Origin {
-            memory_id,
+            memory_id: meta.memory_id(),
             view: view.id,
         };
         // A view that came from elsewhere, and came back under its id here.
@@ -90,6 +89,10 @@ fn store_views(
         let identity = parts.facts.identity();
         let known = known.map(|entry| entry.identity);
         match known.or(new.get(&view.id).copied()) {
+            // An id that may be leased later must not belong to another track by then.
+            None if view.id.track_id >= meta.next_track_id => {
+                return Err(Refusal::TrackNotLeased { view: view.id });
+            }
             None => {
                 new.insert(view.id, identity);
                 decision.effects.push(Effect::Stored {

@@ -158,6 +158,11 @@ pub enum Refusal {
         /// The longest allowed, bytes.
         most: usize,
     },
+    /// A view is to be stored under a track-id that was never leased.
+    TrackNotLeased {
+        /// The view.
+        view: ViewId,
+    },
     /// A lease of no track-ids, or of too many.
     LeaseSize {
         /// Number asked for.
@@ -337,6 +342,12 @@ impl fmt::Display for Refusal {
                 f,
                 "there are no numbers left for new tracks; export this memory and import it into \
                  a new one"
+            ),
+            Self::TrackNotLeased { view } => write!(
+                f,
+                "{} cannot be stored, since that track-id was never leased; lease track-ids \
+                 first, and store views under them",
+                in_words(*view)
             ),
             Self::DecidedInTheFuture { ahead_h } => write!(
                 f,

@@ -14,6 +14,7 @@ use crate::keys;
 use crate::meta::{Meta, SCHEMA};
 use crate::record::{unseal, unseal_any};
 use crate::standing::{Decided, Register};
+use crate::track_id_counter;
 use crate::watermark::Mark;
 
 /// What a database holds, and what is wrong with it.
@@ -232,6 +233,10 @@ fn check_counts(found: &mut Examination, fold: &Fold, mark: Option<&Mark>) {
     if meta.n_views != n_views {
         let n = meta.n_views;
         findings.add(|| format!("{n_views} of {n} views are whole"));
+    }
+    if !track_id_counter::is_plausible(meta.next_track_id) {
+        let next = meta.next_track_id;
+        findings.add(|| format!("the next track-id is {next}, which no lease can have reached"));
     }
     if let Some(mark) = mark
         && mark.store_id == meta.store_id().0

@@ -153,6 +153,11 @@ impl Newcomers {
         }
     }
 
+    /// First track-id that no foreign track got.
+    pub(crate) fn next_track_id(&self) -> u64 {
+        self.next_track_id
+    }
+
     /// Gives the id itself, if nobody has got it.
     pub(crate) fn give(&mut self, view: ViewId) -> bool {
         self.given.insert(view)

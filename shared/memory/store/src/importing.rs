@@ -43,6 +43,7 @@ pub(crate) fn decide(
     let mut import = Import {
         catalogue,
         memory_id: meta.memory_id(),
+        next_track_id: meta.next_track_id,
         newcomers: Newcomers::new(meta.next_track_id),
         met: BTreeSet::new(),
         decision: Decision::new(operation, Vec::new()),
@@ -57,12 +58,15 @@ pub(crate) fn decide(
     for document in documents {
         import.take_document(document);
     }
+    import.decision.next_track_id = import.newcomers.next_track_id();
     Ok(import.decision)
 }
 
 struct Import<'a> {
     catalogue: &'a Catalogue,
     memory_id: u128,
+    /// First track-id that was never leased.
+    next_track_id: u64,
     newcomers: Newcomers,
     met: BTreeSet<Digest>,
     decision: Decision,
@@ -159,8 +163,9 @@ impl Import<'_> {
     fn id_for(&mut self, origin: Origin) -> ViewId {
         // What was stored here and got lost comes back under its id.
         let is_own = origin.memory_id == self.memory_id;
+        let is_leased = origin.view.track_id < self.next_track_id;
         let is_free = self.catalogue.get(origin.view).is_none();
-        if is_own && is_free && self.newcomers.give(origin.view) {
+        if is_own && is_leased && is_free && self.newcomers.give(origin.view) {
             return origin.view;
         }
         let catalogue = self.catalogue;

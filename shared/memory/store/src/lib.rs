@@ -46,6 +46,7 @@ mod replay;
 mod salvage;
 mod schema_1;
 mod store_folder;
+mod track_id_counter;
 mod watermark;
 
 mod catalogue;

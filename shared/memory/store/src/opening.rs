@@ -10,6 +10,7 @@ use crate::meta::{Meta, SCHEMA};
 use crate::perceptual_memory::PerceptualMemory;
 use crate::salvage::{Loss, Salvaged, salvage};
 use crate::store_folder::StoreFolder;
+use crate::track_id_counter;
 use crate::watermark::{Mark, Watermark};
 use crate::writes::Writes;
 
@@ -170,11 +171,11 @@ pub(crate) fn open(
     };
     notes.extend(clock_note(wall_ns, examination.last_wall_ns));
     let catalogue = examination.catalogue;
-    let next_by_views = catalogue
-        .last_track_id()
-        .map_or(1, |last| last.saturating_add(1));
-    let next_by_mark = mark.map_or(1, |mark| mark.next_track_id);
-    meta.next_track_id = meta.next_track_id.max(next_by_views).max(next_by_mark);
+    // A lease is marked before it is answered, and is given once even if the database lost it.
+    let next_by_mark = mark.map(|mark| mark.next_track_id);
+    if let Some(next) = next_by_mark.filter(|next| track_id_counter::is_plausible(*next)) {
+        meta.next_track_id = meta.next_track_id.max(next);
+    }
     mark_and_sync(&watermark, &meta.mark()).map_err(Error::io("writing", folder.watermark()))?;
     let report = OpenReport {
         condition,
@@ -276,7 +277,11 @@ fn all_of(mark: &Mark) -> Loss {
 /// Commits the record about an empty store.
 fn commit_empty(engine: &mut Engine, mark: Option<&Mark>) -> Result<Examination, Error> {
     let memory_id = mark.map(|mark| mark.memory_id);
-    let meta = Meta::new(memory_id, mark.map_or(1, |mark| mark.next_track_id))?;
+    let next_track_id = match mark {
+        Some(mark) => track_id_counter::recovered([mark.next_track_id], []),
+        None => 1,
+    };
+    let meta = Meta::new(memory_id, next_track_id)?;
     Writes::default().commit(engine, &meta)?;
     Ok(Examination {
         meta: Some(meta),

@@ -185,6 +185,7 @@ impl PerceptualMemory {
         mut decision: Decision,
     ) -> Answer {
         self.date_documents(&mut decision.effects, author, wall_ns);
+        self.meta.next_track_id = self.meta.next_track_id.max(decision.next_track_id);
         let entry = HistoryEntry {
             sequence: self.meta.sequence + 1,
             previous: self.meta.head,
@@ -276,14 +277,14 @@ impl PerceptualMemory {
     pub(crate) fn stage_lease(&mut self, count: u64) -> Result<u64, Error> {
         self.usable()?;
         let first = self.meta.next_track_id;
-        let end = first.checked_add(count);
-        let (Some(end), 1..=MAX_LEASE) = (end, count) else {
+        if !(1..=MAX_LEASE).contains(&count) {
             return Err(Refusal::LeaseSize {
                 count,
                 most: MAX_LEASE,
             }
             .into());
-        };
+        }
+        let end = first.checked_add(count).ok_or(Refusal::TrackIdsExhausted)?;
         self.meta.next_track_id = end;
         // The record about the store alone is the lease.
         self.staged.writes.touch();

@@ -111,6 +111,7 @@ fn check_holds(folder: &Path, n: u64, what: &str) {
 fn one_synced_write_is_one_fdatasync() {
     let folder = folder();
     let (mut memory, _) = PerceptualMemory::open(folder.path(), 1).unwrap();
+    memory.lease_track_ids(N_TRACKS).unwrap();
     let counts = Arc::new(Mutex::new([0_u32; 3]));
     let seen = Arc::clone(&counts);
     memory.engine.health().set_observer(Box::new(move |change| {
@@ -238,6 +239,7 @@ impl Disk {
 fn check_cuts_while_teaching(step: usize) {
     let folder = folder();
     let (mut memory, _) = PerceptualMemory::open(folder.path(), 1).unwrap();
+    memory.lease_track_ids(N_TRACKS).unwrap();
     let mut disk = Disk::of(&folder.path().join("database"));
     let journal = Journal::default();
     memory.engine.health().set_observer(journaling(&journal));
@@ -283,6 +285,7 @@ fn long_acknowledged_teachings_survive_a_power_cut() {
 fn check_cuts_while_opening(n_cuts: usize) {
     let folder = folder();
     let (mut memory, _) = PerceptualMemory::open(folder.path(), 1).unwrap();
+    memory.lease_track_ids(N_TRACKS).unwrap();
     for n in 0..40 {
         memory.apply(&mutation(n, 1000)).unwrap();
     }
@@ -346,6 +349,7 @@ fn disk_full_after(n: usize) -> Observer {
 fn check_full_disk(n: usize) -> bool {
     let folder = folder();
     let (mut memory, _) = PerceptualMemory::open(folder.path(), 1).unwrap();
+    memory.lease_track_ids(N_TRACKS).unwrap();
     memory.engine.health().set_observer(disk_full_after(n));
     let mut n_acknowledged = 0;
     let mut is_full = false;

@@ -19,6 +19,7 @@ use crate::raw_database::RawDatabase;
 use crate::record::unseal;
 use crate::schema_1;
 use crate::standing::{Decided, Register, Standing};
+use crate::track_id_counter;
 use crate::watermark::Mark;
 
 /// Whole records, by what they are about.
@@ -147,11 +148,9 @@ impl Remains {
         let last_met = self.history.keys().next_back().copied().unwrap_or(0);
         let last_told = told.clone().map(|told| told.sequence).max().unwrap_or(0);
         self.last_sequence = last_met.max(last_told);
-        self.next_track_id = told
-            .clone()
-            .map(|told| told.next_track_id)
-            .max()
-            .unwrap_or(1);
+        let recorded = told.clone().map(|told| told.next_track_id);
+        let used = known.iter().chain(&purged).map(|view| view.track_id);
+        self.next_track_id = track_id_counter::recovered(recorded, used);
         self.memory_id = match told.clone().find_map(|told| told.memory_id) {
             Some(memory_id) => memory_id,
             None => Meta::new(None, 1)?.memory_id(),

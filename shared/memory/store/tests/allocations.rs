@@ -137,6 +137,7 @@ fn what_was_read_is_not_kept_in_memory() {
     let folder = tempfile::tempdir().unwrap();
     let (mut memory, _) = PerceptualMemory::open(folder.path(), 1).unwrap();
     for track_id in 1..=N_TRACKS {
+        memory.lease_track_ids(1).unwrap();
         let stored = memory.apply(&Mutation {
             id: MutationId(u128::from(track_id)),
             author: "anna".to_owned(),

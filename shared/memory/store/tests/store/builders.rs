@@ -111,10 +111,25 @@ pub(crate) fn name_of(stored: &StoredView) -> Option<&str> {
 
 /// Applies mutations that must be granted.
 pub(crate) fn apply(memory: &mut PerceptualMemory, mutations: &[Mutation]) -> Vec<Answer> {
-    mutations
-        .iter()
-        .map(|m| memory.apply(m).expect("a granted mutation"))
-        .collect()
+    let mut apply = |mutation: &Mutation| {
+        lease_tracks_of(memory, mutation);
+        memory.apply(mutation).expect("a granted mutation")
+    };
+    mutations.iter().map(&mut apply).collect()
+}
+
+/// Leases track-ids up to the last one under which the mutation stores a view.
+pub(crate) fn lease_tracks_of(memory: &mut PerceptualMemory, mutation: &Mutation) {
+    let Change::StoreViews(views) = &mutation.change else {
+        return;
+    };
+    let last = views.iter().map(|view| view.id.track_id).max().unwrap_or(0);
+    let next = memory.stats().expect("the folder is listed").next_track_id;
+    if next <= last {
+        memory
+            .lease_track_ids(last + 1 - next)
+            .expect("a granted lease");
+    }
 }
 
 /// The refusal in an error, or the error in words.

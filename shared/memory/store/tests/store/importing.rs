@@ -2,13 +2,14 @@
 
 use proptest::prelude::*;
 use store::{
-    Change, Document, DocumentKey, DocumentKind, Error, ForeignDocument, ForeignView, Mutation,
-    PerceptualMemory, Target, View,
+    Change, Condition, Document, DocumentKey, DocumentKind, Error, ForeignDocument, ForeignView,
+    Mutation, Origin, PerceptualMemory, Standing, Target, View,
 };
 use tempfile::TempDir;
 
 use crate::builders::{
-    NOW_NS, apply, correct, counts, fast_folder, forget, mutation, name, open, store, teach, view,
+    NOW_NS, apply, correct, counts, fast_folder, forget, key, mutation, name, open, store, teach,
+    view,
 };
 
 /// Everything a memory tells another.
@@ -245,4 +246,35 @@ fn a_backup_brings_a_lost_cloud_back() {
         apply(&mut memory, &[import(id, &backup)]);
         assert_eq!(meaning(&memory), before);
     }
+}
+
+#[test]
+fn import_of_own_view_under_a_track_id_never_leased_gets_another_id() {
+    let folder = fast_folder();
+    let (mut memory, _) = open(&folder);
+    assert_eq!(memory.lease_track_ids(4).unwrap(), 1);
+    let own = |track_id| ForeignView::Present {
+        view: Box::new(view(track_id, 0, 0)),
+        origin: Origin {
+            memory_id: memory.memory_id(),
+            view: key(track_id, 0),
+        },
+        standing: Standing::Unnamed,
+        decided: None,
+    };
+    let views = vec![own(3), own(u64::MAX - 1)];
+    let change = Change::Import {
+        source: "test".to_owned(),
+        views,
+        documents: Vec::new(),
+    };
+    apply(&mut memory, &[mutation(1, change)]);
+    let summaries = memory.views(None, None, 9).unwrap();
+    let ids: Vec<_> = summaries.iter().map(|summary| summary.view).collect();
+    assert_eq!(ids, [key(3, 0), key(5, 0)]);
+    assert_eq!(memory.lease_track_ids(1).unwrap(), 6);
+    drop(memory);
+    let (mut memory, report) = open(&folder);
+    assert_eq!(report.condition, Condition::Sound, "{report}");
+    assert_eq!(memory.lease_track_ids(1).unwrap(), 7);
 }

@@ -104,6 +104,7 @@ fn what_gave_way_leaves_the_disk() {
     for track in 1..=500_u64 {
         let mut large = view(track, 0, 0);
         large.descriptor.values = (0..3000).map(|i| track as f32 + i as f32).collect();
+        handle.lease_track_ids_and_wait(1).unwrap();
         let stored = handle.mutate_and_wait(store(u128::from(track), vec![large]));
         assert!(stored.is_ok(), "{stored:?}");
         if track % 100 == 0 {

@@ -139,9 +139,6 @@ impl Model {
         self.state = after;
         let answer = (self.entries.len() as u64, n_views);
         self.answers.insert(mutation.id.0, answer);
-        let last = self.state.views.last_key_value();
-        let last = last.map_or(0, |(view, _)| view.track_id + 1);
-        self.next_track_id = self.next_track_id.max(last);
         Some(answer)
     }
 
@@ -169,6 +166,10 @@ impl Model {
         match &mutation.change {
             Change::StoreViews(views) => {
                 for view in views {
+                    let is_known = state.views.contains_key(&view.id);
+                    if !is_known && view.id.track_id >= self.next_track_id {
+                        return None;
+                    }
                     let slot = state.views.entry(view.id);
                     let (known, _) = slot.or_insert((view.clone(), Ok(None)));
                     if known != view {
@@ -402,6 +403,9 @@ fn check(operations: Vec<Operation>) {
         stamps_ns: BTreeMap::new(),
         next_track_id: 1,
     };
+    // The last track is leased by the operations, or never.
+    assert_eq!(memory.lease_track_ids(N_TRACKS - 2).unwrap(), 1);
+    model.next_track_id = N_TRACKS - 1;
     let mut asked: Vec<Mutation> = Vec::new();
     let mut follower = Follower::load(&mut memory, 0, |_| {});
     for operation in operations {

@@ -4,12 +4,13 @@ use learning::{CategoryName, Refusal as Lesson};
 use nalgebra::{Quaternion, UnitQuaternion};
 use proptest::prelude::*;
 use store::{
-    Change, MAX_BATCH_VIEWS, MAX_LEASE, MAX_NAME_BYTES, Mutation, Operation, Refusal, View,
+    Answer, Change, Condition, MAX_BATCH_VIEWS, MAX_LEASE, MAX_NAME_BYTES, Mutation, Operation,
+    Refusal, View,
 };
 
 use crate::builders::{
-    apply, correct, counts, folder, forget, key, lesson, mutation, name, open, refusal, store,
-    teach, view,
+    answer, apply, correct, counts, folder, forget, key, lease_tracks_of, lesson, mutation, name,
+    open, refusal, store, teach, view,
 };
 
 #[test]
@@ -79,6 +80,7 @@ fn a_view_is_stored_once_and_never_replaced() {
     let (mut memory, _) = open(&folder);
     apply(&mut memory, &[store(1, vec![view(1, 0, 0)])]);
     let differs = Refusal::ViewDiffers { view: key(1, 0) };
+    lease_tracks_of(&mut memory, &store(2, vec![view(9, 0, 0)]));
     let mut other_cloud = view(1, 0, 0);
     other_cloud.points = None;
     let mut other_box = view(1, 0, 0);
@@ -185,15 +187,31 @@ fn what_is_too_much_at_once_is_refused() {
 }
 
 #[test]
-fn leases_end_where_the_numbers_end() {
+fn track_id_that_was_never_leased_is_refused_and_leases_go_on() {
     let folder = folder();
     let (mut memory, _) = open(&folder);
-    apply(&mut memory, &[store(1, vec![view(u64::MAX - 2, 0, 0)])]);
-    assert_eq!(memory.lease_track_ids(1).unwrap(), u64::MAX - 1);
-    assert!(matches!(
-        refusal(memory.lease_track_ids(1)),
-        Refusal::LeaseSize { .. }
-    ));
+    assert_eq!(memory.lease_track_ids(2).unwrap(), 1);
+    for track_id in [3, 1 << 32, u64::MAX - 1] {
+        // The good view of the batch is not stored either.
+        let batch = store(1, vec![view(1, 0, 0), view(track_id, 0, 0)]);
+        let view = key(track_id, 0);
+        let refused = memory.apply(&batch).unwrap_err();
+        let sentence = format!("view 0 of track {track_id} cannot be stored");
+        assert!(refused.to_string().starts_with(&sentence), "{refused}");
+        assert_eq!(
+            refusal::<Answer>(Err(refused)),
+            Refusal::TrackNotLeased { view }
+        );
+    }
+    assert_eq!(memory.sequence(), 0);
+    drop(memory);
+    let (mut memory, report) = open(&folder);
+    assert_eq!(report.condition, Condition::Sound, "{report}");
+    assert_eq!(memory.lease_track_ids(1).unwrap(), 3);
+    assert_eq!(
+        apply(&mut memory, &[store(2, vec![view(3, 0, 0)])]),
+        [answer(1, 1)]
+    );
 }
 
 proptest! {

@@ -15,6 +15,9 @@ use crate::builders::{
 /// Longer than anything here takes, so that a deadlock is a failure.
 const WATCHDOG: Duration = Duration::from_secs(60);
 
+/// Track-ids that each test may store views under, from one on.
+const N_LEASED: u64 = 20;
+
 fn start(folder: &TempDir, queue_capacity: usize) -> (StoreThread, StoreHandle) {
     let config = StoreConfig {
         folder: folder.path().to_owned(),
@@ -25,6 +28,7 @@ fn start(folder: &TempDir, queue_capacity: usize) -> (StoreThread, StoreHandle) 
         on_reopened: Box::new(|_| {}),
     };
     let (thread, handle, _) = StoreThread::start(config).unwrap();
+    handle.lease_track_ids_and_wait(N_LEASED).unwrap();
     (thread, handle)
 }
 
@@ -106,7 +110,7 @@ fn a_read_sees_all_changes_asked_for_before_it() {
             .len(),
         1
     );
-    assert_eq!(handle.lease_track_ids_and_wait(3).unwrap(), 2);
+    assert_eq!(handle.lease_track_ids_and_wait(3).unwrap(), 1 + N_LEASED);
 }
 
 #[test]
