@@ -20,8 +20,8 @@ pub use learning::{
     ViewId,
 };
 pub use memory::{
-    DocumentKind, DocumentName, DocumentReport, ExportReport, HistoryReport, ImportReport,
-    JobCommand, JobKind, JobOutcome, JobReport, MemoryAnswer, MemoryQuery, MemoryStats, Revision,
+    DocumentKind, DocumentName, DocumentReport, ExportReport, HistoryOperation, HistoryReport,
+    ImportReport, JobCommand, JobKind, JobOutcome, JobReport, MemoryAnswer, MemoryQuery, MemoryStats, Revision,
     RevisionChange, VerificationReport, ViewReport,
 };
 pub use packed_cloud::{InvalidCloud, MAX_CLOUD_POINTS, PackedCloud, pack_cloud};

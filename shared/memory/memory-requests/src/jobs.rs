@@ -1,81 +1,76 @@
-//! Long work: each job in a thread of its own, followed by asking.
+//! Background jobs on the memory, each in its own thread and polled by the client.
 //!
-//! A job reads a checkpoint or asks the store in small steps, so that whoever
-//! teaches meanwhile does not wait for it. One that nobody has asked about for a
-//! while is given up.
+//! A job reads a checkpoint or sends small requests to the store, so that teaching is not delayed.
+//! A job that no client polls is abandoned after a while.
 
-use crate::desk::MemoryDeskConfig;
-use crate::{compacting, exporting, importing, verifying};
+use crate::memory_request_handler::MemoryDeskConfig;
+use crate::{compaction, export, import, verification};
 use message::control::{JobCommand, JobKind, JobOutcome, JobReport, Refusal, RefusalKind, Reply};
+use parking_lot::{Condvar, Mutex};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use store::{Position, StoreHandle};
 use tokio::sync::watch;
 
-/// Most jobs at a time.
+/// Maximum number of concurrent jobs.
 const MAX_JOBS: usize = 4;
-/// A job nobody asks about is given up after this time.
-const PATIENCE: Duration = Duration::from_secs(60);
+/// Time without polling after which a job is abandoned.
+const ABANDON_AFTER: Duration = Duration::from_secs(60);
 
-/// What every job needs.
+/// Shared resources of all jobs.
 #[derive(Clone)]
-pub(crate) struct Surroundings {
+pub(crate) struct JobContext {
     pub(crate) store: StoreHandle,
     pub(crate) scratch: PathBuf,
     pub(crate) descriptor_kind: &'static str,
     pub(crate) position: watch::Sender<Position>,
 }
 
-/// The jobs there are.
+/// Job table.
 pub(crate) struct Jobs {
-    surroundings: Surroundings,
-    jobs: Mutex<BTreeMap<u64, Entry>>,
+    context: JobContext,
+    jobs: Mutex<BTreeMap<u64, Job>>,
     next: AtomicU64,
 }
 
-struct Entry {
+struct Job {
     kind: JobKind,
     progress: Arc<Progress>,
     asked: Instant,
 }
 
-/// How far a job is, and the bytes it hands on; shared with its thread.
+/// Progress and output of a job, shared with its thread.
 #[derive(Default)]
 pub(crate) struct Progress {
     pub(crate) done: AtomicU64,
     pub(crate) total: AtomicU64,
-    is_given_up: AtomicBool,
+    is_abandoned: AtomicBool,
     outcome: Mutex<Option<JobOutcome>>,
-    pub(crate) bytes: Mutex<exporting::Buffer>,
+    pub(crate) bytes: Mutex<export::ExportBuffer>,
     pub(crate) bytes_moved: Condvar,
 }
 
 impl Progress {
-    /// Whether nobody waits for the job any more.
-    pub(crate) fn is_given_up(&self) -> bool {
-        self.is_given_up.load(Ordering::Relaxed)
+    /// `true` if the client has abandoned the job.
+    pub(crate) fn is_abandoned(&self) -> bool {
+        self.is_abandoned.load(Ordering::Relaxed)
     }
 
-    /// Says how far the job is.
+    /// Sets the progress of the job.
     pub(crate) fn set(&self, done: u64, total: u64) {
         self.total.store(total, Ordering::Relaxed);
         self.done.store(done, Ordering::Relaxed);
     }
 }
 
-impl Drop for Entry {
+impl Drop for Job {
     fn drop(&mut self) {
-        self.progress.is_given_up.store(true, Ordering::Relaxed);
+        self.progress.is_abandoned.store(true, Ordering::Relaxed);
         self.progress.bytes_moved.notify_all();
     }
-}
-
-/// Nothing that is locked here is left half changed.
-pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Jobs {
@@ -83,7 +78,7 @@ impl Jobs {
         // What an earlier process left of unfinished imports.
         let _ = std::fs::remove_dir_all(&config.scratch);
         Self {
-            surroundings: Surroundings {
+            context: JobContext {
                 store: config.store,
                 scratch: config.scratch,
                 descriptor_kind: config.descriptor_kind,
@@ -95,21 +90,21 @@ impl Jobs {
     }
 
     pub(crate) fn answer(&self, command: JobCommand) -> Result<Reply, Refusal> {
-        let mut jobs = lock(&self.jobs);
-        jobs.retain(|_, entry| entry.asked.elapsed() < PATIENCE);
+        let mut jobs = self.jobs.lock();
+        jobs.retain(|_, entry| entry.asked.elapsed() < ABANDON_AFTER);
         match command {
             JobCommand::Begin(kind) => self.begin(&mut jobs, kind),
             JobCommand::Ask { job } => {
                 let entry = find(&mut jobs, job)?;
                 let report = report(job, &entry.progress);
-                if report.outcome.is_some() && entry.is_all_told() {
+                if report.outcome.is_some() && entry.is_complete_once_reported() {
                     jobs.remove(&job);
                 }
                 Ok(Reply::Job(report))
             }
             JobCommand::Read { job, offset } => {
                 let entry = find(&mut jobs, job)?;
-                let bytes = exporting::read(&entry.progress, offset);
+                let bytes = export::read(&entry.progress, offset);
                 Ok(Reply::JobBytes { bytes })
             }
             JobCommand::Write { job, offset, bytes } => {
@@ -117,8 +112,8 @@ impl Jobs {
                 if entry.kind != JobKind::Import {
                     return Err(not_that_kind(job));
                 }
-                let path = importing::path(&self.surroundings.scratch, job);
-                importing::write(&path, offset, &bytes)?;
+                let path = import::path(&self.context.scratch, job);
+                import::write(&path, offset, &bytes)?;
                 Ok(Reply::Job(report(job, &entry.progress)))
             }
             JobCommand::Import {
@@ -133,11 +128,11 @@ impl Jobs {
                 if entry.kind != JobKind::Import {
                     return Err(not_that_kind(job));
                 }
-                let request = importing::Request::new(id, author, source, renames, prefix)?;
-                let path = importing::path(&self.surroundings.scratch, job);
+                let request = import::ImportRequest::new(id, author, source, renames, prefix)?;
+                let path = import::path(&self.context.scratch, job);
                 let progress = entry.progress.clone();
-                self.spawn(progress.clone(), move |surroundings, progress| {
-                    importing::run(surroundings, progress, &path, &request)
+                self.spawn(progress.clone(), move |context, progress| {
+                    import::run(context, progress, &path, &request)
                 })?;
                 Ok(Reply::Job(report(job, &progress)))
             }
@@ -148,7 +143,7 @@ impl Jobs {
         }
     }
 
-    fn begin(&self, jobs: &mut BTreeMap<u64, Entry>, kind: JobKind) -> Result<Reply, Refusal> {
+    fn begin(&self, jobs: &mut BTreeMap<u64, Job>, kind: JobKind) -> Result<Reply, Refusal> {
         if jobs.len() >= MAX_JOBS {
             return Err(Refusal::new(
                 RefusalKind::Unavailable,
@@ -157,13 +152,13 @@ impl Jobs {
         }
         let progress = Arc::new(Progress::default());
         match &kind {
-            JobKind::Verify => self.spawn(progress.clone(), verifying::verify)?,
-            JobKind::Repair => self.spawn(progress.clone(), verifying::repair)?,
-            JobKind::Export => self.spawn(progress.clone(), exporting::run)?,
+            JobKind::Verify => self.spawn(progress.clone(), verification::verify)?,
+            JobKind::Repair => self.spawn(progress.clone(), verification::repair)?,
+            JobKind::Export => self.spawn(progress.clone(), export::run)?,
             JobKind::Compact { forgotten_for_s } => {
                 let forgotten_for_s = *forgotten_for_s;
-                self.spawn(progress.clone(), move |surroundings, progress| {
-                    compacting::run(surroundings, progress, forgotten_for_s)
+                self.spawn(progress.clone(), move |context, progress| {
+                    compaction::run(context, progress, forgotten_for_s)
                 })?;
             }
             // Begins when all bytes are there.
@@ -174,7 +169,7 @@ impl Jobs {
             }
         }
         let job = self.next.fetch_add(1, Ordering::Relaxed);
-        let entry = Entry {
+        let entry = Job {
             kind,
             progress: progress.clone(),
             asked: Instant::now(),
@@ -186,12 +181,12 @@ impl Jobs {
     fn spawn(
         &self,
         progress: Arc<Progress>,
-        work: impl FnOnce(&Surroundings, &Progress) -> Result<JobOutcome, String> + Send + 'static,
+        work: impl FnOnce(&JobContext, &Progress) -> Result<JobOutcome, String> + Send + 'static,
     ) -> Result<(), Refusal> {
-        let surroundings = self.surroundings.clone();
+        let context = self.context.clone();
         let run = move || {
-            let outcome = work(&surroundings, &progress).unwrap_or_else(JobOutcome::Failed);
-            *lock(&progress.outcome) = Some(outcome);
+            let outcome = work(&context, &progress).unwrap_or_else(JobOutcome::Failed);
+            *progress.outcome.lock() = Some(outcome);
         };
         let spawned = std::thread::Builder::new()
             .name("memory-job".into())
@@ -203,14 +198,15 @@ impl Jobs {
     }
 }
 
-impl Entry {
-    /// Whether the client has everything that the job hands on.
-    fn is_all_told(&self) -> bool {
+impl Job {
+    /// `true` if the job can be removed once its outcome is reported: an export has bytes left to
+    /// read.
+    fn is_complete_once_reported(&self) -> bool {
         self.kind != JobKind::Export
     }
 }
 
-fn find(jobs: &mut BTreeMap<u64, Entry>, job: u64) -> Result<&mut Entry, Refusal> {
+fn find(jobs: &mut BTreeMap<u64, Job>, job: u64) -> Result<&mut Job, Refusal> {
     let entry = jobs.get_mut(&job).ok_or_else(|| {
         Refusal::new(
             RefusalKind::NotFound,
@@ -231,6 +227,6 @@ fn report(job: u64, progress: &Progress) -> JobReport {
         job,
         done: progress.done.load(Ordering::Relaxed),
         total: progress.total.load(Ordering::Relaxed),
-        outcome: lock(&progress.outcome).clone(),
+        outcome: progress.outcome.lock().clone(),
     }
 }

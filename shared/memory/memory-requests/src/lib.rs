@@ -1,20 +1,22 @@
-//! What the memory answers to control commands.
+//! Request handler of the perceptual memory: answers control commands from the store.
 //!
-//! The same answers are given by the daemon's memory process, and by a tool that
-//! opens the store itself because no daemon runs. This crate translates between
-//! `message` and `store`; it carries nothing and owns no socket.
+//! It is used by the memory service, and by the command-line tool, which opens the store itself
+//! when no daemon runs. The crate converts between `message` and `store`; it has no transport of
+//! its own.
 
-mod desk;
+mod change_text;
+mod history_page;
 mod jobs;
+mod memory_request_handler;
 mod queries;
 mod revision;
 mod translate;
-mod words;
 
-mod compacting;
-mod exporting;
-mod importing;
-mod verifying;
+mod compaction;
+mod export;
+mod import;
+mod verification;
 
-pub use desk::{MemoryDesk, MemoryDeskConfig};
-pub use verifying::verification_report;
+pub use history_page::{PAGE_ENTRIES, read_history};
+pub use memory_request_handler::{MemoryDesk, MemoryDeskConfig};
+pub use verification::verification_report;

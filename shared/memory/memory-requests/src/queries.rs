@@ -1,21 +1,15 @@
-//! Looking into the memory.
+//! Read queries on the perceptual memory: statistics, views, history, documents.
 
-use crate::{revision, translate, words};
+use crate::{history_page, revision, translate};
 use message::control::{
-    DocumentReport, HistoryReport, MemoryAnswer, MemoryQuery, MemoryStats, MutationId, Refusal,
-    RefusalKind, ViewReport,
+    DocumentReport, MemoryAnswer, MemoryQuery, MemoryStats, Refusal, RefusalKind, ViewReport,
 };
-use std::collections::BTreeSet;
-use store::{
-    DocumentSummary, Effect, Error, HistoryEntry, PerceptualMemory, Stats, Target, ViewSummary,
-};
+use store::{DocumentSummary, Error, PerceptualMemory, Stats, Target, ViewSummary};
 
-/// Views of one page.
+/// Maximum number of views on a page.
 const PAGE_VIEWS: usize = 500;
-/// Entries of one page.
-const PAGE_ENTRIES: usize = 1000;
 
-/// The answer, or a refusal; an error when the store fails.
+/// Answers a query or refuses it; an error is a failure of the store.
 pub(crate) fn answer(
     memory: &mut PerceptualMemory,
     query: MemoryQuery,
@@ -41,13 +35,10 @@ pub(crate) fn answer(
             }))
         }
         MemoryQuery::History { from, max } => {
-            let max = (max as usize).clamp(1, PAGE_ENTRIES);
-            let last_sequence = memory.sequence();
-            let from = from.unwrap_or((last_sequence + 1).saturating_sub(max as u64));
-            let entries = memory.history(from, max)?;
+            let entries = history_page::page(memory, from, max)?;
             Ok(Ok(MemoryAnswer::History {
-                entries: entries.iter().map(entry).collect(),
-                last_sequence,
+                entries,
+                last_sequence: memory.sequence(),
             }))
         }
         MemoryQuery::Documents => {
@@ -114,24 +105,6 @@ fn view(summary: ViewSummary) -> ViewReport {
         mean_rgb: summary.mean_rgb,
         descriptor_bytes: summary.n_descriptor_bytes,
         cloud_bytes: summary.n_cloud_bytes,
-    }
-}
-
-fn entry(entry: &HistoryEntry) -> HistoryReport {
-    let views: BTreeSet<_> = entry.effects.iter().filter_map(Effect::view).collect();
-    let contradiction = entry.contradiction.as_ref().map(|said| {
-        let (present, author) = (&said.present, &said.decided.author);
-        format!("it stays {present}, as {author} taught it")
-    });
-    HistoryReport {
-        sequence: entry.sequence,
-        wall_ns: entry.wall_ns,
-        author: entry.author.to_string(),
-        what: words::operation(&entry.operation),
-        n_views: views.len() as u64,
-        contradiction,
-        mutation: entry.mutation.map(|id| MutationId(id.0)),
-        previous: entry.previous.0,
     }
 }
 

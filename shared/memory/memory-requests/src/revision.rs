@@ -1,12 +1,12 @@
-//! Changes besides teaching, as the store makes them.
+//! Conversion of revisions (changes other than teaching) into store changes.
 
 use crate::translate;
 use message::control::{
     DocumentKind as WireKind, DocumentName, Refusal, RefusalKind, RevisionChange,
 };
-use store::{Change, Document, DocumentKey, DocumentKind, Target};
+use store::{Change, DocumentKey, DocumentKind, MemoryDocument, Target};
 
-/// The store's change, and what it is about, for the answer.
+/// Store change of a revision, and its subject for the answer.
 pub(crate) fn change(change: RevisionChange) -> Result<(Change, String), Refusal> {
     let category = |name: &str| translate::category(name);
     Ok(match change {
@@ -48,7 +48,7 @@ pub(crate) fn change(change: RevisionChange) -> Result<(Change, String), Refusal
             content,
         } => {
             let about = document.name.clone();
-            let document = Document {
+            let document = MemoryDocument {
                 key: key(document)?,
                 media_type,
                 content,
@@ -66,7 +66,7 @@ pub(crate) fn change(change: RevisionChange) -> Result<(Change, String), Refusal
     })
 }
 
-/// A document's key in the store.
+/// Store key of a document.
 pub(crate) fn key(document: DocumentName) -> Result<DocumentKey, Refusal> {
     let kind = match document.kind {
         WireKind::ObjectModel => DocumentKind::ObjectModel,
@@ -82,7 +82,7 @@ pub(crate) fn key(document: DocumentName) -> Result<DocumentKey, Refusal> {
     })
 }
 
-/// A document's name on the wire.
+/// Wire name of a document.
 pub(crate) fn name(key: &DocumentKey) -> Option<DocumentName> {
     let kind = match key.kind {
         DocumentKind::ObjectModel => WireKind::ObjectModel,

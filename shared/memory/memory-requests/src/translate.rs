@@ -1,7 +1,7 @@
-//! Between the control protocol's types and the store's.
+//! Conversion between the types of the control protocol and of the store.
 
 use geometry::OrientedBox;
-use learning::{CategoryName, Refusal as Lesson, ViewId};
+use learning::{CategoryName, Refusal as TeachingRefusal, ViewId};
 use message::WirePose;
 use message::control::{
     CategoryReport, ChangesPage, LearnedChange, LearnedView, PackedCloud, Refusal, RefusalKind,
@@ -10,12 +10,12 @@ use message::control::{
 use nalgebra::Vector3;
 use store::{Change, Changes, Descriptor, Error, LabelledView, NameChange, View};
 
-/// A category's name as people write it.
+/// Validated category name.
 pub(crate) fn category(name: &str) -> Result<CategoryName, Refusal> {
     CategoryName::new(name).map_err(|error| Refusal::new(RefusalKind::Invalid, error.to_string()))
 }
 
-/// The change that stores key views.
+/// Store change for a batch of key views.
 pub(crate) fn store_views(views: Vec<StoredView>) -> Result<Change, Refusal> {
     views
         .into_iter()
@@ -88,7 +88,7 @@ fn learned(view: LabelledView) -> LearnedView {
     }
 }
 
-/// A view's id as the store has it.
+/// Store id of a view.
 pub(crate) fn local_id(id: WireViewId) -> ViewId {
     ViewId {
         track_id: id.track_id,
@@ -96,7 +96,7 @@ pub(crate) fn local_id(id: WireViewId) -> ViewId {
     }
 }
 
-/// A view's id on the wire.
+/// Wire id of a view.
 pub(crate) fn view_id(id: ViewId) -> WireViewId {
     WireViewId {
         track_id: id.track_id,
@@ -104,7 +104,7 @@ pub(crate) fn view_id(id: ViewId) -> WireViewId {
     }
 }
 
-/// A page of labelled views.
+/// Wire page of labelled views.
 pub(crate) fn snapshot(page: store::SnapshotPage) -> SnapshotPage {
     SnapshotPage {
         store_id: page.position.store_id.0,
@@ -114,8 +114,8 @@ pub(crate) fn snapshot(page: store::SnapshotPage) -> SnapshotPage {
     }
 }
 
-/// A page of changes since `since`. One entry can change more views than a
-/// message holds; then the reader loads all again, page by page.
+/// Wire page of label changes since `since`. If the changes of one entry exceed a message, the
+/// reader has to load a new snapshot.
 pub(crate) fn changes(since: u64, changes: Changes, max_bytes: usize) -> ChangesPage {
     let Changes::Entries {
         entries,
@@ -149,7 +149,7 @@ pub(crate) fn changes(since: u64, changes: Changes, max_bytes: usize) -> Changes
     }
 }
 
-/// A category's size.
+/// Wire statistics of a category.
 pub(crate) fn category_report(summary: &store::CategorySummary) -> CategoryReport {
     CategoryReport {
         category: summary.name.as_str().to_owned(),
@@ -159,24 +159,24 @@ pub(crate) fn category_report(summary: &store::CategorySummary) -> CategoryRepor
     }
 }
 
-/// The store's refusal or failure, for the one who asked.
+/// Wire refusal for a refusal or failure of the store.
 pub(crate) fn refusal(error: &Error) -> Refusal {
-    use store::Refusal as Reason;
+    use store::StoreRefusal;
     let kind = match error {
         Error::Refused(
-            Reason::Lesson(Lesson::LabelledOtherwise { .. })
-            | Reason::ViewDiffers { .. }
-            | Reason::NameTaken { .. }
-            | Reason::ViewChangedSince { .. }
-            | Reason::DocumentChangedSince { .. }
-            | Reason::GoneForGood { .. },
+            StoreRefusal::Teaching(TeachingRefusal::LabelledOtherwise { .. })
+            | StoreRefusal::ViewDiffers { .. }
+            | StoreRefusal::NameTaken { .. }
+            | StoreRefusal::ViewChangedSince { .. }
+            | StoreRefusal::DocumentChangedSince { .. }
+            | StoreRefusal::GoneForGood { .. },
         ) => RefusalKind::Conflict,
         Error::Refused(
-            Reason::Lesson(_)
-            | Reason::UnknownView { .. }
-            | Reason::UnknownDocument { .. }
-            | Reason::UnknownEntry { .. }
-            | Reason::NothingToUndo,
+            StoreRefusal::Teaching(_)
+            | StoreRefusal::UnknownView { .. }
+            | StoreRefusal::UnknownDocument { .. }
+            | StoreRefusal::UnknownEntry { .. }
+            | StoreRefusal::NothingToUndo,
         ) => RefusalKind::NotFound,
         Error::Refused(_) => RefusalKind::Invalid,
         Error::QueueFull { .. } | Error::Failed { .. } | Error::Stopped => RefusalKind::Unavailable,

@@ -1,7 +1,6 @@
-//! How long a teaching takes until it is on disk, alone and with sixty-four at
-//! once; how long a reader takes to load everything; how long opening takes.
+//! Benchmarks: latency of teaching with one and 64 callers, loading of a snapshot, and opening.
 //!
-//! In the folder for temporary files: set `TMPDIR` to measure another disk.
+//! Uses the folder for temporary files; set `TMPDIR` to measure another disk.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -17,9 +16,9 @@ use store::{
 };
 use tempfile::TempDir;
 
-/// GOOD with fifteen bins a side.
+/// Length of a GOOD descriptor with fifteen bins a side.
 const DESCRIPTOR_VALUES: usize = 675;
-/// Points of a key view on a voxel grid, sixteen bytes each.
+/// Size of a key view's point cloud on a voxel grid, bytes; sixteen per point.
 const CLOUD_BYTES: usize = 16 * 1000;
 const N_CALLERS: usize = 64;
 
@@ -70,7 +69,7 @@ fn teach(track_id: u64, n: u64) -> Mutation {
     mutation(Change::Correct { target, category })
 }
 
-/// A store with one view of each of `n_tracks`, all taught.
+/// Store with one labelled view of each of `n_tracks`.
 fn filled(n_tracks: u64, cloud_bytes: usize) -> TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     let (thread, handle) = start(&folder);
@@ -135,7 +134,7 @@ fn store_key_view_one_caller(bencher: Bencher) {
     });
 }
 
-/// Each sample: every caller teaches ten times, one after the other.
+/// Teaching by 64 concurrent callers, ten times each.
 #[divan::bench(sample_count = 20, sample_size = 1)]
 fn teach_64_callers(bencher: Bencher) {
     const N_EACH: u64 = 10;

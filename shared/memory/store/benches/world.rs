@@ -1,6 +1,5 @@
-//! How long a look at the world takes in which nothing changes, a question about
-//! 50,000 facts, opening a working memory of that many, and how much memory they
-//! take.
+//! Benchmarks of the world model: unchanged observation, query over 50,000 facts, opening, and
+//! memory use.
 
 use divan::{AllocProfiler, Bencher};
 use store::working::{FactQuery, Place, Region, Sighting, WorkingMemory, WorldConfig, WorldModel};
@@ -45,7 +44,7 @@ fn look(model: &mut WorldModel, step: u64) {
     model.observe(seen, true, now_ns);
 }
 
-/// A model with as many facts of objects that were carried about.
+/// Model with 50,000 facts about moved objects.
 fn filled() -> WorldModel {
     let mut model = WorldModel::new(config());
     for step in 0..N_FACTS / N_OBJECTS {

@@ -1,36 +1,35 @@
-//! The database as it was at one instant, for long readings: exports and
-//! verifications read it in their own thread, and nobody waits for them.
+//! Checkpoints: consistent copies of the database, on which exports and verifications run in their
+//! own thread.
 //!
-//! Tables never change, so a checkpoint shares them by hard links; the log and the
-//! manifest are copied.
+//! Table files are immutable and shared by hard links; log and manifest are copied.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use learning::ViewId;
 
-use crate::catalogue::{Catalogue, Entry};
+use crate::consistency_check::{ConsistencyReport, check_consistency, schema};
 use crate::digest::Digest;
-use crate::document::{Document, DocumentContent, DocumentKey};
-use crate::economy;
+use crate::document::{DocumentContent, DocumentKey, MemoryDocument};
 use crate::engine::{Engine, WRITE_BUFFER_BYTES};
 use crate::error::{Error, in_words};
-use crate::examination::{Examination, examine, schema};
+use crate::exchange::{ForeignDocument, ForeignView};
 use crate::findings::Findings;
-use crate::foreign::{ForeignDocument, ForeignView};
 use crate::keys;
+use crate::label_status::Standing;
 use crate::meta::{SCHEMA, StoreId};
 use crate::perceptual_memory::PerceptualMemory;
-use crate::reading::{Position, read_content, read_parts};
-use crate::standing::Standing;
+use crate::queries::{Position, read_content, read_parts};
+use crate::retention_limits;
 use crate::store_folder::StoreFolder;
-use crate::watermark::{Mark, Watermark};
+use crate::store_index::{IndexedView, StoreIndex};
+use crate::watermark::{Watermark, WatermarkRecord};
 
-/// A copy of the database's files; removed when it is dropped.
+/// Copy of the database files; dropping it removes them.
 #[derive(Debug)]
 pub struct Checkpoint {
     folder: PathBuf,
-    /// What it shows.
+    /// History position of the copy.
     pub position: Position,
 }
 
@@ -42,7 +41,7 @@ impl Drop for Checkpoint {
 }
 
 impl PerceptualMemory {
-    /// Makes a checkpoint of what is on disk; takes milliseconds.
+    /// Makes a checkpoint of the durable state; takes milliseconds.
     ///
     /// # Errors
     ///
@@ -80,36 +79,36 @@ fn copy(from: &Path, to: &Path) -> std::io::Result<()> {
     fs::copy(from, to).map(|_| ())
 }
 
-/// A checkpoint opened for reading.
+/// Checkpoint opened for reading.
 pub struct CheckpointReader {
     engine: Engine,
-    catalogue: Catalogue,
+    index: StoreIndex,
     findings: Findings,
-    /// Last, so that the folder is there until the database is closed.
+    /// Checkpoint files; the last field, so that the database is closed before they are removed.
     checkpoint: Checkpoint,
 }
 
-/// What a whole reading of a store found.
+/// Result of a full verification.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Verification {
-    /// What was verified.
+    /// History position of the verified state.
     pub position: Position,
-    /// Views of which everything was read.
+    /// Number of views read completely.
     pub n_views: u64,
-    /// Documents of which everything was read.
+    /// Number of document versions read completely.
     pub n_documents: u64,
-    /// Entries of the history, each of which follows the one before.
+    /// Number of entries in the verified hash chain.
     pub n_history: u64,
-    /// Bytes of descriptors, clouds and documents, all as their digests say.
+    /// Bytes of descriptors, point clouds and documents whose digests match.
     pub n_content_bytes: u64,
-    /// How many things are wrong.
+    /// Number of findings.
     pub n_findings: u64,
-    /// The first ones in words.
+    /// First findings, as sentences.
     pub findings: Vec<String>,
 }
 
-/// Reads everything in a store that no process has open, and changes nothing.
-/// `progress` is told how many views have been read, and how many there are.
+/// Verifies all content of a store that no process has open; read-only. `progress` gets the number
+/// of views read and the total.
 ///
 /// # Errors
 ///
@@ -147,7 +146,7 @@ pub fn verify_folder(
 }
 
 impl Checkpoint {
-    /// Opens it; the index is read and checked.
+    /// Opens the checkpoint; loads and checks its index.
     ///
     /// # Errors
     ///
@@ -156,8 +155,8 @@ impl Checkpoint {
         self.open_marked(None)
     }
 
-    /// As [`Self::open`]; what the mark says was acknowledged must be there.
-    fn open_marked(mut self, mark: Option<&Mark>) -> Result<CheckpointReader, Error> {
+    /// Opens the checkpoint and compares it with the watermark.
+    fn open_marked(mut self, mark: Option<&WatermarkRecord>) -> Result<CheckpointReader, Error> {
         let mut engine = Engine::open(&self.folder, WRITE_BUFFER_BYTES)?;
         if let Some(schema) = schema(&mut engine)?.filter(|schema| *schema < SCHEMA) {
             return Err(Error::Damaged {
@@ -167,12 +166,12 @@ impl Checkpoint {
                 ),
             });
         }
-        let Examination {
-            catalogue,
+        let ConsistencyReport {
+            index,
             findings,
             meta,
             ..
-        } = examine(&mut engine, mark)?;
+        } = check_consistency(&mut engine, mark)?;
         if let Some(meta) = meta {
             self.position = Position {
                 store_id: meta.store_id(),
@@ -181,7 +180,7 @@ impl Checkpoint {
         }
         Ok(CheckpointReader {
             engine,
-            catalogue,
+            index,
             findings,
             checkpoint: self,
         })
@@ -189,7 +188,7 @@ impl Checkpoint {
 }
 
 impl Verification {
-    /// Of a store of which nothing was read yet.
+    /// Empty verification result.
     fn of(position: Position) -> Self {
         Self {
             position,
@@ -204,18 +203,18 @@ impl Verification {
 }
 
 impl CheckpointReader {
-    /// What it shows.
+    /// History position of the checkpoint.
     pub fn position(&self) -> Position {
         self.checkpoint.position
     }
 
-    /// Number of views in it whose content is there.
+    /// Number of views with content.
     pub fn n_views(&self) -> usize {
-        self.catalogue.n_all()
+        self.index.n_all()
     }
 
-    /// Reads everything, and compares it with what it must be. `progress` is told
-    /// how many views have been read.
+    /// Reads all content and compares it with its digests. `progress` gets the number of views
+    /// read.
     ///
     /// # Errors
     ///
@@ -223,10 +222,10 @@ impl CheckpointReader {
     pub fn verify(mut self, mut progress: impl FnMut(u64)) -> Result<Verification, Error> {
         let position = self.position();
         let mut found = Verification {
-            n_history: position.sequence.saturating_sub(self.catalogue.n_lost()),
+            n_history: position.sequence.saturating_sub(self.index.n_lost()),
             ..Verification::of(position)
         };
-        let views: Vec<ViewId> = self.catalogue.all().map(|(view, _)| view).collect();
+        let views: Vec<ViewId> = self.index.all().map(|(view, _)| view).collect();
         for view in views {
             if let Some(n_bytes) = self.verify_view(view)? {
                 found.n_content_bytes += n_bytes;
@@ -235,7 +234,7 @@ impl CheckpointReader {
             progress(found.n_views);
         }
         let versions: Vec<_> = self
-            .catalogue
+            .index
             .versions()
             .filter_map(|(key, _, version, _)| Some((key.clone(), version.content.clone()?)))
             .collect();
@@ -249,7 +248,7 @@ impl CheckpointReader {
         Ok(found)
     }
 
-    /// Reads a view; the bytes of its content when all is well.
+    /// Verifies one view; returns its content size in bytes if it is intact.
     fn verify_view(&mut self, view: ViewId) -> Result<Option<u64>, Error> {
         let mut reader = self.engine.reader()?;
         match read_parts(&mut reader, view) {
@@ -288,9 +287,9 @@ impl CheckpointReader {
         }
     }
 
-    /// Everything another memory can take over, in an order that depends only on
-    /// what is known: views by identity, then documents by name. What was given up
-    /// for a limit of this store is left out: another robot may have room for it.
+    /// Exports everything that another memory can import, in a canonical order: views by content
+    /// digest, then documents by key. Views forgotten only because of a local retention limit are
+    /// left out.
     ///
     /// # Errors
     ///
@@ -300,19 +299,20 @@ impl CheckpointReader {
         mut take_view: impl FnMut(ForeignView) -> Result<(), E>,
         mut take_document: impl FnMut(ForeignDocument) -> Result<(), E>,
     ) -> Result<(), E> {
-        let is_told = |entry: &Entry| {
+        let is_told = |entry: &IndexedView| {
             let register = &entry.register;
-            register.standing != Standing::Forgotten || !economy::is_own_limit(&register.decided)
+            register.standing != Standing::Forgotten
+                || !retention_limits::is_limit_decision(&register.decided)
         };
-        let told = self.catalogue.all().filter(|(_, entry)| is_told(entry));
+        let told = self.index.all().filter(|(_, entry)| is_told(entry));
         let mut identities: Vec<_> = told.map(|(_, entry)| entry.identity).collect();
-        identities.extend(self.catalogue.tombstones.keys());
+        identities.extend(self.index.tombstones.keys());
         identities.sort_unstable();
         for identity in identities {
             take_view(self.foreign_view(identity)?)?;
         }
         let mut documents: Vec<_> = self
-            .catalogue
+            .index
             .versions()
             .filter(|(.., replaced_ns)| replaced_ns.is_none())
             .map(|(key, _, version, _)| (key.clone(), version.clone()))
@@ -333,9 +333,9 @@ impl CheckpointReader {
     }
 
     fn foreign_view(&mut self, identity: Digest) -> Result<ForeignView, Error> {
-        let known = self.catalogue.by_identity(identity);
+        let known = self.index.by_identity(identity);
         let Some((view, entry)) = known else {
-            let decided = self.catalogue.tombstones.get(&identity).cloned();
+            let decided = self.index.tombstones.get(&identity).cloned();
             let decided = decided.unwrap_or_default();
             return Ok(ForeignView::Forgotten { identity, decided });
         };
@@ -347,16 +347,20 @@ impl CheckpointReader {
         let parts = read_parts(&mut self.engine.reader()?, view)?;
         let is_decided = register.decided.stamp_ns > 0;
         Ok(ForeignView::Present {
-            origin: parts.facts.origin(),
+            origin: parts.metadata.origin(),
             view: Box::new(parts.into_view(view)),
             standing: register.standing.clone(),
             decided: is_decided.then(|| register.decided.clone()),
         })
     }
 
-    fn document(&mut self, key: &DocumentKey, content: DocumentContent) -> Result<Document, Error> {
+    fn document(
+        &mut self,
+        key: &DocumentKey,
+        content: DocumentContent,
+    ) -> Result<MemoryDocument, Error> {
         let blob = keys::digest_key(keys::BLOB, content.digest);
-        Ok(Document {
+        Ok(MemoryDocument {
             key: key.clone(),
             media_type: content.media_type,
             content: read_content(&mut self.engine.reader()?, &blob)?,

@@ -1,35 +1,34 @@
-//! The Castagnoli checksum, with which LevelDB guards its blocks and log records.
+//! CRC-32C (Castagnoli), the checksum of LevelDB blocks and log records.
 //!
-//! Checked here because the engine checks it only where it happens to read, and
-//! tells nobody when it fails; see [`crate::verified_files`].
+//! It is verified here because the engine verifies it only on some reads and does not report
+//! failures; see [`crate::verified_files`].
 
 use crc32c::crc32c_append;
 
-/// What LevelDB adds to a stored checksum, so that a checksum over bytes that
-/// contain checksums stays useful.
+/// Masking constant of LevelDB: a CRC over bytes that contain CRCs stays meaningful.
 const MASK_DELTA: u32 = 0xa282_ead8;
 
-/// The checksum of `parts` one after the other.
+/// CRC-32C of the concatenated parts.
 pub(crate) fn crc32c(parts: &[&[u8]]) -> u32 {
     parts.iter().fold(0, |crc, part| crc32c_append(crc, part))
 }
 
-/// A checksum in the making, of bytes whose number is not known yet.
+/// Incremental CRC-32C over bytes of unknown length.
 #[derive(Default)]
-pub(crate) struct Running(u32);
+pub(crate) struct IncrementalCrc(u32);
 
-impl Running {
+impl IncrementalCrc {
     pub(crate) fn push(&mut self, byte: u8) {
         self.0 = crc32c_append(self.0, &[byte]);
     }
 
-    /// The checksum of all bytes so far and one more.
+    /// CRC-32C of all bytes so far and one more.
     pub(crate) fn with(&self, byte: u8) -> u32 {
         crc32c_append(self.0, &[byte])
     }
 }
 
-/// The checksum as it was before LevelDB masked it for storage.
+/// Unmasks a stored CRC.
 pub(crate) fn unmask(masked: u32) -> u32 {
     masked.wrapping_sub(MASK_DELTA).rotate_left(15)
 }
@@ -48,7 +47,7 @@ mod tests {
 
     #[test]
     fn a_running_checksum_is_that_of_all_its_bytes() {
-        let mut running = Running::default();
+        let mut running = IncrementalCrc::default();
         b"12345678".iter().for_each(|byte| running.push(*byte));
         assert_eq!(running.with(b'9'), 0xe306_9283);
     }

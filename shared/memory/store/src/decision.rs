@@ -1,38 +1,38 @@
-//! What a change asked for does to the store as it is: the effects, or why not.
+//! Decision of a requested change: its effects on the present state, or the reason for a refusal.
 //!
-//! Nothing is changed here; see [`crate::perceptual_memory`].
+//! Pure functions; [`crate::perceptual_memory`] applies the result.
 
 use std::collections::HashMap;
 
-use learning::{CategoryName, Refusal as Lesson, ViewChange, ViewId};
+use learning::{CategoryName, Refusal as TeachingRefusal, ViewChange, ViewId};
 
-use crate::catalogue::{Catalogue, Entry};
 use crate::digest::Digest;
-use crate::document::{Document, DocumentKey};
-use crate::error::Refusal;
-use crate::facts::ViewParts;
+use crate::document::{DocumentKey, MemoryDocument};
+use crate::error::StoreRefusal;
 use crate::history::{Contradiction, Effect, Operation};
 use crate::importing;
+use crate::label_status::Standing;
 use crate::meta::Meta;
 use crate::mutation::{Change, Target};
 use crate::purge;
-use crate::standing::Standing;
+use crate::store_index::{IndexedView, StoreIndex};
 use crate::view::{Origin, View};
+use crate::view_record::ViewParts;
 
-/// What is to be written into the history, and the content that comes with it.
+/// Operation and effects for the history, with the content they insert.
 pub(crate) struct Decision {
     pub(crate) operation: Operation,
     pub(crate) effects: Vec<Effect>,
     pub(crate) contradiction: Option<Contradiction>,
-    pub(crate) contents: Contents,
+    pub(crate) contents: NewContent,
     /// First track-id still free after those given to foreign tracks; zero when none was.
     pub(crate) next_track_id: u64,
 }
 
-/// New content, by its digest.
+/// Content inserted by a decision, by digest.
 #[derive(Default)]
-pub(crate) struct Contents {
-    /// Views by identity.
+pub(crate) struct NewContent {
+    /// Views by content digest.
     pub(crate) views: HashMap<Digest, ViewParts>,
     pub(crate) documents: HashMap<Digest, Vec<u8>>,
 }
@@ -43,39 +43,39 @@ impl Decision {
             operation,
             effects,
             contradiction: None,
-            contents: Contents::default(),
+            contents: NewContent::default(),
             next_track_id: 0,
         }
     }
 }
 
-/// Decides everything but undoing, which needs to read the history.
+/// Decides every change except an undo, which has to read the history.
 pub(crate) fn decide(
-    catalogue: &Catalogue,
+    index: &StoreIndex,
     meta: &Meta,
     change: &Change,
-) -> Result<Decision, Refusal> {
+) -> Result<Decision, StoreRefusal> {
     match change {
-        Change::StoreViews(views) => store_views(catalogue, meta, views),
-        Change::Teach { track_id, category } => teach(catalogue, *track_id, category),
-        Change::Correct { target, category } => correct(catalogue, target, category),
-        Change::Forget(target) => forget(catalogue, target),
-        Change::Rename { from, to } => rename(catalogue, from, to),
-        Change::MergeCategories { from, into } => merge(catalogue, from, into),
+        Change::StoreViews(views) => store_views(index, meta, views),
+        Change::Teach { track_id, category } => teach(index, *track_id, category),
+        Change::Correct { target, category } => correct(index, target, category),
+        Change::Forget(target) => forget(index, target),
+        Change::Rename { from, to } => rename(index, from, to),
+        Change::MergeCategories { from, into } => merge(index, from, into),
         Change::Import {
             source,
             views,
             documents,
-        } => importing::decide(catalogue, meta, source, views, documents),
-        Change::PutDocument(document) => Ok(put_document(catalogue, document)),
-        Change::RemoveDocument(key) => remove_document(catalogue, key),
-        Change::Purge { before_ns } => Ok(purge::decide(catalogue, *before_ns)),
-        Change::Undo { .. } => Err(Refusal::NothingToUndo),
+        } => importing::decide(index, meta, source, views, documents),
+        Change::PutDocument(document) => Ok(put_document(index, document)),
+        Change::RemoveDocument(key) => remove_document(index, key),
+        Change::Purge { before_ns } => Ok(purge::decide(index, *before_ns)),
+        Change::Undo { .. } => Err(StoreRefusal::NothingToUndo),
     }
 }
 
-/// Stores those of the views that are new, or refuses all.
-fn store_views(catalogue: &Catalogue, meta: &Meta, views: &[View]) -> Result<Decision, Refusal> {
+/// Stores the new views, or refuses all.
+fn store_views(index: &StoreIndex, meta: &Meta, views: &[View]) -> Result<Decision, StoreRefusal> {
     let mut decision = Decision::new(Operation::StoreViews, Vec::new());
     let mut new: HashMap<ViewId, Digest> = HashMap::new();
     for view in views {
@@ -84,14 +84,14 @@ fn store_views(catalogue: &Catalogue, meta: &Meta, views: &[View]) -> Result<Dec
             view: view.id,
         };
         // A view that came from elsewhere, and came back under its id here.
-        let known = catalogue.get(view.id);
+        let known = index.get(view.id);
         let parts = ViewParts::of(view, known.map_or(origin, |entry| entry.origin));
-        let identity = parts.facts.identity();
+        let identity = parts.metadata.identity();
         let known = known.map(|entry| entry.identity);
         match known.or(new.get(&view.id).copied()) {
             // An id that may be leased later must not belong to another track by then.
             None if view.id.track_id >= meta.next_track_id => {
-                return Err(Refusal::TrackNotLeased { view: view.id });
+                return Err(StoreRefusal::TrackNotLeased { view: view.id });
             }
             None => {
                 new.insert(view.id, identity);
@@ -102,39 +102,39 @@ fn store_views(catalogue: &Catalogue, meta: &Meta, views: &[View]) -> Result<Dec
                 decision.contents.views.insert(identity, parts);
             }
             Some(known) if known == identity => {}
-            Some(_) => return Err(Refusal::ViewDiffers { view: view.id }),
+            Some(_) => return Err(StoreRefusal::ViewDiffers { view: view.id }),
         }
     }
     Ok(decision)
 }
 
 fn teach(
-    catalogue: &Catalogue,
+    index: &StoreIndex,
     track_id: u64,
     category: &CategoryName,
-) -> Result<Decision, Refusal> {
+) -> Result<Decision, StoreRefusal> {
     let operation = Operation::Teach {
         track_id,
         category: category.clone(),
     };
-    match learning::teach(catalogue.records_of_track(track_id), track_id, category) {
+    match learning::teach(index.records_of_track(track_id), track_id, category) {
         Ok(changes) => Ok(Decision::new(operation, effects(changes))),
-        Err(Lesson::LabelledOtherwise { present, .. }) => {
+        Err(TeachingRefusal::LabelledOtherwise { present, .. }) => {
             let mut decision = Decision::new(operation, Vec::new());
-            decision.contradiction = contradiction(catalogue, track_id, &present);
+            decision.contradiction = contradiction(index, track_id, &present);
             Ok(decision)
         }
         Err(lesson) => Err(lesson.into()),
     }
 }
 
-/// Who gave the track the name it has.
+/// Author and time of the present label of a track.
 fn contradiction(
-    catalogue: &Catalogue,
+    index: &StoreIndex,
     track_id: u64,
     present: &CategoryName,
 ) -> Option<Contradiction> {
-    let registers = catalogue.track(track_id).map(|(_, entry)| &entry.register);
+    let registers = index.track(track_id).map(|(_, entry)| &entry.register);
     let said = registers
         .filter(|register| register.standing.category() == Some(present))
         .max_by_key(|register| register.decided.stamp_ns)?;
@@ -155,10 +155,10 @@ fn effects(changes: Vec<ViewChange>) -> Vec<Effect> {
 }
 
 fn correct(
-    catalogue: &Catalogue,
+    index: &StoreIndex,
     target: &Target,
     category: &CategoryName,
-) -> Result<Decision, Refusal> {
+) -> Result<Decision, StoreRefusal> {
     let after = Standing::Named(category.clone());
     let operation = Operation::Correct {
         target: target.clone(),
@@ -166,11 +166,11 @@ fn correct(
     };
     Ok(Decision::new(
         operation,
-        change_all(of_target(catalogue, target)?, &after),
+        change_all(of_target(index, target)?, &after),
     ))
 }
 
-fn forget(catalogue: &Catalogue, target: &Target) -> Result<Decision, Refusal> {
+fn forget(index: &StoreIndex, target: &Target) -> Result<Decision, StoreRefusal> {
     let after = match target {
         // The name goes, the views stay and can be taught again.
         Target::Category(_) => Standing::Unnamed,
@@ -181,18 +181,18 @@ fn forget(catalogue: &Catalogue, target: &Target) -> Result<Decision, Refusal> {
     };
     Ok(Decision::new(
         operation,
-        change_all(of_target(catalogue, target)?, &after),
+        change_all(of_target(index, target)?, &after),
     ))
 }
 
 fn rename(
-    catalogue: &Catalogue,
+    index: &StoreIndex,
     from: &CategoryName,
     to: &CategoryName,
-) -> Result<Decision, Refusal> {
-    let views = of_target(catalogue, &Target::Category(from.clone()))?;
-    if catalogue.n_views_of(to) > 0 {
-        return Err(Refusal::NameTaken {
+) -> Result<Decision, StoreRefusal> {
+    let views = of_target(index, &Target::Category(from.clone()))?;
+    if index.n_views_of(to) > 0 {
+        return Err(StoreRefusal::NameTaken {
             from: from.clone(),
             to: to.clone(),
         });
@@ -206,12 +206,12 @@ fn rename(
 }
 
 fn merge(
-    catalogue: &Catalogue,
+    index: &StoreIndex,
     from: &CategoryName,
     into: &CategoryName,
-) -> Result<Decision, Refusal> {
-    let views = of_target(catalogue, &Target::Category(from.clone()))?;
-    of_target(catalogue, &Target::Category(into.clone()))?;
+) -> Result<Decision, StoreRefusal> {
+    let views = of_target(index, &Target::Category(from.clone()))?;
+    of_target(index, &Target::Category(into.clone()))?;
     let operation = Operation::MergeCategories {
         from: from.clone(),
         into: into.clone(),
@@ -220,31 +220,31 @@ fn merge(
     Ok(Decision::new(operation, effects))
 }
 
-type Views<'a> = Vec<(ViewId, &'a Entry)>;
+type Views<'a> = Vec<(ViewId, &'a IndexedView)>;
 
-/// The views that are meant, at least one.
-fn of_target<'a>(catalogue: &'a Catalogue, target: &Target) -> Result<Views<'a>, Refusal> {
-    let (views, none): (Views<'_>, Refusal) = match target {
+/// Views of a target; at least one.
+fn of_target<'a>(index: &'a StoreIndex, target: &Target) -> Result<Views<'a>, StoreRefusal> {
+    let (views, none): (Views<'_>, StoreRefusal) = match target {
         Target::Category(name) => (
-            catalogue.category(name).collect(),
-            Lesson::UnknownCategory {
+            index.category(name).collect(),
+            TeachingRefusal::UnknownCategory {
                 category: name.clone(),
             }
             .into(),
         ),
         Target::Track(track_id) => (
-            catalogue.track(*track_id).collect(),
-            Lesson::NoViews {
+            index.track(*track_id).collect(),
+            TeachingRefusal::NoViews {
                 track_id: *track_id,
             }
             .into(),
         ),
         Target::View(view) => {
-            let entry = catalogue.get(*view);
+            let entry = index.get(*view);
             let entry = entry.filter(|entry| entry.register.standing != Standing::Forgotten);
             (
                 entry.map(|entry| (*view, entry)).into_iter().collect(),
-                Refusal::UnknownView { view: *view },
+                StoreRefusal::UnknownView { view: *view },
             )
         }
     };
@@ -254,9 +254,9 @@ fn of_target<'a>(catalogue: &'a Catalogue, target: &Target) -> Result<Views<'a>,
     Ok(views)
 }
 
-/// The effects of having all these views stand for `after`.
+/// Effects of setting the label status of all these views.
 pub(crate) fn change_all<'a>(
-    views: impl IntoIterator<Item = (ViewId, &'a Entry)>,
+    views: impl IntoIterator<Item = (ViewId, &'a IndexedView)>,
     after: &Standing,
 ) -> Vec<Effect> {
     let others = views
@@ -272,8 +272,8 @@ pub(crate) fn change_all<'a>(
         .collect()
 }
 
-fn put_document(catalogue: &Catalogue, document: &Document) -> Decision {
-    let before = catalogue.document(&document.key);
+fn put_document(index: &StoreIndex, document: &MemoryDocument) -> Decision {
+    let before = index.document(&document.key);
     let before = before.and_then(|(_, version)| version.content.clone());
     let after = document.summary();
     let operation = Operation::PutDocument {
@@ -295,10 +295,10 @@ fn put_document(catalogue: &Catalogue, document: &Document) -> Decision {
     decision
 }
 
-fn remove_document(catalogue: &Catalogue, key: &DocumentKey) -> Result<Decision, Refusal> {
-    let present = catalogue.document(key);
+fn remove_document(index: &StoreIndex, key: &DocumentKey) -> Result<Decision, StoreRefusal> {
+    let present = index.document(key);
     let Some(before) = present.and_then(|(_, version)| version.content.clone()) else {
-        return Err(Refusal::UnknownDocument {
+        return Err(StoreRefusal::UnknownDocument {
             document: key.clone(),
         });
     };

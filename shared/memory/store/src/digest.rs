@@ -1,17 +1,17 @@
-//! What content is known by: the first 128 bits of its BLAKE3 hash.
+//! Content digest: the first 128 bits of BLAKE3.
 
 use std::fmt;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_bytes::ByteArray;
 
-/// A digest of bytes: equal content has an equal one, and nobody finds other
-/// content with the same (O'Connor, Aumasson, Neves and Wilcox-O'Hearn 2020).
+/// 128-bit content digest. Equal content has equal digests, and collisions cannot be found in
+/// practice (BLAKE3: O'Connor, Aumasson, Neves and Wilcox-O'Hearn 2020).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct Digest(pub u128);
 
 impl Digest {
-    /// The digest of `bytes`.
+    /// Digest of `bytes`.
     pub fn of(bytes: &[u8]) -> Self {
         Hasher::new(b"").update(bytes).finish()
     }
@@ -36,11 +36,11 @@ impl<'de> Deserialize<'de> for Digest {
     }
 }
 
-/// Makes a digest of several parts.
+/// Incremental hasher for digests of several parts.
 pub(crate) struct Hasher(blake3::Hasher);
 
 impl Hasher {
-    /// `purpose` keeps digests of different things apart.
+    /// Hasher with a purpose as domain separation.
     pub(crate) fn new(purpose: &[u8]) -> Self {
         let mut hasher = blake3::Hasher::new();
         hasher.update(purpose);
@@ -52,13 +52,13 @@ impl Hasher {
         self
     }
 
-    /// Adds a part in place.
+    /// Appends a part in place.
     pub(crate) fn add(&mut self, bytes: &[u8]) {
         self.0.update(bytes);
     }
 
-    /// A part of any length: its length goes first, so that no two lists of parts
-    /// are the same bytes.
+    /// Appends a text with its length as prefix, so that different lists of parts never hash the
+    /// same bytes.
     pub(crate) fn update_text(self, text: &str) -> Self {
         self.update(&(text.len() as u64).to_le_bytes())
             .update(text.as_bytes())

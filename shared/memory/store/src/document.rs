@@ -1,7 +1,7 @@
-//! What a robot knows besides views: object models and task knowledge.
+//! Versioned documents: object models and task knowledge.
 //!
-//! A document has a name and content. Replacing it keeps the version before, so
-//! that the change can be undone, until it is purged.
+//! A document has a key and content. Replacing it keeps the earlier version for undo, until that is
+//! purged.
 
 use std::fmt;
 use std::sync::Arc;
@@ -9,20 +9,20 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::digest::Digest;
-use crate::error::Refusal;
-use crate::standing::Decided;
+use crate::error::StoreRefusal;
+use crate::label_status::Decided;
 use crate::view::MAX_NAME_BYTES;
 
-/// Largest document, bytes.
+/// Maximum size of a document, bytes.
 pub const MAX_DOCUMENT_BYTES: usize = 16 << 20;
 
-/// What a document is about.
+/// Kind of a document.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum DocumentKind {
-    /// The fused surface of an object, by the object's name.
+    /// Fused surface of an object, keyed by the name of the object.
     ObjectModel,
-    /// Something a task needs to know, by the name of that.
+    /// Knowledge for a task, keyed by its subject.
     TaskKnowledge,
 }
 
@@ -30,7 +30,7 @@ impl DocumentKind {
     /// All kinds.
     pub const ALL: [Self; 2] = [Self::ObjectModel, Self::TaskKnowledge];
 
-    /// In the keys of the database.
+    /// Byte code in database keys.
     pub(crate) fn code(self) -> u8 {
         match self {
             Self::ObjectModel => 1,
@@ -42,7 +42,7 @@ impl DocumentKind {
         Self::ALL.into_iter().find(|kind| kind.code() == code)
     }
 
-    /// As people write it.
+    /// Word in messages to users.
     pub fn word(self) -> &'static str {
         match self {
             Self::ObjectModel => "object model",
@@ -51,12 +51,12 @@ impl DocumentKind {
     }
 }
 
-/// Which document.
+/// Key of a document: kind and name.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct DocumentKey {
-    /// What it is about.
+    /// Kind of the document.
     pub kind: DocumentKind,
-    /// Its name, 1 to [`MAX_NAME_BYTES`].
+    /// Name, 1 to [`MAX_NAME_BYTES`].
     pub name: Arc<str>,
 }
 
@@ -66,19 +66,19 @@ impl fmt::Display for DocumentKey {
     }
 }
 
-/// A document to be stored, or as it was stored.
+/// Document with its content.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Document {
-    /// Which one.
+pub struct MemoryDocument {
+    /// Key of the document.
     pub key: DocumentKey,
-    /// How to read the content, such as `text/plain`; at most [`MAX_NAME_BYTES`].
+    /// Media type, such as `text/plain`; at most [`MAX_NAME_BYTES`].
     pub media_type: String,
-    /// At most [`MAX_DOCUMENT_BYTES`].
+    /// Content, at most [`MAX_DOCUMENT_BYTES`].
     pub content: Vec<u8>,
 }
 
-impl Document {
-    /// What is kept of its content in the index.
+impl MemoryDocument {
+    /// Content reference for the index.
     pub(crate) fn summary(&self) -> DocumentContent {
         DocumentContent {
             digest: Digest::of(&self.content),
@@ -87,11 +87,11 @@ impl Document {
         }
     }
 
-    /// Refuses what could not be found or read again.
-    pub(crate) fn check(&self) -> Result<(), Refusal> {
+    /// Validates key, media type and size.
+    pub(crate) fn check(&self) -> Result<(), StoreRefusal> {
         self.key.check()?;
         let refused = |reason| {
-            Err(Refusal::InvalidDocument {
+            Err(StoreRefusal::InvalidDocument {
                 document: self.key.clone(),
                 reason,
             })
@@ -107,8 +107,8 @@ impl Document {
 }
 
 impl DocumentKey {
-    /// Refuses a name that could not be found again.
-    pub(crate) fn check(&self) -> Result<(), Refusal> {
+    /// Validates the name.
+    pub(crate) fn check(&self) -> Result<(), StoreRefusal> {
         let n_bytes = self.name.len();
         let reason = if n_bytes == 0 {
             "its name is empty"
@@ -119,41 +119,41 @@ impl DocumentKey {
         } else {
             return Ok(());
         };
-        Err(Refusal::InvalidDocument {
+        Err(StoreRefusal::InvalidDocument {
             document: self.clone(),
             reason,
         })
     }
 }
 
-/// The content of one version.
+/// Content reference of a version.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DocumentContent {
-    /// Of its bytes.
+    /// Content digest.
     pub digest: Digest,
-    /// How many there are.
+    /// Content size, bytes.
     pub n_bytes: u32,
-    /// How to read them.
+    /// Media type.
     pub media_type: String,
 }
 
-/// One version of a document, as it is stored; its key has the sequence.
+/// Stored version of a document; the key of its record contains the sequence number.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct DocumentVersion {
-    /// None: removed.
+    /// Content reference; `None` for a removal.
     pub(crate) content: Option<DocumentContent>,
     pub(crate) decided: Decided,
 }
 
-/// A document that is there, without its content.
+/// Present document without its content.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DocumentSummary {
-    /// Which one.
+    /// Key of the document.
     pub key: DocumentKey,
-    /// Of its present version.
+    /// Content reference of the present version.
     pub content: DocumentContent,
-    /// Who put it there, and when.
+    /// Author and time of the last change.
     pub decided: Decided,
-    /// Sequence of the history entry that did.
+    /// Sequence number of the history entry of the last change.
     pub sequence: u64,
 }

@@ -1,12 +1,12 @@
-//! The environment that makes rusty-leveldb durable.
+//! LevelDB environment (file-system layer) with real syncs, which rusty-leveldb lacks.
 //!
-//! rusty-leveldb calls `flush` where C++ LevelDB syncs, and syncs nothing. Here
-//! `flush` is `fdatasync`, a file that still has unsynced bytes is synced when it
-//! is closed, and the folder is synced when a name in it appears or changes. A
-//! synced write to the database is then exactly one `fdatasync`.
+//! rusty-leveldb calls `flush` where C++ LevelDB syncs, and syncs nothing. Here `flush` is
+//! `fdatasync`, a file with unsynced bytes is synced when it is closed, and the folder is synced
+//! when a name in it is added or changed. A synced write to the database is then exactly one
+//! `fdatasync`.
 //!
-//! A power cut keeps what was synced and any part of the rest; so the order
-//! create, sync folder, write, sync file, rename, sync folder is what counts.
+//! A power cut keeps all synced bytes and any part of the others. The order create, sync folder,
+//! write, sync file, rename, sync folder is therefore essential.
 
 use std::ffi::OsStr;
 use std::fs::{self, File, OpenOptions};
@@ -17,14 +17,13 @@ use std::sync::Arc;
 use rusty_leveldb::env::{Env, FileLock, Logger, RandomAccess};
 use rusty_leveldb::{PosixDiskEnv, Result};
 
-use crate::env_health::{Change, EnvHealth};
+use crate::env_health::{EnvHealth, FileOperation};
 use crate::verified_files::{VerifiedTable, check_log};
 
-/// Length of a table's footer: a shorter table file cannot be one, and
-/// rusty-leveldb subtracts it without looking.
+/// Minimum length of a table file: its footer. rusty-leveldb subtracts the footer without checking.
 const MIN_TABLE_BYTES: usize = 48;
 
-/// The disk, durable and watched by an [`EnvHealth`].
+/// Durable file system, monitored by an [`EnvHealth`].
 pub(crate) struct DurableEnv {
     disk: PosixDiskEnv,
     health: Arc<EnvHealth>,
@@ -45,10 +44,10 @@ impl DurableEnv {
         }
         let file = self
             .health
-            .change("creating", path, &Change::Create(path), || {
+            .perform("creating", path, &FileOperation::Create(path), || {
                 options.open(path)
             })?;
-        self.health.keep_created(path);
+        self.health.cancel_deferred_deletion(path);
         // A temporary file is renamed next, and the rename syncs the folder.
         if path.extension() != Some(OsStr::new("dbtmp")) {
             self.sync_folder_of(path)?;
@@ -62,7 +61,7 @@ impl DurableEnv {
         }))
     }
 
-    /// Passes a reading's result on after the health has seen its error.
+    /// Reports a read error to the health monitor and passes the result on.
     fn noted<T>(&self, path: &Path, read: io::Result<T>) -> io::Result<T> {
         if let Err(error) = &read {
             self.health.note_read_error(path, error);
@@ -72,15 +71,15 @@ impl DurableEnv {
 
     fn sync_folder_of(&self, path: &Path) -> io::Result<()> {
         let folder = path.parent().unwrap_or(Path::new("."));
-        let change = Change::SyncFolder(folder);
+        let change = FileOperation::SyncFolder(folder);
         self.health
-            .change("syncing the folder", folder, &change, || {
+            .perform("syncing the folder", folder, &change, || {
                 sync_folder(folder)
             })
     }
 }
 
-/// Makes the names in a folder durable.
+/// Syncs a folder, which makes its names durable.
 pub(crate) fn sync_folder(folder: &Path) -> io::Result<()> {
     File::open(folder)?.sync_all()
 }
@@ -96,7 +95,7 @@ fn is_table(path: &Path) -> bool {
 }
 
 impl Env for DurableEnv {
-    /// The whole file at once: rusty-leveldb takes a short read for the end.
+    /// Reads the whole file at once, since rusty-leveldb takes a short read for the end.
     fn open_sequential_file(&self, path: &Path) -> Result<Box<dyn Read>> {
         let is_current = path.file_name() == Some(OsStr::new("CURRENT"));
         let bytes = match fs::read(path) {
@@ -133,7 +132,8 @@ impl Env for DurableEnv {
         Ok(self.noted(path, fs::exists(path))?)
     }
 
-    /// Without names that are not UTF-8, on which rusty-leveldb would panic; none is ours.
+    /// File names in a folder, without names that are not UTF-8, on which rusty-leveldb would
+    /// panic.
     fn children(&self, folder: &Path) -> Result<Vec<PathBuf>> {
         let entries = fs::read_dir(folder).and_then(Iterator::collect::<io::Result<Vec<_>>>);
         let entries = self.noted(folder, entries)?;
@@ -154,13 +154,13 @@ impl Env for DurableEnv {
     }
 
     fn delete(&self, path: &Path) -> Result<()> {
-        if self.health.holds_deletion(path) {
+        if self.health.defers_deletion(path) {
             return Ok(());
         }
-        let change = Change::Delete(path);
+        let change = FileOperation::Delete(path);
         Ok(self
             .health
-            .change("deleting", path, &change, || fs::remove_file(path))?)
+            .perform("deleting", path, &change, || fs::remove_file(path))?)
     }
 
     fn mkdir(&self, path: &Path) -> Result<()> {
@@ -176,17 +176,17 @@ impl Env for DurableEnv {
         if is_info_log(old) {
             return self.disk.rename(old, new);
         }
-        let change = Change::Rename(old, new);
+        let change = FileOperation::Rename(old, new);
         self.health
-            .change("renaming", old, &change, || fs::rename(old, new))?;
-        self.health.keep_created(new);
+            .perform("renaming", old, &change, || fs::rename(old, new))?;
+        self.health.cancel_deferred_deletion(new);
         Ok(self.sync_folder_of(new)?)
     }
 
     fn lock(&self, path: &Path) -> Result<FileLock> {
         // Asked first, since the lock's own error no longer says why.
-        let change = Change::Create(path);
-        self.health.change("locking", path, &change, || {
+        let change = FileOperation::Create(path);
+        self.health.perform("locking", path, &change, || {
             OpenOptions::new()
                 .create(true)
                 .truncate(false)
@@ -213,7 +213,7 @@ impl Env for DurableEnv {
     }
 }
 
-/// A file whose `flush` is `fdatasync`.
+/// File whose `flush` is `fdatasync`.
 struct SyncedFile {
     file: File,
     path: PathBuf,
@@ -222,11 +222,11 @@ struct SyncedFile {
 }
 
 impl Write for SyncedFile {
-    /// All or an error: rusty-leveldb does not look at how much was written.
+    /// Writes all bytes or fails, since rusty-leveldb ignores the number of written bytes.
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let change = Change::Write(&self.path, bytes);
+        let change = FileOperation::Write(&self.path, bytes);
         self.is_dirty = true;
-        self.health.change("writing", &self.path, &change, || {
+        self.health.perform("writing", &self.path, &change, || {
             self.file.write_all(bytes)
         })?;
         Ok(bytes.len())
@@ -236,16 +236,16 @@ impl Write for SyncedFile {
         if !self.is_dirty {
             return Ok(());
         }
-        let change = Change::Sync(&self.path);
+        let change = FileOperation::Sync(&self.path);
         self.health
-            .change("syncing", &self.path, &change, || self.file.sync_data())?;
+            .perform("syncing", &self.path, &change, || self.file.sync_data())?;
         self.is_dirty = false;
         Ok(())
     }
 }
 
 impl Drop for SyncedFile {
-    /// The health keeps the error, and so refuses the change that relies on this file.
+    /// Syncs the file. The health monitor keeps an error and so refuses the next change.
     fn drop(&mut self) {
         let _ = self.flush();
     }

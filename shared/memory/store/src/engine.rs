@@ -1,13 +1,11 @@
-//! rusty-leveldb behind a wall: what it swallows is told, what it panics at is an error.
+//! Storage engine: rusty-leveldb with reported errors, caught panics, and correct reads.
 //!
-//! It is read by iterator only. Its `get` answers wrongly in two cases: it stops
-//! at the deletion of the next greater key, and it misses the very last written
-//! key where that ends a block.
+//! It is read by iterator only. Its `get` is wrong in two cases: it stops at the deletion of the
+//! next greater key, and it misses the last written key at the end of a block.
 //!
-//! Every iterator takes a snapshot, and of these it never notices that the last one
-//! is gone: from the first reading on, merging keeps every version of every record,
-//! so that what was removed stays on disk for ever. Therefore the database is opened
-//! again after readings, before anything is merged to make room.
+//! Every iterator takes a snapshot that is never released: after the first read, compaction keeps
+//! every version of every record, and deleted records stay on disk for ever. The database is
+//! therefore reopened after reads, before the next compaction.
 
 use std::io;
 use std::ops::ControlFlow;
@@ -19,39 +17,37 @@ use std::sync::Arc;
 use rusty_leveldb::{DB, DBIterator, LdbIterator, Options, StatusCode, WriteBatch};
 
 use crate::durable_env::DurableEnv;
-use crate::env_health::{Change, EnvHealth};
+use crate::env_health::{EnvHealth, FileOperation};
 use crate::error::Error;
 
-/// Table files kept open; times eight megabytes a file is more than a robot learns.
+/// Maximum number of open table files; at eight megabytes each, more than a robot learns.
 const MAX_OPEN_FILES: usize = 256;
 
-/// Blocks of tables kept in memory. A block is as long as a record at least, and some
-/// records are whole clouds: with the thousand that are usual, reading and merging
-/// would leave a thousand clouds behind. Hardly any block is read twice, and the
-/// system keeps those of its files that are.
+/// Capacity of the block cache, blocks. A block is at least as long as a record, and some records
+/// are whole point clouds: the default of a thousand blocks would keep a thousand clouds in memory.
+/// Blocks are rarely read twice, and the page cache of the kernel holds those that are.
 const N_CACHED_BLOCKS: usize = 16;
 
-/// What is usually gathered in memory before it becomes a table, twice the size of
-/// tables on the levels below. rusty-leveldb merges once for each table it writes from
-/// memory: with four megabytes and its two, what many key views bring in is more
-/// than what is merged, and a snapshot is then read from dozens of tables at
-/// once. Tests make tables from less.
+/// Default size of the write buffer (memtable), bytes; twice the maximum table size. rusty-leveldb
+/// compacts once for each table that it writes from memory. With its defaults of four and two
+/// megabytes, bursts of key views outpace the compaction, and a snapshot is read from dozens of
+/// tables at once. Tests use a smaller buffer.
 pub const WRITE_BUFFER_BYTES: usize = if cfg!(test) { 4 << 20 } else { 16 << 20 };
 
-/// An open database.
+/// Open database.
 pub(crate) struct Engine {
-    /// `None` when it could not be opened again.
+    /// Database handle; `None` if reopening failed.
     db: Option<DB>,
     folder: PathBuf,
     write_buffer_bytes: usize,
-    /// Whether anything was read since it was opened.
-    was_read: bool,
+    /// `true` if anything was read since the database was opened.
+    has_been_read: bool,
     health: Arc<EnvHealth>,
 }
 
 impl Engine {
-    /// Opens or creates the database in `folder` to be examined: damage is noted
-    /// instead of stopping, and no file is deleted before [`Self::accept`].
+    /// Opens or creates the database in `folder` for examination: corruption is recorded instead of
+    /// being fatal, and no file is deleted before [`Self::accept`].
     ///
     /// # Errors
     ///
@@ -71,50 +67,50 @@ impl Engine {
             db: Some(open_database(folder, write_buffer_bytes, &health)?),
             folder: folder.to_owned(),
             write_buffer_bytes,
-            was_read: false,
+            has_been_read: false,
             health,
         })
     }
 
-    /// Ends the examination: makes the deletions that were put off, and from now
-    /// on any damage stops all changes, and no merging keeps what was removed.
+    /// Ends the examination: performs the deferred deletions. From now on corruption stops all
+    /// changes, and compaction drops deleted records.
     pub(crate) fn accept(&mut self) -> Result<(), Error> {
-        for path in self.health.release_deletions() {
-            let change = Change::Delete(&path);
+        for path in self.health.take_deferred_deletions() {
+            let change = FileOperation::Delete(&path);
             let delete = || match std::fs::remove_file(&path) {
                 Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
                 deleted => deleted,
             };
-            let deleted = self.health.change("deleting", &path, &change, delete);
+            let deleted = self.health.perform("deleting", &path, &change, delete);
             deleted.map_err(Error::io("deleting", &path))?;
         }
-        self.forget_readings()
+        self.reopen_after_reads()
     }
 
-    /// Applies all of `batch` or nothing; when `is_synced` it is on disk afterwards.
-    /// After an error it may be on disk or not, until the database is opened again.
+    /// Applies a write batch atomically; with `is_synced` it is durable on return. After an error
+    /// it may be on disk or not, until the database is reopened.
     pub(crate) fn write(&mut self, batch: WriteBatch, is_synced: bool) -> Result<(), Error> {
         self.call(|db| db.write(batch, is_synced))?;
         self.check()
     }
 
-    /// Merges the tables that have keys from `from` to `to`, without what was removed.
+    /// Compacts the tables with keys from `from` to `to`, which drops deleted records.
     pub(crate) fn compact(&mut self, from: &[u8], to: &[u8]) -> Result<(), Error> {
-        self.forget_readings()?;
+        self.reopen_after_reads()?;
         self.call(|db| db.compact_range(from, to))?;
         self.check()
     }
 
-    /// Opens the database again when anything was read since.
-    fn forget_readings(&mut self) -> Result<(), Error> {
-        if !self.was_read {
+    /// Reopens the database if anything was read, to release the snapshots.
+    fn reopen_after_reads(&mut self) -> Result<(), Error> {
+        if !self.has_been_read {
             return Ok(());
         }
         self.call(DB::close)?;
         self.db = None;
         let opened = open_database(&self.folder, self.write_buffer_bytes, &self.health)?;
         self.db = Some(opened);
-        self.was_read = false;
+        self.has_been_read = false;
         Ok(())
     }
 
@@ -130,14 +126,14 @@ impl Engine {
         }
     }
 
-    /// Writes everything out and closes the database.
+    /// Flushes and closes the database.
     pub(crate) fn close(mut self) -> Result<(), Error> {
         self.call(DB::close)
     }
 
-    /// A reader of the database as it is now.
+    /// Reader of the present state of the database.
     pub(crate) fn reader(&mut self) -> Result<Reader, Error> {
-        self.was_read = true;
+        self.has_been_read = true;
         let iter = self.call(DB::new_iter)?;
         Ok(Reader {
             iter,
@@ -145,12 +141,12 @@ impl Engine {
         })
     }
 
-    /// The error to give when something went wrong behind the engine's back.
+    /// Error for a failure that rusty-leveldb did not report.
     pub(crate) fn check(&self) -> Result<(), Error> {
         check(&self.health)
     }
 
-    /// What is damaged: how many places, and the first ones in words.
+    /// Number of detected corruptions, and the first ones as sentences.
     pub(crate) fn damages(&self) -> (u64, Vec<String>) {
         self.health.damages()
     }
@@ -186,14 +182,14 @@ fn open_database(
     })
 }
 
-/// Reads records in the order of their keys.
+/// Reader of records in key order.
 pub(crate) struct Reader {
     iter: DBIterator,
     health: Arc<EnvHealth>,
 }
 
 impl Reader {
-    /// The value of `key`.
+    /// Value of `key`.
     pub(crate) fn get(&mut self, key: &[u8]) -> Result<Option<Vec<u8>>, Error> {
         let mut value = None;
         self.scan(key, |found, bytes| {
@@ -257,7 +253,7 @@ fn check(health: &EnvHealth) -> Result<(), Error> {
     Ok(())
 }
 
-/// Calls into rusty-leveldb, which asserts where a file may be damaged.
+/// Calls rusty-leveldb and turns its panics into errors: it asserts on input that may be damaged.
 fn guarded<T>(
     health: &EnvHealth,
     call: impl FnOnce() -> rusty_leveldb::Result<T>,

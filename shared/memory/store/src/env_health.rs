@@ -1,57 +1,58 @@
-//! What the durable environment has seen go wrong, shared with the engine above it.
+//! Health monitor of the environment: failed writes and detected corruption, shared with the
+//! engine.
 //!
-//! rusty-leveldb swallows errors where it must not: a compaction that cannot
-//! write its output, or cannot read a block of its input, deletes the input all
-//! the same. So the environment remembers the first failed write and every
-//! damaged read, and refuses all further changes to the folder: the files stay
-//! as they are until somebody has looked.
+//! rusty-leveldb ignores some fatal errors: a compaction that cannot write its output, or cannot
+//! read its input, deletes the input all the same. The monitor therefore keeps the first failed
+//! write and all detected corruption, and then refuses every further change to the folder.
 
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
 
-/// Damages remembered in words; further ones are only counted.
+use parking_lot::Mutex;
+
+/// Maximum number of corruptions kept as sentences; further ones are only counted.
 const MAX_DAMAGES_TOLD: usize = 32;
 
-/// A failed change to the folder.
+/// Failed operation on the folder.
 #[derive(Debug, Clone)]
-pub(crate) struct Failure {
-    /// What was being done.
+pub(crate) struct StorageFailure {
+    /// Operation that failed, as a participle such as "writing".
     pub(crate) doing: &'static str,
-    /// To which file.
+    /// Path of the file.
     pub(crate) path: PathBuf,
-    /// What the system said.
+    /// Error of the operating system.
     pub(crate) source: Arc<io::Error>,
 }
 
-/// The shared state; all methods may be called from any thread.
+/// Health monitor; thread-safe.
 #[derive(Default)]
 pub(crate) struct EnvHealth {
-    state: Mutex<State>,
+    state: Mutex<HealthState>,
 }
 
 #[derive(Default)]
-struct State {
-    failure: Option<Failure>,
+struct HealthState {
+    failure: Option<StorageFailure>,
     damages: Vec<String>,
     n_damages: u64,
-    /// Deletions put off while the database is being examined; `None` afterwards.
-    held_deletions: Option<Vec<PathBuf>>,
+    /// Deletions deferred during the examination; `None` afterwards.
+    deferred_deletions: Option<Vec<PathBuf>>,
     #[cfg(test)]
     observer: Option<Observer>,
 }
 
-/// Sees every change before it is made, and may refuse it.
+/// Test hook that sees every operation in advance and can make it fail.
 #[cfg(test)]
-pub(crate) type Observer = Box<dyn FnMut(&Change<'_>) -> io::Result<()> + Send>;
+pub(crate) type Observer = Box<dyn FnMut(&FileOperation<'_>) -> io::Result<()> + Send>;
 
-/// A change to the folder, as an observer sees it.
+/// Operation on the folder, as seen by an observer.
 #[derive(Debug)]
 #[expect(
     dead_code,
     reason = "only the observers of tests read it, and not every field"
 )]
-pub(crate) enum Change<'a> {
+pub(crate) enum FileOperation<'a> {
     Create(&'a Path),
     Write(&'a Path, &'a [u8]),
     Sync(&'a Path),
@@ -61,29 +62,24 @@ pub(crate) enum Change<'a> {
 }
 
 impl EnvHealth {
-    /// A health that holds deletions back until [`Self::release_deletions`].
+    /// Monitor in examination mode, which defers deletions until [`Self::take_deferred_deletions`].
     pub(crate) fn examining() -> Self {
-        let state = State {
-            held_deletions: Some(Vec::new()),
-            ..State::default()
+        let state = HealthState {
+            deferred_deletions: Some(Vec::new()),
+            ..HealthState::default()
         };
         Self {
             state: Mutex::new(state),
         }
     }
 
-    /// The state stays usable after a panic elsewhere: it is only ever appended to.
-    fn lock(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Makes one change to the folder, unless an earlier one failed or, outside
-    /// of an examination, damage was seen. Remembers a failure.
-    pub(crate) fn change<T>(
+    /// Performs an operation, unless an earlier one failed or, outside of the examination,
+    /// corruption was found. Records a failure.
+    pub(crate) fn perform<T>(
         &self,
         doing: &'static str,
         path: &Path,
-        change: &Change<'_>,
+        change: &FileOperation<'_>,
         make: impl FnOnce() -> io::Result<T>,
     ) -> io::Result<T> {
         self.refuse_if_frozen()?;
@@ -95,23 +91,23 @@ impl EnvHealth {
     }
 
     fn refuse_if_frozen(&self) -> io::Result<()> {
-        let state = self.lock();
+        let state = self.state.lock();
         if let Some(failure) = &state.failure {
             return Err(io::Error::new(
                 failure.source.kind(),
                 "an earlier write failed",
             ));
         }
-        if state.n_damages > 0 && state.held_deletions.is_none() {
+        if state.n_damages > 0 && state.deferred_deletions.is_none() {
             return Err(io::Error::other("damage was found, so nothing may change"));
         }
         Ok(())
     }
 
-    /// Remembers that a file could not be read: as damage when the bytes are lost,
-    /// as a failure when only the system is short of something.
+    /// Records a read error: as corruption if the bytes are lost, as a failure if only a resource
+    /// is missing.
     pub(crate) fn note_read_error(&self, path: &Path, error: &io::Error) {
-        /// What Linux says of bytes that the medium or the file system has lost.
+        /// Linux error codes for bytes that the medium or the file system has lost.
         const EIO: i32 = 5;
         const EBADMSG: i32 = 74;
         const EUCLEAN: i32 = 117;
@@ -135,26 +131,26 @@ impl EnvHealth {
 
     fn note_failure(&self, doing: &'static str, path: &Path, error: &io::Error) {
         let copy = io::Error::new(error.kind(), error.to_string());
-        let failure = Failure {
+        let failure = StorageFailure {
             doing,
             path: path.to_owned(),
             source: Arc::new(copy),
         };
-        self.lock().failure.get_or_insert(failure);
+        self.state.lock().failure.get_or_insert(failure);
     }
 
-    /// Remembers that something read is not what was written.
+    /// Records a corruption.
     pub(crate) fn note_damage(&self, what: String) {
-        let mut state = self.lock();
+        let mut state = self.state.lock();
         state.n_damages += 1;
         if state.damages.len() < MAX_DAMAGES_TOLD {
             state.damages.push(what);
         }
     }
 
-    /// Puts the deletion off and returns true while the database is examined.
-    pub(crate) fn holds_deletion(&self, path: &Path) -> bool {
-        match &mut self.lock().held_deletions {
+    /// Defers a deletion and returns `true` during the examination.
+    pub(crate) fn defers_deletion(&self, path: &Path) -> bool {
+        match &mut self.state.lock().deferred_deletions {
             Some(held) => {
                 held.push(path.to_owned());
                 true
@@ -163,38 +159,42 @@ impl EnvHealth {
         }
     }
 
-    /// A file whose deletion was put off is written anew: it is another one now.
-    /// Numbers of tables that a crash has orphaned are given again.
-    pub(crate) fn keep_created(&self, path: &Path) {
-        if let Some(held) = &mut self.lock().held_deletions {
+    /// Cancels the deferred deletion of a file that is created again. Numbers of tables orphaned by
+    /// a crash are reused.
+    pub(crate) fn cancel_deferred_deletion(&self, path: &Path) {
+        if let Some(held) = &mut self.state.lock().deferred_deletions {
             held.retain(|deleted| deleted != path);
         }
     }
 
-    /// Whether damage does not stop reading and deletions are put off.
+    /// `true` during the examination: corruption does not stop reading, and deletions are deferred.
     pub(crate) fn is_examining(&self) -> bool {
-        self.lock().held_deletions.is_some()
+        self.state.lock().deferred_deletions.is_some()
     }
 
-    /// Ends the examination; the caller deletes what was put off.
-    pub(crate) fn release_deletions(&self) -> Vec<PathBuf> {
-        self.lock().held_deletions.take().unwrap_or_default()
+    /// Ends the examination; the caller performs the deferred deletions.
+    pub(crate) fn take_deferred_deletions(&self) -> Vec<PathBuf> {
+        self.state
+            .lock()
+            .deferred_deletions
+            .take()
+            .unwrap_or_default()
     }
 
-    /// The first failed change.
-    pub(crate) fn failure(&self) -> Option<Failure> {
-        self.lock().failure.clone()
+    /// First failed operation.
+    pub(crate) fn failure(&self) -> Option<StorageFailure> {
+        self.state.lock().failure.clone()
     }
 
-    /// Number of damages seen, and the first ones in words.
+    /// Number of corruptions, and the first ones as sentences.
     pub(crate) fn damages(&self) -> (u64, Vec<String>) {
-        let state = self.lock();
+        let state = self.state.lock();
         (state.n_damages, state.damages.clone())
     }
 
-    /// Number of damages seen.
+    /// Number of corruptions.
     pub(crate) fn n_damages(&self) -> u64 {
-        self.lock().n_damages
+        self.state.lock().n_damages
     }
 
     #[cfg(not(test))]
@@ -203,21 +203,22 @@ impl EnvHealth {
         clippy::unnecessary_wraps,
         reason = "the tests' one observes"
     )]
-    fn observe(&self, _change: &Change<'_>) -> io::Result<()> {
+    fn observe(&self, _change: &FileOperation<'_>) -> io::Result<()> {
         Ok(())
     }
 
     #[cfg(test)]
-    fn observe(&self, change: &Change<'_>) -> io::Result<()> {
-        self.lock()
+    fn observe(&self, change: &FileOperation<'_>) -> io::Result<()> {
+        self.state
+            .lock()
             .observer
             .as_mut()
             .map_or(Ok(()), |observer| observer(change))
     }
 
-    /// Lets a test see, and refuse, every change.
+    /// Installs a test hook for all operations.
     #[cfg(test)]
     pub(crate) fn set_observer(&self, observer: Observer) {
-        self.lock().observer = Some(observer);
+        self.state.lock().observer = Some(observer);
     }
 }

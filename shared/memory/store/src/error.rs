@@ -1,6 +1,5 @@
-//! What can go wrong with the store, in sentences.
+//! Errors of the perceptual and the working memory, as sentences that say what to do next.
 
-use std::fmt;
 use std::io;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -8,190 +7,246 @@ use std::sync::Arc;
 use learning::{CategoryName, ViewId};
 
 use crate::document::DocumentKey;
-use crate::env_health::Failure;
+use crate::env_health::StorageFailure;
 use crate::keys;
 
-/// Why the store did not do what it was asked. Cloned when one failed commit
-/// answers many callers.
-#[derive(Debug, Clone)]
+/// Error of a store operation. It is cloned when one failed commit answers many callers.
+#[derive(Debug, Clone, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The request cannot be granted; the store is well and nothing changed.
-    Refused(Refusal),
-    /// The operating system refused something, such as room on the disk.
+    /// Request that cannot be granted; the store is intact and nothing changed.
+    #[error("{0}")]
+    Refused(#[from] StoreRefusal),
+    /// Failed operating-system call, for example on a full disk.
+    #[error(
+        "{doing} {} failed: {source}; see that the disk has room and the folder belongs to the \
+         daemon's user",
+        .path.display()
+    )]
     Io {
-        /// What was being done.
+        /// Operation that failed, as a participle such as "writing".
         doing: &'static str,
-        /// To which file or folder.
+        /// File or folder of the operation.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: Arc<io::Error>,
     },
-    /// Another process has the store open.
+    /// Store folder that is locked by another process.
+    #[error(
+        "the store {} is open in another process; stop that process, or choose another folder",
+        .folder.display()
+    )]
     InUse {
-        /// The store's folder.
+        /// Folder of the store.
         folder: PathBuf,
     },
-    /// The store was written by a newer version of this program.
+    /// Database written by a newer version of this program.
+    #[error(
+        "the store has schema {found}, and this program knows only up to {known}; update the \
+         program, or choose another folder"
+    )]
     NewerSchema {
-        /// The schema found.
+        /// Schema version of the database.
         found: u32,
-        /// The newest schema this version knows.
+        /// Newest schema version that this program reads.
         known: u32,
     },
-    /// Something on disk is not what was written; open the store again to rebuild it.
+    /// Corrupted data on disk; opening the store again rebuilds it.
+    #[error("the store is damaged ({what}); open it again to rebuild it")]
     Damaged {
-        /// What was found, in words.
+        /// Description of the corruption.
         what: String,
     },
-    /// An earlier change could not be written; open the store again.
+    /// Store made unusable by an earlier failed write, until it is opened again.
+    #[error(
+        "the store takes no more requests since an earlier one failed ({source}); send it again \
+         after the store was opened again"
+    )]
     Failed {
-        /// That earlier error.
+        /// Error of the earlier write.
         source: Arc<Error>,
     },
-    /// More requests are waiting than the queue holds.
+    /// Full request queue.
+    #[error("{capacity} requests are waiting for the store already; send this one again later")]
     QueueFull {
-        /// How many it holds.
+        /// Capacity of the queue, requests.
         capacity: usize,
     },
-    /// The store's thread has stopped.
+    /// Store thread that has ended.
+    #[error("the store has stopped; start it and send this again")]
     Stopped,
 }
 
-/// Why a request cannot be granted.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// Reason for refusing a request.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
-pub enum Refusal {
-    /// The rules of teaching forbid it.
-    Lesson(learning::Refusal),
-    /// A view with this id, but with another content, is stored.
+pub enum StoreRefusal {
+    /// Violated rule of teaching.
+    #[error("{0}")]
+    Teaching(#[from] learning::Refusal),
+    /// View id that is stored already with different content.
+    #[error(
+        "{} is stored already, with another content; give a new view a new id",
+        in_words(*view)
+    )]
     ViewDiffers {
-        /// The view.
+        /// Id of the view.
         view: ViewId,
     },
-    /// A view, or the batch it came in, cannot be stored.
+    /// View with invalid values.
+    #[error("{} cannot be stored because {reason}; send it again corrected", in_words(*view))]
     InvalidView {
-        /// The view.
+        /// Id of the view.
         view: ViewId,
-        /// What is wrong with it.
+        /// Violated constraint.
         reason: &'static str,
     },
-    /// A mutation carries a list of views that is empty or too long.
+    /// Batch with no views or too many.
+    #[error("{n_views} views were sent to be stored at once; send between 1 and {most}")]
     BatchSize {
-        /// Number of views in it.
+        /// Number of views in the batch.
         n_views: usize,
-        /// Most views that one mutation may carry.
+        /// Maximum number of views in a batch.
         most: usize,
     },
-    /// The views of a mutation are too large together.
+    /// Batch with too many bytes.
+    #[error("views of {n_bytes} bytes were sent to be stored at once; send at most {most}")]
     BatchBytes {
-        /// Bytes of their descriptors and clouds.
+        /// Bytes of descriptors, point clouds and documents in the batch.
         n_bytes: usize,
-        /// Most bytes that one mutation may store.
+        /// Maximum number of bytes in a batch.
         most: usize,
     },
-    /// There is no such view, or it was forgotten.
+    /// View that is not stored, or was forgotten.
+    #[error(
+        "{} is not stored; list the views of the track to see which there are",
+        in_words(*view)
+    )]
     UnknownView {
-        /// The view.
+        /// Id of the view.
         view: ViewId,
     },
-    /// A category was to get a name that another has.
+    /// New category name that is in use already.
+    #[error(
+        "{from} cannot be renamed to {to}, since there is a category of that name; merge the two \
+         if they mean the same"
+    )]
     NameTaken {
-        /// The category.
+        /// Category to rename.
         from: CategoryName,
-        /// The name.
+        /// New name.
         to: CategoryName,
     },
-    /// A document cannot be stored.
+    /// Document with invalid values.
+    #[error("{document} cannot be stored because {reason}; send it again corrected")]
     InvalidDocument {
-        /// Which one.
+        /// Key of the document.
         document: DocumentKey,
-        /// What is wrong with it.
+        /// Violated constraint.
         reason: &'static str,
     },
-    /// There is no such document.
+    /// Document that is not stored.
+    #[error("{document} is not stored; list the documents to see which there are")]
     UnknownDocument {
-        /// Which one.
+        /// Key of the document.
         document: DocumentKey,
     },
-    /// The history has no such entry.
+    /// History entry that does not exist.
+    #[error("the history has no entry {sequence}; read the history to see which there are")]
     UnknownEntry {
-        /// Its sequence.
+        /// Sequence number of the entry.
         sequence: u64,
     },
-    /// The entry changed nothing, or there is none to take back.
+    /// Undo of an entry without effects, or by an author without a teaching entry.
+    #[error("there is nothing to undo; name an entry of the history that changed something")]
     NothingToUndo,
-    /// A view was touched since by another entry.
+    /// Undo of an entry whose view was changed later.
+    #[error(
+        "entry {sequence} cannot be undone, since entry {by} changed {} after it; undo that one \
+         first",
+        in_words(*view)
+    )]
     ViewChangedSince {
-        /// The entry that was to be undone.
+        /// Sequence number of the entry to undo.
         sequence: u64,
-        /// The view.
+        /// Id of the view.
         view: ViewId,
-        /// The entry that touched it since.
+        /// Sequence number of the later entry.
         by: u64,
     },
-    /// A document was replaced since.
+    /// Undo of an entry whose document was changed later.
+    #[error(
+        "entry {sequence} cannot be undone, since {document} was changed after it; undo that \
+         change first"
+    )]
     DocumentChangedSince {
-        /// The entry that was to be undone.
+        /// Sequence number of the entry to undo.
         sequence: u64,
-        /// The document.
+        /// Key of the document.
         document: DocumentKey,
     },
-    /// What the entry changed has been removed for good.
+    /// Undo of an entry whose content was purged.
+    #[error(
+        "entry {sequence} cannot be undone, since what it changed was removed for good; teach it \
+         again"
+    )]
     GoneForGood {
-        /// The entry.
+        /// Sequence number of the entry to undo.
         sequence: u64,
     },
-    /// Another memory decided something in the future.
+    /// Imported time stamp too far ahead of the local clock.
+    #[error(
+        "the other memory was taught {ahead_h} h from now by the clock of this robot; set the \
+         clock that is wrong, and import it again"
+    )]
     DecidedInTheFuture {
-        /// How far, hours.
+        /// Lead of the time stamp, hours.
         ahead_h: u64,
     },
-    /// A folder holds a store already.
+    /// Target folder that holds a store already.
+    #[error("the folder holds a store already; name an empty one")]
     NotEmpty,
-    /// There are no numbers left for new tracks.
+    /// Exhausted track-id counter.
+    #[error(
+        "there are no numbers left for new tracks; export this memory and import it into a new one"
+    )]
     TrackIdsExhausted,
-    /// The author's name, or that of a source, is too long.
+    /// Author or source name above the length limit.
+    #[error("the name of an author or a source has {n_bytes} bytes; use at most {most}")]
     AuthorTooLong {
-        /// Its length, bytes.
+        /// Length of the name, bytes.
         n_bytes: usize,
-        /// The longest allowed, bytes.
+        /// Maximum length, bytes.
         most: usize,
     },
-    /// A view is to be stored under a track-id that was never leased.
+    /// View under a track-id that was never leased.
+    #[error(
+        "{} cannot be stored, since that track-id was never leased; lease track-ids first, and \
+         store views under them",
+        in_words(*view)
+    )]
     TrackNotLeased {
-        /// The view.
+        /// Id of the view.
         view: ViewId,
     },
-    /// A lease of no track-ids, or of too many.
+    /// Lease of no track-ids, or of too many.
+    #[error("{count} track-ids were asked for at once; ask for 1 to {most}")]
     LeaseSize {
-        /// Number asked for.
+        /// Number of track-ids in the request.
         count: u64,
-        /// Most that one lease gives.
+        /// Maximum number of track-ids in a lease.
         most: u64,
     },
 }
 
-impl From<Refusal> for Error {
-    fn from(refusal: Refusal) -> Self {
-        Self::Refused(refusal)
-    }
-}
-
-impl From<learning::Refusal> for Refusal {
-    fn from(refusal: learning::Refusal) -> Self {
-        Self::Lesson(refusal)
-    }
-}
-
 impl From<learning::Refusal> for Error {
     fn from(refusal: learning::Refusal) -> Self {
-        Self::Refused(Refusal::Lesson(refusal))
+        Self::Refused(StoreRefusal::Teaching(refusal))
     }
 }
 
-impl From<Failure> for Error {
-    fn from(failure: Failure) -> Self {
+impl From<StorageFailure> for Error {
+    fn from(failure: StorageFailure) -> Self {
         Self::Io {
             doing: failure.doing,
             path: failure.path,
@@ -201,7 +256,7 @@ impl From<Failure> for Error {
 }
 
 impl Error {
-    /// For use with `map_err` on a call about `path`.
+    /// Closure for `map_err` that adds the operation and the path to an I/O error.
     pub(crate) fn io(
         doing: &'static str,
         path: impl Into<PathBuf>,
@@ -213,10 +268,8 @@ impl Error {
             source: Arc::new(source),
         }
     }
-}
 
-impl Error {
-    /// A record that is not what was written.
+    /// [`Error::Damaged`] about the record under `key`.
     pub(crate) fn record(key: &[u8], wrong: &str) -> Self {
         Self::Damaged {
             what: format!("{}: {wrong}", keys::in_words(key)),
@@ -224,174 +277,7 @@ impl Error {
     }
 }
 
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Refused(refusal) => write!(f, "{refusal}"),
-            Self::Io {
-                doing,
-                path,
-                source,
-            } => write!(
-                f,
-                "{doing} {} failed: {source}; see that the disk has room and the folder belongs \
-                 to the daemon's user",
-                path.display()
-            ),
-            Self::InUse { folder } => write!(
-                f,
-                "the store {} is open in another process; stop that process, or choose another \
-                 folder",
-                folder.display()
-            ),
-            Self::NewerSchema { found, known } => write!(
-                f,
-                "the store has schema {found}, and this program knows only up to {known}; update \
-                 the program, or choose another folder"
-            ),
-            Self::Damaged { what } => {
-                write!(
-                    f,
-                    "the store is damaged ({what}); open it again to rebuild it"
-                )
-            }
-            Self::Failed { source } => write!(
-                f,
-                "the store takes no more requests since an earlier one failed ({source}); send \
-                 it again after the store was opened again"
-            ),
-            Self::QueueFull { capacity } => write!(
-                f,
-                "{capacity} requests are waiting for the store already; send this one again later"
-            ),
-            Self::Stopped => write!(f, "the store has stopped; start it and send this again"),
-        }
-    }
-}
-
-impl fmt::Display for Refusal {
-    #[expect(clippy::too_many_lines, reason = "a sentence for each refusal")]
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Lesson(refusal) => write!(f, "{refusal}"),
-            Self::ViewDiffers { view } => write!(
-                f,
-                "{} is stored already, with another content; give a new view a new id",
-                in_words(*view)
-            ),
-            Self::InvalidView { view, reason } => {
-                let view = in_words(*view);
-                write!(
-                    f,
-                    "{view} cannot be stored because {reason}; send it again corrected"
-                )
-            }
-            Self::BatchSize { n_views, most } => write!(
-                f,
-                "{n_views} views were sent to be stored at once; send between 1 and {most}"
-            ),
-            Self::BatchBytes { n_bytes, most } => write!(
-                f,
-                "views of {n_bytes} bytes were sent to be stored at once; send at most {most}"
-            ),
-            Self::UnknownView { view } => write!(
-                f,
-                "{} is not stored; list the views of the track to see which there are",
-                in_words(*view)
-            ),
-            Self::NameTaken { from, to } => write!(
-                f,
-                "{from} cannot be renamed to {to}, since there is a category of that name; merge \
-                 the two if they mean the same"
-            ),
-            Self::InvalidDocument { document, reason } => write!(
-                f,
-                "{document} cannot be stored because {reason}; send it again corrected"
-            ),
-            Self::UnknownDocument { document } => {
-                write!(
-                    f,
-                    "{document} is not stored; list the documents to see which there are"
-                )
-            }
-            Self::UnknownEntry { sequence } => write!(
-                f,
-                "the history has no entry {sequence}; read the history to see which there are"
-            ),
-            Self::NothingToUndo => write!(
-                f,
-                "there is nothing to undo; name an entry of the history that changed something"
-            ),
-            Self::ViewChangedSince { sequence, view, by } => write!(
-                f,
-                "entry {sequence} cannot be undone, since entry {by} changed {} after it; undo \
-                 that one first",
-                in_words(*view)
-            ),
-            Self::DocumentChangedSince { sequence, document } => write!(
-                f,
-                "entry {sequence} cannot be undone, since {document} was changed after it; undo \
-                 that change first"
-            ),
-            Self::GoneForGood { sequence } => write!(
-                f,
-                "entry {sequence} cannot be undone, since what it changed was removed for good; \
-                 teach it again"
-            ),
-            Self::TrackIdsExhausted => write!(
-                f,
-                "there are no numbers left for new tracks; export this memory and import it into \
-                 a new one"
-            ),
-            Self::TrackNotLeased { view } => write!(
-                f,
-                "{} cannot be stored, since that track-id was never leased; lease track-ids \
-                 first, and store views under them",
-                in_words(*view)
-            ),
-            Self::DecidedInTheFuture { ahead_h } => write!(
-                f,
-                "the other memory was taught {ahead_h} h from now by the clock of this robot; set \
-                 the clock that is wrong, and import it again"
-            ),
-            Self::NotEmpty => write!(f, "the folder holds a store already; name an empty one"),
-            Self::AuthorTooLong { n_bytes, most } => {
-                write!(
-                    f,
-                    "the name of an author or a source has {n_bytes} bytes; use at most {most}"
-                )
-            }
-            Self::LeaseSize { count, most } => {
-                write!(
-                    f,
-                    "{count} track-ids were asked for at once; ask for 1 to {most}"
-                )
-            }
-        }
-    }
-}
-
-impl std::error::Error for Error {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::Refused(refusal) => Some(refusal),
-            Self::Io { source, .. } => Some(source.as_ref()),
-            Self::Failed { source } => Some(source.as_ref()),
-            _ => None,
-        }
-    }
-}
-
-impl std::error::Error for Refusal {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::Lesson(refusal) => Some(refusal),
-            _ => None,
-        }
-    }
-}
-
-/// A view as people call it.
+/// Phrase for a view in sentences: "view 3 of track 7".
 pub(crate) fn in_words(view: ViewId) -> String {
     format!("view {} of track {}", view.view_id, view.track_id)
 }

@@ -1,9 +1,9 @@
-//! What was found wrong, in words: all counted, the first ones told.
+//! Bounded list of findings: all are counted, the first ones are kept as sentences.
 
-/// Findings remembered in words.
+/// Maximum number of findings kept as sentences.
 const MAX_TOLD: usize = 32;
 
-/// What is wrong with a database.
+/// Findings of a consistency check.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(crate) struct Findings {
     told: Vec<String>,
@@ -18,7 +18,7 @@ impl Findings {
         }
     }
 
-    /// Adds findings of which only the first are in words.
+    /// Adds `n` findings, of which only the first are given as sentences.
     pub(crate) fn extend(&mut self, n: u64, told: Vec<String>) {
         let n_untold = n - (told.len() as u64).min(n);
         for finding in told {
@@ -35,7 +35,7 @@ impl Findings {
         self.n
     }
 
-    /// In words, with their number when not all are there.
+    /// Sentences of the findings, with the total count if some are left out.
     pub(crate) fn into_words(mut self) -> Vec<String> {
         if self.n > self.told.len() as u64 {
             let n = self.n;

@@ -1,8 +1,8 @@
-//! The history: every change ever made, numbered from one, each entry naming the
-//! digest of the one before, so that none can be lost, altered or put in unseen.
+//! Hash-chained history: numbered entries, each with the digest of its predecessor, so that loss,
+//! alteration and insertion are detected.
 //!
-//! An entry says what was asked and everything it changed. What the store holds
-//! is what the entries make of an empty one; see [`crate::replay`].
+//! An entry records the request and all its effects (event sourcing). The content of the store is
+//! the result of applying all entries to an empty store; see [`crate::replay`].
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -14,168 +14,170 @@ use serde_bytes::ByteArray;
 use crate::digest::{Digest, Hasher};
 use crate::document::{DocumentContent, DocumentKey};
 use crate::keys;
+use crate::label_status::{Decided, Standing};
 use crate::mutation::{Answer, MutationId, Target};
 use crate::record::{seal, unseal};
-use crate::salvage::Loss;
-use crate::standing::{Decided, Standing};
+use crate::salvage::DataLoss;
 
-/// What was asked for.
+/// Requested operation of a history entry.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Operation {
-    /// Views were stored.
+    /// Storing of views.
     StoreViews,
-    /// A track was given a name.
+    /// Labelling of a track.
     Teach {
-        /// The track.
+        /// Track.
         track_id: u64,
-        /// The name.
+        /// Category label.
         category: CategoryName,
     },
-    /// A track or view was given another name.
+    /// Relabelling of a track or view.
     Correct {
-        /// Which.
+        /// Relabelled views.
         target: Target,
-        /// The name.
+        /// Category label.
         category: CategoryName,
     },
-    /// A name was taken away, or views were forgotten.
+    /// Removal of a label, or forgetting of views.
     Forget {
-        /// What.
+        /// Forgotten category, track or view.
         target: Target,
     },
-    /// A category was given another name.
+    /// Renaming of a category.
     Rename {
-        /// Its name before.
+        /// Old name.
         from: CategoryName,
-        /// Its name since.
+        /// New name.
         to: CategoryName,
     },
-    /// All views of a category went to another.
+    /// Merge of two categories.
     MergeCategories {
-        /// The category that is no more.
+        /// Dissolved category.
         from: CategoryName,
-        /// The one that has its views.
+        /// Category that received the views.
         into: CategoryName,
     },
-    /// An entry was taken back.
+    /// Undo of an earlier entry.
     Undo {
-        /// Which one.
+        /// Sequence number of the undone entry.
         sequence: u64,
     },
-    /// A part of another memory came in.
+    /// Import of a part of another memory.
     Import {
-        /// Where from, in the words of whoever asked.
+        /// Name of the source, as the requester gave it.
         source: String,
     },
-    /// A document was stored.
+    /// Storing of a document.
     PutDocument {
-        /// Which one.
+        /// Key of the document.
         document: DocumentKey,
     },
-    /// A document was removed.
+    /// Removal of a document.
     RemoveDocument {
-        /// Which one.
+        /// Key of the document.
         document: DocumentKey,
     },
-    /// Content that nothing can bring back any more was removed.
+    /// Permanent deletion of forgotten or replaced content.
     Purge,
-    /// Views were given up to hold a limit: of a category, or of views without name.
-    Economise {
-        /// The category.
+    /// Enforcement of a retention limit: views of a category were forgotten, or unlabelled views
+    /// were deleted.
+    #[serde(rename = "economise")]
+    EnforceLimit {
+        /// Category; `None` for unlabelled views.
         category: Option<CategoryName>,
     },
-    /// The store was rebuilt from what a damaged one still held.
+    /// Rebuild of a damaged store from its intact records.
     Rebuild {
-        /// What it lost.
-        loss: Loss,
-        /// First and last sequence of entries that are lost.
+        /// Losses of the rebuild.
+        loss: DataLoss,
+        /// First and last sequence numbers of each range of lost entries.
         lost: Vec<(u64, u64)>,
     },
-    /// The store was brought from an older schema to this one.
+    /// Migration from an older schema.
     Migrate {
-        /// The older schema.
+        /// Schema version before the migration.
         schema: u32,
     },
 }
 
-/// One thing an entry changed.
+/// Single effect of a history entry.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Effect {
-    /// A view came in, without a name.
+    /// Insertion of a view, without a label.
     #[serde(rename = "s")]
     Stored {
-        /// Its id here.
+        /// Id of the view in this store.
         #[serde(rename = "v")]
         view: ViewId,
-        /// Digest of everything in it.
+        /// Content digest of the view.
         #[serde(rename = "i")]
         identity: Digest,
     },
-    /// A view stands for something else.
+    /// Change of the label status of a view.
     #[serde(rename = "c")]
     Changed {
-        /// The view.
+        /// Id of the view.
         #[serde(rename = "v")]
         view: ViewId,
-        /// What it stood for.
+        /// Label status before.
         #[serde(rename = "b")]
         before: Standing,
-        /// What it stands for since.
+        /// Label status after.
         #[serde(rename = "a")]
         after: Standing,
-        /// Who decided that and when, if not who asked for this entry.
+        /// Author and time of the decision, if they differ from those of the entry.
         #[serde(rename = "d", default, skip_serializing_if = "Option::is_none")]
         decided: Option<Decided>,
     },
-    /// A view is gone for good.
+    /// Permanent deletion of a view.
     #[serde(rename = "p")]
     Purged {
-        /// The view.
+        /// Id of the view.
         #[serde(rename = "v")]
         view: ViewId,
     },
-    /// A view that is not here is remembered as forgotten, or no longer so.
+    /// Tombstone of a forgotten view that is not stored: set or cleared.
     #[serde(rename = "t")]
     Tombstone {
-        /// Digest of everything that was in it.
+        /// Content digest of the view.
         #[serde(rename = "i")]
         identity: Digest,
-        /// Who forgot it and when; none: it may come in again.
+        /// Author and time of the forgetting; `None` clears the tombstone.
         #[serde(rename = "d")]
         decided: Option<Decided>,
     },
-    /// A document has other content.
+    /// Replacement of the content of a document.
     #[serde(rename = "d")]
     Document {
-        /// Which one.
+        /// Key of the document.
         #[serde(rename = "k")]
         document: DocumentKey,
-        /// Its content before.
+        /// Content before.
         #[serde(rename = "b")]
         before: Option<DocumentContent>,
-        /// Its content since.
+        /// Content after.
         #[serde(rename = "a")]
         after: Option<DocumentContent>,
-        /// Who decided that and when, if not who asked for this entry.
+        /// Author and time of the decision, if they differ from those of the entry.
         #[serde(rename = "w", default, skip_serializing_if = "Option::is_none")]
         decided: Option<Decided>,
     },
-    /// An earlier version of a document is gone for good.
+    /// Permanent deletion of an earlier version of a document.
     #[serde(rename = "q")]
     VersionPurged {
-        /// Which one.
+        /// Key of the document.
         #[serde(rename = "k")]
         document: DocumentKey,
-        /// Sequence of the entry that made the version.
+        /// Sequence number of the entry that stored the version.
         #[serde(rename = "n")]
         sequence: u64,
     },
 }
 
 impl Effect {
-    /// The view it is about.
+    /// Id of the affected view, if any.
     pub fn view(&self) -> Option<ViewId> {
         match self {
             Self::Stored { view, .. } | Self::Changed { view, .. } | Self::Purged { view } => {
@@ -186,43 +188,43 @@ impl Effect {
     }
 }
 
-/// Whether a sequence lies in one of the ranges, each of a first and a last one.
+/// `true` if a sequence number lies in one of the inclusive ranges.
 pub(crate) fn is_among(ranges: &[(u64, u64)], sequence: u64) -> bool {
     let mut ranges = ranges.iter();
     ranges.any(|(first, last)| (*first..=*last).contains(&sequence))
 }
 
-/// Somebody said something else than what holds.
+/// Conflict of a teaching request with the present label of the track.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Contradiction {
-    /// What the track is called.
+    /// Present label of the track.
     pub present: CategoryName,
-    /// Who called it so, and when.
+    /// Author and time of the present label.
     pub decided: Decided,
 }
 
-/// One change.
+/// Entry of the history.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct HistoryEntry {
-    /// Its number, from one.
+    /// Sequence number, from one.
     pub sequence: u64,
-    /// Digest of the entry before; zero for the first.
+    /// Digest of the preceding entry; zero for the first.
     pub previous: Digest,
-    /// When it was asked for, nanoseconds since 1970, UTC.
+    /// Time of the request, nanoseconds since 1970, UTC.
     pub wall_ns: u64,
-    /// Who asked.
+    /// Author of the request.
     pub author: Arc<str>,
-    /// What was asked.
+    /// Requested operation.
     pub operation: Operation,
-    /// The mutation that asked; none for what the store does by itself.
+    /// Idempotency key of the mutation; `None` for entries that the store writes itself.
     pub mutation: Option<MutationId>,
-    /// What it changed.
+    /// Effects on the store.
     pub effects: Vec<Effect>,
-    /// Why it changed nothing: what holds is something else.
+    /// Contradicted label, if the entry has no effect for that reason.
     pub contradiction: Option<Contradiction>,
 }
 
-/// An entry as it is stored, under its sequence.
+/// Serialised form of an entry; its sequence number is in the key.
 #[derive(Serialize, Deserialize)]
 struct Packed {
     previous: Digest,
@@ -236,7 +238,7 @@ struct Packed {
 }
 
 impl HistoryEntry {
-    /// The record to store it in, and its digest.
+    /// Serialised record and digest of the entry.
     pub(crate) fn seal(&self) -> (Vec<u8>, Digest) {
         let packed = Packed {
             previous: self.previous,
@@ -252,7 +254,7 @@ impl HistoryEntry {
         (record, digest)
     }
 
-    /// The entry in a record, and its digest.
+    /// Deserialises an entry and computes its digest.
     pub(crate) fn unseal(sequence: u64, record: &[u8]) -> Result<(Self, Digest), &'static str> {
         let packed: Packed = unseal(&keys::history_key(sequence), record)?;
         let mutation = packed
@@ -271,7 +273,7 @@ impl HistoryEntry {
         Ok((entry, Self::digest_of(sequence, record)))
     }
 
-    /// What the next entry names as the one before.
+    /// Digest by which the next entry refers to this one.
     fn digest_of(sequence: u64, record: &[u8]) -> Digest {
         Hasher::new(b"tabula history 2")
             .update(&sequence.to_le_bytes())
@@ -279,7 +281,7 @@ impl HistoryEntry {
             .finish()
     }
 
-    /// What is answered to whoever asked for it.
+    /// Answer to the mutation that made the entry.
     pub(crate) fn answer(&self) -> Answer {
         // An import may bring nothing but a later decision for the same.
         let is_change = |effect: &&Effect| !matches!(effect, Effect::Changed { before, after, .. } if before == after);

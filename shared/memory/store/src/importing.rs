@@ -1,50 +1,49 @@
-//! Merging what another memory knows into this one.
+//! Merge of another memory: a state-based last-writer-wins register per view and document.
 //!
-//! Of each view and document the latest decision holds, wherever it was made, and
-//! equal times are told apart by what was decided. So it does not matter in which
-//! order memories are merged, nor how often. (A state-based last-writer-wins
-//! register: Shapiro, Preguiça, Baquero and Zawirski 2011.)
+//! The latest decision wins wherever it was made; ties are broken by content. The result therefore
+//! depends neither on the order of merges nor on their number (state-based CRDT: Shapiro, Preguiça,
+//! Baquero and Zawirski 2011).
 
 use std::collections::BTreeSet;
 
 use learning::ViewId;
 
-use crate::catalogue::Catalogue;
 use crate::decision::Decision;
 use crate::digest::Digest;
-use crate::document::Document;
-use crate::error::Refusal;
-use crate::facts::ViewParts;
-use crate::foreign::{ForeignDocument, ForeignView, Newcomers};
+use crate::document::MemoryDocument;
+use crate::error::StoreRefusal;
+use crate::exchange::{ForeignDocument, ForeignIdAllocator, ForeignView};
 use crate::history::{Effect, Operation};
+use crate::label_status::{Decided, Standing};
 use crate::meta::Meta;
-use crate::standing::{Decided, Standing};
+use crate::store_index::StoreIndex;
 use crate::view::{Origin, View};
+use crate::view_record::ViewParts;
 
-/// What of the foreign views and documents is news.
+/// Effects of an import: the foreign views, decisions and documents that are new.
 pub(crate) fn decide(
-    catalogue: &Catalogue,
+    index: &StoreIndex,
     meta: &Meta,
     source: &str,
     views: &[ForeignView],
     documents: &[ForeignDocument],
-) -> Result<Decision, Refusal> {
+) -> Result<Decision, StoreRefusal> {
     // At most one new track for each view.
     if meta
         .next_track_id
         .checked_add(views.len() as u64 + 1)
         .is_none()
     {
-        return Err(Refusal::TrackIdsExhausted);
+        return Err(StoreRefusal::TrackIdsExhausted);
     }
     let operation = Operation::Import {
         source: source.to_owned(),
     };
     let mut import = Import {
-        catalogue,
+        index,
         memory_id: meta.memory_id(),
         next_track_id: meta.next_track_id,
-        newcomers: Newcomers::new(meta.next_track_id),
+        foreign_ids: ForeignIdAllocator::new(meta.next_track_id),
         met: BTreeSet::new(),
         decision: Decision::new(operation, Vec::new()),
     };
@@ -58,16 +57,16 @@ pub(crate) fn decide(
     for document in documents {
         import.take_document(document);
     }
-    import.decision.next_track_id = import.newcomers.next_track_id();
+    import.decision.next_track_id = import.foreign_ids.next_track_id();
     Ok(import.decision)
 }
 
 struct Import<'a> {
-    catalogue: &'a Catalogue,
+    index: &'a StoreIndex,
     memory_id: u128,
     /// First track-id that was never leased.
     next_track_id: u64,
-    newcomers: Newcomers,
+    foreign_ids: ForeignIdAllocator,
     met: BTreeSet<Digest>,
     decision: Decision,
 }
@@ -95,14 +94,14 @@ impl Import<'_> {
         decided: Option<&Decided>,
     ) {
         let parts = ViewParts::of(view, origin);
-        let identity = parts.facts.identity();
-        if self.catalogue.by_identity(identity).is_some() {
+        let identity = parts.metadata.identity();
+        if self.index.by_identity(identity).is_some() {
             if let Some(decided) = decided {
                 self.change_known(identity, standing, decided);
             }
             return;
         }
-        if let Some(forgotten) = self.catalogue.tombstones.get(&identity) {
+        if let Some(forgotten) = self.index.tombstones.get(&identity) {
             let stamp_ns = decided.map_or(0, |decided| decided.stamp_ns);
             if (stamp_ns, standing) <= (forgotten.stamp_ns, &Standing::Forgotten) {
                 return;
@@ -127,9 +126,9 @@ impl Import<'_> {
         self.decide(view, standing, decided);
     }
 
-    /// Has a view that just came in stand for what the latest decision says.
+    /// Sets the label status of an inserted view to the latest decision.
     fn decide(&mut self, view: ViewId, standing: &Standing, decided: Option<&Decided>) {
-        let before = self.catalogue.get(view).map(|entry| &entry.register);
+        let before = self.index.get(view).map(|entry| &entry.register);
         let theirs = decided.map(|decided| (standing, decided));
         // Of the view it replaces.
         let ours = before.map(|register| (&register.standing, &register.decided));
@@ -147,16 +146,16 @@ impl Import<'_> {
         }
     }
 
-    /// The view here that is this one but for its cloud, which went with a damaged
-    /// store.
+    /// Local view that equals the imported one except for its point cloud, which a damaged store
+    /// lost.
     fn without_its_cloud(&self, whole: &ViewParts) -> Option<ViewId> {
-        let origin = whole.facts.origin();
-        let (track_id, _) = self.catalogue.track_of_origin(origin)?;
-        let mut of_track = self.catalogue.track(track_id);
+        let origin = whole.metadata.origin();
+        let (track_id, _) = self.index.track_of_origin(origin)?;
+        let mut of_track = self.index.track(track_id);
         let (view, known) = of_track.find(|(_, known)| known.origin == origin)?;
-        let is_same = known.descriptor == whole.facts.descriptor
-            && known.captured_ns == whole.facts.captured_ns;
-        let lacks_cloud = known.points.is_none() && whole.facts.points.is_some();
+        let is_same = known.descriptor == whole.metadata.descriptor
+            && known.captured_ns == whole.metadata.captured_ns;
+        let lacks_cloud = known.points.is_none() && whole.metadata.points.is_some();
         (is_same && lacks_cloud).then_some(view)
     }
 
@@ -164,20 +163,20 @@ impl Import<'_> {
         // What was stored here and got lost comes back under its id.
         let is_own = origin.memory_id == self.memory_id;
         let is_leased = origin.view.track_id < self.next_track_id;
-        let is_free = self.catalogue.get(origin.view).is_none();
-        if is_own && is_leased && is_free && self.newcomers.give(origin.view) {
+        let is_free = self.index.get(origin.view).is_none();
+        if is_own && is_leased && is_free && self.foreign_ids.give(origin.view) {
             return origin.view;
         }
-        let catalogue = self.catalogue;
-        self.newcomers
-            .id_for(origin, || catalogue.track_of_origin(origin))
+        let index = self.index;
+        self.foreign_ids
+            .id_for(origin, || index.track_of_origin(origin))
     }
 
     fn take_forgotten(&mut self, identity: Digest, decided: &Decided) {
-        if self.catalogue.by_identity(identity).is_some() {
+        if self.index.by_identity(identity).is_some() {
             return self.change_known(identity, &Standing::Forgotten, decided);
         }
-        let known = self.catalogue.tombstones.get(&identity);
+        let known = self.index.tombstones.get(&identity);
         if known.is_none_or(|known| known.stamp_ns < decided.stamp_ns) {
             self.decision.effects.push(Effect::Tombstone {
                 identity,
@@ -187,7 +186,7 @@ impl Import<'_> {
     }
 
     fn change_known(&mut self, identity: Digest, standing: &Standing, decided: &Decided) {
-        let Some((view, entry)) = self.catalogue.by_identity(identity) else {
+        let Some((view, entry)) = self.index.by_identity(identity) else {
             return;
         };
         let register = &entry.register;
@@ -202,8 +201,8 @@ impl Import<'_> {
     }
 
     fn take_document(&mut self, foreign: &ForeignDocument) {
-        let after = foreign.document.as_ref().map(Document::summary);
-        let known = self.catalogue.document(&foreign.key);
+        let after = foreign.document.as_ref().map(MemoryDocument::summary);
+        let known = self.index.document(&foreign.key);
         let rank = |content: Option<Digest>, stamp_ns: u64| (stamp_ns, content);
         let digest = after.as_ref().map(|content| content.digest);
         let is_later = known.is_none_or(|(_, known)| {

@@ -1,30 +1,29 @@
-//! The keys of the database: one letter for the table, then big-endian numbers,
-//! so that the order of the bytes is the order of what they mean.
+//! Database keys of the perceptual memory: a table letter and big-endian numbers, so that byte
+//! order equals semantic order.
 
 use learning::ViewId;
 
 use crate::digest::Digest;
 use crate::document::{DocumentKey, DocumentKind};
 
-/// Clouds and documents: `b`, digest of the content.
+/// Table of point clouds and documents: `b`, content digest.
 pub(crate) const BLOB: u8 = b'b';
-/// Descriptors: `d`, digest of the content.
+/// Table of descriptors: `d`, content digest.
 pub(crate) const DESCRIPTOR: u8 = b'd';
-/// History: `h`, sequence.
+/// Table of history entries: `h`, sequence number.
 pub(crate) const HISTORY: u8 = b'h';
-/// Standing of a view, unless nobody has touched it since it was stored: `l`,
-/// track, view.
+/// Table of label registers, only for views with a decision: `l`, track-id, view id.
 pub(crate) const REGISTER: u8 = b'l';
-/// The one meta record: `m`.
+/// Metadata record: `m`.
 pub(crate) const META: u8 = b'm';
-/// A version of a document: `o`, kind, length and bytes of the name, sequence.
+/// Table of document versions: `o`, kind, length and bytes of the name, sequence number.
 pub(crate) const DOCUMENT: u8 = b'o';
-/// What is remembered of a forgotten view whose content is gone: `t`, identity.
+/// Table of tombstones of purged views: `t`, content digest.
 pub(crate) const TOMBSTONE: u8 = b't';
-/// A view without its content: `v`, track, view.
+/// Table of view metadata: `v`, track-id, view id.
 pub(crate) const VIEW: u8 = b'v';
 
-/// A key of the tables that hold something of a view.
+/// Key of a record about a view.
 pub(crate) fn view_key(table: u8, view: ViewId) -> [u8; 13] {
     let mut key = [table; 13];
     key[1..9].copy_from_slice(&view.track_id.to_be_bytes());
@@ -32,7 +31,7 @@ pub(crate) fn view_key(table: u8, view: ViewId) -> [u8; 13] {
     key
 }
 
-/// The view a key of such a table is about.
+/// View id in a key.
 pub(crate) fn view_of(key: &[u8]) -> Option<ViewId> {
     let key: &[u8; 13] = key.try_into().ok()?;
     Some(ViewId {
@@ -48,27 +47,27 @@ pub(crate) fn history_key(sequence: u64) -> [u8; 9] {
     key
 }
 
-/// The sequence of a history key.
+/// Sequence number in a history key.
 pub(crate) fn sequence_of(key: &[u8]) -> Option<u64> {
     let key: &[u8; 9] = key.try_into().ok()?;
     Some(u64::from_be_bytes(*key[1..].first_chunk()?))
 }
 
-/// A key of the tables of content.
+/// Key of a record under a content digest.
 pub(crate) fn digest_key(table: u8, digest: Digest) -> [u8; 17] {
     let mut key = [table; 17];
     key[1..].copy_from_slice(&digest.0.to_be_bytes());
     key
 }
 
-/// The digest in a key of the tables of content.
+/// Content digest in a key.
 pub(crate) fn digest_of(key: &[u8]) -> Option<Digest> {
     let key: &[u8; 17] = key.try_into().ok()?;
     Some(Digest(u128::from_be_bytes(*key[1..].first_chunk()?)))
 }
 
-/// Key of a version of a document. The name's length comes first, so that no name
-/// can run into the number behind it.
+/// Key of a document version. The length of the name comes first, so that names and sequence
+/// numbers cannot be confused.
 pub(crate) fn document_key(document: &DocumentKey, sequence: u64) -> Vec<u8> {
     let name = document.name.as_bytes();
     let mut key = Vec::with_capacity(4 + name.len() + 8);
@@ -79,7 +78,7 @@ pub(crate) fn document_key(document: &DocumentKey, sequence: u64) -> Vec<u8> {
     key
 }
 
-/// The document and the sequence in such a key.
+/// Document key and sequence number in a key.
 pub(crate) fn document_of(key: &[u8]) -> Option<(DocumentKey, u64)> {
     let (&[_, kind, high, low], rest) = key.split_first_chunk::<4>()?;
     let (name, sequence) = rest.split_at_checked(u16::from_be_bytes([high, low]) as usize)?;
@@ -90,7 +89,7 @@ pub(crate) fn document_of(key: &[u8]) -> Option<(DocumentKey, u64)> {
     Some((document, u64::from_be_bytes(sequence.try_into().ok()?)))
 }
 
-/// What a record is about, for people.
+/// Phrase for the record under a key, for error messages.
 pub(crate) fn in_words(key: &[u8]) -> String {
     let table = key.first().copied().unwrap_or_default();
     let view = view_of(key).map(crate::error::in_words);

@@ -1,47 +1,46 @@
-//! Perceptual memory over rusty-leveldb with a durable environment: what a
-//! person taught, and the views it was taught with. And the [working] memory:
-//! what is and was there.
+//! Durable perceptual memory (learned views and their labels, over rusty-leveldb) and [working]
+//! memory (a temporal world model).
 //!
-//! A change is acknowledged when it is on disk, is made whole or not at all, and
-//! is made once however often it is asked for. What is damaged is found when the
-//! store is opened or the record is read, and is told, never taken for truth.
+//! A mutation is acknowledged when it is on disk, is atomic, and is idempotent by its id.
+//! Corruption is detected when the store is opened or a record is read; it is reported and never
+//! returned as data.
 //!
-//! This crate never deletes a damaged database, never reads a clock (times are
-//! arguments), writes no log (what is worth telling is returned), and knows
-//! nothing of tokio, messages, or how recognition uses the descriptors.
+//! This crate never deletes a damaged database, never reads a clock (times are arguments), writes
+//! no log (reports are return values), and depends neither on tokio, nor on the messages, nor on
+//! the use of descriptors by recognition.
 
 mod digest;
 mod document;
 mod error;
-mod foreign;
+mod exchange;
 mod history;
+mod label_status;
 mod mutation;
-mod standing;
 mod view;
 
 mod perceptual_memory;
-mod reading;
+mod queries;
 mod store_thread;
 
-mod applying;
 mod decision;
-mod economy;
+mod entry_applier;
 mod importing;
-mod listing;
 mod maintenance;
 mod purge;
+mod retention_limits;
 mod undo;
+mod view_summary;
 
 mod checkpoint;
-mod examination;
+mod consistency_check;
 mod findings;
-mod fold;
+mod history_projection;
 mod opening;
 mod portable;
 mod raw_database;
 mod raw_log;
 mod raw_table;
-mod remains;
+mod recovered_records;
 mod replay;
 mod salvage;
 mod schema_1;
@@ -49,12 +48,12 @@ mod store_folder;
 mod track_id_counter;
 mod watermark;
 
-mod catalogue;
-mod facts;
 mod keys;
 mod meta;
 mod record;
-mod writes;
+mod record_batch;
+mod store_index;
+mod view_record;
 
 mod crc32c;
 mod durable_env;
@@ -65,22 +64,18 @@ mod verified_files;
 pub mod working;
 
 #[cfg(test)]
-mod cpp_leveldb_tests;
-#[cfg(test)]
-mod power_loss_tests;
+mod tests;
 
-pub use catalogue::CategorySummary;
 pub use checkpoint::{Checkpoint, CheckpointReader, Verification, verify_folder};
 pub use digest::Digest;
 pub use document::{
-    Document, DocumentContent, DocumentKey, DocumentKind, DocumentSummary, MAX_DOCUMENT_BYTES,
+    DocumentContent, DocumentKey, DocumentKind, DocumentSummary, MAX_DOCUMENT_BYTES, MemoryDocument,
 };
-pub use economy::Limits;
 pub use engine::WRITE_BUFFER_BYTES;
-pub use error::{Error, Refusal};
-pub use foreign::{ForeignDocument, ForeignView};
+pub use error::{Error, StoreRefusal};
+pub use exchange::{ForeignDocument, ForeignView};
 pub use history::{Contradiction, Effect, HistoryEntry, Operation};
-pub use listing::ViewSummary;
+pub use label_status::{Decided, Standing};
 pub use maintenance::Stats;
 pub use meta::StoreId;
 pub use mutation::{
@@ -88,11 +83,13 @@ pub use mutation::{
 };
 pub use opening::{Condition, OpenReport};
 pub use perceptual_memory::{MAX_LEASE, PerceptualMemory};
-pub use portable::{Batch, PortableCounts, PortableError, PortableReader, PortableWriter};
-pub use reading::{ChangeEntry, Changes, LabelledView, NameChange, Position, SnapshotPage};
-pub use salvage::Loss;
-pub use standing::{Decided, Standing};
+pub use portable::{PortableBatch, PortableCounts, PortableError, PortableReader, PortableWriter};
+pub use queries::{ChangeEntry, Changes, LabelledView, NameChange, Position, SnapshotPage};
+pub use retention_limits::Limits;
+pub use salvage::DataLoss;
+pub use store_index::CategorySummary;
 pub use store_thread::{OnReopened, StoreConfig, StoreHandle, StoreThread};
 pub use view::{
     Descriptor, MAX_DESCRIPTOR_VALUES, MAX_NAME_BYTES, MAX_POINTS_BYTES, Origin, StoredView, View,
 };
+pub use view_summary::ViewSummary;

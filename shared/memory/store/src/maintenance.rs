@@ -1,4 +1,4 @@
-//! What keeps a store small and tells how it is.
+//! Maintenance: stepwise compaction, and statistics of the store.
 
 use std::fs;
 
@@ -8,8 +8,8 @@ use crate::meta::{SCHEMA, StoreId};
 use crate::perceptual_memory::PerceptualMemory;
 use crate::purge;
 
-/// Steps in which the tables of content are compacted: each is a part of the keys,
-/// so that nobody waits long.
+/// Number of compaction steps per content table. Each step covers a part of the keys, so that no
+/// request waits long.
 const CONTENT_STEPS: usize = 64;
 const CONTENT_TABLES: [u8; 2] = [keys::BLOB, keys::DESCRIPTOR];
 const OTHER_TABLES: [u8; 6] = [
@@ -21,45 +21,45 @@ const OTHER_TABLES: [u8; 6] = [
     keys::VIEW,
 ];
 
-/// How much there is, and where.
+/// Statistics of a store.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Stats {
-    /// Which store it is.
+    /// Id of the store.
     pub store_id: StoreId,
-    /// Whose memory it is.
+    /// Id of the memory.
     pub memory_id: u128,
-    /// The form in which it is stored.
+    /// Schema version of the database.
     pub schema: u32,
-    /// Sequence of the last history entry.
+    /// Sequence number of the last history entry.
     pub sequence: u64,
-    /// History entries that a damaged store has lost.
+    /// Number of history entries lost with a damaged store.
     pub n_lost_entries: u64,
-    /// Views with a name.
+    /// Number of labelled views.
     pub n_named: u64,
-    /// Views without one.
+    /// Number of unlabelled views.
     pub n_unnamed: u64,
-    /// Views that were forgotten and not yet removed.
+    /// Number of forgotten views that are not purged yet.
     pub n_forgotten: u64,
-    /// Categories.
+    /// Number of categories.
     pub n_categories: u64,
-    /// Documents.
+    /// Number of documents.
     pub n_documents: u64,
-    /// Forgotten views of which the content is gone.
+    /// Number of tombstones of purged views.
     pub n_tombstones: u64,
-    /// Bytes of descriptors and clouds, each view's counted.
+    /// Total size of descriptors and point clouds, bytes, counted once per view.
     pub n_content_bytes: u64,
-    /// Bytes of the database's files.
+    /// Size of the database files, bytes.
     pub n_disk_bytes: u64,
-    /// The first track-id that was never leased.
+    /// First track-id that was never leased.
     pub next_track_id: u64,
 }
 
 impl PerceptualMemory {
-    /// Number of steps of [`Self::compact_step`].
+    /// Number of steps of a full compaction; see [`Self::compact_step`].
     pub const N_COMPACT_STEPS: usize = CONTENT_TABLES.len() * CONTENT_STEPS + OTHER_TABLES.len();
 
-    /// Merges the tables of a part of the keys, so that what was removed leaves the
-    /// disk. Nothing is lost when not all steps are made.
+    /// Compacts the tables of a part of the keys, which frees the space of deleted records. An
+    /// incomplete compaction loses nothing.
     ///
     /// # Errors
     ///
@@ -71,18 +71,18 @@ impl PerceptualMemory {
         compacted.map_err(|error| self.fail(error))
     }
 
-    /// Whether anything was forgotten or replaced before that time and not yet removed.
+    /// `true` if anything was forgotten or replaced before a time and is not purged yet.
     pub fn has_purgeable(&self, before_ns: u64) -> bool {
-        !purge::decide(&self.catalogue, before_ns).effects.is_empty()
+        !purge::decide(&self.index, before_ns).effects.is_empty()
     }
 
-    /// How much there is.
+    /// Statistics of the store.
     ///
     /// # Errors
     ///
     /// [`Error::Io`] when the folder cannot be listed.
     pub fn stats(&self) -> Result<Stats, Error> {
-        let catalogue = &self.catalogue;
+        let index = &self.index;
         let database = self.folder.database();
         let files = fs::read_dir(&database).map_err(Error::io("listing", &database))?;
         let sizes = files.flatten().filter_map(|file| file.metadata().ok());
@@ -91,21 +91,21 @@ impl PerceptualMemory {
             memory_id: self.memory_id(),
             schema: SCHEMA,
             sequence: self.sequence(),
-            n_lost_entries: catalogue.n_lost(),
-            n_named: catalogue.n_named() as u64,
-            n_unnamed: catalogue.n_unnamed() as u64,
-            n_forgotten: catalogue.n_forgotten() as u64,
-            n_categories: catalogue.n_categories() as u64,
-            n_documents: catalogue.documents().count() as u64,
-            n_tombstones: catalogue.tombstones.len() as u64,
-            n_content_bytes: catalogue.all().map(|(_, entry)| entry.n_bytes()).sum(),
+            n_lost_entries: index.n_lost(),
+            n_named: index.n_named() as u64,
+            n_unnamed: index.n_unnamed() as u64,
+            n_forgotten: index.n_forgotten() as u64,
+            n_categories: index.n_categories() as u64,
+            n_documents: index.documents().count() as u64,
+            n_tombstones: index.tombstones.len() as u64,
+            n_content_bytes: index.all().map(|(_, entry)| entry.n_bytes()).sum(),
             n_disk_bytes: sizes.map(|size| size.len()).sum(),
             next_track_id: self.meta.next_track_id,
         })
     }
 }
 
-/// First and last key of a step.
+/// First and last key of a compaction step.
 fn range_of(step: usize) -> (Vec<u8>, Vec<u8>) {
     let n_content = CONTENT_TABLES.len() * CONTENT_STEPS;
     if step < n_content {

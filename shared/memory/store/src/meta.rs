@@ -1,37 +1,36 @@
-//! The one record about the whole store, written with every commit.
+//! Metadata record of the store, written with every commit.
 
 use serde::{Deserialize, Serialize};
 use serde_bytes::ByteArray;
 
 use crate::digest::Digest;
 use crate::error::Error;
-use crate::watermark::Mark;
+use crate::watermark::WatermarkRecord;
 
-/// The schema of the database that this version writes; older ones are migrated.
+/// Schema version of this program; older databases are migrated.
 pub(crate) const SCHEMA: u32 = 2;
 
-/// Which store this is. A store that lost something gets another id, so that
-/// its readers load everything again.
+/// Id of a store. A rebuild after a loss changes it, so that readers load a new snapshot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct StoreId(pub u128);
 
-/// The record.
+/// Metadata record.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Meta {
     pub(crate) schema: u32,
     store_id: ByteArray<16>,
     memory_id: ByteArray<16>,
-    /// The first track-id that was never leased; ids begin at one.
+    /// Track-id counter: first id that was never leased. Ids begin at one.
     pub(crate) next_track_id: u64,
-    /// Sequence of the last history entry, and its digest.
+    /// Sequence number of the last history entry.
     pub(crate) sequence: u64,
     pub(crate) head: Digest,
-    /// Views whose content is there, forgotten ones too.
+    /// Number of views with content, including forgotten ones.
     pub(crate) n_views: u64,
 }
 
 impl Meta {
-    /// For an empty store with an id of its own.
+    /// Metadata of an empty store with a new id.
     pub(crate) fn new(memory_id: Option<u128>, next_track_id: u64) -> Result<Self, Error> {
         let store_id = random_id()?;
         let memory_id = memory_id.map_or_else(random_id, |id| Ok(id.to_be_bytes()))?;
@@ -46,7 +45,7 @@ impl Meta {
         })
     }
 
-    /// For an empty store in which this one's history is to be made again.
+    /// Metadata with which a replay of the history begins.
     pub(crate) fn before_history(&self) -> Self {
         Self {
             sequence: 0,
@@ -60,14 +59,14 @@ impl Meta {
         StoreId(u128::from_be_bytes(self.store_id.into_array()))
     }
 
-    /// Whose memory this is; it stays when the store is rebuilt.
+    /// Id of the memory; a rebuild keeps it.
     pub(crate) fn memory_id(&self) -> u128 {
         u128::from_be_bytes(self.memory_id.into_array())
     }
 
-    /// What the watermark should say once this is on disk.
-    pub(crate) fn mark(&self) -> Mark {
-        Mark {
+    /// Watermark that corresponds to this metadata.
+    pub(crate) fn mark(&self) -> WatermarkRecord {
+        WatermarkRecord {
             store_id: self.store_id().0,
             memory_id: self.memory_id(),
             sequence: self.sequence,
@@ -77,7 +76,7 @@ impl Meta {
     }
 }
 
-/// A number that nobody else draws.
+/// Random 128-bit id from the kernel.
 pub(crate) fn random_id() -> Result<[u8; 16], Error> {
     let mut id = [0; 16];
     getrandom::fill(&mut id)

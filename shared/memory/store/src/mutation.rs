@@ -1,31 +1,31 @@
-//! What the store can be asked to change.
+//! Mutations: requested changes of the store, idempotent by a client-drawn id.
 
 use std::fmt;
 
 use learning::{CategoryName, ViewId};
 use serde::{Deserialize, Serialize};
 
-use crate::document::{Document, DocumentKey};
-use crate::error::{Error, Refusal};
-use crate::foreign::{ForeignDocument, ForeignView};
+use crate::document::{DocumentKey, MemoryDocument};
+use crate::error::{Error, StoreRefusal};
+use crate::exchange::{ForeignDocument, ForeignView};
 use crate::history::Contradiction;
 use crate::meta::random_id;
 use crate::view::{MAX_NAME_BYTES, View};
 
-/// Most views one mutation may store.
+/// Maximum number of views in one mutation.
 pub const MAX_BATCH_VIEWS: usize = 1024;
 
-/// Most bytes of descriptors and clouds one mutation may store: they are held in
-/// memory until they are written.
+/// Maximum size of descriptors and point clouds in one mutation, bytes. They are held in memory
+/// until they are written.
 pub const MAX_BATCH_BYTES: usize = 64 << 20;
 
-/// A number the client draws at random for each mutation and repeats when it
-/// asks again, so that a repeated mutation is answered and not made twice.
+/// Idempotency key: a random number that the client repeats when it retries a mutation, so that the
+/// retry is answered and not applied again.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct MutationId(pub u128);
 
 impl MutationId {
-    /// A number that nobody else draws.
+    /// Random id, unique for all practical purposes.
     ///
     /// # Errors
     ///
@@ -35,20 +35,20 @@ impl MutationId {
     }
 }
 
-/// A change asked for, and by whom.
+/// Requested change with its author and time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mutation {
-    /// The client's number for it.
+    /// Idempotency key of the client.
     pub id: MutationId,
-    /// Who asks, at most [`MAX_NAME_BYTES`].
+    /// Author, at most [`MAX_NAME_BYTES`].
     pub author: String,
-    /// When, nanoseconds since 1970, UTC.
+    /// Time of the request, nanoseconds since 1970, UTC.
     pub wall_ns: u64,
-    /// What is asked.
+    /// Requested change.
     pub change: Change,
 }
 
-/// What a name can be given to or taken from.
+/// Set of views that a label change applies to.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Target {
@@ -56,7 +56,7 @@ pub enum Target {
     View(ViewId),
     /// All views of a track.
     Track(u64),
-    /// All views that carry a name.
+    /// All views of a category.
     Category(CategoryName),
 }
 
@@ -70,94 +70,94 @@ impl fmt::Display for Target {
     }
 }
 
-/// The changes there are.
+/// Kinds of changes.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Change {
-    /// Store views, 1 to [`MAX_BATCH_VIEWS`] and up to [`MAX_BATCH_BYTES`]; those
-    /// stored already with the same content are left as they are.
+    /// Store 1 to [`MAX_BATCH_VIEWS`] views of up to [`MAX_BATCH_BYTES`] under leased track-ids.
+    /// Views that are stored already with the same content are left unchanged.
     StoreViews(Vec<View>),
-    /// Give all stored views of a track a name it does not have yet. When it has
-    /// another one, nothing changes, and the history keeps who said otherwise.
+    /// Label all views of an unlabelled track. If the track has another label, nothing changes and
+    /// the history records the contradiction.
     Teach {
-        /// The track.
+        /// Track to label.
         track_id: u64,
-        /// Its name.
+        /// Category label.
         category: CategoryName,
     },
-    /// Give a view, a track, or all views of a category another name.
+    /// Relabel a view, a track, or all views of a category.
     Correct {
-        /// What.
+        /// Views to relabel.
         target: Target,
-        /// Its right name.
+        /// New category label.
         category: CategoryName,
     },
-    /// Forget. Of a category only the name: its views stay, without one. A track
-    /// and a view are neither recognised nor taught any more.
+    /// Forget a target. Of a category only the label is removed and its views stay; a track or view
+    /// is excluded from recognition and teaching.
     Forget(Target),
-    /// Give a category a name that no other has.
+    /// Rename a category to an unused name.
     Rename {
-        /// Its name.
+        /// Present name.
         from: CategoryName,
-        /// Its new name.
+        /// New name.
         to: CategoryName,
     },
-    /// Give all views of a category the name of another.
+    /// Merge two categories.
     MergeCategories {
-        /// The category that will be no more.
+        /// Category that is dissolved.
         from: CategoryName,
-        /// The one that gets its views.
+        /// Category that receives the views.
         into: CategoryName,
     },
-    /// Take an entry of the history back, unless something it changed was changed
-    /// since. Without a sequence: the last lesson of this author that still holds.
+    /// Undo a history entry, unless its effects were changed later. Without a sequence number: the
+    /// last teaching entry of this author that still holds.
     Undo {
-        /// The entry.
+        /// Sequence number of the entry.
         sequence: Option<u64>,
     },
-    /// Take over what another memory knows; where both know of a view, the later
-    /// decision holds.
+    /// Merge the export of another memory; for each view the later decision wins.
     Import {
-        /// Where it comes from, at most [`MAX_NAME_BYTES`].
+        /// Name of the source, at most [`MAX_NAME_BYTES`].
         source: String,
-        /// Its views, up to [`MAX_BATCH_VIEWS`] and [`MAX_BATCH_BYTES`].
+        /// Imported views, up to [`MAX_BATCH_VIEWS`] and [`MAX_BATCH_BYTES`].
         views: Vec<ForeignView>,
-        /// Its documents.
+        /// Imported documents.
         documents: Vec<ForeignDocument>,
     },
-    /// Store a document, instead of the one of this name.
-    PutDocument(Document),
+    /// Store a document, replacing the one with the same key.
+    PutDocument(MemoryDocument),
     /// Remove a document.
     RemoveDocument(DocumentKey),
-    /// Remove for good what was forgotten or replaced before a time.
+    /// Permanently delete content that was forgotten or replaced before a time.
     Purge {
-        /// That time, nanoseconds since 1970, UTC.
+        /// Cut-off time, nanoseconds since 1970, UTC.
         before_ns: u64,
     },
 }
 
-/// What a mutation did. It is on disk when it is given.
+/// Result of a mutation that is on disk.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Answer {
-    /// Sequence of the history's entry about it.
+    /// Sequence number of the history entry.
     pub sequence: u64,
-    /// Number of views that were stored, or that stand for something else since.
-    /// Zero: it was so already.
+    /// Number of views that were stored or changed their label status; zero if the state was
+    /// reached already.
     pub n_views: u64,
-    /// Why nothing changed: the history keeps both opinions.
+    /// Contradicted label, if the mutation changed nothing for that reason. The history keeps both
+    /// opinions.
     pub contradiction: Option<Contradiction>,
 }
 
 impl Mutation {
-    /// Refuses what no state of the store could grant.
-    pub(crate) fn check(&self) -> Result<(), Refusal> {
+    /// Validates everything that does not depend on the state of the store.
+    pub(crate) fn check(&self) -> Result<(), StoreRefusal> {
         let text = match &self.change {
             Change::Import { source, .. } => source,
             _ => &self.author,
         };
         for text in [&self.author, text] {
             if text.len() > MAX_NAME_BYTES {
-                return Err(Refusal::AuthorTooLong {
+                return Err(StoreRefusal::AuthorTooLong {
                     n_bytes: text.len(),
                     most: MAX_NAME_BYTES,
                 });
@@ -195,12 +195,12 @@ impl Mutation {
     }
 }
 
-fn check_batch(n_items: usize, n_bytes: usize) -> Result<(), Refusal> {
+fn check_batch(n_items: usize, n_bytes: usize) -> Result<(), StoreRefusal> {
     if n_items > MAX_BATCH_VIEWS {
         return Err(batch_size(n_items));
     }
     if n_bytes > MAX_BATCH_BYTES {
-        return Err(Refusal::BatchBytes {
+        return Err(StoreRefusal::BatchBytes {
             n_bytes,
             most: MAX_BATCH_BYTES,
         });
@@ -208,8 +208,8 @@ fn check_batch(n_items: usize, n_bytes: usize) -> Result<(), Refusal> {
     Ok(())
 }
 
-fn batch_size(n_views: usize) -> Refusal {
-    Refusal::BatchSize {
+fn batch_size(n_views: usize) -> StoreRefusal {
+    StoreRefusal::BatchSize {
         n_views,
         most: MAX_BATCH_VIEWS,
     }

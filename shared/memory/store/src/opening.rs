@@ -1,86 +1,86 @@
-//! Opens a store whatever state it is in, and tells which that was.
+//! Opening of a store in any condition: examination, recovery, migration, and a report.
 
 use std::fmt;
 use std::path::PathBuf;
 
+use crate::consistency_check::{self, ConsistencyReport, check_consistency};
 use crate::engine::Engine;
 use crate::error::Error;
-use crate::examination::{self, Examination, examine};
 use crate::meta::{Meta, SCHEMA};
 use crate::perceptual_memory::PerceptualMemory;
-use crate::salvage::{Loss, Salvaged, salvage};
+use crate::record_batch::RecordBatch;
+use crate::salvage::{DataLoss, SalvageOutcome, salvage};
 use crate::store_folder::StoreFolder;
 use crate::track_id_counter;
-use crate::watermark::{Mark, Watermark};
-use crate::writes::Writes;
+use crate::watermark::{Watermark, WatermarkRecord};
 
-/// What was found when the store was opened; `Display` is a sentence for log and health.
+/// Report of opening a store; `Display` gives a sentence for log and health status.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct OpenReport {
-    /// In which state it was.
+    /// Condition of the store.
     pub condition: Condition,
-    /// Number of views now in it, without those that are forgotten.
+    /// Number of stored views, without forgotten ones.
     pub n_views: u64,
-    /// Number of those that have a name.
+    /// Number of labelled views.
     pub n_labelled: u64,
-    /// Number of different names.
+    /// Number of categories.
     pub n_categories: u64,
-    /// Sequence of the last history entry.
+    /// Sequence number of the last history entry.
     pub n_history: u64,
-    /// What is worth knowing and lost nothing, in words.
+    /// Observations that are no losses, as sentences.
     pub notes: Vec<String>,
 }
 
-/// The state a store was found in.
+/// Condition in which a store was found.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Condition {
-    /// There was none; it was created.
+    /// Missing; a new store was created.
     New,
-    /// All is as it was written.
+    /// Intact.
     Sound,
-    /// It was damaged; what is whole was copied, under a new store id.
+    /// Damaged; all intact records were copied, under a new store id.
     Rebuilt {
-        /// What was wrong, in words.
+        /// Detected corruptions, as sentences.
         findings: Vec<String>,
-        /// What could not be copied.
-        loss: Loss,
-        /// Where the damaged database is kept.
+        /// Content that could not be copied.
+        loss: DataLoss,
+        /// Path of the damaged database.
         set_aside: Option<PathBuf>,
     },
-    /// It was written by an older version; all of it was brought into the new form.
+    /// Older schema, migrated without loss.
     Migrated {
-        /// The older schema.
+        /// Schema version before the migration.
         schema: u32,
-        /// Where the database of the older version is kept.
+        /// Path of the database before the migration.
         set_aside: Option<PathBuf>,
     },
-    /// Nothing in it was whole; an empty one was begun.
+    /// Damaged without any intact record; an empty store was created.
     Replaced {
-        /// What was wrong, in words.
+        /// Detected corruption, as a sentence.
         reason: String,
-        /// What it had.
-        loss: Loss,
-        /// Where the damaged database is kept, unless there was none left.
+        /// Content of the lost store.
+        loss: DataLoss,
+        /// Path of the damaged database, if anything of it was left.
         set_aside: Option<PathBuf>,
     },
 }
 
 impl OpenReport {
-    /// What was acknowledged and is gone.
-    pub fn loss(&self) -> Loss {
+    /// Losses of acknowledged content.
+    pub fn loss(&self) -> DataLoss {
         match &self.condition {
             Condition::Rebuilt { loss, .. } | Condition::Replaced { loss, .. } => *loss,
-            _ => Loss::default(),
+            _ => DataLoss::default(),
         }
     }
 
-    /// Whether anything that was acknowledged is gone: to be told loudly.
+    /// `true` if acknowledged content was lost; deserves a loud warning.
     pub fn is_loss(&self) -> bool {
-        self.loss() != Loss::default()
+        self.loss() != DataLoss::default()
     }
 
-    /// Whether anything was damaged, even if all of it could be restored.
+    /// `true` if anything was damaged, even if all of it could be restored.
     pub fn is_damage(&self) -> bool {
         matches!(
             self.condition,
@@ -146,7 +146,7 @@ impl fmt::Display for OpenReport {
     }
 }
 
-/// Opens what is in the folder; see [`PerceptualMemory::open`].
+/// Opens the store in a locked folder; see [`PerceptualMemory::open`].
 pub(crate) fn open(
     folder: StoreFolder,
     wall_ns: u64,
@@ -170,7 +170,7 @@ pub(crate) fn open(
         });
     };
     notes.extend(clock_note(wall_ns, examination.last_wall_ns));
-    let catalogue = examination.catalogue;
+    let index = examination.index;
     // A lease is marked before it is answered, and is given once even if the database lost it.
     let next_by_mark = mark.map(|mark| mark.next_track_id);
     if let Some(next) = next_by_mark.filter(|next| track_id_counter::is_plausible(*next)) {
@@ -179,20 +179,20 @@ pub(crate) fn open(
     mark_and_sync(&watermark, &meta.mark()).map_err(Error::io("writing", folder.watermark()))?;
     let report = OpenReport {
         condition,
-        n_views: (catalogue.n_all() - catalogue.n_forgotten()) as u64,
-        n_labelled: catalogue.n_named() as u64,
-        n_categories: catalogue.n_categories() as u64,
+        n_views: (index.n_all() - index.n_forgotten()) as u64,
+        n_labelled: index.n_named() as u64,
+        n_categories: index.n_categories() as u64,
         n_history: meta.sequence,
         notes,
     };
     Ok((
-        PerceptualMemory::new(engine, catalogue, meta, watermark, folder),
+        PerceptualMemory::new(engine, index, meta, watermark, folder),
         report,
     ))
 }
 
-/// Entries are ordered by their numbers, so a clock that was set back loses nothing;
-/// but whoever reads the history should know.
+/// Note about a clock behind the last history entry. Entries are ordered by sequence number, so a
+/// clock that was set back loses nothing.
 fn clock_note(wall_ns: u64, last_wall_ns: u64) -> Option<String> {
     let behind_s = last_wall_ns.checked_sub(wall_ns)? / 1_000_000_000;
     (behind_s > 0).then(|| {
@@ -203,17 +203,17 @@ fn clock_note(wall_ns: u64, last_wall_ns: u64) -> Option<String> {
     })
 }
 
-fn mark_and_sync(watermark: &Watermark, mark: &Mark) -> std::io::Result<()> {
+fn mark_and_sync(watermark: &Watermark, mark: &WatermarkRecord) -> std::io::Result<()> {
     watermark.write(mark)?;
     watermark.trim()?;
     watermark.sync()
 }
 
-type Opened = (Engine, Examination, Condition);
+type Opened = (Engine, ConsistencyReport, Condition);
 
 fn open_database(
     folder: &StoreFolder,
-    mark: Option<&Mark>,
+    mark: Option<&WatermarkRecord>,
     wall_ns: u64,
     must_rebuild: bool,
 ) -> Result<Opened, Error> {
@@ -227,13 +227,13 @@ fn open_database(
         Err(error) => return Err(error),
     };
     // An older schema is rebuilt in the new form.
-    let schema = match examination::schema(&mut engine) {
+    let schema = match consistency_check::schema(&mut engine) {
         Err(error @ Error::NewerSchema { .. }) => return Err(error),
         schema => schema.unwrap_or(None),
     };
     let examined = match schema {
         Some(schema) if schema < SCHEMA => None,
-        _ => Some(examine(&mut engine, mark)),
+        _ => Some(check_consistency(&mut engine, mark)),
     };
     let findings = match examined {
         None => Vec::new(),
@@ -251,8 +251,8 @@ fn open_database(
     rebuild(findings)
 }
 
-/// An empty database: a new one, or all that is left of one that is gone.
-fn begin(mut engine: Engine, mark: Option<&Mark>) -> Result<Opened, Error> {
+/// Initialises an empty database: a new one, or the replacement of a missing one.
+fn begin(mut engine: Engine, mark: Option<&WatermarkRecord>) -> Result<Opened, Error> {
     engine.accept()?;
     let examination = commit_empty(&mut engine, mark)?;
     let condition = match mark.filter(|mark| mark.sequence > 0) {
@@ -266,54 +266,61 @@ fn begin(mut engine: Engine, mark: Option<&Mark>) -> Result<Opened, Error> {
     Ok((engine, examination, condition))
 }
 
-fn all_of(mark: &Mark) -> Loss {
-    Loss {
+fn all_of(mark: &WatermarkRecord) -> DataLoss {
+    DataLoss {
         n_history: mark.sequence,
         n_views: mark.n_views,
-        ..Loss::default()
+        ..DataLoss::default()
     }
 }
 
-/// Commits the record about an empty store.
-fn commit_empty(engine: &mut Engine, mark: Option<&Mark>) -> Result<Examination, Error> {
+/// Commits the metadata record of an empty store.
+fn commit_empty(
+    engine: &mut Engine,
+    mark: Option<&WatermarkRecord>,
+) -> Result<ConsistencyReport, Error> {
     let memory_id = mark.map(|mark| mark.memory_id);
     let next_track_id = match mark {
         Some(mark) => track_id_counter::recovered([mark.next_track_id], []),
         None => 1,
     };
     let meta = Meta::new(memory_id, next_track_id)?;
-    Writes::default().commit(engine, &meta)?;
-    Ok(Examination {
+    RecordBatch::default().commit(engine, &meta)?;
+    Ok(ConsistencyReport {
         meta: Some(meta),
-        ..Examination::default()
+        ..ConsistencyReport::default()
     })
 }
 
-/// Sets the database aside and begins an empty one.
-fn replace(folder: &StoreFolder, mark: Option<&Mark>, reason: String) -> Result<Opened, Error> {
+/// Sets the database aside and creates an empty one.
+fn replace(
+    folder: &StoreFolder,
+    mark: Option<&WatermarkRecord>,
+    reason: String,
+) -> Result<Opened, Error> {
     let set_aside = Some(folder.set_aside()?);
     let mut engine = folder.open_database()?;
     engine.accept()?;
     let examination = commit_empty(&mut engine, mark)?;
     let condition = Condition::Replaced {
         reason,
-        loss: mark.map_or_else(Loss::default, all_of),
+        loss: mark.map_or_else(DataLoss::default, all_of),
         set_aside,
     };
     Ok((engine, examination, condition))
 }
 
-/// Makes a database of what is whole, sets the other one aside, and opens the new.
+/// Rebuilds the database from its intact records, sets the old one aside, and opens the new one.
 fn rebuild(
     folder: &StoreFolder,
-    mark: Option<&Mark>,
+    mark: Option<&WatermarkRecord>,
     wall_ns: u64,
     findings: Vec<String>,
 ) -> Result<Opened, Error> {
     let mut copy = folder.open_rebuilding()?;
     copy.accept()?;
     let salvaged = salvage(&folder.database(), &mut copy, mark, wall_ns)?;
-    let Some(Salvaged {
+    let Some(SalvageOutcome {
         loss,
         migrated_from,
     }) = salvaged
@@ -324,7 +331,7 @@ fn rebuild(
     copy.close()?;
     let set_aside = folder.replace_by_rebuilding()?;
     let mut engine = folder.open_database()?;
-    let copied = examine(&mut engine, None)?;
+    let copied = check_consistency(&mut engine, None)?;
     if !copied.findings.is_empty() {
         let findings = copied.findings.into_words().join("; ");
         return Err(Error::Damaged {
@@ -333,7 +340,7 @@ fn rebuild(
     }
     engine.accept()?;
     let condition = match migrated_from {
-        Some(schema) if loss == Loss::default() => Condition::Migrated { schema, set_aside },
+        Some(schema) if loss == DataLoss::default() => Condition::Migrated { schema, set_aside },
         _ => Condition::Rebuilt {
             findings,
             loss,
@@ -348,7 +355,7 @@ mod tests {
     use super::*;
     use crate::engine::WRITE_BUFFER_BYTES;
     use crate::meta::SCHEMA;
-    use crate::reading::Position;
+    use crate::queries::Position;
     use std::fs;
 
     #[test]

@@ -1,78 +1,77 @@
-//! The perceptual memory: the database, its index in memory, and its changes.
+//! Perceptual memory: database, in-memory index, and two-phase mutations (stage, commit).
 
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::applying::Target;
-use crate::catalogue::Catalogue;
-use crate::decision::{Contents, Decision, decide};
-use crate::economy::Limits;
+use crate::decision::{Decision, NewContent, decide};
 use crate::engine::{Engine, Reader};
-use crate::error::{Error, Refusal};
+use crate::entry_applier::EntryApplier;
+use crate::error::{Error, StoreRefusal};
 use crate::history::{Effect, HistoryEntry};
+use crate::label_status::Decided;
 use crate::meta::{Meta, StoreId};
 use crate::mutation::{Answer, Change, Mutation, MutationId};
 use crate::opening::{self, OpenReport};
-use crate::reading::read_entry;
-use crate::standing::Decided;
+use crate::queries::read_entry;
+use crate::record_batch::RecordBatch;
+use crate::retention_limits::Limits;
 use crate::store_folder::StoreFolder;
+use crate::store_index::StoreIndex;
 use crate::undo;
 use crate::watermark::Watermark;
-use crate::writes::Writes;
 
-/// Most track-ids one lease gives.
+/// Maximum number of track-ids in one lease.
 pub const MAX_LEASE: u64 = 1 << 20;
 
-/// Entries among which somebody's last lesson is looked for.
+/// Number of recent history entries that an undo without a sequence number searches.
 const UNDO_LOOKS_BACK: u64 = 4096;
 
-/// The store, open in this process alone.
+/// Perceptual memory of one robot, open in one process.
 ///
-/// After an [`Error::Io`] or [`Error::Damaged`] it answers every call with
-/// [`Error::Failed`]; drop it and open it again.
+/// After an [`Error::Io`] or [`Error::Damaged`] every call returns [`Error::Failed`] until the
+/// store is dropped and opened again.
 pub struct PerceptualMemory {
     pub(crate) engine: Engine,
-    pub(crate) catalogue: Catalogue,
+    pub(crate) index: StoreIndex,
     pub(crate) meta: Meta,
     pub(crate) limits: Limits,
-    /// When the last change was asked for, for entries the store makes by itself.
+    /// Wall-clock time of the last mutation, for entries that the store writes itself.
     pub(crate) last_wall_ns: u64,
     watermark: Watermark,
     staged: Staged,
     failure: Option<Arc<Error>>,
-    /// Last, so that the folder is held until the database is closed.
+    /// Locked folder; the last field, so that the database is closed before the lock is released.
     pub(crate) folder: StoreFolder,
 }
 
-/// Changes made to the index and not yet to the disk.
+/// Changes of the index that are not on disk yet.
 #[derive(Default)]
 struct Staged {
-    writes: Writes,
-    /// By sequence.
+    writes: RecordBatch,
+    /// Staged history entries by sequence number.
     entries: HashMap<u64, HistoryEntry>,
 }
 
 impl PerceptualMemory {
-    /// Opens or creates the store in `folder`, and tells what was found there.
+    /// Opens or creates the store in `folder` and returns a report of its condition.
     ///
-    /// A damaged database is never deleted and never stops the daemon: what is
-    /// whole in it is copied, the damaged one is set aside under another name,
-    /// and the report says what is lost. `wall_ns` is now, nanoseconds since
-    /// 1970, UTC, for the history's entry about that.
+    /// A damaged database is never deleted and never stops the daemon: its intact records are
+    /// copied, the damaged database is renamed, and the report counts the losses. `wall_ns` is the
+    /// present time, nanoseconds since 1970, UTC, for the history entry about a rebuild.
     ///
-    /// Reads all of the index, none of the descriptors.
+    /// Reads the whole index, but no descriptors.
     ///
     /// # Errors
     ///
-    /// [`Error::InUse`], [`Error::NewerSchema`], or [`Error::Io`] when the folder
-    /// cannot be read and written; nothing was set aside then.
+    /// [`Error::InUse`], [`Error::NewerSchema`], or [`Error::Io`] when the folder cannot be read
+    /// and written; nothing was renamed then.
     pub fn open(folder: &Path, wall_ns: u64) -> Result<(Self, OpenReport), Error> {
         opening::open(StoreFolder::hold(folder)?, wall_ns, false)
     }
 
-    /// As [`Self::open`], but reads the descriptors and clouds too, and makes a
-    /// new copy of everything that is whole: after [`Error::Damaged`].
+    /// Opens the store like [`Self::open`], but also reads descriptors and point clouds and
+    /// rebuilds the database from all intact records. For use after [`Error::Damaged`].
     ///
     /// # Errors
     ///
@@ -83,7 +82,7 @@ impl PerceptualMemory {
 
     pub(crate) fn new(
         engine: Engine,
-        catalogue: Catalogue,
+        index: StoreIndex,
         meta: Meta,
         watermark: Watermark,
         folder: StoreFolder,
@@ -91,7 +90,7 @@ impl PerceptualMemory {
         let staged = Staged::default();
         Self {
             engine,
-            catalogue,
+            index,
             meta,
             limits: Limits::default(),
             last_wall_ns: 0,
@@ -102,28 +101,27 @@ impl PerceptualMemory {
         }
     }
 
-    /// Which store this is.
+    /// Id of this store; a rebuild changes it.
     pub fn store_id(&self) -> StoreId {
         self.meta.store_id()
     }
 
-    /// Whose memory this is: what was stored here says so on every robot. It stays
-    /// when the store is rebuilt.
+    /// Id of this memory, part of the provenance of its views on every robot; a rebuild keeps it.
     pub fn memory_id(&self) -> u128 {
         self.meta.memory_id()
     }
 
-    /// Has the store hold limits from the next change on; there are none at first.
+    /// Sets the retention limits, enforced from the next mutation on. The default is no limit.
     pub fn set_limits(&mut self, limits: Limits) {
         self.limits = limits;
     }
 
-    /// Sequence of the last history entry; zero when there is none.
+    /// Sequence number of the last history entry; zero for an empty history.
     pub fn sequence(&self) -> u64 {
         self.meta.sequence
     }
 
-    /// Makes one change and has it on disk before it returns.
+    /// Applies one mutation and returns when it is on disk.
     ///
     /// # Errors
     ///
@@ -135,8 +133,8 @@ impl PerceptualMemory {
         Ok(answer)
     }
 
-    /// Leases `count` track-ids, from the returned one on, that were never given
-    /// out before and never will be again. On disk before it returns.
+    /// Leases `count` track-ids, starting at the returned one, that no other lease gives. The lease
+    /// is on disk on return.
     ///
     /// # Errors
     ///
@@ -147,7 +145,7 @@ impl PerceptualMemory {
         Ok(first)
     }
 
-    /// Writes everything out and closes the store.
+    /// Flushes and closes the store.
     ///
     /// # Errors
     ///
@@ -159,24 +157,24 @@ impl PerceptualMemory {
         self.engine.close()
     }
 
-    /// Makes a change in the index; [`Self::commit`] makes it on disk. A change
-    /// staged later sees it.
+    /// Stages a mutation in the index; [`Self::commit`] makes it durable. Later staged mutations
+    /// see it.
     pub(crate) fn stage(&mut self, mutation: &Mutation) -> Result<Answer, Error> {
         self.usable()?;
-        if let Some(&sequence) = self.catalogue.answered.get(&mutation.id) {
+        if let Some(&sequence) = self.index.answered.get(&mutation.id) {
             return Ok(self.entry(sequence)?.answer());
         }
         mutation.check()?;
         let decision = match &mutation.change {
             Change::Undo { sequence } => self.decide_undo(*sequence, &mutation.author)?,
-            change => decide(&self.catalogue, &self.meta, change)?,
+            change => decide(&self.index, &self.meta, change)?,
         };
         let id = Some(mutation.id);
         self.last_wall_ns = mutation.wall_ns;
         Ok(self.stage_decision(id, &mutation.author, mutation.wall_ns, decision))
     }
 
-    /// Stages what was decided, as the next entry of the history.
+    /// Stages a decision as the next history entry.
     pub(crate) fn stage_decision(
         &mut self,
         mutation: Option<MutationId>,
@@ -199,8 +197,8 @@ impl PerceptualMemory {
         self.stage_entry(entry, &decision.contents)
     }
 
-    /// Where the clock has stepped back, a document's version is dated by the one before.
-    /// A purge may take that one away, so the history itself says what the date is.
+    /// Fixes the time stamps of document versions in the entry if the clock has stepped back. A
+    /// purge may remove the earlier version from which the stamp would be derived.
     fn date_documents(&self, effects: &mut [Effect], author: &str, wall_ns: u64) {
         for effect in effects {
             let Effect::Document {
@@ -209,17 +207,17 @@ impl PerceptualMemory {
             else {
                 continue;
             };
-            let last_ns = self.catalogue.document_stamp_ns(document);
+            let last_ns = self.index.document_stamp_ns(document);
             if decided.is_none() && last_ns >= wall_ns {
                 *decided = Some(Decided::after(last_ns, author.into(), wall_ns));
             }
         }
     }
 
-    /// Stages an entry as it is.
-    pub(crate) fn stage_entry(&mut self, entry: HistoryEntry, contents: &Contents) -> Answer {
-        let mut target = Target {
-            catalogue: &mut self.catalogue,
+    /// Stages a complete history entry.
+    pub(crate) fn stage_entry(&mut self, entry: HistoryEntry, contents: &NewContent) -> Answer {
+        let mut target = EntryApplier {
+            index: &mut self.index,
             meta: &mut self.meta,
             writes: &mut self.staged.writes,
         };
@@ -229,7 +227,7 @@ impl PerceptualMemory {
         answer
     }
 
-    /// Has an empty store be another one.
+    /// Replaces the metadata record of an empty store.
     pub(crate) fn begin_as(&mut self, meta: Meta) -> Result<(), Error> {
         self.meta = meta;
         self.staged.writes.touch();
@@ -239,63 +237,65 @@ impl PerceptualMemory {
     fn decide_undo(&mut self, sequence: Option<u64>, author: &str) -> Result<Decision, Error> {
         let sequence = match sequence {
             Some(sequence) => sequence,
-            None => self.last_lesson(author)?,
+            None => self.last_teaching(author)?,
         };
         let entry = self.entry(sequence)?;
-        Ok(undo::decide(&self.catalogue, &entry)?)
+        Ok(undo::decide(&self.index, &entry)?)
     }
 
-    /// The last entry in which this author taught something that still holds.
-    fn last_lesson(&mut self, author: &str) -> Result<u64, Error> {
+    /// Sequence number of the last teaching entry of this author that can be undone.
+    fn last_teaching(&mut self, author: &str) -> Result<u64, Error> {
         let first = self.meta.sequence.saturating_sub(UNDO_LOOKS_BACK);
         for sequence in (first + 1..=self.meta.sequence).rev() {
-            if self.catalogue.is_lost(sequence) {
+            if self.index.is_lost(sequence) {
                 continue;
             }
             let entry = self.entry(sequence)?;
-            let is_own = &*entry.author == author && undo::is_lesson(&entry.operation);
-            if is_own && undo::decide(&self.catalogue, &entry).is_ok() {
+            let is_own = &*entry.author == author && undo::is_teaching(&entry.operation);
+            if is_own && undo::decide(&self.index, &entry).is_ok() {
                 return Ok(sequence);
             }
         }
-        Err(Refusal::NothingToUndo.into())
+        Err(StoreRefusal::NothingToUndo.into())
     }
 
-    /// An entry, staged or on disk.
+    /// History entry by sequence number, staged or on disk.
     fn entry(&mut self, sequence: u64) -> Result<HistoryEntry, Error> {
         if let Some(entry) = self.staged.entries.get(&sequence) {
             return Ok(entry.clone());
         }
         let is_known = (1..=self.meta.sequence).contains(&sequence);
-        if !is_known || self.catalogue.is_lost(sequence) {
-            return Err(Refusal::UnknownEntry { sequence }.into());
+        if !is_known || self.index.is_lost(sequence) {
+            return Err(StoreRefusal::UnknownEntry { sequence }.into());
         }
         self.read(|reader| read_entry(reader, sequence))
     }
 
-    /// Makes a lease; [`Self::commit`] makes it on disk.
+    /// Stages a lease; [`Self::commit`] makes it durable.
     pub(crate) fn stage_lease(&mut self, count: u64) -> Result<u64, Error> {
         self.usable()?;
         let first = self.meta.next_track_id;
         if !(1..=MAX_LEASE).contains(&count) {
-            return Err(Refusal::LeaseSize {
+            return Err(StoreRefusal::LeaseSize {
                 count,
                 most: MAX_LEASE,
             }
             .into());
         }
-        let end = first.checked_add(count).ok_or(Refusal::TrackIdsExhausted)?;
+        let end = first
+            .checked_add(count)
+            .ok_or(StoreRefusal::TrackIdsExhausted)?;
         self.meta.next_track_id = end;
         // The record about the store alone is the lease.
         self.staged.writes.touch();
         Ok(first)
     }
 
-    /// Has all staged changes on disk, with one sync; none when nothing is staged.
-    /// What exceeds a limit then is given up, with another.
+    /// Commits all staged changes with one sync, then enforces the retention limits in a second
+    /// commit.
     pub(crate) fn commit(&mut self) -> Result<(), Error> {
         self.commit_staged()?;
-        if self.stage_economies()? {
+        if self.stage_limit_enforcement()? {
             self.commit_staged()?;
         }
         Ok(())
@@ -317,12 +317,12 @@ impl PerceptualMemory {
         written.map_err(|error| self.fail(error))
     }
 
-    /// Bytes staged so far.
+    /// Number of staged bytes.
     pub(crate) fn n_staged_bytes(&self) -> usize {
         self.staged.writes.n_bytes()
     }
 
-    /// The error that made the store unusable.
+    /// Error that made the store unusable.
     pub(crate) fn failure(&self) -> Option<&Error> {
         self.failure.as_deref()
     }
@@ -336,13 +336,13 @@ impl PerceptualMemory {
         }
     }
 
-    /// Remembers an error after which index and disk may differ.
+    /// Records an error after which index and disk may differ.
     pub(crate) fn fail(&mut self, error: Error) -> Error {
         self.failure.get_or_insert_with(|| Arc::new(error.clone()));
         error
     }
 
-    /// Reads something; an error makes the store unusable until it is opened again.
+    /// Runs a read; an error makes the store unusable until it is opened again.
     pub(crate) fn read<T>(
         &mut self,
         read: impl FnOnce(&mut Reader) -> Result<T, Error>,

@@ -1,18 +1,17 @@
-//! A memory as one file, to be kept or given to another robot.
+//! Export file format: a memory as one file, for backup and exchange between robots.
 //!
 //! ```text
 //! "TABULA MEMORY 1\n"
 //! frames: kind, one byte; length of the body, u32; CRC-32 of kind, length and body, u32; body, CBOR
-//!     V  a view: facts, descriptor, cloud, standing, who decided
-//!     F  a forgotten view: identity, who decided
-//!     D  a document
-//!     E  the end: how many of each, and the digest of all bytes before this frame
+//!     V  view: metadata, descriptor, point cloud, label status, decision stamp
+//!     F  forgotten view: content digest, decision stamp
+//!     D  document
+//!     E  end: number of frames of each kind, and the digest of all preceding bytes
 //! ```
 //!
-//! Numbers are little-endian. Frames come in the order of views' identities and
-//! documents' names, so that memories that know the same are the same file.
+//! Numbers are little-endian. Frames are ordered by content digest and document key, so that equal
+//! memories give equal files.
 
-use std::fmt;
 use std::io::{self, Read, Write};
 
 use serde::de::DeserializeOwned;
@@ -20,17 +19,17 @@ use serde::{Deserialize, Serialize};
 use serde_bytes::ByteBuf;
 
 use crate::digest::{Digest, Hasher};
-use crate::document::{Document, DocumentKey};
-use crate::facts::{Facts, ViewParts};
-use crate::foreign::{ForeignDocument, ForeignView};
+use crate::document::{DocumentKey, MemoryDocument};
+use crate::exchange::{ForeignDocument, ForeignView};
+use crate::label_status::{Decided, Standing};
 use crate::mutation::{MAX_BATCH_BYTES, MAX_BATCH_VIEWS};
-use crate::standing::{Decided, Standing};
+use crate::view_record::{ViewMetadata, ViewParts};
 
 const MAGIC: &[u8; 16] = b"TABULA MEMORY 1\n";
-/// What any version of the format begins with.
+/// Common prefix of all versions of the format.
 const MAGIC_OF_ALL: &[u8; 14] = b"TABULA MEMORY ";
 const FRAME_HEADER_BYTES: usize = 9;
-/// Longer than any view or document with everything around it.
+/// Maximum length of a frame body, bytes; larger than any view or document.
 const MAX_BODY_BYTES: usize = 40 << 20;
 
 const VIEW: u8 = b'V';
@@ -40,7 +39,8 @@ const END: u8 = b'E';
 
 #[derive(Serialize, Deserialize)]
 struct ViewBody {
-    facts: Facts,
+    #[serde(rename = "facts")]
+    metadata: ViewMetadata,
     descriptor: ByteBuf,
     points: Option<ByteBuf>,
     standing: Standing,
@@ -61,14 +61,14 @@ struct DocumentBody {
     decided: Decided,
 }
 
-/// What a file holds.
+/// Number of frames of each kind.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PortableCounts {
-    /// Views with their content.
+    /// Number of views with content.
     pub n_views: u64,
-    /// Views of which only that they were forgotten is known.
+    /// Number of forgotten views, of which only the digest is known.
     pub n_forgotten: u64,
-    /// Documents, removed ones too.
+    /// Number of documents, including removed ones.
     pub n_documents: u64,
 }
 
@@ -78,45 +78,30 @@ struct EndBody {
     digest: Digest,
 }
 
-/// Why a file cannot be read.
-#[derive(Debug)]
+/// Error of reading an exported memory.
+#[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PortableError {
-    /// The system could not read or write.
+    /// Failed read or write of the operating system.
+    #[error("{0}")]
     Io(io::Error),
-    /// It is no exported memory.
+    /// File of another format.
+    #[error("it is no exported memory; export one with: tabula memory export FILE")]
     NoMemory,
-    /// It was exported by a newer version.
+    /// File of a newer format version.
+    #[error("it was exported by a newer version of this program; update this one")]
     Newer,
-    /// It ends too early, or something in it is not what was written.
+    /// Truncated or corrupted file.
+    #[error(
+        "it is damaged at byte {offset}: {reason}; nothing of it was taken over, export it again"
+    )]
     Damaged {
-        /// Where, bytes from the beginning.
+        /// Offset of the corruption, bytes from the beginning.
         offset: u64,
-        /// What is wrong.
+        /// Violated rule of the format.
         reason: &'static str,
     },
 }
-
-impl fmt::Display for PortableError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Io(error) => write!(f, "{error}"),
-            Self::NoMemory => {
-                f.write_str("it is no exported memory; export one with: tabula memory export FILE")
-            }
-            Self::Newer => {
-                f.write_str("it was exported by a newer version of this program; update this one")
-            }
-            Self::Damaged { offset, reason } => write!(
-                f,
-                "it is damaged at byte {offset}: {reason}; nothing of it was taken over, export it \
-                 again"
-            ),
-        }
-    }
-}
-
-impl std::error::Error for PortableError {}
 
 impl From<io::Error> for PortableError {
     fn from(error: io::Error) -> Self {
@@ -124,7 +109,7 @@ impl From<io::Error> for PortableError {
     }
 }
 
-/// Writes a file.
+/// Writer of an export file.
 pub struct PortableWriter<W> {
     to: W,
     hasher: Hasher,
@@ -132,7 +117,7 @@ pub struct PortableWriter<W> {
 }
 
 impl<W: Write> PortableWriter<W> {
-    /// Begins the file.
+    /// Writes the header.
     ///
     /// # Errors
     ///
@@ -147,7 +132,7 @@ impl<W: Write> PortableWriter<W> {
         Ok(writer)
     }
 
-    /// Adds a view.
+    /// Writes a view frame.
     ///
     /// # Errors
     ///
@@ -162,7 +147,7 @@ impl<W: Write> PortableWriter<W> {
             } => {
                 let parts = ViewParts::of(view, *origin);
                 let body = ViewBody {
-                    facts: parts.facts,
+                    metadata: parts.metadata,
                     descriptor: ByteBuf::from(parts.descriptor),
                     points: parts.points.map(ByteBuf::from),
                     standing: standing.clone(),
@@ -182,7 +167,7 @@ impl<W: Write> PortableWriter<W> {
         }
     }
 
-    /// Adds a document.
+    /// Writes a document frame.
     ///
     /// # Errors
     ///
@@ -204,7 +189,7 @@ impl<W: Write> PortableWriter<W> {
         self.frame(DOCUMENT, &body)
     }
 
-    /// Ends the file; it is no exported memory without that.
+    /// Writes the end frame, without which the file is invalid.
     ///
     /// # Errors
     ///
@@ -243,17 +228,17 @@ fn checksum(header: &[u8], body: &[u8]) -> u32 {
     hasher.finalize()
 }
 
-/// Views and documents that one mutation can take over.
+/// Views and documents that fit into one import mutation.
 #[derive(Debug, Default, PartialEq)]
-pub struct Batch {
-    /// Views.
+pub struct PortableBatch {
+    /// Views of the batch.
     pub views: Vec<ForeignView>,
-    /// Documents.
+    /// Documents of the batch.
     pub documents: Vec<ForeignDocument>,
 }
 
-/// Reads a file. What it gives before the end may belong to a damaged file: read it
-/// to the end once before anything is done with it.
+/// Reader of an export file. Frames before the end frame may belong to a damaged file: read the
+/// file completely once before importing any of it.
 pub struct PortableReader<R> {
     from: R,
     hasher: Hasher,
@@ -262,13 +247,13 @@ pub struct PortableReader<R> {
     is_ended: bool,
 }
 
-enum Item {
+enum PortableItem {
     View(ForeignView),
     Document(ForeignDocument),
 }
 
 impl<R: Read> PortableReader<R> {
-    /// Reads the beginning.
+    /// Reads the header.
     ///
     /// # Errors
     ///
@@ -295,43 +280,43 @@ impl<R: Read> PortableReader<R> {
         })
     }
 
-    /// Bytes read so far.
+    /// Number of bytes read.
     pub fn n_bytes_read(&self) -> u64 {
         self.offset
     }
 
-    /// What was read so far; all that is there after the end.
+    /// Number of frames read, by kind.
     pub fn counts(&self) -> PortableCounts {
         self.counts
     }
 
-    /// The next views and documents, as many as fit one mutation; none at the end.
+    /// Next batch of views and documents; `None` at the end.
     ///
     /// # Errors
     ///
     /// When the file is damaged or cannot be read.
-    pub fn batch(&mut self) -> Result<Option<Batch>, PortableError> {
-        let mut batch = Batch::default();
+    pub fn batch(&mut self) -> Result<Option<PortableBatch>, PortableError> {
+        let mut batch = PortableBatch::default();
         let mut n_bytes = 0;
         while batch.views.len() + batch.documents.len() < MAX_BATCH_VIEWS
             && n_bytes < MAX_BATCH_BYTES / 4
         {
             match self.item()? {
-                Some(Item::View(view)) => {
+                Some(PortableItem::View(view)) => {
                     n_bytes += view.n_large_bytes();
                     batch.views.push(view);
                 }
-                Some(Item::Document(document)) => {
+                Some(PortableItem::Document(document)) => {
                     n_bytes += document.n_bytes();
                     batch.documents.push(document);
                 }
                 None => break,
             }
         }
-        Ok((batch != Batch::default()).then_some(batch))
+        Ok((batch != PortableBatch::default()).then_some(batch))
     }
 
-    fn item(&mut self) -> Result<Option<Item>, PortableError> {
+    fn item(&mut self) -> Result<Option<PortableItem>, PortableError> {
         if self.is_ended {
             return Ok(None);
         }
@@ -346,12 +331,12 @@ impl<R: Read> PortableReader<R> {
             VIEW => {
                 self.counts.n_views += 1;
                 let view = view_of(decode(&body).map_err(damaged)?).map_err(damaged)?;
-                Ok(Some(Item::View(view)))
+                Ok(Some(PortableItem::View(view)))
             }
             FORGOTTEN => {
                 self.counts.n_forgotten += 1;
                 let ForgottenBody { identity, decided } = decode(&body).map_err(damaged)?;
-                Ok(Some(Item::View(ForeignView::Forgotten {
+                Ok(Some(PortableItem::View(ForeignView::Forgotten {
                     identity,
                     decided,
                 })))
@@ -359,7 +344,7 @@ impl<R: Read> PortableReader<R> {
             DOCUMENT => {
                 self.counts.n_documents += 1;
                 let document = document_of(decode(&body).map_err(damaged)?).map_err(damaged)?;
-                Ok(Some(Item::Document(document)))
+                Ok(Some(PortableItem::Document(document)))
             }
             END => {
                 let end: EndBody = decode(&body).map_err(damaged)?;
@@ -411,7 +396,7 @@ impl<R: Read> PortableReader<R> {
     }
 }
 
-/// Fills `bytes`, or says that there were not as many.
+/// Fills `bytes`; `false` at the end of the file.
 fn read_whole(from: &mut impl Read, bytes: &mut [u8]) -> io::Result<bool> {
     match from.read_exact(bytes) {
         Ok(()) => Ok(true),
@@ -426,7 +411,7 @@ fn decode<T: DeserializeOwned>(body: &[u8]) -> Result<T, &'static str> {
 
 fn view_of(body: ViewBody) -> Result<ForeignView, &'static str> {
     let parts = ViewParts {
-        facts: body.facts,
+        metadata: body.metadata,
         descriptor: body.descriptor.into_vec(),
         points: body.points.map(ByteBuf::into_vec),
     };
@@ -436,7 +421,7 @@ fn view_of(body: ViewBody) -> Result<ForeignView, &'static str> {
     if body.standing == Standing::Forgotten {
         return Err("a forgotten view has content");
     }
-    let origin = parts.facts.origin();
+    let origin = parts.metadata.origin();
     let view = parts.into_view(origin.view);
     view.check()
         .map_err(|_| "a view has values that none can have")?;
@@ -456,7 +441,7 @@ fn document_of(body: DocumentBody) -> Result<ForeignDocument, &'static str> {
         decided,
     } = body;
     let document = match (media_type, content) {
-        (Some(media_type), Some(content)) => Some(Document {
+        (Some(media_type), Some(content)) => Some(MemoryDocument {
             key: key.clone(),
             media_type,
             content: content.into_vec(),

@@ -1,31 +1,29 @@
-//! Removing content for good: what was forgotten or replaced long enough ago that
-//! nobody will take it back.
+//! Purge: permanent deletion of content that was forgotten or replaced before a time.
 
-use crate::catalogue::{Catalogue, Entry};
 use crate::decision::Decision;
-use crate::economy;
 use crate::history::{Effect, Operation};
-use crate::standing::Standing;
+use crate::label_status::Standing;
+use crate::retention_limits;
+use crate::store_index::{IndexedView, StoreIndex};
 
-/// Purges what was forgotten or replaced before `before_ns`. A forgotten view
-/// leaves a tombstone, so that no import brings it back, unless it only exceeded a
-/// limit.
-pub(crate) fn decide(catalogue: &Catalogue, before_ns: u64) -> Decision {
-    let is_due = |entry: &Entry| {
+/// Purges content that was forgotten or replaced before `before_ns`. A forgotten view leaves a
+/// tombstone that blocks its import, unless it only exceeded a retention limit.
+pub(crate) fn decide(index: &StoreIndex, before_ns: u64) -> Decision {
+    let is_due = |entry: &IndexedView| {
         let register = &entry.register;
         register.standing == Standing::Forgotten && register.decided.stamp_ns < before_ns
     };
     let mut effects = Vec::new();
-    for (view, entry) in catalogue.all().filter(|(_, entry)| is_due(entry)) {
+    for (view, entry) in index.all().filter(|(_, entry)| is_due(entry)) {
         effects.push(Effect::Purged { view });
-        if !economy::is_own_limit(&entry.register.decided) {
+        if !retention_limits::is_limit_decision(&entry.register.decided) {
             effects.push(Effect::Tombstone {
                 identity: entry.identity,
                 decided: Some(entry.register.decided.clone()),
             });
         }
     }
-    for (document, sequence, _, replaced_ns) in catalogue.versions() {
+    for (document, sequence, _, replaced_ns) in index.versions() {
         if replaced_ns.is_some_and(|replaced_ns| replaced_ns < before_ns) {
             effects.push(Effect::VersionPurged {
                 document: document.clone(),

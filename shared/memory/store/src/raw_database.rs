@@ -1,5 +1,4 @@
-//! What the files of a database hold, read without the engine: the newest whole
-//! record of every key, whatever else is damaged or missing.
+//! Low-level reader of LevelDB files without the engine: the newest intact record of every key.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry as Slot;
@@ -12,10 +11,10 @@ use crate::raw_log::visit_log;
 use crate::raw_table::{RawRecord, visit_table};
 use crate::record;
 
-/// Values up to this size are kept in memory instead of being read again.
+/// Size up to which values are kept in memory instead of being read again, bytes.
 const MAX_KEPT_BYTES: usize = 1 << 10;
 
-/// The newest whole records.
+/// Newest intact record of every key.
 pub(crate) struct RawDatabase {
     files: Vec<PathBuf>,
     newest: HashMap<Vec<u8>, Newest>,
@@ -25,11 +24,11 @@ pub(crate) struct RawDatabase {
 
 struct Newest {
     sequence: u64,
-    /// None: deleted.
-    place: Option<Place>,
+    /// Location of the value; `None` for a deletion.
+    location: Option<RecordLocation>,
 }
 
-enum Place {
+enum RecordLocation {
     Memory(Vec<u8>),
     File {
         file_idx: usize,
@@ -39,7 +38,7 @@ enum Place {
 }
 
 impl RawDatabase {
-    /// Reads all tables and logs in `folder`; what is not whole is passed by.
+    /// Reads all tables and logs in `folder` and skips damaged parts.
     ///
     /// # Errors
     ///
@@ -75,7 +74,7 @@ impl RawDatabase {
         let base = bytes.as_ptr() as usize;
         if is_table {
             visit_table(&bytes, |record| {
-                note(newest, record, |value| Place::File {
+                note(newest, record, |value| RecordLocation::File {
                     file_idx,
                     offset: (value.as_ptr() as usize - base) as u64,
                     n_bytes: value.len(),
@@ -83,22 +82,24 @@ impl RawDatabase {
             });
         } else {
             visit_log(&bytes, |record| {
-                note(newest, record, |value| Place::Memory(value.to_vec()));
+                note(newest, record, |value| {
+                    RecordLocation::Memory(value.to_vec())
+                });
             });
         }
     }
 
-    /// The newest whole record of a key.
+    /// Newest intact value of a key.
     pub(crate) fn get(&self, key: &[u8]) -> Option<Vec<u8>> {
         self.value(self.newest.get(key)?)
     }
 
     pub(crate) fn contains(&self, key: &[u8]) -> bool {
         let newest = self.newest.get(key);
-        newest.is_some_and(|newest| newest.place.is_some())
+        newest.is_some_and(|newest| newest.location.is_some())
     }
 
-    /// All keys that begin with this letter, with their records, in no order.
+    /// All records whose key begins with a table letter, unordered.
     pub(crate) fn table(&self, table: u8) -> impl Iterator<Item = (&[u8], Vec<u8>)> {
         let of_table = self
             .newest
@@ -107,7 +108,7 @@ impl RawDatabase {
         of_table.filter_map(|(key, newest)| Some((&key[..], self.value(newest)?)))
     }
 
-    /// The greatest version of any record.
+    /// Greatest schema version of any record.
     pub(crate) fn version(&self) -> Option<u8> {
         let versions = self
             .newest
@@ -117,9 +118,9 @@ impl RawDatabase {
     }
 
     fn value(&self, newest: &Newest) -> Option<Vec<u8>> {
-        match newest.place.as_ref()? {
-            Place::Memory(value) => Some(value.clone()),
-            Place::File {
+        match newest.location.as_ref()? {
+            RecordLocation::Memory(value) => Some(value.clone()),
+            RecordLocation::File {
                 file_idx,
                 offset,
                 n_bytes,
@@ -133,11 +134,11 @@ impl RawDatabase {
     }
 }
 
-/// Keeps a record if it is whole and newer than what is known of its key.
+/// Keeps a record if it is intact and newer than the known one of its key.
 fn note(
     newest: &mut HashMap<Vec<u8>, Newest>,
     record: RawRecord<'_>,
-    place: impl FnOnce(&[u8]) -> Place,
+    location: impl FnOnce(&[u8]) -> RecordLocation,
 ) {
     let RawRecord {
         key,
@@ -147,14 +148,14 @@ fn note(
     if value.is_some_and(|value| record::version(key, value).is_none()) {
         return;
     }
-    let place = value.map(|value| {
+    let location = value.map(|value| {
         if value.len() <= MAX_KEPT_BYTES {
-            Place::Memory(value.to_vec())
+            RecordLocation::Memory(value.to_vec())
         } else {
-            place(value)
+            location(value)
         }
     });
-    let found = Newest { sequence, place };
+    let found = Newest { sequence, location };
     match newest.entry(key.to_vec()) {
         Slot::Occupied(mut known) if known.get().sequence < sequence => {
             known.insert(found);

@@ -1,13 +1,13 @@
-//! The records in a log file of LevelDB, as many as are whole, also behind a
-//! damaged place. Format: LevelDB's `doc/log_format.md`.
+//! Low-level reader of LevelDB log files that resumes after damaged parts. Format: LevelDB's
+//! `doc/log_format.md`.
 
 use crate::raw_table::RawRecord;
 use crate::verified_files::{LOG_FIRST, LOG_FULL, LOG_LAST, log_pieces, take_varint};
 
-/// Before the records of a batch: the first one's sequence, and their number.
+/// Length of a batch header: sequence number of the first record, and number of records.
 const BATCH_HEADER_BYTES: usize = 12;
 
-/// Visits every record in whole batches.
+/// Visits every record of the intact batches.
 pub(crate) fn visit_log(log: &[u8], mut visit: impl FnMut(RawRecord<'_>)) {
     let mut batch = Vec::new();
     let mut is_begun = false;

@@ -1,29 +1,29 @@
-//! The records in a table file of LevelDB, as many as are whole.
+//! Low-level reader of LevelDB table files (SST).
 //!
-//! The engine reads a table through its index; here a table without one gives its
-//! records too. Format: LevelDB's `doc/table_format.md`.
+//! The engine needs the index block of a table; this reader also recovers the blocks of a table
+//! without one. Format: LevelDB's `doc/table_format.md`.
 
 use std::ops::Range;
 
 use crate::crc32c::{crc32c, unmask};
 use crate::verified_files::{FOOTER_BYTES, TRAILER_BYTES, footer_handles, le_u32, take_varint};
 
-/// Block type of a block that is not compressed; ours never are.
+/// Block type of an uncompressed block, the only one this program writes.
 const UNCOMPRESSED: u8 = 0;
-/// After the key of a record: sequence and kind, in one number.
+/// Length of the key suffix: sequence number and kind in one number.
 const KEY_TAIL_BYTES: usize = 8;
 
-/// A record of a table or log.
+/// Record of a table or log file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct RawRecord<'a> {
     pub(crate) key: &'a [u8],
-    /// The engine's number of the write; the greater is the newer.
+    /// Engine sequence number of the write; the greater one is newer.
     pub(crate) sequence: u64,
-    /// Where in the file the value lies; none when the key was deleted.
+    /// Value; `None` for a deletion.
     pub(crate) value: Option<&'a [u8]>,
 }
 
-/// Visits every record in whole blocks.
+/// Visits every record of the intact blocks.
 pub(crate) fn visit_table(table: &[u8], mut visit: impl FnMut(RawRecord<'_>)) {
     let blocks = indexed_blocks(table).unwrap_or_else(|| consecutive_blocks(table));
     for block in blocks {
@@ -41,7 +41,7 @@ pub(crate) fn visit_table(table: &[u8], mut visit: impl FnMut(RawRecord<'_>)) {
     }
 }
 
-/// The data blocks that the index names and whose checksum holds; none without an index.
+/// Data blocks in the index whose checksum matches; `None` without an intact index.
 fn indexed_blocks(table: &[u8]) -> Option<Vec<Range<usize>>> {
     let footer = table.last_chunk::<FOOTER_BYTES>()?;
     let [_, index] = footer_handles(footer, table.len() as u64).ok()?;
@@ -56,7 +56,7 @@ fn indexed_blocks(table: &[u8]) -> Option<Vec<Range<usize>>> {
     Some(blocks)
 }
 
-/// The content of the block that a handle names, if it is whole and not compressed.
+/// Byte range of the block behind a handle, if it is intact and uncompressed.
 fn whole_block(table: &[u8], (offset, size): (u64, u64)) -> Option<Range<usize>> {
     let start = usize::try_from(offset).ok()?;
     let end = start.checked_add(usize::try_from(size).ok()?)?;
@@ -66,8 +66,8 @@ fn whole_block(table: &[u8], (offset, size): (u64, u64)) -> Option<Range<usize>>
     (is_whole && trailer[0] == UNCOMPRESSED).then_some(start..end)
 }
 
-/// Blocks lie one behind the other. Where one ends is told by its checksum, which
-/// no other length fulfils; the first damaged one ends the search.
+/// Data blocks found by scanning: the end of a block is where its checksum matches. The first
+/// damaged block ends the search.
 fn consecutive_blocks(table: &[u8]) -> Vec<Range<usize>> {
     let mut blocks = Vec::new();
     let mut start = 0;
@@ -80,7 +80,7 @@ fn consecutive_blocks(table: &[u8]) -> Vec<Range<usize>> {
 
 fn end_of_block(table: &[u8], start: usize) -> Option<usize> {
     let last_end = table.len().checked_sub(TRAILER_BYTES)?;
-    let mut crc = crate::crc32c::Running::default();
+    let mut crc = crate::crc32c::IncrementalCrc::default();
     for end in start..=last_end {
         let expected = unmask(le_u32(&table[end + 1..]));
         let is_end = end > start && table[end] == UNCOMPRESSED;
@@ -92,7 +92,7 @@ fn end_of_block(table: &[u8], start: usize) -> Option<usize> {
     None
 }
 
-/// Visits keys and values of a block, until one makes no sense.
+/// Visits the records of a block up to the first invalid one.
 fn visit_block(block: &[u8], visit: &mut dyn FnMut(&[u8], &[u8])) -> Option<()> {
     let n_restarts = u32::from_le_bytes(*block.last_chunk::<4>()?) as usize;
     let n_entry_bytes = block

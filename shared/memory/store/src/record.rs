@@ -1,19 +1,19 @@
-//! How a record lies in the database: version, checksum, CBOR.
+//! Record format of the database: version, checksum, CBOR.
 //!
-//! `[version: u8][crc32: u32 little-endian][CBOR]`, the checksum over key,
-//! version and CBOR, so that a record found under a wrong key is damaged too.
+//! `[version: u8][crc32: u32 little-endian][CBOR]`. The checksum covers key, version and CBOR, so
+//! that a record under a wrong key counts as damaged too.
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::meta::SCHEMA;
 
-/// The version of records in this schema; a change of any record's fields makes a
-/// new one, and a new schema.
+/// Record version of this schema. A change of the fields of any record needs a new version and a
+/// new schema.
 const VERSION: u8 = SCHEMA as u8;
 const HEADER_BYTES: usize = 5;
 
-/// The bytes to store under `key`.
+/// Serialises a value as the record under `key`.
 pub(crate) fn seal<T: Serialize>(key: &[u8], value: &T) -> Vec<u8> {
     let mut record = vec![0; HEADER_BYTES];
     #[expect(
@@ -27,12 +27,12 @@ pub(crate) fn seal<T: Serialize>(key: &[u8], value: &T) -> Vec<u8> {
     record
 }
 
-/// The value stored under `key`, or what is wrong with its bytes.
+/// Deserialises the record under `key`, or returns the reason why it is invalid.
 pub(crate) fn unseal<T: DeserializeOwned>(key: &[u8], record: &[u8]) -> Result<T, &'static str> {
     read(payload(key, record)?)
 }
 
-/// As [`unseal`], of a record of an older or newer schema, whose number it returns.
+/// Deserialises a record of any schema; returns its version too.
 pub(crate) fn unseal_any<T: DeserializeOwned>(
     key: &[u8],
     record: &[u8],
@@ -41,7 +41,7 @@ pub(crate) fn unseal_any<T: DeserializeOwned>(
     Ok((version, read(payload)?))
 }
 
-/// The CBOR of the record, checked but not read.
+/// CBOR payload of a record with a valid checksum.
 pub(crate) fn payload<'a>(key: &[u8], record: &'a [u8]) -> Result<&'a [u8], &'static str> {
     match versioned_payload(key, record)? {
         (VERSION, payload) => Ok(payload),
@@ -49,7 +49,7 @@ pub(crate) fn payload<'a>(key: &[u8], record: &'a [u8]) -> Result<&'a [u8], &'st
     }
 }
 
-/// The version of a whole record.
+/// Version of a record with a valid checksum.
 pub(crate) fn version(key: &[u8], record: &[u8]) -> Option<u8> {
     versioned_payload(key, record)
         .ok()

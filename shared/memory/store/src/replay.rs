@@ -1,19 +1,19 @@
-//! Making a store again from its history.
+//! Replay: reconstruction of a store from its history.
 
 use std::path::Path;
 
-use crate::decision::Contents;
-use crate::error::{Error, Refusal};
+use crate::decision::NewContent;
+use crate::error::{Error, StoreRefusal};
 use crate::history::{Effect, HistoryEntry};
 use crate::keys;
 use crate::opening::OpenReport;
 use crate::perceptual_memory::PerceptualMemory;
-use crate::reading::{read_content, read_entry, read_parts};
+use crate::queries::{read_content, read_entry, read_parts};
 
 impl PerceptualMemory {
-    /// Makes this store again in an empty `folder`, entry by entry. The content of
-    /// views and documents is taken from here; all else follows from the history.
-    /// Both then hold the same records, byte for byte.
+    /// Replays the history into an empty `folder`. Only the content of views and documents is
+    /// copied; everything else follows from the history. Both stores then hold the same records,
+    /// byte for byte.
     ///
     /// # Errors
     ///
@@ -22,11 +22,11 @@ impl PerceptualMemory {
     pub fn replay_into(&mut self, folder: &Path) -> Result<(Self, OpenReport), Error> {
         let (mut copy, report) = Self::open(folder, 0)?;
         if copy.sequence() > 0 {
-            return Err(Refusal::NotEmpty.into());
+            return Err(StoreRefusal::NotEmpty.into());
         }
         copy.begin_as(self.meta.before_history())?;
         for sequence in 1..=self.sequence() {
-            if self.catalogue.is_lost(sequence) {
+            if self.index.is_lost(sequence) {
                 continue;
             }
             let entry = self.read(|reader| read_entry(reader, sequence))?;
@@ -37,13 +37,13 @@ impl PerceptualMemory {
         Ok((copy, report))
     }
 
-    /// What the entry brought in and is still there.
-    fn contents_of(&mut self, entry: &HistoryEntry) -> Result<Contents, Error> {
-        let mut contents = Contents::default();
+    /// Content that the entry inserted and that still exists.
+    fn contents_of(&mut self, entry: &HistoryEntry) -> Result<NewContent, Error> {
+        let mut contents = NewContent::default();
         for effect in &entry.effects {
             match effect {
                 Effect::Stored { view, identity } => {
-                    let known = self.catalogue.get(*view);
+                    let known = self.index.get(*view);
                     if known.is_some_and(|known| known.identity == *identity) {
                         let parts = self.read(|reader| read_parts(reader, *view))?;
                         contents.views.insert(*identity, parts);
@@ -52,7 +52,7 @@ impl PerceptualMemory {
                 Effect::Document {
                     after: Some(content),
                     ..
-                } if self.catalogue.has_blob(content.digest) => {
+                } if self.index.has_blob(content.digest) => {
                     let key = keys::digest_key(keys::BLOB, content.digest);
                     let bytes = self.read(|reader| read_content(reader, &key))?;
                     contents.documents.insert(content.digest, bytes);
@@ -63,7 +63,7 @@ impl PerceptualMemory {
         Ok(contents)
     }
 
-    /// Visits every record of the database in the order of keys.
+    /// Visits every record of the database in key order.
     ///
     /// # Errors
     ///

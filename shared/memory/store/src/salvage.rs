@@ -1,9 +1,8 @@
-//! Makes a new database of what is whole in a damaged or older one, and counts the
-//! rest.
+//! Rebuild of a damaged or older database from its intact records, with an account of the losses.
 //!
-//! The whole entries of the history are made again, one after the other, on an
-//! empty store. What the lost ones did is taken from what else is whole: one last
-//! entry says what was lost, and what had to be taken so.
+//! The intact history entries are replayed in order on an empty store. The effects of lost entries
+//! are inferred from the other intact records. One final entry records the losses and the inferred
+//! effects.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
@@ -12,41 +11,41 @@ use std::path::Path;
 use learning::ViewId;
 use serde::{Deserialize, Serialize};
 
-use crate::applying::Target;
-use crate::catalogue::Catalogue;
-use crate::decision::Contents;
+use crate::decision::NewContent;
 use crate::document::DocumentKey;
 use crate::engine::Engine;
+use crate::entry_applier::EntryApplier;
 use crate::error::Error;
-use crate::facts::ViewParts;
 use crate::history::{Effect, HistoryEntry, Operation};
+use crate::label_status::Standing;
 use crate::meta::Meta;
 use crate::raw_database::RawDatabase;
-use crate::remains::Remains;
-use crate::standing::Standing;
-use crate::watermark::Mark;
-use crate::writes::Writes;
+use crate::record_batch::RecordBatch;
+use crate::recovered_records::RecoveredRecords;
+use crate::store_index::StoreIndex;
+use crate::view_record::ViewParts;
+use crate::watermark::WatermarkRecord;
 
-/// Bytes gathered before they are written to the copy.
+/// Batch size of writes to the copy, bytes.
 const WRITE_BYTES: usize = 1 << 20;
 
-/// Who rebuilds, in the history.
+/// Author of the final entry in the history.
 const AUTHOR: &str = "the store itself";
 
-/// What a rebuilt store no longer has.
+/// Losses of a rebuild.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Loss {
-    /// Acknowledged changes that are not in the history any more.
+pub struct DataLoss {
+    /// Number of acknowledged history entries that are lost.
     pub n_history: u64,
-    /// Views of which facts or descriptor are gone.
+    /// Number of views whose metadata or descriptor is lost.
     pub n_views: u64,
-    /// Views that are there without their cloud.
+    /// Number of views that are kept without their point cloud.
     pub n_clouds: u64,
-    /// Versions of documents of which the content is gone.
+    /// Number of document versions whose content is lost.
     pub n_documents: u64,
 }
 
-impl fmt::Display for Loss {
+impl fmt::Display for DataLoss {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self {
             n_history,
@@ -62,15 +61,15 @@ impl fmt::Display for Loss {
     }
 }
 
-/// What became of a database.
-pub(crate) struct Salvaged {
-    pub(crate) loss: Loss,
-    /// The older schema it had.
+/// Result of a rebuild.
+pub(crate) struct SalvageOutcome {
+    pub(crate) loss: DataLoss,
+    /// Older schema version, if the database was migrated.
     pub(crate) migrated_from: Option<u32>,
 }
 
-/// Makes in the empty `copy` what is whole in the database's folder; it is on disk
-/// afterwards. None when nothing is whole.
+/// Copies everything intact from a database folder to the empty database `copy`; it is on disk on
+/// return. `None` if nothing is intact.
 ///
 /// # Errors
 ///
@@ -79,55 +78,55 @@ pub(crate) struct Salvaged {
 pub(crate) fn salvage(
     damaged: &Path,
     copy: &mut Engine,
-    mark: Option<&Mark>,
+    mark: Option<&WatermarkRecord>,
     wall_ns: u64,
-) -> Result<Option<Salvaged>, Error> {
+) -> Result<Option<SalvageOutcome>, Error> {
     let raw = RawDatabase::read(damaged)?;
-    let Some(remains) = Remains::find(&raw, mark)? else {
+    let Some(recovered) = RecoveredRecords::find(&raw, mark)? else {
         return Ok(None);
     };
-    let meta = Meta::new(Some(remains.memory_id), remains.next_track_id)?;
-    let mut rebuild = Rebuild {
-        remains: &remains,
+    let meta = Meta::new(Some(recovered.memory_id), recovered.next_track_id)?;
+    let mut rebuild = Rebuilder {
+        recovered: &recovered,
         raw: &raw,
         copy,
-        catalogue: Catalogue::default(),
+        index: StoreIndex::default(),
         meta,
-        writes: Writes::default(),
+        writes: RecordBatch::default(),
     };
-    for entry in remains.history.values() {
-        rebuild.make_again(entry)?;
+    for entry in recovered.history.values() {
+        rebuild.replay_entry(entry)?;
     }
     let loss = rebuild.end(wall_ns)?;
-    Ok(Some(Salvaged {
+    Ok(Some(SalvageOutcome {
         loss,
-        migrated_from: remains.migrated_from,
+        migrated_from: recovered.migrated_from,
     }))
 }
 
-struct Rebuild<'a> {
-    remains: &'a Remains,
+struct Rebuilder<'a> {
+    recovered: &'a RecoveredRecords,
     raw: &'a RawDatabase,
     copy: &'a mut Engine,
-    catalogue: Catalogue,
+    index: StoreIndex,
     meta: Meta,
-    writes: Writes,
+    writes: RecordBatch,
 }
 
-impl Rebuild<'_> {
-    /// Makes a whole entry again. A migrated history is chained anew.
-    fn make_again(&mut self, entry: &HistoryEntry) -> Result<(), Error> {
+impl Rebuilder<'_> {
+    /// Replays an intact history entry. The hash chain of a migrated history is computed again.
+    fn replay_entry(&mut self, entry: &HistoryEntry) -> Result<(), Error> {
         let mut entry = entry.clone();
-        if self.remains.migrated_from.is_some() {
+        if self.recovered.migrated_from.is_some() {
             entry.previous = self.meta.head;
         }
         let contents = self.contents_of(&entry.effects);
         self.apply(&entry, &contents)
     }
 
-    fn apply(&mut self, entry: &HistoryEntry, contents: &Contents) -> Result<(), Error> {
-        let mut target = Target {
-            catalogue: &mut self.catalogue,
+    fn apply(&mut self, entry: &HistoryEntry, contents: &NewContent) -> Result<(), Error> {
+        let mut target = EntryApplier {
+            index: &mut self.index,
             meta: &mut self.meta,
             writes: &mut self.writes,
         };
@@ -138,13 +137,13 @@ impl Rebuild<'_> {
         std::mem::take(&mut self.writes).flush(self.copy)
     }
 
-    /// What is whole of the content these effects bring in.
-    fn contents_of(&self, effects: &[Effect]) -> Contents {
-        let mut contents = Contents::default();
+    /// Intact content that these effects insert.
+    fn contents_of(&self, effects: &[Effect]) -> NewContent {
+        let mut contents = NewContent::default();
         for effect in effects {
             match effect {
                 Effect::Stored { identity, .. } => {
-                    let parts = self.remains.parts(self.raw, *identity);
+                    let parts = self.recovered.parts(self.raw, *identity);
                     if let Some(parts) = parts.filter(ViewParts::are_complete) {
                         contents.views.insert(*identity, parts);
                     }
@@ -153,7 +152,7 @@ impl Rebuild<'_> {
                     after: Some(content),
                     ..
                 } => {
-                    if let Some(bytes) = self.remains.blob(self.raw, content.digest) {
+                    if let Some(bytes) = self.recovered.blob(self.raw, content.digest) {
                         contents.documents.insert(content.digest, bytes);
                     }
                 }
@@ -163,14 +162,14 @@ impl Rebuild<'_> {
         contents
     }
 
-    /// Makes the last entry, and has everything on disk.
-    fn end(mut self, wall_ns: u64) -> Result<Loss, Error> {
-        let lost = self.remains.lost_entries(self.meta.sequence);
-        let (effects, contents, mut loss) = self.what_history_does_not_say();
+    /// Writes the final entry and commits the copy.
+    fn end(mut self, wall_ns: u64) -> Result<DataLoss, Error> {
+        let lost = self.recovered.lost_entries(self.meta.sequence);
+        let (effects, contents, mut loss) = self.effects_beyond_history();
         loss.n_history = lost.iter().map(|(first, last)| last - first + 1).sum();
         let last_sequence = lost.last().map_or(0, |(_, last)| *last);
-        let is_whole = loss == Loss::default() && effects.is_empty();
-        let operation = match self.remains.migrated_from {
+        let is_whole = loss == DataLoss::default() && effects.is_empty();
+        let operation = match self.recovered.migrated_from {
             Some(schema) if is_whole => Operation::Migrate { schema },
             _ => Operation::Rebuild { loss, lost },
         };
@@ -189,19 +188,19 @@ impl Rebuild<'_> {
         Ok(loss)
     }
 
-    /// The difference between what the whole entries made and what is whole.
-    fn what_history_does_not_say(&self) -> (Vec<Effect>, Contents, Loss) {
-        let mut news = News::default();
-        let made: BTreeSet<ViewId> = self.catalogue.all().map(|(view, _)| view).collect();
-        for (&view, identity) in &self.remains.views {
-            if self.catalogue.get(view).is_none()
-                && let Some(parts) = self.remains.parts(self.raw, *identity)
+    /// Effects, content and losses by which the intact records differ from the replayed history.
+    fn effects_beyond_history(&self) -> (Vec<Effect>, NewContent, DataLoss) {
+        let mut news = RebuildEntry::default();
+        let made: BTreeSet<ViewId> = self.index.all().map(|(view, _)| view).collect();
+        for (&view, identity) in &self.recovered.views {
+            if self.index.get(view).is_none()
+                && let Some(parts) = self.recovered.parts(self.raw, *identity)
             {
                 self.take_view(view, parts, &mut news);
             }
         }
-        for (&view, register) in &self.remains.registers {
-            let known = self.catalogue.get(view).map(|entry| &entry.register);
+        for (&view, register) in &self.recovered.registers {
+            let known = self.index.get(view).map(|entry| &entry.register);
             if let Some(known) = known
                 && known.sequence < register.sequence
                 && known.standing != register.standing
@@ -214,8 +213,8 @@ impl Rebuild<'_> {
                 });
             }
         }
-        for (identity, decided) in &self.remains.tombstones {
-            if !self.catalogue.tombstones.contains_key(identity) {
+        for (identity, decided) in &self.recovered.tombstones {
+            if !self.index.tombstones.contains_key(identity) {
                 news.effects.push(Effect::Tombstone {
                     identity: *identity,
                     decided: Some(decided.clone()),
@@ -224,27 +223,27 @@ impl Rebuild<'_> {
         }
         self.take_documents(&mut news);
         let kept = made.len() + news.n_stored;
-        news.give_up(self.remains.stored_by_history.difference(&made));
-        news.loss.n_views = self.remains.n_views_expected.saturating_sub(kept as u64);
+        news.give_up(self.recovered.stored_by_history.difference(&made));
+        news.loss.n_views = self.recovered.n_views_expected.saturating_sub(kept as u64);
         (news.effects, news.contents, news.loss)
     }
 
-    /// A view whose entry is lost, or whose cloud is.
-    fn take_view(&self, view: ViewId, mut parts: ViewParts, news: &mut News) {
-        if self.remains.stored_by_history.contains(&view) {
+    /// Recovers a view whose history entry or point cloud is lost.
+    fn take_view(&self, view: ViewId, mut parts: ViewParts, news: &mut RebuildEntry) {
+        if self.recovered.stored_by_history.contains(&view) {
             // By the history it is one with a cloud.
             news.effects.push(Effect::Purged { view });
         }
-        if parts.facts.points.is_some() && parts.points.is_none() {
-            parts.facts.points = None;
+        if parts.metadata.points.is_some() && parts.points.is_none() {
+            parts.metadata.points = None;
             news.loss.n_clouds += 1;
         }
-        let identity = parts.facts.identity();
+        let identity = parts.metadata.identity();
         news.effects.push(Effect::Stored { view, identity });
         news.contents.views.insert(identity, parts);
         news.stored.insert(view);
         news.n_stored += 1;
-        let standing = self.remains.standing(view);
+        let standing = self.recovered.standing(view);
         if let Some((standing, decided)) = standing.filter(|(s, _)| *s != Standing::Unnamed) {
             news.effects.push(Effect::Changed {
                 view,
@@ -255,24 +254,25 @@ impl Rebuild<'_> {
         }
     }
 
-    /// Present versions that the history does not give, and those whose content is gone.
-    fn take_documents(&self, news: &mut News) {
+    /// Recovers document versions that the replayed history lacks, and counts those without
+    /// content.
+    fn take_documents(&self, news: &mut RebuildEntry) {
         let mut present: BTreeMap<&DocumentKey, u64> = BTreeMap::new();
-        for (key, sequence) in self.remains.documents.keys() {
+        for (key, sequence) in self.recovered.documents.keys() {
             present.insert(key, *sequence);
         }
         for (key, sequence) in present {
-            let known = self.catalogue.document(key);
-            let Some(version) = self.remains.documents.get(&(key.clone(), sequence)) else {
+            let known = self.index.document(key);
+            let Some(version) = self.recovered.documents.get(&(key.clone(), sequence)) else {
                 continue;
             };
             if known.is_some_and(|(known, _)| known >= sequence) {
                 continue;
             }
             if let Some(content) = &version.content {
-                let Some(bytes) = self.remains.blob(self.raw, content.digest) else {
+                let Some(bytes) = self.recovered.blob(self.raw, content.digest) else {
                     let version = (key.clone(), sequence);
-                    let is_told = self.remains.versions_by_history.contains(&version);
+                    let is_told = self.recovered.versions_by_history.contains(&version);
                     news.loss.n_documents += u64::from(!is_told);
                     continue;
                 };
@@ -285,9 +285,9 @@ impl Rebuild<'_> {
                 decided: Some(version.decided.clone()),
             });
         }
-        for (key, sequence) in &self.remains.versions_by_history {
+        for (key, sequence) in &self.recovered.versions_by_history {
             if !self
-                .catalogue
+                .index
                 .versions()
                 .any(|(k, s, ..)| (k, s) == (key, *sequence))
             {
@@ -301,18 +301,18 @@ impl Rebuild<'_> {
     }
 }
 
-/// What the last entry is to say.
+/// Effects, content and losses of the final entry.
 #[derive(Default)]
-struct News {
+struct RebuildEntry {
     effects: Vec<Effect>,
-    contents: Contents,
+    contents: NewContent,
     stored: BTreeSet<ViewId>,
     n_stored: usize,
-    loss: Loss,
+    loss: DataLoss,
 }
 
-impl News {
-    /// Views of the history that are not there any more.
+impl RebuildEntry {
+    /// Marks views of the history that are lost as purged.
     fn give_up<'a>(&mut self, views: impl Iterator<Item = &'a ViewId>) {
         let gone = views.filter(|view| !self.stored.contains(view));
         let purged: Vec<Effect> = gone.map(|view| Effect::Purged { view: *view }).collect();

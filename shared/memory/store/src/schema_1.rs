@@ -1,7 +1,7 @@
-//! Records of schema 1, read as those of this one.
+//! Reader for databases of schema 1, for migration.
 //!
-//! It stored descriptors and clouds under the ids of their views, kept labels
-//! instead of standings, and did not chain its history.
+//! Schema 1 stored descriptors and point clouds under view ids, had labels instead of label
+//! registers, and did not hash-chain its history.
 
 use learning::{CategoryName, ViewId};
 use serde::Deserialize;
@@ -9,19 +9,19 @@ use serde::de::DeserializeOwned;
 use serde_bytes::{ByteArray, ByteBuf};
 
 use crate::digest::Digest;
-use crate::facts::{Box10, Extent, Facts};
 use crate::history::{Effect, HistoryEntry, Operation};
 use crate::keys;
+use crate::label_status::{Decided, LwwRegister, Standing};
 use crate::mutation::{MutationId, Target};
 use crate::raw_database::RawDatabase;
 use crate::record::unseal_any;
-use crate::remains::{Counts, Remains};
-use crate::salvage::Loss;
-use crate::standing::{Decided, Register, Standing};
+use crate::recovered_records::{RecordedTotals, RecoveredRecords};
+use crate::salvage::DataLoss;
 use crate::view::Origin;
+use crate::view_record::{Box10, ContentRef, ViewMetadata};
 
 const SCHEMA: u8 = 1;
-/// Its tables whose letters mean something else now, or whose keys differ.
+/// Key prefixes of tables whose meaning or key format changed.
 const LABEL: u8 = b'l';
 const POINTS: u8 = b'p';
 
@@ -73,34 +73,37 @@ struct Entry1 {
     mutation: Option<ByteArray<16>>,
     stored: Vec<ViewId>,
     names: Vec<CategoryName>,
-    /// Track, view, name before, name after.
+    /// Label changes: track-id, view id, index of the name before, index of the name after.
     changes: Vec<(u64, u32, Option<u32>, Option<u32>)>,
 }
 
-/// Reads all whole records; returns what the record about the store says.
-pub(crate) fn read_records(raw: &RawDatabase, remains: &mut Remains) -> Option<Counts> {
+/// Reads all intact records; returns the totals in the metadata record.
+pub(crate) fn read_records(
+    raw: &RawDatabase,
+    recovered: &mut RecoveredRecords,
+) -> Option<RecordedTotals> {
     let meta: Option<Meta1> = unseal_1(&[keys::META], raw.get(&[keys::META]));
     let memory_id = meta
         .as_ref()
         .map_or(0, |meta| u128::from_be_bytes(meta.store_id.into_array()));
     for (key, record) in raw.table(keys::VIEW) {
         if let Some(view) = keys::view_of(key) {
-            read_view(raw, remains, view, unseal_1(key, Some(record)), memory_id);
+            read_view(raw, recovered, view, unseal_1(key, Some(record)), memory_id);
         }
     }
     for (key, record) in raw.table(LABEL) {
         if let (Some(view), Some(label)) = (keys::view_of(key), unseal_1(key, Some(record))) {
-            remains.registers.insert(view, register(label));
+            recovered.registers.insert(view, register(label));
         }
     }
     for (key, record) in raw.table(keys::HISTORY) {
         if let (Some(sequence), Some(entry)) = (keys::sequence_of(key), unseal_1(key, Some(record)))
         {
-            let entry = converted(sequence, entry, remains);
-            remains.history.insert(sequence, entry);
+            let entry = converted(sequence, entry, recovered);
+            recovered.history.insert(sequence, entry);
         }
     }
-    meta.map(|meta| Counts {
+    meta.map(|meta| RecordedTotals {
         memory_id: Some(memory_id),
         next_track_id: meta.next_track_id,
         sequence: meta.sequence,
@@ -115,47 +118,51 @@ fn unseal_1<T: DeserializeOwned>(key: &[u8], record: Option<Vec<u8>>) -> Option<
     }
 }
 
-/// Takes a view over if its descriptor is whole, and its cloud if that is.
+/// Converts a view with an intact descriptor, and its point cloud if that is intact.
 fn read_view(
     raw: &RawDatabase,
-    remains: &mut Remains,
+    recovered: &mut RecoveredRecords,
     view: ViewId,
-    facts: Option<Facts1>,
+    metadata: Option<Facts1>,
     memory_id: u128,
 ) -> Option<()> {
-    let facts = facts?;
+    let metadata = metadata?;
     let key = keys::view_key(keys::DESCRIPTOR, view);
     let descriptor: Descriptor1 = unseal_1(&key, raw.get(&key))?;
     let key = keys::view_key(POINTS, view);
     let points: Option<ByteBuf> = unseal_1(&key, raw.get(&key));
-    let lost = Extent {
+    let lost = ContentRef {
         digest: Digest::default(),
         n_bytes: 0,
     };
-    let points_extent = points.as_ref().map(|points| Extent::of(points));
-    let converted = Facts::from_parts(
-        facts.box_in_world,
-        (facts.captured_ns, facts.frame_sequence, facts.source),
+    let points_extent = points.as_ref().map(|points| ContentRef::of(points));
+    let converted = ViewMetadata::from_parts(
+        metadata.box_in_world,
+        (
+            metadata.captured_ns,
+            metadata.frame_sequence,
+            metadata.source,
+        ),
         Origin { memory_id, view },
-        (descriptor.kind, Extent::of(&descriptor.values)),
+        (descriptor.kind, ContentRef::of(&descriptor.values)),
         // A cloud that is not whole is found missing later.
-        facts.points.map(|_| points_extent.unwrap_or(lost)),
+        metadata.points.map(|_| points_extent.unwrap_or(lost)),
     );
     let identity = converted.identity();
     let descriptor = descriptor.values.into_vec();
-    remains
+    recovered
         .converted
         .insert(converted.descriptor.digest, descriptor);
     if let (Some(extent), Some(points)) = (points_extent, points) {
-        remains.converted.insert(extent.digest, points.into_vec());
+        recovered.converted.insert(extent.digest, points.into_vec());
     }
-    remains.views.insert(view, identity);
-    remains.facts.insert(identity, converted);
+    recovered.views.insert(view, identity);
+    recovered.metadata.insert(identity, converted);
     Some(())
 }
 
-fn register(label: Label1) -> Register {
-    Register {
+fn register(label: Label1) -> LwwRegister {
+    LwwRegister {
         standing: Standing::of(label.category),
         decided: Decided {
             author: label.author.into(),
@@ -165,12 +172,12 @@ fn register(label: Label1) -> Register {
     }
 }
 
-fn converted(sequence: u64, entry: Entry1, remains: &Remains) -> HistoryEntry {
+fn converted(sequence: u64, entry: Entry1, recovered: &RecoveredRecords) -> HistoryEntry {
     let name = |index: Option<u32>| index.and_then(|i| entry.names.get(i as usize).cloned());
     let stored = entry.stored.iter().map(|&view| Effect::Stored {
         view,
         // Unknown when the view is lost: then it is given up.
-        identity: remains.views.get(&view).copied().unwrap_or_default(),
+        identity: recovered.views.get(&view).copied().unwrap_or_default(),
     });
     let changed = entry
         .changes
@@ -195,7 +202,7 @@ fn converted(sequence: u64, entry: Entry1, remains: &Remains) -> HistoryEntry {
             target: Target::Category(category),
         },
         (Operation1::Rebuild, ..) => Operation::Rebuild {
-            loss: Loss::default(),
+            loss: DataLoss::default(),
             lost: Vec::new(),
         },
         _ => Operation::StoreViews,

@@ -1,14 +1,14 @@
-//! The store's folder: what lies where, who holds it, and how a database is set aside.
+//! Store folder: file layout, advisory lock, and replacement of the database.
 //!
 //! ```text
-//! lock                  held while the store is open
+//! lock                  locked while the store is open
 //! acknowledged          the watermark
 //! database/             rusty-leveldb
-//! database.damaged-1/   set aside, never touched again
-//! database.rebuilding/  half a copy; removed when the store is opened
-//! database.rebuilt/     a whole copy that is about to take the database's place
-//! checkpoint-1/         the database as it was at one instant, for a long reading;
-//!                       removed after it, or when the store is opened
+//! database.damaged-1/   set aside, never modified again
+//! database.rebuilding/  incomplete copy; removed when the store is opened
+//! database.rebuilt/     complete copy that is about to replace the database
+//! checkpoint-1/         copy of the database for a long read; removed after it, or
+//!                       when the store is opened
 //! ```
 
 use std::fs::{self, File, TryLockError};
@@ -18,19 +18,20 @@ use crate::durable_env::sync_folder;
 use crate::engine::{Engine, WRITE_BUFFER_BYTES};
 use crate::error::Error;
 
-/// What the names of checkpoints begin with.
+/// Name prefix of checkpoint folders.
 const CHECKPOINT: &str = "checkpoint-";
 
-/// The folder, held against other processes until it is dropped.
+/// Locked store folder; dropping it releases the lock.
 pub(crate) struct StoreFolder {
     path: PathBuf,
     write_buffer_bytes: usize,
-    /// The kernel lets go of it when the process ends, however it ends.
+    /// Lock file; the kernel releases the lock when the process ends.
     lock: File,
 }
 
 impl Drop for StoreFolder {
-    /// Closing is not enough: a child just being started may have the file too.
+    /// Releases the lock. Closing the file is not enough, since a child process that is being
+    /// started may have inherited it.
     fn drop(&mut self) {
         // When it fails, closing follows.
         let _ = self.lock.unlock();
@@ -38,7 +39,7 @@ impl Drop for StoreFolder {
 }
 
 impl StoreFolder {
-    /// Creates the folder if it is not there, and takes hold of it.
+    /// Creates the folder if it is missing, and locks it.
     ///
     /// # Errors
     ///
@@ -63,7 +64,7 @@ impl StoreFolder {
         }
     }
 
-    /// Takes hold of a folder that is there.
+    /// Locks an existing store folder.
     ///
     /// # Errors
     ///
@@ -74,7 +75,7 @@ impl StoreFolder {
         Self::hold(path)
     }
 
-    /// With another amount gathered in memory before it becomes a table.
+    /// Sets the write-buffer size, bytes.
     pub(crate) fn with_write_buffer(mut self, write_buffer_bytes: usize) -> Self {
         self.write_buffer_bytes = write_buffer_bytes;
         self
@@ -89,7 +90,7 @@ impl StoreFolder {
         Engine::open(&self.database(), self.write_buffer_bytes)
     }
 
-    /// Creates the database that is to take its place.
+    /// Creates the database for a rebuild.
     ///
     /// # Errors
     ///
@@ -114,8 +115,8 @@ impl StoreFolder {
         self.path.join("database.rebuilt")
     }
 
-    /// Removes checkpoints that an earlier process left, and half a copy; puts a
-    /// whole one in place that it did not come to.
+    /// Removes checkpoints and incomplete copies of an earlier process, and finishes an interrupted
+    /// replacement.
     pub(crate) fn tidy(&self) -> Result<(), Error> {
         let entries = fs::read_dir(&self.path).map_err(Error::io("listing", &self.path))?;
         for entry in entries.flatten() {
@@ -136,14 +137,14 @@ impl StoreFolder {
         Ok(())
     }
 
-    /// A folder for a checkpoint that is not there yet.
+    /// Path of a new checkpoint folder.
     pub(crate) fn new_checkpoint(&self) -> PathBuf {
         let paths = (1_u64..).map(|n| self.path.join(format!("{CHECKPOINT}{n}")));
         let mut free = paths.filter(|path| !path.exists());
         free.next().unwrap_or_else(|| self.path.join(CHECKPOINT))
     }
 
-    /// Puts the closed copy in the database's place; returns where that now is.
+    /// Replaces the database by the rebuilt copy; returns the path of the old database.
     pub(crate) fn replace_by_rebuilding(&self) -> Result<Option<PathBuf>, Error> {
         self.rename(&self.rebuilding(), &self.rebuilt())?;
         self.put_rebuilt_in_place()
@@ -159,7 +160,7 @@ impl StoreFolder {
         Ok(damaged)
     }
 
-    /// Renames the database to the first free `database.damaged-<n>`; returns that.
+    /// Renames the database to the first free `database.damaged-<n>`; returns the new path.
     pub(crate) fn set_aside(&self) -> Result<PathBuf, Error> {
         let mut n = 1;
         let aside = loop {
@@ -173,8 +174,8 @@ impl StoreFolder {
         Ok(aside)
     }
 
-    /// Whether the database has data but not the file that says how it hangs
-    /// together; rusty-leveldb would begin a new one over it and delete it.
+    /// `true` if the database has data but no CURRENT file. rusty-leveldb would create a new
+    /// database over it and delete it.
     pub(crate) fn database_is_headless(&self) -> Result<bool, Error> {
         let database = self.database();
         if !database.exists() || database.join("CURRENT").exists() {

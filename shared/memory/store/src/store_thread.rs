@@ -1,65 +1,64 @@
-//! The thread that owns the store, and the queue in front of it.
+//! Store thread: owns the store and serves a bounded request queue with group commit.
 //!
-//! A synced write takes milliseconds whether it holds one change or fifty, so
-//! all changes that wait are staged one after the other, written together, and
-//! answered together when they are on disk. A read sees all changes asked for
-//! before it.
+//! A synced write takes milliseconds whether it holds one mutation or fifty. All waiting mutations
+//! are therefore staged, written together, and answered together once they are on disk. A read sees
+//! all mutations requested before it.
 //!
-//! When nobody asks for anything, the tables are merged in small steps, so that
-//! this need not be done while somebody waits.
+//! An idle store compacts its tables in small steps, so that compaction rarely delays a request.
 //!
-//! When the store fails, the callers of that moment get the error, and the
-//! thread opens it again before the next request.
+//! After a failure the pending callers get the error, and the thread reopens the store before the
+//! next request.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
-use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use crate::economy::Limits;
+use parking_lot::Mutex;
+
 use crate::error::Error;
 use crate::mutation::{Answer, Mutation};
 use crate::opening::{self, OpenReport};
 use crate::perceptual_memory::PerceptualMemory;
-use crate::reading::Position;
+use crate::queries::Position;
+use crate::retention_limits::Limits;
 use crate::store_folder::StoreFolder;
 
-/// Most requests taken from the queue before what they changed is written.
+/// Maximum number of requests in one group commit. Chosen; sensitivity: see the bench `teach`.
 const GROUP_REQUESTS: usize = 256;
-/// Most bytes gathered before they are written.
+/// Staged bytes above which a group is committed early. Chosen; sensitivity: see the bench `teach`.
 const GROUP_BYTES: usize = 4 << 20;
-/// Without requests for this long the store tidies up.
-const IDLE: Duration = Duration::from_millis(200);
-/// As many write buffers filled since the last tidying are worth another.
-const TIDY_BUFFERS: usize = 2;
+/// Time without requests after which the store compacts.
+const IDLE_TIMEOUT: Duration = Duration::from_millis(200);
+/// Number of filled write buffers that make a compaction worthwhile.
+const COMPACTION_BUFFERS: usize = 2;
 
-/// Told what was found when the store was opened again.
+/// Callback with the report of a store that was reopened after a failure.
 pub type OnReopened = Box<dyn FnMut(&Result<OpenReport, Error>) + Send>;
 
-type Answering<T> = Box<dyn FnOnce(Result<T, Error>) + Send>;
+type ReplyCallback<T> = Box<dyn FnOnce(Result<T, Error>) + Send>;
 
-/// How to run the store.
+/// Configuration of the store thread.
 pub struct StoreConfig {
-    /// The store's folder.
+    /// Folder of the store.
     pub folder: PathBuf,
-    /// Most requests that may wait, at least one.
+    /// Capacity of the request queue, at least one.
     pub queue_capacity: usize,
-    /// How much is kept.
+    /// Retention limits.
     pub limits: Limits,
-    /// What is gathered in memory before the database makes a table of it, usually
+    /// Size of the write buffer (memtable), bytes; usually
     /// [`WRITE_BUFFER_BYTES`](crate::WRITE_BUFFER_BYTES).
     pub write_buffer_bytes: usize,
-    /// Now, nanoseconds since 1970, UTC.
+    /// Wall clock: nanoseconds since 1970, UTC.
     pub wall_clock: fn() -> u64,
-    /// Told, on the store's thread, what was found whenever the store had to be
-    /// opened again.
+    /// Callback after each reopening, called on the store thread.
     pub on_reopened: OnReopened,
 }
 
 impl StoreConfig {
-    /// Opens the store; a damaged one is rebuilt when asked for.
+    /// Opens the store, and rebuilds it if `must_rebuild` is set.
     fn open(&self, must_rebuild: bool) -> Result<(PerceptualMemory, OpenReport), Error> {
         let folder = StoreFolder::hold(&self.folder)?.with_write_buffer(self.write_buffer_bytes);
         let (mut memory, report) = opening::open(folder, (self.wall_clock)(), must_rebuild)?;
@@ -68,9 +67,9 @@ impl StoreConfig {
     }
 }
 
-/// Takes the answer to one request; called exactly once, on the store's thread
-/// or, when the request is not taken, on the caller's.
-struct Reply<T>(Option<Answering<T>>);
+/// Reply callback of one request. It is called exactly once: on the store thread or, for a request
+/// that the queue refuses, on the caller's thread.
+struct Reply<T>(Option<ReplyCallback<T>>);
 
 impl<T> Reply<T> {
     fn new(answer: impl FnOnce(Result<T, Error>) + Send + 'static) -> Self {
@@ -90,7 +89,7 @@ impl<T> Reply<T> {
 }
 
 impl<T> Drop for Reply<T> {
-    /// A request that nobody served is answered too.
+    /// Answers a request that was never served with [`Error::Stopped`].
     fn drop(&mut self) {
         self.answer(Err(Error::Stopped));
     }
@@ -98,7 +97,7 @@ impl<T> Drop for Reply<T> {
 
 type Read = Box<dyn FnOnce(Result<&mut PerceptualMemory, Error>) + Send>;
 
-enum Request {
+enum StoreRequest {
     Mutate(Mutation, Reply<Answer>),
     Lease(u64, Reply<u64>),
     Read(Read),
@@ -106,58 +105,58 @@ enum Request {
     Stop,
 }
 
-/// Sends requests to the store; clones send to the same.
+/// Cloneable client handle of the store thread.
 #[derive(Clone)]
 pub struct StoreHandle {
-    /// A full queue is the caller's error. What is in it when the thread ends is
-    /// dropped, and dropping answers it.
-    queue: SyncSender<Request>,
+    /// Request queue. A full queue is an error of the caller. Requests left in it when the thread
+    /// ends are dropped, which answers them.
+    queue: SyncSender<StoreRequest>,
     capacity: usize,
     position: Arc<Mutex<Position>>,
 }
 
 impl StoreHandle {
-    /// What is on disk now; nobody waits for it.
+    /// Position of the durable history; does not wait.
     pub fn position(&self) -> Position {
-        *self.position.lock().unwrap_or_else(PoisonError::into_inner)
+        *self.position.lock()
     }
 
-    /// Asks for a change; `reply` gets the answer when it is on disk.
+    /// Requests a mutation; `reply` is called once it is on disk.
     pub fn mutate(
         &self,
         mutation: Mutation,
         reply: impl FnOnce(Result<Answer, Error>) + Send + 'static,
     ) {
-        self.send(Request::Mutate(mutation, Reply::new(reply)));
+        self.send(StoreRequest::Mutate(mutation, Reply::new(reply)));
     }
 
-    /// Asks for `count` track-ids; `reply` gets the first when the lease is on disk.
+    /// Requests a lease of `count` track-ids; `reply` gets the first id once the lease is on disk.
     pub fn lease_track_ids(
         &self,
         count: u64,
         reply: impl FnOnce(Result<u64, Error>) + Send + 'static,
     ) {
-        self.send(Request::Lease(count, Reply::new(reply)));
+        self.send(StoreRequest::Lease(count, Reply::new(reply)));
     }
 
-    /// Has `read` run on the store's thread; `reply` gets what it returned.
+    /// Runs `read` on the store thread; `reply` gets its result.
     pub fn read<T: Send + 'static>(
         &self,
         read: impl FnOnce(&mut PerceptualMemory) -> Result<T, Error> + Send + 'static,
         reply: impl FnOnce(Result<T, Error>) + Send + 'static,
     ) {
         let reply = Reply::new(reply);
-        self.send(Request::Read(Box::new(move |memory| {
+        self.send(StoreRequest::Read(Box::new(move |memory| {
             reply.send(memory.and_then(read));
         })));
     }
 
-    /// Has the store made anew from what is whole in it; `reply` gets what was found.
+    /// Requests a rebuild from all intact records; `reply` gets the report.
     pub fn rebuild(&self, reply: impl FnOnce(Result<OpenReport, Error>) + Send + 'static) {
-        self.send(Request::Rebuild(Reply::new(reply)));
+        self.send(StoreRequest::Rebuild(Reply::new(reply)));
     }
 
-    /// As [`Self::mutate`], and waits for the answer.
+    /// Requests a mutation and blocks until it is on disk.
     ///
     /// # Errors
     ///
@@ -166,7 +165,7 @@ impl StoreHandle {
         wait(|reply| self.mutate(mutation, reply))
     }
 
-    /// As [`Self::lease_track_ids`], and waits for the answer.
+    /// Requests a lease of track-ids and blocks until it is on disk.
     ///
     /// # Errors
     ///
@@ -175,7 +174,7 @@ impl StoreHandle {
         wait(|reply| self.lease_track_ids(count, reply))
     }
 
-    /// As [`Self::read`], and waits for the answer.
+    /// Runs `read` on the store thread and blocks until it has returned.
     ///
     /// # Errors
     ///
@@ -187,8 +186,8 @@ impl StoreHandle {
         wait(|reply| self.read(read, reply))
     }
 
-    /// Puts a request into the queue, or answers it with why not.
-    fn send(&self, request: Request) {
+    /// Enqueues a request, or answers it with an error if the queue is full or closed.
+    fn send(&self, request: StoreRequest) {
         match self.queue.try_send(request) {
             // Dropping an unserved request answers it with `Stopped`.
             Ok(()) | Err(TrySendError::Disconnected(_)) => {}
@@ -201,8 +200,8 @@ impl StoreHandle {
     }
 }
 
-/// Hands `ask` a reply and waits until it is used.
-fn wait<T: Send + 'static>(ask: impl FnOnce(Answering<T>)) -> Result<T, Error> {
+/// Passes a reply callback to `ask` and blocks until it is called.
+fn wait<T: Send + 'static>(ask: impl FnOnce(ReplyCallback<T>)) -> Result<T, Error> {
     let (sender, receiver) = sync_channel(1);
     ask(Box::new(move |result| {
         // The receiver is waiting below.
@@ -211,7 +210,7 @@ fn wait<T: Send + 'static>(ask: impl FnOnce(Answering<T>)) -> Result<T, Error> {
     receiver.recv().unwrap_or(Err(Error::Stopped))
 }
 
-impl Request {
+impl StoreRequest {
     fn refuse(self, error: &Error) {
         match self {
             Self::Mutate(_, reply) => reply.send(Err(error.clone())),
@@ -223,9 +222,9 @@ impl Request {
     }
 }
 
-/// Owns the thread; stops it when dropped.
+/// Owner of the store thread; dropping it stops the thread.
 pub struct StoreThread {
-    queue: SyncSender<Request>,
+    queue: SyncSender<StoreRequest>,
     thread: Option<JoinHandle<Result<(), Error>>>,
 }
 
@@ -242,12 +241,12 @@ impl StoreThread {
         let capacity = config.queue_capacity.max(1);
         let (queue, requests) = sync_channel(capacity);
         let folder = config.folder.clone();
-        let mut owner = Owner {
+        let mut owner = StoreLoop {
             config,
             memory: Some(memory),
             waiting: Vec::new(),
-            n_untidy_bytes: 0,
-            tidy_step: 0,
+            n_uncompacted_bytes: 0,
+            compaction_step: 0,
             position: Arc::clone(&position),
         };
         let thread = std::thread::Builder::new()
@@ -269,8 +268,8 @@ impl StoreThread {
         ))
     }
 
-    /// Serves what waits already, closes the store, and ends the thread; later
-    /// requests are answered with [`Error::Stopped`].
+    /// Serves the queued requests, closes the store, and ends the thread. Later requests are
+    /// answered with [`Error::Stopped`].
     ///
     /// # Errors
     ///
@@ -285,7 +284,7 @@ impl StoreThread {
             return Ok(());
         };
         // Fails only when the thread has ended already.
-        let _ = self.queue.send(Request::Stop);
+        let _ = self.queue.send(StoreRequest::Stop);
         thread.join().unwrap_or(Err(Error::Stopped))
     }
 }
@@ -296,34 +295,34 @@ impl Drop for StoreThread {
     }
 }
 
-/// What runs on the thread.
-struct Owner {
+/// Request loop of the store thread.
+struct StoreLoop {
     config: StoreConfig,
-    /// None when it failed and could not be opened again.
+    /// Store; `None` after a failure that reopening did not cure.
     memory: Option<PerceptualMemory>,
-    /// Answers to be given when what is staged is on disk, or is not.
-    waiting: Vec<Answering<()>>,
-    n_untidy_bytes: usize,
-    /// The next step of the tidying under way.
-    tidy_step: usize,
-    /// What is on disk, for all handles.
+    /// Callbacks of staged requests, called after the commit.
+    waiting: Vec<ReplyCallback<()>>,
+    n_uncompacted_bytes: usize,
+    /// Next step of the running compaction.
+    compaction_step: usize,
+    /// Position of the durable history, shared with all handles.
     position: Arc<Mutex<Position>>,
 }
 
-impl Owner {
-    fn run(&mut self, requests: &Receiver<Request>) -> Result<(), Error> {
+impl StoreLoop {
+    fn run(&mut self, requests: &Receiver<StoreRequest>) -> Result<(), Error> {
         loop {
-            let request = match requests.recv_timeout(IDLE) {
+            let request = match requests.recv_timeout(IDLE_TIMEOUT) {
                 Ok(request) => request,
                 Err(RecvTimeoutError::Timeout) => {
-                    self.tidy();
+                    self.compact_when_idle();
                     continue;
                 }
                 Err(RecvTimeoutError::Disconnected) => break,
             };
             let others = requests.try_iter().take(GROUP_REQUESTS - 1);
             for request in std::iter::once(request).chain(others) {
-                if matches!(request, Request::Stop) {
+                if matches!(request, StoreRequest::Stop) {
                     return self.stop();
                 }
                 self.serve(request);
@@ -333,26 +332,26 @@ impl Owner {
         self.stop()
     }
 
-    /// Makes one step of merging the tables, when much was written since the last time.
-    fn tidy(&mut self) {
+    /// Runs one compaction step if enough was written since the last compaction.
+    fn compact_when_idle(&mut self) {
         let Some(memory) = &mut self.memory else {
             return;
         };
-        let worth_it = TIDY_BUFFERS * self.config.write_buffer_bytes;
-        if self.n_untidy_bytes < worth_it || memory.failure().is_some() {
+        let min_bytes = COMPACTION_BUFFERS * self.config.write_buffer_bytes;
+        if self.n_uncompacted_bytes < min_bytes || memory.failure().is_some() {
             return;
         }
         // A failure makes the store unusable, which the next request finds.
-        if memory.compact_step(self.tidy_step).is_err() {
+        if memory.compact_step(self.compaction_step).is_err() {
             return;
         }
-        self.tidy_step += 1;
-        if self.tidy_step == PerceptualMemory::N_COMPACT_STEPS {
-            (self.tidy_step, self.n_untidy_bytes) = (0, 0);
+        self.compaction_step += 1;
+        if self.compaction_step == PerceptualMemory::N_COMPACT_STEPS {
+            (self.compaction_step, self.n_uncompacted_bytes) = (0, 0);
         }
     }
 
-    fn serve(&mut self, request: Request) {
+    fn serve(&mut self, request: StoreRequest) {
         if let Err(error) = self.open_if_failed() {
             return request.refuse(&error);
         }
@@ -360,15 +359,15 @@ impl Owner {
             return request.refuse(&Error::Stopped);
         };
         match request {
-            Request::Mutate(mutation, reply) => {
+            StoreRequest::Mutate(mutation, reply) => {
                 let staged = memory.stage(&mutation);
                 self.answer_when_committed(reply, staged);
             }
-            Request::Lease(count, reply) => {
+            StoreRequest::Lease(count, reply) => {
                 let staged = memory.stage_lease(count);
                 self.answer_when_committed(reply, staged);
             }
-            Request::Read(read) => {
+            StoreRequest::Read(read) => {
                 self.commit();
                 let memory = self.memory.as_mut().ok_or(Error::Stopped);
                 let usable = memory.and_then(|memory| memory.usable().map(|()| memory));
@@ -377,15 +376,16 @@ impl Owner {
                     self.memory = None;
                 }
             }
-            Request::Rebuild(reply) => {
+            StoreRequest::Rebuild(reply) => {
                 self.commit();
                 reply.send(self.open_again(true));
             }
-            Request::Stop => {}
+            StoreRequest::Stop => {}
         }
     }
 
-    /// Even a refusal waits: it may rest on a change that is not on disk yet.
+    /// Queues the answer until the next commit. A refusal waits too, since it may depend on a
+    /// staged mutation.
     fn answer_when_committed<T: Send + 'static>(
         &mut self,
         reply: Reply<T>,
@@ -404,14 +404,14 @@ impl Owner {
         }
     }
 
-    /// Has what is staged on disk, and answers everybody who waits for it.
+    /// Commits all staged mutations and answers their callers.
     fn commit(&mut self) {
         if self.waiting.is_empty() {
             return;
         }
         let committed = match &mut self.memory {
             Some(memory) => {
-                self.n_untidy_bytes += memory.n_staged_bytes();
+                self.n_uncompacted_bytes += memory.n_staged_bytes();
                 memory.commit()
             }
             None => Err(Error::Stopped),
@@ -424,12 +424,11 @@ impl Owner {
 
     fn publish_position(&self) {
         if let Some(memory) = self.memory.as_ref().filter(|m| m.failure().is_none()) {
-            let mut position = self.position.lock().unwrap_or_else(PoisonError::into_inner);
-            *position = memory.position();
+            *self.position.lock() = memory.position();
         }
     }
 
-    /// Opens a failed store again; a damaged one is rebuilt.
+    /// Reopens a failed store; rebuilds a damaged one.
     fn open_if_failed(&mut self) -> Result<(), Error> {
         let must_rebuild = match &self.memory {
             Some(memory) => match memory.failure() {

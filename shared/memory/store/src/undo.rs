@@ -1,20 +1,20 @@
-//! Taking an entry of the history back, by an entry that does the contrary.
+//! Undo of a history entry by a compensating entry.
 //!
-//! It is granted only while nothing that the entry touched was touched since: then
-//! the store is as it was before, and nobody else's work is lost.
+//! It is granted only if nothing that the entry changed was changed later. The state before is then
+//! restored exactly, and no later work is lost.
 
 use std::collections::BTreeSet;
 
 use learning::ViewId;
 
-use crate::catalogue::Catalogue;
 use crate::decision::Decision;
-use crate::error::Refusal;
+use crate::error::StoreRefusal;
 use crate::history::{Effect, HistoryEntry, Operation};
-use crate::standing::Standing;
+use crate::label_status::Standing;
+use crate::store_index::StoreIndex;
 
-/// Whether people mean such an entry when they want their last lesson back.
-pub(crate) fn is_lesson(operation: &Operation) -> bool {
+/// `true` for the operations that an undo without a sequence number considers.
+pub(crate) fn is_teaching(operation: &Operation) -> bool {
     matches!(
         operation,
         Operation::Teach { .. }
@@ -27,41 +27,38 @@ pub(crate) fn is_lesson(operation: &Operation) -> bool {
     )
 }
 
-/// The contrary of an entry, or why it cannot be.
-pub(crate) fn decide(catalogue: &Catalogue, entry: &HistoryEntry) -> Result<Decision, Refusal> {
+/// Compensating decision for an entry, or the reason for a refusal.
+pub(crate) fn decide(index: &StoreIndex, entry: &HistoryEntry) -> Result<Decision, StoreRefusal> {
     let sequence = entry.sequence;
     if entry.effects.is_empty() {
-        return Err(Refusal::NothingToUndo);
+        return Err(StoreRefusal::NothingToUndo);
     }
     let stored: BTreeSet<ViewId> = entry.effects.iter().filter_map(stored_view).collect();
     let mut effects = Vec::new();
     for effect in entry.effects.iter().rev() {
         match effect {
             Effect::Stored { view, .. } => {
-                let standing = present(catalogue, *view, sequence)?;
+                let standing = present(index, *view, sequence)?;
                 effects.push(changed(*view, standing, Standing::Forgotten));
             }
             // It is forgotten as a whole.
             Effect::Changed { view, .. } if stored.contains(view) => {}
             Effect::Changed { view, before, .. } => {
-                let standing = present(catalogue, *view, sequence)?;
+                let standing = present(index, *view, sequence)?;
                 effects.push(changed(*view, standing, before.clone()));
             }
             Effect::Document {
                 document, before, ..
             } => {
-                let now = catalogue.document(document);
+                let now = index.document(document);
                 let Some((_, version)) = now.filter(|(last, _)| *last == sequence) else {
-                    return Err(Refusal::DocumentChangedSince {
+                    return Err(StoreRefusal::DocumentChangedSince {
                         sequence,
                         document: document.clone(),
                     });
                 };
-                if before
-                    .as_ref()
-                    .is_some_and(|b| !catalogue.has_blob(b.digest))
-                {
-                    return Err(Refusal::GoneForGood { sequence });
+                if before.as_ref().is_some_and(|b| !index.has_blob(b.digest)) {
+                    return Err(StoreRefusal::GoneForGood { sequence });
                 }
                 effects.push(Effect::Document {
                     document: document.clone(),
@@ -73,7 +70,7 @@ pub(crate) fn decide(catalogue: &Catalogue, entry: &HistoryEntry) -> Result<Deci
             // Only keeps imports from bringing something back.
             Effect::Tombstone { .. } => {}
             Effect::Purged { .. } | Effect::VersionPurged { .. } => {
-                return Err(Refusal::GoneForGood { sequence });
+                return Err(StoreRefusal::GoneForGood { sequence });
             }
         }
     }
@@ -87,14 +84,14 @@ fn stored_view(effect: &Effect) -> Option<ViewId> {
     }
 }
 
-/// What a view stands for by this entry, if it is the last that touched it.
-fn present(catalogue: &Catalogue, view: ViewId, sequence: u64) -> Result<Standing, Refusal> {
-    let Some(entry) = catalogue.get(view) else {
-        return Err(Refusal::GoneForGood { sequence });
+/// Label status of a view, if the given entry was the last to touch it.
+fn present(index: &StoreIndex, view: ViewId, sequence: u64) -> Result<Standing, StoreRefusal> {
+    let Some(entry) = index.get(view) else {
+        return Err(StoreRefusal::GoneForGood { sequence });
     };
     let register = &entry.register;
     if register.sequence != sequence {
-        return Err(Refusal::ViewChangedSince {
+        return Err(StoreRefusal::ViewChangedSince {
             sequence,
             view,
             by: register.sequence,

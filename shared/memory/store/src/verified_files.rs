@@ -1,9 +1,8 @@
-//! Checks LevelDB's files as they are read, and says what is wrong with them.
+//! Checksum verification of LevelDB files while they are read.
 //!
-//! rusty-leveldb answers a damaged block with "no such key", or with an older
-//! value of it, and a damaged log record with the end of the log. Both would be
-//! taken for truth. Here every block is checked before it is handed over, and a
-//! log is walked to its real end.
+//! rusty-leveldb reads a damaged block as a missing key or an older value, and a damaged log record
+//! as the end of the log. Here every block is verified before it is returned, and a log is scanned
+//! to its real end.
 //!
 //! Formats: LevelDB's `doc/table_format.md` and `doc/log_format.md`.
 
@@ -18,21 +17,22 @@ use rusty_leveldb::env::RandomAccess;
 use crate::crc32c::{crc32c, unmask};
 use crate::env_health::EnvHealth;
 
-/// A table's last bytes: two block handles, padding, and the magic number.
+/// Length of a table footer: two block handles, padding, and the magic number.
 pub(crate) const FOOTER_BYTES: usize = 48;
 const FOOTER_MAGIC: [u8; 8] = 0xdb47_7524_8b80_fb57_u64.to_le_bytes();
-/// After each block: one byte of compression type, four of checksum.
+/// Length of a block trailer: compression type (one byte) and checksum (four bytes).
 pub(crate) const TRAILER_BYTES: usize = 5;
 
-/// Logs are cut into blocks; no record header crosses a block's end.
+/// Length of a log block. No record header crosses the end of a block.
 const LOG_BLOCK_BYTES: usize = 32 * 1024;
 const LOG_HEADER_BYTES: usize = 7;
-/// Record types that begin a record.
+/// Type of a log record fragment: complete record; the next constants are its first and its last
+/// fragment.
 pub(crate) const LOG_FULL: u8 = 1;
 pub(crate) const LOG_FIRST: u8 = 2;
 pub(crate) const LOG_LAST: u8 = 4;
 
-/// A table file that checks what is read from it.
+/// Table file with verified reads.
 pub(crate) struct VerifiedTable {
     file: File,
     path: PathBuf,
@@ -52,7 +52,7 @@ impl VerifiedTable {
         })
     }
 
-    /// Reads `bytes` and returns what is wrong with them, if anything.
+    /// Reads `bytes`; returns a description of their corruption, if any.
     fn read(&self, offset: u64, bytes: &mut [u8]) -> io::Result<Option<&'static str>> {
         self.file.read_exact_at(bytes, offset)?;
         if offset + bytes.len() as u64 == self.n_bytes && bytes.len() == FOOTER_BYTES {
@@ -84,14 +84,14 @@ impl RandomAccess for VerifiedTable {
     }
 }
 
-/// The first four bytes, zero when there are fewer.
+/// Little-endian number in the first four bytes; zero if there are fewer.
 pub(crate) fn le_u32(bytes: &[u8]) -> u32 {
     bytes
         .first_chunk()
         .map_or(0, |four| u32::from_le_bytes(*four))
 }
 
-/// Whether the last four bytes are the checksum of those before.
+/// `true` if the last four bytes are the checksum of the others.
 fn has_valid_trailer(bytes: &[u8]) -> bool {
     match bytes.split_last_chunk::<4>() {
         Some((block, checksum)) => crc32c(&[block]) == unmask(u32::from_le_bytes(*checksum)),
@@ -99,13 +99,13 @@ fn has_valid_trailer(bytes: &[u8]) -> bool {
     }
 }
 
-/// What is wrong with a footer.
+/// Description of a corrupted footer.
 fn check_footer(footer: &[u8], n_file_bytes: u64) -> Option<&'static str> {
     footer_handles(footer, n_file_bytes).err()
 }
 
-/// Offset and size of the two blocks that a footer names, or what is wrong with it:
-/// it has no checksum, and rusty-leveldb allocates whatever size it names.
+/// Offset and size of the two blocks in a footer, or a description of its corruption. It has no
+/// checksum, and rusty-leveldb allocates any size in it.
 pub(crate) fn footer_handles(
     footer: &[u8],
     n_file_bytes: u64,
@@ -130,7 +130,7 @@ pub(crate) fn footer_handles(
     Ok(handles)
 }
 
-/// Seven bits a byte, lowest first, the top bit saying that more follow.
+/// Decodes a LEB128 varint and advances the slice.
 pub(crate) fn take_varint(bytes: &mut &[u8]) -> Option<u64> {
     let mut value = 0;
     for shift in (0..63).step_by(7) {
@@ -144,12 +144,12 @@ pub(crate) fn take_varint(bytes: &mut &[u8]) -> Option<u64> {
     None
 }
 
-/// What is wrong with a log or manifest, or `None` when every record up to its
-/// end is whole.
+/// Description of the first corruption in a log or manifest; `None` if every record up to its end
+/// is intact.
 ///
-/// A record cut off at the end is not damage: a process killed while it wrote
-/// leaves one, and nobody was told that it was written. It is damage when a
-/// record begins after it, since one is begun only when those before are on disk.
+/// A truncated last record is not a corruption: it is left by a process killed while writing, and
+/// was never acknowledged. It is a corruption if another record begins after it, since that one is
+/// written only when the earlier ones are on disk.
 pub(crate) fn check_log(log: &[u8]) -> Option<String> {
     let mut first_bad = None;
     let mut expected = 0;
@@ -170,16 +170,16 @@ pub(crate) fn check_log(log: &[u8]) -> Option<String> {
     None
 }
 
-/// A whole piece of a record, as it lies in a log.
+/// Intact fragment of a log record.
 pub(crate) struct LogPiece<'a> {
     pub(crate) offset: usize,
-    /// Where the next one begins, unless something is damaged.
+    /// Offset of the next fragment in an undamaged log.
     pub(crate) next_offset: usize,
     pub(crate) kind: u8,
     pub(crate) data: &'a [u8],
 }
 
-/// Every whole piece, also behind a damaged place.
+/// Intact fragments, including those after damaged parts.
 pub(crate) fn log_pieces(log: &[u8]) -> impl Iterator<Item = LogPiece<'_>> {
     let mut offset = 0;
     std::iter::from_fn(move || {
@@ -212,8 +212,8 @@ pub(crate) fn log_pieces(log: &[u8]) -> impl Iterator<Item = LogPiece<'_>> {
     })
 }
 
-/// Type and length with header of the record at the beginning of `rest`, when
-/// its checksum holds.
+/// Type and length (with header) of the fragment at the beginning of `rest`, if its checksum
+/// matches.
 fn whole_log_record(rest: &[u8]) -> Option<(u8, usize)> {
     let kind = *rest.get(6)?;
     if !(LOG_FULL..=LOG_LAST).contains(&kind) {
@@ -228,7 +228,7 @@ fn whole_log_record(rest: &[u8]) -> Option<(u8, usize)> {
 mod tests {
     use super::*;
 
-    /// Where each record begins, and the log they make.
+    /// Test log with records of these lengths, and the offset of each record.
     fn log(records: &[usize]) -> (Vec<usize>, Vec<u8>) {
         let (mut starts, mut log) = (Vec::new(), Vec::<u8>::new());
         for (i, &n_bytes) in records.iter().enumerate() {

@@ -1,85 +1,85 @@
-//! Stored views: what is known of a track at one moment it was seen.
+//! Views: descriptor, pose, point cloud and capture data of an object at one instant.
 
 use geometry::OrientedBox;
 use learning::ViewId;
 
-use crate::error::Refusal;
-use crate::standing::{Decided, Standing};
+use crate::error::StoreRefusal;
+use crate::label_status::{Decided, Standing};
 
-/// Longest descriptor, numbers; GOOD with fifty bins a side has 7 500.
+/// Maximum length of a descriptor, values. GOOD with fifty bins a side has 7500.
 pub const MAX_DESCRIPTOR_VALUES: usize = 65_536;
-/// Largest cloud of one view, bytes.
+/// Maximum size of a point cloud, bytes.
 pub const MAX_POINTS_BYTES: usize = 16 << 20;
-/// Longest name of a descriptor's kind, of a source, and of an author, bytes.
+/// Maximum length of a descriptor kind, source or author name, bytes.
 pub const MAX_NAME_BYTES: usize = 256;
 
-/// How far a rotation's norm may be from one.
+/// Maximum deviation of the norm of a rotation quaternion from one. Chosen.
 const UNIT_TOLERANCE: f64 = 1e-6;
 
-/// A shape descriptor with the name of how it was computed.
+/// Shape descriptor with its kind.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Descriptor {
-    /// Descriptor and parameters, such as `good-published-15`. Only descriptors
-    /// of one kind can be compared.
+    /// Algorithm and parameters, such as `good-published-15`. Only descriptors of one kind are
+    /// comparable.
     pub kind: String,
-    /// Its values, all finite, 1 to [`MAX_DESCRIPTOR_VALUES`].
+    /// Values, all finite, 1 to [`MAX_DESCRIPTOR_VALUES`].
     pub values: Vec<f32>,
 }
 
-/// A view to be stored, or as it was stored; it never changes.
+/// View of an object; immutable once stored.
 #[derive(Debug, Clone, PartialEq)]
 pub struct View {
-    /// Which view; its track-id is below `u64::MAX`.
+    /// Id of the view; its track-id must be leased.
     pub id: ViewId,
-    /// Its descriptor.
+    /// Shape descriptor.
     pub descriptor: Descriptor,
-    /// The object's box in the world frame, metres.
+    /// Oriented bounding box of the object in the world frame, metres.
     pub box_in_world: OrientedBox,
-    /// When it was captured, nanoseconds since 1970, UTC.
+    /// Capture time, nanoseconds since 1970, UTC.
     pub captured_ns: u64,
-    /// Number of the frame it was seen in.
+    /// Sequence number of the camera frame.
     pub frame_sequence: u64,
     /// Name of the camera or recording.
     pub source: String,
     /// Mean colour: red, green, blue.
     pub mean_rgb: Option<[u8; 3]>,
-    /// Packed points of a key view's cloud, at most [`MAX_POINTS_BYTES`].
+    /// Packed point cloud of a key view, at most [`MAX_POINTS_BYTES`].
     pub points: Option<Vec<u8>>,
 }
 
-/// Where a view was first stored: which robot's memory, and which view it was there.
+/// Provenance of a view: the memory that first stored it, and its id there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Origin {
-    /// The memory; for views learned from files, a digest of which files.
+    /// Id of the memory; for views learned from files, a digest of the files.
     pub memory_id: u128,
-    /// The view there.
+    /// Id of the view in that memory.
     pub view: ViewId,
 }
 
-/// A view as it is in the store.
+/// View with its label status, as stored.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StoredView {
-    /// What was stored.
+    /// Stored view.
     pub view: View,
-    /// Where it was first stored.
+    /// Provenance of the view.
     pub origin: Origin,
-    /// What it stands for.
+    /// Label status.
     pub standing: Standing,
-    /// Who decided that; nobody yet when it was never named.
+    /// Author and time of the label status; `None` for a view that was never labelled.
     pub decided: Option<Decided>,
-    /// Sequence of the history entry that touched it last.
+    /// Sequence number of the last history entry that touched the view.
     pub sequence: u64,
 }
 
 impl View {
-    /// Bytes of its descriptor and cloud.
+    /// Size of descriptor and point cloud, bytes.
     pub(crate) fn n_large_bytes(&self) -> usize {
         let n_points_bytes = self.points.as_ref().map_or(0, Vec::len);
         size_of_val(&self.descriptor.values[..]) + n_points_bytes
     }
 
-    /// Refuses what could not be read back or recognised against.
-    pub(crate) fn check(&self) -> Result<(), Refusal> {
+    /// Validates the values of the view.
+    pub(crate) fn check(&self) -> Result<(), StoreRefusal> {
         let pose = &self.box_in_world.frame_from_box;
         let centre = &pose.translation.vector;
         let half_sides = &self.box_in_world.half_sides_m;
@@ -124,7 +124,7 @@ impl View {
             ),
         ];
         match wrong.into_iter().find(|(is_wrong, _)| *is_wrong) {
-            Some((_, reason)) => Err(Refusal::InvalidView {
+            Some((_, reason)) => Err(StoreRefusal::InvalidView {
                 view: self.id,
                 reason,
             }),
@@ -133,7 +133,7 @@ impl View {
     }
 }
 
-/// False for NaN.
+/// `true` for a norm of one within the tolerance; `false` for NaN.
 fn is_unit(norm: f64) -> bool {
     (norm - 1.0).abs() <= UNIT_TOLERANCE
 }

@@ -1,11 +1,10 @@
-//! What was acknowledged, noted beside the database.
+//! Watermark file: the last acknowledged sequence number, kept outside the database.
 //!
-//! A damaged log hides what follows the damage, and the database alone cannot
-//! tell that anything followed. So after each synced commit its sequence is also
-//! written here, without a sync: it survives the death of the process, and after
-//! a power cut is at worst older than the database, which is no loss. Only a
-//! mark ahead of the database tells that something acknowledged is gone. It also
-//! keeps a database begun anew from leasing track-ids a second time.
+//! A corrupted log hides the records after the corruption, and the database alone cannot show that
+//! there were any. After each synced commit its sequence number is therefore written to this file,
+//! without a sync. It survives the death of the process; after a power cut it is at worst older
+//! than the database, which is harmless. A watermark ahead of the database proves that acknowledged
+//! entries are missing. It also keeps a replaced database from leasing track-ids a second time.
 
 use std::fs::{File, OpenOptions};
 use std::io;
@@ -15,30 +14,32 @@ use std::path::Path;
 const MAGIC: [u8; 4] = *b"TBW2";
 const MARK_BYTES: usize = 4 + 4 + 16 + 16 + 8 + 8 + 8;
 
-/// What is noted.
+/// Content of the watermark file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Mark {
-    /// The store it is about.
+pub(crate) struct WatermarkRecord {
+    /// Id of the store.
     pub(crate) store_id: u128,
-    /// Whose memory it is.
+    /// Id of the memory.
     pub(crate) memory_id: u128,
-    /// Its last acknowledged history entry.
+    /// Sequence number of the last acknowledged history entry.
     pub(crate) sequence: u64,
-    /// The first track-id not yet leased.
+    /// First track-id that is not leased.
     pub(crate) next_track_id: u64,
-    /// Views whose content is there.
+    /// Number of views with content.
     pub(crate) n_views: u64,
 }
 
-/// The file.
+/// Open watermark file.
 pub(crate) struct Watermark {
     file: File,
 }
 
 impl Watermark {
-    /// Opens or creates the file; returns the mark in it, `Ok(None)` when it was
-    /// never written, and what is wrong when it cannot be read.
-    pub(crate) fn open(path: &Path) -> io::Result<(Self, Result<Option<Mark>, &'static str>)> {
+    /// Opens or creates the file. Returns the record in it, `Ok(None)` for a new file, or the
+    /// reason why it is unreadable.
+    pub(crate) fn open(
+        path: &Path,
+    ) -> io::Result<(Self, Result<Option<WatermarkRecord>, &'static str>)> {
         let options = OpenOptions::new()
             .read(true)
             .write(true)
@@ -65,9 +66,9 @@ impl Watermark {
         Ok((Self { file }, found))
     }
 
-    /// Notes `mark`; it is on disk after the next [`Self::sync`] or when the
-    /// system finds time.
-    pub(crate) fn write(&self, mark: &Mark) -> io::Result<()> {
+    /// Writes the record; it is durable after the next [`Self::sync`], or after the next write-back
+    /// of the kernel.
+    pub(crate) fn write(&self, mark: &WatermarkRecord) -> io::Result<()> {
         self.file.write_all_at(&encode(mark), 0)
     }
 
@@ -75,13 +76,13 @@ impl Watermark {
         self.file.sync_data()
     }
 
-    /// Cuts off whatever an unreadable file holds beyond a mark.
+    /// Truncates the file to the length of one record.
     pub(crate) fn trim(&self) -> io::Result<()> {
         self.file.set_len(MARK_BYTES as u64)
     }
 }
 
-fn encode(mark: &Mark) -> [u8; MARK_BYTES] {
+fn encode(mark: &WatermarkRecord) -> [u8; MARK_BYTES] {
     let mut bytes = [0; MARK_BYTES];
     bytes[..4].copy_from_slice(&MAGIC);
     bytes[8..24].copy_from_slice(&mark.store_id.to_le_bytes());
@@ -94,8 +95,8 @@ fn encode(mark: &Mark) -> [u8; MARK_BYTES] {
     bytes
 }
 
-fn decode(bytes: &[u8; MARK_BYTES]) -> Option<Mark> {
-    let mark = Mark {
+fn decode(bytes: &[u8; MARK_BYTES]) -> Option<WatermarkRecord> {
+    let mark = WatermarkRecord {
         store_id: u128::from_le_bytes(*bytes[8..].first_chunk()?),
         memory_id: u128::from_le_bytes(*bytes[24..].first_chunk()?),
         sequence: u64::from_le_bytes(*bytes[40..].first_chunk()?),
@@ -105,19 +106,19 @@ fn decode(bytes: &[u8; MARK_BYTES]) -> Option<Mark> {
     (encode(&mark) == *bytes).then_some(mark)
 }
 
-/// The mark that stores of schema 1 left.
+/// Reader of the watermark of schema 1.
 mod schema_1 {
-    use super::Mark;
+    use super::WatermarkRecord;
 
     pub(super) const MARK_BYTES: usize = 4 + 4 + 16 + 8 + 8;
 
-    pub(super) fn decode(bytes: &[u8; MARK_BYTES]) -> Option<Mark> {
+    pub(super) fn decode(bytes: &[u8; MARK_BYTES]) -> Option<WatermarkRecord> {
         let checksum = u32::from_le_bytes(*bytes[4..].first_chunk()?);
         if !bytes.starts_with(b"TBW1") || crc32fast::hash(&bytes[8..]) != checksum {
             return None;
         }
         let store_id = u128::from_le_bytes(*bytes[8..].first_chunk()?);
-        Some(Mark {
+        Some(WatermarkRecord {
             store_id,
             memory_id: store_id,
             sequence: u64::from_le_bytes(*bytes[24..].first_chunk()?),
@@ -137,7 +138,7 @@ mod tests {
         let path = folder.path().join("acknowledged");
         let (file, found) = Watermark::open(&path).unwrap();
         assert_eq!(found, Ok(None));
-        let mark = Mark {
+        let mark = WatermarkRecord {
             store_id: 3,
             memory_id: 4,
             sequence: u64::MAX,

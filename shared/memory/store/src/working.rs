@@ -1,41 +1,40 @@
-//! The working memory: which objects there are, what was known of them and when,
-//! what the robot does, what happened, and which tasks were done.
+//! Working memory: a temporal world model of objects, robot, events and tasks.
 //!
-//! A [`WorldModel`] holds all of it in memory and answers every question; it does
-//! no I/O and reads no clock. [`WorkingMemory`] is its copy on disk, and a
-//! [`WorldThread`] writes what has changed, a few times a second at most.
+//! A [`WorldModel`] holds everything in memory and answers all queries; it does no I/O and reads no
+//! clock. [`WorkingMemory`] is its copy on disk, and a [`WorldThread`] writes the changes, at most
+//! a few times per second.
 //!
-//! It is rebuilt by looking, so a damaged copy is set aside and begun anew, and a
-//! loss of power may take the last changes that were not written yet.
+//! Observation rebuilds it. A damaged copy is therefore set aside and replaced by an empty one, and
+//! a power cut may lose the last unwritten changes.
 
+mod dirty_set;
 mod event;
 mod event_log;
-mod expiry;
+mod expiry_queue;
 mod fact;
 mod fact_table;
-mod keys;
 mod object;
-mod on_disk;
 mod query;
+mod record_key;
 mod robot;
+mod scene_update;
 mod task;
 mod task_table;
-mod thread;
-mod touched;
-mod watching;
+mod working_memory;
 mod world_config;
 mod world_model;
+mod world_thread;
 
 #[cfg(test)]
-mod model_tests;
+mod tests;
 
 pub use event::{Event, Happening, Learned, Lesson, Outcome};
 pub use fact::{Fact, Place, Property, Subject, Value};
 pub use object::{Object, Sighting};
-pub use on_disk::{WorkingMemory, WorldCondition, WorldReport};
 pub use query::{FactPage, FactQuery, Region, Window};
 pub use robot::{Robot, RobotSighting};
 pub use task::{NewTask, Task, TaskEnd, TaskRefusal, TaskState};
-pub use thread::{OnTrouble, WorldHandle, WorldThread, WorldThreadConfig};
+pub use working_memory::{WorkingMemory, WorldCondition, WorldReport};
 pub use world_config::WorldConfig;
 pub use world_model::WorldModel;
+pub use world_thread::{OnTrouble, WorldHandle, WorldThread, WorldThreadConfig};

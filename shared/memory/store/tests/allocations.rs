@@ -1,5 +1,4 @@
-//! Looking at a world in which nothing changes allocates nothing, and reading what
-//! was taught keeps nothing.
+//! Allocation tests: an unchanged observation allocates nothing, and reads leave nothing in memory.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -12,7 +11,7 @@ use store::{Change, Descriptor, Mutation, MutationId, PerceptualMemory, View};
 
 thread_local! {
     static N_ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
-    /// Bytes that this thread allocated, less those that it freed.
+    /// Bytes allocated and not freed by this thread.
     static N_LIVE_BYTES: Cell<isize> = const { Cell::new(0) };
 }
 
@@ -107,7 +106,7 @@ fn a_world_at_rest_allocates_nothing() {
     }
 }
 
-/// A view with a cloud, each byte of which depends on the track.
+/// View with a point cloud whose bytes depend on the track.
 fn view_with_cloud(track_id: u64, n_bytes: usize) -> View {
     View {
         id: ViewId {

@@ -244,15 +244,75 @@ pub struct HistoryReport {
     pub author: String,
     /// What was asked, in words.
     pub what: String,
+    /// Kind of the operation.
+    pub operation: HistoryOperation,
+    /// Track that was taught, corrected or forgotten; null for other targets.
+    pub track_id: Option<u64>,
+    /// View that was corrected or forgotten; null for other targets.
+    pub view: Option<ViewId>,
+    /// Category that was taught, the new one of a correction, the forgotten or the
+    /// pruned one; null for operations without a category.
+    pub category: Option<String>,
+    /// Category before a correction of a category, a renaming or a merge; null otherwise.
+    pub from: Option<String>,
+    /// Category after a correction, a renaming or a merge; null otherwise.
+    pub to: Option<String>,
+    /// Sequence number of the entry that was undone; null for other operations.
+    pub undone: Option<u64>,
+    /// Document that was stored or removed; null for other operations.
+    pub document: Option<DocumentName>,
+    /// Source of an import; null for other operations.
+    pub source: Option<String>,
     /// Views that it stored, named, forgot or removed.
     pub n_views: u64,
     /// Why it changed nothing, in words; null when it did.
     pub contradiction: Option<String>,
+    /// Category that the track keeps because the entry contradicted it; null otherwise.
+    pub kept_category: Option<String>,
+    /// Author of the kept category; null without one.
+    pub kept_author: Option<String>,
     /// The client's id; null for what the store does by itself.
     pub mutation: Option<MutationId>,
     /// Digest of the entry before.
     #[serde(with = "hex_id")]
     pub previous: u128,
+}
+
+/// Kind of an operation in the history.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum HistoryOperation {
+    /// Storing of views.
+    StoreViews,
+    /// Labelling of a track.
+    Teach,
+    /// Relabelling of a track, a view or a category.
+    Correct,
+    /// Forgetting of a category, a track or a view.
+    Forget,
+    /// Renaming of a category.
+    Rename,
+    /// Merge of two categories.
+    Merge,
+    /// Undo of an earlier entry.
+    Undo,
+    /// Import of another memory.
+    Import,
+    /// Storing of a document.
+    PutDocument,
+    /// Removal of a document.
+    RemoveDocument,
+    /// Permanent deletion of forgotten content.
+    Purge,
+    /// Pruning of views above a retention limit.
+    Prune,
+    /// Rebuild of a damaged store.
+    Rebuild,
+    /// Migration from an older schema.
+    Migrate,
+    /// Operation that this program does not know.
+    Other,
 }
 
 /// A document, without its content.

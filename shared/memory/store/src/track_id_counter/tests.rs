@@ -3,7 +3,7 @@ use crate::mutation::{Change, Mutation, MutationId};
 use crate::opening::Condition;
 use crate::perceptual_memory::PerceptualMemory;
 use crate::view::{Descriptor, View};
-use crate::{Loss, Refusal, verify_folder};
+use crate::{DataLoss, StoreRefusal, verify_folder};
 use geometry::OrientedBox;
 use learning::ViewId;
 use nalgebra::{Isometry3, Vector3};
@@ -82,7 +82,7 @@ fn raised_counter_is_found_and_recovered_at_opening() {
             matches!(report.condition, Condition::Rebuilt { .. }),
             "{report}"
         );
-        assert_eq!(report.loss(), Loss::default(), "{report}");
+        assert_eq!(report.loss(), DataLoss::default(), "{report}");
         check_recovered(folder.path(), memory, hostile_id);
     }
 }
@@ -92,7 +92,7 @@ fn raised_counter_is_recovered_by_repair() {
     let hostile_id = u64::MAX - 1;
     let folder = store_with_raised_counter(hostile_id);
     let (memory, report) = PerceptualMemory::open_and_rebuild(folder.path(), 2).unwrap();
-    assert_eq!(report.loss(), Loss::default(), "{report}");
+    assert_eq!(report.loss(), DataLoss::default(), "{report}");
     check_recovered(folder.path(), memory, hostile_id);
 }
 
@@ -114,7 +114,7 @@ fn lease_beyond_the_last_number_is_refused() {
     assert!(
         matches!(
             refused,
-            crate::Error::Refused(Refusal::TrackIdsExhausted)
+            crate::Error::Refused(StoreRefusal::TrackIdsExhausted)
         ),
         "{refused}"
     );

@@ -1,123 +1,122 @@
-//! Events: what happened at an instant.
+//! Events of the world model: instantaneous occurrences with a sequence number.
 
 use serde::{Deserialize, Serialize};
 
-/// Something that happened.
+/// Event with its sequence number and time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Event {
-    /// Grows by one from event to event, from one; a start of the memory leaves a gap.
+    /// Sequence number, from one, without gaps except at a start of the memory.
     pub sequence: u64,
-    /// When it was noticed, nanoseconds since 1970.
+    /// Detection time, nanoseconds since 1970.
     pub wall_ns: u64,
-    /// What happened.
+    /// Kind and details of the event.
     pub happening: Happening,
 }
 
-/// What can happen.
+/// Kinds of events.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum Happening {
-    /// The memory started; what it knew of objects and robot ended when they were
-    /// last seen.
+    /// Start of the memory. Facts about objects and the robot ended when these were last observed.
     Started,
-    /// An object was seen that was not known.
+    /// First observation of an object.
     Appeared {
-        /// The track.
+        /// Track-id of the object.
         track_id: u64,
-        /// What it was called then.
+        /// Label at that time.
         label: Option<String>,
-        /// Centre of its box in the world, metres.
+        /// Centre of the bounding box in the world frame, metres.
         position_m: [f64; 3],
     },
-    /// An object is given up: it has gone, or was not seen for too long.
+    /// Disappearance of an object: it has left, or was not seen for too long.
     Vanished {
-        /// The track.
+        /// Track-id of the object.
         track_id: u64,
-        /// What it was called then.
+        /// Label at that time.
         label: Option<String>,
     },
-    /// An object is called otherwise.
+    /// Change of the label of an object.
     Relabelled {
-        /// The track.
+        /// Track-id of the object.
         track_id: u64,
-        /// What it was called.
+        /// Label before.
         before: Option<String>,
-        /// What it is called now.
+        /// Label after.
         after: Option<String>,
     },
-    /// An object left a place where it had rested.
+    /// Departure of an object from a place where it had rested.
     Moved {
-        /// The track.
+        /// Track-id of the object.
         track_id: u64,
-        /// Centre of its box at rest, world, metres.
+        /// Centre of the bounding box at rest, world frame, metres.
         from_m: [f64; 3],
-        /// Where it was noticed next.
+        /// Centre of the bounding box at the next detection, world frame, metres.
         to_m: [f64; 3],
     },
-    /// Somebody taught, corrected or forgot.
+    /// Teaching event: a label was taught, corrected or forgotten.
     Learned(Learned),
-    /// The robot ended an action.
+    /// End of a robot action.
     ActionEnded {
-        /// The robot's number of the command.
+        /// Command number of the robot.
         command_id: u64,
-        /// How it ended.
+        /// Result of the action.
         outcome: Outcome,
-        /// Why, empty when it succeeded.
+        /// Reason of a failure; empty on success.
         note: String,
     },
-    /// A task began.
+    /// Start of a task.
     TaskStarted {
-        /// Its number.
+        /// Number of the task.
         task: u64,
-        /// What kind of task.
+        /// Kind of the task.
         kind: String,
     },
-    /// A task ended.
+    /// End of a task.
     TaskEnded {
-        /// Its number.
+        /// Number of the task.
         task: u64,
-        /// What kind of task.
+        /// Kind of the task.
         kind: String,
-        /// How it ended.
+        /// Result of the task.
         outcome: Outcome,
-        /// Why.
+        /// Reason for the result.
         reason: String,
     },
 }
 
-/// A change of what was learned.
+/// Details of a teaching event.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Learned {
-    /// What was done.
+    /// Kind of teaching.
     pub lesson: Lesson,
-    /// The category.
+    /// Category label.
     pub category: String,
-    /// The track, unless a whole category was forgotten.
+    /// Track-id; `None` if a whole category was forgotten.
     pub track_id: Option<u64>,
-    /// Who did it.
+    /// Author.
     pub author: String,
-    /// Sequence in the history of the perceptual memory.
+    /// Sequence number in the history of the perceptual memory.
     pub history: u64,
 }
 
-/// What a person did to what was learned.
+/// Kinds of teaching.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Lesson {
-    /// Named an object.
+    /// Labelling of an object.
     Taught,
-    /// Named it otherwise.
+    /// Correction of a label.
     Corrected,
-    /// Had a category forgotten.
+    /// Forgetting of a category.
     Forgot,
 }
 
-/// How an action or a task ended.
+/// Result of an action or a task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Outcome {
-    /// As it should.
+    /// Success.
     Succeeded,
-    /// It could not be done.
+    /// Failure.
     Failed,
-    /// Somebody ended it.
+    /// Cancellation.
     Cancelled,
 }

@@ -1,30 +1,30 @@
-//! What happened, in its order.
+//! Event log of the world model, in sequence order.
 
 use std::collections::BTreeMap;
 use std::ops::Bound;
 
+use super::dirty_set::DirtySet;
 use super::event::{Event, Happening};
-use super::expiry::Expiry;
-use super::keys::Entry;
-use super::touched::Touched;
+use super::expiry_queue::ExpiryQueue;
+use super::record_key::RecordKey;
 
 #[derive(Debug, Default)]
 pub(super) struct EventLog {
     events: BTreeMap<u64, Event>,
-    over: Expiry,
-    /// Sequence of the last event; zero before the first.
+    over: ExpiryQueue,
+    /// Sequence number of the last event; zero before the first.
     pub(super) newest: u64,
 }
 
 impl EventLog {
-    pub(super) fn add(&mut self, happening: Happening, now_ns: u64, touched: &mut Touched) {
+    pub(super) fn add(&mut self, happening: Happening, now_ns: u64, dirty: &mut DirtySet) {
         let event = Event {
             sequence: self.newest + 1,
             wall_ns: now_ns,
             happening,
         };
-        touched.add(Entry::Event(event.sequence));
-        touched.add(Entry::Meta);
+        dirty.add(RecordKey::Event(event.sequence));
+        dirty.add(RecordKey::Meta);
         self.insert(event);
     }
 
@@ -38,7 +38,7 @@ impl EventLog {
         self.events.get(&sequence)
     }
 
-    /// The events after one, in their order.
+    /// Events after a sequence number, in order.
     pub(super) fn since(&self, sequence: u64) -> impl DoubleEndedIterator<Item = &Event> {
         let after = (Bound::Excluded(sequence), Bound::Unbounded);
         self.events.range(after).map(|(_, event)| event)
@@ -48,19 +48,19 @@ impl EventLog {
         self.events.values()
     }
 
-    /// Forgets one event that is to be forgotten; false when there is none.
+    /// Removes one expired event; `false` if there is none.
     pub(super) fn expire(
         &mut self,
         now_ns: u64,
         keep_ns: u64,
         n_most: usize,
-        touched: &mut Touched,
+        dirty: &mut DirtySet,
     ) -> bool {
         let Some(sequence) = self.over.take(now_ns, keep_ns, n_most) else {
             return false;
         };
         self.events.remove(&sequence);
-        touched.add(Entry::Event(sequence));
+        dirty.add(RecordKey::Event(sequence));
         true
     }
 }

@@ -1,54 +1,54 @@
-//! Facts: what holds of whom, from when to when.
+//! Facts: temporally valid statements (subject, property value, validity interval).
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::world_config::WorldConfig;
 
-/// What a fact is about.
+/// Subject of a fact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Subject {
-    /// The object with this track-id.
+    /// Object with this track-id.
     Object(u64),
-    /// The robot.
+    /// Robot.
     Robot,
-    /// The task with this number.
+    /// Task with this number.
     Task(u64),
 }
 
-/// What a fact says something about.
+/// Property of a subject.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Property {
     /// State of a track or of a task.
     State,
-    /// What an object is called; there is no such fact while it is unknown.
+    /// Label of an object; there is no such fact while the object is unknown.
     Label,
-    /// Where an object is, and how large.
+    /// Pose and size of an object.
     Place,
-    /// What the robot is doing.
+    /// Activity of the robot.
     Activity,
-    /// Whether the robot holds something.
+    /// Gripper state of the robot: holding something or not.
     Holding,
 }
 
-/// What a fact says.
+/// Value of a property.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Value {
-    /// See [`Property::State`].
+    /// Value of [`Property::State`].
     State(String),
-    /// See [`Property::Label`].
+    /// Value of [`Property::Label`].
     Label(String),
-    /// See [`Property::Place`].
+    /// Value of [`Property::Place`].
     Place(Place),
-    /// See [`Property::Activity`].
+    /// Value of [`Property::Activity`].
     Activity(String),
-    /// See [`Property::Holding`].
+    /// Value of [`Property::Holding`].
     Holding(bool),
 }
 
-/// A value that is claimed and not kept yet.
+/// Borrowed [`Value`].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Claim<'a> {
+pub(super) enum ValueRef<'a> {
     State(&'a str),
     Label(&'a str),
     Place(&'a Place),
@@ -56,50 +56,50 @@ pub(super) enum Claim<'a> {
     Holding(bool),
 }
 
-/// The box of an object in the world.
+/// Oriented bounding box of an object in the world frame.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Place {
     /// Centre, metres.
     pub position_m: [f64; 3],
-    /// Orientation: x, y, z, w of a unit quaternion.
+    /// Orientation: unit quaternion x, y, z, w.
     pub orientation_xyzw: [f64; 4],
-    /// Full lengths of the sides, metres.
+    /// Full side lengths, metres.
     pub size_m: [f64; 3],
 }
 
-/// Something that holds, or held, for a time.
+/// Fact with its validity interval.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Fact {
-    /// Numbers of facts grow in the order in which the facts were noticed.
+    /// Number of the fact, increasing in the order of detection.
     pub number: u64,
-    /// What it is about.
+    /// Subject of the fact.
     pub subject: Subject,
-    /// What it says.
+    /// Value of the property.
     pub value: Value,
-    /// Since when it holds, nanoseconds since 1970.
+    /// Start of the validity, nanoseconds since 1970.
     pub start_ns: u64,
-    /// Until when it held, never before `start_ns`; `None` while it holds.
+    /// End of the validity, not before `start_ns`; `None` while the fact holds.
     pub end_ns: Option<u64>,
 }
 
 impl Value {
-    /// What the value is of.
+    /// Property of the value.
     pub fn property(&self) -> Property {
-        self.as_claim().property()
+        self.as_value_ref().property()
     }
 
-    pub(super) fn as_claim(&self) -> Claim<'_> {
+    pub(super) fn as_value_ref(&self) -> ValueRef<'_> {
         match self {
-            Self::State(state) => Claim::State(state),
-            Self::Label(label) => Claim::Label(label),
-            Self::Place(place) => Claim::Place(place),
-            Self::Activity(activity) => Claim::Activity(activity),
-            Self::Holding(is_holding) => Claim::Holding(*is_holding),
+            Self::State(state) => ValueRef::State(state),
+            Self::Label(label) => ValueRef::Label(label),
+            Self::Place(place) => ValueRef::Place(place),
+            Self::Activity(activity) => ValueRef::Activity(activity),
+            Self::Holding(is_holding) => ValueRef::Holding(*is_holding),
         }
     }
 }
 
-impl Claim<'_> {
+impl ValueRef<'_> {
     pub(super) fn property(self) -> Property {
         match self {
             Self::State(_) => Property::State,
@@ -120,13 +120,13 @@ impl Claim<'_> {
         }
     }
 
-    /// Whether nothing new is claimed beside what `value` says.
-    pub(super) fn agrees(self, value: &Value, config: &WorldConfig) -> bool {
+    /// `true` if the value equals the known one within the thresholds of the configuration.
+    pub(super) fn matches_value(self, value: &Value, config: &WorldConfig) -> bool {
         match (self, value) {
             (Self::Place(place), Value::Place(known)) => {
                 !place.has_moved_from(known, config) && !place.has_other_size_than(known, config)
             }
-            _ => self == value.as_claim(),
+            _ => self == value.as_value_ref(),
         }
     }
 }
@@ -137,7 +137,7 @@ impl Place {
         (Vector3::from(self.position_m) - Vector3::from(other.position_m)).norm()
     }
 
-    /// The angle by which one is turned against the other, radians, 0 to π.
+    /// Rotation angle between the orientations, radians, 0 to π.
     pub fn turn_rad(&self, other: &Self) -> f64 {
         let rotation =
             |[x, y, z, w]: [f64; 4]| UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
@@ -180,12 +180,12 @@ mod tests {
             write_buffer_bytes: crate::WRITE_BUFFER_BYTES,
         };
         let known = Value::Place(place(0.0, 0.0, 0.1));
-        let agrees = |place: Place| Claim::Place(&place).agrees(&known, &config);
-        assert!(agrees(place(0.019, 0.29, 0.119)));
-        assert!(!agrees(place(0.021, 0.0, 0.1)));
-        assert!(!agrees(place(0.0, -0.31, 0.1)));
-        assert!(!agrees(place(0.0, 0.0, 0.121)));
+        let matches_value = |place: Place| ValueRef::Place(&place).matches_value(&known, &config);
+        assert!(matches_value(place(0.019, 0.29, 0.119)));
+        assert!(!matches_value(place(0.021, 0.0, 0.1)));
+        assert!(!matches_value(place(0.0, -0.31, 0.1)));
+        assert!(!matches_value(place(0.0, 0.0, 0.121)));
         // A full turn is none.
-        assert!(agrees(place(0.0, std::f64::consts::TAU, 0.1)));
+        assert!(matches_value(place(0.0, std::f64::consts::TAU, 0.1)));
     }
 }

@@ -1,12 +1,12 @@
-//! The facts that hold, and those that held.
+//! Fact table: current and past facts, indexed by subject and property.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Bound;
 
-use super::expiry::Expiry;
-use super::fact::{Claim, Fact, Property, Subject};
-use super::keys::Entry;
-use super::touched::Touched;
+use super::dirty_set::DirtySet;
+use super::expiry_queue::ExpiryQueue;
+use super::fact::{Fact, Property, Subject, ValueRef};
+use super::record_key::RecordKey;
 use super::world_config::WorldConfig;
 
 #[derive(Debug, Default)]
@@ -14,64 +14,64 @@ pub(super) struct FactTable {
     facts: BTreeMap<u64, Fact>,
     open: BTreeMap<(Subject, Property), u64>,
     of_subject: BTreeSet<(Subject, u64)>,
-    over: Expiry,
+    over: ExpiryQueue,
     /// Number of the newest fact; zero before the first.
     pub(super) newest: u64,
 }
 
 impl FactTable {
-    /// What holds of a subject's property.
+    /// Current fact about a property of a subject.
     pub(super) fn holding(&self, subject: Subject, property: Property) -> Option<&Fact> {
         let number = self.open.get(&(subject, property))?;
         self.facts.get(number)
     }
 
-    /// Has something hold from now on: nothing changes when it holds already,
-    /// else the old fact ends and a new one begins.
-    pub(super) fn claim(
+    /// Asserts a value from now on. Nothing changes if it holds already; otherwise the old fact
+    /// ends and a new one begins.
+    pub(super) fn assert_fact(
         &mut self,
         subject: Subject,
-        claim: Claim<'_>,
+        value: ValueRef<'_>,
         now_ns: u64,
         config: &WorldConfig,
-        touched: &mut Touched,
+        dirty: &mut DirtySet,
     ) {
-        let property = claim.property();
+        let property = value.property();
         let known = self.holding(subject, property);
-        if known.is_some_and(|known| claim.agrees(&known.value, config)) {
+        if known.is_some_and(|known| value.matches_value(&known.value, config)) {
             return;
         }
-        self.cease(subject, property, now_ns, touched);
+        self.retract(subject, property, now_ns, dirty);
         let fact = Fact {
             number: self.newest + 1,
             subject,
-            value: claim.to_value(),
+            value: value.to_value(),
             start_ns: now_ns,
             end_ns: None,
         };
-        touched.add(Entry::Fact(fact.number));
-        touched.add(Entry::Meta);
+        dirty.add(RecordKey::Fact(fact.number));
+        dirty.add(RecordKey::Meta);
         self.insert(fact);
     }
 
-    /// Ends what holds of a subject's property, never before it began.
-    pub(super) fn cease(
+    /// Ends the current fact about a property of a subject, not before its start.
+    pub(super) fn retract(
         &mut self,
         subject: Subject,
         property: Property,
         end_ns: u64,
-        touched: &mut Touched,
+        dirty: &mut DirtySet,
     ) {
         let number = self.open.remove(&(subject, property));
         if let Some(fact) = number.and_then(|number| self.facts.get_mut(&number)) {
             let end_ns = end_ns.max(fact.start_ns);
             fact.end_ns = Some(end_ns);
             self.over.insert(end_ns, fact.number);
-            touched.add(Entry::Fact(fact.number));
+            dirty.add(RecordKey::Fact(fact.number));
         }
     }
 
-    /// Takes in a fact that is newer than all.
+    /// Inserts a fact that is newer than all others.
     pub(super) fn insert(&mut self, fact: Fact) {
         self.newest = self.newest.max(fact.number);
         self.of_subject.insert((fact.subject, fact.number));
@@ -84,7 +84,7 @@ impl FactTable {
         self.facts.insert(fact.number, fact);
     }
 
-    /// Of what something holds now.
+    /// Subjects and properties with a current fact.
     pub(super) fn open(&self) -> impl Iterator<Item = (Subject, Property)> {
         self.open.keys().copied()
     }
@@ -101,12 +101,12 @@ impl FactTable {
         self.facts.values()
     }
 
-    /// The facts before a number, newest first.
+    /// Facts with a smaller number, newest first.
     pub(super) fn before(&self, number: u64) -> impl Iterator<Item = &Fact> {
         self.facts.range(..number).rev().map(|(_, fact)| fact)
     }
 
-    /// The facts about a subject before a number, newest first.
+    /// Facts about a subject with a smaller number, newest first.
     pub(super) fn of(&self, subject: Subject, before: u64) -> impl Iterator<Item = &Fact> {
         let range = (
             Bound::Included((subject, 0)),
@@ -116,19 +116,19 @@ impl FactTable {
         numbers.filter_map(|(_, number)| self.facts.get(number))
     }
 
-    /// Forgets one fact that is to be forgotten; false when there is none.
+    /// Removes one expired fact; `false` if there is none.
     pub(super) fn expire(
         &mut self,
         now_ns: u64,
         config: &WorldConfig,
-        touched: &mut Touched,
+        dirty: &mut DirtySet,
     ) -> bool {
         let due = self.over.take(now_ns, config.keep_ns, config.n_kept_most);
         let Some(fact) = due.and_then(|number| self.facts.remove(&number)) else {
             return false;
         };
         self.of_subject.remove(&(fact.subject, fact.number));
-        touched.add(Entry::Fact(fact.number));
+        dirty.add(RecordKey::Fact(fact.number));
         true
     }
 }

@@ -1,47 +1,47 @@
-//! Objects as they were seen last.
+//! Objects of the world model, with their last observed state.
 
 use serde::{Deserialize, Serialize};
 
 use super::fact::Place;
 
-/// How an object looks in one scene.
+/// Observation of an object in one scene.
 #[derive(Debug, Clone, Copy)]
 pub struct Sighting<'a> {
-    /// The track.
+    /// Track-id of the object.
     pub track_id: u64,
     /// State of the track.
     pub state: &'a str,
-    /// What it is called; `None` when unknown.
+    /// Label; `None` for an unknown object.
     pub label: Option<&'a str>,
-    /// Where it is.
+    /// Pose and size in the world frame.
     pub place: Place,
-    /// When the track began, nanoseconds since 1970.
+    /// Start of the track, nanoseconds since 1970.
     pub first_seen_ns: u64,
-    /// When it was last measured, nanoseconds since 1970.
+    /// Last measurement, nanoseconds since 1970.
     pub last_seen_ns: u64,
 }
 
-/// An object, there or gone.
+/// Present or past object.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Object {
-    /// The track.
+    /// Track-id of the object.
     pub track_id: u64,
-    /// State of the track, the last one when it has gone.
+    /// Last state of the track.
     pub state: String,
-    /// What it is, or was, called; `None` when unknown.
+    /// Last label; `None` for an unknown object.
     pub label: Option<String>,
-    /// Where it is, or was last; changes without a new fact.
+    /// Last pose and size in the world frame; small changes make no new fact.
     pub place: Place,
-    /// When the track began, nanoseconds since 1970.
+    /// Start of the track, nanoseconds since 1970.
     pub first_seen_ns: u64,
-    /// When it was last measured, nanoseconds since 1970.
+    /// Last measurement, nanoseconds since 1970.
     pub last_seen_ns: u64,
-    /// When it was given up; `None` while it is there.
+    /// Time of the disappearance; `None` for a present object.
     pub gone_ns: Option<u64>,
-    /// Number of the scene that showed it last.
+    /// Number of the last scene with the object.
     #[serde(skip)]
     pub(super) scene: u64,
-    /// `last_seen_ns` as it is, or is about to be, on disk.
+    /// Value of `last_seen_ns` on disk, or about to be written.
     #[serde(skip)]
     pub(super) noted_seen_ns: u64,
 }
@@ -61,7 +61,7 @@ impl Object {
         }
     }
 
-    /// Takes over what is seen; allocates only for new words.
+    /// Copies an observation; allocates only for changed strings.
     pub(super) fn update(&mut self, sighting: &Sighting<'_>) {
         if self.state != sighting.state {
             sighting.state.clone_into(&mut self.state);

@@ -1,68 +1,66 @@
-//! Questions about facts: of whom, of what it was called, where, and when.
+//! Temporal queries on facts by subject, label, region and time window.
 
 use std::collections::HashMap;
 
 use super::fact::{Fact, Property, Subject, Value};
 use super::fact_table::FactTable;
 
-/// A part of the world.
+/// Region of the world frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Region {
-    /// All that is within a radius of a point, metres.
+    /// Ball around a point, metres.
     Ball {
-        /// The point.
+        /// Centre of the ball, metres.
         centre_m: [f64; 3],
-        /// The radius.
+        /// Radius of the ball, metres.
         radius_m: f64,
     },
-    /// All between two corners, along the world's axes, metres.
+    /// Axis-aligned box, metres.
     Box {
-        /// The least coordinates.
+        /// Minimum coordinates, metres.
         min_m: [f64; 3],
-        /// The greatest coordinates.
+        /// Maximum coordinates, metres.
         max_m: [f64; 3],
     },
 }
 
-/// From one instant to another, both included, nanoseconds since 1970.
+/// Closed time interval, nanoseconds since 1970.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Window {
-    /// The first instant.
+    /// First instant.
     pub from_ns: u64,
-    /// The last instant; the same for a single one.
+    /// Last instant; equal to the first for a single instant.
     pub to_ns: u64,
 }
 
-/// Which facts are wanted: those that held at some instant at which all holds
-/// that is asked for.
+/// Query for facts that held at an instant at which all given conditions held.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FactQuery {
-    /// Only facts about this one.
+    /// Subject of the facts.
     pub subject: Option<Subject>,
-    /// The instant is one at which their subject was called so.
+    /// Label of the subject at that instant.
     pub label: Option<String>,
-    /// The instant is one at which the centre of their subject lay there, as far
-    /// as its facts tell.
+    /// Region that contains the centre of the subject at that instant, according to its facts.
     pub region: Option<Region>,
-    /// The instant lies in here.
+    /// Time window that contains the instant.
     pub window: Option<Window>,
-    /// Only facts with a lower number: the `next` of the page before.
+    /// Upper bound of the fact number (exclusive): the `next` of the previous page.
     pub before: Option<u64>,
-    /// Most facts of a page.
+    /// Maximum number of facts on a page.
     pub n_most: usize,
 }
 
-/// Facts, newest first.
+/// Page of facts, newest first.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FactPage {
-    /// The facts.
+    /// Facts of the page.
     pub facts: Vec<Fact>,
-    /// Where the next page begins; `None` after the last one.
+    /// Cursor of the next page; `None` after the last page.
     pub next: Option<u64>,
 }
 
 impl Region {
-    /// Whether a point lies in it.
+    /// `true` if the region contains the point.
     pub fn contains(&self, point_m: &[f64; 3]) -> bool {
         match self {
             Self::Ball { centre_m, radius_m } => {
@@ -76,15 +74,15 @@ impl Region {
     }
 }
 
-/// From the first instant to before the second one; never empty.
+/// Half-open, non-empty time interval, nanoseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Span {
+struct TimeInterval {
     start: u64,
     end: u64,
 }
 
-impl Span {
-    /// When a fact held. What ended as it began counts for that instant.
+impl TimeInterval {
+    /// Validity interval of a fact. A fact that ended at its start counts for that instant.
     fn of(fact: &Fact) -> Self {
         let end = fact.end_ns.unwrap_or(u64::MAX);
         Self {
@@ -107,19 +105,19 @@ impl Span {
     }
 }
 
-/// The page of facts that a query asks for.
+/// Page of facts that match a query.
 pub(super) fn facts(table: &FactTable, query: &FactQuery) -> FactPage {
     let before = query.before.unwrap_or(u64::MAX);
     let candidates: Box<dyn Iterator<Item = &Fact>> = match query.subject {
         Some(subject) => Box::new(table.of(subject, before)),
         None => Box::new(table.before(before)),
     };
-    let mut wanted_of = HashMap::<Subject, Vec<Span>>::new();
+    let mut wanted_of = HashMap::<Subject, Vec<TimeInterval>>::new();
     let mut found = candidates.filter(|fact| {
         let wanted = wanted_of
             .entry(fact.subject)
-            .or_insert_with(|| wanted_spans(table, query, fact.subject));
-        meets(wanted, Span::of(fact))
+            .or_insert_with(|| wanted_intervals(table, query, fact.subject));
+        meets(wanted, TimeInterval::of(fact))
     });
     let facts: Vec<Fact> = found.by_ref().take(query.n_most).cloned().collect();
     let has_more = found.next().is_some();
@@ -127,12 +125,16 @@ pub(super) fn facts(table: &FactTable, query: &FactQuery) -> FactPage {
     FactPage { facts, next }
 }
 
-/// When all holds of a subject that is asked for: in order, apart from each other.
-fn wanted_spans(table: &FactTable, query: &FactQuery, subject: Subject) -> Vec<Span> {
-    let mut wanted = vec![Span::of_window(query.window)];
+/// Intervals in which all conditions hold for a subject, sorted and disjoint.
+fn wanted_intervals(table: &FactTable, query: &FactQuery, subject: Subject) -> Vec<TimeInterval> {
+    let mut wanted = vec![TimeInterval::of_window(query.window)];
     let when = |is_so: &dyn Fn(&Value) -> bool| {
         let facts = table.of(subject, u64::MAX);
-        merged(facts.filter(|fact| is_so(&fact.value)).map(Span::of))
+        merged(
+            facts
+                .filter(|fact| is_so(&fact.value))
+                .map(TimeInterval::of),
+        )
     };
     if let Some(label) = &query.label {
         let is_called = |value: &Value| matches!(value, Value::Label(known) if known == label);
@@ -145,29 +147,29 @@ fn wanted_spans(table: &FactTable, query: &FactQuery, subject: Subject) -> Vec<S
     wanted
 }
 
-/// The same instants in spans in order and apart from each other.
-fn merged(spans: impl Iterator<Item = Span>) -> Vec<Span> {
-    let mut spans: Vec<Span> = spans.collect();
-    spans.sort_unstable();
-    spans.dedup_by(|next, last| {
+/// Union of intervals, sorted and disjoint.
+fn merged(intervals: impl Iterator<Item = TimeInterval>) -> Vec<TimeInterval> {
+    let mut intervals: Vec<TimeInterval> = intervals.collect();
+    intervals.sort_unstable();
+    intervals.dedup_by(|next, last| {
         let touches = next.start <= last.end;
         if touches {
             last.end = last.end.max(next.end);
         }
         touches
     });
-    spans
+    intervals
 }
 
-/// The instants in both.
-fn common(a: &[Span], b: &[Span]) -> Vec<Span> {
+/// Intersection of two sorted lists of intervals.
+fn common(a: &[TimeInterval], b: &[TimeInterval]) -> Vec<TimeInterval> {
     let (mut i, mut j) = (0, 0);
     let mut common = Vec::new();
     while let (Some(one), Some(other)) = (a.get(i), b.get(j)) {
         let start = one.start.max(other.start);
         let end = one.end.min(other.end);
         if start < end {
-            common.push(Span { start, end });
+            common.push(TimeInterval { start, end });
         }
         if one.end < other.end {
             i += 1;
@@ -178,15 +180,15 @@ fn common(a: &[Span], b: &[Span]) -> Vec<Span> {
     common
 }
 
-/// Whether some of the spans, in order, has an instant in common with `span`.
-fn meets(spans: &[Span], span: Span) -> bool {
-    let first = spans.partition_point(|wanted| wanted.end <= span.start);
-    spans
+/// `true` if the sorted intervals intersect `interval`.
+fn meets(intervals: &[TimeInterval], interval: TimeInterval) -> bool {
+    let first = intervals.partition_point(|wanted| wanted.end <= interval.start);
+    intervals
         .get(first)
-        .is_some_and(|wanted| wanted.start < span.end)
+        .is_some_and(|wanted| wanted.start < interval.end)
 }
 
-/// What holds of an object's property, and since when.
+/// Start of the current fact about a property.
 pub(super) fn since_ns(table: &FactTable, subject: Subject, property: Property) -> Option<u64> {
     table.holding(subject, property).map(|fact| fact.start_ns)
 }

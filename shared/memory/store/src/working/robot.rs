@@ -1,61 +1,61 @@
-//! The robot as it said it was last.
+//! State of the robot arm in the world model.
 
 use serde::{Deserialize, Serialize};
 
 use super::event::{Happening, Outcome};
-use super::fact::{Claim, Property, Subject};
-use super::keys::Entry;
+use super::fact::{Property, Subject, ValueRef};
+use super::record_key::RecordKey;
 use super::world_model::WorldModel;
 
-/// How the arm says it is.
+/// State report of the robot arm.
 #[derive(Debug, Clone, Copy)]
 pub struct RobotSighting<'a> {
-    /// What it is doing.
+    /// Present activity.
     pub activity: &'a str,
-    /// How the last command ended; `None` while it is at work.
+    /// Result of the last command; `None` while it runs.
     pub outcome: Option<Outcome>,
-    /// The command at work, or the last one; zero before the first.
+    /// Number of the running or last command; zero before the first.
     pub command_id: u64,
-    /// Why the last command failed, empty otherwise.
+    /// Failure reason of the last command; empty otherwise.
     pub note: &'a str,
-    /// Whether the fingers hold something.
+    /// `true` if the gripper holds something.
     pub is_holding: bool,
-    /// Distance between the fingers, metres.
+    /// Opening of the gripper, metres.
     pub opening_m: f64,
-    /// Angles from the base outwards, radians.
+    /// Joint angles from the base outwards, radians.
     pub joint_angles_rad: &'a [f64],
-    /// Position of the gripper, world frame, metres.
+    /// Position of the gripper in the world frame, metres.
     pub position_m: [f64; 3],
-    /// Orientation of the gripper: x, y, z, w.
+    /// Orientation of the gripper: quaternion x, y, z, w.
     pub orientation_xyzw: [f64; 4],
 }
 
-/// The arm, heard or silent. Where its base stands is not known here.
+/// Robot arm with its last reported state; the pose of its base is not part of it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Robot {
-    /// What it is doing.
+    /// Last reported activity.
     pub activity: String,
-    /// The command at work, or the last one; zero before the first.
+    /// Number of the running or last command; zero before the first.
     pub command_id: u64,
-    /// How that command ended; `None` while it is at work.
+    /// Result of that command; `None` while it runs.
     pub outcome: Option<Outcome>,
-    /// Why it failed, empty otherwise.
+    /// Failure reason; empty otherwise.
     pub note: String,
-    /// Whether the fingers hold something.
+    /// `true` if the gripper holds something.
     pub is_holding: bool,
-    /// Distance between the fingers, metres.
+    /// Opening of the gripper, metres.
     pub opening_m: f64,
-    /// Angles from the base outwards, radians.
+    /// Joint angles from the base outwards, radians.
     pub joint_angles_rad: Vec<f64>,
-    /// Position of the gripper, world frame, metres.
+    /// Position of the gripper in the world frame, metres.
     pub position_m: [f64; 3],
-    /// Orientation of the gripper: x, y, z, w.
+    /// Orientation of the gripper: quaternion x, y, z, w.
     pub orientation_xyzw: [f64; 4],
-    /// When it last said so, nanoseconds since 1970.
+    /// Time of the last report, nanoseconds since 1970.
     pub last_heard_ns: u64,
-    /// Whether it still says how it is.
+    /// `true` while the robot sends reports.
     pub is_heard: bool,
-    /// `last_heard_ns` as it is, or is about to be, on disk.
+    /// Value of `last_heard_ns` on disk, or about to be written.
     #[serde(skip)]
     pub(super) noted_heard_ns: u64,
 }
@@ -78,7 +78,7 @@ impl Robot {
         }
     }
 
-    /// Whether the words and flags are the same; numbers change all the time.
+    /// `true` if all discrete values are unchanged; continuous values change all the time.
     pub(super) fn says(&self, sighting: &RobotSighting<'_>) -> bool {
         self.is_heard
             && self.activity == sighting.activity
@@ -88,7 +88,7 @@ impl Robot {
             && self.is_holding == sighting.is_holding
     }
 
-    /// Takes over what is said; allocates only for longer words.
+    /// Copies a report; allocates only for longer strings.
     pub(super) fn update(&mut self, sighting: &RobotSighting<'_>, now_ns: u64) {
         sighting.activity.clone_into(&mut self.activity);
         sighting.note.clone_into(&mut self.note);
@@ -106,21 +106,21 @@ impl Robot {
 }
 
 impl WorldModel {
-    /// Takes in what the robot says of itself.
+    /// Updates the robot from a state report.
     pub fn observe_robot(&mut self, sighting: &RobotSighting<'_>, now_ns: u64) {
         let has_changed = match &self.robot {
             Some(robot) => !robot.says(sighting),
             None => true,
         };
         if has_changed {
-            self.tell_action(sighting, now_ns);
-            let (config, touched) = (&self.config, &mut self.touched);
-            for claim in [
-                Claim::Activity(sighting.activity),
-                Claim::Holding(sighting.is_holding),
+            self.record_action_end(sighting, now_ns);
+            let (config, dirty) = (&self.config, &mut self.dirty);
+            for value in [
+                ValueRef::Activity(sighting.activity),
+                ValueRef::Holding(sighting.is_holding),
             ] {
                 self.facts
-                    .claim(Subject::Robot, claim, now_ns, config, touched);
+                    .assert_fact(Subject::Robot, value, now_ns, config, dirty);
             }
         }
         let robot = self
@@ -130,13 +130,13 @@ impl WorldModel {
         let unwritten_ns = now_ns.abs_diff(robot.noted_heard_ns);
         if has_changed || unwritten_ns >= self.config.seen_period_ns {
             robot.noted_heard_ns = now_ns;
-            self.touched.add(Entry::Robot);
+            self.dirty.add(RecordKey::Robot);
         }
     }
 
-    /// Tells that an action ended. What had ended when the robot was first heard
-    /// is no news.
-    fn tell_action(&mut self, sighting: &RobotSighting<'_>, now_ns: u64) {
+    /// Records the end of an action. An action that had ended before the first report is not an
+    /// event.
+    fn record_action_end(&mut self, sighting: &RobotSighting<'_>, now_ns: u64) {
         let Some(robot) = self.robot.as_ref().filter(|robot| robot.is_heard) else {
             return;
         };
@@ -150,11 +150,11 @@ impl WorldModel {
                 outcome,
                 note: sighting.note.to_owned(),
             };
-            self.events.add(ended, now_ns, &mut self.touched);
+            self.events.add(ended, now_ns, &mut self.dirty);
         }
     }
 
-    /// Ends what holds of the robot, for it says nothing any more.
+    /// Ends all facts about a robot that no longer sends reports.
     pub fn lose_robot(&mut self) {
         let Some(robot) = self.robot.as_mut().filter(|robot| robot.is_heard) else {
             return;
@@ -163,8 +163,8 @@ impl WorldModel {
         for property in [Property::Activity, Property::Holding] {
             let end_ns = robot.last_heard_ns;
             self.facts
-                .cease(Subject::Robot, property, end_ns, &mut self.touched);
+                .retract(Subject::Robot, property, end_ns, &mut self.dirty);
         }
-        self.touched.add(Entry::Robot);
+        self.dirty.add(RecordKey::Robot);
     }
 }

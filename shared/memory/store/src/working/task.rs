@@ -1,109 +1,120 @@
-//! Tasks: what was to be done, and how it ended.
-
-use std::fmt;
+//! Tasks of the robot, running and ended.
 
 use serde::{Deserialize, Serialize};
 
 use super::event::Outcome;
 use crate::mutation::MutationId;
 
-/// Longest name of a kind of task, bytes.
+/// Maximum length of a task kind, bytes.
 const MAX_KIND_BYTES: usize = 64;
-/// Longest parameters of a task, and longest reason for its end, bytes.
+/// Maximum length of task parameters and of an end reason, bytes.
 const MAX_TEXT_BYTES: usize = 2048;
-/// Longest name of who starts a task, bytes.
+/// Maximum length of an author name, bytes.
 const MAX_AUTHOR_BYTES: usize = 256;
 
-/// A task that is about to begin.
+/// Request to start a task.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NewTask {
-    /// The same id again gets the first answer.
+    /// Idempotency key of the request.
     pub id: MutationId,
-    /// What kind of task, 1 to 64 bytes.
+    /// Kind of the task, 1 to 64 bytes.
     pub kind: String,
-    /// Its parameters as who starts it writes them, at most 2048 bytes.
+    /// Parameters in the syntax of the requester, at most 2048 bytes.
     pub parameters: String,
-    /// Who starts it, at most 256 bytes.
+    /// Author, at most 256 bytes.
     pub author: String,
 }
 
-/// The end of a task.
+/// Request to end a task.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TaskEnd {
-    /// The same id again gets the first answer.
+    /// Idempotency key of the request.
     pub id: MutationId,
-    /// The task's number.
+    /// Number of the task.
     pub task: u64,
-    /// How it ended.
+    /// Result of the task.
     pub outcome: Outcome,
-    /// Why, at most 2048 bytes.
+    /// Reason for the result, at most 2048 bytes.
     pub reason: String,
 }
 
-/// A task, running or ended.
+/// Running or ended task.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Task {
-    /// Counts the tasks from one.
+    /// Number of the task, from one.
     pub number: u64,
-    /// What kind of task.
+    /// Kind of the task.
     pub kind: String,
-    /// Its parameters.
+    /// Parameters of the task.
     pub parameters: String,
-    /// Who started it.
+    /// Author of the task.
     pub author: String,
-    /// When it began, nanoseconds since 1970.
+    /// Start time, nanoseconds since 1970.
     pub started_ns: u64,
-    /// How it ended; `None` while it runs.
+    /// State of the task.
     pub state: TaskState,
     pub(super) start_id: u128,
 }
 
-/// Whether a task runs, or how it ended.
+/// State of a task: running or ended.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub enum TaskState {
-    /// It was started and not ended.
+    /// Running.
     Running,
-    /// It is over.
+    /// Ended.
     Ended {
-        /// How.
+        /// Result of the task.
         outcome: Outcome,
-        /// Why.
+        /// Reason for the result.
         reason: String,
-        /// When, nanoseconds since 1970, never before it began.
+        /// End time, nanoseconds since 1970, not before the start.
         ended_ns: u64,
-        /// Id of the request that ended it.
+        /// Idempotency key of the request that ended the task.
         end_id: u128,
     },
 }
 
-/// Why a task is not started or not ended.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// Reason for refusing to start or end a task.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TaskRefusal {
-    /// There is no such task.
+    /// Unknown task number.
+    #[error(
+        "there is no task {task}; it was never started, or ended so long ago that it is forgotten"
+    )]
     Unknown {
-        /// The number asked for.
+        /// Number in the request.
         task: u64,
     },
-    /// The task has ended already.
+    /// Task that has ended already.
+    #[error("task {task} has ended already; start another one to do it again")]
     HasEnded {
-        /// Its number.
+        /// Number of the task.
         task: u64,
     },
-    /// A text is too long, or a kind is empty.
+    /// Empty kind, or text above its length limit.
+    #[error("{}", text_sentence(what, *n_bytes, *most))]
     Text {
-        /// Which text.
+        /// Name of the text: kind, parameters, author or reason.
         what: &'static str,
-        /// Its length, bytes.
+        /// Length of the text, bytes.
         n_bytes: usize,
-        /// The longest allowed, bytes.
+        /// Maximum length, bytes.
         most: usize,
     },
-    /// Too many tasks run at once.
+    /// Limit of concurrently running tasks reached.
+    #[error("{n_running} tasks run already; end some of them before starting another one")]
     TooMany {
-        /// How many run.
+        /// Number of running tasks.
         n_running: usize,
     },
+}
+
+fn text_sentence(what: &str, n_bytes: usize, most: usize) -> String {
+    match n_bytes {
+        0 => format!("a task's {what} is empty; say what it is"),
+        _ => format!("a task's {what} has {n_bytes} bytes; use at most {most}"),
+    }
 }
 
 impl NewTask {
@@ -137,33 +148,3 @@ fn too_long(what: &'static str, text: &str, most: usize) -> TaskRefusal {
         most,
     }
 }
-
-impl fmt::Display for TaskRefusal {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Unknown { task } => write!(
-                f,
-                "there is no task {task}; it was never started, or ended so long ago that it is \
-                 forgotten"
-            ),
-            Self::HasEnded { task } => write!(
-                f,
-                "task {task} has ended already; start another one to do it again"
-            ),
-            Self::Text {
-                what, n_bytes: 0, ..
-            } => write!(f, "a task's {what} is empty; say what it is"),
-            Self::Text {
-                what,
-                n_bytes,
-                most,
-            } => write!(f, "a task's {what} has {n_bytes} bytes; use at most {most}"),
-            Self::TooMany { n_running } => write!(
-                f,
-                "{n_running} tasks run already; end some of them before starting another one"
-            ),
-        }
-    }
-}
-
-impl std::error::Error for TaskRefusal {}

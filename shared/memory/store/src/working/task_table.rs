@@ -1,32 +1,32 @@
-//! The tasks that run, and those that ended.
+//! Task table: running and ended tasks.
 
 use std::collections::BTreeMap;
 
+use super::dirty_set::DirtySet;
 use super::event::Happening;
-use super::expiry::Expiry;
-use super::fact::{Claim, Property, Subject};
-use super::keys::Entry;
+use super::expiry_queue::ExpiryQueue;
+use super::fact::{Property, Subject, ValueRef};
+use super::record_key::RecordKey;
 use super::task::{NewTask, Task, TaskEnd, TaskRefusal, TaskState};
-use super::touched::Touched;
 use super::world_config::WorldConfig;
 use super::world_model::WorldModel;
 
-/// Most tasks that run at once: what is never ended would fill the memory.
+/// Maximum number of running tasks, which bounds the memory if clients never end them. Chosen.
 const MAX_RUNNING: usize = 1000;
 
 #[derive(Debug, Default)]
 pub(super) struct TaskTable {
     tasks: BTreeMap<u64, Task>,
     by_start_id: BTreeMap<u128, u64>,
-    over: Expiry,
+    over: ExpiryQueue,
     n_running: usize,
     /// Number of the newest task; zero before the first.
     pub(super) newest: u64,
 }
 
-/// Whether a request changed something, or was answered before.
+/// Effect of a request: applied now, or a repetition of an earlier one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Done {
+enum RequestEffect {
     Now(u64),
     Before(u64),
 }
@@ -36,10 +36,10 @@ impl TaskTable {
         &mut self,
         new: &NewTask,
         now_ns: u64,
-        touched: &mut Touched,
-    ) -> Result<Done, TaskRefusal> {
+        dirty: &mut DirtySet,
+    ) -> Result<RequestEffect, TaskRefusal> {
         if let Some(&number) = self.by_start_id.get(&new.id.0) {
-            return Ok(Done::Before(number));
+            return Ok(RequestEffect::Before(number));
         }
         new.check()?;
         if self.n_running >= MAX_RUNNING {
@@ -57,22 +57,24 @@ impl TaskTable {
             state: TaskState::Running,
             start_id: new.id.0,
         });
-        touched.add(Entry::Task(number));
-        touched.add(Entry::Meta);
-        Ok(Done::Now(number))
+        dirty.add(RecordKey::Task(number));
+        dirty.add(RecordKey::Meta);
+        Ok(RequestEffect::Now(number))
     }
 
     fn end(
         &mut self,
         end: &TaskEnd,
         now_ns: u64,
-        touched: &mut Touched,
-    ) -> Result<Done, TaskRefusal> {
+        dirty: &mut DirtySet,
+    ) -> Result<RequestEffect, TaskRefusal> {
         let task = end.task;
         let known = self.tasks.get_mut(&task);
         let known = known.ok_or(TaskRefusal::Unknown { task })?;
         match known.state {
-            TaskState::Ended { end_id, .. } if end_id == end.id.0 => Ok(Done::Before(task)),
+            TaskState::Ended { end_id, .. } if end_id == end.id.0 => {
+                Ok(RequestEffect::Before(task))
+            }
             TaskState::Ended { .. } => Err(TaskRefusal::HasEnded { task }),
             TaskState::Running => {
                 end.check()?;
@@ -85,8 +87,8 @@ impl TaskTable {
                 };
                 self.over.insert(ended_ns, task);
                 self.n_running -= 1;
-                touched.add(Entry::Task(task));
-                Ok(Done::Now(task))
+                dirty.add(RecordKey::Task(task));
+                Ok(RequestEffect::Now(task))
             }
         }
     }
@@ -109,59 +111,60 @@ impl TaskTable {
         self.tasks.values()
     }
 
-    /// The tasks before a number, newest first.
+    /// Tasks with a smaller number, newest first.
     pub(super) fn before(&self, number: u64) -> impl Iterator<Item = &Task> {
         self.tasks.range(..number).rev().map(|(_, task)| task)
     }
 
-    /// Forgets one task that is to be forgotten; false when there is none.
+    /// Removes one expired task; `false` if there is none.
     pub(super) fn expire(
         &mut self,
         now_ns: u64,
         config: &WorldConfig,
-        touched: &mut Touched,
+        dirty: &mut DirtySet,
     ) -> bool {
         let due = self.over.take(now_ns, config.keep_ns, config.n_kept_most);
         let Some(task) = due.and_then(|number| self.tasks.remove(&number)) else {
             return false;
         };
         self.by_start_id.remove(&task.start_id);
-        touched.add(Entry::Task(task.number));
+        dirty.add(RecordKey::Task(task.number));
         true
     }
 }
 
 impl WorldModel {
-    /// Begins a task; the same request again gets the same task.
+    /// Starts a task. A repeated request returns the same task.
     ///
     /// # Errors
     ///
     /// When a text is too long or too many tasks run; nothing changed.
     pub fn start_task(&mut self, new: &NewTask, now_ns: u64) -> Result<&Task, TaskRefusal> {
-        let done = self.tasks.start(new, now_ns, &mut self.touched)?;
-        if let Done::Now(task) = done {
-            let (config, touched) = (&self.config, &mut self.touched);
+        let done = self.tasks.start(new, now_ns, &mut self.dirty)?;
+        if let RequestEffect::Now(task) = done {
+            let (config, dirty) = (&self.config, &mut self.dirty);
             let subject = Subject::Task(task);
-            let running = Claim::State("running");
-            self.facts.claim(subject, running, now_ns, config, touched);
+            let running = ValueRef::State("running");
+            self.facts
+                .assert_fact(subject, running, now_ns, config, dirty);
             let kind = new.kind.clone();
             self.events
-                .add(Happening::TaskStarted { task, kind }, now_ns, touched);
+                .add(Happening::TaskStarted { task, kind }, now_ns, dirty);
         }
         self.task_of(done)
     }
 
-    /// Ends a task; the same request again gets the same answer.
+    /// Ends a task. A repeated request gets the same answer.
     ///
     /// # Errors
     ///
     /// When there is no such task, or another request has ended it; nothing changed.
     pub fn end_task(&mut self, end: &TaskEnd, now_ns: u64) -> Result<&Task, TaskRefusal> {
-        let done = self.tasks.end(end, now_ns, &mut self.touched)?;
-        if let Done::Now(task) = done {
-            let touched = &mut self.touched;
+        let done = self.tasks.end(end, now_ns, &mut self.dirty)?;
+        if let RequestEffect::Now(task) = done {
+            let dirty = &mut self.dirty;
             self.facts
-                .cease(Subject::Task(task), Property::State, now_ns, touched);
+                .retract(Subject::Task(task), Property::State, now_ns, dirty);
             let kind = self.tasks.get(task).map(|task| task.kind.clone());
             let ended = Happening::TaskEnded {
                 task,
@@ -169,13 +172,13 @@ impl WorldModel {
                 outcome: end.outcome,
                 reason: end.reason.clone(),
             };
-            self.events.add(ended, now_ns, touched);
+            self.events.add(ended, now_ns, dirty);
         }
         self.task_of(done)
     }
 
-    fn task_of(&self, done: Done) -> Result<&Task, TaskRefusal> {
-        let (Done::Now(task) | Done::Before(task)) = done;
+    fn task_of(&self, done: RequestEffect) -> Result<&Task, TaskRefusal> {
+        let (RequestEffect::Now(task) | RequestEffect::Before(task)) = done;
         self.tasks.get(task).ok_or(TaskRefusal::Unknown { task })
     }
 }

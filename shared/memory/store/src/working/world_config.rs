@@ -1,21 +1,19 @@
-//! What is worth a new fact, and how long it is remembered.
+//! Configuration of the world model: change thresholds and retention.
 
-/// The settings of a [`WorldModel`](super::WorldModel).
+/// Configuration of a [`WorldModel`](super::WorldModel).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WorldConfig {
-    /// An object is in another place when its centre, or the length of a side, is
-    /// this far from what the last fact says, metres.
+    /// Minimum change of an object's centre or side length for a new fact, metres.
     pub move_min_m: f64,
-    /// Or when it is turned this far, radians.
+    /// Minimum rotation of an object for a new fact, radians.
     pub turn_min_rad: f64,
-    /// What is over is forgotten after this time, nanoseconds.
+    /// Retention time of ended items, nanoseconds.
     pub keep_ns: u64,
-    /// And before that when more than this many facts are over; the same holds for
-    /// objects, for tasks, and for all events.
+    /// Maximum number of ended facts, of past objects, of ended tasks, and of events.
     pub n_kept_most: usize,
-    /// When an object was last seen is written at least this often, nanoseconds.
+    /// Maximum age of the last-seen time of an object on disk, nanoseconds.
     pub seen_period_ns: u64,
-    /// What is gathered in memory before the database makes a table of it, usually
+    /// Size of the write buffer (memtable), bytes; usually
     /// [`WRITE_BUFFER_BYTES`](crate::WRITE_BUFFER_BYTES).
     pub write_buffer_bytes: usize,
 }

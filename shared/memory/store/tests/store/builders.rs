@@ -1,15 +1,15 @@
-//! Views, names and mutations to test with.
+//! Test fixtures: views, names, mutations, stores.
 
 use geometry::OrientedBox;
 use learning::{CategoryName, ViewId};
 use nalgebra::{Isometry3, Vector3};
 use store::{
-    Answer, Change, Descriptor, Error, Mutation, MutationId, OpenReport, PerceptualMemory, Refusal,
-    StoredView, Target, View,
+    Answer, Change, Descriptor, Error, Mutation, MutationId, OpenReport, PerceptualMemory,
+    StoreRefusal, StoredView, Target, View,
 };
 use tempfile::TempDir;
 
-/// A time that is no other number in the tests.
+/// Wall-clock time of the tests, distinct from every other number.
 pub(crate) const NOW_NS: u64 = 1_700_000_000_000_000_000;
 
 pub(crate) fn folder() -> TempDir {
@@ -28,7 +28,7 @@ pub(crate) fn key(track_id: u64, view_id: u32) -> ViewId {
     ViewId { track_id, view_id }
 }
 
-/// A view whose content is determined by its key and `content`.
+/// View whose content depends only on its id and `content`.
 pub(crate) fn view(track_id: u64, view_id: u32, content: u32) -> View {
     let seed = track_id as f64 + 0.25 * view_id as f64 + 100.0 * content as f64;
     View {
@@ -95,7 +95,7 @@ pub(crate) fn undo(id: u128, sequence: u64) -> Mutation {
     mutation(id, Change::Undo { sequence })
 }
 
-/// What a granted mutation is answered.
+/// Expected answer to a granted mutation.
 pub(crate) fn answer(sequence: u64, n_views: u64) -> Answer {
     Answer {
         sequence,
@@ -104,12 +104,12 @@ pub(crate) fn answer(sequence: u64, n_views: u64) -> Answer {
     }
 }
 
-/// The name of a stored view, if it has one.
+/// Label of a stored view.
 pub(crate) fn name_of(stored: &StoredView) -> Option<&str> {
     stored.standing.category().map(CategoryName::as_str)
 }
 
-/// Applies mutations that must be granted.
+/// Applies mutations that must be granted, leasing track-ids for them.
 pub(crate) fn apply(memory: &mut PerceptualMemory, mutations: &[Mutation]) -> Vec<Answer> {
     let mut apply = |mutation: &Mutation| {
         lease_tracks_of(memory, mutation);
@@ -132,18 +132,18 @@ pub(crate) fn lease_tracks_of(memory: &mut PerceptualMemory, mutation: &Mutation
     }
 }
 
-/// The refusal in an error, or the error in words.
-pub(crate) fn refusal<T: std::fmt::Debug>(result: Result<T, Error>) -> Refusal {
+/// Refusal in an error.
+pub(crate) fn refusal<T: std::fmt::Debug>(result: Result<T, Error>) -> StoreRefusal {
     match result {
         Err(Error::Refused(refusal)) => refusal,
         other => panic!("expected a refusal, got {other:?}"),
     }
 }
 
-/// The rule of teaching that refused.
+/// Violated teaching rule in a refusal.
 pub(crate) fn lesson<T: std::fmt::Debug>(result: Result<T, Error>) -> learning::Refusal {
     match refusal(result) {
-        Refusal::Lesson(refusal) => refusal,
+        StoreRefusal::Teaching(refusal) => refusal,
         other => panic!("expected a lesson refused, got {other:?}"),
     }
 }
@@ -157,8 +157,7 @@ pub(crate) fn counts(memory: &PerceptualMemory) -> Vec<(String, u64)> {
         .collect()
 }
 
-/// A folder in memory where there is one: for tests that open a store often and
-/// do not ask what reached the disk.
+/// Temporary folder in RAM if possible, for tests that do not depend on the disk.
 pub(crate) fn fast_folder() -> TempDir {
     tempfile::tempdir_in("/dev/shm").unwrap_or_else(|_| folder())
 }

@@ -1,4 +1,4 @@
-//! Damaged files: the store opens, says what is lost, and goes on.
+//! Corruption tests: a store with damaged files opens, reports its losses exactly, and works.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use tempfile::TempDir;
 
 use crate::builders::{NOW_NS, apply, correct, fast_folder, forget, open, store, teach, view};
 
-/// Twenty changes of every kind; entry `n` of the history is mutation `n`.
+/// Twenty mutations of every kind; mutation `n` makes history entry `n`.
 fn mutations() -> Vec<Mutation> {
     let mut mutations = Vec::new();
     for track in 1..=5_u64 {
@@ -28,10 +28,10 @@ fn mutations() -> Vec<Mutation> {
     mutations
 }
 
-/// What a store holds of each track.
+/// Views and label status of each track.
 type State = Vec<Vec<(View, Standing)>>;
 
-/// What the store holds after the first `n` mutations, made without damage.
+/// Content of an undamaged store after the first `n` mutations.
 fn state_after(n: usize) -> &'static State {
     static STATES: LazyLock<Vec<State>> = LazyLock::new(|| {
         let folder = fast_folder();
@@ -54,8 +54,7 @@ fn state(memory: &mut PerceptualMemory) -> State {
     (1..=5).map(track).collect()
 }
 
-/// A store with all mutations; when `is_reopened`, they are in a table and no
-/// more in the log.
+/// Store with all mutations, in a table file if `is_reopened`, otherwise in the log.
 fn whole_store(is_reopened: bool) -> TempDir {
     let folder = fast_folder();
     let (mut memory, _) = open(&folder);
@@ -80,7 +79,7 @@ fn copy(folder: &Path) -> TempDir {
     copy
 }
 
-/// The newest file of the database with this extension that has content.
+/// Newest non-empty database file with this extension.
 fn newest(folder: &Path, extension: &str) -> PathBuf {
     let entries = fs::read_dir(folder.join("database")).unwrap().flatten();
     let paths = entries.map(|entry| entry.path());
@@ -92,7 +91,7 @@ fn newest(folder: &Path, extension: &str) -> PathBuf {
     paths.filter(is_wanted).max().expect("such a file")
 }
 
-/// The store takes a change, and has it when it is opened again.
+/// Checks that the store takes a mutation and keeps it across a reopening.
 fn check_it_goes_on(folder: &TempDir, mut memory: PerceptualMemory) {
     let sequence = memory.sequence();
     apply(
@@ -156,7 +155,7 @@ fn long_a_torn_tail_loses_whole_changes_and_says_how_many() {
     check_cut_log(1);
 }
 
-/// Whether every view and name in the store is one that was really stored.
+/// `true` if every view and label in the store was really stored.
 fn is_part_of_the_truth(memory: &mut PerceptualMemory) -> bool {
     let known = || (0..=mutations().len()).map(state_after);
     state(memory).iter().enumerate().all(|(track, views)| {
@@ -173,7 +172,7 @@ fn is_part_of_the_truth(memory: &mut PerceptualMemory) -> bool {
     })
 }
 
-/// What of the whole truth is missing: history entries, views, clouds.
+/// Number of lost history entries, views and point clouds.
 fn count_missing(memory: &mut PerceptualMemory) -> (u64, u64, u64) {
     let n = mutations().len() as u64;
     let history = memory.history(1, usize::MAX).unwrap();
@@ -191,8 +190,8 @@ fn count_missing(memory: &mut PerceptualMemory) -> (u64, u64, u64) {
     (n - n_whole, n_views, n_clouds)
 }
 
-/// Opens a store with damaged files, reads all of it, and rebuilds it if reading
-/// finds what opening did not. What is reported lost is what is missing.
+/// Opens a store with damaged files, verifies it, and rebuilds it after a late finding. The
+/// reported losses must be the actual ones.
 fn check_damaged(folder: &TempDir, what: &str) -> OpenReport {
     let (mut memory, mut report) =
         PerceptualMemory::open(folder.path(), NOW_NS).unwrap_or_else(|e| panic!("{what}: {e}"));
@@ -323,7 +322,7 @@ fn a_missing_file_is_no_empty_store() {
     }
 }
 
-/// Damages a file in one of the ways in which files get damaged; says which.
+/// Damages a file in a random way; returns a description.
 fn damage(path: &Path, random: &mut Random) -> String {
     let name = path.file_name().unwrap().to_string_lossy().into_owned();
     let mut bytes = fs::read(path).unwrap();

@@ -1,9 +1,9 @@
-//! Memories that are merged: in any order, any number of times, on any robot.
+//! Merge tests: memories merge in any order, any number of times, on any robot.
 
 use proptest::prelude::*;
 use store::{
-    Change, Condition, Document, DocumentKey, DocumentKind, Error, ForeignDocument, ForeignView,
-    Mutation, Origin, PerceptualMemory, Standing, Target, View,
+    Change, Condition, DocumentKey, DocumentKind, Error, ForeignDocument, ForeignView,
+    MemoryDocument, Mutation, Origin, PerceptualMemory, Standing, Target, View,
 };
 use tempfile::TempDir;
 
@@ -12,7 +12,7 @@ use crate::builders::{
     view,
 };
 
-/// Everything a memory tells another.
+/// Export of a memory.
 #[derive(Debug, Clone, PartialEq)]
 struct Exported {
     views: Vec<ForeignView>,
@@ -38,7 +38,7 @@ fn exported(memory: &PerceptualMemory) -> Exported {
     all
 }
 
-/// What is exported, without the ids that views have in that memory.
+/// Export of a memory, without local view ids.
 fn meaning(memory: &PerceptualMemory) -> Exported {
     let mut all = exported(memory);
     for view in &mut all.views {
@@ -63,7 +63,7 @@ fn import(id: u128, from: &Exported) -> Mutation {
 fn put(id: u128, name: &str, content: u8) -> Mutation {
     mutation(
         id,
-        Change::PutDocument(Document {
+        Change::PutDocument(MemoryDocument {
             key: DocumentKey {
                 kind: DocumentKind::ObjectModel,
                 name: name.into(),
@@ -74,7 +74,7 @@ fn put(id: u128, name: &str, content: u8) -> Mutation {
     )
 }
 
-/// A robot that was taught something; `robot` is in its views and times.
+/// Memory with taught content that depends on `robot`.
 fn taught(robot: u32) -> (TempDir, PerceptualMemory) {
     let folder = fast_folder();
     let (mut memory, _) = open(&folder);
@@ -172,8 +172,8 @@ fn what_was_forgotten_and_purged_does_not_come_back() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
 
-    /// Three robots, each taught something of its own and some that it had from the
-    /// others: in whatever order a fourth takes them over, it knows the same.
+    /// Order independence: a fourth robot imports three memories with shared views in any order,
+    /// with the same result.
     #[test]
     fn the_order_of_imports_does_not_matter(
         opinions in prop::collection::vec((0..3_usize, 1..4_u64, 0..3_usize, 0..5_u64), 0..10),
@@ -210,7 +210,7 @@ proptest! {
     }
 }
 
-/// A store that lost a cloud gets it back from what was exported before.
+/// Recovery of a lost point cloud from an earlier export.
 #[test]
 fn a_backup_brings_a_lost_cloud_back() {
     let folder = fast_folder();

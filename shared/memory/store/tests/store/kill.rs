@@ -1,4 +1,4 @@
-//! Killed at any instant: everything acknowledged is there, nothing is half there.
+//! Kill tests: SIGKILL at any instant loses nothing acknowledged and leaves nothing half done.
 
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader};
@@ -12,15 +12,15 @@ use store::{Condition, PerceptualMemory, StoreConfig, StoreThread};
 
 use crate::builders::{correct, folder, name_of, open, store, teach, view};
 
-/// Tells the child which folder to use, and so that it is one.
+/// Environment variable with the folder of the child process.
 const FOLDER: &str = "TABULA_STORE_KILL_TEST_FOLDER";
 const N_TEACHERS: u64 = 4;
 const VIEWS_PER_TRACK: u32 = 3;
-/// A track's name after it was taught, and after it was corrected.
+/// Label of a track after teaching, and after correction.
 const NAMES: [&str; 2] = ["Taught", "Corrected"];
 
-/// One teacher's endless work: a track is stored, taught, corrected. A line is
-/// printed for what was acknowledged: the track, and how far it has come.
+/// Endless loop of one teacher: store, teach and correct a track. Prints a line for each
+/// acknowledged step.
 fn teach_for_ever(store_handle: &store::StoreHandle) {
     loop {
         let track = store_handle.lease_track_ids_and_wait(1).unwrap();
@@ -61,7 +61,7 @@ fn child_teaches_until_it_is_killed() {
     });
 }
 
-/// Kills it when the test fails.
+/// Child process, killed when the test fails.
 struct Teacher(Child);
 
 impl Drop for Teacher {
@@ -71,7 +71,7 @@ impl Drop for Teacher {
     }
 }
 
-/// Lets a child teach for a while, kills it, and returns what it had acknowledged.
+/// Runs a child for a while, kills it, and returns its acknowledged steps.
 fn teach_and_kill(folder: &Path, random: &mut Random) -> BTreeMap<u64, usize> {
     let mut child = Command::new(std::env::current_exe().unwrap())
         .args([
@@ -120,7 +120,8 @@ fn teach_and_kill(folder: &Path, random: &mut Random) -> BTreeMap<u64, usize> {
     acknowledged
 }
 
-/// A line is printed after the step; so the store is there or one step ahead.
+/// Checks that the store holds each acknowledged step, or one more: a line is printed after the
+/// step.
 fn check(memory: &mut PerceptualMemory, acknowledged: &BTreeMap<u64, usize>) {
     for (&track, &step) in acknowledged {
         let stored = memory.views_of_track(track).unwrap();

@@ -1,10 +1,10 @@
-//! What exceeds a limit is given up, the least telling first.
+//! Retention-limit tests: the most redundant views are pruned first.
 
 use store::{Change, Limits, Operation, PerceptualMemory, StoreConfig, StoreThread, View};
 
 use crate::builders::{apply, counts, fast_folder, mutation, open, store, teach, view};
 
-/// A view of which the descriptor says how far it is from the others.
+/// View whose descriptor encodes its distance from the others.
 fn view_at(track_id: u64, view_id: u32, place: f32) -> View {
     let mut view = view(track_id, view_id, 0);
     view.descriptor.values = vec![place, 1.0];
@@ -42,7 +42,7 @@ fn a_full_category_gives_up_what_says_least() {
         "of the three alike the newest"
     );
     let last = memory.history(3, 1).unwrap().remove(0);
-    assert!(matches!(last.operation, Operation::Economise { .. }));
+    assert!(matches!(last.operation, Operation::EnforceLimit { .. }));
     // Another robot is not told to forget them.
     let mut n_told = 0;
     let mut reader = memory.checkpoint().unwrap().open().unwrap();
@@ -85,7 +85,7 @@ fn views_that_nobody_named_give_way_to_newer_ones() {
     assert_eq!(report.n_views, 10);
 }
 
-/// 500 views of which 20 are kept, and somebody who reads now and then.
+/// Disk use under limits: 500 views of which 20 are kept, with interleaved reads.
 #[test]
 fn what_gave_way_leaves_the_disk() {
     let folder = fast_folder();

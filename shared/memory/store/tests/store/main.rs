@@ -1,7 +1,6 @@
-//! The store as its users see it.
+//! Integration tests of the public interface of the store.
 //!
-//! Tests named `long_` run the full counts; those beside them run a sample with
-//! the same code.
+//! Tests named `long_` run the full counts; those next to them run a sample with the same code.
 
 #![expect(
     clippy::unwrap_used,

@@ -1,7 +1,7 @@
-//! Stores of released versions are brought into the present form, whole.
+//! Migration tests: stores of released versions are converted completely.
 //!
-//! The fixture was written by version 0.1.0 (schema 1): five tracks of three views,
-//! taught, corrected and forgotten as below, opened again before the fourth.
+//! The fixture was written by version 0.1.0 (schema 1): five tracks of three views, taught,
+//! corrected and forgotten as below, reopened before the fourth.
 
 use std::fs;
 use std::path::Path;

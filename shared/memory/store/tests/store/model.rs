@@ -1,11 +1,11 @@
-//! Random operations on the store and on a model of it, opened again in between.
+//! Model-based test: random operations on the store and on a reference model, with reopenings.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use learning::{CategoryName, ViewId};
 use proptest::prelude::*;
 use store::{
-    Answer, Change, Condition, Document, DocumentKey, DocumentKind, Error, Mutation,
+    Answer, Change, Condition, DocumentKey, DocumentKind, Error, MemoryDocument, Mutation,
     PerceptualMemory, Target, View,
 };
 
@@ -29,13 +29,13 @@ enum Operation {
     ForgetView(u64, u32),
     Rename(usize, usize),
     Merge(usize, usize),
-    /// Undoes the n-th last entry.
+    /// Undo of the n-th last entry.
     Undo(u64),
     Put(usize, u8),
     Remove(usize),
-    /// Purges what was forgotten up to the n-th last mutation.
+    /// Purge of content forgotten up to the n-th last mutation.
     Purge(u64),
-    /// Asks the n-th last mutation again.
+    /// Repetition of the n-th last mutation.
     Repeat(usize),
     Lease(u64),
     OpenAgain,
@@ -76,7 +76,7 @@ fn operations() -> impl Strategy<Value = Operation> {
     ]
 }
 
-/// What a view stands for in the model: a name, none, or forgotten.
+/// Label status in the model: a label, none, or forgotten.
 type Standing = Result<Option<String>, Forgotten>;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -84,14 +84,14 @@ struct Forgotten {
     stamp_ns: u64,
 }
 
-/// The state of the store without its history.
+/// Content of the store, without its history.
 #[derive(Debug, Clone, Default, PartialEq)]
 struct State {
     views: BTreeMap<ViewId, (View, Standing)>,
     documents: BTreeMap<String, Vec<u8>>,
 }
 
-/// What an entry did, as plainly as possible: the state before, and what it touched.
+/// Entry in the model: state before, and touched items.
 struct Entry {
     before: State,
     touched_views: BTreeSet<ViewId>,
@@ -99,18 +99,18 @@ struct Entry {
     is_purge: bool,
 }
 
-/// What the store should be.
+/// Reference model of the store.
 struct Model {
     state: State,
     entries: Vec<Entry>,
     answers: HashMap<u128, (u64, u64)>,
-    /// When a view's standing was last decided.
+    /// Time of the last decision on each view.
     stamps_ns: BTreeMap<ViewId, u64>,
     next_track_id: u64,
 }
 
 impl Model {
-    /// Sequence and number of views, or none for a refusal.
+    /// Sequence number and number of views of the answer; `None` for a refusal.
     fn apply(&mut self, mutation: &Mutation) -> Option<(u64, u64)> {
         if let Some(answer) = self.answers.get(&mutation.id.0) {
             return Some(*answer);
@@ -142,8 +142,8 @@ impl Model {
         Some(answer)
     }
 
-    /// A decision is later than the one before it, although an older mutation, refused
-    /// at first, may be asked again and be granted.
+    /// Dates the decisions on the touched views. Each is later than the one before, even if a
+    /// mutation that was refused first is repeated later.
     fn stamp(&mut self, touched: &BTreeSet<ViewId>, wall_ns: u64, after: &mut State) {
         for view in touched {
             let Some((_, standing)) = after.views.get_mut(view) else {
@@ -214,7 +214,7 @@ impl Model {
                 state.rename(&views, into);
             }
             Change::Undo { sequence } => return self.undone(sequence.unwrap(), mutation.wall_ns),
-            Change::PutDocument(Document { key, content, .. }) => {
+            Change::PutDocument(MemoryDocument { key, content, .. }) => {
                 state.documents.insert(key.name.to_string(), content.clone());
             }
             Change::RemoveDocument(key) => {
@@ -228,8 +228,7 @@ impl Model {
         Some(state)
     }
 
-    /// The state with what the entry touched as it was before, if nothing has
-    /// touched it since.
+    /// State with the touched items reverted, if no later entry touched them.
     fn undone(&self, sequence: u64, wall_ns: u64) -> Option<State> {
         let index = sequence.checked_sub(1)? as usize;
         let entry = self.entries.get(index)?;
@@ -264,8 +263,8 @@ impl Model {
         Some(state)
     }
 
-    /// Whether it would undo the replacing of a document of which the old content may
-    /// have been purged since: the model does not know.
+    /// `true` for the undo of a replaced document whose earlier content may be purged, which the
+    /// model does not track.
     fn may_lack_content(&self, change: &Change) -> bool {
         let Change::Undo { sequence: Some(n) } = change else {
             return false;
@@ -317,7 +316,7 @@ fn all_views<'a>(a: &'a State, b: &'a State) -> impl Iterator<Item = ViewId> + '
 }
 
 impl State {
-    /// The views that are meant; none when there is not one.
+    /// Views of a target; `None` if there are none.
     fn of(&self, target: &Target) -> Option<Vec<ViewId>> {
         let is_meant = |view: &ViewId, name: &Option<String>| match target {
             Target::View(meant) => view == meant,
@@ -352,7 +351,7 @@ fn document(name: usize) -> DocumentKey {
     }
 }
 
-/// The mutation that does it; none for what is no mutation.
+/// Mutation of an operation; `None` for the other operations.
 fn asked_for(operation: &Operation, id: u128, asked: &[Mutation], n: u64) -> Option<Mutation> {
     let change = match operation {
         Operation::Store(views) => {
@@ -378,7 +377,7 @@ fn asked_for(operation: &Operation, id: u128, asked: &[Mutation], n: u64) -> Opt
             from: name(NAMES[*from]),
             into: name(NAMES[*into]),
         },
-        Operation::Put(name, content) => Change::PutDocument(Document {
+        Operation::Put(name, content) => Change::PutDocument(MemoryDocument {
             key: document(*name),
             media_type: "text/plain".to_owned(),
             content: vec![*content; 40],
@@ -392,7 +391,7 @@ fn asked_for(operation: &Operation, id: u128, asked: &[Mutation], n: u64) -> Opt
     Some(mutation(id, change))
 }
 
-/// Runs the operations on both; ids of mutations count up from one.
+/// Runs the operations on store and model; mutation ids count from one.
 fn check(operations: Vec<Operation>) {
     let folder = fast_folder();
     let (mut memory, _) = open(&folder);
@@ -439,7 +438,7 @@ fn check(operations: Vec<Operation>) {
     assert_eq!(follower, Follower::load(&mut memory, 0, |_| {}));
 }
 
-/// What is no change of what is known.
+/// Runs an operation that is no mutation.
 fn between(
     operation: &Operation,
     mut memory: PerceptualMemory,
@@ -480,8 +479,7 @@ fn records(memory: &mut PerceptualMemory) -> BTreeMap<Vec<u8>, Vec<u8>> {
     records
 }
 
-/// A rebuilt store that was not damaged has lost nothing; its history has one
-/// entry more, which no mutation asked for.
+/// Rebuilds an undamaged store: nothing is lost, and the history gets one more entry.
 fn rebuild(
     memory: PerceptualMemory,
     folder: &tempfile::TempDir,
@@ -491,7 +489,9 @@ fn rebuild(
     let (mut memory, report) =
         PerceptualMemory::open_and_rebuild(folder.path(), 5).expect("the store opens");
     match &report.condition {
-        Condition::Rebuilt { loss, .. } => assert_eq!(*loss, store::Loss::default(), "{report}"),
+        Condition::Rebuilt { loss, .. } => {
+            assert_eq!(*loss, store::DataLoss::default(), "{report}")
+        }
         other => panic!("{other:?}"),
     }
     let state = model.state.clone();

@@ -1,8 +1,8 @@
-//! A memory as one file: read back as it was written, or refused.
+//! Export-file tests: round trip, and refusal of damaged files.
 
 use store::{
-    Decided, Digest, Document, DocumentKey, DocumentKind, ForeignDocument, ForeignView, Origin,
-    PortableError, PortableReader, PortableWriter, Standing,
+    Decided, Digest, DocumentKey, DocumentKind, ForeignDocument, ForeignView, MemoryDocument,
+    Origin, PortableError, PortableReader, PortableWriter, Standing,
 };
 
 use crate::builders::{NOW_NS, key, name, view};
@@ -33,7 +33,7 @@ fn document(content: Option<&[u8]>) -> ForeignDocument {
     };
     ForeignDocument {
         key: key.clone(),
-        document: content.map(|content| Document {
+        document: content.map(|content| MemoryDocument {
             key,
             media_type: "text/plain".to_owned(),
             content: content.to_vec(),

@@ -1,4 +1,4 @@
-//! One store, one process.
+//! Lock tests: one process per store.
 
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Command, Stdio};

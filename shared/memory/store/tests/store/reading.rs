@@ -1,4 +1,4 @@
-//! Snapshot and changes: a reader that follows ends with what the store has.
+//! Replication tests: snapshot plus change feed give the state of the store.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +7,7 @@ use store::{Changes, NameChange, PerceptualMemory, Position};
 
 use crate::builders::{apply, correct, folder, forget, key, open, store, teach, view};
 
-/// What a reader knows: the labelled views, and where it is.
+/// Reader with its labelled views and position.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Follower {
     pub(crate) names: BTreeMap<ViewId, (String, Vec<f32>)>,
@@ -15,7 +15,7 @@ pub(crate) struct Follower {
 }
 
 impl Follower {
-    /// Loads all pages; `between` runs after each.
+    /// Loads all pages of a snapshot; `between` runs after each.
     pub(crate) fn load(
         memory: &mut PerceptualMemory,
         max_bytes: usize,
@@ -44,7 +44,7 @@ impl Follower {
         }
     }
 
-    /// Applies all changes; false when it has to load again.
+    /// Applies all changes; `false` if a new snapshot is needed.
     pub(crate) fn follow(&mut self, memory: &mut PerceptualMemory, max_bytes: usize) -> bool {
         loop {
             let Changes::Entries {

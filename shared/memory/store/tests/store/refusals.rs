@@ -1,11 +1,11 @@
-//! What cannot be granted is refused in a sentence, and nothing changes.
+//! Refusal tests: invalid requests get a sentence and change nothing.
 
-use learning::{CategoryName, Refusal as Lesson};
+use learning::{CategoryName, Refusal as TeachingRefusal};
 use nalgebra::{Quaternion, UnitQuaternion};
 use proptest::prelude::*;
 use store::{
     Answer, Change, Condition, MAX_BATCH_VIEWS, MAX_LEASE, MAX_NAME_BYTES, Mutation, Operation,
-    Refusal, View,
+    StoreRefusal, View,
 };
 
 use crate::builders::{
@@ -19,11 +19,11 @@ fn teaching_follows_its_rules() {
     let (mut memory, _) = open(&folder);
     assert_eq!(
         lesson(memory.apply(&teach(1, 1, "Mug"))),
-        Lesson::NoViews { track_id: 1 }
+        TeachingRefusal::NoViews { track_id: 1 }
     );
     assert_eq!(
         lesson(memory.apply(&correct(1, 1, "Mug"))),
-        Lesson::NoViews { track_id: 1 }
+        TeachingRefusal::NoViews { track_id: 1 }
     );
     apply(
         &mut memory,
@@ -32,7 +32,7 @@ fn teaching_follows_its_rules() {
     let category = name("Cup");
     assert_eq!(
         lesson(memory.apply(&forget(4, "Cup"))),
-        Lesson::UnknownCategory { category }
+        TeachingRefusal::UnknownCategory { category }
     );
     assert_eq!(
         (memory.sequence(), counts(&memory)),
@@ -79,7 +79,7 @@ fn a_view_is_stored_once_and_never_replaced() {
     let folder = folder();
     let (mut memory, _) = open(&folder);
     apply(&mut memory, &[store(1, vec![view(1, 0, 0)])]);
-    let differs = Refusal::ViewDiffers { view: key(1, 0) };
+    let differs = StoreRefusal::ViewDiffers { view: key(1, 0) };
     lease_tracks_of(&mut memory, &store(2, vec![view(9, 0, 0)]));
     let mut other_cloud = view(1, 0, 0);
     other_cloud.points = None;
@@ -95,7 +95,7 @@ fn a_view_is_stored_once_and_never_replaced() {
     let twice = store(3, vec![view(2, 0, 0), view(2, 0, 1)]);
     assert_eq!(
         refusal(memory.apply(&twice)),
-        Refusal::ViewDiffers { view: key(2, 0) }
+        StoreRefusal::ViewDiffers { view: key(2, 0) }
     );
     let twice = store(4, vec![view(3, 0, 0), view(3, 0, 0)]);
     assert_eq!(apply(&mut memory, &[twice])[0].n_views, 1);
@@ -132,7 +132,7 @@ fn what_cannot_be_a_view_is_refused() {
         spoil(&mut spoilt);
         let refused = refusal(memory.apply(&store(1, vec![spoilt])));
         assert!(
-            matches!(refused, Refusal::InvalidView { .. }),
+            matches!(refused, StoreRefusal::InvalidView { .. }),
             "{i}: {refused}"
         );
     }
@@ -148,7 +148,7 @@ fn what_is_too_much_at_once_is_refused() {
         let refused = refusal(memory.apply(&store(1, batch)));
         assert_eq!(
             refused,
-            Refusal::BatchSize {
+            StoreRefusal::BatchSize {
                 n_views,
                 most: MAX_BATCH_VIEWS
             }
@@ -159,7 +159,10 @@ fn what_is_too_much_at_once_is_refused() {
         ..view(1, i, 0)
     };
     let refused = refusal(memory.apply(&store(1, (0..4).map(large).collect())));
-    assert!(matches!(refused, Refusal::BatchBytes { .. }), "{refused}");
+    assert!(
+        matches!(refused, StoreRefusal::BatchBytes { .. }),
+        "{refused}"
+    );
     assert_eq!(
         apply(&mut memory, &[store(9, (0..3).map(large).collect())])[0].n_views,
         3
@@ -170,14 +173,14 @@ fn what_is_too_much_at_once_is_refused() {
         ..teach(1, 1, "Mug")
     }));
     assert!(
-        matches!(refused, Refusal::AuthorTooLong { .. }),
+        matches!(refused, StoreRefusal::AuthorTooLong { .. }),
         "{refused}"
     );
     for count in [0, MAX_LEASE + 1, u64::MAX] {
         let refused = refusal(memory.lease_track_ids(count));
         assert_eq!(
             refused,
-            Refusal::LeaseSize {
+            StoreRefusal::LeaseSize {
                 count,
                 most: MAX_LEASE
             }
@@ -200,7 +203,7 @@ fn track_id_that_was_never_leased_is_refused_and_leases_go_on() {
         assert!(refused.to_string().starts_with(&sentence), "{refused}");
         assert_eq!(
             refusal::<Answer>(Err(refused)),
-            Refusal::TrackNotLeased { view }
+            StoreRefusal::TrackNotLeased { view }
         );
     }
     assert_eq!(memory.sequence(), 0);
@@ -217,7 +220,7 @@ fn track_id_that_was_never_leased_is_refused_and_leases_go_on() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
 
-    /// Whatever the type of names lets through is stored, told apart, and read back.
+    /// Round trip of arbitrary category names.
     #[test]
     fn hostile_names_are_names_like_any_other(texts in proptest::collection::vec(any::<String>(), 1..6)) {
         let hostile = ["_", "a\u{0}b", "\u{202e}x", "\u{1f600}", "c\u{ff}", "..", "'; DROP", "a", "aa"];

@@ -1,4 +1,4 @@
-//! What is stored comes back, now and after the store was opened again.
+//! Round-trip tests: stored content is unchanged, also after a reopening.
 
 use store::{Condition, Decided, Effect, Operation, Standing, Target};
 

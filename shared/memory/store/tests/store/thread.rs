@@ -1,4 +1,4 @@
-//! The store's thread: order, group commit, full queue, stop.
+//! Tests of the store thread: order, group commit, full queue, stop.
 
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
@@ -12,10 +12,10 @@ use crate::builders::{
     teach, view,
 };
 
-/// Longer than anything here takes, so that a deadlock is a failure.
+/// Watchdog timeout: a deadlock becomes a failure.
 const WATCHDOG: Duration = Duration::from_secs(60);
 
-/// Track-ids that each test may store views under, from one on.
+/// Number of track-ids leased for each test, from one on.
 const N_LEASED: u64 = 20;
 
 fn start(folder: &TempDir, queue_capacity: usize) -> (StoreThread, StoreHandle) {
@@ -32,7 +32,7 @@ fn start(folder: &TempDir, queue_capacity: usize) -> (StoreThread, StoreHandle) 
     (thread, handle)
 }
 
-/// Keeps the thread busy until the returned sender is dropped.
+/// Blocks the store thread until the returned sender is dropped.
 fn occupy(handle: &StoreHandle) -> std::sync::mpsc::Sender<()> {
     let (release, released) = channel::<()>();
     let (started_sender, started) = channel();

@@ -1,0 +1,61 @@
+//! Descriptions of changes and history entries for logs and users.
+
+use store::{Change, Contradiction, Operation};
+
+/// Description of a requested change.
+pub(crate) fn describe_change(change: &Change) -> String {
+    match change {
+        Change::StoreViews(views) => format!("store {} view(s)", views.len()),
+        Change::Teach { track_id, category } => format!("teach track {track_id} as {category}"),
+        Change::Correct { target, category } => format!("correct {target} to {category}"),
+        Change::Forget(target) => format!("forget {target}"),
+        Change::Rename { from, to } => format!("rename {from} to {to}"),
+        Change::MergeCategories { from, into } => format!("merge {from} into {into}"),
+        Change::Undo {
+            sequence: Some(sequence),
+        } => format!("undo entry {sequence}"),
+        Change::Undo { sequence: None } => "undo the last lesson".to_owned(),
+        Change::PutDocument(document) => format!("store {}", document.key),
+        Change::RemoveDocument(key) => format!("remove {key}"),
+        Change::Purge { .. } => "remove for good what was forgotten".to_owned(),
+        Change::Import { source, .. } => format!("import {source}"),
+        _ => "change what is known".to_owned(),
+    }
+}
+
+/// Description of the operation of a history entry.
+pub(crate) fn describe_operation(operation: &Operation) -> String {
+    match operation {
+        Operation::StoreViews => "store views".to_owned(),
+        Operation::Teach { track_id, category } => format!("teach track {track_id} as {category}"),
+        Operation::Correct { target, category } => format!("correct {target} to {category}"),
+        Operation::Forget { target } => format!("forget {target}"),
+        Operation::Rename { from, to } => format!("rename {from} to {to}"),
+        Operation::MergeCategories { from, into } => format!("merge {from} into {into}"),
+        Operation::Undo { sequence } => format!("undo entry {sequence}"),
+        Operation::Import { source } => format!("import {source}"),
+        Operation::PutDocument { document } => format!("store {document}"),
+        Operation::RemoveDocument { document } => format!("remove {document}"),
+        Operation::Purge => "remove for good what was forgotten".to_owned(),
+        Operation::EnforceLimit {
+            category: Some(category),
+        } => format!("forget the views of {category} that say least"),
+        Operation::EnforceLimit { category: None } => "remove views that nobody named".to_owned(),
+        Operation::Rebuild { loss, .. } => format!("rebuild a damaged store; lost: {loss}"),
+        Operation::Migrate { schema } => format!("bring the store over from schema {schema}"),
+        _ => "change what is known".to_owned(),
+    }
+}
+
+/// Explanation for an author whose label contradicts an earlier one.
+pub(crate) fn describe_contradiction(asked: &str, said: &Contradiction, sequence: u64) -> String {
+    let author = match &*said.decided.author {
+        "" => "somebody",
+        author => author,
+    };
+    let present = &said.present;
+    format!(
+        "you asked to {asked}, but {author} taught it as {present}, and so it stays; entry \
+         {sequence} of the history keeps what you said, correct it if {present} is wrong"
+    )
+}

@@ -1,0 +1,266 @@
+//! Request handler for all commands about the perceptual memory.
+
+use crate::jobs::Jobs;
+use crate::{change_text, queries, revision, translate};
+use learning::CategoryName;
+use message::control::{
+    Command, Labelling, LearningReport, MutationId, Refusal, RefusalKind, Reply, Revision,
+    SnapshotCursor,
+};
+use service::wall_clock_ns;
+use std::path::PathBuf;
+use store::{
+    Answer, Change, Digest, Error, Mutation, Operation, PerceptualMemory, Position, StoreHandle,
+    Target,
+};
+use tokio::sync::{oneshot, watch};
+
+/// Maximum size of the descriptors on a page, bytes; the rest of the message needs room too.
+const PAGE_BYTES: usize = message::control::MAX_MESSAGE_BYTES / 2;
+/// Maximum size of the descriptors of a change feed message, bytes.
+const MAX_CHANGES_BYTES: usize = message::control::MAX_MESSAGE_BYTES / 4 * 3;
+
+/// Configuration of a request handler.
+pub struct MemoryDeskConfig {
+    /// Handle of the store.
+    pub store: StoreHandle,
+    /// Folder for the upload files of imports.
+    pub scratch: PathBuf,
+    /// Descriptor kind of this robot; views of other kinds are not imported.
+    pub descriptor_kind: &'static str,
+}
+
+/// Request handler of the perceptual memory.
+pub struct MemoryDesk {
+    store: StoreHandle,
+    jobs: Jobs,
+    position: watch::Sender<Position>,
+}
+
+impl MemoryDesk {
+    /// Request handler, and a channel with its history position.
+    pub fn new(config: MemoryDeskConfig) -> (Self, watch::Receiver<Position>) {
+        let (position, positions) = watch::channel(config.store.position());
+        let desk = Self {
+            store: config.store.clone(),
+            jobs: Jobs::new(config, position.clone()),
+            position,
+        };
+        (desk, positions)
+    }
+
+    /// Answers a command; `None` for a command that is not about the memory.
+    pub async fn answer(&self, command: Command) -> Option<Result<Reply, Refusal>> {
+        Some(match command {
+            Command::Teach(label) => {
+                let teach = |track_id, category| Change::Teach { track_id, category };
+                self.label(label, teach).await
+            }
+            Command::Correct(label) => {
+                let correct = |track_id, category| Change::Correct {
+                    target: Target::Track(track_id),
+                    category,
+                };
+                self.label(label, correct).await
+            }
+            Command::Forget {
+                id,
+                author,
+                category,
+            } => self.forget(id, author, &category).await,
+            Command::Revise(revision) => self.revise(revision).await,
+            Command::Categories => {
+                let summaries = self.read(|memory| Ok(memory.categories())).await;
+                summaries.map(|summaries| {
+                    Reply::Categories(summaries.iter().map(translate::category_report).collect())
+                })
+            }
+            Command::Memory(query) => {
+                let answer = move |memory: &mut PerceptualMemory| queries::answer(memory, query);
+                match self.read(answer).await {
+                    Ok(answer) => answer.map(Reply::Memory),
+                    Err(refusal) => Err(refusal),
+                }
+            }
+            Command::Job(job) => self.jobs.answer(job),
+            other => return self.answer_perception(other).await,
+        })
+    }
+
+    /// Answers the commands of perception.
+    async fn answer_perception(&self, command: Command) -> Option<Result<Reply, Refusal>> {
+        Some(match command {
+            Command::LeaseTrackIds { count } => {
+                let lease = |reply: ReplySender<u64>| {
+                    self.store
+                        .lease_track_ids(u64::from(count), |first| reply.send(first));
+                };
+                wait(lease).await.map(|first| Reply::TrackIds { first })
+            }
+            Command::StoreViews { id, views } => match translate::store_views(views) {
+                Ok(change) => {
+                    let stored = self.mutate(id, "perception".into(), change).await;
+                    stored.map(|_| Reply::Stored)
+                }
+                Err(refusal) => Err(refusal),
+            },
+            Command::Snapshot { after } => {
+                let cursor = after.map(|SnapshotCursor(digest)| Digest(digest));
+                let read = move |memory: &mut PerceptualMemory| memory.snapshot(cursor, PAGE_BYTES);
+                let page = self.read(read).await;
+                page.map(|page| Reply::Snapshot(translate::snapshot(page)))
+            }
+            Command::Changes { store_id, since } => {
+                let position = Position {
+                    store_id: store::StoreId(store_id),
+                    sequence: since,
+                };
+                let read =
+                    move |memory: &mut PerceptualMemory| memory.changes(position, PAGE_BYTES);
+                self.read(read).await.map(|changes| {
+                    Reply::Changes(translate::changes(since, changes, MAX_CHANGES_BYTES))
+                })
+            }
+            _ => return None,
+        })
+    }
+
+    async fn label(
+        &self,
+        label: Labelling,
+        change: impl FnOnce(u64, CategoryName) -> Change,
+    ) -> Result<Reply, Refusal> {
+        let Labelling {
+            id,
+            author,
+            track_id,
+            category,
+        } = label;
+        let category = translate::category(&category)?;
+        let change = change(track_id, category.clone());
+        self.apply_teaching(id, author, change, category.as_str())
+            .await
+    }
+
+    async fn forget(
+        &self,
+        id: MutationId,
+        author: String,
+        category: &str,
+    ) -> Result<Reply, Refusal> {
+        let name = translate::category(category)?;
+        let change = Change::Forget(Target::Category(name.clone()));
+        self.apply_teaching(id, author, change, name.as_str()).await
+    }
+
+    async fn revise(&self, revision: Revision) -> Result<Reply, Refusal> {
+        let Revision { id, author, change } = revision;
+        let (change, about) = revision::change(change)?;
+        let is_undo = matches!(change, Change::Undo { .. });
+        let mut reply = self.apply_teaching(id, author, change, &about).await?;
+        if is_undo && let Reply::Learned(report) = &mut reply {
+            let sequence = report.sequence;
+            report.category = self.read(move |memory| undone(memory, sequence)).await?;
+        }
+        Ok(reply)
+    }
+
+    /// Applies a change by a user and reports a contradicted label as a conflict.
+    async fn apply_teaching(
+        &self,
+        id: MutationId,
+        author: String,
+        change: Change,
+        about: &str,
+    ) -> Result<Reply, Refusal> {
+        let what = change_text::describe_change(&change);
+        let Answer {
+            sequence,
+            n_views,
+            contradiction,
+        } = self.mutate(id, author, change).await?;
+        if let Some(contradiction) = contradiction {
+            tracing::info!("{what}: contradicted, history {sequence}");
+            let sentence = change_text::describe_contradiction(&what, &contradiction, sequence);
+            return Err(Refusal::new(RefusalKind::Conflict, sentence));
+        }
+        tracing::info!("{what}: {n_views} view(s) changed, history {sequence}");
+        Ok(Reply::Learned(LearningReport {
+            sequence,
+            category: about.to_owned(),
+            n_views_changed: n_views,
+        }))
+    }
+
+    /// Applies a mutation, publishes the new position, and answers once it is on disk.
+    async fn mutate(
+        &self,
+        id: MutationId,
+        author: String,
+        change: Change,
+    ) -> Result<Answer, Refusal> {
+        let mutation = Mutation {
+            id: store::MutationId(id.0),
+            author,
+            wall_ns: wall_ns(),
+            change,
+        };
+        let ask = |reply: ReplySender<Answer>| self.store.mutate(mutation, |done| reply.send(done));
+        let answer = wait(ask).await?;
+        publish_position(&self.position, self.store.position());
+        Ok(answer)
+    }
+
+    async fn read<T: Send + 'static>(
+        &self,
+        read: impl FnOnce(&mut PerceptualMemory) -> Result<T, Error> + Send + 'static,
+    ) -> Result<T, Refusal> {
+        wait(|reply: ReplySender<T>| self.store.read(read, |done| reply.send(done))).await
+    }
+}
+
+/// Description of the operation that an undo entry reverted.
+fn undone(memory: &mut PerceptualMemory, sequence: u64) -> Result<String, Error> {
+    let entry = memory.history(sequence, 1)?;
+    let Some(Operation::Undo { sequence }) = entry.first().map(|entry| &entry.operation) else {
+        return Ok(String::new());
+    };
+    let undone = memory.history(*sequence, 1)?;
+    let what = undone
+        .first()
+        .map(|entry| change_text::describe_operation(&entry.operation));
+    Ok(what.unwrap_or_default())
+}
+
+/// Present time, nanoseconds since 1970, UTC.
+pub(crate) fn wall_ns() -> u64 {
+    wall_clock_ns().max(0) as u64
+}
+
+/// Publishes a new history position to all subscribers.
+pub(crate) fn publish_position(to: &watch::Sender<Position>, position: Position) {
+    to.send_if_modified(|known| {
+        let is_news = *known != position;
+        *known = position;
+        is_news
+    });
+}
+
+/// Channel from the store thread to the waiting task.
+struct ReplySender<T>(oneshot::Sender<Result<T, Error>>);
+
+impl<T> ReplySender<T> {
+    fn send(self, answer: Result<T, Error>) {
+        // Whoever asked may have gone away; what was done is done.
+        let _ = self.0.send(answer);
+    }
+}
+
+async fn wait<T>(ask: impl FnOnce(ReplySender<T>)) -> Result<T, Refusal> {
+    let (sender, answer) = oneshot::channel();
+    ask(ReplySender(sender));
+    answer
+        .await
+        .unwrap_or(Err(Error::Stopped))
+        .map_err(|error| translate::refusal(&error))
+}
