@@ -1,7 +1,6 @@
 //! Compaction job: purges forgotten content and compacts the database in small steps.
 
-use crate::jobs::{JobContext, Progress};
-use crate::memory_request_handler::{publish_position, wall_ns};
+use crate::job_context::{JobContext, Progress, publish_position, wall_ns};
 use message::control::JobOutcome;
 use store::{Change, Error, Mutation, MutationId, PerceptualMemory};
 

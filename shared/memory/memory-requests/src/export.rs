@@ -1,8 +1,7 @@
 //! Export job: writes the memory in the export format, streamed through a bounded buffer.
 
-use crate::jobs::{JobContext, Progress};
+use crate::job_context::{JobContext, Progress};
 use message::control::{ExportReport, JobOutcome, MAX_MESSAGE_BYTES};
-use std::collections::VecDeque;
 use std::io::{self, Write};
 use store::{Error, PortableCounts, PortableWriter};
 
@@ -10,14 +9,6 @@ use store::{Error, PortableCounts, PortableWriter};
 const READ_BYTES: usize = MAX_MESSAGE_BYTES / 2;
 /// Capacity of the export buffer, bytes.
 const BUFFER_BYTES: usize = 8 << 20;
-
-/// Export bytes that are written and not yet read.
-#[derive(Default)]
-pub(crate) struct ExportBuffer {
-    bytes: VecDeque<u8>,
-    /// Offset of the first buffered byte in the file.
-    offset: u64,
-}
 
 /// Exports a checkpoint of the store.
 pub(crate) fn run(context: &JobContext, progress: &Progress) -> Result<JobOutcome, String> {

@@ -1,7 +1,6 @@
 //! Import job: validates a complete export file, then merges it batch by batch.
 
-use crate::jobs::{JobContext, Progress};
-use crate::memory_request_handler::{publish_position, wall_ns};
+use crate::job_context::{JobContext, Progress, publish_position, wall_ns};
 use crate::translate;
 use learning::CategoryName;
 use message::control::{ImportReport, JobOutcome, MutationId, Refusal, RefusalKind};

@@ -3,31 +3,19 @@
 //! A job reads a checkpoint or sends small requests to the store, so that teaching is not delayed.
 //! A job that no client polls is abandoned after a while.
 
-use crate::memory_request_handler::MemoryDeskConfig;
+use crate::job_context::{JobContext, Progress};
 use crate::{compaction, export, import, verification};
 use message::control::{JobCommand, JobKind, JobOutcome, JobReport, Refusal, RefusalKind, Reply};
-use parking_lot::{Condvar, Mutex};
+use parking_lot::Mutex;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
-use store::{Position, StoreHandle};
-use tokio::sync::watch;
 
 /// Maximum number of concurrent jobs.
 const MAX_JOBS: usize = 4;
 /// Time without polling after which a job is abandoned.
 const ABANDON_AFTER: Duration = Duration::from_secs(60);
-
-/// Shared resources of all jobs.
-#[derive(Clone)]
-pub(crate) struct JobContext {
-    pub(crate) store: StoreHandle,
-    pub(crate) scratch: PathBuf,
-    pub(crate) descriptor_kind: &'static str,
-    pub(crate) position: watch::Sender<Position>,
-}
 
 /// Job table.
 pub(crate) struct Jobs {
@@ -42,30 +30,6 @@ struct Job {
     asked: Instant,
 }
 
-/// Progress and output of a job, shared with its thread.
-#[derive(Default)]
-pub(crate) struct Progress {
-    pub(crate) done: AtomicU64,
-    pub(crate) total: AtomicU64,
-    is_abandoned: AtomicBool,
-    outcome: Mutex<Option<JobOutcome>>,
-    pub(crate) bytes: Mutex<export::ExportBuffer>,
-    pub(crate) bytes_moved: Condvar,
-}
-
-impl Progress {
-    /// `true` if the client has abandoned the job.
-    pub(crate) fn is_abandoned(&self) -> bool {
-        self.is_abandoned.load(Ordering::Relaxed)
-    }
-
-    /// Sets the progress of the job.
-    pub(crate) fn set(&self, done: u64, total: u64) {
-        self.total.store(total, Ordering::Relaxed);
-        self.done.store(done, Ordering::Relaxed);
-    }
-}
-
 impl Drop for Job {
     fn drop(&mut self) {
         self.progress.is_abandoned.store(true, Ordering::Relaxed);
@@ -74,16 +38,11 @@ impl Drop for Job {
 }
 
 impl Jobs {
-    pub(crate) fn new(config: MemoryDeskConfig, position: watch::Sender<Position>) -> Self {
-        // What an earlier process left of unfinished imports.
-        let _ = std::fs::remove_dir_all(&config.scratch);
+    pub(crate) fn new(context: JobContext) -> Self {
+        // Unfinished uploads of an earlier process.
+        let _ = std::fs::remove_dir_all(&context.scratch);
         Self {
-            context: JobContext {
-                store: config.store,
-                scratch: config.scratch,
-                descriptor_kind: config.descriptor_kind,
-                position,
-            },
+            context,
             jobs: Mutex::new(BTreeMap::new()),
             next: AtomicU64::new(1),
         }

@@ -1,5 +1,6 @@
 //! Request handler for all commands about the perceptual memory.
 
+use crate::job_context::{JobContext, publish_position, wall_ns};
 use crate::jobs::Jobs;
 use crate::{change_text, queries, revision, translate};
 use learning::CategoryName;
@@ -7,7 +8,6 @@ use message::control::{
     Command, Labelling, LearningReport, MutationId, Refusal, RefusalKind, Reply, Revision,
     SnapshotCursor,
 };
-use service::wall_clock_ns;
 use std::path::PathBuf;
 use store::{
     Answer, Change, Digest, Error, Mutation, Operation, PerceptualMemory, Position, StoreHandle,
@@ -43,7 +43,12 @@ impl MemoryDesk {
         let (position, positions) = watch::channel(config.store.position());
         let desk = Self {
             store: config.store.clone(),
-            jobs: Jobs::new(config, position.clone()),
+            jobs: Jobs::new(JobContext {
+                store: config.store,
+                scratch: config.scratch,
+                descriptor_kind: config.descriptor_kind,
+                position: position.clone(),
+            }),
             position,
         };
         (desk, positions)
@@ -230,20 +235,6 @@ fn undone(memory: &mut PerceptualMemory, sequence: u64) -> Result<String, Error>
         .first()
         .map(|entry| change_text::describe_operation(&entry.operation));
     Ok(what.unwrap_or_default())
-}
-
-/// Present time, nanoseconds since 1970, UTC.
-pub(crate) fn wall_ns() -> u64 {
-    wall_clock_ns().max(0) as u64
-}
-
-/// Publishes a new history position to all subscribers.
-pub(crate) fn publish_position(to: &watch::Sender<Position>, position: Position) {
-    to.send_if_modified(|known| {
-        let is_news = *known != position;
-        *known = position;
-        is_news
-    });
 }
 
 /// Channel from the store thread to the waiting task.

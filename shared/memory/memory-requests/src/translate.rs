@@ -215,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn a_view_keeps_its_numbers() {
+    fn view_values_are_kept() {
         let view = view(sent()).unwrap();
         assert_eq!(view.descriptor.values, [1.0, 0.25]);
         assert!((view.box_in_world.half_sides_m.z - 0.1).abs() < 1e-12);
@@ -223,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn a_view_keeps_its_points() {
+    fn view_points_are_kept() {
         let point = Point {
             z: 1.0,
             ..Point::default()
@@ -237,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn a_view_of_wrong_numbers_is_refused_with_its_name() {
+    fn invalid_view_is_refused_with_its_id() {
         for wrong in [
             StoredView {
                 descriptor: vec![1, 2, 3],
@@ -262,7 +262,7 @@ mod tests {
     }
 
     #[test]
-    fn labels_people_should_not_use_are_refused() {
+    fn invalid_labels_are_refused() {
         for wrong in ["", "  ", "mu\u{7}g", &"x".repeat(300)] {
             assert_eq!(category(wrong).unwrap_err().kind, RefusalKind::Invalid);
         }

@@ -1,6 +1,6 @@
 //! Verification and repair jobs: full read of a checkpoint, and rebuild after findings.
 
-use crate::jobs::{JobContext, Progress};
+use crate::job_context::{JobContext, Progress};
 use message::control::{JobOutcome, VerificationReport};
 use std::sync::mpsc::sync_channel;
 use store::{Error, Verification};

@@ -19,8 +19,8 @@ use crate::keys;
 use crate::label_status::Standing;
 use crate::meta::{SCHEMA, StoreId};
 use crate::perceptual_memory::PerceptualMemory;
-use crate::queries::{Position, read_content, read_parts};
-use crate::retention_limits;
+use crate::queries::Position;
+use crate::record_reader::{read_content, read_parts};
 use crate::store_folder::StoreFolder;
 use crate::store_index::{IndexedView, StoreIndex};
 use crate::watermark::{Watermark, WatermarkRecord};
@@ -301,8 +301,7 @@ impl CheckpointReader {
     ) -> Result<(), E> {
         let is_told = |entry: &IndexedView| {
             let register = &entry.register;
-            register.standing != Standing::Forgotten
-                || !retention_limits::is_limit_decision(&register.decided)
+            register.standing != Standing::Forgotten || !register.decided.is_limit_decision()
         };
         let told = self.index.all().filter(|(_, entry)| is_told(entry));
         let mut identities: Vec<_> = told.map(|(_, entry)| entry.identity).collect();

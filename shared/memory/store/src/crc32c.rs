@@ -38,7 +38,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn agrees_with_the_published_check_values() {
+    fn crc32c_equals_the_published_check_values() {
         // RFC 3720, appendix B.4, and the usual check value of "123456789".
         assert_eq!(crc32c(&[&[0; 32]]), 0x8a91_36aa);
         assert_eq!(crc32c(&[&[0xff; 32]]), 0x62a8_ab43);
@@ -46,14 +46,14 @@ mod tests {
     }
 
     #[test]
-    fn a_running_checksum_is_that_of_all_its_bytes() {
+    fn incremental_crc_equals_the_crc_of_all_bytes() {
         let mut running = IncrementalCrc::default();
         b"12345678".iter().for_each(|byte| running.push(*byte));
         assert_eq!(running.with(b'9'), 0xe306_9283);
     }
 
     #[test]
-    fn unmasking_inverts_the_mask() {
+    fn unmask_inverts_the_mask() {
         for crc in [0, 1, 0xe306_9283, u32::MAX] {
             assert_eq!(unmask(crc.rotate_right(15).wrapping_add(MASK_DELTA)), crc);
         }

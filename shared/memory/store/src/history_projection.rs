@@ -8,8 +8,9 @@ use crate::digest::Digest;
 use crate::document::DocumentKey;
 use crate::error::in_words;
 use crate::findings::Findings;
-use crate::history::{Effect, HistoryEntry, Operation, is_among};
+use crate::history::HistoryEntry;
 use crate::label_status::Standing;
+use crate::model::{Effect, Operation, is_among};
 use crate::store_index::StoreIndex;
 
 /// View as implied by the history.

@@ -67,6 +67,17 @@ impl Decided {
     }
 }
 
+/// Author of limit decisions in the history.
+pub(crate) const LIMIT_AUTHOR: &str = "the store itself, to hold a limit";
+
+impl Decided {
+    /// `true` if a view was forgotten only because of a local retention limit, which does
+    /// not concern other robots.
+    pub(crate) fn is_limit_decision(&self) -> bool {
+        &*self.author == LIMIT_AUTHOR
+    }
+}
+
 impl Default for Decided {
     /// Earliest possible decision, without an author.
     fn default() -> Self {

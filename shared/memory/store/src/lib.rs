@@ -8,6 +8,31 @@
 //! This crate never deletes a damaged database, never reads a clock (times are arguments), writes
 //! no log (reports are return values), and depends neither on tokio, nor on the messages, nor on
 //! the use of descriptors by recognition.
+//!
+//! ```
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let folder = tempfile::tempdir()?;
+//! use store::{Change, Error, Mutation, MutationId, PerceptualMemory, StoreRefusal};
+//!
+//! let (mut memory, report) = PerceptualMemory::open(folder.path(), 1)?;
+//! assert!(!report.is_loss());
+//! let track_id = memory.lease_track_ids(1)?;
+//! let teach = Mutation {
+//!     id: MutationId::random()?,
+//!     author: "anna".to_owned(),
+//!     wall_ns: 2,
+//!     change: Change::Teach {
+//!         track_id,
+//!         category: learning::CategoryName::new("mug")?,
+//!     },
+//! };
+//! // No view of the track is stored yet.
+//! let refused = memory.apply(&teach);
+//! assert!(matches!(refused, Err(Error::Refused(StoreRefusal::Teaching(_)))));
+//! memory.close()?;
+//! # Ok(())
+//! # }
+//! ```
 
 mod digest;
 mod document;
@@ -15,6 +40,7 @@ mod error;
 mod exchange;
 mod history;
 mod label_status;
+mod model;
 mod mutation;
 mod view;
 
@@ -22,6 +48,7 @@ mod perceptual_memory;
 mod queries;
 mod store_thread;
 
+mod decide;
 mod decision;
 mod entry_applier;
 mod importing;
@@ -52,6 +79,7 @@ mod keys;
 mod meta;
 mod record;
 mod record_batch;
+mod record_reader;
 mod store_index;
 mod view_record;
 
@@ -74,19 +102,16 @@ pub use document::{
 pub use engine::WRITE_BUFFER_BYTES;
 pub use error::{Error, StoreRefusal};
 pub use exchange::{ForeignDocument, ForeignView};
-pub use history::{Contradiction, Effect, HistoryEntry, Operation};
+pub use history::HistoryEntry;
 pub use label_status::{Decided, Standing};
 pub use maintenance::Stats;
 pub use meta::StoreId;
-pub use mutation::{
-    Answer, Change, MAX_BATCH_BYTES, MAX_BATCH_VIEWS, Mutation, MutationId, Target,
-};
+pub use model::{Answer, Contradiction, DataLoss, Effect, Limits, MutationId, Operation, Target};
+pub use mutation::{Change, MAX_BATCH_BYTES, MAX_BATCH_VIEWS, Mutation};
 pub use opening::{Condition, OpenReport};
 pub use perceptual_memory::{MAX_LEASE, PerceptualMemory};
 pub use portable::{PortableBatch, PortableCounts, PortableError, PortableReader, PortableWriter};
 pub use queries::{ChangeEntry, Changes, LabelledView, NameChange, Position, SnapshotPage};
-pub use retention_limits::Limits;
-pub use salvage::DataLoss;
 pub use store_index::CategorySummary;
 pub use store_thread::{OnReopened, StoreConfig, StoreHandle, StoreThread};
 pub use view::{

@@ -1,15 +1,11 @@
 //! Mutations: requested changes of the store, idempotent by a client-drawn id.
 
-use std::fmt;
-
-use learning::{CategoryName, ViewId};
-use serde::{Deserialize, Serialize};
+use learning::CategoryName;
 
 use crate::document::{DocumentKey, MemoryDocument};
-use crate::error::{Error, StoreRefusal};
+use crate::error::StoreRefusal;
 use crate::exchange::{ForeignDocument, ForeignView};
-use crate::history::Contradiction;
-use crate::meta::random_id;
+use crate::model::{MutationId, Target};
 use crate::view::{MAX_NAME_BYTES, View};
 
 /// Maximum number of views in one mutation.
@@ -18,22 +14,6 @@ pub const MAX_BATCH_VIEWS: usize = 1024;
 /// Maximum size of descriptors and point clouds in one mutation, bytes. They are held in memory
 /// until they are written.
 pub const MAX_BATCH_BYTES: usize = 64 << 20;
-
-/// Idempotency key: a random number that the client repeats when it retries a mutation, so that the
-/// retry is answered and not applied again.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct MutationId(pub u128);
-
-impl MutationId {
-    /// Random id, unique for all practical purposes.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Io`] when the kernel gives no random numbers.
-    pub fn random() -> Result<Self, Error> {
-        Ok(Self(u128::from_be_bytes(random_id()?)))
-    }
-}
 
 /// Requested change with its author and time.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,28 +26,6 @@ pub struct Mutation {
     pub wall_ns: u64,
     /// Requested change.
     pub change: Change,
-}
-
-/// Set of views that a label change applies to.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Target {
-    /// One view.
-    View(ViewId),
-    /// All views of a track.
-    Track(u64),
-    /// All views of a category.
-    Category(CategoryName),
-}
-
-impl fmt::Display for Target {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::View(view) => write!(f, "{}", crate::error::in_words(*view)),
-            Self::Track(track_id) => write!(f, "track {track_id}"),
-            Self::Category(name) => write!(f, "the category {name}"),
-        }
-    }
 }
 
 /// Kinds of changes.
@@ -133,19 +91,6 @@ pub enum Change {
         /// Cut-off time, nanoseconds since 1970, UTC.
         before_ns: u64,
     },
-}
-
-/// Result of a mutation that is on disk.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Answer {
-    /// Sequence number of the history entry.
-    pub sequence: u64,
-    /// Number of views that were stored or changed their label status; zero if the state was
-    /// reached already.
-    pub n_views: u64,
-    /// Contradicted label, if the mutation changed nothing for that reason. The history keeps both
-    /// opinions.
-    pub contradiction: Option<Contradiction>,
 }
 
 impl Mutation {

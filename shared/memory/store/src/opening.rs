@@ -1,15 +1,16 @@
 //! Opening of a store in any condition: examination, recovery, migration, and a report.
 
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::consistency_check::{self, ConsistencyReport, check_consistency};
 use crate::engine::Engine;
 use crate::error::Error;
 use crate::meta::{Meta, SCHEMA};
+use crate::model::DataLoss;
 use crate::perceptual_memory::PerceptualMemory;
 use crate::record_batch::RecordBatch;
-use crate::salvage::{DataLoss, SalvageOutcome, salvage};
+use crate::salvage::{SalvageOutcome, salvage};
 use crate::store_folder::StoreFolder;
 use crate::track_id_counter;
 use crate::watermark::{Watermark, WatermarkRecord};
@@ -143,6 +144,34 @@ impl fmt::Display for OpenReport {
              history entries"
         )?;
         self.notes.iter().try_for_each(|note| write!(f, "; {note}"))
+    }
+}
+
+impl PerceptualMemory {
+    /// Opens or creates the store in `folder` and returns a report of its condition.
+    ///
+    /// A damaged database is never deleted and never stops the daemon: its intact records are
+    /// copied, the damaged database is renamed, and the report counts the losses. `wall_ns` is the
+    /// present time, nanoseconds since 1970, UTC, for the history entry about a rebuild.
+    ///
+    /// Reads the whole index, but no descriptors.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InUse`], [`Error::NewerSchema`], or [`Error::Io`] when the folder cannot be read
+    /// and written; nothing was renamed then.
+    pub fn open(folder: &Path, wall_ns: u64) -> Result<(Self, OpenReport), Error> {
+        open(StoreFolder::hold(folder)?, wall_ns, false)
+    }
+
+    /// Opens the store like [`Self::open`], but also reads descriptors and point clouds and
+    /// rebuilds the database from all intact records. For use after [`Error::Damaged`].
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::open`].
+    pub fn open_and_rebuild(folder: &Path, wall_ns: u64) -> Result<(Self, OpenReport), Error> {
+        open(StoreFolder::hold(folder)?, wall_ns, true)
     }
 }
 
@@ -359,7 +388,7 @@ mod tests {
     use std::fs;
 
     #[test]
-    fn a_newer_schema_is_refused_and_left_alone() {
+    fn newer_schema_is_refused_and_left_unchanged() {
         let folder = tempfile::tempdir().unwrap();
         let (mut memory, _) = PerceptualMemory::open(folder.path(), 1).unwrap();
         let position = memory.position();

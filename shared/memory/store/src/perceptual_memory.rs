@@ -1,21 +1,20 @@
 //! Perceptual memory: database, in-memory index, and two-phase mutations (stage, commit).
 
 use std::collections::HashMap;
-use std::path::Path;
 use std::sync::Arc;
 
-use crate::decision::{Decision, NewContent, decide};
+use crate::decide::decide;
+use crate::decision::{Decision, NewContent};
 use crate::engine::{Engine, Reader};
 use crate::entry_applier::EntryApplier;
 use crate::error::{Error, StoreRefusal};
-use crate::history::{Effect, HistoryEntry};
+use crate::history::HistoryEntry;
 use crate::label_status::Decided;
 use crate::meta::{Meta, StoreId};
-use crate::mutation::{Answer, Change, Mutation, MutationId};
-use crate::opening::{self, OpenReport};
-use crate::queries::read_entry;
+use crate::model::{Answer, Effect, Limits, MutationId};
+use crate::mutation::{Change, Mutation};
 use crate::record_batch::RecordBatch;
-use crate::retention_limits::Limits;
+use crate::record_reader::read_entry;
 use crate::store_folder::StoreFolder;
 use crate::store_index::StoreIndex;
 use crate::undo;
@@ -54,32 +53,6 @@ struct Staged {
 }
 
 impl PerceptualMemory {
-    /// Opens or creates the store in `folder` and returns a report of its condition.
-    ///
-    /// A damaged database is never deleted and never stops the daemon: its intact records are
-    /// copied, the damaged database is renamed, and the report counts the losses. `wall_ns` is the
-    /// present time, nanoseconds since 1970, UTC, for the history entry about a rebuild.
-    ///
-    /// Reads the whole index, but no descriptors.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::InUse`], [`Error::NewerSchema`], or [`Error::Io`] when the folder cannot be read
-    /// and written; nothing was renamed then.
-    pub fn open(folder: &Path, wall_ns: u64) -> Result<(Self, OpenReport), Error> {
-        opening::open(StoreFolder::hold(folder)?, wall_ns, false)
-    }
-
-    /// Opens the store like [`Self::open`], but also reads descriptors and point clouds and
-    /// rebuilds the database from all intact records. For use after [`Error::Damaged`].
-    ///
-    /// # Errors
-    ///
-    /// As [`Self::open`].
-    pub fn open_and_rebuild(folder: &Path, wall_ns: u64) -> Result<(Self, OpenReport), Error> {
-        opening::open(StoreFolder::hold(folder)?, wall_ns, true)
-    }
-
     pub(crate) fn new(
         engine: Engine,
         index: StoreIndex,

@@ -1,9 +1,8 @@
 //! Purge: permanent deletion of content that was forgotten or replaced before a time.
 
 use crate::decision::Decision;
-use crate::history::{Effect, Operation};
 use crate::label_status::Standing;
-use crate::retention_limits;
+use crate::model::{Effect, Operation};
 use crate::store_index::{IndexedView, StoreIndex};
 
 /// Purges content that was forgotten or replaced before `before_ns`. A forgotten view leaves a
@@ -16,7 +15,7 @@ pub(crate) fn decide(index: &StoreIndex, before_ns: u64) -> Decision {
     let mut effects = Vec::new();
     for (view, entry) in index.all().filter(|(_, entry)| is_due(entry)) {
         effects.push(Effect::Purged { view });
-        if !retention_limits::is_limit_decision(&entry.register.decided) {
+        if !entry.register.decided.is_limit_decision() {
             effects.push(Effect::Tombstone {
                 identity: entry.identity,
                 decided: Some(entry.register.decided.clone()),

@@ -83,7 +83,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_record_is_read_back_only_whole_and_under_its_key() {
+    fn record_is_valid_only_whole_and_under_its_key() {
         let value = (7_u64, "mug".to_owned(), vec![0.5_f32, -0.0]);
         let record = seal(b"key", &value);
         assert_eq!(

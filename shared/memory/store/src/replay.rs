@@ -4,11 +4,12 @@ use std::path::Path;
 
 use crate::decision::NewContent;
 use crate::error::{Error, StoreRefusal};
-use crate::history::{Effect, HistoryEntry};
+use crate::history::HistoryEntry;
 use crate::keys;
+use crate::model::Effect;
 use crate::opening::OpenReport;
 use crate::perceptual_memory::PerceptualMemory;
-use crate::queries::{read_content, read_entry, read_parts};
+use crate::record_reader::{read_content, read_entry, read_parts};
 
 impl PerceptualMemory {
     /// Replays the history into an empty `folder`. Only the content of views and documents is

@@ -5,48 +5,12 @@ use learning::{CategoryName, ViewId};
 use crate::decision::{Decision, change_all};
 use crate::digest::Digest;
 use crate::error::Error;
-use crate::history::{Effect, Operation};
 use crate::keys;
-use crate::label_status::{Decided, Standing};
+use crate::label_status::{LIMIT_AUTHOR, Standing};
+use crate::model::{Effect, Limits, Operation};
 use crate::perceptual_memory::PerceptualMemory;
-use crate::queries::read_content;
+use crate::record_reader::read_content;
 use crate::view_record;
-
-/// Author of limit decisions in the history.
-const AUTHOR: &str = "the store itself, to hold a limit";
-
-/// `true` if a view was forgotten only because of a local retention limit, which does not concern
-/// other robots.
-pub(crate) fn is_limit_decision(decided: &Decided) -> bool {
-    &*decided.author == AUTHOR
-}
-
-/// Retention limits of a store.
-///
-/// An exceeded limit is enforced down to nine tenths, so that this does not happen at every
-/// mutation (hysteresis):
-///
-/// - of a category, the most redundant views are forgotten: of the two most similar views the older
-/// one, repeatedly. This can be undone until the next purge.
-///
-/// - of the unlabelled views, those of the oldest tracks are deleted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Limits {
-    /// Maximum number of views of a category.
-    pub max_views_per_category: usize,
-    /// Maximum number of unlabelled views.
-    pub max_unnamed_views: usize,
-}
-
-impl Default for Limits {
-    /// No limits.
-    fn default() -> Self {
-        Self {
-            max_views_per_category: usize::MAX,
-            max_unnamed_views: usize::MAX,
-        }
-    }
-}
 
 impl PerceptualMemory {
     /// Stages the enforcement of exceeded limits; `false` if none is exceeded.
@@ -73,7 +37,7 @@ impl PerceptualMemory {
 
     fn stage_limit_decision(&mut self, decision: Decision) {
         let wall_ns = self.last_wall_ns;
-        self.stage_decision(None, AUTHOR, wall_ns, decision);
+        self.stage_decision(None, LIMIT_AUTHOR, wall_ns, decision);
     }
 
     /// Forgets the most redundant views of a category until `n_kept` are left.

@@ -5,20 +5,19 @@
 //! effects.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt;
 use std::path::Path;
 
 use learning::ViewId;
-use serde::{Deserialize, Serialize};
 
 use crate::decision::NewContent;
 use crate::document::DocumentKey;
 use crate::engine::Engine;
 use crate::entry_applier::EntryApplier;
 use crate::error::Error;
-use crate::history::{Effect, HistoryEntry, Operation};
+use crate::history::HistoryEntry;
 use crate::label_status::Standing;
 use crate::meta::Meta;
+use crate::model::{DataLoss, Effect, Operation};
 use crate::raw_database::RawDatabase;
 use crate::record_batch::RecordBatch;
 use crate::recovered_records::RecoveredRecords;
@@ -31,35 +30,6 @@ const WRITE_BYTES: usize = 1 << 20;
 
 /// Author of the final entry in the history.
 const AUTHOR: &str = "the store itself";
-
-/// Losses of a rebuild.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct DataLoss {
-    /// Number of acknowledged history entries that are lost.
-    pub n_history: u64,
-    /// Number of views whose metadata or descriptor is lost.
-    pub n_views: u64,
-    /// Number of views that are kept without their point cloud.
-    pub n_clouds: u64,
-    /// Number of document versions whose content is lost.
-    pub n_documents: u64,
-}
-
-impl fmt::Display for DataLoss {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self {
-            n_history,
-            n_views,
-            n_clouds,
-            n_documents,
-        } = self;
-        write!(
-            f,
-            "{n_history} history entries, {n_views} views, {n_clouds} clouds, {n_documents} \
-             documents"
-        )
-    }
-}
 
 /// Result of a rebuild.
 pub(crate) struct SalvageOutcome {

@@ -9,14 +9,13 @@ use serde::de::DeserializeOwned;
 use serde_bytes::{ByteArray, ByteBuf};
 
 use crate::digest::Digest;
-use crate::history::{Effect, HistoryEntry, Operation};
+use crate::history::HistoryEntry;
 use crate::keys;
 use crate::label_status::{Decided, LwwRegister, Standing};
-use crate::mutation::{MutationId, Target};
+use crate::model::{DataLoss, Effect, MutationId, Operation, Target};
 use crate::raw_database::RawDatabase;
 use crate::record::unseal_any;
 use crate::recovered_records::{RecordedTotals, RecoveredRecords};
-use crate::salvage::DataLoss;
 use crate::view::Origin;
 use crate::view_record::{Box10, ContentRef, ViewMetadata};
 

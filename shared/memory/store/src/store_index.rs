@@ -10,9 +10,8 @@ use learning::{CategoryName, ViewId, ViewRecord};
 
 use crate::digest::Digest;
 use crate::document::{DocumentKey, DocumentSummary, DocumentVersion};
-use crate::history::is_among;
 use crate::label_status::{Decided, LwwRegister, Standing};
-use crate::mutation::MutationId;
+use crate::model::{MutationId, is_among};
 use crate::view::Origin;
 use crate::view_record::{ContentRef, ViewMetadata};
 

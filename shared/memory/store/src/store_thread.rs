@@ -19,11 +19,11 @@ use std::time::Duration;
 use parking_lot::Mutex;
 
 use crate::error::Error;
-use crate::mutation::{Answer, Mutation};
+use crate::model::{Answer, Limits};
+use crate::mutation::Mutation;
 use crate::opening::{self, OpenReport};
 use crate::perceptual_memory::PerceptualMemory;
 use crate::queries::Position;
-use crate::retention_limits::Limits;
 use crate::store_folder::StoreFolder;
 
 /// Maximum number of requests in one group commit. Chosen; sensitivity: see the bench `teach`.

@@ -9,8 +9,9 @@ use learning::ViewId;
 
 use crate::decision::Decision;
 use crate::error::StoreRefusal;
-use crate::history::{Effect, HistoryEntry, Operation};
+use crate::history::HistoryEntry;
 use crate::label_status::Standing;
+use crate::model::{Effect, Operation};
 use crate::store_index::StoreIndex;
 
 /// `true` for the operations that an undo without a sequence number considers.

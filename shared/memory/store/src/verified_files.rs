@@ -26,10 +26,11 @@ pub(crate) const TRAILER_BYTES: usize = 5;
 /// Length of a log block. No record header crosses the end of a block.
 const LOG_BLOCK_BYTES: usize = 32 * 1024;
 const LOG_HEADER_BYTES: usize = 7;
-/// Type of a log record fragment: complete record; the next constants are its first and its last
-/// fragment.
+/// Type of a log fragment that is a complete record.
 pub(crate) const LOG_FULL: u8 = 1;
+/// Type of the first fragment of a log record.
 pub(crate) const LOG_FIRST: u8 = 2;
+/// Type of the last fragment of a log record.
 pub(crate) const LOG_LAST: u8 = 4;
 
 /// Table file with verified reads.
@@ -267,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cut_log_is_no_damage() {
+    fn truncated_log_is_no_damage() {
         let (_, log) = log(&[10, 300, 32_000, 1, 70_000, 40]);
         for cut in (0..=log.len())
             .step_by(61)
@@ -282,7 +283,7 @@ mod tests {
     }
 
     #[test]
-    fn a_damaged_record_before_a_whole_one_is_damage() {
+    fn damaged_record_before_a_whole_one_is_damage() {
         let (starts, log) = log(&[10, 300, 32_000, 1, 70_000, 40]);
         let last = *starts.last().unwrap();
         for at in (0..log.len()).step_by(17) {
@@ -298,7 +299,7 @@ mod tests {
     }
 
     #[test]
-    fn a_footer_that_names_what_is_not_there_is_damage() {
+    fn footer_with_invalid_handles_is_damage() {
         let footer = |handles: &[u8]| {
             let mut footer = [0; FOOTER_BYTES];
             footer[..handles.len()].copy_from_slice(handles);

@@ -133,7 +133,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_mark_is_read_back_only_whole() {
+    fn watermark_record_is_valid_only_whole() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("acknowledged");
         let (file, found) = Watermark::open(&path).unwrap();

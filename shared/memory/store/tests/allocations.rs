@@ -70,7 +70,7 @@ fn sighting(track_id: u64, wobble_m: f64, now_ns: u64) -> Sighting<'static> {
 }
 
 #[test]
-fn a_world_at_rest_allocates_nothing() {
+fn unchanged_observation_allocates_nothing() {
     let mut model = WorldModel::new(WorldConfig {
         move_min_m: 0.02,
         turn_min_rad: 0.3,
@@ -130,7 +130,7 @@ fn view_with_cloud(track_id: u64, n_bytes: usize) -> View {
 }
 
 #[test]
-fn what_was_read_is_not_kept_in_memory() {
+fn read_content_is_not_kept_in_memory() {
     const N_TRACKS: u64 = 200;
     const CLOUD_BYTES: usize = 64_000;
     let folder = tempfile::tempdir().unwrap();

@@ -16,7 +16,8 @@ use rusty_leveldb::WriteBatch;
 use tempfile::TempDir;
 
 use crate::engine::{Engine, WRITE_BUFFER_BYTES};
-use crate::mutation::{Change, Mutation, MutationId, Target};
+use crate::model::{MutationId, Target};
+use crate::mutation::{Change, Mutation};
 use crate::perceptual_memory::PerceptualMemory;
 use crate::view::{Descriptor, View};
 

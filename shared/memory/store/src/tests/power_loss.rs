@@ -18,9 +18,12 @@ use tempfile::TempDir;
 use crate::consistency_check::check_consistency;
 use crate::engine::{Engine, WRITE_BUFFER_BYTES};
 use crate::env_health::{EnvHealth, FileOperation, Observer};
-use crate::mutation::{Change as Asked, Mutation, MutationId};
+use crate::error::Error;
+use crate::model::MutationId;
+use crate::mutation::{Change as Asked, Mutation};
 use crate::opening::Condition;
 use crate::perceptual_memory::PerceptualMemory;
+use crate::store_thread::{StoreConfig, StoreThread};
 use crate::view::{Descriptor, View};
 use crate::{Error, StoreConfig, StoreThread};
 
@@ -107,7 +110,7 @@ fn check_holds(folder: &Path, n: u64, what: &str) {
 }
 
 #[test]
-fn one_synced_write_is_one_fdatasync() {
+fn synced_write_is_one_fdatasync() {
     let folder = folder();
     let (mut memory, _) = PerceptualMemory::open(folder.path(), 1).unwrap();
     memory.lease_track_ids(N_TRACKS).unwrap();
@@ -270,13 +273,13 @@ fn check_cuts_while_teaching(step: usize) {
 }
 
 #[test]
-fn acknowledged_teachings_survive_a_power_cut() {
+fn power_cut_loses_nothing_acknowledged() {
     check_cuts_while_teaching(199);
 }
 
 #[test]
 #[ignore = "long"]
-fn long_acknowledged_teachings_survive_a_power_cut() {
+fn long_power_cut_loses_nothing_acknowledged() {
     check_cuts_while_teaching(13);
 }
 
@@ -325,13 +328,13 @@ fn check_cuts_while_opening(n_cuts: usize) {
 }
 
 #[test]
-fn a_power_cut_while_opening_loses_nothing() {
+fn power_cut_while_opening_loses_nothing() {
     check_cuts_while_opening(60);
 }
 
 #[test]
 #[ignore = "long"]
-fn long_a_power_cut_while_opening_loses_nothing() {
+fn long_power_cut_while_opening_loses_nothing() {
     check_cuts_while_opening(5_000);
 }
 
@@ -383,7 +386,7 @@ fn check_full_disk(n: usize) -> bool {
 }
 
 #[test]
-fn a_full_disk_is_an_error_and_loses_nothing() {
+fn full_disk_is_an_error_and_loses_nothing() {
     // While the log is written, while a memtable is, and while tables are merged.
     for n in [0, 1, 2, 500, 1000, 1500, 2000, 2500, 3000, 3300, 3600, 3900] {
         assert!(check_full_disk(n), "{n} changes are made");
@@ -392,7 +395,7 @@ fn a_full_disk_is_an_error_and_loses_nothing() {
 
 #[test]
 #[ignore = "long"]
-fn long_a_full_disk_is_an_error_and_loses_nothing() {
+fn long_full_disk_is_an_error_and_loses_nothing() {
     let mut n = 0;
     while check_full_disk(n) {
         n += 7;
@@ -401,7 +404,7 @@ fn long_a_full_disk_is_an_error_and_loses_nothing() {
 }
 
 #[test]
-fn the_thread_opens_a_failed_store_again() {
+fn failed_store_is_reopened_by_its_thread() {
     let folder = folder();
     let told: Arc<Mutex<Vec<Condition>>> = Arc::default();
     let tell = Arc::clone(&told);

@@ -34,7 +34,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_has_been_over_longest_goes_first_by_age_and_by_number() {
+    fn oldest_item_expires_first_by_age_and_number() {
         let mut expiry = ExpiryQueue::default();
         for (over_ns, number) in [(30, 1), (10, 2), (20, 3)] {
             expiry.insert(over_ns, number);

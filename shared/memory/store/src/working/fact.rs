@@ -170,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn a_place_is_another_one_by_distance_angle_or_size() {
+    fn place_changes_by_distance_angle_or_size() {
         let config = WorldConfig {
             move_min_m: 0.02,
             turn_min_rad: 0.3,

@@ -70,7 +70,7 @@ mod tests {
     }
 
     #[test]
-    fn other_keys_are_none() {
+    fn invalid_keys_are_none() {
         assert_eq!(RecordKey::of(&RecordKey::Meta.key()), Some(RecordKey::Meta));
         assert_eq!(
             RecordKey::of(&RecordKey::Robot.key()),

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::mutation::MutationId;
+use crate::model::MutationId;
 
 const SECOND: u64 = 1_000_000_000;
 
@@ -341,7 +341,7 @@ fn queries() -> impl Strategy<Value = FactQuery> {
 
 proptest! {
     #[test]
-    fn questions_are_answered_as_by_going_through_everything(
+    fn queries_equal_a_linear_search(
         steps in steps(),
         queries in prop::collection::vec(queries(), 1..8),
     ) {
@@ -371,7 +371,7 @@ proptest! {
     /// Invariants under any clock: nothing ends before it began, and each property has at most one
     /// current fact.
     #[test]
-    fn one_thing_holds_at_a_time(steps in steps()) {
+    fn each_property_has_one_current_fact(steps in steps()) {
         let (model, slow, _) = play(&steps);
         for fact in &slow.facts {
             prop_assert!(fact.end_ns.is_none_or(|end_ns| end_ns >= fact.start_ns));
@@ -403,7 +403,7 @@ fn see(model: &mut WorldModel, seen: &[Seen], now_ns: u64) {
 }
 
 #[test]
-fn an_objects_life_is_told() {
+fn object_life_cycle_makes_events() {
     let mut model = WorldModel::new(CONFIG);
     see(&mut model, &[(7, 0, 0, 1)], SECOND);
     see(&mut model, &[(7, 0, 1, 1)], 3 * SECOND);
@@ -438,7 +438,7 @@ fn an_objects_life_is_told() {
 }
 
 #[test]
-fn what_does_not_change_is_not_written() {
+fn unchanged_observation_is_not_written() {
     let mut model = WorldModel::new(CONFIG);
     see(&mut model, &[(7, 0, 1, 1), (8, 0, 0, 2)], SECOND);
     model.observe_robot(&robot(false), SECOND);
@@ -454,7 +454,7 @@ fn what_does_not_change_is_not_written() {
 }
 
 #[test]
-fn the_end_of_an_action_is_told_once() {
+fn action_end_is_one_event() {
     let mut model = WorldModel::new(CONFIG);
     let mut tell = |command_id, outcome| {
         let sighting = RobotSighting {
@@ -483,7 +483,7 @@ fn the_end_of_an_action_is_told_once() {
 }
 
 #[test]
-fn a_lesson_is_told_once() {
+fn teaching_is_one_event() {
     let mut model = WorldModel::new(CONFIG);
     let learned = |history| Learned {
         lesson: Lesson::Taught,
@@ -502,7 +502,7 @@ fn a_lesson_is_told_once() {
 }
 
 #[test]
-fn texts_without_end_and_tasks_without_number_are_refused() {
+fn oversized_texts_and_too_many_tasks_are_refused() {
     let mut model = WorldModel::new(CONFIG);
     let new = |id: u128, kind: &str, parameters: usize| NewTask {
         id: MutationId(id),

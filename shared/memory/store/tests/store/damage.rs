@@ -145,13 +145,13 @@ fn check_cut_log(step: usize) {
 }
 
 #[test]
-fn a_torn_tail_loses_whole_changes_and_says_how_many() {
+fn truncated_log_loses_whole_changes_and_counts_them() {
     check_cut_log(397);
 }
 
 #[test]
 #[ignore = "long"]
-fn long_a_torn_tail_loses_whole_changes_and_says_how_many() {
+fn long_truncated_log_loses_whole_changes_and_counts_them() {
     check_cut_log(1);
 }
 
@@ -251,7 +251,7 @@ fn check_flipped_bytes(extension: &str, is_reopened: bool, step: usize, seed: u6
 }
 
 #[test]
-fn a_damaged_byte_is_told_and_the_rest_is_kept() {
+fn corrupted_byte_is_reported_and_the_rest_is_kept() {
     check_flipped_bytes(".log", false, 499, 1);
     check_flipped_bytes(".ldb", true, 499, 2);
     check_flipped_bytes("MANIFEST", true, 31, 3);
@@ -260,7 +260,7 @@ fn a_damaged_byte_is_told_and_the_rest_is_kept() {
 
 #[test]
 #[ignore = "long"]
-fn long_a_damaged_byte_is_told_and_the_rest_is_kept() {
+fn long_corrupted_byte_is_reported_and_the_rest_is_kept() {
     check_flipped_bytes(".log", false, 3, 5);
     check_flipped_bytes(".ldb", true, 3, 6);
     check_flipped_bytes("MANIFEST", true, 1, 7);
@@ -268,7 +268,7 @@ fn long_a_damaged_byte_is_told_and_the_rest_is_kept() {
 }
 
 #[test]
-fn a_damaged_byte_in_the_log_costs_one_change() {
+fn corrupted_byte_in_the_log_costs_one_change() {
     let folder = whole_store(false);
     let log = newest(folder.path(), ".log");
     let mut bytes = fs::read(&log).unwrap();
@@ -296,7 +296,7 @@ fn a_damaged_byte_in_the_log_costs_one_change() {
 }
 
 #[test]
-fn without_the_files_that_say_how_it_hangs_together_nothing_is_lost() {
+fn missing_manifest_or_current_loses_nothing() {
     for file in ["MANIFEST", "CURRENT"] {
         let folder = whole_store(true);
         fs::remove_file(newest(folder.path(), file)).unwrap();
@@ -307,7 +307,7 @@ fn without_the_files_that_say_how_it_hangs_together_nothing_is_lost() {
 }
 
 #[test]
-fn a_missing_file_is_no_empty_store() {
+fn missing_file_is_reported_as_loss() {
     for (file, is_kept) in [(".ldb", false), (".log", true)] {
         let folder = whole_store(file != ".log");
         fs::remove_file(newest(folder.path(), file)).unwrap();
@@ -391,20 +391,20 @@ fn check_random_damage(n_rounds: usize, seed: u64) {
 }
 
 #[test]
-fn whatever_is_damaged_the_loss_told_is_what_is_missing() {
+fn random_damage_is_reported_exactly() {
     check_random_damage(100, 1);
 }
 
 #[test]
 #[ignore = "long"]
-fn long_whatever_is_damaged_the_loss_told_is_what_is_missing() {
+fn long_random_damage_is_reported_exactly() {
     for seed in 0..10 {
         check_random_damage(1_000, 100 + seed);
     }
 }
 
 #[test]
-fn a_name_that_no_file_can_have_is_damage() {
+fn invalid_file_name_in_current_is_damage() {
     let long = "x".repeat(4000);
     for current in [
         "MAN\0\0-000004\n",
@@ -422,7 +422,7 @@ fn a_name_that_no_file_can_have_is_damage() {
 }
 
 #[test]
-fn a_missing_database_is_told() {
+fn missing_database_is_reported() {
     let folder = whole_store(true);
     fs::remove_dir_all(folder.path().join("database")).unwrap();
     let (mut memory, report) = open(&folder);
@@ -440,7 +440,7 @@ fn a_missing_database_is_told() {
 }
 
 #[test]
-fn damaged_databases_are_kept_side_by_side() {
+fn damaged_databases_are_kept() {
     let folder = whole_store(true);
     for n in 1..=3 {
         fs::write(folder.path().join("database/CURRENT"), "MANIFEST-999999\n").unwrap();
@@ -459,7 +459,7 @@ fn damaged_databases_are_kept_side_by_side() {
 }
 
 #[test]
-fn an_unreadable_note_of_what_was_acknowledged_loses_nothing() {
+fn watermark_that_is_unreadable_loses_nothing() {
     for bytes in [&b""[..], b"x", &[7; 40], &[0; 4000]] {
         let folder = whole_store(true);
         fs::write(folder.path().join("acknowledged"), bytes).unwrap();
@@ -475,7 +475,7 @@ fn an_unreadable_note_of_what_was_acknowledged_loses_nothing() {
 }
 
 #[test]
-fn an_interrupted_rebuilding_is_finished_or_begun_again() {
+fn rebuild_that_was_interrupted_is_finished_or_restarted() {
     // Half a copy, beside a whole database.
     let folder = whole_store(true);
     fs::create_dir(folder.path().join("database.rebuilding")).unwrap();

@@ -97,7 +97,7 @@ fn taught(robot: u32) -> (TempDir, PerceptualMemory) {
 }
 
 #[test]
-fn two_robots_memories_become_one() {
+fn import_merges_two_memories() {
     let (_a, mut ours) = taught(1);
     let (_b, mut theirs) = taught(2);
     let (from_ours, from_theirs) = (exported(&ours), exported(&theirs));
@@ -126,7 +126,7 @@ fn two_robots_memories_become_one() {
 }
 
 #[test]
-fn of_two_opinions_on_one_view_the_later_holds() {
+fn import_keeps_the_later_of_two_decisions() {
     let (_a, mut ours) = taught(1);
     let (_b, mut theirs) = {
         let folder = fast_folder();
@@ -145,7 +145,7 @@ fn of_two_opinions_on_one_view_the_later_holds() {
 }
 
 #[test]
-fn what_was_forgotten_and_purged_does_not_come_back() {
+fn import_does_not_revive_purged_views() {
     let (_a, mut ours) = taught(1);
     let early = exported(&ours);
     apply(
@@ -175,7 +175,7 @@ proptest! {
     /// Order independence: a fourth robot imports three memories with shared views in any order,
     /// with the same result.
     #[test]
-    fn the_order_of_imports_does_not_matter(
+    fn import_order_does_not_matter(
         opinions in prop::collection::vec((0..3_usize, 1..4_u64, 0..3_usize, 0..5_u64), 0..10),
         order in Just([0_usize, 1, 2]).prop_shuffle(),
         twice in 0..3_usize,
@@ -212,7 +212,7 @@ proptest! {
 
 /// Recovery of a lost point cloud from an earlier export.
 #[test]
-fn a_backup_brings_a_lost_cloud_back() {
+fn import_of_a_backup_restores_a_lost_cloud() {
     let folder = fast_folder();
     let (mut memory, _) = open(&folder);
     let with_cloud = View {

@@ -21,7 +21,7 @@ const NAMES: [&str; 2] = ["Taught", "Corrected"];
 
 /// Endless loop of one teacher: store, teach and correct a track. Prints a line for each
 /// acknowledged step.
-fn teach_for_ever(store_handle: &store::StoreHandle) {
+fn teach_forever(store_handle: &store::StoreHandle) {
     loop {
         let track = store_handle.lease_track_ids_and_wait(1).unwrap();
         let views = (0..VIEWS_PER_TRACK).map(|i| view(track, i, 0)).collect();
@@ -40,7 +40,7 @@ fn teach_for_ever(store_handle: &store::StoreHandle) {
 
 #[test]
 #[ignore = "works only as the child of the tests below"]
-fn child_teaches_until_it_is_killed() {
+fn child_teaches_until_killed() {
     let Ok(folder) = std::env::var(FOLDER) else {
         return;
     };
@@ -56,7 +56,7 @@ fn child_teaches_until_it_is_killed() {
     assert!(!report.is_loss(), "{report}");
     std::thread::scope(|scope| {
         for _ in 0..N_TEACHERS {
-            scope.spawn(|| teach_for_ever(&handle));
+            scope.spawn(|| teach_forever(&handle));
         }
     });
 }
@@ -76,7 +76,7 @@ fn teach_and_kill(folder: &Path, random: &mut Random) -> BTreeMap<u64, usize> {
     let mut child = Command::new(std::env::current_exe().unwrap())
         .args([
             "--exact",
-            "kill::child_teaches_until_it_is_killed",
+            "kill::child_teaches_until_killed",
             "--ignored",
             "--nocapture",
         ])
@@ -155,13 +155,13 @@ fn check_rounds(n_rounds: usize, seed: u64) {
 }
 
 #[test]
-fn everything_acknowledged_survives_kill() {
+fn kill_loses_nothing_acknowledged() {
     check_rounds(8, 1);
 }
 
 #[test]
 #[ignore = "long"]
-fn long_everything_acknowledged_survives_kill() {
+fn long_kill_loses_nothing_acknowledged() {
     for seed in 0..10 {
         check_rounds(40, 100 + seed);
     }

@@ -13,7 +13,7 @@ fn view_at(track_id: u64, view_id: u32, place: f32) -> View {
 }
 
 #[test]
-fn a_full_category_gives_up_what_says_least() {
+fn retention_limit_prunes_redundant_views_of_a_category() {
     let folder = fast_folder();
     let (mut memory, _) = open(&folder);
     memory.set_limits(Limits {
@@ -62,7 +62,7 @@ fn a_full_category_gives_up_what_says_least() {
 }
 
 #[test]
-fn views_that_nobody_named_give_way_to_newer_ones() {
+fn retention_limit_evicts_the_oldest_unlabelled_views() {
     let folder = fast_folder();
     let (mut memory, _) = open(&folder);
     memory.set_limits(Limits {
@@ -87,7 +87,7 @@ fn views_that_nobody_named_give_way_to_newer_ones() {
 
 /// Disk use under limits: 500 views of which 20 are kept, with interleaved reads.
 #[test]
-fn what_gave_way_leaves_the_disk() {
+fn retention_limit_frees_disk_space() {
     let folder = fast_folder();
     let (thread, handle, _) = StoreThread::start(StoreConfig {
         folder: folder.path().to_owned(),
@@ -125,7 +125,7 @@ fn what_gave_way_leaves_the_disk() {
 }
 
 #[test]
-fn equal_content_is_stored_once() {
+fn deduplication_stores_equal_content_once() {
     let folder = fast_folder();
     let (mut memory, _) = open(&folder);
     let cloud = vec![7; 100_000];

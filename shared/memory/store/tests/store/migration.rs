@@ -42,7 +42,7 @@ fn check_content(memory: &mut PerceptualMemory) {
 }
 
 #[test]
-fn a_store_of_schema_1_is_brought_over_whole() {
+fn migration_of_schema_1_is_complete() {
     let folder = fixture();
     let (mut memory, report) = open(&folder);
     let Condition::Migrated {
@@ -71,7 +71,7 @@ fn a_store_of_schema_1_is_brought_over_whole() {
 }
 
 #[test]
-fn a_damaged_store_of_schema_1_gives_what_is_whole() {
+fn migration_of_a_damaged_schema_1_recovers_intact_records() {
     let folder = fixture();
     let log = folder.path().join("database/000006.log");
     let mut bytes = fs::read(&log).unwrap();

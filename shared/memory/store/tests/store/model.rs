@@ -509,7 +509,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
 
     #[test]
-    fn the_store_is_what_the_model_is(operations in prop::collection::vec(operations(), 1..40)) {
+    fn store_equals_its_reference_model(operations in prop::collection::vec(operations(), 1..40)) {
         check(operations);
     }
 }
@@ -519,7 +519,7 @@ proptest! {
 
     #[test]
     #[ignore = "long"]
-    fn long_the_store_is_what_the_model_is(
+    fn long_store_equals_its_reference_model(
         operations in prop::collection::vec(operations(), 1..120),
     ) {
         check(operations);
@@ -527,7 +527,7 @@ proptest! {
 }
 
 #[test]
-fn what_was_refused_and_is_asked_again_is_decided_last() {
+fn mutation_refused_and_repeated_is_decided_last() {
     check(vec![
         Operation::Store(vec![(2, 0, 0)]),
         Operation::ForgetTrack(2),
@@ -542,7 +542,7 @@ fn what_was_refused_and_is_asked_again_is_decided_last() {
 }
 
 #[test]
-fn a_purged_document_does_not_change_the_date_of_the_next_one() {
+fn document_purge_keeps_the_date_of_the_next_version() {
     check(vec![
         // Refused: there is none yet.
         Operation::Remove(0),

@@ -81,7 +81,7 @@ fn example() -> Content {
 }
 
 #[test]
-fn a_file_is_read_back_as_it_was_written() {
+fn export_file_round_trip() {
     let (views, documents) = example();
     let file = written(&views, &documents);
     assert_eq!(read(&file).unwrap(), (views, documents));
@@ -89,7 +89,7 @@ fn a_file_is_read_back_as_it_was_written() {
 }
 
 #[test]
-fn a_file_that_is_not_whole_is_refused() {
+fn export_file_that_is_damaged_is_refused() {
     let (views, documents) = example();
     let file = written(&views, &documents);
     for n_bytes in 0..file.len() {

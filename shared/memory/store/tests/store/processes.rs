@@ -11,7 +11,7 @@ const FOLDER: &str = "TABULA_STORE_HOLD_TEST_FOLDER";
 
 #[test]
 #[ignore = "works only as the child of the test below"]
-fn child_holds_the_store_until_it_is_killed() {
+fn child_holds_the_lock_until_killed() {
     let Ok(folder) = std::env::var(FOLDER) else {
         return;
     };
@@ -25,13 +25,10 @@ fn child_holds_the_store_until_it_is_killed() {
 }
 
 #[test]
-fn a_second_process_is_told_and_a_killed_one_lets_go() {
+fn lock_excludes_a_second_process_and_ends_with_a_killed_one() {
     let folder = folder();
     let mut child = Command::new(std::env::current_exe().unwrap())
-        .args([
-            "--exact",
-            "processes::child_holds_the_store_until_it_is_killed",
-        ])
+        .args(["--exact", "processes::child_holds_the_lock_until_killed"])
         .args(["--ignored", "--nocapture"])
         .env(FOLDER, folder.path())
         .stdin(Stdio::piped())
@@ -57,7 +54,7 @@ fn a_second_process_is_told_and_a_killed_one_lets_go() {
 }
 
 #[test]
-fn a_second_opening_in_the_same_process_is_told_too() {
+fn lock_excludes_a_second_opening_in_the_same_process() {
     let folder = folder();
     let (memory, _) = open(&folder);
     let refused = PerceptualMemory::open(folder.path(), 1)

@@ -95,7 +95,7 @@ fn ten_tracks() -> (tempfile::TempDir, PerceptualMemory) {
 }
 
 #[test]
-fn pages_hold_every_labelled_view_once() {
+fn snapshot_pages_hold_every_labelled_view_once() {
     let (_folder, mut memory) = ten_tracks();
     for max_bytes in [0, 1, 700, usize::MAX] {
         let mut n_pages = 0;
@@ -119,7 +119,7 @@ fn pages_hold_every_labelled_view_once() {
 }
 
 #[test]
-fn a_reader_catches_up_with_what_changed_while_it_loaded() {
+fn change_feed_catches_up_after_a_concurrent_snapshot() {
     for max_bytes in [0, 700, usize::MAX] {
         let (_folder, mut memory) = ten_tracks();
         let mut changes = vec![
@@ -158,7 +158,7 @@ fn a_reader_catches_up_with_what_changed_while_it_loaded() {
 }
 
 #[test]
-fn a_position_of_another_store_or_ahead_of_it_means_reload() {
+fn change_feed_position_of_another_store_or_ahead_means_reload() {
     let (_folder, mut memory) = ten_tracks();
     let now = memory.position();
     let ahead = Position {

@@ -14,7 +14,7 @@ use crate::builders::{
 };
 
 #[test]
-fn teaching_follows_its_rules() {
+fn teaching_rules_are_enforced() {
     let folder = folder();
     let (mut memory, _) = open(&folder);
     assert_eq!(
@@ -43,7 +43,7 @@ fn teaching_follows_its_rules() {
 }
 
 #[test]
-fn who_contradicts_is_told_and_both_are_in_the_history() {
+fn contradiction_is_answered_and_recorded() {
     let folder = folder();
     let (mut memory, _) = open(&folder);
     let views = vec![view(1, 0, 0)];
@@ -75,7 +75,7 @@ fn who_contradicts_is_told_and_both_are_in_the_history() {
 }
 
 #[test]
-fn a_view_is_stored_once_and_never_replaced() {
+fn view_is_stored_once_and_never_replaced() {
     let folder = folder();
     let (mut memory, _) = open(&folder);
     apply(&mut memory, &[store(1, vec![view(1, 0, 0)])]);
@@ -110,7 +110,7 @@ fn no_rotation() -> UnitQuaternion<f64> {
 }
 
 #[test]
-fn what_cannot_be_a_view_is_refused() {
+fn view_with_invalid_values_is_refused() {
     let folder = folder();
     let (mut memory, _) = open(&folder);
     let spoil: [fn(&mut View); 12] = [
@@ -140,7 +140,7 @@ fn what_cannot_be_a_view_is_refused() {
 }
 
 #[test]
-fn what_is_too_much_at_once_is_refused() {
+fn oversized_request_is_refused() {
     let folder = folder();
     let (mut memory, _) = open(&folder);
     for n_views in [0, MAX_BATCH_VIEWS + 1] {
@@ -222,7 +222,7 @@ proptest! {
 
     /// Round trip of arbitrary category names.
     #[test]
-    fn hostile_names_are_names_like_any_other(texts in proptest::collection::vec(any::<String>(), 1..6)) {
+    fn category_names_round_trip_even_if_hostile(texts in proptest::collection::vec(any::<String>(), 1..6)) {
         let hostile = ["_", "a\u{0}b", "\u{202e}x", "\u{1f600}", "c\u{ff}", "..", "'; DROP", "a", "aa"];
         let texts = texts.iter().map(String::as_str).chain(hostile);
         let mut names: Vec<CategoryName> = texts.filter_map(|t| CategoryName::new(t).ok()).collect();

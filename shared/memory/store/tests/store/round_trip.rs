@@ -7,7 +7,7 @@ use crate::builders::{
 };
 
 #[test]
-fn a_new_store_is_empty_and_says_so() {
+fn new_store_is_empty() {
     let folder = folder();
     let (memory, report) = open(&folder);
     assert_eq!(report.condition, Condition::New);
@@ -19,7 +19,7 @@ fn a_new_store_is_empty_and_says_so() {
 }
 
 #[test]
-fn views_and_labels_come_back_bit_by_bit() {
+fn views_and_labels_round_trip_bit_by_bit() {
     let folder = folder();
     let views = vec![
         view(1, 0, 0),
@@ -63,7 +63,7 @@ fn views_and_labels_come_back_bit_by_bit() {
 }
 
 #[test]
-fn a_repeated_mutation_gets_its_first_answer_and_changes_nothing() {
+fn repeated_mutation_gets_its_first_answer() {
     let folder = folder();
     let (mut memory, _) = open(&folder);
     let first = apply(
@@ -87,7 +87,7 @@ fn a_repeated_mutation_gets_its_first_answer_and_changes_nothing() {
 }
 
 #[test]
-fn the_same_state_asked_for_again_is_acknowledged_without_a_change() {
+fn redundant_mutation_is_acknowledged_without_effects() {
     let folder = folder();
     let (mut memory, _) = open(&folder);
     apply(
@@ -107,7 +107,7 @@ fn the_same_state_asked_for_again_is_acknowledged_without_a_change() {
 }
 
 #[test]
-fn correcting_and_forgetting_move_views_between_categories() {
+fn correction_and_forgetting_move_views_between_categories() {
     let folder = folder();
     let (mut memory, _) = open(&folder);
     let views = vec![view(1, 0, 0), view(2, 0, 0), view(2, 1, 0)];
@@ -136,7 +136,7 @@ fn correcting_and_forgetting_move_views_between_categories() {
 }
 
 #[test]
-fn the_history_says_who_did_what_and_when() {
+fn history_records_author_operation_and_time() {
     let folder = folder();
     let (mut memory, _) = open(&folder);
     apply(
@@ -195,7 +195,7 @@ fn the_history_says_who_did_what_and_when() {
 }
 
 #[test]
-fn a_track_id_is_leased_once() {
+fn track_id_lease_is_unique() {
     let folder = folder();
     let (mut memory, _) = open(&folder);
     assert_eq!(memory.lease_track_ids(10).unwrap(), 1);
@@ -209,7 +209,7 @@ fn a_track_id_is_leased_once() {
 }
 
 #[test]
-fn a_clock_that_was_set_back_is_told_and_loses_nothing() {
+fn clock_set_back_is_reported_and_loses_nothing() {
     const HOUR_NS: u64 = 3_600_000_000_000;
     let folder = folder();
     let (mut memory, _) = open(&folder);

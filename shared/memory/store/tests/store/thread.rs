@@ -49,7 +49,7 @@ fn occupy(handle: &StoreHandle) -> std::sync::mpsc::Sender<()> {
 }
 
 #[test]
-fn what_waits_is_committed_together_and_in_order() {
+fn group_commit_keeps_the_order() {
     let folder = folder();
     let (thread, handle) = start(&folder, 64);
     let release = occupy(&handle);
@@ -89,7 +89,7 @@ fn what_waits_is_committed_together_and_in_order() {
 }
 
 #[test]
-fn a_read_sees_all_changes_asked_for_before_it() {
+fn read_sees_all_earlier_mutations() {
     let folder = fast_folder();
     let (_thread, handle) = start(&folder, 64);
     let release = occupy(&handle);
@@ -114,7 +114,7 @@ fn a_read_sees_all_changes_asked_for_before_it() {
 }
 
 #[test]
-fn a_full_queue_is_an_error_the_caller_sees() {
+fn full_queue_is_an_error_of_the_caller() {
     let folder = fast_folder();
     let (_thread, handle) = start(&folder, 2);
     let release = occupy(&handle);
@@ -153,7 +153,7 @@ fn a_full_queue_is_an_error_the_caller_sees() {
 }
 
 #[test]
-fn stopping_serves_what_waits_and_answers_what_comes_later() {
+fn stop_serves_waiting_requests_and_refuses_later_ones() {
     let folder = fast_folder();
     let (thread, handle) = start(&folder, 64);
     let release = occupy(&handle);
@@ -180,7 +180,7 @@ fn stopping_serves_what_waits_and_answers_what_comes_later() {
 }
 
 #[test]
-fn every_request_around_the_stop_is_answered_once() {
+fn request_during_stop_is_answered_once() {
     for _ in 0..20 {
         let folder = fast_folder();
         let (thread, handle) = start(&folder, 8);
@@ -214,7 +214,7 @@ fn every_request_around_the_stop_is_answered_once() {
 }
 
 #[test]
-fn a_panic_in_a_read_or_reply_hurts_nobody_else() {
+fn panic_in_a_read_or_reply_is_contained() {
     let folder = fast_folder();
     let (_thread, handle) = start(&folder, 8);
     let panicked = handle.read_and_wait(|_| -> Result<(), Error> { panic!("meant by the test") });

@@ -3,10 +3,10 @@ use std::path::Path;
 
 use tempfile::TempDir;
 
-use super::super::model_tests::{CONFIG, place, sighting};
+use super::super::tests::{CONFIG, place, sighting};
 use super::super::{FactQuery, Happening, NewTask, Outcome, Subject, TaskEnd, Value};
 use super::*;
-use crate::mutation::MutationId;
+use crate::model::MutationId;
 
 const SECOND: u64 = 1_000_000_000;
 
@@ -49,7 +49,7 @@ fn fill(memory: &mut WorkingMemory, model: &mut WorldModel) {
 }
 
 #[test]
-fn what_was_known_is_found_again_and_has_ended_when_last_seen() {
+fn facts_end_at_their_last_observation_after_a_restart() {
     let folder = folder();
     let (mut memory, mut model, report) = open(folder.path(), SECOND);
     assert_eq!(report.condition, WorldCondition::New);
@@ -80,7 +80,7 @@ fn what_was_known_is_found_again_and_has_ended_when_last_seen() {
 }
 
 #[test]
-fn a_task_goes_on_after_a_restart_and_a_retry_is_answered() {
+fn task_continues_after_a_restart_and_a_retry_is_answered() {
     let folder = folder();
     let (mut memory, mut model, _) = open(folder.path(), SECOND);
     fill(&mut memory, &mut model);
@@ -128,7 +128,7 @@ fn numbers_are_not_given_again_when_what_had_them_is_forgotten() {
 }
 
 #[test]
-fn a_second_opener_is_refused() {
+fn second_opening_is_refused() {
     let folder = folder();
     let first = open(folder.path(), SECOND);
     let refused = WorkingMemory::open(folder.path(), CONFIG, SECOND);
@@ -139,10 +139,10 @@ fn a_second_opener_is_refused() {
 }
 
 #[test]
-fn a_newer_schema_is_refused_and_left_alone() {
+fn newer_schema_is_refused_and_left_unchanged() {
     let folder = folder();
     let (mut memory, _, _) = open(folder.path(), SECOND);
-    let meta = Meta {
+    let meta = WorkingMeta {
         schema: SCHEMA + 1,
         newest_fact: 0,
         newest_event: 0,
@@ -201,7 +201,7 @@ fn check_damaged(files: &[(String, Vec<u8>)], whole: &[super::super::Fact]) -> b
 }
 
 #[test]
-fn a_damaged_memory_is_set_aside_and_begun_anew() {
+fn damaged_memory_is_set_aside_and_replaced() {
     let folder = folder();
     let (mut memory, mut model, _) = open(folder.path(), SECOND);
     fill(&mut memory, &mut model);

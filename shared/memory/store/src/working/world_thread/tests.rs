@@ -3,7 +3,7 @@ use std::sync::mpsc::{Receiver, channel};
 
 use tempfile::TempDir;
 
-use super::super::model_tests::{CONFIG, sighting};
+use super::super::tests::{CONFIG, sighting};
 use super::super::{FactQuery, Subject};
 use super::*;
 
@@ -59,7 +59,7 @@ fn is_known(handle: &WorldHandle, track_id: u64) -> bool {
 }
 
 #[test]
-fn what_was_written_is_found_again_without_a_stop() {
+fn written_changes_survive_without_a_stop() {
     let folder = tempfile::tempdir_in("/dev/shm").unwrap();
     let (thread, handle, versions, _) = start(&folder);
     wait_until_written(&versions, see(&handle, 1));
@@ -81,7 +81,7 @@ fn what_was_written_is_found_again_without_a_stop() {
 }
 
 #[test]
-fn what_was_read_is_told_to_be_on_disk() {
+fn loaded_version_is_reported_as_written() {
     let folder = tempfile::tempdir_in("/dev/shm").unwrap();
     let (thread, handle, versions, _) = start(&folder);
     wait_until_written(&versions, handle.with(|model| model.version()));
@@ -89,7 +89,7 @@ fn what_was_read_is_told_to_be_on_disk() {
 }
 
 #[test]
-fn a_stop_writes_what_waits() {
+fn stop_writes_waiting_changes() {
     let folder = tempfile::tempdir_in("/dev/shm").unwrap();
     let (thread, handle, ..) = start(&folder);
     for track_id in 1..300 {
@@ -101,7 +101,7 @@ fn a_stop_writes_what_waits() {
 }
 
 #[test]
-fn a_database_that_fails_is_begun_anew_with_all_that_is_known() {
+fn failed_database_is_rewritten_from_the_model() {
     let folder = tempfile::tempdir_in("/dev/shm").unwrap();
     let (thread, handle, versions, troubles) = start(&folder);
     wait_until_written(&versions, see(&handle, 1));
