@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 use learning::{CategoryName, ViewId};
 
-use crate::document::DocumentKey;
-use crate::env_health::StorageFailure;
-use crate::keys;
+use crate::engine::storage_error::StorageError;
+use crate::perceptual::document::DocumentKey;
+use crate::perceptual::keys;
 
 /// Error of a store operation. It is cloned when one failed commit answers many callers.
 #[derive(Debug, Clone, thiserror::Error)]
@@ -245,12 +245,16 @@ impl From<learning::Refusal> for Error {
     }
 }
 
-impl From<StorageFailure> for Error {
-    fn from(failure: StorageFailure) -> Self {
-        Self::Io {
-            doing: failure.doing,
-            path: failure.path,
-            source: failure.source,
+impl From<StorageError> for Error {
+    fn from(error: StorageError) -> Self {
+        match error {
+            StorageError::Io(failure) => Self::Io {
+                doing: failure.doing,
+                path: failure.path,
+                source: failure.source,
+            },
+            StorageError::InUse { folder } => Self::InUse { folder },
+            StorageError::Damaged { what } => Self::Damaged { what },
         }
     }
 }

@@ -15,11 +15,12 @@ use nalgebra::{Isometry3, Vector3};
 use rusty_leveldb::WriteBatch;
 use tempfile::TempDir;
 
-use crate::engine::{Engine, WRITE_BUFFER_BYTES};
-use crate::model::{MutationId, Target};
-use crate::mutation::{Change, Mutation};
-use crate::perceptual_memory::PerceptualMemory;
-use crate::view::{Descriptor, View};
+use crate::engine::database::{Database, WRITE_BUFFER_BYTES};
+use crate::mutation_id::MutationId;
+use crate::perceptual::model::Target;
+use crate::perceptual::mutation::{Change, Mutation};
+use crate::perceptual::perceptual_memory::PerceptualMemory;
+use crate::perceptual::view::{Descriptor, View};
 
 /// Size of a point cloud that fills a memtable after a few tracks, bytes.
 const CLOUD_BYTES: usize = 150_000;
@@ -75,7 +76,7 @@ fn read_by_cpp(dump: &Path, database: &Path) -> (Vec<String>, Vec<usize>) {
 }
 
 /// Records as this engine reads them.
-fn records(engine: &mut Engine) -> Vec<String> {
+fn records(engine: &mut Database) -> Vec<String> {
     let mut lines = Vec::new();
     let mut tell = |key: &[u8], value: &[u8]| {
         let mut line = String::new();
@@ -94,7 +95,7 @@ fn records(engine: &mut Engine) -> Vec<String> {
 
 fn read_by_ours(database: &Path) -> Vec<String> {
     let copy = copy(database);
-    records(&mut Engine::open(copy.path(), WRITE_BUFFER_BYTES).unwrap())
+    records(&mut Database::open(copy.path(), WRITE_BUFFER_BYTES).unwrap())
 }
 
 fn check_same(found: &[String], expected: &[String], what: &str) {
@@ -212,7 +213,7 @@ fn check_ours_reads_cpp(compression: &str) {
     let folder = folder();
     let expected = lines_of(Command::new(fill).arg(folder.path()).arg(compression));
     assert!(expected.len() > 10_000);
-    let mut engine = Engine::open(folder.path(), WRITE_BUFFER_BYTES).unwrap();
+    let mut engine = Database::open(folder.path(), WRITE_BUFFER_BYTES).unwrap();
     check_same(&records(&mut engine), &expected, "opened by ours");
     // What ours makes of it C++ reads in turn.
     engine.accept().unwrap();

@@ -15,17 +15,16 @@ use nalgebra::{Isometry3, Vector3};
 use random::Random;
 use tempfile::TempDir;
 
-use crate::consistency_check::check_consistency;
-use crate::engine::{Engine, WRITE_BUFFER_BYTES};
-use crate::env_health::{EnvHealth, FileOperation, Observer};
+use crate::engine::database::{Database, WRITE_BUFFER_BYTES};
+use crate::engine::env_health::{EnvHealth, FileOperation, Observer};
 use crate::error::Error;
-use crate::model::MutationId;
-use crate::mutation::{Change as Asked, Mutation};
-use crate::opening::Condition;
-use crate::perceptual_memory::PerceptualMemory;
-use crate::store_thread::{StoreConfig, StoreThread};
-use crate::view::{Descriptor, View};
-use crate::{Error, StoreConfig, StoreThread};
+use crate::mutation_id::MutationId;
+use crate::perceptual::consistency_check::check_consistency;
+use crate::perceptual::mutation::{Change as Asked, Mutation};
+use crate::perceptual::opening::Condition;
+use crate::perceptual::perceptual_memory::PerceptualMemory;
+use crate::perceptual::store_thread::{StoreConfig, StoreThread};
+use crate::perceptual::view::{Descriptor, View};
 
 /// Size of a point cloud of which a memtable holds seven, bytes.
 const CLOUD_BYTES: usize = 600_000;
@@ -297,7 +296,7 @@ fn check_cuts_while_opening(n_cuts: usize) {
     let journal = Journal::default();
     let health = EnvHealth::examining();
     health.set_observer(journaling(&journal));
-    let mut engine = Engine::open_watched(&database, WRITE_BUFFER_BYTES, health).unwrap();
+    let mut engine = Database::open_watched(&database, WRITE_BUFFER_BYTES, health).unwrap();
     assert!(
         check_consistency(&mut engine, None)
             .unwrap()

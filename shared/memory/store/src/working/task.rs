@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::event::Outcome;
-use crate::model::MutationId;
+use crate::mutation_id::MutationId;
 
 /// Maximum length of a task kind, bytes.
 const MAX_KIND_BYTES: usize = 64;

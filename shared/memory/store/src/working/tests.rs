@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::model::MutationId;
+use crate::mutation_id::MutationId;
 
 const SECOND: u64 = 1_000_000_000;
 

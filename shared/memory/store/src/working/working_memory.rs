@@ -10,10 +10,10 @@ use serde::{Deserialize, Serialize};
 use super::record_key::RecordKey;
 use super::world_config::WorldConfig;
 use super::world_model::WorldModel;
-use crate::engine::Engine;
+use crate::engine::database::Database;
+use crate::engine::record::{seal, unseal};
+use crate::engine::store_folder::StoreFolder;
 use crate::error::Error;
-use crate::record::{seal, unseal};
-use crate::store_folder::StoreFolder;
 
 /// Newest schema version that this program reads.
 const SCHEMA: u32 = 1;
@@ -32,7 +32,7 @@ struct WorkingMeta {
 /// Database of the working memory, open in one process. After an error it is closed and opened
 /// again.
 pub struct WorkingMemory {
-    engine: Engine,
+    engine: Database,
     /// Locked folder; the last field, so that the database is closed before the lock is released.
     _folder: StoreFolder,
 }
@@ -163,7 +163,7 @@ impl WorkingMemory {
                 None => batch.delete(&key),
             }
         }
-        self.engine.write(batch, true)
+        Ok(self.engine.write(batch, true)?)
     }
 
     /// Closes the database.
@@ -172,7 +172,7 @@ impl WorkingMemory {
     ///
     /// [`Error::Io`]; what was written is on disk all the same.
     pub fn close(self) -> Result<(), Error> {
-        self.engine.close()
+        Ok(self.engine.close()?)
     }
 }
 
@@ -180,7 +180,7 @@ impl WorkingMemory {
 fn read_database(
     folder: &StoreFolder,
     config: WorldConfig,
-) -> Result<(Engine, Option<WorldModel>), Error> {
+) -> Result<(Database, Option<WorldModel>), Error> {
     let damaged = |what: String| Error::Damaged { what };
     if folder.database_is_headless()? {
         return Err(damaged("its file CURRENT is missing".to_owned()));

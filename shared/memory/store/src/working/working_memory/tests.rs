@@ -6,7 +6,7 @@ use tempfile::TempDir;
 use super::super::tests::{CONFIG, place, sighting};
 use super::super::{FactQuery, Happening, NewTask, Outcome, Subject, TaskEnd, Value};
 use super::*;
-use crate::model::MutationId;
+use crate::mutation_id::MutationId;
 
 const SECOND: u64 = 1_000_000_000;
 

@@ -1,0 +1,41 @@
+//! Perceptual memory: views, labels, history, and their recovery, exchange and queries.
+//! Depends on the storage engine, not on the working memory.
+
+pub(crate) mod checkpoint;
+pub(crate) mod consistency_check;
+pub(crate) mod decide;
+pub(crate) mod decision;
+pub(crate) mod digest;
+pub(crate) mod document;
+pub(crate) mod entry_applier;
+pub(crate) mod exchange;
+pub(crate) mod findings;
+pub(crate) mod history;
+pub(crate) mod history_projection;
+pub(crate) mod importing;
+pub(crate) mod keys;
+pub(crate) mod label_status;
+pub(crate) mod maintenance;
+pub(crate) mod meta;
+pub(crate) mod model;
+pub(crate) mod mutation;
+pub(crate) mod opening;
+pub(crate) mod perceptual_memory;
+pub(crate) mod portable;
+pub(crate) mod purge;
+pub(crate) mod queries;
+pub(crate) mod record_batch;
+pub(crate) mod record_reader;
+pub(crate) mod recovered_records;
+pub(crate) mod replay;
+pub(crate) mod retention_limits;
+pub(crate) mod salvage;
+pub(crate) mod schema_1;
+pub(crate) mod store_index;
+pub(crate) mod store_thread;
+pub(crate) mod track_id_counter;
+pub(crate) mod undo;
+pub(crate) mod view;
+pub(crate) mod view_record;
+pub(crate) mod view_summary;
+pub(crate) mod watermark;
