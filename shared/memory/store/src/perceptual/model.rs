@@ -263,9 +263,8 @@ impl fmt::Display for DataLoss {
 /// An exceeded limit is enforced down to nine tenths, so that this does not happen at every
 /// mutation (hysteresis):
 ///
-/// - of a category, the most redundant views are forgotten: of the two most similar views the older
-/// one, repeatedly. This can be undone until the next purge.
-///
+/// - of a category, the most redundant views are forgotten: of the two most similar views
+///   the older one, repeatedly. This can be undone until the next purge.
 /// - of the unlabelled views, those of the oldest tracks are deleted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {

@@ -47,7 +47,7 @@ impl WorldModel {
         );
         match sighting.label {
             Some(label) => {
-                facts.assert_fact(subject, ValueRef::Label(label), now_ns, config, dirty)
+                facts.assert_fact(subject, ValueRef::Label(label), now_ns, config, dirty);
             }
             None => facts.retract(subject, Property::Label, now_ns, dirty),
         }

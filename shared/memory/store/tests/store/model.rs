@@ -161,22 +161,26 @@ impl Model {
         }
     }
 
+    /// The state with these views; `None` for a view that differs from the stored one, or
+    /// is new under a track-id that was never leased.
+    fn with_views(&self, views: &[View]) -> Option<State> {
+        let mut state = self.state.clone();
+        for view in views {
+            let is_known = self.state.views.contains_key(&view.id);
+            let is_leased = view.id.track_id < self.next_track_id;
+            let slot = state.views.entry(view.id);
+            let (known, _) = slot.or_insert((view.clone(), Ok(None)));
+            if known != view || !(is_known || is_leased) {
+                return None;
+            }
+        }
+        Some(state)
+    }
+
     fn change(&self, mutation: &Mutation) -> Option<State> {
         let mut state = self.state.clone();
         match &mutation.change {
-            Change::StoreViews(views) => {
-                for view in views {
-                    let is_known = state.views.contains_key(&view.id);
-                    if !is_known && view.id.track_id >= self.next_track_id {
-                        return None;
-                    }
-                    let slot = state.views.entry(view.id);
-                    let (known, _) = slot.or_insert((view.clone(), Ok(None)));
-                    if known != view {
-                        return None;
-                    }
-                }
-            }
+            Change::StoreViews(views) => return self.with_views(views),
             Change::Teach { track_id, category } => {
                 let of_track = state.of(&Target::Track(*track_id))?;
                 let is_other = |view: &ViewId| {
@@ -490,7 +494,7 @@ fn rebuild(
         PerceptualMemory::open_and_rebuild(folder.path(), 5).expect("the store opens");
     match &report.condition {
         Condition::Rebuilt { loss, .. } => {
-            assert_eq!(*loss, store::DataLoss::default(), "{report}")
+            assert_eq!(*loss, store::DataLoss::default(), "{report}");
         }
         other => panic!("{other:?}"),
     }
