@@ -35,7 +35,7 @@ fn try_run(
     let n_steps = PerceptualMemory::N_COMPACT_STEPS;
     for step in 0..n_steps {
         progress.set(step as u64, n_steps as u64);
-        // A request of its own: whoever teaches meanwhile comes between two steps.
+        // A separate request, so that teaching requests are served between two steps.
         store.read_and_wait(move |memory| memory.compact_step(step))?;
     }
     let after = store.read_and_wait(|memory| memory.stats())?;

@@ -87,7 +87,7 @@ pub(crate) fn run(
     request: &ImportRequest,
 ) -> Result<JobOutcome, String> {
     let outcome = try_run(context, progress, path, request);
-    // When it cannot be removed now, it is when the memory is started again.
+    // A file that remains is removed at the next start.
     let _ = fs::remove_file(path);
     outcome.map(JobOutcome::Imported)
 }
@@ -169,7 +169,7 @@ fn take_over(
     for view in &mut batch.views {
         view.rename(|name| request.name(name).ok());
     }
-    // The same part of the same request has the same id, also when asked again.
+    // The same part of the same request has the same id, so that a retry is idempotent.
     let id = [request.id.0.to_le_bytes().as_slice(), &part.to_le_bytes()].concat();
     let mutation = Mutation {
         id: store::MutationId(Digest::of(&id).0),

@@ -120,7 +120,7 @@ impl Jobs {
                     compaction::run(context, progress, forgotten_for_s)
                 })?;
             }
-            // Begins when all bytes are there.
+            // Starts when the upload is complete.
             JobKind::Import => {}
             other => {
                 let sentence = format!("this memory does not know the job {other:?}");

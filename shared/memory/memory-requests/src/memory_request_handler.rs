@@ -242,7 +242,7 @@ struct ReplySender<T>(oneshot::Sender<Result<T, Error>>);
 
 impl<T> ReplySender<T> {
     fn send(self, answer: Result<T, Error>) {
-        // Whoever asked may have gone away; what was done is done.
+        // The requester may have gone; the mutation is done all the same.
         let _ = self.0.send(answer);
     }
 }

@@ -165,7 +165,7 @@ fn open_database(
     let usual = Options::default();
     let options = Options {
         env: Rc::new(Box::new(DurableEnv::new(Arc::clone(health)))),
-        // With either, what is written after a torn tail is lost at the next open.
+        // With either, writes after a truncated log are lost at the next opening.
         reuse_logs: false,
         reuse_manifest: false,
         max_open_files: MAX_OPEN_FILES,
@@ -258,8 +258,8 @@ fn guarded<T>(
     health: &EnvHealth,
     call: impl FnOnce() -> rusty_leveldb::Result<T>,
 ) -> Result<T, StorageError> {
-    // After a panic the database is not used again: the damage is noted, and
-    // whoever sees it opens the store anew.
+    // After a panic the database is not used again: the corruption is recorded, and
+    // the caller reopens the store.
     let what = match catch_unwind(AssertUnwindSafe(call)) {
         Ok(Ok(value)) => return Ok(value),
         Ok(Err(status)) if status.code == StatusCode::LockError => {

@@ -39,7 +39,7 @@ impl DurableEnv {
 
     fn create(&self, path: &Path, options: &OpenOptions) -> Result<Box<dyn Write>> {
         if is_info_log(path) {
-            // Diagnosis for people: not worth a sync, and no reason to stop when it fails.
+            // Diagnostic log: needs no sync, and its failure is not fatal.
             return Ok(Box::new(options.open(path)?));
         }
         let file = self
@@ -99,7 +99,7 @@ impl Env for DurableEnv {
     fn open_sequential_file(&self, path: &Path) -> Result<Box<dyn Read>> {
         let is_current = path.file_name() == Some(OsStr::new("CURRENT"));
         let bytes = match fs::read(path) {
-            // How a new database is told.
+            // The sign of a new database.
             Err(error) if is_current && error.kind() == io::ErrorKind::NotFound => {
                 return Err(error.into());
             }
@@ -184,7 +184,7 @@ impl Env for DurableEnv {
     }
 
     fn lock(&self, path: &Path) -> Result<FileLock> {
-        // Asked first, since the lock's own error no longer says why.
+        // Opened first, since the error of the lock itself does not contain the cause.
         let change = FileOperation::Create(path);
         self.health.perform("locking", path, &change, || {
             OpenOptions::new()

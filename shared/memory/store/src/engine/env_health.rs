@@ -12,7 +12,7 @@ use std::sync::Arc;
 use parking_lot::Mutex;
 
 /// Maximum number of corruptions kept as sentences; further ones are only counted.
-const MAX_DAMAGES_TOLD: usize = 32;
+const MAX_DAMAGE_SENTENCES: usize = 32;
 
 /// Failed operation on the folder.
 #[derive(Debug, Clone)]
@@ -48,10 +48,7 @@ pub(crate) type Observer = Box<dyn FnMut(&FileOperation<'_>) -> io::Result<()> +
 
 /// Operation on the folder, as seen by an observer.
 #[derive(Debug)]
-#[expect(
-    dead_code,
-    reason = "only the observers of tests read it, and not every field"
-)]
+#[expect(dead_code, reason = "only test observers read it, and not every field")]
 pub(crate) enum FileOperation<'a> {
     Create(&'a Path),
     Write(&'a Path, &'a [u8]),
@@ -116,7 +113,7 @@ impl EnvHealth {
             io::ErrorKind::NotFound
                 | io::ErrorKind::UnexpectedEof
                 | io::ErrorKind::InvalidData
-                // Of a name that none of our files has, read from a damaged one.
+                // A file name that does not exist, read from a damaged file.
                 | io::ErrorKind::InvalidInput
                 | io::ErrorKind::InvalidFilename
                 | io::ErrorKind::IsADirectory
@@ -143,7 +140,7 @@ impl EnvHealth {
     pub(crate) fn note_damage(&self, what: String) {
         let mut state = self.state.lock();
         state.n_damages += 1;
-        if state.damages.len() < MAX_DAMAGES_TOLD {
+        if state.damages.len() < MAX_DAMAGE_SENTENCES {
             state.damages.push(what);
         }
     }
@@ -201,7 +198,7 @@ impl EnvHealth {
     #[expect(
         clippy::unused_self,
         clippy::unnecessary_wraps,
-        reason = "the tests' one observes"
+        reason = "the variant for tests calls an observer"
     )]
     fn observe(&self, _change: &FileOperation<'_>) -> io::Result<()> {
         Ok(())

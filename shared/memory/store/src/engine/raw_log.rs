@@ -13,7 +13,7 @@ pub(crate) fn visit_log(log: &[u8], mut visit: impl FnMut(RawRecord<'_>)) {
     let mut is_begun = false;
     let mut next_offset = 0;
     for piece in log_pieces(log) {
-        // A damaged place in between: the batch before it is not whole.
+        // After a damaged part the pending batch is incomplete.
         let is_next = piece.offset == next_offset;
         next_offset = piece.next_offset;
         if piece.kind == LOG_FULL || piece.kind == LOG_FIRST {

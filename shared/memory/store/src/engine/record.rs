@@ -16,9 +16,9 @@ pub(crate) fn seal<T: Serialize>(key: &[u8], value: &T) -> Vec<u8> {
     let mut record = vec![0; HEADER_BYTES];
     #[expect(
         clippy::expect_used,
-        reason = "a Vec takes any bytes, and our records are plain data"
+        reason = "writing plain data to a Vec cannot fail"
     )]
-    ciborium::into_writer(value, &mut record).expect("CBOR into memory");
+    ciborium::into_writer(value, &mut record).expect("CBOR written to memory");
     let checksum = checksum(key, VERSION, &record[HEADER_BYTES..]);
     record[0] = VERSION;
     record[1..HEADER_BYTES].copy_from_slice(&checksum.to_le_bytes());

@@ -33,7 +33,7 @@ impl Drop for StoreFolder {
     /// Releases the lock. Closing the file is not enough, since a child process that is being
     /// started may have inherited it.
     fn drop(&mut self) {
-        // When it fails, closing follows.
+        // An error here is harmless: closing the file follows.
         let _ = self.lock.unlock();
     }
 }
@@ -46,7 +46,7 @@ impl StoreFolder {
     /// [`StorageError::InUse`] when another process, or another part of this one, has it.
     pub(crate) fn hold(path: &Path) -> Result<Self, StorageError> {
         fs::create_dir_all(path).map_err(StorageError::io("creating", path))?;
-        // Absolute, so that changing the working folder later changes nothing.
+        // Absolute, so that a later change of the working directory has no effect.
         let path = path
             .canonicalize()
             .map_err(StorageError::io("finding", path))?;
@@ -119,7 +119,7 @@ impl StoreFolder {
 
     /// Removes checkpoints and incomplete copies of an earlier process, and finishes an interrupted
     /// replacement.
-    pub(crate) fn tidy(&self) -> Result<(), StorageError> {
+    pub(crate) fn clean_up(&self) -> Result<(), StorageError> {
         let entries = fs::read_dir(&self.path).map_err(StorageError::io("listing", &self.path))?;
         for entry in entries.flatten() {
             let is_checkpoint = entry.file_name().to_string_lossy().starts_with(CHECKPOINT);

@@ -193,7 +193,7 @@ pub(crate) fn log_pieces(log: &[u8]) -> impl Iterator<Item = LogPiece<'_>> {
                 continue;
             }
             let Some((kind, n_bytes)) = whole_log_record(rest) else {
-                // Its length may be what is damaged, so the next one may begin anywhere.
+                // The length itself may be damaged, so the next fragment may begin anywhere.
                 offset += 1;
                 continue;
             };

@@ -35,7 +35,7 @@ pub struct Checkpoint {
 
 impl Drop for Checkpoint {
     fn drop(&mut self) {
-        // What cannot be removed now is removed when the store is opened.
+        // Files that remain are removed at the next opening of the store.
         let _ = fs::remove_dir_all(&self.folder);
     }
 }
@@ -55,7 +55,7 @@ impl PerceptualMemory {
 fn make(folder: &StoreFolder, position: Position) -> Result<Checkpoint, Error> {
     let path = folder.new_checkpoint();
     fs::create_dir(&path).map_err(Error::io("creating", &path))?;
-    // From here on it is removed when something fails.
+    // From here on, an error removes the folder again.
     let checkpoint = Checkpoint {
         folder: path,
         position,
@@ -299,12 +299,12 @@ impl CheckpointReader {
         mut take_view: impl FnMut(ForeignView) -> Result<(), E>,
         mut take_document: impl FnMut(ForeignDocument) -> Result<(), E>,
     ) -> Result<(), E> {
-        let is_told = |entry: &IndexedView| {
+        let is_exported = |entry: &IndexedView| {
             let register = &entry.register;
             register.standing != Standing::Forgotten || !register.decided.is_limit_decision()
         };
-        let told = self.index.all().filter(|(_, entry)| is_told(entry));
-        let mut identities: Vec<_> = told.map(|(_, entry)| entry.identity).collect();
+        let exported = self.index.all().filter(|(_, entry)| is_exported(entry));
+        let mut identities: Vec<_> = exported.map(|(_, entry)| entry.identity).collect();
         identities.extend(self.index.tombstones.keys());
         identities.sort_unstable();
         for identity in identities {

@@ -54,13 +54,13 @@ fn store_views(index: &StoreIndex, meta: &Meta, views: &[View]) -> Result<Decisi
             memory_id: meta.memory_id(),
             view: view.id,
         };
-        // A view that came from elsewhere, and came back under its id here.
+        // An imported view that is sent back under its local id keeps its origin.
         let known = index.get(view.id);
         let parts = ViewParts::of(view, known.map_or(origin, |entry| entry.origin));
         let identity = parts.metadata.identity();
         let known = known.map(|entry| entry.identity);
         match known.or(new.get(&view.id).copied()) {
-            // An id that may be leased later must not belong to another track by then.
+            // The id may be leased to another track later.
             None if view.id.track_id >= meta.next_track_id => {
                 return Err(StoreRefusal::TrackNotLeased { view: view.id });
             }
@@ -143,7 +143,7 @@ fn correct(
 
 fn forget(index: &StoreIndex, target: &Target) -> Result<Decision, StoreRefusal> {
     let after = match target {
-        // The name goes, the views stay and can be taught again.
+        // Only the label is removed: the views stay and can be taught again.
         Target::Category(_) => Standing::Unnamed,
         Target::Track(_) | Target::View(_) => Standing::Forgotten,
     };

@@ -1,30 +1,30 @@
 //! Bounded list of findings: all are counted, the first ones are kept as sentences.
 
 /// Maximum number of findings kept as sentences.
-const MAX_TOLD: usize = 32;
+const MAX_SENTENCES: usize = 32;
 
 /// Findings of a consistency check.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(crate) struct Findings {
-    told: Vec<String>,
+    sentences: Vec<String>,
     n: u64,
 }
 
 impl Findings {
     pub(crate) fn add(&mut self, finding: impl FnOnce() -> String) {
         self.n += 1;
-        if self.told.len() < MAX_TOLD {
-            self.told.push(finding());
+        if self.sentences.len() < MAX_SENTENCES {
+            self.sentences.push(finding());
         }
     }
 
     /// Adds `n` findings, of which only the first are given as sentences.
-    pub(crate) fn extend(&mut self, n: u64, told: Vec<String>) {
-        let n_untold = n - (told.len() as u64).min(n);
-        for finding in told {
+    pub(crate) fn extend(&mut self, n: u64, sentences: Vec<String>) {
+        let n_omitted = n - (sentences.len() as u64).min(n);
+        for finding in sentences {
             self.add(|| finding);
         }
-        self.n += n_untold;
+        self.n += n_omitted;
     }
 
     pub(crate) fn is_empty(&self) -> bool {
@@ -37,10 +37,10 @@ impl Findings {
 
     /// Sentences of the findings, with the total count if some are left out.
     pub(crate) fn into_words(mut self) -> Vec<String> {
-        if self.n > self.told.len() as u64 {
+        if self.n > self.sentences.len() as u64 {
             let n = self.n;
-            self.told.push(format!("{n} findings in all"));
+            self.sentences.push(format!("{n} findings in all"));
         }
-        self.told
+        self.sentences
     }
 }

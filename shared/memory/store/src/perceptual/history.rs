@@ -97,7 +97,7 @@ impl HistoryEntry {
 
     /// Answer to the mutation that made the entry.
     pub(crate) fn answer(&self) -> Answer {
-        // An import may bring nothing but a later decision for the same.
+        // An import may change only the time stamp of a decision.
         let is_change = |effect: &&Effect| !matches!(effect, Effect::Changed { before, after, .. } if before == after);
         let changes = self.effects.iter().filter(is_change);
         let views: BTreeSet<ViewId> = changes.filter_map(Effect::view).collect();

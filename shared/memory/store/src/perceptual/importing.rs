@@ -28,7 +28,7 @@ pub(crate) fn decide(
     views: &[ForeignView],
     documents: &[ForeignDocument],
 ) -> Result<Decision, StoreRefusal> {
-    // At most one new track for each view.
+    // Each view needs at most one new track.
     if meta
         .next_track_id
         .checked_add(views.len() as u64 + 1)
@@ -48,8 +48,7 @@ pub(crate) fn decide(
         decision: Decision::new(operation, Vec::new()),
     };
     for view in views {
-        // Of a view that comes twice in one batch, the first holds; a memory that
-        // was exported has each once.
+        // Of duplicates in one batch the first counts; an export has each view once.
         if import.met.insert(view.identity()) {
             import.take_view(view);
         }
@@ -112,7 +111,7 @@ impl Import<'_> {
             });
         }
         let view = match self.without_its_cloud(&parts) {
-            // It is this one, of which the cloud was lost: the whole one comes back.
+            // The local view lost its point cloud: the complete one replaces it.
             Some(view) => {
                 self.decision.effects.push(Effect::Purged { view });
                 view
@@ -130,7 +129,7 @@ impl Import<'_> {
     fn decide(&mut self, view: ViewId, standing: &Standing, decided: Option<&Decided>) {
         let before = self.index.get(view).map(|entry| &entry.register);
         let theirs = decided.map(|decided| (standing, decided));
-        // Of the view it replaces.
+        // Decision on the view that it replaces.
         let ours = before.map(|register| (&register.standing, &register.decided));
         let latest = theirs
             .into_iter()
@@ -160,7 +159,7 @@ impl Import<'_> {
     }
 
     fn id_for(&mut self, origin: Origin) -> ViewId {
-        // What was stored here and got lost comes back under its id.
+        // A view that was first stored here and lost comes back under its id.
         let is_own = origin.memory_id == self.memory_id;
         let is_leased = origin.view.track_id < self.next_track_id;
         let is_free = self.index.get(origin.view).is_none();

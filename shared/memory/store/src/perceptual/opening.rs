@@ -181,7 +181,7 @@ pub(crate) fn open(
     wall_ns: u64,
     must_rebuild: bool,
 ) -> Result<(PerceptualMemory, OpenReport), Error> {
-    folder.tidy()?;
+    folder.clean_up()?;
     let path = folder.watermark();
     let (watermark, mark) = Watermark::open(&path).map_err(Error::io("opening", path))?;
     let mut notes = Vec::new();
@@ -200,7 +200,8 @@ pub(crate) fn open(
     };
     notes.extend(clock_note(wall_ns, examination.last_wall_ns));
     let index = examination.index;
-    // A lease is marked before it is answered, and is given once even if the database lost it.
+    // The watermark records a lease before it is answered, so that it stays unique even if
+    // the database lost it.
     let next_by_mark = mark.map(|mark| mark.next_track_id);
     if let Some(next) = next_by_mark.filter(|next| track_id_counter::is_plausible(*next)) {
         meta.next_track_id = meta.next_track_id.max(next);
@@ -255,7 +256,7 @@ fn open_database(
         Err(Error::Damaged { what }) => return rebuild(vec![what]),
         Err(error) => return Err(error),
     };
-    // An older schema is rebuilt in the new form.
+    // An older schema is migrated by a rebuild.
     let schema = match consistency_check::schema(&mut engine) {
         Err(error @ Error::NewerSchema { .. }) => return Err(error),
         schema => schema.unwrap_or(None),
@@ -275,7 +276,7 @@ fn open_database(
         Some(Err(Error::Damaged { what })) => vec![what],
         Some(Err(error)) => return Err(error),
     };
-    // What is damaged cannot be closed cleanly, and is kept as it is.
+    // A damaged database cannot be closed cleanly; its files stay as they are.
     drop(engine);
     rebuild(findings)
 }

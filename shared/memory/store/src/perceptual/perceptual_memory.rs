@@ -260,7 +260,7 @@ impl PerceptualMemory {
             .checked_add(count)
             .ok_or(StoreRefusal::TrackIdsExhausted)?;
         self.meta.next_track_id = end;
-        // The record about the store alone is the lease.
+        // The metadata record alone makes the lease.
         self.staged.writes.touch();
         Ok(first)
     }

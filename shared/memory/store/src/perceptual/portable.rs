@@ -378,7 +378,7 @@ impl<R: Read> PortableReader<R> {
         if n_bytes > MAX_BODY_BYTES {
             return Err(damaged("a part of it is longer than any can be"));
         }
-        // Grows with what is there, whatever length the file claims.
+        // Grows with the available bytes, whatever length the file claims.
         let mut body = Vec::new();
         (&mut self.from)
             .take(n_bytes as u64)
@@ -454,7 +454,7 @@ fn document_of(body: DocumentBody) -> Result<ForeignDocument, &'static str> {
         document,
         decided,
     };
-    // When it was decided is checked against the clock when it is taken over.
+    // The time stamp is compared with the clock by the import.
     foreign
         .check(foreign.decided.stamp_ns)
         .map_err(|_| "a document has values that none can have")?;

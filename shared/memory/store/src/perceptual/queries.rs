@@ -235,7 +235,7 @@ impl PerceptualMemory {
         };
         let named: Vec<(ViewId, Option<CategoryName>)> =
             entry.effects.into_iter().filter_map(name).collect();
-        // What was purged since has no content any more; a later entry says so.
+        // A view purged later has no content; a later entry reports its removal.
         let known: Vec<_> = named
             .into_iter()
             .map(|(view, after)| (view, after.zip(self.index.get(view).cloned())))

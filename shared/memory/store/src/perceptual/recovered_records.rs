@@ -67,8 +67,8 @@ impl RecoveredRecords {
         mark: Option<&WatermarkRecord>,
     ) -> Result<Option<Self>, Error> {
         let record = raw.get(&[keys::META]);
-        let told = record.as_deref().map_or(Ok(None), schema_of)?;
-        let Some(schema) = told.or(raw.version().map(u32::from)) else {
+        let totals = record.as_deref().map_or(Ok(None), schema_of)?;
+        let Some(schema) = totals.or(raw.version().map(u32::from)) else {
             return Ok(None);
         };
         if schema > SCHEMA {
@@ -91,7 +91,7 @@ impl RecoveredRecords {
             recovered.migrated_from = Some(schema);
             schema_1::read_records(raw, &mut recovered)
         };
-        recovered.sum_up(counts.as_ref(), mark)?;
+        recovered.derive_totals(counts.as_ref(), mark)?;
         Ok(Some(recovered))
     }
 
@@ -134,7 +134,7 @@ impl RecoveredRecords {
     }
 
     /// Derives counters and totals from the intact records.
-    fn sum_up(
+    fn derive_totals(
         &mut self,
         counts: Option<&RecordedTotals>,
         mark: Option<&WatermarkRecord>,
@@ -151,17 +151,21 @@ impl RecoveredRecords {
             sequence: mark.sequence,
             n_views: mark.n_views,
         });
-        let told = counts.into_iter().chain(&marked);
-        let newest = told.clone().max_by_key(|told| told.sequence);
-        let n_told = newest.map_or(0, |newest| newest.n_views);
-        self.n_views_expected = n_told.max(known.len() as u64);
-        let last_met = self.history.keys().next_back().copied().unwrap_or(0);
-        let last_told = told.clone().map(|told| told.sequence).max().unwrap_or(0);
-        self.last_sequence = last_met.max(last_told);
-        let recorded = told.clone().map(|told| told.next_track_id);
+        let totals = counts.into_iter().chain(&marked);
+        let newest = totals.clone().max_by_key(|totals| totals.sequence);
+        let n_recorded = newest.map_or(0, |newest| newest.n_views);
+        self.n_views_expected = n_recorded.max(known.len() as u64);
+        let last_recovered = self.history.keys().next_back().copied().unwrap_or(0);
+        let last_recorded = totals
+            .clone()
+            .map(|totals| totals.sequence)
+            .max()
+            .unwrap_or(0);
+        self.last_sequence = last_recovered.max(last_recorded);
+        let recorded = totals.clone().map(|totals| totals.next_track_id);
         let used = known.iter().chain(&purged).map(|view| view.track_id);
         self.next_track_id = track_id_counter::recovered(recorded, used);
-        self.memory_id = match told.clone().find_map(|told| told.memory_id) {
+        self.memory_id = match totals.clone().find_map(|totals| totals.memory_id) {
             Some(memory_id) => memory_id,
             None => Meta::new(None, 1)?.memory_id(),
         };

@@ -54,7 +54,7 @@ impl PerceptualMemory {
                 (entry.captured_ns, view, kind, entry.descriptor.digest)
             })
             .collect();
-        // Only descriptors of one kind and length compare: kind by kind, in order of age.
+        // Only descriptors of one kind and length are comparable: kind by kind, oldest first.
         views.sort_by(|a, b| (&a.2, a.0, a.1).cmp(&(&b.2, b.0, b.1)));
         let mut n_left_to_drop = views.len().saturating_sub(n_kept);
         let mut spared = Vec::new();
@@ -71,11 +71,11 @@ impl PerceptualMemory {
                     .collect::<Result<Vec<_>, Error>>()
             })?;
             let n_drop = n_left_to_drop.min(of_kind.len().saturating_sub(1));
-            // Of different lengths: a kind that is none. The oldest go.
-            let least = learning::least_telling(&descriptors, n_drop)
+            // Descriptors of different lengths under one kind: the oldest views go.
+            let redundant = learning::least_telling(&descriptors, n_drop)
                 .unwrap_or_else(|_| (0..n_drop).collect());
-            n_left_to_drop -= least.len();
-            spared.extend(least.into_iter().map(|i| of_kind[i].1));
+            n_left_to_drop -= redundant.len();
+            spared.extend(redundant.into_iter().map(|i| of_kind[i].1));
         }
         let entries = spared
             .iter()

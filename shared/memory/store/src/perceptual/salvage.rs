@@ -160,13 +160,13 @@ impl Rebuilder<'_> {
 
     /// Effects, content and losses by which the intact records differ from the replayed history.
     fn effects_beyond_history(&self) -> (Vec<Effect>, NewContent, DataLoss) {
-        let mut news = RebuildEntry::default();
+        let mut last_entry = RebuildEntry::default();
         let made: BTreeSet<ViewId> = self.index.all().map(|(view, _)| view).collect();
         for (&view, identity) in &self.recovered.views {
             if self.index.get(view).is_none()
                 && let Some(parts) = self.recovered.parts(self.raw, *identity)
             {
-                self.take_view(view, parts, &mut news);
+                self.recover_view(view, parts, &mut last_entry);
             }
         }
         for (&view, register) in &self.recovered.registers {
@@ -175,7 +175,7 @@ impl Rebuilder<'_> {
                 && known.sequence < register.sequence
                 && known.standing != register.standing
             {
-                news.effects.push(Effect::Changed {
+                last_entry.effects.push(Effect::Changed {
                     view,
                     before: known.standing.clone(),
                     after: register.standing.clone(),
@@ -185,37 +185,37 @@ impl Rebuilder<'_> {
         }
         for (identity, decided) in &self.recovered.tombstones {
             if !self.index.tombstones.contains_key(identity) {
-                news.effects.push(Effect::Tombstone {
+                last_entry.effects.push(Effect::Tombstone {
                     identity: *identity,
                     decided: Some(decided.clone()),
                 });
             }
         }
-        self.take_documents(&mut news);
-        let kept = made.len() + news.n_stored;
-        news.give_up(self.recovered.stored_by_history.difference(&made));
-        news.loss.n_views = self.recovered.n_views_expected.saturating_sub(kept as u64);
-        (news.effects, news.contents, news.loss)
+        self.recover_documents(&mut last_entry);
+        let kept = made.len() + last_entry.n_stored;
+        last_entry.purge_missing(self.recovered.stored_by_history.difference(&made));
+        last_entry.loss.n_views = self.recovered.n_views_expected.saturating_sub(kept as u64);
+        (last_entry.effects, last_entry.contents, last_entry.loss)
     }
 
     /// Recovers a view whose history entry or point cloud is lost.
-    fn take_view(&self, view: ViewId, mut parts: ViewParts, news: &mut RebuildEntry) {
+    fn recover_view(&self, view: ViewId, mut parts: ViewParts, last_entry: &mut RebuildEntry) {
         if self.recovered.stored_by_history.contains(&view) {
-            // By the history it is one with a cloud.
-            news.effects.push(Effect::Purged { view });
+            // According to the history the view has a point cloud.
+            last_entry.effects.push(Effect::Purged { view });
         }
         if parts.metadata.points.is_some() && parts.points.is_none() {
             parts.metadata.points = None;
-            news.loss.n_clouds += 1;
+            last_entry.loss.n_clouds += 1;
         }
         let identity = parts.metadata.identity();
-        news.effects.push(Effect::Stored { view, identity });
-        news.contents.views.insert(identity, parts);
-        news.stored.insert(view);
-        news.n_stored += 1;
+        last_entry.effects.push(Effect::Stored { view, identity });
+        last_entry.contents.views.insert(identity, parts);
+        last_entry.stored.insert(view);
+        last_entry.n_stored += 1;
         let standing = self.recovered.standing(view);
         if let Some((standing, decided)) = standing.filter(|(s, _)| *s != Standing::Unnamed) {
-            news.effects.push(Effect::Changed {
+            last_entry.effects.push(Effect::Changed {
                 view,
                 before: Standing::Unnamed,
                 after: standing,
@@ -226,7 +226,7 @@ impl Rebuilder<'_> {
 
     /// Recovers document versions that the replayed history lacks, and counts those without
     /// content.
-    fn take_documents(&self, news: &mut RebuildEntry) {
+    fn recover_documents(&self, last_entry: &mut RebuildEntry) {
         let mut present: BTreeMap<&DocumentKey, u64> = BTreeMap::new();
         for (key, sequence) in self.recovered.documents.keys() {
             present.insert(key, *sequence);
@@ -242,13 +242,13 @@ impl Rebuilder<'_> {
             if let Some(content) = &version.content {
                 let Some(bytes) = self.recovered.blob(self.raw, content.digest) else {
                     let version = (key.clone(), sequence);
-                    let is_told = self.recovered.versions_by_history.contains(&version);
-                    news.loss.n_documents += u64::from(!is_told);
+                    let is_counted = self.recovered.versions_by_history.contains(&version);
+                    last_entry.loss.n_documents += u64::from(!is_counted);
                     continue;
                 };
-                news.contents.documents.insert(content.digest, bytes);
+                last_entry.contents.documents.insert(content.digest, bytes);
             }
-            news.effects.push(Effect::Document {
+            last_entry.effects.push(Effect::Document {
                 document: key.clone(),
                 before: known.and_then(|(_, version)| version.content.clone()),
                 after: version.content.clone(),
@@ -261,8 +261,8 @@ impl Rebuilder<'_> {
                 .versions()
                 .any(|(k, s, ..)| (k, s) == (key, *sequence))
             {
-                news.loss.n_documents += 1;
-                news.effects.push(Effect::VersionPurged {
+                last_entry.loss.n_documents += 1;
+                last_entry.effects.push(Effect::VersionPurged {
                     document: key.clone(),
                     sequence: *sequence,
                 });
@@ -283,7 +283,7 @@ struct RebuildEntry {
 
 impl RebuildEntry {
     /// Marks views of the history that are lost as purged.
-    fn give_up<'a>(&mut self, views: impl Iterator<Item = &'a ViewId>) {
+    fn purge_missing<'a>(&mut self, views: impl Iterator<Item = &'a ViewId>) {
         let gone = views.filter(|view| !self.stored.contains(view));
         let purged: Vec<Effect> = gone.map(|view| Effect::Purged { view: *view }).collect();
         self.effects.splice(0..0, purged);

@@ -145,7 +145,7 @@ fn read_view(
         ),
         Origin { memory_id, view },
         (descriptor.kind, ContentRef::of(&descriptor.values)),
-        // A cloud that is not whole is found missing later.
+        // A damaged point cloud is found to be missing later.
         metadata.points.map(|_| points_extent.unwrap_or(lost)),
     );
     let identity = converted.identity();
@@ -176,7 +176,7 @@ fn converted(sequence: u64, entry: Entry1, recovered: &RecoveredRecords) -> Hist
     let name = |index: Option<u32>| index.and_then(|i| entry.names.get(i as usize).cloned());
     let stored = entry.stored.iter().map(|&view| Effect::Stored {
         view,
-        // Unknown when the view is lost: then it is given up.
+        // Unknown for a lost view, which is then purged.
         identity: recovered.views.get(&view).copied().unwrap_or_default(),
     });
     let changed = entry

@@ -82,7 +82,7 @@ impl<T> Reply<T> {
 
     fn answer(&mut self, result: Result<T, Error>) {
         if let Some(answer) = self.0.take() {
-            // A panic in there is the caller's, and has been told by the panic hook.
+            // A panic in the callback is the caller's, and the panic hook has reported it.
             let _ = catch_unwind(AssertUnwindSafe(|| answer(result)));
         }
     }
@@ -204,7 +204,7 @@ impl StoreHandle {
 fn wait<T: Send + 'static>(ask: impl FnOnce(ReplyCallback<T>)) -> Result<T, Error> {
     let (sender, receiver) = sync_channel(1);
     ask(Box::new(move |result| {
-        // The receiver is waiting below.
+        // The receiver waits below.
         let _ = sender.send(result);
     }));
     receiver.recv().unwrap_or(Err(Error::Stopped))
@@ -372,7 +372,7 @@ impl StoreLoop {
                 let memory = self.memory.as_mut().ok_or(Error::Stopped);
                 let usable = memory.and_then(|memory| memory.usable().map(|()| memory));
                 if catch_unwind(AssertUnwindSafe(|| read(usable))).is_err() {
-                    // Who knows in the middle of what: it is opened again.
+                    // The state is unknown after a panic: the store is reopened.
                     self.memory = None;
                 }
             }
@@ -442,7 +442,7 @@ impl StoreLoop {
     }
 
     fn open_again(&mut self, must_rebuild: bool) -> Result<OpenReport, Error> {
-        // Closed first: it holds the folder.
+        // Closed first, to release the lock of the folder.
         self.memory = None;
         let report = self.config.open(must_rebuild).map(|(memory, report)| {
             self.memory = Some(memory);

@@ -42,7 +42,7 @@ pub(crate) fn decide(index: &StoreIndex, entry: &HistoryEntry) -> Result<Decisio
                 let standing = present(index, *view, sequence)?;
                 effects.push(changed(*view, standing, Standing::Forgotten));
             }
-            // It is forgotten as a whole.
+            // The view is forgotten as a whole.
             Effect::Changed { view, .. } if stored.contains(view) => {}
             Effect::Changed { view, before, .. } => {
                 let standing = present(index, *view, sequence)?;
@@ -68,7 +68,7 @@ pub(crate) fn decide(index: &StoreIndex, entry: &HistoryEntry) -> Result<Decisio
                     decided: None,
                 });
             }
-            // Only keeps imports from bringing something back.
+            // A tombstone only blocks imports.
             Effect::Tombstone { .. } => {}
             Effect::Purged { .. } | Effect::VersionPurged { .. } => {
                 return Err(StoreRefusal::GoneForGood { sequence });

@@ -185,7 +185,7 @@ mod tests {
         assert!(!matches_value(place(0.021, 0.0, 0.1)));
         assert!(!matches_value(place(0.0, -0.31, 0.1)));
         assert!(!matches_value(place(0.0, 0.0, 0.121)));
-        // A full turn is none.
+        // A full turn is no rotation.
         assert!(matches_value(place(0.0, std::f64::consts::TAU, 0.1)));
     }
 }

@@ -76,7 +76,7 @@ impl Robot {
     }
 
     /// `true` if all discrete values are unchanged; continuous values change all the time.
-    pub(super) fn says(&self, sighting: &RobotSighting<'_>) -> bool {
+    pub(super) fn has_same_state(&self, sighting: &RobotSighting<'_>) -> bool {
         self.is_heard
             && self.activity == sighting.activity
             && self.command_id == sighting.command_id

@@ -10,7 +10,7 @@ impl WorldModel {
     /// Updates the robot from a state report.
     pub fn observe_robot(&mut self, sighting: &RobotSighting<'_>, now_ns: u64) {
         let has_changed = match &self.robot {
-            Some(robot) => !robot.says(sighting),
+            Some(robot) => !robot.has_same_state(sighting),
             None => true,
         };
         if has_changed {

@@ -20,11 +20,11 @@ const STATES: [&str; 2] = ["tracked", "missing"];
 const LABELS: [Option<&str>; 3] = [None, Some("mug"), Some("bowl")];
 
 /// Observed object: track, state, label, and place as a number.
-type Seen = (u64, usize, usize, u8);
+type ObservedObject = (u64, usize, usize, u8);
 
 #[derive(Debug, Clone)]
-enum Step {
-    Scene(Vec<Seen>, bool),
+enum WorldStep {
+    Scene(Vec<ObservedObject>, bool),
     Robot(bool),
     LoseRobot,
     Start(u128),
@@ -40,7 +40,10 @@ pub(super) fn place(x: u8) -> Place {
     }
 }
 
-pub(super) fn sighting(&(track_id, state, label, x): &Seen, now_ns: u64) -> Sighting<'static> {
+pub(super) fn sighting(
+    &(track_id, state, label, x): &ObservedObject,
+    now_ns: u64,
+) -> Sighting<'static> {
     Sighting {
         track_id,
         state: STATES[state],
@@ -51,7 +54,7 @@ pub(super) fn sighting(&(track_id, state, label, x): &Seen, now_ns: u64) -> Sigh
     }
 }
 
-fn steps() -> impl Strategy<Value = Vec<Step>> {
+fn steps() -> impl Strategy<Value = Vec<WorldStep>> {
     let seen = (1..4_u64, 0..2_usize, 0..3_usize, 0..4_u8);
     let scene = prop::collection::vec(seen, 0..3).prop_map(|mut seen| {
         seen.sort_unstable();
@@ -59,17 +62,17 @@ fn steps() -> impl Strategy<Value = Vec<Step>> {
         seen
     });
     let step = prop_oneof![
-        6 => (scene, prop::bool::weighted(0.9)).prop_map(|(seen, whole)| Step::Scene(seen, whole)),
-        2 => any::<bool>().prop_map(Step::Robot),
-        1 => Just(Step::LoseRobot),
-        1 => (0..3_u128).prop_map(Step::Start),
-        1 => (10..13_u128, 1..4_u64).prop_map(|(id, task)| Step::End(id, task)),
-        4 => (-3..20_i64).prop_map(|seconds| Step::Wait(seconds * SECOND as i64)),
+        6 => (scene, prop::bool::weighted(0.9)).prop_map(|(seen, whole)| WorldStep::Scene(seen, whole)),
+        2 => any::<bool>().prop_map(WorldStep::Robot),
+        1 => Just(WorldStep::LoseRobot),
+        1 => (0..3_u128).prop_map(WorldStep::Start),
+        1 => (10..13_u128, 1..4_u64).prop_map(|(id, task)| WorldStep::End(id, task)),
+        4 => (-3..20_i64).prop_map(|seconds| WorldStep::Wait(seconds * SECOND as i64)),
     ];
     prop::collection::vec(step, 0..60)
 }
 
-struct SlowTask {
+struct NaiveTask {
     number: u64,
     start_id: u128,
     end: Option<(u128, u64)>,
@@ -77,14 +80,14 @@ struct SlowTask {
 
 /// Naive reference: a list of all facts, searched linearly.
 #[derive(Default)]
-struct Slow {
+struct NaiveModel {
     facts: Vec<Fact>,
-    tasks: Vec<SlowTask>,
+    tasks: Vec<NaiveTask>,
     n_facts: u64,
     n_tasks: u64,
 }
 
-impl Slow {
+impl NaiveModel {
     fn open(&mut self, subject: Subject, property: Property) -> Option<&mut Fact> {
         let is_open = |fact: &&mut Fact| {
             fact.subject == subject && fact.value.property() == property && fact.end_ns.is_none()
@@ -117,7 +120,7 @@ impl Slow {
         });
     }
 
-    fn scene(&mut self, seen: &[Seen], is_whole: bool, now_ns: u64) {
+    fn scene(&mut self, seen: &[ObservedObject], is_whole: bool, now_ns: u64) {
         for &(track, state, label, x) in seen {
             let subject = Subject::Object(track);
             self.set(subject, Value::State(STATES[state].to_owned()), now_ns);
@@ -139,7 +142,7 @@ impl Slow {
             return known.number;
         }
         self.n_tasks += 1;
-        self.tasks.push(SlowTask {
+        self.tasks.push(NaiveTask {
             number: self.n_tasks,
             start_id: id,
             end: None,
@@ -167,7 +170,7 @@ impl Slow {
     }
 
     fn forget(&mut self, now_ns: u64) {
-        let is_kept = |task: &SlowTask| task.end.is_none_or(|end| end.1 + CONFIG.keep_ns > now_ns);
+        let is_kept = |task: &NaiveTask| task.end.is_none_or(|end| end.1 + CONFIG.keep_ns > now_ns);
         self.tasks.retain(is_kept);
         loop {
             let over = self.facts.iter().filter(|fact| fact.end_ns.is_some());
@@ -252,18 +255,18 @@ fn robot(is_holding: bool) -> RobotSighting<'static> {
 }
 
 /// Applies the steps to model and reference; the wall clock may step back.
-fn play(steps: &[Step]) -> (WorldModel, Slow, u64) {
+fn play(steps: &[WorldStep]) -> (WorldModel, NaiveModel, u64) {
     let mut now_ns = 1000 * SECOND;
-    let (mut model, mut slow) = (WorldModel::new(CONFIG), Slow::default());
+    let (mut model, mut slow) = (WorldModel::new(CONFIG), NaiveModel::default());
     let mut last_heard_ns = None;
     for step in steps {
         match step {
-            Step::Scene(seen, is_whole) => {
+            WorldStep::Scene(seen, is_whole) => {
                 let sightings = seen.iter().map(|seen| sighting(seen, now_ns));
                 model.observe(sightings, *is_whole, now_ns);
                 slow.scene(seen, *is_whole, now_ns);
             }
-            Step::Robot(is_holding) => {
+            WorldStep::Robot(is_holding) => {
                 let robot = robot(*is_holding);
                 model.observe_robot(&robot, now_ns);
                 let activity = Value::Activity(robot.activity.to_owned());
@@ -271,13 +274,13 @@ fn play(steps: &[Step]) -> (WorldModel, Slow, u64) {
                 slow.set(Subject::Robot, Value::Holding(*is_holding), now_ns);
                 last_heard_ns = Some(now_ns);
             }
-            Step::LoseRobot => {
+            WorldStep::LoseRobot => {
                 model.lose_robot();
                 for property in [Property::Activity, Property::Holding] {
                     slow.end(Subject::Robot, property, last_heard_ns.unwrap_or(0));
                 }
             }
-            Step::Start(id) => {
+            WorldStep::Start(id) => {
                 let new = NewTask {
                     id: MutationId(*id),
                     kind: "clear the table".to_owned(),
@@ -287,7 +290,7 @@ fn play(steps: &[Step]) -> (WorldModel, Slow, u64) {
                 let task = model.start_task(&new, now_ns).unwrap().number;
                 assert_eq!(task, slow.start(*id, now_ns));
             }
-            Step::End(id, task) => {
+            WorldStep::End(id, task) => {
                 let end = TaskEnd {
                     id: MutationId(*id),
                     task: *task,
@@ -297,7 +300,7 @@ fn play(steps: &[Step]) -> (WorldModel, Slow, u64) {
                 let has_ended = model.end_task(&end, now_ns).is_ok();
                 assert_eq!(has_ended, slow.end_task(*id, *task, now_ns));
             }
-            Step::Wait(ns) => now_ns = now_ns.saturating_add_signed(*ns),
+            WorldStep::Wait(ns) => now_ns = now_ns.saturating_add_signed(*ns),
         }
         while model.expire(now_ns) {}
         slow.forget(now_ns);
@@ -383,7 +386,7 @@ proptest! {
         let sequences: Vec<u64> = model.events_since(0).map(|event| event.sequence).collect();
         let last = model.newest_event();
         let first = last + 1 - sequences.len() as u64;
-        if steps.iter().all(|step| !matches!(step, Step::Wait(ns) if *ns < 0)) {
+        if steps.iter().all(|step| !matches!(step, WorldStep::Wait(ns) if *ns < 0)) {
             // A stepped clock forgets in the order of its own times.
             prop_assert_eq!(sequences, (first..=last).collect::<Vec<_>>());
         }
@@ -397,7 +400,7 @@ fn kinds(model: &WorldModel, since: u64) -> Vec<Happening> {
         .collect()
 }
 
-fn see(model: &mut WorldModel, seen: &[Seen], now_ns: u64) {
+fn see(model: &mut WorldModel, seen: &[ObservedObject], now_ns: u64) {
     let sightings = seen.iter().map(|seen| sighting(seen, now_ns));
     model.observe(sightings, true, now_ns);
 }

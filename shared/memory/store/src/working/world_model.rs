@@ -156,7 +156,7 @@ impl WorldModel {
         for (subject, property) in open {
             let is_task = |task| self.tasks.get(task).is_some_and(is_running);
             if !matches!(subject, Subject::Task(task) if is_task(task)) {
-                // Its object or task was not written any more: it ends as it began.
+                // The object or task was not written in time: the fact ends at its start.
                 self.facts.retract(subject, property, 0, &mut self.dirty);
             }
         }

@@ -50,7 +50,7 @@ struct GuardedModel {
 
 struct SharedModel {
     state: Mutex<GuardedModel>,
-    news: Condvar,
+    changed: Condvar,
 }
 
 impl SharedModel {
@@ -61,7 +61,7 @@ impl SharedModel {
         is_idle: impl Fn(&GuardedModel) -> bool,
     ) -> MutexGuard<'_, GuardedModel> {
         let mut state = self.state.lock();
-        self.news
+        self.changed
             .wait_while_for(&mut state, |state| is_idle(state), at_most);
         state
     }
@@ -77,7 +77,7 @@ impl WorldHandle {
         let mut state = self.0.state.lock();
         let result = work(&mut state.model);
         if state.model.has_changes() {
-            self.0.news.notify_one();
+            self.0.changed.notify_one();
         }
         result
     }
@@ -104,7 +104,7 @@ impl WorldThread {
                 model,
                 is_stopping: false,
             }),
-            news: Condvar::new(),
+            changed: Condvar::new(),
         });
         let folder = config.folder.clone();
         let mut writer = Writer {
@@ -136,7 +136,7 @@ impl WorldThread {
             return Ok(());
         };
         self.shared.state.lock().is_stopping = true;
-        self.shared.news.notify_all();
+        self.shared.changed.notify_all();
         thread.join().unwrap_or(Err(Error::Stopped))
     }
 }
@@ -159,7 +159,7 @@ struct Writer {
 impl Writer {
     fn run(&mut self) -> Result<(), Error> {
         let shared = Arc::clone(&self.shared);
-        // What was read is on disk: that is told without a change.
+        // The loaded model is on disk: report its version without a change.
         if let Err(error) = self.write() {
             self.fail(error);
         }

@@ -29,11 +29,11 @@ fn mutations() -> Vec<Mutation> {
 }
 
 /// Views and label status of each track.
-type State = Vec<Vec<(View, Standing)>>;
+type StoreContents = Vec<Vec<(View, Standing)>>;
 
 /// Content of an undamaged store after the first `n` mutations.
-fn state_after(n: usize) -> &'static State {
-    static STATES: LazyLock<Vec<State>> = LazyLock::new(|| {
+fn state_after(n: usize) -> &'static StoreContents {
+    static STATES: LazyLock<Vec<StoreContents>> = LazyLock::new(|| {
         let folder = fast_folder();
         let (mut memory, _) = open(&folder);
         let mut states = vec![state(&mut memory)];
@@ -46,7 +46,7 @@ fn state_after(n: usize) -> &'static State {
     &STATES[n]
 }
 
-fn state(memory: &mut PerceptualMemory) -> State {
+fn state(memory: &mut PerceptualMemory) -> StoreContents {
     let track = |track| {
         let stored = memory.views_of_track(track).unwrap();
         stored.into_iter().map(|s| (s.view, s.standing)).collect()

@@ -19,7 +19,7 @@ const NAMES: [&str; 3] = ["Mug", "Bowl", "Cup"];
 const N_TRACKS: u64 = 4;
 
 #[derive(Debug, Clone)]
-enum Operation {
+enum ModelOperation {
     Store(Vec<(u64, u32, u32)>),
     Teach(u64, usize),
     Correct(u64, usize),
@@ -43,7 +43,7 @@ enum Operation {
     Replay,
 }
 
-fn operations() -> impl Strategy<Value = Operation> {
+fn operations() -> impl Strategy<Value = ModelOperation> {
     let track = 0..N_TRACKS;
     let view = 0..3_u32;
     let name = 0..NAMES.len();
@@ -54,30 +54,30 @@ fn operations() -> impl Strategy<Value = Operation> {
     );
     let two_names = (name.clone(), name.clone());
     prop_oneof![
-        6 => prop::collection::vec(a_view, 1..4).prop_map(Operation::Store),
-        6 => (track.clone(), name.clone()).prop_map(|(t, n)| Operation::Teach(t, n)),
-        3 => (track.clone(), name.clone()).prop_map(|(t, n)| Operation::Correct(t, n)),
+        6 => prop::collection::vec(a_view, 1..4).prop_map(ModelOperation::Store),
+        6 => (track.clone(), name.clone()).prop_map(|(t, n)| ModelOperation::Teach(t, n)),
+        3 => (track.clone(), name.clone()).prop_map(|(t, n)| ModelOperation::Correct(t, n)),
         1 => (track.clone(), view.clone(), name.clone())
-            .prop_map(|(t, v, n)| Operation::CorrectView(t, v, n)),
-        2 => name.clone().prop_map(Operation::Forget),
-        1 => track.clone().prop_map(Operation::ForgetTrack),
-        1 => (track, view).prop_map(|(t, v)| Operation::ForgetView(t, v)),
-        1 => two_names.clone().prop_map(|(a, b)| Operation::Rename(a, b)),
-        1 => two_names.prop_map(|(a, b)| Operation::Merge(a, b)),
-        5 => (0..6_u64).prop_map(Operation::Undo),
-        2 => (name.clone(), 0..3_u8).prop_map(|(n, c)| Operation::Put(n, c)),
-        1 => name.prop_map(Operation::Remove),
-        1 => (0..12_u64).prop_map(Operation::Purge),
-        3 => (0..8_usize).prop_map(Operation::Repeat),
-        1 => (1..5_u64).prop_map(Operation::Lease),
-        2 => Just(Operation::OpenAgain),
-        1 => Just(Operation::Rebuild),
-        1 => Just(Operation::Replay),
+            .prop_map(|(t, v, n)| ModelOperation::CorrectView(t, v, n)),
+        2 => name.clone().prop_map(ModelOperation::Forget),
+        1 => track.clone().prop_map(ModelOperation::ForgetTrack),
+        1 => (track, view).prop_map(|(t, v)| ModelOperation::ForgetView(t, v)),
+        1 => two_names.clone().prop_map(|(a, b)| ModelOperation::Rename(a, b)),
+        1 => two_names.prop_map(|(a, b)| ModelOperation::Merge(a, b)),
+        5 => (0..6_u64).prop_map(ModelOperation::Undo),
+        2 => (name.clone(), 0..3_u8).prop_map(|(n, c)| ModelOperation::Put(n, c)),
+        1 => name.prop_map(ModelOperation::Remove),
+        1 => (0..12_u64).prop_map(ModelOperation::Purge),
+        3 => (0..8_usize).prop_map(ModelOperation::Repeat),
+        1 => (1..5_u64).prop_map(ModelOperation::Lease),
+        2 => Just(ModelOperation::OpenAgain),
+        1 => Just(ModelOperation::Rebuild),
+        1 => Just(ModelOperation::Replay),
     ]
 }
 
 /// Label status in the model: a label, none, or forgotten.
-type Standing = Result<Option<String>, Forgotten>;
+type ModelStatus = Result<Option<String>, Forgotten>;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Forgotten {
@@ -86,14 +86,14 @@ struct Forgotten {
 
 /// Content of the store, without its history.
 #[derive(Debug, Clone, Default, PartialEq)]
-struct State {
-    views: BTreeMap<ViewId, (View, Standing)>,
+struct ModelState {
+    views: BTreeMap<ViewId, (View, ModelStatus)>,
     documents: BTreeMap<String, Vec<u8>>,
 }
 
-/// Entry in the model: state before, and touched items.
-struct Entry {
-    before: State,
+/// ModelEntry in the model: state before, and touched items.
+struct ModelEntry {
+    before: ModelState,
     touched_views: BTreeSet<ViewId>,
     touched_documents: BTreeSet<String>,
     is_purge: bool,
@@ -101,8 +101,8 @@ struct Entry {
 
 /// Reference model of the store.
 struct Model {
-    state: State,
-    entries: Vec<Entry>,
+    state: ModelState,
+    entries: Vec<ModelEntry>,
     answers: HashMap<u128, (u64, u64)>,
     /// Time of the last decision on each view.
     stamps_ns: BTreeMap<ViewId, u64>,
@@ -119,7 +119,7 @@ impl Model {
         let mut after = self.change(mutation)?;
         let touched_views: BTreeSet<ViewId> = all_views(&before, &after)
             .filter(|view| {
-                let standing = |state: &State| state.views.get(view).map(|(_, s)| s.clone());
+                let standing = |state: &ModelState| state.views.get(view).map(|(_, s)| s.clone());
                 standing(&before) != standing(&after)
             })
             .collect();
@@ -130,7 +130,7 @@ impl Model {
             .collect();
         self.stamp(&touched_views, mutation.wall_ns, &mut after);
         let n_views = touched_views.len() as u64;
-        self.entries.push(Entry {
+        self.entries.push(ModelEntry {
             before,
             touched_views,
             touched_documents,
@@ -144,7 +144,7 @@ impl Model {
 
     /// Dates the decisions on the touched views. Each is later than the one before, even if a
     /// mutation that was refused first is repeated later.
-    fn stamp(&mut self, touched: &BTreeSet<ViewId>, wall_ns: u64, after: &mut State) {
+    fn stamp(&mut self, touched: &BTreeSet<ViewId>, wall_ns: u64, after: &mut ModelState) {
         for view in touched {
             let Some((_, standing)) = after.views.get_mut(view) else {
                 self.stamps_ns.remove(view);
@@ -163,7 +163,7 @@ impl Model {
 
     /// The state with these views; `None` for a view that differs from the stored one, or
     /// is new under a track-id that was never leased.
-    fn with_views(&self, views: &[View]) -> Option<State> {
+    fn with_views(&self, views: &[View]) -> Option<ModelState> {
         let mut state = self.state.clone();
         for view in views {
             let is_known = self.state.views.contains_key(&view.id);
@@ -177,7 +177,7 @@ impl Model {
         Some(state)
     }
 
-    fn change(&self, mutation: &Mutation) -> Option<State> {
+    fn change(&self, mutation: &Mutation) -> Option<ModelState> {
         let mut state = self.state.clone();
         match &mutation.change {
             Change::StoreViews(views) => return self.with_views(views),
@@ -232,8 +232,8 @@ impl Model {
         Some(state)
     }
 
-    /// State with the touched items reverted, if no later entry touched them.
-    fn undone(&self, sequence: u64, wall_ns: u64) -> Option<State> {
+    /// ModelState with the touched items reverted, if no later entry touched them.
+    fn undone(&self, sequence: u64, wall_ns: u64) -> Option<ModelState> {
         let index = sequence.checked_sub(1)? as usize;
         let entry = self.entries.get(index)?;
         if entry.is_purge || (entry.touched_views.is_empty() && entry.touched_documents.is_empty())
@@ -314,12 +314,12 @@ impl Model {
     }
 }
 
-fn all_views<'a>(a: &'a State, b: &'a State) -> impl Iterator<Item = ViewId> + 'a {
+fn all_views<'a>(a: &'a ModelState, b: &'a ModelState) -> impl Iterator<Item = ViewId> + 'a {
     let all: BTreeSet<ViewId> = a.views.keys().chain(b.views.keys()).copied().collect();
     all.into_iter()
 }
 
-impl State {
+impl ModelState {
     /// Views of a target; `None` if there are none.
     fn of(&self, target: &Target) -> Option<Vec<ViewId>> {
         let is_meant = |view: &ViewId, name: &Option<String>| match target {
@@ -335,7 +335,7 @@ impl State {
         (!meant.is_empty()).then_some(meant)
     }
 
-    fn set(&mut self, view: ViewId, standing: Standing) {
+    fn set(&mut self, view: ViewId, standing: ModelStatus) {
         if let Some(slot) = self.views.get_mut(&view) {
             slot.1 = standing;
         }
@@ -356,38 +356,38 @@ fn document(name: usize) -> DocumentKey {
 }
 
 /// Mutation of an operation; `None` for the other operations.
-fn asked_for(operation: &Operation, id: u128, asked: &[Mutation], n: u64) -> Option<Mutation> {
+fn asked_for(operation: &ModelOperation, id: u128, asked: &[Mutation], n: u64) -> Option<Mutation> {
     let change = match operation {
-        Operation::Store(views) => {
+        ModelOperation::Store(views) => {
             let views = views.iter().map(|&(t, v, content)| view(t, v, content));
             return Some(store(id, views.collect()));
         }
-        Operation::Teach(track, name) => return Some(teach(id, *track, NAMES[*name])),
-        Operation::Correct(track, name) => return Some(correct(id, *track, NAMES[*name])),
-        Operation::Forget(name) => return Some(forget(id, NAMES[*name])),
-        Operation::Undo(back) => return Some(undo(id, n.saturating_sub(*back))),
-        Operation::Repeat(back) => return asked.iter().rev().nth(*back).cloned(),
-        Operation::CorrectView(track, view, category) => Change::Correct {
+        ModelOperation::Teach(track, name) => return Some(teach(id, *track, NAMES[*name])),
+        ModelOperation::Correct(track, name) => return Some(correct(id, *track, NAMES[*name])),
+        ModelOperation::Forget(name) => return Some(forget(id, NAMES[*name])),
+        ModelOperation::Undo(back) => return Some(undo(id, n.saturating_sub(*back))),
+        ModelOperation::Repeat(back) => return asked.iter().rev().nth(*back).cloned(),
+        ModelOperation::CorrectView(track, view, category) => Change::Correct {
             target: Target::View(key(*track, *view)),
             category: name(NAMES[*category]),
         },
-        Operation::ForgetTrack(track) => Change::Forget(Target::Track(*track)),
-        Operation::ForgetView(track, view) => Change::Forget(Target::View(key(*track, *view))),
-        Operation::Rename(from, to) => Change::Rename {
+        ModelOperation::ForgetTrack(track) => Change::Forget(Target::Track(*track)),
+        ModelOperation::ForgetView(track, view) => Change::Forget(Target::View(key(*track, *view))),
+        ModelOperation::Rename(from, to) => Change::Rename {
             from: name(NAMES[*from]),
             to: name(NAMES[*to]),
         },
-        Operation::Merge(from, into) => Change::MergeCategories {
+        ModelOperation::Merge(from, into) => Change::MergeCategories {
             from: name(NAMES[*from]),
             into: name(NAMES[*into]),
         },
-        Operation::Put(name, content) => Change::PutDocument(MemoryDocument {
+        ModelOperation::Put(name, content) => Change::PutDocument(MemoryDocument {
             key: document(*name),
             media_type: "text/plain".to_owned(),
             content: vec![*content; 40],
         }),
-        Operation::Remove(name) => Change::RemoveDocument(document(*name)),
-        Operation::Purge(back) => Change::Purge {
+        ModelOperation::Remove(name) => Change::RemoveDocument(document(*name)),
+        ModelOperation::Purge(back) => Change::Purge {
             before_ns: NOW_NS + (id as u64).saturating_sub(*back),
         },
         _ => return None,
@@ -396,11 +396,11 @@ fn asked_for(operation: &Operation, id: u128, asked: &[Mutation], n: u64) -> Opt
 }
 
 /// Runs the operations on store and model; mutation ids count from one.
-fn check(operations: Vec<Operation>) {
+fn check(operations: Vec<ModelOperation>) {
     let folder = fast_folder();
     let (mut memory, _) = open(&folder);
     let mut model = Model {
-        state: State::default(),
+        state: ModelState::default(),
         entries: Vec::new(),
         answers: HashMap::new(),
         stamps_ns: BTreeMap::new(),
@@ -416,7 +416,7 @@ fn check(operations: Vec<Operation>) {
         let n = model.entries.len() as u64;
         let Some(mutation) = asked_for(&operation, id, &asked, n) else {
             memory = between(&operation, memory, &folder, &mut model);
-            if matches!(operation, Operation::Rebuild) {
+            if matches!(operation, ModelOperation::Rebuild) {
                 assert!(!follower.follow(&mut memory, 300), "it is another store");
                 follower = Follower::load(&mut memory, 0, |_| {});
             }
@@ -444,18 +444,18 @@ fn check(operations: Vec<Operation>) {
 
 /// Runs an operation that is no mutation.
 fn between(
-    operation: &Operation,
+    operation: &ModelOperation,
     mut memory: PerceptualMemory,
     folder: &tempfile::TempDir,
     model: &mut Model,
 ) -> PerceptualMemory {
     match operation {
-        Operation::Lease(count) => {
+        ModelOperation::Lease(count) => {
             assert_eq!(memory.lease_track_ids(*count).unwrap(), model.next_track_id);
             model.next_track_id += count;
             memory
         }
-        Operation::OpenAgain => {
+        ModelOperation::OpenAgain => {
             drop(memory);
             let (mut memory, report) = open(folder);
             let is_sound = matches!(report.condition, Condition::Sound | Condition::New);
@@ -463,8 +463,8 @@ fn between(
             model.check(&mut memory);
             memory
         }
-        Operation::Rebuild => rebuild(memory, folder, model),
-        Operation::Replay => {
+        ModelOperation::Rebuild => rebuild(memory, folder, model),
+        ModelOperation::Replay => {
             let copy = fast_folder();
             let (mut again, _) = memory.replay_into(copy.path()).unwrap();
             assert_eq!(records(&mut again), records(&mut memory));
@@ -499,7 +499,7 @@ fn rebuild(
         other => panic!("{other:?}"),
     }
     let state = model.state.clone();
-    model.entries.push(Entry {
+    model.entries.push(ModelEntry {
         before: state,
         touched_views: BTreeSet::new(),
         touched_documents: BTreeSet::new(),
@@ -533,15 +533,15 @@ proptest! {
 #[test]
 fn mutation_refused_and_repeated_is_decided_last() {
     check(vec![
-        Operation::Store(vec![(2, 0, 0)]),
-        Operation::ForgetTrack(2),
+        ModelOperation::Store(vec![(2, 0, 0)]),
+        ModelOperation::ForgetTrack(2),
         // Refused: it is forgotten already.
-        Operation::ForgetTrack(2),
-        Operation::Undo(0),
+        ModelOperation::ForgetTrack(2),
+        ModelOperation::Undo(0),
         // The refused one, older than the undoing.
-        Operation::Repeat(1),
+        ModelOperation::Repeat(1),
         // Between the two stamps that it could have.
-        Operation::Purge(1),
+        ModelOperation::Purge(1),
     ]);
 }
 
@@ -549,11 +549,11 @@ fn mutation_refused_and_repeated_is_decided_last() {
 fn document_purge_keeps_the_date_of_the_next_version() {
     check(vec![
         // Refused: there is none yet.
-        Operation::Remove(0),
-        Operation::Put(0, 0),
+        ModelOperation::Remove(0),
+        ModelOperation::Put(0, 0),
         // The refused one, older than the document.
-        Operation::Repeat(1),
-        Operation::Purge(0),
-        Operation::Replay,
+        ModelOperation::Repeat(1),
+        ModelOperation::Purge(0),
+        ModelOperation::Replay,
     ]);
 }
