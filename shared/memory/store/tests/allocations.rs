@@ -24,11 +24,11 @@ fn discount(n_bytes: usize) {
     N_LIVE_BYTES.with(|n| n.set(n.get() - n_bytes as isize));
 }
 
-struct Counting;
+struct CountingAllocator;
 
 #[expect(unsafe_code, reason = "an allocator can not be written without")]
 // SAFETY: everything is handed on to the system's allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
+unsafe impl GlobalAlloc for CountingAllocator {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         count(layout.size());
         // SAFETY: the caller keeps the contract of `alloc`.
@@ -50,7 +50,7 @@ unsafe impl GlobalAlloc for Counting {
 }
 
 #[global_allocator]
-static ALLOCATOR: Counting = Counting;
+static ALLOCATOR: CountingAllocator = CountingAllocator;
 
 const SECOND: u64 = 1_000_000_000;
 

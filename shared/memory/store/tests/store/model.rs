@@ -1,4 +1,4 @@
-//! Model-based test: random operations on the store and on a reference model, with reopenings.
+//! ReferenceModel-based test: random operations on the store and on a reference model, with reopenings.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
@@ -100,7 +100,7 @@ struct ModelEntry {
 }
 
 /// Reference model of the store.
-struct Model {
+struct ReferenceModel {
     state: ModelState,
     entries: Vec<ModelEntry>,
     answers: HashMap<u128, (u64, u64)>,
@@ -109,7 +109,7 @@ struct Model {
     next_track_id: u64,
 }
 
-impl Model {
+impl ReferenceModel {
     /// Sequence number and number of views of the answer; `None` for a refusal.
     fn apply(&mut self, mutation: &Mutation) -> Option<(u64, u64)> {
         if let Some(answer) = self.answers.get(&mutation.id.0) {
@@ -399,7 +399,7 @@ fn asked_for(operation: &ModelOperation, id: u128, asked: &[Mutation], n: u64) -
 fn check(operations: Vec<ModelOperation>) {
     let folder = fast_folder();
     let (mut memory, _) = open(&folder);
-    let mut model = Model {
+    let mut model = ReferenceModel {
         state: ModelState::default(),
         entries: Vec::new(),
         answers: HashMap::new(),
@@ -447,7 +447,7 @@ fn between(
     operation: &ModelOperation,
     mut memory: PerceptualMemory,
     folder: &tempfile::TempDir,
-    model: &mut Model,
+    model: &mut ReferenceModel,
 ) -> PerceptualMemory {
     match operation {
         ModelOperation::Lease(count) => {
@@ -487,7 +487,7 @@ fn records(memory: &mut PerceptualMemory) -> BTreeMap<Vec<u8>, Vec<u8>> {
 fn rebuild(
     memory: PerceptualMemory,
     folder: &tempfile::TempDir,
-    model: &mut Model,
+    model: &mut ReferenceModel,
 ) -> PerceptualMemory {
     drop(memory);
     let (mut memory, report) =
