@@ -1,4 +1,4 @@
-//! What it takes to put one image of 640x480 points into memory that is there.
+//! Decoding of one image of 640x480 points into preallocated memory.
 //!
 //! `cargo bench -p dataset`. The real scenes are used when the development data
 //! is there (see `TABULA_DATA`), a synthetic one always.
@@ -25,7 +25,7 @@ fn data_folder() -> PathBuf {
     )
 }
 
-/// Numbers that look random, for noise that compression can not remove.
+/// Pseudorandom values, for noise that cannot be compressed.
 fn noise(seed: usize) -> u32 {
     (seed as u32)
         .wrapping_mul(0x9e37_79b1)
@@ -33,8 +33,8 @@ fn noise(seed: usize) -> u32 {
         .wrapping_mul(0x85eb_ca6b)
 }
 
-/// A wall seen from the front, with the Kinect's steps of depth, noisy colours
-/// and one pixel in eight without depth.
+/// Synthetic scene: a frontal wall with the Kinect's depth quantisation, noisy colours and one
+/// pixel in eight without depth.
 fn synthetic_scene() -> Vec<u8> {
     let camera = PinholeCamera::KINECT_V1;
     let points: Vec<Point> = (0..camera.n_pixels())
@@ -92,7 +92,7 @@ fn pcd_binary_compressed(bencher: Bencher, name: &str) {
     bench_pcd(bencher, &std::fs::read(path).expect("the scene is there"));
 }
 
-/// From decoded images to points.
+/// Back-projection of decoded images to points.
 #[divan::bench]
 fn back_projection(bencher: Bencher) {
     let camera = PinholeCamera::KINECT_V1;
@@ -116,7 +116,7 @@ fn real_sequences() -> Vec<&'static str> {
     ["kitchen-sequence"].into_iter().filter(is_there).collect()
 }
 
-/// A whole frame: three files, both images, points.
+/// Complete frame: three files, both images, points.
 #[divan::bench(args = real_sequences())]
 fn rgbd_frame(bencher: Bencher, name: &str) {
     let sequence = rgbd_sequence::RgbdSequence::open(&data_folder().join(name));

@@ -1,4 +1,4 @@
-//! What it takes to write one frame of 640x480 pixels of a sequence.
+//! Writing of one frame of 640x480 pixels of an RGB-D sequence.
 //!
 //! `cargo bench -p dataset --bench writing`. A real frame is used when the
 //! development data is there (see `TABULA_DATA`), a synthetic one always.
@@ -27,14 +27,14 @@ fn data_folder() -> PathBuf {
     )
 }
 
-/// Colour, depth and mask.
+/// Colour image, depth image and instance mask.
 struct Images {
     color: Vec<u8>,
     depth_mm: Vec<u16>,
     instances: Vec<u16>,
 }
 
-/// A checkered wall that leans back.
+/// Synthetic frame: a checkered wall that leans back.
 fn synthetic() -> Images {
     let pixels = || (0..CAMERA.n_pixels()).map(|pixel| (pixel % 640, pixel / 640));
     let field = |(column, row): (usize, usize)| (column / 80 + row / 60) % 3;
@@ -50,7 +50,7 @@ fn synthetic() -> Images {
     }
 }
 
-/// The middle of a real sequence, if it is there.
+/// Middle frame of a real sequence, if available.
 fn real() -> Option<Images> {
     let sequence = RgbdSequence::open(&data_folder().join("kitchen-sequence")).ok()?;
     let mut points = vec![Point::default(); sequence.camera().n_pixels()];
@@ -73,7 +73,7 @@ fn frames() -> Vec<&'static str> {
     ["synthetic"].into_iter().chain(real).collect()
 }
 
-/// Four files: three images and a pose.
+/// Complete frame: three images and a pose.
 #[divan::bench(args = frames(), sample_count = 50, sample_size = 1)]
 fn write_frame(bencher: Bencher, name: &str) {
     let images = if name == "real" { real() } else { None }.unwrap_or_else(synthetic);

@@ -1,95 +1,63 @@
-//! Reading files and folders no further than a limit.
+//! Size-limited reading of files and folders.
 
-use std::fmt;
 use std::fs::{DirEntry, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-/// Most names taken from one folder.
+/// Maximum number of names taken from one folder.
 const MAX_NAMES: usize = 1 << 20;
 
-/// Why a file or folder could not be read or written.
-#[derive(Debug)]
+/// Error of reading or writing a file or folder.
+#[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FileError {
-    /// The operating system refused.
+    /// Error of the operating system.
+    #[error("could not {action} {}: {source}", .path.display())]
     Io {
-        /// The file or folder.
+        /// File or folder.
         path: PathBuf,
-        /// What was tried: "read", "create" …
+        /// Attempted action, such as `read` or `create`.
         action: &'static str,
-        /// What the system said.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// A file is larger than its format can sensibly be.
+    /// File larger than the limit of its format.
+    #[error(
+        "the file {} is larger than the limit of {limit} bytes; make it smaller",
+        .path.display()
+    )]
     TooLarge {
-        /// The file.
+        /// File.
         path: PathBuf,
-        /// The most bytes that are read.
+        /// Limit, bytes.
         limit: u64,
     },
-    /// The path leads to a folder, device or pipe.
+    /// Path that leads to a folder, device or pipe.
+    #[error("{} is not a regular file; name a file", .path.display())]
     NotAFile {
-        /// The path.
+        /// Path.
         path: PathBuf,
     },
-    /// A folder has more entries than are read.
+    /// Folder with more entries than the limit.
+    #[error(
+        "the folder {} has more than {max_names} entries; split it",
+        .path.display(),
+        max_names = MAX_NAMES
+    )]
     TooManyEntries {
-        /// The folder.
+        /// Folder.
         path: PathBuf,
     },
-    /// A file name is not text.
+    /// File name that is not UTF-8.
+    #[error("the name of {} is not UTF-8 text; rename the file", .path.display())]
     NameNotText {
-        /// The file.
+        /// File.
         path: PathBuf,
     },
-}
-
-impl fmt::Display for FileError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Io {
-                path,
-                action,
-                source,
-            } => {
-                write!(f, "could not {action} {}: {source}", path.display())
-            }
-            Self::TooLarge { path, limit } => write!(
-                f,
-                "the file {} is larger than the limit of {limit} bytes; make it smaller",
-                path.display()
-            ),
-            Self::NotAFile { path } => {
-                write!(f, "{} is not a regular file; name a file", path.display())
-            }
-            Self::TooManyEntries { path } => write!(
-                f,
-                "the folder {} has more than {MAX_NAMES} entries; split it",
-                path.display()
-            ),
-            Self::NameNotText { path } => {
-                write!(
-                    f,
-                    "the name of {} is not UTF-8 text; rename the file",
-                    path.display()
-                )
-            }
-        }
-    }
-}
-
-impl std::error::Error for FileError {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::Io { source, .. } => Some(source),
-            _ => None,
-        }
-    }
 }
 
 impl FileError {
-    /// Wraps what the system said about a path.
+    /// Wraps an I/O error with its path and action.
     pub(crate) fn io(path: &Path, action: &'static str) -> impl FnOnce(io::Error) -> Self {
         move |source| Self::Io {
             path: path.to_owned(),
@@ -99,8 +67,7 @@ impl FileError {
     }
 }
 
-/// Replaces the buffer's content by that of a regular file of at most `limit`
-/// bytes. The buffer's memory is reused.
+/// Reads a regular file of at most `limit` bytes into a buffer, whose memory is reused.
 pub(crate) fn read_file(path: &Path, limit: u64, buffer: &mut Vec<u8>) -> Result<(), FileError> {
     let (file, size) = open_file(path)?;
     if size > limit {
@@ -124,8 +91,8 @@ pub(crate) fn read_file(path: &Path, limit: u64, buffer: &mut Vec<u8>) -> Result
     Ok(())
 }
 
-/// Opens a regular file and tells its size. A pipe would block for ever, so
-/// the kind is looked at before the file is opened.
+/// Opens a regular file and returns its size. A pipe would block forever, so the file type is
+/// checked first.
 pub(crate) fn open_file(path: &Path) -> Result<(File, u64), FileError> {
     let metadata = path.metadata().map_err(FileError::io(path, "read"))?;
     if !metadata.is_file() {
@@ -137,7 +104,7 @@ pub(crate) fn open_file(path: &Path) -> Result<(File, u64), FileError> {
     Ok((file, metadata.len()))
 }
 
-/// The names of the files of a folder that `wanted` picks, in natural order.
+/// Names of the files of a folder that `wanted` accepts, in natural order.
 pub(crate) fn file_names(
     folder: &Path,
     wanted: impl Fn(&str) -> bool,
@@ -145,7 +112,7 @@ pub(crate) fn file_names(
     entry_names(folder, |name, _| wanted(name))
 }
 
-/// The names of the folders in a folder, in natural order.
+/// Names of the subfolders of a folder, in natural order.
 pub(crate) fn folder_names(folder: &Path) -> Result<Vec<String>, FileError> {
     entry_names(folder, |_, entry| match entry.file_type() {
         Ok(kind) if kind.is_symlink() => entry.path().is_dir(),

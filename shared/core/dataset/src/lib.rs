@@ -1,27 +1,48 @@
 //! File formats: point clouds (PCD), meshes (PLY, OBJ), RGB-D sequences,
-//! fakenect folders and sets of views of single objects.
+//! fakenect recordings and datasets of object views.
 //!
 //! Each format is a pure function over the bytes of a file, with a thin
-//! wrapper that reads the file. What a file says about its size is compared
-//! with the bytes that are there before any memory is reserved, so that a
-//! hostile file costs a sentence.
+//! wrapper that reads the file. A size that a file announces is compared with
+//! the bytes present before any memory is reserved, so that a hostile file
+//! costs no more than an error message.
 //!
-//! Files are written whole or not at all where a killed writer could leave
-//! something that can not be read.
+//! Files are written atomically ([`write_atomic`]) where a killed writer could
+//! leave something unreadable.
 //!
 //! This crate never panics on any input, never reserves memory that the input
 //! does not account for, never writes to a file outside the folder or path it
 //! was given, and knows nothing about channels, sensors or services.
+//!
+//! # Example
+//!
+//! ```
+//! use dataset::pcd::{self, Encoding, PcdView};
+//! use geometry::RigidTransform;
+//! use point_cloud::{Point, Rgba};
+//!
+//! let points = [Point { x: 0.1, y: 0.2, z: 1.5, color: Rgba::opaque(200, 100, 50) }];
+//! let view = PcdView {
+//!     points: &points,
+//!     labels: None,
+//!     width: 1,
+//!     height: 1,
+//!     viewpoint: RigidTransform::identity(),
+//! };
+//! let file = pcd::write(view, Encoding::BinaryCompressed)?;
+//! assert_eq!(pcd::read(&file)?.points, points);
+//! # Ok::<(), pcd::Error>(())
+//! ```
 
+mod atomic_file;
 mod bounded_file;
+mod image_error;
 mod lzf;
 mod natural_order;
-mod number;
+mod number_type;
 mod png_image;
-mod whole_file;
 
 #[cfg(test)]
-mod hostile;
+mod test_corruption;
 
 pub mod fakenect_folder;
 pub mod mesh;
@@ -35,9 +56,11 @@ pub mod rgbd_sequence;
 pub mod scene_folder;
 pub mod washington;
 
+pub use atomic_file::{create_folder, write_atomic};
 pub use bounded_file::FileError;
+pub use image_error::ImageError;
 pub use natural_order::natural_order;
 pub use recording_kind::{RecordingKind, detect_kind};
 
-/// The colour of points from files without colours.
+/// Colour of points from files without colours.
 pub const NEUTRAL_GREY: point_cloud::Rgba = point_cloud::Rgba::opaque(128, 128, 128);

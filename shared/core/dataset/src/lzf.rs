@@ -1,4 +1,4 @@
-//! LZF, the compression inside `binary_compressed` PCD files.
+//! LZF compression, as used in `binary_compressed` PCD files.
 //!
 //! The format (Marc Lehmann, `LibLZF`): a control byte below 32 is followed by
 //! that many literal bytes plus one; otherwise its upper three bits are a
@@ -6,9 +6,7 @@
 //! and the next byte are how far back, less one, the `length + 2` bytes to
 //! repeat begin.
 
-use std::fmt;
-
-/// How much longer the output can be than the input: three bytes make 264.
+/// Maximum expansion factor: three bytes of input give 264 bytes.
 pub(crate) const MAX_EXPANSION: usize = MAX_MATCH / 3;
 
 const MAX_LITERALS: usize = 32;
@@ -16,43 +14,32 @@ const MIN_MATCH: usize = 3;
 const MAX_MATCH: usize = 264;
 const MAX_OFFSET: usize = 1 << 13;
 
-/// Bytes moved at once; runs are copied in whole blocks and may spill over
-/// their end into bytes that are written next.
+/// Copy granularity, bytes. Runs are copied in whole blocks and may overrun into bytes that are
+/// written next.
 const BLOCK: usize = 16;
-/// Room for what spills over the end of the output.
+/// Reserve for overruns after the end of the output, bytes.
 const SLACK: usize = 2 * BLOCK;
 
-/// Why compressed bytes can not be expanded.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// Error of LZF decompression.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The input ends inside a run.
+    /// Input that ends inside a run.
+    #[error("the compressed data ends inside a run; copy the file again")]
     Truncated,
-    /// A run would repeat bytes from before the start.
+    /// Back reference to before the start of the output.
+    #[error("the compressed data repeats bytes from before its start; the file is damaged")]
     ReachesBack,
-    /// The output is longer than announced.
+    /// Output longer than announced.
+    #[error("the compressed data is longer than announced; the file is damaged")]
     TooLong,
-    /// The output is shorter than announced.
+    /// Output shorter than announced.
+    #[error("the compressed data is shorter than announced; the file is damaged")]
     TooShort,
 }
 
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Truncated => "the compressed data ends inside a run; copy the file again",
-            Self::ReachesBack => {
-                "the compressed data repeats bytes from before its start; the file is damaged"
-            }
-            Self::TooLong => "the compressed data is longer than announced; the file is damaged",
-            Self::TooShort => "the compressed data is shorter than announced; the file is damaged",
-        })
-    }
-}
-
-impl std::error::Error for Error {}
-
-/// Expands `input` into exactly `n_bytes` at the start of the scratch buffer,
-/// which grows when needed, never shrinks, and holds rubbish behind them.
+/// Decompresses `input` into exactly `n_bytes` at the start of the scratch buffer. The buffer
+/// grows when needed, never shrinks, and has unspecified content after them.
 ///
 /// The caller checks `n_bytes` against `MAX_EXPANSION` before.
 ///
@@ -97,8 +84,8 @@ fn check_room(to: usize, length: usize, n_bytes: usize) -> Result<(), Error> {
     }
 }
 
-/// Length and offset of a repeated run, and how many bytes after the control
-/// byte describe it.
+/// Length and offset of a back reference, and the number of bytes after the control byte that
+/// encode it.
 #[inline]
 fn read_match(control: u8, input: &[u8]) -> Result<(usize, usize, usize), Error> {
     let offset_high = usize::from(control & 0x1f) << 8;
@@ -117,8 +104,8 @@ fn read_match(control: u8, input: &[u8]) -> Result<(usize, usize, usize), Error>
     }
 }
 
-/// Copies up to 32 bytes; a whole block of 32 where both sides allow it, since
-/// a copy of constant length is a pair of instructions.
+/// Copies up to 32 literals; a whole block of 32 where both sides allow it, since a copy of
+/// constant length is a pair of instructions.
 #[inline]
 fn copy_literals(input: &[u8], length: usize, out: &mut [u8]) -> Result<(), Error> {
     let block = input.first_chunk::<MAX_LITERALS>();
@@ -130,8 +117,8 @@ fn copy_literals(input: &[u8], length: usize, out: &mut [u8]) -> Result<(), Erro
     Ok(())
 }
 
-/// Repeats the bytes at the start of `out` so that `length` more follow the
-/// first `offset`; spills over by less than a block.
+/// Extends a run: repeats the bytes at the start of `out` so that `length` more follow the
+/// first `offset`; overruns by less than a block.
 #[inline]
 fn repeat(out: &mut [u8], offset: usize, length: usize) {
     let end = offset + length;
@@ -153,8 +140,8 @@ fn repeat(out: &mut [u8], offset: usize, length: usize) {
     }
 }
 
-/// A block that begins with the first `period` bytes again and again, and the
-/// largest multiple of the period in it.
+/// Block filled with the first `period` bytes repeatedly, and the largest multiple of the
+/// period in it.
 #[inline]
 fn pattern(bytes: &[u8], period: usize) -> ([u8; BLOCK], usize) {
     let mut block = [0; BLOCK];
@@ -168,7 +155,7 @@ fn pattern(bytes: &[u8], period: usize) -> ([u8; BLOCK], usize) {
     (pattern.to_le_bytes(), BLOCK - BLOCK % period)
 }
 
-/// Copies a block; its constant length makes it one instruction each way.
+/// Copies a block; with constant length this is one instruction per side.
 #[inline]
 fn copy_block(from: &[u8], to: &mut [u8]) {
     if let (Some(from), Some(to)) = (from.first_chunk::<BLOCK>(), to.first_chunk_mut::<BLOCK>()) {
@@ -176,7 +163,7 @@ fn copy_block(from: &[u8], to: &mut [u8]) {
     }
 }
 
-/// Compresses greedily; incompressible input grows by one byte in 32.
+/// Greedy compression; incompressible input grows by one byte in 32.
 pub(crate) fn compress(input: &[u8]) -> Vec<u8> {
     let mut output = Vec::with_capacity(input.len() / 2);
     // Where each hash was seen last, plus one.
@@ -235,7 +222,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// The format's definition, byte by byte.
+    /// Reference decoder, byte by byte.
     fn decompress_slowly(input: &[u8]) -> Option<Vec<u8>> {
         let (mut out, mut bytes) = (Vec::new(), input.iter().copied());
         while let Some(control) = bytes.next() {
@@ -264,7 +251,7 @@ mod tests {
         Ok(scratch)
     }
 
-    /// Bytes with repetitions near and far, of all lengths.
+    /// Test input with repetitions at short and long distances and of all lengths.
     fn repetitive() -> impl Strategy<Value = Vec<u8>> {
         let piece = (prop::collection::vec(0_u8..4, 1..40), 1_usize..60);
         prop::collection::vec(piece, 0..30).prop_map(|pieces| {

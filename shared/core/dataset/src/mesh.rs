@@ -1,37 +1,37 @@
-//! Triangle meshes with coloured vertices, as files hold them.
+//! File content of triangle meshes with coloured vertices.
 
 use point_cloud::Point;
 
-/// Most vertices of one file.
+/// Maximum number of vertices of one file.
 pub const MAX_VERTICES: usize = 1 << 24;
 
-/// Most triangles of one file.
+/// Maximum number of triangles of one file.
 pub const MAX_TRIANGLES: usize = 1 << 25;
 
-/// Most bytes of one file.
+/// Maximum size of one file, bytes.
 pub const MAX_BYTES: u64 = 1 << 29;
 
-/// The content of a file with a mesh. What the readers of this crate return has
-/// finite coordinates, and its triangles name vertices that are there.
+/// Triangle mesh of a file. The readers of this crate guarantee finite coordinates and valid
+/// vertex indices.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mesh {
-    /// The vertices with their colours, in the units and frame of the file.
+    /// Vertices with their colours, in the units and frame of the file.
     pub vertices: Vec<Point>,
-    /// Three indices of vertices for each triangle, in the order of the file.
+    /// Vertex indices of each triangle, in the order of the file.
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// A borrowed mesh, for writing.
+/// Borrowed mesh, for writing.
 #[derive(Debug, Clone, Copy)]
 pub struct MeshView<'a> {
-    /// The vertices with their colours.
+    /// Vertices with their colours.
     pub vertices: &'a [Point],
-    /// Three indices of vertices for each triangle; none for a set of points.
+    /// Vertex indices of each triangle; empty for a point set.
     pub triangles: &'a [[u32; 3]],
 }
 
 impl Mesh {
-    /// Borrows the content for writing.
+    /// Borrows the mesh for writing.
     pub fn view(&self) -> MeshView<'_> {
         MeshView {
             vertices: &self.vertices,

@@ -1,95 +1,61 @@
-//! Folders of models, PLY or OBJ, such as a set of scanned objects.
+//! Folders of PLY or OBJ models, such as a set of scanned objects.
 
 use crate::bounded_file::{FileError, file_names};
 use crate::mesh::Mesh;
 use crate::{obj, ply};
-use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// A file of a folder of models.
+/// Model file of a folder.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Model {
-    /// The file.
+    /// Path of the file.
     pub path: PathBuf,
-    /// The number its name begins with: 25 for `025_mug.ply`.
+    /// Number at the start of the file name: 25 for `025_mug.ply`.
     pub number: Option<u32>,
-    /// Its name without number and extension: `mug`. A letter that tells
-    /// variants apart is part of the number: `cups` for `065-a_cups.ply`.
+    /// Name without number and extension, such as `mug`. A variant letter belongs to the number:
+    /// `cups` for `065-a_cups.ply`.
     pub name: String,
 }
 
-/// Why a folder of models or a model could not be read.
-#[derive(Debug)]
+/// Error of listing a folder of models or reading a model.
+#[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The folder could not be listed.
-    File(FileError),
-    /// The folder has no models.
+    /// Failed access to the folder.
+    #[error("{0}")]
+    File(#[from] FileError),
+    /// Folder without models.
+    #[error("the folder {} holds no models; their names end in .ply or .obj", .0.display())]
     NoModels(PathBuf),
-    /// The file is of no known format, by its extension.
+    /// File whose extension is neither `.ply` nor `.obj`.
+    #[error(
+        "the model {} is neither PLY nor OBJ by its name; it must end in .ply or .obj",
+        .0.display()
+    )]
     UnknownFormat(PathBuf),
-    /// A PLY file can not be used.
+    /// Invalid PLY file.
+    #[error("the model {} can not be used: {source}", .path.display())]
     Ply {
-        /// The file.
+        /// PLY file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Invalid content.
         source: ply::Error,
     },
-    /// An OBJ file can not be used.
+    /// Invalid OBJ file.
+    #[error("the model {} can not be used: {source}", .path.display())]
     Obj {
-        /// The file.
+        /// OBJ file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Invalid content.
         source: obj::Error,
     },
 }
 
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::File(error) => error.fmt(f),
-            Self::NoModels(folder) => write!(
-                f,
-                "the folder {} holds no models; their names end in .ply or .obj",
-                folder.display()
-            ),
-            Self::UnknownFormat(path) => write!(
-                f,
-                "the model {} is neither PLY nor OBJ by its name; it must end in .ply or .obj",
-                path.display()
-            ),
-            Self::Ply { path, source } => {
-                write!(f, "the model {} can not be used: {source}", path.display())
-            }
-            Self::Obj { path, source } => {
-                write!(f, "the model {} can not be used: {source}", path.display())
-            }
-        }
-    }
-}
-
-impl std::error::Error for Error {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::File(error) => Some(error),
-            Self::Ply { source, .. } => Some(source),
-            Self::Obj { source, .. } => Some(source),
-            Self::NoModels(_) | Self::UnknownFormat(_) => None,
-        }
-    }
-}
-
-impl From<FileError> for Error {
-    fn from(error: FileError) -> Self {
-        Self::File(error)
-    }
-}
-
-/// Lists the models of a folder in the natural order of their file names, at
-/// least one. They are not opened.
+/// Lists the models of a folder, at least one, in natural order of their file names. The files
+/// are not opened.
 ///
 /// # Errors
-/// When the folder can not be read or has no models.
+/// When the folder cannot be read or has no models.
 pub fn list(folder: &Path) -> Result<Vec<Model>, Error> {
     let is_model = |name: &str| Format::of(Path::new(name)).is_some();
     let names = file_names(folder, is_model)?;
@@ -111,7 +77,7 @@ pub fn list(folder: &Path) -> Result<Vec<Model>, Error> {
 /// Reads a model, PLY or OBJ by its extension.
 ///
 /// # Errors
-/// When the file has another extension, can not be read, or is wrong; each
+/// When the file has another extension, cannot be read, or is wrong; each
 /// error names it.
 pub fn open(path: &Path) -> Result<Mesh, Error> {
     match Format::of(path) {
@@ -134,7 +100,7 @@ enum Format {
 }
 
 impl Format {
-    /// By the extension, in any case.
+    /// Format by the file extension, in upper or lower case.
     fn of(path: &Path) -> Option<Self> {
         let extension = path.extension()?;
         [("ply", Self::Ply), ("obj", Self::Obj)]
@@ -143,8 +109,8 @@ impl Format {
     }
 }
 
-/// The number and the name in `025_mug` or `065-a_cups`; any other stem is a
-/// name as it is.
+/// Splits `025_mug` or `065-a_cups` into number and name; any other stem is a name without
+/// number.
 fn parse_stem(stem: &str) -> (Option<u32>, &str) {
     let parsed = stem.split_once('_').and_then(|(number, name)| {
         let digits = match number.split_once('-') {
@@ -166,7 +132,7 @@ fn is_letter(text: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hostile::assert_sentence;
+    use crate::test_corruption::assert_sentence;
 
     const OBJ: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n\

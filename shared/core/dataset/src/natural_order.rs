@@ -1,8 +1,8 @@
-//! The order in which a person numbers files.
+//! Natural sort order of file names.
 
 use std::cmp::Ordering;
 
-/// Compares names so that `learn2` comes before `learn10`.
+/// Compares names in natural sort order: `learn2` comes before `learn10`.
 ///
 /// Runs of ASCII digits compare by their value, everything else by its bytes.
 /// Names that differ only in leading zeros compare by their bytes at last, so
@@ -16,7 +16,7 @@ pub fn natural_order(left: &str, right: &str) -> Ordering {
         .then_with(|| left.cmp(right))
 }
 
-/// One digit run without leading zeros, or one other byte.
+/// Token of a name: one run of digits without leading zeros, or one other byte.
 #[derive(PartialEq, Eq)]
 enum Token<'a> {
     Number(&'a [u8]),
@@ -24,9 +24,9 @@ enum Token<'a> {
 }
 
 impl Token<'_> {
-    /// A number stands where its digits stand among the bytes; that keeps the
-    /// order of numbers against bytes transitive.
-    fn place(&self) -> u8 {
+    /// Rank among the bytes; that of a number is the rank of its digits, which keeps the order of
+    /// numbers against bytes transitive.
+    fn rank(&self) -> u8 {
         match self {
             Token::Number(_) => b'0',
             Token::Byte(byte) => *byte,
@@ -40,7 +40,7 @@ impl Ord for Token<'_> {
             (Token::Number(left), Token::Number(right)) => {
                 left.len().cmp(&right.len()).then_with(|| left.cmp(right))
             }
-            _ => self.place().cmp(&other.place()),
+            _ => self.rank().cmp(&other.rank()),
         }
     }
 }
@@ -98,7 +98,7 @@ mod tests {
         }
     }
 
-    /// Names over few characters, so that runs of digits meet often.
+    /// Names of few different characters, so that digit runs are frequent.
     fn name() -> impl Strategy<Value = String> {
         prop::collection::vec(
             prop::sample::select(vec!['0', '1', '9', 'a', '/', ':', 'ä']),

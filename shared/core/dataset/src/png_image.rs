@@ -1,30 +1,31 @@
-//! PNG images of one kind of pixel, neither interlaced nor animated.
+//! PNG images of fixed pixel formats, neither interlaced nor animated.
 
+use crate::ImageError;
 use png::{BitDepth, ColorType, DeflateCompression, Filter, Limits};
 use std::io::Cursor;
 
-/// Most bytes a PNG decoder may take for itself.
+/// Memory limit of the PNG decoder itself, bytes.
 const MAX_DECODER_BYTES: usize = 1 << 24;
 
-/// How much longer than itself deflated data can become.
+/// Maximum expansion factor of deflated data.
 const MAX_DEFLATE_EXPANSION: u64 = 1032;
 
-/// Most columns or rows of an image.
+/// Maximum number of columns or rows of an image.
 pub(crate) const MAX_SIDE: u32 = 8192;
 
-/// How a PNG file begins.
+/// PNG signature.
 pub(crate) const SIGNATURE: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
 
-/// What an image shows, and so how its pixels are stored.
+/// Pixel format of an image by its content.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum PixelKind {
-    /// Grey, 16 bits: millimetres.
+    /// Depth image: grey, 16 bits, millimetres.
     Depth,
-    /// Grey, 16 bits: number of an object.
+    /// Instance mask: grey, 16 bits, number of the object.
     Instance,
-    /// Red, green, blue, 8 bits each.
+    /// Colour image: red, green, blue, 8 bits each.
     Color,
-    /// Grey, 8 bits or 1: object or not.
+    /// Silhouette mask: grey, 8 bits or 1, object or background.
     Silhouette,
 }
 
@@ -36,7 +37,7 @@ impl PixelKind {
         }
     }
 
-    /// Bits of a channel when written.
+    /// Bits per channel when written.
     fn bit_depth(self) -> BitDepth {
         match self {
             Self::Depth | Self::Instance => BitDepth::Sixteen,
@@ -49,7 +50,7 @@ impl PixelKind {
         color_type == self.color_type() && (bit_depth == self.bit_depth() || is_packed)
     }
 
-    /// The sentence about an image of another kind.
+    /// Error sentence for an image of another format.
     fn rule(self) -> &'static str {
         match self {
             Self::Depth => "a depth image must be grey, with 16 bits a pixel, and not interlaced",
@@ -65,29 +66,14 @@ impl PixelKind {
     }
 }
 
-/// Why an image can not be decoded.
-#[derive(Debug)]
-pub(crate) enum PngError {
-    /// The file is damaged.
-    Decoding(png::DecodingError),
-    /// It is an image of another kind.
-    Kind(&'static str),
-}
-
-impl From<png::DecodingError> for PngError {
-    fn from(error: png::DecodingError) -> Self {
-        Self::Decoding(error)
-    }
-}
-
-/// An image whose header is checked: its pixels may be there.
+/// PNG image with a validated header.
 pub(crate) struct PngImage<'a> {
     reader: png::Reader<Cursor<&'a [u8]>>,
 }
 
 impl<'a> PngImage<'a> {
-    /// Reads the header.
-    pub(crate) fn open(png: &'a [u8], kind: PixelKind) -> Result<Self, PngError> {
+    /// Opens an image and validates its header.
+    pub(crate) fn open(png: &'a [u8], kind: PixelKind) -> Result<Self, ImageError> {
         let limits = Limits {
             bytes: MAX_DECODER_BYTES,
         };
@@ -96,22 +82,34 @@ impl<'a> PngImage<'a> {
         decoder.set_ignore_iccp_chunk(true);
         let header = decoder.read_header_info()?;
         if !kind.allows(header.color_type, header.bit_depth) || header.interlaced {
-            return Err(PngError::Kind(kind.rule()));
+            return Err(ImageError::Format(kind.rule()));
         }
         if header.width > MAX_SIDE || header.height > MAX_SIDE {
-            return Err(PngError::Kind(
+            return Err(ImageError::Format(
                 "an image must have at most 8192 pixels a side",
             ));
         }
         let row_bytes = header.raw_row_length() as u64 - 1;
         if row_bytes * u64::from(header.height) > MAX_DEFLATE_EXPANSION * png.len() as u64 {
-            return Err(PngError::Kind("the image is too short for its size"));
+            return Err(ImageError::Format("the image is too short for its size"));
         }
         let reader = decoder.read_info()?;
         if reader.info().animation_control.is_some() || reader.info().frame_control.is_some() {
-            return Err(PngError::Kind("an image must not be animated"));
+            return Err(ImageError::Format("an image must not be animated"));
         }
         Ok(Self { reader })
+    }
+
+    /// Opens an image that must have the size of a reference image.
+    pub(crate) fn open_sized(
+        png: &'a [u8],
+        kind: PixelKind,
+        needed: (u32, u32),
+        reference: &'static str,
+    ) -> Result<Self, ImageError> {
+        let image = Self::open(png, kind)?;
+        check_size(image.size(), needed, reference)?;
+        Ok(image)
     }
 
     /// Columns and rows.
@@ -119,8 +117,8 @@ impl<'a> PngImage<'a> {
         self.reader.info().size()
     }
 
-    /// Replaces the buffer's content by the values of 16 bits, row by row.
-    pub(crate) fn decode_u16(self, values: &mut Vec<u16>) -> Result<(), PngError> {
+    /// Decodes 16-bit values, row-major, into a buffer.
+    pub(crate) fn decode_u16(self, values: &mut Vec<u16>) -> Result<(), ImageError> {
         let n_pixels = self.n_pixels();
         values.clear();
         values.reserve(n_pixels);
@@ -129,9 +127,8 @@ impl<'a> PngImage<'a> {
         })
     }
 
-    /// Replaces the buffer's content by the values of 8 bits, row by row; a
-    /// value of 1 bit becomes 0 or 255.
-    pub(crate) fn decode_u8(self, values: &mut Vec<u8>) -> Result<(), PngError> {
+    /// Decodes 8-bit values, row-major, into a buffer; a 1-bit value becomes 0 or 255.
+    pub(crate) fn decode_u8(self, values: &mut Vec<u8>) -> Result<(), ImageError> {
         let (width, n_pixels) = (self.size().0 as usize, self.n_pixels());
         let is_packed = self.reader.info().bit_depth == BitDepth::One;
         let n_channels = self.reader.info().color_type.samples();
@@ -152,9 +149,9 @@ impl<'a> PngImage<'a> {
         width as usize * height as usize
     }
 
-    /// Row by row, since the decoder would expand whatever follows the last
-    /// row if it were asked for the whole image.
-    fn for_each_row(mut self, mut visit: impl FnMut(&[u8])) -> Result<(), PngError> {
+    /// Decodes row by row: for a whole image the decoder would also expand any data after the last
+    /// row.
+    fn for_each_row(mut self, mut visit: impl FnMut(&[u8])) -> Result<(), ImageError> {
         let mut row = vec![0; self.reader.info().raw_row_length() - 1];
         for _ in 0..self.size().1 {
             self.reader.read_row(&mut row)?;
@@ -164,14 +161,31 @@ impl<'a> PngImage<'a> {
     }
 }
 
-/// Appends an image to a file, fast rather than small. `samples` are its bytes
-/// as PNG stores them, row by row; 16-bit values have their high byte first.
+/// Checks the size of an image against that of its reference image.
+pub(crate) fn check_size(
+    found: (u32, u32),
+    needed: (u32, u32),
+    reference: &'static str,
+) -> Result<(), ImageError> {
+    if found == needed {
+        Ok(())
+    } else {
+        Err(ImageError::Size {
+            found,
+            needed,
+            reference,
+        })
+    }
+}
+
+/// Encodes an image and appends it to a file, fast rather than small. `samples` are the bytes
+/// as PNG stores them, row-major; 16-bit values are big-endian.
 pub(crate) fn encode(
     kind: PixelKind,
     size: (u32, u32),
     samples: &[u8],
     file: &mut Vec<u8>,
-) -> Result<(), png::EncodingError> {
+) -> Result<(), ImageError> {
     let mut encoder = png::Encoder::new(file, size.0, size.1);
     encoder.set_color(kind.color_type());
     encoder.set_depth(kind.bit_depth());
@@ -180,11 +194,11 @@ pub(crate) fn encode(
     encoder.set_filter(Filter::Paeth);
     let mut writer = encoder.write_header()?;
     writer.write_image_data(samples)?;
-    writer.finish()
+    Ok(writer.finish()?)
 }
 
-/// Replaces the buffer's content by 16-bit values as PNG stores them.
-pub(crate) fn to_samples(values: &[u16], samples: &mut Vec<u8>) {
+/// Converts 16-bit values to big-endian bytes, as PNG stores them, into a buffer.
+pub(crate) fn to_big_endian_samples(values: &[u16], samples: &mut Vec<u8>) {
     samples.clear();
     samples.extend(values.iter().flat_map(|value| value.to_be_bytes()));
 }

@@ -1,18 +1,18 @@
-//! Telling what a folder holds by the names of its files.
+//! Detection of the kind of a recording by its file names.
 
 use crate::bounded_file::{FileError, file_names};
 use crate::{fakenect_folder, rgbd_sequence, scene_folder};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// What a camera can play from a folder.
+/// Kind of a recording that a camera can play.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RecordingKind {
-    /// PCD files, see [`crate::scene_folder`].
+    /// PCD scenes, see [`crate::scene_folder`].
     PcdScenes,
-    /// Depth and colour images, see [`crate::rgbd_sequence`].
+    /// RGB-D sequence, see [`crate::rgbd_sequence`].
     RgbdSequence,
-    /// A Kinect's raw frames, see [`crate::fakenect_folder`].
+    /// Fakenect recording, see [`crate::fakenect_folder`].
     Fakenect,
 }
 
@@ -26,80 +26,42 @@ impl fmt::Display for RecordingKind {
     }
 }
 
-/// Why it is not clear what a folder holds.
-#[derive(Debug)]
+/// Error of detecting the kind of a recording.
+#[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The folder could not be listed.
-    File(FileError),
-    /// The path leads to something else than a folder.
+    /// Failed access to the folder.
+    #[error("{0}")]
+    File(#[from] FileError),
+    /// Path that is not a folder.
+    #[error("{} is not a folder; name the folder that holds the recording", .0.display())]
     NotAFolder(PathBuf),
-    /// The folder holds nothing at all.
+    /// Folder without entries.
+    #[error("the folder {} is empty; name one with a recording", .0.display())]
     Empty(PathBuf),
-    /// No file is of a known recording.
+    /// Folder without files of a known recording.
+    #[error(
+        "the folder {} holds no recording; a recording is {}, {} or {}",
+        .0.display(),
+        RecordingKind::PcdScenes,
+        RecordingKind::RgbdSequence,
+        RecordingKind::Fakenect
+    )]
     Unknown(PathBuf),
-    /// There are files of more than one kind.
+    /// Folder with files of several kinds of recording.
+    #[error(
+        "the folder {} holds both {} and {}; give each its own folder",
+        .path.display(), .kinds[0], .kinds[1]
+    )]
     Mixed {
-        /// The folder.
+        /// Folder.
         path: PathBuf,
         /// Two of the kinds.
         kinds: [RecordingKind; 2],
     },
 }
 
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::File(error) => error.fmt(f),
-            Self::NotAFolder(path) => write!(
-                f,
-                "{} is not a folder; name the folder that holds the recording",
-                path.display()
-            ),
-            Self::Empty(path) => {
-                write!(
-                    f,
-                    "the folder {} is empty; name one with a recording",
-                    path.display()
-                )
-            }
-            Self::Unknown(path) => write!(
-                f,
-                "the folder {} holds no recording; a recording is {}, {} or {}",
-                path.display(),
-                RecordingKind::PcdScenes,
-                RecordingKind::RgbdSequence,
-                RecordingKind::Fakenect
-            ),
-            Self::Mixed {
-                path,
-                kinds: [first, second],
-            } => write!(
-                f,
-                "the folder {} holds both {first} and {second}; give each its own folder",
-                path.display()
-            ),
-        }
-    }
-}
-
-impl std::error::Error for Error {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::File(error) => Some(error),
-            _ => None,
-        }
-    }
-}
-
-impl From<FileError> for Error {
-    fn from(error: FileError) -> Self {
-        Self::File(error)
-    }
-}
-
-/// Says what kind of recording a folder holds, by the names of its files; none
-/// is opened.
+/// Detects the kind of a recording by the names of its files, without opening them.
 ///
 /// # Errors
 /// When the folder is missing, empty, holds no recording or several kinds.
@@ -129,7 +91,7 @@ pub fn detect_kind(folder: &Path) -> Result<RecordingKind, Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hostile::assert_sentence;
+    use crate::test_corruption::assert_sentence;
 
     fn detect(names: &[&str]) -> Result<RecordingKind, Error> {
         let folder = tempfile::tempdir().unwrap();

@@ -1,66 +1,34 @@
-//! A folder of PCD files, one scene each.
+//! Folder of PCD scenes.
 
 use crate::bounded_file::{FileError, file_names, read_file};
 use crate::pcd;
-use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// The scenes of a folder, in the natural order of their names.
+/// Scenes of a folder, in natural order of their names.
 #[derive(Debug, Clone)]
 pub struct SceneFolder {
     folder: PathBuf,
     names: Vec<String>,
 }
 
-/// Why a folder of scenes could not be read.
-#[derive(Debug)]
+/// Error of reading a folder of scenes.
+#[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A file or the folder could not be read.
-    File(FileError),
-    /// The folder has no PCD files.
+    /// Failed access to a file or folder.
+    #[error("{0}")]
+    File(#[from] FileError),
+    /// Folder without PCD files.
+    #[error("the folder {} holds no scenes; their names end in .pcd", .0.display())]
     NoScenes(PathBuf),
-    /// There are not as many scenes.
+    /// Scene index out of range.
+    #[error("there is no scene {index}; the folder's {n_scenes} scenes count from 0")]
     NoSuchScene {
-        /// The scene that was asked for, from 0.
+        /// Requested scene, from 0.
         index: usize,
-        /// How many there are.
+        /// Number of scenes.
         n_scenes: usize,
     },
-}
-
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::File(error) => error.fmt(f),
-            Self::NoScenes(folder) => write!(
-                f,
-                "the folder {} holds no scenes; their names end in .pcd",
-                folder.display()
-            ),
-            Self::NoSuchScene { index, n_scenes } => {
-                write!(
-                    f,
-                    "there is no scene {index}; the folder's {n_scenes} scenes count from 0"
-                )
-            }
-        }
-    }
-}
-
-impl std::error::Error for Error {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::File(error) => Some(error),
-            _ => None,
-        }
-    }
-}
-
-impl From<FileError> for Error {
-    fn from(error: FileError) -> Self {
-        Self::File(error)
-    }
 }
 
 #[expect(
@@ -68,10 +36,10 @@ impl From<FileError> for Error {
     reason = "a folder without scenes can not be opened"
 )]
 impl SceneFolder {
-    /// Lists the PCD files of a folder. They are not opened.
+    /// Lists the PCD files of a folder without opening them.
     ///
     /// # Errors
-    /// When the folder can not be read or has no PCD files.
+    /// When the folder cannot be read or has no PCD files.
     pub fn open(folder: &Path) -> Result<Self, Error> {
         let names = file_names(folder, is_scene_name)?;
         if names.is_empty() {
@@ -88,16 +56,16 @@ impl SceneFolder {
         self.names.len()
     }
 
-    /// The file name of a scene; `None` behind the last.
+    /// File name of a scene; `None` after the last.
     pub fn name(&self, index: usize) -> Option<&str> {
         self.names.get(index).map(String::as_str)
     }
 
-    /// Replaces the buffer's content by the bytes of a scene, for
-    /// [`pcd::Header::parse`]. The buffer's memory is reused.
+    /// Reads the bytes of a scene into a buffer, for [`pcd::Header::parse`]. The buffer's memory is
+    /// reused.
     ///
     /// # Errors
-    /// When there is no such scene, or its file can not be read or is larger
+    /// When there is no such scene, or its file cannot be read or is larger
     /// than [`pcd::MAX_BYTES`].
     pub fn read_bytes(&self, index: usize, buffer: &mut Vec<u8>) -> Result<(), Error> {
         let n_scenes = self.names.len();
@@ -109,7 +77,7 @@ impl SceneFolder {
     }
 }
 
-/// Whether a file is a scene by its name.
+/// True if a file name is that of a scene.
 pub(crate) fn is_scene_name(name: &str) -> bool {
     name.strip_suffix(".pcd")
         .is_some_and(|stem| !stem.is_empty())

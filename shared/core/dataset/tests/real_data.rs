@@ -1,6 +1,6 @@
-//! The formats on real files. Facts about the files are from the data's own
-//! description; ranges are wide enough for any correct reading and too narrow
-//! for swapped fields, byte orders or units.
+//! Format readers on real files. Facts about the files are from the data's own description;
+//! ranges are wide enough for any correct reader and too narrow for swapped fields, byte orders
+//! or units.
 
 use dataset::{RecordingKind, detect_kind, models, pcd, ply, rgbd_sequence, scene_folder};
 use point_cloud::Point;

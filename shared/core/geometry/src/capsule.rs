@@ -1,22 +1,22 @@
-//! The capsule: all that lies within a radius of a segment.
+//! Capsule: all points within a radius of a line segment.
 
 use crate::RigidTransform;
 use nalgebra::{Point3, Vector3};
 
-/// A segment with a radius, metres. Links of an arm and limbs of a person are
+/// Capsule (line segment with a radius), metres. Links of an arm and limbs of a person are
 /// chains of capsules.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Capsule {
-    /// One end of the segment.
+    /// First end of the segment, metres.
     pub from: Point3<f64>,
-    /// The other end.
+    /// Second end of the segment, metres.
     pub to: Point3<f64>,
     /// Radius, metres, >= 0.
     pub radius_m: f64,
 }
 
 impl Capsule {
-    /// Distance of a point from the capsule's surface, metres; negative inside.
+    /// Signed distance of a point from the capsule's surface, metres; negative inside.
     #[inline]
     pub fn distance_m(&self, point: &Point3<f64>) -> f64 {
         let axis: Vector3<f64> = self.to - self.from;
@@ -29,7 +29,7 @@ impl Capsule {
         (point - (self.from + axis * along)).norm() - self.radius_m
     }
 
-    /// The same capsule in another frame.
+    /// Capsule in another frame.
     pub fn transformed(&self, target_from_frame: &RigidTransform) -> Self {
         Self {
             from: target_from_frame * self.from,

@@ -1,52 +1,51 @@
-//! The convex polygon in a plane.
+//! Convex polygon in a plane, and the convex hull of points.
 
 use nalgebra::Point2;
 
-/// A convex polygon, counter-clockwise, metres.
+/// Convex polygon, counter-clockwise, metres.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ConvexPolygon {
     corners: Vec<Point2<f64>>,
 }
 
 impl ConvexPolygon {
-    /// Convex hull of finite points by the monotone chain (Andrew 1979),
-    /// O(n log n). Sorts `points` in place. Fewer than three corners, when the
-    /// points lie on a line, make a polygon that contains nothing.
+    /// Convex hull of finite points by the monotone chain (Andrew 1979), O(n log n). Sorts `points`
+    /// in place. Collinear points give an empty polygon, which contains nothing.
     pub fn hull_of(points: &mut [Point2<f64>]) -> Self {
         let mut hull = Self::default();
         hull.become_hull_of(points);
         hull
     }
 
-    /// [`hull_of`](Self::hull_of) in the memory of this polygon.
+    /// Replaces this polygon by a convex hull, as [`hull_of`](Self::hull_of), and reuses its
+    /// memory.
     pub fn become_hull_of(&mut self, points: &mut [Point2<f64>]) {
         let corners = &mut self.corners;
         corners.clear();
         points.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
-        grow_chain(corners, 0, points.iter());
+        extend_monotone_chain(corners, 0, points.iter());
         let lower = corners.len().saturating_sub(1);
         corners.truncate(lower);
-        grow_chain(corners, lower, points.iter().rev());
+        extend_monotone_chain(corners, lower, points.iter().rev());
         corners.pop();
         if corners.len() < 3 {
             corners.clear();
         }
     }
 
-    /// The corners, counter-clockwise.
+    /// Corners, counter-clockwise.
     pub fn corners(&self) -> &[Point2<f64>] {
         &self.corners
     }
 
-    /// Whether the point lies inside or on the border.
+    /// True if the point lies inside or on the border.
     #[inline]
     pub fn contains(&self, point: &Point2<f64>) -> bool {
         !self.corners.is_empty() && self.edges().all(|(a, b)| cross(a, b, point) >= 0.0)
     }
 
-    /// Distance of a point to the border, positive inside, metres; for a point
-    /// outside, the negated distance to the farthest violated edge line.
-    /// Minus infinity for an empty polygon.
+    /// Signed distance of a point to the border, metres, positive inside. Outside: the negated
+    /// distance to the farthest violated edge line. Minus infinity for an empty polygon.
     pub fn inner_distance_m(&self, point: &Point2<f64>) -> f64 {
         if self.corners.is_empty() {
             return f64::NEG_INFINITY;
@@ -68,9 +67,9 @@ impl ConvexPolygon {
     }
 }
 
-/// Adds one side of the hull to `corners`, which may give up only what lies
-/// behind index `from`.
-fn grow_chain<'a>(
+/// Appends one chain of the convex hull to `corners`, without removing corners before index
+/// `from`.
+fn extend_monotone_chain<'a>(
     corners: &mut Vec<Point2<f64>>,
     from: usize,
     points: impl Iterator<Item = &'a Point2<f64>>,

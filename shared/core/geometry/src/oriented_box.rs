@@ -1,23 +1,23 @@
-//! The oriented box.
+//! Oriented bounding box.
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
-/// A box with its own frame: centred at `pose`'s origin, sides along its axes.
+/// Oriented box: centred at the origin of its own frame, sides along the axes of that frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OrientedBox {
-    /// Frame of the box in the frame it is given in: `frame_from_box`.
+    /// Pose of the box in its reference frame: `frame_from_box`.
     pub frame_from_box: Isometry3<f64>,
-    /// Half of each side, metres, all >= 0.
+    /// Half side lengths, metres, all >= 0.
     pub half_sides_m: Vector3<f64>,
 }
 
 impl OrientedBox {
-    /// Centre, in the frame the box is given in.
+    /// Centre in the reference frame, metres.
     pub fn centre(&self) -> Point3<f64> {
         self.frame_from_box.translation.vector.into()
     }
 
-    /// Full length of each side, metres.
+    /// Side lengths, metres.
     pub fn sides_m(&self) -> Vector3<f64> {
         2.0 * self.half_sides_m
     }
@@ -27,22 +27,22 @@ impl OrientedBox {
         self.sides_m().product()
     }
 
-    /// Whether a point lies in the box grown by `margin_m` on every side.
+    /// True if a point lies in the box enlarged by `margin_m` on every side.
     #[inline]
     pub fn contains(&self, point: &Point3<f64>, margin_m: f64) -> bool {
         let p = self.frame_from_box.inverse_transform_point(point);
         (0..3).all(|i| p[i].abs() <= self.half_sides_m[i] + margin_m)
     }
 
-    /// Whether two boxes are so near that they may come within `margin_m` of each other:
-    /// whether the spheres around them do. Never for a box of which a number is no number.
+    /// Bounding-sphere test: true if two boxes may come within `margin_m` of each other. False for
+    /// a box with a NaN.
     #[inline]
     pub fn may_meet(&self, other: &Self, margin_m: f64) -> bool {
         let reach_m = self.half_sides_m.norm() + other.half_sides_m.norm() + margin_m;
         (self.centre() - other.centre()).norm() <= reach_m
     }
 
-    /// The same box in another frame.
+    /// Box in another frame.
     pub fn transformed(&self, target_from_frame: &Isometry3<f64>) -> Self {
         Self {
             frame_from_box: target_from_frame * self.frame_from_box,

@@ -1,7 +1,6 @@
-//! The pinhole camera without distortion.
+//! Pinhole camera model without lens distortion.
 
 use nalgebra::{Point2, Point3, Vector3};
-use std::fmt;
 
 /// Intrinsics of a pinhole camera; x right, y down, z forward.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,34 +13,25 @@ pub struct PinholeCamera {
     pub cx_px: f64,
     /// Principal point, row, pixels from the centre of the first pixel.
     pub cy_px: f64,
-    /// Columns.
+    /// Image width, pixels.
     pub width: u32,
-    /// Rows.
+    /// Image height, pixels.
     pub height: u32,
 }
 
-/// Why a set of intrinsics can not be those of a camera.
-#[derive(Debug, Clone, PartialEq)]
+/// Error of validating camera intrinsics: the values and the broken rule.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error(
+    "the camera intrinsics fx {} fy {} cx {} cy {} for an image of {}x{} are wrong: {rule}",
+    .camera.fx_px, .camera.fy_px, .camera.cx_px, .camera.cy_px, .camera.width, .camera.height
+)]
 pub struct InvalidIntrinsics {
     camera: PinholeCamera,
     rule: &'static str,
 }
 
-impl fmt::Display for InvalidIntrinsics {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let c = &self.camera;
-        write!(
-            f,
-            "the camera intrinsics fx {} fy {} cx {} cy {} for an image of {}x{} are wrong: {}",
-            c.fx_px, c.fy_px, c.cx_px, c.cy_px, c.width, c.height, self.rule
-        )
-    }
-}
-
-impl std::error::Error for InvalidIntrinsics {}
-
 impl PinholeCamera {
-    /// The depth camera of a Kinect v1 by its nominal values (Burrus 2010).
+    /// Nominal depth camera of a Kinect v1 (Burrus 2010).
     pub const KINECT_V1: Self = Self {
         fx_px: 585.0,
         fy_px: 585.0,
@@ -51,7 +41,7 @@ impl PinholeCamera {
         height: 480,
     };
 
-    /// Checks that the values can belong to a camera.
+    /// Validates the intrinsics.
     ///
     /// # Errors
     /// Says which rule is broken: sizes from 1 to 8192 pixels, focal lengths
@@ -75,13 +65,13 @@ impl PinholeCamera {
         Ok(self)
     }
 
-    /// The point at depth `z_m` seen in the pixel's centre, camera frame.
+    /// Back-projects a pixel at depth `z_m` to a point, camera frame, metres.
     #[inline]
     pub fn back_project(&self, column: f64, row: f64, z_m: f64) -> Point3<f64> {
         Point3::from(self.ray(column, row) * z_m)
     }
 
-    /// The viewing ray of a pixel, scaled to z = 1, camera frame.
+    /// Viewing ray of a pixel, scaled to z = 1, camera frame.
     #[inline]
     pub fn ray(&self, column: f64, row: f64) -> Vector3<f64> {
         Vector3::new(
@@ -91,8 +81,8 @@ impl PinholeCamera {
         )
     }
 
-    /// Pixel coordinates (column, row) of a point, `None` at or behind the camera.
-    /// The result may lie outside the image.
+    /// Projects a point to pixel coordinates (column, row); `None` at or behind the camera. The
+    /// result may lie outside the image.
     #[inline]
     pub fn project(&self, point_in_camera: &Point3<f64>) -> Option<Point2<f64>> {
         (point_in_camera.z > 0.0).then(|| {

@@ -1,18 +1,18 @@
-//! The plane.
+//! Oriented plane.
 
 use nalgebra::{Isometry3, Point3, Unit, UnitQuaternion, Vector3};
 
-/// An oriented plane: all points p with `normal · p + offset_m = 0`.
+/// Oriented plane: all points p with `normal · p + offset_m = 0`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plane {
-    /// Unit normal; points to the side where heights are positive.
+    /// Unit normal, on the side of positive heights.
     pub normal: Unit<Vector3<f64>>,
     /// Signed distance of the origin from the plane, metres.
     pub offset_m: f64,
 }
 
 impl Plane {
-    /// The plane through a point.
+    /// Plane through a point with a normal.
     pub fn through(point: &Point3<f64>, normal: Unit<Vector3<f64>>) -> Self {
         Self {
             normal,
@@ -20,20 +20,20 @@ impl Plane {
         }
     }
 
-    /// The plane through three points; `None` when they lie almost on a line
-    /// (the triangle's doubled area is below 1e-9 m²).
+    /// Plane through three points; `None` when they are nearly collinear (the doubled area of the
+    /// triangle is below 1e-9 m²).
     pub fn through_three(a: &Point3<f64>, b: &Point3<f64>, c: &Point3<f64>) -> Option<Self> {
         let normal = Unit::try_new((b - a).cross(&(c - a)), 1e-9)?;
         Some(Self::through(a, normal))
     }
 
-    /// Signed height of a point over the plane, metres.
+    /// Signed height of a point above the plane, metres.
     #[inline]
     pub fn height_m(&self, point: &Point3<f64>) -> f64 {
         self.normal.dot(&point.coords) + self.offset_m
     }
 
-    /// The same plane with the side of `point` positive.
+    /// Plane with its normal flipped, if needed, so that `point` has a positive height.
     pub fn facing(self, point: &Point3<f64>) -> Self {
         if self.height_m(point) < 0.0 {
             Self {
@@ -45,9 +45,8 @@ impl Plane {
         }
     }
 
-    /// A frame in the plane: z along the normal, origin at the foot of the
-    /// source frame's origin, x the projection of the source axis least
-    /// parallel to the normal.
+    /// Transform into a plane frame: z along the normal, origin at the foot point of the source
+    /// frame's origin, x along the projection of the source axis least parallel to the normal.
     pub fn plane_from_source(&self) -> Isometry3<f64> {
         let n = self.normal.into_inner();
         let helper = Vector3::ith(n.iamin(), 1.0);
@@ -58,7 +57,7 @@ impl Plane {
         Isometry3::from_parts(origin_in_source.into(), source_from_plane).inverse()
     }
 
-    /// The same plane expressed in another frame.
+    /// Plane in another frame.
     pub fn transformed(&self, target_from_source: &Isometry3<f64>) -> Self {
         let foot = target_from_source * Point3::from(-self.normal.into_inner() * self.offset_m);
         Self::through(&foot, target_from_source.rotation * self.normal)

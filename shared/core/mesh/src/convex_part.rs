@@ -1,27 +1,27 @@
-//! Convex bodies for a physics engine.
+//! Convex parts: collision shapes for a physics engine.
 
 use nalgebra::{Isometry3, Point3, Vector3};
 use std::f32::consts::PI;
 
-/// Most points a builder gives a convex part.
+/// Maximum number of points of a convex part made by a builder.
 pub const N_POINTS_MAX: usize = 64;
-/// Fewest points that stand for more.
+/// Minimum number of points of a reduced convex part. Chosen.
 const N_POINTS_MIN: usize = 32;
-/// How far round bodies may lie inside or outside of their parts, metres. Facets
-/// that are finer than this makes them let bodies roll and tremble.
+/// Tolerance of round surfaces, inside or outside, metres. Chosen: finer facets let bodies roll
+/// and jitter.
 const ROUND_TOLERANCE_M: f32 = 0.0012;
 
-/// A convex body: the convex hull of some points.
+/// Convex body: convex hull of points.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ConvexPart {
-    /// Points whose hull is the body, metres; not all need be corners of it.
+    /// Points whose convex hull is the body, metres; interior points are allowed.
     pub points: Vec<Point3<f32>>,
 }
 
 impl ConvexPart {
-    /// The hull of points, of which at most [`N_POINTS_MAX`] are kept, fewer of
-    /// what is thin: those farthest in evenly spread directions, seen in their
-    /// bounding box scaled to a cube.
+    /// Convex hull of points, reduced to at most [`N_POINTS_MAX`] points, fewer for thin bodies.
+    /// Kept are the support points in evenly spread directions, in the bounding box scaled to a
+    /// cube.
     pub fn around(points: Vec<Point3<f32>>) -> Self {
         let Some(bounds) = crate::Bounds::of(points.iter().copied()) else {
             return Self::default();
@@ -32,7 +32,7 @@ impl ConvexPart {
             return Self { points };
         }
         let mut kept: Vec<usize> = (0..n)
-            .filter_map(|i| farthest(&points, direction(i, n).component_div(&sides)))
+            .filter_map(|i| support_point(&points, fibonacci_direction(i, n).component_div(&sides)))
             .collect();
         kept.sort_unstable();
         kept.dedup();
@@ -41,15 +41,15 @@ impl ConvexPart {
         }
     }
 
-    /// Moves the part: `pose` is `target_from_source`.
+    /// Transforms the part by `pose`, which is `target_from_source`.
     pub fn transform(&mut self, pose: &Isometry3<f32>) {
         for point in &mut self.points {
             *point = pose * *point;
         }
     }
 
-    /// Distance of a point from the body, metres; 0 inside, infinite from a
-    /// part without points. Exact to 0.01 mm, 0.1 mm in unlucky cases.
+    /// Distance of a point from the body, metres; 0 inside, infinite for a part without points.
+    /// Accurate to 0.01 mm, in rare cases 0.1 mm.
     ///
     /// The nearest point of the hull is found as a mixture of its points by
     /// steps that move weight from the worst of them to the best (Mitchell,
@@ -87,43 +87,42 @@ impl ConvexPart {
     }
 }
 
-/// How many points stand for a round body of this size. The faces between `n`
-/// points on a ball, 2 n − 4 triangles of equal area, lie 4.84 / (2 n − 4) of
-/// its radius deeper than the points.
+/// Number of points for a round body of this size. The faces between `n` points on a sphere, 2
+/// n − 4 triangles of equal area, lie 4.84 / (2 n − 4) of its radius below the points.
 fn n_points(sides: Vector3<f32>) -> usize {
     let thickness = sides.sum() - sides.max() - sides.min();
     let n = 2.0 + 0.25 * 4.84 * 0.5 * thickness / ROUND_TOLERANCE_M;
     (n as usize).clamp(N_POINTS_MIN, N_POINTS_MAX)
 }
 
-/// How much farther out than a ball `n` points must lie so that the faces between
-/// them lie as far inside.
-pub(crate) fn ball_widening(n: usize) -> f32 {
+/// Scale of `n` points on a sphere that balances the error of their faces inside and outside of
+/// it.
+pub(crate) fn sphere_inflation(n: usize) -> f32 {
     1.0 + 2.42 / (2 * n.max(4) - 4) as f32
 }
 
-/// How many sides of a polygon stand for a circle.
+/// Number of polygon sides for a circle.
 pub(crate) fn n_sides(radius_m: f32) -> usize {
     let half_angle = (1.0 - 2.0 * ROUND_TOLERANCE_M / radius_m).clamp(0.5, 1.0);
     ((PI / half_angle.acos()).ceil() as usize).clamp(6, 16)
 }
 
-/// How much farther out than the circle the corners of a polygon must lie so
-/// that its sides lie as far inside.
-pub(crate) fn circle_widening(n_sides: usize) -> f32 {
+/// Scale of a regular polygon that balances the error of its sides inside and outside of the
+/// circle.
+pub(crate) fn circle_inflation(n_sides: usize) -> f32 {
     1.0 / (PI / n_sides as f32).cos().sqrt()
 }
 
-/// Evenly spread unit vectors: a Fibonacci lattice of `n`.
-fn direction(i: usize, n: usize) -> Vector3<f32> {
+/// Evenly spread unit vector: element `i` of a Fibonacci lattice of `n`.
+fn fibonacci_direction(i: usize, n: usize) -> Vector3<f32> {
     let z = 1.0 - (2.0 * i as f32 + 1.0) / n as f32;
     let (sin, cos) = (i as f32 * 2.399_963).sin_cos();
     let r = (1.0 - z * z).sqrt();
     Vector3::new(r * cos, r * sin, z)
 }
 
-fn farthest(points: &[Point3<f32>], direction: Vector3<f32>) -> Option<usize> {
-    let along = |i: &usize| points[*i].coords.dot(&direction);
+fn support_point(points: &[Point3<f32>], fibonacci_direction: Vector3<f32>) -> Option<usize> {
+    let along = |i: &usize| points[*i].coords.dot(&fibonacci_direction);
     (0..points.len()).max_by(|a, b| along(a).total_cmp(&along(b)))
 }
 
@@ -141,7 +140,7 @@ mod tests {
                 .collect(),
         };
         for i in 0..200 {
-            let p = Point3::from(direction(i % 64, 64) * (0.01 + 0.002 * i as f32));
+            let p = Point3::from(fibonacci_direction(i % 64, 64) * (0.01 + 0.002 * i as f32));
             let clamped = p.map(|x| x.clamp(-0.1, 0.1));
             let expected = (p - clamped).norm();
             assert!((cube.distance(&p) - expected).abs() < 1e-4, "{p}");

@@ -1,24 +1,25 @@
-//! Fewer triangles for nearly the same shape.
+//! Mesh decimation by vertex clustering.
 
 use crate::{Triangle, TriangleMesh, Vertex};
 use nalgebra::{Matrix3, Point3, Vector3};
 use std::collections::{HashMap, HashSet};
 
-/// Steps of the search for the edge of the cells.
+/// Number of bisection steps for the cell size.
 const N_SEARCH_STEPS: usize = 12;
-/// A simplified mesh keeps edges sharper than this.
+/// Crease angle of a decimated mesh, radians: sharper edges stay sharp. Chosen.
 const CREASE_RAD: f32 = 0.9;
-/// Singular values below this share of the greatest say nothing about a corner.
+/// Relative singular value below which a direction is left unconstrained by the planes of a
+/// cell. Chosen.
 const FLATNESS: f32 = 0.02;
 
 impl TriangleMesh {
-    /// A mesh of at most `n_triangles_max` triangles of nearly the same shape;
-    /// the mesh itself when it is small enough. Works on any mesh, however
-    /// broken; holes may close and thin walls may fall together.
+    /// Decimates to at most `n_triangles_max` triangles; returns a copy of a mesh that is small
+    /// enough. Works on any mesh, including damaged ones; holes may close and thin walls may
+    /// collapse.
     ///
     /// Vertices are clustered in a grid (Rossignac and Borrel 1993), as fine as
     /// the limit allows; a cell is represented by the point nearest to the
-    /// planes of its faces (Lindstrom 2000). Normals are found anew.
+    /// planes of its faces (Lindstrom 2000). Normals are recomputed.
     pub fn decimated(&self, n_triangles_max: usize) -> Self {
         if self.triangles.len() <= n_triangles_max {
             return self.clone();
@@ -41,7 +42,7 @@ impl TriangleMesh {
         self.clustered(&bounds.min, high)
     }
 
-    /// The cell of each vertex, and the triangles that span three cells.
+    /// Cell of each vertex, and the triangles that span three cells.
     fn cells(&self, origin: &Point3<f32>, edge_m: f32) -> (Vec<u32>, Vec<(usize, [u32; 3])>) {
         let mut known = HashMap::new();
         let cell_of_vertex: Vec<u32> = self
@@ -62,8 +63,8 @@ impl TriangleMesh {
                     .vertices
                     .map(|v| cell_of_vertex[v as usize]);
                 let finite = corners.iter().all(|p| p.iter().all(|x| x.is_finite()));
-                let spans = !crate::welding::is_collapsed(cells) && finite;
-                (spans && seen.insert(rotated(cells))).then_some((i, cells))
+                let spans = !crate::welding::is_degenerate(cells) && finite;
+                (spans && seen.insert(canonical_order(cells))).then_some((i, cells))
             })
             .collect();
         (cell_of_vertex, spanning)
@@ -102,8 +103,8 @@ impl TriangleMesh {
     }
 }
 
-/// The same face from whichever corner it is written.
-fn rotated([a, b, c]: [u32; 3]) -> [u32; 3] {
+/// Rotation of a face's corners to a canonical start, orientation kept.
+fn canonical_order([a, b, c]: [u32; 3]) -> [u32; 3] {
     if a < b && a < c {
         [a, b, c]
     } else if b < c {
@@ -113,7 +114,7 @@ fn rotated([a, b, c]: [u32; 3]) -> [u32; 3] {
     }
 }
 
-/// What falls into a cell: vertices, and the planes of the faces at them.
+/// Quadric of one cell: sums over its vertices and over the planes of their faces.
 #[derive(Clone, Default)]
 struct Cluster {
     n: f32,
@@ -121,7 +122,7 @@ struct Cluster {
     color_sum: Vector3<f32>,
     /// Sum of n nᵀ, weighted by area.
     quadric: Matrix3<f32>,
-    /// Sum of n (n · p).
+    /// Sum of n (n · p), weighted by area.
     moment: Vector3<f32>,
 }
 
@@ -143,7 +144,7 @@ impl Cluster {
         }
     }
 
-    /// Near the planes, but never farther than a cell from the mean.
+    /// Representative vertex: nearest to the planes, at most one cell away from the mean.
     fn vertex(&self, edge_m: f32) -> Vertex {
         let mean = self.position_sum / self.n.max(1.0);
         let svd = self.quadric.svd(true, true);

@@ -1,28 +1,28 @@
-//! Bodies of constant section.
+//! Extrusion of a polygon to a solid.
 
-use crate::closed_surface::ClosedSurface;
-use crate::triangulation::doubled_area;
-use crate::{ConvexPart, Solid, convex_pieces, simplified, triangulate};
+use crate::surface_builder::SurfaceBuilder;
+use crate::triangulation::doubled_signed_area;
+use crate::{ConvexPart, Solid, convex_decomposition, simplify_polygon, triangulate};
 use nalgebra::{Point2, Vector2};
 
-/// How far the outline of the convex parts may deviate, metres.
+/// Concavity tolerance of the convex parts, metres. Chosen.
 const TOLERANCE_M: f32 = 0.003;
-/// An outline is simplified by this much before it is cut, metres.
+/// Simplification tolerance of the outline before its decomposition, metres. Chosen.
 const SIMPLIFICATION_M: f32 = 0.0006;
 
-/// Raises a simple outline, concave or not, from z = 0 to `height_m`. Its edges
-/// are bevelled by `bevel_m` (0 for sharp ones), less than its narrowest part
-/// allows. Fewer than three points give nothing.
+/// Extrudes a simple outline, convex or concave, from z = 0 to `height_m`. Its edges are
+/// bevelled by `bevel_m` (0 for sharp edges), which must be less than the narrowest part
+/// allows. Fewer than three points give an empty solid.
 pub fn extrude(outline: &[Point2<f32>], height_m: f32, bevel_m: f32) -> Solid {
     let mut outline = outline.to_vec();
     outline.dedup_by(|a, b| (*a - *b).norm() < 1e-6);
     if outline.len() < 3 {
         return Solid::default();
     }
-    if doubled_area(&outline) < 0.0 {
+    if doubled_signed_area(&outline) < 0.0 {
         outline.reverse();
     }
-    let pieces = convex_pieces(&simplified(&outline, SIMPLIFICATION_M), TOLERANCE_M);
+    let pieces = convex_decomposition(&simplify_polygon(&outline, SIMPLIFICATION_M), TOLERANCE_M);
     let raised = |piece: &Vec<Point2<f32>>| {
         let points = piece
             .iter()
@@ -36,13 +36,13 @@ pub fn extrude(outline: &[Point2<f32>], height_m: f32, bevel_m: f32) -> Solid {
     }
 }
 
-fn surface(outline: &[Point2<f32>], height: f32, bevel: f32) -> ClosedSurface {
+fn surface(outline: &[Point2<f32>], height: f32, bevel: f32) -> SurfaceBuilder {
     let cap = if bevel > 0.0 {
         inset(outline, bevel)
     } else {
         outline.to_vec()
     };
-    let mut surface = ClosedSurface::default();
+    let mut surface = SurfaceBuilder::default();
     let mut ring = |points: &[Point2<f32>], z: f32| -> Vec<u32> {
         let points = points.iter();
         points
@@ -67,7 +67,7 @@ fn surface(outline: &[Point2<f32>], height: f32, bevel: f32) -> ClosedSurface {
     surface
 }
 
-/// The outline moved inwards, corners along their bisector.
+/// Inset polygon: corners moved inwards along their bisectors.
 fn inset(outline: &[Point2<f32>], distance: f32) -> Vec<Point2<f32>> {
     let n = outline.len();
     let inwards = |from: Point2<f32>, to: Point2<f32>| {
@@ -104,7 +104,7 @@ mod tests {
             let solid = extrude(&outline, 0.02, bevel);
             let found = solid.mesh.examination();
             prop_assert!(found.is_sound(), "{:?}", found);
-            let volume = doubled_area(&outline) / 2.0 * 0.02;
+            let volume = doubled_signed_area(&outline) / 2.0 * 0.02;
             let share = solid.mesh.signed_volume() as f32 / volume;
             prop_assert!(share <= 1.0001 && share > 0.85, "{}", share);
         }

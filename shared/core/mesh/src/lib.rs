@@ -1,40 +1,52 @@
-//! Triangle meshes: building, checking, measuring.
+//! Triangle meshes: building, validation, mass properties, convex decomposition.
 //!
-//! Units are metres. A mesh may consist of several closed parts that overlap;
-//! what is inside any of them is inside the object.
+//! Units are metres. A mesh may consist of several closed components that
+//! overlap; a point inside any of them is inside the object.
 //!
-//! This crate does no I/O and knows nothing about how a mesh is looked at.
+//! This crate does no I/O and knows nothing about rendering.
+//!
+//! # Example
+//!
+//! ```
+//! use mesh::rounded_box;
+//!
+//! let solid = rounded_box([0.1, 0.2, 0.3], 0.0, 0.05);
+//! assert!((solid.mesh.signed_volume() - 0.006).abs() < 1e-6);
+//! assert!(solid.mesh.examination().is_sound());
+//! assert_eq!(solid.convex_parts.len(), 1);
+//! ```
 
-mod assembly;
-mod closed_surface;
-mod connected_parts;
+mod connected_components;
+mod contact_faces;
+mod convex_decomposition;
 mod convex_part;
-mod convex_pieces;
 mod decimation;
-mod examination;
+mod diagnostics;
 mod extrusion;
-mod measures;
+mod mass_properties;
+mod mesh_editing;
 mod revolution;
 mod rounded_box;
-mod smooth_normals;
 mod solid;
 mod superellipsoid;
-mod support_faces;
+mod surface_builder;
 mod triangle_mesh;
 mod triangulation;
 mod tube;
+mod union_find;
+mod vertex_normals;
 mod welding;
 
+pub use contact_faces::with_four_cornered_faces;
+pub use convex_decomposition::{convex_decomposition, simplify_polygon};
 pub use convex_part::{ConvexPart, N_POINTS_MAX};
-pub use convex_pieces::{convex_pieces, simplified};
-pub use examination::Examination;
+pub use diagnostics::Examination;
 pub use extrusion::extrude;
-pub use measures::Bounds;
+pub use mass_properties::Bounds;
 pub use revolution::lathe;
 pub use rounded_box::rounded_box;
 pub use solid::Solid;
 pub use superellipsoid::{ellipsoid, superellipsoid};
-pub use support_faces::with_four_cornered_faces;
 pub use triangle_mesh::{Surface, Triangle, TriangleMesh, Vertex};
 pub use triangulation::triangulate;
 pub use tube::{TubeSection, rounded_tube, tube};

@@ -1,25 +1,26 @@
-//! Bodies of revolution.
+//! Solids of revolution.
 
-use crate::closed_surface::ClosedSurface;
-use crate::convex_part::{circle_widening, n_sides};
-use crate::{ConvexPart, N_POINTS_MAX, Solid, convex_pieces, simplified};
+use crate::convex_part::{circle_inflation, n_sides};
+use crate::surface_builder::SurfaceBuilder;
+use crate::{ConvexPart, N_POINTS_MAX, Solid, convex_decomposition, simplify_polygon};
 use nalgebra::{Point2, Point3};
 use std::f32::consts::{PI, TAU};
 
-/// How far the section of the convex parts may deviate, metres.
+/// Concavity tolerance of the section's convex decomposition, metres. Chosen.
 const TOLERANCE_M: f32 = 0.003;
-/// The same where there would be too many parts, metres.
+/// Largest tolerance, used to reduce the number of parts, metres. Chosen.
 const TOLERANCE_MAX_M: f32 = 0.008;
-/// A section is simplified by this much before it is cut, less than half a wall.
+/// Simplification tolerance of a section before its decomposition, metres. Chosen: less than
+/// half a wall.
 const SIMPLIFICATION_M: f32 = 0.0005;
-/// What is nearer to the axis than this leaves no hole worth keeping.
+/// Radius below which a gap around the axis is closed, metres. Chosen.
 const AXIS_M: f32 = 0.002;
-/// Rings of a wall are cut into at most so many wedges.
+/// Maximum number of wedges of a ring. Chosen.
 const N_WEDGES_MAX: usize = 10;
-/// More parts than this ask for a coarser section.
+/// Maximum number of convex parts before the tolerance is increased. Chosen.
 const N_PARTS_MAX: usize = 22;
 
-/// Turns a closed profile about the z axis.
+/// Solid of revolution: rotates a closed profile about the z axis.
 ///
 /// The profile's points are (radius, height) with radius ≥ 0. It either starts
 /// and ends on the axis, or is a ring that is closed from its last point to its
@@ -40,8 +41,8 @@ pub fn lathe(profile: &[Point2<f32>], n_segments: usize) -> Solid {
     }
 }
 
-fn surface(profile: &[Point2<f32>], n_segments: usize) -> ClosedSurface {
-    let mut surface = ClosedSurface::default();
+fn surface(profile: &[Point2<f32>], n_segments: usize) -> SurfaceBuilder {
+    let mut surface = SurfaceBuilder::default();
     let rings: Vec<Vec<u32>> = profile
         .iter()
         .map(|p| ring(&mut surface, p, n_segments))
@@ -62,8 +63,8 @@ fn surface(profile: &[Point2<f32>], n_segments: usize) -> ClosedSurface {
     surface
 }
 
-/// A ring of points, or a single one on the axis.
-fn ring(surface: &mut ClosedSurface, p: &Point2<f32>, n_segments: usize) -> Vec<u32> {
+/// Ring of points, or a single point on the axis.
+fn ring(surface: &mut SurfaceBuilder, p: &Point2<f32>, n_segments: usize) -> Vec<u32> {
     if p.x <= 0.0 {
         return vec![surface.point(Point3::new(0.0, 0.0, p.y))];
     }
@@ -78,9 +79,9 @@ fn around(p: &Point2<f32>, angle_rad: f32) -> Point3<f32> {
 }
 
 fn parts(profile: &[Point2<f32>]) -> Vec<ConvexPart> {
-    let section = simplified(profile, SIMPLIFICATION_M);
+    let section = simplify_polygon(profile, SIMPLIFICATION_M);
     let with_tolerance = |tolerance_m| -> Vec<ConvexPart> {
-        convex_pieces(&section, tolerance_m)
+        convex_decomposition(&section, tolerance_m)
             .iter()
             .flat_map(|piece| turned(piece, tolerance_m))
             .collect()
@@ -94,7 +95,7 @@ fn parts(profile: &[Point2<f32>]) -> Vec<ConvexPart> {
     parts
 }
 
-/// The convex parts of a convex piece of the section.
+/// Convex parts of one convex piece of the section.
 fn turned(piece: &[Point2<f32>], tolerance_m: f32) -> Vec<ConvexPart> {
     let radius = piece.iter().map(|p| p.x).fold(0.0, f32::max);
     let is_at_axis = piece.iter().any(|p| p.x < AXIS_M);
@@ -115,13 +116,13 @@ fn slice(piece: &[Point2<f32>]) -> ConvexPart {
     let mut section = piece.to_vec();
     let mut tolerance_m = SIMPLIFICATION_M;
     while n_rings(&section) > n_rings_max && tolerance_m < 0.02 {
-        section = simplified(piece, tolerance_m);
+        section = simplify_polygon(piece, tolerance_m);
         tolerance_m *= 1.3;
     }
     let n_rings = n_rings(&section);
     let n_on_axis = section.len() - n_rings;
     let n_around = n_sides(radius).min((N_POINTS_MAX - n_on_axis) / n_rings.max(1));
-    let widening = circle_widening(n_around);
+    let widening = circle_inflation(n_around);
     let points = section.iter().flat_map(|p| {
         let n = if p.x >= AXIS_M { n_around } else { 1 };
         let corner = Point2::new(p.x * widening, p.y);
@@ -135,7 +136,7 @@ fn slice(piece: &[Point2<f32>]) -> ConvexPart {
 
 fn wedge(piece: &[Point2<f32>], k: usize, n_wedges: usize) -> ConvexPart {
     let step = TAU / n_wedges as f32;
-    let widening = circle_widening(n_wedges);
+    let widening = circle_inflation(n_wedges);
     let points = piece.iter().flat_map(|p| {
         let corner = Point2::new(p.x * widening, p.y);
         [k, k + 1].map(|k| around(&corner, k as f32 * step))

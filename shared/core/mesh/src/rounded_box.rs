@@ -1,11 +1,11 @@
-//! A box with rounded edges.
+//! Box with rounded edges.
 
-use crate::closed_surface::ClosedSurface;
+use crate::surface_builder::SurfaceBuilder;
 use crate::{ConvexPart, Solid};
 use nalgebra::{Point3, Vector3};
 use std::f32::consts::FRAC_PI_4;
 
-/// Steps of half a rounded edge: the finest edges are only cut off.
+/// Number of segments of half a rounded edge; the finest edges are only chamfered.
 fn n_round(radius_m: f32) -> usize {
     match radius_m {
         r if r < 0.0015 => 1,
@@ -14,15 +14,14 @@ fn n_round(radius_m: f32) -> usize {
     }
 }
 
-/// A box around the origin with sides `sides_m` and edges rounded by
-/// `radius_m` (at most half the shortest side; 0 for sharp edges). Its faces
-/// are divided into cells no longer than `cell_m`.
+/// Box around the origin with sides `sides_m` and edges rounded by `radius_m` (at most half the
+/// shortest side; 0 for sharp edges). Its faces are divided into cells no longer than `cell_m`.
 pub fn rounded_box(sides_m: [f32; 3], radius_m: f32, cell_m: f32) -> Solid {
     let half = Vector3::from(sides_m) / 2.0;
     let radius = radius_m.clamp(0.0, half.min());
     let inner = half.add_scalar(-radius);
     let ticks = [0, 1, 2].map(|axis| ticks(inner[axis], radius, cell_m));
-    let mut surface = ClosedSurface::default();
+    let mut surface = SurfaceBuilder::default();
     for axis in 0..3 {
         for side in [-1.0, 1.0] {
             face(&mut surface, &ticks, axis, side);
@@ -40,8 +39,7 @@ pub fn rounded_box(sides_m: [f32; 3], radius_m: f32, cell_m: f32) -> Solid {
     }
 }
 
-/// Where grid lines cross an axis: evenly between the edges, and by equal
-/// angles around them.
+/// Grid coordinates along an axis: even between the edges, at equal angles around them.
 fn ticks(inner: f32, radius: f32, cell: f32) -> Vec<f32> {
     let n_cells = ((2.0 * inner / cell.max(1e-4)).ceil() as usize).max(1);
     // Exactly symmetric, so that neighbouring faces meet.
@@ -59,8 +57,8 @@ fn ticks(inner: f32, radius: f32, cell: f32) -> Vec<f32> {
     ticks
 }
 
-/// A face of the sharp box, on the negative or positive side of an axis.
-fn face(surface: &mut ClosedSurface, ticks: &[Vec<f32>; 3], axis: usize, side: f32) {
+/// Adds a face of the sharp box, on the negative or positive side of an axis.
+fn face(surface: &mut SurfaceBuilder, ticks: &[Vec<f32>; 3], axis: usize, side: f32) {
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
     let end = side * ticks[axis].last().copied().unwrap_or(0.0);
     let first = surface.points.len() as u32;
@@ -84,7 +82,7 @@ fn face(surface: &mut ClosedSurface, ticks: &[Vec<f32>; 3], axis: usize, side: f
     }
 }
 
-/// Pulls a point of the sharp box onto the rounded one.
+/// Projects a point of the sharp box onto the rounded box.
 fn rounded(point: Point3<f32>, inner: Vector3<f32>, radius: f32) -> Point3<f32> {
     let nearest = Point3::from(
         point
@@ -97,7 +95,7 @@ fn rounded(point: Point3<f32>, inner: Vector3<f32>, radius: f32) -> Point3<f32> 
     }
 }
 
-/// Each corner cut off by a triangle.
+/// Corners of the box, each chamfered by a triangle.
 fn corners(half: Vector3<f32>, radius: f32) -> Vec<Point3<f32>> {
     let n_per_corner = if radius > 0.0 { 3 } else { 1 };
     (0..8)

@@ -1,47 +1,46 @@
-//! A mesh together with its convex parts.
+//! Solid: visual mesh with convex collision parts.
 
-use crate::closed_surface::{CREASE_RAD, turn_outwards};
+use crate::surface_builder::{CREASE_RAD, orient_outwards};
 use crate::{ConvexPart, Surface, TriangleMesh};
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use std::ops::Range;
 
-/// A body in the making: what is seen of it, and what it bumps into things
-/// with. Each builder gives one; they are painted, moved and joined.
+/// Solid: visual mesh and collision shapes of a body. Builders create solids; the methods
+/// paint, move and merge them.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Solid {
-    /// Closed surface that looks outwards.
+    /// Visual mesh: closed surface, oriented outwards.
     pub mesh: TriangleMesh,
-    /// Convex bodies that together fill it, to a few millimetres.
+    /// Collision shapes: convex parts that fill the mesh to within a few millimetres.
     pub convex_parts: Vec<ConvexPart>,
-    /// Triangles of the mesh that no convex part stands for: details that touch
-    /// nothing.
+    /// Triangle ranges of the mesh without collision shape (decoration).
     pub decoration: Vec<Range<usize>>,
 }
 
 impl Solid {
-    /// Coloured by position and normal, in the solid's present frame.
+    /// Solid with a colour for each vertex, by position and normal in the solid's current frame.
     pub fn painted(mut self, color: impl Fn(&Point3<f32>, &Vector3<f32>) -> [u8; 3]) -> Self {
         self.mesh.paint(color);
         self
     }
 
-    /// In one colour.
+    /// Solid in one colour.
     pub fn colored(self, color: [u8; 3]) -> Self {
         self.painted(|_, _| color)
     }
 
-    /// With all faces of one surface.
+    /// Solid with one surface for all faces.
     pub fn with_surface(mut self, surface: Surface) -> Self {
         self.mesh.set_surface(surface);
         self
     }
 
-    /// Moved by a displacement.
+    /// Solid translated by a displacement, metres.
     pub fn moved(self, x: f32, y: f32, z: f32) -> Self {
         self.placed(&Isometry3::translation(x, y, z))
     }
 
-    /// Turned about an axis through the origin, right-handed.
+    /// Solid rotated about an axis through the origin, right-handed.
     pub fn turned(self, axis: Vector3<f32>, angle_rad: f32) -> Self {
         let axis = nalgebra::Unit::new_normalize(axis);
         let rotation = UnitQuaternion::from_axis_angle(&axis, angle_rad);
@@ -51,7 +50,7 @@ impl Solid {
         ))
     }
 
-    /// Moved by `target_from_source`.
+    /// Solid transformed by `pose`, which is `target_from_source`.
     pub fn placed(mut self, pose: &Isometry3<f32>) -> Self {
         self.mesh.transform(pose);
         for part in &mut self.convex_parts {
@@ -60,12 +59,12 @@ impl Solid {
         self
     }
 
-    /// Deformed by a continuous map of space; normals are found anew.
+    /// Solid deformed by a continuous map of space, with new normals.
     pub fn warped(mut self, map: impl Fn(Point3<f32>) -> Point3<f32>) -> Self {
         for vertex in &mut self.mesh.vertices {
             vertex.position = map(vertex.position);
         }
-        turn_outwards(&mut self.mesh);
+        orient_outwards(&mut self.mesh);
         self.mesh.smooth_normals(CREASE_RAD);
         for point in self.convex_parts.iter_mut().flat_map(|p| &mut p.points) {
             *point = map(*point);
@@ -73,12 +72,12 @@ impl Solid {
         self
     }
 
-    /// Stretched along the axes by factors other than zero.
+    /// Solid scaled along the axes by factors other than zero.
     pub fn stretched(self, x: f32, y: f32, z: f32) -> Self {
         self.warped(|p| Point3::new(p.x * x, p.y * y, p.z * z))
     }
 
-    /// Together with another one.
+    /// Union with another solid; overlaps are kept.
     pub fn joined(mut self, other: Self) -> Self {
         let first = self.mesh.triangles.len();
         let decoration = other.decoration.into_iter();
@@ -89,8 +88,8 @@ impl Solid {
         self
     }
 
-    /// With one convex part around all of it, for what is filled by that well
-    /// enough or too fine to be bumped into in detail.
+    /// Solid with its convex hull as the only collision shape, for nearly convex or very fine
+    /// bodies.
     pub fn hulled(mut self) -> Self {
         let points = self.mesh.vertices.iter().map(|v| v.position).collect();
         self.convex_parts = vec![ConvexPart::around(points)];
@@ -98,14 +97,14 @@ impl Solid {
         self
     }
 
-    /// Without convex parts, for details that touch nothing.
+    /// Solid without collision shapes, for decoration.
     pub fn decorative(mut self) -> Self {
         self.convex_parts.clear();
         self.decoration = std::iter::once(0..self.mesh.triangles.len()).collect();
         self
     }
 
-    /// With the centre of its bounding box at the origin.
+    /// Solid with the centre of its bounding box at the origin.
     pub fn recentred(mut self) -> Self {
         let shift = self.mesh.recentre();
         for point in self.convex_parts.iter_mut().flat_map(|p| &mut p.points) {

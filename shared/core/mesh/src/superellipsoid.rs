@@ -1,19 +1,19 @@
-//! Ellipsoids and their squarish relatives.
+//! Ellipsoids and superellipsoids.
 
-use crate::closed_surface::ClosedSurface;
-use crate::convex_part::ball_widening;
+use crate::convex_part::sphere_inflation;
+use crate::surface_builder::SurfaceBuilder;
 use crate::{ConvexPart, Solid};
 use nalgebra::Point3;
 use std::f32::consts::{PI, TAU};
 
-/// An ellipsoid around the origin with these semi-axes, metres.
+/// Ellipsoid around the origin with the given semi-axes, metres.
 pub fn ellipsoid(semi_axes_m: [f32; 3], n_segments: usize) -> Solid {
     superellipsoid(semi_axes_m, 1.0, 1.0, n_segments)
 }
 
-/// A superellipsoid around the origin (Barr 1981): `vertical` and `horizontal`
-/// are the exponents of the sections through the z axis and across it; 1 is
-/// round, towards 0 it becomes a box, 2 a double pyramid; 0.1 to 2.
+/// Superellipsoid around the origin (Barr 1981). `vertical` and `horizontal` are the exponents
+/// of the sections through the z axis and across it, 0.1 to 2: 1 is round, 0 a box, 2 a double
+/// pyramid.
 pub fn superellipsoid(
     semi_axes_m: [f32; 3],
     vertical: f32,
@@ -33,7 +33,7 @@ pub fn superellipsoid(
             c * power(sin_up, vertical),
         )
     };
-    let mut surface = ClosedSurface::default();
+    let mut surface = SurfaceBuilder::default();
     let bottom = surface.point(Point3::new(0.0, 0.0, -c));
     let top = surface.point(Point3::new(0.0, 0.0, c));
     let rings: Vec<Vec<u32>> = (1..n_up)
@@ -53,7 +53,7 @@ pub fn superellipsoid(
     surface.fan(&rings[rings.len() - 1], top);
     let mut part = ConvexPart::around(surface.points.clone());
     if part.points.len() < surface.points.len() {
-        let widening = ball_widening(part.points.len());
+        let widening = sphere_inflation(part.points.len());
         for point in &mut part.points {
             *point *= widening;
         }
@@ -65,7 +65,7 @@ pub fn superellipsoid(
     }
 }
 
-/// A power that keeps the sign.
+/// Signed power: |x|^exponent with the sign of x.
 fn power(x: f32, exponent: f32) -> f32 {
     x.abs().powf(exponent).copysign(x)
 }

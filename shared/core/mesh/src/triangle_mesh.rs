@@ -1,8 +1,8 @@
-//! A coloured triangle mesh.
+//! Coloured triangle mesh.
 
 use nalgebra::{Point3, Vector3};
 
-/// One corner; corners of different smooth faces do not share a vertex.
+/// Vertex of a mesh; smooth faces share vertices, faces at a crease do not.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Vertex {
     /// Position in the mesh's frame, metres.
@@ -13,25 +13,25 @@ pub struct Vertex {
     pub color: [u8; 3],
 }
 
-/// How a face reflects light besides its colour.
+/// Reflectance of a face apart from its colour.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Surface {
-    /// Share of mirror-like reflection: 0 matte, 0.3 glazed, 0.9 polished metal.
+    /// Specular fraction: 0 matte, 0.3 glazed, 0.9 polished metal.
     pub specular: f32,
-    /// Share of the projector's infrared light that is scattered back, relative
-    /// to what the colour's brightness suggests: 1 usual, 0.1 for what is black in infrared.
+    /// Infrared reflectance relative to that suggested by the brightness of the colour: 1 usual,
+    /// 0.1 for surfaces that are black in infrared.
     pub infrared: f32,
 }
 
 impl Surface {
-    /// Scatters light in all directions.
+    /// Diffuse (Lambertian) surface.
     pub const MATTE: Self = Self {
         specular: 0.0,
         infrared: 1.0,
     };
 }
 
-/// Three vertices, counter-clockwise seen from outside.
+/// Triangle, counter-clockwise seen from outside.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Triangle {
     /// Indices into [`TriangleMesh::vertices`].
@@ -40,13 +40,13 @@ pub struct Triangle {
     pub surface: u8,
 }
 
-/// A coloured triangle mesh, metres.
+/// Coloured triangle mesh, metres.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TriangleMesh {
-    /// Corners.
+    /// Vertices.
     pub vertices: Vec<Vertex>,
     /// Faces.
     pub triangles: Vec<Triangle>,
-    /// Reflection of the faces; at most 256.
+    /// Surfaces of the faces; at most 256.
     pub surfaces: Vec<Surface>,
 }

@@ -1,17 +1,17 @@
-//! Cutting a polygon into triangles.
+//! Polygon triangulation by ear clipping.
 
 use nalgebra::Point2;
 
-/// Most times that all pairs of triangles are looked at.
+/// Maximum number of edge-flip passes over all pairs of triangles.
 const N_FLIP_PASSES: usize = 12;
 
-/// Twice the signed area of a triangle: positive for counter-clockwise.
-pub(crate) fn turn(a: Point2<f32>, b: Point2<f32>, c: Point2<f32>) -> f32 {
+/// Orientation test: twice the signed area of a triangle, positive for counter-clockwise.
+pub(crate) fn orient2d(a: Point2<f32>, b: Point2<f32>, c: Point2<f32>) -> f32 {
     (b - a).perp(&(c - a))
 }
 
 /// Twice the signed area of a polygon: positive for counter-clockwise.
-pub(crate) fn doubled_area(polygon: &[Point2<f32>]) -> f32 {
+pub(crate) fn doubled_signed_area(polygon: &[Point2<f32>]) -> f32 {
     let next = polygon.iter().cycle().skip(1);
     polygon
         .iter()
@@ -20,14 +20,14 @@ pub(crate) fn doubled_area(polygon: &[Point2<f32>]) -> f32 {
         .sum()
 }
 
-/// Triangles of a simple polygon, concave or not, in its own direction, as
-/// indices of its corners. Fewer than three corners give none.
+/// Triangulation of a simple polygon, convex or concave, as corner indices in the polygon's own
+/// orientation. Fewer than three corners give no triangles.
 ///
 /// Ear clipping (Meisters 1975), the roundest ear first, O(n³); then edges are
 /// flipped as long as triangles become rounder. A polygon that
 /// crosses itself still gives n − 2 triangles.
 pub fn triangulate(polygon: &[Point2<f32>]) -> Vec<[usize; 3]> {
-    let sign = doubled_area(polygon).signum();
+    let sign = doubled_signed_area(polygon).signum();
     let mut left: Vec<usize> = (0..polygon.len()).collect();
     let mut triangles = Vec::with_capacity(polygon.len());
     while left.len() > 3 {
@@ -50,18 +50,20 @@ fn corners(left: &[usize], k: usize) -> [usize; 3] {
     [left[(k + n - 1) % n], left[k], left[(k + 1) % n]]
 }
 
-/// Roundness of the triangle at a corner; not positive where cutting it off is
-/// wrong, and the less the worse.
+/// Quality of clipping the ear at a corner; not positive for an invalid ear, and lower the
+/// worse it is.
 fn ear_quality(polygon: &[Point2<f32>], left: &[usize], k: usize, sign: f32) -> f32 {
     let ear = corners(left, k);
     let [a, b, c] = ear.map(|i| polygon[i]);
-    let quality = roundness([a, b, c]) * sign;
+    let quality = triangle_quality([a, b, c]) * sign;
     if quality < -1e-6 {
         return quality - 3.0;
     }
     // On the cut itself nothing may lie, on the outline only what touches it.
     let is_inside = |p: Point2<f32>| {
-        turn(a, b, p) * sign > 0.0 && turn(b, c, p) * sign > 0.0 && turn(c, a, p) * sign >= 0.0
+        orient2d(a, b, p) * sign > 0.0
+            && orient2d(b, c, p) * sign > 0.0
+            && orient2d(c, a, p) * sign >= 0.0
     };
     match left
         .iter()
@@ -73,19 +75,19 @@ fn ear_quality(polygon: &[Point2<f32>], left: &[usize], k: usize, sign: f32) -> 
     }
 }
 
-/// Twice the area over the square of the longest side.
-fn roundness([a, b, c]: [Point2<f32>; 3]) -> f32 {
+/// Shape quality of a triangle: twice the signed area over the squared longest side.
+fn triangle_quality([a, b, c]: [Point2<f32>; 3]) -> f32 {
     let longest2 = (b - a)
         .norm_squared()
         .max((c - b).norm_squared())
         .max((a - c).norm_squared());
-    turn(a, b, c) / longest2.max(f32::MIN_POSITIVE)
+    orient2d(a, b, c) / longest2.max(f32::MIN_POSITIVE)
 }
 
-/// Turns the common edge of two triangles where both become rounder, so that
-/// none remains whose corners lie on a line.
+/// Edge flips: replaces the common edge of two triangles where that improves the worse one, so
+/// that no degenerate triangle remains.
 fn flip_edges(polygon: &[Point2<f32>], triangles: &mut [[usize; 3]], sign: f32) {
-    let quality = |t: [usize; 3]| roundness(t.map(|i| polygon[i])) * sign;
+    let quality = |t: [usize; 3]| triangle_quality(t.map(|i| polygon[i])) * sign;
     for _ in 0..N_FLIP_PASSES {
         let mut n_flips = 0;
         for i in 1..triangles.len() {
@@ -106,8 +108,7 @@ fn flip_edges(polygon: &[Point2<f32>], triangles: &mut [[usize; 3]], sign: f32) 
     }
 }
 
-/// The other two triangles of the quadrilateral that two with a common edge
-/// make; `None` without one.
+/// Triangles after flipping the common edge of two triangles; `None` without a common edge.
 fn flipped(a: [usize; 3], b: [usize; 3]) -> Option<([usize; 3], [usize; 3])> {
     let i = (0..3).find(|&i| !b.contains(&a[i]))?;
     let (p, q) = (a[(i + 1) % 3], a[(i + 2) % 3]);
@@ -136,11 +137,11 @@ mod tests {
             prop_assert_eq!(triangles.len(), polygon.len() - 2);
             let areas: Vec<f32> = triangles
                 .iter()
-                .map(|t| turn(polygon[t[0]], polygon[t[1]], polygon[t[2]]))
+                .map(|t| orient2d(polygon[t[0]], polygon[t[1]], polygon[t[2]]))
                 .collect();
             prop_assert!(areas.iter().all(|area| *area > -1e-6));
             let sum: f32 = areas.iter().sum();
-            prop_assert!((sum - doubled_area(&polygon)).abs() < 1e-4);
+            prop_assert!((sum - doubled_signed_area(&polygon)).abs() < 1e-4);
         }
     }
 
@@ -157,10 +158,10 @@ mod tests {
         comb.truncate(comb.len() - 2);
         let sum: f32 = triangulate(&comb)
             .iter()
-            .map(|t| turn(comb[t[0]], comb[t[1]], comb[t[2]]))
+            .map(|t| orient2d(comb[t[0]], comb[t[1]], comb[t[2]]))
             .inspect(|area| assert!(*area > 0.0))
             .sum();
-        assert!((sum - doubled_area(&comb)).abs() < 1e-4);
+        assert!((sum - doubled_signed_area(&comb)).abs() < 1e-4);
         assert!(triangulate(&comb[..2]).is_empty());
     }
 }

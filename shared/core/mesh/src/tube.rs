@@ -1,29 +1,29 @@
-//! A section swept along a curve.
+//! Tubes: elliptic sections swept along a curve.
 
-use crate::closed_surface::ClosedSurface;
-use crate::convex_part::{circle_widening, n_sides};
+use crate::convex_part::{circle_inflation, n_sides};
+use crate::surface_builder::SurfaceBuilder;
 use crate::{ConvexPart, Solid};
 use nalgebra::{Point3, Vector3};
 use std::f32::consts::{FRAC_PI_2, TAU};
 
-/// How far the convex parts may deviate, metres.
+/// Tolerance of the convex parts, metres. Chosen.
 const TOLERANCE_M: f32 = 0.0025;
-/// Rings of a rounded end.
+/// Number of rings of a rounded end.
 const N_END_RINGS: usize = 4;
 
-/// An elliptic section of a tube.
+/// Elliptic cross-section of a tube.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TubeSection {
-    /// Its centre, on the curve.
+    /// Centre, on the curve.
     pub centre: Point3<f32>,
-    /// Semi-axis across the curve and the up direction, metres.
+    /// Semi-axis perpendicular to the curve and to the up direction, metres.
     pub half_width: f32,
     /// Semi-axis along the up direction, metres.
     pub half_height: f32,
 }
 
 impl TubeSection {
-    /// A circle.
+    /// Circular cross-section.
     pub fn round(centre: Point3<f32>, radius: f32) -> Self {
         Self {
             centre,
@@ -33,9 +33,9 @@ impl TubeSection {
     }
 }
 
-/// A tube through sections, with flat ends. `up` is the direction of the first
-/// section's height, not along the curve; it is carried along without twist.
-/// `n_sides` ≥ 3. Fewer than two different centres give nothing.
+/// Sweeps a tube through cross-sections, with flat ends. `up` is the direction of the first
+/// section's height, not along the curve; it is transported without twist. `n_sides` ≥ 3. Fewer
+/// than two different centres give an empty solid.
 ///
 /// The convex parts join sections as far as the curve is straight.
 pub fn tube(sections: &[TubeSection], up: Vector3<f32>, n_sides: usize) -> Solid {
@@ -46,7 +46,7 @@ pub fn tube(sections: &[TubeSection], up: Vector3<f32>, n_sides: usize) -> Solid
     }
     let n_sides = n_sides.max(3);
     let frames = frames(&sections, up);
-    let mut surface = ClosedSurface::default();
+    let mut surface = SurfaceBuilder::default();
     let rings: Vec<Vec<u32>> = sections
         .iter()
         .zip(&frames)
@@ -70,7 +70,7 @@ pub fn tube(sections: &[TubeSection], up: Vector3<f32>, n_sides: usize) -> Solid
     }
 }
 
-/// A tube whose ends are half ellipsoids beyond the first and last section.
+/// Tube with half ellipsoids as ends, beyond the first and last section.
 pub fn rounded_tube(sections: &[TubeSection], up: Vector3<f32>, n_sides: usize) -> Solid {
     let n = sections.len();
     if n < 2 {
@@ -98,15 +98,16 @@ pub fn rounded_tube(sections: &[TubeSection], up: Vector3<f32>, n_sides: usize) 
     tube(&all, up, n_sides)
 }
 
-/// Across and up at a section.
+/// Frame of a cross-section.
 #[derive(Clone, Copy)]
-struct Frame {
+struct SweepFrame {
     across: Vector3<f32>,
     up: Vector3<f32>,
 }
 
-/// Frames along the curve, each the projection of the one before.
-fn frames(sections: &[TubeSection], up: Vector3<f32>) -> Vec<Frame> {
+/// Transported frames along the curve: the up direction of each is the projection of the
+/// preceding one.
+fn frames(sections: &[TubeSection], up: Vector3<f32>) -> Vec<SweepFrame> {
     let n = sections.len();
     let mut up = up;
     (0..n)
@@ -124,14 +125,14 @@ fn frames(sections: &[TubeSection], up: Vector3<f32>) -> Vec<Frame> {
             let across = tangent
                 .cross(&up)
                 .try_normalize(1e-6)
-                .unwrap_or_else(|| any_across(tangent));
+                .unwrap_or_else(|| any_perpendicular(tangent));
             up = across.cross(&tangent);
-            Frame { across, up }
+            SweepFrame { across, up }
         })
         .collect()
 }
 
-fn any_across(tangent: Vector3<f32>) -> Vector3<f32> {
+fn any_perpendicular(tangent: Vector3<f32>) -> Vector3<f32> {
     let other = if tangent.x.abs() < 0.7 {
         Vector3::x()
     } else {
@@ -142,7 +143,7 @@ fn any_across(tangent: Vector3<f32>) -> Vector3<f32> {
 
 fn outline(
     section: &TubeSection,
-    frame: &Frame,
+    frame: &SweepFrame,
     n_sides: usize,
 ) -> impl Iterator<Item = Point3<f32>> + use<> {
     let (section, frame) = (*section, *frame);
@@ -154,11 +155,11 @@ fn outline(
     })
 }
 
-/// Hulls around sections, as many as are close to the chord.
-fn parts(sections: &[TubeSection], frames: &[Frame]) -> Vec<ConvexPart> {
+/// Convex parts: hulls around runs of sections that are close to their chord.
+fn parts(sections: &[TubeSection], frames: &[SweepFrame]) -> Vec<ConvexPart> {
     let radii = sections.iter().map(|s| s.half_width.max(s.half_height));
     let n_sides = n_sides(radii.fold(0.0, f32::max));
-    let widening = circle_widening(n_sides);
+    let widening = circle_inflation(n_sides);
     let mut parts = Vec::new();
     let mut from = 0;
     while from + 1 < sections.len() {
@@ -183,7 +184,8 @@ fn parts(sections: &[TubeSection], frames: &[Frame]) -> Vec<ConvexPart> {
     parts
 }
 
-/// Whether centres and semi-axes change evenly from the first to the last.
+/// True if centres and semi-axes change linearly from the first section to the last, within the
+/// tolerance.
 fn is_straight(sections: &[TubeSection]) -> bool {
     let (first, last) = (sections[0], sections[sections.len() - 1]);
     let along = last.centre - first.centre;

@@ -1,19 +1,19 @@
-//! Which vertices lie at the same place.
+//! Vertex welding: vertices at equal positions are treated as one.
 
 use crate::TriangleMesh;
 use nalgebra::Point3;
 use std::collections::HashMap;
 
-/// Same bits for the same place: negative zero is zero.
+/// Hash key of a position: equal bits for equal positions, negative zero included.
 fn key(position: &Point3<f32>) -> [u32; 3] {
     [position.x, position.y, position.z].map(|x| (x + 0.0).to_bits())
 }
 
-/// For each vertex the number of its place, counted in the order of first
-/// occurrence, and how many places there are.
-pub(crate) fn places(mesh: &TriangleMesh) -> (Vec<u32>, usize) {
+/// Index of the welded vertex for each vertex, in the order of first occurrence, and the number
+/// of welded vertices.
+pub(crate) fn weld_vertices(mesh: &TriangleMesh) -> (Vec<u32>, usize) {
     let mut known = HashMap::with_capacity(mesh.vertices.len());
-    let place_of_vertex = mesh
+    let welded_index = mesh
         .vertices
         .iter()
         .map(|vertex| {
@@ -21,17 +21,17 @@ pub(crate) fn places(mesh: &TriangleMesh) -> (Vec<u32>, usize) {
             *known.entry(key(&vertex.position)).or_insert(next)
         })
         .collect();
-    (place_of_vertex, known.len())
+    (welded_index, known.len())
 }
 
-/// The places of a triangle's corners; `None` when a corner does not exist.
-pub(crate) fn corner_places(place_of_vertex: &[u32], vertices: [u32; 3]) -> Option<[u32; 3]> {
-    let at = |i: u32| place_of_vertex.get(i as usize).copied();
+/// Welded vertices of a triangle's corners; `None` for an invalid index.
+pub(crate) fn welded_corners(welded_index: &[u32], vertices: [u32; 3]) -> Option<[u32; 3]> {
+    let at = |i: u32| welded_index.get(i as usize).copied();
     let [a, b, c] = vertices;
     Some([at(a)?, at(b)?, at(c)?])
 }
 
-/// Whether two corners fall together.
-pub(crate) fn is_collapsed([a, b, c]: [u32; 3]) -> bool {
+/// True if two corners coincide.
+pub(crate) fn is_degenerate([a, b, c]: [u32; 3]) -> bool {
     a == b || b == c || c == a
 }

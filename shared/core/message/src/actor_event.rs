@@ -1,21 +1,21 @@
-//! What happens to the object actors.
+//! Life-cycle events of the object actors.
 
 use crate::{SCHEMA_VERSION, Text};
 use bytemuck::AnyBitPattern;
 use iceoryx2::prelude::ZeroCopySend;
 
-/// What happened, as a number in [`ActorEvent::kind`].
+/// Kind of a life-cycle event, as a code in [`ActorEvent::kind`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ActorEventKind {
-    /// The actor is ready, for the first time or again.
+    /// Actor is ready, after its first start or a restart.
     Started = 1,
-    /// Its life ended and another begins after a time.
+    /// Actor failed and restarts after a delay.
     Restarting = 2,
-    /// It ended and does not come back.
+    /// Actor ended and will not be restarted.
     Stopped = 3,
-    /// It did not stop in time and was left behind.
+    /// Actor did not stop within its deadline; its thread was abandoned.
     Abandoned = 4,
-    /// Restarts exceeded the policy: the process ends.
+    /// Restarts exceeded the restart policy: the process ends.
     Escalated = 5,
 }
 
@@ -28,17 +28,17 @@ impl ActorEventKind {
         Self::Escalated,
     ];
 
-    /// The number on the wire.
+    /// Wire code.
     pub fn code(self) -> u32 {
         self as u32
     }
 
-    /// The kind of a number; `None` for any other number.
+    /// Kind of a wire code; `None` for an unknown code.
     pub fn from_code(code: u32) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.code() == code)
     }
 
-    /// The word for people and scripts.
+    /// Name for people and scripts.
     pub fn word(self) -> &'static str {
         match self {
             Self::Started => "started",
@@ -50,39 +50,39 @@ impl ActorEventKind {
     }
 }
 
-/// One event, with what the process has counted since its start.
+/// Life-cycle event of an object actor, with the actor counters of the process.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, AnyBitPattern, ZeroCopySend)]
 #[type_name("tabula.ActorEvent.v3")]
 #[repr(C)]
 pub struct ActorEvent {
     /// [`SCHEMA_VERSION`] of the writer.
     pub schema_version: u32,
-    /// Number of an [`ActorEventKind`].
+    /// Code of a [`ActorEventKind`].
     pub kind: u32,
-    /// The track whose actor it is.
+    /// Track id of the actor's object.
     pub track_id: u64,
-    /// Sequence of the frame at work, which the track loses; meant when `has_frame`
-    /// is 1.
+    /// Sequence number of the frame in progress, which the track loses; valid when `has_frame` is
+    /// 1.
     pub frame: u64,
-    /// 1 when a frame was at work.
+    /// 1 when a frame was in progress.
     pub has_frame: u32,
-    /// Process id of the perception, which tells its lives apart.
+    /// Process id of the perception process; distinguishes its runs.
     pub pid: u32,
-    /// When the event was taken, monotonic.
+    /// Time of the event, monotonic clock, nanoseconds.
     pub stamp_ns: u64,
-    /// Time until the next life begins, nanoseconds; 0 but for `Restarting`.
+    /// Delay until the restart, nanoseconds; 0 unless the kind is `Restarting`.
     pub restart_after_ns: u64,
-    /// Actors now.
+    /// Number of live actors.
     pub n_actors: u64,
-    /// Restarts so far, this one included.
+    /// Number of restarts so far, including this one.
     pub n_restarts: u64,
-    /// Actors left behind so far, this one included.
+    /// Number of abandoned actors so far, including this one.
     pub n_abandoned: u64,
-    /// Events that were lost so far, for nobody took them in time.
+    /// Number of events lost so far because the event queue was full.
     pub n_lost: u64,
-    /// Why; empty where nothing went wrong.
+    /// Cause of the failure; empty when nothing failed.
     pub cause: Text,
-    /// Zero.
+    /// Padding, zero.
     pub reserved: u32,
 }
 
@@ -110,12 +110,12 @@ impl Default for ActorEvent {
 }
 
 impl ActorEvent {
-    /// What happened; `None` when the number is no kind.
+    /// Kind of the event; `None` for an unknown code.
     pub fn kind(&self) -> Option<ActorEventKind> {
         ActorEventKind::from_code(self.kind)
     }
 
-    /// Sequence of the frame at work.
+    /// Sequence number of the frame in progress, if any.
     pub fn frame(&self) -> Option<u64> {
         (self.has_frame == 1).then_some(self.frame)
     }

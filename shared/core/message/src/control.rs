@@ -1,20 +1,31 @@
-//! The control plane: what people, scripts and processes ask of each other.
+//! Control plane: requests and replies between people, scripts and processes.
 //!
-//! One request, one reply, CBOR on the wire; the carriers (shared memory
-//! between the daemon's own processes, a Unix socket for everyone else) are in
-//! `channel`. All reports are what `--json` prints: `snake_case`, SI units.
+//! One request, one reply, CBOR on the wire. The transports (shared memory
+//! between the daemon's own processes, a Unix socket for all other clients) are
+//! in `channel`. All reports are documents that `--json` prints: `snake_case`,
+//! SI units.
+//!
+//! # Example
+//!
+//! ```
+//! use message::ProcessKind;
+//! use message::control::{Command, MemoryQuery, Request};
+//!
+//! let request = Request::from(Command::Memory(MemoryQuery::Stats));
+//! assert_eq!(request.command.owner(), ProcessKind::Memory);
+//! ```
 
 mod arm;
-mod ignored;
 mod learning;
 mod memory;
 mod packed_cloud;
 mod refusal;
+mod rejected;
 mod report;
+mod rounding;
 mod world;
 
 pub use arm::{ArmCommand, ArmReport};
-pub use ignored::{AssumptionReport, FindingReport, IgnoredReport};
 pub use learning::{
     ChangesPage, LearnedChange, LearnedView, MutationId, SnapshotCursor, SnapshotPage, StoredView,
     ViewId,
@@ -26,6 +37,7 @@ pub use memory::{
 };
 pub use packed_cloud::{InvalidCloud, MAX_CLOUD_POINTS, PackedCloud, pack_cloud};
 pub use refusal::{Refusal, RefusalKind};
+pub use rejected::{AssumptionReport, FindingReport, IgnoredReport};
 pub use report::{
     ActorStampsReport, CategoryReport, CovarianceReport, LearningReport, NearCategoryReport,
     ObjectReport, ObjectsReport, ProcessReport,
@@ -40,18 +52,18 @@ pub use world::{
 use crate::ProcessKind;
 use serde::{Deserialize, Serialize};
 
-/// Version of the requests and replies.
+/// Version of the control protocol: requests and replies.
 pub const PROTOCOL_VERSION: u32 = 2;
 
-/// Longest encoded request or reply, bytes; longer answers come in pages.
+/// Maximum size of an encoded request or reply, bytes; longer answers are paged.
 pub const MAX_MESSAGE_BYTES: usize = 512 * 1024;
 
-/// A command with the version of its writer.
+/// Request: a command with the protocol version of its writer.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Request {
     /// [`PROTOCOL_VERSION`] of the writer.
     pub protocol: u32,
-    /// What is asked.
+    /// Command.
     pub command: Command,
 }
 
@@ -64,131 +76,131 @@ impl From<Command> for Request {
     }
 }
 
-/// What can be asked.
+/// Command of the control protocol.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Command {
-    /// All tracked objects.
+    /// List all tracked objects.
     Objects,
-    /// One tracked object.
+    /// Report one tracked object.
     Ask {
-        /// The track.
+        /// Track id.
         track_id: u64,
     },
-    /// The processes' health.
+    /// Report the health of all processes.
     Health,
-    /// Label a track that carries no other label.
+    /// Label a track that has no other label.
     Teach(Labelling),
-    /// Label a track, whatever label it carries.
+    /// Label a track, replacing any label it has.
     Correct(Labelling),
-    /// Forget a category; its views stay, without a label.
+    /// Forget a category; its views are kept without a label.
     Forget {
-        /// Identity of this mutation.
+        /// Idempotency key of the mutation.
         id: MutationId,
-        /// Who asks.
+        /// Author of the request.
         author: String,
-        /// The category.
+        /// Category name.
         category: String,
     },
-    /// What has been learned.
+    /// List the learned categories.
     Categories,
-    /// Change what is known, besides teaching.
+    /// Revise the perceptual memory other than by teaching.
     Revise(Revision),
-    /// Look into the memory.
+    /// Query the perceptual memory.
     Memory(MemoryQuery),
-    /// Long work on the memory.
+    /// Start or follow a long-running job on the perceptual memory.
     Job(JobCommand),
-    /// Something for the arm.
+    /// Command the arm.
     Arm(ArmCommand),
-    /// Something for the working memory.
+    /// Query or update the working memory.
     World(WorldCommand),
-    /// A block of track-ids that nobody else will ever get.
+    /// Lease a block of track ids that are never issued again.
     LeaseTrackIds {
-        /// How many.
+        /// Number of ids.
         count: u32,
     },
-    /// Store key views durably; their track-ids are leased by who stores them.
+    /// Store key views durably. Their track ids must have been leased by the sender.
     StoreViews {
-        /// Identity of this mutation.
+        /// Idempotency key of the mutation.
         id: MutationId,
-        /// The views.
+        /// Key views.
         views: Vec<StoredView>,
     },
-    /// One page of all labelled views.
+    /// Read one page of all labelled views.
     Snapshot {
-        /// What the last page gave as next; `None` for the first page.
+        /// Cursor of the page, from the previous page; `None` for the first page.
         after: Option<SnapshotCursor>,
     },
-    /// What has been learned since a history sequence.
+    /// Read the changes of learned views since a history sequence.
     Changes {
-        /// The store whose sequence `since` is.
+        /// Identity of the store that `since` belongs to.
         #[serde(with = "learning::hex_id")]
         store_id: u128,
-        /// The sequence the reader holds.
+        /// Newest sequence that the reader has applied.
         since: u64,
     },
 }
 
-/// A label for a track.
+/// Assignment of a category label to a track.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Labelling {
-    /// Identity of this mutation: the same id again gets the first answer.
+    /// Idempotency key: a repeated id gets the answer of the first request.
     pub id: MutationId,
-    /// Who teaches.
+    /// Author of the label.
     pub author: String,
-    /// The track.
+    /// Track id.
     pub track_id: u64,
-    /// The category.
+    /// Category name.
     pub category: String,
 }
 
-/// The answer to a command.
+/// Reply to a command.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Reply {
-    /// To [`Command::Objects`].
+    /// Reply to [`Command::Objects`].
     Objects(ObjectsReport),
-    /// To [`Command::Ask`].
+    /// Reply to [`Command::Ask`].
     Object(Box<ObjectReport>),
-    /// To [`Command::Health`].
+    /// Reply to [`Command::Health`].
     Health(Vec<ProcessReport>),
-    /// To teach, correct, forget and revise: on disk.
+    /// Reply to teach, correct, forget and revise: the change is on disk.
     Learned(LearningReport),
-    /// To [`Command::Memory`].
+    /// Reply to [`Command::Memory`].
     Memory(MemoryAnswer),
-    /// To [`Command::Job`].
+    /// Reply to [`Command::Job`].
     Job(JobReport),
-    /// To [`JobCommand::Read`].
+    /// Reply to [`JobCommand::Read`].
     JobBytes {
-        /// Bytes from the offset on; empty when there are none yet.
+        /// Bytes from the requested offset; empty when none are ready yet.
         #[serde(with = "serde_bytes")]
         bytes: Vec<u8>,
     },
-    /// To [`Command::Categories`].
+    /// Reply to [`Command::Categories`].
     Categories(Vec<CategoryReport>),
-    /// To [`Command::Arm`]: how the arm is, now that it has the command.
+    /// Reply to [`Command::Arm`]: state of the arm after it accepted the command.
     Arm(ArmReport),
-    /// To [`Command::World`].
+    /// Reply to [`Command::World`].
     World(Box<WorldReply>),
-    /// To [`Command::LeaseTrackIds`]: the first id of the block.
+    /// Reply to [`Command::LeaseTrackIds`]: the leased block.
     TrackIds {
-        /// The first id; the others follow it.
+        /// First id of the block; the others follow consecutively.
         first: u64,
     },
-    /// To [`Command::StoreViews`]: on disk.
+    /// Reply to [`Command::StoreViews`]: the views are on disk.
     Stored,
-    /// To [`Command::Snapshot`].
+    /// Reply to [`Command::Snapshot`].
     Snapshot(SnapshotPage),
-    /// To [`Command::Changes`].
+    /// Reply to [`Command::Changes`].
     Changes(ChangesPage),
-    /// The command was not carried out, nothing was changed.
+    /// Refusal: the command was not executed and nothing was changed.
     Refused(Refusal),
 }
 
 impl Command {
-    /// The process that answers the command.
+    /// Process that answers the command.
     pub fn owner(&self) -> ProcessKind {
         match self {
             Self::Objects | Self::Ask { .. } => ProcessKind::Perception,
@@ -197,7 +209,7 @@ impl Command {
         }
     }
 
-    /// Whether only the daemon's own processes may send it.
+    /// True if only the daemon's own processes may send the command.
     pub fn is_internal(&self) -> bool {
         matches!(self, Self::Snapshot { .. } | Self::Changes { .. })
     }

@@ -1,4 +1,4 @@
-//! One frame of the camera: header and points.
+//! Camera frame: header and points.
 
 use crate::pose::WireTransform;
 use crate::{SCHEMA_VERSION, Text};
@@ -6,10 +6,9 @@ use bytemuck::{AnyBitPattern, Pod, Zeroable};
 use geometry::{InvalidIntrinsics, PinholeCamera, RigidTransform};
 use iceoryx2::prelude::ZeroCopySend;
 use nalgebra::{Unit, Vector3};
-use std::fmt;
 use std::mem::offset_of;
 
-/// A point in shared memory; the same bytes as [`point_cloud::Point`].
+/// Point in shared memory; same layout as [`point_cloud::Point`].
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable, ZeroCopySend)]
 #[type_name("tabula.CloudPoint.v1")]
 #[repr(C)]
@@ -20,36 +19,36 @@ pub struct CloudPoint {
     pub y: f32,
     /// Forward, metres.
     pub z: f32,
-    /// Alpha, red, green, blue from the highest byte to the lowest.
+    /// Packed colour: alpha, red, green, blue from the highest byte to the lowest.
     pub argb: u32,
 }
 
 const _: () = assert!(size_of::<CloudPoint>() == 16 && align_of::<CloudPoint>() == 4);
 
-/// Points of a message as the kernels' type, without a copy.
+/// Zero-copy view of a message's points as [`point_cloud::Point`]s.
 pub fn points(cloud: &[CloudPoint]) -> &[point_cloud::Point] {
     bytemuck::cast_slice(cloud)
 }
 
-/// Points of a message to be filled by the kernels, without a copy.
+/// Zero-copy mutable view of a message's points as [`point_cloud::Point`]s.
 pub fn points_mut(cloud: &mut [CloudPoint]) -> &mut [point_cloud::Point] {
     bytemuck::cast_slice_mut(cloud)
 }
 
 /// Bits of [`FrameHeader::flags`].
 pub mod frame_flag {
-    /// The source waits for the followers' [`FrameDone`](crate::FrameDone).
+    /// Lockstep: the source waits for [`FrameDone`](crate::FrameDone) of every follower.
     pub const LOCKSTEP: u32 = 1;
-    /// `world_from_camera` is known; without it world = camera.
+    /// `world_from_camera` is valid; otherwise the world frame is the camera frame.
     pub const HAS_WORLD_POSE: u32 = 1 << 1;
-    /// `up_in_camera` is known.
+    /// `up_in_camera` is valid.
     pub const HAS_UP: u32 = 1 << 2;
-    /// The intrinsics were measured for this camera, not taken as nominal.
+    /// Intrinsics are calibrated for this camera; otherwise nominal.
     pub const CALIBRATED: u32 = 1 << 3;
 }
 
-/// Where bytes lie in a shared memory segment, the same for every process that
-/// maps it. Zero inode: not known.
+/// Location of bytes in a shared memory segment, equal in every process that maps it. Inode 0:
+/// unknown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, AnyBitPattern, ZeroCopySend)]
 #[type_name("tabula.SegmentLocation.v1")]
 #[repr(C)]
@@ -60,8 +59,8 @@ pub struct SegmentLocation {
     pub offset_bytes: u64,
 }
 
-/// What the camera says about a frame. Its first cache line holds what a receiver
-/// reads of every frame.
+/// Header of a camera frame. Its first cache line holds the fields that a receiver reads of
+/// every frame.
 #[derive(Debug, Clone, Copy, PartialEq, AnyBitPattern, ZeroCopySend)]
 #[type_name("tabula.FrameHeader.v5")]
 #[repr(C)]
@@ -71,114 +70,101 @@ pub struct FrameHeader {
     pub schema_version: u32,
     /// Bits of [`frame_flag`].
     pub flags: u32,
-    /// Counts the messages of the port.
+    /// Message number of the port, from 1.
     pub sent: u64,
-    /// Random number of this run of the source: sequences of different sessions
-    /// do not compare.
+    /// Random id of this run of the source. Sequence numbers of different sessions cannot be
+    /// compared.
     pub session: u64,
-    /// Counts the frames of the session, from 0, without gaps.
+    /// Sequence number of the frame within the session, from 0, without gaps.
     pub sequence: u64,
     /// Number of the frame in its recording; equals `sequence` for a live camera.
     pub source_frame: u64,
-    /// When the light was captured: monotonic clock, or the source's own clock in lockstep.
+    /// Capture time of the light, nanoseconds: monotonic clock, or the source's own clock in
+    /// lockstep.
     pub capture_stamp_ns: u64,
-    /// When the frame should have been published at the source's rate, monotonic.
+    /// Scheduled publication time at the source's rate, monotonic clock, nanoseconds.
     pub scheduled_stamp_ns: u64,
-    /// When it was published, monotonic.
+    /// Publication time, monotonic clock, nanoseconds.
     pub published_stamp_ns: u64,
-    /// Wall clock minus monotonic clock.
+    /// Offset from the monotonic clock to the wall clock (wall minus monotonic), nanoseconds.
     pub wall_clock_offset_ns: i64,
     /// Focal lengths and principal point: fx, fy, cx, cy.
     pub intrinsics_px: [f64; 4],
     /// Columns and rows of the cloud.
     pub size_px: [u32; 2],
-    /// Pose of the camera; meaningful with `HAS_WORLD_POSE`.
+    /// Pose of the camera; valid with `HAS_WORLD_POSE`.
     pub world_from_camera: WireTransform,
-    /// Direction against gravity in the camera's frame; meaningful with `HAS_UP`.
+    /// Up direction (against gravity) in the camera frame, unit length; valid with `HAS_UP`.
     pub up_in_camera: [f64; 3],
-    /// Where the camera wrote the points.
+    /// Shared memory location of the points, as written by the camera.
     pub location: SegmentLocation,
-    /// Name of the source or file.
+    /// Name of the camera or recording.
     pub source_name: Text,
-    /// Zero.
+    /// Padding, zero.
     pub reserved: u32,
 }
 
 const _: () = assert!(size_of::<FrameHeader>() == 384 && align_of::<FrameHeader>() == 64);
 const _: () = assert!(offset_of!(FrameHeader, published_stamp_ns) < 64);
 
-/// A follower of a lockstep source has finished a frame.
+/// Acknowledgement of a follower of a lockstep source: the frame is processed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, AnyBitPattern, ZeroCopySend)]
 #[type_name("tabula.FrameDone.v1")]
 #[repr(C)]
 pub struct FrameDone {
     /// Session of the source.
     pub session: u64,
-    /// The frame.
+    /// Sequence number of the frame.
     pub sequence: u64,
-    /// Who: a [`ProcessKind`](crate::ProcessKind) as a number.
+    /// Follower: code of a [`ProcessKind`](crate::ProcessKind).
     pub process: u64,
 }
 
 const _: () = assert!(size_of::<FrameDone>() == 24);
 
-/// A header whose numbers have been checked.
+/// Validated content of a frame header.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CheckedFrame {
-    /// Intrinsics and size.
+    /// Camera intrinsics and image size.
     pub camera: PinholeCamera,
     /// Pose of the camera; `None` when unknown.
     pub world_from_camera: Option<RigidTransform>,
-    /// Direction against gravity; `None` when unknown.
+    /// Up direction (against gravity) in the camera frame; `None` when unknown.
     pub up_in_camera: Option<Unit<Vector3<f64>>>,
 }
 
-/// Why a received frame can not be used.
-#[derive(Debug, Clone, PartialEq)]
+/// Error of checking a received frame.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InvalidFrame {
-    /// Written by another version of tabula.
+    /// Schema version of another build of tabula.
+    #[error(
+        "the frame has schema version {0}, this process reads {own}; \
+         stop all tabula processes of this domain and start them from one build",
+        own = SCHEMA_VERSION
+    )]
     SchemaVersion(u32),
-    /// The intrinsics are impossible.
+    /// Impossible intrinsics.
+    #[error("{0}")]
     Intrinsics(InvalidIntrinsics),
-    /// The number of points is not that of the grid.
+    /// Number of points that does not fill the image.
+    #[error(
+        "the frame holds {n_points} points, its header says {}x{}",
+        .size_px[0], .size_px[1]
+    )]
     Size {
-        /// Points in the message.
+        /// Number of points in the message.
         n_points: usize,
         /// Columns and rows of the header.
         size_px: [u32; 2],
     },
-    /// `world_from_camera` is no rigid transform.
+    /// `world_from_camera` that is no rigid transform.
+    #[error("the frame's camera pose is not a rigid transform")]
     WorldPose,
-    /// `up_in_camera` is no direction.
+    /// `up_in_camera` that is no unit vector.
+    #[error("the frame's direction against gravity is not a direction")]
     Up,
 }
-
-impl fmt::Display for InvalidFrame {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::SchemaVersion(version) => write!(
-                f,
-                "the frame has schema version {version}, this process reads {SCHEMA_VERSION}; \
-                 stop all tabula processes of this domain and start them from one build"
-            ),
-            Self::Intrinsics(error) => write!(f, "{error}"),
-            Self::Size {
-                n_points,
-                size_px: [width, height],
-            } => {
-                write!(
-                    f,
-                    "the frame holds {n_points} points, its header says {width}x{height}"
-                )
-            }
-            Self::WorldPose => f.write_str("the frame's camera pose is not a rigid transform"),
-            Self::Up => f.write_str("the frame's direction against gravity is not a direction"),
-        }
-    }
-}
-
-impl std::error::Error for InvalidFrame {}
 
 impl Default for FrameHeader {
     fn default() -> Self {
@@ -205,18 +191,18 @@ impl Default for FrameHeader {
 }
 
 impl FrameHeader {
-    /// Whether a flag of [`frame_flag`] is set.
+    /// True if a flag of [`frame_flag`] is set.
     pub fn has(&self, flag: u32) -> bool {
         self.flags & flag != 0
     }
 
-    /// Writes intrinsics and size.
+    /// Sets intrinsics and image size.
     pub fn set_camera(&mut self, camera: &PinholeCamera) {
         self.intrinsics_px = [camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px];
         self.size_px = [camera.width, camera.height];
     }
 
-    /// Checks all numbers of the header against each other and the points.
+    /// Validates the header against its own fields and the number of points.
     ///
     /// # Errors
     /// Says which number is impossible.

@@ -1,25 +1,24 @@
-//! How a process says that it is well.
+//! Health reports of the processes.
 
 use crate::{SCHEMA_VERSION, Text};
 use bytemuck::AnyBitPattern;
 use iceoryx2::prelude::ZeroCopySend;
 
-/// The processes of the daemon, as a number in [`Health::process`].
+/// Process of the daemon, as a code in [`Health::process`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ProcessKind {
-    /// `tabula-camera`
+    /// `tabula-camera`: publishes camera frames.
     Camera = 1,
-    /// `tabula-perception`
+    /// `tabula-perception`: detects, tracks and recognises objects.
     Perception = 2,
-    /// `tabula-memory`
+    /// `tabula-memory`: stores views, labels and world facts.
     Memory = 3,
-    /// `tabula-simulator`, which stands in for the camera
+    /// `tabula-simulator`: replaces the camera by a simulated scene.
     Simulator = 4,
 }
 
 impl ProcessKind {
-    /// All processes, in the order they are started; of camera and simulator one
-    /// runs at a time.
+    /// All processes in starting order. Either the camera or the simulator runs, never both.
     pub const ALL: [Self; 4] = [
         Self::Memory,
         Self::Perception,
@@ -27,17 +26,17 @@ impl ProcessKind {
         Self::Simulator,
     ];
 
-    /// The number on the wire.
+    /// Wire code.
     pub fn code(self) -> u32 {
         self as u32
     }
 
-    /// The process of a number; `None` for any other number.
+    /// Process of a wire code; `None` for an unknown code.
     pub fn from_code(code: u32) -> Option<Self> {
         Self::ALL.into_iter().find(|process| process.code() == code)
     }
 
-    /// The short name: `camera`.
+    /// Short name, such as `camera`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Camera => "camera",
@@ -47,24 +46,24 @@ impl ProcessKind {
         }
     }
 
-    /// The program's file name: `tabula-camera`.
+    /// File name of the executable, such as `tabula-camera`.
     pub fn program(self) -> String {
         format!("tabula-{}", self.name())
     }
 }
 
-/// What a process is doing, as a number in [`Health::state`].
+/// State of a process, as a code in [`Health::state`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ProcessState {
-    /// Not ready to work.
+    /// Starting, not ready yet.
     Starting = 1,
-    /// Working.
+    /// Ready and working.
     Ready = 2,
-    /// Working with a loss, which `note` explains.
+    /// Working with reduced function, explained in `note`.
     Degraded = 3,
-    /// Finished with its work and still there (a recording that has ended).
+    /// Finished but still running, such as a camera whose recording has ended.
     Idle = 4,
-    /// Going away.
+    /// Shutting down.
     Stopping = 5,
 }
 
@@ -77,17 +76,17 @@ impl ProcessState {
         Self::Stopping,
     ];
 
-    /// The number on the wire.
+    /// Wire code.
     pub fn code(self) -> u32 {
         self as u32
     }
 
-    /// The state of a number; `None` for any other number.
+    /// State of a wire code; `None` for an unknown code.
     pub fn from_code(code: u32) -> Option<Self> {
         Self::ALL.into_iter().find(|state| state.code() == code)
     }
 
-    /// The word for people and scripts.
+    /// Name for people and scripts.
     pub fn word(self) -> &'static str {
         match self {
             Self::Starting => "starting",
@@ -99,48 +98,48 @@ impl ProcessState {
     }
 }
 
-/// State and counters of one process, about once a second.
+/// Health report of one process: state and counters, sent about once per second.
 #[derive(Debug, Clone, Copy, PartialEq, AnyBitPattern, ZeroCopySend)]
 #[type_name("tabula.Health.v3")]
 #[repr(C)]
 pub struct Health {
     /// [`SCHEMA_VERSION`] of the writer.
     pub schema_version: u32,
-    /// Number of a [`ProcessKind`].
+    /// Code of a [`ProcessKind`].
     pub process: u32,
-    /// Process id.
+    /// Operating-system process id.
     pub pid: u32,
-    /// Number of a [`ProcessState`].
+    /// Start time of the process, monotonic clock, nanoseconds.
     pub state: u32,
-    /// When the process started, monotonic.
+    /// Time of this report, monotonic clock, nanoseconds.
     pub started_ns: u64,
-    /// When this was written, monotonic.
+    /// Number of frames published (camera), processed (perception) or persisted (memory).
     pub stamp_ns: u64,
-    /// Frames published (camera), processed (perception), persisted (memory).
+    /// Number of frames dropped: due but not handled.
     pub frames: u64,
-    /// Frames the process should have handled and has not.
+    /// Number of frames published more than a period after their scheduled time.
     pub frames_dropped: u64,
     /// Frames published after their scheduled time by more than a period.
     pub frames_late: u64,
-    /// Heap bytes requested since start.
+    /// Number of heap allocations since the start.
     pub allocated_bytes: u64,
     /// Heap allocations since start.
     pub allocations: u64,
-    /// Memory resident now, bytes.
+    /// Shared memory reserved by the publishers of the process, bytes.
     pub resident_bytes: u64,
-    /// Bytes of shared memory its publishers have reserved.
+    /// Number of actor restarts within the process.
     pub shared_memory_bytes: u64,
     /// Restarts inside the process (object actors).
     pub restarts: u64,
-    /// Actors now.
+    /// Number of worker threads abandoned because they made no progress.
     pub actors: u64,
-    /// Worker threads that were left behind, for they showed no progress.
+    /// Progress counter for the watchdog; increases with each completed unit of work.
     pub abandoned: u64,
     /// Bumped by each step of real progress; what the watchdog looks at.
     pub progress: u64,
-    /// A sentence about the state, empty when all is well.
+    /// Explanation of the state as a sentence; empty when nothing is wrong.
     pub note: Text,
-    /// Zero.
+    /// Padding, zero.
     pub reserved: u32,
 }
 

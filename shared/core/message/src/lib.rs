@@ -1,52 +1,69 @@
-//! What crosses a process border: data-plane and control-plane types.
+//! Wire types: data-plane messages in shared memory and the control protocol.
 //!
 //! *Data plane*: `repr(C)` plain numbers in shared memory. Any bit pattern is a
 //! valid value of the type, so a torn or hostile message can never be undefined
-//! behaviour; what the numbers mean is checked on receipt (`checked`). Sizes are
-//! asserted at compile time, type names are explicit and carry the schema
-//! version, so that two versions of tabula refuse each other loudly.
+//! behaviour; the values are validated on receipt (`checked`). Sizes are
+//! asserted at compile time. Type names are explicit and carry the schema
+//! version, so that different versions of tabula cannot be connected by accident.
 //!
 //! *Control plane*: serde types with a protocol version, see [`control`].
 //!
 //! This crate does no I/O; only iceoryx2's marker trait is used here.
+//!
+//! # Example
+//!
+//! ```
+//! use geometry::PinholeCamera;
+//! use message::FrameHeader;
+//!
+//! let mut header = FrameHeader::default();
+//! header.set_camera(&PinholeCamera::KINECT_V1);
+//! // A receiver validates the header against the number of points before use.
+//! let frame = header.checked(640 * 480)?;
+//! assert_eq!(frame.camera, PinholeCamera::KINECT_V1);
+//! assert!(header.checked(17).is_err());
+//! # Ok::<(), message::InvalidFrame>(())
+//! ```
 
 mod actor_event;
 pub mod control;
-mod counted;
+mod descriptor_bytes;
 mod frame;
+mod ground_truth;
 mod health;
-mod ignored;
 mod memory_change;
 mod near_category;
-mod object;
+mod object_view;
 mod pose;
+mod rejected_candidate;
 mod robot;
 mod scene;
+mod sequenced_header;
 pub mod service_name;
 mod stage;
 mod text;
 mod trace;
-mod truth;
 
 pub use actor_event::{ActorEvent, ActorEventKind};
-pub use counted::{Counted, PlainHeader};
+pub use descriptor_bytes::{DescriptorBytes, InvalidDescriptor};
 pub use frame::{CheckedFrame, CloudPoint, FrameDone, FrameHeader, InvalidFrame, SegmentLocation};
 pub use frame::{frame_flag, points, points_mut};
+pub use ground_truth::{MAX_TRUE_OBJECTS, MaskPixel, TrueObject, TrueState, TruthHeader};
 pub use health::{Health, ProcessKind, ProcessState};
-pub use ignored::{IgnoredBlob, MAX_IGNORED, WireFinding};
 pub use memory_change::MemoryChange;
 pub use near_category::{MAX_NEAR_CATEGORIES, NearCategory};
-pub use object::{ObjectCloudHeader, ObjectViewHeader};
+pub use object_view::{ObjectCloudHeader, ObjectViewHeader};
 pub use pose::{WirePose, WireTransform, symmetric};
+pub use rejected_candidate::{IgnoredBlob, MAX_IGNORED, WireFinding};
 pub use robot::{ARM_JOINTS, ArmActivity, ArmState, MAX_CAPSULES, PersonBody, WireCapsule};
 pub use scene::{
     ActorStamps, MAX_SCENE_OBJECTS, SceneObject, SceneSummary, StageStamps, TrackState,
 };
+pub use sequenced_header::{Counted, PlainHeader};
 pub use stage::{Place, Stage};
 pub use text::Text;
 pub use trace::{MAX_SPANS, Span, TraceHeader};
-pub use truth::{MAX_TRUE_OBJECTS, MaskPixel, TrueObject, TrueState, TruthHeader};
 
-/// Version of the types in this crate, written into their headers. A type's name
-/// in shared memory carries the version in which the type last changed.
+/// Schema version of the types in this crate, written into their headers. A type's name in
+/// shared memory carries the schema version in which the type last changed.
 pub const SCHEMA_VERSION: u32 = 5;

@@ -1,17 +1,17 @@
-//! The memory's announcement that its history has grown.
+//! Change notification of the perceptual memory.
 
 use bytemuck::AnyBitPattern;
 use iceoryx2::prelude::ZeroCopySend;
 
-/// Sent after each durable change of what was learned. It is a hint: readers ask
-/// for the changes since the sequence they hold, so a lost one costs nothing.
+/// Notification of a durable change of the learned views. It is only a hint: readers request
+/// the changes since the sequence they hold, so a lost notification does no harm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, AnyBitPattern, ZeroCopySend)]
 #[type_name("tabula.MemoryChange.v1")]
 #[repr(C)]
 pub struct MemoryChange {
-    /// Identity of the store, 128 bits: high and low half.
+    /// Identity of the store, 128 bits: high half, low half.
     pub store_id: [u64; 2],
-    /// Newest history sequence.
+    /// Newest sequence of the history.
     pub sequence: u64,
 }
 

@@ -1,20 +1,20 @@
-//! What an object is most like.
+//! Nearest categories of an object.
 
 use crate::Text;
 use bytemuck::{Pod, Zeroable};
 use iceoryx2::prelude::ZeroCopySend;
 
-/// Most categories that an object is compared with in a message.
+/// Maximum number of nearest categories in a message.
 pub const MAX_NEAR_CATEGORIES: usize = 4;
 
-/// A category and how far the object is from it.
+/// Candidate category of an object with its distance.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable, ZeroCopySend)]
 #[type_name("tabula.NearCategory.v3")]
 #[repr(C)]
 pub struct NearCategory {
-    /// The category.
+    /// Category name.
     pub label: Text,
-    /// Dissimilarity to its nearest view; NaN for none.
+    /// Distance in descriptor space to the category's nearest view; NaN for none.
     pub distance: f32,
 }
 
@@ -30,11 +30,11 @@ impl Default for NearCategory {
 }
 
 impl NearCategory {
-    /// The first `n` of a message's categories. What is no name or no distance is
-    /// left out, and so is everything when there are fewer than `n`.
-    pub(crate) fn meant(categories: &[Self], n: u32) -> impl Iterator<Item = (&str, f32)> {
-        let meant = categories.get(..n as usize).unwrap_or_default();
-        meant.iter().filter_map(|category| {
+    /// Valid entries among the first `n` categories of a message. Entries without a valid name or
+    /// distance are skipped; nothing is returned when `n` exceeds the length.
+    pub(crate) fn valid_entries(categories: &[Self], n: u32) -> impl Iterator<Item = (&str, f32)> {
+        let valid_entries = categories.get(..n as usize).unwrap_or_default();
+        valid_entries.iter().filter_map(|category| {
             let distance = Some(category.distance).filter(|d| d.is_finite() && *d >= 0.0)?;
             Some((category.label.as_str()?, distance))
         })
@@ -52,10 +52,10 @@ mod tests {
             distance,
         };
         let given = [near(0.1), near(f32::NAN), near(-1.0), near(0.5)];
-        let meant: Vec<_> = NearCategory::meant(&given, 4).collect();
-        assert_eq!(meant, [("mug", 0.1), ("mug", 0.5)]);
-        assert_eq!(NearCategory::meant(&given, 1).count(), 1);
-        assert_eq!(NearCategory::meant(&given, 5).count(), 0);
-        assert_eq!(NearCategory::meant(&given, u32::MAX).count(), 0);
+        let valid_entries: Vec<_> = NearCategory::valid_entries(&given, 4).collect();
+        assert_eq!(valid_entries, [("mug", 0.1), ("mug", 0.5)]);
+        assert_eq!(NearCategory::valid_entries(&given, 1).count(), 1);
+        assert_eq!(NearCategory::valid_entries(&given, 5).count(), 0);
+        assert_eq!(NearCategory::valid_entries(&given, u32::MAX).count(), 0);
     }
 }

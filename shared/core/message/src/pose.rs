@@ -1,37 +1,37 @@
-//! Poses as plain numbers.
+//! Wire types of poses, transforms and covariances.
 
 use bytemuck::{AnyBitPattern, Pod, Zeroable};
 use geometry::RigidTransform;
 use iceoryx2::prelude::ZeroCopySend;
 use nalgebra::{Matrix3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3};
 
-/// A rigid transform as a 3x4 matrix, row-major, metres: `target_from_source`.
+/// Rigid transform as a 3 x 4 matrix, row-major, metres: `target_from_source`.
 #[derive(Debug, Clone, Copy, PartialEq, AnyBitPattern, ZeroCopySend)]
 #[type_name("tabula.Transform.v1")]
 #[repr(C)]
 pub struct WireTransform {
-    /// Rows of [R | t].
+    /// Rows of the matrix [R | t].
     pub rows: [[f64; 4]; 3],
 }
 
-/// A pose as position and unit quaternion: `frame_from_object`.
+/// Pose as position and unit quaternion: `frame_from_object`.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable, ZeroCopySend)]
 #[type_name("tabula.Pose.v1")]
 #[repr(C)]
 pub struct WirePose {
     /// Position, metres.
     pub position_m: [f64; 3],
-    /// Orientation x, y, z, w.
+    /// Orientation quaternion: x, y, z, w.
     pub orientation_xyzw: [f64; 4],
 }
 
 const _: () = assert!(size_of::<WireTransform>() == 96 && size_of::<WirePose>() == 56);
 
-/// How far a received rotation may be from orthonormal.
+/// Tolerance of a received rotation: maximum deviation from orthonormality. Chosen.
 const ROTATION_TOLERANCE: f64 = 1e-3;
 
 impl WireTransform {
-    /// The identity.
+    /// Identity transform.
     pub const IDENTITY: Self = Self {
         rows: [
             [1.0, 0.0, 0.0, 0.0],
@@ -40,8 +40,8 @@ impl WireTransform {
         ],
     };
 
-    /// The rigid transform; `None` when the numbers are not one: not finite, or
-    /// the rotation farther than 1e-3 from orthonormal, or a reflection.
+    /// Validated rigid transform; `None` when an entry is not finite, the rotation deviates by more
+    /// than 1e-3 from orthonormality, or it is a reflection.
     pub fn checked(&self) -> Option<RigidTransform> {
         let rotation = Matrix3::from_fn(|r, c| self.rows[r][c]);
         let translation = Vector3::from_fn(|r, _| self.rows[r][3]);
@@ -78,7 +78,7 @@ impl From<&RigidTransform> for WireTransform {
 }
 
 impl WirePose {
-    /// The pose; `None` when the numbers are not one.
+    /// Validated pose; `None` when a number is not finite or the quaternion is not of unit length.
     pub fn checked(&self) -> Option<RigidTransform> {
         let [x, y, z, w] = self.orientation_xyzw;
         let orientation = Quaternion::new(w, x, y, z);
@@ -97,13 +97,13 @@ impl WirePose {
     }
 }
 
-/// The six different numbers of a symmetric matrix: xx, xy, xz, yy, yz, zz.
+/// Packed symmetric matrix (upper triangle): xx, xy, xz, yy, yz, zz.
 pub fn symmetric(matrix: &Matrix3<f64>) -> [f32; 6] {
     [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|place| matrix[place] as f32)
 }
 
-/// Whether six numbers can be a covariance: finite, no variance below zero, and no
-/// covariance above what the variances allow.
+/// True if a packed symmetric matrix can be a covariance: finite, variances of at least zero,
+/// covariances within the Cauchy-Schwarz bound.
 pub(crate) fn is_covariance(&[xx, xy, xz, yy, yz, zz]: &[f32; 6]) -> bool {
     let within = |ab: f32, aa: f32, bb: f32| {
         let [ab, aa, bb] = [ab, aa, bb].map(f64::from);

@@ -1,4 +1,4 @@
-//! The arm and the people around it: joint angles and the space they fill.
+//! State of the arm and of the people around it: joint angles and occupied volumes.
 
 use crate::pose::WirePose;
 use crate::{SCHEMA_VERSION, Text};
@@ -7,20 +7,20 @@ use geometry::Capsule;
 use iceoryx2::prelude::ZeroCopySend;
 use nalgebra::Point3;
 
-/// Joints of the arm.
+/// Number of joints of the arm.
 pub const ARM_JOINTS: usize = 6;
 
-/// Most capsules of an arm or of the people in view.
+/// Maximum number of capsules of an arm or of the people in view.
 pub const MAX_CAPSULES: usize = 32;
 
-/// All that lies within a radius of a segment.
+/// Capsule: all points within a radius of a line segment.
 #[derive(Debug, Clone, Copy, PartialEq, Default, AnyBitPattern, ZeroCopySend)]
 #[type_name("tabula.Capsule.v1")]
 #[repr(C)]
 pub struct WireCapsule {
-    /// One end of the segment, metres.
+    /// First end of the segment, metres.
     pub from_m: [f64; 3],
-    /// The other end.
+    /// Second end of the segment, metres.
     pub to_m: [f64; 3],
     /// Radius, metres.
     pub radius_m: f64,
@@ -29,7 +29,7 @@ pub struct WireCapsule {
 const _: () = assert!(size_of::<WireCapsule>() == 56);
 
 impl WireCapsule {
-    /// The capsule; `None` when the numbers are not one.
+    /// Validated capsule; `None` when a number is not finite or the radius is negative.
     pub fn checked(&self) -> Option<Capsule> {
         let ends = self.from_m.iter().chain(&self.to_m);
         let is_sound = ends.copied().all(f64::is_finite) && self.radius_m.is_finite();
@@ -51,20 +51,20 @@ impl From<&Capsule> for WireCapsule {
     }
 }
 
-/// What an arm is doing, as a number in [`ArmState::activity`].
+/// Activity of the arm, as a code in [`ArmState::activity`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ArmActivity {
-    /// Waiting for a command; the last one, if any, is done.
+    /// Waiting for a command; any previous command is complete.
     Idle = 1,
-    /// Moving its joints.
+    /// Moving the joints.
     Moving = 2,
-    /// Opening its fingers.
+    /// Opening the fingers.
     Opening = 3,
-    /// Closing its fingers.
+    /// Closing the fingers.
     Closing = 4,
     /// Stopped by a command.
     Stopped = 5,
-    /// The last command could not be carried out; `note` says why.
+    /// Last command failed; the reason is in `note`.
     Failed = 6,
 }
 
@@ -78,17 +78,17 @@ impl ArmActivity {
         Self::Failed,
     ];
 
-    /// The number on the wire.
+    /// Wire code.
     pub fn code(self) -> u32 {
         self as u32
     }
 
-    /// The activity of a number; `None` for any other number.
+    /// Activity of a wire code; `None` for an unknown code.
     pub fn from_code(code: u32) -> Option<Self> {
         Self::ALL.into_iter().find(|one| one.code() == code)
     }
 
-    /// The word for people and scripts.
+    /// Name for people and scripts.
     pub fn word(self) -> &'static str {
         match self {
             Self::Idle => "idle",
@@ -101,32 +101,33 @@ impl ArmActivity {
     }
 }
 
-/// State of the arm; the payload beside it is the capsules of its links, world frame.
+/// State of the arm. The payload is the capsules of its links, world frame.
 #[derive(Debug, Clone, Copy, PartialEq, AnyBitPattern, ZeroCopySend)]
 #[type_name("tabula.ArmState.v5")]
 #[repr(C)]
 pub struct ArmState {
     /// [`SCHEMA_VERSION`] of the writer.
     pub schema_version: u32,
-    /// Number of an [`ArmActivity`].
+    /// Code of a [`ArmActivity`].
     pub activity: u32,
-    /// Counts the messages of the port.
+    /// Message number of the port, from 1.
     pub sent: u64,
-    /// When this was so, monotonic, or the source's own clock in lockstep.
+    /// Time of the state, nanoseconds: monotonic clock, or the source's own clock in lockstep.
     pub stamp_ns: u64,
     /// Joint angles from the base outwards, radians.
     pub joint_angles_rad: [f64; ARM_JOINTS],
-    /// Joint velocities, radians a second.
+    /// Joint velocities, radians per second.
     pub joint_velocities_rad_s: [f64; ARM_JOINTS],
-    /// Distance between the fingers, metres.
+    /// Gripper opening: distance between the fingers, metres.
     pub opening_m: f64,
-    /// Pose of the gripper: between the finger tips, z forward, x closing.
+    /// Pose of the gripper: origin between the finger tips, z forward, x along the closing
+    /// direction.
     pub world_from_gripper: WirePose,
-    /// The command that is or was last at work; 0 before the first.
+    /// Id of the current or last command; 0 before the first.
     pub command_id: u64,
-    /// 1 when the fingers hold something.
+    /// 1 when the fingers hold an object.
     pub is_holding: u32,
-    /// Why the last command failed, empty otherwise.
+    /// Reason for the failure of the last command; empty otherwise.
     pub note: Text,
 }
 
@@ -150,19 +151,20 @@ impl Default for ArmState {
     }
 }
 
-/// Where people are; the payload beside it is the capsules of their bodies, world
-/// frame, none when nobody is there.
+/// Volumes occupied by people. The payload is the capsules of their bodies, world frame; empty
+/// when no person is present.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, AnyBitPattern, ZeroCopySend)]
 #[type_name("tabula.PersonBody.v1")]
 #[repr(C)]
 pub struct PersonBody {
     /// [`SCHEMA_VERSION`] of the writer.
     pub schema_version: u32,
-    /// Zero.
+    /// Padding, zero.
     pub reserved: u32,
-    /// When this was so, monotonic, or the source's own clock in lockstep.
+    /// Time of the observation, nanoseconds: monotonic clock, or the source's own clock in
+    /// lockstep.
     pub stamp_ns: u64,
-    /// Counts the messages of the port.
+    /// Message number of the port, from 1.
     pub sent: u64,
 }
 

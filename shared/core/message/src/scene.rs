@@ -1,4 +1,4 @@
-//! The live world model.
+//! Scene summary: the tracked objects after one frame.
 
 use crate::near_category::{MAX_NEAR_CATEGORIES, NearCategory};
 use crate::pose::WirePose;
@@ -6,21 +6,21 @@ use crate::{IgnoredBlob, MAX_IGNORED, SCHEMA_VERSION, Text};
 use bytemuck::AnyBitPattern;
 use iceoryx2::prelude::ZeroCopySend;
 
-/// Most objects in one summary.
+/// Maximum number of objects in one scene summary.
 pub const MAX_SCENE_OBJECTS: usize = 256;
 
-/// The state of a track, as a number in [`SceneObject::state`].
+/// State of a track, as a code in [`SceneObject::state`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TrackState {
-    /// Seen too briefly to be believed.
+    /// Not yet confirmed: measured in too few frames.
     Tentative,
-    /// Seen in this frame.
+    /// Measured in this frame.
     Tracked,
-    /// Not seen in this frame, expected to come back.
+    /// Not measured in this frame and expected to return; neither occluded nor outside the image.
     Missing,
-    /// Not seen in this frame, for something stands before its place.
+    /// Not measured in this frame: occluded.
     Occluded,
-    /// Not seen in this frame, for its place is not in the image.
+    /// Not measured in this frame: outside the image.
     OutOfView,
 }
 
@@ -33,17 +33,17 @@ impl TrackState {
         Self::OutOfView,
     ];
 
-    /// The number on the wire.
+    /// Wire code.
     pub fn code(self) -> u32 {
         self as u32
     }
 
-    /// The state of a number; `None` for any other number.
+    /// State of a wire code; `None` for an unknown code.
     pub fn from_code(code: u32) -> Option<Self> {
         Self::ALL.into_iter().find(|state| state.code() == code)
     }
 
-    /// The word for people and scripts.
+    /// Name for people and scripts.
     pub fn word(self) -> &'static str {
         match self {
             Self::Tentative => "tentative",
@@ -55,107 +55,107 @@ impl TrackState {
     }
 }
 
-/// When a frame passed the stages, monotonic clock.
+/// Processing times of a frame by stage, monotonic clock, nanoseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, AnyBitPattern, ZeroCopySend)]
 #[type_name("tabula.StageStamps.v1")]
 #[repr(C)]
 pub struct StageStamps {
-    /// When the light was captured (see `FrameHeader::capture_stamp_ns`).
+    /// Capture time of the light (see `FrameHeader::capture_stamp_ns`).
     pub capture_ns: u64,
-    /// When the camera should have published.
+    /// Scheduled publication time of the camera.
     pub scheduled_ns: u64,
-    /// When the camera published.
+    /// Publication time of the camera.
     pub camera_published_ns: u64,
-    /// When perception took the frame.
+    /// Time at which perception received the frame.
     pub received_ns: u64,
-    /// When detection had finished.
+    /// Time at which detection finished.
     pub detected_ns: u64,
-    /// When the last actor had answered or its time was over.
+    /// Time at which the last actor answered or its deadline passed.
     pub recognised_ns: u64,
-    /// When this summary was published.
+    /// Publication time of this summary.
     pub published_ns: u64,
 }
 
-/// When one object's newest view passed its actor, monotonic clock; 0 where it has
-/// not.
+/// Processing times of an object's newest view in its actor, monotonic clock, nanoseconds; 0
+/// when not reached.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, AnyBitPattern, ZeroCopySend)]
 #[type_name("tabula.ActorStamps.v3")]
 #[repr(C)]
 pub struct ActorStamps {
-    /// When the view was handed to the actor.
+    /// Time at which the view was sent to the actor.
     pub asked_ns: u64,
-    /// When the actor began it.
+    /// Time at which the actor started the view.
     pub begun_ns: u64,
-    /// When it was described.
+    /// Time at which the descriptor was complete.
     pub described_ns: u64,
-    /// When it was compared with what was taught.
+    /// Time at which recognition was complete.
     pub recognised_ns: u64,
-    /// When the frame loop had the answer.
+    /// Time at which the frame loop received the answer.
     pub answered_ns: u64,
 }
 
-/// One object of the summary.
+/// Tracked object of a scene summary.
 #[derive(Debug, Clone, Copy, PartialEq, AnyBitPattern, ZeroCopySend)]
 #[type_name("tabula.SceneObject.v4")]
 #[repr(C)]
 pub struct SceneObject {
-    /// The track-id; never used twice.
+    /// Track id; never reused.
     pub track_id: u64,
-    /// Number of a [`TrackState`].
+    /// Code of a [`TrackState`].
     pub state: u32,
     /// 1 when the image border cuts the object.
     pub cut_by_image: u32,
-    /// Capture stamp of the first frame with this track.
+    /// Capture time of the first frame with this track, nanoseconds.
     pub first_seen_ns: u64,
-    /// Capture stamp of the last frame with a measurement.
+    /// Capture time of the last frame with a measurement, nanoseconds.
     pub last_seen_ns: u64,
     /// Pose of the box's centre: `world_from_object`.
     pub pose: WirePose,
-    /// Full lengths of the box's sides, metres.
+    /// Side lengths of the box, metres.
     pub size_m: [f32; 3],
-    /// Measured points.
+    /// Number of measured points.
     pub n_points: u32,
-    /// Views described so far.
+    /// Number of described views so far.
     pub n_views: u32,
     /// Mean colour, packed as in `CloudPoint::argb`.
     pub mean_argb: u32,
-    /// Dissimilarity to the nearest stored view; NaN when nothing is stored.
+    /// Distance in descriptor space to the nearest stored view; NaN when nothing is stored.
     pub distance: f32,
     /// 1 when `label` is a learned category, 0 when the object is unknown.
     pub is_labelled: u32,
-    /// The category, when labelled.
+    /// Category name; valid when `is_labelled` is 1.
     pub label: Text,
-    /// How many of `categories` are meant.
+    /// Number of valid entries of `categories`.
     pub n_categories: u32,
-    /// History sequence of the memory this label was made with.
+    /// History sequence of the memory with which this label was recognised.
     pub memory_sequence: u64,
-    /// The lost track this object is taken to continue; 0 for none.
+    /// Track id of the lost track that this object continues (re-identification); 0 for none.
     pub linked_to: u64,
-    /// Number of the newest view, from 0; meant when `n_views` is not 0.
+    /// Number of the newest view, from 0; valid when `n_views` is not 0.
     pub view_id: u32,
     /// 1 when this frame's view of the object is a key view.
     pub is_key_view: u32,
-    /// Key views so far.
+    /// Number of key views so far.
     pub n_key_views: u32,
-    /// Probability that the object belongs to the nearest category, 0 to 1; NaN when
-    /// nothing is stored.
+    /// Probability that the object belongs to the nearest category, 0 to 1; NaN when nothing is
+    /// stored.
     pub probability: f32,
-    /// Covariance of the position: xx, xy, xz, yy, yz, zz, world axes, square metres.
+    /// Covariance of the position, packed: xx, xy, xz, yy, yz, zz, world axes, square metres.
     pub position_covariance_m2: [f32; 6],
-    /// Covariance of a small rotation vector about the world's axes: xx, xy, xz, yy,
-    /// yz, zz, square radians.
+    /// Covariance of a small rotation vector about the world's axes, packed: xx, xy, xz, yy, yz,
+    /// zz, square radians.
     pub rotation_covariance_rad2: [f32; 6],
-    /// Velocity of the box's centre, world axes, metres a second.
+    /// Velocity of the box's centre, world axes, metres per second.
     pub velocity_m_s: [f32; 3],
-    /// Angular velocity, world axes, radians a second.
+    /// Angular velocity, world axes, radians per second.
     pub angular_velocity_rad_s: [f32; 3],
-    /// The nearest categories, nearest first.
+    /// Nearest categories, nearest first.
     pub categories: [NearCategory; MAX_NEAR_CATEGORIES],
-    /// When the newest view passed the object's actor.
+    /// Processing times of the newest view in the object's actor.
     pub stamps: ActorStamps,
 }
 
-/// The world after one frame; the payload beside it is the objects, by track-id.
+/// Scene summary after one frame. The payload is the tracked objects, by track id.
 #[derive(Debug, Clone, Copy, PartialEq, AnyBitPattern, ZeroCopySend)]
 #[type_name("tabula.SceneSummary.v5")]
 #[repr(C)]
@@ -164,36 +164,36 @@ pub struct SceneSummary {
     pub schema_version: u32,
     /// Flags of the frame, see [`frame_flag`](crate::frame_flag).
     pub frame_flags: u32,
-    /// Counts the messages of the port.
+    /// Message number of the port, from 1.
     pub sent: u64,
     /// Session of the camera.
     pub session: u64,
-    /// Sequence of the frame.
+    /// Sequence number of the frame.
     pub sequence: u64,
-    /// Frames of the session that perception has not processed.
+    /// Number of frames of the session that perception dropped.
     pub frames_dropped: u64,
-    /// Stamps of this frame.
+    /// Processing times of this frame.
     pub stamps: StageStamps,
     /// 1 when a table was found.
     pub has_table: u32,
-    /// How many objects there are; more than come with the summary when they do not fit.
+    /// Number of objects; larger than the payload when they do not all fit.
     pub n_objects_total: u32,
-    /// Object actors that had not answered in time and were predicted.
+    /// Number of object actors that missed their deadline; their objects were predicted.
     pub n_late: u32,
-    /// Candidates of this frame that started no track and continued none; more
-    /// than `ignored` holds when they do not fit.
+    /// Number of candidates of this frame that neither started nor continued a track; larger than
+    /// `n_ignored` when they do not all fit.
     pub n_rejected: u32,
-    /// The table's plane in the world: normal and offset, metres.
+    /// Plane of the table in the world frame: unit normal and offset, metres.
     pub table_plane: [f64; 4],
-    /// Name of the source or file of the frame.
+    /// Name of the camera or recording of the frame.
     pub source_name: Text,
-    /// Bits of the [`Assumptions`](constraint::Assumptions) the frame was judged with.
+    /// Bits of the [`Assumptions`](constraint::Assumptions) made for absent inputs.
     pub assumptions: u32,
-    /// The rule by which a candidate begins a track, in the paper's notation.
+    /// Rule by which a candidate starts a track, in the paper's notation.
     pub rule: Text,
-    /// How many of `ignored` are meant.
+    /// Number of valid entries of `ignored`.
     pub n_ignored: u32,
-    /// Candidates that started no track and continued none, nearest first.
+    /// Rejected candidates, nearest first.
     pub ignored: [IgnoredBlob; MAX_IGNORED],
 }
 
@@ -262,14 +262,14 @@ impl Default for SceneSummary {
 }
 
 impl SceneSummary {
-    /// The ignored candidates that came with the summary.
+    /// Rejected candidates of the summary.
     pub fn ignored(&self) -> &[IgnoredBlob] {
         &self.ignored[..MAX_IGNORED.min(self.n_ignored as usize)]
     }
 }
 
 impl SceneObject {
-    /// The learned category; `None` for an unknown object.
+    /// Category name; `None` for an unknown object.
     pub fn label(&self) -> Option<&str> {
         if self.is_labelled == 1 {
             self.label.as_str()
@@ -278,20 +278,19 @@ impl SceneObject {
         }
     }
 
-    /// Number of the newest view; `None` before the first.
+    /// Number of the newest view; `None` before the first view.
     pub fn view(&self) -> Option<u32> {
         (self.n_views > 0).then_some(self.view_id)
     }
 
-    /// The track this object is taken to continue.
+    /// Track id of the lost track that this object continues, if any.
     pub fn linked_to(&self) -> Option<u64> {
         (self.linked_to != 0).then_some(self.linked_to)
     }
 
-    /// The nearest categories with their distances, nearest first. What is no name
-    /// or no distance is left out.
+    /// Nearest categories with their distances, nearest first. Invalid entries are skipped.
     pub fn categories(&self) -> impl Iterator<Item = (&str, f32)> {
-        NearCategory::meant(&self.categories, self.n_categories)
+        NearCategory::valid_entries(&self.categories, self.n_categories)
     }
 }
 

@@ -1,39 +1,39 @@
-//! The stages of a frame's way, by name.
+//! Stages of the frame pipeline, by name, for latency traces.
 
-/// Where a stage lies between capture and label.
+/// Scope of a stage within the path from capture to label.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {
-    /// A link of the frame's chain: these follow each other without gaps, from the
-    /// scheduled capture to the published label.
+    /// Link of the frame's chain: consecutive without gaps, from the scheduled capture to the
+    /// published label.
     Frame,
-    /// A link of each object's chain within [`Stage::Objects`].
+    /// Link of each object's chain within [`Stage::Objects`].
     Object,
-    /// A step within another stage.
+    /// Sub-stage of another stage.
     Within(Stage),
-    /// Not between capture and label: before it, after it, or beside it.
+    /// Outside the path from capture to label: before it, after it, or concurrent.
     Beside,
 }
 
 macro_rules! stages {
     ($($(#[$doc:meta])* $stage:ident = $code:literal, $word:literal, $place:expr;)*) => {
-        /// A stage that a frame or an object passes.
+        /// Stage of the pipeline that a frame or an object passes.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
         pub enum Stage {
             $($(#[$doc])* $stage = $code,)*
         }
 
         impl Stage {
-            /// All stages, in the order of a frame's way.
+            /// All stages in pipeline order.
             pub const ALL: &[Self] = &[$(Self::$stage),*];
 
-            /// The word for people and scripts.
+            /// Name for people and scripts.
             pub fn word(self) -> &'static str {
                 match self {
                     $(Self::$stage => $word,)*
                 }
             }
 
-            /// Where it lies.
+            /// Scope of the stage.
             pub fn place(self) -> Place {
                 match self {
                     $(Self::$stage => $place,)*
@@ -44,103 +44,102 @@ macro_rules! stages {
 }
 
 stages! {
-    /// The source gets the next frame ready: it opens a file, or simulated time goes on.
+    /// Preparation of the next frame by the source: opening a file, or advancing simulated time.
     Preparing = 4, "preparing", Place::Beside;
-    /// The frame is not begun yet: it is made as late as is safe.
+    /// Wait before frame generation, so that the frame is generated as late as is safe.
     MakingWait = 5, "making_wait", Place::Beside;
-    /// The source makes the frame: it reads the device, or renders.
+    /// Frame generation by the source: reading the device, or rendering.
     Making = 1, "making", Place::Beside;
-    /// The made frame waits for its instant.
+    /// Wait of the finished frame for its release time.
     ReleaseWait = 2, "release_wait", Place::Beside;
-    /// The frame's header is written and the frame sent.
+    /// Sending of the frame, including its header.
     Sending = 3, "sending", Place::Beside;
-    /// From the scheduled instant to the frame in shared memory: how late the source
-    /// is.
+    /// Source delay: from the scheduled time to the frame in shared memory.
     Source = 10, "source", Place::Frame;
-    /// From the frame in shared memory to perception having it: waking, and waiting
-    /// for the frame before to be finished.
+    /// Transport delay: from the frame in shared memory to its receipt by perception, including
+    /// wake-up and the wait for the previous frame.
     Transport = 11, "transport", Place::Frame;
-    /// Tracks are predicted, and people and robot placed at the frame's capture.
+    /// Gathering of priors: prediction of tracks, and poses of people and robot at capture time.
     Surroundings = 12, "surroundings", Place::Frame;
-    /// Detection waits for a worker.
+    /// Wait of detection for a worker.
     DetectionQueue = 13, "detection_queue", Place::Frame;
-    /// The objects are searched for.
+    /// Object detection.
     Detection = 14, "detection", Place::Frame;
-    /// The finished detection waits for the frame loop.
+    /// Wait of the finished detection for the frame loop.
     DetectionAnswer = 15, "detection_answer", Place::Frame;
-    /// Candidates are given to tracks; actors of new tracks start.
+    /// Data association of candidates with tracks, including the start of actors for new tracks.
     Association = 16, "association", Place::Frame;
-    /// All objects' actors work on their views, until the last has answered.
+    /// Processing of all views by the object actors, until the last one answers.
     Objects = 17, "objects", Place::Frame;
-    /// Key views are handed over, and objects and scene published.
+    /// Publication of objects and scene, and hand-over of key views.
     Publishing = 18, "publishing", Place::Frame;
-    /// The points in range are sampled on a grid.
+    /// Grid sampling of the points in range.
     Samples = 30, "samples", Place::Within(Stage::Detection);
-    /// The plane of the table is found.
+    /// Search for the plane of the table.
     TablePlane = 31, "table_plane", Place::Within(Stage::Detection);
-    /// Cells and outline of the table.
+    /// Surface cells and outline of the table.
     TableSurface = 32, "table_surface", Place::Within(Stage::Detection);
-    /// The points over the table are listed.
+    /// Selection of the points above the table (prism).
     Prism = 33, "prism", Place::Within(Stage::Detection);
-    /// They are joined to clusters, apart from people and robot.
+    /// Clustering of these points, without people and robot.
     Clusters = 34, "clusters", Place::Within(Stage::Detection);
-    /// Clusters of several objects are parted along creases.
+    /// Concavity split of clusters that hold several objects.
     Piles = 35, "piles", Place::Within(Stage::Detection);
-    /// Clusters are parted and joined by the tracks expected there.
+    /// Split and merge of clusters by the tracks expected there.
     Regrouping = 36, "regrouping", Place::Within(Stage::Detection);
-    /// Clusters grow down to the table.
+    /// Growth of clusters down to the table.
     Feet = 37, "feet", Place::Within(Stage::Detection);
-    /// Boxes around the clusters.
+    /// Oriented bounding boxes of the clusters.
     Boxes = 38, "boxes", Place::Within(Stage::Detection);
-    /// Constraints and rule; candidates are written.
+    /// Evaluation of constraints and rule; output of the candidates.
     Judging = 39, "judging", Place::Within(Stage::Detection);
-    /// Another worker helps with one of the steps before.
+    /// Work of a second worker on one of the preceding steps.
     Helping = 40, "helping", Place::Within(Stage::Detection);
-    /// From the first object's question to this object's: the frame loop asks one
-    /// after the other.
+    /// Dispatch delay: from the request to the first object until the request to this one, because
+    /// the frame loop sends them one after the other.
     HandOver = 50, "hand_over", Place::Object;
-    /// The object's view waits for its actor and a worker.
+    /// Wait of the object's view for its actor and a worker.
     ActorQueue = 51, "actor_queue", Place::Object;
-    /// The object's motion filter takes the measurement.
+    /// Measurement update of the object's motion filter.
     Tracking = 52, "tracking", Place::Object;
-    /// The object's points are described.
+    /// Computation of the object's descriptor.
     Description = 53, "description", Place::Object;
-    /// The description is compared with what was taught.
+    /// Recognition: comparison of the descriptor with the stored views.
     Recognition = 54, "recognition", Place::Object;
-    /// Whether the view is key; the points of a key view are packed.
+    /// Key-view decision, and packing of a key view's points.
     KeyView = 55, "key_view", Place::Object;
-    /// The actor's answer waits for the frame loop.
+    /// Wait of the actor's answer for the frame loop.
     ActorAnswer = 56, "actor_answer", Place::Object;
-    /// The object's answer is there, others are still missing.
+    /// Wait of an answered object for the remaining objects (barrier).
     OthersAwaited = 57, "others_awaited", Place::Object;
-    /// Posteriors are taken over, and key views handed to the outbox.
+    /// Adoption of the posteriors, and hand-over of key views to the outbox.
     Outbox = 70, "outbox", Place::Within(Stage::Publishing);
-    /// Views and clouds of the objects, for those who subscribe.
+    /// Publication of views and clouds of single objects to subscribers.
     ObjectTopics = 71, "object_topics", Place::Within(Stage::Publishing);
-    /// The scene with all labels.
+    /// Publication of the scene with all labels.
     SceneTopic = 72, "scene_topic", Place::Within(Stage::Publishing);
-    /// The spans of the frame before were published: what measuring costs.
+    /// Publication of the previous frame's spans: cost of tracing itself.
     Telling = 73, "telling", Place::Beside;
-    /// From the published label to another process having it.
+    /// Delivery delay: from the published label to its receipt by another process.
     LabelHop = 90, "label_hop", Place::Beside;
-    /// The scene waits until the working memory looks at it, a few times a second.
+    /// Wait of the scene for the next update of the working memory, a few times per second.
     WorldWait = 91, "world_wait", Place::Beside;
-    /// The world model takes the scene over.
+    /// Update of the working memory from the scene.
     WorldUpdate = 92, "world_update", Place::Beside;
 }
 
 impl Stage {
-    /// The number on the wire.
+    /// Wire code.
     pub fn code(self) -> u32 {
         self as u32
     }
 
-    /// The stage of a number; `None` for any other number.
+    /// Stage of a wire code; `None` for an unknown code.
     pub fn from_code(code: u32) -> Option<Self> {
         Self::ALL.iter().copied().find(|stage| stage.code() == code)
     }
 
-    /// The stage of a word.
+    /// Stage of a name; `None` for an unknown name.
     pub fn from_word(word: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|stage| stage.word() == word)
     }

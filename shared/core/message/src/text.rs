@@ -1,9 +1,9 @@
-//! Short text in a message of fixed size.
+//! Fixed-size text field of a message.
 
 use bytemuck::{Pod, Zeroable};
 use iceoryx2::prelude::ZeroCopySend;
 
-/// UTF-8 text of at most 128 bytes; bytes behind `len` are zero.
+/// UTF-8 text of at most 128 bytes; bytes after `len` are zero.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable, ZeroCopySend)]
 #[type_name("tabula.Text.v1")]
 #[repr(C)]
@@ -24,10 +24,10 @@ impl Default for Text {
 }
 
 impl Text {
-    /// Longest text, bytes.
+    /// Maximum length, bytes.
     pub const CAPACITY: usize = 128;
 
-    /// Holds as much of `text` as fits, cut at a character's border.
+    /// Creates a text, truncated at a character boundary if too long.
     pub fn truncated(text: &str) -> Self {
         let mut end = text.len().min(Self::CAPACITY);
         while !text.is_char_boundary(end) {
@@ -41,7 +41,7 @@ impl Text {
         held
     }
 
-    /// The text; `None` when the bytes are not a text (torn or hostile memory).
+    /// Text as a string slice; `None` when the bytes are not UTF-8 (torn or hostile memory).
     pub fn as_str(&self) -> Option<&str> {
         std::str::from_utf8(self.bytes.get(..self.len as usize)?).ok()
     }

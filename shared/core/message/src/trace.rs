@@ -1,77 +1,77 @@
-//! Where the time of a frame goes: spans of the stages it passes.
+//! Latency traces: spans of the stages that a frame passes.
 
 use crate::stage::Stage;
 use bytemuck::AnyBitPattern;
 use iceoryx2::prelude::ZeroCopySend;
 
-/// Most spans that a process tells of one frame: twenty for the frame, and six for
-/// each of about 160 objects.
+/// Maximum number of spans per frame and process: twenty for the frame, and six for each of
+/// about 160 objects.
 pub const MAX_SPANS: usize = 1024;
 
-/// The frame that the spans of a message belong to, and who has worked on it.
+/// Header of a latency trace: the frame, and the process that handled it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, AnyBitPattern, ZeroCopySend)]
 #[type_name("tabula.TraceHeader.v1")]
 #[repr(C)]
 pub struct TraceHeader {
-    /// Number of a [`ProcessKind`](crate::ProcessKind).
+    /// Code of a [`ProcessKind`](crate::ProcessKind).
     pub process: u32,
-    /// Process id.
+    /// Operating-system process id.
     pub pid: u32,
     /// Session of the source.
     pub session: u64,
-    /// The frame.
+    /// Sequence number of the frame.
     pub sequence: u64,
-    /// When the source should have published it, monotonic.
+    /// Scheduled publication time of the frame, monotonic clock, nanoseconds.
     pub scheduled_ns: u64,
     /// Bits of [`frame_flag`](crate::frame_flag) of the frame.
     pub frame_flags: u32,
-    /// Spans that found no place in this message.
+    /// Number of spans that did not fit into this message.
     pub n_left_out: u32,
-    /// Counts the messages of the port.
+    /// Message number of the port, from 1.
     pub sent: u64,
 }
 
 const _: () = assert!(size_of::<TraceHeader>() == 48);
 
-/// A stage that was passed: when, and what it cost the thread that was at work.
+/// Span: one stage with its begin, end and resource use of the executing thread.
 ///
-/// What a stage used is 0 where it was spent waiting, for nobody was at work.
+/// Resource use is 0 for time spent waiting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, AnyBitPattern, ZeroCopySend)]
 #[type_name("tabula.Span.v1")]
 #[repr(C)]
 pub struct Span {
-    /// Begin, monotonic clock.
+    /// Begin, monotonic clock, nanoseconds.
     pub begin_ns: u64,
-    /// End, monotonic clock.
+    /// End, monotonic clock, nanoseconds.
     pub end_ns: u64,
-    /// The object's track; 0 where the stage is the frame's.
+    /// Track id of the object; 0 for a stage of the whole frame.
     pub track_id: u64,
-    /// Processor time of the thread.
+    /// Processor time of the thread, nanoseconds.
     pub cpu_ns: u64,
-    /// Heap bytes requested by the thread.
+    /// Heap bytes allocated by the thread.
     pub allocated_bytes: u64,
-    /// Number of a [`Stage`].
+    /// Code of a [`Stage`].
     pub stage: u32,
-    /// The kernel's number of the thread; 0 for waiting.
+    /// Kernel thread id; 0 for waiting.
     pub thread_id: u32,
-    /// Heap allocations of the thread.
+    /// Number of heap allocations of the thread.
     pub n_allocations: u32,
-    /// How often the thread gave up its processor.
+    /// Number of voluntary context switches.
     pub n_voluntary_switches: u32,
-    /// How often its processor was taken from it.
+    /// Number of involuntary context switches.
     pub n_involuntary_switches: u32,
-    /// Page faults without disk.
+    /// Number of minor page faults (no disk access).
     pub n_minor_faults: u32,
-    /// Page faults that read from disk.
+    /// Number of major page faults (with disk access).
     pub n_major_faults: u32,
-    /// Zero.
+    /// Padding, zero.
     pub reserved: u32,
 }
 
 const _: () = assert!(size_of::<Span>() == 72);
 
 impl Span {
-    /// Time that was spent waiting: nobody was at work.
+    /// Span of waiting time, without resource use.
     pub fn waiting(stage: Stage, track_id: u64, begin_ns: u64, end_ns: u64) -> Self {
         Self {
             begin_ns,
@@ -82,7 +82,7 @@ impl Span {
         }
     }
 
-    /// How long it took; 0 when the stamps are in no order.
+    /// Duration; 0 when the end precedes the begin.
     pub fn duration_ns(&self) -> u64 {
         self.end_ns.saturating_sub(self.begin_ns)
     }

@@ -1,41 +1,25 @@
-//! A cloud on the image grid.
+//! Organised point cloud: points on the image grid.
 
 use crate::Point;
-use std::fmt;
 
-/// Borrowed points in rows of an image: `width x height`, row-major.
+/// Borrowed organised point cloud: `width x height` points, row-major.
 #[derive(Debug, Clone, Copy)]
 pub struct OrganizedCloud<'a> {
     points: &'a [Point],
     width: usize,
 }
 
-/// The number of points does not fill the grid.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// Error of viewing points as an image: their number does not fill the grid.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{n_points} points do not fill a grid of {width}x{height}")]
 pub struct SizeMismatch {
     n_points: usize,
     width: usize,
     height: usize,
 }
 
-impl fmt::Display for SizeMismatch {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self {
-            n_points,
-            width,
-            height,
-        } = self;
-        write!(
-            f,
-            "{n_points} points do not fill a grid of {width}x{height}"
-        )
-    }
-}
-
-impl std::error::Error for SizeMismatch {}
-
 impl<'a> OrganizedCloud<'a> {
-    /// Views a slice as an image of points.
+    /// Creates an organised view of a slice of points.
     ///
     /// # Errors
     /// When the slice's length is not `width * height`, or a side is zero.
@@ -50,19 +34,19 @@ impl<'a> OrganizedCloud<'a> {
         Ok(Self { points, width })
     }
 
-    /// All points, row by row.
+    /// All points, row-major.
     #[inline]
     pub fn points(&self) -> &'a [Point] {
         self.points
     }
 
-    /// Columns.
+    /// Number of columns.
     #[inline]
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Rows.
+    /// Number of rows.
     #[inline]
     pub fn height(&self) -> usize {
         self.points.len() / self.width

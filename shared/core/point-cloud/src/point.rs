@@ -1,29 +1,29 @@
-//! One measured point.
+//! Coloured point.
 
 use bytemuck::{Pod, Zeroable};
 use nalgebra::Point3;
 
-/// A packed colour, 8 bits a channel: alpha, red, green, blue from the highest
-/// byte to the lowest, as PCL packs it.
+/// Packed colour, 8 bits per channel: alpha, red, green, blue from the highest byte to the
+/// lowest, as in PCL.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Pod, Zeroable)]
 #[repr(transparent)]
 pub struct Rgba(pub u32);
 
 impl Rgba {
-    /// An opaque colour.
+    /// Creates an opaque colour.
     #[inline]
     pub const fn opaque(red: u8, green: u8, blue: u8) -> Self {
         Self(0xff00_0000 | (red as u32) << 16 | (green as u32) << 8 | blue as u32)
     }
 
-    /// Red, green, blue.
+    /// Red, green and blue channels.
     #[inline]
     pub const fn rgb(self) -> [u8; 3] {
         [(self.0 >> 16) as u8, (self.0 >> 8) as u8, self.0 as u8]
     }
 }
 
-/// A coloured point, 16 bytes: metres, and a packed colour.
+/// Coloured point, 16 bytes: coordinates in metres and a packed colour.
 ///
 /// Frame: the camera's (x right, y down, z forward) unless a name says
 /// otherwise. A point without depth has NaN coordinates; its colour may still
@@ -42,7 +42,7 @@ pub struct Point {
 }
 
 impl Point {
-    /// A pixel without depth.
+    /// Creates the point of a pixel without depth: three NaN coordinates.
     pub const fn without_depth(color: Rgba) -> Self {
         Self {
             x: f32::NAN,
@@ -52,13 +52,13 @@ impl Point {
         }
     }
 
-    /// Whether all three coordinates are finite.
+    /// True if all three coordinates are finite.
     #[inline]
     pub fn is_finite(&self) -> bool {
         self.x.is_finite() && self.y.is_finite() && self.z.is_finite()
     }
 
-    /// The position in double precision.
+    /// Position in double precision, metres.
     #[inline]
     pub fn position(&self) -> Point3<f64> {
         Point3::new(f64::from(self.x), f64::from(self.y), f64::from(self.z))

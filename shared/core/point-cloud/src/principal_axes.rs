@@ -1,8 +1,8 @@
-//! Mean, covariance and principal axes of points.
+//! Mean, covariance and principal axes (PCA) of points.
 
 use nalgebra::{Matrix3, Point3, SymmetricEigen, Vector3};
 
-/// Running sums of points, from which mean and covariance follow.
+/// Accumulator of first and second moments of points, for mean and covariance.
 ///
 /// Sums are taken relative to the first point, which keeps the covariance
 /// exact far from the origin.
@@ -14,15 +14,15 @@ pub struct Moments {
     products: Matrix3<f64>,
 }
 
-/// Principal axes of a set of points.
+/// Principal axes (PCA) of a set of points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PrincipalAxes {
     /// Mean of the points.
     pub centroid: Point3<f64>,
     /// Variances along the axes, largest first, square metres.
     pub variances_m2: Vector3<f64>,
-    /// Unit axes as columns, in the order of the variances, right-handed.
-    /// The signs are the solver's: whoever needs them stable decides them.
+    /// Unit axes as columns, in the order of the variances, right-handed. Their signs are
+    /// arbitrary, as given by the eigenvalue solver.
     pub axes: Matrix3<f64>,
 }
 
@@ -39,12 +39,12 @@ impl Moments {
         self.products += d * d.transpose();
     }
 
-    /// How many points were added.
+    /// Number of points added.
     pub fn n_points(&self) -> usize {
         self.n
     }
 
-    /// Mean; `None` without points.
+    /// Mean of the points, metres; `None` without points.
     pub fn centroid(&self) -> Option<Point3<f64>> {
         (self.n > 0).then(|| Point3::from(self.origin + self.sum / self.n as f64))
     }

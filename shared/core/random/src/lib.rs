@@ -1,72 +1,83 @@
-//! Chance from a seed, the same on every machine.
+//! Seeded pseudorandom numbers, the same on every machine.
 //!
 //! For simulations, samples and tests that must repeat, not for secrets. All
 //! numbers come from `SplitMix64` (Steele, Lea and Flood 2014, "Fast splittable
-//! pseudorandom number generators"): one word of state, 2^64 numbers before it
-//! repeats. They are part of what recorded results mean, so they never change.
+//! pseudorandom number generators"): one word of state, period 2^64. Recorded
+//! results depend on the numbers, so they never change.
+//!
+//! # Example
+//!
+//! ```
+//! use random::Random;
+//!
+//! let mut random = Random::from_seed(1_234_567);
+//! assert_eq!(random.next_u64(), 6_457_827_717_110_365_317);
+//! let weight = random.between(0.5, 1.5);
+//! assert!((0.5..1.5).contains(&weight));
+//! ```
 
-/// What the state grows by from number to number.
-const STEP: u64 = 0x9e37_79b9_7f4a_7c15;
+/// State increment ("golden gamma", Steele et al. 2014): 2^64 divided by the golden ratio, odd.
+const GOLDEN_GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// A stream of numbers that depends on its seed alone.
+/// Pseudorandom number generator (`SplitMix64`), determined by its seed alone.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Random {
     state: u64,
 }
 
 impl Random {
-    /// The stream of a seed. Seeds that differ by a multiple of the step share
-    /// numbers; where seeds are made up from several parts, mix them with [`mixed`].
+    /// Creates a generator from a seed. Seeds that differ by a multiple of the state increment
+    /// share numbers; combine the parts of a composite seed with [`mixed`].
     #[inline]
     pub const fn from_seed(seed: u64) -> Self {
         Self { state: seed }
     }
 
-    /// An independent stream for one purpose of an experiment, so that a new use
-    /// of randomness does not shift the others.
+    /// Creates an independent substream for one purpose of an experiment, so that new uses of
+    /// randomness do not shift the others.
     pub const fn for_purpose(seed: u64, purpose: u64) -> Self {
         // Mixed twice: otherwise one seed's stream equals another seed's for another purpose.
         Self::from_seed(mixed(mixed(seed) ^ purpose))
     }
 
-    /// The next 64 random bits.
+    /// Next 64 random bits.
     #[inline]
     pub const fn next_u64(&mut self) -> u64 {
-        self.state = self.state.wrapping_add(STEP);
-        finalised(self.state)
+        self.state = self.state.wrapping_add(GOLDEN_GAMMA);
+        finalize(self.state)
     }
 
-    /// Evenly distributed from 0 up to, not including, 1.
+    /// Uniform number in [0, 1).
     #[inline]
     pub fn unit(&mut self) -> f64 {
         unit(self.next_u64())
     }
 
-    /// As [`Random::unit`], in single precision.
+    /// Uniform number in [0, 1), single precision.
     #[inline]
     pub fn unit_f32(&mut self) -> f32 {
         unit_f32(self.next_u64())
     }
 
-    /// Evenly distributed from `low` up to `high`.
+    /// Uniform number in [`low`, `high`).
     #[inline]
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
     }
 
-    /// A whole number below `bound`; 0 when the bound is 0.
+    /// Uniform integer below `bound`; 0 when the bound is 0.
     #[inline]
     pub fn below(&mut self, bound: usize) -> usize {
         // The high half of the product: uneven by bound / 2^64 at most.
         ((u128::from(self.next_u64()) * bound as u128) >> 64) as usize
     }
 
-    /// One of the choices, each as likely; `None` of none.
+    /// Uniform choice of an element; `None` for an empty slice.
     pub fn choice<'a, T>(&mut self, choices: &'a [T]) -> Option<&'a T> {
         choices.get(self.below(choices.len()))
     }
 
-    /// Puts values in random order (Fisher and Yates 1938).
+    /// Random permutation in place (Fisher and Yates 1938).
     pub fn shuffle<T>(&mut self, values: &mut [T]) {
         for last in (1..values.len()).rev() {
             values.swap(last, self.below(last + 1));
@@ -74,34 +85,34 @@ impl Random {
     }
 }
 
-/// 64 random bits that depend on these alone: the first number of their stream.
+/// 64-bit mixing function: first number of the generator with seed `bits`.
 #[inline]
 pub const fn mixed(bits: u64) -> u64 {
     Random::from_seed(bits).next_u64()
 }
 
-/// The `index`-th number, counted from 1, of the stream of seed 0: for
-/// noise that belongs to a place and is drawn in any order.
+/// Counter-based random number: the `index`-th number, from 1, of the generator with seed 0.
+/// For noise indexed by position and drawn in any order.
 #[inline]
 pub const fn nth(index: u64) -> u64 {
-    finalised(index.wrapping_mul(STEP))
+    finalize(index.wrapping_mul(GOLDEN_GAMMA))
 }
 
-/// A number in [0, 1) from 64 random bits.
+/// Converts 64 random bits to a number in [0, 1).
 #[inline]
 pub const fn unit(bits: u64) -> f64 {
     (bits >> 11) as f64 / (1_u64 << 53) as f64
 }
 
-/// A number in [0, 1) from 64 random bits, in single precision.
+/// Converts 64 random bits to a number in [0, 1), single precision.
 #[inline]
 pub const fn unit_f32(bits: u64) -> f32 {
     (bits >> 40) as f32 / (1_u64 << 24) as f32
 }
 
-/// Makes every bit of the result depend on every bit of the state.
+/// Finalizer of `SplitMix64`: every bit of the result depends on every bit of the state.
 #[inline]
-const fn finalised(state: u64) -> u64 {
+const fn finalize(state: u64) -> u64 {
     let z = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     z ^ (z >> 31)
@@ -111,7 +122,7 @@ const fn finalised(state: u64) -> u64 {
 mod tests {
     use super::*;
 
-    /// The first numbers of seed 1234567, as the generator's authors publish them.
+    /// Reference values: first numbers of seed 1234567, as published by the generator's authors.
     #[test]
     fn the_numbers_are_those_of_split_mix_64() {
         let mut random = Random::from_seed(1_234_567);

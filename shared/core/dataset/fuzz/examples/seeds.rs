@@ -1,4 +1,4 @@
-//! Writes small valid files of each format for the fuzzer to begin with.
+//! Seed corpus for the fuzzer: small valid files of each format.
 
 use dataset::{pcd, ply};
 use geometry::RigidTransform;
@@ -6,8 +6,8 @@ use point_cloud::{Point, Rgba};
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
-#[path = "../../src/rgbd_sequence/flat_jpeg.rs"]
-mod flat_jpeg;
+#[path = "../../src/rgbd_sequence/test_flat_jpeg.rs"]
+mod test_flat_jpeg;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let corpus = std::env::args_os()
@@ -81,7 +81,7 @@ fn write_meshes(folder: &Path, vertices: &[Point]) -> Result<(), Box<dyn Error>>
     Ok(())
 }
 
-/// The first byte tells the target which file it is.
+/// Writes the text files; the first byte selects the parser.
 fn write_matrices(folder: &Path) -> Result<(), Box<dyn Error>> {
     std::fs::write(
         folder.join("pose"),
@@ -103,7 +103,7 @@ fn write_images(folder: &Path) -> Result<(), Box<dyn Error>> {
     let rgb = image(1, ColorType::Rgb, BitDepth::Eight, 384)?;
     std::fs::write(folder.join("color_png"), rgb)?;
     let mut color = vec![1];
-    color.extend(flat_jpeg::encode(2, 1, &[[100, 128, 128], [76, 85, 255]]));
+    color.extend(test_flat_jpeg::encode(2, 1, &[[100, 128, 128], [76, 85, 255]]));
     std::fs::write(folder.join("color"), color)?;
     Ok(())
 }
@@ -134,7 +134,7 @@ fn write_views(folder: &Path, points: &[Point]) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// A PNG image of 16 x 8 pixels behind the byte that tells the target its kind.
+/// PNG image of 16 x 8 pixels after the byte that selects the decoder.
 fn image(
     kind: u8,
     color: png::ColorType,

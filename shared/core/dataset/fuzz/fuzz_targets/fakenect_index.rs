@@ -1,4 +1,4 @@
-//! Any bytes as the index of a fakenect folder.
+//! Fuzz target: arbitrary bytes as the index of a fakenect recording.
 #![no_main]
 
 use dataset::fakenect_folder::parse_index;

@@ -1,4 +1,4 @@
-//! Any bytes as an OBJ file and, behind the first NUL, its materials.
+//! Fuzz target: arbitrary bytes as an OBJ file and, after the first NUL, its materials.
 #![no_main]
 
 use dataset::obj::{self, Materials};

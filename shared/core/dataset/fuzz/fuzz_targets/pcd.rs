@@ -1,4 +1,4 @@
-//! Any bytes as a PCD file; what is read is written and read again.
+//! Fuzz target: arbitrary bytes as a PCD file, with a round trip of valid content.
 #![no_main]
 
 use dataset::pcd::{self, Encoding};

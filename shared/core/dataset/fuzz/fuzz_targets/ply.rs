@@ -1,4 +1,4 @@
-//! Any bytes as a PLY file; what is read is written and read again.
+//! Fuzz target: arbitrary bytes as a PLY file, with a round trip of valid content.
 #![no_main]
 
 use dataset::ply::{self, Encoding};

@@ -1,5 +1,5 @@
-//! Any bytes as one of the files of an RGB-D sequence; the first byte says
-//! which.
+//! Fuzz target: arbitrary bytes as a file of an RGB-D sequence; the first byte selects the
+//! parser.
 #![no_main]
 
 use dataset::rgbd_sequence::{
@@ -8,7 +8,7 @@ use dataset::rgbd_sequence::{
 };
 use libfuzzer_sys::fuzz_target;
 
-/// The size of the seeds' colour images.
+/// Size of the seeds' colour images.
 const COLOR_SIZE: (u32, u32) = (16, 8);
 
 fuzz_target!(|bytes: &[u8]| {

@@ -1,5 +1,5 @@
-//! Any bytes as one of the files of a view or as its name; the first byte says
-//! which.
+//! Fuzz target: arbitrary bytes as a file or name of a Washington view; the first byte selects
+//! the parser.
 #![no_main]
 
 use dataset::washington::{
@@ -8,7 +8,7 @@ use dataset::washington::{
 };
 use libfuzzer_sys::fuzz_target;
 
-/// The size of the seeds' depth images and masks.
+/// Size of the seeds' depth images and masks.
 const SIZE: (u32, u32) = (16, 8);
 
 fuzz_target!(|bytes: &[u8]| {
@@ -37,7 +37,7 @@ fuzz_target!(|bytes: &[u8]| {
     }
 });
 
-/// What is read becomes a view whose points are written and read again.
+/// Decodes a colour image and round-trips the points of its view.
 fn color(file: &[u8]) -> Result<(), ContentError> {
     let mut view = View::default();
     view.size = decode_color(file, &mut view.color)?;

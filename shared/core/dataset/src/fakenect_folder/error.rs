@@ -1,107 +1,65 @@
-//! What can be wrong with a fakenect folder.
+//! Errors of reading and writing fakenect recordings.
 
 use crate::FileError;
-use std::fmt;
 use std::path::PathBuf;
 
-/// Why a fakenect folder could not be used or written.
-#[derive(Debug)]
+/// Error of reading or writing a fakenect recording.
+#[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A file or the folder could not be read or written.
-    File(FileError),
-    /// A line of `INDEX.txt` is wrong.
+    /// Failed access to a file or folder.
+    #[error("{0}")]
+    File(#[from] FileError),
+    /// Invalid line of `INDEX.txt`.
+    #[error("line {line} of the fakenect recording's INDEX.txt is wrong: {problem}")]
     IndexLine {
-        /// Its number, from 1.
+        /// Line number, from 1.
         line: usize,
-        /// What is wrong with it.
+        /// Reason, as a clause of a sentence.
         problem: String,
     },
-    /// The index lists no depth frame.
+    /// Index without a depth frame.
+    #[error("the fakenect recording's INDEX.txt lists no depth frame; record it again")]
     NoDepth,
-    /// A listed file does not begin as it must.
+    /// Frame file with a wrong header.
+    #[error(
+        "the frame {} does not begin with \"{needed}\"; record it again",
+        .path.display()
+    )]
     FrameHeader {
-        /// The file.
+        /// Frame file.
         path: PathBuf,
-        /// How it must begin.
+        /// Required header.
         needed: &'static str,
     },
-    /// A listed file has the wrong size.
+    /// Frame file with a wrong size.
+    #[error(
+        "the frame {} has {found} bytes and must have {needed}; copy the recording again",
+        .path.display()
+    )]
     FrameSize {
-        /// The file.
+        /// Frame file.
         path: PathBuf,
-        /// Bytes it has.
+        /// Size, bytes.
         found: u64,
-        /// Bytes it must have.
+        /// Required size, bytes.
         needed: u64,
     },
-    /// A frame for writing has the wrong number of values.
+    /// Frame to be written with a wrong number of values.
+    #[error("a frame of {found} values can not be recorded; it must have {needed}")]
     FrameLength {
-        /// The number it has.
+        /// Number of values.
         found: usize,
-        /// The number it must have.
+        /// Required number of values.
         needed: usize,
     },
-    /// A depth for writing is not an 11-bit value.
+    /// Depth value to be written that exceeds 11 bits.
+    #[error("the depth value {0} can not be recorded; raw depth goes from 0 to 2047")]
     RawDepth(u16),
-    /// A frame for writing comes long after the one before.
+    /// Frame to be written more than a minute after its predecessor.
+    #[error(
+        "the frame comes more than a minute after the one before and can not be \
+         recorded; begin another recording"
+    )]
     TimeGap,
-}
-
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::File(error) => error.fmt(f),
-            Self::IndexLine { line, problem } => {
-                write!(
-                    f,
-                    "line {line} of the fakenect recording's INDEX.txt is wrong: {problem}"
-                )
-            }
-            Self::NoDepth => f.write_str(
-                "the fakenect recording's INDEX.txt lists no depth frame; record it again",
-            ),
-            Self::FrameHeader { path, needed } => write!(
-                f,
-                "the frame {} does not begin with \"{needed}\"; record it again",
-                path.display()
-            ),
-            Self::FrameSize {
-                path,
-                found,
-                needed,
-            } => write!(
-                f,
-                "the frame {} has {found} bytes and must have {needed}; copy the recording again",
-                path.display()
-            ),
-            Self::FrameLength { found, needed } => write!(
-                f,
-                "a frame of {found} values can not be recorded; it must have {needed}"
-            ),
-            Self::RawDepth(value) => write!(
-                f,
-                "the depth value {value} can not be recorded; raw depth goes from 0 to 2047"
-            ),
-            Self::TimeGap => f.write_str(
-                "the frame comes more than a minute after the one before and can not be \
-                 recorded; begin another recording",
-            ),
-        }
-    }
-}
-
-impl std::error::Error for Error {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::File(error) => Some(error),
-            _ => None,
-        }
-    }
-}
-
-impl From<FileError> for Error {
-    fn from(error: FileError) -> Self {
-        Self::File(error)
-    }
 }

@@ -1,26 +1,26 @@
-//! Checking a recording before it is played.
+//! Validation of a fakenect recording before playback.
 
 use super::INDEX_NAME;
 use super::error::Error;
-use super::index::{Entry, FrameKind, parse_index};
+use super::index::{FrameKind, IndexEntry, parse_index};
 use crate::bounded_file::{FileError, open_file, read_file};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Most bytes of an index; more than an hour of frames.
+/// Maximum size of an index, bytes; more than an hour of frames.
 const MAX_INDEX_BYTES: u64 = 1 << 24;
 
-/// A recording that the fakenect library can play.
+/// Validated recording for the fakenect library.
 #[derive(Debug, Clone)]
 pub struct FakenectFolder {
     path: PathBuf,
-    entries: Vec<Entry>,
+    entries: Vec<IndexEntry>,
 }
 
 impl FakenectFolder {
-    /// Checks a recording: each listed file is there, is a regular file and has
-    /// the header and size of its kind.
+    /// Opens and validates a recording: each listed file exists, is a regular file and has the
+    /// header and size of its kind.
     ///
     /// *Complexity*: opens each listed file and reads a few bytes of it.
     ///
@@ -42,17 +42,17 @@ impl FakenectFolder {
         })
     }
 
-    /// The folder, for the environment variable `FAKENECT_PATH`.
+    /// Folder of the recording, for the environment variable `FAKENECT_PATH`.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The frames in the order of their arrival.
-    pub fn entries(&self) -> &[Entry] {
+    /// Frames in the order of their arrival.
+    pub fn entries(&self) -> &[IndexEntry] {
         &self.entries
     }
 
-    /// How long the player takes: the sum of all pauses between frames.
+    /// Playback time: sum of all pauses between frames.
     pub fn duration(&self) -> Duration {
         let pauses = self.entries.windows(2);
         pauses

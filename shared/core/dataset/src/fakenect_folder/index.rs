@@ -1,33 +1,33 @@
-//! The list of a recording's frames.
+//! Index of a fakenect recording.
 
 use super::error::Error;
-use crate::number::excerpt;
+use crate::number_type::excerpt;
 use std::time::Duration;
 
-/// Longest pause between two frames. The player sleeps through it.
+/// Maximum pause between two frames, for which the player sleeps.
 pub(super) const MAX_PAUSE: Duration = Duration::from_secs(60);
 
-/// What a frame shows.
+/// Kind of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FrameKind {
     /// Raw 11-bit depth, 640 x 480.
     Depth,
-    /// Red, green and blue, 640 x 480.
+    /// Colour: red, green and blue, 640 x 480.
     Color,
-    /// Accelerometer and tilt motor.
+    /// Accelerometer and tilt motor state.
     Tilt,
 }
 
-/// One line of the index.
+/// Line of the index: one frame.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Entry {
-    /// What the frame shows.
+pub struct IndexEntry {
+    /// Kind of the frame.
     pub kind: FrameKind,
-    /// When the frame arrived, since 1970.
+    /// Arrival time since 1970.
     pub unix_time: Duration,
-    /// The Kinect's own clock, about 60 MHz; it wraps around.
+    /// Time stamp of the Kinect's own clock, about 60 MHz; it wraps around.
     pub stamp: u32,
-    /// The name of the frame's file within the folder.
+    /// File name within the folder.
     pub file_name: String,
 }
 
@@ -41,23 +41,23 @@ impl FrameKind {
     }
 }
 
-/// The name of a frame's file, as the recorder of libfreenect makes it.
+/// File name of a frame, as made by libfreenect's recorder.
 pub(super) fn file_name(kind: FrameKind, unix_time: Duration, stamp: u32) -> String {
     let (letter, extension) = kind.letter_and_extension();
     let (seconds, micros) = (unix_time.as_secs(), unix_time.subsec_micros());
     format!("{letter}-{seconds}.{micros:06}-{stamp}.{extension}")
 }
 
-/// Reads the bytes of an `INDEX.txt`.
+/// Parses the bytes of an `INDEX.txt`.
 ///
-/// A name can not lead out of the folder, since it has no other characters than
+/// A name cannot lead out of the folder, since it has no other characters than
 /// the pattern of names allows. Times may go backwards, as clocks do.
 ///
 /// # Errors
 /// When a line is not the name of a frame (the player takes a blank line for
 /// the end), or a frame comes more than a minute after the one before.
-pub fn parse_index(bytes: &[u8]) -> Result<Vec<Entry>, Error> {
-    let mut entries: Vec<Entry> = Vec::new();
+pub fn parse_index(bytes: &[u8]) -> Result<Vec<IndexEntry>, Error> {
+    let mut entries: Vec<IndexEntry> = Vec::new();
     let bytes = bytes.strip_suffix(b"\n").unwrap_or(bytes);
     for (idx, line) in bytes.split(|&byte| byte == b'\n').enumerate() {
         let error = |problem| Error::IndexLine {
@@ -84,7 +84,7 @@ pub fn parse_index(bytes: &[u8]) -> Result<Vec<Entry>, Error> {
     Ok(entries)
 }
 
-fn parse_name(name: &str) -> Option<Entry> {
+fn parse_name(name: &str) -> Option<IndexEntry> {
     let (rest, extension) = name.rsplit_once('.')?;
     let mut parts = rest.split('-');
     let (letter, time, stamp) = (parts.next()?, parts.next()?, parts.next()?);
@@ -95,7 +95,7 @@ fn parse_name(name: &str) -> Option<Entry> {
     if parts.next().is_some() || !is_number(stamp) {
         return None;
     }
-    Some(Entry {
+    Some(IndexEntry {
         kind,
         unix_time: parse_time(time)?,
         stamp: stamp.parse().ok()?,
@@ -103,7 +103,7 @@ fn parse_name(name: &str) -> Option<Entry> {
     })
 }
 
-/// Seconds with up to nine decimals.
+/// Parses seconds with up to nine decimals.
 fn parse_time(text: &str) -> Option<Duration> {
     let (seconds, decimals) = text.split_once('.').unwrap_or((text, "0"));
     if !is_number(seconds) || !is_number(decimals) || decimals.len() > 9 {

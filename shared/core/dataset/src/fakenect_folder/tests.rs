@@ -1,5 +1,5 @@
 use super::*;
-use crate::hostile::{assert_sentence, damage};
+use crate::test_corruption::{assert_sentence, corruption};
 use proptest::prelude::*;
 use std::fs;
 use std::path::Path;
@@ -64,7 +64,7 @@ fn a_recording_is_not_overwritten() {
     assert_sentence(&FakenectWriter::create(folder.path()).unwrap_err());
 }
 
-/// Records, spoils the recording, and checks that the check finds it.
+/// Records, damages the recording, and expects validation to fail with the reason.
 #[track_caller]
 fn check_refusal(reason: &str, spoil: impl FnOnce(&Path)) {
     let folder = tempfile::tempdir().unwrap();
@@ -176,9 +176,9 @@ proptest! {
     }
 
     #[test]
-    fn a_damaged_index_is_read_or_explained(damage in damage(), bytes in any::<Vec<u8>>()) {
+    fn a_damaged_index_is_read_or_explained(corruption in corruption(), bytes in any::<Vec<u8>>()) {
         let index = b"d-1290000000.5-1.pgm\nr-1290000000.6-2.ppm\na-1290000000.6-2.dump\n";
-        for index in [damage.apply(index), bytes] {
+        for index in [corruption.apply(index), bytes] {
             match parse_index(&index) {
                 Ok(entries) => {
                     for entry in entries {

@@ -1,55 +1,56 @@
-//! Making a recording.
+//! Writer of fakenect recordings.
 
 use super::error::Error;
 use super::index::{FrameKind, MAX_PAUSE, file_name};
 use super::{INDEX_NAME, NO_DEPTH, TILT_BYTES};
 use crate::FileError;
+use crate::atomic_file::create_folder;
 use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Writes frames into a folder. A frame is listed when its file is complete, so
-/// that a recording that was interrupted can be played up to there.
+/// Writer of a fakenect recording. A frame is listed after its file is complete, so that an
+/// interrupted recording stays playable.
 #[derive(Debug)]
 pub struct FakenectWriter {
     folder: PathBuf,
     index: File,
     last_time: Option<Duration>,
-    /// One frame's file, kept for its memory.
+    /// File buffer of one frame, reused.
     frame: Vec<u8>,
 }
 
-/// What the accelerometer and the tilt motor say.
+/// State of the accelerometer and the tilt motor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Tilt {
     /// Acceleration along the sensor's axes; 819 is standard gravity.
     pub acceleration: [i16; 3],
     /// Tilt of the sensor, half degrees.
     pub half_degrees: i8,
-    /// What the motor does.
+    /// State of the motor.
     pub motor: TiltMotor,
 }
 
-/// What the tilt motor does.
+/// State of the tilt motor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(i32)]
 pub enum TiltMotor {
-    /// It holds its place.
+    /// Holding its position.
     Stopped = 0,
-    /// It can go no farther.
+    /// At its limit.
     AtLimit = 1,
-    /// It moves.
+    /// Moving.
     Moving = 4,
 }
 
 impl FakenectWriter {
-    /// Begins a recording in a folder, which is made if necessary.
+    /// Starts a recording in a folder, which is created if necessary.
     ///
     /// # Errors
-    /// When the folder can not be made or already holds a recording.
+    /// When the folder cannot be made or already holds a recording.
     pub fn create(folder: &Path) -> Result<Self, Error> {
-        std::fs::create_dir_all(folder).map_err(FileError::io(folder, "create"))?;
+        create_folder(folder)?;
         let path = folder.join(INDEX_NAME);
         let index = File::create_new(&path).map_err(FileError::io(&path, "create"))?;
         Ok(Self {
@@ -64,7 +65,7 @@ impl FakenectWriter {
     ///
     /// # Errors
     /// When the frame has another size or other values, comes more than a
-    /// minute after the one before, or can not be written.
+    /// minute after the one before, or cannot be written.
     pub fn write_depth(
         &mut self,
         raw_depth: &[u16],
@@ -80,7 +81,7 @@ impl FakenectWriter {
         self.finish(FrameKind::Depth, 2, unix_time, stamp)
     }
 
-    /// Records a colour frame of 640 x 480 times red, green and blue.
+    /// Records a colour frame of 640 x 480 pixels: red, green and blue.
     ///
     /// # Errors
     /// As [`FakenectWriter::write_depth`].
@@ -95,10 +96,10 @@ impl FakenectWriter {
         self.finish(FrameKind::Color, 1, unix_time, stamp)
     }
 
-    /// Records what the accelerometer and the tilt motor say.
+    /// Records the state of the accelerometer and the tilt motor.
     ///
     /// # Errors
-    /// When it comes more than a minute after the frame before, or can not be
+    /// When it comes more than a minute after the frame before, or cannot be
     /// written.
     pub fn write_tilt(&mut self, tilt: Tilt, unix_time: Duration, stamp: u32) -> Result<(), Error> {
         self.begin(FrameKind::Tilt);
@@ -111,7 +112,7 @@ impl FakenectWriter {
         self.frame.extend_from_slice(kind.header());
     }
 
-    /// Checks and writes the frame, whose values have `value_bytes` each.
+    /// Validates and writes the frame, whose values have `value_bytes` each.
     fn finish(
         &mut self,
         kind: FrameKind,
@@ -139,13 +140,14 @@ impl FakenectWriter {
     }
 }
 
-/// One write for the whole line, so that it is there or not.
+/// Appends a line to the index in a single write, so that it is never partial.
 fn append(index: &mut File, name: &str) -> io::Result<()> {
     index.write_all(format!("{name}\n").as_bytes())
 }
 
 impl Tilt {
-    /// The C structure: three `int16_t`, an `int8_t`, padding, an enumeration.
+    /// C structure `freenect_raw_tilt_state`: three `int16_t`, an `int8_t`, padding, an
+    /// enumeration.
     fn to_bytes(self) -> [u8; TILT_BYTES] {
         let [[x0, x1], [y0, y1], [z0, z1]] = self.acceleration.map(i16::to_le_bytes);
         let [m0, m1, m2, m3] = (self.motor as i32).to_le_bytes();

@@ -1,37 +1,36 @@
-//! The lines of an OBJ file or a file of materials.
+//! Tokeniser of OBJ files and material libraries.
 
 use super::Error;
-use crate::number::excerpt;
+use crate::number_type::excerpt;
 
-/// A line that is neither blank nor a comment, with those that continue it.
+/// Line that is neither blank nor a comment, joined with its continuation lines.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Line<'a> {
-    /// Its number, from 1.
+    /// Line number, from 1.
     pub(super) number: usize,
-    /// The first word.
+    /// First word.
     pub(super) keyword: &'a [u8],
-    /// What follows it.
+    /// Text after the keyword.
     rest: &'a [u8],
 }
 
 impl<'a> Line<'a> {
-    /// What follows the keyword, as text. Lines that are skipped may be in any
-    /// encoding, so only this looks at it.
+    /// Text after the keyword. Skipped lines may be in any encoding, so only this method decodes
+    /// UTF-8.
     pub(super) fn text(&self) -> Result<&'a str, Error> {
         let text = std::str::from_utf8(self.rest);
         text.map(str::trim_ascii)
             .map_err(|_| self.error("it is not UTF-8 text".to_owned()))
     }
 
-    /// The words behind the keyword. A backslash continues a line.
+    /// Words after the keyword. A backslash continues a line.
     pub(super) fn words(&self) -> Result<impl Iterator<Item = &'a str> + use<'a>, Error> {
         let is_space = |character: char| character.is_ascii_whitespace() || character == '\\';
         let words = self.text()?.split(is_space);
         Ok(words.filter(|word| !word.is_empty()))
     }
 
-    /// Fills the slice with the numbers behind the keyword and returns how many
-    /// there are.
+    /// Parses the numbers after the keyword into a slice and returns their count.
     pub(super) fn numbers(&self, numbers: &mut [f32]) -> Result<usize, Error> {
         let mut n_read = 0;
         for word in self.words()? {
@@ -81,8 +80,7 @@ pub(super) fn lines(bytes: &[u8]) -> impl Iterator<Item = Line<'_>> {
     })
 }
 
-/// A line, what is behind it, and how many lines were joined by backslashes.
-/// A comment is never continued.
+/// Splits off a line, and counts the lines joined by backslashes. A comment is never continued.
 fn split_line(bytes: &[u8]) -> (&[u8], &[u8], usize) {
     let is_comment = bytes.trim_ascii_start().starts_with(b"#");
     let (mut end, mut n_joined) = (0, 0);

@@ -1,26 +1,25 @@
-//! The colours of materials.
+//! Material libraries: diffuse colours by name.
 
 use super::Error;
 use super::lines::{Line, lines};
 use point_cloud::Rgba;
 use std::collections::HashMap;
 
-/// Most materials of one model.
+/// Maximum number of materials of one model.
 const MAX_MATERIALS: usize = 1 << 16;
 
-/// Most libraries that one model names.
+/// Maximum number of libraries of one model.
 const MAX_LIBRARIES: usize = 64;
 
-/// The diffuse colours of materials by their names.
+/// Diffuse colours of materials by name.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Materials {
     colors: HashMap<String, Rgba>,
 }
 
 impl Materials {
-    /// Adds the materials of a library, from its bytes: the lines `newmtl` and
-    /// `Kd r g b`. Its numbers are taken for the colour that a screen shows,
-    /// and cut off at 0 and 1. Other lines are skipped.
+    /// Adds the materials of a library from its bytes: the lines `newmtl` and `Kd r g b`. The
+    /// numbers are taken as display colours and clamped to 0 to 1. Other lines are skipped.
     ///
     /// # Errors
     /// When such a line is wrong, or there are more than 65536 materials.
@@ -47,13 +46,13 @@ impl Materials {
         Ok(())
     }
 
-    /// The colour of a material, if it is known.
+    /// Colour of a material, if known.
     pub fn color(&self, name: &str) -> Option<Rgba> {
         self.colors.get(name).copied()
     }
 }
 
-/// `None` for a spectrum, which is a file of its own.
+/// Parses a diffuse colour; `None` for a spectrum, which is a file of its own.
 fn diffuse_color(line: &Line<'_>) -> Result<Option<Rgba>, Error> {
     if matches!(line.words()?.next(), Some("spectral" | "xyz")) {
         return Ok(None);
@@ -69,13 +68,13 @@ fn diffuse_color(line: &Line<'_>) -> Result<Option<Rgba>, Error> {
     Ok(Some(Rgba::opaque(red, green, blue)))
 }
 
-/// From 0 to 1 to a byte; cut off outside.
+/// Converts a number from 0 to 1 to a byte, clamped.
 pub(super) fn byte(value: f32) -> u8 {
     (value * 255.0).round() as u8
 }
 
-/// The names of the libraries that an OBJ file asks for, each once, without
-/// those that are in another folder.
+/// Names of the material libraries of an OBJ file, without duplicates and without those in
+/// other folders.
 ///
 /// # Errors
 /// When a line `mtllib` is not UTF-8 text, or there are more than 64 libraries.
@@ -103,7 +102,7 @@ pub fn material_libraries(bytes: &[u8]) -> Result<Vec<&str>, Error> {
     Ok(names)
 }
 
-/// Whether a name can only be that of a file in the same folder.
+/// True if a name can only refer to a file in the same folder.
 fn is_plain_name(name: &str) -> bool {
     !matches!(name, "" | "." | "..") && !name.contains(['/', '\\', ':', '\0'])
 }

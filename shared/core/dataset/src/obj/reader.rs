@@ -1,15 +1,14 @@
-//! Reading OBJ files.
+//! Decoder of OBJ files.
 
 use super::lines::{Line, lines};
 use super::materials::{Materials, byte};
-use super::paint::{Run, paint};
+use super::vertex_colors::{MaterialRun, assign_vertex_colors};
 use super::{Error, MAX_TRIANGLES, MAX_VERTICES, Mesh};
 use crate::NEUTRAL_GREY;
-use crate::number::excerpt;
+use crate::number_type::excerpt;
 use point_cloud::{Point, Rgba};
 
-/// Reads a whole OBJ file from its bytes, with the colours of its materials as
-/// far as they are given.
+/// Decodes an OBJ file from its bytes, with the colours of the given materials.
 ///
 /// *Allocation*: the vertices and triangles; less than 64 bytes for each byte
 /// of the file.
@@ -18,7 +17,7 @@ use point_cloud::{Point, Rgba};
 /// When there is no vertex, or a line is wrong; says which and why.
 pub fn read(bytes: &[u8], materials: &Materials) -> Result<Mesh, Error> {
     let mut reader = Reader::default();
-    reader.runs.push(Run {
+    reader.runs.push(MaterialRun {
         first_triangle: 0,
         color: NEUTRAL_GREY,
     });
@@ -26,7 +25,7 @@ pub fn read(bytes: &[u8], materials: &Materials) -> Result<Mesh, Error> {
         match line.keyword {
             b"v" => reader.push_vertex(&line)?,
             b"f" => reader.push_face(&line)?,
-            b"usemtl" => reader.runs.push(Run {
+            b"usemtl" => reader.runs.push(MaterialRun {
                 first_triangle: reader.mesh.triangles.len(),
                 color: materials.color(line.text()?).unwrap_or(NEUTRAL_GREY),
             }),
@@ -40,8 +39,8 @@ pub fn read(bytes: &[u8], materials: &Materials) -> Result<Mesh, Error> {
 struct Reader {
     mesh: Mesh,
     has_own_color: Vec<bool>,
-    runs: Vec<Run>,
-    /// The highest index of a face, and its line.
+    runs: Vec<MaterialRun>,
+    /// Highest vertex index of a face, and its line.
     highest: Option<(u32, usize)>,
 }
 
@@ -69,8 +68,7 @@ impl Reader {
         Ok(())
     }
 
-    /// Cuts a polygon into the triangles between its first vertex and each
-    /// edge.
+    /// Splits a polygon into a triangle fan around its first vertex.
     fn push_face(&mut self, line: &Line<'_>) -> Result<(), Error> {
         let mut words = line.words()?;
         let too_few = || line.error("a face needs at least three corners".to_owned());
@@ -101,8 +99,7 @@ impl Reader {
         }
     }
 
-    /// The index of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`. It may name a
-    /// vertex that is still to come.
+    /// Vertex index of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`. It may refer to a later vertex.
     fn corner(&self, word: &str, line: &Line<'_>) -> Result<u32, Error> {
         let n_vertices = self.mesh.vertices.len() as i64;
         let number = word.split_once('/').map_or(word, |(number, _)| number);
@@ -131,7 +128,7 @@ impl Reader {
             let problem = format!("there is no vertex {}", index + 1);
             return Err(Error::Line { line, problem });
         }
-        paint(&mut self.mesh, &self.has_own_color, &self.runs)?;
+        assign_vertex_colors(&mut self.mesh, &self.has_own_color, &self.runs)?;
         Ok(self.mesh)
     }
 }

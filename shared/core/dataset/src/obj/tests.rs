@@ -1,6 +1,6 @@
 use super::*;
 use crate::NEUTRAL_GREY;
-use crate::hostile::{assert_sentence, cuts, damage, flipped_bits};
+use crate::test_corruption::{assert_sentence, corruption, flipped_bits, truncations};
 use point_cloud::{Point, Rgba};
 use proptest::prelude::*;
 use std::fmt::Write;
@@ -8,7 +8,7 @@ use std::fmt::Write;
 const RED: Rgba = Rgba::opaque(255, 0, 0);
 const BLUE: Rgba = Rgba::opaque(0, 0, 255);
 
-/// A file of other people: everything that may be in one.
+/// Foreign OBJ file with all kinds of lines.
 const FOREIGN: &str = "# made by hand \\
 mtllib ./a b.mtl
 o thing
@@ -40,7 +40,7 @@ fn materials(library: &str) -> Result<Materials, Error> {
     materials.read(library.as_bytes()).map(|()| materials)
 }
 
-/// Writes a mesh as text with all its digits.
+/// Writes a mesh as text with all digits.
 fn to_text(mesh: &Mesh) -> String {
     let mut text = String::new();
     for vertex in &mesh.vertices {
@@ -133,8 +133,8 @@ proptest! {
     }
 
     #[test]
-    fn a_damaged_file_is_read_or_explained(mesh in mesh(), damage in damage()) {
-        check_read_or_explained(&damage.apply(to_text(&mesh).as_bytes()), &Materials::default());
+    fn a_damaged_file_is_read_or_explained(mesh in mesh(), corruption in corruption()) {
+        check_read_or_explained(&corruption.apply(to_text(&mesh).as_bytes()), &Materials::default());
     }
 
     #[test]
@@ -150,11 +150,11 @@ proptest! {
 #[test]
 fn a_file_cut_or_flipped_anywhere_is_read_or_explained() {
     let gold = materials("newmtl gold\nKd 1 0.5 0\n").unwrap();
-    for file in cuts(FOREIGN.as_bytes()).chain(flipped_bits(FOREIGN.as_bytes())) {
+    for file in truncations(FOREIGN.as_bytes()).chain(flipped_bits(FOREIGN.as_bytes())) {
         check_read_or_explained(&file, &gold);
     }
     let library = b"newmtl gold\nKd 1 0.5 0\nmap_Kd a.png\nnewmtl blue\nKd 0.5\n";
-    for file in cuts(library).chain(flipped_bits(library)) {
+    for file in truncations(library).chain(flipped_bits(library)) {
         if let Err(error) = Materials::default().read(&file) {
             assert_sentence(&error);
         }
@@ -185,7 +185,7 @@ fn a_vertex_between_materials_becomes_two() {
     assert_eq!(colors, [RED, RED, RED, own, BLUE, BLUE]);
 }
 
-/// Reads the foreign file with one change.
+/// Reads the foreign file with one change, and expects an error with the reason.
 #[track_caller]
 fn check_refusal(from: &str, to: &str, reason: &str) {
     assert!(FOREIGN.contains(from), "{from}");

@@ -1,4 +1,4 @@
-//! A folder of PCD files for each category.
+//! Dataset layout with one folder of PCD files per category.
 
 use super::error::Error;
 use super::object_view::ObjectView;
@@ -7,20 +7,20 @@ use crate::pcd;
 use crate::scene_folder::is_scene_name;
 use std::path::{Path, PathBuf};
 
-/// Most views of a data set.
+/// Maximum number of views of a dataset.
 const MAX_VIEWS: usize = 1 << 20;
 
-/// The PCD files of the folders of a folder, in natural order.
+/// PCD files of the category folders, in natural order.
 #[derive(Debug)]
 pub(super) struct CategoryFolders {
     root: PathBuf,
     categories: Vec<String>,
-    /// Index of the category, and path below the root.
+    /// Category index, and path relative to the root.
     files: Vec<(usize, PathBuf)>,
 }
 
 impl CategoryFolders {
-    /// Lists the files. Of a folder that can not be listed it is said why.
+    /// Lists the files; returns an error for each folder that cannot be listed.
     pub(super) fn open(root: &Path) -> Result<(Self, Vec<Error>), Error> {
         let categories = folder_names(root)?;
         let (mut files, mut unusable) = (Vec::new(), Vec::new());
@@ -48,13 +48,13 @@ impl CategoryFolders {
         Ok((folders, unusable))
     }
 
-    /// The categories and paths of all files.
+    /// Category and path of each file.
     pub(super) fn files(&self) -> impl Iterator<Item = (&str, &Path)> {
         let files = self.files.iter();
         files.map(|(category, path)| (self.categories[*category].as_str(), path.as_path()))
     }
 
-    /// Reads a file; the index must be that of one.
+    /// Reads a file by its index, which must be valid.
     pub(super) fn load(&self, index: usize) -> Result<ObjectView, Error> {
         let path = self.root.join(&self.files[index].1);
         match pcd::open(&path) {

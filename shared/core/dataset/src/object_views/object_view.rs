@@ -1,4 +1,4 @@
-//! The points of a view, and what is known of its camera.
+//! Points of an object view with the known camera geometry.
 
 use crate::pcd::PcdCloud;
 use crate::washington::{self, ObjectDataset};
@@ -6,19 +6,20 @@ use geometry::RigidTransform;
 use nalgebra::{Point3, UnitVector3, Vector3};
 use point_cloud::Point;
 
-/// A view of one object.
+/// View of one object.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObjectView {
-    /// The finite points, metres.
+    /// Finite points, metres.
     pub points: Vec<Point>,
-    /// Where the camera was, in the frame of the points, metres.
+    /// Camera position in the frame of the points, metres, if known.
     pub viewpoint_m: Option<Point3<f64>>,
-    /// What was up, in the frame of the points.
+    /// Up direction in the frame of the points, if known.
     pub up: Option<UnitVector3<f64>>,
 }
 
 impl ObjectView {
-    /// The points are in the frame of the camera, which looks down on the turntable.
+    /// Reads a view in the Washington layout. Its points are in the frame of the camera, which
+    /// looks down on the turntable.
     pub(super) fn of_washington(
         dataset: &ObjectDataset,
         index: usize,
@@ -31,8 +32,8 @@ impl ObjectView {
         })
     }
 
-    /// A PCD file tells where the camera was when its viewpoint is not the identity,
-    /// which writers put there when they do not know. It never tells what was up.
+    /// Converts a PCD file. Its viewpoint counts as known unless it is the identity, which writers
+    /// use when it is unknown. Its up direction is unknown.
     pub(super) fn of_pcd(cloud: PcdCloud) -> Self {
         let mut points = cloud.points;
         points.retain(Point::is_finite);
@@ -45,7 +46,7 @@ impl ObjectView {
     }
 }
 
-/// How far the camera of a sequence looks down, degrees (Lai et al. 2011).
+/// Elevation of the camera of a sequence, degrees downwards (Lai et al. 2011).
 pub(super) fn elevation_deg(sequence: u32) -> Option<f64> {
     match sequence {
         1 => Some(30.0),
@@ -55,7 +56,7 @@ pub(super) fn elevation_deg(sequence: u32) -> Option<f64> {
     }
 }
 
-/// Up for a level camera that looks down; x right, y down, z ahead.
+/// Up direction of a level camera that looks down; x right, y down, z forward.
 fn up_in_camera(elevation_deg: f64) -> UnitVector3<f64> {
     let (sin, cos) = elevation_deg.to_radians().sin_cos();
     UnitVector3::new_normalize(Vector3::new(0.0, -cos, -sin))

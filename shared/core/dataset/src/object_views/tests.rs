@@ -1,6 +1,6 @@
 use super::*;
-use crate::hostile::assert_sentence;
 use crate::pcd::{self, Encoding, PcdView};
+use crate::test_corruption::assert_sentence;
 use crate::washington::{CAMERA, View, ViewName, write_view};
 use geometry::RigidTransform;
 use nalgebra::{UnitQuaternion, Vector3};
@@ -39,7 +39,7 @@ fn write_pcd(root: &Path, path: &str, viewpoint: RigidTransform) {
     fs::write(path, pcd_bytes(&POINTS, viewpoint)).unwrap();
 }
 
-/// A view of one pixel at 1 m.
+/// View of one pixel at 1 m.
 fn one_pixel() -> View {
     View {
         size: (1, 1),

@@ -1,28 +1,30 @@
-//! Filling a slice with the points of a PCD file.
+//! Decoder of the points of a PCD file into slices.
 
+use super::ascii;
+use super::encoding::Encoding;
 use super::error::Error;
-use super::header::{Encoding, Header};
-use super::layout::{Channel, Color, Layout};
-use super::text;
+use super::header::Header;
+use super::layout::{Field, Layout};
+use super::point_value::{OPAQUE, finite_or_nan, unpack_color};
 use crate::NEUTRAL_GREY;
 use crate::lzf;
-use crate::number::{ByteOrder, NumberType, as_u32, read_bits};
+use crate::number_type::{ByteOrder, NumberType, as_u32, read_bits};
 use point_cloud::{Point, Rgba};
 
-/// Decodes PCD files one after the other and keeps its memory in between.
+/// Decoder of PCD files that reuses its memory from file to file.
 #[derive(Debug, Default)]
 pub struct Decoder {
     expanded: Vec<u8>,
 }
 
 impl Decoder {
-    /// A decoder without memory yet.
+    /// Creates a decoder without memory.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Fills `points`, and `labels` when they are wanted, from the bytes of the
-    /// file that `header` was parsed from.
+    /// Decodes points, and labels if requested, from the bytes of the file that `header` was parsed
+    /// from.
     ///
     /// *Shape*: both have [`Header::n_points`] elements, row by row. After an
     /// error their content is unspecified.
@@ -48,23 +50,23 @@ impl Decoder {
             (_, label) => label,
         };
         let data = bytes.get(header.data_offset..).unwrap_or_default();
-        let planes = match header.encoding {
-            Encoding::Ascii => return text::decode(data, &header.layout, points, labels),
-            Encoding::Binary => Planes::interleaved(data, header)?,
+        let data = match header.encoding {
+            Encoding::Ascii => return ascii::decode(data, &header.layout, points, labels),
+            Encoding::Binary => PointData::interleaved(data, header)?,
             Encoding::BinaryCompressed => self.expand(data, header)?,
         };
-        planes.fill_points(&header.layout, points);
+        data.fill_points(&header.layout, points);
         if let (Some(labels), Some(label)) = (labels, label) {
-            planes.fill_labels(label, labels)?;
+            data.fill_labels(label, labels)?;
         }
         Ok(())
     }
 
-    fn expand(&mut self, data: &[u8], header: &Header) -> Result<Planes<'_>, Error> {
+    fn expand(&mut self, data: &[u8], header: &Header) -> Result<PointData<'_>, Error> {
         let n_bytes = header.n_binary_bytes();
         lzf::decompress(header.compressed(data)?, n_bytes, &mut self.expanded)
             .map_err(Error::Compression)?;
-        Ok(Planes {
+        Ok(PointData {
             data: &self.expanded[..n_bytes],
             spacing: Spacing::Planar(header.n_points()),
         })
@@ -83,21 +85,21 @@ fn check_length(what: &'static str, given: usize, needed: usize) -> Result<(), E
     }
 }
 
-/// The points' bytes, and how the values of one channel are spaced in them.
-struct Planes<'a> {
+/// Binary point data, interleaved or planar.
+struct PointData<'a> {
     data: &'a [u8],
     spacing: Spacing,
 }
 
 #[derive(Clone, Copy)]
 enum Spacing {
-    /// Point after point, of so many bytes.
+    /// Point after point; size of a point, bytes.
     Interleaved(usize),
-    /// Field after field, for so many points.
+    /// Field after field; number of points.
     Planar(usize),
 }
 
-impl<'a> Planes<'a> {
+impl<'a> PointData<'a> {
     fn interleaved(data: &'a [u8], header: &Header) -> Result<Self, Error> {
         let (needed, present) = (header.n_binary_bytes(), data.len());
         let data = data
@@ -110,8 +112,8 @@ impl<'a> Planes<'a> {
     }
 
     fn fill_points(&self, layout: &Layout, points: &mut [Point]) {
-        let [x, y, z] = layout.xyz.map(|channel| self.floats(channel));
-        let color = layout.color.and_then(|color| self.words(color.channel));
+        let [x, y, z] = layout.xyz.map(|field| self.floats(field));
+        let color = layout.color.and_then(|color| self.words(color.field));
         let opaque = if layout.color.is_some_and(|color| color.has_alpha) {
             0
         } else {
@@ -122,7 +124,7 @@ impl<'a> Planes<'a> {
                 let values = x.iter().zip(y).zip(z).zip(color);
                 for (point, (((x, y), z), color)) in points.iter_mut().zip(values) {
                     let [x, y, z] = [*x, *y, *z].map(f32::from_le_bytes);
-                    *point = measured(x, y, z, Rgba(u32::from_le_bytes(*color) | opaque));
+                    *point = finite_or_nan(x, y, z, Rgba(u32::from_le_bytes(*color) | opaque));
                 }
             }
             _ => self.fill_any_points(layout, points),
@@ -131,83 +133,62 @@ impl<'a> Planes<'a> {
 
     fn fill_any_points(&self, layout: &Layout, points: &mut [Point]) {
         for (point_idx, point) in points.iter_mut().enumerate() {
-            let [x, y, z] = layout
-                .xyz
-                .map(|channel| self.number(channel, point_idx) as f32);
+            let [x, y, z] = layout.xyz.map(|field| self.number(field, point_idx) as f32);
             let color = match layout.color {
-                Some(color) => packed(color, self.bits(color.channel, point_idx) as u32),
+                Some(color) => unpack_color(color, self.bits(color.field, point_idx) as u32),
                 None => NEUTRAL_GREY,
             };
-            *point = measured(x, y, z, color);
+            *point = finite_or_nan(x, y, z, color);
         }
     }
 
-    fn fill_labels(&self, channel: Channel, labels: &mut [u32]) -> Result<(), Error> {
+    fn fill_labels(&self, field: Field, labels: &mut [u32]) -> Result<(), Error> {
         for (point_idx, label) in labels.iter_mut().enumerate() {
-            let value = self.number(channel, point_idx);
+            let value = self.number(field, point_idx);
             *label = as_u32(value).ok_or(Error::Label { point_idx, value })?;
         }
         Ok(())
     }
 
-    /// All values of a planar channel of single-precision floats.
-    fn floats(&self, channel: Channel) -> Option<&'a [[u8; 4]]> {
-        (channel.number == NumberType::F32)
-            .then(|| self.words(channel))
+    /// Values of a planar field of single-precision floats.
+    fn floats(&self, field: Field) -> Option<&'a [[u8; 4]]> {
+        (field.number == NumberType::F32)
+            .then(|| self.words(field))
             .flatten()
     }
 
-    /// All values of a planar channel of four bytes.
-    fn words(&self, channel: Channel) -> Option<&'a [[u8; 4]]> {
+    /// Values of a planar field of four bytes.
+    fn words(&self, field: Field) -> Option<&'a [[u8; 4]]> {
         let Spacing::Planar(n_points) = self.spacing else {
             return None;
         };
-        let start = channel.byte_offset * n_points;
+        let start = field.byte_offset * n_points;
         Some(self.data.get(start..start + 4 * n_points)?.as_chunks().0)
     }
 
     #[inline]
-    fn number(&self, channel: Channel, point_idx: usize) -> f64 {
-        let start = self.start(channel, point_idx);
+    fn number(&self, field: Field, point_idx: usize) -> f64 {
+        let start = self.start(field, point_idx);
         // A layout never reaches beyond its points.
-        channel
+        field
             .number
             .read(&self.data[start..], ByteOrder::Little)
             .unwrap_or(f64::NAN)
     }
 
     #[inline]
-    fn bits(&self, channel: Channel, point_idx: usize) -> u64 {
-        let (start, size) = (self.start(channel, point_idx), channel.number.size());
+    fn bits(&self, field: Field, point_idx: usize) -> u64 {
+        let (start, size) = (self.start(field, point_idx), field.number.size());
         read_bits(&self.data[start..], size, ByteOrder::Little).unwrap_or(0)
     }
 
     #[inline]
-    fn start(&self, channel: Channel, point_idx: usize) -> usize {
+    fn start(&self, field: Field, point_idx: usize) -> usize {
         match self.spacing {
-            Spacing::Interleaved(point_bytes) => point_idx * point_bytes + channel.byte_offset,
+            Spacing::Interleaved(point_bytes) => point_idx * point_bytes + field.byte_offset,
             Spacing::Planar(n_points) => {
-                n_points * channel.byte_offset + point_idx * channel.number.size()
+                n_points * field.byte_offset + point_idx * field.number.size()
             }
         }
-    }
-}
-
-const OPAQUE: u32 = 0xff00_0000;
-
-/// A colour from its bits as stored.
-#[inline]
-pub(super) fn packed(color: Color, bits: u32) -> Rgba {
-    Rgba(if color.has_alpha { bits } else { bits | OPAQUE })
-}
-
-/// A point, all of whose coordinates are finite or none.
-#[inline]
-pub(super) fn measured(x: f32, y: f32, z: f32, color: Rgba) -> Point {
-    let point = Point { x, y, z, color };
-    if point.is_finite() {
-        point
-    } else {
-        Point::without_depth(color)
     }
 }

@@ -1,134 +1,97 @@
-//! What can be wrong with a PCD file.
+//! Errors of reading and writing PCD files.
 
 use super::{MAX_BYTES, MAX_POINTS};
 use crate::{FileError, lzf};
-use std::fmt;
 
-/// Why a PCD file could not be read or written.
-#[derive(Debug)]
+/// Error of reading or writing a PCD file.
+#[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The file could not be read.
-    File(FileError),
-    /// The text at the start has no line "DATA …".
+    /// Failed access to the file.
+    #[error("{0}")]
+    File(#[from] FileError),
+    /// Header without a `DATA` line.
+    #[error(
+        "this is not a PCD file: no line \"DATA …\" within the first 64 KiB; name another file"
+    )]
     NoData,
-    /// A line that must be in the header is not there.
+    /// Header without a required line.
+    #[error("the PCD header has no line \"{0} …\"; write the file as version 0.7")]
     MissingLine(&'static str),
-    /// A line of the header is wrong.
+    /// Invalid line of the header.
+    #[error("line {line} of the PCD header is wrong: {problem}")]
     HeaderLine {
-        /// Its number, from 1.
+        /// Line number, from 1.
         line: usize,
-        /// What is wrong with it.
+        /// Reason, as a clause of a sentence.
         problem: String,
     },
-    /// The fields do not make a point.
+    /// Field list that does not describe points.
+    #[error("the fields of the PCD file are wrong: {0}")]
     Fields(&'static str),
-    /// The header announces more than is ever read.
+    /// More points or bytes than the limits.
+    #[error(
+        "the PCD file announces more than {max_points} points or {max_bytes} bytes; \
+         make the cloud smaller",
+        max_points = MAX_POINTS,
+        max_bytes = MAX_BYTES
+    )]
     TooLarge,
-    /// The header announces more than the file holds.
+    /// File shorter than its header announces.
+    #[error(
+        "the PCD file is cut off: its header needs at least {needed} bytes of data, \
+         and {present} are there; copy the file again"
+    )]
     Truncated {
-        /// Bytes of data needed at least.
+        /// Minimum size of the data, bytes.
         needed: usize,
-        /// Bytes of data present.
+        /// Size of the data, bytes.
         present: usize,
     },
-    /// The sizes before compressed data contradict the header.
+    /// Size before compressed data that contradicts the header.
+    #[error(
+        "the compressed PCD data announces {announced} bytes where the header needs \
+         {needed}; the file is damaged"
+    )]
     CompressedSize {
-        /// The size that is announced for the expanded data.
+        /// Announced size of the decompressed data, bytes.
         announced: usize,
-        /// The size that follows from the header.
+        /// Size that follows from the header, bytes.
         needed: usize,
     },
-    /// The compressed data is damaged.
-    Compression(lzf::Error),
-    /// A line of points in text is wrong.
+    /// Damaged compressed data.
+    #[error("the PCD file can not be expanded: {0}")]
+    Compression(#[source] lzf::Error),
+    /// Invalid line of ASCII points.
+    #[error("line {line} of the PCD file's points is wrong: {problem}")]
     PointLine {
-        /// Its number within the data, from 1.
+        /// Line number within the data, from 1.
         line: usize,
-        /// What is wrong with it.
+        /// Reason, as a clause of a sentence.
         problem: String,
     },
-    /// A label is not a whole number from 0 to 2^32 - 1.
+    /// Label that is not an integer from 0 to 2^32 - 1.
+    #[error(
+        "the label of point {point_idx} in the PCD file is {value}; labels are whole \
+         numbers from 0 to 4294967295"
+    )]
     Label {
-        /// Which point, from 0.
+        /// Index of the point, from 0.
         point_idx: usize,
-        /// The number found.
+        /// Invalid label.
         value: f64,
     },
-    /// The number of points, labels, columns and rows do not agree.
+    /// Slice of the caller whose length is not the number of points.
+    #[error("the PCD file's size needs {needed} {what}, and {given} were given; pass as many")]
     SizeMismatch {
-        /// Which of the caller's slices is wrong.
+        /// Name of the slice.
         what: &'static str,
-        /// The length it has.
+        /// Length of the slice.
         given: usize,
-        /// The length it must have.
+        /// Number of points.
         needed: usize,
     },
-    /// Labels were asked for, and the file has none.
+    /// Request for labels of a file without labels.
+    #[error("the PCD file has no labels; ask for its points only")]
     NoLabels,
-}
-
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::File(error) => error.fmt(f),
-            Self::NoData => f.write_str(
-                "this is not a PCD file: no line \"DATA …\" within the first 64 KiB; name another file",
-            ),
-            Self::MissingLine(key) => {
-                write!(f, "the PCD header has no line \"{key} …\"; write the file as version 0.7")
-            }
-            Self::HeaderLine { line, problem } => {
-                write!(f, "line {line} of the PCD header is wrong: {problem}")
-            }
-            Self::Fields(problem) => write!(f, "the fields of the PCD file are wrong: {problem}"),
-            Self::TooLarge => write!(
-                f,
-                "the PCD file announces more than {MAX_POINTS} points or {MAX_BYTES} bytes; \
-                 make the cloud smaller"
-            ),
-            Self::Truncated { needed, present } => write!(
-                f,
-                "the PCD file is cut off: its header needs at least {needed} bytes of data, \
-                 and {present} are there; copy the file again"
-            ),
-            Self::CompressedSize { announced, needed } => write!(
-                f,
-                "the compressed PCD data announces {announced} bytes where the header needs \
-                 {needed}; the file is damaged"
-            ),
-            Self::Compression(error) => write!(f, "the PCD file can not be expanded: {error}"),
-            Self::PointLine { line, problem } => {
-                write!(f, "line {line} of the PCD file's points is wrong: {problem}")
-            }
-            Self::Label { point_idx, value } => write!(
-                f,
-                "the label of point {point_idx} in the PCD file is {value}; labels are whole \
-                 numbers from 0 to 4294967295"
-            ),
-            Self::SizeMismatch { what, given, needed } => write!(
-                f,
-                "the PCD file's size needs {needed} {what}, and {given} were given; pass as many"
-            ),
-            Self::NoLabels => {
-                f.write_str("the PCD file has no labels; ask for its points only")
-            }
-        }
-    }
-}
-
-impl std::error::Error for Error {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::File(error) => Some(error),
-            Self::Compression(error) => Some(error),
-            _ => None,
-        }
-    }
-}
-
-impl From<FileError> for Error {
-    fn from(error: FileError) -> Self {
-        Self::File(error)
-    }
 }

@@ -1,38 +1,23 @@
-//! The text at the start of a PCD file.
+//! Header of a PCD file.
 
+use super::encoding::Encoding;
 use super::error::Error;
+use super::header_lines::{Line, Lines};
 use super::layout::Layout;
 use super::{MAX_BYTES, MAX_POINTS};
 use crate::lzf;
-use crate::number::excerpt;
 use geometry::RigidTransform;
 use nalgebra::{Quaternion, Translation3, UnitQuaternion};
 
-/// Most bytes searched for the end of the header.
-const MAX_HEADER_BYTES: usize = 1 << 16;
-
-/// How far a quaternion's length may be from 1, as written by people.
+/// Tolerance of the length of the viewpoint's quaternion, for numbers with few digits. Chosen.
 const QUATERNION_TOLERANCE: f64 = 0.01;
 
-/// How the points follow the header.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Encoding {
-    /// A line of text for each point.
-    Ascii,
-    /// The points' bytes, little-endian, one point after the other.
-    Binary,
-    /// Two sizes, then LZF data of all values of the first field, of the
-    /// second, and so on.
-    BinaryCompressed,
-}
-
-/// What the header of a PCD file says, checked against itself and against the
-/// number of bytes that follow it.
+/// Header of a PCD file, validated against the number of bytes that follow it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Header {
     pub(super) layout: Layout,
     pub(super) encoding: Encoding,
-    /// Where the data begins in the file.
+    /// Offset of the data in the file, bytes.
     pub(super) data_offset: usize,
     width: usize,
     height: usize,
@@ -40,9 +25,8 @@ pub struct Header {
 }
 
 impl Header {
-    /// Reads the header of a PCD file. What it announces is there, or can be
-    /// there when the data is text or compressed: memory for
-    /// [`Header::n_points`] may be reserved.
+    /// Parses the header of a PCD file. The announced data is present, or can be present when it is
+    /// text or compressed: memory for [`Header::n_points`] may be reserved.
     ///
     /// # Errors
     /// When the header is wrong or announces more than the bytes can hold.
@@ -89,32 +73,32 @@ impl Header {
         self.width * self.height
     }
 
-    /// Whether the points have labels.
+    /// True if the points have labels.
     pub fn has_labels(&self) -> bool {
         self.layout.label.is_some()
     }
 
-    /// Whether the points have colours; otherwise they are grey.
+    /// True if the points have colours; otherwise they are grey.
     pub fn has_colors(&self) -> bool {
         self.layout.color.is_some()
     }
 
-    /// How the points are stored.
+    /// Encoding of the points.
     pub fn encoding(&self) -> Encoding {
         self.encoding
     }
 
-    /// Where the sensor was: world from sensor.
+    /// Pose of the sensor: world from sensor.
     pub fn viewpoint(&self) -> RigidTransform {
         self.viewpoint
     }
 
-    /// Bytes of all points in binary.
+    /// Size of all points in binary, bytes.
     pub(super) fn n_binary_bytes(&self) -> usize {
         self.n_points() * self.layout.point_bytes
     }
 
-    /// The compressed bytes behind their two sizes.
+    /// Compressed bytes after their two sizes.
     pub(super) fn compressed<'a>(&self, data: &'a [u8]) -> Result<&'a [u8], Error> {
         let truncated = |needed| Error::Truncated {
             needed,
@@ -159,7 +143,7 @@ impl Header {
     }
 }
 
-/// Translation, then a quaternion with its real part first.
+/// Parses a viewpoint: translation, then a quaternion with its real part first.
 fn viewpoint(line: &Line<'_>) -> Result<RigidTransform, Error> {
     let number = |word: &&str| word.parse().ok().filter(|number: &f64| number.is_finite());
     let numbers: Option<Vec<f64>> = line.words.iter().map(number).collect();
@@ -175,127 +159,4 @@ fn viewpoint(line: &Line<'_>) -> Result<RigidTransform, Error> {
         Translation3::new(*tx, *ty, *tz),
         rotation,
     ))
-}
-
-const KEYS: [&str; 9] = [
-    "VERSION",
-    "FIELDS",
-    "SIZE",
-    "TYPE",
-    "COUNT",
-    "WIDTH",
-    "HEIGHT",
-    "VIEWPOINT",
-    "POINTS",
-];
-
-/// One line of the header: its number, its first word and the others.
-pub(super) struct Line<'a> {
-    number: usize,
-    key: &'static str,
-    pub(super) words: Vec<&'a str>,
-}
-
-impl Line<'_> {
-    pub(super) fn error(&self, problem: &str) -> Error {
-        let problem = format!("\"{} …\": {problem}", self.key);
-        Error::HeaderLine {
-            line: self.number,
-            problem,
-        }
-    }
-
-    fn one_of(&self, allowed: &[&str]) -> Result<(), Error> {
-        match self.words[..] {
-            [word] if allowed.contains(&word) => Ok(()),
-            _ => Err(self.error(&format!("it must be {}", allowed.join(" or ")))),
-        }
-    }
-
-    /// The line's only word as a number.
-    fn count(&self) -> Result<usize, Error> {
-        if self.words.len() == 1 {
-            self.number(0)
-        } else {
-            Err(self.error("it must be a number"))
-        }
-    }
-
-    /// The word at `idx`, which must be there, as a number.
-    pub(super) fn number(&self, idx: usize) -> Result<usize, Error> {
-        let word = self.words[idx];
-        word.parse()
-            .map_err(|_| self.error(&format!("\"{}\" is not a count", excerpt(word))))
-    }
-}
-
-/// The lines of the header before the last.
-pub(super) struct Lines<'a>(Vec<Line<'a>>);
-
-impl<'a> Lines<'a> {
-    /// Splits the header, and tells how and where the data follows.
-    fn split(bytes: &'a [u8]) -> Result<(Self, Encoding, usize), Error> {
-        let mut lines = Vec::new();
-        let mut rest = &bytes[..bytes.len().min(MAX_HEADER_BYTES)];
-        let mut number = 0;
-        loop {
-            number += 1;
-            let end = rest
-                .iter()
-                .position(|&byte| byte == b'\n')
-                .ok_or(Error::NoData)?;
-            let (line, after) = (&rest[..end], &rest[end + 1..]);
-            let text = std::str::from_utf8(line).map_err(|_| Error::NoData)?;
-            let data_offset = bytes.len().min(MAX_HEADER_BYTES) - after.len();
-            rest = after;
-            let mut words = text.split_ascii_whitespace();
-            match words.next() {
-                None => {}
-                Some(word) if word.starts_with('#') => {}
-                Some("DATA") => return Ok((Self(lines), encoding(words, number)?, data_offset)),
-                Some(key) => push_line(&mut lines, number, key, words.collect())?,
-            }
-        }
-    }
-
-    pub(super) fn find(&self, key: &str) -> Option<&Line<'a>> {
-        self.0.iter().find(|line| line.key == key)
-    }
-
-    pub(super) fn require(&self, key: &'static str) -> Result<&Line<'a>, Error> {
-        self.find(key).ok_or(Error::MissingLine(key))
-    }
-}
-
-fn encoding<'a>(words: impl Iterator<Item = &'a str>, line: usize) -> Result<Encoding, Error> {
-    match words.collect::<Vec<_>>()[..] {
-        ["ascii"] => Ok(Encoding::Ascii),
-        ["binary"] => Ok(Encoding::Binary),
-        ["binary_compressed"] => Ok(Encoding::BinaryCompressed),
-        _ => {
-            let problem = "DATA must be ascii, binary or binary_compressed".to_owned();
-            Err(Error::HeaderLine { line, problem })
-        }
-    }
-}
-
-fn push_line<'a>(
-    lines: &mut Vec<Line<'a>>,
-    number: usize,
-    key: &str,
-    words: Vec<&'a str>,
-) -> Result<(), Error> {
-    let Some(&key) = KEYS.iter().find(|known| **known == key) else {
-        let problem = format!("\"{}\" is no word of a PCD header", excerpt(key));
-        return Err(Error::HeaderLine {
-            line: number,
-            problem,
-        });
-    };
-    let line = Line { number, key, words };
-    if lines.iter().any(|earlier| earlier.key == key) {
-        return Err(line.error("it is there twice"));
-    }
-    lines.push(line);
-    Ok(())
 }

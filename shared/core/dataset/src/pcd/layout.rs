@@ -1,37 +1,37 @@
-//! The fields of a PCD file.
+//! Field layout of a PCD file.
 
 use super::MAX_BYTES;
 use super::error::Error;
-use super::header::{Line, Lines};
-use crate::number::NumberType;
+use super::header_lines::{Line, Lines};
+use crate::number_type::NumberType;
 
-/// Where the known fields are within a point.
+/// Positions of the known fields within a point.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Layout {
-    pub(super) xyz: [Channel; 3],
-    pub(super) color: Option<Color>,
-    pub(super) label: Option<Channel>,
-    /// Bytes of a binary point.
+    pub(super) xyz: [Field; 3],
+    pub(super) color: Option<ColorField>,
+    pub(super) label: Option<Field>,
+    /// Size of a binary point, bytes.
     pub(super) point_bytes: usize,
-    /// Values in a point's line of text.
+    /// Number of values in a line of text.
     pub(super) point_values: usize,
 }
 
-/// One number of each point.
+/// Field with one number for each point.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Channel {
+pub(super) struct Field {
     pub(super) number: NumberType,
-    /// Bytes before it within a binary point.
+    /// Offset within a binary point, bytes.
     pub(super) byte_offset: usize,
-    /// Values before it within a line of text.
+    /// Number of preceding values within a line of text.
     pub(super) value_idx: usize,
 }
 
-/// A packed colour of each point.
+/// Field with a packed colour for each point.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Color {
-    pub(super) channel: Channel,
-    /// Whether the highest byte is an alpha value.
+pub(super) struct ColorField {
+    pub(super) field: Field,
+    /// True if the highest byte is an alpha value.
     pub(super) has_alpha: bool,
 }
 
@@ -45,7 +45,7 @@ impl Layout {
                 return Err(line.error("it does not have one entry for each of FIELDS"));
             }
         }
-        let mut fields = Fields::default();
+        let mut fields = FieldList::default();
         for (idx, name) in names.words.iter().enumerate() {
             let count = counts.map_or(Ok(1), |line| line.number(idx))?;
             let number = number_type(sizes, types, idx)?;
@@ -57,16 +57,16 @@ impl Layout {
     }
 }
 
-/// The known fields met so far, and the size of all.
+/// Known fields parsed so far, and the size of all fields.
 #[derive(Default)]
-struct Fields<'a> {
-    known: Vec<(&'a str, Channel, usize)>,
+struct FieldList<'a> {
+    known: Vec<(&'a str, Field, usize)>,
     point_bytes: usize,
     point_values: usize,
 }
 
-impl<'a> Fields<'a> {
-    /// `None` when a point becomes larger than any file.
+impl<'a> FieldList<'a> {
+    /// Appends a field; `None` when a point would exceed the file size limit.
     fn push(&mut self, name: &'a str, number: NumberType, count: usize) -> Option<()> {
         let (byte_offset, value_idx) = (self.point_bytes, self.point_values);
         self.point_bytes = number.size().checked_mul(count)?.checked_add(byte_offset)?;
@@ -74,7 +74,7 @@ impl<'a> Fields<'a> {
         if matches!(name, "x" | "y" | "z" | "rgb" | "rgba" | "label") {
             self.known.push((
                 name,
-                Channel {
+                Field {
                     number,
                     byte_offset,
                     value_idx,
@@ -85,20 +85,20 @@ impl<'a> Fields<'a> {
         (self.point_bytes as u64 <= MAX_BYTES).then_some(())
     }
 
-    fn find(&self, name: &str) -> Result<Option<Channel>, Error> {
+    fn find(&self, name: &str) -> Result<Option<Field>, Error> {
         let mut found = self.known.iter().filter(|(known, ..)| *known == name);
         match (found.next(), found.next()) {
             (None, _) => Ok(None),
-            (Some((_, channel, 1)), None) => Ok(Some(*channel)),
+            (Some((_, field, 1)), None) => Ok(Some(*field)),
             _ => Err(Error::Fields(
                 "x, y, z, rgb, rgba and label must be there once, with COUNT 1",
             )),
         }
     }
 
-    fn coordinate(&self, name: &str) -> Result<Channel, Error> {
+    fn coordinate(&self, name: &str) -> Result<Field, Error> {
         match self.find(name)? {
-            Some(channel) if !channel.number.is_integer() => Ok(channel),
+            Some(field) if !field.number.is_integer() => Ok(field),
             _ => Err(Error::Fields(
                 "x, y and z must be there, with TYPE F and SIZE 4 or 8",
             )),
@@ -106,16 +106,16 @@ impl<'a> Fields<'a> {
     }
 
     fn finish(self) -> Result<Layout, Error> {
-        let rgba = self.find("rgba")?.map(|channel| Color {
-            channel,
+        let rgba = self.find("rgba")?.map(|field| ColorField {
+            field,
             has_alpha: true,
         });
-        let rgb = self.find("rgb")?.map(|channel| Color {
-            channel,
+        let rgb = self.find("rgb")?.map(|field| ColorField {
+            field,
             has_alpha: false,
         });
         let color = rgba.or(rgb);
-        if color.is_some_and(|color| color.channel.number.size() != 4) {
+        if color.is_some_and(|color| color.field.number.size() != 4) {
             return Err(Error::Fields("rgb and rgba must have SIZE 4"));
         }
         Ok(Layout {

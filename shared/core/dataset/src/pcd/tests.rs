@@ -1,6 +1,6 @@
 use super::*;
 use crate::NEUTRAL_GREY;
-use crate::hostile::{assert_sentence, damage};
+use crate::test_corruption::{assert_sentence, corruption};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use point_cloud::Rgba;
 use proptest::prelude::*;
@@ -11,7 +11,7 @@ const ENCODINGS: [Encoding; 3] = [
     Encoding::BinaryCompressed,
 ];
 
-/// Coordinates of any bits, often alike as in a real image.
+/// Coordinates of arbitrary bits, often equal as in a real image.
 fn coordinate() -> impl Strategy<Value = f32> {
     prop_oneof![
         Just(f32::NAN),
@@ -50,9 +50,10 @@ fn cloud() -> impl Strategy<Value = PcdCloud> {
     })
 }
 
-/// The bits of a point, with all numbers of a point without depth alike.
+/// Bits of a point; points without depth are equal.
 fn bits(point: &Point) -> [u32; 4] {
-    let Point { x, y, z, color } = decoder::measured(point.x, point.y, point.z, point.color);
+    let Point { x, y, z, color } =
+        point_value::finite_or_nan(point.x, point.y, point.z, point.color);
     [x.to_bits(), y.to_bits(), z.to_bits(), color.0]
 }
 
@@ -75,9 +76,9 @@ proptest! {
     }
 
     #[test]
-    fn a_damaged_file_is_read_or_explained(cloud in cloud(), damages in [damage(), damage(), damage()]) {
-        for (encoding, damage) in ENCODINGS.into_iter().zip(damages) {
-            let file = damage.apply(&write(cloud.view(), encoding).unwrap());
+    fn a_damaged_file_is_read_or_explained(cloud in cloud(), corruptions in [corruption(), corruption(), corruption()]) {
+        for (encoding, corruption) in ENCODINGS.into_iter().zip(corruptions) {
+            let file = corruption.apply(&write(cloud.view(), encoding).unwrap());
             match read(&file) {
                 Ok(cloud) => prop_assert_eq!(cloud.points.len(), cloud.width * cloud.height),
                 Err(error) => assert_sentence(&error),
@@ -111,12 +112,12 @@ proptest! {
     }
 }
 
-/// A header for two points with the lines that the cases vary.
+/// Header for two points with variable lines.
 fn header(fields: &str, sizes: &str, types: &str, rest: &str) -> String {
     format!("VERSION .7\nFIELDS {fields}\nSIZE {sizes}\nTYPE {types}\nWIDTH 2\nHEIGHT 1\n{rest}")
 }
 
-/// Two points whose values come in all types, between fields to be skipped.
+/// Two points with values of all types, between foreign fields.
 fn foreign(encoding: &str) -> Vec<u8> {
     let text = header(
         "normal_x label y _ x z rgb",

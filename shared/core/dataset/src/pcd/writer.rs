@@ -1,8 +1,8 @@
-//! Writing PCD files.
+//! Encoder of PCD files.
 
 use super::MAX_POINTS;
+use super::encoding::Encoding;
 use super::error::Error;
-use super::header::Encoding;
 use crate::lzf;
 use geometry::RigidTransform;
 use point_cloud::Point;
@@ -10,21 +10,20 @@ use point_cloud::Point;
 /// Borrowed content of a PCD file.
 #[derive(Debug, Clone, Copy)]
 pub struct PcdView<'a> {
-    /// The points, row by row.
+    /// Points, row-major.
     pub points: &'a [Point],
-    /// A label for each point, if there are any.
+    /// Label of each point, if any.
     pub labels: Option<&'a [u32]>,
     /// Columns; the number of points when the cloud is not organised.
     pub width: usize,
     /// Rows; 1 when the cloud is not organised.
     pub height: usize,
-    /// Where the sensor was: world from sensor.
+    /// Pose of the sensor: world from sensor.
     pub viewpoint: RigidTransform,
 }
 
-/// Writes a PCD file of version 0.7 with the fields `x y z rgba` and, if there
-/// are labels, `label`. Reading it again gives the same cloud in every
-/// encoding, up to the bits of a NaN.
+/// Encodes a PCD file of version 0.7 with the fields `x y z rgba` and, with labels, `label`.
+/// Decoding gives the same cloud in every encoding, up to the bits of a NaN.
 ///
 /// # Errors
 /// When the points or labels do not fill the grid, the viewpoint is not finite,

@@ -1,97 +1,57 @@
-//! What can be wrong with a PLY file.
+//! Errors of reading and writing PLY files.
 
 use super::{MAX_TRIANGLES, MAX_VERTICES};
 use crate::FileError;
-use std::fmt;
 
-/// Why a PLY file could not be read or written.
-#[derive(Debug)]
+/// Error of reading or writing a PLY file.
+#[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The file could not be read.
-    File(FileError),
-    /// The text at the start has no end.
+    /// Failed access to the file.
+    #[error("{0}")]
+    File(#[from] FileError),
+    /// File without a complete header.
+    #[error(
+        "this is not a PLY file: no lines from \"ply\" to \"end_header\" within the first \
+         64 KiB; name another file"
+    )]
     NoHeader,
-    /// A line of the header is wrong.
+    /// Invalid line of the header.
+    #[error("line {line} of the PLY header is wrong: {problem}")]
     HeaderLine {
-        /// Its number, from 1.
+        /// Line number, from 1.
         line: usize,
-        /// What is wrong with it.
+        /// Reason, as a clause of a sentence.
         problem: String,
     },
-    /// The elements do not make a mesh.
+    /// Elements that do not describe a mesh.
+    #[error("the PLY file does not describe a mesh: {0}")]
     Elements(&'static str),
-    /// There are more vertices or triangles than are ever read.
+    /// More vertices or triangles than the limits.
+    #[error(
+        "the PLY file has more than {max_vertices} vertices or {max_triangles} triangles; \
+         make the mesh coarser",
+        max_vertices = MAX_VERTICES,
+        max_triangles = MAX_TRIANGLES
+    )]
     TooLarge,
-    /// An element is longer than the rest of the file.
+    /// Element that needs more bytes than the rest of the file.
+    #[error("the PLY file ends before its element \"{element}\" is complete; copy it again")]
     Truncated {
-        /// Its name.
+        /// Name of the element.
         element: String,
     },
-    /// A row of an element is wrong.
+    /// Invalid row of an element.
+    #[error("row {row} of element \"{element}\" in the PLY file is wrong: {problem}")]
     Row {
-        /// The name of the element.
+        /// Name of the element.
         element: String,
-        /// Which row, from 0.
+        /// Row number, from 0.
         row: usize,
-        /// What is wrong with it.
+        /// Reason, as a clause of a sentence.
         problem: String,
     },
-    /// Something follows the last element.
+    /// Data after the last element.
+    #[error("the PLY file goes on behind its last element; its header announces too little")]
     TrailingData,
-}
-
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::File(error) => error.fmt(f),
-            Self::NoHeader => f.write_str(
-                "this is not a PLY file: no lines from \"ply\" to \"end_header\" within the first \
-                 64 KiB; name another file",
-            ),
-            Self::HeaderLine { line, problem } => {
-                write!(f, "line {line} of the PLY header is wrong: {problem}")
-            }
-            Self::Elements(problem) => {
-                write!(f, "the PLY file does not describe a mesh: {problem}")
-            }
-            Self::TooLarge => write!(
-                f,
-                "the PLY file has more than {MAX_VERTICES} vertices or {MAX_TRIANGLES} triangles; \
-                 make the mesh coarser"
-            ),
-            Self::Truncated { element } => write!(
-                f,
-                "the PLY file ends before its element \"{element}\" is complete; copy it again"
-            ),
-            Self::Row {
-                element,
-                row,
-                problem,
-            } => {
-                write!(
-                    f,
-                    "row {row} of element \"{element}\" in the PLY file is wrong: {problem}"
-                )
-            }
-            Self::TrailingData => f.write_str(
-                "the PLY file goes on behind its last element; its header announces too little",
-            ),
-        }
-    }
-}
-
-impl std::error::Error for Error {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::File(error) => Some(error),
-            _ => None,
-        }
-    }
-}
-
-impl From<FileError> for Error {
-    fn from(error: FileError) -> Self {
-        Self::File(error)
-    }
 }

@@ -1,22 +1,22 @@
-//! The text at the start of a PLY file.
+//! Header of a PLY file.
 
 use super::Encoding;
 use super::error::Error;
-use crate::number::{NumberType, excerpt};
+use crate::number_type::{NumberType, excerpt};
 
-/// Most bytes searched for the end of the header.
+/// Limit of the search for the end of the header, bytes.
 const MAX_HEADER_BYTES: usize = 1 << 16;
 
-/// What the header of a PLY file says.
+/// Parsed header of a PLY file.
 #[derive(Debug)]
 pub(super) struct Header<'a> {
     pub(super) encoding: Encoding,
     pub(super) elements: Vec<Element<'a>>,
-    /// Where the first element begins in the file.
+    /// Offset of the first element in the file, bytes.
     pub(super) data_offset: usize,
 }
 
-/// A table of the file.
+/// Element: a table of the file.
 #[derive(Debug)]
 pub(super) struct Element<'a> {
     pub(super) name: &'a str,
@@ -24,15 +24,15 @@ pub(super) struct Element<'a> {
     pub(super) properties: Vec<Property<'a>>,
 }
 
-/// A column of a table.
+/// Property: a column of an element.
 #[derive(Debug)]
 pub(super) struct Property<'a> {
     pub(super) name: &'a str,
-    pub(super) kind: Kind,
+    pub(super) kind: PropertyKind,
 }
 
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Kind {
+pub(super) enum PropertyKind {
     Number(NumberType),
     List { count: NumberType, item: NumberType },
 }
@@ -134,12 +134,12 @@ fn push_property<'a>(elements: &mut [Element<'a>], words: &[&'a str]) -> Result<
     let (name, kind) = match *words {
         ["list", count, item, name] => (
             name,
-            Kind::List {
+            PropertyKind::List {
                 count: list_count(count)?,
                 item: number_type(item)?,
             },
         ),
-        [number, name] => (name, Kind::Number(number_type(number)?)),
+        [number, name] => (name, PropertyKind::Number(number_type(number)?)),
         _ => return Err("a property is a type and a name, or a list".to_owned()),
     };
     if element

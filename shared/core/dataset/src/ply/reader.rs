@@ -1,14 +1,14 @@
-//! Reading PLY files.
+//! Decoder of PLY files.
 
 use super::error::Error;
-use super::header::{Element, Header, Kind};
-use super::values::{BinaryValues, Missing, TextValues, Values};
+use super::header::{Element, Header, PropertyKind};
+use super::value_reader::{BinaryValueReader, TextValueReader, ValueError, ValueReader};
 use super::{Encoding, MAX_TRIANGLES, MAX_VERTICES, Mesh};
 use crate::NEUTRAL_GREY;
-use crate::number::{ByteOrder, NumberType, as_u32, excerpt};
+use crate::number_type::{ByteOrder, NumberType, as_u32, excerpt};
 use point_cloud::{Point, Rgba};
 
-/// Reads a whole PLY file from its bytes.
+/// Decodes a PLY file from its bytes.
 ///
 /// *Allocation*: the vertices and triangles, never more of them than the bytes
 /// can describe.
@@ -24,13 +24,13 @@ pub fn read(bytes: &[u8]) -> Result<Mesh, Error> {
         Encoding::Ascii => {
             let text = std::str::from_utf8(data)
                 .map_err(|_| Error::Elements("its numbers should be text and are not"))?;
-            return read_elements(&header, TextValues::new(text));
+            return read_elements(&header, TextValueReader::new(text));
         }
     };
-    read_elements(&header, BinaryValues { rest: data, order })
+    read_elements(&header, BinaryValueReader { rest: data, order })
 }
 
-fn read_elements(header: &Header<'_>, mut values: impl Values) -> Result<Mesh, Error> {
+fn read_elements(header: &Header<'_>, mut values: impl ValueReader) -> Result<Mesh, Error> {
     let vertex = header
         .elements
         .iter()
@@ -46,7 +46,7 @@ fn read_elements(header: &Header<'_>, mut values: impl Values) -> Result<Mesh, E
         .iter()
         .filter(|element| !element.properties.is_empty())
     {
-        if !values.may_hold(element) {
+        if !values.can_hold_rows(element) {
             return Err(Error::Truncated {
                 element: excerpt(element.name),
             });
@@ -64,7 +64,7 @@ fn read_elements(header: &Header<'_>, mut values: impl Values) -> Result<Mesh, E
     }
 }
 
-/// Which properties of a vertex are its coordinates and its colour.
+/// Column indices of a vertex's coordinates and colour.
 struct VertexColumns {
     xyz: [usize; 3],
     rgb: Option<[usize; 3]>,
@@ -74,8 +74,8 @@ impl VertexColumns {
     fn find(vertex: &Element<'_>) -> Result<Self, Error> {
         let position = |wanted: &str| vertex.properties.iter().position(|p| p.name == wanted);
         let has = |idx: usize, allowed: &[NumberType]| match vertex.properties[idx].kind {
-            Kind::Number(number) => allowed.contains(&number),
-            Kind::List { .. } => false,
+            PropertyKind::Number(number) => allowed.contains(&number),
+            PropertyKind::List { .. } => false,
         };
         let (Some(x), Some(y), Some(z)) = (position("x"), position("y"), position("z")) else {
             return Err(Error::Elements("a vertex needs the properties x, y and z"));
@@ -113,7 +113,7 @@ impl VertexColumns {
 fn read_vertices(
     element: &Element<'_>,
     columns: &VertexColumns,
-    values: &mut impl Values,
+    values: &mut impl ValueReader,
     vertices: &mut Vec<Point>,
 ) -> Result<(), Error> {
     vertices.reserve_exact(element.n_rows);
@@ -121,12 +121,12 @@ fn read_vertices(
     for_each_row(element, values, |values| {
         for (property, value) in element.properties.iter().zip(&mut row) {
             match property.kind {
-                Kind::Number(number) => *value = values.next(number)?,
-                Kind::List { count, item } => skip_list(values, count, item)?,
+                PropertyKind::Number(number) => *value = values.next(number)?,
+                PropertyKind::List { count, item } => skip_list(values, count, item)?,
             }
         }
         let point = columns.point(&row);
-        vertices.push(point.ok_or(Missing::Wrong("a coordinate is not finite".to_owned()))?);
+        vertices.push(point.ok_or(ValueError::Wrong("a coordinate is not finite".to_owned()))?);
         Ok(())
     })
 }
@@ -134,7 +134,7 @@ fn read_vertices(
 fn read_faces(
     element: &Element<'_>,
     n_vertices: usize,
-    values: &mut impl Values,
+    values: &mut impl ValueReader,
     triangles: &mut Vec<[u32; 3]>,
 ) -> Result<(), Error> {
     let is_polygon = |name: &str| matches!(name, "vertex_indices" | "vertex_index");
@@ -142,7 +142,9 @@ fn read_faces(
         .properties
         .iter()
         .filter(|property| is_polygon(property.name));
-    let (Some(Kind::List { .. }), None) = (polygons.next().map(|p| p.kind), polygons.next()) else {
+    let (Some(PropertyKind::List { .. }), None) =
+        (polygons.next().map(|p| p.kind), polygons.next())
+    else {
         return Err(Error::Elements(
             "a face needs one list vertex_indices or vertex_index",
         ));
@@ -150,42 +152,42 @@ fn read_faces(
     for_each_row(element, values, |values| {
         for property in &element.properties {
             match property.kind {
-                Kind::Number(number) => {
+                PropertyKind::Number(number) => {
                     values.next(number)?;
                 }
-                Kind::List { count, item } if is_polygon(property.name) => {
+                PropertyKind::List { count, item } if is_polygon(property.name) => {
                     read_polygon(values, [count, item], n_vertices, triangles)?;
                 }
-                Kind::List { count, item } => skip_list(values, count, item)?,
+                PropertyKind::List { count, item } => skip_list(values, count, item)?,
             }
         }
         Ok(())
     })
 }
 
-/// Cuts a polygon into the triangles between its first vertex and each edge.
+/// Splits a polygon into a triangle fan around its first vertex.
 fn read_polygon(
-    values: &mut impl Values,
+    values: &mut impl ValueReader,
     [count, item]: [NumberType; 2],
     n_vertices: usize,
     triangles: &mut Vec<[u32; 3]>,
-) -> Result<(), Missing> {
+) -> Result<(), ValueError> {
     let n_corners = list_length(values, count)?;
     if n_corners < 3 {
-        return Err(Missing::Wrong(
+        return Err(ValueError::Wrong(
             "a polygon needs at least three vertices".to_owned(),
         ));
     }
     let mut corner = || {
         let value = values.next(item)?;
         let known = as_u32(value).filter(|&index| (index as usize) < n_vertices);
-        known.ok_or_else(|| Missing::Wrong(format!("there is no vertex {value}")))
+        known.ok_or_else(|| ValueError::Wrong(format!("there is no vertex {value}")))
     };
     let (first, mut previous) = (corner()?, corner()?);
     for _ in 2..n_corners {
         let current = corner()?;
         if triangles.len() == MAX_TRIANGLES {
-            return Err(Missing::Wrong(format!(
+            return Err(ValueError::Wrong(format!(
                 "there are more than {MAX_TRIANGLES} triangles"
             )));
         }
@@ -195,48 +197,52 @@ fn read_polygon(
     Ok(())
 }
 
-fn skip_rows(element: &Element<'_>, values: &mut impl Values) -> Result<(), Error> {
+fn skip_rows(element: &Element<'_>, values: &mut impl ValueReader) -> Result<(), Error> {
     for_each_row(element, values, |values| {
         for property in &element.properties {
             match property.kind {
-                Kind::Number(number) => {
+                PropertyKind::Number(number) => {
                     values.next(number)?;
                 }
-                Kind::List { count, item } => skip_list(values, count, item)?,
+                PropertyKind::List { count, item } => skip_list(values, count, item)?,
             }
         }
         Ok(())
     })
 }
 
-fn skip_list(values: &mut impl Values, count: NumberType, item: NumberType) -> Result<(), Missing> {
+fn skip_list(
+    values: &mut impl ValueReader,
+    count: NumberType,
+    item: NumberType,
+) -> Result<(), ValueError> {
     for _ in 0..list_length(values, count)? {
         values.next(item)?;
     }
     Ok(())
 }
 
-fn list_length(values: &mut impl Values, count: NumberType) -> Result<u32, Missing> {
+fn list_length(values: &mut impl ValueReader, count: NumberType) -> Result<u32, ValueError> {
     let value = values.next(count)?;
-    as_u32(value).ok_or_else(|| Missing::Wrong(format!("a list can not have {value} entries")))
+    as_u32(value).ok_or_else(|| ValueError::Wrong(format!("a list can not have {value} entries")))
 }
 
-/// Reads all rows of an element and names the row that fails.
-fn for_each_row<V: Values>(
+/// Reads all rows of an element; an error names the row.
+fn for_each_row<V: ValueReader>(
     element: &Element<'_>,
     values: &mut V,
-    mut read_row: impl FnMut(&mut V) -> Result<(), Missing>,
+    mut read_row: impl FnMut(&mut V) -> Result<(), ValueError>,
 ) -> Result<(), Error> {
     for row in 0..element.n_rows {
         values
             .begin_row()
             .and_then(|()| read_row(values))
             .and_then(|()| values.end_row())
-            .map_err(|missing| match missing {
-                Missing::End => Error::Truncated {
+            .map_err(|error| match error {
+                ValueError::EndOfFile => Error::Truncated {
                     element: excerpt(element.name),
                 },
-                Missing::Wrong(problem) => Error::Row {
+                ValueError::Wrong(problem) => Error::Row {
                     element: excerpt(element.name),
                     row,
                     problem,

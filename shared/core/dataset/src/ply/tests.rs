@@ -1,6 +1,6 @@
 use super::*;
 use crate::NEUTRAL_GREY;
-use crate::hostile::{assert_sentence, damage};
+use crate::test_corruption::{assert_sentence, corruption};
 use point_cloud::{Point, Rgba};
 use proptest::prelude::*;
 
@@ -41,9 +41,9 @@ proptest! {
     }
 
     #[test]
-    fn a_damaged_file_is_read_or_explained(mesh in mesh(), damages in [damage(), damage(), damage()]) {
-        for (encoding, damage) in ENCODINGS.into_iter().zip(damages) {
-            let file = damage.apply(&write(mesh.view(), encoding).unwrap());
+    fn a_damaged_file_is_read_or_explained(mesh in mesh(), corruptions in [corruption(), corruption(), corruption()]) {
+        for (encoding, corruption) in ENCODINGS.into_iter().zip(corruptions) {
+            let file = corruption.apply(&write(mesh.view(), encoding).unwrap());
             match read(&file) {
                 Ok(mesh) => {
                     let mut indices = mesh.triangles.as_flattened().iter();
@@ -75,7 +75,7 @@ proptest! {
     }
 }
 
-/// A file of other people: more properties, elements and polygons.
+/// Foreign PLY file with additional properties, elements and polygons.
 const FOREIGN: &str = "ply\r
 format ascii 1.0\r
 comment made by hand
@@ -125,7 +125,7 @@ fn foreign_elements_are_skipped_and_polygons_cut() {
     assert_eq!(mesh.triangles, [[0, 1, 2], [4, 3, 2], [4, 2, 1], [4, 1, 0]]);
 }
 
-/// Reads the foreign file with one change.
+/// Reads the foreign file with one change, and expects an error with the reason.
 #[track_caller]
 fn check_refusal(from: &str, to: &str, reason: &str) {
     assert!(FOREIGN.contains(from), "{from}");

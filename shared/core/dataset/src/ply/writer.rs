@@ -1,12 +1,12 @@
-//! Writing PLY files.
+//! Encoder of PLY files.
 
 use super::error::Error;
 use super::{Encoding, MAX_TRIANGLES, MAX_VERTICES, MeshView};
 use point_cloud::Point;
 
-/// Writes a PLY file of version 1.0 with the vertex properties `x y z red green
-/// blue` and, if there are triangles, faces. Reading it again gives the same
-/// mesh in every encoding, but for the alpha values of colours.
+/// Encodes a PLY file of version 1.0 with the vertex properties `x y z red green blue` and,
+/// with triangles, faces. Decoding gives the same mesh in every encoding, except for alpha
+/// values.
 ///
 /// # Errors
 /// When a coordinate is not finite, a triangle names a vertex that is not

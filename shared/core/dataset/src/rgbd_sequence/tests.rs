@@ -1,5 +1,5 @@
 use super::*;
-use crate::hostile::{assert_sentence, damage};
+use crate::test_corruption::{assert_sentence, corruption};
 use proptest::prelude::*;
 use std::fs;
 use tempfile::TempDir;
@@ -24,9 +24,9 @@ fn depth_png(size: (u32, u32), depth_mm: &[u16]) -> Vec<u8> {
     file
 }
 
-/// Grey on the left, red on the right, as luminance and chrominances.
+/// JPEG image: grey on the left, red on the right.
 fn color_jpg() -> Vec<u8> {
-    flat_jpeg::encode(2, 1, &[[100, 128, 128], [76, 85, 255]])
+    test_flat_jpeg::encode(2, 1, &[[100, 128, 128], [76, 85, 255]])
 }
 
 fn depth() -> impl Strategy<Value = Vec<u16>> {
@@ -34,7 +34,7 @@ fn depth() -> impl Strategy<Value = Vec<u16>> {
     prop::collection::vec(pixel, N_PIXELS)
 }
 
-/// A folder with three frames; the second has no pose.
+/// Sequence folder with three frames; the second has no pose.
 fn sequence(depth_mm: &[u16]) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, content: &[u8]| fs::write(folder.path().join(name), content).unwrap();
@@ -95,15 +95,15 @@ proptest! {
     }
 
     #[test]
-    fn damaged_files_are_read_or_explained(depth in depth(), damage in damage()) {
-        let depth_file = damage.apply(&depth_png(SIZE, &depth));
+    fn damaged_files_are_read_or_explained(depth in depth(), corruption in corruption()) {
+        let depth_file = corruption.apply(&depth_png(SIZE, &depth));
         let errors = [
             decode_depth(&depth_file, SIZE, &mut Vec::new()).err(),
             depth_image_size(&depth_file).err(),
-            decode_color(&damage.apply(&color_jpg()), SIZE).err(),
-            parse_pose(&damage.apply(POSE.as_bytes())).err(),
-            parse_intrinsics(&damage.apply(INTRINSICS.as_bytes()), SIZE).err(),
-            parse_gravity(&damage.apply(b"0 0.6 0.8")).err(),
+            decode_color(&corruption.apply(&color_jpg()), SIZE).err(),
+            parse_pose(&corruption.apply(POSE.as_bytes())).err(),
+            parse_intrinsics(&corruption.apply(INTRINSICS.as_bytes()), SIZE).err(),
+            parse_gravity(&corruption.apply(b"0 0.6 0.8")).err(),
         ];
         errors.iter().flatten().for_each(|error| assert_sentence(error));
     }
@@ -225,7 +225,7 @@ fn a_wrong_frame_is_refused_with_its_reason() {
             .unwrap();
         file
     };
-    let wide = flat_jpeg::encode(3, 1, &[[0; 3]; 3]);
+    let wide = test_flat_jpeg::encode(3, 1, &[[0; 3]; 3]);
     let bad_pose = |from: &str, to: &str| POSE.replacen(from, to, 1).into_bytes();
     let cases = [
         ("frame-000011.depth.png", larger, "16x9"),

@@ -1,21 +1,21 @@
-//! Making a sequence.
+//! Writer of RGB-D sequences.
 
 use super::error::{ContentError, Error};
-use super::frames::{
+use super::frame_files::{
     COLOR_PNG_SUFFIX, DEPTH_SUFFIX, MASK_SUFFIX, POSE_SUFFIX, TRUTH_SUFFIX, is_frame_name,
 };
 use super::{
     GRAVITY_NAME, INTRINSICS_NAME, MAX_IMAGE_BYTES, MAX_TRUTH_BYTES, parse_gravity,
     parse_intrinsics, parse_pose,
 };
+use crate::atomic_file::{create_folder, write_atomic};
 use crate::bounded_file::{FileError, file_names};
-use crate::png_image::{PixelKind, encode, to_samples};
-use crate::whole_file::write_whole;
+use crate::png_image::{PixelKind, encode, to_big_endian_samples};
 use geometry::{PinholeCamera, RigidTransform};
 use nalgebra::UnitVector3;
 use std::path::{Path, PathBuf};
 
-/// Writes frames into a folder, from `frame-000000` on.
+/// Writer of an RGB-D sequence, from `frame-000000` on.
 ///
 /// Each file gets its name when it is complete, and a frame's depth image is
 /// its last file: a sequence whose writer was killed can be played up to there.
@@ -24,47 +24,46 @@ pub struct SequenceWriter {
     folder: PathBuf,
     size: (u32, u32),
     n_frames: usize,
-    /// Whether the last frame failed: some of its files may be there.
+    /// True if the last frame failed, so that some of its files may exist.
     has_leftovers: bool,
-    /// An image's bytes before and after compression, kept for their memory.
+    /// Image bytes before and after compression, buffers reused.
     samples: Vec<u8>,
     file: Vec<u8>,
 }
 
-/// What is written of one frame. The slices have a value for each pixel, row by
-/// row.
+/// Content of one frame to be written. The slices hold one value per pixel, row-major.
 #[derive(Debug, Clone, Copy)]
 pub struct FrameView<'a> {
     /// Red, green, blue of each pixel.
     pub color: &'a [u8],
-    /// Depth, millimetres; 0 is none.
+    /// Depth, millimetres; 0 is no depth.
     pub depth_mm: &'a [u16],
-    /// The number of each pixel's object, if known; 0 is none.
+    /// Number of each pixel's object, if known; 0 is background.
     pub instances: Option<&'a [u16]>,
     /// Pose of the camera, if known.
     pub world_from_camera: Option<RigidTransform>,
-    /// What is known about the scene, as JSON; written as it is.
+    /// Ground truth of the scene as JSON, if known; written unchanged.
     pub truth: Option<&'a [u8]>,
 }
 
 impl SequenceWriter {
-    /// Begins a sequence in a folder, which is made if necessary.
+    /// Starts a sequence in a folder, which is created if necessary.
     ///
     /// *Frame*: `gravity_in_world` points downwards.
     ///
     /// # Errors
-    /// When the camera or the direction can not be read again, or the folder
-    /// can not be made or already holds a sequence or parts of one.
+    /// When the camera or the direction cannot be read again, or the folder
+    /// cannot be made or already holds a sequence or parts of one.
     pub fn create(
         folder: &Path,
         camera: &PinholeCamera,
         gravity_in_world: Option<UnitVector3<f64>>,
     ) -> Result<Self, Error> {
-        std::fs::create_dir_all(folder).map_err(FileError::io(folder, "create"))?;
+        create_folder(folder)?;
         let is_part =
             |name: &str| is_frame_name(name) || name == INTRINSICS_NAME || name == GRAVITY_NAME;
         if !file_names(folder, is_part)?.is_empty() {
-            return Err(Error::AlreadyThere(folder.to_owned()));
+            return Err(Error::AlreadyExists(folder.to_owned()));
         }
         let size = (camera.width, camera.height);
         let (fx, fy, cx, cy) = (camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px);
@@ -94,14 +93,14 @@ impl SequenceWriter {
         self.n_frames
     }
 
-    /// Writes the next frame. After an error it may be tried again, or left out.
+    /// Writes the next frame. After an error it can be retried or left out.
     ///
     /// *Allocation*: what the image encoder needs for itself.
     /// *Speed*: benchmark `write_frame`.
     ///
     /// # Errors
-    /// When a slice does not fill the image, the pose can not be read again,
-    /// or a file can not be written or would be larger than what is read.
+    /// When a slice does not fill the image, the pose cannot be read again,
+    /// or a file cannot be written or would be larger than what is read.
     pub fn write(&mut self, frame: &FrameView<'_>) -> Result<(), Error> {
         self.check(frame)?;
         let paths = self.paths();
@@ -117,7 +116,7 @@ impl SequenceWriter {
         Ok(())
     }
 
-    /// The files of the next frame in the order in which they are written.
+    /// Paths of the next frame's files in writing order.
     fn paths(&self) -> [PathBuf; 5] {
         let stem = format!("frame-{:06}", self.n_frames);
         [
@@ -133,7 +132,7 @@ impl SequenceWriter {
     fn write_files(&mut self, frame: &FrameView<'_>, paths: &[PathBuf; 5]) -> Result<(), Error> {
         let [mask, truth, pose, color, depth] = paths;
         if let Some(instances) = frame.instances {
-            to_samples(instances, &mut self.samples);
+            to_big_endian_samples(instances, &mut self.samples);
             self.write_image(mask, PixelKind::Instance, None)?;
         }
         if let Some(content) = frame.truth {
@@ -144,7 +143,7 @@ impl SequenceWriter {
             write_text(pose, 4, columns.transpose().as_slice(), parse_pose)?;
         }
         self.write_image(color, PixelKind::Color, Some(frame.color))?;
-        to_samples(frame.depth_mm, &mut self.samples);
+        to_big_endian_samples(frame.depth_mm, &mut self.samples);
         self.write_image(depth, PixelKind::Depth, None)
     }
 
@@ -170,7 +169,7 @@ impl SequenceWriter {
         Ok(())
     }
 
-    /// Writes an image of the given bytes, or of those in `samples`.
+    /// Writes an image from the given bytes, or from `samples`.
     fn write_image(
         &mut self,
         path: &Path,
@@ -180,13 +179,13 @@ impl SequenceWriter {
         self.file.clear();
         let bytes = bytes.unwrap_or(&self.samples);
         encode(kind, self.size, bytes, &mut self.file)
-            .map_err(|error| content_error(path)(ContentError::Encoding(error)))?;
+            .map_err(|error| content_error(path)(error.into()))?;
         write_bounded(path, &self.file, MAX_IMAGE_BYTES)
     }
 }
 
-/// Writes a matrix, given row by row, with as many digits as it takes to read
-/// the same numbers; but only one that can be read.
+/// Writes a matrix, given row-major, with enough digits for an exact round trip; fails if it
+/// could not be parsed again.
 fn write_text<T>(
     path: &Path,
     n_columns: usize,
@@ -199,7 +198,7 @@ fn write_text<T>(
     };
     let text: String = values.chunks(n_columns).map(row).collect();
     parse(text.as_bytes()).map_err(content_error(path))?;
-    Ok(write_whole(path, text.as_bytes())?)
+    Ok(write_atomic(path, text.as_bytes())?)
 }
 
 fn write_bounded(path: &Path, bytes: &[u8], limit: u64) -> Result<(), Error> {
@@ -207,7 +206,7 @@ fn write_bounded(path: &Path, bytes: &[u8], limit: u64) -> Result<(), Error> {
         let path = path.to_owned();
         return Err(FileError::TooLarge { path, limit }.into());
     }
-    Ok(write_whole(path, bytes)?)
+    Ok(write_atomic(path, bytes)?)
 }
 
 fn content_error(path: &Path) -> impl FnOnce(ContentError) -> Error {

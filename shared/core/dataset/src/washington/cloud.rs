@@ -1,4 +1,4 @@
-//! The point clouds of views, as PCD files.
+//! PCD files of Washington views.
 
 use super::error::Error;
 use super::view::View;
@@ -6,8 +6,8 @@ use crate::pcd;
 use geometry::PinholeCamera;
 use point_cloud::Point;
 
-/// Reads a view's points from the bytes of its PCD file, with or without
-/// `imX imY`. Points that are not finite are left out.
+/// Decodes a view's points from its PCD file, with or without `imX imY`. Points that are not
+/// finite are dropped.
 ///
 /// *Frame*: camera, metres.
 ///
@@ -23,8 +23,8 @@ pub fn read_cloud(bytes: &[u8]) -> Result<Vec<Point>, pcd::Error> {
     Ok(points)
 }
 
-/// Writes the points of a view as a PCD file, binary, with the fields of the
-/// data set. The camera is that of the whole image.
+/// Encodes the points of a view as a binary PCD file with the fields of the dataset. The camera
+/// is that of the whole image.
 ///
 /// # Errors
 /// When a vector of the view does not fill the cut-out.
@@ -40,7 +40,7 @@ pub fn write_cloud(view: &View, camera: &PinholeCamera) -> Result<Vec<u8>, Error
     file.reserve(24 * n_points);
     for pixel in view.object_pixels() {
         let point = view.point(camera, pixel);
-        let (column, row) = view.place(pixel);
+        let (column, row) = view.pixel_in_image(pixel);
         // The bits of a packed colour are stored as those of a float.
         let rgb = f32::from_bits(point.color.0 & 0x00ff_ffff);
         let (im_x, im_y) = ((column + 1) as f32, (row + 1) as f32);

@@ -1,200 +1,99 @@
-//! What can be wrong with a data set of objects.
+//! Errors of reading and writing datasets in the Washington layout.
 
-use crate::png_image::PngError;
-use crate::{FileError, pcd};
-use std::fmt;
+use crate::{FileError, ImageError, pcd};
 use std::path::PathBuf;
 
-/// Why a data set of objects could not be read or written.
-#[derive(Debug)]
+/// Error of reading or writing a dataset in the Washington layout.
+#[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A file or folder could not be read or written.
-    File(FileError),
-    /// The folder and those in it hold no views.
+    /// Failed access to a file or folder.
+    #[error("{0}")]
+    File(#[from] FileError),
+    /// Folder tree without views.
+    #[error(
+        "the folder {} holds no views of objects; they are called apple_1_1_1_crop.png \
+         and so on",
+        .0.display()
+    )]
     NoViews(PathBuf),
-    /// There are more views or folders than are ever listed.
+    /// More views or folders than the limits.
+    #[error(
+        "the folder {} holds more than a million views or 65536 folders; split it",
+        .0.display()
+    )]
     TooLarge(PathBuf),
-    /// A view's file is in two folders.
-    Twice {
+    /// File of a view that is present in two folders.
+    #[error("the file {} is in another folder, too; remove one of them", .path.display())]
+    Duplicate {
         /// One of the two files.
         path: PathBuf,
     },
-    /// There are not as many views.
+    /// View index out of range.
+    #[error("the data set has no view {index}; its {n_views} views count from 0")]
     NoSuchView {
-        /// The view that was asked for, from 0.
+        /// Requested view, from 0.
         index: usize,
-        /// How many there are.
+        /// Number of views.
         n_views: usize,
     },
-    /// A view lacks what was asked for.
-    Missing {
-        /// The view.
+    /// View without the requested images or points.
+    #[error("the view {name} of the data set has no {what}; ask for what it has")]
+    MissingPart {
+        /// Name of the view.
         name: String,
-        /// Its images or its points.
+        /// Missing part: `images` or `points`.
         what: &'static str,
     },
-    /// The folder for a new view already holds it.
-    AlreadyThere(PathBuf),
-    /// A vector of a view does not fill the cut-out.
+    /// View to be written that already exists.
+    #[error(
+        "the view {} is already there; give the new one another number",
+        .0.display()
+    )]
+    AlreadyExists(PathBuf),
+    /// Vector of a view whose length does not match the crop size.
+    #[error("a view with {found} {what} can not be used; its size needs {needed}")]
     ViewLength {
-        /// Which vector.
+        /// Name of the vector.
         what: &'static str,
-        /// Its length.
+        /// Length of the vector.
         found: usize,
-        /// The length it must have.
+        /// Length required by the crop size.
         needed: usize,
     },
-    /// A cut-out can not be a part of an image.
-    Place {
-        /// Its columns and rows.
+    /// Crop rectangle outside the largest image.
+    #[error(
+        "a view of {}x{} pixels at column {} and row {} can not be used; an image has 1 \
+         to 8192 pixels a side",
+        .size.0, .size.1, .top_left.0, .top_left.1
+    )]
+    CropBounds {
+        /// Columns and rows of the crop.
         size: (u32, u32),
-        /// Column and row of its first pixel.
+        /// Column and row of the first pixel in the whole image.
         top_left: (u32, u32),
     },
-    /// The content of a file is wrong.
+    /// Invalid content of a file.
+    #[error("the file {} can not be used: {source}", .path.display())]
     Content {
-        /// The file.
+        /// File.
         path: PathBuf,
-        /// What is wrong.
+        /// Invalid content.
         source: ContentError,
     },
 }
 
-/// What is wrong inside one file of a view.
-#[derive(Debug)]
+/// Invalid content of one file of a view.
+#[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ContentError {
-    /// A place of a cut-out is none.
+    /// Text that is not the column and row of a crop.
+    #[error("it must hold a column and a row from 1 to 8192, such as 272,183")]
     Location,
-    /// An image can not be decoded.
-    Png(png::DecodingError),
-    /// An image can not be encoded.
-    Encoding(png::EncodingError),
-    /// An image is of another kind than a view has.
-    ImageKind(&'static str),
-    /// An image does not have the size of the colour image.
-    ImageSize {
-        /// Its columns and rows.
-        found: (u32, u32),
-        /// The columns and rows of the colour image.
-        needed: (u32, u32),
-    },
-    /// The points can not be read.
-    Cloud(pcd::Error),
-}
-
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::File(error) => error.fmt(f),
-            Self::NoViews(folder) => write!(
-                f,
-                "the folder {} holds no views of objects; they are called apple_1_1_1_crop.png \
-                 and so on",
-                folder.display()
-            ),
-            Self::TooLarge(folder) => write!(
-                f,
-                "the folder {} holds more than a million views or 65536 folders; split it",
-                folder.display()
-            ),
-            Self::Twice { path } => write!(
-                f,
-                "the file {} is in another folder, too; remove one of them",
-                path.display()
-            ),
-            Self::NoSuchView { index, n_views } => write!(
-                f,
-                "the data set has no view {index}; its {n_views} views count from 0"
-            ),
-            Self::Missing { name, what } => write!(
-                f,
-                "the view {name} of the data set has no {what}; ask for what it has"
-            ),
-            Self::AlreadyThere(path) => write!(
-                f,
-                "the view {} is already there; give the new one another number",
-                path.display()
-            ),
-            Self::ViewLength {
-                what,
-                found,
-                needed,
-            } => write!(
-                f,
-                "a view with {found} {what} can not be used; its size needs {needed}"
-            ),
-            Self::Place { size, top_left } => write!(
-                f,
-                "a view of {}x{} pixels at column {} and row {} can not be used; an image has 1 \
-                 to 8192 pixels a side",
-                size.0, size.1, top_left.0, top_left.1
-            ),
-            Self::Content { path, source } => {
-                write!(f, "the file {} can not be used: {source}", path.display())
-            }
-        }
-    }
-}
-
-impl fmt::Display for ContentError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Location => {
-                f.write_str("it must hold a column and a row from 1 to 8192, such as 272,183")
-            }
-            Self::Png(error) => write!(f, "the PNG image is damaged: {error}"),
-            Self::Encoding(error) => write!(f, "the PNG image can not be made: {error}"),
-            Self::ImageKind(problem) => f.write_str(problem),
-            Self::ImageSize { found, needed } => write!(
-                f,
-                "the image has {}x{} pixels, and the colour image of the view {}x{}",
-                found.0, found.1, needed.0, needed.1
-            ),
-            Self::Cloud(error) => error.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for Error {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::File(error) => Some(error),
-            Self::Content { source, .. } => Some(source),
-            _ => None,
-        }
-    }
-}
-
-impl std::error::Error for ContentError {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::Png(error) => Some(error),
-            Self::Encoding(error) => Some(error),
-            Self::Cloud(error) => Some(error),
-            _ => None,
-        }
-    }
-}
-
-impl From<FileError> for Error {
-    fn from(error: FileError) -> Self {
-        Self::File(error)
-    }
-}
-
-impl From<PngError> for ContentError {
-    fn from(error: PngError) -> Self {
-        match error {
-            PngError::Decoding(error) => Self::Png(error),
-            PngError::Kind(rule) => Self::ImageKind(rule),
-        }
-    }
-}
-
-impl From<pcd::Error> for ContentError {
-    fn from(error: pcd::Error) -> Self {
-        Self::Cloud(error)
-    }
+    /// Damaged image, or image of another size or pixel format.
+    #[error(transparent)]
+    Image(#[from] ImageError),
+    /// Invalid PCD file.
+    #[error("{0}")]
+    Cloud(#[from] pcd::Error),
 }

@@ -1,10 +1,11 @@
-//! The images of a view.
+//! Image decoders of Washington views.
 
 use super::error::ContentError;
+use crate::ImageError;
 use crate::png_image::{PixelKind, PngImage};
 
-/// Decodes the colour image of a view into red, green and blue bytes, row by
-/// row, and returns its columns and rows.
+/// Decodes the colour image of a view into red, green and blue bytes, row-major; returns its
+/// columns and rows.
 ///
 /// # Errors
 /// When the bytes are not a colour image, or are damaged.
@@ -15,8 +16,7 @@ pub fn decode_color(png: &[u8], color: &mut Vec<u8>) -> Result<(u32, u32), Conte
     Ok(size)
 }
 
-/// Decodes the depth image of a view of known size into millimetres, row by
-/// row.
+/// Decodes the depth image of a view of known size into millimetres, row-major.
 ///
 /// # Errors
 /// When the bytes are not a depth image of that size, or are damaged.
@@ -28,8 +28,8 @@ pub fn decode_depth(
     Ok(open_image(png, PixelKind::Depth, size)?.decode_u16(depth_mm)?)
 }
 
-/// Decodes the mask of a view of known size, row by row: 0 beside the object,
-/// anything else on it.
+/// Decodes the mask of a view of known size, row-major: 0 is background, any other value the
+/// object.
 ///
 /// # Errors
 /// When the bytes are not a mask of that size, or are damaged.
@@ -37,17 +37,7 @@ pub fn decode_mask(png: &[u8], size: (u32, u32), mask: &mut Vec<u8>) -> Result<(
     Ok(open_image(png, PixelKind::Silhouette, size)?.decode_u8(mask)?)
 }
 
-/// Opens an image that must have this size.
-fn open_image(
-    png: &[u8],
-    kind: PixelKind,
-    needed: (u32, u32),
-) -> Result<PngImage<'_>, ContentError> {
-    let image = PngImage::open(png, kind)?;
-    let found = image.size();
-    if found == needed {
-        Ok(image)
-    } else {
-        Err(ContentError::ImageSize { found, needed })
-    }
+/// Opens an image that must have the size of the colour image.
+fn open_image(png: &[u8], kind: PixelKind, size: (u32, u32)) -> Result<PngImage<'_>, ImageError> {
+    PngImage::open_sized(png, kind, size, "the colour image of the view")
 }

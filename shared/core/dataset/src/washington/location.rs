@@ -1,10 +1,10 @@
-//! Where a cut-out was in the whole image.
+//! Position of a crop in the whole image.
 
 use super::error::ContentError;
 use crate::png_image::MAX_SIDE;
 
-/// Reads a `_loc.txt`: one line `x,y`, column and row counted from 1. Returns
-/// the column and row of the cut-out's first pixel counted from 0.
+/// Parses a `_loc.txt`: one line `x,y`, column and row counted from 1. Returns the column and
+/// row of the crop's first pixel counted from 0.
 ///
 /// # Errors
 /// When the text is something else, or a number is not from 1 to 8192.
@@ -20,7 +20,7 @@ pub fn parse_location(bytes: &[u8]) -> Result<(u32, u32), ContentError> {
         .ok_or(ContentError::Location)
 }
 
-/// Writes a `_loc.txt` for a column and row counted from 0.
+/// Formats a `_loc.txt` for a column and row counted from 0.
 pub fn format_location((column, row): (u32, u32)) -> String {
     format!("{},{}\n", u64::from(column) + 1, u64::from(row) + 1)
 }

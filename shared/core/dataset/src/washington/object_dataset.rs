@@ -1,4 +1,4 @@
-//! Listing and reading a tree of views.
+//! Reader of a folder tree in the Washington layout.
 
 use super::cloud::read_cloud;
 use super::error::{ContentError, Error};
@@ -12,18 +12,18 @@ use crate::pcd;
 use point_cloud::Point;
 use std::path::{Path, PathBuf};
 
-/// Most views of a data set.
+/// Maximum number of views of a dataset.
 const MAX_VIEWS: usize = 1 << 20;
-/// Most folders of a data set.
+/// Maximum number of folders of a dataset.
 const MAX_FOLDERS: usize = 1 << 16;
-/// Levels of folders below the root.
+/// Maximum depth of folders below the root.
 const MAX_LEVELS: usize = 2;
-/// Most bytes read from an image.
+/// Maximum size of an image file, bytes.
 const MAX_IMAGE_BYTES: u64 = 1 << 25;
-/// Most bytes read from a place.
+/// Maximum size of a crop position file, bytes.
 const MAX_LOCATION_BYTES: u64 = 1 << 12;
 
-/// The files of a view that are there, one bit for each.
+/// File name suffixes of a view; each corresponds to a bit of the masks below.
 const SUFFIXES: [&str; 5] = [
     COLOR_SUFFIX,
     DEPTH_SUFFIX,
@@ -34,30 +34,30 @@ const SUFFIXES: [&str; 5] = [
 const IMAGES: u8 = 0b0_1111;
 const CLOUD: u8 = 0b1_0000;
 
-/// The views of a data set, by category in natural order, then by instance,
+/// Dataset in the Washington layout: views by category in natural order, then by instance,
 /// sequence and frame.
 #[derive(Debug)]
 pub struct ObjectDataset {
     folders: Vec<PathBuf>,
-    views: Vec<Listed>,
+    views: Vec<ListedView>,
     n_incomplete: usize,
 }
 
-/// A view, and the folder of each of its files.
+/// Listed view with the folder of each of its files.
 #[derive(Debug)]
-struct Listed {
+struct ListedView {
     name: ViewName,
-    /// Index into the folders; those of missing files are 0.
+    /// Folder index of each file; 0 for missing files.
     folders: [u32; SUFFIXES.len()],
     found: u8,
 }
 
 impl ObjectDataset {
-    /// Lists the views in a folder and up to two levels of folders below. No
-    /// file is opened. Files with other names are not part of it.
+    /// Lists the views in a folder and up to two levels of folders below, without opening files.
+    /// Files with other names are ignored.
     ///
     /// # Errors
-    /// When a folder can not be read, no view is complete, a file is there
+    /// When a folder cannot be read, no view is complete, a file is there
     /// twice, or there are too many.
     pub fn open(root: &Path) -> Result<Self, Error> {
         let folders = list_folders(root)?;
@@ -86,9 +86,9 @@ impl ObjectDataset {
         }
     }
 
-    /// Adds a view, all of whose files are given.
+    /// Adds a view from all of its files.
     fn push(&mut self, files: &[(ViewName, usize, u32)]) -> Result<(), Error> {
-        let mut view = Listed {
+        let mut view = ListedView {
             name: files[0].0.clone(),
             folders: [0; SUFFIXES.len()],
             found: 0,
@@ -96,7 +96,7 @@ impl ObjectDataset {
         for &(_, suffix, folder) in files {
             if view.found & 1 << suffix != 0 {
                 let path = self.path(&view, suffix);
-                return Err(Error::Twice { path });
+                return Err(Error::Duplicate { path });
             }
             view.found |= 1 << suffix;
             view.folders[suffix] = folder;
@@ -114,30 +114,30 @@ impl ObjectDataset {
         self.views.len()
     }
 
-    /// Number of views that are left out, since they have neither all images
-    /// with their place nor points.
+    /// Number of views left out because they have neither all images with their position nor
+    /// points.
     pub fn n_incomplete(&self) -> usize {
         self.n_incomplete
     }
 
-    /// The name of a view; `None` behind the last.
+    /// Name of a view; `None` after the last.
     pub fn name(&self, index: usize) -> Option<&ViewName> {
         self.views.get(index).map(|view| &view.name)
     }
 
-    /// The names of all views, in order.
+    /// Names of all views, in order.
     pub fn names(&self) -> impl ExactSizeIterator<Item = &ViewName> {
         self.views.iter().map(|view| &view.name)
     }
 
-    /// The categories, in natural order.
+    /// Category names, in natural order.
     pub fn categories(&self) -> Vec<&str> {
         let mut categories: Vec<&str> = self.names().map(ViewName::category).collect();
         categories.dedup();
         categories
     }
 
-    /// The objects of a category, in order; none when there is no such category.
+    /// Instances of a category, in order; empty for an unknown category.
     pub fn instances(&self, category: &str) -> Vec<u32> {
         let views = self.names().filter(|name| name.category() == category);
         let mut instances: Vec<u32> = views.map(ViewName::instance).collect();
@@ -145,20 +145,20 @@ impl ObjectDataset {
         instances
     }
 
-    /// Whether a view can be [loaded](Self::load).
+    /// True if a view has images, for [`load`](Self::load).
     pub fn has_images(&self, index: usize) -> bool {
         self.views.get(index).is_some_and(|view| view.has(IMAGES))
     }
 
-    /// Whether a view has a [cloud](Self::load_cloud).
+    /// True if a view has a point cloud, for [`load_cloud`](Self::load_cloud).
     pub fn has_cloud(&self, index: usize) -> bool {
         self.views.get(index).is_some_and(|view| view.has(CLOUD))
     }
 
-    /// Reads the images of a view and their place.
+    /// Reads the images of a view and the position of its crop.
     ///
     /// # Errors
-    /// When there is no such view, it has no images, or a file can not be read
+    /// When there is no such view, it has no images, or a file cannot be read
     /// or is wrong; each error of a file names it.
     pub fn load(&self, index: usize) -> Result<View, Error> {
         let listed = self.listed(index, IMAGES, "images")?;
@@ -181,7 +181,7 @@ impl ObjectDataset {
     /// *Frame*: camera, metres.
     ///
     /// # Errors
-    /// When there is no such view, it has no points, or the file can not be
+    /// When there is no such view, it has no points, or the file cannot be
     /// read or is wrong.
     pub fn load_cloud(&self, index: usize) -> Result<Vec<Point>, Error> {
         let listed = self.listed(index, CLOUD, "points")?;
@@ -191,13 +191,13 @@ impl ObjectDataset {
         })
     }
 
-    /// Reads the points of a view: from its PCD file if it has one, else from its
-    /// images by the camera [`CAMERA`].
+    /// Reads the points of a view: from its PCD file if present, otherwise from its images with
+    /// [`CAMERA`].
     ///
     /// *Frame*: camera, metres.
     ///
     /// # Errors
-    /// When there is no such view, or a file can not be read or is wrong.
+    /// When there is no such view, or a file cannot be read or is wrong.
     pub fn load_points(&self, index: usize) -> Result<Vec<Point>, Error> {
         if self.has_images(index) && !self.has_cloud(index) {
             self.load(index)?.points(&CAMERA)
@@ -206,14 +206,13 @@ impl ObjectDataset {
         }
     }
 
-    /// The file that [`load_points`](Self::load_points) reads, of several the first;
-    /// `None` behind the last view.
+    /// First file read by [`load_points`](Self::load_points); `None` after the last view.
     pub fn points_file(&self, index: usize) -> Option<PathBuf> {
         let suffix = if self.has_cloud(index) { 4 } else { 0 };
         Some(self.path(self.views.get(index)?, suffix))
     }
 
-    fn listed(&self, index: usize, wanted: u8, what: &'static str) -> Result<&Listed, Error> {
+    fn listed(&self, index: usize, wanted: u8, what: &'static str) -> Result<&ListedView, Error> {
         let n_views = self.views.len();
         let view = self.views.get(index);
         let view = view.ok_or(Error::NoSuchView { index, n_views })?;
@@ -221,14 +220,13 @@ impl ObjectDataset {
             return Ok(view);
         }
         let name = view.name.to_string();
-        Err(Error::Missing { name, what })
+        Err(Error::MissingPart { name, what })
     }
 
-    /// Reads a file of a view, by the index of its suffix, and hands its bytes
-    /// to a parser; an error names the file.
+    /// Reads and parses a file of a view by the index of its suffix; an error names the file.
     fn read<T>(
         &self,
-        view: &Listed,
+        view: &ListedView,
         suffix: usize,
         limit: u64,
         buffer: &mut Vec<u8>,
@@ -239,19 +237,19 @@ impl ObjectDataset {
         parse(buffer).map_err(|source| Error::Content { path, source })
     }
 
-    fn path(&self, view: &Listed, suffix: usize) -> PathBuf {
+    fn path(&self, view: &ListedView, suffix: usize) -> PathBuf {
         let folder = &self.folders[view.folders[suffix] as usize];
         folder.join(format!("{}{}", view.name, SUFFIXES[suffix]))
     }
 }
 
-impl Listed {
+impl ListedView {
     fn has(&self, wanted: u8) -> bool {
         self.found & wanted == wanted
     }
 }
 
-/// The view a file belongs to, and the index of its suffix.
+/// View name and suffix index of a file name.
 fn parse_file_name(file_name: &str) -> Option<(ViewName, usize)> {
     SUFFIXES.iter().enumerate().find_map(|(idx, suffix)| {
         let name = ViewName::parse(file_name.strip_suffix(suffix)?)?;
@@ -259,7 +257,7 @@ fn parse_file_name(file_name: &str) -> Option<(ViewName, usize)> {
     })
 }
 
-/// The root and the folders below it, level by level.
+/// Root and folders below it, level by level.
 fn list_folders(root: &Path) -> Result<Vec<PathBuf>, Error> {
     let mut folders = vec![root.to_owned()];
     let mut level = 0..1;

@@ -1,5 +1,5 @@
 use super::*;
-use crate::hostile::{assert_sentence, cuts, damage, flipped_bits};
+use crate::test_corruption::{assert_sentence, corruption, flipped_bits, truncations};
 use point_cloud::Point;
 use proptest::prelude::*;
 use std::fs;
@@ -25,8 +25,7 @@ fn view() -> impl Strategy<Value = View> {
     })
 }
 
-/// A cut-out of 3 x 2 pixels whose last pixel has no depth and whose first is
-/// beside the object.
+/// Crop of 3 x 2 pixels: the last pixel has no depth, the first one is background.
 fn small() -> View {
     View {
         size: (3, 2),
@@ -41,7 +40,7 @@ fn name(text: &str) -> ViewName {
     ViewName::parse(text).unwrap()
 }
 
-/// Files of a folder and those below, by name.
+/// Files of a folder tree, by name.
 fn files(folder: &Path) -> Vec<PathBuf> {
     let mut files = Vec::new();
     let mut folders = vec![folder.to_owned()];
@@ -92,10 +91,10 @@ proptest! {
     }
 
     #[test]
-    fn a_place_is_read_as_written(column in 0..8192_u32, row in 0..8192_u32, damage in damage()) {
+    fn a_place_is_read_as_written(column in 0..8192_u32, row in 0..8192_u32, corruption in corruption()) {
         let text = format_location((column, row));
         prop_assert_eq!(parse_location(text.as_bytes()).unwrap(), (column, row));
-        if let Err(error) = parse_location(&damage.apply(text.as_bytes())) {
+        if let Err(error) = parse_location(&corruption.apply(text.as_bytes())) {
             assert_sentence(&error);
         }
     }
@@ -245,7 +244,7 @@ fn a_view_is_not_overwritten_but_an_interrupted_one_is_completed() {
     let view = name("a_1_1_1");
     write_view(root.path(), &view, &small(), None).unwrap();
     let error = write_view(root.path(), &view, &small(), None).unwrap_err();
-    assert!(matches!(error, Error::AlreadyThere(_)), "{error}");
+    assert!(matches!(error, Error::AlreadyExists(_)), "{error}");
     assert_sentence(&error);
     fs::remove_file(root.path().join("a/a_1/a_1_1_1_crop.png")).unwrap();
     assert!(matches!(
@@ -300,7 +299,7 @@ fn a_damaged_file_is_named() {
     let dataset = ObjectDataset::open(root.path()).unwrap();
     for path in files(root.path()) {
         let whole = fs::read(&path).unwrap();
-        for damaged in cuts(&whole)
+        for damaged in truncations(&whole)
             .step_by(7)
             .chain(flipped_bits(&whole).step_by(61))
         {

@@ -1,4 +1,4 @@
-//! One view of an object.
+//! Cropped images of one view of an object.
 
 use super::error::Error;
 use crate::png_image::MAX_SIDE;
@@ -7,24 +7,23 @@ use point_cloud::{Point, Rgba};
 
 const M_FROM_MM: f64 = 0.001;
 
-/// The cut-out of an object. The vectors have a value for each pixel, row by
-/// row.
+/// Cropped view of an object. The vectors hold one value per pixel, row-major.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct View {
-    /// Columns and rows of the cut-out.
+    /// Columns and rows of the crop.
     pub size: (u32, u32),
-    /// Column and row of its first pixel in the whole image, from 0.
+    /// Column and row of the first pixel in the whole image, from 0.
     pub top_left: (u32, u32),
     /// Red, green, blue of each pixel.
     pub color: Vec<u8>,
-    /// Depth, millimetres; 0 is none.
+    /// Depth, millimetres; 0 is no depth.
     pub depth_mm: Vec<u16>,
-    /// 0 beside the object, anything else on it.
+    /// Mask: 0 is background, any other value the object.
     pub mask: Vec<u8>,
 }
 
 impl View {
-    /// The points of the object: its pixels with depth, row by row.
+    /// Points of the object: its pixels with depth, row-major.
     ///
     /// *Frame*: camera, metres. The camera is that of the whole image, such as
     /// [`super::CAMERA`].
@@ -37,20 +36,20 @@ impl View {
         Ok(pixels.map(|pixel| self.point(camera, pixel)).collect())
     }
 
-    /// The pixels of the object that have depth. The view must be checked.
+    /// Indices of the object's pixels with depth. The view must be validated.
     pub(super) fn object_pixels(&self) -> impl Iterator<Item = usize> + '_ {
         let is_object = |pixel: &usize| self.mask[*pixel] != 0 && self.depth_mm[*pixel] != 0;
         (0..self.depth_mm.len()).filter(is_object)
     }
 
     /// Column and row of a pixel in the whole image, from 0.
-    pub(super) fn place(&self, pixel: usize) -> (u32, u32) {
+    pub(super) fn pixel_in_image(&self, pixel: usize) -> (u32, u32) {
         let (column, row) = (pixel as u32 % self.size.0, pixel as u32 / self.size.0);
         (self.top_left.0 + column, self.top_left.1 + row)
     }
 
     pub(super) fn point(&self, camera: &PinholeCamera, pixel: usize) -> Point {
-        let (column, row) = self.place(pixel);
+        let (column, row) = self.pixel_in_image(pixel);
         let z_m = f64::from(self.depth_mm[pixel]) * M_FROM_MM;
         let position = camera.back_project(f64::from(column), f64::from(row), z_m);
         let [red, green, blue] = [0, 1, 2].map(|channel| self.color[3 * pixel + channel]);
@@ -62,11 +61,11 @@ impl View {
         }
     }
 
-    /// The vectors fill the cut-out, and it is within the largest image.
+    /// Validates the lengths of the vectors and the crop rectangle.
     pub(super) fn check(&self) -> Result<(), Error> {
         let is_within = |first: u32, n: u32| n > 0 && n <= MAX_SIDE && first < MAX_SIDE;
         if !is_within(self.top_left.0, self.size.0) || !is_within(self.top_left.1, self.size.1) {
-            return Err(Error::Place {
+            return Err(Error::CropBounds {
                 size: self.size,
                 top_left: self.top_left,
             });

@@ -1,13 +1,13 @@
-//! The names of views.
+//! Names of Washington views.
 
 use std::cmp::Ordering;
 use std::fmt;
 
-/// Most bytes of a category's name.
+/// Maximum length of a category name, bytes.
 const MAX_CATEGORY_BYTES: usize = 100;
 
-/// Which view of which object: `<category>_<instance>_<sequence>_<frame>`. The
-/// category may itself have underscores and numbers.
+/// Name of a view: `<category>_<instance>_<sequence>_<frame>`. The category may contain
+/// underscores and numbers.
 ///
 /// Names are ordered by category in natural order, then by their numbers.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -19,9 +19,8 @@ pub struct ViewName {
 }
 
 impl ViewName {
-    /// Puts a name together. `None` when the category is empty, has other
-    /// characters than letters, digits, `_` and `-`, or is longer than 100
-    /// bytes: it is the name of a folder.
+    /// Creates a name. `None` when the category is empty, has characters other than letters,
+    /// digits, `_` and `-`, or is longer than 100 bytes: it is used as a folder name.
     pub fn new(category: &str, instance: u32, sequence: u32, frame: u32) -> Option<Self> {
         let is_allowed =
             |character: char| character.is_alphanumeric() || matches!(character, '_' | '-');
@@ -35,7 +34,7 @@ impl ViewName {
         })
     }
 
-    /// Reads a name as it is displayed, from its end; `None` when it is none.
+    /// Parses a displayed name from its end; `None` when invalid.
     pub fn parse(text: &str) -> Option<Self> {
         let mut parts = text.rsplitn(4, '_');
         let (frame, sequence) = (number(parts.next()?)?, number(parts.next()?)?);
@@ -43,30 +42,29 @@ impl ViewName {
         Self::new(category, instance, sequence, frame)
     }
 
-    /// Kind of object, such as `cell_phone`.
+    /// Category name, such as `cell_phone`.
     pub fn category(&self) -> &str {
         &self.category
     }
 
-    /// Which object of its kind, from 1 in the data set.
+    /// Instance number within the category, from 1 in the dataset.
     pub fn instance(&self) -> u32 {
         self.instance
     }
 
-    /// Which turn of the turntable; 1, 2 and 4 in the data set, each seen from
-    /// another height.
+    /// Sequence number: a turn of the turntable; 1, 2 and 4 in the dataset, each at another camera
+    /// elevation.
     pub fn sequence(&self) -> u32 {
         self.sequence
     }
 
-    /// Which frame of the turn, from 1 in the data set.
+    /// Frame number within the sequence, from 1 in the dataset.
     pub fn frame(&self) -> u32 {
         self.frame
     }
 }
 
-/// A number as it is displayed: without sign and leading zeros, so that a name
-/// leads back to its file.
+/// Parses a number without sign and leading zeros, so that a name maps back to its file.
 fn number(text: &str) -> Option<u32> {
     let is_plain = text == "0" || matches!(text.as_bytes(), [b'1'..=b'9', ..]);
     text.parse().ok().filter(|_| is_plain)

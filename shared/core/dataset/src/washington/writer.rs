@@ -1,27 +1,25 @@
-//! Writing views.
+//! Writer of Washington views.
 
 use super::cloud::write_cloud;
-use super::error::{ContentError, Error};
+use super::error::Error;
 use super::location::format_location;
 use super::view::View;
 use super::view_name::ViewName;
 use super::{CLOUD_SUFFIX, COLOR_SUFFIX, DEPTH_SUFFIX, LOCATION_SUFFIX, MASK_SUFFIX};
-use crate::FileError;
-use crate::png_image::{PixelKind, encode, to_samples};
-use crate::whole_file::write_whole;
+use crate::atomic_file::{create_folder, write_atomic};
+use crate::png_image::{PixelKind, encode, to_big_endian_samples};
 use geometry::PinholeCamera;
 use std::path::Path;
 
-/// Writes a view into `<category>/<category>_<instance>/` of a folder, which
-/// are made if necessary; with its points if the camera of the whole image is
-/// given.
+/// Writes a view into `<category>/<category>_<instance>/` of a folder, creating these folders
+/// if necessary; with its points if the camera of the whole image is given.
 ///
 /// Each file gets its name when it is complete, the colour image last: a view
 /// that was interrupted is not listed, and may be written again.
 ///
 /// # Errors
 /// When the view is already there, its vectors do not fill the cut-out, or a
-/// file can not be written.
+/// file cannot be written.
 pub fn write_view(
     root: &Path,
     name: &ViewName,
@@ -31,21 +29,21 @@ pub fn write_view(
     view.check()?;
     let (category, instance) = (name.category(), name.instance());
     let folder = root.join(category).join(format!("{category}_{instance}"));
-    std::fs::create_dir_all(&folder).map_err(FileError::io(&folder, "create"))?;
+    create_folder(&folder)?;
     let path = |suffix| folder.join(format!("{name}{suffix}"));
     let color_path = path(COLOR_SUFFIX);
     if color_path.exists() {
-        return Err(Error::AlreadyThere(color_path));
+        return Err(Error::AlreadyExists(color_path));
     }
     if let Some(camera) = camera {
-        write_whole(&path(CLOUD_SUFFIX), &write_cloud(view, camera)?)?;
+        write_atomic(&path(CLOUD_SUFFIX), &write_cloud(view, camera)?)?;
     }
-    write_whole(
+    write_atomic(
         &path(LOCATION_SUFFIX),
         format_location(view.top_left).as_bytes(),
     )?;
     let mut depth = Vec::new();
-    to_samples(&view.depth_mm, &mut depth);
+    to_big_endian_samples(&view.depth_mm, &mut depth);
     let mask: Vec<u8> = view
         .mask
         .iter()
@@ -59,9 +57,9 @@ pub fn write_view(
         let mut file = Vec::new();
         encode(kind, view.size, samples, &mut file).map_err(|error| Error::Content {
             path: path.clone(),
-            source: ContentError::Encoding(error),
+            source: error.into(),
         })?;
-        write_whole(&path, &file)?;
+        write_atomic(&path, &file)?;
     }
     Ok(())
 }

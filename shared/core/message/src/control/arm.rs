@@ -1,56 +1,56 @@
-//! Commands to the arm and what it says of itself.
+//! Arm commands and state reports.
 
 use crate::ARM_JOINTS;
 use serde::{Deserialize, Serialize};
 
-/// What an arm can be told. Poses are those of the gripper: the point between the
-/// finger tips, z forward along the fingers, x the direction in which they close.
+/// Command to the arm. Poses are those of the gripper: origin between the finger tips, z
+/// forward along the fingers, x along the closing direction.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ArmCommand {
-    /// Say how the arm is.
+    /// Report the state.
     State,
-    /// Move the gripper to a pose, on a straight line or as is quickest for the joints.
+    /// Move the gripper to a pose, on a straight line or by the fastest joint motion.
     MoveTo {
         /// Position, world frame, metres.
         position_m: [f64; 3],
-        /// Orientation x, y, z, w.
+        /// Orientation quaternion: x, y, z, w.
         orientation_xyzw: [f64; 4],
-        /// Whether the gripper is to follow a straight line.
+        /// True for a straight line of the gripper; false for the fastest joint motion.
         straight: bool,
     },
     /// Move the joints.
     MoveJoints {
-        /// Angles from the base outwards, radians.
+        /// Joint angles from the base outwards, radians.
         angles_rad: [f64; ARM_JOINTS],
     },
-    /// Move to the folded pose out of the camera's view.
+    /// Move to the folded home pose outside the camera's view.
     Home,
-    /// Open the fingers; what they hold is let go.
+    /// Open the fingers and release any held object.
     Open,
-    /// Close the fingers until they hold something or meet.
+    /// Close the fingers until they grip an object or meet.
     Close,
-    /// Stop at once; what was still to be done is forgotten.
+    /// Stop immediately and discard pending motion.
     Stop,
 }
 
-/// How the arm is.
+/// State report of the arm.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ArmReport {
-    /// The command this answers, or the last one; 0 before the first.
+    /// Id of the answered command, or of the last one; 0 before the first.
     pub command_id: u64,
-    /// idle, moving, opening, closing, stopped or failed.
+    /// Activity: `idle`, `moving`, `opening`, `closing`, `stopped` or `failed`.
     pub activity: String,
-    /// Why the last command failed, empty otherwise.
+    /// Reason for the failure of the last command; empty otherwise.
     pub note: String,
-    /// Angles from the base outwards, radians.
+    /// Joint angles from the base outwards, radians.
     pub joint_angles_rad: [f64; ARM_JOINTS],
-    /// Distance between the fingers, metres.
+    /// Gripper opening: distance between the fingers, metres.
     pub opening_m: f64,
     /// Position of the gripper, world frame, metres.
     pub position_m: [f64; 3],
-    /// Orientation of the gripper x, y, z, w.
+    /// Orientation of the gripper, world frame, quaternion: x, y, z, w.
     pub orientation_xyzw: [f64; 4],
-    /// Whether the fingers hold something.
+    /// True if the fingers hold an object.
     pub is_holding: bool,
 }

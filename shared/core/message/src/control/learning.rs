@@ -1,10 +1,10 @@
-//! Views and changes of what was learned, between perception and memory.
+//! Synchronisation of learned views between perception and memory.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Identity of a mutation, 128 random bits made by the client: a retry after a
-/// crash is answered, not done twice. Serialised as 32 hexadecimal digits.
+/// Idempotency key of a mutation, 128 random bits chosen by the client: a retry after a crash
+/// is answered, not executed twice. Serialised as 32 hexadecimal digits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct MutationId(#[serde(with = "hex_id")] pub u128);
 
@@ -17,57 +17,56 @@ impl fmt::Display for MutationId {
 /// Identity of a stored view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct ViewId {
-    /// The track.
+    /// Track id.
     pub track_id: u64,
-    /// The view of the track.
+    /// Number of the view within its track.
     pub view_id: u32,
 }
 
-/// A key view on its way to the memory.
+/// Key view to be stored in the perceptual memory.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StoredView {
-    /// Identity.
+    /// View id.
     pub id: ViewId,
-    /// How the descriptor was made; only equal kinds compare.
+    /// Kind of the descriptor: its method and version. Only equal kinds can be compared.
     pub descriptor_kind: String,
-    /// The descriptor: `f32`, little-endian.
+    /// Descriptor: `f32` values, little-endian; see [`DescriptorBytes`](crate::DescriptorBytes).
     #[serde(with = "serde_bytes")]
     pub descriptor: Vec<u8>,
     /// Centre of the box in the world, metres.
     pub position_m: [f64; 3],
-    /// Orientation of the box in the world.
+    /// Orientation of the box in the world, quaternion: x, y, z, w.
     pub orientation_xyzw: [f64; 4],
-    /// Full lengths of the box's sides, metres.
+    /// Side lengths of the box, metres.
     pub size_m: [f64; 3],
     /// Capture time, wall clock, nanoseconds since 1970.
     pub captured_ns: i64,
-    /// Sequence of the frame.
+    /// Sequence number of the frame.
     pub frame_sequence: u64,
-    /// Name of the source or file of the frame.
+    /// Name of the camera or recording of the frame.
     pub source_name: String,
-    /// The object's points in the frame of the box, as [`pack_cloud`] packs them;
-    /// empty when they are not kept.
+    /// Points of the object in the frame of the box, encoded by [`pack_cloud`]; empty when not
+    /// kept.
     ///
     /// [`pack_cloud`]: super::pack_cloud
     #[serde(default, with = "serde_bytes")]
     pub points: Vec<u8>,
-    /// Mean red, green, blue of the points, where they have colours.
+    /// Mean colour of the points: red, green, blue; `None` for points without colours.
     #[serde(default)]
     pub mean_rgb: Option<[u8; 3]>,
 }
 
-/// Longest encoding of a view without its texts, descriptor and points, bytes: names,
-/// numbers and lengths.
+/// Upper bound of the encoded size of a view without its texts, descriptor and points, bytes.
 const MAX_FIXED_BYTES: usize = 512;
 
 impl StoredView {
-    /// Most that the views of one request may have by [`max_encoded_bytes`]: all of a
-    /// message but 1 KiB for the request around them.
+    /// Budget of the views of one request, summed by [`max_encoded_bytes`]: the maximum message
+    /// size less 1 KiB for the envelope.
     ///
     /// [`max_encoded_bytes`]: Self::max_encoded_bytes
     pub const MAX_REQUEST_BYTES: usize = super::MAX_MESSAGE_BYTES - 1024;
 
-    /// No fewer bytes than the view has in a request.
+    /// Upper bound of the encoded size of this view in a request, bytes.
     pub fn max_encoded_bytes(&self) -> usize {
         MAX_FIXED_BYTES
             + self.descriptor_kind.len()
@@ -77,67 +76,67 @@ impl StoredView {
     }
 }
 
-/// A view and the category it was taught as.
+/// Labelled view: a view with its category.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LearnedView {
-    /// Identity.
+    /// View id.
     pub id: ViewId,
-    /// The category.
+    /// Category name.
     pub category: String,
-    /// How the descriptor was made.
+    /// Kind of the descriptor: its method and version.
     pub descriptor_kind: String,
-    /// The descriptor: `f32`, little-endian.
+    /// Descriptor: `f32` values, little-endian; see [`DescriptorBytes`](crate::DescriptorBytes).
     #[serde(with = "serde_bytes")]
     pub descriptor: Vec<u8>,
 }
 
-/// One change of one view; applying it twice changes nothing more.
+/// Change of one view's label; idempotent.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LearnedChange {
-    /// The view now belongs to a category.
+    /// View assigned to a category.
     Assigned(LearnedView),
-    /// The view belongs to no category.
+    /// View without a category.
     Unassigned(ViewId),
 }
 
-/// A page of labelled views. The reader notes the sequence of the first page,
-/// reads all pages, then applies the changes since that sequence.
+/// Page of labelled views. A reader notes the sequence of the first page, reads all pages, then
+/// applies the changes since that sequence.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SnapshotPage {
     /// Identity of the store.
     #[serde(with = "hex_id")]
     pub store_id: u128,
-    /// Newest history sequence when the page was made.
+    /// Newest history sequence at the time of the page.
     pub sequence: u64,
-    /// The views.
+    /// Views.
     pub views: Vec<LearnedView>,
-    /// Where the next page begins; `None` after the last one.
+    /// Cursor of the next page; `None` after the last page.
     pub next: Option<SnapshotCursor>,
 }
 
-/// Where a page of labelled views begins.
+/// Cursor into the labelled views.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SnapshotCursor(#[serde(with = "hex_id")] pub u128);
 
-/// Changes in the order they were made.
+/// Answer to a request for changes, in the order of the history.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ChangesPage {
-    /// The changes up to a sequence; ask again from there while `more`.
+    /// Changes up to a sequence; the next request starts there while `more` is true.
     Changes {
-        /// The reader holds this sequence when it has applied the changes.
+        /// Sequence that the reader holds after applying the changes.
         up_to: u64,
-        /// The changes.
+        /// Changes.
         changes: Vec<LearnedChange>,
-        /// Whether there are more.
+        /// True if more changes follow.
         more: bool,
     },
-    /// Another store or a gap: begin with a snapshot again.
+    /// Changes unavailable, because of another store or a gap in the history: reload a snapshot.
     Reload,
 }
 
-/// 128-bit identities as 32 hexadecimal digits.
+/// Serde format of 128-bit identities: 32 hexadecimal digits.
 pub(super) mod hex_id {
     use serde::{Deserialize, Deserializer, Serializer, de::Error};
 
@@ -167,7 +166,7 @@ mod tests {
     use serde::de::IntoDeserializer;
     use serde::de::value::{Error, StrDeserializer};
 
-    /// A view whose numbers take as many bytes as numbers can.
+    /// View of maximum encoded size.
     fn longest_view(n_points: usize) -> StoredView {
         let cloud = vec![Point::default(); n_points];
         StoredView {
@@ -220,7 +219,7 @@ mod tests {
         }
     }
 
-    /// Programs that were written before views had points send none.
+    /// Backward compatibility: older programs send neither points nor colour.
     #[test]
     fn a_view_needs_neither_points_nor_colour() {
         #[derive(Serialize)]

@@ -1,248 +1,248 @@
-//! What can be asked of the memory besides teaching: looking into it, taking
-//! things back, keeping it small, giving it to another robot.
+//! Administration of the perceptual memory: queries, revisions, maintenance jobs, export and
+//! import.
 
 use super::learning::{MutationId, ViewId, hex_id};
 use serde::{Deserialize, Serialize};
 
-/// A change of what is known, and who asks for it.
+/// Revision of the perceptual memory, with its author.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Revision {
-    /// Identity of this mutation: the same id again gets the first answer.
+    /// Idempotency key: a repeated id gets the answer of the first request.
     pub id: MutationId,
-    /// Who asks.
+    /// Author of the request.
     pub author: String,
-    /// What is asked.
+    /// Change to be made.
     pub change: RevisionChange,
 }
 
-/// The changes besides teaching.
+/// Change of the perceptual memory other than teaching.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum RevisionChange {
-    /// Neither recognise nor teach a track's views any more.
+    /// Exclude a track's views from recognition and teaching.
     ForgetTrack {
-        /// The track.
+        /// Track id.
         track_id: u64,
     },
-    /// Neither recognise nor teach a view any more.
+    /// Exclude a view from recognition and teaching.
     ForgetView {
-        /// The view.
+        /// View id.
         view: ViewId,
     },
-    /// Give one view another name.
+    /// Change the category of one view.
     CorrectView {
-        /// The view.
+        /// View id.
         view: ViewId,
-        /// Its name.
+        /// New category name.
         category: String,
     },
-    /// Give a category another name.
+    /// Rename a category.
     Rename {
-        /// Its name.
+        /// Current name.
         from: String,
-        /// Its new name.
+        /// New name.
         to: String,
     },
-    /// Give all views of a category the name of another.
+    /// Merge a category into another.
     Merge {
-        /// The category that will be no more.
+        /// Category that ceases to exist.
         from: String,
-        /// The one that gets its views.
+        /// Category that receives the views.
         into: String,
     },
-    /// Take back an entry of the history; without one, the author's last lesson.
+    /// Undo an entry of the history; without a sequence, the author's last teaching.
     Undo {
         /// Sequence of the entry.
         sequence: Option<u64>,
     },
     /// Store a document.
     PutDocument {
-        /// Which one.
+        /// Name of the document.
         document: DocumentName,
-        /// How to read it.
+        /// Media type (MIME) of the content.
         media_type: String,
-        /// Its bytes.
+        /// Content.
         #[serde(with = "serde_bytes")]
         content: Vec<u8>,
     },
     /// Remove a document.
     RemoveDocument {
-        /// Which one.
+        /// Name of the document.
         document: DocumentName,
     },
 }
 
-/// Kinds of documents.
+/// Kind of a document.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum DocumentKind {
-    /// The fused surface of an object.
+    /// Fused surface model of an object.
     ObjectModel,
-    /// Something a task needs to know.
+    /// Knowledge for a task.
     TaskKnowledge,
 }
 
-/// A document's name.
+/// Name of a document, unique within its kind.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DocumentName {
-    /// What it is about.
+    /// Kind of the document.
     pub kind: DocumentKind,
-    /// Its name.
+    /// Name within the kind.
     pub name: String,
 }
 
-/// What can be read in the memory.
+/// Query of the perceptual memory.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum MemoryQuery {
     /// Sizes and counts.
     Stats,
-    /// Stored views in order of their ids, a page.
+    /// One page of stored views, ordered by id.
     Views {
-        /// Only those of a category.
+        /// Category filter.
         category: Option<String>,
-        /// Only those of a track.
+        /// Track filter.
         track_id: Option<u64>,
-        /// Where the last page ended.
+        /// Last view of the previous page.
         after: Option<ViewId>,
     },
-    /// Entries of the history, a page.
+    /// One page of the history.
     History {
-        /// First sequence; without one, so that the page ends with the last entry.
+        /// First sequence; `None` for the page that ends with the last entry.
         from: Option<u64>,
-        /// Most entries.
+        /// Maximum number of entries.
         max: u32,
     },
-    /// All documents.
+    /// List all documents.
     Documents,
-    /// A document.
+    /// Read one document.
     Document(DocumentName),
 }
 
-/// The answer to a [`MemoryQuery`].
+/// Answer to a [`MemoryQuery`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum MemoryAnswer {
-    /// To [`MemoryQuery::Stats`].
+    /// Reply to [`MemoryQuery::Stats`].
     Stats(MemoryStats),
-    /// To [`MemoryQuery::Views`].
+    /// Reply to [`MemoryQuery::Views`].
     Views {
-        /// The views.
+        /// Views.
         views: Vec<ViewReport>,
-        /// Where the next page begins after; `None` after the last one.
+        /// Last view of this page, for the next request; `None` after the last page.
         next: Option<ViewId>,
     },
-    /// To [`MemoryQuery::History`].
+    /// Reply to [`MemoryQuery::History`].
     History {
-        /// The entries, in order.
+        /// Entries, oldest first.
         entries: Vec<HistoryReport>,
-        /// Sequence of the last entry there is.
+        /// Sequence of the last entry of the history.
         last_sequence: u64,
     },
-    /// To [`MemoryQuery::Documents`].
+    /// Reply to [`MemoryQuery::Documents`].
     Documents(Vec<DocumentReport>),
-    /// To [`MemoryQuery::Document`].
+    /// Reply to [`MemoryQuery::Document`].
     Document {
-        /// How to read it.
+        /// Media type (MIME) of the content.
         media_type: String,
-        /// Its bytes.
+        /// Content.
         #[serde(with = "serde_bytes")]
         content: Vec<u8>,
     },
 }
 
-/// Sizes and counts of a memory.
+/// Sizes and counts of a perceptual memory.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MemoryStats {
-    /// Identity of the store: another one after something was lost.
+    /// Identity of the store; it changes after a loss of data.
     #[serde(with = "hex_id")]
     pub store_id: u128,
-    /// Identity of the memory, which stays.
+    /// Identity of the memory; it never changes.
     #[serde(with = "hex_id")]
     pub memory_id: u128,
-    /// The form in which it is stored.
+    /// Schema version of the storage format.
     pub schema: u32,
     /// Sequence of the last history entry.
     pub sequence: u64,
-    /// Entries that a damaged store has lost.
+    /// Number of history entries lost from a damaged store.
     pub n_lost_entries: u64,
-    /// Views with a name.
+    /// Number of labelled views.
     pub n_named: u64,
-    /// Views without one.
+    /// Number of unlabelled views.
     pub n_unnamed: u64,
-    /// Views forgotten and not yet removed.
+    /// Number of forgotten views that are not purged yet.
     pub n_forgotten: u64,
-    /// Categories.
+    /// Number of categories.
     pub n_categories: u64,
-    /// Documents.
+    /// Number of documents.
     pub n_documents: u64,
-    /// Notes of forgotten views whose content is gone.
+    /// Number of tombstones: forgotten views whose content is purged.
     pub n_tombstones: u64,
-    /// Bytes of descriptors and clouds.
+    /// Size of descriptors and clouds, bytes.
     pub content_bytes: u64,
-    /// Bytes of files.
+    /// Size of the files, bytes.
     pub disk_bytes: u64,
-    /// The next track-id to be leased.
+    /// Next track id to be leased.
     pub next_track_id: u64,
 }
 
-/// A stored view, without its content.
+/// Metadata of a stored view.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ViewReport {
-    /// Its id.
+    /// View id.
     pub id: ViewId,
-    /// What it is an example of; null when nobody has named it.
+    /// Category name; null for an unlabelled view.
     pub category: Option<String>,
-    /// Who decided that; empty when nobody has.
+    /// Author of the label; empty for an unlabelled view.
     pub author: String,
-    /// When, nanoseconds since 1970; zero when nobody has.
+    /// Time of the label, nanoseconds since 1970; 0 for an unlabelled view.
     pub decided_ns: u64,
-    /// The history entry that touched it last.
+    /// Sequence of the last history entry that changed the view.
     pub sequence: u64,
-    /// Digest of everything in it: the same on every robot.
+    /// Content digest of the view; equal on every robot.
     #[serde(with = "hex_id")]
     pub identity: u128,
-    /// The memory it was first stored in.
+    /// Identity of the memory that first stored the view.
     #[serde(with = "hex_id")]
     pub origin_memory: u128,
-    /// Its id there.
+    /// View id in that memory.
     pub origin: ViewId,
-    /// When it was captured, nanoseconds since 1970.
+    /// Capture time, nanoseconds since 1970.
     pub captured_ns: u64,
-    /// Number of the frame it was seen in.
+    /// Sequence number of the captured frame.
     pub frame_sequence: u64,
-    /// Camera or recording.
+    /// Name of the camera or recording.
     pub source: String,
-    /// How its descriptor was made.
+    /// Kind of the descriptor: its method and version.
     pub descriptor_kind: String,
     /// Centre of the object's box in the world, metres.
     pub position_m: [f64; 3],
-    /// Orientation of the box: x, y, z, w.
+    /// Orientation of the box, quaternion: x, y, z, w.
     pub orientation_xyzw: [f64; 4],
-    /// Full lengths of its sides, metres.
+    /// Side lengths of the box, metres.
     pub size_m: [f64; 3],
-    /// Mean colour; null when not known.
+    /// Mean colour: red, green, blue; null when unknown.
     pub mean_rgb: Option<[u8; 3]>,
-    /// Bytes of its descriptor.
+    /// Size of the descriptor, bytes.
     pub descriptor_bytes: u64,
-    /// Bytes of its cloud; zero when it has none.
+    /// Size of the cloud, bytes; 0 without a cloud.
     pub cloud_bytes: u64,
 }
 
-/// An entry of the history, in words and numbers.
+/// Entry of the history.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct HistoryReport {
-    /// Its number.
+    /// Sequence of the entry.
     pub sequence: u64,
-    /// When, nanoseconds since 1970.
+    /// Time of the entry, nanoseconds since 1970.
     pub wall_ns: u64,
-    /// Who.
+    /// Author.
     pub author: String,
-    /// What was asked, in words.
+    /// Requested change, in words.
     pub what: String,
     /// Kind of the operation.
     pub operation: HistoryOperation,
@@ -263,17 +263,17 @@ pub struct HistoryReport {
     pub document: Option<DocumentName>,
     /// Source of an import; null for other operations.
     pub source: Option<String>,
-    /// Views that it stored, named, forgot or removed.
+    /// Number of views that were stored, labelled, forgotten or purged.
     pub n_views: u64,
-    /// Why it changed nothing, in words; null when it did.
+    /// Reason why nothing was changed, in words; null for an effective entry.
     pub contradiction: Option<String>,
     /// Category that the track keeps because the entry contradicted it; null otherwise.
     pub kept_category: Option<String>,
     /// Author of the kept category; null without one.
     pub kept_author: Option<String>,
-    /// The client's id; null for what the store does by itself.
+    /// Idempotency key of the client; null for maintenance by the store itself.
     pub mutation: Option<MutationId>,
-    /// Digest of the entry before.
+    /// Digest of the previous entry (hash chain).
     #[serde(with = "hex_id")]
     pub previous: u128,
 }
@@ -315,180 +315,180 @@ pub enum HistoryOperation {
     Other,
 }
 
-/// A document, without its content.
+/// Metadata of a document.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DocumentReport {
-    /// Which one.
+    /// Name of the document.
     #[serde(flatten)]
     pub document: DocumentName,
-    /// How to read it.
+    /// Media type (MIME) of the content.
     pub media_type: String,
-    /// Its size.
+    /// Size of the content, bytes.
     pub bytes: u64,
-    /// Who stored it.
+    /// Author of the document.
     pub author: String,
-    /// When, nanoseconds since 1970.
+    /// Time of storage, nanoseconds since 1970.
     pub decided_ns: u64,
-    /// The history entry that did.
+    /// Sequence of the history entry that stored it.
     pub sequence: u64,
 }
 
-/// Long work on the memory, and how it is followed. Only [`Self::Begin`] begins
-/// something; a job that nobody asks about for a minute is given up.
+/// Command for a long-running job on the perceptual memory. Only [`Self::Begin`] starts a job;
+/// a job without requests for a minute is abandoned.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum JobCommand {
-    /// Begin a job.
+    /// Start a job.
     Begin(JobKind),
-    /// How far is it?
+    /// Report the progress.
     Ask {
-        /// The job.
+        /// Job id.
         job: u64,
     },
-    /// The next bytes of an export.
+    /// Read the next bytes of an export.
     Read {
-        /// The job.
+        /// Job id.
         job: u64,
-        /// From where on.
+        /// Offset of the first byte.
         offset: u64,
     },
-    /// The next bytes of an import.
+    /// Write the next bytes of an import.
     Write {
-        /// The job.
+        /// Job id.
         job: u64,
-        /// From where on.
+        /// Offset of the first byte.
         offset: u64,
-        /// The bytes.
+        /// Bytes.
         #[serde(with = "serde_bytes")]
         bytes: Vec<u8>,
     },
-    /// All bytes of an import are there: take it over.
+    /// Complete an import whose bytes are all written.
     Import {
-        /// The job.
+        /// Job id.
         job: u64,
-        /// Identity of the mutation.
+        /// Idempotency key of the mutation.
         id: MutationId,
-        /// Who asks.
+        /// Author of the request.
         author: String,
-        /// Where it comes from, for the history.
+        /// Source of the import, for the history.
         source: String,
-        /// Names to be changed: from, to.
+        /// Category renames: from, to.
         renames: Vec<(String, String)>,
-        /// Put before every other name, so that equal names stay apart.
+        /// Prefix for all other category names, to keep equal names apart.
         prefix: String,
     },
 }
 
-/// The kinds of long work.
+/// Kind of a long-running job.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum JobKind {
-    /// Read everything and say what is wrong.
+    /// Verify the integrity of the whole store.
     Verify,
-    /// Verify, and make the store anew if something is wrong.
+    /// Verify, and rebuild the store if it is damaged.
     Repair,
-    /// Remove for good what was forgotten some time ago, and merge the files.
+    /// Purge views forgotten some time ago, and compact the files.
     Compact {
-        /// How long ago, seconds.
+        /// Minimum time since forgetting, seconds.
         forgotten_for_s: u64,
     },
-    /// Make one file of everything.
+    /// Export everything to one file.
     Export,
-    /// Take the bytes of a file.
+    /// Import an exported file.
     Import,
 }
 
-/// How a job is.
+/// Progress and outcome of a job.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct JobReport {
-    /// The job.
+    /// Job id.
     pub job: u64,
-    /// How much is done.
+    /// Completed units of work.
     pub done: u64,
-    /// Of how much; zero while that is not known.
+    /// Total units of work; 0 while unknown.
     pub total: u64,
-    /// What came of it; null while it runs.
+    /// Outcome; null while the job runs.
     pub outcome: Option<JobOutcome>,
 }
 
-/// What came of a job.
+/// Outcome of a job.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum JobOutcome {
-    /// Of [`JobKind::Verify`].
+    /// Result of [`JobKind::Verify`].
     Verified(VerificationReport),
-    /// Of [`JobKind::Repair`].
+    /// Result of [`JobKind::Repair`].
     Repaired {
-        /// What was wrong.
+        /// Verification before the repair.
         verification: VerificationReport,
-        /// What was done, in words.
+        /// Description of the repair, in words.
         what: String,
-        /// Whether anything that was acknowledged is lost.
+        /// True if acknowledged data was lost.
         is_loss: bool,
     },
-    /// Of [`JobKind::Compact`].
+    /// Result of [`JobKind::Compact`].
     Compacted {
-        /// Views removed for good.
+        /// Number of purged views.
         n_purged: u64,
-        /// Bytes of files before.
+        /// Size of the files before, bytes.
         disk_bytes_before: u64,
-        /// Bytes of files since.
+        /// Size of the files after, bytes.
         disk_bytes: u64,
     },
-    /// Of [`JobKind::Export`]: all bytes can be read.
+    /// Result of [`JobKind::Export`]; all bytes can be read.
     Exported(ExportReport),
-    /// Of [`JobKind::Import`].
+    /// Result of [`JobKind::Import`].
     Imported(ImportReport),
-    /// It could not be done; nothing is lost.
+    /// Failure, with its reason; no data was lost.
     Failed(String),
 }
 
-/// What a whole reading found.
+/// Result of a verification of the whole store.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct VerificationReport {
-    /// The last history entry it is about.
+    /// Sequence of the last verified history entry.
     pub sequence: u64,
-    /// History entries, each following the one before.
+    /// Number of history entries in an unbroken hash chain.
     pub n_history: u64,
-    /// Views of which everything was read.
+    /// Number of views read completely.
     pub n_views: u64,
-    /// Documents of which everything was read.
+    /// Number of documents read completely.
     pub n_documents: u64,
-    /// Bytes of content.
+    /// Size of the content, bytes.
     pub content_bytes: u64,
-    /// Things that are wrong.
+    /// Number of findings.
     pub n_findings: u64,
-    /// The first ones in words.
+    /// First findings, in words.
     pub findings: Vec<String>,
 }
 
-/// What an export has.
+/// Contents of an export.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ExportReport {
-    /// Bytes of the file.
+    /// Size of the file, bytes.
     pub bytes: u64,
-    /// Views with their content.
+    /// Number of views with content.
     pub n_views: u64,
-    /// Notes of forgotten views.
+    /// Number of tombstones.
     pub n_forgotten: u64,
-    /// Documents.
+    /// Number of documents.
     pub n_documents: u64,
-    /// The last history entry that it shows.
+    /// Sequence of the last exported history entry.
     pub sequence: u64,
 }
 
-/// What an import brought.
+/// Result of an import.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ImportReport {
-    /// Views in the file.
+    /// Number of views in the file.
     pub n_views: u64,
-    /// Of them, views that are new or stand for something else since.
+    /// Number of views that are new or changed their category.
     pub n_views_changed: u64,
-    /// Documents in the file.
+    /// Number of documents in the file.
     pub n_documents: u64,
-    /// The last history entry about it.
+    /// Sequence of the last history entry of the import.
     pub sequence: u64,
 }

@@ -1,4 +1,4 @@
-//! The cloud of a key view as bytes.
+//! Packed point cloud of a key view: quantised coordinates and colours as bytes.
 //!
 //! All numbers are little-endian:
 //!
@@ -15,39 +15,38 @@
 use geometry::RigidTransform;
 use nalgebra::Point3;
 use point_cloud::{Point, Rgba};
-use std::fmt;
 
-/// Most points of a packed cloud: with them a view fits into one request.
+/// Maximum number of points of a packed cloud, so that a view fits into one request.
 pub const MAX_CLOUD_POINTS: usize = 30_000;
 
 const FORMAT: u32 = 1;
 const HEADER_BYTES: usize = 20;
 const POINT_BYTES: usize = 9;
-/// Metres between neighbouring places.
-const STEP_M: f64 = 1e-4;
+/// Resolution of the coordinates, metres.
+const RESOLUTION_M: f64 = 1e-4;
 
-/// Packs points, which `frame_from_points` takes to the frame of the view's box; no
-/// bytes when no point is left.
+/// Packs points after transforming them by `frame_from_points` into the frame of the view's
+/// box. Returns no bytes when no point is left.
 ///
-/// A place is kept to 0.05 mm, beside the rounding of the origin. Of more than
-/// [`MAX_CLOUD_POINTS`] as many are kept, evenly among them. Points without depth are
-/// left out, and those more than 3.27 m from the middle along an axis.
+/// The quantisation error is at most 0.05 mm plus the rounding of the origin. More than
+/// [`MAX_CLOUD_POINTS`] points are subsampled evenly. Points without depth are dropped, and
+/// those more than 3.27 m from the centre along an axis.
 pub fn pack_cloud<'a>(
     points: impl Iterator<Item = &'a Point>,
     frame_from_points: &RigidTransform,
 ) -> Vec<u8> {
-    let mut placed: Vec<(Point3<f64>, Rgba)> = points
+    let mut transformed: Vec<(Point3<f64>, Rgba)> = points
         .filter(|point| point.is_finite())
         .map(|point| (frame_from_points * point.position(), point.color))
         .collect();
-    keep_evenly(&mut placed);
-    let origin = middle(&placed);
-    let mut bytes = Vec::with_capacity(HEADER_BYTES + placed.len() * POINT_BYTES);
+    subsample_evenly(&mut transformed);
+    let origin = bounding_box_centre(&transformed);
+    let mut bytes = Vec::with_capacity(HEADER_BYTES + transformed.len() * POINT_BYTES);
     bytes.resize(HEADER_BYTES, 0);
     bytes.extend(
-        placed
+        transformed
             .iter()
-            .filter_map(|(place, color)| packed_point(place, *color, &origin))
+            .filter_map(|(place, color)| quantized_point(place, *color, &origin))
             .flatten(),
     );
     let n_points = (bytes.len() - HEADER_BYTES) / POINT_BYTES;
@@ -61,8 +60,8 @@ pub fn pack_cloud<'a>(
     bytes
 }
 
-/// Keeps [`MAX_CLOUD_POINTS`] at most.
-fn keep_evenly<T>(points: &mut Vec<T>) {
+/// Subsamples evenly to at most [`MAX_CLOUD_POINTS`].
+fn subsample_evenly<T>(points: &mut Vec<T>) {
     let n_points = points.len();
     let share = |n: usize| n * MAX_CLOUD_POINTS / n_points;
     let mut index = 0;
@@ -72,8 +71,8 @@ fn keep_evenly<T>(points: &mut Vec<T>) {
     });
 }
 
-/// The middle of the points' extent along each axis.
-fn middle(points: &[(Point3<f64>, Rgba)]) -> [f32; 3] {
+/// Centre of the axis-aligned bounding box.
+fn bounding_box_centre(points: &[(Point3<f64>, Rgba)]) -> [f32; 3] {
     [0, 1, 2].map(|axis| {
         let places = points.iter().map(|(place, _)| place[axis]);
         let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), place| {
@@ -83,10 +82,14 @@ fn middle(points: &[(Point3<f64>, Rgba)]) -> [f32; 3] {
     })
 }
 
-/// `None` out of reach.
-fn packed_point(place: &Point3<f64>, color: Rgba, origin: &[f32; 3]) -> Option<[u8; POINT_BYTES]> {
+/// Quantised point; `None` outside the 16-bit range.
+fn quantized_point(
+    place: &Point3<f64>,
+    color: Rgba,
+    origin: &[f32; 3],
+) -> Option<[u8; POINT_BYTES]> {
     let steps = |axis: usize| {
-        let steps = ((place[axis] - f64::from(origin[axis])) / STEP_M).round();
+        let steps = ((place[axis] - f64::from(origin[axis])) / RESOLUTION_M).round();
         let is_within = (f64::from(i16::MIN)..=f64::from(i16::MAX)).contains(&steps);
         is_within.then(|| (steps as i16).to_le_bytes())
     };
@@ -95,7 +98,7 @@ fn packed_point(place: &Point3<f64>, color: Rgba, origin: &[f32; 3]) -> Option<[
     Some([x0, x1, y0, y1, z0, z1, red, green, blue])
 }
 
-/// A packed cloud whose bytes were checked.
+/// Packed cloud with validated bytes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PackedCloud<'a> {
     origin_m: [f32; 3],
@@ -103,7 +106,7 @@ pub struct PackedCloud<'a> {
 }
 
 impl<'a> PackedCloud<'a> {
-    /// Reads bytes from anywhere. Nothing is copied.
+    /// Validates bytes from an untrusted source, without a copy.
     ///
     /// # Errors
     /// When they are no packed cloud.
@@ -132,16 +135,16 @@ impl<'a> PackedCloud<'a> {
         Ok(Self { origin_m, points })
     }
 
-    /// How many points there are.
+    /// Number of points.
     pub fn n_points(&self) -> usize {
         self.points.len()
     }
 
-    /// The points, in the frame of the view's box; all are finite and opaque.
+    /// Points in the frame of the view's box; all are finite and opaque.
     pub fn points(&self) -> impl ExactSizeIterator<Item = Point> + use<'a> {
         let [x, y, z] = self.origin_m.map(f64::from);
         let place = |origin: f64, steps: [u8; 2]| {
-            (origin + STEP_M * f64::from(i16::from_le_bytes(steps))) as f32
+            (origin + RESOLUTION_M * f64::from(i16::from_le_bytes(steps))) as f32
         };
         self.points
             .iter()
@@ -154,68 +157,57 @@ impl<'a> PackedCloud<'a> {
     }
 }
 
-/// Why bytes are no packed cloud.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// Error of decoding a packed cloud.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InvalidCloud {
-    /// They are too few for a header.
+    /// Fewer bytes than a header.
+    #[error(
+        "{n_bytes} bytes are too few for a packed cloud, which begins with {header_bytes}: \
+         send all of it",
+        header_bytes = HEADER_BYTES
+    )]
     NoHeader {
-        /// How many there are.
+        /// Number of bytes.
         n_bytes: usize,
     },
-    /// They are of a format that is not known.
+    /// Unknown format number.
+    #[error(
+        "the packed cloud has format {format}, known is {known}: use the tabula of its \
+         version",
+        known = FORMAT
+    )]
     Format {
-        /// Its number.
+        /// Format number.
         format: u32,
     },
-    /// They are more or fewer than the points need.
+    /// Number of bytes that contradicts the number of points.
+    #[error(
+        "a packed cloud of {n_points} points does not have {n_bytes} bytes but \
+         {header_bytes} and {point_bytes} for each point: pack it again",
+        header_bytes = HEADER_BYTES,
+        point_bytes = POINT_BYTES
+    )]
     Length {
-        /// Points by the header.
+        /// Number of points in the header.
         n_points: u32,
-        /// How many bytes there are.
+        /// Number of bytes.
         n_bytes: usize,
     },
-    /// There are more than [`MAX_CLOUD_POINTS`].
+    /// More than [`MAX_CLOUD_POINTS`] points.
+    #[error(
+        "the packed cloud has {n_points} points, but {max_points} are the most: pack \
+         fewer of them",
+        max_points = MAX_CLOUD_POINTS
+    )]
     TooMany {
-        /// How many there are.
+        /// Number of points.
         n_points: u32,
     },
-    /// The origin is not finite.
+    /// Origin that is not finite.
+    #[error("the origin of the packed cloud is not finite: pack it again")]
     Origin,
 }
-
-impl fmt::Display for InvalidCloud {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoHeader { n_bytes } => write!(
-                f,
-                "{n_bytes} bytes are too few for a packed cloud, which begins with {HEADER_BYTES}: \
-                 send all of it"
-            ),
-            Self::Format { format } => write!(
-                f,
-                "the packed cloud has format {format}, known is {FORMAT}: use the tabula of its \
-                 version"
-            ),
-            Self::Length { n_points, n_bytes } => write!(
-                f,
-                "a packed cloud of {n_points} points does not have {n_bytes} bytes but \
-                 {HEADER_BYTES} and {POINT_BYTES} for each point: pack it again"
-            ),
-            Self::TooMany { n_points } => write!(
-                f,
-                "the packed cloud has {n_points} points, but {MAX_CLOUD_POINTS} are the most: pack \
-                 fewer of them"
-            ),
-            Self::Origin => write!(
-                f,
-                "the origin of the packed cloud is not finite: pack it again"
-            ),
-        }
-    }
-}
-
-impl std::error::Error for InvalidCloud {}
 
 #[cfg(test)]
 mod tests;

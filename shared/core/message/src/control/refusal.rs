@@ -1,38 +1,38 @@
-//! Why a command was not carried out.
+//! Refusals of commands.
 
 use serde::{Deserialize, Serialize};
-use std::fmt;
 
-/// The kind of a refusal, for scripts.
+/// Kind of a refusal, for scripts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum RefusalKind {
-    /// There is no such track or category.
+    /// Unknown track or category.
     NotFound,
-    /// The command's words are wrong: a label with control characters, for example.
+    /// Invalid argument, such as a label with control characters.
     Invalid,
-    /// The command contradicts what is known: the track carries another label.
+    /// Conflict with existing data, such as another label of the track.
     Conflict,
-    /// The process that would answer is not there or not ready; try again.
+    /// Responsible process absent or not ready; a retry may succeed.
     Unavailable,
-    /// The command is of another protocol version.
+    /// Incompatible protocol version.
     Version,
-    /// Something failed inside.
+    /// Internal failure.
     Internal,
 }
 
-/// A refusal: its kind, and a sentence for people.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+/// Refusal of a command: kind for scripts, sentence for people.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, thiserror::Error)]
+#[error("{sentence}")]
 pub struct Refusal {
-    /// The kind.
+    /// Kind, for scripts.
     pub kind: RefusalKind,
-    /// What happened, to what, and what to do next.
+    /// Sentence for people: cause, subject and next step.
     pub sentence: String,
 }
 
 impl Refusal {
-    /// A refusal with its sentence.
+    /// Creates a refusal.
     pub fn new(kind: RefusalKind, sentence: impl Into<String>) -> Self {
         Self {
             kind,
@@ -40,11 +40,3 @@ impl Refusal {
         }
     }
 }
-
-impl fmt::Display for Refusal {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.sentence)
-    }
-}
-
-impl std::error::Error for Refusal {}

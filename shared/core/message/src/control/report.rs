@@ -1,6 +1,7 @@
-//! Reports to people and scripts: the documents that `--json` prints.
+//! Reports for people and scripts: the documents printed by `--json`.
 
-use crate::control::ignored::{AssumptionReport, IgnoredReport};
+use crate::control::rejected::{AssumptionReport, IgnoredReport};
+use crate::control::rounding::rounded;
 use crate::pose::is_covariance;
 use crate::{
     ActorStamps, Health, ProcessKind, ProcessState, SceneObject, SceneSummary, TrackState,
@@ -8,129 +9,128 @@ use crate::{
 use constraint::Assumptions;
 use serde::{Deserialize, Serialize};
 
-/// All tracked objects.
+/// Report of all tracked objects.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ObjectsReport {
-    /// The objects, by track-id.
+    /// Objects, by track id.
     pub objects: Vec<ObjectReport>,
-    /// Objects that did not fit into the summary.
+    /// Number of objects that did not fit into the summary.
     pub n_more: u32,
-    /// Sequence of the frame.
+    /// Sequence number of the frame.
     pub frame_sequence: u64,
-    /// Name of the source or file of the frame.
+    /// Name of the camera or recording of the frame.
     pub source_name: String,
-    /// Whether a table was found.
+    /// True if a table was found.
     pub has_table: bool,
-    /// Whether the camera's pose is known; otherwise world = camera frame.
+    /// True if the camera pose is known; otherwise the world frame is the camera frame.
     pub has_world_pose: bool,
-    /// The rule by which a candidate begins a track.
+    /// Rule by which a candidate starts a track.
     #[serde(default)]
     pub rule: String,
-    /// What was taken for granted where a source was absent.
+    /// Assumptions made for absent inputs.
     #[serde(default)]
     pub assumptions: Vec<AssumptionReport>,
-    /// What is there and is no object, nearest first.
+    /// Rejected candidates, nearest first.
     #[serde(default)]
     pub ignored: Vec<IgnoredReport>,
-    /// What is ignored and did not fit into the summary.
+    /// Number of rejected candidates that did not fit into the summary.
     #[serde(default)]
     pub n_more_ignored: u32,
 }
 
-/// One tracked object.
+/// Report of one tracked object.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ObjectReport {
-    /// The track-id.
+    /// Track id.
     pub track_id: u64,
-    /// `tentative`, `tracked`, `missing`, `occluded` or `out-of-view`.
+    /// State of the track: `tentative`, `tracked`, `missing`, `occluded` or `out-of-view`.
     pub state: String,
-    /// The category; null when unknown.
+    /// Category name; null when unknown.
     pub label: Option<String>,
-    /// Dissimilarity to the nearest stored view; null when nothing is stored.
+    /// Distance in descriptor space to the nearest stored view; null when nothing is stored.
     pub distance: Option<f64>,
-    /// Probability that it belongs to the nearest category; null when nothing is
-    /// stored.
+    /// Probability that the object belongs to the nearest category; null when nothing is stored.
     pub probability: Option<f64>,
     /// Centre of the box in the world, metres.
     pub position_m: [f64; 3],
-    /// Orientation of the box in the world: x, y, z, w.
+    /// Orientation of the box in the world, quaternion: x, y, z, w.
     pub orientation_xyzw: [f64; 4],
-    /// Full lengths of the box's sides, metres.
+    /// Side lengths of the box, metres.
     pub size_m: [f64; 3],
-    /// Capture time since the track began, seconds.
+    /// Age of the track in capture time, seconds.
     pub age_s: f64,
-    /// Capture time since the track was last measured, seconds.
+    /// Capture time since the last measurement, seconds.
     pub unseen_s: f64,
-    /// Measured points.
+    /// Number of measured points.
     pub n_points: u32,
-    /// Views described so far.
+    /// Number of described views so far.
     pub n_views: u32,
     /// Mean colour: red, green, blue.
     pub mean_rgb: [u8; 3],
-    /// Whether the image border cuts the object.
+    /// True if the image border cuts the object.
     pub cut_by_image: bool,
-    /// History sequence of the memory the label was made with.
+    /// History sequence of the memory with which the label was recognised.
     pub memory_sequence: u64,
-    /// How uncertain the pose is; null when that is not known.
+    /// Covariance of the pose; null when unknown.
     #[serde(default)]
     pub covariance: Option<CovarianceReport>,
-    /// Velocity of the box's centre, world axes, metres a second; null when not known.
+    /// Velocity of the box's centre, world axes, metres per second; null when unknown.
     #[serde(default)]
     pub velocity_m_s: Option<[f64; 3]>,
-    /// Angular velocity, world axes, radians a second; null when not known.
+    /// Angular velocity, world axes, radians per second; null when unknown.
     #[serde(default)]
     pub angular_velocity_rad_s: Option<[f64; 3]>,
-    /// Number of the newest view, from 0; null before the first.
+    /// Number of the newest view, from 0; null before the first view.
     #[serde(default)]
     pub view: Option<u32>,
-    /// Whether this frame's view is a key view.
+    /// True if this frame's view is a key view.
     #[serde(default)]
     pub is_key_view: bool,
-    /// Key views so far.
+    /// Number of key views so far.
     #[serde(default)]
     pub n_key_views: u32,
-    /// The nearest categories, nearest first.
+    /// Nearest categories, nearest first.
     #[serde(default)]
     pub categories: Vec<NearCategoryReport>,
-    /// The lost track this object is taken to continue; null for none.
+    /// Track id of the lost track that this object continues; null for none.
     #[serde(default)]
     pub linked_to: Option<u64>,
-    /// When the newest view passed the object's actor.
+    /// Processing times of the newest view in the object's actor.
     #[serde(default)]
     pub stamps: ActorStampsReport,
 }
 
-/// How uncertain a pose is: xx, xy, xz, yy, yz, zz of each matrix, world axes.
+/// Covariance of a pose, each matrix packed as xx, xy, xz, yy, yz, zz, world axes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CovarianceReport {
-    /// Of the position, square metres.
+    /// Covariance of the position, square metres.
     pub position_m2: [f64; 6],
-    /// Of a small rotation, square radians.
+    /// Covariance of a small rotation vector, square radians.
     pub rotation_rad2: [f64; 6],
 }
 
-/// A category and how far an object is from it.
+/// Candidate category of an object with its distance.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NearCategoryReport {
-    /// The category.
+    /// Category name.
     pub label: String,
-    /// Dissimilarity to its nearest view.
+    /// Distance in descriptor space to the category's nearest view.
     pub distance: f64,
 }
 
-/// When a view passed its actor, nanoseconds of the monotonic clock; null where it
-/// has not.
+/// Processing times of a view in its actor, monotonic clock, nanoseconds; null when not
+/// reached.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct ActorStampsReport {
-    /// Handed to the actor.
+    /// Time at which the view was sent to the actor.
     pub asked_ns: Option<u64>,
-    /// Begun by the actor.
+    /// Time at which the actor started the view.
     pub begun_ns: Option<u64>,
-    /// Described.
+    /// Time at which the descriptor was complete.
     pub described_ns: Option<u64>,
-    /// Compared with what was taught.
+    /// Time at which recognition was complete.
     pub recognised_ns: Option<u64>,
-    /// Answered to the frame loop.
+    /// Time at which the frame loop received the answer.
     pub answered_ns: Option<u64>,
 }
 
@@ -161,67 +161,67 @@ impl CovarianceReport {
     }
 }
 
-/// A change of what was learned, on disk.
+/// Confirmation of a durable change of learned views.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LearningReport {
     /// History sequence of the change.
     pub sequence: u64,
-    /// The category.
+    /// Category name.
     pub category: String,
-    /// How many views changed their category.
+    /// Number of views that changed their category.
     pub n_views_changed: u64,
 }
 
-/// One learned category.
+/// Report of one learned category.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CategoryReport {
-    /// The name.
+    /// Category name.
     pub category: String,
-    /// Stored views.
+    /// Number of stored views.
     pub n_views: u64,
-    /// Bytes of their records.
+    /// Size of the view records, bytes.
     pub bytes: u64,
-    /// When it was last taught, nanoseconds since 1970.
+    /// Time of the last teaching, nanoseconds since 1970.
     pub last_taught_ns: i64,
 }
 
-/// One process of the daemon.
+/// Health report of one process of the daemon.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ProcessReport {
-    /// `camera`, `perception`, `memory`.
+    /// Name of the process: `camera`, `perception`, `memory` or `simulator`.
     pub process: String,
-    /// Process id.
+    /// Operating-system process id.
     pub pid: u32,
-    /// `starting`, `ready`, `degraded`, `idle`, `stopping`.
+    /// State: `starting`, `ready`, `degraded`, `idle` or `stopping`.
     pub state: String,
     /// Time since its start, seconds.
     pub uptime_s: f64,
-    /// Frames published, processed or persisted.
+    /// Number of frames published, processed or persisted.
     pub frames: u64,
-    /// Frames that should have been handled and were not.
+    /// Number of frames dropped: due but not handled.
     pub frames_dropped: u64,
-    /// Frames published more than a period late.
+    /// Number of frames published more than a period late.
     pub frames_late: u64,
-    /// Heap bytes requested since start.
+    /// Heap bytes allocated since the start.
     pub allocated_bytes: u64,
-    /// Memory resident now, bytes.
+    /// Resident memory, bytes.
     pub resident_bytes: u64,
-    /// Shared memory reserved by its publishers, bytes.
+    /// Shared memory reserved by the publishers of the process, bytes.
     pub shared_memory_bytes: u64,
-    /// Restarts inside the process.
+    /// Number of actor restarts within the process.
     pub restarts: u64,
-    /// Actors now.
+    /// Number of live actors.
     #[serde(default)]
     pub actors: u64,
-    /// Worker threads that were left behind.
+    /// Number of abandoned worker threads.
     #[serde(default)]
     pub abandoned: u64,
-    /// A sentence about the state, empty when all is well.
+    /// Explanation of the state as a sentence; empty when nothing is wrong.
     pub note: String,
 }
 
 impl ObjectsReport {
-    /// The report of a scene.
+    /// Creates the report of a scene.
     pub fn new(scene: &SceneSummary, objects: &[SceneObject]) -> Self {
         let report = |object| ObjectReport::new(object, scene.stamps.capture_ns);
         let objects: Vec<_> = objects.iter().map(report).collect();
@@ -246,7 +246,7 @@ impl ObjectsReport {
 }
 
 impl ObjectReport {
-    /// The report of an object in a scene captured at `capture_ns`.
+    /// Creates the report of an object in a scene captured at `capture_ns`.
     pub fn new(object: &SceneObject, capture_ns: u64) -> Self {
         let since_s = |stamp_ns: u64| capture_ns.saturating_sub(stamp_ns) as f64 * 1e-9;
         let [_, red, green, blue] = object.mean_argb.to_be_bytes();
@@ -259,14 +259,14 @@ impl ObjectReport {
             distance: object
                 .distance
                 .is_finite()
-                .then(|| shortest(object.distance)),
+                .then(|| rounded(object.distance)),
             probability: object
                 .probability
                 .is_finite()
-                .then(|| shortest(object.probability)),
+                .then(|| rounded(object.probability)),
             position_m: object.pose.position_m,
             orientation_xyzw: object.pose.orientation_xyzw,
-            size_m: object.size_m.map(shortest),
+            size_m: object.size_m.map(rounded),
             age_s: since_s(object.first_seen_ns),
             unseen_s: since_s(object.last_seen_ns),
             n_points: object.n_points,
@@ -284,7 +284,7 @@ impl ObjectReport {
                 .categories()
                 .map(|(label, distance)| NearCategoryReport {
                     label: label.to_owned(),
-                    distance: shortest(distance),
+                    distance: rounded(distance),
                 })
                 .collect(),
             linked_to: object.linked_to(),
@@ -293,19 +293,14 @@ impl ObjectReport {
     }
 }
 
-/// Three numbers that are numbers.
+/// Rounded vector; `None` when a component is not finite.
 fn finite(values: [f32; 3]) -> Option<[f64; 3]> {
     let are_finite = values.iter().all(|value| value.is_finite());
-    are_finite.then(|| values.map(shortest))
-}
-
-/// An `f32` as the `f64` that prints with as few digits: to a tenth of a micrometre.
-pub(super) fn shortest(value: f32) -> f64 {
-    (f64::from(value) * 1e7).round() / 1e7
+    are_finite.then(|| values.map(rounded))
 }
 
 impl ProcessReport {
-    /// The report of a process; `None` when the message is of another version.
+    /// Creates the report of a process; `None` for another schema version.
     pub fn new(health: &Health) -> Option<Self> {
         if health.schema_version != crate::SCHEMA_VERSION {
             return None;

@@ -1,92 +1,91 @@
-//! The working memory: what is and was known of the world, what happened, and
-//! which tasks were done. Times are the wall clock's, nanoseconds since 1970.
+//! Working memory: current and past world facts, events and tasks. Times are wall clock,
+//! nanoseconds since 1970.
 
 use super::learning::MutationId;
 use serde::{Deserialize, Serialize};
 
-/// Longest time that [`WorldCommand::Events`] waits for news, milliseconds.
+/// Maximum waiting time of [`WorldCommand::Events`] (long polling), milliseconds.
 pub const MAX_EVENT_WAIT_MS: u64 = 30_000;
 
-/// Most facts of a page.
+/// Maximum number of facts per page.
 pub const MAX_PAGE_FACTS: usize = 500;
 
-/// Most events of an answer.
+/// Maximum number of events per answer.
 pub const MAX_PAGE_EVENTS: usize = 128;
 
-/// Most tasks of a page.
+/// Maximum number of tasks per page.
 pub const MAX_PAGE_TASKS: usize = 64;
 
-/// What the working memory can be asked and told.
+/// Query or update of the working memory.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum WorldCommand {
-    /// The objects that are there, the robot, and since when what is known of them
-    /// holds.
+    /// Report the present objects and the robot, with the start times of their facts.
     Now,
-    /// A page of facts, newest first.
+    /// Read one page of facts, newest first.
     Facts(FactFilter),
-    /// The events after one, oldest first. Answered at once when there are any,
-    /// else with the first one that happens, or with none when the time is over.
+    /// Read the events after a sequence, oldest first (long polling). Answered at once when there
+    /// are any, otherwise with the next event, or with none after the waiting time.
     Events {
-        /// Sequence of the last event that is known already; 0 for all.
+        /// Sequence of the last known event; 0 for all.
         since: u64,
-        /// Longest wait, at most [`MAX_EVENT_WAIT_MS`]; 0 for none.
+        /// Maximum waiting time, milliseconds, at most [`MAX_EVENT_WAIT_MS`]; 0 for none.
         wait_ms: u64,
     },
-    /// A page of tasks, newest first.
+    /// Read one page of tasks, newest first.
     Tasks {
-        /// Only tasks with a lower number: the `next` of the page before.
+        /// Upper bound of the task id, exclusive: the `next` of the previous page.
         before: Option<u64>,
-        /// Most tasks of the page, up to [`MAX_PAGE_TASKS`].
+        /// Maximum number of tasks, up to [`MAX_PAGE_TASKS`].
         limit: u32,
     },
-    /// Note that a task begins.
+    /// Record the start of a task.
     StartTask {
-        /// Identity of this request: the same id again gets the first answer.
+        /// Idempotency key: a repeated id gets the answer of the first request.
         id: MutationId,
-        /// What kind of task: a word.
+        /// Kind of the task: one word.
         kind: String,
-        /// Its parameters as who starts it writes them.
+        /// Parameters, in a format of the author's choice.
         parameters: String,
-        /// Who starts it.
+        /// Author of the task.
         author: String,
     },
-    /// Note that a task has ended.
+    /// Record the end of a task.
     EndTask {
-        /// Identity of this request: the same id again gets the first answer.
+        /// Idempotency key: a repeated id gets the answer of the first request.
         id: MutationId,
-        /// The task.
+        /// Task id.
         task_id: u64,
-        /// How it ended.
+        /// Outcome.
         outcome: TaskOutcome,
-        /// Why, for people; may be empty when it succeeded.
+        /// Reason, for people; may be empty after success.
         reason: String,
     },
 }
 
-/// Which facts are wanted: those that held at an instant at which all of this is so.
+/// Filter of facts: those that held at an instant at which all conditions were true.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct FactFilter {
-    /// Only facts about this object.
+    /// Object of the fact.
     pub track_id: Option<u64>,
-    /// Their object was called so.
+    /// Label of the object at that instant.
     pub label: Option<String>,
-    /// The centre of their object lay there.
+    /// Region that contained the centre of the object at that instant.
     pub region: Option<WorldRegion>,
-    /// The instant is this one or later.
+    /// Earliest instant, nanoseconds since 1970.
     pub since_ns: Option<u64>,
-    /// The instant is this one or earlier.
+    /// Latest instant, nanoseconds since 1970.
     pub until_ns: Option<u64>,
-    /// Only facts with a lower number: the `next` of the page before.
+    /// Upper bound of the fact number, exclusive: the `next` of the previous page.
     pub before: Option<u64>,
-    /// Most facts of the page, up to [`MAX_PAGE_FACTS`].
+    /// Maximum number of facts, up to [`MAX_PAGE_FACTS`].
     pub limit: u32,
 }
 
 impl Default for FactFilter {
-    /// A page of all facts.
+    /// First page of all facts.
     fn default() -> Self {
         Self {
             track_id: None,
@@ -100,216 +99,214 @@ impl Default for FactFilter {
     }
 }
 
-/// A part of the world, metres.
+/// Region of the world frame, metres.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum WorldRegion {
-    /// All within a radius of a point.
+    /// Ball around a point.
     Ball {
-        /// The point.
+        /// Centre.
         centre_m: [f64; 3],
-        /// The radius, 0 or more.
+        /// Radius, at least 0.
         radius_m: f64,
     },
-    /// All between two corners.
+    /// Axis-aligned box.
     Box {
-        /// The least coordinates.
+        /// Minimum corner.
         min_m: [f64; 3],
-        /// The greatest coordinates.
+        /// Maximum corner.
         max_m: [f64; 3],
     },
 }
 
-/// How a task ended.
+/// Outcome of a task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TaskOutcome {
-    /// As it should.
+    /// Success.
     Succeeded,
-    /// It could not be done.
+    /// Failure.
     Failed,
-    /// Somebody ended it.
+    /// Cancellation by a person or program.
     Cancelled,
 }
 
-/// The answer to a [`WorldCommand`].
+/// Reply to a [`WorldCommand`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum WorldReply {
-    /// To [`WorldCommand::Now`].
+    /// Reply to [`WorldCommand::Now`].
     Now(WorldReport),
-    /// To [`WorldCommand::Facts`].
+    /// Reply to [`WorldCommand::Facts`].
     Facts(FactsReport),
-    /// To [`WorldCommand::Events`].
+    /// Reply to [`WorldCommand::Events`].
     Events(EventsReport),
-    /// To [`WorldCommand::Tasks`].
+    /// Reply to [`WorldCommand::Tasks`].
     Tasks(TasksReport),
-    /// To start and end of a task: on disk.
+    /// Reply to the start and end of a task: the record is on disk.
     Task(TaskReport),
 }
 
-/// What is known to be there.
+/// Current state of the world.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct WorldReport {
-    /// When this was so.
+    /// Time of the report.
     pub now_ns: u64,
-    /// The objects, by track-id.
+    /// Objects, by track id.
     pub objects: Vec<WorldObjectReport>,
-    /// The robot; null when it was never heard of.
+    /// Robot; null when it never reported.
     pub robot: Option<WorldRobotReport>,
     /// Sequence of the newest event.
     pub newest_event: u64,
 }
 
-/// An object, and since when what is known of it holds.
+/// Object of the working memory, with the start times of its facts.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct WorldObjectReport {
-    /// The track-id.
+    /// Track id.
     pub track_id: u64,
-    /// `tracked`, `missing`, `occluded` or `out-of-view`.
+    /// State of the track: `tracked`, `missing`, `occluded` or `out-of-view`.
     pub state: String,
-    /// Since when.
+    /// Start of the state.
     pub state_since_ns: u64,
-    /// The category; null when unknown.
+    /// Category name; null when unknown.
     pub label: Option<String>,
-    /// Since when; null when unknown.
+    /// Start of the label; null when unknown.
     pub label_since_ns: Option<u64>,
-    /// Where it is.
+    /// Bounding box.
     pub place: PlaceReport,
-    /// Since when it has been there, but for less than a motion.
+    /// Start of the stay at this place; movements shorter than a motion do not count.
     pub place_since_ns: u64,
-    /// When its track began.
+    /// Start of the track.
     pub first_seen_ns: u64,
-    /// When it was last measured.
+    /// Time of the last measurement.
     pub last_seen_ns: u64,
 }
 
-/// The box of an object in the world.
+/// Bounding box of an object in the world frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PlaceReport {
     /// Centre, metres.
     pub position_m: [f64; 3],
-    /// Orientation: x, y, z, w.
+    /// Orientation quaternion: x, y, z, w.
     pub orientation_xyzw: [f64; 4],
-    /// Full lengths of the sides, metres.
+    /// Side lengths, metres.
     pub size_m: [f64; 3],
 }
 
-/// The robot as it said it was last.
+/// Last reported state of the robot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct WorldRobotReport {
-    /// What its arm is doing: idle, moving, opening, closing, stopped or failed.
+    /// Activity of the arm: `idle`, `moving`, `opening`, `closing`, `stopped` or `failed`.
     pub activity: String,
-    /// Whether the fingers hold something.
+    /// True if the fingers hold an object.
     pub is_holding: bool,
-    /// Why the last command failed, empty otherwise.
+    /// Reason for the failure of the last command; empty otherwise.
     pub note: String,
-    /// Distance between the fingers, metres.
+    /// Gripper opening: distance between the fingers, metres.
     pub opening_m: f64,
-    /// Angles from the base outwards, radians.
+    /// Joint angles from the base outwards, radians.
     pub joint_angles_rad: Vec<f64>,
     /// Position of the gripper, world frame, metres.
     pub position_m: [f64; 3],
-    /// Orientation of the gripper x, y, z, w.
+    /// Orientation of the gripper, world frame, quaternion: x, y, z, w.
     pub orientation_xyzw: [f64; 4],
-    /// When it last said so.
+    /// Time of the last report.
     pub last_heard_ns: u64,
-    /// Whether it still does.
+    /// True if the robot still reports.
     pub is_heard: bool,
 }
 
-/// Something that holds, or held, for a time.
+/// Fact: a property of a subject that holds, or held, for an interval.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FactReport {
-    /// Its number; numbers grow in the order in which facts are noticed.
+    /// Number of the fact, ascending in the order of observation.
     pub fact: u64,
-    /// `object`, `robot` or `task`.
+    /// Subject: `object`, `robot` or `task`.
     pub subject: String,
-    /// The object; null for another subject.
+    /// Track id; null for another subject.
     pub track_id: Option<u64>,
-    /// The task; null for another subject.
+    /// Task id; null for another subject.
     pub task_id: Option<u64>,
-    /// `state`, `label`, `place`, `activity` or `holding`.
+    /// Property: `state`, `label`, `place`, `activity` or `holding`.
     pub property: String,
-    /// The word; for `holding` `yes` or `no`; null for a place.
+    /// Value as a word; `yes` or `no` for `holding`; null for a place.
     pub value: Option<String>,
-    /// The place; null for another property.
+    /// Bounding box for `place`; null for another property.
     pub place: Option<PlaceReport>,
-    /// Since when it holds.
+    /// Start of the interval.
     pub start_ns: u64,
-    /// Until when it held; null while it holds.
+    /// End of the interval; null while the fact holds.
     pub end_ns: Option<u64>,
 }
 
-/// Facts, newest first.
+/// Page of facts, newest first.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FactsReport {
-    /// The facts.
+    /// Facts.
     pub facts: Vec<FactReport>,
-    /// Where the next page begins; null after the last one.
+    /// Cursor of the next page; null after the last page.
     pub next: Option<u64>,
 }
 
-/// Something that happened.
+/// Event in the world.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct EventReport {
-    /// Grows from event to event; a start of the memory leaves a gap.
+    /// Sequence of the event, ascending; a restart of the memory leaves a gap.
     pub sequence: u64,
-    /// When it was noticed.
+    /// Time of the observation.
     pub wall_ns: u64,
-    /// `started`, `appeared`, `vanished`, `relabelled`, `moved`, `taught`,
-    /// `corrected`, `forgot`, `action_succeeded`, `action_failed`,
-    /// `action_cancelled`, `task_started`, `task_succeeded`, `task_failed` or
-    /// `task_cancelled`.
+    /// Kind of the event: `started`, `appeared`, `vanished`, `relabelled`, `moved`, `taught`,
+    /// `corrected`, `forgot`, `action_succeeded`, `action_failed`, `action_cancelled`,
+    /// `task_started`, `task_succeeded`, `task_failed` or `task_cancelled`.
     pub event: String,
-    /// The object; null when it is not about one.
+    /// Track id; null when no object is involved.
     pub track_id: Option<u64>,
-    /// The task; null when it is not about one.
+    /// Task id; null when no task is involved.
     pub task_id: Option<u64>,
-    /// The category it is about, after the event; null for none.
+    /// Category after the event; null for none.
     pub label: Option<String>,
-    /// What happened, for people.
+    /// Description of the event, for people.
     pub sentence: String,
 }
 
 /// Events, oldest first.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct EventsReport {
-    /// The events.
+    /// Events.
     pub events: Vec<EventReport>,
-    /// Sequence of the newest event of all: when it is greater than that of the last
-    /// one here, ask again at once; when it is less than `since`, the memory was
-    /// begun anew, and 0 is where to go on.
+    /// Sequence of the newest event overall. When it exceeds the last sequence of this answer, ask
+    /// again at once; when it is below `since`, the memory was recreated: restart from 0.
     pub newest: u64,
 }
 
-/// A task.
+/// Record of a task.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TaskReport {
-    /// Its number.
+    /// Task id.
     pub task_id: u64,
-    /// What kind of task.
+    /// Kind of the task.
     pub kind: String,
-    /// Its parameters.
+    /// Parameters.
     pub parameters: String,
-    /// Who started it.
+    /// Author of the task.
     pub author: String,
-    /// `running`, `succeeded`, `failed` or `cancelled`.
+    /// State: `running`, `succeeded`, `failed` or `cancelled`.
     pub state: String,
-    /// When it began.
+    /// Start time.
     pub started_ns: u64,
-    /// When it ended; null while it runs.
+    /// End time; null while the task runs.
     pub ended_ns: Option<u64>,
-    /// Why it ended, empty when nobody said.
+    /// Reason for the outcome; empty when none was given.
     pub reason: String,
 }
 
-/// Tasks, newest first.
+/// Page of tasks, newest first.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TasksReport {
-    /// The tasks.
+    /// Tasks.
     pub tasks: Vec<TaskReport>,
-    /// Where the next page begins; null after the last one.
+    /// Cursor of the next page; null after the last page.
     pub next: Option<u64>,
 }

@@ -1,8 +1,8 @@
 use super::*;
-use crate::hostile::{assert_sentence, cuts, flipped_bits};
 use crate::rgbd_sequence::{
     RgbdSequence, Scratch, decode_color, decode_depth, decode_mask, depth_image_size,
 };
+use crate::test_corruption::{assert_sentence, flipped_bits, truncations};
 use nalgebra::{Unit, Vector3};
 use point_cloud::Point;
 use proptest::prelude::*;
@@ -21,7 +21,7 @@ const CAMERA: PinholeCamera = PinholeCamera {
 
 /// Content of one frame.
 #[derive(Debug, Clone)]
-struct Content {
+struct FrameContent {
     color: Vec<u8>,
     depth_mm: Vec<u16>,
     instances: Option<Vec<u16>>,
@@ -29,7 +29,7 @@ struct Content {
     truth: Option<Vec<u8>>,
 }
 
-impl Content {
+impl FrameContent {
     fn view(&self) -> FrameView<'_> {
         FrameView {
             color: &self.color,
@@ -41,7 +41,7 @@ impl Content {
     }
 }
 
-fn content() -> impl Strategy<Value = Content> {
+fn content() -> impl Strategy<Value = FrameContent> {
     let pixels = || prop::collection::vec(any::<u16>(), N_PIXELS);
     let vector = |limit: f64| prop::array::uniform3(-limit..limit).prop_map(Vector3::from);
     let pose = (vector(1e5), vector(3.0)).prop_map(|(t, axis)| RigidTransform::new(t, axis));
@@ -53,7 +53,7 @@ fn content() -> impl Strategy<Value = Content> {
         prop::option::of(any::<Vec<u8>>()),
     )
         .prop_map(
-            |(color, depth_mm, instances, world_from_camera, truth)| Content {
+            |(color, depth_mm, instances, world_from_camera, truth)| FrameContent {
                 color,
                 depth_mm,
                 instances,
@@ -63,8 +63,8 @@ fn content() -> impl Strategy<Value = Content> {
         )
 }
 
-fn plain() -> Content {
-    Content {
+fn plain() -> FrameContent {
+    FrameContent {
         color: vec![7; 3 * N_PIXELS],
         depth_mm: vec![1000; N_PIXELS],
         instances: Some(vec![3; N_PIXELS]),
@@ -73,8 +73,8 @@ fn plain() -> Content {
     }
 }
 
-/// The sequence's frame has what was written.
-fn check_frame(sequence: &RgbdSequence, index: usize, written: &Content) {
+/// Compares a frame of the sequence with the written content.
+fn check_frame(sequence: &RgbdSequence, index: usize, written: &FrameContent) {
     let (mut scratch, mut instances, mut truth) = (Scratch::default(), vec![1], vec![1]);
     let mut points = vec![Point::default(); N_PIXELS];
     let pose = sequence.fill(index, &mut scratch, &mut points).unwrap();
@@ -165,7 +165,7 @@ fn a_folder_with_a_sequence_is_refused() {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join(name), "these do").unwrap();
         let error = SequenceWriter::create(folder.path(), &CAMERA, None).unwrap_err();
-        assert!(matches!(error, Error::AlreadyThere(_)), "{name}: {error}");
+        assert!(matches!(error, Error::AlreadyExists(_)), "{name}: {error}");
         assert_sentence(&error);
         assert_eq!(folder.path().read_dir().unwrap().count(), 1);
     }
@@ -196,8 +196,7 @@ fn what_can_not_be_read_again_is_not_written() {
     check_frame(&RgbdSequence::open(folder.path()).unwrap(), 0, &plain());
 }
 
-/// A folder in the place of the file in the making stops the writer as a kill
-/// would.
+/// A folder with the name of the temporary file stops the writer as a kill would.
 #[test]
 fn an_interrupted_sequence_is_played_up_to_its_last_whole_frame() {
     let suffixes = [
@@ -223,7 +222,7 @@ fn an_interrupted_sequence_is_played_up_to_its_last_whole_frame() {
 
         // What is left of the frame does not become part of another.
         fs::remove_dir(&obstacle).unwrap();
-        let other = Content {
+        let other = FrameContent {
             instances: None,
             world_from_camera: None,
             truth: None,
@@ -271,7 +270,7 @@ fn an_image_cut_or_flipped_anywhere_is_read_or_explained() {
     };
     for suffix in [".color.png", ".depth.png", ".mask.png"] {
         let file = read(suffix);
-        cuts(&file).for_each(|file| check(&file));
+        truncations(&file).for_each(|file| check(&file));
         flipped_bits(&file).for_each(|file| check(&file));
     }
     // Images of another kind or size are told from the right ones.

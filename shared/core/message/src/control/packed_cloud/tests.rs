@@ -139,7 +139,7 @@ proptest! {
         }
     }
 
-    /// Bytes that look like a cloud in all but the numbers of its points.
+    /// Valid sizes with arbitrary numbers.
     #[test]
     fn any_points_are_finite(
         origin in prop::array::uniform3(prop::num::f32::ANY),

@@ -2,7 +2,7 @@ use super::*;
 use crate::{ActorEvent, NearCategory, ObjectViewHeader, Text};
 use bytemuck::AnyBitPattern;
 
-/// A message as shared memory may hold it: whatever the bytes are.
+/// Messages with arbitrary bytes, as torn or hostile shared memory may hold them.
 fn of_any_bytes<T: AnyBitPattern>() -> impl Iterator<Item = T> {
     let mut state = 1_u64;
     let mut random = move || {

@@ -1,0 +1,115 @@
+//! Topics of a single object: described view and point cloud.
+
+use crate::near_category::{MAX_NEAR_CATEGORIES, NearCategory};
+use crate::pose::WirePose;
+use crate::{ActorStamps, SegmentLocation};
+use bytemuck::AnyBitPattern;
+use iceoryx2::prelude::ZeroCopySend;
+
+/// Header of one described view of an object. The payload is the descriptor, `f32` values.
+#[derive(Debug, Clone, Copy, PartialEq, AnyBitPattern, ZeroCopySend)]
+#[type_name("tabula.ObjectViewHeader.v5")]
+#[repr(C)]
+pub struct ObjectViewHeader {
+    /// Track id.
+    pub track_id: u64,
+    /// Number of the view within the track, key views and others, from 0.
+    pub view_id: u32,
+    /// 1 when this is a key view, which goes to the perceptual memory.
+    pub is_key_view: u32,
+    /// Message number of the port, from 1.
+    pub sent: u64,
+    /// Session of the camera.
+    pub session: u64,
+    /// Sequence number of the frame.
+    pub sequence: u64,
+    /// Capture time of the frame, nanoseconds.
+    pub capture_ns: u64,
+    /// Processing times of the view in its actor.
+    pub stamps: ActorStamps,
+    /// Pose of the box's centre: `world_from_object`.
+    pub pose: WirePose,
+    /// Side lengths of the box, metres.
+    pub size_m: [f32; 3],
+    /// Number of points of the view.
+    pub n_points: u32,
+    /// Shared memory location from which the actor read the frame's points: the camera's own bytes.
+    pub frame_location: SegmentLocation,
+    /// Index in the frame of the first point that the actor read.
+    pub first_point_index: u32,
+    /// Distance in descriptor space to the nearest stored view; NaN when nothing is stored.
+    pub distance: f32,
+    /// Shared memory location from which detection read the frame's points.
+    pub detection_location: SegmentLocation,
+    /// Covariance of the position, as in [`SceneObject`](crate::SceneObject).
+    pub position_covariance_m2: [f32; 6],
+    /// Covariance of the orientation, as in [`SceneObject`](crate::SceneObject).
+    pub rotation_covariance_rad2: [f32; 6],
+    /// Velocity of the box's centre, world axes, metres per second.
+    pub velocity_m_s: [f32; 3],
+    /// Angular velocity, world axes, radians per second.
+    pub angular_velocity_rad_s: [f32; 3],
+    /// Number of key views of the track so far, including this one.
+    pub n_key_views: u32,
+    /// Number of valid entries of `categories`.
+    pub n_categories: u32,
+    /// Nearest categories, nearest first.
+    pub categories: [NearCategory; MAX_NEAR_CATEGORIES],
+}
+
+const _: () = assert!(size_of::<ObjectViewHeader>() == 824);
+
+impl Default for ObjectViewHeader {
+    fn default() -> Self {
+        Self {
+            track_id: 0,
+            view_id: 0,
+            is_key_view: 0,
+            sent: 0,
+            session: 0,
+            sequence: 0,
+            capture_ns: 0,
+            stamps: ActorStamps::default(),
+            pose: WirePose::default(),
+            size_m: [0.0; 3],
+            n_points: 0,
+            frame_location: SegmentLocation::default(),
+            first_point_index: 0,
+            distance: f32::NAN,
+            detection_location: SegmentLocation::default(),
+            position_covariance_m2: [f32::NAN; 6],
+            rotation_covariance_rad2: [f32::NAN; 6],
+            velocity_m_s: [0.0; 3],
+            angular_velocity_rad_s: [0.0; 3],
+            n_key_views: 0,
+            n_categories: 0,
+            categories: [NearCategory::default(); MAX_NEAR_CATEGORIES],
+        }
+    }
+}
+
+impl ObjectViewHeader {
+    /// Nearest categories with their distances, nearest first.
+    pub fn categories(&self) -> impl Iterator<Item = (&str, f32)> {
+        NearCategory::valid_entries(&self.categories, self.n_categories)
+    }
+}
+
+/// Header of the point cloud of one object. The payload is the points, camera frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, AnyBitPattern, ZeroCopySend)]
+#[type_name("tabula.ObjectCloudHeader.v1")]
+#[repr(C)]
+pub struct ObjectCloudHeader {
+    /// Track id.
+    pub track_id: u64,
+    /// Session of the camera.
+    pub session: u64,
+    /// Sequence number of the frame.
+    pub sequence: u64,
+    /// Capture time of the frame, nanoseconds.
+    pub capture_ns: u64,
+    /// Message number of the port, from 1.
+    pub sent: u64,
+}
+
+const _: () = assert!(size_of::<ObjectCloudHeader>() == 40);

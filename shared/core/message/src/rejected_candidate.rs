@@ -1,0 +1,160 @@
+//! Rejected candidates: detections that are no objects, with the reasons.
+
+use crate::pose::WirePose;
+use bytemuck::{Pod, Zeroable};
+use constraint::{Constraint, ConstraintSet, Finding, Findings, Reason, Truth};
+use iceoryx2::prelude::ZeroCopySend;
+
+/// Maximum number of rejected candidates in one scene summary.
+pub const MAX_IGNORED: usize = 16;
+
+/// Order in which reasons are reported, most informative first.
+const REPORT_ORDER: [Constraint; Constraint::N] = [
+    Constraint::Robot,
+    Constraint::Instructor,
+    Constraint::Size,
+    Constraint::Track,
+    Constraint::Edge,
+    Constraint::Table,
+    Constraint::ImageBorder,
+    Constraint::KeyView,
+];
+
+/// Finding of one constraint on one candidate.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable, ZeroCopySend)]
+#[type_name("tabula.Finding.v1")]
+#[repr(C)]
+pub struct WireFinding {
+    /// Code of a [`Truth`] value.
+    pub truth: u16,
+    /// Code of a [`Reason`].
+    pub reason: u16,
+    /// Parameters of the reason; unused ones are zero.
+    pub values: [f32; 2],
+}
+
+impl From<Finding> for WireFinding {
+    fn from(finding: Finding) -> Self {
+        Self {
+            truth: finding.truth.code(),
+            reason: finding.reason.code(),
+            values: finding.reason.values(),
+        }
+    }
+}
+
+impl WireFinding {
+    /// Validated finding; `None` for unknown codes.
+    pub fn checked(&self) -> Option<Finding> {
+        Some(Finding {
+            truth: Truth::from_code(self.truth)?,
+            reason: Reason::from_parts(self.reason, self.values)?,
+        })
+    }
+}
+
+/// Candidate that neither started nor continued a track.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable, ZeroCopySend)]
+#[type_name("tabula.IgnoredBlob.v1")]
+#[repr(C)]
+pub struct IgnoredBlob {
+    /// Pose of the box's centre: `world_from_box`.
+    pub pose: WirePose,
+    /// Side lengths of the box, metres.
+    pub size_m: [f32; 3],
+    /// Number of measured points.
+    pub n_points: u32,
+    /// Verdict of the rule: code of a [`Truth`] value.
+    pub verdict: u32,
+    /// Bits of the [`ConstraintSet`] that decided the verdict.
+    pub decisive: u32,
+    /// Finding of each constraint, indexed by its number.
+    pub findings: [WireFinding; Constraint::N],
+}
+
+const _: () = assert!(size_of::<WireFinding>() == 12 && size_of::<IgnoredBlob>() == 176);
+
+impl IgnoredBlob {
+    /// Wire form of the findings of all constraints.
+    pub fn wire_findings(findings: &Findings) -> [WireFinding; Constraint::N] {
+        Constraint::ALL.map(|constraint| findings.of(constraint).into())
+    }
+
+    /// Verdict of the rule; `None` for an unknown code.
+    pub fn verdict(&self) -> Option<Truth> {
+        Truth::from_code(u16::try_from(self.verdict).ok()?)
+    }
+
+    /// Findings of the constraints that decided the verdict, most informative first. Invalid
+    /// findings are skipped.
+    pub fn why(&self) -> impl Iterator<Item = (Constraint, Finding)> {
+        let decisive = ConstraintSet::from_bits(self.decisive as u8);
+        let decided = REPORT_ORDER
+            .into_iter()
+            .filter(move |constraint| decisive.contains(*constraint));
+        decided.filter_map(|constraint| {
+            let wire = self.findings.get(constraint as usize)?;
+            Some((constraint, wire.checked()?))
+        })
+    }
+
+    /// Findings of all constraints. Invalid findings are skipped.
+    pub fn findings(&self) -> impl Iterator<Item = (Constraint, Finding)> {
+        Constraint::ALL
+            .into_iter()
+            .zip(&self.findings)
+            .filter_map(|(constraint, wire)| Some((constraint, wire.checked()?)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn blob() -> IgnoredBlob {
+        let mut findings = Findings::default();
+        let reason = Reason::Robot {
+            share: 0.875,
+            margin_m: 0.03,
+        };
+        let truth = Truth::True;
+        findings.set(Constraint::Robot, Finding { truth, reason });
+        IgnoredBlob {
+            verdict: Truth::False.code().into(),
+            decisive: ConstraintSet::from(Constraint::Robot).bits().into(),
+            findings: IgnoredBlob::wire_findings(&findings),
+            ..IgnoredBlob::default()
+        }
+    }
+
+    #[test]
+    fn verdict_and_reasons_survive_the_wire() {
+        let blob = blob();
+        assert_eq!(blob.verdict(), Some(Truth::False));
+        let why: Vec<_> = blob.why().collect();
+        assert_eq!(why.len(), 1);
+        let (constraint, finding) = why[0];
+        assert_eq!(
+            (constraint, finding.truth),
+            (Constraint::Robot, Truth::True)
+        );
+        assert!(
+            finding.reason.to_string().contains("88 %"),
+            "{}",
+            finding.reason
+        );
+        assert_eq!(blob.findings().count(), Constraint::N);
+    }
+
+    #[test]
+    fn torn_numbers_are_left_out() {
+        let mut blob = blob();
+        blob.findings[Constraint::Robot as usize].reason = 9999;
+        blob.findings[0].truth = 7;
+        blob.findings[1].values[0] = f32::NAN;
+        blob.verdict = 0x0001_0000;
+        assert_eq!(blob.verdict(), None);
+        assert_eq!(blob.why().count(), 0);
+        assert_eq!(blob.findings().count(), Constraint::N - 3);
+    }
+}
