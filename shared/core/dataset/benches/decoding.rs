@@ -1,7 +1,7 @@
 //! Decoding of one image of 640x480 points into preallocated memory.
 //!
 //! `cargo bench -p dataset`. The real scenes are used when the development data
-//! is there (see `TABULA_DATA`), a synthetic one always.
+//! is available (see `TABULA_DATA`), a synthetic one always.
 
 use dataset::{pcd, rgbd_sequence};
 use divan::Bencher;

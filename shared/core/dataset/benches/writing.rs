@@ -1,7 +1,7 @@
 //! Writing of one frame of 640x480 pixels of an RGB-D sequence.
 //!
 //! `cargo bench -p dataset --bench writing`. A real frame is used when the
-//! development data is there (see `TABULA_DATA`), a synthetic one always.
+//! development data is available (see `TABULA_DATA`), a synthetic one always.
 
 use dataset::rgbd_sequence::{FrameView, RgbdSequence, Scratch, SequenceWriter};
 use divan::Bencher;

@@ -78,7 +78,7 @@ pub(crate) fn read_file(path: &Path, limit: u64, buffer: &mut Vec<u8>) -> Result
     }
     buffer.clear();
     buffer.reserve(size as usize);
-    // The file may grow while it is read; one byte more shows that it did.
+    // The file may grow while it is read; one extra byte reveals that.
     file.take(limit + 1)
         .read_to_end(buffer)
         .map_err(FileError::io(path, "read"))?;

@@ -11,7 +11,7 @@
 //! | `a` accelerometer | the 12 bytes of C's `freenect_raw_tilt_state` |
 //!
 //! The fakenect library ends the process when a listed file is missing, reads
-//! behind the end of a short one, and sleeps as long as two times differ.
+//! past the end of a short one, and sleeps as long as two times differ.
 //! [`FakenectFolder::open`] refuses all of this before the library sees it.
 
 mod error;

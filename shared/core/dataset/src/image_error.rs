@@ -13,7 +13,7 @@ pub enum ImageError {
     #[error("the PNG image can not be made: {0}")]
     Encoding(#[from] png::EncodingError),
     /// Damaged JPEG data.
-    #[error("the JPEG image is damaged: {0}")]
+    #[error("the JPEG image is damaged: {}", one_line(.0))]
     Jpeg(#[from] zune_jpeg::errors::DecodeErrors),
     /// Pixel format or structure other than required; the broken rule as a sentence.
     #[error("{0}")]
@@ -31,4 +31,10 @@ pub enum ImageError {
         /// Reference image, as named in the sentence.
         reference: &'static str,
     },
+}
+
+/// Message of an error on one line; some messages of the JPEG decoder contain line breaks.
+fn one_line(error: &dyn std::error::Error) -> String {
+    let text = error.to_string();
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }

@@ -131,8 +131,8 @@ fn repeat(out: &mut [u8], offset: usize, length: usize) {
         }
         return;
     }
-    // A nearer run is written block by block from a register, since its bytes
-    // would be read before they are there.
+    // A shorter offset is repeated block by block from a register, since its bytes
+    // would be read before they are written.
     let (pattern, step) = pattern(out, offset);
     while at < end {
         copy_block(&pattern, &mut out[at..]);
@@ -166,7 +166,7 @@ fn copy_block(from: &[u8], to: &mut [u8]) {
 /// Greedy compression; incompressible input grows by one byte in 32.
 pub(crate) fn compress(input: &[u8]) -> Vec<u8> {
     let mut output = Vec::with_capacity(input.len() / 2);
-    // Where each hash was seen last, plus one.
+    // Last position of each hash, plus one.
     let mut seen = vec![0_usize; 1 << HASH_BITS];
     let (mut literals_from, mut at) = (0, 0);
     while let Some(three) = input[at..].first_chunk::<MIN_MATCH>() {
@@ -264,7 +264,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn compression_is_undone(input in repetitive(), noise in any::<Vec<u8>>()) {
+        fn decompression_undoes_compression(input in repetitive(), noise in any::<Vec<u8>>()) {
             for bytes in [input, noise] {
                 let compressed = compress(&bytes);
                 prop_assert!(compressed.len() <= bytes.len() + bytes.len().div_ceil(MAX_LITERALS));
@@ -301,7 +301,7 @@ mod tests {
     }
 
     #[test]
-    fn each_damage_has_its_error() {
+    fn each_kind_of_damage_has_its_error() {
         assert_eq!(expand(&[5, 1, 2], 6), Err(Error::Truncated));
         assert_eq!(expand(&[0xe0, 1], 10), Err(Error::Truncated));
         assert_eq!(expand(&[0, 1, 0x20, 1], 4), Err(Error::ReachesBack));

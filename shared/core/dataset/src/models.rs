@@ -164,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn a_number_is_told_from_a_name() {
+    fn number_and_name_are_separated() {
         for (stem, number, name) in [
             ("025_mug", Some(25), "mug"),
             ("065-a_cups", Some(65), "cups"),

@@ -129,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_fit_is_refused() {
+    fn numbers_out_of_range_are_refused() {
         for value in [-1.0, f64::NAN, f64::INFINITY, 4_294_967_296.0] {
             assert_eq!(as_u32(value), None);
         }

@@ -8,9 +8,9 @@
 //!
 //! A vertex has its own colour, or the diffuse colour `Kd` of the material of
 //! its faces, or is grey. A vertex between faces of several materials becomes
-//! several vertices; they are behind those of the file. Textures are not read.
+//! several vertices, appended to those of the file. Textures are not read.
 //!
-//! A text that was cut at the end of a line cannot be told from a whole one.
+//! A text truncated at the end of a line cannot be distinguished from a complete one.
 
 mod error;
 mod lines;

@@ -4,7 +4,7 @@
 //! bytes; `rgb` or `rgba` as four bytes, packed as an integer or in the bits of
 //! a float; `label` of any type. Other fields are skipped. A point with a
 //! coordinate that is not finite has three NaN coordinates; a point without a
-//! colour is grey. Bytes behind binary data are ignored, since some writers
+//! colour is grey. Bytes after binary data are ignored, since some writers
 //! pad their files.
 //!
 //! Written: `x y z rgba` and, if there are labels, `label`.
@@ -68,7 +68,7 @@ impl PcdCloud {
 /// Decodes a PCD file from its bytes.
 ///
 /// *Allocation*: the points and labels, and a copy of compressed data. For
-/// reading at a camera's rate into memory that is there, see [`Decoder`].
+/// reading at a camera's rate into preallocated memory, see [`Decoder`].
 ///
 /// # Errors
 /// When the bytes are not a PCD file this module reads; says where and why.

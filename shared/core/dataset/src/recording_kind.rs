@@ -102,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn each_kind_is_told_by_its_files() {
+    fn each_kind_is_detected_by_its_files() {
         for (names, kind) in [
             (["learn1.pcd", "notes.txt"], RecordingKind::PcdScenes),
             (
@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn anything_else_is_explained() {
+    fn other_folders_are_explained() {
         let folder = tempfile::tempdir().unwrap();
         let missing = detect_kind(&folder.path().join("missing")).unwrap_err();
         let file = folder.path().join("file");

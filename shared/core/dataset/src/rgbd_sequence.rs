@@ -8,13 +8,13 @@
 //! | `frame-NNNNNN.depth.png` | 16 bits a pixel, millimetres; 0 and 65535 are no depth |
 //! | `frame-NNNNNN.color.png` or `.color.jpg` | of the same size, 24 bits a pixel |
 //! | `frame-NNNNNN.pose.txt` | optional: 4 x 4 matrix, world from camera, metres |
-//! | `frame-NNNNNN.mask.png` | optional: 16 bits a pixel, number of its object; 0 is none |
-//! | `frame-NNNNNN.truth.json` | optional: what is known about the scene |
+//! | `frame-NNNNNN.mask.png` | optional: 16 bits a pixel, instance mask, number of the object; 0 is background |
+//! | `frame-NNNNNN.truth.json` | optional: ground truth of the scene |
 //!
-//! Masks and truths are additions of this project; they do not take part in
-//! playing. Where both colour images are there, the PNG is used.
+//! Masks and ground truth are extensions of this project; playback ignores
+//! them. If both colour images exist, the PNG is used.
 //!
-//! The colour camera's offset is left as recorded: a pixel's point has the
+//! The offset of the colour camera is not corrected: a pixel's point has the
 //! colour of the same pixel.
 
 mod back_projection;
@@ -73,8 +73,8 @@ impl RgbdSequence {
     /// # Errors
     /// When there are no frames, a depth image lacks its colour image or the
     /// other way round, or the camera or the first depth image is wrong. A
-    /// colour image in PNG behind the last frame is not part of the sequence:
-    /// it is what a [`SequenceWriter`] leaves that is killed.
+    /// colour image in PNG after the last frame is ignored: a killed
+    /// [`SequenceWriter`] leaves one.
     pub fn open(folder: &Path) -> Result<Self, Error> {
         let frames = list_frames(folder)?;
         let mut file = Vec::new();

@@ -23,7 +23,7 @@ fn data(folder: &str) -> PathBuf {
 
 #[test]
 #[ignore = "needs TABULA_DATA"]
-fn all_tabletop_scenes_are_read() {
+fn tabletop_scenes_are_all_read() {
     let folder = data("tabletop-scenes");
     assert_eq!(detect_kind(&folder).unwrap(), RecordingKind::PcdScenes);
     let scenes = scene_folder::SceneFolder::open(&folder).unwrap();
@@ -88,7 +88,7 @@ fn check_scene(index: usize, points: &[Point], labels: &[u32]) {
 
 #[test]
 #[ignore = "needs TABULA_DATA"]
-fn a_scene_survives_each_encoding() {
+fn pcd_scene_survives_each_encoding() {
     let scene = pcd::open(&data("tabletop-scenes").join("learn33.pcd")).unwrap();
     let bits = |cloud: &pcd::PcdCloud| -> Vec<[u32; 4]> {
         let bits = |p: &Point| [p.x.to_bits(), p.y.to_bits(), p.z.to_bits(), p.color.0];
@@ -109,7 +109,7 @@ fn a_scene_survives_each_encoding() {
 
 #[test]
 #[ignore = "needs TABULA_DATA"]
-fn all_restaurant_views_are_read() {
+fn restaurant_views_are_all_read() {
     let mut n_views = 0;
     for category in data("restaurant-views").read_dir().unwrap() {
         let views = scene_folder::SceneFolder::open(&category.unwrap().path()).unwrap();
@@ -131,7 +131,7 @@ fn all_restaurant_views_are_read() {
 
 #[test]
 #[ignore = "needs TABULA_DATA"]
-fn all_household_models_are_read() {
+fn household_models_are_all_read() {
     let mut n_models = 0;
     for entry in data("household-models").read_dir().unwrap() {
         let path = entry.unwrap().path();
@@ -176,7 +176,7 @@ fn all_household_models_are_read() {
 
 #[test]
 #[ignore = "needs TABULA_DATA"]
-fn the_kitchen_sequence_is_read() {
+fn kitchen_sequence_is_read() {
     let folder = data("kitchen-sequence");
     assert_eq!(detect_kind(&folder).unwrap(), RecordingKind::RgbdSequence);
     let sequence = rgbd_sequence::RgbdSequence::open(&folder).unwrap();
@@ -246,7 +246,7 @@ fn household_models_are_listed_with_number_and_name() {
 
 #[test]
 #[ignore = "needs TABULA_DATA"]
-fn a_real_sequence_is_written_as_it_was_read() {
+fn rgbd_sequence_is_written_as_it_was_read() {
     let original = rgbd_sequence::RgbdSequence::open(&data("kitchen-sequence")).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let (camera, down) = (*original.camera(), original.gravity_in_world());

@@ -51,7 +51,7 @@ mod tests {
     use crate::{TriangleMesh, ellipsoid, rounded_box};
 
     #[test]
-    fn what_was_joined_comes_apart() {
+    fn joined_meshes_come_apart() {
         let first = ellipsoid([0.02, 0.02, 0.02], 16).mesh;
         let second = rounded_box([0.1, 0.1, 0.1], 0.0, 1.0).mesh;
         let mut both = first.clone();

@@ -12,9 +12,9 @@ const RETRACTION_M: f32 = 0.0012;
 /// the others are retracted. If one part has a broad base, the bases of the other parts are
 /// retracted.
 ///
-/// Engines find the contact of two faces from few of their corners; when these
-/// are neighbours, a body that stands on a polygon sinks in beside them. And
-/// parts that share the weight of a body make it tremble.
+/// Physics engines compute the contact of two faces from few of their corners; when
+/// these are neighbours, a body that stands on a polygon sinks in next to them. Parts
+/// that share the weight of a body cause jitter.
 pub fn with_four_cornered_faces(mut parts: Vec<ConvexPart>) -> Vec<ConvexPart> {
     for part in &mut parts {
         for axis in 0..3 {

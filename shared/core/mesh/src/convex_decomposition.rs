@@ -6,8 +6,8 @@ use nalgebra::Point2;
 /// Approximate convex decomposition of a simple, counter-clockwise polygon, with concavities of
 /// at most `tolerance`.
 ///
-/// Triangles are merged as long as the hull of two neighbours fills no notch
-/// deeper than the tolerance, the shallowest first. Each piece is a convex,
+/// Triangles are merged greedily, smallest concavity first, as long as the concavity of the
+/// merged piece is at most the tolerance. Each piece is a convex,
 /// counter-clockwise polygon.
 pub fn convex_decomposition(polygon: &[Point2<f32>], tolerance: f32) -> Vec<Vec<Point2<f32>>> {
     let mut pieces: Vec<Vec<usize>> = triangulate(polygon).into_iter().map(Vec::from).collect();
@@ -45,7 +45,7 @@ impl MergeCandidate {
     fn of(polygon: &[Point2<f32>], pieces: &[Vec<usize>], a: usize, b: usize) -> Option<Self> {
         let n_shared = pieces[a].iter().filter(|i| pieces[b].contains(i)).count();
         (n_shared >= 2).then(|| Self {
-            depth: notch_depth(polygon, &pieces[a], &pieces[b]),
+            depth: concavity(polygon, &pieces[a], &pieces[b]),
             a,
             b,
         })
@@ -60,14 +60,14 @@ fn shallowest(merges: &[MergeCandidate], tolerance: f32) -> Option<&MergeCandida
 }
 
 /// Concavity of the union of two pieces: depth of the outline below an edge of the common hull.
-fn notch_depth(polygon: &[Point2<f32>], a: &[usize], b: &[usize]) -> f32 {
+fn concavity(polygon: &[Point2<f32>], a: &[usize], b: &[usize]) -> f32 {
     let n = polygon.len();
     let both: Vec<usize> = a.iter().chain(b).copied().collect();
     let hull = convex_hull(polygon, &both);
     let mut deepest = 0.0_f32;
     for (k, &from) in hull.iter().enumerate() {
         let to = hull[(k + 1) % hull.len()];
-        // Corners along the outline between the edge's ends bound its notch.
+        // Corners along the outline between the edge's ends bound its concavity.
         let ahead = |i: usize| (i + n - from) % n;
         let along = (polygon[to] - polygon[from]).norm();
         for &i in both.iter().filter(|&&i| ahead(i) < ahead(to)) {

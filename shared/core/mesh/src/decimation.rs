@@ -27,7 +27,7 @@ impl TriangleMesh {
         let Some(bounds) = self.bounds() else {
             return Self::default();
         };
-        // An even mesh has about two triangles in each cell that it crosses.
+        // A uniform mesh has about two triangles in each cell that it crosses.
         let longest = bounds.sides().max().max(f32::MIN_POSITIVE);
         let guess = (2.0 * self.surface_area() / n_triangles_max.max(1) as f64).sqrt() as f32;
         let (mut low, mut high) = (guess / 8.0, longest * 2.0);
@@ -196,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn broken_meshes_do_no_harm() {
+    fn broken_meshes_are_decimated() {
         let mut mesh = ellipsoid([0.05, 0.02, 0.05], 64).mesh;
         mesh.vertices[7].position.x = f32::NAN;
         mesh.vertices[9].position.y = f32::INFINITY;

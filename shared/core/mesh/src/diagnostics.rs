@@ -94,7 +94,7 @@ impl TriangleMesh {
 
     fn is_flat(&self, triangle_idx: usize) -> bool {
         self.corners(triangle_idx).is_some_and(|[a, b, c]| {
-            // Not finite counts elsewhere.
+            // Corners that are not finite are counted separately.
             (b - a).cross(&(c - a)).norm() / 2.0 < AREA_MIN_M2
         })
     }

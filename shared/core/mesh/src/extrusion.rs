@@ -79,7 +79,7 @@ fn inset(outline: &[Point2<f32>], distance: f32) -> Vec<Point2<f32>> {
             let (before, at, after) = (outline[(i + n - 1) % n], outline[i], outline[(i + 1) % n]);
             let (a, b) = (inwards(before, at), inwards(at, after));
             let middle = a + b;
-            // A needle's corner would run away; it goes twice the distance at most.
+            // A sharp corner would move too far; limit it to twice the distance.
             at + middle * (distance * 2.0 / middle.norm_squared()).min(2.0 * distance)
         })
         .collect()
@@ -111,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn the_notch_of_a_u_stays_free() {
+    fn extrusion_keeps_the_notch_of_a_u_free() {
         let u = [
             (0.0, 0.0),
             (0.06, 0.0),

@@ -125,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_has_no_measures() {
+    fn an_empty_mesh_has_no_measures() {
         let mesh = TriangleMesh::default();
         assert!(mesh.bounds().is_none() && mesh.centre_of_mass().is_none());
         assert_eq!(mesh.surface_area(), 0.0);

@@ -25,10 +25,10 @@ const N_PARTS_MAX: usize = 22;
 /// The profile's points are (radius, height) with radius ≥ 0. It either starts
 /// and ends on the axis, or is a ring that is closed from its last point to its
 /// first. It must not cross itself. Where it bends by more than 40° an edge
-/// remains. `n_segments` ≥ 3 around. Fewer than three points give nothing.
+/// remains. `n_segments` ≥ 3 around. Fewer than three points give an empty solid.
 ///
 /// The convex parts are slices where the section reaches the axis, and wedges
-/// around it elsewhere, so that a vessel's inside stays free.
+/// around it elsewhere, so that the inside of a vessel stays free.
 pub fn lathe(profile: &[Point2<f32>], n_segments: usize) -> Solid {
     let n_segments = n_segments.max(3);
     if profile.len() < 3 {
@@ -111,7 +111,7 @@ fn turned(piece: &[Point2<f32>], tolerance_m: f32) -> Vec<ConvexPart> {
 fn slice(piece: &[Point2<f32>]) -> ConvexPart {
     let n_rings = |section: &[Point2<f32>]| section.iter().filter(|p| p.x >= AXIS_M).count();
     let radius = piece.iter().map(|p| p.x).fold(0.0, f32::max);
-    // Two points are left for the axis.
+    // Reserves two points for the axis.
     let n_rings_max = (N_POINTS_MAX - 2) / n_sides(radius);
     let mut section = piece.to_vec();
     let mut tolerance_m = SIMPLIFICATION_M;
@@ -126,7 +126,7 @@ fn slice(piece: &[Point2<f32>]) -> ConvexPart {
     let points = section.iter().flat_map(|p| {
         let n = if p.x >= AXIS_M { n_around } else { 1 };
         let corner = Point2::new(p.x * widening, p.y);
-        // What lies along y or x rests on a side, not on a corner.
+        // Half a step of rotation: a body lying along x or y rests on a side, not on a corner.
         (0..n).map(move |k| around(&corner, (k as f32 + 0.5) / n as f32 * TAU))
     });
     ConvexPart {

@@ -129,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ball_is_a_box_too() {
+    fn a_sphere_is_a_fully_rounded_box() {
         let found = rounded_box([0.02, 0.02, 0.02], 1.0, 0.01)
             .mesh
             .examination();

@@ -77,7 +77,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn it_is_sound_and_fills_its_box(
+        fn superellipsoids_are_sound_and_fill_their_box(
             vertical in 0.2..1.6_f32, horizontal in 0.2..1.6_f32, n in 8..40_usize,
         ) {
             let solid = superellipsoid([0.02, 0.03, 0.05], vertical, horizontal, 4 * (n / 4));

@@ -59,7 +59,7 @@ fn ear_quality(polygon: &[Point2<f32>], left: &[usize], k: usize, sign: f32) -> 
     if quality < -1e-6 {
         return quality - 3.0;
     }
-    // On the cut itself nothing may lie, on the outline only what touches it.
+    // Points on the cut are not allowed; points on the outline are.
     let is_inside = |p: Point2<f32>| {
         orient2d(a, b, p) * sign > 0.0
             && orient2d(b, c, p) * sign > 0.0

@@ -37,7 +37,7 @@ impl TubeSection {
 /// section's height, not along the curve; it is transported without twist. `n_sides` ≥ 3. Fewer
 /// than two different centres give an empty solid.
 ///
-/// The convex parts join sections as far as the curve is straight.
+/// Each convex part spans the sections of a straight run of the curve.
 pub fn tube(sections: &[TubeSection], up: Vector3<f32>, n_sides: usize) -> Solid {
     let mut sections = sections.to_vec();
     sections.dedup_by(|a, b| (a.centre - b.centre).norm() < 1e-7);
@@ -82,7 +82,7 @@ pub fn rounded_tube(sections: &[TubeSection], up: Vector3<f32>, n_sides: usize) 
             .unwrap_or_else(Vector3::zeros);
         let length = last.half_width.min(last.half_height);
         (1..=N_END_RINGS).map(move |k| {
-            // The last ring stays open by a hair, so that its cap has an area.
+            // The last ring keeps a small radius, so that its cap has an area.
             let (sin, cos) = (k as f32 / N_END_RINGS as f32 * 0.97 * FRAC_PI_2).sin_cos();
             TubeSection {
                 centre: last.centre + outwards * (length * sin),
@@ -118,7 +118,7 @@ fn frames(sections: &[TubeSection], up: Vector3<f32>) -> Vec<SweepFrame> {
                 sections[i].centre,
                 sections[after].centre,
             );
-            // The bisecting plane of both neighbours' directions.
+            // Tangent: normal of the plane that bisects the directions to both neighbours.
             let tangent = (b - a).try_normalize(0.0).unwrap_or_else(Vector3::zeros)
                 + (c - b).try_normalize(0.0).unwrap_or_else(Vector3::zeros);
             let tangent = tangent.try_normalize(1e-6).unwrap_or_else(Vector3::x);
@@ -243,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn a_point_is_no_tube() {
+    fn coincident_sections_make_no_tube() {
         let section = TubeSection::round(Point3::origin(), 0.01);
         assert_eq!(tube(&[section, section], Vector3::z(), 8), Solid::default());
     }

@@ -126,7 +126,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn kinds_survive_the_border_and_others_are_none() {
+    fn kinds_survive_the_wire_and_others_are_none() {
         for kind in ActorEventKind::ALL {
             assert_eq!(ActorEventKind::from_code(kind.code()), Some(kind));
         }
@@ -135,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn a_frame_is_told_only_where_one_was_at_work() {
+    fn frame_is_present_only_with_its_flag() {
         let mut event = ActorEvent {
             frame: 7,
             ..ActorEvent::default()

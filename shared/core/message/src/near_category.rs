@@ -46,7 +46,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_no_category_is_left_out() {
+    fn invalid_categories_are_skipped() {
         let near = |distance| NearCategory {
             label: Text::truncated("mug"),
             distance,

@@ -130,7 +130,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn transforms_survive_the_border() {
+    fn transforms_survive_the_wire() {
         let pose = RigidTransform::new(Vector3::new(1.0, -2.0, 3.0), Vector3::new(0.3, 2.0, -1.0));
         let matrix = WireTransform::from(&pose).checked().unwrap();
         let parts = WirePose::from(&pose).checked().unwrap();
@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn a_covariance_survives_and_what_is_none_is_told() {
+    fn covariances_are_told_from_other_matrices() {
         let root = Matrix3::new(0.1, 0.0, 0.0, 0.03, 0.2, 0.0, -0.1, 0.05, 0.3);
         let wire = symmetric(&(root * root.transpose()));
         assert!((wire[1] - 0.003).abs() < 1e-9 && (wire[5] - 0.1025).abs() < 1e-7);
@@ -154,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_rigid_transform_is_refused() {
+    fn invalid_transforms_are_refused() {
         let mut scaled = WireTransform::IDENTITY;
         scaled.rows[0][0] = 1.1;
         let mut mirrored = WireTransform::IDENTITY;

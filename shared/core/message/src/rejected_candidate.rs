@@ -147,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn torn_numbers_are_left_out() {
+    fn torn_findings_are_skipped() {
         let mut blob = blob();
         blob.findings[Constraint::Robot as usize].reason = 9999;
         blob.findings[0].truth = 7;

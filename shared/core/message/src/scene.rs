@@ -299,7 +299,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn states_survive_the_border_and_others_are_none() {
+    fn states_survive_the_wire_and_others_are_none() {
         for state in TrackState::ALL {
             assert_eq!(TrackState::from_code(state.code()), Some(state));
         }
@@ -309,7 +309,7 @@ mod tests {
     }
 
     #[test]
-    fn before_the_first_view_there_is_none() {
+    fn there_is_no_view_before_the_first() {
         let mut object = SceneObject::default();
         assert_eq!((object.view(), object.linked_to()), (None, None));
         (object.n_views, object.view_id, object.linked_to) = (4, 3, 9);
@@ -317,7 +317,7 @@ mod tests {
     }
 
     #[test]
-    fn a_hostile_number_of_ignored_ones_is_cut() {
+    fn a_hostile_number_of_rejected_candidates_is_clamped() {
         let summary = SceneSummary {
             n_ignored: u32::MAX,
             ..SceneSummary::default()

@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn steps_lie_within_links_of_the_frames_chain() {
+    fn sub_stages_are_within_links_of_the_frame_chain() {
         for stage in Stage::ALL {
             if let Place::Within(whole) = stage.place() {
                 assert_eq!(whole.place(), Place::Frame);

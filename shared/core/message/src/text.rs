@@ -62,7 +62,7 @@ mod tests {
     }
 
     #[test]
-    fn bytes_that_are_no_text_are_none() {
+    fn bytes_that_are_no_utf_8_are_none() {
         let mut torn = Text::truncated("mug");
         torn.len = 4000;
         assert_eq!(torn.as_str(), None);

@@ -68,7 +68,7 @@ impl Random {
     /// Uniform integer below `bound`; 0 when the bound is 0.
     #[inline]
     pub fn below(&mut self, bound: usize) -> usize {
-        // The high half of the product: uneven by bound / 2^64 at most.
+        // High half of the product: bias of at most bound / 2^64.
         ((u128::from(self.next_u64()) * bound as u128) >> 64) as usize
     }
 
@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn a_number_can_be_had_without_those_before_it() {
+    fn numbers_are_available_by_index() {
         let mut random = Random::from_seed(0);
         for index in 1..100 {
             assert_eq!(nth(index), random.next_u64());
@@ -166,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn one_is_never_reached() {
+    fn unit_numbers_are_below_one() {
         assert!(unit(u64::MAX) < 1.0 && unit_f32(u64::MAX) < 1.0);
         assert!(unit(0) == 0.0 && unit_f32(0) == 0.0);
     }

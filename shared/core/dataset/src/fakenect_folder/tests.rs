@@ -76,7 +76,7 @@ fn check_refusal(reason: &str, spoil: impl FnOnce(&Path)) {
 }
 
 #[test]
-fn what_would_harm_the_player_is_refused() {
+fn recordings_that_would_harm_the_player_are_refused() {
     let depth = "d-1290000000.066000-2000000.pgm";
     let color = "r-1290000000.020000-0.ppm";
     let tilt = "a-1290000000.000000-7.dump";
@@ -137,7 +137,7 @@ fn a_wrong_index_is_refused_with_its_line() {
 }
 
 #[test]
-fn frames_that_can_not_be_played_are_not_recorded() {
+fn frames_that_cannot_be_played_are_not_recorded() {
     let folder = tempfile::tempdir().unwrap();
     let mut writer = FakenectWriter::create(folder.path()).unwrap();
     let depth = vec![2047; N_PIXELS];

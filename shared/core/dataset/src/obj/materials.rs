@@ -60,7 +60,7 @@ fn diffuse_color(line: &Line<'_>) -> Result<Option<Rgba>, Error> {
     let mut rgb = [0.0; 3];
     match line.numbers(&mut rgb)? {
         3 => {}
-        // Green and blue are as red when they are left out.
+        // Omitted green and blue equal red.
         1 => rgb = [rgb[0]; 3],
         _ => return Err(line.error("a colour has three numbers".to_owned())),
     }
@@ -82,7 +82,7 @@ pub fn material_libraries(bytes: &[u8]) -> Result<Vec<&str>, Error> {
     let mut names = Vec::new();
     for line in lines(bytes).filter(|line| line.keyword == b"mtllib") {
         let text = line.text()?;
-        // One name with spaces, as most programs write, or several names.
+        // Either one name with spaces, as most programs write, or several names.
         let is_one = text.matches(".mtl").count() < 2;
         let found = if is_one {
             vec![text]

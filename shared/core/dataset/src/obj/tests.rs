@@ -90,7 +90,7 @@ fn check_read_or_explained(bytes: &[u8], materials: &Materials) {
 
 proptest! {
     #[test]
-    fn what_was_written_is_read(mesh in mesh()) {
+    fn round_trip_returns_what_was_written(mesh in mesh()) {
         prop_assert_eq!(read_plain(&to_text(&mesh)).unwrap(), mesh);
     }
 
@@ -138,7 +138,7 @@ proptest! {
     }
 
     #[test]
-    fn any_bytes_are_explained(bytes in any::<Vec<u8>>()) {
+    fn arbitrary_bytes_are_explained(bytes in any::<Vec<u8>>()) {
         check_read_or_explained(&bytes, &Materials::default());
         check_read_or_explained(&[b"v 1 2 3\nf 1 1 1 ", &bytes[..]].concat(), &Materials::default());
         if let Err(error) = Materials::default().read(&bytes) {

@@ -51,7 +51,7 @@ fn one_pixel() -> View {
 }
 
 #[test]
-fn folders_are_categories() {
+fn folder_names_are_categories() {
     let root = tempfile::tempdir().unwrap();
     let elsewhere = RigidTransform::from_parts(
         Vector3::new(1.0, 2.0, 3.0).into(),
@@ -124,7 +124,7 @@ fn washington_views_know_their_camera() {
 }
 
 #[test]
-fn what_can_not_be_read_is_told_with_its_file() {
+fn unreadable_views_are_reported_with_their_file() {
     let root = tempfile::tempdir().unwrap();
     let folder = root.path().join("mug");
     fs::create_dir(&folder).unwrap();

@@ -118,7 +118,7 @@ impl Header {
 
     fn check_size(&self, data: &[u8]) -> Result<(), Error> {
         let n_bytes = self.n_points().checked_mul(self.layout.point_bytes);
-        // The sides are looked at too: an empty cloud may be 0 x 2^60.
+        // The sides are checked as well: an empty cloud may be 0 x 2^60.
         let longest = self.n_points().max(self.width).max(self.height);
         if longest > MAX_POINTS || n_bytes.is_none_or(|n| n as u64 > MAX_BYTES) {
             return Err(Error::TooLarge);

@@ -68,7 +68,7 @@ fn assert_same(read: &PcdCloud, written: &PcdCloud) {
 
 proptest! {
     #[test]
-    fn what_was_written_is_read(cloud in cloud()) {
+    fn round_trip_returns_what_was_written(cloud in cloud()) {
         for encoding in ENCODINGS {
             let file = write(cloud.view(), encoding).unwrap();
             assert_same(&read(&file).unwrap(), &cloud);
@@ -96,7 +96,7 @@ proptest! {
     }
 
     #[test]
-    fn any_bytes_are_explained(bytes in any::<Vec<u8>>()) {
+    fn arbitrary_bytes_are_explained(bytes in any::<Vec<u8>>()) {
         assert_sentence(&read(&bytes).unwrap_err());
     }
 
@@ -289,7 +289,7 @@ fn labels_must_be_whole_numbers() {
 }
 
 #[test]
-fn a_small_file_can_not_ask_for_much_memory() {
+fn a_small_file_cannot_ask_for_much_memory() {
     let header = header("x y z", "4 4 4", "F F F", "").replace("WIDTH 2", "WIDTH 16000000");
     let mut file = (header + "POINTS 16000000\nDATA binary_compressed\n").into_bytes();
     file.extend([8_u32.to_le_bytes(), 192_000_000_u32.to_le_bytes()].concat());

@@ -27,7 +27,7 @@ pub struct PcdView<'a> {
 ///
 /// # Errors
 /// When the points or labels do not fill the grid, the viewpoint is not finite,
-/// or the cloud is larger than what is read.
+/// or the cloud exceeds the reading limits.
 pub fn write(cloud: PcdView<'_>, encoding: Encoding) -> Result<Vec<u8>, Error> {
     check(&cloud)?;
     let mut file = header(&cloud, encoding).into_bytes();
@@ -101,7 +101,7 @@ fn header(cloud: &PcdView<'_>, encoding: Encoding) -> String {
 fn write_text(cloud: &PcdView<'_>, file: &mut Vec<u8>) {
     for (point_idx, point) in cloud.points.iter().enumerate() {
         for coordinate in [point.x, point.y, point.z] {
-            // PCL writes and reads not-a-number in lower case.
+            // PCL writes and reads NaN in lower case.
             let text = if coordinate.is_nan() {
                 "nan".to_owned()
             } else {

@@ -34,7 +34,7 @@ fn mesh() -> impl Strategy<Value = Mesh> {
 
 proptest! {
     #[test]
-    fn what_was_written_is_read(mesh in mesh()) {
+    fn round_trip_returns_what_was_written(mesh in mesh()) {
         for encoding in ENCODINGS {
             prop_assert_eq!(&read(&write(mesh.view(), encoding).unwrap()).unwrap(), &mesh);
         }
@@ -64,7 +64,7 @@ proptest! {
     }
 
     #[test]
-    fn any_bytes_are_explained(bytes in any::<Vec<u8>>()) {
+    fn arbitrary_bytes_are_explained(bytes in any::<Vec<u8>>()) {
         assert_sentence(&read(&bytes).unwrap_err());
         let header = b"ply\nformat binary_big_endian 1.0\nelement vertex 3\nproperty float x\n\
             property list uchar char l\nproperty double y\nproperty float z\nelement face 2\n\
@@ -215,7 +215,7 @@ fn rows_without_properties_do_not_cost_time() {
 }
 
 #[test]
-fn what_can_not_be_read_again_is_not_written() {
+fn invalid_content_is_not_written() {
     let vertices = [Point::default(); 3];
     for mesh in [
         MeshView {

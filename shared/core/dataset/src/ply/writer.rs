@@ -10,7 +10,7 @@ use point_cloud::Point;
 ///
 /// # Errors
 /// When a coordinate is not finite, a triangle names a vertex that is not
-/// there, or the mesh is larger than what is read.
+/// there, or the mesh exceeds the reading limits.
 pub fn write(mesh: MeshView<'_>, encoding: Encoding) -> Result<Vec<u8>, Error> {
     check(mesh)?;
     let mut file = header(mesh, encoding).into_bytes();

@@ -92,7 +92,7 @@ pub fn parse_pose(bytes: &[u8]) -> Result<RigidTransform, ContentError> {
 /// 1986). It converges quadratically; four steps from the tolerance exceed double precision.
 fn nearest_rotation(matrix: Matrix3<f64>) -> Option<UnitQuaternion<f64>> {
     let deviation = matrix.transpose() * matrix - Matrix3::identity();
-    // A matrix that is not a number deviates by no number: not within.
+    // A NaN fails this comparison.
     let is_near = deviation.amax() <= TOLERANCE;
     if !is_near || matrix.determinant() <= 0.0 {
         return None;

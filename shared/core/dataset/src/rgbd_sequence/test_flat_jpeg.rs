@@ -9,7 +9,7 @@ pub(super) fn encode(columns: u16, rows: u16, blocks: &[[u8; 3]]) -> Vec<u8> {
     file.extend([
         0xff, 0xc0, 0, 17, 8, h1, h0, w1, w0, 3, 1, 0x11, 0, 2, 0x11, 0, 3, 0x11, 0,
     ]);
-    // DC categories 0 to 11 with codes of four bits; AC knows the end of a block.
+    // DC categories 0 to 11 with codes of four bits; AC has only the end of a block.
     file.extend([
         0xff, 0xc4, 0, 31, 0x00, 0, 0, 0, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
     ]);

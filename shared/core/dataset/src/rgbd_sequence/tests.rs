@@ -109,7 +109,7 @@ proptest! {
     }
 
     #[test]
-    fn any_bytes_are_explained(bytes in any::<Vec<u8>>()) {
+    fn arbitrary_bytes_are_explained(bytes in any::<Vec<u8>>()) {
         assert_sentence(&decode_depth(&bytes, SIZE, &mut Vec::new()).unwrap_err());
         assert_sentence(&decode_color(&bytes, SIZE).unwrap_err());
         assert_sentence(&parse_pose(&bytes).unwrap_err());
@@ -295,7 +295,7 @@ fn all_frames_have_the_size_of_the_first() {
 }
 
 #[test]
-fn what_was_not_asked_rightly_is_refused() {
+fn invalid_arguments_are_refused() {
     let folder = sequence(&[0; N_PIXELS]);
     let sequence = RgbdSequence::open(folder.path()).unwrap();
     let mut out = vec![Point::default(); N_PIXELS];

@@ -100,12 +100,12 @@ impl SequenceWriter {
     ///
     /// # Errors
     /// When a slice does not fill the image, the pose cannot be read again,
-    /// or a file cannot be written or would be larger than what is read.
+    /// or a file cannot be written or would exceed the reading limits.
     pub fn write(&mut self, frame: &FrameView<'_>) -> Result<(), Error> {
         self.check(frame)?;
         let paths = self.paths();
         if std::mem::replace(&mut self.has_leftovers, true) {
-            // A file that is not there is what is wanted.
+            // A missing file is the desired state.
             for path in &paths {
                 drop(std::fs::remove_file(path));
             }

@@ -57,7 +57,7 @@ impl ObjectDataset {
     /// Files with other names are ignored.
     ///
     /// # Errors
-    /// When a folder cannot be read, no view is complete, a file is there
+    /// When a folder cannot be read, no view is complete, a file exists
     /// twice, or there are too many.
     pub fn open(root: &Path) -> Result<Self, Error> {
         let folders = list_folders(root)?;

@@ -62,7 +62,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
-    fn what_was_written_is_read(view in view(), category in "[a-z_]{1,8}", n in any::<[u32; 3]>()) {
+    fn round_trip_returns_what_was_written(view in view(), category in "[a-z_]{1,8}", n in any::<[u32; 3]>()) {
         let root = tempfile::tempdir().unwrap();
         let name = ViewName::new(&category, n[0], n[1], n[2]).unwrap();
         write_view(root.path(), &name, &view, Some(&CAMERA)).unwrap();
@@ -100,7 +100,7 @@ proptest! {
     }
 
     #[test]
-    fn any_bytes_are_explained(bytes in any::<Vec<u8>>()) {
+    fn arbitrary_bytes_are_explained(bytes in any::<Vec<u8>>()) {
         assert_sentence(&parse_location(&bytes).unwrap_err());
         assert_sentence(&read_cloud(&bytes).unwrap_err());
     }
@@ -259,7 +259,7 @@ fn a_view_is_not_overwritten_but_an_interrupted_one_is_completed() {
 }
 
 #[test]
-fn what_can_not_be_read_again_is_not_written() {
+fn invalid_content_is_not_written() {
     let root = tempfile::tempdir().unwrap();
     let mut cases = vec![small(); 5];
     cases[0].color.pop();

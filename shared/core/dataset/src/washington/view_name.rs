@@ -110,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn other_names_are_none() {
+    fn other_names_are_rejected() {
         for text in [
             "",
             "apple",
@@ -139,7 +139,7 @@ mod tests {
         }
 
         #[test]
-        fn what_is_parsed_is_displayed_the_same(text in "[a-c_]{0,3}_?[0-9]{0,2}_[0-9]{1,2}_[0-9]") {
+        fn parsed_names_are_displayed_unchanged(text in "[a-c_]{0,3}_?[0-9]{0,2}_[0-9]{1,2}_[0-9]") {
             if let Some(name) = ViewName::parse(&text) {
                 prop_assert_eq!(name.to_string(), text);
             }

@@ -194,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn a_view_is_no_longer_than_it_says_and_survives() {
+    fn encoded_size_is_within_the_bound_and_views_survive() {
         for n_points in [0, 1, 1000, MAX_CLOUD_POINTS] {
             let view = longest_view(n_points);
             let bytes = encoded(&view);
@@ -205,7 +205,7 @@ mod tests {
     }
 
     #[test]
-    fn a_request_of_as_many_views_as_are_allowed_is_a_message() {
+    fn a_full_request_fits_into_a_message() {
         for n_points in [0, 10, 1000, MAX_CLOUD_POINTS] {
             let view = longest_view(n_points);
             let n_views = StoredView::MAX_REQUEST_BYTES / view.max_encoded_bytes();

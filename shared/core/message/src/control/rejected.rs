@@ -121,7 +121,7 @@ mod tests {
     }
 
     #[test]
-    fn people_are_told_why_something_is_ignored() {
+    fn reports_give_the_reason_of_a_rejection() {
         let report = ObjectsReport::new(&summary(), &[]);
         assert_eq!(report.rule, Expression::default().to_string());
         assert_eq!(report.assumptions[0].name, "no-robot-known");

@@ -100,7 +100,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
-    fn what_was_written_is_played(
+    fn written_frames_are_played(
         frames in prop::collection::vec(content(), 1..4),
         down in prop::option::of(prop::array::uniform3(0.1..1.0)),
     ) {
@@ -172,7 +172,7 @@ fn a_folder_with_a_sequence_is_refused() {
 }
 
 #[test]
-fn what_can_not_be_read_again_is_not_written() {
+fn invalid_content_is_not_written() {
     let folder = tempfile::tempdir().unwrap();
     let bad_camera = PinholeCamera {
         fx_px: f64::NAN,
@@ -220,7 +220,7 @@ fn an_interrupted_sequence_is_played_up_to_its_last_whole_frame() {
         assert_eq!(sequence.n_frames(), 1);
         check_frame(&sequence, 0, &plain());
 
-        // What is left of the frame does not become part of another.
+        // Leftover files of the frame do not become part of another.
         fs::remove_dir(&obstacle).unwrap();
         let other = FrameContent {
             instances: None,
@@ -273,7 +273,7 @@ fn an_image_cut_or_flipped_anywhere_is_read_or_explained() {
         truncations(&file).for_each(|file| check(&file));
         flipped_bits(&file).for_each(|file| check(&file));
     }
-    // Images of another kind or size are told from the right ones.
+    // Images of another format or size are rejected.
     for (wrong, size, reason) in [
         (read(".depth.png"), SIZE, "red, green and blue"),
         (read(".color.png"), (8, 8), "16x8"),

@@ -28,7 +28,7 @@ fn the_layout_is_the_documented_one() {
 }
 
 #[test]
-fn what_can_not_be_packed_is_left_out() {
+fn points_that_cannot_be_packed_are_dropped() {
     let identity = RigidTransform::identity();
     let here = point(0.0, 0.0, 1.0);
     let without_depth = Point::without_depth(Rgba::opaque(1, 2, 3));
@@ -45,7 +45,7 @@ fn what_can_not_be_packed_is_left_out() {
 }
 
 #[test]
-fn of_too_many_points_the_most_are_kept_evenly() {
+fn too_many_points_are_subsampled_evenly() {
     for n_points in [
         MAX_CLOUD_POINTS,
         MAX_CLOUD_POINTS + 1,
@@ -70,7 +70,7 @@ fn of_too_many_points_the_most_are_kept_evenly() {
 }
 
 #[test]
-fn bytes_that_are_no_cloud_are_refused_by_a_sentence() {
+fn invalid_bytes_are_refused_by_a_sentence() {
     let good = pack_cloud([point(0.0, 0.0, 1.0)].iter(), &RigidTransform::identity());
     let changed = |place: usize, bytes: [u8; 4]| {
         let mut wrong = good.clone();
@@ -117,7 +117,7 @@ prop_compose! {
 
 proptest! {
     #[test]
-    fn places_are_kept_to_a_twentieth_of_a_millimetre(
+    fn positions_are_kept_to_a_twentieth_of_a_millimetre(
         points in prop::collection::vec(near_point(), 1..50),
         world_from_camera in pose(),
     ) {
@@ -133,7 +133,7 @@ proptest! {
     }
 
     #[test]
-    fn any_bytes_are_survived(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
+    fn arbitrary_bytes_do_not_panic(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
         if let Ok(cloud) = PackedCloud::checked(&bytes) {
             prop_assert!(cloud.points().all(|point| point.is_finite()));
         }

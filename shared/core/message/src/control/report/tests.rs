@@ -23,7 +23,7 @@ fn of_any_bytes<T: AnyBitPattern>() -> impl Iterator<Item = T> {
 }
 
 #[test]
-fn whatever_the_bytes_are_a_report_is_made_of_them() {
+fn arbitrary_objects_are_reported() {
     for object in of_any_bytes::<SceneObject>() {
         let report = ObjectReport::new(&object, u64::MAX);
         assert!(report.categories.len() <= crate::MAX_NEAR_CATEGORIES);
@@ -41,7 +41,7 @@ fn whatever_the_bytes_are_a_report_is_made_of_them() {
 }
 
 #[test]
-fn whatever_the_bytes_are_views_events_and_health_are_read() {
+fn arbitrary_views_events_and_health_are_read() {
     for view in of_any_bytes::<ObjectViewHeader>() {
         let distances = view.categories().map(|(_, distance)| distance);
         assert!(distances.into_iter().all(f32::is_finite));
@@ -64,7 +64,7 @@ fn whatever_the_bytes_are_views_events_and_health_are_read() {
 }
 
 #[test]
-fn what_the_object_is_like_and_how_certain_it_is_are_told() {
+fn covariance_and_nearest_categories_are_reported() {
     let mut object = SceneObject {
         n_views: 8,
         view_id: 7,
