@@ -1,22 +1,22 @@
-//! The command line.
+//! Command-line arguments of `tabula-latency`.
 
 use crate::sweep::Axis;
 use clap::{Args, Parser, Subcommand};
 use service::{CommonArguments, Failure, exit_code};
 use std::path::{Path, PathBuf};
 
-/// Frames that are measured, if nobody says otherwise.
+/// Default number of measured frames.
 const FRAMES: u64 = 1800;
-/// Frames of the timeline, if nobody says otherwise.
+/// Default number of frames in the timeline.
 const TIMELINE: u32 = 100;
-/// Frames that are left out at the beginning, if nobody says otherwise.
+/// Default number of warm-up frames.
 const WARM_UP: u64 = 90;
-/// What is measured when nothing is named and nothing runs.
+/// Source and number of objects when none is given and no daemon runs.
 const USUAL_SOURCE: &str = "simulation:isolated";
 const USUAL_OBJECTS: u32 = 10;
 
-/// Measures where the time of frames goes: in the daemon of the domain, or, with a
-/// source or without a daemon, in one that it starts for itself.
+/// Measures the end-to-end latency of frames: in the daemon of the domain, or, with a source or
+/// without a daemon, in one that it starts for itself.
 #[derive(Debug, Parser)]
 #[command(name = "tabula-latency", version)]
 pub(crate) struct Arguments {
@@ -34,22 +34,22 @@ pub(crate) struct Arguments {
     pub(crate) verb: Option<Verb>,
 }
 
-/// What to do, if not to measure frames.
+/// Subcommand, if not a measurement of frames.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Verb {
-    /// Measure what this computer adds to every latency, and what could be done about it
+    /// Measure the system noise of this computer and the effect of mitigations
     Machine {
-        /// A tenth of everything
+        /// A tenth of the duration
         #[arg(long)]
         short: bool,
         /// Folder for the report and the plot
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
     },
-    /// Compare the transport with what one would pick instead, or the detection with PCL's, in
-    /// one run; builds the peers
+    /// Compare the transport with common alternatives, or the detection with PCL's, in one run;
+    /// builds the peers
     Peers {
-        /// A tenth of everything
+        /// A tenth of the repetitions
         #[arg(long)]
         short: bool,
         /// A script that times PCL's pipelines on scenes and prints CSV
@@ -59,9 +59,9 @@ pub(crate) enum Verb {
         #[arg(requires = "pcl", value_name = "SCENE")]
         scenes: Vec<PathBuf>,
     },
-    /// Run for long with objects that come and go, and tell what grows
+    /// Soak test: run for long with objects that come and go, and report growth
     Soak(SoakArguments),
-    /// Measure along one axis, each place with a daemon of its own
+    /// Sweep one parameter, with a daemon of its own for each value
     Sweep(SweepArguments),
     /// Compare two reports: what is faster, slower, or undecided
     Compare {
@@ -81,7 +81,7 @@ pub(crate) enum Verb {
     },
 }
 
-/// What is measured, and where the results go.
+/// Options of a measurement and its outputs.
 #[derive(Debug, Clone, PartialEq, Args)]
 pub(crate) struct MeasureArguments {
     #[command(flatten)]
@@ -99,7 +99,7 @@ pub(crate) struct MeasureArguments {
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
 
-    /// How many of the newest frames the timeline shows, besides the ten worst
+    /// Number of newest frames in the timeline, in addition to the ten slowest
     #[arg(long, value_name = "N", default_value_t = TIMELINE, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
     pub(crate) timeline: u32,
 
@@ -112,10 +112,10 @@ pub(crate) struct MeasureArguments {
     pub(crate) baseline: Option<PathBuf>,
 }
 
-/// What is swept.
+/// Options of a parameter sweep.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct SweepArguments {
-    /// The axis
+    /// The swept parameter
     #[arg(value_enum)]
     pub(crate) axis: Axis,
 
@@ -123,7 +123,7 @@ pub(crate) struct SweepArguments {
     #[arg(long, value_name = "N,N", value_delimiter = ',')]
     pub(crate) values: Vec<u32>,
 
-    /// Frames to measure at each place
+    /// Frames to measure at each value
     #[arg(long, value_name = "N", default_value_t = 600, value_parser = clap::value_parser!(u64).range(10..=1_000_000))]
     pub(crate) frames: u64,
 
@@ -132,7 +132,7 @@ pub(crate) struct SweepArguments {
     pub(crate) out: Option<PathBuf>,
 }
 
-/// How long, and how much.
+/// Options of a soak test.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct SoakArguments {
     /// Frames in all
@@ -152,7 +152,7 @@ pub(crate) struct SoakArguments {
     pub(crate) out: Option<PathBuf>,
 }
 
-/// What an own daemon gets its frames from.
+/// Frame source of a daemon that is started for the measurement.
 #[derive(Debug, Clone, Default, PartialEq, Args)]
 pub(crate) struct SourceArguments {
     /// Start a daemon on this source, as `tabula run --source` does [without a daemon: simulation:isolated]
@@ -173,10 +173,10 @@ pub(crate) struct SourceArguments {
 }
 
 impl Arguments {
-    /// The arguments of this process.
+    /// Parses and validates the arguments of this process.
     ///
     /// # Errors
-    /// When options of a measurement stand before a verb that does not measure.
+    /// If options of a measurement precede a subcommand that does not measure.
     pub(crate) fn checked() -> Result<Self, Failure> {
         let arguments = Self::parse();
         let unsaid = MeasureArguments::short(SourceArguments::default(), FRAMES);
@@ -195,7 +195,7 @@ impl Arguments {
 }
 
 impl MeasureArguments {
-    /// A measurement of which only the figures are wanted.
+    /// Measurement without output files.
     pub(crate) fn short(source: SourceArguments, frames: u64) -> Self {
         Self {
             source,
@@ -210,7 +210,7 @@ impl MeasureArguments {
 }
 
 impl SourceArguments {
-    /// A source, and nothing else said.
+    /// Source by name, without other options.
     pub(crate) fn of(source: &str) -> Self {
         Self {
             source: Some(source.to_owned()),
@@ -218,10 +218,10 @@ impl SourceArguments {
         }
     }
 
-    /// As arguments of `tabula run`, with the daemon's configuration when one is named.
+    /// Arguments for `tabula run`, with the daemon's configuration if given.
     pub(crate) fn run_arguments(&self, config: Option<&Path>) -> Vec<String> {
         let name = self.source.as_deref().unwrap_or(USUAL_SOURCE);
-        // A recording is played again and again: a measurement has a length of its own.
+        // A recording is looped, because the measurement determines its length.
         let plays_files = Path::new(name).is_dir();
         let objects = match (self.objects, &self.source) {
             (None, None) => Some(USUAL_OBJECTS),
@@ -236,7 +236,7 @@ impl SourceArguments {
         arguments
     }
 
-    /// Whether anything is said of a source.
+    /// `true` if any option of the source is given.
     pub(crate) fn is_given(&self) -> bool {
         self.source.is_some()
             || self.objects.is_some()

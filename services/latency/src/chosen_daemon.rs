@@ -1,4 +1,4 @@
-//! Which daemon is measured.
+//! Selection of the daemon under test: a running one or a spawned one.
 
 use crate::arguments::SourceArguments;
 use crate::own_daemon::OwnDaemon;
@@ -7,20 +7,20 @@ use command_line::Output;
 use message::ProcessKind;
 use service::{CommonArguments, Failure};
 
-/// The daemon that is measured: one that ran before, or one of our own.
+/// Daemon under test: one that was running, or one spawned for the measurement.
 #[derive(Debug)]
 pub(crate) struct ChosenDaemon {
-    /// Membership, given up before an own daemon is stopped.
+    /// Domain membership; left before a spawned daemon is stopped.
     pub(crate) domain: Domain,
-    /// Stopped at the end.
+    /// Spawned daemon, stopped on drop.
     own: Option<OwnDaemon>,
 }
 
 impl ChosenDaemon {
-    /// Joins the domain's daemon; with a source, or when there is none, starts one.
+    /// Joins the running daemon of the domain; spawns one if a source is given or none runs.
     ///
     /// # Errors
-    /// When the daemon can not be started, or the domain not joined.
+    /// If the daemon cannot be started or its domain cannot be joined.
     pub(crate) fn choose(
         common: &CommonArguments,
         source: &SourceArguments,
@@ -46,10 +46,10 @@ impl ChosenDaemon {
         Ok(Self { domain, own })
     }
 
-    /// Joins a daemon of our own.
+    /// Joins a spawned daemon.
     ///
     /// # Errors
-    /// When its domain can not be joined.
+    /// If its domain cannot be joined.
     pub(crate) fn join_own(own: OwnDaemon) -> Result<Self, Failure> {
         let domain = Domain::join(own.domain(), &RunFolder::of_user(), Role::Guest)?;
         Ok(Self {
@@ -58,13 +58,13 @@ impl ChosenDaemon {
         })
     }
 
-    /// Whether the daemon runs for this measurement only.
+    /// `true` if the daemon was spawned for this measurement.
     pub(crate) fn is_own(&self) -> bool {
         self.own.is_some()
     }
 }
 
-/// Whether somebody works on frames in the domain.
+/// `true` if a perception process runs in the domain.
 fn is_running(domain: &DomainName, run_folder: &RunFolder) -> bool {
     let perception = ProcessKind::Perception.program();
     let state = DomainState::of(domain, run_folder);

@@ -1,4 +1,4 @@
-//! `tabula latency compare`: two reports beside each other.
+//! `tabula latency compare`: A/B comparison of two latency reports.
 
 use crate::report_text;
 use crate::results::{Judgement, read_report};
@@ -8,7 +8,7 @@ use service::{Failure, exit_code};
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Prints what is faster, slower or undecided.
+/// Prints faster, slower and undecided figures.
 pub(crate) fn run(before: &Path, now: &Path, output: &Output) -> Result<ExitCode, Failure> {
     let comparisons = compare(&read_report(before)?, &read_report(now)?);
     output.answer(&comparisons, || report_text::comparison(&comparisons));

@@ -1,4 +1,4 @@
-//! Under which conditions a measurement was made.
+//! Conditions of a measurement: warnings, process usage, shared memory, machine.
 
 use crate::listener::Listener;
 use crate::process_usage::ProcessUsage;
@@ -8,14 +8,14 @@ use serde::Serialize;
 use service::{wall_clock_ns, wall_clock_offset_ns};
 use system_noise::{Disturbance, Fingerprint, Watch};
 
-/// The computer, and what else went on.
+/// Environment and disturbances of the computer, as stored in the report.
 #[derive(Serialize)]
 struct Surroundings {
     fingerprint: Fingerprint,
     disturbance: Disturbance,
 }
 
-/// What is looked at before and after the frames.
+/// Monitor of the conditions during a measurement.
 pub(crate) struct ConditionsWatch {
     machine: Watch,
     processes: Vec<ProcessUsage>,
@@ -23,12 +23,12 @@ pub(crate) struct ConditionsWatch {
     clock_offset_before_ns: i64,
 }
 
-/// The pairing of the clocks may drift by this much: adjusting a wall clock is no
-/// error, but who reads stamps of both must know.
+/// Maximum drift of the wall clock against the monotonic clock without a warning. Clock
+/// adjustment is no error, but matters to readers of both time stamps.
 const CLOCK_DRIFT_NS: u64 = 5_000_000;
 
 impl ConditionsWatch {
-    /// Begins with the processes that have told of frames.
+    /// Starts monitoring with the processes that have sent traces.
     pub(crate) fn begin(listener: &Listener) -> Self {
         let processes = listener.processes();
         Self {
@@ -42,7 +42,7 @@ impl ConditionsWatch {
         }
     }
 
-    /// The conditions up to now.
+    /// Conditions from the start until now.
     pub(crate) fn end(
         self,
         source: String,
@@ -100,7 +100,7 @@ impl ConditionsWatch {
         warnings
     }
 
-    /// A process that was started anew brings its cold start into the figures.
+    /// Warning about ended processes: a restarted process adds its cold start to the figures.
     fn gone(&self) -> Option<String> {
         let ended = self
             .processes
@@ -113,8 +113,8 @@ impl ConditionsWatch {
     }
 }
 
-/// The computer as a document; what makes figures untrue joins the warnings. This
-/// process is no disturbance: what it costs is told as the cost of measuring.
+/// Machine conditions as JSON; findings that invalidate figures become warnings. This process is
+/// no disturbance: its cost is reported as measurement overhead.
 fn surroundings(
     machine: Watch,
     mut own_pids: Vec<u32>,

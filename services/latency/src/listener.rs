@@ -1,4 +1,4 @@
-//! Reading the traces of a daemon while it works.
+//! Reader of a running daemon's frame traces.
 
 use channel::topic::FrameTraces;
 use channel::{Domain, Error, Received, Subscriber};
@@ -9,23 +9,22 @@ use service::{Failure, exit_code};
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-/// How often the traces are read: their ring holds 24 frames, a fifth of a second at the
-/// highest rate.
+/// Polling period of the traces. Their ring holds 24 frames, a fifth of a second at the highest
+/// rate.
 const READ: Duration = Duration::from_millis(20);
-/// Frames that stay away for this long will not come.
+/// Time without a frame after which the source counts as silent.
 const SILENCE: Duration = Duration::from_secs(10);
 
-/// Why somebody listens no more.
+/// Reason for the end of reading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Ended {
-    /// He has heard enough, or was asked to stop.
+    /// Enough frames were read, or a stop was requested.
     Enough,
-    /// No frame comes any more.
+    /// No more frames arrive.
     Silence,
 }
 
-/// Reads what has come since the last time. It asks a few times a second instead of
-/// being waked for each message: so it costs the daemon no wake-up.
+/// Reader of frame traces by polling, so that it costs the daemon no wake-up per message.
 pub(crate) struct Listener {
     traces: Subscriber<FrameTraces>,
     gathering: Gathering,
@@ -43,11 +42,11 @@ impl Listener {
         })
     }
 
-    /// Hands over frame by frame as they come, as long as `take` says that it wants
-    /// more: until the daemon is silent, or somebody wants to stop.
+    /// Passes each complete frame to `take` until it returns `false`, the daemon is silent, or a
+    /// stop is requested.
     ///
     /// # Errors
-    /// When shared memory fails, and when the frames wait for each other.
+    /// If shared memory fails, or the daemon runs in lockstep.
     pub(crate) fn each_frame(
         &mut self,
         stop: &StopSignal,
@@ -73,7 +72,7 @@ impl Listener {
         Ok(Ended::Enough)
     }
 
-    /// Takes all messages that wait.
+    /// Reads all pending messages.
     fn read(&mut self) -> Result<(), Error> {
         while let Received::Message(message) = self.traces.receive()? {
             let header = message.header();
@@ -84,7 +83,7 @@ impl Listener {
         Ok(())
     }
 
-    /// Processes that have told of frames, with their ids.
+    /// Processes that have sent traces, with their ids.
     pub(crate) fn processes(&self) -> Vec<(ProcessKind, u32)> {
         let known = self.pids.iter();
         known
@@ -92,12 +91,12 @@ impl Listener {
             .collect()
     }
 
-    /// Messages that were overwritten before they were read.
+    /// Number of messages overwritten before they were read.
     pub(crate) fn n_lost(&self) -> u64 {
         self.traces.n_lost()
     }
 
-    /// What was read and put together.
+    /// Frames assembled from the messages.
     pub(crate) fn gathering(&self) -> &Gathering {
         &self.gathering
     }
@@ -111,7 +110,7 @@ fn no_schedule() -> Failure {
     )
 }
 
-/// That no frame has come for too long.
+/// Failure: no frame has arrived for too long.
 pub(crate) fn no_frames() -> Failure {
     Failure::new(
         exit_code::TIMED_OUT,

@@ -1,4 +1,4 @@
-//! `tabula latency machine`: the noise floor of this computer.
+//! `tabula latency machine`: system noise of this computer.
 
 use crate::results::not_written;
 use command_line::Output;
@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use system_noise::{MachineReport, Plan, figures, measure, report};
 
-/// Measures, prints, and writes report and plot.
+/// Measures, prints, and writes the report and the histograms.
 pub(crate) fn run(short: bool, out: Option<&Path>, output: &Output) -> Result<ExitCode, Failure> {
     let plan = if short { Plan::SHORT } else { Plan::FULL };
     let found = measure(&plan, &mut |sentence| output.tell(sentence));

@@ -1,4 +1,4 @@
-//! `tabula-latency`: where the milliseconds go.
+//! `tabula-latency`: end-to-end latency measurement of the daemon.
 
 mod arguments;
 mod chosen_daemon;

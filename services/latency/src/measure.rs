@@ -1,4 +1,4 @@
-//! `tabula latency`: measures frames.
+//! `tabula latency`: measures frame latencies.
 
 use crate::arguments::MeasureArguments;
 use crate::chosen_daemon::ChosenDaemon;
@@ -14,17 +14,18 @@ use std::hint::black_box;
 use std::process::ExitCode;
 use std::time::Instant;
 
-/// Laps by which the cost of a lap is timed, and how often: the median is told.
+/// Laps per timed round, and number of rounds, for the cost of a stopwatch lap; the median round
+/// counts.
 const N_LAPS: u32 = 1000;
 const N_ROUNDS: usize = 21;
 
-/// Measures, prints and writes; the exit code tells whether limits were kept.
+/// Measures, prints and writes the report; the exit code tells whether limits were kept.
 pub(crate) fn run(
     common: &CommonArguments,
     arguments: &MeasureArguments,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
-    // Before anything is started: a mistake should not cost a minute.
+    // The budget and the baseline are read first: a wrong file should not cost a minute.
     let judged = Judged::prepare(arguments)?;
     let stop = StopSignal::install()?;
     let daemon = ChosenDaemon::choose(common, &arguments.source, output)?;
@@ -44,7 +45,7 @@ pub(crate) fn run(
     Ok(exit_code(&report, &judgement))
 }
 
-/// Figures that do not add up are wrong; figures over their limits are bad.
+/// Exit code: failure if the consistency check fails, over budget if a limit is exceeded.
 fn exit_code(report: &Report, judgement: &results::Judgement) -> ExitCode {
     if !report.sum_check.passes() {
         ExitCode::from(exit_code::FAILURE)
@@ -55,8 +56,7 @@ fn exit_code(report: &Report, judgement: &results::Judgement) -> ExitCode {
     }
 }
 
-/// Measures until enough frames have come, the daemon is silent, or somebody wants to
-/// stop.
+/// Measures until enough frames have arrived, the daemon is silent, or a stop is requested.
 pub(crate) fn measure(
     daemon: &ChosenDaemon,
     arguments: &MeasureArguments,
@@ -94,7 +94,7 @@ pub(crate) fn measure(
     ))
 }
 
-/// Lets the first frames pass.
+/// Skips the warm-up frames.
 fn warm_up(
     listener: &mut Listener,
     n_frames: u64,
@@ -120,7 +120,7 @@ fn source_name(daemon: &ChosenDaemon, arguments: &MeasureArguments) -> String {
     }
 }
 
-/// What measuring one stage costs on this computer, nanoseconds.
+/// Cost of measuring one stage on this computer, nanoseconds: median over rounds.
 fn stage_cost_ns() -> f64 {
     let mut rounds_ns = [0; N_ROUNDS];
     for round_ns in &mut rounds_ns {

@@ -1,4 +1,4 @@
-//! `tabula latency merge`: histograms of several measurements as one.
+//! `tabula latency merge`: merges the histograms of several measurements.
 
 use crate::results::read;
 use command_line::{Output, table};
@@ -8,7 +8,7 @@ use service::{Failure, exit_code};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Percentiles of one stage.
+/// Percentiles of one merged stage, milliseconds.
 #[derive(Serialize)]
 struct Merged {
     stage: String,
@@ -20,7 +20,7 @@ struct Merged {
     max: f64,
 }
 
-/// Prints the percentiles of all files together, and writes the histograms.
+/// Prints the percentiles over all files and writes the merged histograms.
 pub(crate) fn run(
     files: &[PathBuf],
     out: Option<&Path>,

@@ -1,4 +1,4 @@
-//! A daemon of one's own, to be measured and stopped.
+//! Daemon spawned for a measurement and stopped on drop.
 
 use channel::DomainName;
 use rustix::process::{Pid, Signal, kill_process};
@@ -13,17 +13,17 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
-/// The daemon may take this long to be ready.
+/// Maximum start-up time of the daemon.
 const START: Duration = Duration::from_secs(60);
-/// It promises to stop within 5 s.
+/// Maximum shutdown time; the daemon guarantees 5 s.
 const STOP: Duration = Duration::from_secs(7);
-/// A daemon that has said why it can not run ends within this.
+/// Maximum time from a daemon's last error message to its exit.
 const LAST_WORDS: Duration = Duration::from_secs(1);
 const LOOK: Duration = Duration::from_millis(20);
-/// Lines of its log that a failure shows.
+/// Number of log lines shown in a failure.
 const N_LOG_LINES: usize = 8;
 
-/// A daemon in a domain and a folder of its own; dropping it stops it.
+/// Spawned daemon in a domain and a folder of its own; stopped on drop.
 #[derive(Debug)]
 pub(crate) struct OwnDaemon {
     child: Child,
@@ -36,20 +36,20 @@ fn failed(sentence: impl std::fmt::Display) -> Failure {
 }
 
 impl OwnDaemon {
-    /// A new home for a daemon.
+    /// Creates a temporary home folder for a daemon.
     ///
     /// # Errors
-    /// When it can not be made.
+    /// If it cannot be created.
     pub(crate) fn home() -> Result<TempDir, Failure> {
         TempDir::with_prefix("tabula-latency-")
             .map_err(|error| failed(format!("no folder for the daemon could be made: {error}")))
     }
 
-    /// Starts `tabula run` with the arguments given in a home, on so many cores or on
-    /// all, and waits until it is ready.
+    /// Spawns `tabula run` with the given arguments in a home folder, on the first `n_cores`
+    /// cores or on all, and waits until it is ready.
     ///
     /// # Errors
-    /// When it can not be started, or does not become ready; with the end of its log.
+    /// If it cannot be spawned or does not become ready; with the end of its log.
     pub(crate) fn start(
         folder: TempDir,
         arguments: &[String],
@@ -73,17 +73,17 @@ impl OwnDaemon {
         }
     }
 
-    /// Its domain.
+    /// Domain of the daemon.
     pub(crate) fn domain(&self) -> &DomainName {
         &self.domain
     }
 
-    /// Why it did not become ready, with its own exit code when it has ended.
+    /// Start-up failure with the end of the log, and with the daemon's exit code if it has ended.
     fn not_ready(&mut self) -> Failure {
         let log = std::fs::read_to_string(log_file(self.folder.path())).unwrap_or_default();
         let lines: Vec<&str> = log.lines().collect();
         let end = lines[lines.len().saturating_sub(N_LOG_LINES)..].join("\n");
-        // What it had to say came before its end.
+        // The daemon may still be about to exit after its last message.
         let deadline = Instant::now() + LAST_WORDS;
         while matches!(self.child.try_wait(), Ok(None)) && Instant::now() < deadline {
             std::thread::sleep(LOOK);
@@ -116,7 +116,8 @@ impl Drop for OwnDaemon {
     }
 }
 
-/// What this thread starts meanwhile runs on the first cores only.
+/// Restricts the affinity of this thread, and so of the processes it spawns, to the first cores;
+/// drop restores it.
 struct OnCores {
     before: CpuSet,
 }
@@ -156,7 +157,7 @@ fn spawn(domain: &DomainName, folder: &Path, arguments: &[String]) -> Result<Chi
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
         .stderr(log)
-        // Ctrl-C reaches the measuring program only, which then stops the daemon.
+        // Ctrl-C reaches only the measuring program, which then stops the daemon.
         .process_group(0)
         .spawn()
         .map_err(|error| {
@@ -168,13 +169,13 @@ fn spawn(domain: &DomainName, folder: &Path, arguments: &[String]) -> Result<Chi
         })
 }
 
-/// Whether a document tells that all processes work, and not why they do not.
+/// `true` if a line is the document of a daemon whose processes all work.
 fn is_ready(line: &str) -> bool {
     let document: Result<serde_json::Value, _> = serde_json::from_str(line);
     document.is_ok_and(|document| document["processes"].is_array())
 }
 
-/// The daemon prints one document when all of it works.
+/// Waits for the daemon's start-up document, printed when all processes work.
 fn wait_until_ready(stdout: ChildStdout) -> Result<(), RecvTimeoutError> {
     let (sender, ready) = channel();
     std::thread::spawn(move || {

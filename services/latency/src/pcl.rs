@@ -1,8 +1,8 @@
-//! `tabula latency peers --pcl`: our detection beside PCL's, on the same scenes.
+//! `tabula latency peers --pcl`: benchmark of the detection against PCL on the same scenes.
 //!
-//! PCL is run by a harness that prints its times as CSV; where it is, is told. Ours is
-//! timed before and after it in the same run, so that a computer that changes its speed
-//! meanwhile shows.
+//! PCL is run by an external harness, given by its path, that prints its times as CSV. The
+//! detection is timed before and after it in the same run, which reveals a change of the
+//! computer's speed.
 
 use command_line::{Output, table};
 use dataset::pcd;
@@ -16,17 +16,17 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
 use std::time::Instant;
 
-/// Repetitions of a scene; a tenth in a short run.
+/// Repetitions per scene; a tenth in a short run.
 const N_REPETITIONS: usize = 40;
-/// The harness' stages that are whole pipelines begin so.
+/// Name prefix of the harness's stages that are whole pipelines.
 const WHOLE_FRAME: &str = "frame_";
 
-/// Medians over the scenes of the medians over repetitions.
+/// Result: medians over the scenes of the medians over the repetitions.
 #[derive(Serialize)]
 struct Comparison {
     n_scenes: usize,
     ours_ms: f64,
-    /// Ours after PCL over ours before.
+    /// Time of the detection after PCL over that before.
     drift: f64,
     peers: Vec<Peer>,
 }
@@ -36,14 +36,15 @@ struct Peer {
     pipeline: String,
     threads: u32,
     ms: f64,
-    /// Over ours.
+    /// Time over that of the detection.
     ratio: f64,
 }
 
-/// Compares on some scenes (PCD) with what `harness`, a script, says of PCL.
+/// Times the detection on scenes (PCD) and compares it with the output of `harness`, a script
+/// that times PCL.
 ///
 /// # Errors
-/// When a scene can not be read, or the harness fails or prints something else.
+/// If a scene cannot be read, or the harness fails or prints malformed output.
 pub(crate) fn run(
     harness: &Path,
     scenes: &[PathBuf],
@@ -95,12 +96,12 @@ fn median(values: &[f64]) -> f64 {
     Spread::of(values).map_or(f64::NAN, |spread| spread.median)
 }
 
-/// How many scenes, in words.
+/// Number of scenes in words.
 fn scenes_counted(n: usize) -> String {
     format!("{n} scene{}", if n == 1 { "" } else { "s" })
 }
 
-/// The median over scenes of the median time of our detection, milliseconds.
+/// Median over the scenes of the median time of the detection, milliseconds.
 fn ours_ms(scenes: &[PathBuf], n_repetitions: usize) -> Result<f64, Failure> {
     let (config, mut workspace) = (Config::default(), Workspace::default());
     let mut detection = Detection::default();
@@ -130,7 +131,7 @@ fn ours_ms(scenes: &[PathBuf], n_repetitions: usize) -> Result<f64, Failure> {
     Ok(median(&of_scenes))
 }
 
-/// What the harness prints; its own progress goes where ours goes.
+/// Runs the harness and returns its output; its progress goes to our standard error.
 fn run_harness(
     harness: &Path,
     scenes: &[PathBuf],
@@ -150,7 +151,7 @@ fn run_harness(
     Ok(String::from_utf8_lossy(&done.stdout).into_owned())
 }
 
-/// Medians, one for each scene, by pipeline and number of threads.
+/// Median time of each scene, by pipeline and number of threads.
 fn parse(csv: &str) -> Result<BTreeMap<(String, u32), Vec<f64>>, String> {
     let mut lines = csv.lines();
     let header: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();

@@ -1,17 +1,17 @@
-//! `tabula latency peers`: the transport beside what a user would pick instead.
+//! `tabula latency peers`: benchmark of the transport against alternatives.
 //!
-//! The peers bring libraries that the daemon must not know, so they are a workspace
-//! of their own, which is built when it is asked for.
+//! The peers depend on libraries that the daemon must not have, so they are a separate workspace
+//! that is built on demand.
 
 use command_line::Output;
 use service::{Failure, exit_code};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-/// Where the peers are, in the project's folder.
+/// Manifest of the peers, relative to the project's folder.
 const MANIFEST: &str = "tests/peers/Cargo.toml";
 
-/// Builds and runs the comparison; what it prints is the answer.
+/// Builds and runs the benchmark, which prints the result.
 pub(crate) fn run(short: bool, output: &Output) -> Result<ExitCode, Failure> {
     let manifest = find(&starting_points()).ok_or_else(|| {
         Failure::new(
@@ -46,7 +46,7 @@ fn starting_points() -> Vec<PathBuf> {
     places.into_iter().filter_map(Result::ok).collect()
 }
 
-/// The manifest in the nearest folder above one of the places.
+/// Manifest in the nearest ancestor folder of one of the places.
 fn find(places: &[PathBuf]) -> Option<PathBuf> {
     let above = places.iter().flat_map(|place| place.ancestors());
     let manifests = above.map(|folder: &Path| folder.join(MANIFEST));

@@ -1,11 +1,11 @@
-//! What the processes of a daemon use, from /proc.
+//! Resource usage of the daemon's processes, from `/proc`.
 
 use latency_report::ProcessReport;
 use message::ProcessKind;
 use std::path::Path;
 use std::time::Instant;
 
-/// Counters of one process since its start.
+/// Resource counters of a process since its start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 struct Counters {
     cpu_ticks: u64,
@@ -17,7 +17,7 @@ struct Counters {
     resident_pages: u64,
 }
 
-/// A process at the beginning of a measurement.
+/// Process with its counters at the beginning of a measurement.
 #[derive(Debug)]
 pub(crate) struct ProcessUsage {
     process: ProcessKind,
@@ -27,7 +27,7 @@ pub(crate) struct ProcessUsage {
 }
 
 impl ProcessUsage {
-    /// Begins to measure a process; `None` when it is not there.
+    /// Starts measuring a process; `None` if it does not exist.
     pub(crate) fn begin(process: ProcessKind, pid: u32) -> Option<Self> {
         Some(Self {
             process,
@@ -37,7 +37,7 @@ impl ProcessUsage {
         })
     }
 
-    /// What it has used since; `None` when it has ended.
+    /// Usage since the start; `None` if the process has ended.
     pub(crate) fn report(&self) -> Option<ProcessReport> {
         let now = counters(self.pid)?;
         let seconds = self.begun.elapsed().as_secs_f64().max(1e-9);
@@ -63,7 +63,7 @@ fn counters(pid: u32) -> Option<Counters> {
     let folder = Path::new("/proc").join(pid.to_string());
     let stat = std::fs::read_to_string(folder.join("stat")).ok()?;
     let mut counters = parse_stat(&stat)?;
-    // The process's own file tells of its first thread only.
+    // The process's own file covers its first thread only.
     for thread in std::fs::read_dir(folder.join("task")).ok()?.flatten() {
         let status = std::fs::read_to_string(thread.path().join("status")).unwrap_or_default();
         let (voluntary, involuntary) = parse_switches(&status);
@@ -78,11 +78,11 @@ fn n_open_files(pid: u32) -> u64 {
     folder.map_or(0, |entries| entries.count() as u64)
 }
 
-/// The line of /proc/PID/stat (proc(5)). The name in parentheses may hold anything.
+/// Parses `/proc/PID/stat` (proc(5)). The name in parentheses may contain anything.
 fn parse_stat(line: &str) -> Option<Counters> {
     let (_, behind_name) = line.rsplit_once(')')?;
     let words: Vec<&str> = behind_name.split_ascii_whitespace().collect();
-    // The first word behind the name is field 3.
+    // The first word after the name is field 3.
     let field = |number: usize| words.get(number - 3)?.parse::<u64>().ok();
     Some(Counters {
         minor_faults: field(10)?,

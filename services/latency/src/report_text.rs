@@ -1,17 +1,17 @@
-//! A report as text.
+//! Text of a latency report.
 
 use crate::results::Judgement;
 use command_line::table;
 use latency_report::{Comparison, Excess, Percentiles, Report, StageReport, Verdict};
 use message::{Place, Stage};
 
-/// Headings of the table of stages.
+/// Header of the table of stages.
 const HEADING: [&str; 11] = [
     "stage", "p50 ms", "p90", "p99", "p99.9", "max", "cpu ms", "given up", "taken", "allocs",
     "faults",
 ];
 
-/// The whole report, without what it is held against.
+/// Whole report, without budget and comparison.
 pub(crate) fn text(report: &Report) -> String {
     let mut parts: Vec<String> = report
         .conditions
@@ -44,7 +44,7 @@ fn summary(report: &Report) -> String {
     )
 }
 
-/// Where stages are in the table, in groups.
+/// Table of stages, grouped by the stage they belong to.
 fn stages(report: &Report) -> String {
     let mut rows = vec![
         times("end to end", &report.end_to_end_ms),
@@ -85,7 +85,7 @@ fn times(name: &str, ms: &Percentiles) -> Vec<String> {
     row
 }
 
-/// A stage's row; what its passages used as a mean of one passage.
+/// Row of a stage; resource usage is the mean per interval.
 fn row(report: &Report, stage: Stage, indent: &str) -> Option<Vec<String>> {
     let StageReport {
         ms, count, usage, ..
@@ -185,7 +185,7 @@ fn checks(report: &Report) -> String {
     )
 }
 
-/// What a report was held against; empty when against nothing.
+/// Budget violations and comparison; empty without budget and baseline.
 pub(crate) fn judgement(judgement: &Judgement) -> String {
     let mut parts = vec![String::new()];
     parts.extend(judgement.excesses.as_deref().map(budget));
@@ -209,7 +209,7 @@ fn budget(excesses: &[Excess]) -> String {
     told.collect::<Vec<_>>().join("\n")
 }
 
-/// Two reports beside each other: all that is decided, and end to end in any case.
+/// Comparison table: all decided figures, and always end to end.
 pub(crate) fn comparison(comparisons: &[Comparison]) -> String {
     let is_told = |comparison: &&Comparison| {
         comparison.verdict != Verdict::Undecided || comparison.what == "end_to_end"

@@ -1,4 +1,4 @@
-//! What becomes of a report: files, limits, a comparison.
+//! Results of a measurement: output files, budget check, comparison with a baseline.
 
 use crate::arguments::MeasureArguments;
 use latency_report::{
@@ -10,20 +10,20 @@ use service::{Failure, exit_code};
 use std::fmt::Display;
 use std::path::Path;
 
-/// What a report is held against.
+/// Acceptance criteria of a report: budget and baseline.
 pub(crate) struct Judged {
     budget: Option<Budget>,
     baseline: Option<Report>,
 }
 
-/// What came of it.
+/// Result of the acceptance check.
 #[derive(Debug, Default)]
 pub(crate) struct Judgement {
     pub(crate) excesses: Option<Vec<Excess>>,
     pub(crate) comparisons: Option<Vec<Comparison>>,
 }
 
-/// The answer for scripts.
+/// JSON document of a measurement.
 #[derive(Serialize)]
 pub(crate) struct Document<'a> {
     #[serde(flatten)]
@@ -45,10 +45,10 @@ impl<'a> Document<'a> {
 }
 
 impl Judged {
-    /// Reads the files that are named.
+    /// Reads the budget and the baseline.
     ///
     /// # Errors
-    /// When one can not be read, or is no budget or report.
+    /// If a file cannot be read or parsed.
     pub(crate) fn prepare(arguments: &MeasureArguments) -> Result<Self, Failure> {
         let budget = arguments.budget.as_deref().map(|path| {
             let text = read(path)?;
@@ -71,7 +71,7 @@ impl Judged {
 }
 
 impl Judgement {
-    /// Whether a limit is exceeded, or something has become slower.
+    /// `true` if a limit is exceeded or a figure has become slower.
     pub(crate) fn is_over(&self) -> bool {
         let is_over = |excesses: &Vec<Excess>| !excesses.is_empty();
         let is_slower = |comparisons: &Vec<Comparison>| {
@@ -92,7 +92,7 @@ fn unusable(path: &Path, kind: &str, error: impl Display) -> Failure {
 /// Reads a file's text.
 ///
 /// # Errors
-/// When it can not be read.
+/// If it cannot be read.
 pub(crate) fn read(path: &Path) -> Result<String, Failure> {
     std::fs::read_to_string(path).map_err(|error| {
         let sentence = format!("{} can not be read: {error}", path.display());
@@ -103,15 +103,15 @@ pub(crate) fn read(path: &Path) -> Result<String, Failure> {
 /// Reads a report.
 ///
 /// # Errors
-/// When it can not be read, or is none.
+/// If it cannot be read or parsed.
 pub(crate) fn read_report(path: &Path) -> Result<Report, Failure> {
     serde_json::from_str(&read(path)?).map_err(|error| unusable(path, "report", error))
 }
 
-/// Writes all results into a folder, which is made when it is not there.
+/// Writes all results into a folder, which is created if missing.
 ///
 /// # Errors
-/// When a file can not be made.
+/// If a file cannot be written.
 pub(crate) fn write(
     folder: &Path,
     report: &Report,
@@ -140,7 +140,7 @@ pub(crate) fn write(
     )
 }
 
-/// Why results are not there.
+/// Failure: results could not be written.
 pub(crate) fn not_written(error: impl Display) -> Failure {
     let sentence = format!("the results could not be written: {error}");
     Failure::new(exit_code::FAILURE, sentence)

@@ -1,4 +1,4 @@
-//! `tabula latency soak`: a long run with objects that come and go.
+//! `tabula latency soak`: soak test with objects that come and go.
 
 use crate::arguments::{SoakArguments, SourceArguments};
 use crate::chosen_daemon::ChosenDaemon;
@@ -17,14 +17,14 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 
-/// Windows that a run is cut into.
+/// Number of windows of a run.
 const N_WINDOWS: u64 = 40;
-/// What the daemon keeps on purpose must not pass for growth: on this table its usual
-/// limits are reached after hours only, these before the first quarter is over.
+/// Configuration of the daemon with small limits, so that intended retention does not count as
+/// growth: the default limits are reached after hours, these within the first quarter of the run.
 const CONFIG: &str =
     "[memory]\nworld_kept_max = 1000\nmax_unnamed_views = 200\nwrite_buffer_mb = 1\n";
 
-/// The answer for scripts.
+/// JSON document of a soak test.
 #[derive(Serialize)]
 struct Document {
     frames: u64,
@@ -35,7 +35,7 @@ struct Document {
     windows: Vec<SoakWindow>,
 }
 
-/// Runs, prints and draws; exit code 7 when something has grown.
+/// Runs the soak test, prints and draws it; exit code 7 if growth was found.
 pub(crate) fn run(
     common: &CommonArguments,
     arguments: &SoakArguments,
@@ -65,7 +65,7 @@ pub(crate) fn run(
     })
 }
 
-/// A daemon on a table on which blocks come and go.
+/// Spawns a daemon on a table with blocks that come and go.
 fn start(
     config: Option<&Path>,
     arguments: &SoakArguments,
@@ -89,7 +89,7 @@ fn start(
     ChosenDaemon::join_own(own)
 }
 
-/// Measures window after window; the windows, and how many messages were lost.
+/// Measures window by window; returns the windows and the number of lost messages.
 fn soak(
     daemon: &ChosenDaemon,
     arguments: &SoakArguments,
@@ -143,7 +143,7 @@ fn measure_window(
     }
 }
 
-/// What the frames of a window say.
+/// Window statistics of the recorded frames.
 fn window(measurement: &Measurement) -> SoakWindow {
     let open_loop = measurement.open_loop();
     let n_missed = open_loop.n_dropped + open_loop.n_not_captured;

@@ -1,4 +1,4 @@
-//! `tabula latency sweep`: measurements along one axis, each with a daemon of its own.
+//! `tabula latency sweep`: parameter sweep, with a daemon of its own for each value.
 
 mod axis;
 mod box_scene;
@@ -23,18 +23,18 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
-/// What was taught must be known to perception within this.
+/// Maximum time until perception knows the taught views.
 const KNOWN: Duration = Duration::from_secs(60);
 const LOOK: Duration = Duration::from_millis(100);
 
-/// The answer for scripts.
+/// JSON document of a sweep.
 #[derive(Serialize)]
 struct Document<'a> {
     axis: &'a str,
     rows: &'a [SweepRow],
 }
 
-/// Measures place after place; a rate that the daemon does not hold ends the sweep.
+/// Measures value by value; a frame rate that the daemon does not sustain ends the sweep.
 pub(crate) fn run(
     common: &CommonArguments,
     arguments: &SweepArguments,
@@ -89,8 +89,8 @@ fn measure_at(
     Ok(SweepRow::new(value, &report))
 }
 
-/// Makes what the place needs in the daemon's home; its source, and the sequence of
-/// the memory up to which perception must know it.
+/// Prepares the daemon's home for a sweep point; returns its source and the memory sequence that
+/// perception must have reached.
 fn prepare(place: &Place, home: &TempDir) -> Result<(SourceArguments, u64), Failure> {
     let sequence = match place.n_views {
         0 => 0,
@@ -104,7 +104,7 @@ fn prepare(place: &Place, home: &TempDir) -> Result<(SourceArguments, u64), Fail
     Ok((source, sequence))
 }
 
-/// Waits until objects are compared with all that was taught.
+/// Waits until objects are compared with all taught views.
 fn wait_until_known(
     daemon: &ChosenDaemon,
     sequence: u64,
@@ -132,7 +132,7 @@ fn wait_until_known(
     Ok(())
 }
 
-/// Mean number of points of the objects in the newest scene.
+/// Mean number of points per object in the newest scene.
 fn mean_points(daemon: &ChosenDaemon) -> Result<f64, Failure> {
     let mut scenes = Subscriber::<Scene>::polled(&daemon.domain)?;
     let deadline = Instant::now() + KNOWN;

@@ -1,41 +1,41 @@
-//! What can be swept, and over which places.
+//! Swept parameters and the operating points of a sweep.
 
 use crate::arguments::SourceArguments;
 use clap::ValueEnum;
 use service::{Failure, exit_code};
 use std::ops::RangeInclusive;
 
-/// An axis of a sweep.
+/// Parameter of a sweep.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Axis {
     /// Number of objects, 1 to 64, on a computed table
     Objects,
     /// Points of each of six simulated cubes; values are their sides, millimetres
     Points,
-    /// Views that were taught, 10 to 100000
+    /// Number of stored views, 10 to 100000
     Views,
-    /// Frames per second, 5 to 120, until the daemon does not hold the rate
+    /// Frames per second, 5 to 120, until the daemon does not sustain the rate
     Rate,
-    /// Cores for daemon and source, 1 and 2
+    /// Number of cores for daemon and source, 1 and 2
     Cores,
 }
 
-/// What is measured at one place.
+/// Operating point of a sweep: the conditions of one measurement.
 #[derive(Debug, Clone)]
 pub(crate) struct Place {
-    /// Place on the axis.
+    /// Value of the swept parameter.
     pub(crate) value: f64,
-    /// Where the frames come from.
+    /// Frame source.
     pub(crate) source: SourceArguments,
-    /// Views that are taught beforehand.
+    /// Number of views taught beforehand.
     pub(crate) n_views: usize,
-    /// Side of the boxes, metres, where the source is to be made of them.
+    /// Side of the boxes of a generated scene, metres; `None` for other sources.
     pub(crate) box_side_m: Option<f64>,
-    /// Cores for the daemon; all without.
+    /// Number of cores for the daemon; `None` for all.
     pub(crate) n_cores: Option<usize>,
 }
 
-/// A source that costs little: what is measured is the daemon.
+/// Operating point with a cheap source, so that the daemon dominates the measurement.
 fn crowd(n_objects: u32) -> Place {
     Place {
         value: f64::from(n_objects),
@@ -46,11 +46,11 @@ fn crowd(n_objects: u32) -> Place {
     }
 }
 
-/// Objects of the sweeps over other things.
+/// Number of objects in sweeps of other parameters.
 const N_OBJECTS: u32 = 10;
 
 impl Axis {
-    /// The word on the command line and in file names.
+    /// Word on the command line and in file names.
     pub(crate) fn word(self) -> &'static str {
         match self {
             Self::Objects => "objects",
@@ -61,7 +61,7 @@ impl Axis {
         }
     }
 
-    /// What it shows.
+    /// Axis label.
     pub(crate) fn title(self) -> &'static str {
         match self {
             Self::Objects => "objects",
@@ -72,7 +72,7 @@ impl Axis {
         }
     }
 
-    /// The values that are measured when none are named, in order.
+    /// Default values of the sweep, ascending.
     fn usual_values(self) -> &'static [u32] {
         match self {
             Self::Objects => &[1, 2, 4, 8, 16, 32, 64],
@@ -83,7 +83,7 @@ impl Axis {
         }
     }
 
-    /// The values that can be measured.
+    /// Permitted values.
     fn possible_values(self) -> RangeInclusive<u32> {
         match self {
             Self::Objects => 1..=256,
@@ -94,10 +94,10 @@ impl Axis {
         }
     }
 
-    /// The places of these values, or of the usual ones.
+    /// Operating points of the given values, or of the default values if none are given.
     ///
     /// # Errors
-    /// When a value can not be measured.
+    /// If a value is not permitted.
     pub(crate) fn places(self, values: &[u32]) -> Result<Vec<Place>, Failure> {
         let possible = self.possible_values();
         if let Some(value) = values.iter().find(|value| !possible.contains(value)) {

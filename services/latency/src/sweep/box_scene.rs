@@ -1,11 +1,10 @@
-//! A simulated scene of equal boxes.
+//! Generated simulation scene of six equal cubes.
 
 use std::fmt::Write as _;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Middles of the boxes on the table, world x and y, metres: apart from each other
-/// also where the boxes are largest.
+/// Centres of the cubes on the table, world x and y, metres; the largest cubes still stand apart.
 const PLACES_M: [[f64; 2]; 6] = [
     [-0.36, -0.12],
     [0.0, -0.12],
@@ -15,10 +14,10 @@ const PLACES_M: [[f64; 2]; 6] = [
     [0.36, 0.18],
 ];
 
-/// Writes a scene of six cubes with sides of so many metres, and gives its file.
+/// Writes a scene of six cubes of the given side and returns the path of its file.
 ///
 /// # Errors
-/// When a file can not be written.
+/// If a file cannot be written.
 pub(super) fn write(folder: &Path, side_m: f64) -> io::Result<PathBuf> {
     std::fs::write(folder.join("cube.obj"), cube(side_m))?;
     let mut scene = String::from("seed = 1\n");
@@ -33,7 +32,7 @@ pub(super) fn write(folder: &Path, side_m: f64) -> io::Result<PathBuf> {
     Ok(path)
 }
 
-/// A cube as OBJ, faces counter-clockwise from outside.
+/// Cube as OBJ text, faces counter-clockwise from outside.
 fn cube(side_m: f64) -> String {
     let half = 0.5 * side_m;
     let mut text = String::new();

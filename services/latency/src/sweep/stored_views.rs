@@ -1,7 +1,7 @@
-//! A memory full of taught views, for a daemon that is not running yet.
+//! Synthetic memory: stores taught views for a daemon that is not running yet.
 //!
-//! The views are of solids with random sides, colours and turns, described as the
-//! daemon describes what it sees, so that their descriptors are spread as real ones.
+//! The views are of solids with random sides, colours and orientations, described as the daemon
+//! describes real views, so that their descriptors are spread realistically.
 
 use description::{Appearance, AppearanceWeights, ObjectPoints};
 use geometry::OrientedBox;
@@ -19,15 +19,15 @@ use store::{
     WRITE_BUFFER_BYTES,
 };
 
-/// Points on the seen side of a solid.
+/// Points on the visible side of a solid.
 const N_POINTS: usize = 400;
-/// Tracks at least, as many as there are views enough, and views of a track at most:
-/// they are taught together, and each lesson waits for the disk.
+/// Minimum number of tracks, if there are enough views, and maximum number of views of a track.
+/// Views of a track are taught together; each lesson waits for the disk.
 const N_TRACKS_MIN: usize = 20;
 const VIEWS_PER_TRACK_MAX: usize = 100;
-/// So many categories that none is too full for the memory.
+/// Number of categories, large enough that none reaches the memory's limit.
 const N_CATEGORIES: usize = 200;
-/// Requests of the store that may wait.
+/// Capacity of the store's request queue.
 const QUEUE: usize = 16;
 
 fn failed(error: impl Display) -> Failure {
@@ -35,11 +35,11 @@ fn failed(error: impl Display) -> Failure {
     Failure::new(exit_code::FAILURE, sentence)
 }
 
-/// Stores and teaches so many views in a daemon's home; the sequence of the memory's
-/// history at its end.
+/// Stores and teaches `n_views` views in a daemon's home; returns the last sequence number of the
+/// memory's history.
 ///
 /// # Errors
-/// When the memory can not be written.
+/// If the memory cannot be written.
 pub(super) fn store(home: &Path, n_views: usize) -> Result<u64, Failure> {
     let config = StoreConfig {
         folder: Home::at(home.to_owned()).perceptual_memory(),
@@ -83,7 +83,7 @@ fn change(store: &StoreHandle, change: Change) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The views of one solid, turned from view to view.
+/// Views of one solid, each with a random orientation.
 fn views(
     track: usize,
     track_id: u64,
@@ -117,7 +117,7 @@ fn views(
         .collect()
 }
 
-/// A box or an ellipsoid of one colour.
+/// Box or ellipsoid of one colour.
 struct Solid {
     half_sides_m: Vector3<f64>,
     is_round: bool,
@@ -125,7 +125,7 @@ struct Solid {
 }
 
 impl Solid {
-    /// Solids of a category are alike, by 10 % in their sides and a little in colour.
+    /// Random solid of a category: sides vary by 10 %, colour slightly.
     fn of_category(category: usize, random: &mut Random) -> Self {
         let mut of_category = Random::from_seed(0x5eed_0000 + category as u64);
         let mut side = || {
@@ -142,7 +142,7 @@ impl Solid {
         }
     }
 
-    /// Points on the side that a camera in front of and above it sees.
+    /// Points on the side visible to a camera in front of and above the solid.
     fn seen(&self, random: &mut Random) -> Vec<Point> {
         let turn = TAU * random.unit();
         let towards_camera = Vector3::new(turn.cos(), turn.sin(), 0.7);
@@ -164,7 +164,7 @@ impl Solid {
         points
     }
 
-    /// A place on the surface, and the direction outwards.
+    /// Random surface point with its outward normal.
     fn on_surface(&self, random: &mut Random) -> (Vector3<f64>, Vector3<f64>) {
         let mut direction = Vector3::from_fn(|_, _| 2.0 * random.unit() - 1.0);
         if self.is_round {

@@ -1,4 +1,4 @@
-//! Tracked boxes drawn into what the camera sees.
+//! Overlay of tracked bounding boxes on the camera's colour image, as PNG.
 
 use crate::scene_picture::{encode, thing_color};
 use geometry::{OrientedBox, PinholeCamera};
@@ -6,9 +6,9 @@ use nalgebra::{Point2, Point3, Vector3};
 use png::EncodingError;
 use point_cloud::Point;
 
-/// Sides of a digit's dots, pixels.
+/// Size of a dot of the digit font, pixels.
 const DOT_PX: i64 = 3;
-/// The digits, five rows of three dots, the highest bit at the left.
+/// Bitmap font of the ten digits: five rows of three dots, highest bit leftmost.
 const DIGITS: [[u8; 5]; 10] = [
     [7, 5, 5, 5, 7],
     [2, 6, 2, 2, 7],
@@ -22,20 +22,20 @@ const DIGITS: [[u8; 5]; 10] = [
     [7, 5, 7, 1, 7],
 ];
 
-/// A box and the number that is written beside it.
+/// Bounding box with its number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NumberedBox {
-    /// The number.
+    /// Number drawn at the centre, such as the track id.
     pub number: u64,
-    /// Camera frame.
+    /// Box in the camera frame.
     pub box_in_camera: OrientedBox,
 }
 
-/// The colours of an organised cloud with boxes as wire frames, as PNG. A box that
-/// reaches behind the camera is left out.
+/// Colour image of an organised cloud with wire-frame boxes, as PNG. Boxes that reach behind the
+/// camera are omitted.
 ///
 /// # Errors
-/// When the image can not be encoded.
+/// If the PNG encoder fails.
 pub fn draw(
     points: &[Point],
     camera: &PinholeCamera,
@@ -103,9 +103,9 @@ impl Canvas {
         }
     }
 
-    /// A line of two pixels' width.
+    /// Draws a line two pixels wide.
     fn line(&mut self, from: &Point2<f64>, to: &Point2<f64>, color: [u8; 3]) {
-        // Far outside of the image there is nothing to be drawn.
+        // Lines far outside the image need no more steps.
         let most = 4.0 * (self.width + self.height) as f64;
         let n_steps = (to - from).amax().min(most).ceil().max(1.0);
         for step in 0..=n_steps as usize {
@@ -117,7 +117,7 @@ impl Canvas {
         }
     }
 
-    /// Writes a number with its middle at a point, on black.
+    /// Draws a number centred at a point, on black.
     fn write(&mut self, number: u64, at: &Point2<f64>, color: [u8; 3]) {
         let text = number.to_string();
         let width_px = (4 * text.len() as i64 + 1) * DOT_PX;
@@ -179,10 +179,10 @@ mod tests {
     #[test]
     fn corners_are_where_they_are_seen_and_the_rest_stays() {
         let image = pixels(&[boxed(1.0)]);
-        // 585 px · 0.1 m / 0.9 m = 65 px from the principal point.
+        // Projection: 585 px * 0.1 m / 0.9 m = 65 px from the principal point.
         assert_eq!(at(&image, 385, 305), thing_color(120));
         assert_eq!(at(&image, 400, 305), [90; 3]);
-        // The number stands on black.
+        // The number's background is black.
         assert_eq!(at(&image, 319 - 18, 239 - 11), [0; 3]);
     }
 

@@ -1,26 +1,27 @@
-//! CLEAR MOT: which tracks are which objects, frame by frame, and how often that
-//! is wrong (Bernardin and Stiefelhagen 2008).
+//! CLEAR MOT metrics: frame-by-frame correspondence of tracks and ground truth, and MOTA
+//! (Bernardin and Stiefelhagen 2008).
 
 use nalgebra::Point3;
 use std::collections::BTreeMap;
 use tracking::{AssignmentBuffers, assign};
 
-/// Cost of an object left alone; so large that as many as possible are matched.
+/// Cost of leaving an object unmatched; large enough that the assignment matches as many as
+/// possible.
 const ALONE_COST: f64 = 1e6;
 
-/// An object or a track at its place in a frame.
+/// Position of an object or a track in a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Placed {
-    /// Number of the object, or track-id.
+    /// Object number or track id.
     pub id: u64,
-    /// Where it is, world frame, metres.
+    /// Position in the world frame, metres.
     pub position: Point3<f64>,
-    /// Whether it counts: an object that does not is no miss, and what is matched
-    /// with it is no false positive.
+    /// `true` if it is scored: an object that is not scored is no miss, and a track matched with
+    /// it is no false positive.
     pub counts: bool,
 }
 
-/// An object and the track that shows it, by their places in a frame's lists.
+/// Matched pair of object and track, by index in the frame's lists.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Match {
     /// Index of the object.
@@ -29,30 +30,30 @@ pub struct Match {
     pub track: usize,
 }
 
-/// Sums over frames.
+/// CLEAR MOT counts summed over frames.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct ClearMot {
-    /// Objects that count, over all frames.
+    /// Scored objects (ground-truth boxes) over all frames.
     pub n_objects: u64,
-    /// Tracks that are not matched with an object that does not count.
+    /// Tracks over all frames, except those matched with an object that is not scored.
     pub n_tracks: u64,
-    /// Objects that count and have no track.
+    /// Misses: scored objects without a track.
     pub n_misses: u64,
-    /// Tracks without an object.
+    /// False positives: tracks without an object.
     pub n_false_positives: u64,
-    /// Objects that have another track than the last time they counted.
+    /// Identity switches: scored objects matched with another track than the last time they were
+    /// scored.
     pub n_switches: u64,
 }
 
 impl ClearMot {
-    /// Multiple object tracking accuracy, at most 1, can be negative; `None`
-    /// without objects.
+    /// Multiple object tracking accuracy: at most 1, possibly negative; `None` without objects.
     pub fn mota(&self) -> Option<f64> {
         let n_errors = self.n_misses + self.n_false_positives + self.n_switches;
         (self.n_objects > 0).then(|| 1.0 - n_errors as f64 / self.n_objects as f64)
     }
 
-    /// Adds the sums of other frames.
+    /// Adds the counts of other frames.
     pub fn add(&mut self, other: &Self) {
         self.n_objects += other.n_objects;
         self.n_tracks += other.n_tracks;
@@ -62,14 +63,14 @@ impl ClearMot {
     }
 }
 
-/// Follows the correspondence of objects and tracks.
+/// Frame-to-frame correspondence of objects and tracks.
 #[derive(Debug)]
 pub struct Correspondence {
     gate_m: f64,
     sums: ClearMot,
-    /// The track that each object had last.
+    /// Track last matched with each object.
     last: BTreeMap<u64, u64>,
-    /// The same, when the object counted.
+    /// Track last matched with each object while it was scored.
     last_counted: BTreeMap<u64, u64>,
     costs: Vec<f64>,
     buffers: AssignmentBuffers,
@@ -77,7 +78,7 @@ pub struct Correspondence {
 }
 
 impl Correspondence {
-    /// Objects and tracks farther apart than the gate are never matched.
+    /// Correspondence with a gate: pairs farther apart than `gate_m` are never matched.
     pub fn new(gate_m: f64) -> Self {
         Self {
             gate_m,
@@ -90,14 +91,14 @@ impl Correspondence {
         }
     }
 
-    /// Sums over the frames so far.
+    /// Counts of the frames so far.
     pub fn sums(&self) -> ClearMot {
         self.sums
     }
 
-    /// Matches a frame's objects and tracks. A correspondence of before holds as
-    /// long as it is within the gate; the others are matched so that as many as
-    /// possible have one, at least sum of distances.
+    /// Matches the objects and tracks of the next frame. Previous matches are kept within the
+    /// gate; the rest are assigned one to one, as many as possible and with the least sum of
+    /// distances.
     pub fn step(&mut self, objects: &[Placed], tracks: &[Placed]) -> &[Match] {
         self.matches.clear();
         self.keep(objects, tracks);
@@ -213,7 +214,7 @@ mod tests {
                 let tracks = objects.iter().map(|o| Placed { id: o.id + 100, ..*o }).collect();
                 (objects, tracks)
             };
-            // Objects that meet may be exchanged at first; they never do when apart.
+            // Objects that meet may be exchanged, so only frames with separated objects are used.
             let apart = |xs: &Vec<f64>| (0..3).all(|i| (i + 1..3).all(|j| (xs[i] - xs[j]).abs() > 2.0 * GATE_M));
             let frames: Vec<_> = places.iter().filter(|xs| apart(xs)).map(frame).collect();
             let sums = sums(&frames);
@@ -262,7 +263,7 @@ mod tests {
 
     #[test]
     fn as_many_as_possible_are_matched() {
-        // The nearest pair would leave the other two alone.
+        // Greedy nearest-pair matching would leave the other pair unmatched.
         let objects = [at(1, 0.0), at(2, 0.04)];
         let tracks = [at(7, 0.05), at(8, 0.085)];
         let mut correspondence = Correspondence::new(GATE_M);

@@ -1,20 +1,20 @@
-//! The hypotheses of a detection as images of numbers.
+//! Label images of the segmentation hypotheses of a detection.
 
 use constraint::Truth;
 use detection::Detection;
 
-/// The number of each point's hypothesis, before ψ and after it.
+/// Hypothesis number of each point, before and after the constraints ψ.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct HypothesisImages {
-    /// All hypotheses, numbered from 1 as detection lists them; 0 is none.
+    /// All hypotheses, numbered from 1 in detection order; 0 for no hypothesis.
     pub before_psi: Vec<u16>,
-    /// Only those that pass, with the same numbers.
+    /// Only the hypotheses that satisfy ψ, with the same numbers.
     pub after_psi: Vec<u16>,
 }
 
 impl HypothesisImages {
-    /// Of a cloud of `n_points`; `None` when there are more hypotheses than
-    /// 16 bits can number.
+    /// Label images of a cloud of `n_points`; `None` if the hypotheses cannot be numbered in 16
+    /// bits.
     pub fn of(detection: &Detection, n_points: usize) -> Option<Self> {
         let mut images = Self {
             before_psi: vec![0; n_points],

@@ -1,9 +1,9 @@
-//! IDF1: how much of all that was seen has the right identity (Ristani et al. 2016).
+//! IDF1: F1 of identities over a whole sequence (Ristani et al. 2016).
 
 use std::collections::BTreeMap;
 use tracking::{AssignmentBuffers, assign};
 
-/// How often each object and each track were seen, and how often at the same place.
+/// Frame counts of each object, each track, and each pair at the same position.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct IdentityCounts {
     objects: BTreeMap<u64, u64>,
@@ -11,26 +11,27 @@ pub struct IdentityCounts {
     together: BTreeMap<(u64, u64), u64>,
 }
 
-/// What is left when each object has at most one track, the best for all.
+/// Identity score under the best global one-to-one assignment of tracks to objects.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct IdentityScore {
-    /// Frames in which an object's own track was at its place, over all objects.
+    /// Identity true positives (IDTP): frames in which an object's assigned track was at its
+    /// position.
     pub n_true_positives: u64,
-    /// Frames of all objects.
+    /// Total frames of all objects.
     pub n_objects: u64,
-    /// Frames of all tracks.
+    /// Total frames of all tracks.
     pub n_tracks: u64,
 }
 
 impl IdentityScore {
-    /// Harmonic mean of the share of the objects and of the tracks that have the
-    /// right identity, 0 to 1; `None` without objects and tracks.
+    /// IDF1, 0 to 1: harmonic mean of identity precision and recall; `None` without objects and
+    /// tracks.
     pub fn idf1(&self) -> Option<f64> {
         let n = self.n_objects + self.n_tracks;
         (n > 0).then(|| 2.0 * self.n_true_positives as f64 / n as f64)
     }
 
-    /// Adds the score of another recording, whose identities are others.
+    /// Adds the score of another sequence with other identities.
     pub fn add(&mut self, other: &Self) {
         self.n_true_positives += other.n_true_positives;
         self.n_objects += other.n_objects;
@@ -39,24 +40,22 @@ impl IdentityScore {
 }
 
 impl IdentityCounts {
-    /// Counts an object of a frame.
+    /// Counts a frame of an object.
     pub fn add_object(&mut self, object: u64) {
         *self.objects.entry(object).or_default() += 1;
     }
 
-    /// Counts a track of a frame.
+    /// Counts a frame of a track.
     pub fn add_track(&mut self, track: u64) {
         *self.tracks.entry(track).or_default() += 1;
     }
 
-    /// Counts that a track was at the place of an object, whether or not it was
-    /// matched with it.
+    /// Counts a frame in which a track was within the gate of an object, matched or not.
     pub fn add_together(&mut self, object: u64, track: u64) {
         *self.together.entry((object, track)).or_default() += 1;
     }
 
-    /// Gives each object at most one track, so that the sum of frames together is
-    /// greatest.
+    /// Best one-to-one assignment: maximises the total number of common frames.
     pub fn score(&self) -> IdentityScore {
         let most = self.together.values().copied().max().unwrap_or(0) as f64;
         let together = |object: &u64, track: &u64| {
@@ -89,7 +88,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// One track shows one object for some frames.
+    /// Counts of spans `(object, track, n_frames)` in which a track shows an object.
     fn counts(spans: &[(u64, u64, u64)]) -> IdentityCounts {
         let mut counts = IdentityCounts::default();
         for (object, track, n_frames) in spans {
@@ -110,7 +109,7 @@ mod tests {
 
     #[test]
     fn the_best_for_all_is_taken_not_the_best_for_one() {
-        // 7 with 1 is the longest, but with 2 and 8 with 1 more is right.
+        // Greedy matching of 7 with 1 would leave fewer right frames in total.
         let both = counts(&[(1, 7, 5), (1, 8, 4), (2, 7, 4)]);
         assert_eq!(both.score().n_true_positives, 8);
     }

@@ -1,21 +1,33 @@
-//! Experiments: what is measured, and how it is drawn.
+//! Evaluation metrics of detection, tracking and recognition, and their figures.
 //!
-//! Each experiment is a function from its parameters to its figures, and a
-//! function that draws them. The same parameters give the same figures.
+//! Each metric is a function from data to figures; the same input gives the same result.
 //!
-//! [`labelled_scenes`] reads scenes whose objects are known,
-//! [`segmentation_score`] says how well a detection agrees with them, and
-//! [`scene_picture`] and [`score_page`] show it. [`sensor_error`] compares the
-//! simulated sensor with the published law. [`tracking_score`] says how well tracks
-//! agree with the truth of [`tracked_frame`]s. [`open_ended`] and [`cross_validation`]
-//! say how well a [`recogniser`] learns views of objects, [`novelty_score`] how well it
-//! tells what it was never taught, and [`bootstrap`] how certain the figures of runs are.
+//! - Segmentation: [`labelled_scenes`] reads scenes with ground truth, [`segmentation_score`]
+//!   scores the hypotheses of [`hypothesis_image`], and [`scene_picture`] and [`score_page`] show
+//!   the result.
+//! - Tracking: [`tracking_score`] scores [`tracked_frame`]s by [`clear_mot`] and [`id_f1`],
+//!   [`track_drift`] measures jitter, [`true_shape`] gives ground-truth boxes, and
+//!   [`track_figure`] and [`box_picture`] show tracks.
+//! - Recognition: [`open_ended`] runs the simulated teacher and [`cross_validation`] k-fold
+//!   cross-validation over a [`recogniser`]; [`novelty_score`] measures open-set rejection.
+//! - Sensor: [`sensor_error`] compares the simulated Kinect's depth noise with the published
+//!   model, and [`memory_floor`] gives the cost of reading a cloud once.
 //!
-//! [`figure`] draws curves, also those of others.
+//! Statistics (percentiles, bootstrap confidence intervals) are in the crate `statistics`, charts
+//! and HTML pages in the crate `plot`.
 //!
-//! This crate never starts a process, never reads a clock, writes no file, and
-//! knows nothing of channels. Durations are measured by the caller and come in
-//! as numbers, see [`durations`].
+//! ```
+//! use evaluation::segmentation_score::{Overlaps, score};
+//!
+//! // One object (label 10) of 400 pixels, of which hypothesis 1 covers 300.
+//! let labels = vec![10_u16; 400];
+//! let hypotheses: Vec<u16> = (0..400).map(|pixel| u16::from(pixel < 300)).collect();
+//! let score = score(&Overlaps::count(&hypotheses, &labels)).unwrap();
+//! assert_eq!(score.wov, 0.75);
+//! ```
+//!
+//! Invariants: this crate starts no process, reads no clock, writes no file and knows no
+//! channels. Durations are measured by the caller and passed as numbers.
 
 pub mod box_picture;
 pub mod clear_mot;

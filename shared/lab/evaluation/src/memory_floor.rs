@@ -2,8 +2,7 @@
 
 use point_cloud::Point;
 
-/// Adds up the bytes of a cloud, eight at a time: the least that reading a
-/// cloud once can cost.
+/// Sum of the bytes of a cloud, eight at a time: the minimum work of reading a cloud once.
 pub fn sum_of_words(points: &[Point]) -> u64 {
     let word = |low: u32, high: u32| u64::from(low) | u64::from(high) << 32;
     points.iter().fold(0, |sum: u64, point| {

@@ -1,37 +1,35 @@
-//! How well what was never taught is told from the rest.
+//! Open-set metrics of novelty detection: AUROC, false-positive rate at 95 % recall, rejection
+//! rates.
 
 use crate::recogniser::Answer;
 
-/// The figures of open-set questions, whose category was never taught, beside the
-/// others.
+/// Open-set metrics: questions about categories that were never taught against known ones.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NoveltyScore {
-    /// Open-set questions.
+    /// Number of open-set questions.
     pub n: usize,
-    /// The others.
+    /// Number of questions about taught categories.
     pub n_known: usize,
-    /// Area under the receiver operating characteristic: how probable it is that an
-    /// open-set view has a greater novelty than a view of a taught category, ties
-    /// counting half.
+    /// Area under the ROC curve: probability that an open-set view has a greater novelty than a
+    /// view of a taught category, ties counting half.
     pub auroc: f64,
-    /// Share of the views of taught categories that have at least the novelty which 95
-    /// of 100 open-set views have.
+    /// False-positive rate at 95 % recall: share of known views with at least the novelty that 95
+    /// % of the open-set views reach.
     pub false_alarms_at_95: f64,
-    /// Share of the open-set questions that were answered with "unknown".
+    /// Share of open-set questions answered with "unknown" (right rejections).
     pub rejected: f64,
-    /// The same of the other questions.
+    /// Share of known questions answered with "unknown" (wrong rejections).
     pub known_rejected: f64,
 }
 
 impl NoveltyScore {
-    /// Of the answers to open-set questions and to the others; `None` when either kind
-    /// lacks.
+    /// Metrics of the answers to open-set and to known questions; `None` if either is empty.
     pub fn of(open: &[Answer], known: &[Answer]) -> Option<Self> {
         if open.is_empty() || known.is_empty() {
             return None;
         }
         let (open_novelties, known_novelties) = (sorted_novelties(open), sorted_novelties(known));
-        // 95 of 100 are at least as great as this one.
+        // Novelty that 95 % of the open-set views reach.
         let n_not_found = open.len() - (0.95 * open.len() as f64).ceil() as usize;
         let threshold = open_novelties[n_not_found];
         let n_quiet = known_novelties.partition_point(|&novelty| novelty < threshold);
@@ -57,7 +55,7 @@ fn rejected(answers: &[Answer]) -> f64 {
     rejected.count() as f64 / answers.len() as f64
 }
 
-/// Share of the pairs in which the first is greater; the second is sorted.
+/// Mann-Whitney estimate of the AUROC; `known` is in ascending order.
 fn auroc(open: &[f32], known: &[f32]) -> f64 {
     let n_pairs_won = |&novelty: &f32| {
         let n_below = known.partition_point(|&other| other < novelty);
@@ -90,7 +88,8 @@ mod tests {
             novelties.map(answer).collect::<Vec<_>>()
         };
         let open = answers(&mut (0..100).map(|i| 10.0 + i as f32), None);
-        // 15 and more are beyond: 95 of the open ones, and 5 of the known ones.
+        // Novelty 15 and more is above the threshold: 95 of the open-set views, 5 of the known
+        // ones.
         let known = answers(&mut (0..20).map(|i| i as f32), Some(1));
         let score = NoveltyScore::of(&open, &known).unwrap();
         assert_eq!(score.false_alarms_at_95, 0.25);

@@ -1,38 +1,36 @@
-//! What learns and recognises in an experiment.
+//! Interface of a recogniser under evaluation.
 
-/// A view of a data set, with what is known of it.
+/// Ground truth of a view of a data set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LabelledView {
-    /// Number of its category; the categories of a data set count from 0.
+    /// Category number; the categories of a data set count from 0.
     pub category: u32,
-    /// Number of the object among those of its category, if known.
+    /// Object number within the category, if known.
     pub instance: Option<u32>,
 }
 
-/// Says what a view shows, by the views that it was taught. Views are known by
-/// their index in the data set.
+/// Recogniser under evaluation. Views are identified by their index in the data set.
 pub trait Recogniser {
-    /// Learns that a view shows this category.
+    /// Trains on a view of the given category.
     fn teach(&mut self, category: u32, view: usize);
 
-    /// Says what a view shows. Never learns from it.
+    /// Classifies a view. Never learns from it.
     fn ask(&mut self, view: usize) -> Answer;
 }
 
-/// What a recogniser says of a view.
+/// Answer of a recogniser to a view.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Answer {
-    /// The category; `None` is "unknown".
+    /// Recognised category; `None` is "unknown".
     pub category: Option<u32>,
-    /// How far the view is from the nearest that was taught, in the unit of the
-    /// recogniser.
+    /// Distance to the nearest taught view, in the recogniser's unit.
     pub distance: f32,
-    /// The greater, the less the view is like anything that was taught; the distance
-    /// where nothing better is known.
+    /// Novelty: larger means less similar to anything taught. Equal to the distance if the
+    /// recogniser has no better measure.
     pub novelty: f32,
 }
 
-/// The indices of the views of each category, by its number.
+/// View indices grouped by category number.
 pub(crate) fn by_category(views: &[LabelledView]) -> Vec<(u32, Vec<usize>)> {
     let mut sorted: Vec<usize> = (0..views.len()).collect();
     sorted.sort_by_key(|&view| views[view].category);

@@ -1,4 +1,4 @@
-//! A scene as colour, truth and result, side by side.
+//! Side-by-side picture of a scene: colour, ground truth, result, as PNG.
 
 use crate::hypothesis_image::HypothesisImages;
 use crate::labelled_scenes::LabelledScene;
@@ -8,38 +8,39 @@ use geometry::PinholeCamera;
 use png::{BitDepth, ColorType, EncodingError};
 use point_cloud::Point;
 
-/// Points this near to the plane within its polygon are painted as table, metres.
+/// Distance from the table plane, within its polygon, painted as table, metres.
 const TABLE_BAND_M: f64 = 0.01;
-/// Width of the gap between the pictures, pixels.
+/// Gap between the panels, pixels.
 const GAP_PX: usize = 4;
-/// Width of a stripe on what ψ ignores, pixels.
+/// Width of the stripes on hypotheses that ψ ignores, pixels.
 const STRIPE_PX: usize = 5;
 const GAP_COLOR: [u8; 3] = [255; 3];
 const TABLE_COLOR: [u8; 3] = [70, 190, 90];
-/// Hypotheses too small to count.
+/// Colour of hypotheses too small to count.
 const SMALL_COLOR: [u8; 3] = [150; 3];
-/// What unorganised clouds are drawn with.
+/// Camera model for drawing unorganised clouds.
 const CAMERA: PinholeCamera = PinholeCamera::KINECT_V1;
 
-/// What is painted over a pixel.
+/// Overlay of a pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Paint {
     Nothing,
     Table,
-    /// A thing in a colour of its own.
+    /// Object or hypothesis, in its own colour.
     Thing([u8; 3]),
-    /// A hypothesis that ψ ignores.
+    /// Hypothesis that ψ ignores, striped.
     Ignored([u8; 3]),
 }
 
-/// Draws a scene as PNG: the colour image; the labelled objects; the hypotheses,
-/// each in the colour of the object that it is matched with. The table, in the
-/// truth whatever is labelled and no object, is green; what ψ ignores is striped,
-/// what is too small to count is grey, and what has no depth is dark. An
-/// unorganised cloud is drawn as a Kinect would see it.
+/// Draws a scene as PNG in three panels: the colour image, the labelled objects, and the
+/// hypotheses in the colours of their matched objects.
+///
+/// The table (in the ground truth: whatever is labelled and no object) is green, hypotheses that
+/// ψ ignores are striped, those too small to count are grey, and points without depth are dark.
+/// An unorganised cloud is projected into a Kinect's image.
 ///
 /// # Errors
-/// When the image can not be encoded.
+/// If the PNG encoder fails.
 pub fn draw(
     scene: &LabelledScene,
     table: Option<&Table>,
@@ -100,7 +101,7 @@ fn paint_result(
 ) -> Vec<Paint> {
     let matches = overlaps.matches();
     let object_of = |h: usize| matches.iter().position(|matched| *matched == Some(h));
-    // What is matched with no object has colours behind those of the objects.
+    // Unmatched hypotheses get the colours after those of the objects.
     let colors: Vec<[u8; 3]> = (0..overlaps.numbers().len())
         .map(|h| thing_color(object_of(h).unwrap_or(matches.len() + h)))
         .collect();
@@ -142,7 +143,7 @@ fn painted(point: &Point, paint: Paint, is_stripe: bool) -> [u8; 3] {
     }
 }
 
-/// Colours that differ from each other and from the table's.
+/// Qualitative palette that differs from the table's colour.
 pub(crate) fn thing_color(index: usize) -> [u8; 3] {
     const COLORS: [[u8; 3]; 12] = [
         [230, 25, 35],
@@ -161,11 +162,11 @@ pub(crate) fn thing_color(index: usize) -> [u8; 3] {
     COLORS[index % COLORS.len()]
 }
 
-/// Which point is seen in each pixel.
+/// Index of the point seen in each pixel.
 struct Grid {
     width: usize,
     height: usize,
-    /// Of an unorganised cloud only.
+    /// Nearest point of each pixel; `None` for an organised cloud.
     nearest: Option<Vec<Option<usize>>>,
 }
 
@@ -216,7 +217,7 @@ mod tests {
     use point_cloud::Rgba;
     use std::io::Cursor;
 
-    /// Columns of 120 points: invalid, table, an object, and an object.
+    /// Columns of 120 points: invalid, table, object, object.
     fn scene(width: usize, height: usize) -> LabelledScene {
         let labels: Vec<u16> = (0..480).map(|i| [0, 1, 20, 30][i % 4]).collect();
         let point = |(i, &label): (usize, &u16)| {
@@ -241,9 +242,9 @@ mod tests {
         }
     }
 
-    /// The picture's size and pixels of: colour, truth, result.
+    /// Size of the picture, and a pixel's colour in each of the three panels.
     fn pixels(scene: &LabelledScene, column: usize) -> ((u32, u32), [[u8; 3]; 3]) {
-        // The objects change their places; the second hypothesis is ignored.
+        // Swapped hypothesis numbers; the second hypothesis is ignored.
         let before_psi: Vec<u16> = scene
             .labels
             .iter()
@@ -307,7 +308,7 @@ mod tests {
             assert_eq!(size, (3 * 640 + 2 * GAP_PX as u32, 480));
             assert_eq!(colors, pixels(&organised, column).1);
         }
-        // Nobody sees a point without depth.
+        // Points without depth are not projected.
         assert_eq!(pixels(&unorganised, 0).1, [[0; 3]; 3]);
     }
 

@@ -1,4 +1,4 @@
-//! Scores and pictures of scenes as a page of HTML.
+//! HTML page of segmentation scores and scene pictures.
 
 use crate::segmentation_score::{MEASURE_NAMES, SegmentationScore};
 use plot::page::{self, escaped, linked_picture};
@@ -8,45 +8,44 @@ const LEGEND: &str = "<h2>Scenes, worst first</h2>\n<p>Left the colour image, in
     with. Green is the table, in the truth whatever is labelled and no object; striped is what ψ \
     ignores, grey what is too small to count, dark what has no depth.</p>";
 
-/// One line of a table on top: a name, how many scenes, their means.
+/// Row of a score table: name, number of scenes, mean scores.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScoreLine {
-    /// What the scenes have in common.
+    /// Name of the group of scenes.
     pub name: String,
-    /// How many there are.
+    /// Number of scenes.
     pub n_scenes: usize,
-    /// Their means.
-    pub score: SegmentationScore,
-    /// Median duration of detection on them, milliseconds.
-    pub detection_ms: f64,
-}
-
-/// Means over all scenes and over parts of them.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ScoreTable {
-    /// What is scored.
-    pub title: String,
-    /// The rows.
-    pub lines: Vec<ScoreLine>,
-}
-
-/// A scene and its picture.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PicturedScene {
-    /// Its name.
-    pub name: String,
-    /// Its group.
-    pub group: String,
-    /// Its scores.
+    /// Mean scores.
     pub score: SegmentationScore,
     /// Median duration of detection, milliseconds.
     pub detection_ms: f64,
-    /// Where the picture is, relative to the page; plain text.
+}
+
+/// Mean scores over all scenes and over groups.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScoreTable {
+    /// Title of the table.
+    pub title: String,
+    /// Rows of the table.
+    pub lines: Vec<ScoreLine>,
+}
+
+/// Scene with its picture and scores.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PicturedScene {
+    /// Name of the scene.
+    pub name: String,
+    /// Group of the scene.
+    pub group: String,
+    /// Scores of the scene.
+    pub score: SegmentationScore,
+    /// Median duration of detection, milliseconds.
+    pub detection_ms: f64,
+    /// Path of the picture, relative to the page; plain text.
     pub picture: String,
 }
 
-/// A page that needs no other file but the pictures. Scenes stand in the order
-/// in which they are given.
+/// HTML page that depends on no other file but the pictures; scenes stay in the given order.
 pub fn html(
     title: &str,
     notes: &[String],
@@ -83,7 +82,7 @@ fn table(ScoreTable { title, lines }: &ScoreTable) -> String {
     rows.join("\n")
 }
 
-/// The measures in percent.
+/// Scores in percent.
 fn percent(score: &SegmentationScore) -> Vec<String> {
     let values = score.values();
     let percent = values.iter().map(|value| format!("{:.1}", 100.0 * value));
@@ -153,7 +152,7 @@ mod tests {
         }
         assert!(!page.contains("<b>#1"));
         assert!(!page.contains("http"));
-        // The order is the caller's.
+        // Scenes stay in the caller's order.
         assert!(page.find("%231.png") < page.find("learn2.png"));
     }
 }

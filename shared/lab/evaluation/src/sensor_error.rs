@@ -1,8 +1,8 @@
-//! The simulated Kinect's depth noise beside the published law.
+//! Depth noise of the simulated Kinect against the published axial noise model.
 //!
-//! A plane is looked at from 0.5 to 3.5 m, and turned away up to 75 degrees at
-//! 1.2 m; the spread of its measured depth is compared with the axial noise that
-//! Nguyen, Izadi and Lovell (2012) measured of a Kinect v1.
+//! A plane is rendered from 0.5 to 3.5 m, and at 1.2 m with a tilt of up to 75 degrees; the
+//! standard deviation of its depth is compared with the axial noise that Nguyen, Izadi and Lovell
+//! (2012) measured for the Kinect v1.
 
 use geometry::{PinholeCamera, RigidTransform};
 use mesh::{Surface, Triangle, TriangleMesh, Vertex};
@@ -14,42 +14,42 @@ use rendering::{Error, Instance, PreparedMesh, Rasterizer};
 use std::fmt::Write;
 
 const CAMERA: PinholeCamera = PinholeCamera::KINECT_V1;
-/// Pictures of each placement of the plane.
+/// Number of frames per placement of the plane.
 const N_FRAMES: u64 = 30;
-/// Half a side of the block of pixels in the middle that is measured.
+/// Half the side of the evaluated block of central pixels.
 const HALF_BLOCK_PX: usize = 24;
-/// Distance at which the plane is turned away, metres.
+/// Distance at which the plane is tilted, metres.
 const TURNED_AT_M: f64 = 1.2;
 
-/// One placement of the plane.
+/// Depth noise at one placement of the plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SpreadOfDepth {
     /// Distance along the optical axis, metres.
     pub z_m: f64,
     /// Angle between the plane's normal and the optical axis, degrees.
     pub angle_deg: f64,
-    /// Standard deviation by the published law, metres.
+    /// Standard deviation of the published model, metres.
     pub published_m: f64,
     /// Standard deviation of the simulated depth, metres.
     pub measured_m: f64,
 }
 
-/// The figures: spread against distance, then against angle.
+/// Depth noise over distance and over angle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SensorError {
-    /// Facing the plane.
+    /// Sweep over distance, facing the plane.
     pub by_distance: Vec<SpreadOfDepth>,
-    /// At 1.2 m.
+    /// Sweep over angle at 1.2 m.
     pub by_angle: Vec<SpreadOfDepth>,
 }
 
-/// Number of placements that [`measure`] looks at.
+/// Number of placements measured by [`measure`].
 pub const N_PLACEMENTS: usize = 31 + 26;
 
-/// Measures all placements; `progress` is called after each.
+/// Measures the depth noise at all placements; `progress` is called after each.
 ///
 /// # Errors
-/// When the renderer refuses its own nominal camera.
+/// If the renderer rejects its own nominal camera.
 pub fn measure(mut progress: impl FnMut()) -> Result<SensorError, Error> {
     let mut spread = |z_m: f64, angle_deg: f64| {
         let angle_rad = angle_deg.to_radians();
@@ -73,12 +73,12 @@ pub fn measure(mut progress: impl FnMut()) -> Result<SensorError, Error> {
 }
 
 impl SensorError {
-    /// The figures as a table with a heading, comma-separated.
+    /// Table with a header row, comma-separated (CSV).
     pub fn csv(&self) -> String {
         let mut table = String::from("z_m,angle_deg,published_mm,measured_mm\n");
         for row in self.by_distance.iter().chain(&self.by_angle) {
             let (published_mm, measured_mm) = (row.published_m * 1e3, row.measured_m * 1e3);
-            // Writing to a string can not fail.
+            // Writing to a string cannot fail.
             let _ = writeln!(
                 table,
                 "{:.2},{:.0},{published_mm:.3},{measured_mm:.3}",
@@ -88,10 +88,10 @@ impl SensorError {
         table
     }
 
-    /// Draws both sweeps as SVG.
+    /// Both sweeps as SVG.
     ///
     /// # Errors
-    /// When the drawing library fails.
+    /// If the plotting library fails.
     pub fn svg(&self) -> Result<String, DrawingError> {
         side_by_side(&[
             diagram(
@@ -146,12 +146,12 @@ fn diagram<'a>(
     }
 }
 
-/// Standard deviation of measured from exact depth around the image's centre.
+/// Standard deviation of the depth error in the central block.
 fn measured_sigma_m(z_m: f64, angle_rad: f64) -> Result<f64, Error> {
     let mesh = PreparedMesh::new(&plane());
     let mut rasterizer = Rasterizer::new(CAMERA)?;
     let mut camera_from_plane = RigidTransform::translation(0.0, 0.0, z_m);
-    // The plane looks along its z, which must point back at the camera.
+    // The plane's normal is its z axis, which must point at the camera.
     camera_from_plane.rotation =
         UnitQuaternion::from_axis_angle(&Vector3::y_axis(), std::f64::consts::PI - angle_rad);
     let image = rasterizer.render(&[Instance::new(&mesh, camera_from_plane, 1)]);
@@ -172,7 +172,7 @@ fn measured_sigma_m(z_m: f64, angle_rad: f64) -> Result<f64, Error> {
     Ok(standard_deviation(&errors))
 }
 
-/// Pixels around the image's centre.
+/// Indices of the central pixels.
 fn block() -> impl Iterator<Item = usize> {
     let width = CAMERA.width as usize;
     let (column, row) = (width / 2, CAMERA.height as usize / 2);
@@ -189,7 +189,7 @@ fn standard_deviation(values: &[f64]) -> f64 {
     (squares.sum::<f64>() / n).sqrt()
 }
 
-/// A large square around the origin that looks along z.
+/// Large square around the origin with normal z.
 fn plane() -> TriangleMesh {
     let corners = [(-20.0, -20.0), (20.0, -20.0), (20.0, 20.0), (-20.0, 20.0)];
     TriangleMesh {

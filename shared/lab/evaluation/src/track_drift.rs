@@ -1,30 +1,30 @@
-//! How still the tracks of things at rest are.
+//! Drift and jitter of the tracks of static objects.
 
 use crate::tracked_frame::TrackedFrame;
 use nalgebra::{Point3, Vector3};
 use statistics::spread::Spread;
 use std::collections::BTreeMap;
 
-/// One track over a recording.
+/// Life span and drift of a track.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrackSpan {
-    /// The track-id.
+    /// Track id.
     pub id: u64,
-    /// Index of the first frame in which it was seen and believed.
+    /// Index of the first frame in which the track was output.
     pub first_frame: usize,
-    /// Index of the last such frame.
+    /// Index of the last frame in which the track was output.
     pub last_frame: usize,
-    /// How many there are.
+    /// Number of frames in which the track was output.
     pub n_frames: usize,
-    /// Median of its centre, each axis for itself, world frame, metres.
+    /// Component-wise median of the box centre, world frame, metres.
     pub centre: Point3<f64>,
-    /// Greatest distance of its centre from there, metres.
+    /// Maximum distance of the centre from its median, metres.
     pub drift_m: f64,
-    /// Standard deviation of its centre, all axes together, metres.
+    /// Standard deviation of the centre over all axes, metres.
     pub sigma_m: f64,
 }
 
-/// The tracks of a recording that were seen and believed, by track-id.
+/// Spans of all output tracks of a recording, by track id.
 pub fn track_spans(frames: &[TrackedFrame]) -> Vec<TrackSpan> {
     let mut seen: BTreeMap<u64, Vec<(usize, Point3<f64>)>> = BTreeMap::new();
     for (index, frame) in frames.iter().enumerate() {
@@ -108,7 +108,7 @@ mod tests {
         );
         assert!((first.centre - Point3::new(0.0, 1.0, 0.8)).norm() < 1e-12);
         assert!((first.drift_m - 0.03).abs() < 1e-12);
-        // 0, 0 and 30 mm: 10² · (1 + 1 + 4) / 3.
+        // Offsets of 0, 0 and 30 mm: variance 10^2 (1 + 1 + 4) / 3.
         assert!((first.sigma_m - 0.01 * 2_f64.sqrt()).abs() < 1e-12);
         assert_eq!(
             (other.n_frames, other.drift_m, other.sigma_m),

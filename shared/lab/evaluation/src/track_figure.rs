@@ -1,4 +1,4 @@
-//! Tracks as a figure: the table from above, and who was seen when.
+//! Track figure as SVG: trajectories from above, and a timeline of track ids.
 
 mod of_run;
 
@@ -12,67 +12,67 @@ use plotters::prelude::{
 };
 use std::ops::Range;
 
-/// Size of the view from above, pixels.
+/// Size of the top view, pixels.
 const VIEW_PX: (u32, u32) = (640, 460);
 /// Width of the timeline, pixels.
 const TIMELINE_PX: u32 = 660;
-/// What margins, labels and caption take from the view, pixels.
+/// Margins, labels and caption of the top view, pixels.
 const FRAME_PX: (u32, u32) = (76, 90);
-/// Share of the timeline's length that its names take.
+/// Share of the timeline's length reserved for names.
 const NAMES_SHARE: f64 = 0.24;
-/// Greatest number of rows that is drawn.
+/// Maximum number of rows drawn.
 const MOST_ROWS: usize = 120;
 /// Height of a row of the timeline, pixels.
 const ROW_PX: u32 = 19;
 
-/// Whose line it is.
+/// Source of a trajectory or timeline span: ground truth or a track.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Who {
-    /// A true object.
+    /// Ground-truth object that is scored.
     Truth,
-    /// The same where it does not count.
+    /// Ground-truth object in frames that are not scored.
     DoubtfulTruth,
-    /// A track, by its id.
+    /// Track, by its id.
     Track(u64),
 }
 
-/// A way over the table.
+/// Trajectory over the table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Way {
-    /// Whose.
+    /// Source of the trajectory.
     pub who: Who,
     /// World x and y, metres.
     pub points: Vec<(f64, f64)>,
 }
 
-/// A time in which something was so.
+/// Time span in a row of the timeline.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Span {
-    /// Who was seen.
+    /// Source that was seen.
     pub who: Who,
-    /// Seconds.
+    /// Begin and end, seconds.
     pub time_s: Range<f64>,
 }
 
-/// One line of the timeline.
+/// Row of the timeline.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
-    /// Its name.
+    /// Name of the row.
     pub name: String,
-    /// What was when, in the order of drawing.
+    /// Spans in drawing order.
     pub spans: Vec<Span>,
 }
 
-/// A figure of one run.
+/// Trajectories and timeline of one run.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TrackFigure {
-    /// What it shows.
+    /// Caption.
     pub title: String,
-    /// Ways, in the order of drawing.
+    /// Trajectories in drawing order.
     pub ways: Vec<Way>,
-    /// The timeline from top to bottom.
+    /// Rows of the timeline, top to bottom.
     pub rows: Vec<Row>,
-    /// Its length, seconds.
+    /// Length of the timeline, seconds.
     pub duration_s: f64,
 }
 
@@ -97,10 +97,10 @@ impl Who {
 }
 
 impl TrackFigure {
-    /// The figure as SVG.
+    /// Figure as SVG text.
     ///
     /// # Errors
-    /// When the drawing library fails.
+    /// If the plotting library fails.
     pub fn svg(&self) -> Result<String, DrawingError> {
         let n_rows = self.rows.len().min(MOST_ROWS);
         let height_px = VIEW_PX.1.max(n_rows as u32 * ROW_PX + FRAME_PX.1);
@@ -156,7 +156,7 @@ impl TrackFigure {
         Ok(())
     }
 
-    /// Ranges around all ways with the same scale for x and y.
+    /// Axis ranges around all trajectories with equal scales.
     fn ranges(&self, height_px: u32) -> (Range<f64>, Range<f64>) {
         let points = || self.ways.iter().flat_map(|way| &way.points);
         let range = |values: &mut dyn Iterator<Item = f64>| {

@@ -1,32 +1,34 @@
-//! What is truly there in a frame, and what the tracker says of it.
+//! Ground truth and tracker output of one frame.
 
 use crate::clear_mot::Placed;
 use crate::true_shape::Symmetry;
 use geometry::{OrientedBox, RigidTransform};
 
-/// One object as it truly is.
+/// Ground truth of an object in a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrueObject {
-    /// Number in the scene.
+    /// Object number in the scene.
     pub id: u64,
-    /// Its pose.
+    /// Pose of the object.
     pub world_from_object: RigidTransform,
-    /// The upright box around its whole surface, world frame.
+    /// Upright bounding box of the whole surface, world frame.
     pub whole_box: OrientedBox,
-    /// The upright box around what was seen of it so far; `None` before anything was.
+    /// Upright bounding box of the surface seen so far, world frame; `None` before anything was
+    /// seen.
     pub seen_box: Option<OrientedBox>,
-    /// Turns that leave its box as it is.
+    /// Rotations that leave the box unchanged.
     pub symmetry: Symmetry,
     /// Distance from the camera, metres.
     pub range_m: f64,
-    /// Whether it shows a pixel.
+    /// `true` if at least one pixel shows the object.
     pub is_visible: bool,
-    /// Whether it must be tracked: enough of it is seen.
+    /// `true` if enough is visible that it must be tracked; only then it is scored.
     pub counts: bool,
 }
 
 impl TrueObject {
-    /// The box that a tracker can know of.
+    /// Reference box of the comparison: of the surface seen so far, otherwise of the whole
+    /// surface.
     pub fn reference_box(&self) -> &OrientedBox {
         self.seen_box.as_ref().unwrap_or(&self.whole_box)
     }
@@ -40,14 +42,14 @@ impl TrueObject {
     }
 }
 
-/// One track as it is published.
+/// Published state of a track.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrackState {
-    /// The track-id.
+    /// Track id.
     pub id: u64,
-    /// Whether it was seen in this frame and is believed; only such are compared.
+    /// `true` if the track is confirmed and was seen in this frame; only such tracks are scored.
     pub is_output: bool,
-    /// Its box, world frame.
+    /// Bounding box in the world frame.
     pub box_in_world: OrientedBox,
 }
 
@@ -61,15 +63,15 @@ impl TrackState {
     }
 }
 
-/// One frame.
+/// Ground truth and tracks of one frame.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TrackedFrame {
-    /// Since the beginning, seconds.
+    /// Time since the start of the run, seconds.
     pub time_s: f64,
-    /// The objects that are in the scene.
+    /// Objects in the scene.
     pub objects: Vec<TrueObject>,
     /// All live tracks.
     pub tracks: Vec<TrackState>,
-    /// Tracks that ended in this frame.
+    /// Ids of the tracks that ended in this frame.
     pub ended: Vec<u64>,
 }

@@ -1,4 +1,4 @@
-//! How well tracks agree with the truth.
+//! Tracking metrics of a run: MOTA, IDF1, pose errors, flips, lost tracks.
 
 use crate::clear_mot::{ClearMot, Correspondence, Match, Placed};
 use crate::id_f1::{IdentityCounts, IdentityScore};
@@ -6,64 +6,64 @@ use crate::tracked_frame::{TrackState, TrackedFrame, TrueObject};
 use crate::true_shape::Symmetry;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Objects and tracks whose boxes' centres are farther apart are never matched, metres.
+/// Gate of the matching: maximum distance of the box centres, metres.
 pub const GATE_M: f64 = 0.05;
-/// An orientation that jumps by more than this against the object is a flip, radians.
+/// Minimum jump of a track's orientation relative to its object that counts as a flip, radians.
 const FLIP_RAD: f64 = std::f64::consts::PI / 6.0;
-/// What counts as 1 m away, metres.
+/// Distances from the camera counted as 1 m, metres.
 const ONE_METRE: std::ops::RangeInclusive<f64> = 0.8..=1.2;
 
-/// Figures of one run, or of several.
+/// Tracking metrics of one run or of several.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct TrackingScore {
-    /// Sums over frames.
+    /// CLEAR MOT counts.
     pub mot: ClearMot,
-    /// Identities.
+    /// Identity score.
     pub identity: IdentityScore,
-    /// Of each matched track that is seen, from the box of the surface seen so far.
+    /// Errors of matched tracks, relative to the box of the surface seen so far.
     pub errors: Errors,
-    /// Frames in which a published orientation jumped against its object.
+    /// Number of frames in which a published orientation jumped relative to its object.
     pub n_flips: u64,
-    /// Objects that counted in at least one frame.
+    /// Number of objects scored in at least one frame.
     pub n_objects: usize,
-    /// Tracks that were believed and seen at least once.
+    /// Number of tracks that were output at least once.
     pub n_tracks: usize,
-    /// Such tracks that never were at an object that counts.
+    /// Number of output tracks never matched with a scored object.
     pub n_tracks_of_nothing: usize,
-    /// Tracks that ended although their object was to be tracked later on.
+    /// Number of tracks that ended although their object was scored later.
     pub n_lost: usize,
-    /// Different tracks of each object, summed over objects.
+    /// Number of distinct tracks per object, summed over objects.
     pub n_ids: usize,
-    /// From the last frame in which a removed object was visible to the end of its
-    /// track, seconds; `None` when it never ended.
+    /// Delay of removal for each removed object, seconds: from the last frame in which it was
+    /// visible to the end of its track; `None` if the track never ended.
     pub removed_after_s: Vec<Option<f64>>,
 }
 
-/// Errors of single frames.
+/// Pose errors of single frames.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Errors {
-    /// Distance of the centres, millimetres.
+    /// Distance between the box centres, millimetres.
     pub centre_mm: Vec<f64>,
-    /// The same of objects 0.8 to 1.2 m away.
+    /// Distance between the box centres for objects 0.8 to 1.2 m away, millimetres.
     pub centre_at_1_m_mm: Vec<f64>,
-    /// Its part along the table.
+    /// Horizontal component of the centre error, millimetres.
     pub horizontal_mm: Vec<f64>,
-    /// Its part along the vertical, positive when the track is too high.
+    /// Vertical component of the centre error, positive if the track is too high, millimetres.
     pub vertical_mm: Vec<f64>,
     /// Distance from the centre of the whole object's box, millimetres.
     pub whole_mm: Vec<f64>,
-    /// Deviation from the whole object's box, up to its symmetry, degrees.
+    /// Orientation error relative to the whole object's box, up to its symmetry, degrees.
     pub orientation_deg: Vec<f64>,
-    /// The same of objects whose footprint has a direction.
+    /// Orientation error of objects whose footprint has a direction, degrees.
     pub angular_deg: Vec<f64>,
-    /// Of the same the deviation up to quarter turns: an error that remains when it
-    /// does not matter which side is the longer one.
+    /// Orientation error of objects with a direction up to quarter turns, degrees: the error left
+    /// if the longer side is not identified.
     pub up_to_quarter_deg: Vec<f64>,
 }
 
 impl TrackingScore {
-    /// Of the frames of one run, in their order. Also the matches of each frame,
-    /// which are indices of its objects and tracks.
+    /// Metrics of the frames of one run in order, and the matches of each frame as indices of its
+    /// objects and tracks.
     pub fn of(frames: &[TrackedFrame]) -> (Self, Vec<Vec<Match>>) {
         let mut scorer = Scorer::new();
         let matches: Vec<Vec<Match>> = frames.iter().map(|frame| scorer.step(frame)).collect();
@@ -71,7 +71,7 @@ impl TrackingScore {
         (scorer.score, matches)
     }
 
-    /// Adds the figures of another run.
+    /// Adds the metrics of another run.
     pub fn add(&mut self, other: &Self) {
         self.mot.add(&other.mot);
         self.identity.add(&other.identity);
@@ -85,7 +85,7 @@ impl TrackingScore {
         self.removed_after_s.extend(&other.removed_after_s);
     }
 
-    /// Tracks lost for each object; `None` without objects.
+    /// Lost tracks per object; `None` without objects.
     pub fn lost(&self) -> Option<f64> {
         (self.n_objects > 0).then(|| self.n_lost as f64 / self.n_objects as f64)
     }
@@ -141,14 +141,14 @@ impl Errors {
     }
 }
 
-/// Follows a run.
+/// Accumulator over the frames of a run.
 struct Scorer {
     score: TrackingScore,
     correspondence: Correspondence,
     identities: IdentityCounts,
-    /// The object that each track showed last.
+    /// Object that each track showed last.
     object_of: BTreeMap<u64, u64>,
-    /// Pairs of the last frame, with what they were like.
+    /// Matched pairs of the previous frame.
     last_pairs: Vec<(TrueObject, TrackState)>,
     ids_of_object: BTreeMap<u64, BTreeSet<u64>>,
     believed: BTreeSet<u64>,
@@ -244,7 +244,7 @@ impl Scorer {
     }
 }
 
-/// By how much the orientation of a track has turned against its object's, radians.
+/// Rotation of a track relative to its object between two frames, radians.
 fn jump_rad(before: &(TrueObject, TrackState), after: &(TrueObject, TrackState)) -> f64 {
     let object_from_box = |(object, track): &(TrueObject, TrackState)| {
         object.world_from_object.rotation.inverse() * track.box_in_world.frame_from_box.rotation
@@ -252,7 +252,7 @@ fn jump_rad(before: &(TrueObject, TrackState), after: &(TrueObject, TrackState))
     object_from_box(before).angle_to(&object_from_box(after))
 }
 
-/// Tracks that ended before the last frame in which their object counts.
+/// Number of tracks that ended before the last frame in which their object is scored.
 fn n_lost(frames: &[TrackedFrame], object_of: &BTreeMap<u64, u64>) -> usize {
     let mut last_counted: BTreeMap<u64, usize> = BTreeMap::new();
     for (index, frame) in frames.iter().enumerate() {
@@ -272,7 +272,7 @@ fn n_lost(frames: &[TrackedFrame], object_of: &BTreeMap<u64, u64>) -> usize {
         .count()
 }
 
-/// How long the tracks of objects that went away live on.
+/// Delays from an object's last visible frame to the end of its tracks, seconds.
 fn removed_after_s(frames: &[TrackedFrame], object_of: &BTreeMap<u64, u64>) -> Vec<Option<f64>> {
     let Some(last) = frames.last() else {
         return Vec::new();
@@ -292,7 +292,7 @@ fn removed_after_s(frames: &[TrackedFrame], object_of: &BTreeMap<u64, u64>) -> V
             match end {
                 None => waits_s.push(None),
                 Some(end) if end.time_s >= *visible_s => waits_s.push(Some(end.time_s - visible_s)),
-                // It had been lost before.
+                // Tracks that ended earlier were lost before.
                 Some(_) => {}
             }
         }

@@ -1,4 +1,4 @@
-//! What is known of a simulated object: its whole shape, and what was seen of it.
+//! Ground-truth shape of a simulated object: whole surface, seen surface, symmetry.
 
 use crate::upright_outline::UprightOutline;
 use geometry::{OrientedBox, RigidTransform};
@@ -6,31 +6,31 @@ use nalgebra::{Point3, UnitQuaternion, UnitVector3, Vector3};
 use std::collections::HashSet;
 use std::f64::consts::PI;
 
-/// Points of a surface in the same cell of this size count once, metres.
+/// Cell size of the deduplication of surface points, metres.
 const CELL_M: f32 = 0.001;
-/// An outline is made anew when up has turned by this in the object's frame, radians.
+/// Change of the up direction in the object frame that rebuilds an outline, radians.
 const TILT_RAD: f64 = 0.004;
-/// A footprint whose rectangle grows by this when turned by [`SHARP_TURN_RAD`] has
-/// a direction.
+/// Directional footprint: minimum growth of the bounding rectangle's area when rotated by
+/// [`SHARP_TURN_RAD`]. Chosen.
 const SHARP_GROWTH: f64 = 1.15;
 const SHARP_TURN_RAD: f64 = PI / 12.0;
-/// Sides that differ by less than this factor are equal.
+/// Ratio of sides below which they count as equal. Chosen.
 const EQUAL_SIDES: f64 = 1.1;
 
-/// Turns about the upright that leave an object's box as it is.
+/// Rotational symmetry of an upright bounding box about the vertical.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Symmetry {
-    /// The footprint has no direction: any turn.
+    /// Rotational symmetry of any angle: the footprint has no direction.
     Round,
-    /// Quarter turns: a square footprint.
+    /// Fourfold symmetry: a square footprint.
     Quarter,
-    /// Half turns.
+    /// Twofold symmetry: a rectangular footprint.
     Half,
 }
 
 impl Symmetry {
-    /// Angle between two orientations of an upright box, up to turns that change
-    /// nothing, radians. For a round footprint the angle between the uprights.
+    /// Angle between two orientations of an upright box up to its symmetry, radians. For a round
+    /// footprint only the angle between the vertical axes.
     pub fn deviation_rad(self, a: &UnitQuaternion<f64>, b: &UnitQuaternion<f64>) -> f64 {
         let n_turns = match self {
             Self::Round => {
@@ -48,7 +48,7 @@ impl Symmetry {
     }
 }
 
-/// The whole surface of an object, as its points.
+/// Whole surface of an object as points.
 #[derive(Debug, Clone)]
 pub struct WholeShape {
     points: Vec<Point3<f64>>,
@@ -57,7 +57,7 @@ pub struct WholeShape {
 }
 
 impl WholeShape {
-    /// A shape from the corners of its surface, in its own frame.
+    /// Shape from surface points in the object frame.
     pub fn new(points: Vec<Point3<f64>>) -> Self {
         Self {
             points,
@@ -66,8 +66,8 @@ impl WholeShape {
         }
     }
 
-    /// The upright box around it in a pose, world frame, and its symmetry; `None`
-    /// when its points lie on a line.
+    /// Upright bounding box at a pose (world frame) and its symmetry; `None` if the points are
+    /// collinear.
     pub fn upright_box(
         &mut self,
         world_from_object: &RigidTransform,
@@ -96,13 +96,13 @@ impl WholeShape {
     }
 }
 
-/// The true surface of an object as far as a camera has seen it.
+/// True surface of an object as far as a camera has seen it.
 #[derive(Debug, Clone)]
 pub struct SeenSurface {
     cells: HashSet<[i16; 3]>,
     points: Vec<Point3<f32>>,
     outline: UprightOutline,
-    /// How many of the points are in the outline.
+    /// Number of points already in the outline.
     n_outlined: usize,
     smallest: Option<OrientedBox>,
 }
@@ -120,7 +120,7 @@ impl Default for SeenSurface {
 }
 
 impl SeenSurface {
-    /// Adds a point, object frame. Points beyond 32 m are left out.
+    /// Adds a point in the object frame. Points beyond 32 m are ignored.
     pub fn add(&mut self, point: Point3<f32>) {
         let cell = point.coords.map(|value| (value / CELL_M).floor());
         if cell.iter().all(|value| value.abs() < f32::from(i16::MAX))
@@ -130,8 +130,8 @@ impl SeenSurface {
         }
     }
 
-    /// The smallest upright box around what was seen, world frame; `None` as long
-    /// as nothing but a line was seen.
+    /// Smallest upright bounding box of the seen surface, world frame; `None` while the points
+    /// are collinear.
     pub fn upright_box(
         &mut self,
         world_from_object: &RigidTransform,

@@ -1,21 +1,21 @@
-//! The smallest upright box around points, and how well it is determined.
+//! Minimum-area upright bounding box of a point set.
 
 use geometry::{ConvexPolygon, OrientedBox, RigidTransform};
 use nalgebra::{Point2, Point3, Rotation2, Translation3, UnitQuaternion, UnitVector3, Vector3};
 use std::f64::consts::FRAC_PI_2;
 
-/// The outline of points as seen from above, and how high they reach.
+/// Convex outline of points seen from above, and their vertical extent.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct UprightOutline {
-    /// A frame whose z is up.
+    /// Rotation into a frame with z up.
     upright_from_object: UnitQuaternion<f64>,
     hull: ConvexPolygon,
-    /// Points since the hull was made.
+    /// Points added since the hull was built.
     added: Vec<Point2<f64>>,
     height_m: [f64; 2],
 }
 
-/// A rectangle with its longer side along `yaw_rad`.
+/// Rectangle with its longer side along `yaw_rad`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Rectangle {
     centre: Point2<f64>,
@@ -24,7 +24,7 @@ struct Rectangle {
 }
 
 impl UprightOutline {
-    /// An outline without points; `up` is given in the frame of the points.
+    /// Empty outline; `up` is given in the frame of the points.
     pub(crate) fn new(up: &UnitVector3<f64>) -> Self {
         let upright_from_object = UnitQuaternion::rotation_between_axis(up, &Vector3::z_axis())
             .unwrap_or_else(|| {
@@ -38,7 +38,7 @@ impl UprightOutline {
         }
     }
 
-    /// The upward direction it was made for.
+    /// Up direction of the outline, in the frame of the points.
     pub(crate) fn up(&self) -> UnitVector3<f64> {
         self.upright_from_object.inverse() * Vector3::z_axis()
     }
@@ -52,9 +52,8 @@ impl UprightOutline {
         }
     }
 
-    /// The upright box of least footprint, in the frame of the points: z is up, x
-    /// along the longer side of the footprint. `None` of fewer than three points,
-    /// or of points on a line.
+    /// Upright bounding box of least footprint, in the frame of the points: z up, x along the
+    /// longer side of the footprint. `None` for fewer than three points or collinear points.
     pub(crate) fn smallest_box(&mut self) -> Option<OrientedBox> {
         self.join_added();
         let rectangle = self.smallest_rectangle()?;
@@ -77,9 +76,9 @@ impl UprightOutline {
         })
     }
 
-    /// By how much the footprint's area grows when the rectangle around it is
-    /// turned by `turn_rad` away from the smallest, to the side where it grows
-    /// less; 1 when it does not. `None` as for [`smallest_box`](Self::smallest_box).
+    /// Relative growth of the footprint's bounding rectangle when rotated by `turn_rad` from the
+    /// smallest, in the direction of less growth; 1 for no growth. `None` as for
+    /// [`smallest_box`](Self::smallest_box).
     pub(crate) fn growth_when_turned(&mut self, turn_rad: f64) -> Option<f64> {
         self.join_added();
         let smallest = self.smallest_rectangle()?;
@@ -99,8 +98,8 @@ impl UprightOutline {
         }
     }
 
-    /// One side of the smallest rectangle lies on an edge of the hull (Freeman and
-    /// Shapira 1975).
+    /// Minimum-area rectangle: one of its sides lies on an edge of the hull (Freeman and Shapira
+    /// 1975).
     fn smallest_rectangle(&self) -> Option<Rectangle> {
         let corners = self.hull.corners();
         let edges = corners.iter().zip(corners.iter().cycle().skip(1));
@@ -201,7 +200,7 @@ mod tests {
             round.add(&Point3::new(0.1 * cos, 0.1 * sin, 0.0));
         }
         let turn_rad = 15_f64.to_radians();
-        // (sin 15° + cos 15°)² = 1.5
+        // Growth is (sin 15° + cos 15°)^2 = 1.5.
         assert!((square.growth_when_turned(turn_rad).unwrap() - 1.5).abs() < 1e-9);
         assert!((round.growth_when_turned(turn_rad).unwrap() - 1.0).abs() < 1e-3);
     }

@@ -1,4 +1,4 @@
-//! Detection on real labelled scenes.
+//! Detection quality on real labelled scenes.
 
 use detection::{Config, Detection, Frame, Surroundings, Workspace, detect};
 use evaluation::hypothesis_image::HypothesisImages;
@@ -49,6 +49,6 @@ fn objects_of_labelled_scenes_are_found() {
     }
     let all = SegmentationScore::mean(&scores).unwrap();
     println!("{}", line("all", &all));
-    // The best peer, LCCP of PCL: WOv 95.3 and F50 92.3.
+    // Best peer, LCCP of PCL: WOv 95.3, F50 92.3.
     assert!(all.wov >= 0.965 && all.f50 >= 0.97, "{all:?}");
 }

@@ -1,4 +1,5 @@
-//! Real labelled scenes without their grid, compared with the same scenes on it.
+//! Detection quality on real labelled scenes without their pixel grid, against the organised
+//! clouds.
 
 use dataset::pcd;
 use detection::{Config, Detection, Frame, Surroundings, Workspace, detect};
@@ -38,8 +39,7 @@ fn score(found: &[u16], labels: &[u16]) -> Option<SegmentationScore> {
     evaluation::segmentation_score::score(&Overlaps::count(found, labels))
 }
 
-/// Per pixel of the image the number of its segment, from 1; 0: none.
-/// `pixel_of` tells which pixel a point was.
+/// Segment number of each pixel, from 1; 0 for none. `pixel_of` maps a point to its pixel.
 fn segments(detection: &Detection, pixel_of: impl Fn(usize) -> usize, n_pixels: usize) -> Vec<u16> {
     let mut segment_of = vec![0; n_pixels];
     for (number, candidate) in (1..).zip(&detection.candidates) {
@@ -50,14 +50,14 @@ fn segments(detection: &Detection, pixel_of: impl Fn(usize) -> usize, n_pixels: 
     segment_of
 }
 
-/// Mean, over the segments of one result, of the best overlap in another.
+/// Mean best IoU of the segments of one result in another.
 fn agreement(of: &[u16], with: &[u16]) -> f64 {
-    // Labels of objects begin with 10; what is no segment counts as table.
+    // Labels of objects begin at 10; the rest counts as table.
     let as_labels: Vec<u16> = of.iter().map(|&segment| segment + 9).collect();
     score(with, &as_labels).map_or(1.0, |score| score.uov)
 }
 
-/// A permutation that is the same every time.
+/// Deterministic permutation (linear congruential generator).
 fn shuffle(indices: &mut [usize]) {
     let mut state = 1_u64;
     for i in (1..indices.len()).rev() {
@@ -94,7 +94,7 @@ fn scenes_without_their_grid_are_segmented_as_well() {
             .filter(|&i| scene.points[i].is_finite())
             .collect();
         print!("{:?} {:.3}", path.file_stem().unwrap(), truth.f50);
-        // In order, shuffled, and rounded to millimetres, off the pixels.
+        // In order, shuffled, and rounded to millimetres.
         for way in 0..3 {
             if way == 1 {
                 shuffle(&mut kept);
@@ -121,8 +121,7 @@ fn scenes_without_their_grid_are_segmented_as_well() {
     assert!(f50[1..3].iter().all(|&f| f > f50[0] - 0.01));
 }
 
-/// `world_from_camera` with the table level and 0.7 m over the floor, turned
-/// and moved.
+/// `world_from_camera` with the table level and 0.7 m above the floor, rotated and shifted.
 fn world_from_camera(detection: &Detection) -> Option<Isometry3<f64>> {
     let table = detection.table.as_ref()?;
     let world_from_table = Isometry3::new(Vector3::new(1.5, -0.7, 0.7), Vector3::z() * 0.4);

@@ -1,34 +1,35 @@
-//! A run in parts, to tell chance from change.
+//! Batch means: percentiles of consecutive parts of a run, for confidence intervals on correlated
+//! samples.
 
 use crate::percentiles::Percentiles;
 use serde::{Deserialize, Serialize};
 
-/// Parts that a run is cut into.
+/// Number of batches of a run.
 pub(crate) const N_BATCHES: usize = 20;
 
-/// A duration and the frame it belongs to.
+/// Duration and the index of its frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Sample {
     pub(crate) frame: u32,
     pub(crate) ns: u64,
 }
 
-/// Percentiles of one part of a run, milliseconds.
+/// Percentiles of one batch of a run, milliseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Batch {
-    /// Half are not longer.
+    /// Median.
     pub p50: f64,
-    /// 9 of 10 are not longer.
+    /// 90th percentile.
     pub p90: f64,
-    /// 99 of 100 are not longer.
+    /// 99th percentile.
     pub p99: f64,
 }
 
-/// The name of a percentile, and how to get it.
+/// Name of a percentile and its accessor.
 type Named = (&'static str, fn(&Batch) -> f64);
 
 impl Batch {
-    /// The percentiles by their names.
+    /// Percentiles by name.
     pub(crate) const NAMED: [Named; 3] = [
         ("p50", |batch| batch.p50),
         ("p90", |batch| batch.p90),
@@ -36,8 +37,8 @@ impl Batch {
     ];
 }
 
-/// Cuts the samples of `n_frames` frames into parts of as many frames each; those
-/// without a sample are left out.
+/// Percentiles of [`N_BATCHES`] consecutive batches of equally many frames; batches without
+/// samples are left out.
 pub(crate) fn batches(samples: &[Sample], n_frames: usize) -> Vec<Batch> {
     let mut parts = vec![Vec::new(); N_BATCHES];
     for sample in samples {

@@ -1,4 +1,4 @@
-//! Limits that a report must keep.
+//! Latency budget: limits that a report must keep.
 
 use crate::percentiles::Percentiles;
 use crate::report::Report;
@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// Limits of one distribution, milliseconds; what is not given has none.
+/// Limits of one latency distribution, milliseconds; `None` is unlimited.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 struct Limits {
@@ -18,7 +18,7 @@ struct Limits {
     max_ms: Option<f64>,
 }
 
-/// Limits of counts and shares.
+/// Limits of counts and shares of the whole run.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 struct Totals {
@@ -28,7 +28,7 @@ struct Totals {
     measuring_share_max: Option<f64>,
 }
 
-/// A file of limits, as written.
+/// Budget file as written (TOML).
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 struct RawBudget {
@@ -38,11 +38,11 @@ struct RawBudget {
     stages: BTreeMap<String, Limits>,
 }
 
-/// Limits for stages and percentiles, checked.
+/// Validated latency budget: limits per stage and percentile.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Budget(RawBudget);
 
-/// Why a file is no budget.
+/// Error of a budget file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct InvalidBudget(String);
 
@@ -54,14 +54,14 @@ impl fmt::Display for InvalidBudget {
 
 impl std::error::Error for InvalidBudget {}
 
-/// A figure over its limit.
+/// Figure that exceeds its limit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Excess {
-    /// What: `end_to_end p99`.
+    /// Name of the figure, such as `end_to_end p99`.
     pub what: String,
-    /// What was measured, milliseconds for times.
+    /// Measured value; milliseconds for durations.
     pub measured: f64,
-    /// The limit.
+    /// Limit of the budget.
     pub limit: f64,
 }
 
@@ -78,11 +78,10 @@ impl Limits {
 }
 
 impl Budget {
-    /// Reads a budget (TOML).
+    /// Parses and validates a budget file (TOML).
     ///
     /// # Errors
-    /// Says which key is unknown, which stage does not exist, or which limit is no
-    /// positive number.
+    /// If a key is unknown, a stage does not exist, or a limit is not a positive number.
     pub fn parse(text: &str) -> Result<Self, InvalidBudget> {
         let raw: RawBudget =
             toml::from_str(text).map_err(|error| InvalidBudget(error.to_string()))?;
@@ -107,8 +106,8 @@ impl Budget {
         Ok(Self(raw))
     }
 
-    /// What is over its limit. A stage with a limit that was never passed is over it:
-    /// nothing shows that it keeps it.
+    /// Figures over their limits. A stage with a limit but without samples is a violation:
+    /// nothing shows that it keeps its limit.
     pub fn excesses(&self, report: &Report) -> Vec<Excess> {
         let Self(raw) = self;
         let mut excesses = over_totals(&raw.total, report);

@@ -1,35 +1,35 @@
-//! Two reports beside each other: what became faster, and how sure that is.
+//! A/B comparison of two reports: Welch's t-test over batch percentiles.
 //!
-//! Frames that follow each other are alike, so single frames would make chance look
-//! like change. The run is cut into parts, each of which gives one percentile; the
-//! means of the parts are compared by Welch's test (Welch, "The generalization of
-//! Student's problem when several different population variances are involved",
-//! Biometrika 34, 1947). What differs from run to run, such as where memory happened
-//! to lie, is in no single run: who wants to know that repeats the runs.
+//! Consecutive frames are correlated, so single frames would make chance look like change. Each
+//! run is cut into batches, each of which gives one percentile; the means over the batches are
+//! compared by Welch's test (Welch, "The generalization of Student's problem when several
+//! different population variances are involved", Biometrika 34, 1947). Variation between runs,
+//! such as the placement of memory, is not visible in a single run: repeat the runs to measure
+//! it.
 
 use crate::batches::Batch;
 use crate::report::Report;
 use message::Stage;
 use serde::Serialize;
 
-/// Differences of less than this share are told as undecided: from run to run the
-/// same program differs as much.
+/// Smallest relative difference that is decided. Chosen: from run to run the same program differs
+/// as much.
 const LEAST_SHARE: f64 = 0.03;
 
-/// What a comparison comes to.
+/// Outcome of a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// The new report is faster.
+    /// The new report is significantly faster.
     Faster,
-    /// The new report is slower.
+    /// The new report is significantly slower.
     Slower,
-    /// It can not be told, or makes no difference.
+    /// The difference is not significant or below 3 %.
     Undecided,
 }
 
 impl Verdict {
-    /// The word for people.
+    /// Word for the text report.
     pub fn word(self) -> &'static str {
         match self {
             Self::Faster => "faster",
@@ -39,26 +39,26 @@ impl Verdict {
     }
 }
 
-/// One percentile of one stage in both reports.
+/// Comparison of one percentile of one stage in both reports.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
-    /// `end_to_end`, or the stage's word.
+    /// `end_to_end` or the stage's name.
     pub what: String,
     /// `p50`, `p90` or `p99`.
     pub percentile: &'static str,
-    /// Mean of the parts before, milliseconds.
+    /// Mean over the batches of the old report, milliseconds.
     pub before_ms: f64,
-    /// Mean of the parts now, milliseconds.
+    /// Mean over the batches of the new report, milliseconds.
     pub now_ms: f64,
-    /// Now over before.
+    /// New mean over old mean.
     pub ratio: f64,
-    /// The ratio lies between these with 95 %.
+    /// 95 % confidence interval of the ratio.
     pub ratio_interval: [f64; 2],
-    /// What it comes to.
+    /// Outcome.
     pub verdict: Verdict,
 }
 
-/// Compares end to end and all stages that both reports have.
+/// Compares end-to-end latency and every stage that both reports contain.
 pub fn compare(before: &Report, now: &Report) -> Vec<Comparison> {
     let whole = (
         "end_to_end",
@@ -81,7 +81,7 @@ pub fn compare(before: &Report, now: &Report) -> Vec<Comparison> {
         .collect()
 }
 
-/// `None` when there are too few parts to say anything, or nothing took any time.
+/// Welch's t-test of one percentile; `None` for fewer than three batches or a mean of 0.
 fn compared(
     what: &str,
     percentile: &'static str,
@@ -113,7 +113,7 @@ fn compared(
     })
 }
 
-/// A mean and the variance of it.
+/// Sample mean with its variance (squared standard error).
 struct Mean {
     value: f64,
     variance: f64,
@@ -121,7 +121,7 @@ struct Mean {
 }
 
 impl Mean {
-    /// `None` of fewer than three values.
+    /// Mean of a sample; `None` for fewer than three values.
     fn of(values: &[f64]) -> Option<Self> {
         if values.len() < 3 {
             return None;
@@ -137,7 +137,7 @@ impl Mean {
     }
 }
 
-/// Half the length of the interval of 95 % of the difference of two means.
+/// Half-width of the 95 % confidence interval of the difference of two means.
 fn half_interval(a: &Mean, b: &Mean) -> f64 {
     let variance = a.variance + b.variance;
     if variance == 0.0 {
@@ -148,8 +148,8 @@ fn half_interval(a: &Mean, b: &Mean) -> f64 {
     student(freedom) * variance.sqrt()
 }
 
-/// The 97.5 % point of Student's distribution, for two degrees of freedom and more
-/// within 4 %, for five and more within 0.3 %.
+/// 97.5 % quantile of Student's t distribution: within 4 % from two degrees of freedom on, within
+/// 0.3 % from five on.
 ///
 /// *Source*: Abramowitz and Stegun, "Handbook of Mathematical Functions", 1964, 26.7.5.
 fn student(freedom: f64) -> f64 {
@@ -169,7 +169,7 @@ fn student(freedom: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Parts that scatter by 5 % around `mean`, by a fixed rule.
+    /// Batch percentiles that scatter by 5 % around `mean`, deterministic.
     fn parts(mean: f64, turn: u32) -> Vec<f64> {
         let scatter = |i: u32| (f64::from(i * 7 + turn) * 2.399).sin() * 0.05;
         (0..20).map(|i| mean * (1.0 + scatter(i))).collect()

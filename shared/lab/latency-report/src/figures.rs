@@ -1,4 +1,4 @@
-//! Figures of a measurement, as SVG.
+//! Latency figures of a run as SVG: tail percentiles, and percentiles over time.
 
 use crate::measurement::Measurement;
 use crate::percentiles::Percentiles;
@@ -6,19 +6,19 @@ use message::Place;
 use plot::DrawingError;
 use plot::figure::{Axis, Color, Curve, Diagram, Legend, side_by_side};
 
-/// Points of a percentile curve for each factor of ten.
+/// Points of a percentile curve per decade.
 const POINTS_PER_DECADE: usize = 24;
 
-/// Frames in such a part at least: fewer have no percentile of 99.
+/// Minimum number of frames in a window: fewer have no 99th percentile.
 const WINDOW_MIN: usize = 100;
-/// Parts of a run over which percentiles over time are taken.
+/// Number of windows of a run in the figure of percentiles over time.
 const N_WINDOWS: usize = 60;
 
-/// How long the slowest ones take: one in two, one in ten, one in a hundred …; end to
-/// end on the left, the links of the frame's chain on the right.
+/// Tail-latency plot: duration over "one in N takes longer" (N = 1/(1 - percentile),
+/// logarithmic); end to end on the left, the stages of the critical path on the right.
 ///
 /// # Errors
-/// When the drawing library fails.
+/// If the plotting library fails.
 pub fn percentile_figure(measurement: &Measurement) -> Result<String, DrawingError> {
     let whole = measurement.end_to_end_ns(&measurement.open_loop());
     let labels: Vec<u64> = measurement.labels.iter().map(|label| label.ns).collect();
@@ -59,7 +59,7 @@ fn percentile_curve(name: &str, index: usize, mut durations_ns: Vec<u64>) -> Cur
     }
 }
 
-/// Below this nothing is told apart.
+/// Smallest duration drawn, milliseconds.
 const LEAST_MS: f64 = 0.001;
 
 fn percentile_diagram<'a>(title: &'a str, curves: Vec<Curve<'a>>, legend: Legend) -> Diagram<'a> {
@@ -70,17 +70,17 @@ fn percentile_diagram<'a>(title: &'a str, curves: Vec<Curve<'a>>, legend: Legend
     Diagram {
         title,
         x: Axis::logarithmic("one in so many takes longer", 1.0..rarest),
-        // Room for two names above the curves.
+        // Space for two legend entries above the curves.
         y: Axis::logarithmic("ms", 0.8 * least.min(longest)..longest * 1.5),
         curves,
         legend,
     }
 }
 
-/// Median, 99 of 100 and the longest end to end over the time of the run.
+/// End-to-end latency over time: median, 99th percentile and maximum of each window.
 ///
 /// # Errors
-/// When the drawing library fails.
+/// If the plotting library fails.
 pub fn time_figure(measurement: &Measurement) -> Result<String, DrawingError> {
     let n = measurement.end_to_end.len();
     let n_frames = n.div_ceil(N_WINDOWS).max(WINDOW_MIN);

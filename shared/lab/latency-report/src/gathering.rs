@@ -1,29 +1,29 @@
-//! Putting together what several processes tell of a frame.
+//! Assembly of frame timelines from the trace messages of several processes.
 
 use crate::way::{FrameWay, Passage};
 use message::{ProcessKind, Span, Stage, TraceHeader};
 use std::collections::BTreeMap;
 
-/// A frame is handed on when so many newer ones have been published: what other
-/// processes tell of it has come by then.
+/// Number of newer frames after which a frame is complete: by then every process has sent its
+/// trace message. Chosen.
 const N_NEWER: usize = 48;
 
-/// Collects the messages of one daemon and hands on whole frames, oldest first.
+/// Collects the trace messages of one daemon and returns complete frames, oldest first.
 ///
-/// The processes tell in no order among each other, and some tell of a frame that
-/// never came to its end: such a frame is handed on without its end, or not at all
-/// when perception has not told of it.
+/// Messages of different processes arrive in any order. A frame that was not published is
+/// returned without an end, or not at all if perception sent no message about it.
 #[derive(Debug, Default)]
 pub struct Gathering {
     waiting: BTreeMap<(u64, u64), FrameWay>,
-    /// Sessions in the order in which they were met: their numbers are random.
+    /// Sessions in order of arrival; session numbers are random.
     sessions: Vec<u64>,
     n_unknown: u64,
     n_left_out: u64,
 }
 
 impl Gathering {
-    /// Takes a message. Call [`next_frame`](Self::next_frame) until it is empty.
+    /// Adds a trace message. Call [`next_frame`](Self::next_frame) afterwards until it returns
+    /// `None`.
     pub fn take(&mut self, header: &TraceHeader, spans: &[Span]) {
         let Some(process) = ProcessKind::from_code(header.process) else {
             self.n_unknown += spans.len() as u64;
@@ -56,7 +56,7 @@ impl Gathering {
         }
     }
 
-    /// The oldest frame, when nothing more is to be expected of it.
+    /// Oldest complete frame, if any.
     pub fn next_frame(&mut self) -> Option<FrameWay> {
         (self.waiting.len() > N_NEWER)
             .then(|| self.waiting.pop_first())
@@ -64,17 +64,17 @@ impl Gathering {
             .map(|(_, way)| way)
     }
 
-    /// The frames that are still waiting, oldest first.
+    /// Remaining frames, complete or not, oldest first.
     pub fn rest(&mut self) -> impl Iterator<Item = FrameWay> {
         std::mem::take(&mut self.waiting).into_values()
     }
 
-    /// Spans of stages and processes that this version does not know.
+    /// Number of spans of stages and processes unknown to this version.
     pub fn n_unknown(&self) -> u64 {
         self.n_unknown
     }
 
-    /// Spans that found no place in their messages.
+    /// Number of spans that did not fit into their messages.
     pub fn n_left_out(&self) -> u64 {
         self.n_left_out
     }

@@ -1,6 +1,5 @@
-//! Files of histograms that merge: the interval log of `HdrHistogram` (version 1.3),
-//! one tag a stage, which its tools in other languages read as well. Values are
-//! nanoseconds.
+//! Mergeable histogram files: the interval log of `HdrHistogram` (version 1.3), one tag per
+//! stage, readable by its tools in other languages. Values are nanoseconds.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -13,17 +12,17 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::time::Duration;
 
-/// Values are kept to three digits.
+/// Significant digits of the recorded values.
 const DIGITS: u8 = 3;
 
-/// The tag of end to end.
+/// Tag of the end-to-end histogram.
 const END_TO_END: &str = "end_to_end";
 
-/// Histograms of durations by the stages' words.
+/// Duration histograms by stage name.
 #[derive(Debug, Clone, Default)]
 pub struct Histograms(BTreeMap<String, Histogram<u64>>);
 
-/// Why histograms could not be written or read.
+/// Error of writing or reading a histogram file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct HistogramFileError(String);
 
@@ -40,10 +39,10 @@ fn failed(cause: impl fmt::Debug) -> HistogramFileError {
 }
 
 impl Histograms {
-    /// Adds durations to a stage's histogram.
+    /// Adds durations to the histogram of a stage.
     ///
     /// # Errors
-    /// When a histogram can not be made.
+    /// If a histogram cannot be created.
     pub fn add(&mut self, word: &str, durations_ns: &[u64]) -> Result<(), HistogramFileError> {
         let histogram = self.of(word)?;
         for duration_ns in durations_ns {
@@ -52,7 +51,7 @@ impl Histograms {
         Ok(())
     }
 
-    /// Adds durations end to end.
+    /// Adds end-to-end durations.
     ///
     /// # Errors
     /// As [`add`](Self::add).
@@ -68,10 +67,10 @@ impl Histograms {
         self.0.get_mut(word).ok_or_else(|| failed(word))
     }
 
-    /// Adds all that another file holds.
+    /// Adds all histograms of another file.
     ///
     /// # Errors
-    /// When two histograms do not go together.
+    /// If two histograms are incompatible.
     pub fn merge(&mut self, other: &Self) -> Result<(), HistogramFileError> {
         for (word, histogram) in &other.0 {
             self.of(word)?.add(histogram).map_err(failed)?;
@@ -79,8 +78,8 @@ impl Histograms {
         Ok(())
     }
 
-    /// The stages' words with how many durations they have, and a function from a
-    /// share to a duration, nanoseconds.
+    /// Stage name, number of durations and quantile function (share 0 to 1 to nanoseconds) of
+    /// each histogram.
     pub fn iter(&self) -> impl Iterator<Item = (&str, u64, impl Fn(f64) -> u64)> {
         self.0.iter().map(|(word, histogram)| {
             let at = |share: f64| histogram.value_at_quantile(share);
@@ -88,10 +87,10 @@ impl Histograms {
         })
     }
 
-    /// The text of a file; `seconds` were measured.
+    /// Text of a histogram file; `seconds` is the length of the measurement.
     ///
     /// # Errors
-    /// When a histogram can not be written.
+    /// If a histogram cannot be serialised.
     pub fn to_text(&self, seconds: f64) -> Result<String, HistogramFileError> {
         let mut text = Vec::new();
         let mut serializer = V2DeflateSerializer::new();
@@ -110,10 +109,10 @@ impl Histograms {
         String::from_utf8(text).map_err(failed)
     }
 
-    /// Reads a file. Several histograms of a stage add up.
+    /// Parses a histogram file. Several histograms of one stage are added.
     ///
     /// # Errors
-    /// When it is no such file, or damaged.
+    /// If the text is not a histogram file or is damaged.
     pub fn parse(text: &str) -> Result<Self, HistogramFileError> {
         let mut histograms = Self::default();
         for entry in IntervalLogIterator::new(text.as_bytes()) {

@@ -1,13 +1,39 @@
-//! Where the milliseconds go: from the spans that the processes tell of each frame to
-//! percentiles, worst frames, comparisons and pictures.
+//! End-to-end latency analysis: from trace spans of each frame to percentiles, worst frames,
+//! comparisons and figures.
 //!
-//! Time is counted from the *scheduled* capture, in an open loop: a frame that was
-//! late counts as long as it was late, and one that never came counts until the next
-//! one did (Tene, "How NOT to measure latency", 2013, calls the contrary coordinated
-//! omission).
+//! Latency is measured from the *scheduled* capture (open loop): a late frame counts its delay,
+//! and a frame that never came counts until the labels of the next one. This corrects coordinated
+//! omission (Tene, "How NOT to measure latency", 2013).
 //!
-//! This crate reads no clock, no file and no shared memory: messages in, figures and
-//! text of files out.
+//! ```
+//! use latency_report::{Conditions, FrameAssembler, LatencyRecorder, LatencyReport,
+//! MeasurementOverhead};
+//! use message::{ProcessKind, Span, Stage, TraceHeader};
+//!
+//! let mut assembler = FrameAssembler::default();
+//! for sequence in 0..3 {
+//!     let scheduled_ns = sequence * 33_000_000;
+//!     let header = TraceHeader {
+//!         process: ProcessKind::Perception.code(),
+//!         session: 1,
+//!         sequence,
+//!         scheduled_ns,
+//!         ..TraceHeader::default()
+//!     };
+//!     let end_ns = scheduled_ns + 10_000_000;
+//!     let published = Span::waiting(Stage::Publishing, 0, scheduled_ns, end_ns);
+//!     assembler.add(&header, &[published]);
+//! }
+//! let mut recorder = LatencyRecorder::new(0);
+//! assembler.drain().for_each(|frame| recorder.add(frame));
+//!
+//! let overhead = MeasurementOverhead::default();
+//! let report = LatencyReport::new(&recorder, &overhead, Conditions::default());
+//! assert_eq!(report.end_to_end_ms.p50, 10.0);
+//! ```
+//!
+//! Invariants: this crate reads no clock, no file and no shared memory; messages in, figures and
+//! file contents out.
 
 mod batches;
 mod budget;

@@ -1,4 +1,4 @@
-//! What is gathered while frames come.
+//! Recorder of frame latencies during a measurement.
 
 use crate::batches::Sample;
 use crate::open_loop::{FrameEnd, OpenLoop};
@@ -9,14 +9,14 @@ use crate::worst::Suspects;
 use message::Stage;
 use std::collections::{BTreeMap, VecDeque};
 
-/// All passages of one stage.
+/// Durations and resource usage of all intervals of one stage.
 #[derive(Debug, Default)]
 pub(crate) struct StageSamples {
     pub(crate) samples: Vec<Sample>,
     pub(crate) usage: Usage,
 }
 
-/// Durations and costs of many frames, and some frames as a whole.
+/// Recorder of end-to-end and stage durations, resource usage, and selected whole frames.
 #[derive(Debug)]
 pub struct Measurement {
     n_kept: usize,
@@ -32,7 +32,7 @@ pub struct Measurement {
 }
 
 impl Measurement {
-    /// Keeps the newest `n_kept` frames whole, besides the worst ones.
+    /// Recorder that keeps the newest `n_kept` frames whole, in addition to the slowest ones.
     pub fn new(n_kept: usize) -> Self {
         Self {
             n_kept,
@@ -48,13 +48,13 @@ impl Measurement {
         }
     }
 
-    /// Frames with labels so far.
+    /// Number of frames with published labels so far.
     pub fn n_frames(&self) -> usize {
         self.frames.len()
     }
 
-    /// Adds a frame; they come in the order of their sessions and sequences. One whose
-    /// labels were not published is told by the gap that it leaves.
+    /// Adds a frame, in order of session and sequence. A frame whose labels were not published is
+    /// skipped; its gap is found later as a missed frame.
     pub fn add(&mut self, way: FrameWay) {
         let (Some(published_ns), Some(ns)) = (way.published_ns(), way.end_to_end_ns()) else {
             return;
@@ -96,7 +96,7 @@ impl Measurement {
         self.n_objects_max = self.n_objects_max.max(n_objects);
     }
 
-    /// Frames that are kept whole: the worst ones and the newest, in order, each once.
+    /// Frames kept whole, slowest and newest, in chronological order without duplicates.
     pub fn kept(&self) -> Vec<&FrameWay> {
         let all = self.suspects.ways().chain(&self.kept);
         let by_start: BTreeMap<_, _> = all
@@ -105,18 +105,18 @@ impl Measurement {
         by_start.into_values().collect()
     }
 
-    /// What was due and never came.
+    /// Frames that were due and never came.
     pub fn open_loop(&self) -> OpenLoop {
         OpenLoop::of(&self.frames)
     }
 
-    /// Every end to end, nanoseconds: those of frames that never came as well.
+    /// All end-to-end latencies, nanoseconds, including those of missed frames.
     pub fn end_to_end_ns(&self, open_loop: &OpenLoop) -> Vec<u64> {
         let came = self.end_to_end.iter().map(|sample| sample.ns);
         came.chain(open_loop.missed_ns.iter().copied()).collect()
     }
 
-    /// The durations of each stage, nanoseconds.
+    /// Durations of each stage, nanoseconds.
     pub fn stages_ns(&self) -> impl Iterator<Item = (Stage, Vec<u64>)> {
         self.stages.iter().map(|(stage, stage_samples)| {
             let samples = stage_samples.samples.iter();

@@ -1,6 +1,6 @@
-//! Frames that never came, counted as long as they were missing.
+//! Correction of coordinated omission: frames that never came count until the next labels.
 
-/// When a frame was due, and when its labels were published, monotonic.
+/// Schedule and publication of a completed frame, monotonic clock.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct FrameEnd {
     pub(crate) session: u64,
@@ -9,21 +9,22 @@ pub(crate) struct FrameEnd {
     pub(crate) published_ns: u64,
 }
 
-/// What was due and never came.
+/// Frames that were due and never came, with the latencies they count.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct OpenLoop {
-    /// Time between two frames of the schedule; 0 with fewer than two frames.
+    /// Period of the schedule, nanoseconds; 0 for fewer than two frames.
     pub period_ns: u64,
-    /// Frames of the source without labels.
+    /// Number of captured frames without labels.
     pub n_dropped: u64,
-    /// Instants of the schedule without a frame of the source.
+    /// Number of scheduled captures without a frame from the source.
     pub n_not_captured: u64,
-    /// For each of both, how long after its instant the next labels came.
+    /// Latency of each missed frame of both kinds: from its schedule to the next published
+    /// labels, nanoseconds.
     pub missed_ns: Vec<u64>,
 }
 
 impl OpenLoop {
-    /// Of frames in the order of their sessions and sequences.
+    /// Finds the gaps between completed frames in order of session and sequence.
     pub(crate) fn of(frames: &[FrameEnd]) -> Self {
         let mut open_loop = Self {
             period_ns: period_ns(frames),
@@ -37,8 +38,8 @@ impl OpenLoop {
         open_loop
     }
 
-    /// The instants between two frames that follow each other. A source that falls
-    /// behind moves its schedule: what it left out that way has no sequence.
+    /// Adds the frames missed between two consecutive completed frames. A source that falls
+    /// behind moves its schedule: the captures it skipped have no sequence number.
     fn look_between(&mut self, before: &FrameEnd, after: &FrameEnd) {
         let between_ns = after.scheduled_ns.saturating_sub(before.scheduled_ns);
         let n_sequences = after.sequence.saturating_sub(before.sequence).max(1);
@@ -57,7 +58,7 @@ impl OpenLoop {
     }
 }
 
-/// The median of the times from one frame to the next.
+/// Median time from one frame's schedule to the next, nanoseconds.
 fn period_ns(frames: &[FrameEnd]) -> u64 {
     let mut periods: Vec<u64> = frames
         .windows(2)
@@ -79,7 +80,7 @@ fn period_ns(frames: &[FrameEnd]) -> u64 {
 mod tests {
     use super::*;
 
-    /// Frames every 100 ns that take 30 ns; `schedule` are their numbers in it.
+    /// Frames of a 100 ns schedule that take 30 ns; `schedule` has (sequence, instant) pairs.
     fn frames(schedule: &[(u64, u64)]) -> Vec<FrameEnd> {
         let frame = |&(sequence, instant): &(u64, u64)| FrameEnd {
             session: 1,

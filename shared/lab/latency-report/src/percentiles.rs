@@ -1,4 +1,4 @@
-//! What many durations say together.
+//! Nearest-rank percentiles of durations.
 
 use serde::{Deserialize, Serialize};
 use statistics::percentiles::nearest_rank;
@@ -8,23 +8,24 @@ const NS_PER_MS: f64 = 1e6;
 /// Percentiles of durations, milliseconds, by nearest rank.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Percentiles {
-    /// Half are not longer.
+    /// Median.
     pub p50: f64,
-    /// 9 of 10 are not longer.
+    /// 90th percentile.
     pub p90: f64,
-    /// 99 of 100 are not longer.
+    /// 99th percentile.
     pub p99: f64,
-    /// 999 of 1000 are not longer.
+    /// 99.9th percentile.
     pub p999: f64,
-    /// The longest.
+    /// Maximum.
     pub max: f64,
 }
 
-/// The name of a percentile, and how to get it.
+/// Name of a percentile and its accessor.
 pub type NamedPercentile = (&'static str, fn(&Percentiles) -> f64);
 
 impl Percentiles {
-    /// Of durations in nanoseconds, which come back sorted; all 0 without any.
+    /// Percentiles of durations in nanoseconds, which are sorted in place; all 0 for no
+    /// durations.
     pub fn of(durations_ns: &mut [u64]) -> Self {
         durations_ns.sort_unstable();
         let at =
@@ -38,7 +39,7 @@ impl Percentiles {
         }
     }
 
-    /// The names of the percentiles, as files have them, with how to get each.
+    /// Percentiles by the names used in files.
     pub const NAMED: [NamedPercentile; 5] = [
         ("p50", |p| p.p50),
         ("p90", |p| p.p90),

@@ -1,4 +1,4 @@
-//! The report of a measurement.
+//! Latency report document (JSON).
 
 use crate::batches::{Batch, batches};
 use crate::measurement::{Measurement, StageSamples};
@@ -10,137 +10,138 @@ use message::Stage;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Under which conditions was measured: all that the spans do not tell.
+/// Conditions of a measurement: version, source, warnings, processes, machine.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Conditions {
-    /// Version of the program that measured.
+    /// Version of the measuring program.
     pub version: String,
-    /// What the frames came from.
+    /// Source of the frames.
     pub source: String,
-    /// Seconds since 1970 at the end of the measurement.
+    /// End of the measurement, seconds since 1970 (Unix time).
     pub measured_at_s: u64,
-    /// What would make the figures untrue, a sentence each.
+    /// Reasons to distrust the figures, one sentence each.
     pub warnings: Vec<String>,
-    /// The daemon's processes.
+    /// Resource usage of the daemon's processes.
     pub processes: Vec<ProcessReport>,
-    /// Shared memory.
+    /// Shared memory of the domain.
     pub shared_memory: SharedMemoryReport,
-    /// The computer: fingerprint, and what else went on.
+    /// Environment fingerprint and disturbances of the computer, as JSON.
     pub machine: serde_json::Value,
 }
 
-/// What a process used while it was measured.
+/// Resource usage of one process during the measurement.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct ProcessReport {
-    /// Its short name.
+    /// Short name of the process.
     pub process: String,
-    /// Its id.
+    /// Process id.
     pub pid: u32,
-    /// Processor time over time: 1 is one core.
+    /// Mean CPU utilisation: processor time over elapsed time, 1 is one core.
     pub cores: f64,
     /// Resident memory at the end, megabytes.
     pub resident_mb: f64,
-    /// Open files at the end.
+    /// Number of open files at the end.
     pub open_files: u64,
-    /// Threads at the end.
+    /// Number of threads at the end.
     pub threads: u64,
-    /// Page faults that read from disk.
+    /// Major page faults (read from disk).
     pub major_faults: u64,
-    /// Page faults without disk.
+    /// Minor page faults (no disk access).
     pub minor_faults: u64,
-    /// How often its threads gave up a processor.
+    /// Voluntary context switches of all threads.
     pub voluntary_switches: u64,
-    /// How often a processor was taken from its threads.
+    /// Involuntary context switches of all threads.
     pub involuntary_switches: u64,
 }
 
-/// What the domain has in shared memory.
+/// Shared-memory usage of the domain.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct SharedMemoryReport {
-    /// Bytes that are in use.
+    /// Bytes in use.
     pub used_bytes: u64,
-    /// Bytes that its limits come to.
+    /// Bytes reserved by the limits.
     pub reserved_bytes: u64,
-    /// Trace messages that came too fast to be read: their frames lack spans.
+    /// Trace messages overwritten before they were read; the affected frames lack spans.
     pub lost_messages: u64,
 }
 
-/// What the measuring itself costs.
+/// Overhead of the measurement itself.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Measuring {
-    /// Measured stages and waiting times of a frame, all processes.
+    /// Spans per frame, all processes.
     pub spans_per_frame: f64,
-    /// Cost of measuring one stage, as timed on this computer.
+    /// Cost of measuring one stage, as timed on this computer, nanoseconds.
     pub stage_cost_ns: f64,
-    /// All that measuring costs a frame, milliseconds.
+    /// Total measurement overhead per frame, milliseconds.
     pub cost_per_frame_ms: f64,
-    /// The same as a share of the median end to end.
+    /// Total overhead as a share of the median end-to-end latency.
     pub share_of_frame: f64,
-    /// Spans that found no place in their messages.
+    /// Spans that did not fit into their messages.
     pub left_out: u64,
-    /// Spans that this version does not know.
+    /// Spans unknown to this version.
     pub unknown: u64,
 }
 
-/// How many objects were seen.
+/// Number of objects per frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Objects {
-    /// Mean number in a frame.
+    /// Mean number.
     pub mean: f64,
-    /// Most in a frame.
+    /// Maximum number.
     pub max: u64,
 }
 
-/// What is known of one stage.
+/// Statistics of one stage.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct StageReport {
-    /// Durations of its passages, milliseconds.
+    /// Durations of the stage, milliseconds.
     #[serde(flatten)]
     pub ms: Percentiles,
-    /// Passages.
+    /// Number of intervals.
     pub count: u64,
-    /// What all passages used.
+    /// Resource usage of all intervals.
     pub usage: Usage,
-    /// The run in parts.
+    /// Percentiles of each batch of the run.
     pub batches: Vec<Batch>,
 }
 
-/// What a measurement has found.
+/// Report of one latency measurement.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Report {
-    /// Instants at which a frame was due.
+    /// Scheduled captures (frames that were due).
     pub frames: u64,
-    /// Of these, frames of the source that got no labels.
+    /// Captured frames that got no labels.
     pub dropped: u64,
-    /// Of these, instants for which the source had no frame.
+    /// Scheduled captures without a frame from the source.
     pub not_captured: u64,
-    /// Time between two frames of the schedule, milliseconds.
+    /// Period of the schedule, milliseconds.
     pub period_ms: f64,
-    /// How long was measured, seconds.
+    /// Length of the measurement, seconds.
     pub seconds: f64,
-    /// Objects in the frames.
+    /// Number of objects in the frames.
     pub objects: Objects,
-    /// From the scheduled capture to the published labels.
+    /// Latency from scheduled capture to published labels.
     pub end_to_end_ms: Percentiles,
-    /// End to end of the parts of the run.
+    /// End-to-end percentiles of each batch of the run.
     pub end_to_end_batches: Vec<Batch>,
-    /// From the scheduled capture to the answer of each object's actor.
+    /// Latency from scheduled capture to the answer of each object's actor.
     pub object_label_ms: Percentiles,
-    /// The stages, by their words.
+    /// Stages by name.
     pub stages: BTreeMap<String, StageReport>,
-    /// Whether the stages add up.
+    /// Consistency check of stage durations against end-to-end latency.
     pub sum_check: SumCheck,
-    /// What the measuring costs.
+    /// Overhead of the measurement.
     pub measuring: Measuring,
-    /// The ten worst frames, worst first.
+    /// Ten slowest frames, slowest first.
     pub worst: Vec<WorstFrame>,
-    /// Under which conditions was measured.
+    /// Conditions of the measurement.
     #[serde(flatten)]
     pub conditions: Conditions,
 }
 
 impl Report {
-    /// The report of a measurement. Of `measuring` what the spans tell is filled in.
+    /// Report of a recorded measurement. `overhead` gives the cost of a stage and the counts of
+    /// lost spans; its other fields are computed here.
     pub fn new(measurement: &Measurement, measuring: &Measuring, conditions: Conditions) -> Self {
         let open_loop = measurement.open_loop();
         let n_frames = measurement.n_frames();
@@ -180,12 +181,12 @@ impl Report {
         }
     }
 
-    /// A stage, when it was passed.
+    /// Statistics of a stage; `None` when it never occurred.
     pub fn stage(&self, stage: Stage) -> Option<&StageReport> {
         self.stages.get(stage.word())
     }
 
-    /// Processor time of the daemon over time, without the source: 1 is one core.
+    /// CPU utilisation of the daemon without its frame source: 1 is one core.
     pub fn cores_without_source(&self) -> f64 {
         let is_source =
             |process: &&ProcessReport| !["simulator", "camera"].contains(&process.process.as_str());
@@ -204,8 +205,9 @@ fn stage_report(stage: &StageSamples, n_frames: usize) -> StageReport {
     }
 }
 
-/// A stage in which a thread worked costs a reading of its counters, all others only
-/// stamps that are taken anyway; sending the spans is a stage of its own.
+/// Computes the measurement overhead: a stage in which a thread worked costs one reading of its
+/// counters, all other stages only time stamps that are taken anyway; sending the spans is a
+/// stage of its own.
 fn measuring_costs(measuring: &Measuring, measurement: &Measurement, frame_ms: f64) -> Measuring {
     let n_frames = measurement.n_frames().max(1) as f64;
     let n_spans: usize = measurement

@@ -1,4 +1,4 @@
-//! A long run in windows, and whether it stays as it is.
+//! Soak test analysis: detects growth of memory, files and latency over a long run.
 
 use crate::percentiles::Percentiles;
 use crate::report::ProcessReport;
@@ -7,49 +7,50 @@ use plot::figure::{Axis, Color, Curve, Diagram, Legend, in_columns};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
-/// Resident memory may grow by this share from the second quarter to the last, or by so
-/// much, megabytes: allocators keep what they had, and slots of shared memory count only
-/// when they are used for the first time.
+/// Tolerated growth of resident memory from the second quarter to the last: relative share, or
+/// megabytes if that is more. Chosen: allocators keep freed memory, and slots of shared memory
+/// count as resident only after first use.
 const MEMORY_SHARE: f64 = 0.05;
 const MEMORY_MB: f64 = 2.0;
-/// Open files may be so many more: a database makes tables, and merges them again.
+/// Tolerated growth of the number of open files. Chosen: the database creates tables and merges
+/// them again.
 const OPEN_FILES: f64 = 3.0;
-/// The p99 of the last quarter over that of the second: more is told as growth.
+/// Tolerated ratio of the p99 latency in the last quarter to that in the second. Chosen.
 const LATENCY_RATIO: f64 = 1.5;
-/// The wall clock may drift against the monotonic one by this, parts of a million:
-/// what adjusts a clock adjusts it by less than 500.
+/// Tolerated drift of the wall clock against the monotonic clock, parts per million: clock
+/// discipline adjusts by less than 500.
 const DRIFT_PPM: f64 = 500.0;
 
-/// One part of a long run.
+/// Statistics of one window of a soak run.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct SoakWindow {
-    /// End of the window since the beginning, seconds.
+    /// End of the window since the start of the run, seconds.
     pub at_s: f64,
-    /// Instants at which a frame was due.
+    /// Scheduled captures (frames that were due).
     pub frames: u64,
-    /// Of these, frames without labels.
+    /// Captured frames without labels.
     pub dropped: u64,
-    /// Of these, instants for which the source had no frame.
+    /// Scheduled captures without a frame from the source.
     pub not_captured: u64,
-    /// From the scheduled capture to the published labels.
+    /// Latency from scheduled capture to published labels.
     pub end_to_end_ms: Percentiles,
-    /// The processes at its end, with what they used in it.
+    /// Processes at the end of the window, with their usage within it.
     pub processes: Vec<ProcessReport>,
-    /// Shared memory that the domain uses.
+    /// Shared memory used by the domain, bytes.
     pub shared_memory_bytes: u64,
-    /// Wall clock minus monotonic clock, against that of the beginning.
+    /// Wall clock minus monotonic clock, relative to the start of the run, nanoseconds.
     pub clock_drift_ns: i64,
 }
 
-/// Something that did not stay as it was.
+/// Detected growth or drift.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Growth {
-    /// What: a sentence.
+    /// Description: one sentence.
     pub sentence: String,
 }
 
-/// What has grown from the second quarter of the run to the last; the first is for
-/// warming up. Nothing of fewer than eight windows.
+/// Compares the last quarter of the run with the second; the first is warm-up. Returns nothing
+/// for fewer than eight windows.
 pub fn growths(windows: &[SoakWindow]) -> Vec<Growth> {
     let quarter = windows.len() / 4;
     if quarter < 2 {
@@ -92,7 +93,7 @@ pub fn growths(windows: &[SoakWindow]) -> Vec<Growth> {
         .collect()
 }
 
-/// Whether memory has grown, megabytes.
+/// `true` if memory (megabytes) has grown beyond the tolerance.
 fn has_grown(then: f64, now: f64) -> bool {
     now - then > MEMORY_MB.max(MEMORY_SHARE * then)
 }
@@ -124,10 +125,10 @@ fn mean(part: &[SoakWindow], figure: impl Fn(&SoakWindow) -> Option<f64>) -> f64
     figures.iter().sum::<f64>() / figures.len().max(1) as f64
 }
 
-/// Latency, resident memory, open files and shared memory over the time of the run.
+/// Latency, resident memory, open files and shared memory over time.
 ///
 /// # Errors
-/// When the drawing library fails.
+/// If the plotting library fails.
 pub fn soak_figure(windows: &[SoakWindow]) -> Result<String, DrawingError> {
     let names: Vec<String> = names(windows).into_iter().collect();
     let of_processes = |figure: fn(&ProcessReport) -> f64| {
@@ -157,7 +158,7 @@ pub fn soak_figure(windows: &[SoakWindow]) -> Result<String, DrawingError> {
     )
 }
 
-/// A figure of the windows that have it: in the first no process may be known yet.
+/// Curve over the windows that have a value: the first window may not know the processes yet.
 fn over_time<'a>(
     windows: &[SoakWindow],
     name: &'a str,
@@ -180,7 +181,7 @@ fn diagram<'a>(title: &'a str, unit: &'a str, curves: Vec<Curve<'a>>) -> Diagram
     Diagram {
         title,
         x: Axis::linear("minutes", 0.0..last.max(0.01)),
-        // Room for the names of the curves.
+        // Space for the legend.
         y: Axis::linear(unit, 0.0..most.max(0.001) * 1.5),
         curves,
         legend: Legend::UpperLeft,
@@ -191,7 +192,7 @@ fn diagram<'a>(title: &'a str, unit: &'a str, curves: Vec<Curve<'a>>) -> Diagram
 mod tests {
     use super::*;
 
-    /// A run of 40 windows of 10 s.
+    /// Soak run of 40 windows of 10 s.
     fn windows(change: impl Fn(usize, &mut SoakWindow)) -> Vec<SoakWindow> {
         let window = |i: usize| {
             let mut window = SoakWindow {

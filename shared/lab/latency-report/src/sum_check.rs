@@ -1,34 +1,34 @@
-//! Whether the stages add up to what they are stages of.
+//! Consistency check: stage durations must sum to the end-to-end latency within 1 %.
 
 use crate::way::{FrameWay, Passage};
 use message::Stage;
 use serde::{Deserialize, Serialize};
 
-/// What may be missing, or counted twice, as a share of end to end.
+/// Tolerated gap or overlap of the stages, as a share of the end-to-end latency.
 const TOLERANCE: f64 = 0.01;
 
-/// How well stage and queue times add up to end to end.
+/// Result of the consistency check of stage durations against end-to-end latency.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct SumCheck {
-    /// Frames that were checked.
+    /// Number of checked frames.
     pub frames: u64,
-    /// Objects in frames that were checked.
+    /// Number of checked objects.
     pub objects: u64,
-    /// The largest difference of a frame's chain, as a share of its end to end.
+    /// Largest deviation of a frame's stages, as a share of its end-to-end latency.
     pub worst_frame_share: f64,
-    /// The largest difference of an object's chain, as a share of its end to end.
+    /// Largest deviation of an object's stages, as a share of its frame's end-to-end latency.
     pub worst_object_share: f64,
-    /// Chains whose difference is over 1 %.
+    /// Number of frames and objects whose deviation exceeds 1 %.
     pub over: u64,
 }
 
 impl SumCheck {
-    /// Whether all chains add up within 1 %.
+    /// `true` if every deviation is within 1 %.
     pub fn passes(&self) -> bool {
         self.over == 0
     }
 
-    /// Checks a frame, and every object of it. One without an end is left out.
+    /// Checks a frame and each of its objects. A frame without published labels is skipped.
     pub fn add(&mut self, way: &FrameWay) {
         let Some(end_to_end_ns) = way.end_to_end_ns() else {
             return;

@@ -1,4 +1,4 @@
-//! Measurements along one axis.
+//! Parameter sweep: latency over one swept parameter.
 
 use crate::percentiles::Percentiles;
 use crate::report::Report;
@@ -8,34 +8,34 @@ use plot::figure::{Axis, Color, Curve, Diagram, Legend, side_by_side};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// A share of frames without labels beyond which the daemon does not hold the rate.
+/// Share of missed frames beyond which the daemon is overloaded. Chosen.
 const BREAKING_SHARE: f64 = 0.01;
-/// Stages are drawn that come to this share of end to end anywhere.
+/// Minimum share of the end-to-end median, at any point of the sweep, for a stage to be drawn.
 const DRAWN_SHARE: f64 = 0.03;
 
-/// What was measured at one place of the axis.
+/// Measurement at one value of the swept parameter.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SweepRow {
-    /// Place on the axis.
+    /// Value of the swept parameter.
     pub value: f64,
-    /// Instants at which a frame was due.
+    /// Scheduled captures (frames that were due).
     pub frames: u64,
-    /// Of these, frames without labels.
+    /// Captured frames without labels.
     pub dropped: u64,
-    /// Of these, instants for which the source had no frame.
+    /// Scheduled captures without a frame from the source.
     pub not_captured: u64,
-    /// Mean number of objects in a frame.
+    /// Mean number of objects per frame.
     pub objects: f64,
-    /// From the scheduled capture to the published labels.
+    /// Latency from scheduled capture to published labels.
     pub end_to_end_ms: Percentiles,
-    /// Cores of the daemon without its source.
+    /// CPU utilisation of the daemon without its frame source, cores.
     pub cores: f64,
-    /// Medians of the stages.
+    /// Median duration of each stage, milliseconds.
     pub stage_p50_ms: BTreeMap<String, f64>,
 }
 
 impl SweepRow {
-    /// The row of a report.
+    /// Sweep row from a latency report.
     pub fn new(value: f64, report: &Report) -> Self {
         let medians = report.stages.iter();
         Self {
@@ -52,17 +52,17 @@ impl SweepRow {
         }
     }
 
-    /// Whether more frames stay without labels than can be told as chance.
+    /// `true` if more than 1 % of the frames were missed: the daemon does not sustain the rate.
     pub fn is_broken(&self) -> bool {
         let n_missed = self.dropped + self.not_captured;
         n_missed as f64 > BREAKING_SHARE * self.frames as f64
     }
 }
 
-/// End to end on the left, the stages that matter on the right, both over the axis.
+/// Latency over the swept parameter: end to end on the left, the relevant stages on the right.
 ///
 /// # Errors
-/// When the drawing library fails.
+/// If the plotting library fails.
 pub fn sweep_figure(axis: &str, rows: &[SweepRow]) -> Result<String, DrawingError> {
     let of_frame = Percentiles::NAMED.iter().enumerate();
     let of_frame = of_frame.map(|(index, (name, get))| {

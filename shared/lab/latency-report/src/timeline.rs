@@ -1,19 +1,18 @@
-//! Frames as a timeline for Perfetto and Chrome.
+//! Export of frames in the Trace Event Format for Perfetto and `chrome://tracing`.
 //!
-//! *Source*: Trace Event Format, Google, 2016: complete events (`X`) and metadata
-//! (`M`); times in microseconds.
+//! *Source*: Trace Event Format, Google, 2016: complete events (`X`) and metadata (`M`); times in
+//! microseconds.
 
 use crate::way::{FrameWay, Passage};
 use message::Place;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 
-/// Lines that are no thread have numbers from here on: Linux's threads have lower ones.
+/// First row number of rows that are no thread; Linux thread ids are smaller.
 const CHAIN_LINE: u64 = 1 << 32;
 
-/// A document that Perfetto and Chrome's `about:tracing` open: a group for each process
-/// with a line for each thread, and lines for the frame's chain and for the waiting
-/// times of each object.
+/// Trace document for Perfetto and `chrome://tracing`: a group per process with a row per thread,
+/// a row for the critical path of the frames, and a row for the waiting times of each object.
 pub fn timeline(ways: &[&FrameWay]) -> Value {
     let start_ns = ways
         .iter()
@@ -32,7 +31,7 @@ pub fn timeline(ways: &[&FrameWay]) -> Value {
     json!({ "displayTimeUnit": "ms", "traceEvents": events })
 }
 
-/// The line that a passage is drawn in: its thread's, the chain's, or the object's.
+/// Row of an interval: its thread, the critical path, or the object.
 fn line(passage: &Passage) -> u64 {
     match (passage.span.thread_id, passage.stage.place()) {
         (0, Place::Object) => CHAIN_LINE + 1 + passage.span.track_id,

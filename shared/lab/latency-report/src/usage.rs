@@ -1,31 +1,31 @@
-//! What the threads used in a stage.
+//! Resource usage of a stage: processor time, context switches, allocations, page faults.
 
 use message::Span;
 use serde::{Deserialize, Serialize};
 
-/// What was used in all passages of a stage together.
+/// Resource usage summed over all intervals of a stage.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Usage {
-    /// Passages in which a thread was at work, and was measured.
+    /// Number of intervals in which a measured thread worked.
     pub worked: u64,
     /// Processor time, nanoseconds.
     pub cpu_ns: u64,
-    /// How often a thread gave up its processor.
+    /// Voluntary context switches.
     pub voluntary_switches: u64,
-    /// How often its processor was taken from a thread.
+    /// Involuntary context switches.
     pub involuntary_switches: u64,
     /// Heap allocations.
     pub allocations: u64,
     /// Heap bytes requested.
     pub allocated_bytes: u64,
-    /// Page faults without disk.
+    /// Minor page faults (no disk access).
     pub minor_faults: u64,
-    /// Page faults that read from disk.
+    /// Major page faults (read from disk).
     pub major_faults: u64,
 }
 
 impl Usage {
-    /// Adds what one passage used.
+    /// Adds the usage of one interval.
     pub fn add(&mut self, span: &Span) {
         let add = |sum: &mut u64, more: u64| *sum = sum.saturating_add(more);
         add(&mut self.worked, u64::from(span.thread_id != 0));

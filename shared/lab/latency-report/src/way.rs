@@ -1,64 +1,64 @@
-//! One frame's way through the processes.
+//! Timeline of one frame through the processes.
 
 use message::{Place, ProcessKind, Span, Stage};
 use std::collections::BTreeMap;
 
-/// A stage that was passed, and in which process.
+/// Interval of one processing stage in one process.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Passage {
-    /// The stage.
+    /// Processing stage.
     pub stage: Stage,
-    /// The process that tells of it.
+    /// Process that recorded the interval.
     pub process: ProcessKind,
-    /// That process's id.
+    /// Id of that process.
     pub pid: u32,
-    /// When, and what it cost.
+    /// Begin, end and resource usage.
     pub span: Span,
 }
 
 impl Passage {
-    /// How long it took.
+    /// Duration of the interval, nanoseconds.
     pub fn duration_ns(&self) -> u64 {
         self.span.duration_ns()
     }
 }
 
-/// All that is known of one frame.
+/// All recorded intervals of one frame.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct FrameWay {
-    /// Session of the source.
+    /// Session of the frame source.
     pub session: u64,
-    /// The frame.
+    /// Sequence number within the session.
     pub sequence: u64,
-    /// When the source should have published it, monotonic.
+    /// Scheduled publication by the source, monotonic clock, nanoseconds.
     pub scheduled_ns: u64,
-    /// The stages, as the processes told of them.
+    /// Recorded intervals in order of arrival.
     pub passages: Vec<Passage>,
 }
 
 impl FrameWay {
-    /// The links of the frame's chain.
+    /// Intervals of the frame's critical path, which tile the end-to-end latency.
     pub fn links(&self) -> impl Iterator<Item = &Passage> {
         let is_link = |passage: &&Passage| passage.stage.place() == Place::Frame;
         self.passages.iter().filter(is_link)
     }
 
-    /// The first passage of a stage.
+    /// First interval of a stage.
     pub fn passage(&self, stage: Stage) -> Option<&Passage> {
         self.passages.iter().find(|passage| passage.stage == stage)
     }
 
-    /// When the labels were published, monotonic; `None` when they were not.
+    /// Publication time of the labels, monotonic clock; `None` if they were not published.
     pub fn published_ns(&self) -> Option<u64> {
         Some(self.passage(Stage::Publishing)?.span.end_ns)
     }
 
-    /// From the scheduled capture to the published labels.
+    /// Latency from scheduled capture to published labels, nanoseconds.
     pub fn end_to_end_ns(&self) -> Option<u64> {
         Some(self.published_ns()?.saturating_sub(self.scheduled_ns))
     }
 
-    /// The chains of the objects, by track.
+    /// Intervals of each object by track id.
     pub fn objects(&self) -> BTreeMap<u64, Vec<&Passage>> {
         let mut objects: BTreeMap<u64, Vec<&Passage>> = BTreeMap::new();
         for passage in &self.passages {
@@ -77,7 +77,7 @@ impl FrameWay {
 pub(crate) mod examples {
     use super::*;
 
-    /// A passage of a stage in perception.
+    /// Interval of a stage in perception.
     pub(crate) fn passage(stage: Stage, track_id: u64, begin_ns: u64, end_ns: u64) -> Passage {
         Passage {
             stage,
@@ -87,8 +87,7 @@ pub(crate) mod examples {
         }
     }
 
-    /// A frame of one object that is scheduled at `scheduled_ns` and takes 10 ms, or
-    /// longer by what its detection takes longer.
+    /// Frame with one object that takes 10 ms plus `longer_ns`, which its detection takes longer.
     pub(crate) fn frame(sequence: u64, scheduled_ns: u64, longer_ns: u64) -> FrameWay {
         let mut at_ns = scheduled_ns;
         let links = [

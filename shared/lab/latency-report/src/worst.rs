@@ -1,38 +1,38 @@
-//! The worst frames, and what made them so.
+//! Slowest frames of a run, each with the probable cause.
 
 use crate::way::{FrameWay, Passage};
 use message::{Place, Stage};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// How many are told.
+/// Number of reported frames.
 pub(crate) const N_WORST: usize = 10;
 
-/// Page faults beyond which they are told as a cause.
+/// Number of minor page faults above which they are reported as the cause. Chosen.
 const MANY_FAULTS: u32 = 50;
 
-/// A frame that took longest, and why.
+/// Slow frame with its probable cause.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct WorstFrame {
-    /// Session of the source.
+    /// Session of the frame source.
     pub session: u64,
-    /// The frame.
+    /// Sequence number of the frame.
     pub sequence: u64,
-    /// From the scheduled capture to the published labels.
+    /// Latency from scheduled capture to published labels, milliseconds.
     pub end_to_end_ms: f64,
-    /// A sentence.
+    /// Probable cause: one sentence.
     pub reason: String,
 }
 
-/// A frame that may be among the worst.
+/// Candidate for the list of the slowest frames.
 #[derive(Debug, Clone)]
 pub(crate) struct Suspect {
     pub(crate) way: FrameWay,
-    /// When the frame before was published, monotonic; 0 when there was none.
+    /// Publication time of the previous frame, monotonic clock; 0 for the first frame.
     pub(crate) before_published_ns: u64,
 }
 
-/// The frames that took longest so far, longest first.
+/// Slowest frames so far, slowest first.
 #[derive(Debug, Default)]
 pub(crate) struct Suspects(Vec<Suspect>);
 
@@ -52,7 +52,8 @@ impl Suspects {
         self.0.insert(place, suspect);
     }
 
-    /// Why they took so long, against what the stages usually take, nanoseconds.
+    /// Reports with the probable cause of each slow frame, relative to the stages' usual
+    /// durations, nanoseconds.
     pub(crate) fn told(&self, usual_ns: &BTreeMap<Stage, u64>) -> Vec<WorstFrame> {
         let told = |suspect: &Suspect| WorstFrame {
             session: suspect.way.session,
@@ -72,7 +73,7 @@ fn ms(ns: u64) -> f64 {
     ns as f64 / 1e6
 }
 
-/// How much longer than usual a passage took.
+/// Duration of an interval beyond the usual one, nanoseconds.
 fn excess_ns(passage: &Passage, usual_ns: &BTreeMap<Stage, u64>) -> u64 {
     let usual = usual_ns.get(&passage.stage).copied().unwrap_or_default();
     passage.duration_ns().saturating_sub(usual)
@@ -115,7 +116,7 @@ fn reason(suspect: &Suspect, usual_ns: &BTreeMap<Stage, u64>) -> String {
     parts.into_iter().flatten().collect()
 }
 
-/// The slowest step within a link.
+/// Slowest interval nested in a stage of the critical path.
 fn within<'a>(
     way: &'a FrameWay,
     link: Stage,
@@ -136,7 +137,7 @@ fn of_track(passage: &Passage) -> String {
     }
 }
 
-/// Why a source was late.
+/// Cause of a late frame source.
 fn late_source(way: &FrameWay) -> Option<String> {
     let making = way.passage(Stage::Making)?;
     let waited = way.passage(Stage::ReleaseWait);
@@ -154,7 +155,7 @@ fn late_source(way: &FrameWay) -> Option<String> {
     })
 }
 
-/// What a thread that was at work tells of a slow stage.
+/// Cause of a slow interval, from the usage of its thread.
 fn cause(passage: &Passage) -> String {
     let span = &passage.span;
     if span.thread_id == 0 {

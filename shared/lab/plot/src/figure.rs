@@ -1,6 +1,6 @@
-//! Figures as SVG: curves in diagrams, diagrams beside and below each other.
+//! Line charts as SVG: curves in diagrams, diagrams in a grid.
 //!
-//! What is drawn with is known to this crate only; its callers say what to draw.
+//! The plotting library (plotters) is an implementation detail: callers describe curves and axes.
 
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
@@ -11,7 +11,7 @@ use plotters::prelude::{
 use std::fmt;
 use std::ops::Range;
 
-/// Why a figure could not be drawn.
+/// Error of the plotting library.
 #[derive(Debug)]
 pub struct DrawingError(String);
 
@@ -23,12 +23,12 @@ impl fmt::Display for DrawingError {
 
 impl std::error::Error for DrawingError {}
 
-/// Wraps a plotting error.
+/// Wraps an error of the plotting library.
 pub fn failed(error: impl fmt::Display) -> DrawingError {
     DrawingError(error.to_string())
 }
 
-/// A colour: red, green and blue.
+/// RGB colour, 8 bits per channel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Color(pub u8, pub u8, pub u8);
 
@@ -37,10 +37,10 @@ impl Color {
     pub const BLUE: Self = Self(0, 0, 255);
     /// Red.
     pub const RED: Self = Self(255, 0, 0);
-    /// For what is only to be compared with.
+    /// Light grey, for reference curves.
     pub const GREY: Self = Self(190, 190, 190);
 
-    /// One of 99 that are told apart well; they begin anew after that.
+    /// Qualitative palette of 99 distinguishable colours; `index` wraps around.
     pub fn of_series(index: usize) -> Self {
         let (red, green, blue) = Palette99::COLORS[index % Palette99::COLORS.len()];
         Self(red, green, blue)
@@ -53,21 +53,21 @@ impl From<Color> for RGBColor {
     }
 }
 
-/// Where the legend is out of the way.
+/// Position of a diagram's legend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Legend {
-    /// Left above.
+    /// Inside, upper left.
     UpperLeft,
-    /// Right above.
+    /// Inside, upper right.
     UpperRight,
-    /// Left below.
+    /// Inside, lower left.
     LowerLeft,
-    /// On the right of the diagram, where curves are everywhere in it.
+    /// Outside, right of the diagram: for curves that fill the whole plot area.
     Beside,
 }
 
 impl Legend {
-    /// Within the diagram; `None` when it is beside it.
+    /// Position inside the plot area; `None` for a legend outside.
     fn position(self) -> Option<SeriesLabelPosition> {
         match self {
             Self::UpperLeft => Some(SeriesLabelPosition::UpperLeft),
@@ -78,26 +78,26 @@ impl Legend {
     }
 }
 
-/// Width and height of a diagram, and the width of a legend beside it, pixels.
+/// Width and height of a diagram, and width of a legend outside it, pixels.
 const SIZE_PX: (u32, u32) = (520, 420);
 const LEGEND_PX: u32 = 150;
-/// From one name to the next, and before the first.
+/// Line height of a legend outside the diagram and its top margin, pixels.
 const NAME_STEP_PX: i32 = 18;
 const NAMES_TOP_PX: i32 = 44;
 
-/// One axis of a diagram.
+/// Axis of a diagram: label, range, scale.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis<'a> {
-    /// What it shows, with its unit.
+    /// Axis label: quantity and unit.
     pub label: &'a str,
-    /// From where to where; of positive numbers when the axis is logarithmic.
+    /// Range of the axis; positive when the axis is logarithmic.
     pub range: Range<f64>,
-    /// Whether equal lengths are equal factors.
+    /// `true` for a logarithmic scale.
     pub is_logarithmic: bool,
 }
 
 impl<'a> Axis<'a> {
-    /// An axis on which equal lengths are equal differences.
+    /// Axis with a linear scale.
     pub fn linear(label: &'a str, range: Range<f64>) -> Self {
         Self {
             label,
@@ -106,7 +106,7 @@ impl<'a> Axis<'a> {
         }
     }
 
-    /// An axis of positive numbers on which equal lengths are equal factors.
+    /// Axis with a logarithmic scale; the range must be positive.
     pub fn logarithmic(label: &'a str, range: Range<f64>) -> Self {
         Self {
             label,
@@ -117,7 +117,7 @@ impl<'a> Axis<'a> {
 
     fn number(&self, value: f64) -> String {
         if self.is_logarithmic {
-            // Ten numbers in a decade would be written over each other.
+            // Only 1, 2, 5 and 10 of a decade are labelled; ten labels would overlap.
             let digit = (value / 10_f64.powf(value.log10().floor() + 1e-9)).round();
             if ![1.0, 2.0, 5.0, 10.0].contains(&digit) {
                 return String::new();
@@ -130,46 +130,46 @@ impl<'a> Axis<'a> {
     }
 }
 
-/// One curve.
+/// Line of a diagram.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve<'a> {
-    /// What it is in the legend; empty when it is not there.
+    /// Name in the legend; empty to leave the curve out of it.
     pub name: &'a str,
-    /// Colour of its line.
+    /// Line colour.
     pub color: Color,
-    /// Its points, joined by lines; positive where an axis is logarithmic.
+    /// Points in drawing order, joined by lines; positive where an axis is logarithmic.
     pub points: Vec<(f64, f64)>,
-    /// Whether the points are marked, as measurements are.
+    /// `true` to draw a marker at each point, as for measurements.
     pub is_marked: bool,
 }
 
-/// One diagram.
+/// Line chart: title, axes, curves, legend.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Diagram<'a> {
-    /// What it shows.
+    /// Caption.
     pub title: &'a str,
-    /// To the right.
+    /// Horizontal axis.
     pub x: Axis<'a>,
-    /// Upwards.
+    /// Vertical axis.
     pub y: Axis<'a>,
-    /// What is drawn, the last one on top.
+    /// Curves; later ones are drawn on top.
     pub curves: Vec<Curve<'a>>,
-    /// Where the names of the curves stand.
+    /// Position of the legend.
     pub legend: Legend,
 }
 
-/// Diagrams side by side, as SVG text.
+/// Diagrams in one row, as SVG text.
 ///
 /// # Errors
-/// When the drawing library fails.
+/// If the plotting library fails.
 pub fn side_by_side(diagrams: &[Diagram<'_>]) -> Result<String, DrawingError> {
     in_columns(diagrams, diagrams.len())
 }
 
-/// Diagrams in rows of so many, as SVG text.
+/// Diagrams in a grid, filled row by row, as SVG text.
 ///
 /// # Errors
-/// When the drawing library fails.
+/// If the plotting library fails.
 pub fn in_columns(diagrams: &[Diagram<'_>], n_columns: usize) -> Result<String, DrawingError> {
     let n_columns = n_columns.max(1);
     let n_rows = diagrams.len().div_ceil(n_columns).max(1);
@@ -187,10 +187,10 @@ pub fn in_columns(diagrams: &[Diagram<'_>], n_columns: usize) -> Result<String, 
     Ok(svg)
 }
 
-/// Draws a diagram into an area, with its legend inside or beside it.
+/// Draws a diagram with its legend into a drawing area.
 ///
 /// # Errors
-/// When the area is too small.
+/// If the area is too small.
 pub fn draw(
     area: &DrawingArea<SVGBackend<'_>, Shift>,
     diagram: &Diagram<'_>,
@@ -204,7 +204,7 @@ pub fn draw(
     write_names(&beside, &diagram.curves)
 }
 
-/// The names of curves, one below the other.
+/// Draws a legend outside the diagram: one line per named curve.
 fn write_names(
     area: &DrawingArea<SVGBackend<'_>, Shift>,
     curves: &[Curve<'_>],
@@ -249,7 +249,7 @@ where
     let mut chart = ChartBuilder::on(area)
         .caption(diagram.title, ("sans-serif", 17))
         .margin(12)
-        // Room for half of the last number at the axis.
+        // Space for half of the last axis label.
         .margin_right(26)
         .x_label_area_size(40)
         .y_label_area_size(52)
@@ -289,7 +289,7 @@ where
         .map_err(failed)
 }
 
-/// A number at an axis, with the decimals that the length of the axis asks for.
+/// Axis label of a number, with as many decimals as the length of the axis requires.
 pub fn number(value: f64, range: &Range<f64>) -> String {
     let length = (range.end - range.start).abs().max(f64::MIN_POSITIVE);
     let n_decimals = (2.0 - length.log10().floor()).clamp(0.0, 9.0) as usize;

@@ -1,27 +1,27 @@
-//! Tables and figures as a page of HTML.
+//! HTML page of tables and figures.
 
 use crate::page::{self, escaped, linked_picture};
 
-/// A picture and what is said of it.
+/// Picture with a caption.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PageFigure {
-    /// What it shows.
+    /// Caption.
     pub caption: String,
-    /// Where it is, relative to the page; plain text.
+    /// Path of the picture, relative to the page; plain text.
     pub picture: String,
 }
 
-/// A table; the first row has the heads.
+/// Table whose first row is the header.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PageTable {
-    /// What it is about.
+    /// Title.
     pub title: String,
-    /// Cells, row by row.
+    /// Cells, row by row; the first row is the header.
     pub rows: Vec<Vec<String>>,
 }
 
 impl PageTable {
-    /// A table whose first row are the heads of its columns.
+    /// Table from column headings and rows.
     pub fn new(title: &str, heads: &[&str], rows: Vec<Vec<String>>) -> Self {
         let heads = heads.iter().map(|head| (*head).to_owned()).collect();
         Self {
@@ -31,8 +31,7 @@ impl PageTable {
     }
 }
 
-/// A page that needs no other file but the pictures, which stand in the order in
-/// which they are given.
+/// HTML page that depends on no other file but the pictures, in the given order.
 pub fn html(title: &str, notes: &[String], tables: &[PageTable], figures: &[PageFigure]) -> String {
     let tables = tables.iter().map(table);
     page::html(title, notes, tables.chain(figures.iter().map(figure)))

@@ -1,4 +1,4 @@
-//! Figures of several ways with their intervals, one below the other.
+//! Forest plot: one row per variant with its estimate and confidence interval, as SVG.
 
 use crate::figure::{DrawingError, failed};
 use plotters::coord::Shift;
@@ -10,32 +10,32 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use statistics::bootstrap::Estimate;
 use std::ops::Range;
 
-/// Size of the figure without its rows, and height of a row, pixels.
+/// Width of the plot, height without rows, and height of a row, pixels.
 const WIDTH_PX: u32 = 820;
 const FRAME_PX: u32 = 110;
 const ROW_PX: u32 = 36;
-/// Space for names, pixels.
+/// Width of the column of names, pixels.
 const NAMES_PX: u32 = 190;
-/// Least length of the axis.
+/// Minimum length of the value axis.
 const LENGTH_MIN: f64 = 0.02;
-/// Line from the reference downwards.
+/// Colour of the vertical line at the reference estimate.
 const PALE_BLUE: RGBColor = RGBColor(130, 170, 245);
 
-/// One row: a name, and its figure, which may lack.
+/// Row of a forest plot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct IntervalRow {
-    /// What the figure is of.
+    /// Name of the variant.
     pub name: String,
-    /// The figure.
+    /// Estimate with its interval; `None` leaves the row empty.
     pub estimate: Option<Estimate>,
-    /// Whether the others are compared with it: a line marks its place.
+    /// `true` for the reference: a vertical line marks its estimate.
     pub is_reference: bool,
 }
 
-/// A dot with its interval for each row, the first on top, as SVG.
+/// Forest plot as SVG text: a dot with its confidence interval for each row, top to bottom.
 ///
 /// # Errors
-/// When the drawing library fails.
+/// If the plotting library fails.
 pub fn svg(title: &str, x_label: &str, rows: &[IntervalRow]) -> Result<String, DrawingError> {
     let mut svg = String::new();
     {
@@ -93,7 +93,7 @@ fn draw(
     Ok(())
 }
 
-/// What the intervals cover, and a little more.
+/// Value range: all intervals with a margin of 5 %.
 fn range(rows: &[IntervalRow]) -> Range<f64> {
     let estimates = || rows.iter().filter_map(|row| row.estimate);
     let low = estimates().map(|estimate| estimate.low).reduce(f64::min);

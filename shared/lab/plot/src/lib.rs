@@ -1,10 +1,30 @@
 //! Plots as SVG and reports as HTML pages, drawn with plotters.
 //!
-//! [`figure`] draws curves in diagrams, [`interval_figure`] estimates with their
-//! confidence intervals, and [`figure_page`] puts tables and figures on a page.
+//! [`diagram`] draws line charts, [`interval_figure`] forest plots of estimates with their
+//! confidence intervals, and [`figure_page`] puts tables and figures on an HTML page.
 //!
-//! Invariants: this crate never writes a file and never reads a clock; the same
-//! input gives the same text.
+//! ```
+//! use plot::diagram::{Axis, Color, Curve, Diagram, Legend, side_by_side};
+//!
+//! let curve = Curve {
+//!     name: "detection",
+//!     color: Color::BLUE,
+//!     points: vec![(1.0, 3.2), (8.0, 7.5)],
+//!     is_marked: true,
+//! };
+//! let svg = side_by_side(&[Diagram {
+//!     title: "Latency",
+//!     x: Axis::linear("objects", 0.0..10.0),
+//!     y: Axis::linear("ms", 0.0..10.0),
+//!     curves: vec![curve],
+//!     legend: Legend::UpperLeft,
+//! }])?;
+//! assert!(svg.contains("detection"));
+//! # Ok::<(), plot::DrawingError>(())
+//! ```
+//!
+//! Invariants: this crate never writes a file and never reads a clock; the same input gives the
+//! same text.
 
 pub mod figure;
 pub mod figure_page;

@@ -1,4 +1,4 @@
-//! What pages of HTML have in common.
+//! HTML page skeleton, escaping and links.
 
 use std::fmt::Write;
 
@@ -9,8 +9,8 @@ const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;margin:2em auto;ma
     figure{margin:2em 0}img{width:100%;height:auto;display:block}\
     figcaption{margin-bottom:.4em}h2{margin-top:2em}";
 
-/// A page that needs no other file but its pictures. `title` and `notes` are plain
-/// text, the parts of the body HTML.
+/// HTML page that depends on no other file but its pictures. `title` and `notes` are plain text,
+/// the parts of the body HTML.
 pub fn html(title: &str, notes: &[String], body: impl IntoIterator<Item = String>) -> String {
     let title = escaped(title);
     let mut parts = vec![format!(
@@ -23,14 +23,14 @@ pub fn html(title: &str, notes: &[String], body: impl IntoIterator<Item = String
     parts.join("\n")
 }
 
-/// A picture that leads to itself. The path is plain text, relative to the page, the
-/// words in its place HTML.
+/// HTML image that links to its own file. `path` is plain text, relative to the page;
+/// `alternative_html` is HTML.
 pub fn linked_picture(path: &str, words: &str) -> String {
     let link = link(path);
     format!("<a href=\"{link}\"><img loading=\"lazy\" src=\"{link}\" alt=\"{words}\"></a>")
 }
 
-/// Text within HTML.
+/// HTML-escaped text.
 pub fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for character in text.chars() {
@@ -45,15 +45,14 @@ pub fn escaped(text: &str) -> String {
     escaped
 }
 
-/// A relative path as a link: what is not plain is written by its bytes
-/// (RFC 3986).
+/// Percent-encoded relative URL (RFC 3986) of a plain-text path.
 fn link(path: &str) -> String {
     let mut link = String::new();
     for byte in path.bytes() {
         if byte.is_ascii_alphanumeric() || b"-_.~/".contains(&byte) {
             link.push(char::from(byte));
         } else {
-            // Writing to a string can not fail.
+            // Writing to a string cannot fail.
             let _ = write!(link, "%{byte:02X}");
         }
     }

@@ -1,4 +1,4 @@
-//! How certain a figure of few runs is.
+//! Bootstrap confidence intervals (percentile method) of a statistic over runs.
 //!
 //! *Source*: Efron, "Bootstrap methods: another look at the jackknife", Annals of
 //! Statistics 7, 1979; percentile intervals: Efron and Tibshirani, "An Introduction to
@@ -6,35 +6,35 @@
 
 use random::Random;
 
-/// Purpose of chance.
+/// Random stream of the resampling.
 const RESAMPLES: u64 = 7;
-/// How often the runs are drawn anew.
+/// Number of bootstrap resamples.
 pub const N_RESAMPLES: usize = 2000;
-/// Share of the resamples outside of an interval on each side.
+/// Probability mass outside the interval on each side: a 95 % interval.
 const TAIL: f64 = 0.025;
 
-/// A figure of runs, and between which bounds it lies with 95 %.
+/// Point estimate with its 95 % bootstrap confidence interval.
 ///
-/// The interval is somewhat too short for few runs: for means of a normal
-/// distribution it holds the truth in 90 % of the cases with 10 runs, in 94 % with 40.
+/// The interval is somewhat too short for few runs: for means of a normal distribution it covers
+/// the true value in 90 % of the cases with 10 runs, in 94 % with 40.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
-    /// Of the runs as they are.
+    /// Statistic of the original runs.
     pub value: f64,
-    /// Lower bound.
+    /// Lower bound of the 95 % interval.
     pub low: f64,
-    /// Upper bound.
+    /// Upper bound of the 95 % interval.
     pub high: f64,
 }
 
 impl Estimate {
-    /// The figure that `figure` makes of the indices of some of `n_runs` runs, each as
-    /// often as it comes. The runs are drawn with replacement by the seed, so that the
-    /// same seed and number draw the same ones: figures of the same runs, and of pairs of
-    /// runs, go together.
+    /// Percentile bootstrap of any statistic.
     ///
-    /// Resamples of which there is no figure are left out. `None` when there is none of
-    /// all runs.
+    /// `figure` computes the statistic from indices of runs, `0..n_runs`; a resample repeats
+    /// indices (drawing with replacement). The same seed and `n_runs` draw the same resamples, so
+    /// estimates over the same runs, or over pairs of runs, are comparable.
+    ///
+    /// Resamples without a statistic are left out. `None` when the original runs have none.
     pub fn of(
         n_runs: usize,
         seed: u64,
@@ -55,7 +55,7 @@ impl Estimate {
         Some(Self { value, low, high })
     }
 
-    /// The mean of values, one a run; of those that are there. `None` without any.
+    /// Mean of one value per run, missing values left out. `None` when all are missing.
     pub fn mean(values: &[Option<f64>], seed: u64) -> Option<Self> {
         Self::of(values.len(), seed, |runs| {
             let (sum, n) = runs
@@ -65,16 +65,15 @@ impl Estimate {
         })
     }
 
-    /// The mean of the differences of pairs of runs, second less first. `None` without
-    /// runs.
+    /// Mean difference of paired runs, second minus first. `None` without runs.
     pub fn paired_difference(first: &[f64], second: &[f64], seed: u64) -> Option<Self> {
         let differences = first.iter().zip(second);
         let differences: Vec<_> = differences.map(|(a, b)| Some(b - a)).collect();
         Self::mean(&differences, seed)
     }
 
-    /// The sum over the second runs by that over the first ones. Resamples without any
-    /// of the first are left out. `None` when the first runs add up to 0.
+    /// Ratio of sums over paired runs: second over first. Resamples whose first sum is 0 are left
+    /// out. `None` when the sum of all first values is 0.
     pub fn paired_ratio(first: &[f64], second: &[f64], seed: u64) -> Option<Self> {
         Self::of(first.len().min(second.len()), seed, |runs| {
             let (below, above) = runs.fold((0.0, 0.0), |(below, above), run| {
@@ -90,13 +89,13 @@ mod tests {
     use super::*;
     use random::Random;
 
-    /// Approximately normal, mean 0, variance 1 (Irwin and Hall).
+    /// Approximately standard normal deviate: sum of twelve uniforms (Irwin-Hall).
     fn normal(random: &mut Random) -> f64 {
         (0..12).map(|_| random.unit()).sum::<f64>() - 6.0
     }
 
-    /// In which share of many experiments the interval of `n_runs` values of mean 3 has
-    /// their mean.
+    /// Coverage: share of experiments whose interval over `n_runs` values contains their true
+    /// mean of 3.
     fn coverage(n_runs: usize) -> f64 {
         let mut random = Random::for_purpose(11, 99);
         let n_experiments = 600;
@@ -112,8 +111,8 @@ mod tests {
 
     #[test]
     fn intervals_hold_the_truth_as_often_as_they_say() {
-        // By Student's distribution: 90.4 % and 94.0 %; the standard deviation of a share
-        // of 600 is 1.2 and 1.0.
+        // Expected from Student's t distribution: 90.4 % and 94.0 %. The standard deviation of a
+        // share of 600 is 1.2 % and 1.0 %.
         for (n_runs, expected) in [(10, 0.904), (40, 0.940)] {
             let found = coverage(n_runs);
             assert!(

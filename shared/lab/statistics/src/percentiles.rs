@@ -1,16 +1,16 @@
-//! Percentiles by nearest rank.
+//! Nearest-rank percentiles.
 
-/// The middle and the slow end of durations.
+/// Median and 99th percentile of a sample.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Percentiles {
-    /// Half of the durations are not longer.
+    /// Median.
     pub p50: f64,
-    /// 99 of 100 durations are not longer.
+    /// 99th percentile.
     pub p99: f64,
 }
 
 impl Percentiles {
-    /// Of values of any unit, by nearest rank; `None` without values.
+    /// Percentiles of a sample in any order, in its own unit; `None` for an empty sample.
     pub fn of(mut values: Vec<f64>) -> Option<Self> {
         values.sort_unstable_by(f64::total_cmp);
         Some(Self {
@@ -20,8 +20,8 @@ impl Percentiles {
     }
 }
 
-/// The least of sorted values that a share of them, 0 to 1, does not exceed; `None`
-/// without values.
+/// Nearest-rank percentile of a sample in ascending order: the smallest value that at least
+/// `share` (0 to 1) of the values do not exceed. `None` for an empty sample.
 pub fn nearest_rank<T: Copy>(sorted: &[T], share: f64) -> Option<T> {
     let rank = (share * sorted.len() as f64).ceil() as usize;
     sorted.get(rank.max(1) - 1).copied()

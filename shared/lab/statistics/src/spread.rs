@@ -1,24 +1,24 @@
-//! How errors spread.
+//! Summary statistics of a sample: count, mean, percentiles, maximum.
 
-/// Mean and percentiles of a set of values.
+/// Count, mean, nearest-rank percentiles and maximum of a sample.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Spread {
-    /// How many values there are.
+    /// Number of values.
     pub n: usize,
-    /// Their mean.
+    /// Arithmetic mean.
     pub mean: f64,
-    /// Half of them are not greater.
+    /// Median.
     pub median: f64,
-    /// 95 of 100 are not greater.
+    /// 95th percentile.
     pub p95: f64,
-    /// 99 of 100 are not greater.
+    /// 99th percentile.
     pub p99: f64,
-    /// The greatest.
+    /// Maximum.
     pub max: f64,
 }
 
 impl Spread {
-    /// Percentiles by nearest rank; `None` without values.
+    /// Summary of a sample in any order; `None` for an empty sample.
     pub fn of(values: &[f64]) -> Option<Self> {
         let mut values = values.to_vec();
         values.sort_unstable_by(f64::total_cmp);

@@ -1,4 +1,4 @@
-//! Measures this computer and prints the report; with a folder as argument, writes
+//! Prints the system-noise report of this computer; with a folder as argument, writes
 //! `machine.json` and `machine.svg` into it.
 #![expect(
     clippy::print_stdout,

@@ -1,22 +1,22 @@
-//! What to do against noise, and what each of it brings on this computer.
+//! Recommendations against system noise, with their measured effect on this computer.
 
 use crate::effect::{AdviceKind, Effect, Verdict};
 use crate::fingerprint::Fingerprint;
 use crate::samples::Summary;
 use serde::{Deserialize, Serialize};
 
-/// One piece of advice.
+/// Recommended mitigation with its measured effect.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Advice {
-    /// What it is about.
+    /// Mitigation.
     pub kind: AdviceKind,
-    /// What to do: a sentence.
+    /// Instruction: one sentence.
     pub what_to_do: String,
-    /// What it brings here as measured, or why it was not measured: a sentence.
+    /// Measured effect on this computer, or the reason why it was not measured.
     pub finding: String,
 }
 
-/// All advice, in the order in which it is worth trying.
+/// Recommendations for all mitigations, in the order in which they are worth trying.
 pub fn advice(fingerprint: &Fingerprint, effects: &[Effect]) -> Vec<Advice> {
     let measured = |kind| measured(kind, effects);
     [
@@ -81,7 +81,7 @@ fn measured(kind: AdviceKind, effects: &[Effect]) -> String {
     }
 }
 
-/// What an effect says.
+/// Sentence about a measured effect.
 fn sentence(effect: &Effect) -> String {
     match effect {
         Effect::Latency {

@@ -1,4 +1,4 @@
-//! What else went on while something was measured.
+//! Disturbances during a measurement: steal time, other load, page faults, frequency changes.
 
 mod counter_text;
 
@@ -9,34 +9,31 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-/// What would make measured figures untrue. `None` is what this computer does not
-/// tell.
+/// Disturbances during a measurement; `None` if this computer does not report a value.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Disturbance {
-    /// How long it was watched, seconds.
+    /// Duration of the observation, seconds.
     pub duration_s: f64,
-    /// Share of the time of all cores that the hypervisor took, 0 to 1.
+    /// Steal time: share of the time of all cores that the hypervisor took, 0 to 1.
     pub steal_share: Option<f64>,
-    /// Work of other processes and of interrupts, in cores: 1 is one busy core.
+    /// CPU load of other processes and of interrupts, in cores: 1 is one busy core.
     pub other_load_cores: Option<f64>,
-    /// Share of the last 10 s in which something waited for a core, 0 to 1. Our own
-    /// threads count, too.
+    /// CPU pressure (PSI, 10 s average): share of time in which some thread waited for a core, 0
+    /// to 1. Own threads are included.
     pub waiting_share: Option<f64>,
-    /// Page faults of our processes that had to wait for a disk.
+    /// Major page faults (disk access) of own processes.
     pub major_faults: Option<u64>,
-    /// How often our processes lost a core that they wanted to keep.
+    /// Involuntary context switches of own processes.
     pub involuntary_switches: Option<u64>,
-    /// Changes of frequency on all cores.
+    /// Frequency changes, summed over all cores.
     pub frequency_changes: Option<u64>,
-    /// Largest difference of a core's frequency between beginning and end, as a
-    /// share of that at the beginning.
+    /// Largest relative change of a core's frequency between beginning and end.
     pub frequency_drift_share: Option<f64>,
-    /// Processes of ours that had ended before the end, of which nothing is known:
-    /// their work counts as others'.
+    /// Own processes that had ended before the end; their work counts as other load.
     pub ended_pids: Vec<u32>,
 }
 
-/// The counters at the beginning of a measurement.
+/// Monitor of disturbances: the kernel's counters at the start of a measurement.
 #[derive(Debug)]
 pub struct Watch {
     files: SystemFiles,
@@ -54,7 +51,7 @@ struct Process {
 }
 
 impl Disturbance {
-    /// Begins to watch.
+    /// Starts monitoring.
     pub fn begin() -> Watch {
         Watch::begin(SystemFiles::real())
     }
@@ -76,8 +73,7 @@ impl Watch {
         }
     }
 
-    /// What has happened since the beginning, apart from the work of these processes
-    /// of ours.
+    /// Disturbances since the start, excluding the work of `own_pids`.
     pub fn end(self, own_pids: &[u32]) -> Disturbance {
         let duration_s = self.began.elapsed().as_secs_f64();
         let mut pids = own_pids.to_vec();
@@ -117,7 +113,7 @@ impl Watch {
         }
     }
 
-    /// What a process has done since the beginning, or since it was started.
+    /// Counters of a process since the start of monitoring, or since its own start.
     fn work_since(&self, pid: u32) -> Option<Process> {
         let now = process(&self.files, pid)?;
         let before = self.processes.get(&pid);
@@ -160,7 +156,7 @@ fn process(files: &SystemFiles, pid: u32) -> Option<Process> {
 fn spent((before, now): (CpuTime, CpuTime)) -> CpuTime {
     CpuTime {
         busy: now.busy.saturating_sub(before.busy),
-        // The kernel's idle time may go back a little.
+        // The kernel's idle time may decrease slightly.
         idle: now.idle.saturating_sub(before.idle),
         steal: now.steal.saturating_sub(before.steal),
     }
@@ -215,8 +211,8 @@ mod tests {
         write_process(root, 7, 50, 200);
         write_process(root, 8, 60, 500);
         let watch = Watch::begin(SystemFiles::below(root));
-        // 7 has worked 30 ticks, another process took the number 8 and worked 4,
-        // 9 is not there; others worked 16, 10 of 100 ticks were stolen.
+        // Process 7 worked 30 ticks; another process took the id 8 and worked 4; process 9 does
+        // not exist; others worked 16; 10 of 100 ticks were stolen.
         write(root, "proc/stat", "cpu 1050 0 0 5040 0 0 0 110\n");
         write_process(root, 7, 50, 230);
         write_process(root, 8, 90, 4);
@@ -232,7 +228,7 @@ mod tests {
             * rustix::param::clock_ticks_per_second() as f64;
         assert!((ticks - 16.0).abs() < 1e-6, "{ticks}");
         assert_eq!(found.ended_pids, [9]);
-        // Of 8 all counts, because it was started in between.
+        // All work of process 8 counts, because it was started during the observation.
         assert_eq!(
             (found.major_faults, found.involuntary_switches),
             (Some(3), Some(5))

@@ -1,4 +1,4 @@
-//! What each piece of advice brings on this computer.
+//! Measured effects of noise mitigations on this computer.
 
 use crate::noise::bandwidth::{Bandwidth, Operation};
 use crate::samples::{Samples, Summary};
@@ -6,89 +6,89 @@ use crate::trial::{Setting, Trial};
 use serde::{Deserialize, Serialize};
 use std::io;
 
-/// A change by less than this factor is none.
+/// Factor by which a value must change to count as an effect. Chosen.
 const CLEAR_FACTOR: f64 = 1.25;
 
-/// What can be done against noise.
+/// Mitigation of system noise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum AdviceKind {
-    /// The frequency governor.
+    /// CPU frequency governor.
     Governor,
-    /// Cores that only some threads may use.
+    /// Core isolation: cores reserved for some threads.
     Isolation,
-    /// `SCHED_FIFO`.
+    /// Real-time scheduling (`SCHED_FIFO`).
     RealTime,
-    /// Timers that are not put off.
+    /// Minimal timer slack: timers are not coalesced.
     TimerSlack,
-    /// A core for a thread.
+    /// CPU affinity: one core for a thread.
     OneCore,
-    /// Locked memory.
+    /// Locked memory (`mlockall`).
     LockedMemory,
     /// Huge pages.
     HugePages,
 }
 
-/// What came of a setting.
+/// Verdict on the effect of a mitigation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// Clearly better than without.
+    /// Clearly better than the baseline.
     Better,
-    /// Within what two measurements without it differ by, or by less than a quarter.
+    /// No clear difference: within the spread of the baseline, or by less than a quarter.
     NoDifference,
-    /// Clearly worse than without.
+    /// Clearly worse than the baseline.
     Worse,
-    /// One percentile is clearly better and another one clearly worse.
+    /// One percentile is clearly better and another clearly worse.
     Mixed,
 }
 
-/// What a piece of advice did to a probe here.
+/// Effect of a mitigation on a probe.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Effect {
-    /// On times; judged by the percentiles 50, 99 and 99.9.
+    /// Effect on latencies, judged by the 50th, 99th and 99.9th percentiles.
     Latency {
-        /// The advice.
+        /// Mitigation.
         advice: AdviceKind,
-        /// The probe.
+        /// Name of the probe.
         probe: String,
-        /// Whether a thread was spinning on every core.
+        /// `true` if a thread was spinning on every core.
         is_loaded: bool,
-        /// Without it: of all measurements as it is.
+        /// Latencies of all baseline trials.
         before: Summary,
-        /// With it.
+        /// Latencies with the mitigation.
         after: Summary,
-        /// What came of it.
+        /// Verdict.
         verdict: Verdict,
     },
-    /// On bandwidth; judged by the best round.
+    /// Effect on memory bandwidth, judged by the best round.
     Bandwidth {
-        /// The advice.
+        /// Mitigation.
         advice: AdviceKind,
-        /// What was done with memory.
+        /// Memory operation.
         operation: Operation,
-        /// Without it, 10^9 bytes a second.
+        /// Baseline bandwidth, 10^9 bytes per second.
         before_gb_per_s: f64,
-        /// With it, 10^9 bytes a second.
+        /// Bandwidth with the mitigation, 10^9 bytes per second.
         after_gb_per_s: f64,
-        /// What came of it.
+        /// Verdict.
         verdict: Verdict,
     },
-    /// It could not be tried.
+    /// Mitigation that could not be tried.
     NotAllowed {
-        /// The advice.
+        /// Mitigation.
         advice: AdviceKind,
-        /// Why not: a sentence.
+        /// Reason: one sentence.
         why: String,
-        /// How to get the right to it: a sentence.
+        /// Instruction for obtaining the privilege: one sentence.
         how_to_get_it: String,
     },
 }
 
 impl Effect {
-    /// Which advice it is of.
+    /// Mitigation whose effect this is.
     pub fn advice(&self) -> AdviceKind {
         match self {
             Self::Latency { advice, .. }
@@ -97,7 +97,7 @@ impl Effect {
         }
     }
 
-    /// A setting that this process may not have.
+    /// Effect of a mitigation that this process is not permitted to use.
     pub fn refused(advice: AdviceKind, error: &io::Error) -> Self {
         let how_to_get_it = match advice {
             AdviceKind::RealTime => {
@@ -127,7 +127,7 @@ impl Effect {
     }
 }
 
-/// Which advice a setting follows; as it is, none.
+/// Mitigation that a thread setting implements; `None` for the baseline.
 pub(crate) fn advice_of(setting: Setting) -> Option<AdviceKind> {
     match setting {
         Setting::AsIs => None,
@@ -138,9 +138,8 @@ pub(crate) fn advice_of(setting: Setting) -> Option<AdviceKind> {
     }
 }
 
-/// Compares each setting's trials with those as it is. There should be several of
-/// each: a setting is clearly better when its worst trial is clearly better than the
-/// best one without it.
+/// Compares the trials of each setting with the baseline. Several trials of each are needed: a
+/// setting is clearly better if its worst trial is clearly better than the best baseline trial.
 pub fn latency_effects(trials: &[Trial]) -> Vec<Effect> {
     let probes: [fn(&Trial) -> &Samples; 2] = [|trial| &trial.timer, |trial| &trial.wake_up];
     let mut conditions: Vec<(bool, Setting)> = Vec::new();
@@ -201,7 +200,7 @@ fn latency_effect(
     })
 }
 
-/// What the verdicts on several percentiles say together.
+/// Combines the verdicts on several percentiles.
 fn together(verdicts: &[Verdict]) -> Verdict {
     let has = |verdict| verdicts.contains(&verdict);
     match (has(Verdict::Better), has(Verdict::Worse)) {
@@ -212,7 +211,7 @@ fn together(verdicts: &[Verdict]) -> Verdict {
     }
 }
 
-/// Judges times, of which less is better.
+/// Verdict on times (lower is better).
 fn verdict(before: &[f64], after: &[f64]) -> Verdict {
     let least = |values: &[f64]| values.iter().copied().fold(f64::INFINITY, f64::min);
     let most = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
@@ -225,8 +224,8 @@ fn verdict(before: &[f64], after: &[f64]) -> Verdict {
     }
 }
 
-/// Compares bandwidths on huge pages with those without, operation by operation, on one
-/// thread. There should be several of each, as of trials.
+/// Compares single-threaded bandwidths on huge pages with those on normal pages, operation by
+/// operation. Several measurements of each are needed.
 pub fn huge_page_effects(before: &[Bandwidth], after: &[Bandwidth]) -> Vec<Effect> {
     let operations = [Operation::Read, Operation::Write, Operation::Copy];
     let bests = |all: &[Bandwidth], operation| -> Vec<f64> {
@@ -237,7 +236,7 @@ pub fn huge_page_effects(before: &[Bandwidth], after: &[Bandwidth]) -> Vec<Effec
     };
     let effects = operations.into_iter().filter_map(|operation| {
         let (before, after) = (bests(before, operation), bests(after, operation));
-        // The time for one byte, of which less is better.
+        // Time per byte (lower is better).
         let times = |bests: &[f64]| bests.iter().map(|best| best.recip()).collect::<Vec<_>>();
         Some(Effect::Bandwidth {
             advice: AdviceKind::HugePages,

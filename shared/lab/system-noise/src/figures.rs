@@ -1,4 +1,4 @@
-//! Latencies as figures.
+//! Latency histograms as SVG.
 
 use crate::measurement::MachineReport;
 use crate::samples::Samples;
@@ -7,12 +7,12 @@ use plot::DrawingError;
 use plot::figure::{Axis, Color, Curve, Diagram, Legend, in_columns};
 use std::borrow::Cow;
 
-/// Bins of a factor of ten.
+/// Histogram bins per decade.
 const BINS_PER_DECADE: i32 = 20;
-/// Where an empty bin is drawn, so that a count of 1 is seen.
+/// Height at which an empty bin is drawn, so that a count of 1 is visible.
 const EMPTY: f64 = 0.5;
 
-/// Colours that are told apart on white.
+/// Categorical colours, distinguishable on white.
 const COLORS: [Color; 6] = [
     Color(31, 119, 180),
     Color(214, 39, 40),
@@ -21,21 +21,21 @@ const COLORS: [Color; 6] = [
     Color(255, 127, 14),
     Color(140, 86, 75),
 ];
-/// What settings are compared with.
+/// Colour of the baseline.
 const AS_IS: Color = Color(110, 110, 110);
 
-/// One histogram: name in the legend, colour, and values.
+/// Histogram of a panel: legend, colour and values.
 struct Series<'a> {
     name: String,
     color: Color,
     values_ns: Cow<'a, [u64]>,
 }
 
-/// Histograms of all latencies as SVG, log count over log µs (after cyclictest's
-/// plots): the probes and the gaps, and timer and wake-up under each setting, idle and busy.
+/// Histograms of all latencies as SVG, log count over log µs (after cyclictest's plots): the
+/// probes and the gaps, and timer and wake-up under each setting, idle and busy.
 ///
 /// # Errors
-/// When the drawing library fails.
+/// If the plotting library fails.
 pub fn histograms(report: &MachineReport) -> Result<String, DrawingError> {
     let (hops, mut noise): (Vec<&Samples>, Vec<&Samples>) = report
         .latencies
@@ -78,7 +78,7 @@ fn of_probes<'a>(probes: &[&'a Samples]) -> Vec<Series<'a>> {
     series.collect()
 }
 
-/// All trials of one probe under each setting; as it is in grey below the others.
+/// Series of one probe for each setting, all its trials together; the baseline is grey.
 fn of_trials(
     trials: &[Trial],
     is_loaded: bool,
@@ -128,17 +128,17 @@ fn diagram<'a>(title: &'a str, series: &'a [Series<'_>]) -> Diagram<'a> {
     }
 }
 
-/// Number of a value's bin; 0 begins at 1 ns.
+/// Index of a value's logarithmic bin; bin 0 starts at 1 ns.
 fn bin(value_ns: u64) -> i32 {
     (f64::from(BINS_PER_DECADE) * (value_ns.max(1) as f64).log10()).floor() as i32
 }
 
-/// Where a bin begins, µs.
+/// Lower edge of a bin, µs.
 fn edge_us(bin: i32) -> f64 {
     10_f64.powf(f64::from(bin) / f64::from(BINS_PER_DECADE)) / 1000.0
 }
 
-/// The outline of a histogram over the bins from `first` up to `last`.
+/// Outline of the histogram over the bins `first..last`.
 fn steps(values_ns: &[u64], first: i32, last: i32) -> Vec<(f64, f64)> {
     let mut counts = vec![0_u64; usize::try_from(last - first).unwrap_or(0)];
     for value_ns in values_ns {

@@ -1,4 +1,4 @@
-//! The environment of a measurement.
+//! Environment fingerprint: hardware, kernel and privileges under which latencies are measured.
 
 pub(crate) mod kernel_text;
 
@@ -10,90 +10,90 @@ use std::collections::BTreeMap;
 
 const CPUS: &str = "sys/devices/system/cpu";
 
-/// Whether the program was built for speed.
+/// Build profile of the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum BuildProfile {
-    /// Without debug assertions.
+    /// Release build, without debug assertions.
     Release,
-    /// With debug assertions and checks of overflow.
+    /// Debug build, with debug assertions and overflow checks.
     Debug,
 }
 
-/// A resource limit of this process.
+/// Resource limit of this process (`getrlimit`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Limit {
-    /// As much as there is.
+    /// No limit.
     Unlimited,
-    /// Not more than this.
+    /// Soft limit.
     Most(u64),
 }
 
-/// Present frequencies of the cores.
+/// Range of the cores' current frequencies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FrequencyRange {
-    /// Of the slowest core, kHz.
+    /// Frequency of the slowest core, kHz.
     pub lowest_khz: u64,
-    /// Of the fastest core, kHz.
+    /// Frequency of the fastest core, kHz.
     pub highest_khz: u64,
 }
 
-/// Where a latency was measured. `None` is what this computer does not tell.
+/// Environment of a latency measurement; `None` if this computer does not report a value.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Fingerprint {
     /// Version of tabula.
     pub tabula_version: String,
-    /// How this program was built.
+    /// Build profile of this program.
     pub build_profile: BuildProfile,
-    /// The processor.
+    /// Processor model.
     pub cpu_model: Option<String>,
-    /// Logical cores that are switched on.
+    /// Number of online logical cores.
     pub n_logical_cores: Option<u32>,
-    /// Cores that this process may use.
+    /// Cores this process may use (CPU affinity).
     pub usable_cores: Option<Vec<u32>>,
-    /// Whether two logical cores share one physical one.
+    /// `true` if SMT is active: two logical cores share a physical one.
     pub is_smt_active: Option<bool>,
     /// Size of the last-level cache, bytes.
     pub last_level_cache_bytes: Option<u64>,
-    /// Release of the kernel.
+    /// Kernel release.
     pub kernel_release: Option<String>,
-    /// How the kernel lets itself be interrupted.
+    /// Kernel preemption model.
     pub preemption: Option<String>,
-    /// What the kernel's clocks read.
+    /// Clock source of the kernel.
     pub clock_source: Option<String>,
     /// Frequency governor of each core; virtual machines have none.
     pub governors: Option<Vec<String>>,
-    /// Present frequencies.
+    /// Current frequencies.
     pub frequency: Option<FrequencyRange>,
-    /// Whether the processor says that a hypervisor is below it.
+    /// `true` if the CPU flags show a hypervisor.
     pub has_hypervisor: Option<bool>,
     /// Kind of virtual machine, or `none`.
     pub virtual_machine: Option<String>,
     /// Kind of container, or `none`.
     pub container: Option<String>,
-    /// Memory, bytes.
+    /// Total memory, bytes.
     pub memory_total_bytes: Option<u64>,
-    /// Who gets huge pages: `always`, `madvise` or `never`.
+    /// Policy of transparent huge pages: `always`, `madvise` or `never`.
     pub transparent_huge_pages: Option<String>,
-    /// Cores that the scheduler leaves alone (`isolcpus`).
+    /// Cores isolated from the scheduler (`isolcpus`).
     pub isolated_cores: Option<Vec<u32>>,
     /// Cores without a periodic tick (`nohz_full`).
     pub tickless_cores: Option<Vec<u32>>,
-    /// The scheduler's settings `/proc/sys/kernel/sched_*`; empty when there are none.
+    /// Scheduler settings `/proc/sys/kernel/sched_*`; empty if there are none.
     pub scheduler_settings: BTreeMap<String, String>,
-    /// How far this thread's timers may be put off, ns; not those of real-time threads.
+    /// Timer slack of this thread, ns; does not apply to real-time threads.
     pub timer_slack_ns: Option<u64>,
-    /// Highest real-time priority without privilege (`RLIMIT_RTPRIO`).
+    /// Maximum unprivileged real-time priority (`RLIMIT_RTPRIO`).
     pub realtime_priority_limit: Limit,
-    /// Bytes that may be locked without privilege (`RLIMIT_MEMLOCK`).
+    /// Maximum unprivileged locked memory, bytes (`RLIMIT_MEMLOCK`).
     pub locked_memory_limit: Limit,
-    /// Whether this process may use `SCHED_FIFO`: it was tried.
+    /// `true` if this process may use `SCHED_FIFO`, determined by trying.
     pub may_use_fifo: Option<bool>,
 }
 
 impl Fingerprint {
-    /// Of this computer and this process. Nothing fails: what can not be read is `None`.
+    /// Fingerprint of this computer and process. Never fails: unreadable values are `None`.
     pub fn read() -> Self {
         Self::read_from(&SystemFiles::real())
     }
@@ -148,7 +148,7 @@ fn clock_source_file(name: &str) -> String {
     format!("sys/devices/system/clocksource/clocksource0/{name}")
 }
 
-/// ARM computers name the board where x86 names the processor.
+/// ARM computers report the board instead of the processor.
 fn board_model(files: &SystemFiles) -> Option<String> {
     let model = files.text("proc/device-tree/model")?;
     Some(model.trim_end_matches('\0').to_owned())
@@ -173,7 +173,7 @@ fn preemption(files: &SystemFiles) -> Option<String> {
     ))
 }
 
-/// Folders `cpu0`, `cpu1` and so on.
+/// Folders `cpu0`, `cpu1` and so on, by number.
 fn core_folders(files: &SystemFiles) -> Vec<String> {
     let mut numbers: Vec<u32> = files
         .names_in(CPUS)
@@ -193,7 +193,7 @@ fn governors(files: &SystemFiles) -> Option<Vec<String>> {
     (!governors.is_empty()).then_some(governors)
 }
 
-/// Present frequencies of the cores, kHz; by the frequency driver, else by
+/// Current frequencies of the cores, kHz; from the frequency driver, otherwise from
 /// `/proc/cpuinfo`.
 pub(crate) fn frequencies_khz(files: &SystemFiles, cpuinfo: &str) -> Vec<u64> {
     let told: Vec<u64> = core_folders(files)
@@ -207,7 +207,7 @@ pub(crate) fn frequencies_khz(files: &SystemFiles, cpuinfo: &str) -> Vec<u64> {
     }
 }
 
-/// Changes of frequency since the start, of all cores; `None` where they are not counted.
+/// Number of frequency changes since boot over all cores; `None` if they are not counted.
 pub(crate) fn n_frequency_changes(files: &SystemFiles) -> Option<u64> {
     let counts: Vec<u64> = core_folders(files)
         .iter()
@@ -247,7 +247,7 @@ fn container(files: &SystemFiles) -> Option<String> {
         .map(|cgroup| text::container(&cgroup))
 }
 
-/// The file is empty when no core is isolated.
+/// Isolated cores; the kernel's file is empty if there are none.
 fn isolated_cores(files: &SystemFiles) -> Option<Vec<u32>> {
     let file = format!("{CPUS}/isolated");
     match files.text(&file) {

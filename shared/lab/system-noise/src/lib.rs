@@ -1,15 +1,28 @@
-//! What this computer adds to every latency.
+//! System noise: environment, disturbances and noise floor that this computer adds to every
+//! latency.
 //!
-//! [`Fingerprint`] says where a latency was measured, [`Disturbance`] what else went on
-//! meanwhile, and [`warnings`] what of both makes figures untrue. [`noise`] has probes
-//! of the noise floor, [`trial`](trial::trial) repeats two of them under real-time
-//! settings, and [`effect`] and [`advice`](advice::advice) say what those bring here.
-//! [`measure`] does all of it; [`report`] and [`figures`] show it.
+//! [`Fingerprint`] records the environment of a measurement, [`Disturbance`] the disturbances
+//! during it, and [`warnings`] lists the findings that invalidate figures. [`probe`] measures the
+//! noise floor, [`thread_setting`] repeats two of the probes under real-time settings, and
+//! [`mitigation`] and [`recommendation`] evaluate those settings on this computer. [`measure`]
+//! runs everything; [`report`] and [`latency_histograms`] show it.
 //!
-//! This crate never changes the computer: each setting is that of one of its own
-//! threads or of its own memory, and is taken back by a guard. It writes no file
-//! but those of a domain of its own in shared memory, which it removes, and never
-//! fails because something can not be read.
+//! ```
+//! use system_noise::{Disturbance, Fingerprint, warnings};
+//!
+//! let monitor = Disturbance::begin();
+//! let sum: u64 = (0..1000).sum();
+//! let disturbance = monitor.end(&[std::process::id()]);
+//! for warning in warnings(&Fingerprint::read(), &disturbance) {
+//!     println!("{warning}");
+//! }
+//! # assert_eq!(sum, 499_500);
+//! ```
+//!
+//! Invariants: this crate never changes the computer. Each setting applies to one of its own
+//! threads or to its own memory, and a guard reverts it. It writes no file except in a
+//! shared-memory domain of its own, which it removes. An unreadable system file is never an
+//! error.
 
 pub mod advice;
 mod disturbance;

@@ -1,4 +1,4 @@
-//! Everything, one after the other.
+//! Complete system-noise measurement: all probes in sequence.
 
 use crate::advice::{Advice, advice};
 use crate::disturbance::Disturbance;
@@ -18,28 +18,28 @@ use std::collections::BTreeMap;
 use std::io;
 use std::time::Duration;
 
-/// How often each setting is tried.
+/// Number of trials of each setting.
 const N_ROUNDS: usize = 2;
 
-/// How long to measure.
+/// Durations of the probes of a measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Plan {
-    /// Timer, wake-up and interruptions, each.
+    /// Duration of the timer, wake-up and interruption probes, each.
     pub probe: Duration,
-    /// Each clock.
+    /// Duration of the cost measurement of each clock.
     pub clock: Duration,
-    /// Each hop.
+    /// Duration of each transport probe.
     pub hop: Duration,
-    /// Each of the two probes of a trial; there are twenty trials.
+    /// Duration of each of the two probes of a trial; there are twenty trials.
     pub trial: Duration,
-    /// Rounds of each operation on memory.
+    /// Number of rounds of each memory operation.
     pub n_rounds: usize,
-    /// Bytes of a buffer; `None` for what no cache can help with.
+    /// Size of a bandwidth buffer, bytes; `None` for several times the last-level cache.
     pub buffer_bytes: Option<usize>,
 }
 
 impl Plan {
-    /// About 50 s in all: the slow end of each probe rests on thousands of samples.
+    /// Full measurement, about 50 s: the tail of each probe rests on thousands of samples.
     pub const FULL: Self = Self {
         probe: Duration::from_secs(4),
         clock: Duration::from_millis(200),
@@ -49,7 +49,7 @@ impl Plan {
         buffer_bytes: None,
     };
 
-    /// A tenth of everything: a first look.
+    /// Short measurement: a tenth of the duration, for a first look.
     pub const SHORT: Self = Self {
         probe: Duration::from_millis(400),
         clock: Duration::from_millis(20),
@@ -60,46 +60,46 @@ impl Plan {
     };
 }
 
-/// A part that could not be measured.
+/// Probe that could not be run.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct NotMeasured {
     /// Name of the probe.
     pub name: String,
-    /// Why not: a sentence.
+    /// Reason: one sentence.
     pub why: String,
 }
 
-/// What this computer adds to every latency.
+/// Report of all system-noise measurements.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MachineReport {
-    /// Where it was measured.
+    /// Environment.
     pub fingerprint: Fingerprint,
-    /// What else went on meanwhile.
+    /// Disturbances during the measurement.
     pub disturbance: Disturbance,
-    /// What makes the figures untrue.
+    /// Findings that invalidate the figures.
     pub warnings: Vec<Warning>,
-    /// Timer, wake-up and hops.
+    /// Latencies of timer, wake-up and transport.
     pub latencies: Vec<Samples>,
-    /// What the machine takes away.
+    /// Interruptions of a spinning thread.
     pub interruptions: Interruptions,
-    /// What reading a clock costs.
+    /// Cost of reading clocks.
     pub clocks: Vec<ClockCost>,
-    /// How fast memory is, on one thread and on all.
+    /// Memory bandwidth on one thread and on all cores.
     pub bandwidths: Vec<Bandwidth>,
-    /// The same on huge pages, on one thread, twice.
+    /// Single-threaded memory bandwidth on huge pages, twice.
     pub huge_page_bandwidths: Vec<Bandwidth>,
-    /// Timer and wake-up under each setting, idle and busy.
+    /// Timer and wake-up latencies under each thread setting, idle and busy.
     pub trials: Vec<Trial>,
-    /// What each setting did.
+    /// Effects of the mitigations.
     pub effects: Vec<Effect>,
-    /// What to do.
+    /// Recommendations.
     pub advice: Vec<Advice>,
-    /// What could not be measured.
+    /// Probes that could not be run.
     pub not_measured: Vec<NotMeasured>,
 }
 
-/// Measures everything by a plan, with a sentence before each part. Nothing fails as
-/// a whole; all settings are as before at the end.
+/// Runs all probes of a plan and calls `progress` with a sentence before each part. Never fails
+/// as a whole; all settings are reverted at the end.
 pub fn measure(plan: &Plan, progress: &mut dyn FnMut(&str)) -> MachineReport {
     let fingerprint = Fingerprint::read();
     let watch = Disturbance::begin();
@@ -173,8 +173,8 @@ fn latencies(
     latencies
 }
 
-/// All settings in turn, and that again, so that what comes and goes is not taken
-/// for the effect of a setting.
+/// Runs the trials of all settings in turn, repeatedly, so that transient noise is not attributed
+/// to a setting.
 fn trials(
     plan: &Plan,
     not_measured: &mut Vec<NotMeasured>,
@@ -197,7 +197,7 @@ fn trials(
             match (trial(setting, is_loaded, plan.trial), advice_of(setting)) {
                 (Ok(trial), _) => trials.push(trial),
                 (Err(error), Some(advice)) => {
-                    // Idle and busy are refused for the same reason.
+                    // The refusal is the same for idle and busy.
                     refused
                         .entry(name)
                         .or_insert(Effect::refused(advice, &error));
@@ -217,13 +217,12 @@ fn bandwidths(plan: &Plan, n_bytes: usize, n_cores: usize) -> io::Result<Vec<Ban
     if n_cores > 1 {
         bandwidths.extend(buffers.measure(n_cores, plan.n_rounds)?);
     }
-    // A cloud is small: a round of it is short.
+    // A cloud is small, so a round is short.
     bandwidths.push(read_just_written(10 * plan.n_rounds));
     Ok(bandwidths)
 }
 
-/// On huge pages and without in turn, so that what comes and goes is not taken for
-/// their effect.
+/// Alternates huge and normal pages, so that transient noise is not attributed to them.
 fn huge_pages(
     plan: &Plan,
     n_bytes: usize,

@@ -1,4 +1,4 @@
-//! Probes of the noise floor. Each ends by itself after the time it is given.
+//! Probes of the noise floor. Each ends by itself after the given time.
 
 pub mod bandwidth;
 pub mod clock_cost;

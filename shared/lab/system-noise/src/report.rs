@@ -1,4 +1,4 @@
-//! A report as text.
+//! Text report of a system-noise measurement.
 
 mod environment;
 mod table;
@@ -11,13 +11,13 @@ use crate::samples::{Samples, Summary};
 use std::fmt::Write as _;
 use table::Table;
 
-/// The whole report, in lines for a terminal: environment, disturbance, warnings,
-/// noise, effects, advice. Times are µs.
+/// Whole report for a terminal: environment, disturbance, warnings, noise, effects,
+/// recommendations. Times are in µs.
 pub fn text(report: &MachineReport) -> String {
     let mut text = String::new();
     let mut section = |title: &str, body: &str| {
         if !body.is_empty() {
-            // Writing into a string does not fail.
+            // Writing to a string cannot fail.
             let _ = writeln!(text, "{title}\n{}\n", indented(body));
         }
     };
@@ -44,17 +44,17 @@ pub fn text(report: &MachineReport) -> String {
     text
 }
 
-/// The environment alone, one line for each thing that can be told.
+/// Environment section, one line per reported value.
 pub fn environment(fingerprint: &Fingerprint) -> String {
     environment::of_fingerprint(fingerprint)
 }
 
-/// What else went on alone, one line for each thing that can be told.
+/// Disturbance section, one line per reported value.
 pub fn disturbance(disturbance: &Disturbance) -> String {
     environment::of_disturbance(disturbance)
 }
 
-/// A table of percentiles in µs, one line for each probe.
+/// Table of percentiles in µs, one line per probe.
 pub fn latency_table(latencies: &[Samples]) -> String {
     let mut table = Table::new(&["", "n", "p50", "p90", "p99", "p99.9", "max"]);
     for samples in latencies {
@@ -88,7 +88,7 @@ fn warnings(report: &MachineReport) -> String {
     }
 }
 
-/// One line for each probe, and below what they mean.
+/// Latency section: one line per probe, followed by their meanings.
 fn latencies(report: &MachineReport) -> String {
     let table = latency_table(&report.latencies);
     let meanings = report.latencies.iter();

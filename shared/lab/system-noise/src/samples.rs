@@ -1,18 +1,18 @@
-//! Measured times.
+//! Latency samples of a probe and their percentiles.
 
 use serde::{Deserialize, Serialize};
 use statistics::percentiles::nearest_rank;
 
-/// What one probe has measured.
+/// Latency samples of one probe.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Samples {
     /// Name of the probe.
     pub name: String,
-    /// What a value is the time of.
+    /// Meaning of a value: the measured time.
     pub meaning: String,
-    /// The values in the order in which they were measured, ns.
+    /// Values in order of measurement, ns.
     pub values_ns: Vec<u64>,
-    /// What they come to; `None` without values.
+    /// Percentiles; `None` without values.
     pub summary: Option<Summary>,
 }
 
@@ -28,25 +28,25 @@ impl Samples {
     }
 }
 
-/// Percentiles by nearest rank, ns: each is one of the values.
+/// Nearest-rank percentiles of latencies, ns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Summary {
     /// Number of values.
     pub n: usize,
-    /// Half of the values are not longer.
+    /// Median.
     pub p50_ns: u64,
-    /// 9 of 10 are not longer.
+    /// 90th percentile.
     pub p90_ns: u64,
-    /// 99 of 100 are not longer.
+    /// 99th percentile.
     pub p99_ns: u64,
-    /// 999 of 1000 are not longer.
+    /// 99.9th percentile.
     pub p99_9_ns: u64,
-    /// The longest.
+    /// Maximum.
     pub max_ns: u64,
 }
 
 impl Summary {
-    /// Of values in any order; `None` without values.
+    /// Percentiles of values in any order; `None` without values.
     pub fn of(values_ns: &[u64]) -> Option<Self> {
         let mut sorted = values_ns.to_vec();
         sorted.sort_unstable();

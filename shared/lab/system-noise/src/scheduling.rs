@@ -1,4 +1,4 @@
-//! Real-time settings, each of them given back when its guard is dropped.
+//! Scope guards of real-time settings, each reverted on drop.
 
 use crate::system_call::{Scheduling, schedule, scheduling};
 use crate::system_files::SystemFiles;
@@ -9,13 +9,13 @@ use std::io;
 use std::marker::PhantomData;
 use std::num::NonZeroU64;
 
-/// The priority of the experiments: below the kernel's own threads at 99 and 90.
+/// Real-time priority of the trials: below the kernel's own threads at 99 and 90.
 pub(crate) const FIFO_PRIORITY: i32 = 80;
 
-/// A guard that must be dropped by the thread that made it.
+/// Marker of a guard that must be dropped by the thread that created it.
 type OfThisThread = PhantomData<*const ()>;
 
-/// The calling thread under `SCHED_FIFO`; its former policy comes back.
+/// Runs the calling thread under `SCHED_FIFO`; drop restores its policy.
 #[derive(Debug)]
 pub(crate) struct RealTime {
     before: Scheduling,
@@ -35,12 +35,12 @@ impl RealTime {
 
 impl Drop for RealTime {
     fn drop(&mut self) {
-        // Going back to what a thread had is always allowed.
+        // Returning to the previous policy is always permitted.
         let _ = schedule(self.before);
     }
 }
 
-/// The calling thread on one core; the cores it had come back.
+/// Pins the calling thread to one core; drop restores its affinity.
 #[derive(Debug)]
 pub(crate) struct OneCore {
     before: CpuSet,
@@ -66,8 +66,8 @@ impl Drop for OneCore {
     }
 }
 
-/// The calling thread with timers that are not put off to be gathered with others;
-/// the slack it had comes back.
+/// Minimises the timer slack of the calling thread, so that its timers are not coalesced; drop
+/// restores the slack.
 #[derive(Debug)]
 pub(crate) struct NoTimerSlack {
     before_ns: u64,
@@ -87,23 +87,23 @@ impl NoTimerSlack {
 
 impl Drop for NoTimerSlack {
     fn drop(&mut self) {
-        // Real-time threads have a slack of 0, which no thread can ask for.
+        // Real-time threads have a slack of 0, which cannot be set.
         let _ = set_current_timer_slack(NonZeroU64::new(self.before_ns));
     }
 }
 
-/// How far the calling thread's timers may be put off, ns.
+/// Timer slack of the calling thread, ns.
 pub(crate) fn timer_slack_ns() -> Option<u64> {
     current_timer_slack().ok()
 }
 
-/// All memory of the process locked into RAM; unlocked at the end.
+/// Locks all memory of the process into RAM; drop unlocks it.
 #[derive(Debug)]
 pub(crate) struct LockedMemory(());
 
 impl LockedMemory {
-    /// Refused when something is locked already: unlocking is for all of the
-    /// process, and would take away what somebody else has locked.
+    /// Fails if memory is already locked: unlocking affects the whole process and would revert
+    /// locks of others.
     pub(crate) fn begin() -> io::Result<Self> {
         if locked_bytes() != Some(0) {
             return Err(io::Error::other("some memory is locked already"));
@@ -119,13 +119,13 @@ impl Drop for LockedMemory {
     }
 }
 
-/// Bytes of this process that are locked.
+/// Locked memory of this process, bytes.
 pub(crate) fn locked_bytes() -> Option<u64> {
     let status = SystemFiles::real().text("proc/self/status")?;
     crate::fingerprint::kernel_text::meminfo_bytes(&status, "VmLck")
 }
 
-/// Cores that the calling thread may use.
+/// Cores in the affinity mask of the calling thread.
 pub(crate) fn usable_cores() -> Option<Vec<u32>> {
     let cores = sched_getaffinity(None).ok()?;
     let all = 0..CpuSet::MAX_CPU;

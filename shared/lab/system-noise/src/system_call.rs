@@ -1,4 +1,4 @@
-//! The calls for which there is no safe wrapper.
+//! System calls without a safe wrapper.
 #![expect(
     unsafe_code,
     reason = "the C library and rustix take pointers for scheduling, usage and advice on memory"
@@ -8,7 +8,7 @@ use rustix::mm::{Advice, madvise};
 use std::io;
 use std::mem::MaybeUninit;
 
-/// Policy and priority of a thread, as the kernel numbers them.
+/// Scheduling policy and priority of a thread, as numbered by the kernel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Scheduling {
     pub(crate) policy: i32,
@@ -16,7 +16,7 @@ pub(crate) struct Scheduling {
 }
 
 impl Scheduling {
-    /// First in, first out, at a real-time priority from 1 to 99.
+    /// `SCHED_FIFO` at a real-time priority from 1 to 99.
     pub(crate) fn fifo(priority: i32) -> Self {
         Self {
             policy: libc::SCHED_FIFO,
@@ -33,7 +33,7 @@ fn checked(result: i32) -> io::Result<i32> {
     }
 }
 
-/// Scheduling of the calling thread.
+/// Scheduling policy of the calling thread.
 pub(crate) fn scheduling() -> io::Result<Scheduling> {
     // SAFETY: the call takes a number; 0 is the calling thread.
     let policy = checked(unsafe { libc::sched_getscheduler(0) })?;
@@ -48,7 +48,7 @@ pub(crate) fn scheduling() -> io::Result<Scheduling> {
     })
 }
 
-/// Gives the calling thread a policy and a priority.
+/// Sets the scheduling policy of the calling thread.
 pub(crate) fn schedule(scheduling: Scheduling) -> io::Result<()> {
     let mut parameters = MaybeUninit::<libc::sched_param>::zeroed();
     // SAFETY: all zeros are a valid value of its integers.
@@ -60,7 +60,7 @@ pub(crate) fn schedule(scheduling: Scheduling) -> io::Result<()> {
     Ok(())
 }
 
-/// Asks the kernel what the calling thread has used; the answer is not kept.
+/// Reads the resource usage of the calling thread and discards it (`getrusage`).
 pub(crate) fn read_thread_usage() -> io::Result<()> {
     let mut usage = MaybeUninit::<libc::rusage>::uninit();
     // SAFETY: the kernel writes one whole structure to a place of its size.
@@ -68,7 +68,7 @@ pub(crate) fn read_thread_usage() -> io::Result<()> {
     Ok(())
 }
 
-/// Asks for huge pages behind the whole pages of a buffer.
+/// Advises huge pages for the whole pages of a buffer (`madvise`).
 pub(crate) fn advise_huge_pages(words: &mut [MaybeUninit<u64>]) -> io::Result<()> {
     let page = rustix::param::page_size();
     let bytes = words.as_mut_ptr_range();
@@ -92,7 +92,7 @@ mod tests {
             let mut words = Vec::<u64>::with_capacity(n_words);
             let spare = &mut words.spare_capacity_mut()[..n_words];
             let advised = advise_huge_pages(spare);
-            // A kernel without huge pages refuses the advice.
+            // A kernel without huge pages rejects the advice.
             assert!(
                 advised.is_ok() || advised.is_err_and(|e| e.raw_os_error() == Some(libc::EINVAL))
             );

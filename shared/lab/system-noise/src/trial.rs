@@ -1,4 +1,4 @@
-//! The timer and wake-up probes under one setting.
+//! Thread settings against noise, and trials of the timer and wake-up probes under them.
 
 use crate::noise::load::Load;
 use crate::noise::timer::timer;
@@ -12,24 +12,24 @@ use serde::{Deserialize, Serialize};
 use std::io;
 use std::time::Duration;
 
-/// What a thread can be given against noise.
+/// Setting of the probing threads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Setting {
-    /// Nothing: as every thread is.
+    /// Baseline: default scheduling.
     AsIs,
     /// `SCHED_FIFO` at priority 80.
     RealTime,
-    /// One core, which it never leaves.
+    /// CPU affinity of one core.
     OneCore,
-    /// Timers that are not put off to be gathered with others.
+    /// Minimal timer slack: timers are not coalesced.
     NoTimerSlack,
     /// All memory of the process locked into RAM.
     LockedMemory,
 }
 
 impl Setting {
-    /// As a person says it.
+    /// Name for text reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::AsIs => "as it is",
@@ -41,24 +41,24 @@ impl Setting {
     }
 }
 
-/// What the probes measured under a setting.
+/// Latencies of the probes under one setting.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Trial {
-    /// The setting.
+    /// Setting.
     pub setting: Setting,
-    /// Whether a thread was spinning on every core.
+    /// `true` if a thread was spinning on every core.
     pub is_loaded: bool,
-    /// How late sleepers woke.
+    /// Timer latencies.
     pub timer: Samples,
-    /// How long wake-ups took.
+    /// Wake-up latencies.
     pub wake_up: Samples,
 }
 
-/// Runs both probes under a setting, each for as long as is said. The setting
-/// belongs to a thread that ends with the trial, and is taken back before.
+/// Runs both probes under a setting for `duration` each, in a thread of its own; the setting is
+/// reverted before the thread ends.
 ///
 /// # Errors
-/// When this process may not have the setting, or a thread can not be started.
+/// If this process is not permitted the setting, or a thread cannot be started.
 pub fn trial(setting: Setting, is_loaded: bool, duration: Duration) -> io::Result<Trial> {
     let n_cores = usable_cores().map_or(1, |cores| cores.len());
     let _load = is_loaded.then(|| Load::begin(n_cores)).transpose()?;
@@ -78,7 +78,7 @@ pub fn trial(setting: Setting, is_loaded: bool, duration: Duration) -> io::Resul
     })
 }
 
-/// A setting that is taken back when this is dropped.
+/// Applied setting, reverted on drop.
 enum Applied {
     Nothing,
     RealTime { _guard: RealTime },
@@ -110,7 +110,7 @@ impl Applied {
     }
 }
 
-/// The first core gets most interrupts, so the last one is taken.
+/// Last usable core: the first one handles most interrupts.
 fn last_core() -> io::Result<u32> {
     let cores = usable_cores().unwrap_or_default();
     let last = cores.last().copied();

@@ -1,17 +1,17 @@
-//! What makes measured numbers untrue on this computer, in sentences.
+//! Warnings about conditions that invalidate latency figures.
 
 use crate::disturbance::Disturbance;
 use crate::fingerprint::{BuildProfile, Fingerprint};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// More than this share of stolen time is seen in the figures.
+/// Maximum share of steal time. Chosen: more is visible in the figures.
 const STEAL_SHARE_MAX: f64 = 0.005;
-/// More work of others than this, in cores, is seen in the figures.
+/// Maximum load of other processes, cores. Chosen: more is visible in the figures.
 const OTHER_LOAD_CORES_MAX: f64 = 0.05;
-/// A frequency that changes by more than this makes two runs differ.
+/// Maximum relative change of frequency. Chosen: more makes two runs differ.
 const FREQUENCY_DRIFT_SHARE_MAX: f64 = 0.1;
-/// Clock sources that are read without a call into the kernel.
+/// Clock sources that are read without a system call.
 const FAST_CLOCK_SOURCES: [&str; 5] = [
     "tsc",
     "kvm-clock",
@@ -20,12 +20,12 @@ const FAST_CLOCK_SOURCES: [&str; 5] = [
     "hyperv_clocksource_tsc_page",
 ];
 
-/// Something that makes measured numbers untrue, and what to do about it.
+/// Condition that invalidates latency figures, with its remedy.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Warning {
-    /// What it is and what it does to the numbers: a sentence.
+    /// Condition and its effect on the figures: one sentence.
     pub finding: String,
-    /// What to do: a sentence.
+    /// Remedy: one sentence.
     pub remedy: String,
 }
 
@@ -35,8 +35,8 @@ impl fmt::Display for Warning {
     }
 }
 
-/// All there is to say against figures that were measured here and then; nothing
-/// is said of what this computer does not tell.
+/// Warnings about figures measured in this environment and with these disturbances. Values that
+/// this computer does not report cause no warning.
 pub fn warnings(fingerprint: &Fingerprint, disturbance: &Disturbance) -> Vec<Warning> {
     let of_environment = [
         debug_build(fingerprint),

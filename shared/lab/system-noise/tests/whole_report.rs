@@ -1,4 +1,4 @@
-//! All of it once, briefly: every probe ends, and nothing is left changed.
+//! End-to-end test of the system-noise measurement: every probe ends, every setting is reverted.
 #![expect(clippy::unwrap_used, reason = "helpers of tests panic as tests do")]
 
 use std::collections::BTreeSet;
@@ -7,7 +7,7 @@ use std::time::Duration;
 use system_noise::noise::hop::{Payload, Receiver, hop};
 use system_noise::{MachineReport, Plan, figures, measure, report};
 
-/// Each test looks at what the whole process has left.
+/// Serialises the tests, which check the state of the whole process.
 static ONE_AFTER_THE_OTHER: Mutex<()> = Mutex::new(());
 
 const BRIEF: Plan = Plan {
@@ -26,7 +26,7 @@ fn watched<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> T {
     done.expect("the measurement failed or hangs")
 }
 
-/// Files of probes' domains of this process, in shared memory and in its run folders.
+/// Files of private domains of this process, in shared memory and in its run folders.
 fn leftovers() -> Vec<String> {
     let mark = format!("m{}-", std::process::id());
     let folders = ["/dev/shm".into()]
@@ -41,7 +41,7 @@ fn leftovers() -> Vec<String> {
         .collect()
 }
 
-/// Policy and cores of every thread of this process, and its locked memory.
+/// Policy and affinity of every thread of this process, and its locked memory.
 fn settings() -> (BTreeSet<(String, String)>, String) {
     let tasks = std::fs::read_dir("/proc/self/task").unwrap().flatten();
     let of_task = |task: std::fs::DirEntry| {

@@ -1,4 +1,4 @@
-//! Time of a coloured cloud from one pair of Kinect images.
+//! Benchmark of depth-to-colour registration: one cloud from a pair of Kinect images.
 
 use divan::Bencher;
 use freenect::{Calibration, CloudBuilder, N_PIXELS};
@@ -8,7 +8,7 @@ fn main() {
     divan::main();
 }
 
-/// A slanted table with holes: raw values of about 0.6 m to 1.5 m.
+/// Depth image of a slanted table with holes: raw values of about 0.6 m to 1.5 m.
 fn depth_image() -> Vec<u16> {
     let raw = |i: usize| {
         if i.is_multiple_of(17) {

@@ -1,4 +1,4 @@
-//! The accelerometer in the Kinect's foot.
+//! Accelerometer in the Kinect's foot.
 
 use crate::raw::TiltState;
 
@@ -7,26 +7,25 @@ const COUNTS_PER_G: f64 = 819.0;
 /// Standard gravity, m/s².
 const G_MPS2: f64 = 9.80665;
 
-/// What the accelerometer measures, m/s², in the sensor's own axes.
+/// Measured acceleration (specific force), m/s², in the sensor's own axes.
 ///
-/// At rest it measures what holds the sensor up, so it points away from the
-/// earth: about (0, +9.81, 0) for a level Kinect. Its y axis therefore runs up
-/// where the camera frame's runs down. Accurate to a few degrees (Microsoft's
-/// Kinect for Windows SDK 1.8 documentation: one degree, and up to three of
-/// drift with temperature).
+/// At rest it points away from the earth: about (0, +9.81, 0) for a level Kinect, so its y axis
+/// points up where that of the camera frame points down. Accurate to a few degrees (Microsoft's
+/// Kinect for Windows SDK 1.8 documentation: one degree, and up to three of drift with
+/// temperature).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Acceleration {
-    /// Along the sensor's width, m/s².
+    /// Component along the sensor's width, m/s².
     pub x_mps2: f64,
-    /// Upwards for a level sensor, m/s².
+    /// Component upwards for a level sensor, m/s².
     pub y_mps2: f64,
-    /// Along the view, m/s².
+    /// Component along the viewing direction, m/s².
     pub z_mps2: f64,
 }
 
 impl Acceleration {
-    /// `None` for the all-zero state the library holds before the first reading:
-    /// a sensor standing on the earth never measures zero.
+    /// Converts counts to m/s². `None` for the all-zero state the library holds before the first
+    /// reading: a sensor on the ground never measures zero.
     pub(crate) fn of_tilt_state(state: &TiltState) -> Option<Self> {
         let counts = [
             state.accelerometer_x,

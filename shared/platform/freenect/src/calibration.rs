@@ -1,46 +1,46 @@
-//! The geometry of a Kinect v1's two cameras.
+//! Calibration of a Kinect v1: intrinsics, extrinsics and depth formula of its two cameras.
 
 use crate::DepthFormula;
 use crate::raw::{HEIGHT, WIDTH};
 use geometry::{InvalidIntrinsics, PinholeCamera, RigidTransform};
 use std::fmt;
 
-/// The farthest the cameras can be apart, metres; in a Kinect it is 25 mm.
+/// Maximum accepted distance between the cameras, metres; in a Kinect it is 25 mm.
 const MAX_BASELINE_M: f64 = 0.2;
-/// How far the cameras can look apart, radians; in a Kinect it is one degree.
+/// Maximum accepted rotation between the cameras, radians; in a Kinect it is one degree.
 const MAX_ANGLE_RAD: f64 = 0.35;
 
-/// How depth and colour images relate.
+/// Calibration of the depth and the colour camera.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Calibration {
-    /// The infrared camera, in whose frame the cloud is. What the cloud's image
-    /// grid was seen with, for whoever projects points.
+    /// Intrinsics of the infrared camera, in whose frame the cloud is; projects points to the
+    /// cloud's image grid.
     pub depth_camera: PinholeCamera,
-    /// The colour camera.
+    /// Intrinsics of the colour camera.
     pub color_camera: PinholeCamera,
-    /// From the depth camera's frame into the colour camera's.
+    /// Transform from the depth camera's frame to the colour camera's.
     pub color_from_depth: RigidTransform,
-    /// How raw depth becomes metres.
+    /// Conversion of raw depth to metres.
     pub formula: DepthFormula,
 }
 
-/// Why a calibration can not be that of a Kinect.
+/// Error of a calibration that cannot be that of a Kinect.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum InvalidCalibration {
-    /// One of the cameras is impossible.
+    /// The intrinsics of a camera are invalid.
     Camera {
         /// `depth` or `colour`.
         which: &'static str,
-        /// What is wrong with it.
+        /// Cause.
         source: InvalidIntrinsics,
     },
-    /// One of the cameras is not 640x480.
+    /// An image size is not 640x480.
     Size {
         /// `depth` or `colour`.
         which: &'static str,
     },
-    /// The cameras are too far apart, turned too far, or the transform is not finite.
+    /// The cameras are too far apart or rotated too far, or the transform is not finite.
     Extrinsics,
 }
 
@@ -78,16 +78,15 @@ impl std::error::Error for InvalidCalibration {
 }
 
 impl Calibration {
-    /// The nominal Kinect v1, for want of an own calibration: the one unit Nicolas
-    /// Burrus measured and published (*Kinect Calibration*, 2010), without its lens
-    /// distortion (a few pixels in the corners).
+    /// Nominal calibration of the Kinect v1, if the unit was not calibrated: the unit measured
+    /// and published by Nicolas Burrus (*Kinect Calibration*, 2010), without its lens distortion
+    /// (a few pixels in the corners).
     ///
-    /// His four parts belong together (the cameras' tilt and their principal points
-    /// were estimated jointly), so they are taken together. His rotation and
-    /// translation lead from the colour camera to the depth camera: the colour
-    /// camera sits some 20 mm to the right of the infrared one, seen from behind,
-    /// so a point's x must become smaller on the way to colour. They are
-    /// therefore inverted here.
+    /// His four parts belong together (the cameras' tilt and their principal points were
+    /// estimated jointly), so they are taken together. His rotation and translation lead from the
+    /// colour camera to the depth camera: the colour camera sits some 20 mm to the right of the
+    /// infrared one, seen from behind, so a point's x must become smaller on the way to colour.
+    /// They are therefore inverted here.
     pub fn nominal() -> Self {
         let (width, height) = (WIDTH as u32, HEIGHT as u32);
         let depth_from_color =
@@ -114,10 +113,10 @@ impl Calibration {
         }
     }
 
-    /// Checks that the values can belong to a Kinect.
+    /// Validates that the values can belong to a Kinect.
     ///
     /// # Errors
-    /// Says which part is wrong. NaN fails.
+    /// Names the invalid part. NaN fails.
     pub fn validated(self) -> Result<Self, InvalidCalibration> {
         for (which, camera) in [("depth", self.depth_camera), ("colour", self.color_camera)] {
             camera
@@ -129,7 +128,7 @@ impl Calibration {
         }
         let baseline_m = self.color_from_depth.translation.vector.norm();
         let angle_rad = self.color_from_depth.rotation.angle();
-        // Written so that NaN fails.
+        // Written such that NaN fails.
         if !(baseline_m <= MAX_BASELINE_M && angle_rad <= MAX_ANGLE_RAD) {
             return Err(InvalidCalibration::Extrinsics);
         }
@@ -137,14 +136,14 @@ impl Calibration {
     }
 }
 
-/// Burrus' translation, colour to depth, metres.
+/// Burrus's translation, colour to depth, metres.
 const BURRUS_TRANSLATION_M: [f64; 3] = [
     1.998_524_231_209_255_3e-2,
     -7.442_373_876_161_758e-4,
     -1.091_673_633_433_622_2e-2,
 ];
 
-/// Burrus' rotation, colour to depth, as axis times angle.
+/// Burrus's rotation, colour to depth, as axis times angle, radians.
 const BURRUS_ROTATION_RAD: [f64; 3] = [
     1.226_429_663_497_151_6e-2,
     -1.748_016_105_454_079_6e-2,
@@ -155,7 +154,7 @@ const BURRUS_ROTATION_RAD: [f64; 3] = [
 mod tests {
     use super::*;
 
-    /// Burrus' rotation as he printed it, row by row.
+    /// Burrus's rotation matrix as printed, row by row.
     const BURRUS_ROTATION: [[f64; 3]; 3] = [
         [
             9.998_462_882_657_779e-1,

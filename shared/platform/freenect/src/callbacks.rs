@@ -1,13 +1,12 @@
-//! Frames as the library announces them.
+//! Frame callbacks of the library.
 //!
-//! The library calls back with a device pointer, the pixels' address and a
-//! stamp, always from inside one of its own functions and so on the thread that
-//! owns the camera. A table of that thread leads from the device pointer to the
-//! camera's [`Sink`]. No address of ours is ever stored in the library, except
-//! the image buffers themselves: a callback that comes too late finds no entry
-//! and does nothing.
+//! The library calls back with a device pointer, the pixels' address and a stamp, always from
+//! inside one of its own functions and so on the thread that owns the camera. A thread-local
+//! table maps the device pointer to the camera's [`FrameSink`]. The library stores no address of
+//! ours except the image buffers themselves: a late callback finds no entry and does nothing.
 //!
-//! Nothing here panics; if it did, the process would abort rather than unwind
+//! Nothing here panics; a panic would abort the process rather than unwind into C, which is the
+//! contract of `extern "C"`.
 //! into C, which is what `extern "C"` promises.
 
 #![expect(unsafe_code, reason = "buffers are handed to C and images read back")]
@@ -22,14 +21,14 @@ use std::mem;
 use std::rc::Rc;
 use std::time::Instant;
 
-/// A camera that takes frames on this thread.
+/// Entry of the table: device and sink of a camera on this thread.
 type Entry = (*mut Device, Rc<RefCell<Sink>>);
 
 thread_local! {
     static SINKS: RefCell<Vec<Entry>> = const { RefCell::new(Vec::new()) };
 }
 
-/// Where one camera's frames go: owner of all its image memory.
+/// Receiver of one camera's frames; owns all its image memory.
 pub(crate) struct Sink {
     api: Api,
     depth_filling: FrameBuffer<u16>,
@@ -38,16 +37,16 @@ pub(crate) struct Sink {
     misplaced: bool,
 }
 
-/// A pair the library no longer writes to.
+/// Image pair held by the caller; the library no longer writes to it.
 pub(crate) struct Shown(Pair<FrameBuffer<u16>, FrameBuffer<u8>>);
 
-/// Keeps a sink in its thread's table.
+/// Entry of a sink in its thread's table, removed on drop.
 pub(crate) struct Registration {
     device: *mut Device,
 }
 
 impl Registration {
-    /// Frames of `device` go to `sink` until this is dropped.
+    /// Routes the frames of `device` to `sink` until dropped.
     pub(crate) fn new(device: *mut Device, sink: Rc<RefCell<Sink>>) -> Self {
         SINKS.with_borrow_mut(|sinks| sinks.push((device, sink)));
         Self { device }
@@ -56,7 +55,7 @@ impl Registration {
 
 impl Drop for Registration {
     fn drop(&mut self) {
-        // At the thread's end the table may be gone already, and with it the entry.
+        // At thread exit the table may already be destroyed, and the entry with it.
         let _ = SINKS.try_with(|sinks| {
             if let Ok(mut sinks) = sinks.try_borrow_mut() {
                 sinks.retain(|(device, _)| *device != self.device);
@@ -65,7 +64,7 @@ impl Drop for Registration {
     }
 }
 
-/// The library's depth callback.
+/// Depth callback of the library.
 pub(crate) extern "C" fn on_depth(device: *mut Device, pixels: *mut c_void, stamp_ticks: u32) {
     let arrived = Instant::now();
     with_sink(device, |sink| {
@@ -73,7 +72,7 @@ pub(crate) extern "C" fn on_depth(device: *mut Device, pixels: *mut c_void, stam
     });
 }
 
-/// The library's colour callback.
+/// Colour callback of the library.
 pub(crate) extern "C" fn on_video(device: *mut Device, pixels: *mut c_void, stamp_ticks: u32) {
     let arrived = Instant::now();
     with_sink(device, |sink| {
@@ -97,7 +96,7 @@ fn with_sink(device: *mut Device, act: impl FnOnce(&mut Sink)) {
 }
 
 impl Sink {
-    /// All image memory of one camera, about 9 MB.
+    /// Sink with all image memory of one camera, about 9 MB.
     pub(crate) fn new(api: &Api) -> Self {
         let depth = || FrameBuffer::new(N_PIXELS);
         let video = || FrameBuffer::new(3 * N_PIXELS);
@@ -113,7 +112,7 @@ impl Sink {
         }
     }
 
-    /// Hands the first buffers to the library; false when it refuses one.
+    /// Passes the first buffers to the library; `false` if it rejects one.
     pub(crate) fn hand_over_first_buffers(&self, device: *mut Device) -> bool {
         self.hand_over_depth(device, &self.depth_filling)
             && self.hand_over_video(device, &self.video_filling)
@@ -130,7 +129,7 @@ impl Sink {
             self.misplaced = true;
             return;
         }
-        // There always is one; without, this frame would be written over.
+        // There is always one; without it, this frame would be overwritten.
         let Some(next) = self.pairing.spare_depth() else {
             return;
         };
@@ -189,17 +188,17 @@ impl Sink {
         code >= 0
     }
 
-    /// The newest pair, once.
+    /// Newest pair not yet taken.
     pub(crate) fn take_ready(&mut self) -> Option<Shown> {
         self.pairing.take_ready().map(Shown)
     }
 
-    /// Frees a pair for the library's use.
+    /// Returns a pair to the library's pool.
     pub(crate) fn give_back(&mut self, shown: Shown) {
         self.pairing.give_back(shown.0);
     }
 
-    /// Whether the library wrote elsewhere than asked, or refused a buffer.
+    /// `true` if the library wrote outside the given buffer or rejected a buffer.
     pub(crate) fn is_misplaced(&self) -> bool {
         self.misplaced
     }
@@ -210,7 +209,7 @@ impl Sink {
 }
 
 impl Shown {
-    /// The pair as borrowed images.
+    /// Images of the pair.
     pub(crate) fn frame(&self) -> Frame<'_> {
         let Pair { depth, video } = &self.0;
         Frame {

@@ -1,37 +1,36 @@
-//! Raw depth of a Kinect v1 in metres, and back.
+//! Conversion between raw depth of a Kinect v1 and metres.
 //!
-//! A raw value is the disparity the sensor measures, 11 bits, growing with
-//! distance. Two fits are in use: Nicolas Burrus' reciprocal (2010), taken from
-//! the first measurements for ROS, and Stéphane Magnenat's tangent (2010, wiki of
-//! libfreenect's project, *Imaging Information*). The tangent is the default,
-//! because it agrees with the sensor's own geometry: with the values libfreenect
-//! knows of a Kinect (reference plane 1.2 m at raw 800, projector 75 mm beside
-//! the camera, pixel 0.1042 mm) it differs by less than half a per cent between
-//! 0.57 m and 1.57 m, where the reciprocal comes out four to five per cent short.
+//! A raw value is the disparity the sensor measures, 11 bits, growing with distance. Two fits are
+//! in use: Nicolas Burrus's reciprocal (2010), from the first measurements for ROS, and Stéphane
+//! Magnenat's tangent (2010, wiki of libfreenect's project, *Imaging Information*). The tangent
+//! is the default because it agrees with the sensor's own geometry: with the values libfreenect
+//! knows of a Kinect (reference plane 1.2 m at raw 800, projector 75 mm from the camera, pixel
+//! 0.1042 mm) it differs by less than half a per cent between 0.57 m and 1.57 m, where the
+//! reciprocal is four to five per cent short.
 
 use std::fmt;
 
-/// The raw value of a pixel without depth.
+/// Raw value of a pixel without depth.
 pub const NO_DEPTH: u16 = 2047;
-/// Depths beyond this are taken as none, metres: the sensor's own limit.
+/// Maximum depth, metres: the sensor's own limit. Larger values count as no depth.
 pub const MAX_DEPTH_M: f32 = 10.0;
 
-/// Number of values 11 bits can have.
+/// Number of 11-bit values.
 const N_VALUES: usize = 2048;
 
-/// Which fit turns raw values into metres.
+/// Fit that converts raw depth to metres.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum DepthFormula {
-    /// z = 0.1236 · tan(raw / 2842.5 + 1.1863), Magnenat 2010.
+    /// Tangent fit z = 0.1236 · tan(raw / 2842.5 + 1.1863), Magnenat 2010.
     #[default]
     Magnenat,
-    /// z = 1 / (3.3309495161 − 0.0030711016 · raw), Burrus 2010.
+    /// Reciprocal fit z = 1 / (3.3309495161 − 0.0030711016 · raw), Burrus 2010.
     Burrus,
 }
 
 impl DepthFormula {
-    /// Metres of a raw value; outside the fit's range the result is negative,
-    /// huge or infinite.
+    /// Depth of a raw value, metres; outside the range of the fit the result is negative, huge or
+    /// infinite.
     fn depth_m(self, raw: f64) -> f64 {
         match self {
             Self::Magnenat => 0.1236 * (raw / 2842.5 + 1.1863).tan(),
@@ -39,7 +38,7 @@ impl DepthFormula {
         }
     }
 
-    /// The raw value, with its fraction, of a positive depth.
+    /// Raw value, with its fraction, of a positive depth in metres.
     fn raw(self, depth_m: f64) -> f64 {
         match self {
             Self::Magnenat => 2842.5 * ((depth_m / 0.1236).atan() - 1.1863),
@@ -48,13 +47,13 @@ impl DepthFormula {
     }
 }
 
-/// Metres of every raw value, by look-up. 8 kB.
+/// Look-up table from raw value to metres, 8 kB.
 #[derive(Clone, PartialEq)]
 pub struct DepthTable {
     formula: DepthFormula,
-    /// NaN where there is no depth.
+    /// Depth of each raw value, metres; NaN for no depth.
     depth_m: Box<[f32; N_VALUES]>,
-    /// The largest raw value with a depth.
+    /// Largest raw value with a depth.
     last_raw: u16,
 }
 
@@ -79,7 +78,7 @@ impl DepthTable {
         let mut last_raw = 0;
         for raw in 0..NO_DEPTH {
             let z = formula.depth_m(f64::from(raw)) as f32;
-            // The fits are monotonic up to their pole, and wrong from there on.
+            // The fits are monotonic up to their pole and wrong beyond it.
             if !(0.0..=MAX_DEPTH_M).contains(&z) {
                 break;
             }
@@ -93,8 +92,8 @@ impl DepthTable {
         }
     }
 
-    /// Metres of a raw value; NaN without depth, which is 2047, everything
-    /// beyond [`MAX_DEPTH_M`], and values that do not fit in 11 bits.
+    /// Depth of a raw value, metres; NaN for no depth: 2047, everything beyond [`MAX_DEPTH_M`],
+    /// and values wider than 11 bits.
     #[inline]
     pub fn depth_m(&self, raw: u16) -> f32 {
         self.depth_m
@@ -103,13 +102,13 @@ impl DepthTable {
             .unwrap_or(f32::NAN)
     }
 
-    /// The nearest and the farthest depth a raw value can mean, metres.
+    /// Smallest and largest representable depth, metres.
     pub fn range_m(&self) -> (f32, f32) {
         (self.depth_m[0], self.depth_m[usize::from(self.last_raw)])
     }
 
-    /// The raw value whose depth is nearest, for making recordings: the inverse
-    /// of [`Self::depth_m`]. [`NO_DEPTH`] for NaN and anything out of range.
+    /// Raw value with the nearest depth, for synthesising recordings: the inverse of
+    /// [`Self::depth_m`]. [`NO_DEPTH`] for NaN and out-of-range depths.
     pub fn raw(&self, depth_m: f32) -> u16 {
         let (nearest, farthest) = self.range_m();
         if !(nearest..=farthest).contains(&depth_m) {
@@ -140,7 +139,7 @@ mod tests {
             let z = DepthTable::new(formula).depth_m(raw);
             assert!((z - expected_m).abs() < 1e-3, "{formula:?} {raw}: {z}");
         };
-        // The formulas worked out by hand at three places each.
+        // Hand-computed values of the formulas at three points each.
         check(DepthFormula::Magnenat, 0, 0.3055);
         check(DepthFormula::Magnenat, 500, 0.5839);
         check(DepthFormula::Magnenat, 800, 1.1951);
@@ -149,8 +148,8 @@ mod tests {
         check(DepthFormula::Burrus, 800, 1.1441);
     }
 
-    /// The sensor's triangulation, with the factory values libfreenect uses when
-    /// it can not read a device's own (`registration.c`, zero-plane information).
+    /// Triangulation by the sensor's geometry, with the factory values libfreenect uses if it
+    /// cannot read a device's own (`registration.c`, zero-plane information).
     fn triangulated_m(raw: u16) -> f64 {
         let (reference_cm, base_cm, pixel_cm, reference_raw) = (120.0, 7.5, 0.1042, 800.0);
         let shift_cm = ((f64::from(raw) - reference_raw) / 4.0 - 0.375) * pixel_cm;
@@ -194,7 +193,7 @@ mod tests {
     }
 
     proptest! {
-        /// The inverse is as near as the best of all values, by search.
+        /// Brute-force check that the inverse gives the nearest raw value.
         #[test]
         fn the_inverse_is_the_nearest(depth_m in 0.31f32..9.9, burrus: bool) {
             let table = DepthTable::new(FORMULAS[usize::from(burrus)]);

@@ -1,4 +1,4 @@
-//! A Kinect as a safe value.
+//! Safe handle of an open Kinect.
 
 use crate::callbacks::{Registration, Shown, Sink};
 use crate::messages::{self, Message};
@@ -14,15 +14,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use std::{env, fmt};
 
-/// `LIBUSB_ERROR_INTERRUPTED`: a signal came; nothing is lost.
+/// `LIBUSB_ERROR_INTERRUPTED`: interrupted by a signal; no data was lost.
 const INTERRUPTED: i32 = -10;
 
-/// Which of several Kinects.
+/// Selector of one of several Kinects.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Selector {
-    /// By its place on the bus, from 0; may change when devices are replugged.
+    /// Index on the bus, from 0; may change when devices are replugged.
     Index(u32),
-    /// By the serial of its camera, which stays.
+    /// Serial number of the camera; permanent.
     Serial(String),
 }
 
@@ -35,36 +35,35 @@ impl fmt::Display for Selector {
     }
 }
 
-/// One image of 640x480 pixels, row by row.
+/// Image of 640x480 pixels, row-major.
 #[derive(Debug, Clone, Copy)]
 pub struct Image<'a, T> {
-    /// Depth: one 11-bit raw value a pixel, 2047 for none. Colour: red, green,
-    /// blue a pixel.
+    /// Pixel values. Depth: one 11-bit raw value per pixel, 2047 for none. Colour: red, green,
+    /// blue per pixel.
     pub pixels: &'a [T],
-    /// The Kinect's stamp, ticks of 1/60 000 000 s; wraps about every 71.6 s.
+    /// Device time stamp, ticks of 1/60 000 000 s; wraps about every 71.6 s.
     pub stamp_ticks: u32,
-    /// When the image was complete in this process, monotonic.
+    /// Time of arrival in this process, monotonic.
     pub arrived: Instant,
 }
 
-/// A depth and a colour image of the same moment (see [`crate::PAIRING_WINDOW_TICKS`]).
+/// Synchronised pair of depth and colour image (see [`crate::PAIRING_WINDOW_TICKS`]).
 #[derive(Debug, Clone, Copy)]
 pub struct Frame<'a> {
-    /// Depth, raw.
+    /// Raw depth image.
     pub depth: Image<'a, u16>,
-    /// Colour.
+    /// Colour image.
     pub video: Image<'a, u8>,
 }
 
-/// An open, streaming Kinect, or fakenect playing a recording.
+/// Open, streaming Kinect, or fakenect playing a recording.
 ///
-/// It stays on the thread that opened it, because libfreenect calls back on
-/// whatever thread calls it and locks nothing. Dropping it stops the streams,
-/// closes the device and shuts the library's USB context down; then it can be
-/// opened again. Memory: about 9 MB, all of it allocated when it is opened.
+/// Bound to the thread that opened it, because libfreenect calls back on the calling thread and
+/// locks nothing. Dropping it stops the streams, closes the device and shuts down the library's
+/// USB context; then it can be opened again. Memory: about 9 MB, all allocated when it is opened.
 pub struct Kinect {
-    // Dropped in this order: the device first, so that the library has stopped
-    // writing when the images go.
+    // Fields are dropped in this order: the device first, so that the library has stopped writing
+    // when the images are freed.
     device: Device,
     _registration: Registration,
     sink: Rc<RefCell<Sink>>,
@@ -81,7 +80,7 @@ impl fmt::Debug for Kinect {
     }
 }
 
-/// Why no more frames come.
+/// Reason for the end of the stream.
 #[derive(Debug, Clone)]
 enum End {
     Gone { code: i32, said: String },
@@ -92,17 +91,17 @@ enum End {
 impl Kinect {
     /// Opens a Kinect and starts both its streams.
     ///
-    /// With fakenect, the recording named by the environment is checked first
-    /// (see [`crate::check_recording`]); the selector means nothing to it.
+    /// With fakenect, the recording named by the environment is checked first (see
+    /// [`crate::check_recording`]), and the selector is ignored.
     ///
     /// # Errors
-    /// When there is none, it can not be opened or started, or the recording is
-    /// faulty; each says what to check.
+    /// If there is no Kinect, it cannot be opened or started, or the recording is faulty; each
+    /// error names the remedy.
     pub fn open(library: Arc<Library>, selector: &Selector) -> Result<Self, Error> {
         let playing = (library.kind() == LibraryKind::Fake)
             .then(Playing::start)
             .transpose()?;
-        // What was said before belongs to another camera.
+        // Earlier messages belong to another camera.
         messages::take();
         let device = open_device(library, selector)?;
         let sink = Sink::new(device.library().api());
@@ -125,11 +124,11 @@ impl Kinect {
         Ok(kinect)
     }
 
-    /// The newest pair of images not yet handed out, waiting for one up to
-    /// `timeout`; `None` when none came in that time.
+    /// Newest pair of images not yet returned; waits for one up to `timeout` and returns `None`
+    /// when it elapses.
     ///
     /// The images stay valid until the next call. Fakenect ignores the time-out:
-    /// it may keep the call until the recording's next entry is due.
+    /// it may block until the recording's next entry is due.
     ///
     /// # Errors
     /// [`Error::Gone`] when the Kinect was unplugged, [`Error::Ended`] at the end
@@ -153,12 +152,11 @@ impl Kinect {
         }
     }
 
-    /// Reads the accelerometer; `None` when the Kinect has none, or the recording
-    /// has not come to a reading. Blocks for one exchange over USB, and may be
-    /// called between frames.
+    /// Reads the accelerometer. `None` if the Kinect has none, or the recording has no reading
+    /// yet. Blocks for one USB transfer; may be called between frames.
     ///
     /// # Errors
-    /// When the exchange fails.
+    /// If the transfer fails.
     pub fn acceleration(&mut self) -> Result<Option<Acceleration>, Error> {
         Ok(self
             .device
@@ -167,12 +165,12 @@ impl Kinect {
             .and_then(Acceleration::of_tilt_state))
     }
 
-    /// Switches the camera's automatic exposure and white balance on or off, so
-    /// that an object keeps its colours while the light does. Returns whether
-    /// this library can; fakenect can not.
+    /// Switches the camera's automatic exposure and white balance on or off, so that an object
+    /// keeps its colours under constant light. Returns `false` if the library does not support
+    /// it, as fakenect.
     ///
     /// # Errors
-    /// When the Kinect refuses.
+    /// If the Kinect rejects the request.
     pub fn set_automatic_colors(&mut self, on: bool) -> Result<bool, Error> {
         for flag in [raw::FLAG_AUTO_EXPOSURE, raw::FLAG_AUTO_WHITE_BALANCE] {
             match self.device.set_flag(flag, on) {
@@ -183,18 +181,18 @@ impl Kinect {
         Ok(true)
     }
 
-    /// What became of the frames so far.
+    /// Counts of paired and unpaired frames so far.
     pub fn statistics(&self) -> Statistics {
         self.sink.borrow().statistics()
     }
 
-    /// What the library said since the last call, oldest first, at most 64 lines;
-    /// for the caller to log. Errors carry their own part of it.
+    /// Log messages of the library since the last call, oldest first, at most 64 lines. Errors
+    /// contain their own messages.
     pub fn take_messages(&mut self) -> Vec<Message> {
         messages::take()
     }
 
-    /// Lets the library work, and notes when it can no more.
+    /// Runs the library's event loop once and records the end of the stream.
     fn process_events(&mut self, timeout: Duration) {
         let code = self.device.process_events(timeout);
         if self.sink.borrow().is_misplaced() {
@@ -210,7 +208,7 @@ impl Kinect {
         }
     }
 
-    /// Shows the newest pair, if there is one, and frees the one shown before.
+    /// Takes the newest pair, if any, and returns the previous one to the pool.
     fn show_ready(&mut self) -> bool {
         let mut sink = self.sink.borrow_mut();
         let Some(ready) = sink.take_ready() else {
@@ -251,14 +249,14 @@ fn open_device(library: Arc<Library>, selector: &Selector) -> Result<Device, Err
         })
 }
 
-/// The right to play a recording. Fakenect keeps its state in plain variables
-/// of the library, so that two players in one process would share it.
+/// Exclusive right of this process to play a recording: fakenect keeps its state in global
+/// variables, which two players would share.
 struct Playing;
 
 static PLAYING: AtomicBool = AtomicBool::new(false);
 
 impl Playing {
-    /// Checks the recording named by the environment, and that nobody else plays.
+    /// Checks the recording named by the environment and that no other player is active.
     fn start() -> Result<Self, Error> {
         let folder = env::var_os(FOLDER_VARIABLE).ok_or(Error::NoRecording)?;
         check_recording(Path::new(&folder))?;

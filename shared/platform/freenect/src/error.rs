@@ -1,81 +1,81 @@
-//! What can go wrong between the daemon and a Kinect.
+//! Errors of the library and the camera.
 
 use crate::{LibraryKind, RecordingError};
 use std::{fmt, path::PathBuf};
 
-/// Why the library or the camera can not be used.
+/// Error of the library or the camera.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum Error {
     /// No library was found.
     LibraryMissing {
-        /// Which one was looked for.
+        /// Library that was searched for.
         kind: LibraryKind,
-        /// Each place, with the loader's answer.
+        /// Each place with the loader's error message.
         tried: Vec<(PathBuf, String)>,
     },
     /// A library was found, but it is not libfreenect 0.5.
     SymbolMissing {
-        /// The library.
+        /// Path of the library.
         library: PathBuf,
-        /// The function it lacks.
+        /// Name of the missing function.
         symbol: &'static str,
-        /// The loader's answer.
+        /// Error of the loader.
         source: libloading::Error,
     },
-    /// Fakenect is to play a folder it must not be given.
+    /// The recording for fakenect is faulty.
     Recording(RecordingError),
-    /// Fakenect was loaded, but the process was not started for a recording.
+    /// Fakenect was loaded, but the environment names no recording.
     NoRecording,
-    /// Fakenect already plays in this process.
+    /// Another fakenect player is active in this process.
     FakeInUse,
-    /// USB can not be used at all.
+    /// USB is unavailable.
     UsbUnavailable {
-        /// The code of libusb.
+        /// Error code of libusb.
         code: i32,
     },
-    /// The library sees no Kinect.
+    /// The library finds no Kinect.
     NoKinect {
-        /// What the USB bus shows, and what to do.
+        /// State of the USB bus, with the remedy.
         advice: String,
     },
-    /// There is a Kinect, but it can not be opened.
+    /// A Kinect was found but cannot be opened.
     CannotOpen {
-        /// Which one was asked for.
+        /// Selector of the requested Kinect.
         wanted: String,
-        /// The library's code.
+        /// Error code of the library.
         code: i32,
-        /// What the library said about it.
+        /// Log messages of the library.
         said: String,
-        /// Serials of the cameras that are there, when the library can tell.
+        /// Serial numbers of the present cameras, if the library can list them.
         serials: Vec<String>,
-        /// What the USB bus shows, and what to do.
+        /// State of the USB bus, with the remedy.
         advice: String,
     },
-    /// The library offers no image of 640x480 in the format needed.
+    /// The library offers no 640x480 image in the required format.
     ModeMissing {
         /// `depth` or `video`.
         stream: &'static str,
     },
-    /// A function of the library failed.
+    /// A library function failed.
     CallFailed {
-        /// The function.
+        /// Name of the function.
         function: &'static str,
-        /// Its code.
+        /// Error code of the function.
         code: i32,
-        /// What the library said about it.
+        /// Log messages of the library.
         said: String,
     },
-    /// The library refused a buffer, or wrote a frame elsewhere than asked.
+    /// The library rejected a buffer, or wrote a frame outside of it.
     Misbehaved,
-    /// The Kinect stopped answering.
+    /// The Kinect stopped responding.
     Gone {
-        /// The library's code.
+        /// Error code of the library.
         code: i32,
-        /// What the library said about it.
+        /// Log messages of the library.
         said: String,
     },
-    /// The recording is played to its end.
+    /// The recording has ended.
     Ended,
 }
 
@@ -173,7 +173,7 @@ impl Error {
     }
 }
 
-/// Appends what the library said, if anything.
+/// Clause with the library's log messages; empty without any.
 fn said_clause(f: &mut fmt::Formatter<'_>, said: &str) -> fmt::Result {
     if said.is_empty() {
         Ok(())

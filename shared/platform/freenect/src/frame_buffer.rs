@@ -1,4 +1,4 @@
-//! Memory the C library writes images into.
+//! Image memory written by the C library.
 
 #![expect(
     unsafe_code,
@@ -8,10 +8,10 @@
 use std::ffi::c_void;
 use std::ptr::NonNull;
 
-/// One image's memory, owned.
+/// Owned memory of one image.
 ///
-/// It is held by pointer and not as a `Box`, because a `Box` promises that
-/// nobody else writes to it, wherever it is moved. `T` is a plain number.
+/// Held by pointer instead of a `Box`, because a `Box` asserts unique access, which the library's
+/// writes would violate. `T` is a plain number type.
 #[derive(Debug)]
 pub(crate) struct FrameBuffer<T> {
     pixels: NonNull<[T]>,
@@ -26,18 +26,19 @@ impl<T: Copy + Default> FrameBuffer<T> {
         }
     }
 
-    /// The address to hand to the library.
+    /// Address to pass to the library.
     pub(crate) fn address(&self) -> *mut c_void {
         self.pixels.as_ptr().cast()
     }
 
-    /// The image.
+    /// Pixels of the image.
     ///
     /// # Safety
-    /// The library must have been given another buffer, and must not be given
-    /// this one again while the result lives.
+    /// The library must have been given another buffer, and must not be given this one again
+    /// during the lifetime of the result.
     pub(crate) unsafe fn pixels(&self) -> &[T] {
-        // SAFETY: the memory is ours, initialised, and by the caller's word unwritten.
+        // SAFETY: the memory is owned and initialised, and the caller guarantees that it is not
+        // written.
         unsafe { self.pixels.as_ref() }
     }
 }

@@ -1,10 +1,9 @@
-//! libfreenect, loaded at run time: raw bindings and the safe wrapper.
+//! Kinect v1 driver: libfreenect, loaded at run time, with a safe wrapper.
 //!
-//! The C library is looked for when a camera is opened, never when the daemon is
-//! built, so that everything builds and runs on machines without it. Debian's
-//! package `libfreenect0.5` holds two libraries with the same functions: the real
-//! one, and fakenect, which plays a recorded folder. Which one is used is a value
-//! chosen at start ([`LibraryKind`]); all code behind that choice is the same.
+//! The C library is searched for when a camera is opened, never at build time, so that everything
+//! builds and runs on machines without it. Debian's package `libfreenect0.5` contains two
+//! libraries with the same functions: the real one, and fakenect, which plays a recorded folder.
+//! The choice is made at start ([`LibraryKind`]); all code after that choice is the same.
 //!
 //! ```no_run
 //! use freenect::{Calibration, CloudBuilder, Kinect, Library, LibraryKind, Selector};
@@ -23,13 +22,13 @@
 //! # }
 //! ```
 //!
-//! What this crate never does: it links nothing at build time, starts no thread,
-//! sets no environment variable, logs nothing (what the C library says is kept
-//! for the caller), and hands fakenect no folder it has not checked, because
-//! fakenect ends the process over a missing file and reads past short ones.
+//! Invariants: this crate links nothing at build time, starts no thread, sets no environment
+//! variable, and logs nothing (the library's log messages are kept for the caller). It passes
+//! fakenect only folders it has checked, because fakenect ends the process over a missing file
+//! and reads past short ones.
 //!
-//! `unsafe` is confined to `raw`, `library`, `messages`, `frame_buffer`,
-//! `callbacks` and `session`; everything else is safe code over them.
+//! `unsafe` is confined to `raw`, `library`, `messages`, `frame_buffer`, `callbacks` and
+//! `session`; everything else is safe code over them.
 
 mod acceleration;
 mod calibration;

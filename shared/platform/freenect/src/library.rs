@@ -1,4 +1,4 @@
-//! Finding and loading the C library.
+//! Search and loading of the C library.
 
 #![expect(unsafe_code, reason = "loading a library runs its initialisers")]
 
@@ -8,25 +8,24 @@ use crate::raw::Api;
 use std::path::{Path, PathBuf};
 use std::{env, fmt, fs};
 
-/// Names of the library, best first: the one of Debian, then what other
-/// versions and a development package would install.
+/// File names of the library in order of preference: Debian's, then those of other versions and
+/// of development packages.
 const FILE_NAMES: [&str; 3] = ["libfreenect.so.0.5", "libfreenect.so.0", "libfreenect.so"];
-/// The folder that holds fakenect, beside the real library.
+/// Folder of fakenect, next to the real library.
 const FAKE_FOLDER: &str = "fakenect";
 
-/// Which of the two libraries.
+/// Kind of library: real or fake.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LibraryKind {
-    /// The one that talks to a Kinect.
+    /// Real library, which talks to a Kinect.
     Real,
-    /// Fakenect: plays the folder named by the environment variable
-    /// `FAKENECT_PATH` (see [`crate::restart_with_recording`]).
+    /// Fakenect: plays the folder named by the environment variable `FAKENECT_PATH` (see
+    /// [`crate::restart_with_recording`]).
     ///
-    /// It waits between entries as recorded, but never makes up for being late:
-    /// a recording of 30 Hz plays about two per cent slow. At the end it stays
-    /// at the end, also for a camera opened anew, until the last user of the
-    /// library drops it; loaded again, it plays from the start, having lost one
-    /// file descriptor (it never closes `INDEX.txt`).
+    /// It waits between entries as recorded, but never makes up for delays: a recording of 30 Hz
+    /// plays about two per cent slow. At the end it stays there, even for a newly opened camera,
+    /// until the last user of the library drops it; loaded again, it plays from the start, having
+    /// leaked one file descriptor (it never closes `INDEX.txt`).
     Fake,
 }
 
@@ -39,8 +38,7 @@ impl fmt::Display for LibraryKind {
     }
 }
 
-/// A loaded library. It stays loaded until the last camera opened with it is
-/// dropped.
+/// Loaded library. It stays loaded until the last camera opened with it is dropped.
 #[derive(Debug)]
 pub struct Library {
     api: Api,
@@ -57,14 +55,13 @@ impl fmt::Debug for Api {
 }
 
 impl Library {
-    /// Looks for the library in the system's folders and loads it.
+    /// Searches the system's folders for the library and loads it.
     ///
-    /// The real one is asked from the dynamic linker by name, then looked for in
-    /// the multi-arch folders; fakenect only in their `fakenect/` sub-folders.
+    /// The real library is requested by name from the dynamic linker, then searched for in the
+    /// multi-arch folders; fakenect only in their `fakenect/` sub-folders.
     ///
     /// # Errors
-    /// When there is none, with every place tried, or when what is there is not
-    /// libfreenect 0.5.
+    /// If there is none, with every place tried, or if the file found is not libfreenect 0.5.
     pub fn load(kind: LibraryKind) -> Result<Self, Error> {
         let mut tried = Vec::new();
         for candidate in candidates(kind, &library_folders()) {
@@ -80,10 +77,10 @@ impl Library {
         Err(Error::LibraryMissing { kind, tried })
     }
 
-    /// Loads a library built by hand.
+    /// Loads a self-built library.
     ///
     /// # Errors
-    /// When it can not be loaded or is not libfreenect 0.5.
+    /// If it cannot be loaded or is not libfreenect 0.5.
     ///
     /// # Safety
     /// The file must be a build of libfreenect 0.5, or behave like one: its
@@ -99,8 +96,10 @@ impl Library {
         })
     }
 
+    /// Loads a library file and looks up its functions.
+    ///
     /// # Safety
-    /// As [`Self::load_from`].
+    /// As for [`Self::load_from`].
     unsafe fn load_file(file: &Path, kind: LibraryKind) -> Result<Self, LoadError> {
         // SAFETY: the caller vouches for the library's initialisers.
         let loaded = unsafe { libloading::Library::new(file) }.map_err(LoadError::NotLoaded)?;
@@ -122,18 +121,18 @@ impl Library {
         })
     }
 
-    /// Which of the two it is.
+    /// Kind of the library.
     pub fn kind(&self) -> LibraryKind {
         self.kind
     }
 
-    /// The file the library was loaded from, when the kernel tells.
+    /// File the library was loaded from, if the kernel reports it.
     pub fn file(&self) -> Option<&Path> {
         self.file.as_deref()
     }
 
-    /// The version, as far as the file's name tells: `0.5.3` for Debian's.
-    /// The library itself has no function for it.
+    /// Version parsed from the file name, such as `0.5.3` for Debian's. The library itself has no
+    /// function for it.
     pub fn version(&self) -> Option<&str> {
         self.file()?
             .file_name()?
@@ -142,7 +141,7 @@ impl Library {
             .map(|(_, version)| version)
     }
 
-    /// Optional functions and whether this library has them.
+    /// Optional functions with their availability.
     pub fn optional_symbols(&self) -> Vec<(&'static str, bool)> {
         self.api.optional_symbols()
     }
@@ -151,8 +150,8 @@ impl Library {
         &self.api
     }
 
-    /// Both libraries have the same name, so a search path in the environment, or
-    /// fakenect loaded before, can make the linker hand out the wrong one.
+    /// `true` if the linker loaded the requested kind. Both libraries have the same name, so a
+    /// search path in the environment, or fakenect loaded earlier, can yield the wrong one.
     fn is_of_its_kind(&self) -> bool {
         let is_fake = |file: &Path| {
             file.parent()
@@ -171,15 +170,15 @@ impl Library {
     }
 }
 
-/// Why one file was not taken.
+/// Reason for rejecting a library file.
 enum LoadError {
-    /// Not there, or not a library: try the next.
+    /// Not found or not a library: the next place is tried.
     NotLoaded(libloading::Error),
-    /// There, but not usable: say so.
+    /// Found but unusable: an error.
     Unusable(Error),
 }
 
-/// Where to look, in order.
+/// Files to try in order.
 fn candidates(kind: LibraryKind, folders: &[PathBuf]) -> Vec<PathBuf> {
     let in_folders = |sub: &'static str| {
         folders.iter().flat_map(move |folder| {
@@ -198,11 +197,11 @@ fn candidates(kind: LibraryKind, folders: &[PathBuf]) -> Vec<PathBuf> {
     }
 }
 
-/// The machine's library folders: Debian's multi-arch one, and the classic ones.
+/// Library folders of this machine: Debian's multi-arch folder and the classic ones.
 fn library_folders() -> Vec<PathBuf> {
     let multi_arch = format!("/usr/lib/{}-linux-gnu", env::consts::ARCH);
     let mut folders = vec![PathBuf::from(multi_arch)];
-    // Where the triplet is spelled differently, as on 32-bit ARM.
+    // Covers architectures whose triplet is spelled differently, such as 32-bit ARM.
     if let Ok(entries) = fs::read_dir("/usr/lib") {
         let name_of = |entry: &fs::DirEntry| entry.file_name().to_string_lossy().into_owned();
         let mut others: Vec<PathBuf> = entries

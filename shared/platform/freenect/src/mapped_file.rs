@@ -1,16 +1,16 @@
-//! From which file a loaded function came.
+//! File of a loaded function, from `/proc/self/maps`.
 
 use std::fs;
 use std::path::PathBuf;
 
-/// The file mapped at `address` in this process, links resolved. `None` where
-/// the kernel does not say.
+/// File mapped at `address` in this process, links resolved. `None` if the kernel does not report
+/// it.
 pub(crate) fn mapped_file(address: usize) -> Option<PathBuf> {
     find_in_maps(&fs::read_to_string("/proc/self/maps").ok()?, address)
 }
 
-/// Finds the mapping of `address` in the text of `/proc/self/maps`, whose lines
-/// read `from-to rights offset device inode   path`.
+/// Finds the mapping of `address` in the text of `/proc/self/maps`, whose lines read `from-to
+/// rights offset device inode   path`.
 fn find_in_maps(maps: &str, address: usize) -> Option<PathBuf> {
     let line = maps
         .lines()

@@ -1,8 +1,8 @@
-//! What the C library says, kept for the caller instead of printed.
+//! Log messages of the C library, kept for the caller.
 //!
-//! The library's log callback carries no pointer of ours. It is only called from
-//! inside a call of the library, on the calling thread, and a [`crate::Kinect`]
-//! never leaves its thread: so the messages wait in a queue of that thread.
+//! The library's log callback carries no user pointer. It is only called from inside a library
+//! function, on the calling thread, and a [`crate::Kinect`] never leaves its thread: so the
+//! messages are kept in a thread-local queue.
 
 #![expect(unsafe_code, reason = "text arrives from C as a pointer")]
 
@@ -11,34 +11,34 @@ use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::ffi::{CStr, c_char, c_int};
 
-/// Messages kept; older ones are forgotten first, since a stream in trouble can
-/// complain about every packet.
+/// Capacity of the queue. The oldest messages are dropped first: a faulty stream can complain
+/// about every packet.
 const MAX_MESSAGES: usize = 64;
 
 thread_local! {
     static MESSAGES: RefCell<VecDeque<Message>> = const { RefCell::new(VecDeque::new()) };
 }
 
-/// How serious the library finds it.
+/// Severity of a log message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Level {
-    /// The library can not do what was asked (levels fatal and error).
+    /// The requested operation failed (levels fatal and error).
     Error,
-    /// The library goes on, with a loss.
+    /// The library continues with a loss (level warning).
     Warning,
 }
 
-/// One line the library wanted to print.
+/// Log message of the library.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Message {
-    /// How serious it is.
+    /// Severity.
     pub level: Level,
-    /// The text, without the line's end.
+    /// Text without the end of line.
     pub text: String,
 }
 
-/// The library's log callback. Contains nothing that panics; if it did, the
-/// process would abort rather than unwind into C.
+/// Log callback of the library. Contains nothing that panics; a panic would abort the process
+/// rather than unwind into C.
 pub(crate) extern "C" fn on_message(_context: *mut Context, level: c_int, text: *const c_char) {
     if text.is_null() {
         return;
@@ -51,7 +51,7 @@ pub(crate) extern "C" fn on_message(_context: *mut Context, level: c_int, text: 
         Level::Warning
     };
     let text = text.to_string_lossy().trim_end().to_owned();
-    // A message during the thread's end has no reader.
+    // A message during thread exit has no reader.
     let _ = MESSAGES.try_with(|messages| {
         if let Ok(mut messages) = messages.try_borrow_mut() {
             if messages.len() == MAX_MESSAGES {
@@ -67,7 +67,7 @@ pub(crate) fn take() -> Vec<Message> {
     MESSAGES.with_borrow_mut(|messages| messages.drain(..).collect())
 }
 
-/// Takes all messages of this thread as one clause for an error.
+/// Takes all messages of this thread as one clause of an error.
 pub(crate) fn take_as_clause() -> String {
     let texts: Vec<String> = take().into_iter().map(|message| message.text).collect();
     texts.join("; ")

@@ -1,50 +1,48 @@
-//! Which colour image belongs to which depth image.
+//! Time synchronisation of depth and colour images by their stamps.
 //!
-//! The Kinect stamps both streams with one 60 MHz counter of 32 bits, which
-//! wraps about every 71.6 seconds. Frames of a stream are a thirtieth of a
-//! second apart, 2 000 000 ticks. A depth and a colour image belong together when
-//! their stamps differ by less than half of that: at most one image of a
-//! stream lies that near, so it is the nearest, and waiting for a better one
-//! would only add delay.
+//! The Kinect stamps both streams with one 60 MHz counter of 32 bits, which wraps about every
+//! 71.6 seconds. Frames of a stream are a thirtieth of a second apart, 2 000 000 ticks. A depth
+//! and a colour image are paired if their stamps differ by less than half of that: at most one
+//! image of a stream is that near, so it is the nearest, and waiting for a better one would only
+//! add delay.
 //!
 //! Pure: frames and their arrival times come from the caller.
 
 use std::collections::VecDeque;
 use std::time::Instant;
 
-/// Ticks a second of the Kinect's clock.
+/// Frequency of the Kinect's clock, hertz.
 pub const CLOCK_HZ: u32 = 60_000_000;
-/// Stamps of a pair differ by less than this many ticks: half a frame's period.
+/// Maximum difference of the stamps of a pair, ticks (exclusive): half a frame period.
 pub const PAIRING_WINDOW_TICKS: u32 = CLOCK_HZ / 30 / 2;
 
-/// Frames of one stream that may wait for their partner. Two, because the
-/// streams may lag behind each other by more than one period but never by two.
+/// Maximum number of unpaired frames kept per stream. Two, because the streams may lag behind
+/// each other by more than one period but never by two.
 const MAX_WAITING: usize = 2;
 
-/// Frames of one stream that exist at the same time: one is being written, two
-/// wait, one more has just arrived, one is in the pair not yet taken and one in
-/// the pair the caller looks at.
+/// Number of frame buffers per stream: one being written, two unpaired, one just arrived, one in
+/// the pair not yet taken, and one in the pair held by the caller.
 pub(crate) const N_FRAMES: usize = MAX_WAITING + 4;
 
-/// A frame with its times.
+/// Frame with its time stamps.
 #[derive(Debug)]
 pub(crate) struct Stamped<T> {
     /// Device stamp, ticks of [`CLOCK_HZ`].
     pub(crate) stamp_ticks: u32,
-    /// When it arrived.
+    /// Time of arrival.
     pub(crate) arrived: Instant,
-    /// The image.
+    /// Image.
     pub(crate) frame: T,
 }
 
-/// Images of the same moment.
+/// Synchronised pair of frames.
 #[derive(Debug)]
 pub(crate) struct Pair<D, V> {
     pub(crate) depth: Stamped<D>,
     pub(crate) video: Stamped<V>,
 }
 
-/// One stream's frames without a partner, and those free for use.
+/// Unpaired frames and free buffers of one stream.
 #[derive(Debug)]
 struct Waiting<T> {
     frames: VecDeque<Stamped<T>>,
@@ -52,7 +50,7 @@ struct Waiting<T> {
     n_unpaired: u64,
 }
 
-/// Pairs frames as they arrive, keeps the newest pair and counts what was lost.
+/// Pairs frames as they arrive, keeps the newest pair and counts losses.
 #[derive(Debug)]
 pub(crate) struct Pairing<D, V> {
     depth: Waiting<D>,
@@ -62,20 +60,20 @@ pub(crate) struct Pairing<D, V> {
     n_superseded: u64,
 }
 
-/// What became of the frames since the camera was opened.
+/// Counts of paired and lost frames since the camera was opened.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Statistics {
-    /// Pairs made.
+    /// Number of pairs.
     pub n_pairs: u64,
-    /// Pairs replaced by a newer one before they were asked for.
+    /// Number of pairs replaced by a newer one before they were taken.
     pub n_superseded: u64,
-    /// Depth images for which no colour image came.
+    /// Number of depth images without a colour image.
     pub n_unpaired_depth: u64,
-    /// Colour images for which no depth image came.
+    /// Number of colour images without a depth image.
     pub n_unpaired_video: u64,
 }
 
-/// Whether two stamps are of the same moment, across the counter's wrap.
+/// `true` if two stamps are within the pairing window, across the counter's wrap.
 fn within_window(a: u32, b: u32) -> bool {
     (a.wrapping_sub(b) as i32).unsigned_abs() < PAIRING_WINDOW_TICKS
 }
@@ -89,8 +87,8 @@ impl<T> Waiting<T> {
         }
     }
 
-    /// Takes the frame of that moment. Frames before it stay alone for ever,
-    /// since the other stream, too, only moves on.
+    /// Takes the frame within the pairing window. Older frames remain unpaired, since the other
+    /// stream never goes back.
     fn take_partner(&mut self, stamp_ticks: u32) -> Option<Stamped<T>> {
         let position = self
             .frames
@@ -115,7 +113,7 @@ impl<T> Waiting<T> {
 }
 
 impl<D, V> Pairing<D, V> {
-    /// Starts with the frames to use, [`N_FRAMES`] less the one being written.
+    /// Pairing with [`N_FRAMES`] buffers per stream, less the one being written.
     pub(crate) fn new(spare_depth: Vec<D>, spare_video: Vec<V>) -> Self {
         let (depth, video) = (Waiting::new(spare_depth), Waiting::new(spare_video));
         Self {
@@ -127,27 +125,27 @@ impl<D, V> Pairing<D, V> {
         }
     }
 
-    /// A free depth frame to be written next.
+    /// Free depth buffer to be written next.
     pub(crate) fn spare_depth(&mut self) -> Option<D> {
         self.depth.spare.pop()
     }
 
-    /// A free colour frame to be written next.
+    /// Free colour buffer to be written next.
     pub(crate) fn spare_video(&mut self) -> Option<V> {
         self.video.spare.pop()
     }
 
-    /// A spare depth frame is not needed after all.
+    /// Returns an unused depth buffer.
     pub(crate) fn keep_depth(&mut self, frame: D) {
         self.depth.spare.push(frame);
     }
 
-    /// A spare colour frame is not needed after all.
+    /// Returns an unused colour buffer.
     pub(crate) fn keep_video(&mut self, frame: V) {
         self.video.spare.push(frame);
     }
 
-    /// A depth frame is complete.
+    /// Adds a complete depth frame.
     pub(crate) fn depth_arrived(&mut self, depth: Stamped<D>) {
         match self.video.take_partner(depth.stamp_ticks) {
             Some(video) => {
@@ -158,7 +156,7 @@ impl<D, V> Pairing<D, V> {
         }
     }
 
-    /// A colour frame is complete.
+    /// Adds a complete colour frame.
     pub(crate) fn video_arrived(&mut self, video: Stamped<V>) {
         match self.depth.take_partner(video.stamp_ticks) {
             Some(depth) => {
@@ -169,18 +167,18 @@ impl<D, V> Pairing<D, V> {
         }
     }
 
-    /// The newest pair, once.
+    /// Newest pair not yet taken.
     pub(crate) fn take_ready(&mut self) -> Option<Pair<D, V>> {
         self.ready.take()
     }
 
-    /// Frees a pair nobody looks at any more.
+    /// Returns the buffers of a pair.
     pub(crate) fn give_back(&mut self, pair: Pair<D, V>) {
         self.keep_depth(pair.depth.frame);
         self.keep_video(pair.video.frame);
     }
 
-    /// What became of all frames so far.
+    /// Counts of paired and lost frames so far.
     pub(crate) fn statistics(&self) -> Statistics {
         Statistics {
             n_pairs: self.n_pairs,

@@ -1,37 +1,37 @@
-//! Whether a Kinect is on USB and this user may open it.
+//! Detection of a Kinect on USB and of this user's rights to it.
 //!
-//! Read from the kernel's tables, without any library: this is what tells apart
-//! "not plugged in", "no power", "no rights" and "not installed".
+//! Reads the kernel's tables without any library, to distinguish "not plugged in", "no power",
+//! "no rights" and "not installed".
 
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::{fmt, iter};
 
-/// Microsoft's vendor number.
+/// USB vendor id of Microsoft.
 const VENDOR: u16 = 0x045e;
 
-/// What a USB device is to a Kinect.
+/// Kind of USB device of a Kinect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum UsbPartKind {
-    /// The camera: both images come from it.
+    /// Camera, the source of both images.
     Camera,
-    /// The motor in the foot, with the accelerometer.
+    /// Motor in the foot, with the accelerometer.
     Motor,
-    /// The microphones.
+    /// Microphone array.
     Audio,
-    /// A Kinect of the second generation, which libfreenect can not use.
+    /// Kinect v2, which libfreenect cannot use.
     SecondGeneration,
 }
 
 impl UsbPartKind {
-    /// By product number (`libfreenect`'s list, and the USB ID repository).
+    /// Kind by USB product id (`libfreenect`'s list and the USB ID repository).
     fn of_product(product: u16) -> Option<Self> {
         match product {
             // Xbox 360 Kinect; Kinect for Windows.
             0x02ae | 0x02bf => Some(Self::Camera),
             0x02b0 | 0x02c2 => Some(Self::Motor),
-            // Before and after the firmware came, of either model.
+            // Before and after firmware upload, either model.
             0x02ad | 0x02bb | 0x02be | 0x02c3 => Some(Self::Audio),
             0x02c4 | 0x02d8 | 0x02d9 => Some(Self::SecondGeneration),
             _ => None,
@@ -39,32 +39,31 @@ impl UsbPartKind {
     }
 }
 
-/// Whether this user may use a device.
+/// Access of this user to a device node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Access {
-    /// It can be opened for reading and writing.
+    /// Readable and writable.
     Granted,
-    /// The rights are missing.
+    /// Permission denied.
     Denied,
-    /// There is no such node, or it failed otherwise.
+    /// Node missing or other failure.
     Failed,
 }
 
-/// One USB device of a Kinect.
+/// USB device of a Kinect.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct UsbPart {
-    /// What it is.
+    /// Kind of device.
     pub kind: UsbPartKind,
-    /// Its product number, of vendor 045e.
+    /// USB product id, of vendor 045e.
     pub product: u16,
-    /// The file through which it is used.
+    /// Device node.
     pub node: PathBuf,
-    /// Whether this user may.
+    /// Access of this user.
     pub access: Access,
 }
 
-/// All that is seen of Kinects on USB. As text: one to three sentences that say
-/// what is there and what to do.
+/// Kinects found on USB. Its `Display` has one to three sentences with the state and the remedy.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Presence {
     parts: Vec<UsbPart>,
@@ -72,12 +71,12 @@ pub struct Presence {
 }
 
 impl Presence {
-    /// Looks at this machine's USB bus. Each node is opened and closed again.
+    /// Scans this machine's USB bus. Each node is opened and closed again.
     pub fn scan() -> Self {
         Self::scan_in(Path::new("/sys/bus/usb/devices"), Path::new("/dev/bus/usb"))
     }
 
-    /// Looks at the kernel's table and the nodes in the given folders.
+    /// Scans the given kernel table and device nodes.
     fn scan_in(table: &Path, nodes: &Path) -> Self {
         let Ok(entries) = fs::read_dir(table) else {
             return Self {
@@ -96,12 +95,12 @@ impl Presence {
         }
     }
 
-    /// The devices found, by their place on the bus.
+    /// Devices found, by bus address.
     pub fn parts(&self) -> &[UsbPart] {
         &self.parts
     }
 
-    /// Whether a camera is there and may be opened.
+    /// `true` if a camera is present and may be opened.
     pub fn is_usable(&self) -> bool {
         self.of_kind(UsbPartKind::Camera)
             .any(|part| part.access == Access::Granted)
@@ -112,7 +111,7 @@ impl Presence {
     }
 }
 
-/// Reads one entry of the kernel's table; `None` for anything but a Kinect's part.
+/// Reads an entry of the kernel's table; `None` for other devices.
 fn part_of(entry: &Path, nodes: &Path) -> Option<UsbPart> {
     let read = |name| fs::read_to_string(entry.join(name)).ok();
     let hexadecimal = |name| u16::from_str_radix(read(name)?.trim(), 16).ok();
@@ -166,7 +165,7 @@ impl Presence {
             return format!("{n_cameras} Kinect camera(s) on USB");
         }
         if self.of_kind(UsbPartKind::Motor).next().is_some() {
-            // The foot lives on USB power, everything else on the 12 V supply.
+            // The motor runs on USB power, everything else on the 12 V supply.
             return "a Kinect's motor is on USB but its camera is not: plug in the Kinect's own \
                     power supply"
                 .to_owned();
@@ -181,7 +180,7 @@ impl Presence {
     }
 }
 
-/// What is wrong with this user's rights to a part that is needed.
+/// Sentence about missing rights to a required device.
 fn rights_sentence(part: &UsbPart) -> Option<String> {
     let node = part.node.display();
     let needed = matches!(part.kind, UsbPartKind::Camera | UsbPartKind::Motor);

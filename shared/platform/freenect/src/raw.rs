@@ -1,8 +1,7 @@
-//! The C interface of libfreenect 0.5: types, constants and function pointers.
+//! Foreign function interface of libfreenect 0.5: types, constants and function pointers.
 //!
-//! Written from the facts of `libfreenect.h` 0.5.3. C enumerations are plain
-//! integers here, because a value the library invents must not be undefined
-//! behaviour on our side.
+//! Written from the facts of `libfreenect.h` 0.5.3. C enumerations are plain integers here,
+//! because an unexpected value must not be undefined behaviour on our side.
 
 #![expect(
     unsafe_code,
@@ -11,11 +10,11 @@
 
 use std::ffi::{c_char, c_int, c_long, c_void};
 
-/// Columns of both images.
+/// Number of columns of both images.
 pub const WIDTH: usize = 640;
-/// Rows of both images.
+/// Number of rows of both images.
 pub const HEIGHT: usize = 480;
-/// Pixels of either image.
+/// Number of pixels of either image.
 pub const N_PIXELS: usize = WIDTH * HEIGHT;
 
 /// Bytes of a depth image: one little-endian `u16` a pixel.
@@ -33,27 +32,27 @@ pub(crate) const VIDEO_RGB: c_int = 0;
 pub(crate) const DEVICE_MOTOR: c_int = 1;
 /// `FREENECT_DEVICE_CAMERA`.
 pub(crate) const DEVICE_CAMERA: c_int = 2;
-/// `FREENECT_LOG_WARNING`: what is said up to this level is kept.
+/// `FREENECT_LOG_WARNING`: messages up to this level are kept.
 pub(crate) const LOG_WARNING: c_int = 2;
 /// `FREENECT_AUTO_EXPOSURE`.
 pub(crate) const FLAG_AUTO_EXPOSURE: c_int = 1 << 14;
 /// `FREENECT_AUTO_WHITE_BALANCE`.
 pub(crate) const FLAG_AUTO_WHITE_BALANCE: c_int = 1 << 1;
 
-/// The library's state of one USB context; only ever behind a pointer.
+/// Opaque USB context of the library; only used behind a pointer.
 #[repr(C)]
 pub(crate) struct Context {
     _opaque: [u8; 0],
 }
 
-/// The library's state of one Kinect; only ever behind a pointer, and with
-/// fakenect not even that: its pointer is the number 1234.
+/// Opaque device of the library; only used behind a pointer. With fakenect the pointer is the
+/// number 1234.
 #[repr(C)]
 pub(crate) struct Device {
     _opaque: [u8; 0],
 }
 
-/// `freenect_frame_mode`: what a stream delivers. Passed and returned by value.
+/// `freenect_frame_mode`: format of a stream. Passed and returned by value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(C)]
 pub(crate) struct FrameMode {
@@ -119,7 +118,7 @@ macro_rules! api {
         required { $($required:ident: fn($($argument:ty),*) $(-> $result:ty)?;)* }
         optional { $($optional:ident: fn($($optional_argument:ty),*) $(-> $optional_result:ty)?;)* }
     ) => {
-        /// The functions of one loaded library. Valid as long as it stays loaded.
+        /// Functions of a loaded library; valid as long as it stays loaded.
         #[derive(Clone, Copy)]
         pub(crate) struct Api {
             $(pub(crate) $required: unsafe extern "C" fn($($argument),*) $(-> $result)?,)*
@@ -128,7 +127,7 @@ macro_rules! api {
         }
 
         impl Api {
-            /// Looks up every function by its name.
+            /// Looks up all functions by name.
             ///
             /// # Errors
             /// The name of the first required function the library lacks, with
@@ -156,7 +155,7 @@ macro_rules! api {
                 })
             }
 
-            /// Which optional functions the library has.
+            /// Optional functions with their availability.
             pub(crate) fn optional_symbols(&self) -> Vec<(&'static str, bool)> {
                 vec![$((concat!("freenect_", stringify!($optional)), self.$optional.is_some()),)*]
             }
@@ -199,8 +198,8 @@ api! {
 }
 
 impl FrameMode {
-    /// Whether a frame of this mode has exactly this many bytes, 640x480.
-    /// Anything else would not fit the buffers handed to the library.
+    /// `true` if a 640x480 frame of this mode has exactly `n_bytes` bytes, so that it fits the
+    /// buffers passed to the library.
     pub(crate) fn fills(&self, n_bytes: usize) -> bool {
         self.is_valid != 0
             && usize::try_from(self.bytes) == Ok(n_bytes)

@@ -1,14 +1,13 @@
-//! Checking a recorded folder before fakenect sees it.
+//! Validation of a recorded folder before it is passed to fakenect.
 //!
-//! Fakenect trusts its folder: it ends the process (`exit(1)`) when a file is
-//! missing, copies 614 400 or 921 600 bytes from a file however short it is,
-//! stops for good at an empty line, and sleeps inside the library through any
-//! pause the time stamps claim. So every file is checked first, as fakenect will
-//! read it, and a folder with a fault is refused as a whole.
+//! Fakenect trusts its folder: it ends the process (`exit(1)`) when a file is missing, copies 614
+//! 400 or 921 600 bytes from a file of any length, stops for good at an empty line, and sleeps
+//! inside the library through any pause between time stamps. So every file is checked first, as
+//! fakenect will read it, and a faulty folder is rejected as a whole.
 //!
-//! A folder holds `INDEX.txt`, a list of file names in playing order, each
-//! `<kind>-<seconds>-<stamp>.<anything>`: kind `d` (depth), `r` (colour) or `a`
-//! (accelerometer), the time in seconds as a decimal, and the Kinect's 32-bit stamp.
+//! A folder contains `INDEX.txt`, a list of file names in playing order, each
+//! `<kind>-<seconds>-<stamp>.<anything>`: kind `d` (depth), `r` (colour) or `a` (accelerometer),
+//! the time in seconds as a decimal, and the Kinect's 32-bit stamp.
 
 use crate::raw::{DEPTH_BYTES, TiltState, VIDEO_BYTES};
 use std::fs::{self, File};
@@ -19,29 +18,29 @@ use std::time::Duration;
 mod error;
 pub use error::RecordingError;
 
-/// The longest pause between two entries that is played. Fakenect sleeps through
-/// it where nothing can wake it, and the daemon promises to stop within 5 s.
+/// Longest accepted pause between two entries. Fakenect sleeps through it uninterruptibly, and
+/// the daemon guarantees to stop within 5 s.
 pub const MAX_PAUSE: Duration = Duration::from_secs(3);
 
-/// Largest index read: an hour of both streams and the accelerometer is 14 MB.
+/// Maximum size of the index: an hour of both streams and the accelerometer is 14 MB.
 const MAX_INDEX_BYTES: u64 = 64 << 20;
-/// Where a picture's header line must have ended.
+/// Maximum length of an image's header line, bytes.
 const MAX_HEADER_BYTES: usize = 64;
 
-/// What a checked folder holds.
+/// Contents of a valid folder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct RecordingSummary {
-    /// Depth images.
+    /// Number of depth images.
     pub n_depth: usize,
-    /// Colour images.
+    /// Number of colour images.
     pub n_video: usize,
-    /// Accelerometer readings.
+    /// Number of accelerometer readings.
     pub n_acceleration: usize,
-    /// Playing time: the sum of all steps forward in time.
+    /// Playing time: sum of all forward steps in time.
     pub duration: Duration,
 }
 
-/// What one line of the index names.
+/// Entry of the index.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Entry<'a> {
     kind: EntryKind,
@@ -56,18 +55,18 @@ enum EntryKind {
     Acceleration,
 }
 
-/// Checks that fakenect can play the folder to its end.
+/// Validates that fakenect can play the folder to its end.
 ///
-/// Reads the index and the head of every file: about 10 µs a file once cached.
+/// Reads the index and the head of every file: about 10 µs per cached file.
 ///
 /// # Errors
-/// Says which file or line is wrong, and how.
+/// Names the faulty file or line and its fault.
 pub fn check_recording(folder: &Path) -> Result<RecordingSummary, RecordingError> {
     let index_path = folder.join("INDEX.txt");
     let index = read_index(folder, &index_path)?;
     let mut summary = RecordingSummary::default();
     let mut previous_seconds = None;
-    // Only the last line may end the file without its own text.
+    // Only the last line may be empty.
     let lines = index.strip_suffix('\n').unwrap_or(&index).split('\n');
     for (index, line) in lines.enumerate() {
         let wrong_line = |rule| RecordingError::WrongLine {
@@ -116,7 +115,7 @@ fn read_index(folder: &Path, index_path: &Path) -> Result<String, RecordingError
     Ok(text)
 }
 
-/// Opens a file, but no pipe or device, which could keep fakenect waiting.
+/// Opens a regular file; pipes and devices could block fakenect.
 fn open_regular(path: &Path) -> Result<File, RecordingError> {
     let unreadable = |source| RecordingError::Unreadable {
         file: path.to_owned(),
@@ -128,7 +127,7 @@ fn open_regular(path: &Path) -> Result<File, RecordingError> {
     File::open(path).map_err(unreadable)
 }
 
-/// Reads one line of the index, more strictly than fakenect's `sscanf`.
+/// Parses a line of the index, more strictly than fakenect's `sscanf`.
 fn parse_line(line: &str) -> Result<Entry<'_>, &'static str> {
     if line.is_empty() {
         return Err("an empty line, where fakenect would stop for good");
@@ -159,7 +158,7 @@ fn parse_line(line: &str) -> Result<Entry<'_>, &'static str> {
     })
 }
 
-/// A plain decimal such as `1288.25`; no sign, exponent, infinity or NaN.
+/// Parses a plain decimal such as `1288.25`; no sign, exponent, infinity or NaN.
 fn parse_seconds(text: &str) -> Option<f64> {
     let plain = text
         .bytes()
@@ -169,7 +168,7 @@ fn parse_seconds(text: &str) -> Option<f64> {
         .filter(|seconds: &f64| plain && seconds.is_finite())
 }
 
-/// How long fakenect sleeps before an entry. Steps back in time are not waited for.
+/// Pause fakenect makes before an entry; 0 for a step back in time.
 fn pause_before(seconds: f64, previous: Option<f64>) -> Result<Duration, &'static str> {
     let step = previous.map_or(0.0, |previous| (seconds - previous).max(0.0));
     Duration::try_from_secs_f64(step)
@@ -178,7 +177,7 @@ fn pause_before(seconds: f64, previous: Option<f64>) -> Result<Duration, &'stati
         .ok_or("the pause before this entry is longer than 3 s, which fakenect would sleep through")
 }
 
-/// Checks that a file holds what fakenect will copy from it.
+/// Validates that a file contains the bytes fakenect will copy from it.
 fn check_file(path: &Path, kind: EntryKind) -> Result<(), RecordingError> {
     let wrong = |rule| RecordingError::WrongFile {
         file: path.to_owned(),

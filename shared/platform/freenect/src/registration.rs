@@ -1,16 +1,14 @@
-//! An organised, coloured cloud from raw depth and colour.
+//! Depth-to-colour registration: an organised, coloured cloud from raw depth and colour.
 //!
-//! Each depth pixel is pushed out to its depth along its viewing ray, moved into
-//! the colour camera's frame and projected there; the nearest colour pixel is
-//! its colour. A point the colour camera can not see for something nearer takes
-//! that nearer thing's colour: a seam of a few pixels along the edges of objects,
-//! as every Kinect's cloud has.
+//! Each depth pixel is back-projected along its viewing ray, moved into the colour camera's frame
+//! and projected there; the nearest colour pixel is its colour. A point occluded from the colour
+//! camera takes the colour of the occluding surface: a seam of a few pixels along the edges of
+//! objects, as in every Kinect's cloud.
 //!
-//! With q the rotated ray of a depth pixel, the colour pixel's column is
-//! (fx·(z·qx + tx) / (z·qz + tz)) + cx. Divided by z, and because q is linear in
-//! the pixel's column and row, that is a quotient of two terms linear in column
-//! and 1/z. So no image-sized table is needed: 1/z comes from a table of 2048
-//! entries, and one division a pixel is left.
+//! With q the rotated ray of a depth pixel, the colour pixel's column is (fx·(z·qx + tx) / (z·qz
+//! + tz)) + cx. Divided by z, and because q is linear in the pixel's column and row, that is a
+//! quotient of two terms linear in column and 1/z. So no image-sized table is needed: 1/z comes
+//! from a table of 2048 entries, and one division per pixel remains.
 
 use crate::DepthTable;
 use crate::calibration::{Calibration, InvalidCalibration};
@@ -18,13 +16,13 @@ use crate::raw::{HEIGHT, N_PIXELS, WIDTH};
 use point_cloud::{Point, Rgba};
 use std::fmt;
 
-/// The colour of points outside the colour image, and of pixels without depth.
+/// Colour of points outside the colour image and of pixels without depth.
 pub const NEUTRAL_GREY: Rgba = Rgba::opaque(128, 128, 128);
 
-/// Number of values 11 bits can have.
+/// Number of 11-bit values.
 const N_VALUES: usize = 2048;
 
-/// Turns images into clouds: a calibration made ready. 21 kB.
+/// Converter from images to clouds, precomputed from a calibration; 21 kB.
 #[derive(Debug, Clone)]
 pub struct CloudBuilder {
     depths: Box<[Depth; N_VALUES]>,
@@ -35,24 +33,24 @@ pub struct CloudBuilder {
     color: ColorProjection,
 }
 
-/// A raw value's depth and its inverse; NaN without depth.
+/// Depth of a raw value and its inverse; NaN for no depth.
 #[derive(Debug, Clone, Copy)]
 struct Depth {
     z_m: f32,
     per_z: f32,
 }
 
-/// A term that is linear in the depth pixel's column and row and in 1/z.
+/// Term linear in the depth pixel's column and row and in 1/z.
 #[derive(Debug, Clone, Copy)]
 struct Linear {
     constant: f32,
     per_column: f32,
     per_row: f32,
-    /// Times 1/z, metres.
+    /// Coefficient of 1/z, metres.
     per_inverse_z: f32,
 }
 
-/// The colour pixel of a depth pixel: (column, row) = (u, v) / w.
+/// Projection of a depth pixel into the colour image: (column, row) = (u, v) / w.
 #[derive(Debug, Clone, Copy)]
 struct ColorProjection {
     u: Linear,
@@ -60,16 +58,16 @@ struct ColorProjection {
     w: Linear,
 }
 
-/// What one cloud holds.
+/// Counts of the points of a cloud.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct FillSummary {
-    /// Points with a depth.
+    /// Number of points with depth.
     pub n_points: usize,
-    /// Of those, points inside the colour image.
+    /// Number of points with depth inside the colour image.
     pub n_colored: usize,
 }
 
-/// A buffer does not hold 640x480 pixels.
+/// Error of a buffer that does not hold 640x480 pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct WrongSize {
     buffer: &'static str,
@@ -94,10 +92,10 @@ impl fmt::Display for WrongSize {
 impl std::error::Error for WrongSize {}
 
 impl CloudBuilder {
-    /// Makes a calibration ready.
+    /// Precomputes the tables of a calibration.
     ///
     /// # Errors
-    /// When the calibration can not be that of a Kinect.
+    /// If the calibration cannot be that of a Kinect.
     pub fn new(calibration: &Calibration) -> Result<Self, InvalidCalibration> {
         let calibration = calibration.clone().validated()?;
         let table = DepthTable::new(calibration.formula);
@@ -130,14 +128,13 @@ impl CloudBuilder {
         })
     }
 
-    /// Fills `cloud` with the points of a depth image, row by row.
+    /// Fills `cloud` with the points of a depth image, row-major.
     ///
-    /// Frame: the depth camera's (x right, y down, z forward), metres. Pixels
-    /// without depth become points without depth. Allocates nothing; about
-    /// 307 200 divisions.
+    /// Frame: the depth camera's (x right, y down, z forward), metres. Pixels without depth
+    /// become points without depth. Allocates nothing; about 307 200 divisions.
     ///
     /// # Errors
-    /// When a buffer is not 640x480; the cloud is untouched then.
+    /// If a buffer is not 640x480; the cloud is then unchanged.
     pub fn fill(
         &self,
         depth_raw: &[u16],
@@ -158,7 +155,7 @@ impl CloudBuilder {
         Ok(summary)
     }
 
-    /// Fills one row.
+    /// Fills one row of the cloud.
     fn fill_row(
         &self,
         row: usize,
@@ -213,7 +210,7 @@ fn check_size(buffer: &'static str, length: usize, expected: usize) -> Result<()
 }
 
 impl Linear {
-    /// This term for one row, where only column and 1/z are left.
+    /// Term of one row, depending only on column and 1/z.
     fn at_row(self, row: f32) -> Self {
         Self {
             constant: self.constant + self.per_row * row,
@@ -233,7 +230,8 @@ impl ColorProjection {
         let (depth, color) = (&calibration.depth_camera, &calibration.color_camera);
         let rotation = calibration.color_from_depth.rotation.to_rotation_matrix();
         let t = &calibration.color_from_depth.translation;
-        // One coordinate of the rotated ray, and of the translation, in the colour frame.
+        // Coefficients of one coordinate of the rotated ray and of the translation, in the colour
+        // frame.
         let coordinate = |axis: usize, translation: f64| {
             let (a, b, c) = (
                 rotation[(axis, 0)],
@@ -266,13 +264,12 @@ impl ColorProjection {
         }
     }
 
-    /// Index of the nearest colour pixel; `None` outside the image or behind
-    /// the colour camera.
+    /// Index of the nearest colour pixel; `None` outside the image or behind the colour camera.
     #[inline]
     fn pixel(&self, column: f32, per_z: f32) -> Option<usize> {
         let w = self.w.at(column, per_z);
         let scale = 1.0 / w;
-        // Pixel centres are whole numbers, so a pixel reaches half a step each way.
+        // Pixel centres are integers, so a pixel extends half a step to each side.
         let x = self.u.at(column, per_z) * scale + 0.5;
         let y = self.v.at(column, per_z) * scale + 0.5;
         let inside = w > 0.0 && x >= 0.0 && y >= 0.0 && x < WIDTH as f32 && y < HEIGHT as f32;

@@ -1,10 +1,8 @@
-//! Starting this process again with a recording's folder in its environment.
+//! Restart of the process with a recording's folder in its environment.
 //!
-//! Fakenect finds its folder only through an environment variable. Changing the
-//! environment of a running process is unsafe, since any thread may be reading
-//! it. Starting the same program again with the variable set is safe, so the
-//! camera process does that: before it starts any thread, it asks here whether a
-//! restart is needed and hands itself over.
+//! Fakenect finds its folder only through an environment variable. Changing the environment of a
+//! running process is unsafe, since any thread may be reading it. Restarting the same program
+//! with the variable set is safe, so the camera process does that before it starts any thread.
 //!
 //! ```no_run
 //! use std::os::unix::process::CommandExt as _;
@@ -26,19 +24,18 @@ use std::path::Path;
 use std::process::Command;
 use std::{env, io};
 
-/// The environment variable in which fakenect looks for its folder.
+/// Environment variable with fakenect's folder.
 pub const FOLDER_VARIABLE: &str = "FAKENECT_PATH";
 
-/// The command that starts this program again to play `folder`, or `None` when
-/// the environment names it already.
+/// Command that restarts this program to play `folder`, or `None` if the environment already
+/// names it.
 ///
-/// To be called, and the command's `exec` after it, before any thread starts:
-/// `exec` ends all others wherever they are. The process keeps its id, so
-/// systemd and parents notice nothing. The folder's links are resolved, so that
-/// the second start sees the same name and goes on.
+/// Call this, and the command's `exec`, before any thread starts: `exec` ends all other threads.
+/// The process keeps its id, so systemd and parents notice nothing. The folder's links are
+/// resolved, so that the second start sees the same name and continues.
 ///
 /// # Errors
-/// When there is no such folder, or this program's own file is not known.
+/// If the folder does not exist, or the path of this program is unknown.
 pub fn restart_with_recording(folder: &Path) -> Result<Option<Command>, RecordingError> {
     let no_folder = |_: io::Error| RecordingError::NoFolder {
         folder: folder.to_owned(),

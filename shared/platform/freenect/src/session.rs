@@ -1,8 +1,7 @@
-//! The C library's context and device, opened and closed as values.
+//! Owned context and device of the C library.
 //!
-//! Each method is one call of the library. Both values stay on the thread that
-//! made them: libfreenect keeps its state unlocked, and its callbacks come on
-//! whatever thread calls it.
+//! Each method is one library call. Both values stay on the thread that made them: libfreenect
+//! does not lock its state, and its callbacks run on the calling thread.
 
 #![expect(unsafe_code, reason = "every method calls a C function")]
 
@@ -13,19 +12,19 @@ use std::ptr;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// An initialised library: one USB context.
+/// Initialised library: a USB context, shut down on drop.
 pub(crate) struct Context {
     library: Arc<Library>,
     pointer: *mut raw::Context,
 }
 
-/// An open Kinect. Dropping it stops its streams and closes it.
+/// Open Kinect; dropping it stops its streams and closes it.
 pub(crate) struct Device {
     context: Context,
     pointer: *mut raw::Device,
 }
 
-/// Passes on a result of the library, or makes an error of it.
+/// Converts a negative return code of the library into an error.
 fn checked(function: &'static str, code: c_int) -> Result<c_int, Error> {
     if code < 0 {
         let said = messages::take_as_clause();
@@ -63,14 +62,14 @@ impl Context {
         })
     }
 
-    /// Opens the Kinect asked for, with its accelerometer when it has one.
+    /// Opens the selected Kinect, with its accelerometer if it has one.
     ///
     /// # Errors
-    /// The library's code. The context comes back with it.
+    /// Error code of the library, with the context for another attempt.
     pub(crate) fn open(self, selector: &Selector) -> Result<Device, (Self, c_int)> {
         let parts = [raw::DEVICE_CAMERA | raw::DEVICE_MOTOR, raw::DEVICE_CAMERA];
         let mut last_code = -1;
-        // Some models have no motor of their own, and opening fails if it is asked for.
+        // Some models have no motor of their own, and opening fails if it is requested.
         for parts in parts {
             // SAFETY: the context is open.
             unsafe { (self.api().select_subdevices)(self.pointer, parts) };
@@ -110,7 +109,7 @@ impl Context {
         }
     }
 
-    /// Serials of all cameras that can be read; empty when the library can not tell.
+    /// Serial numbers of all readable cameras; empty if the library cannot list them.
     pub(crate) fn serials(&self) -> Vec<String> {
         let api = self.api();
         let (Some(list), Some(free)) = (api.list_device_attributes, api.free_device_attributes)
@@ -137,7 +136,7 @@ impl Context {
     }
 }
 
-/// Copies the serials out of the library's linked list.
+/// Copies the serial numbers out of the library's linked list.
 fn serials_of(mut entry: *const DeviceAttributes) -> Vec<String> {
     let mut serials = Vec::new();
     // SAFETY: each entry is null or a live one of the library's list.
@@ -169,7 +168,7 @@ impl Device {
         &self.context.library
     }
 
-    /// Chooses 11-bit depth and RGB, both 640x480.
+    /// Selects 11-bit depth and RGB, both 640x480.
     pub(crate) fn choose_modes(&self) -> Result<(), Error> {
         let api = self.api();
         // SAFETY: takes two numbers; these are among the modes fakenect knows too.
@@ -194,7 +193,7 @@ impl Device {
         Ok(())
     }
 
-    /// Tells the library where to announce frames.
+    /// Registers the frame callbacks.
     pub(crate) fn set_callbacks(&self) {
         // SAFETY: the device is open; the callback is a plain function that never unwinds.
         unsafe { (self.api().set_depth_callback)(self.pointer, callbacks::on_depth) };
@@ -214,8 +213,8 @@ impl Device {
         Ok(())
     }
 
-    /// Lets the library work for up to `timeout`; callbacks are called from inside.
-    /// Returns its code, 0 for success.
+    /// Runs the library's event loop for up to `timeout`; callbacks run inside this call. Returns
+    /// the library's code, 0 for success.
     pub(crate) fn process_events(&self, timeout: Duration) -> c_int {
         let mut timeout = TimeVal {
             seconds: timeout.as_secs().min(3600) as std::ffi::c_long,
@@ -226,7 +225,7 @@ impl Device {
         unsafe { process_events(self.context.pointer, &raw mut timeout) }
     }
 
-    /// Reads the accelerometer; blocks for one exchange over USB.
+    /// Reads the accelerometer; blocks for one USB transfer.
     pub(crate) fn tilt_state(&self) -> Result<Option<TiltState>, Error> {
         // SAFETY: the device is open.
         let code = unsafe { (self.api().update_tilt_state)(self.pointer) };
@@ -237,7 +236,7 @@ impl Device {
         Ok(unsafe { state.as_ref() }.copied())
     }
 
-    /// Sets a feature of the camera; `None` when the library has no features.
+    /// Sets a camera feature; `None` if the library does not support features.
     pub(crate) fn set_flag(&self, flag: c_int, on: bool) -> Option<Result<(), Error>> {
         let set_flag = self.api().set_flag?;
         // SAFETY: the device is open.

@@ -1,8 +1,8 @@
-//! The wrapper with Debian's fakenect playing a folder written here.
+//! Integration test of the wrapper with Debian's fakenect playing a generated folder.
 //!
-//! Fakenect may end its process and takes its folder from the environment, so
-//! each test plays in a child: this same test program, started again for the one
-//! test, in which [`play_in_child`] runs the test's body.
+//! Fakenect may end its process and takes its folder from the environment, so each test plays in
+//! a child: this test program, restarted for the one test, in which [`play_in_child`] runs the
+//! test's body.
 
 use freenect::{
     Error, FOLDER_VARIABLE, Kinect, Library, LibraryKind, N_PIXELS, Selector, check_recording,
@@ -14,25 +14,25 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use std::{env, fs, thread};
 
-/// Set for the child, so that it knows what it is.
+/// Environment variable that marks the child process.
 const CHILD_VARIABLE: &str = "FREENECT_TEST_CHILD";
-/// What a child prints when its body came to the end.
+/// Output of a child whose body has completed.
 const CHILD_DONE: &str = "the child is done";
-/// A child that takes longer hangs.
+/// Time-out after which a child counts as hung.
 const WATCHDOG: Duration = Duration::from_secs(60);
 const TIMEOUT: Duration = Duration::from_secs(5);
 
-/// The depth images' value at pixel `i` of frame `n`: all 11-bit patterns occur.
+/// Depth of pixel `i` of frame `n`: all 11-bit patterns occur.
 fn depth_value(n: usize, i: usize) -> u16 {
     ((i * 7 + n * 13) % 2048) as u16
 }
 
-/// The colour images' byte `i` of frame `n`: all byte values occur, line ends too.
+/// Colour byte `i` of frame `n`: all byte values occur, including line ends.
 fn video_value(n: usize, i: usize) -> u8 {
     (i + n * 31) as u8
 }
 
-/// A recording of `n` pairs, 40 ms apart, each followed by the accelerometer.
+/// Recording of `n` pairs, 40 ms apart, each followed by an accelerometer reading.
 struct Folder {
     folder: tempfile::TempDir,
     index: String,
@@ -80,8 +80,8 @@ impl Folder {
     }
 }
 
-/// Runs `body` in a child with `folder` in its environment. In the child, where
-/// the same test is entered again, only the body runs.
+/// Runs `body` in a child process with `folder` in its environment. In the child, where the same
+/// test is entered again, only the body runs.
 #[expect(
     clippy::print_stdout,
     reason = "how the child tells that it came to its end"
@@ -109,7 +109,7 @@ fn play_in_child(test: &str, folder: impl FnOnce() -> Option<Folder>, body: fn()
     );
 }
 
-/// A child's output; a child that hangs is killed.
+/// Output of a child; a hung child is killed.
 fn output_of(mut child: Child) -> String {
     let start = Instant::now();
     while child.try_wait().expect("the child is ours").is_none() {
@@ -129,7 +129,7 @@ fn open() -> Kinect {
     Kinect::open(load(), &Selector::Index(0)).expect("fakenect opens")
 }
 
-/// Checks that the next pair is number `n` of the recording, byte for byte.
+/// Checks that the next pair is number `n` of the recording, byte by byte.
 fn check_pair(kinect: &mut Kinect, n: usize) {
     let frame = kinect
         .next_frame(TIMEOUT)
@@ -194,7 +194,7 @@ fn frames_come_no_faster_than_recorded() {
             for n in 1..4 {
                 check_pair(&mut kinect, n);
             }
-            // Three steps of 40 ms, less what the clock of fakenect rounds away.
+            // Three steps of 40 ms, less the rounding of fakenect's clock.
             assert!(
                 start.elapsed() > Duration::from_millis(115),
                 "{:?}",
@@ -215,7 +215,7 @@ fn loading_the_library_again_plays_from_the_start() {
             let mut kinect = Kinect::open(Arc::clone(&library), &Selector::Index(0)).unwrap();
             check_pair(&mut kinect, 0);
             drop(kinect);
-            // The same library goes on where it was, and stays at the end.
+            // The same library continues at its position, and stays at the end.
             let mut kinect = Kinect::open(library, &Selector::Index(0)).unwrap();
             check_pair(&mut kinect, 1);
             assert!(matches!(kinect.next_frame(TIMEOUT), Err(Error::Ended)));

@@ -1,4 +1,4 @@
-//! The wrapper against a library that does what a real Kinect does rarely.
+//! Integration test of the wrapper against a test double that simulates rare faults of a Kinect.
 
 #![expect(unsafe_code, reason = "the library under test is one of our own")]
 
@@ -9,7 +9,7 @@ use std::time::Duration;
 
 const SHORT: Duration = Duration::from_millis(20);
 
-/// The double, which `cargo test` builds as an example beside this test.
+/// Test double, which `cargo test` builds as an example next to this test.
 fn double() -> Arc<Library> {
     let this_test = std::env::current_exe().expect("a test has a file");
     let profile = this_test
@@ -31,7 +31,7 @@ fn open(serial: &str) -> Result<Kinect, Error> {
     Kinect::open(double(), &Selector::Serial(serial.to_owned()))
 }
 
-/// The number with which the double filled a whole pair of images.
+/// Number with which the double filled a whole pair of images.
 fn number_of(kinect: &mut Kinect) -> u16 {
     let frame = kinect
         .next_frame(SHORT)

@@ -1,4 +1,4 @@
-//! Which category is taken for which, as a picture.
+//! Confusion matrix as an SVG heat map.
 
 use super::scores::Confusion;
 use plot::figure::{DrawingError, failed};
@@ -11,20 +11,21 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
-/// Side of a cell, pixels; twice as long when there are few categories.
+/// Side of a cell, pixels; doubled up to [`FEW`] categories.
 const CELL_PX: i32 = 18;
-/// Up to this many categories are few.
+/// Maximum number of categories for large cells.
 const FEW: usize = 25;
 /// Space for names and titles, pixels.
 const NAMES_PX: i32 = 190;
-/// Height of letters, pixels.
+/// Font size, pixels.
 const LETTER_PX: i32 = 12;
 
-/// A row for each true category, a column for each answer: the share of the answers
-/// in percent, where it is more than one half; the darker, the more. Red is wrong.
+/// Row-normalised confusion matrix as SVG: a row per true category, a column per answer and one
+/// for "unknown". Cells above 0.5 % show their percentage; darker means more. Blue is right, red
+/// is wrong.
 ///
 /// # Errors
-/// When the drawing library fails.
+/// If the plotting library fails.
 pub fn svg(confusion: &Confusion, names: &[String]) -> Result<String, DrawingError> {
     let n = confusion.n_categories();
     let cell_px = if n <= FEW { 2 * CELL_PX } else { CELL_PX };
@@ -77,14 +78,14 @@ fn draw_row(area: &Area<'_>, row: &[u32], truth: usize, cell_px: i32) -> Result<
     Ok(())
 }
 
-/// White for none; blue for right answers, red for wrong ones.
+/// Cell colour: white for 0, blue for right answers, red for wrong ones.
 fn shade(share: f64, is_right: bool) -> RGBColor {
     let [r, g, b] = if is_right {
         [20.0, 80.0, 160.0]
     } else {
         [200.0, 30.0, 30.0]
     };
-    // The root shows small shares.
+    // Square root, so that small shares remain visible.
     let weight = share.sqrt();
     let [r, g, b] = [r, g, b].map(|value: f64| (255.0 + (value - 255.0) * weight) as u8);
     RGBColor(r, g, b)

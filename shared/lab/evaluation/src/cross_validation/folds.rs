@@ -1,47 +1,47 @@
-//! Which views are asked together.
+//! Stratified k-fold split of a data set, optionally grouped by object.
 
 use crate::recogniser::{LabelledView, by_category};
 use random::Random;
 use std::fmt;
 
-/// Purpose of chance.
+/// Random stream of the fold assignment.
 const FOLDS: u64 = 5;
 
-/// How the views of a category are dealt out.
+/// Assignment of a category's views to folds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dealing {
-    /// In random order, one by one.
+    /// Random order, view by view.
     ByView,
-    /// In random order, all views of an object together. A category of which one object
-    /// or none is known is dealt view by view.
+    /// Grouped by object in random order: all views of an object share a fold. A category with
+    /// fewer than two known objects is assigned view by view.
     ByInstance,
-    /// Slices of equal length of the order in which the views come; the last one takes
-    /// what remains. So did the public code of Kasaei's group.
+    /// Contiguous slices of equal length in the given order, the last one with the remainder; as
+    /// in the public code of Kasaei's group.
     Contiguous,
 }
 
-/// The parts of a data set.
+/// Assignment of the views of a data set to folds.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Folds {
-    /// Number of the fold in which each view is asked.
+    /// Index of the fold in which each view is tested.
     pub of_view: Vec<u32>,
-    /// How many folds there are.
+    /// Number of folds.
     pub n_folds: u32,
-    /// How many categories were dealt object by object.
+    /// Number of categories grouped by object.
     pub n_grouped: usize,
 }
 
-/// Why a data set can not be parted.
+/// Error of splitting a data set into folds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Error {
-    /// One fold leaves nothing to teach.
+    /// Fewer than two folds: nothing would be left for training.
     TooFewFolds(u32),
-    /// There is nothing to ask in some fold.
+    /// Fewer views than folds: a fold would be empty.
     TooFewViews {
-        /// Views.
+        /// Number of views.
         n_views: usize,
-        /// Folds.
+        /// Number of folds.
         n_folds: u32,
     },
 }
@@ -64,11 +64,10 @@ impl fmt::Display for Error {
 impl std::error::Error for Error {}
 
 impl Folds {
-    /// Deals out the views of each category, so that it has about the same share of
-    /// each fold.
+    /// Splits the views of each category evenly over the folds (stratification).
     ///
     /// # Errors
-    /// When there are fewer than two folds, or fewer views than folds.
+    /// If there are fewer than two folds, or fewer views than folds.
     pub fn deal(
         views: &[LabelledView],
         n_folds: u32,
@@ -105,8 +104,8 @@ impl Folds {
         Ok(folds)
     }
 
-    /// Each group goes where the category has fewest views, of several such folds to
-    /// the smallest.
+    /// Assigns each group to the fold with the fewest views of the category; ties go to the
+    /// smallest fold.
     fn deal_groups(&mut self, groups: &[Vec<usize>], n_of_fold: &mut [usize]) {
         let mut n_of_category = vec![0; n_of_fold.len()];
         for group in groups {
@@ -124,7 +123,7 @@ impl Folds {
     fn slice(&mut self, of_category: &[usize]) {
         let length = of_category.len() / self.n_folds as usize;
         for (index, &view) in of_category.iter().enumerate() {
-            // A category with fewer views than folds is asked in the last one.
+            // A category with fewer views than folds is tested in the last one.
             let fold = index
                 .checked_div(length)
                 .map_or(u32::MAX, |fold| fold as u32);
@@ -137,7 +136,7 @@ fn one_by_one(of_category: &[usize]) -> Vec<Vec<usize>> {
     of_category.iter().map(|&view| vec![view]).collect()
 }
 
-/// The views of each object; of views without a known object each is one.
+/// Groups views by object; if objects are unknown or there is only one, each view is a group.
 fn by_instance(views: &[LabelledView], of_category: &[usize]) -> Vec<Vec<usize>> {
     let mut sorted = of_category.to_vec();
     sorted.sort_by_key(|&view| views[view].instance);
@@ -163,7 +162,7 @@ mod tests {
         counts.iter().flat_map(views).collect()
     }
 
-    /// Views of each category in each fold.
+    /// Number of views of each category in each fold.
     fn counts(views: &[LabelledView], folds: &Folds) -> Vec<Vec<usize>> {
         let n_categories = views.iter().map(|view| view.category + 1).max().unwrap();
         let mut counts = vec![vec![0; folds.n_folds as usize]; n_categories as usize];
@@ -207,7 +206,7 @@ mod tests {
         let mut sizes = of_first[0].clone();
         sizes.sort_unstable();
         assert_eq!(sizes, [29, 30, 31]);
-        // One object alone could not be taught and asked.
+        // A single object cannot be in training and test set at once.
         assert!(
             counts(&views, &folds)[1]
                 .iter()

@@ -1,4 +1,4 @@
-//! Cross-validation: each part of a data set is asked of who was taught the rest.
+//! Stratified k-fold cross-validation over views, grouped by object if objects are known.
 
 mod confusion_picture;
 mod folds;

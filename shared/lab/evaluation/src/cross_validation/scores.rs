@@ -1,29 +1,29 @@
-//! What was answered, counted.
+//! Confusion matrix and the classification scores derived from it.
 
-/// How often each category was taken for each.
+/// Confusion matrix with a column for "unknown".
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Confusion {
     n_categories: usize,
-    /// *Shape*: a row for each true category, a column for each answer and a last one
-    /// for "unknown".
+    /// *Shape*: `n_categories x (n_categories + 1)`, row-major: a row per true category, a column
+    /// per answer, the last one for "unknown".
     counts: Vec<u32>,
 }
 
-/// Figures of all answers.
+/// Accuracy and F1 over all answers, micro and macro averaged.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scores {
-    /// Share of right answers.
+    /// Share of right answers (micro average).
     pub accuracy_micro: f64,
-    /// Mean over the categories of their shares of right answers.
+    /// Mean over the categories of their share of right answers (macro average).
     pub accuracy_macro: f64,
-    /// F1 of all answers together; "unknown" is a miss, and no false answer.
+    /// Micro-averaged F1; "unknown" is a false negative, but no false positive.
     pub f1_micro: f64,
-    /// Mean of the F1 of the categories.
+    /// Mean of the categories' F1 (macro average).
     pub f1_macro: f64,
 }
 
 impl Confusion {
-    /// Nothing asked yet.
+    /// Empty confusion matrix.
     pub fn new(n_categories: usize) -> Self {
         Self {
             n_categories,
@@ -31,7 +31,7 @@ impl Confusion {
         }
     }
 
-    /// Counts an answer; `None` is "unknown". Both must be numbers of categories.
+    /// Counts an answer; `None` is "unknown". Both must be category numbers.
     pub fn count(&mut self, truth: u32, answer: Option<u32>) {
         let column = answer.map_or(self.n_categories, |answer| answer as usize);
         self.counts[truth as usize * (self.n_categories + 1) + column] += 1;
@@ -42,15 +42,13 @@ impl Confusion {
         self.n_categories
     }
 
-    /// The answers to the questions of a category: a value for each category, and the
-    /// last one for "unknown".
+    /// Answer counts of a true category: one per category, the last one for "unknown".
     pub fn row(&self, truth: usize) -> &[u32] {
         let width = self.n_categories + 1;
         &self.counts[truth * width..][..width]
     }
 
-    /// The figures; categories that were not asked have no part in the means. `None`
-    /// when nothing was asked.
+    /// Scores over the categories that were tested. `None` without any answer.
     pub fn scores(&self) -> Option<Scores> {
         let asked = (0..self.n_categories).filter(|&truth| self.n_asked(truth) > 0);
         let asked: Vec<usize> = asked.collect();
@@ -69,7 +67,7 @@ impl Confusion {
         (!asked.is_empty()).then(|| Scores {
             accuracy_micro: n_right / n,
             accuracy_macro: mean(&|t| f64::from(self.n_right(t)) / f64::from(self.n_asked(t))),
-            // Of right answers, names given and names wanted.
+            // F1 = 2 TP / (answers given + answers wanted).
             f1_micro: 2.0 * n_right / (2.0 * n - f64::from(n_unknown)),
             f1_macro: mean(&|t| {
                 let wanted_and_given = self.n_asked(t) + self.n_answered(t);
@@ -107,7 +105,7 @@ mod tests {
 
     #[test]
     fn figures_are_those_of_a_case_by_hand() {
-        // Of category 0 eight of ten, of category 1 all two, of category 2 none.
+        // Right answers: 8 of 10 in category 0, 2 of 2 in category 1, none in category 2.
         let confusion = confusion(&[
             (0, Some(0), 8),
             (0, Some(1), 1),
@@ -119,7 +117,7 @@ mod tests {
         let close = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-12);
         close(scores.accuracy_micro, 10.0 / 16.0);
         close(scores.accuracy_macro, (0.8 + 1.0 + 0.0) / 3.0);
-        // 10 right, 5 wrong names, and besides them one miss.
+        // TP = 10, FP = 5, FN = 6.
         close(scores.f1_micro, 20.0 / (20.0 + 5.0 + 6.0));
         close(scores.f1_macro, (16.0 / 22.0 + 4.0 / 5.0 + 0.0) / 3.0);
         assert_eq!(confusion.row(0), [8, 1, 0, 1]);
@@ -130,7 +128,7 @@ mod tests {
         let confusion = confusion(&[(0, Some(0), 3), (0, Some(2), 4), (1, Some(1), 5)]);
         let scores = confusion.scores().unwrap();
         assert_eq!(scores.f1_micro, scores.accuracy_micro);
-        // Category 2 was never asked.
+        // Category 2 has no test views.
         assert!((scores.accuracy_macro - 5.0 / 7.0).abs() < 1e-12);
         assert_eq!(Confusion::new(3).scores(), None);
     }

@@ -1,13 +1,13 @@
-//! Which categories are never taught in a fold.
+//! Selection of categories withheld from training in a fold, for open-set questions.
 
 use random::Random;
 
-/// Purpose of chance.
+/// Random stream of the withheld categories.
 const WITHHELD: u64 = 6;
 
-/// For each category whether it is withheld from the learner of this fold, so that its
-/// views are open-set questions there: `share` of them, 0 to 1, to the nearest number,
-/// but one at least if the share is not 0; one category at least is taught.
+/// Open-set mask of a fold: `true` for each category withheld from its learner. `share` (0 to 1)
+/// is rounded to the nearest number of categories, but to at least one if it is not 0; at least
+/// one category remains for training.
 pub fn withheld(n_categories: usize, share: f64, fold: u32, seed: u64) -> Vec<bool> {
     let n = (share * n_categories as f64).round() as usize;
     let n = n.max(usize::from(share > 0.0));
@@ -54,14 +54,14 @@ mod tests {
         assert_eq!(of(3, 1), of(3, 1));
         assert_ne!(of(3, 1), of(4, 1));
         assert_ne!(of(3, 1), of(3, 2));
-        // Over many folds every category is withheld about as often as not.
+        // Over many folds every category is withheld in about half of them.
         let mut counts = [0; 40];
         for fold in 0..400 {
             for (count, is_withheld) in counts.iter_mut().zip(of(fold, 1)) {
                 *count += usize::from(is_withheld);
             }
         }
-        // 200 expected; the standard deviation is 10.
+        // Expected value 200, standard deviation 10.
         assert!(counts.iter().all(|n| (150..=250).contains(n)), "{counts:?}");
     }
 }

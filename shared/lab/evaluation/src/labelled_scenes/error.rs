@@ -1,37 +1,37 @@
-//! What can be wrong with labelled scenes.
+//! Errors of labelled scenes.
 
 use dataset::{recording_kind, rgbd_sequence, scene_folder};
 use std::fmt;
 use std::path::PathBuf;
 
-/// Why labelled scenes, or one of them, can not be used.
+/// Error of opening or reading labelled scenes.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum Error {
-    /// The folder holds neither scenes nor folders with scenes.
+    /// The folder contains neither scenes nor folders of scenes.
     Kind(recording_kind::Error),
-    /// The folder or the folders in it could not be listed.
+    /// A folder could not be listed.
     List {
-        /// The folder.
+        /// Path of the folder.
         path: PathBuf,
-        /// What the system said.
+        /// Cause reported by the operating system.
         source: std::io::Error,
     },
-    /// The folder is a fakenect recording, which has no truth.
+    /// The folder is a fakenect recording, which has no ground truth.
     NoTruth(PathBuf),
     /// Two scenes would have the same name.
     SameName(String),
-    /// A folder of PCD files, or one of them, could not be read.
+    /// A folder of PCD files, or a file in it, could not be read.
     Folder(scene_folder::Error),
-    /// A PCD file is no cloud that can be read.
+    /// A PCD file is malformed.
     Pcd(dataset::pcd::Error),
     /// A sequence or one of its frames could not be read.
     Sequence(rgbd_sequence::Error),
-    /// A PCD file has no labels.
+    /// The PCD file has no labels.
     NoLabels,
-    /// A frame has no mask.
+    /// The frame has no instance mask.
     NoMask,
-    /// A label does not fit into 16 bits.
+    /// The label does not fit into 16 bits.
     Label(u32),
 }
 

@@ -1,5 +1,5 @@
-//! Scenes whose objects are known: labelled PCD files, and simulated sequences
-//! with masks.
+//! Scenes with ground-truth labels: labelled PCD files and simulated sequences with instance
+//! masks.
 
 mod error;
 mod scene_name;
@@ -16,36 +16,36 @@ use scene_name::{ends_odd, mosd_kind};
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// The label of what has depth and is no object in a simulated scene.
+/// Label of points with depth that belong to no object, in simulated scenes.
 const OTHER_LABEL: u16 = 1;
 
-/// From this number on a mask shows no object, but the person or the arm.
+/// First mask value that is no object but the person or the arm.
 const FIRST_BODY_ID: u16 = u16::MAX - 1;
 
-/// A scene in memory.
+/// Labelled scene in memory.
 #[derive(Debug, Clone)]
 pub struct LabelledScene {
-    /// The points, row by row; camera frame, metres.
+    /// Points in row-major order, camera frame, metres.
     pub points: Vec<Point>,
-    /// The label of each point: 0 invalid, 1 to 9 no object, from 10 on objects.
+    /// Label of each point: 0 invalid, 1 to 9 no object, from 10 on one label per object.
     pub labels: Vec<u16>,
-    /// Columns; the number of points when the cloud is not organised.
+    /// Number of columns; the number of points for an unorganised cloud.
     pub width: usize,
-    /// Rows; 1 when the cloud is not organised.
+    /// Number of rows; 1 for an unorganised cloud.
     pub height: usize,
-    /// Up, where the camera's pose and gravity are recorded.
+    /// Up direction in the camera frame, if pose and gravity are recorded.
     pub up_in_camera: Option<Unit<Vector3<f64>>>,
 }
 
-/// What is known of a scene before it is read.
+/// Listing of a scene before it is read.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SceneEntry {
-    /// A name that no other scene has: that of its file, behind that of its
-    /// folder when there are several folders or it is a frame.
+    /// Unique name: the file stem, prefixed by the folder's name for frames and for several
+    /// folders.
     pub name: String,
-    /// The kind of scene: that of mOSD, else the folder's name.
+    /// Group of the scene: its mOSD kind, otherwise the folder's name.
     pub group: String,
-    /// Which half of the scenes it belongs to, by the number it ends in.
+    /// Half of the data set (odd or even), from the number at the end of the name.
     pub is_odd: bool,
     recording: usize,
     index: usize,
@@ -57,7 +57,7 @@ enum Recording {
     Sequence(Box<RgbdSequence>),
 }
 
-/// The scenes of a folder in natural order. They are read one by one.
+/// Labelled scenes of a folder in natural order, read on demand.
 #[derive(Debug)]
 pub struct LabelledScenes {
     recordings: Vec<Recording>,
@@ -66,11 +66,10 @@ pub struct LabelledScenes {
 }
 
 impl LabelledScenes {
-    /// Lists the scenes of a folder of PCD files, of a sequence, or of the
-    /// folders of such in a folder.
+    /// Lists the scenes of a folder of PCD files, of a sequence, or of a folder of such folders.
     ///
     /// # Errors
-    /// When the folder holds none, or two scenes have the same name.
+    /// If there are no scenes, or two scenes have the same name.
     pub fn open(folder: &Path) -> Result<Self, Error> {
         let mut scenes = Self {
             recordings: Vec::new(),
@@ -110,12 +109,12 @@ impl LabelledScenes {
         }
     }
 
-    /// The scenes, at least one.
+    /// Scenes of the folder; at least one.
     pub fn entries(&self) -> &[SceneEntry] {
         &self.entries
     }
 
-    /// Folders that can not be used, and why.
+    /// Folders that cannot be used, with the reason.
     pub fn unusable(&self) -> &[(String, Error)] {
         &self.unusable
     }
@@ -162,7 +161,7 @@ impl LabelledScenes {
     /// Reads a scene.
     ///
     /// # Errors
-    /// When it can not be read, or nothing is known of its objects.
+    /// If it cannot be read or has no ground truth.
     pub fn read(&self, entry: &SceneEntry) -> Result<LabelledScene, Error> {
         match &self.recordings[entry.recording] {
             Recording::Scenes(scenes) => read_pcd(scenes, entry.index),
@@ -210,7 +209,7 @@ fn read_frame(sequence: &RgbdSequence, index: usize) -> Result<LabelledScene, Er
     })
 }
 
-/// The label of a pixel of a mask: tens of the object's number.
+/// Label of a mask pixel: ten times the object number.
 fn label_of_id(id: u16, has_depth: bool) -> Result<u16, Error> {
     if !has_depth {
         return Ok(0);
@@ -222,7 +221,7 @@ fn label_of_id(id: u16, has_depth: bool) -> Result<u16, Error> {
     label.ok_or(Error::Label(u32::from(id) * u32::from(FIRST_OBJECT_LABEL)))
 }
 
-/// The names of the folders in a folder, in natural order.
+/// Names of the sub-folders in natural order.
 fn folder_names(folder: &Path) -> Result<Vec<String>, Error> {
     let failed = |source| Error::List {
         path: folder.to_owned(),

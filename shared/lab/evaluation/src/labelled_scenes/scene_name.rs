@@ -1,7 +1,6 @@
-//! What a scene's name says about it.
+//! Group and half of a scene, parsed from its file name.
 
-/// The kinds of the scenes of mOSD's sets (Richtsfeld et al. 2012), each up to
-/// and including a number.
+/// Kinds of the mOSD scenes (Richtsfeld et al. 2012) by last scene number, inclusive.
 const LEARN_KINDS: [(u64, &str); 4] = [
     (16, "boxes"),
     (24, "stacked"),
@@ -17,7 +16,7 @@ const TEST_KINDS: [(u64, &str); 6] = [
     (65, "complex"),
 ];
 
-/// The kind of an mOSD scene; `None` for another name.
+/// Kind of an mOSD scene; `None` for other names.
 pub(super) fn mosd_kind(stem: &str) -> Option<&'static str> {
     let learn = stem
         .strip_prefix("learn")
@@ -26,14 +25,14 @@ pub(super) fn mosd_kind(stem: &str) -> Option<&'static str> {
         stem.strip_prefix("test")
             .map(|number| (number, &TEST_KINDS[..]))
     })?;
-    // `parse` alone would take a sign.
+    // `parse` alone would accept a sign.
     let is_number = number.bytes().all(|byte| byte.is_ascii_digit());
     let number: u64 = is_number.then_some(number)?.parse().ok()?;
     let kind = kinds.iter().find(|(last, _)| number <= *last);
     kind.map(|(_, name)| *name)
 }
 
-/// Whether the number at the end of a name is odd; `None` without a number.
+/// `Some(true)` if the number at the end of a name is odd; `None` without a number.
 pub(super) fn ends_odd(stem: &str) -> Option<bool> {
     let last = stem.bytes().next_back().filter(u8::is_ascii_digit)?;
     Some(last % 2 == 1)

@@ -26,7 +26,7 @@ fn write_pcd(path: &Path, labels: Option<&[u32]>) {
     std::fs::write(path, pcd::write(view, Encoding::Binary).unwrap()).unwrap();
 }
 
-/// A sequence whose frames have these masks.
+/// Sequence with one frame per instance mask.
 fn write_sequence(folder: &Path, masks: &[Option<[u16; 8]>]) {
     let down = Some(-Vector3::z_axis());
     let mut writer = SequenceWriter::create(folder, &CAMERA, down).unwrap();
@@ -80,7 +80,7 @@ fn masks_become_labels_and_gravity_up() {
     assert_eq!(names(&scenes)[1], ("pile-frame-000001", "pile", true));
     let scene = scenes.read(&scenes.entries()[0]).unwrap();
     assert_eq!(scene.labels, [0, 30, 1, 10, 1, 1, 600, 1]);
-    // Down in the image of a camera that looks along the horizon.
+    // Up in the image of a camera that looks along the horizon.
     let up = scene.up_in_camera.unwrap();
     assert!((up.into_inner() + Vector3::y()).norm() < 1e-9, "{up:?}");
     let error = scenes.read(&scenes.entries()[1]).unwrap_err();

@@ -1,34 +1,34 @@
-//! Which views the teacher shows, in which order.
+//! Curriculum: random order of categories and views for the simulated teacher.
 
 use super::protocol::{Protocol, Split};
 use crate::recogniser::{LabelledView, by_category};
 use random::Random;
 
-/// Purposes of chance.
+/// Random streams of the shuffles.
 const ORDER_OF_CATEGORIES: u64 = 1;
 const ORDER_OF_VIEWS: u64 = 2;
 const ORDER_OF_INSTANCES: u64 = 3;
 
-/// Why a category can not take part.
+/// Reason for excluding a category from a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LeftOut {
-    /// It has fewer views than are taught and asked at least.
+    /// Too few views for the lessons at the start and one question.
     TooFewViews {
-        /// How many it has.
+        /// Number of its views.
         n_views: usize,
     },
-    /// It has fewer objects than two, or its objects are not known, and the questions
-    /// must be of other objects than the lessons.
+    /// Fewer than two known objects, but the split requires different objects for lessons and
+    /// questions.
     TooFewInstances,
 }
 
-/// The fresh views of each category in the order of their introduction.
+/// Unused views of each category, in the order of introduction.
 #[derive(Debug)]
 pub(super) struct Curriculum {
     categories: Vec<FreshViews>,
 }
 
-/// The views of a category that were not shown, the next one last.
+/// Unused views of a category; the next one is last.
 #[derive(Debug)]
 struct FreshViews {
     category: u32,
@@ -38,7 +38,7 @@ struct FreshViews {
 }
 
 impl Curriculum {
-    /// Categories and the views of each in random order.
+    /// Shuffles the categories and the views of each.
     pub(super) fn new(protocol: &Protocol, views: &[LabelledView], seed: u64) -> Self {
         let mut categories = Vec::new();
         for (category, of_category) in by_category(views) {
@@ -61,38 +61,37 @@ impl Curriculum {
         self.categories.len()
     }
 
-    /// The category that is introduced at a place of the order.
+    /// Category at a position of the order of introduction.
     pub(super) fn category(&self, place: usize) -> u32 {
         self.categories[place].category
     }
 
-    /// The next view for a lesson.
+    /// Next view for a lesson.
     pub(super) fn next_lesson(&mut self, place: usize) -> Option<usize> {
         self.categories[place].lessons().pop()
     }
 
-    /// The next views for lessons, if there are as many.
+    /// Next `n` views for lessons, or `None` if fewer remain.
     pub(super) fn next_lessons(&mut self, place: usize, n: usize) -> Option<Vec<usize>> {
         let lessons = self.categories[place].lessons();
         let first = lessons.len().checked_sub(n)?;
         Some(lessons.drain(first..).rev().collect())
     }
 
-    /// Whether a wrong answer can be corrected: by the view that was asked, or by a
-    /// fresh one for lessons.
+    /// `true` if a wrong answer can be corrected: with the question's view, or with an unused
+    /// view for lessons.
     pub(super) fn has_correction(&self, place: usize) -> bool {
         let lessons = self.categories[place].for_lessons.as_ref();
         lessons.is_none_or(|lessons| !lessons.is_empty())
     }
 
-    /// The next view for a question.
+    /// Next view for a question.
     pub(super) fn next_question(&mut self, place: usize) -> Option<usize> {
         self.categories[place].for_questions.pop()
     }
 
-    /// Takes a view of a category that was not introduced, from the far end of its
-    /// order, so that the views of its lessons stay the same; `None` when the category
-    /// has none to spare.
+    /// Takes a question view of a category not yet introduced, from the end of its order so that
+    /// its lessons stay the same. `None` if only `n_to_leave` views remain.
     pub(super) fn take_for_open_set(&mut self, place: usize, n_to_leave: usize) -> Option<usize> {
         let questions = &mut self.categories[place].for_questions;
         (questions.len() > n_to_leave).then(|| questions.remove(0))
@@ -130,7 +129,7 @@ impl FreshViews {
     }
 }
 
-/// Takes the views of half of the objects, rounded down, out of a category.
+/// Moves the views of half of the objects, rounded down, out of a category.
 fn take_instances(
     views: &[LabelledView],
     category: u32,
@@ -145,7 +144,7 @@ fn take_instances(
     of_category.extract_if(.., is_taken).collect()
 }
 
-/// The objects of some views, each once, in the order of their numbers.
+/// Distinct objects of some views, by number.
 fn instances(views: &[LabelledView], of_category: &[usize]) -> Vec<Option<u32>> {
     let mut instances: Vec<_> = of_category.iter().map(|&v| views[v].instance).collect();
     instances.sort_unstable();
@@ -153,7 +152,7 @@ fn instances(views: &[LabelledView], of_category: &[usize]) -> Vec<Option<u32>> 
     instances
 }
 
-/// Whether a category must stay out of a run, by its views.
+/// Reason for excluding a category, judged by its views.
 pub(super) fn left_out(
     protocol: &Protocol,
     views: &[LabelledView],

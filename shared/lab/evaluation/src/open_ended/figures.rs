@@ -1,4 +1,4 @@
-//! Runs as figures.
+//! Learning curves of open-ended runs as SVG.
 
 use super::record::{Run, Stage};
 use plot::figure::{
@@ -13,16 +13,16 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 /// Width of the figure of a run, and height of each of its halves, pixels.
 const RUN_PX: (u32, u32) = (1040, 420);
-/// Height that is left for the names of categories, pixels.
+/// Height reserved for category names, pixels.
 const NAMES_PX: u32 = 150;
-/// Most categories whose bars have names.
+/// Maximum number of categories for which names are drawn.
 const MOST_NAMES: usize = 70;
 
-/// All runs, one line each: accuracy over learned categories, and learned categories
-/// over questions, as SVG.
+/// Learning curves of all runs, one line each: accuracy over learned categories, and learned
+/// categories over questions, as SVG.
 ///
 /// # Errors
-/// When the drawing library fails.
+/// If the plotting library fails.
 pub fn overview_svg(runs: &[Run]) -> Result<String, DrawingError> {
     let stages = || runs.iter().flat_map(|run| &run.stages);
     let most = |value: fn(&Stage) -> u32| f64::from(stages().map(value).max().unwrap_or(1));
@@ -54,12 +54,12 @@ pub fn overview_svg(runs: &[Run]) -> Result<String, DrawingError> {
     ])
 }
 
-/// One run: protocol accuracy over questions with the threshold `tau`, a grey line
-/// where each category comes, and below how many views of each category were taught,
-/// as SVG. The names are those of the categories by number.
+/// Figure of one run as SVG: protocol accuracy over questions with the threshold `tau` and a grey
+/// line at each introduction, and below the number of taught views per category. `names` are
+/// indexed by category number.
 ///
 /// # Errors
-/// When the drawing library fails.
+/// If the plotting library fails.
 pub fn run_svg(run: &Run, names: &[String], tau: f64) -> Result<String, DrawingError> {
     let mut svg = String::new();
     {
@@ -105,7 +105,7 @@ fn accuracy_diagram(run: &Run, tau: f64) -> Diagram<'static> {
     }
 }
 
-/// The accuracy of each stage as a line of its own.
+/// Protocol accuracy, a separate curve for each stage.
 fn accuracy_curves(run: &Run) -> Vec<Curve<'static>> {
     let stages = run
         .questions
@@ -118,7 +118,7 @@ fn accuracy_curves(run: &Run) -> Vec<Curve<'static>> {
         Curve {
             name: if index == 0 { "accuracy" } else { "" },
             color: Color::BLUE,
-            // A line needs two points.
+            // A single point needs a marker; a line needs two points.
             is_marked: points.len() == 1,
             points,
         }
@@ -126,7 +126,7 @@ fn accuracy_curves(run: &Run) -> Vec<Curve<'static>> {
     stages.enumerate().map(curve).collect()
 }
 
-/// Views of each category, in the order of introduction.
+/// Bar chart of taught views per category, in the order of introduction.
 fn draw_bars(
     area: &DrawingArea<SVGBackend<'_>, Shift>,
     run: &Run,
@@ -169,8 +169,8 @@ fn draw_bars(
     Ok(())
 }
 
-/// Text that is read from top to bottom; the place is that of its beginning, in
-/// pixels of the whole picture.
+/// Draws text rotated by 90 degrees; the position is that of its beginning, in pixels of the
+/// whole picture.
 fn write_downwards(
     area: &DrawingArea<SVGBackend<'_>, Shift>,
     text: &str,
@@ -233,7 +233,7 @@ mod tests {
         }
         let (one, two) = (overview_svg(&[run()]), overview_svg(&[run(), run()]));
         let n_lines = |svg: Result<String, DrawingError>| svg.unwrap().matches("<polyline").count();
-        // A line in each of the two diagrams.
+        // One line in each of the two diagrams.
         assert_eq!(n_lines(two), n_lines(one) + 2);
     }
 

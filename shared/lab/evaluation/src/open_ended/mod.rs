@@ -1,14 +1,14 @@
-//! The simulated teacher: how many categories are learned, and how fast.
+//! Open-ended learning protocol with a simulated teacher: number of learned categories and speed
+//! of learning.
 //!
-//! Category by category is introduced with a few views. Then the teacher asks,
-//! one category after the other in the order of their introduction, and corrects
-//! each wrong answer at once: the view that was asked is taught. When the share of
-//! right answers is high enough, the next category comes. When it stays too low,
-//! the run is over, and so it is without a fresh view.
+//! The teacher introduces categories one by one with a few views each. It then asks about the
+//! introduced categories in turn and corrects each wrong answer at once by teaching the view of
+//! the question. When the accuracy reaches a threshold, the next category is introduced. When it
+//! stays too low, or unused views run out, the run ends.
 //!
-//! *Source*: Chauhan and Seabra Lopes, "Using spoken words to guide open-ended
-//! category formation", Cognitive Processing 12, 2011; the rules in detail are
-//! those of the public code of Kasaei's group.
+//! *Source*: Chauhan and Seabra Lopes, "Using spoken words to guide open-ended category
+//! formation", Cognitive Processing 12, 2011; the rules in detail are those of the public code of
+//! Kasaei's group.
 
 mod curriculum;
 mod figures;

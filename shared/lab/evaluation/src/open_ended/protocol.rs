@@ -1,4 +1,4 @@
-//! Teaching, asking and correcting.
+//! Simulated teacher: teach, ask, correct.
 
 use super::curriculum::{Curriculum, LeftOut, left_out};
 use super::record::{Question, Run, Stage, StopReason};
@@ -7,39 +7,40 @@ use crate::recogniser::{LabelledView, Recogniser, by_category};
 use random::Random;
 use std::fmt;
 
-/// Purpose of chance.
+/// Random stream of open-set questions.
 const OPEN_SET: u64 = 4;
 
-/// Which views are taught and which are asked.
+/// Split of the views into lessons and questions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Split {
-    /// Any view of a category; one that was asked is taught when the answer was wrong.
+    /// Lessons and questions share all views of a category; the view of a wrongly answered
+    /// question is taught.
     ByView,
-    /// Lessons show half of the objects of a category, rounded down, and questions the
-    /// others; a correction teaches the next view of the first half.
+    /// Disjoint objects: lessons use half of the objects of a category, rounded down, and
+    /// questions the others; a correction teaches the next lesson view.
     InstanceDisjoint,
 }
 
-/// The rules of a run.
+/// Parameters of the open-ended learning protocol.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Protocol {
-    /// A stage ends when the protocol accuracy is not below, 0 to 1.
+    /// Accuracy threshold, 0 to 1: a stage ends when the protocol accuracy reaches it.
     pub tau: f64,
-    /// Views that a category is introduced with.
+    /// Number of views a category is introduced with.
     pub n_views_at_start: usize,
-    /// The accuracy is that of the last questions, this many for each category.
+    /// Sliding window of the protocol accuracy: this many most recent questions per category.
     pub window: usize,
-    /// So many questions beyond the window may find the accuracy not above `tau`; the
-    /// next one ends the run.
+    /// Number of questions beyond the window whose accuracy may stay at or below `tau`; the next
+    /// one ends the run.
     pub stall_limit: u32,
-    /// Share of the questions that show a category which was not introduced, 0 to 0.9.
+    /// Share of open-set questions (categories not yet introduced), 0 to 0.9.
     pub open_set_share: f64,
-    /// Which views are taught and which are asked.
+    /// Split of the views into lessons and questions.
     pub split: Split,
 }
 
 impl Default for Protocol {
-    /// As published: accuracy at least twice the error, three views, a window of three
+    /// Parameters as published: accuracy at least twice the error, three views, a window of three
     /// passes, 100 questions.
     fn default() -> Self {
         Self {
@@ -53,19 +54,19 @@ impl Default for Protocol {
     }
 }
 
-/// Why no run can begin.
+/// Error of the protocol's parameters or data.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Error {
-    /// The threshold is not from 0 to 1.
+    /// The threshold is not in 0 to 1.
     Tau(f64),
-    /// The share of open-set questions is not from 0 to 0.9.
+    /// The share of open-set questions is not in 0 to 0.9.
     OpenSetShare(f64),
-    /// A category needs a view, and the window questions.
+    /// No view at the start, or an empty window.
     Counts,
-    /// Fewer than two categories have what the rules need.
+    /// Fewer than two categories are usable.
     TooFewCategories {
-        /// How many have it.
+        /// Number of usable categories.
         n_usable: usize,
     },
 }
@@ -112,10 +113,10 @@ impl Protocol {
     }
 }
 
-/// Which categories take part, and why the others do not: by number, all of them.
+/// All categories by number, with the reason if a category is excluded.
 ///
 /// # Errors
-/// When the rules can not be used, or fewer than two categories take part.
+/// If the parameters are invalid, or fewer than two categories are usable.
 pub fn usable_categories(
     protocol: &Protocol,
     views: &[LabelledView],
@@ -133,12 +134,12 @@ pub fn usable_categories(
     Ok(found)
 }
 
-/// Lets a teacher play with a recogniser that was taught nothing yet, until all
-/// categories are learned or it goes no further.
+/// Runs the protocol on an untrained recogniser until all categories are learned, accuracy
+/// stalls, or views run out.
 ///
-/// Categories that can not take part are left out. A view is shown once at most: as
-/// a lesson, or as a question after which it may be taught. The same seed gives the
-/// same views in the same order, as long as the same answers are right.
+/// Excluded categories take no part. Each view is used at most once: as a lesson, or as a
+/// question after which it may be taught. The same seed gives the same views in the same order,
+/// as long as the same answers are right.
 ///
 /// # Errors
 /// As for [`usable_categories`].
@@ -207,7 +208,7 @@ impl<'a> Teacher<'a> {
             if !self.introduce(place) {
                 return StopReason::LackOfData;
             }
-            // One category alone can not be mistaken.
+            // A single category cannot be confused.
             if place > 0
                 && let Some(stop) = self.stage(place + 1)
             {
@@ -217,7 +218,7 @@ impl<'a> Teacher<'a> {
         StopReason::AllLearned
     }
 
-    /// Teaches the first views of a category, or says that there are not as many.
+    /// Teaches the first views of a category; `false` if there are too few.
     fn introduce(&mut self, place: usize) -> bool {
         let n_views = self.protocol.n_views_at_start;
         let Some(lessons) = self.curriculum.next_lessons(place, n_views) else {
@@ -231,8 +232,8 @@ impl<'a> Teacher<'a> {
         true
     }
 
-    /// Asks the introduced categories in turn until the newest is learned; else says
-    /// why the run is over.
+    /// Asks the introduced categories in turn until the newest is learned; otherwise returns the
+    /// reason for the end of the run.
     fn stage(&mut self, n_categories: usize) -> Option<StopReason> {
         let mut stage = StageState::new(n_categories);
         let mut place = 0;
@@ -264,7 +265,7 @@ impl<'a> Teacher<'a> {
         }
     }
 
-    /// A fresh view, if a wrong answer to it could be corrected.
+    /// Unused question view, if a wrong answer could be corrected.
     fn fresh_question(&mut self, place: usize) -> Option<usize> {
         let can_correct = self.curriculum.has_correction(place);
         self.curriculum.next_question(place).filter(|_| can_correct)
@@ -288,7 +289,7 @@ impl<'a> Teacher<'a> {
         self.questions.push(question);
     }
 
-    /// Teaches at once, so that the next question is asked of who knows better.
+    /// Corrects a wrong answer at once, before the next question.
     fn correct(&mut self, place: usize, asked: usize) {
         let view = match self.protocol.split {
             Split::ByView => Some(asked),
@@ -301,13 +302,13 @@ impl<'a> Teacher<'a> {
         }
     }
 
-    /// Asks as many open-set questions as chance wants before the next of the others.
-    /// They are not corrected.
+    /// Asks a random number of open-set questions before the next question. They are never
+    /// corrected.
     fn ask_open_set(&mut self, n_categories: usize) {
         let n_all = self.curriculum.n_categories();
         while self.open_set.unit() < self.protocol.open_set_share && n_categories < n_all {
             let place = n_categories + self.open_set.below(n_all - n_categories);
-            // Its lessons and one question stay.
+            // Its lessons and one question remain.
             let n_to_leave = self.protocol.n_views_at_start + 1;
             if let Some(view) = self.curriculum.take_for_open_set(place, n_to_leave) {
                 let truth = self.curriculum.category(place);

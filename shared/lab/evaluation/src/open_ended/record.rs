@@ -1,99 +1,98 @@
-//! What happened in a run.
+//! Record of an open-ended run: questions, stages, metrics.
 
 use crate::recogniser::Answer;
 
-/// One question and its answer.
+/// Question with its answer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Question {
-    /// From 1, over the whole run, open-set questions included.
+    /// Number of the question in the run, from 1, including open-set questions.
     pub iteration: u32,
-    /// How many categories were introduced.
+    /// Number of categories introduced so far.
     pub n_categories: u32,
-    /// The view that was shown.
+    /// Index of the view shown.
     pub view: usize,
-    /// What it shows.
+    /// True category of the view.
     pub truth: u32,
-    /// Whether its category was not introduced: right is "unknown", and no figure
-    /// but those of novelty counts the question.
+    /// `true` for an open-set question (category not introduced): "unknown" is right, and only
+    /// novelty metrics count it.
     pub is_open_set: bool,
-    /// What was answered.
+    /// Answer of the recogniser.
     pub answer: Answer,
     /// Protocol accuracy after the answer: micro F1 in the window of the stage.
     pub accuracy: Option<f64>,
 }
 
 impl Question {
-    /// Whether the answer is right.
+    /// `true` if the answer is right.
     pub fn is_right(&self) -> bool {
         let right = (!self.is_open_set).then_some(self.truth);
         self.answer.category == right
     }
 }
 
-/// Why a run has ended.
+/// Reason for the end of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StopReason {
-    /// All categories are learned.
+    /// All categories were learned.
     AllLearned,
-    /// The accuracy stayed too low for too long.
+    /// The accuracy stayed below the threshold for too long.
     Stalled,
-    /// A category has no fresh view.
+    /// A category has no unused view.
     LackOfData,
 }
 
-/// How it stood when a stage ended.
+/// Cumulative figures at the end of a stage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stage {
-    /// How many categories were introduced.
+    /// Number of categories introduced so far.
     pub n_categories: u32,
-    /// Questions since the beginning of the run.
+    /// Number of questions since the start of the run.
     pub n_questions: u32,
-    /// Share of right answers since the beginning of the run.
+    /// Share of right answers since the start of the run.
     pub accuracy: f64,
 }
 
-/// The figures of a run.
+/// Metrics of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Metrics {
-    /// Question-correction iterations: how many questions were asked.
+    /// Question/correction iterations (QCI): number of questions.
     pub qci: u32,
-    /// Taught categories, the one included whose stage failed.
+    /// Number of taught categories (TLC), including the one whose stage failed.
     pub tlc: u32,
-    /// Average instances of a category: views that were taught, those of corrections
-    /// included, over categories.
+    /// Average number of instances per category (AIC): taught views, including corrections, over
+    /// categories.
     pub aic: f64,
-    /// Global classification accuracy: right answers over questions. "Unknown" is
-    /// never right here.
+    /// Global classification accuracy (GCA): right answers over questions. "Unknown" counts as
+    /// wrong.
     pub gca: f64,
-    /// Average protocol accuracy: mean of the accuracies at which stages ended, that of
-    /// the stalled one included; `None` when none counts.
+    /// Average protocol accuracy (APA): mean accuracy at the end of the stages, including a
+    /// stalled one; `None` if no stage counts.
     pub apa: Option<f64>,
 }
 
-/// A run from its first question to its last.
+/// Complete record of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Run {
-    /// What it was drawn from.
+    /// Seed of the run.
     pub seed: u64,
-    /// Why it has ended.
+    /// Reason for the end of the run.
     pub stop: StopReason,
-    /// All questions, in order.
+    /// All questions in order.
     pub questions: Vec<Question>,
-    /// All stages that were passed or have failed, in order.
+    /// All passed and failed stages in order.
     pub stages: Vec<Stage>,
-    /// Accuracies that count for APA.
+    /// Accuracies that enter the APA.
     pub stage_accuracies: Vec<f64>,
-    /// Categories in the order of their introduction, and how many views of each were
-    /// taught.
+    /// Categories in the order of introduction, with the number of taught views.
     pub taught: Vec<(u32, u32)>,
-    /// Views that a category is introduced with.
+    /// Number of views a category is introduced with.
     pub n_views_at_start: u32,
 }
 
 impl Run {
-    /// The figures. Of a run without question GCA is 0.
+    /// Metrics of the run; GCA is 0 without questions.
     ///
-    /// It holds that AIC is 3 + QCI (1 - GCA) / TLC, with three views at the start.
+    /// Invariant, with three views at the start: AIC = 3 + QCI (1 - GCA) / TLC.
     pub fn metrics(&self) -> Metrics {
         let counted = || {
             self.questions
@@ -115,7 +114,7 @@ impl Run {
         }
     }
 
-    /// The answers to its open-set questions, or to the others.
+    /// Answers to the open-set questions, or to the others.
     pub fn answers(&self, is_open_set: bool) -> impl Iterator<Item = Answer> {
         let of_kind = self.questions.iter();
         let of_kind = of_kind.filter(move |question| question.is_open_set == is_open_set);

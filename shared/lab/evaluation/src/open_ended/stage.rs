@@ -1,21 +1,21 @@
-//! The questions between one category and the next.
+//! Stage of the protocol: questions between two introductions, with windowed accuracy.
 
 use super::protocol::Protocol;
 use super::record::Question;
 
-/// How a stage goes on after a question.
+/// Decision after a question of a stage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Verdict {
-    /// The next question.
+    /// Ask the next question.
     GoOn,
-    /// The next category. The share of right answers that counts for APA; `None` when
-    /// it is the threshold itself, which ends a stage and does not count.
+    /// Introduce the next category. The accuracy enters the APA; `None` if it equals the
+    /// threshold, which ends a stage but does not count.
     Passed(Option<f64>),
-    /// The end of the run, with the share that counts for APA.
+    /// End the run; the accuracy enters the APA.
     Stalled(f64),
 }
 
-/// Right and wrong answers.
+/// True and false positives and false negatives of an answer.
 #[derive(Debug, Clone, Copy, Default)]
 struct Counts {
     true_positives: u32,
@@ -23,7 +23,7 @@ struct Counts {
     false_negatives: u32,
 }
 
-/// What was asked since a category was introduced.
+/// Answers since a category was introduced.
 #[derive(Debug)]
 pub(super) struct StageState {
     n_categories: usize,
@@ -32,8 +32,8 @@ pub(super) struct StageState {
 }
 
 impl Counts {
-    /// A wrong name is false for one category and lacks for the other; "unknown" only
-    /// lacks.
+    /// Counts of an answer: a wrong category is a false positive and a false negative, "unknown"
+    /// only a false negative.
     fn of(question: &Question) -> Self {
         let is_right = question.is_right();
         let is_wrong_name = !is_right && question.answer.category.is_some();
@@ -61,9 +61,9 @@ impl StageState {
         }
     }
 
-    /// Counts an answer. The protocol accuracy is micro F1 of all answers of the stage,
-    /// or of the last 3 n when there are more; `None` before each category could be
-    /// asked once.
+    /// Counts an answer and decides. The protocol accuracy is the micro F1 of all answers of the
+    /// stage, or of the window if there are more; `None` until every category could be asked
+    /// once.
     pub(super) fn count(
         &mut self,
         question: &Question,
@@ -113,7 +113,7 @@ mod tests {
         }
     }
 
-    /// Answers of a stage with two categories: right, wrong, unknown.
+    /// Outcomes of a stage with two categories; answers are `r` right, `w` wrong, `u` unknown.
     fn play(answers: &str, tau: f64) -> Vec<(Option<f64>, Verdict)> {
         let protocol = Protocol {
             tau,
@@ -160,7 +160,7 @@ mod tests {
     fn the_window_is_three_times_the_categories_and_then_a_stall_is_counted() {
         let stage = play("wwrrrrwww", 0.9);
         let accuracies: Vec<f64> = stage.iter().filter_map(|(accuracy, _)| *accuracy).collect();
-        // Six answers at most: the two wrong ones of the beginning leave the window.
+        // The window holds six answers: the two wrong ones at the start leave it.
         let expected = [0.0, 1.0, 2.0, 3.0, 4.0, 4.0, 4.0, 3.0];
         let sizes = [2.0, 3.0, 4.0, 5.0, 6.0, 6.0, 6.0, 6.0];
         let expected: Vec<f64> = expected.iter().zip(sizes).map(|(r, n)| r / n).collect();
@@ -170,7 +170,7 @@ mod tests {
                 .zip(&expected)
                 .all(|(a, b)| (a - b).abs() < 1e-12)
         );
-        // With a limit of two, the third answer behind the window ends the run.
+        // With a stall limit of two, the third answer beyond the window ends the run.
         assert_eq!(stage[7].1, Verdict::GoOn);
         assert_eq!(stage[8].1, Verdict::Stalled(0.5));
     }

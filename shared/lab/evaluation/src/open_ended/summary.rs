@@ -1,18 +1,18 @@
-//! Figures of several runs.
+//! Mean and standard deviation of metrics over several runs.
 
 use super::record::Metrics;
 
-/// Mean and standard deviation of one figure.
+/// Sample mean and standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeanAndStd {
-    /// The mean.
+    /// Arithmetic mean.
     pub mean: f64,
-    /// Of the sample, n - 1; `None` of a single value.
+    /// Sample standard deviation (n - 1); `None` for a single value.
     pub std: Option<f64>,
 }
 
 impl MeanAndStd {
-    /// `None` without values.
+    /// Mean and standard deviation of a sample; `None` for no values.
     pub fn of(values: &[f64]) -> Option<Self> {
         let n = values.len() as f64;
         let mean = values.iter().sum::<f64>() / n;
@@ -24,23 +24,23 @@ impl MeanAndStd {
     }
 }
 
-/// How the figures of runs spread; `None` without runs.
+/// Metrics over runs; each is `None` without runs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Summary {
-    /// Questions.
+    /// Question/correction iterations.
     pub qci: Option<MeanAndStd>,
-    /// Categories.
+    /// Taught categories.
     pub tlc: Option<MeanAndStd>,
-    /// Views of a category.
+    /// Average instances per category.
     pub aic: Option<MeanAndStd>,
-    /// Share of right answers.
+    /// Global classification accuracy.
     pub gca: Option<MeanAndStd>,
-    /// Accuracy at the ends of stages, of the runs that have one.
+    /// Average protocol accuracy, over the runs that have one.
     pub apa: Option<MeanAndStd>,
 }
 
 impl Summary {
-    /// Of runs.
+    /// Summary of the metrics of several runs.
     pub fn of(runs: &[Metrics]) -> Self {
         let spread = |value: fn(&Metrics) -> f64| {
             MeanAndStd::of(&runs.iter().map(value).collect::<Vec<_>>())

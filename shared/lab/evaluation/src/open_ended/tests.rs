@@ -4,8 +4,7 @@ use crate::recogniser::{Answer, LabelledView, Recogniser};
 use random::Random;
 use std::collections::{HashMap, HashSet};
 
-/// Answers right with a fixed probability, whatever was taught; remembers what it
-/// was shown.
+/// Recogniser of fixed accuracy, independent of its training; records lessons and questions.
 struct Guesser<'a> {
     views: &'a [LabelledView],
     accuracy: f64,
@@ -87,8 +86,8 @@ fn a_perfect_learner_needs_each_question_once() {
     }
 }
 
-/// Runs of a recogniser of constant accuracy: TLC, QCI, AIC, GCA, APA and the share
-/// of runs that learn all 51 categories.
+/// Reference results for constant accuracy: TLC, QCI, AIC, GCA, APA, and the share of runs that
+/// learn all 51 categories.
 const EXPECTED: [(f64, [f64; 5], f64); 9] = [
     (0.62, [18.7, 683.0, 16.4, 0.616, 0.731], 0.0),
     (0.65, [26.8, 1035.0, 15.9, 0.643, 0.731], 0.02),
@@ -101,9 +100,9 @@ const EXPECTED: [(f64, [f64; 5], f64); 9] = [
     (0.90, [51.0, 1328.0, 5.6, 0.899, 0.902], 1.0),
 ];
 
-/// Both the expected means and ours are of 200 runs, so their difference has a
-/// standard deviation of sqrt(2 / 200) times that of a run; 4.5 of these and what
-/// the table is rounded by are allowed.
+/// Expected and measured means are both over 200 runs, so their difference has a standard
+/// deviation of sqrt(2 / 200) times that of a run; 4.5 of these plus the rounding of the table
+/// are allowed.
 #[test]
 fn a_recogniser_of_known_accuracy_gives_the_known_figures() {
     let views = data_set(51, 200, None);
@@ -214,7 +213,7 @@ fn a_hopeless_learner_stalls_101_questions_behind_the_window() {
     let views = data_set(5, 200, None);
     let run = play(&views, &Protocol::default(), 0.0, 1);
     assert_eq!(run.stop, StopReason::Stalled);
-    // The failing category and the failing accuracy are counted.
+    // The failed category and its accuracy are counted.
     let metrics = run.metrics();
     assert_eq!((metrics.tlc, metrics.qci), (2, 3 * 2 + 101));
     assert_eq!((metrics.apa, metrics.gca), (Some(0.0), 0.0));
@@ -225,7 +224,7 @@ fn a_run_ends_without_fresh_views() {
     let views = data_set(5, 10, None);
     let run = play(&views, &Protocol::default(), 0.0, 1);
     assert_eq!(run.stop, StopReason::LackOfData);
-    // Seven views of each of two categories are left after the lessons.
+    // Seven views of each of two categories remain after the lessons.
     let metrics = run.metrics();
     assert_eq!((metrics.tlc, metrics.qci, metrics.apa), (2, 14, None));
 }

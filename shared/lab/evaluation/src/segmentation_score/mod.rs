@@ -1,37 +1,35 @@
-//! How well hypotheses agree with labelled objects.
+//! Segmentation metrics: agreement of hypotheses with labelled objects.
 //!
-//! Objects are told apart by their label: 0 is invalid and does not count, 1
-//! to 9 are the table and what else is no object, from 10 on each label is an
-//! object. So parts of one object with labels of their own are objects of their
-//! own. Hypotheses with fewer than 100 valid pixels are ignored.
+//! Labels: 0 is invalid and ignored, 1 to 9 are the table and other background, from 10 on each
+//! label is an object, so separately labelled parts count as separate objects. Hypotheses with
+//! fewer than 100 valid pixels are ignored.
 
 mod overlaps;
 
 pub use overlaps::Overlaps;
 
-/// The first label of an object.
+/// First label of an object.
 pub const FIRST_OBJECT_LABEL: u16 = 10;
 
-/// Hypotheses with fewer valid pixels are ignored.
+/// Minimum number of valid pixels of a scored hypothesis.
 pub const HYPOTHESIS_PIXELS_MIN: usize = 100;
 
-/// The F-measure from which on an object counts as found in `f75`.
+/// F-measure from which an object counts as found in `f75`.
 const FINE_MATCH: f64 = 0.75;
 
-/// Scores of one scene, or means over several, as fractions.
+/// Segmentation scores of one scene, or means over several, as fractions.
 ///
-/// For an object of G pixels and a hypothesis of S pixels, overlap is common
-/// pixels over all pixels of both.
+/// Overlap is intersection over union (IoU) of the pixels of an object and a hypothesis.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct SegmentationScore {
-    /// Labelled objects; summed over several scenes.
+    /// Number of labelled objects; summed over several scenes.
     pub n_objects: usize,
-    /// Hypotheses; summed over several scenes.
+    /// Number of hypotheses; summed over several scenes.
     pub n_hypotheses: usize,
-    /// Mean over the objects of the best overlap, weighted by the objects'
-    /// pixels (Silberman et al. 2012, Stein et al. 2014).
+    /// Weighted overlap (WOv): mean best IoU over the objects, weighted by the objects' pixels
+    /// (Silberman et al. 2012, Stein et al. 2014).
     pub wov: f64,
-    /// The same, each object with the same weight.
+    /// Unweighted overlap (UOv): mean best IoU over the objects.
     pub uov: f64,
     /// Over-segmentation: share of the objects' pixels outside the hypothesis
     /// that covers most of the object (Richtsfeld et al. 2012).
@@ -39,31 +37,31 @@ pub struct SegmentationScore {
     /// Under-segmentation: pixels of these hypotheses outside their object, over
     /// the objects' pixels; may exceed 1 (Richtsfeld et al. 2012).
     pub fus: f64,
-    /// Share of the hypotheses that are an object with an overlap above one half.
+    /// Precision at IoU 0.5: share of the hypotheses that match an object.
     pub p50: f64,
-    /// Share of the objects that are found with an overlap above one half.
+    /// Recall at IoU 0.5: share of the objects that are matched.
     pub r50: f64,
-    /// Harmonic mean of the two.
+    /// F-measure at IoU 0.5: harmonic mean of `p50` and `r50`.
     pub f50: f64,
-    /// Common pixels of objects and their hypotheses, matched one to one so
-    /// that the sum of F-measures is greatest, over the pixels of all
-    /// hypotheses (Dave et al. 2019, Xie et al. 2020).
+    /// Overlap precision: common pixels of objects and their hypotheses, matched one to one for
+    /// the greatest sum of F-measures, over the pixels of all hypotheses (Dave et al. 2019, Xie
+    /// et al. 2020).
     pub o_p: f64,
-    /// The same over the pixels of all objects.
+    /// Overlap recall: the matched pixels over the pixels of all objects.
     pub o_r: f64,
-    /// Harmonic mean of the two.
+    /// Overlap F-measure: harmonic mean of `o_p` and `o_r`.
     pub o_f: f64,
     /// Share of the objects matched with an F-measure of at least 0.75.
     pub f75: f64,
 }
 
-/// The names of the measures, in the order of [`SegmentationScore::values`].
+/// Names of the measures, in the order of [`SegmentationScore::values`].
 pub const MEASURE_NAMES: [&str; 11] = [
     "wov", "uov", "fos", "fus", "p50", "r50", "f50", "o_p", "o_r", "o_f", "f75",
 ];
 
 impl SegmentationScore {
-    /// The measures in the order of [`MEASURE_NAMES`].
+    /// Measures in the order of [`MEASURE_NAMES`].
     pub fn values(&self) -> [f64; MEASURE_NAMES.len()] {
         [
             self.wov, self.uov, self.fos, self.fus, self.p50, self.r50, self.f50, self.o_p,
@@ -90,8 +88,7 @@ impl SegmentationScore {
         }
     }
 
-    /// Means over scenes, each with the same weight, and sums of the counts;
-    /// `None` without scenes.
+    /// Means over scenes with equal weights, and sums of the counts; `None` without scenes.
     pub fn mean<'a>(scores: impl IntoIterator<Item = &'a Self>) -> Option<Self> {
         let (mut n_scenes, mut n_objects, mut n_hypotheses) = (0_u32, 0, 0);
         let mut sums = [0.0; MEASURE_NAMES.len()];
@@ -108,7 +105,7 @@ impl SegmentationScore {
     }
 }
 
-/// Scores a scene; `None` for one without objects.
+/// Scores a scene; `None` for a scene without objects.
 pub fn score(overlaps: &Overlaps) -> Option<SegmentationScore> {
     let (n_objects, n_hypotheses) = (overlaps.labels().len(), overlaps.numbers().len());
     if n_objects == 0 {
@@ -125,7 +122,7 @@ pub fn score(overlaps: &Overlaps) -> Option<SegmentationScore> {
     Some(score)
 }
 
-/// The measures that give each object its best hypothesis.
+/// Measures over the best hypothesis of each object: WOv, UOv, Fos, Fus.
 fn best_overlaps(overlaps: &Overlaps, score: &mut SegmentationScore) {
     let n_hypotheses = score.n_hypotheses;
     let total = overlaps.of_object().iter().sum::<usize>() as f64;
@@ -135,7 +132,7 @@ fn best_overlaps(overlaps: &Overlaps, score: &mut SegmentationScore) {
         let best = ratios.fold(0.0, f64::max);
         score.wov += best * size as f64 / total;
         score.uov += best / score.n_objects as f64;
-        // Of equally large shares the first one counts.
+        // Ties go to the first hypothesis.
         let row = overlaps.row(object);
         let largest = (0..n_hypotheses).rev().max_by_key(|&h| row[h]);
         if let Some(largest) = largest.filter(|&h| row[h] > 0) {
@@ -147,8 +144,7 @@ fn best_overlaps(overlaps: &Overlaps, score: &mut SegmentationScore) {
     score.fus = n_outside as f64 / total;
 }
 
-/// The measures that count pairs with an overlap above one half, of which each
-/// object and each hypothesis has one at most.
+/// Precision, recall and F-measure at IoU 0.5; above one half, matches are unique.
 fn detections(overlaps: &Overlaps, score: &mut SegmentationScore) {
     let pairs = (0..score.n_objects).flat_map(|o| (0..score.n_hypotheses).map(move |h| (o, h)));
     let n_hits = pairs.filter(|&(o, h)| overlaps.ratio(o, h) > 0.5).count() as f64;
@@ -161,7 +157,7 @@ fn detections(overlaps: &Overlaps, score: &mut SegmentationScore) {
     score.f50 = 2.0 * n_hits / (score.n_hypotheses + score.n_objects) as f64;
 }
 
-/// The measures over the matching that makes the sum of F-measures greatest.
+/// Measures over the one-to-one matching with the greatest sum of F-measures.
 fn one_to_one(overlaps: &Overlaps, score: &mut SegmentationScore) {
     let (mut n_common, mut n_fine) = (0, 0_usize);
     for (object, matched) in overlaps.matches().into_iter().enumerate() {

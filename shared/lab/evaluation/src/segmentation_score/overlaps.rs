@@ -1,30 +1,29 @@
-//! Counts of pixels that objects and hypotheses share.
+//! Overlap matrix: pixels shared by objects and hypotheses.
 
 use super::{FIRST_OBJECT_LABEL, HYPOTHESIS_PIXELS_MIN};
 use std::collections::BTreeMap;
 use tracking::{AssignmentBuffers, assign};
 
-/// Pixels of each object, of each hypothesis, and of both. Only pixels with a
-/// valid label count.
+/// Pixel counts of each object, each hypothesis, and each pair, over pixels with a valid label.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Overlaps {
-    /// The objects' labels, ascending.
+    /// Labels of the objects, ascending.
     labels: Vec<u16>,
-    /// The hypotheses' numbers, ascending; only those that are large enough.
+    /// Numbers of the scored hypotheses, ascending.
     numbers: Vec<u16>,
     of_object: Vec<usize>,
     of_hypothesis: Vec<usize>,
-    /// Row by row: objects x hypotheses.
+    /// *Shape*: `n_objects x n_hypotheses`, row-major.
     shared: Vec<usize>,
 }
 
 impl Overlaps {
-    /// Counts. `hypothesis_of` is the number of each pixel's hypothesis, 0 for
-    /// none; `label_of` its label, 0 for invalid, below 10 for what is no
-    /// object. Hypotheses with fewer than 100 valid pixels are left out.
+    /// Counts the pixels of two label images. `hypothesis_of` is the number of each pixel's
+    /// hypothesis, 0 for none; `label_of` its label, 0 for invalid, below 10 for background.
+    /// Hypotheses with fewer than 100 valid pixels are left out.
     ///
     /// # Panics
-    /// When the two images differ in size.
+    /// If the images differ in size.
     pub fn count(hypothesis_of: &[u16], label_of: &[u16]) -> Self {
         assert_eq!(
             hypothesis_of.len(),
@@ -57,48 +56,47 @@ impl Overlaps {
         }
     }
 
-    /// The objects' labels, ascending; their places are the objects' indices.
+    /// Labels of the objects, ascending; their positions are the object indices.
     pub fn labels(&self) -> &[u16] {
         &self.labels
     }
 
-    /// The numbers of the hypotheses that count, ascending; their places are
-    /// the hypotheses' indices.
+    /// Numbers of the scored hypotheses, ascending; their positions are the hypothesis indices.
     pub fn numbers(&self) -> &[u16] {
         &self.numbers
     }
 
-    /// Pixels of each object.
+    /// Number of pixels of each object.
     pub(super) fn of_object(&self) -> &[usize] {
         &self.of_object
     }
 
-    /// Pixels of each hypothesis.
+    /// Number of pixels of each hypothesis.
     pub(super) fn of_hypothesis(&self) -> &[usize] {
         &self.of_hypothesis
     }
 
-    /// Pixels that an object shares with each hypothesis.
+    /// Number of pixels that an object shares with each hypothesis.
     pub(super) fn row(&self, object: usize) -> &[usize] {
         let n = self.numbers.len();
         &self.shared[object * n..(object + 1) * n]
     }
 
-    /// Common pixels over all pixels of an object and a hypothesis.
+    /// Intersection over union of an object and a hypothesis.
     pub(super) fn ratio(&self, object: usize, hypothesis: usize) -> f64 {
         let shared = self.row(object)[hypothesis];
         let union = self.of_object[object] + self.of_hypothesis[hypothesis] - shared;
         shared as f64 / union as f64
     }
 
-    /// F-measure of an object and a hypothesis.
+    /// F-measure (Dice coefficient) of an object and a hypothesis.
     pub(super) fn f_measure(&self, object: usize, hypothesis: usize) -> f64 {
         let sizes = self.of_object[object] + self.of_hypothesis[hypothesis];
         2.0 * self.row(object)[hypothesis] as f64 / sizes as f64
     }
 
-    /// The hypothesis of each object, by index, so that the sum of F-measures
-    /// is greatest; `None` for an object that is left without.
+    /// Optimal one-to-one matching: hypothesis index of each object for the greatest sum of
+    /// F-measures; `None` for an unmatched object.
     pub fn matches(&self) -> Vec<Option<usize>> {
         let n = self.numbers.len();
         if n == 0 {

@@ -1,7 +1,7 @@
 use super::*;
 use proptest::prelude::*;
 
-/// An image of runs of pixels: how many, which hypothesis, which label.
+/// Label images of runs `(n_pixels, hypothesis, label)`.
 fn image(runs: &[(usize, u16, u16)]) -> (Vec<u16>, Vec<u16>) {
     let pixels = runs
         .iter()
@@ -26,9 +26,9 @@ fn assert_near(found: &SegmentationScore, expected: [f64; 11]) {
 
 #[test]
 fn a_scene_computed_by_hand() {
-    // Object 20 has 400 pixels: 300 in hypothesis 1, 100 in 2.
-    // Object 31 has 200 pixels: 200 in hypothesis 3, which has 200 of the table.
-    // Hypothesis 4 is on the table only, and pixels without label are nobody's.
+    // Object 20 has 400 pixels: 300 in hypothesis 1, 100 in 2. Object 31 has 200 pixels, all in
+    // hypothesis 3, which also has 200 of the table. Hypothesis 4 is on the table only; pixels
+    // without a label are ignored.
     let score = scored(&[
         (300, 1, 20),
         (100, 2, 20),
@@ -48,7 +48,7 @@ fn a_scene_computed_by_hand() {
             0.625,
             100.0 / 600.0,
             200.0 / 600.0,
-            // An overlap of exactly one half is not above it.
+            // An overlap of exactly one half is no match.
             1.0 / 4.0,
             1.0 / 2.0,
             2.0 / 6.0,
@@ -63,7 +63,7 @@ fn a_scene_computed_by_hand() {
 #[test]
 fn one_hypothesis_over_two_objects_is_matched_once() {
     let score = scored(&[(300, 7, 20), (100, 7, 30)]).unwrap();
-    // Both have it as their largest: 100 and 300 pixels lie outside.
+    // Both objects have it as largest hypothesis, with 100 and 300 pixels outside.
     assert_near(
         &score,
         [
@@ -118,8 +118,7 @@ fn images_of_different_size_are_refused() {
     Overlaps::count(&[0, 1], &[0]);
 }
 
-/// Sum of F-measures of the best matching of the objects from `object` on, by
-/// trying all.
+/// Brute-force reference: greatest sum of F-measures of the objects from `object` on.
 fn best_by_trying(overlaps: &Overlaps, object: usize, used: u32) -> f64 {
     if object == overlaps.labels().len() {
         return 0.0;
@@ -131,13 +130,13 @@ fn best_by_trying(overlaps: &Overlaps, object: usize, used: u32) -> f64 {
     with.fold(best_by_trying(overlaps, object + 1, used), f64::max)
 }
 
-/// Few labels and hypotheses in runs long enough to count.
+/// Few labels and hypotheses, in runs long enough to be scored.
 fn runs() -> impl Strategy<Value = Vec<(usize, u16, u16)>> {
     let label = prop::sample::select(vec![0_u16, 1, 20, 30, 31, 40, 50]);
     prop::collection::vec((1..300_usize, 0..6_u16, label), 1..25)
 }
 
-/// Numbers that are renamed one to one, 0 stays.
+/// One-to-one renumbering that keeps 0.
 fn renamed(values: &[u16]) -> Vec<u16> {
     values
         .iter()

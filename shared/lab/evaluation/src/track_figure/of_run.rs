@@ -1,4 +1,4 @@
-//! The figure of a run.
+//! Construction of a track figure from the frames of a run.
 
 use super::{Row, Span, TrackFigure, Way, Who};
 use crate::clear_mot::Match;
@@ -6,14 +6,14 @@ use crate::tracked_frame::{TrackState, TrackedFrame};
 use nalgebra::{Point3, UnitQuaternion, UnitVector3, Vector3};
 use std::collections::BTreeMap;
 
-/// Points of a way nearer to the last one are left out, metres.
+/// Minimum distance between consecutive points of a trajectory, metres.
 const STEP_M: f64 = 0.002;
-/// A pause up to this does not break a line of the timeline, seconds.
+/// Longest pause bridged within a timeline span, seconds.
 const PAUSE_S: f64 = 0.1;
 
-/// The figure of a run with truth, whose world has z upwards: true ways are grey, tracks have a colour for
-/// each id. The timeline shows for each object the tracks it was matched with, and
-/// below the tracks that show nothing.
+/// Track figure of a run with ground truth in a world with z up: true trajectories are grey,
+/// tracks have a colour per id. The timeline has a row for each object with its matched tracks,
+/// and a last row for tracks without an object.
 pub fn of_run(
     title: &str,
     frames: &[TrackedFrame],
@@ -61,9 +61,8 @@ pub fn of_run(
     }
 }
 
-/// The figure of a run without truth: a row for each track that was believed. The
-/// view from above is that against `up_in_world`; where this is not z, the world is
-/// turned on the shortest way until it is.
+/// Track figure of a run without ground truth: a timeline row for each output track. The top view
+/// is along `up_in_world`; if that is not z, the world is rotated by the shortest rotation.
 pub fn of_tracks(
     title: &str,
     frames: &[TrackedFrame],
@@ -94,7 +93,7 @@ fn outputs(frame: &TrackedFrame) -> impl Iterator<Item = (usize, &TrackState)> {
 
 fn track_ways(frames: &[TrackedFrame], up_in_world: &UnitVector3<f64>) -> Vec<Way> {
     let turn = UnitQuaternion::rotation_between_axis(up_in_world, &Vector3::z_axis());
-    // Straight downwards every way is as short.
+    // Any rotation axis does if up points straight down.
     let turn = turn.unwrap_or_else(|| {
         UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI)
     });
@@ -112,7 +111,7 @@ fn duration_s(frames: &[TrackedFrame]) -> f64 {
     frames.last().map_or(0.0, |frame| frame.time_s)
 }
 
-/// Ways by number.
+/// Trajectories by object or track number.
 #[derive(Default)]
 struct Ways(BTreeMap<u64, Way>);
 
@@ -134,7 +133,7 @@ impl Ways {
     }
 }
 
-/// One row while it is made.
+/// Timeline row under construction.
 #[derive(Default)]
 struct Timeline {
     truth: Spans,
@@ -155,7 +154,7 @@ impl Timeline {
 struct Spans(Vec<Span>);
 
 impl Spans {
-    /// Goes on with the span of the same, if it has just been there.
+    /// Extends the last span of the same source, or begins a new one after a long pause.
     fn add(&mut self, who: Who, time_s: f64) {
         let same = self.0.iter_mut().rev().find(|span| span.who == who);
         match same {

@@ -31,7 +31,7 @@ fn track(id: u64, x: f64, yaw_rad: f64) -> TrackState {
     }
 }
 
-/// Two objects at rest for 30 frames with a track each.
+/// Two static objects with one track each, 30 frames.
 fn perfect() -> Vec<TrackedFrame> {
     let frame = |i: u32| TrackedFrame {
         time_s: f64::from(i) / 30.0,
@@ -76,7 +76,7 @@ fn errors_are_those_that_were_made() {
     let worst = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
     assert!((worst(&score.errors.centre_mm) - 4.0).abs() < 1e-9);
     assert!((worst(&score.errors.orientation_deg) - 0.1_f64.to_degrees()).abs() < 1e-6);
-    // A half turn that was there from the beginning is no flip.
+    // A constant half turn from the start is no flip.
     assert_eq!(score.n_flips, 0);
 }
 

@@ -1,9 +1,9 @@
-//! Views of one object for learning: it stands on the table, the camera goes
-//! round it, and our own detection cuts it out.
+//! Simulated turntable: single-object views for learning, segmented by the project's own
+//! detection.
 //!
-//! As in the Washington RGB-D Object Dataset (Lai et al. 2011) the camera looks
-//! down at 30, 45 and 60 degrees, here from 0.7 to 1.3 m, with every error of
-//! the sensor on, in the light of different lamps.
+//! As in the Washington RGB-D Object Dataset (Lai et al. 2011) the camera looks down at 30, 45
+//! and 60 degrees, here from 0.7 to 1.3 m. All sensor errors are on; lamps vary in colour and
+//! strength.
 
 use detection::{Candidate, Config, Detection, Frame, Surroundings, Workspace, detect};
 use geometry::PinholeCamera;
@@ -18,20 +18,21 @@ use simulated_world::World;
 use simulated_world::random_stream;
 use simulated_world::{CameraMount, ModelChoice, ObjectPlan, Placing, Scene};
 
-/// Camera heights with the numbers of their sequences in the Washington dataset.
+/// Sequence numbers of the Washington dataset with their camera elevations, degrees.
 pub(super) const HEIGHTS: [(u32, f64); 3] = [(1, 30.0), (2, 45.0), (4, 60.0)];
 
-/// Distance of the camera from the object, metres.
+/// Range of the camera's distance from the object, metres.
 const DISTANCES_M: [f64; 2] = [0.7, 1.3];
-/// Colour temperature of the lamps, kelvin, and their strength.
+/// Ranges of the lamps' colour temperature, kelvin, and relative strength.
 const TEMPERATURES_K: [f64; 2] = [2700.0, 6500.0];
 const INTENSITIES: [f64; 2] = [0.7, 1.3];
-/// A candidate farther from the middle than this is something else, metres.
+/// Maximum distance of the object's candidate from the turntable's centre, metres. Chosen:
+/// farther candidates are not the object.
 const OFF_MIDDLE_MAX_M: f64 = 0.12;
-/// Purpose of the random stream.
+/// Random stream of camera distances and lamps.
 const LOOK: u64 = 5;
 
-/// One object on the table, and the camera that goes round it.
+/// Simulated turntable: an object on the table, seen by a camera on a circle around it.
 #[derive(Debug)]
 pub(super) struct Turntable {
     world: World,
@@ -43,22 +44,22 @@ pub(super) struct Turntable {
     points: Vec<Point>,
 }
 
-/// One view of the object as detection has cut it out.
+/// View of the object as segmented by detection.
 #[derive(Debug)]
 pub(super) struct CutOut<'a> {
-    /// The whole frame, camera frame, row-major.
+    /// Points of the whole frame, camera frame, row-major.
     pub(super) cloud: &'a [Point],
-    /// Indices of the object's points in it, ascending.
+    /// Indices of the object's points in `cloud`, ascending.
     pub(super) point_indices: &'a [u32],
-    /// Common share of the cut-out's and the object's true pixels, 0 to 1.
+    /// Intersection over union of segmented and true pixels, 0 to 1.
     pub(super) overlap: f64,
 }
 
 impl Turntable {
-    /// Puts an object on the table before a camera.
+    /// Places an object upright on the table in front of a camera.
     ///
     /// # Errors
-    /// When the model can not be used, or the intrinsics are impossible.
+    /// If the model cannot be used or the intrinsics are invalid.
     pub(super) fn new(
         model: &ModelChoice,
         library: ModelLibrary,
@@ -89,16 +90,16 @@ impl Turntable {
         })
     }
 
-    /// What was noticed about the model, one sentence each; given once.
+    /// Notes on the loaded model, one sentence each; each call returns only new ones.
     pub(super) fn take_notes(&mut self) -> Vec<String> {
         self.world.take_notes()
     }
 
-    /// The object seen from one of the [`HEIGHTS`] (by index), after `turn` of a
-    /// whole round; `None` when detection does not find it.
+    /// Renders and segments one view. `height` is an index into [`ELEVATIONS`], `turn` the
+    /// fraction of a full revolution. `None` when detection does not find the object.
     ///
     /// # Errors
-    /// When the camera can not look.
+    /// If the camera cannot render the scene.
     pub(super) fn view(&mut self, height: usize, turn: f64) -> Result<Option<CutOut<'_>>, Error> {
         let (sequence, elevation_deg) = HEIGHTS[height % HEIGHTS.len()];
         let mut random = random_stream(self.seed, LOOK + 16 * u64::from(sequence));
@@ -140,7 +141,7 @@ impl Turntable {
         Unit::new_normalize(rotation.inverse() * Vector3::z())
     }
 
-    /// Leaves the candidates empty when detection refuses the frame.
+    /// Runs detection; leaves no candidates when it refuses the frame.
     fn detect(&mut self, up_in_camera: Unit<Vector3<f64>>, seed: u64) {
         let camera = self.kinect.camera();
         let size = (camera.width as usize, camera.height as usize);
@@ -183,7 +184,7 @@ fn lamp(random: &mut Random) -> Lights {
     }
 }
 
-/// The candidate at the middle of the turntable.
+/// Candidate nearest to the turntable's centre.
 fn nearest<'a>(candidates: &'a [Candidate], middle: &Point3<f64>) -> Option<&'a Candidate> {
     let distance = |candidate: &Candidate| (candidate.oriented_box.centre() - middle).norm();
     candidates

@@ -1,18 +1,18 @@
-//! The kernel's counters of time: pure functions over the contents of files.
+//! Parsers of the kernel's time counters (`/proc/stat`, `/proc/PID/stat`, `/proc/pressure/cpu`).
 
-/// Time of all cores since the start, ticks.
+/// CPU time of all cores since boot, clock ticks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct CpuTime {
-    /// In programs, the kernel and interrupts.
+    /// Time in user programs, the kernel and interrupts.
     pub(crate) busy: u64,
-    /// In nothing, waiting for disks or not.
+    /// Idle time, including I/O wait.
     pub(crate) idle: u64,
-    /// Taken by the hypervisor while something was ready to run.
+    /// Time taken by the hypervisor while something was ready to run.
     pub(crate) steal: u64,
 }
 
 impl CpuTime {
-    /// All of the time.
+    /// Sum of all times.
     pub(crate) fn total(self) -> u64 {
         self.busy
             .saturating_add(self.idle)
@@ -20,15 +20,15 @@ impl CpuTime {
     }
 }
 
-/// The line of all cores in `/proc/stat`.
+/// Parses the line of all cores in `/proc/stat`.
 pub(crate) fn cpu_time(stat: &str) -> Option<CpuTime> {
     let line = stat.lines().find_map(|line| line.strip_prefix("cpu "))?;
     let ticks: Vec<u64> = line
         .split_whitespace()
         .map_while(|word| word.parse().ok())
         .collect();
-    // user, nice, system, idle, iowait, irq, softirq, steal; guests' time is in
-    // that of the user already.
+    // Fields: user, nice, system, idle, iowait, irq, softirq, steal; guest time is contained in
+    // user time.
     let [user, nice, system, idle, waiting, rest @ ..] = ticks.as_slice() else {
         return None;
     };
@@ -41,22 +41,22 @@ pub(crate) fn cpu_time(stat: &str) -> Option<CpuTime> {
     })
 }
 
-/// What `/proc/PID/stat` counts.
+/// Counters of `/proc/PID/stat`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct ProcessTime {
-    /// When it began, ticks since the start: tells processes of one number apart.
+    /// Start time, clock ticks since boot; distinguishes processes that reuse an id.
     pub(crate) start: u64,
-    /// In its program and in the kernel for it, ticks.
+    /// User and kernel time, clock ticks.
     pub(crate) busy: u64,
-    /// Page faults that had to wait for a disk.
+    /// Major page faults (disk access).
     pub(crate) major_faults: u64,
 }
 
-/// One process by its `stat`; its name may hold blanks and parentheses.
+/// Parses `/proc/PID/stat`; the process name may contain blanks and parentheses.
 pub(crate) fn process_time(stat: &str) -> Option<ProcessTime> {
     let (_, after_name) = stat.rsplit_once(')')?;
     let fields: Vec<&str> = after_name.split_whitespace().collect();
-    // The first field here is the third of the documentation.
+    // The first field here is field 3 of proc(5).
     let number = |field: usize| fields.get(field - 3)?.parse::<u64>().ok();
     Some(ProcessTime {
         start: number(22)?,
@@ -65,15 +65,14 @@ pub(crate) fn process_time(stat: &str) -> Option<ProcessTime> {
     })
 }
 
-/// Involuntary context switches of a thread by its `status`.
+/// Involuntary context switches of a thread, from its `status` file.
 pub(crate) fn involuntary_switches(status: &str) -> Option<u64> {
     let mut lines = status.lines();
     let value = lines.find_map(|line| line.strip_prefix("nonvoluntary_ctxt_switches:"))?;
     value.trim().parse().ok()
 }
 
-/// Share of the last 10 s in which something waited for a core, 0 to 1, by
-/// `/proc/pressure/cpu`.
+/// CPU pressure of the last 10 s as a share, 0 to 1, from `/proc/pressure/cpu`.
 pub(crate) fn pressure_share(pressure: &str) -> Option<f64> {
     let line = pressure.lines().find(|line| line.starts_with("some "))?;
     let mut words = line.split_whitespace();

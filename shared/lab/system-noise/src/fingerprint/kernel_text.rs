@@ -1,9 +1,10 @@
-//! What the kernel's texts say: pure functions over the contents of files.
+//! Parsers of the kernel's description of the computer (`/proc/cpuinfo`, `/proc/meminfo`,
+//! `/sys`).
 
-/// Most cores that a list may name; more is rubbish.
+/// Maximum core number accepted in a list; larger numbers are malformed.
 const CORES_MAX: u32 = 65_536;
 
-/// The value of the first line `key : value` of `/proc/cpuinfo`.
+/// Value of the first line `key : value` of `/proc/cpuinfo`.
 pub(crate) fn cpuinfo_value<'a>(cpuinfo: &'a str, key: &str) -> Option<&'a str> {
     let pairs = cpuinfo.lines().filter_map(|line| line.split_once(':'));
     let mut values = pairs.filter(|(name, _)| name.trim() == key);
@@ -11,22 +12,20 @@ pub(crate) fn cpuinfo_value<'a>(cpuinfo: &'a str, key: &str) -> Option<&'a str> 
     (!value.is_empty()).then_some(value)
 }
 
-/// Model of the processor by `/proc/cpuinfo`, which names it differently by
-/// architecture.
+/// Processor model from `/proc/cpuinfo`, whose key depends on the architecture.
 pub(crate) fn cpu_model(cpuinfo: &str) -> Option<String> {
     let keys = ["model name", "Model", "Hardware", "cpu model", "uarch"];
     let model = keys.iter().find_map(|key| cpuinfo_value(cpuinfo, key));
     model.map(str::to_owned)
 }
 
-/// Whether the processor says that a hypervisor is below it; `None` where
-/// processors do not say so.
+/// `true` if the CPU flags show a hypervisor; `None` on architectures without such flags.
 pub(crate) fn has_hypervisor(cpuinfo: &str) -> Option<bool> {
     let flags = cpuinfo_value(cpuinfo, "flags")?;
     Some(flags.split_whitespace().any(|flag| flag == "hypervisor"))
 }
 
-/// Present frequencies of the cores by `/proc/cpuinfo`, kHz.
+/// Current frequencies of the cores from `/proc/cpuinfo`, kHz.
 pub(crate) fn cpuinfo_frequencies_khz(cpuinfo: &str) -> Vec<u64> {
     let pairs = cpuinfo.lines().filter_map(|line| line.split_once(':'));
     let values = pairs.filter(|(name, _)| name.trim() == "cpu MHz");
@@ -36,7 +35,7 @@ pub(crate) fn cpuinfo_frequencies_khz(cpuinfo: &str) -> Vec<u64> {
         .collect()
 }
 
-/// Cores of a list such as `0-3,8`; `None` when it is no such list.
+/// Parses a core list such as `0-3,8`; `None` if it is malformed.
 pub(crate) fn core_list(text: &str) -> Option<Vec<u32>> {
     let mut cores = Vec::new();
     for part in text.trim().split(',').filter(|part| !part.is_empty()) {
@@ -52,8 +51,8 @@ pub(crate) fn core_list(text: &str) -> Option<Vec<u32>> {
     Some(cores)
 }
 
-/// The word in brackets, or in parentheses, of a list of choices such as
-/// `always [madvise] never`.
+/// Selected word, in brackets or parentheses, of a list of choices such as `always [madvise]
+/// never`.
 pub(crate) fn chosen(text: &str) -> Option<String> {
     let mut words = text.split_whitespace();
     words.find_map(|word| {
@@ -63,7 +62,7 @@ pub(crate) fn chosen(text: &str) -> Option<String> {
     })
 }
 
-/// A value of `/proc/meminfo`, bytes.
+/// Value of a key of `/proc/meminfo`, bytes.
 pub(crate) fn meminfo_bytes(meminfo: &str, key: &str) -> Option<u64> {
     let pairs = meminfo.lines().filter_map(|line| line.split_once(':'));
     let (_, value) = pairs.into_iter().find(|(name, _)| *name == key)?;
@@ -71,7 +70,7 @@ pub(crate) fn meminfo_bytes(meminfo: &str, key: &str) -> Option<u64> {
     kilobytes.checked_mul(1024)
 }
 
-/// A size such as `32768K`, bytes.
+/// Parses a size such as `32768K`, bytes.
 pub(crate) fn size_bytes(text: &str) -> Option<u64> {
     let text = text.trim();
     let unit = match text.chars().last()? {
@@ -84,8 +83,8 @@ pub(crate) fn size_bytes(text: &str) -> Option<u64> {
     number.checked_mul(unit)
 }
 
-/// How the kernel lets itself be interrupted: by its version, by `debug/sched/preempt`
-/// where it may be read, and by its command line.
+/// Preemption model of the kernel: from its version, from `debug/sched/preempt` if readable, and
+/// from its command line.
 pub(crate) fn preemption(
     version: &str,
     debug_preempt: Option<&str>,
@@ -114,7 +113,7 @@ pub(crate) fn preemption(
     }
 }
 
-/// What kind of virtual machine this is; `none` when nothing says so.
+/// Kind of virtual machine; `none` if nothing indicates one.
 pub(crate) fn virtual_machine(
     has_hypervisor: Option<bool>,
     product: Option<&str>,
@@ -132,7 +131,7 @@ pub(crate) fn virtual_machine(
     ];
     let product = product.unwrap_or_default().to_lowercase();
     let known = PRODUCTS.iter().find(|(word, _)| product.contains(word));
-    // Hyper-V's maker also builds computers; only the processor's flag tells.
+    // Hyper-V's vendor also builds computers; only the CPU flag is conclusive.
     let known = known.filter(|(word, _)| *word != "microsoft" || has_hypervisor == Some(true));
     if let Some((_, name)) = known {
         return Some((*name).to_owned());
@@ -148,8 +147,7 @@ pub(crate) fn virtual_machine(
     Some(name.to_owned())
 }
 
-/// What kind of container this is by the control groups of process 1; `none` when
-/// nothing says so.
+/// Kind of container, from the control groups of process 1; `none` if nothing indicates one.
 pub(crate) fn container(cgroup: &str) -> String {
     let words = ["docker", "kubepods", "lxc", "libpod", "containerd"];
     let found = words.iter().find(|word| cgroup.contains(**word));

@@ -1,4 +1,4 @@
-//! How fast memory is (after STREAM, John `McCalpin` 1995).
+//! Memory bandwidth probe (after STREAM, John `McCalpin` 1995).
 
 use crate::fingerprint::Fingerprint;
 use crate::system_call::advise_huge_pages;
@@ -9,31 +9,31 @@ use std::io;
 use std::sync::RwLock;
 use std::thread::Builder;
 
-/// Bytes of a cloud of 640 x 480 points.
+/// Size of a cloud of 640 x 480 points, bytes.
 const CLOUD_BYTES: usize = 640 * 480 * 16;
-/// Bytes of a word.
+/// Size of a word, bytes.
 const WORD_BYTES: usize = size_of::<u64>();
-/// Least and most bytes of a buffer, and those when the cache's size is not told.
+/// Minimum and maximum size of a buffer, and the size for an unknown cache, bytes.
 const BUFFER_BYTES_MIN: u64 = 64 << 20;
 const BUFFER_BYTES_MAX: u64 = 512 << 20;
 const BUFFER_BYTES_UNTOLD: u64 = 256 << 20;
 
-/// What is done with memory.
+/// Memory operation of the bandwidth probe.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Operation {
     /// Sum of all words.
     Read,
-    /// The same value into all words.
+    /// Fill with a constant value.
     Write,
-    /// Words of one buffer into another; what is read and what is written both count.
+    /// Copy from one buffer to another; bytes read and bytes written both count.
     Copy,
-    /// As reading, of a cloud of 4.9 MB that the same thread has just written.
+    /// Sum of a cloud of 4.9 MB that the same thread has just written.
     ReadJustWritten,
 }
 
 impl Operation {
-    /// As a person says it.
+    /// Name for text reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Read => "read",
@@ -44,18 +44,18 @@ impl Operation {
     }
 }
 
-/// Bandwidth of one operation, 10^9 bytes a second.
+/// Bandwidth of a memory operation, 10^9 bytes per second.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Bandwidth {
-    /// What was done.
+    /// Memory operation.
     pub operation: Operation,
-    /// On how many threads, each with its part of the buffer.
+    /// Number of threads, each with its part of the buffer.
     pub n_threads: usize,
-    /// Bytes that are read or written in a round.
+    /// Bytes read or written per round.
     pub n_bytes: usize,
-    /// The best round.
+    /// Bandwidth of the best round.
     pub best_gb_per_s: f64,
-    /// Each round.
+    /// Bandwidth of each round.
     pub rounds_gb_per_s: Vec<f64>,
 }
 
@@ -75,8 +75,8 @@ impl Bandwidth {
     }
 }
 
-/// Bytes of a buffer that no cache can help with: four times the last one, and not
-/// more than an eighth of the memory.
+/// Size of a buffer that defeats the caches, bytes: four times the last-level cache, at most an
+/// eighth of the memory.
 pub fn buffer_bytes(fingerprint: &Fingerprint) -> usize {
     let wanted = match fingerprint.last_level_cache_bytes {
         Some(cache) => (4 * cache).clamp(BUFFER_BYTES_MIN, BUFFER_BYTES_MAX),
@@ -86,7 +86,7 @@ pub fn buffer_bytes(fingerprint: &Fingerprint) -> usize {
     wanted.min(most) as usize
 }
 
-/// Two buffers whose pages are all there.
+/// Source and target buffer with resident pages.
 #[derive(Debug)]
 pub struct Buffers {
     source: Vec<u64>,
@@ -94,7 +94,7 @@ pub struct Buffers {
 }
 
 impl Buffers {
-    /// Buffers of so many bytes each, on the pages that the kernel gives.
+    /// Buffers of `n_bytes` each, on pages of the kernel's choice.
     pub fn new(n_bytes: usize) -> Self {
         let words = || vec![1; n_bytes / WORD_BYTES];
         Self {
@@ -103,10 +103,10 @@ impl Buffers {
         }
     }
 
-    /// The same, asking for huge pages before the first one is touched.
+    /// Buffers of `n_bytes` each on huge pages, requested before the first page is touched.
     ///
     /// # Errors
-    /// When the kernel has no huge pages.
+    /// If the kernel has no huge pages.
     pub fn on_huge_pages(n_bytes: usize) -> io::Result<Self> {
         let words = || {
             let mut words = Vec::with_capacity(n_bytes / WORD_BYTES);
@@ -120,10 +120,10 @@ impl Buffers {
         })
     }
 
-    /// Reads, writes and copies on so many threads, some rounds each.
+    /// Measures reading, writing and copying on `n_threads` threads for `n_rounds` rounds.
     ///
     /// # Errors
-    /// When a thread can not be started.
+    /// If a thread cannot be started.
     pub fn measure(&mut self, n_threads: usize, n_rounds: usize) -> io::Result<Vec<Bandwidth>> {
         let operations = [Operation::Read, Operation::Write, Operation::Copy];
         let measured = operations.map(|operation| {
@@ -137,7 +137,7 @@ impl Buffers {
         measured.into_iter().collect()
     }
 
-    /// From the first thread's beginning to the last one's end.
+    /// Duration of a round, from the first thread's start to the last thread's end, ns.
     fn round_ns(&mut self, operation: Operation, n_threads: usize) -> io::Result<u64> {
         let n_words = self.source.len().div_ceil(n_threads.max(1)).max(1);
         let parts = self.source.chunks(n_words);
@@ -147,7 +147,7 @@ impl Buffers {
                 parts.into_iter().map(|part| timed(operation, part)),
             ));
         }
-        // The threads begin together, when the last one is there.
+        // Start gate: the threads start together after the last one was spawned.
         let gate = RwLock::new(());
         std::thread::scope(|scope| {
             let closed = gate.write();
@@ -167,7 +167,7 @@ impl Buffers {
     }
 }
 
-/// Reads a cloud that this thread has just written, some rounds.
+/// Measures reading a cloud that this thread has just written.
 pub fn read_just_written(n_rounds: usize) -> Bandwidth {
     let mut cloud = vec![0_u64; CLOUD_BYTES / WORD_BYTES];
     let rounds_ns: Vec<u64> = (0..n_rounds)
@@ -180,7 +180,7 @@ pub fn read_just_written(n_rounds: usize) -> Bandwidth {
     Bandwidth::new(Operation::ReadJustWritten, 1, CLOUD_BYTES, &rounds_ns)
 }
 
-/// Beginning and end of one part's work.
+/// Start and end time of one thread's work, ns.
 fn timed(operation: Operation, (source, target): (&[u64], &mut [u64])) -> (u64, u64) {
     let start_ns = monotonic_ns();
     match operation {
@@ -194,7 +194,7 @@ fn timed(operation: Operation, (source, target): (&[u64], &mut [u64])) -> (u64, 
     (start_ns, monotonic_ns())
 }
 
-/// From the first beginning to the last end.
+/// Duration from the first start to the last end, ns.
 fn span_ns(times: impl Iterator<Item = (u64, u64)>) -> u64 {
     let (first_ns, last_ns) = times.fold((u64::MAX, 0), |(first, last), (start, end)| {
         (start.min(first), end.max(last))
@@ -218,7 +218,7 @@ mod tests {
                 assert!(one.rounds_gb_per_s.contains(&one.best_gb_per_s));
             }
         }
-        // The copy came last: all parts of the target have it.
+        // The copy ran last, so all parts of the target are filled.
         assert_eq!(buffers.target, buffers.source);
         assert_eq!(read_just_written(3).rounds_gb_per_s.len(), 3);
     }

@@ -1,4 +1,4 @@
-//! What reading a clock costs.
+//! Cost of reading a clock.
 
 use crate::samples::Samples;
 use crate::system_call::read_thread_usage;
@@ -8,23 +8,23 @@ use service::monotonic_ns;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-/// Readings that are timed together: a single one is as short as the clock's step.
+/// Readings per timed batch: a single reading is as short as the clock's resolution.
 const BATCH: u64 = 100;
-/// Most batches of a clock.
+/// Maximum number of batches per clock.
 const BATCHES_MAX: usize = 2_000;
 
-/// What reading one clock costs.
+/// Cost of reading one clock.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ClockCost {
-    /// The call.
+    /// Name of the system call.
     pub clock: String,
-    /// One reading by the batch in the middle, ns.
+    /// Cost of one reading in the median batch, ns.
     pub reading_ns: f64,
-    /// Each batch of 100 readings, ns.
+    /// Duration of each batch of 100 readings, ns.
     pub batches: Samples,
 }
 
-/// Times the clocks that tabula's latencies are made of, each for as long as is said.
+/// Measures each clock used for tabula's latencies, for `duration` each.
 pub fn clock_costs(duration: Duration) -> Vec<ClockCost> {
     vec![
         cost("CLOCK_MONOTONIC", duration, || {

@@ -1,5 +1,5 @@
-//! One hop through shared memory, as the daemon's processes make them (after
-//! iceoryx2's benchmarks).
+//! Transport latency probe: one-way latency through shared memory as between the daemon's
+//! processes (after iceoryx2's benchmarks).
 
 mod domain;
 mod way;
@@ -15,29 +15,28 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 use way::{End, Stamped, Way};
 
-/// Threads of the runtime, as in the daemon's processes.
+/// Number of worker threads of the runtime, as in the daemon's processes.
 const N_WORKERS: usize = 2;
-/// Pause of the sender before each message to a receiver that sleeps: long enough that
-/// it does.
+/// Pause before each message to a blocking receiver, long enough for it to fall asleep.
 const PAUSE_BLOCKING: Duration = Duration::from_micros(500);
-/// Pause before each cloud to a receiver that never sleeps: two threads that only spin
-/// and write would be put off by whole time slices on a machine with other work.
+/// Pause before each cloud to a polling receiver: two threads that never sleep would lose whole
+/// time slices on a busy machine.
 const PAUSE_CLOUD: Duration = Duration::from_micros(50);
 
-/// Why a hop could not be measured.
+/// Error of the transport probe.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum HopError {
     /// The channel failed.
     Channel(Error),
-    /// A thread could not be started, or there is no folder in shared memory.
+    /// A thread could not be started, or shared memory has no folder.
     System {
-        /// What was tried.
+        /// Attempted action.
         attempt: &'static str,
-        /// Why it failed.
+        /// Cause reported by the operating system.
         source: io::Error,
     },
-    /// Two threads that never sleep need two cores.
+    /// Two spinning threads need two cores.
     OneCore,
 }
 
@@ -75,30 +74,29 @@ impl From<Error> for HopError {
     }
 }
 
-/// What is sent.
+/// Payload of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Payload {
-    /// 24 bytes, as the memory's announcements.
+    /// 24 bytes, as in the memory's announcements.
     Small,
-    /// A whole cloud of 640 x 480 points, 4.9 MB, written anew for each hop.
+    /// Cloud of 640 x 480 points, 4.9 MB, rewritten for each message.
     Cloud,
 }
 
-/// How the receiver waits.
+/// Waiting strategy of the receiver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Receiver {
-    /// It asks without a pause.
+    /// Polling without a pause.
     Polled,
-    /// It sleeps in a tokio runtime until it is woken.
+    /// Blocking in a tokio runtime until woken.
     Blocking,
 }
 
-/// Sends messages from one thread to another through a domain of its own, for as
-/// long as is said; one way, from before the call to send until the message is in
-/// the receiver's hands.
+/// Measures one-way latencies between two threads through a domain of its own for `duration`:
+/// from before the call to send until the receiver holds the message.
 ///
 /// # Errors
-/// When there are too few cores or too little shared memory, or the channel fails.
+/// If there are too few cores or too little shared memory, or the channel fails.
 pub fn hop(payload: Payload, receiver: Receiver, duration: Duration) -> Result<Samples, HopError> {
     let place = domain::Place::new()?;
     let domain = place.join()?;
@@ -116,7 +114,7 @@ pub fn hop(payload: Payload, receiver: Receiver, duration: Duration) -> Result<S
     Ok(Samples::new(name, meaning, ways_ns))
 }
 
-/// Name and meaning of a hop.
+/// Name and meaning of a transport probe.
 pub fn names(payload: Payload, receiver: Receiver) -> (&'static str, &'static str) {
     match (payload, receiver) {
         (Payload::Small, Receiver::Polled) => (

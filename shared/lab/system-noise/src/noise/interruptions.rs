@@ -1,32 +1,32 @@
-//! What the machine takes away from a thread that never sleeps (after the kernel's
-//! osnoise tracer, Bristot de Oliveira 2021).
+//! Interruptions of a spinning thread (after the kernel's osnoise tracer, Bristot de Oliveira
+//! 2021).
 
 use crate::samples::Samples;
 use serde::{Deserialize, Serialize};
 use service::monotonic_ns;
 use std::time::Duration;
 
-/// Two readings of the clock further apart than this have something in between.
+/// Minimum gap between two clock readings that counts as an interruption. Chosen.
 const GAP_MIN_NS: u64 = 5_000;
-/// Most gaps that are kept one by one.
+/// Maximum number of individually recorded gaps.
 const KEPT_MAX: usize = 50_000;
 
-/// The gaps in the time of a spinning thread.
+/// Gaps in the time of a spinning thread.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Interruptions {
     /// Length of each gap of more than 5 µs; at most the first 50,000.
     pub gaps: Samples,
-    /// How many there were.
+    /// Number of gaps.
     pub n_gaps: u64,
-    /// How long the thread was spinning, ns.
+    /// Observation time, ns.
     pub watched_ns: u64,
-    /// Share of that time that was taken away, 0 to 1.
+    /// Share of the observation time lost to gaps, 0 to 1.
     pub share: f64,
-    /// The longest gap, ns; 0 without one.
+    /// Longest gap, ns; 0 without gaps.
     pub longest_ns: u64,
 }
 
-/// Reads the clock again and again for as long as is said.
+/// Reads the clock in a loop for `duration` and records the gaps.
 pub fn interruptions(duration: Duration) -> Interruptions {
     let mut gaps_ns = Vec::with_capacity(KEPT_MAX);
     let (mut n_gaps, mut taken_ns, mut longest_ns) = (0, 0, 0);

@@ -1,4 +1,4 @@
-//! A busy machine.
+//! Synthetic CPU load.
 
 use std::hint::spin_loop;
 use std::io;
@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{Builder, JoinHandle};
 
-/// A spinning thread for each core; they end when this is dropped.
+/// Spinning threads, stopped on drop.
 #[derive(Debug)]
 pub struct Load {
     is_over: Arc<AtomicBool>,
@@ -14,10 +14,10 @@ pub struct Load {
 }
 
 impl Load {
-    /// Starts the threads, with the scheduling and the cores of the calling one.
+    /// Starts the threads, with the scheduling and affinity of the calling thread.
     ///
     /// # Errors
-    /// When a thread can not be started.
+    /// If a thread cannot be started.
     pub fn begin(n_threads: usize) -> io::Result<Self> {
         let mut load = Self {
             is_over: Arc::default(),

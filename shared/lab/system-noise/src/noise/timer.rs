@@ -1,22 +1,22 @@
-//! How late a sleeper wakes (after cyclictest, Gleixner and Williams).
+//! Timer latency probe (after cyclictest, Gleixner and Williams).
 
 use crate::samples::Samples;
 use rustix::thread::{ClockId, Timespec, clock_nanosleep_absolute};
 use service::monotonic_ns;
 use std::time::Duration;
 
-/// Time between two instants.
+/// Timer period, ns.
 const PERIOD_NS: u64 = 1_000_000;
 
-/// Sleeps until absolute instants of the monotonic clock, 1 ms apart, for about as
-/// long as is said. Instants that passed while it overslept are left out.
+/// Measures the overshoot of sleeps until absolute times of the monotonic clock, 1 ms apart, for
+/// about `duration`. Periods missed by oversleeping are skipped.
 pub fn timer(duration: Duration) -> Samples {
     let end_ns = monotonic_ns() + duration.as_nanos() as u64;
     let n_most = duration.as_nanos() as u64 / PERIOD_NS + 1;
     let mut late_ns = Vec::with_capacity(n_most as usize);
     let mut due_ns = monotonic_ns() + PERIOD_NS;
     while due_ns <= end_ns {
-        // Interrupted by a signal: the clock is before the instant, and it is tried again.
+        // After a signal the clock is before the deadline; sleep again.
         let slept = clock_nanosleep_absolute(ClockId::Monotonic, &timespec(due_ns));
         let now_ns = monotonic_ns();
         if slept.is_err() && now_ns < due_ns {

@@ -1,4 +1,4 @@
-//! How long one thread needs to wake another.
+//! Wake-up latency probe: a futex ping-pong between two threads.
 
 use crate::samples::Samples;
 use rustix::thread::Timespec;
@@ -8,20 +8,20 @@ use std::io;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// Pause before each ping, so that both threads really sleep.
+/// Pause before each ping, so that both threads fall asleep.
 const PAUSE: Duration = Duration::from_micros(200);
-/// Longest sleep in the futex, so that no thread waits for one that has failed.
+/// Longest futex wait, so that no thread waits for one that has failed.
 const WAIT_MAX: Timespec = Timespec {
     tv_sec: 0,
     tv_nsec: 100_000_000,
 };
-/// Most samples.
+/// Maximum number of samples.
 const SAMPLES_MAX: usize = 20_000;
 
 const PING: u32 = 1;
 const PONG: u32 = 2;
 
-/// What the two threads share: whose turn it is, and since when.
+/// Shared state of the two threads: the current turn and its start time.
 #[derive(Debug, Default)]
 struct Table {
     turn: AtomicU32,
@@ -29,19 +29,19 @@ struct Table {
     is_over: AtomicBool,
 }
 
-/// The other thread takes no more turns.
+/// The other thread has finished.
 #[derive(Debug)]
 struct IsOver;
 
 impl Table {
-    /// Gives the turn away and wakes who waits for it.
+    /// Passes the turn and wakes the waiting thread.
     fn give(&self, turn: u32) {
         self.since_ns.store(monotonic_ns(), Ordering::Relaxed);
         self.turn.store(turn, Ordering::Release);
         let _ = futex::wake(&self.turn, Flags::PRIVATE, 1);
     }
 
-    /// Waits for a turn: how long it was on its way, when this thread really slept.
+    /// Waits for a turn; wake-up latency if this thread really slept, ns.
     fn take(&self, turn: u32) -> Result<Option<u64>, IsOver> {
         let mut has_slept = false;
         loop {
@@ -60,7 +60,7 @@ impl Table {
     }
 }
 
-/// Ends the other thread's waiting, also when this one panics.
+/// Stops the other thread on drop, also on panic.
 struct EndOf<'a>(&'a Table);
 
 impl Drop for EndOf<'_> {
@@ -70,12 +70,11 @@ impl Drop for EndOf<'_> {
     }
 }
 
-/// Two threads wake each other through a futex, with pauses in which both sleep;
-/// each way is a sample. The second thread has the scheduling and the cores of
-/// the calling one.
+/// Measures the wake-up latency of two threads that wake each other through a futex; both sleep
+/// in between. The second thread has the scheduling and affinity of the calling one.
 ///
 /// # Errors
-/// When no thread can be started.
+/// If a thread cannot be started.
 pub fn wake_up(duration: Duration) -> io::Result<Samples> {
     let end = Instant::now() + duration;
     let table = Table::default();
@@ -112,7 +111,7 @@ fn pong(table: &Table) -> Vec<u64> {
     let _end = EndOf(table);
     let mut ways_ns = Vec::with_capacity(SAMPLES_MAX / 2);
     while let Ok(way_ns) = table.take(PONG) {
-        // Each ping is answered, so there are as few of these as of those.
+        // Each ping is answered once, so the counts are equal.
         ways_ns.extend(way_ns);
         table.give(PING);
     }

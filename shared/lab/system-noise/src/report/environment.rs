@@ -1,4 +1,4 @@
-//! Environment and disturbance as lines.
+//! Text of environment and disturbance.
 
 use crate::disturbance::Disturbance;
 use crate::fingerprint::{BuildProfile, Fingerprint, Limit};
@@ -19,7 +19,7 @@ fn lines(pairs: &[(&str, String)]) -> String {
     lines.collect()
 }
 
-/// One line for each thing that can be told.
+/// Environment, one line per reported value.
 pub(super) fn of_fingerprint(print: &Fingerprint) -> String {
     let mut pairs = program(print);
     pairs.extend(processor(print));
@@ -120,7 +120,7 @@ fn rights(print: &Fingerprint) -> Vec<(&'static str, String)> {
     ]
 }
 
-/// One line for each thing that can be told.
+/// Disturbance, one line per reported value.
 pub(super) fn of_disturbance(found: &Disturbance) -> String {
     let percent = |share: Option<f64>| told(share.map(|share| format!("{:.2} %", 100.0 * share)));
     let load = found.other_load_cores;
@@ -145,7 +145,7 @@ fn mib(bytes: u64) -> String {
     format!("{} MiB", bytes >> 20)
 }
 
-/// Cores as the kernel writes them: `0-3,8`.
+/// Formats cores as the kernel does: `0-3,8`.
 fn cores(cores: &[u32]) -> String {
     let mut runs: Vec<(u32, u32)> = Vec::new();
     for &core in cores {

@@ -1,8 +1,8 @@
-//! Aligned columns.
+//! Text table with aligned columns.
 
 use std::fmt;
 
-/// Rows of cells; the first column stands left, the others right.
+/// Text table: first column left-aligned, others right-aligned.
 #[derive(Debug)]
 pub(super) struct Table {
     rows: Vec<Vec<String>>,
@@ -20,7 +20,7 @@ impl Table {
     }
 }
 
-/// Nothing when there is no row below the heads.
+/// Empty text if there is no row below the header.
 impl fmt::Display for Table {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.rows.len() < 2 {

@@ -3,7 +3,7 @@ use proptest::prelude::*;
 
 const PERIOD: u32 = CLOCK_HZ / 30;
 
-/// A pairing whose frames are numbers, with as many as the real one has.
+/// Pairing of numbers instead of frames, with the real number of buffers.
 fn pairing() -> Pairing<usize, usize> {
     Pairing::new((1..N_FRAMES).collect(), (1..N_FRAMES).collect())
 }
@@ -16,7 +16,7 @@ fn stamped(stamp_ticks: u32) -> Stamped<usize> {
     }
 }
 
-/// Feeds `d<stamp>` and `v<stamp>` in order and lists the pairs that came out.
+/// Feeds frames `(stream, stamp)` in order and checks the resulting pairs.
 fn check(arrivals: &[(char, u32)], expected_pairs: &[(u32, u32)], expected_alone: (u64, u64)) {
     let mut pairing = pairing();
     let mut pairs = Vec::new();
@@ -108,8 +108,8 @@ fn a_pair_not_taken_is_superseded_by_the_next() {
 }
 
 proptest! {
-    /// Whatever arrives: there is always a free frame to write into, none is
-    /// ever handed out twice, and every frame is accounted for.
+    /// Buffer conservation: for any arrivals there is always a free buffer, none is handed out
+    /// twice, and every frame is counted.
     #[test]
     fn frames_are_neither_lost_nor_doubled(
         arrivals in prop::collection::vec((any::<bool>(), 0u32..20, any::<bool>()), 0..200)

@@ -1,6 +1,6 @@
 use super::*;
 
-/// A kernel's table and nodes with the given products of vendor 045e.
+/// Kernel table and nodes with the given products of vendor 045e.
 fn machine(products: &[&str]) -> tempfile::TempDir {
     let root = tempfile::tempdir().unwrap();
     fs::create_dir_all(root.path().join("table")).unwrap();

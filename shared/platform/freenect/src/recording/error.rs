@@ -1,37 +1,37 @@
-//! Why a recorded folder is not handed to fakenect.
+//! Error of a recorded folder.
 
 use std::{fmt, io, path::PathBuf};
 
-/// Why a folder can not be played.
+/// Error of a folder that fakenect cannot play.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum RecordingError {
-    /// There is no such folder.
+    /// The folder does not exist.
     NoFolder {
-        /// The folder.
+        /// Path of the folder.
         folder: PathBuf,
     },
-    /// A file can not be read.
+    /// A file cannot be read.
     Unreadable {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// The system's reason.
+        /// Cause reported by the operating system.
         source: io::Error,
     },
-    /// A line of the index names no file fakenect can play.
+    /// A line of the index names no playable file.
     WrongLine {
-        /// The index.
+        /// Path of the index.
         index: PathBuf,
-        /// Counted from one.
+        /// Line number, from one.
         line_number: usize,
-        /// What is wrong with it.
+        /// Violated rule.
         rule: &'static str,
     },
-    /// A file holds something else than its name says.
+    /// The contents of a file do not match its name.
     WrongFile {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// What it should hold.
+        /// Violated rule.
         rule: &'static str,
     },
 }

@@ -2,7 +2,7 @@ use super::*;
 use proptest::prelude::*;
 use std::fmt::Write as _;
 
-/// A folder with one file of each kind.
+/// Valid folder with one file of each kind.
 fn good_folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let depth = [b"P5 640 480 65535\n".as_slice(), &vec![0; DEPTH_BYTES]].concat();
@@ -21,7 +21,7 @@ fn good_folder() -> tempfile::TempDir {
     folder
 }
 
-/// The good folder with one change is refused with a sentence holding `part`.
+/// Checks that a valid folder with one change is rejected with an error containing `part`.
 fn check_refused(change: impl FnOnce(&Path), part: &str) {
     let folder = good_folder();
     change(folder.path());
@@ -127,7 +127,7 @@ fn a_step_back_in_time_is_no_pause() {
 }
 
 proptest! {
-    /// No text of an index makes the check panic, and what it takes has a plain name.
+    /// Fuzz test of the index parser: never panics, and accepted names are plain.
     #[test]
     fn any_line_is_taken_or_refused(line in "[dra]?-?[0-9.e-]{0,12}-?[0-9]{0,12}.{0,6}") {
         if let Ok(entry) = parse_line(&line) {

@@ -3,14 +3,14 @@ use crate::{DepthFormula, NO_DEPTH};
 use geometry::RigidTransform;
 use proptest::prelude::*;
 
-/// A colour image in which each pixel tells its own place.
+/// Colour image in which each pixel encodes its own position.
 fn telling_image() -> Vec<u8> {
     (0..N_PIXELS)
         .flat_map(|i| [(i >> 16) as u8, (i >> 8) as u8, i as u8])
         .collect()
 }
 
-/// The place told by a colour, as (column, row).
+/// Position encoded in a colour, as (column, row).
 fn place_of(color: Rgba) -> (f64, f64) {
     let [r, g, b] = color.rgb();
     let index = usize::from(r) << 16 | usize::from(g) << 8 | usize::from(b);
@@ -24,7 +24,7 @@ fn fill(calibration: &Calibration, depth_raw: &[u16], rgb: &[u8]) -> (Vec<Point>
     (cloud, summary)
 }
 
-/// Compares one cloud with the plain computation in double precision, pixel by pixel.
+/// Compares a cloud with a double-precision reference, pixel by pixel.
 fn check_against_plain(calibration: &Calibration, raw: u16) {
     let (cloud, summary) = fill(calibration, &vec![raw; N_PIXELS], &telling_image());
     let z = f64::from(DepthTable::new(calibration.formula).depth_m(raw));
@@ -39,7 +39,7 @@ fn check_against_plain(calibration: &Calibration, raw: u16) {
         let inside = (-0.49..639.49).contains(&pixel.x) && (-0.49..479.49).contains(&pixel.y);
         if inside {
             let (column, row) = place_of(point.color);
-            // Nearest, up to what single precision leaves at a tie.
+            // Nearest pixel, up to single-precision ties.
             assert!((column - pixel.x).abs() < 0.501 && (row - pixel.y).abs() < 0.501);
             n_colored += 1;
         } else if !(-0.51..639.51).contains(&pixel.x) || !(-0.51..479.51).contains(&pixel.y) {
@@ -72,7 +72,7 @@ proptest! {
         check_against_plain(&calibration, raw);
     }
 
-    /// Any bit pattern of a depth image becomes finite points or points without depth.
+    /// Fuzz test: any depth image gives finite points or points without depth.
     #[test]
     fn any_depth_image_is_taken(seed: u64) {
         let mut state = seed | 1;
@@ -88,7 +88,7 @@ proptest! {
 
 #[test]
 fn a_near_object_shifts_left_in_the_colour_image() {
-    // The colour camera is to the right, so the same direction is seen further left, near.
+    // The colour camera is to the right, so a near point in the same direction is further left.
     let place = |raw| {
         let (cloud, _) = fill(
             &Calibration::nominal(),
@@ -98,7 +98,7 @@ fn a_near_object_shifts_left_in_the_colour_image() {
         place_of(cloud[240 * WIDTH + 320].color).0
     };
     let (near, far) = (place(420), place(1000));
-    // 20 mm at 0.51 m and 3.8 m, seen with 529 px.
+    // Disparity of a 20 mm baseline at 0.51 m and 3.8 m with a focal length of 529 px.
     assert!(
         (far - near - 529.0 * 0.02 * (1.0 / 0.51 - 1.0 / 3.8)).abs() < 3.0,
         "{near} {far}"

@@ -1,9 +1,8 @@
-//! A library with libfreenect's functions and no Kinect behind them.
+//! Test double of libfreenect: the same functions without a Kinect.
 //!
-//! What a device does is chosen by the serial it is opened with (see
-//! [`Scenario::of_serial`]); index 0 is a steady one, every other index is not
-//! there. Frame number n is filled with the value n, and the stamps of a pair
-//! are 100 000 ticks apart.
+//! The behaviour of a device is selected by the serial it is opened with (see
+//! [`Scenario::of_serial`]); index 0 is a steady one, every other index does not exist. Frame
+//! number n is filled with the value n, and the stamps of a pair are 100 000 ticks apart.
 
 #![expect(unsafe_code, reason = "plays the part of a C library")]
 #![expect(
@@ -24,25 +23,25 @@ type LogCallback = extern "C" fn(*mut Context, c_int, *const c_char);
 
 #[derive(Clone, Copy, PartialEq)]
 enum Scenario {
-    /// A pair at each call.
+    /// One pair per call.
     Steady,
-    /// Three pairs, then the camera is gone.
+    /// Unplugged after three pairs.
     Unplugged,
     /// Every second call is interrupted by a signal.
     Interrupted,
-    /// Three pairs in each call.
+    /// Three pairs per call.
     Burst,
-    /// Depth only.
+    /// Depth images only.
     Colourless,
-    /// Never a frame.
+    /// No frames.
     Silent,
-    /// Frames in the library's own memory.
+    /// Frames in the library's own memory instead of the given buffer.
     Misplaced,
-    /// Its video stream can not be started.
+    /// The video stream fails to start.
     NoVideo,
-    /// A frame during the reading of the accelerometer.
+    /// A frame arrives during the reading of the accelerometer.
     FrameDuringTilt,
-    /// Has no motor: can be opened as a camera only.
+    /// No motor: can only be opened as a camera.
     NoMotor,
 }
 
@@ -114,13 +113,13 @@ pub struct DeviceAttributes {
     camera_serial: *const c_char,
 }
 
-/// The context behind a pointer the caller got from `freenect_init`.
+/// Context behind a pointer from `freenect_init`.
 fn context<'a>(pointer: *mut Context) -> &'a mut Context {
     // SAFETY: the tests pass only pointers made by `freenect_init`, from one thread.
     unsafe { &mut *pointer }
 }
 
-/// The device behind a pointer the caller got from an open function.
+/// Device behind a pointer from an open function.
 fn device<'a>(pointer: *mut Device) -> &'a mut Device {
     // SAFETY: the tests pass only pointers made by `open`, from one thread.
     unsafe { &mut *pointer }
@@ -424,7 +423,7 @@ fn emit_video(at: *mut Device) {
 
 #[unsafe(no_mangle)]
 pub extern "C" fn freenect_update_tilt_state(at: *mut Device) -> c_int {
-    // As with the real one, which does nothing and succeeds when there is no motor.
+    // As in the real library, which does nothing and succeeds without a motor.
     if context(device(at).context).parts & 1 != 0 {
         device(at).tilt.accelerometer = [0, 819, -819];
     }

@@ -1,18 +1,17 @@
-//! A domain of the probe's own.
+//! Private shared-memory domain of a transport probe.
 
 use super::HopError;
 use channel::{Domain, DomainName, Error, Role, RunFolder};
 use std::path::Path;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// Beginning of the names of these domains; the process id follows. It is short
-/// because the name stands twice in the path of a socket, which holds 107 bytes.
+/// Prefix of the domain names, followed by the process id. It is short because the name occurs
+/// twice in the path of a socket, which holds 107 bytes.
 const PREFIX: &str = "m";
 
 static N_PLACES: AtomicU32 = AtomicU32::new(0);
 
-/// Where a domain of the probe's own is, which nobody else joins. The last member
-/// that leaves removes it.
+/// Private domain that only the probe joins. The last member to leave removes it.
 #[derive(Debug)]
 pub(super) struct Place {
     name: DomainName,
@@ -20,8 +19,7 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// A place with a name that no other process has. What a probe has left that was
-    /// killed is removed.
+    /// Domain with a unique name. Removes the domains of killed probes.
     pub(super) fn new() -> Result<Self, HopError> {
         let folder = RunFolder::of_user();
         remove_abandoned(&folder);
@@ -38,7 +36,7 @@ impl Place {
     }
 }
 
-/// Who joins a domain of the dead removes its files, and then its folder on leaving.
+/// Removes abandoned domains: joining one cleans up its files, leaving it removes its folder.
 fn remove_abandoned(folder: &RunFolder) {
     let entries = std::fs::read_dir(folder.path());
     for entry in entries.into_iter().flatten().flatten() {
@@ -52,7 +50,7 @@ fn remove_abandoned(folder: &RunFolder) {
     }
 }
 
-/// Whether a domain's name is that of a probe whose process is gone.
+/// `true` if a domain belongs to a probe whose process no longer exists.
 fn is_abandoned(name: &str) -> bool {
     let is_number = |text: &&str| text.bytes().all(|byte| byte.is_ascii_digit());
     let numbers = name

@@ -1,4 +1,4 @@
-//! Sender and receiver of one hop.
+//! Sender and receiver of time-stamped messages for the transport probe.
 
 use channel::topic::{CameraCloud, MemoryChanged, Topic};
 use channel::{Domain, Error, Loan, Publisher, SharedFrame};
@@ -9,20 +9,20 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Most hops that are measured.
+/// Maximum number of messages.
 const HOPS_MAX: usize = 10_000;
 
-/// A topic with room for the instant at which its message was sent.
+/// Topic whose messages can carry a send time stamp.
 pub(super) trait Stamped: Topic {
-    /// Writes all of the message's items.
+    /// Writes all items of the message.
     fn fill(loan: &mut Loan<Self>, number: u64)
     where
         Self: Sized;
-    /// Writes the instant.
+    /// Writes the send time stamp.
     fn stamp(loan: &mut Loan<Self>, now_ns: u64)
     where
         Self: Sized;
-    /// The instant, ns of the monotonic clock.
+    /// Send time stamp, monotonic clock, ns.
     fn stamp_ns(message: &SharedFrame<Self>) -> u64
     where
         Self: Sized;
@@ -61,18 +61,18 @@ impl Stamped for CameraCloud {
     }
 }
 
-/// Where messages arrive.
+/// Latencies recorded by the receiver.
 #[derive(Debug, Default)]
 pub(super) struct End {
-    /// Set when no more are sent.
+    /// Set when the sender is done.
     pub(super) is_over: AtomicBool,
     n_received: AtomicU64,
     ways_ns: Mutex<Vec<u64>>,
 }
 
 impl End {
-    /// Notes a message; the sender waits for that before it sends the next one, so
-    /// nothing of this is in the time of a hop.
+    /// Records a message. The sender waits for it before it sends the next one, so the recording
+    /// is not part of a measured latency.
     pub(super) fn arrived(&self, now_ns: u64, stamp_ns: u64) {
         let mut ways_ns = self.ways_ns.lock().unwrap_or_else(PoisonError::into_inner);
         ways_ns.push(now_ns.saturating_sub(stamp_ns));
@@ -80,13 +80,13 @@ impl End {
         self.n_received.fetch_add(1, Ordering::Release);
     }
 
-    /// The time of each hop, ns.
+    /// Measured one-way latencies, ns.
     pub(super) fn take_ways(&self) -> Vec<u64> {
         std::mem::take(&mut *self.ways_ns.lock().unwrap_or_else(PoisonError::into_inner))
     }
 }
 
-/// The sender's side; the receiver is told when it is gone.
+/// Sending side; the receiver is notified when it is dropped.
 #[derive(Debug)]
 pub(super) struct Way<T: Stamped> {
     pub(super) end: Arc<End>,
@@ -107,8 +107,8 @@ impl<T: Stamped> Way<T> {
         })
     }
 
-    /// Sends one message after the other, each when the one before has arrived and
-    /// after a pause, if there is one, until the time is over.
+    /// Sends messages one by one until the deadline, each after the previous one has arrived and
+    /// after the pause, if any.
     pub(super) fn send_all(mut self, n_items: usize, pause: Option<Duration>) -> Result<(), Error> {
         for number in 1..=HOPS_MAX as u64 {
             let mut loan = self.publisher.loan(n_items)?;
@@ -122,7 +122,7 @@ impl<T: Stamped> Way<T> {
         Ok(())
     }
 
-    /// Whether so many have arrived in time.
+    /// `true` if `n_received` messages have arrived before the deadline.
     fn wait_for(&self, n_received: u64, pause: Option<Duration>) -> bool {
         loop {
             match pause {
