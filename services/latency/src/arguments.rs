@@ -1,25 +1,25 @@
 //! Command-line arguments of `tabula-latency`.
 
-use crate::sweep::Axis;
+use crate::sweep_axis::SweepAxis;
 use clap::{Args, Parser, Subcommand};
 use service::{CommonArguments, Failure, exit_code};
 use std::path::{Path, PathBuf};
 
 /// Default number of measured frames.
-const FRAMES: u64 = 1800;
+const DEFAULT_FRAMES: u64 = 1800;
 /// Default number of frames in the timeline.
-const TIMELINE: u32 = 100;
+const DEFAULT_TIMELINE: u32 = 100;
 /// Default number of warm-up frames.
-const WARM_UP: u64 = 90;
+const DEFAULT_WARM_UP: u64 = 90;
 /// Source and number of objects when none is given and no daemon runs.
-const USUAL_SOURCE: &str = "simulation:isolated";
-const USUAL_OBJECTS: u32 = 10;
+const DEFAULT_SOURCE: &str = "simulation:isolated";
+const DEFAULT_OBJECTS: u32 = 10;
 
 /// Measures the end-to-end latency of frames: in the daemon of the domain, or, with a source or
 /// without a daemon, in one that it starts for itself.
 #[derive(Debug, Parser)]
 #[command(name = "tabula-latency", version)]
-pub(crate) struct Arguments {
+pub(crate) struct LatencyArguments {
     #[command(flatten)]
     pub(crate) common: CommonArguments,
 
@@ -31,12 +31,12 @@ pub(crate) struct Arguments {
     pub(crate) measure: MeasureArguments,
 
     #[command(subcommand)]
-    pub(crate) verb: Option<Verb>,
+    pub(crate) command: Option<LatencyCommand>,
 }
 
 /// Subcommand, if not a measurement of frames.
 #[derive(Debug, Subcommand)]
-pub(crate) enum Verb {
+pub(crate) enum LatencyCommand {
     /// Measure the system noise of this computer and the effect of mitigations
     Machine {
         /// A tenth of the duration
@@ -88,11 +88,11 @@ pub(crate) struct MeasureArguments {
     pub(crate) source: SourceArguments,
 
     /// Frames to measure
-    #[arg(long, value_name = "N", default_value_t = FRAMES, value_parser = clap::value_parser!(u64).range(10..=10_000_000))]
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_FRAMES, value_parser = clap::value_parser!(u64).range(10..=10_000_000))]
     pub(crate) frames: u64,
 
     /// Frames to leave out at the beginning
-    #[arg(long, value_name = "N", default_value_t = WARM_UP)]
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_WARM_UP)]
     pub(crate) warm_up: u64,
 
     /// Folder for the report, the plots, the histograms and the timeline
@@ -100,7 +100,7 @@ pub(crate) struct MeasureArguments {
     pub(crate) out: Option<PathBuf>,
 
     /// Number of newest frames in the timeline, in addition to the ten slowest
-    #[arg(long, value_name = "N", default_value_t = TIMELINE, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_TIMELINE, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
     pub(crate) timeline: u32,
 
     /// File of limits (TOML); exit code 7 when one is exceeded
@@ -117,7 +117,7 @@ pub(crate) struct MeasureArguments {
 pub(crate) struct SweepArguments {
     /// The swept parameter
     #[arg(value_enum)]
-    pub(crate) axis: Axis,
+    pub(crate) axis: SweepAxis,
 
     /// Values to measure, separated by commas [default: five to eight usual ones]
     #[arg(long, value_name = "N,N", value_delimiter = ',')]
@@ -172,19 +172,19 @@ pub(crate) struct SourceArguments {
     pub(crate) rate: Option<f64>,
 }
 
-impl Arguments {
+impl LatencyArguments {
     /// Parses and validates the arguments of this process.
     ///
     /// # Errors
     /// If options of a measurement precede a subcommand that does not measure.
     pub(crate) fn checked() -> Result<Self, Failure> {
         let arguments = Self::parse();
-        let unsaid = MeasureArguments::short(SourceArguments::default(), FRAMES);
-        let unsaid = MeasureArguments {
-            timeline: TIMELINE,
-            ..unsaid
+        let defaults = MeasureArguments::short(SourceArguments::default(), DEFAULT_FRAMES);
+        let defaults = MeasureArguments {
+            timeline: DEFAULT_TIMELINE,
+            ..defaults
         };
-        if arguments.verb.is_some() && arguments.measure != unsaid {
+        if arguments.command.is_some() && arguments.measure != defaults {
             return Err(Failure::new(
                 exit_code::USAGE,
                 "options before a verb are those of a measurement; put the verb's own behind it",
@@ -200,7 +200,7 @@ impl MeasureArguments {
         Self {
             source,
             frames,
-            warm_up: WARM_UP,
+            warm_up: DEFAULT_WARM_UP,
             out: None,
             timeline: 0,
             budget: None,
@@ -220,11 +220,11 @@ impl SourceArguments {
 
     /// Arguments for `tabula run`, with the daemon's configuration if given.
     pub(crate) fn run_arguments(&self, config: Option<&Path>) -> Vec<String> {
-        let name = self.source.as_deref().unwrap_or(USUAL_SOURCE);
+        let name = self.source.as_deref().unwrap_or(DEFAULT_SOURCE);
         // A recording is looped, because the measurement determines its length.
         let plays_files = Path::new(name).is_dir();
         let objects = match (self.objects, &self.source) {
-            (None, None) => Some(USUAL_OBJECTS),
+            (None, None) => Some(DEFAULT_OBJECTS),
             (given, _) => given,
         };
         let mut arguments = vec![format!("--source={name}")];
@@ -249,21 +249,21 @@ impl SourceArguments {
 mod tests {
     use super::*;
 
-    fn parsed(words: &str) -> Result<Arguments, clap::Error> {
-        Arguments::try_parse_from(words.split_ascii_whitespace())
+    fn parsed(words: &str) -> Result<LatencyArguments, clap::Error> {
+        LatencyArguments::try_parse_from(words.split_ascii_whitespace())
     }
 
     #[test]
-    fn without_a_source_the_running_daemon_is_measured() {
+    fn running_daemon_is_measured_without_a_source() {
         let arguments = parsed("tabula-latency --frames 100 --json").unwrap();
         assert!(!arguments.measure.source.is_given());
-        assert!(arguments.json && arguments.verb.is_none());
+        assert!(arguments.json && arguments.command.is_none());
         let arguments = parsed("tabula-latency --objects 3").unwrap();
         assert!(arguments.measure.source.is_given());
     }
 
     #[test]
-    fn impossible_numbers_are_refused() {
+    fn numbers_out_of_range_are_refused() {
         for words in ["--frames 0", "--frames many", "--timeline -1", "merge"] {
             assert!(
                 parsed(&format!("tabula-latency {words}")).is_err(),

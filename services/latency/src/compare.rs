@@ -1,7 +1,7 @@
 //! `tabula latency compare`: A/B comparison of two latency reports.
 
 use crate::report_text;
-use crate::results::{Judgement, read_report};
+use crate::results::{AcceptanceResult, read_report};
 use command_line::Output;
 use latency_report::compare;
 use service::{Failure, exit_code};
@@ -12,11 +12,11 @@ use std::process::ExitCode;
 pub(crate) fn run(before: &Path, now: &Path, output: &Output) -> Result<ExitCode, Failure> {
     let comparisons = compare(&read_report(before)?, &read_report(now)?);
     output.answer(&comparisons, || report_text::comparison(&comparisons));
-    let judgement = Judgement {
-        excesses: None,
+    let acceptance = AcceptanceResult {
+        violations: None,
         comparisons: Some(comparisons),
     };
-    Ok(if judgement.is_over() {
+    Ok(if acceptance.is_over() {
         ExitCode::from(exit_code::OVER_BUDGET)
     } else {
         ExitCode::SUCCESS

@@ -1,23 +1,23 @@
 //! Conditions of a measurement: warnings, process usage, shared memory, machine.
 
-use crate::listener::Listener;
 use crate::process_usage::ProcessUsage;
+use crate::trace_reader::TraceReader;
 use channel::{DomainName, SharedMemory};
 use latency_report::{Conditions, SharedMemoryReport};
 use serde::Serialize;
 use service::{wall_clock_ns, wall_clock_offset_ns};
-use system_noise::{Disturbance, Fingerprint, Watch};
+use system_noise::{Disturbance, DisturbanceMonitor, Fingerprint};
 
 /// Environment and disturbances of the computer, as stored in the report.
 #[derive(Serialize)]
-struct Surroundings {
+struct MachineConditions {
     fingerprint: Fingerprint,
     disturbance: Disturbance,
 }
 
 /// Monitor of the conditions during a measurement.
-pub(crate) struct ConditionsWatch {
-    machine: Watch,
+pub(crate) struct ConditionsMonitor {
+    machine: DisturbanceMonitor,
     processes: Vec<ProcessUsage>,
     lost_before: u64,
     clock_offset_before_ns: i64,
@@ -25,19 +25,19 @@ pub(crate) struct ConditionsWatch {
 
 /// Maximum drift of the wall clock against the monotonic clock without a warning. Clock
 /// adjustment is no error, but matters to readers of both time stamps.
-const CLOCK_DRIFT_NS: u64 = 5_000_000;
+const CLOCK_DRIFT_MAX_NS: u64 = 5_000_000;
 
-impl ConditionsWatch {
+impl ConditionsMonitor {
     /// Starts monitoring with the processes that have sent traces.
-    pub(crate) fn begin(listener: &Listener) -> Self {
-        let processes = listener.processes();
+    pub(crate) fn begin(trace_reader: &TraceReader) -> Self {
+        let processes = trace_reader.processes();
         Self {
             machine: Disturbance::begin(),
             processes: processes
                 .iter()
                 .filter_map(|(process, pid)| ProcessUsage::begin(*process, *pid))
                 .collect(),
-            lost_before: listener.n_lost(),
+            lost_before: trace_reader.n_lost(),
             clock_offset_before_ns: wall_clock_offset_ns(),
         }
     }
@@ -47,18 +47,18 @@ impl ConditionsWatch {
         self,
         source: String,
         domain: &DomainName,
-        listener: &Listener,
+        trace_reader: &TraceReader,
     ) -> Conditions {
-        let lost_messages = listener.n_lost() - self.lost_before;
+        let lost_messages = trace_reader.n_lost() - self.lost_before;
         let memory = SharedMemory::of_domain(domain);
-        let mut warnings = self.warnings(listener, lost_messages);
+        let mut warnings = self.warnings(trace_reader, lost_messages);
         let processes: Vec<_> = self
             .processes
             .iter()
             .filter_map(ProcessUsage::report)
             .collect();
         let own_pids: Vec<u32> = processes.iter().map(|process| process.pid).collect();
-        let surroundings = surroundings(self.machine, own_pids, &mut warnings);
+        let machine_conditions = machine_conditions(self.machine, own_pids, &mut warnings);
         Conditions {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             source,
@@ -70,11 +70,11 @@ impl ConditionsWatch {
                 reserved_bytes: memory.map_or(0, |memory| memory.needed),
                 lost_messages,
             },
-            machine: surroundings,
+            machine: machine_conditions,
         }
     }
 
-    fn warnings(&self, listener: &Listener, lost_messages: u64) -> Vec<String> {
+    fn warnings(&self, trace_reader: &TraceReader, lost_messages: u64) -> Vec<String> {
         let mut warnings = Vec::new();
         if lost_messages > 0 {
             warnings.push(format!(
@@ -82,7 +82,7 @@ impl ConditionsWatch {
                  count as dropped that were not; measure fewer objects, or a lower rate"
             ));
         }
-        let left_out = listener.gathering().n_left_out();
+        let left_out = trace_reader.assembler().n_left_out();
         if left_out > 0 {
             warnings.push(format!(
                 "{left_out} span(s) found no place in their frames' messages: there are more \
@@ -90,7 +90,7 @@ impl ConditionsWatch {
             ));
         }
         let drift_ns = wall_clock_offset_ns().abs_diff(self.clock_offset_before_ns);
-        if drift_ns > CLOCK_DRIFT_NS {
+        if drift_ns > CLOCK_DRIFT_MAX_NS {
             warnings.push(format!(
                 "the wall clock was set by {:.1} ms against the monotonic one meanwhile",
                 drift_ns as f64 / 1e6
@@ -115,17 +115,20 @@ impl ConditionsWatch {
 
 /// Machine conditions as JSON; findings that invalidate figures become warnings. This process is
 /// no disturbance: its cost is reported as measurement overhead.
-fn surroundings(
-    machine: Watch,
+fn machine_conditions(
+    machine: DisturbanceMonitor,
     mut own_pids: Vec<u32>,
     warnings: &mut Vec<String>,
 ) -> serde_json::Value {
     own_pids.push(std::process::id());
-    let surroundings = Surroundings {
+    let machine_conditions = MachineConditions {
         fingerprint: Fingerprint::read(),
         disturbance: machine.end(&own_pids),
     };
-    let told = system_noise::warnings(&surroundings.fingerprint, &surroundings.disturbance);
-    warnings.extend(told.iter().map(ToString::to_string));
-    serde_json::to_value(surroundings).unwrap_or_default()
+    let findings = system_noise::warnings(
+        &machine_conditions.fingerprint,
+        &machine_conditions.disturbance,
+    );
+    warnings.extend(findings.iter().map(ToString::to_string));
+    serde_json::to_value(machine_conditions).unwrap_or_default()
 }

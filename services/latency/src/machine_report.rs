@@ -5,11 +5,15 @@ use command_line::Output;
 use service::Failure;
 use std::path::Path;
 use std::process::ExitCode;
-use system_noise::{MachineReport, Plan, figures, measure, report};
+use system_noise::{MachineReport, MeasurementPlan, latency_histograms, measure, report};
 
 /// Measures, prints, and writes the report and the histograms.
 pub(crate) fn run(short: bool, out: Option<&Path>, output: &Output) -> Result<ExitCode, Failure> {
-    let plan = if short { Plan::SHORT } else { Plan::FULL };
+    let plan = if short {
+        MeasurementPlan::SHORT
+    } else {
+        MeasurementPlan::FULL
+    };
     let found = measure(&plan, &mut |sentence| output.tell(sentence));
     if let Some(folder) = out {
         write(folder, &found)?;
@@ -22,6 +26,6 @@ fn write(folder: &Path, found: &MachineReport) -> Result<(), Failure> {
     std::fs::create_dir_all(folder).map_err(not_written)?;
     let document = serde_json::to_string(found).map_err(not_written)?;
     std::fs::write(folder.join("machine.json"), document).map_err(not_written)?;
-    let picture = figures::histograms(found).map_err(not_written)?;
+    let picture = latency_histograms::histograms(found).map_err(not_written)?;
     std::fs::write(folder.join("machine.svg"), picture).map_err(not_written)
 }

@@ -1,15 +1,16 @@
 //! `tabula latency`: measures frame latencies.
 
 use crate::arguments::MeasureArguments;
-use crate::chosen_daemon::ChosenDaemon;
-use crate::conditions::ConditionsWatch;
-use crate::listener::{Ended, Listener, no_frames};
+use crate::conditions::ConditionsMonitor;
+use crate::daemon_under_test::DaemonUnderTest;
 use crate::report_text;
-use crate::results::{self, Judged};
+use crate::results::{self, AcceptanceCriteria};
+use crate::trace_reader::{ReadEnd, TraceReader, no_frames};
 use command_line::{Output, StopSignal, bar};
-use latency_report::{Measurement, Measuring, Report};
+use latency_report::{LatencyRecorder, LatencyReport, MeasurementOverhead};
 use message::Stage;
 use service::{CommonArguments, Failure, Stopwatch, exit_code};
+use statistics::percentiles::nearest_rank;
 use std::hint::black_box;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -26,30 +27,30 @@ pub(crate) fn run(
     output: &Output,
 ) -> Result<ExitCode, Failure> {
     // The budget and the baseline are read first: a wrong file should not cost a minute.
-    let judged = Judged::prepare(arguments)?;
+    let criteria = AcceptanceCriteria::prepare(arguments)?;
     let stop = StopSignal::install()?;
-    let daemon = ChosenDaemon::choose(common, &arguments.source, output)?;
-    let (report, measurement) = measure(&daemon, arguments, &stop, output)?;
+    let daemon = DaemonUnderTest::choose(common, &arguments.source, output)?;
+    let (report, recorder) = measure(&daemon, arguments, &stop, output)?;
     drop(daemon);
     if let Some(folder) = &arguments.out {
-        results::write(folder, &report, &measurement)?;
+        results::write(folder, &report, &recorder)?;
     }
-    let judgement = judged.judge(&report);
-    output.answer(&results::Document::new(&report, &judgement), || {
+    let acceptance = criteria.judge(&report);
+    output.answer(&results::ReportDocument::new(&report, &acceptance), || {
         let written = arguments.out.as_ref();
         let written = written.map(|folder| format!("\nwritten to {}", folder.display()));
         report_text::text(&report)
-            + &report_text::judgement(&judgement)
+            + &report_text::acceptance(&acceptance)
             + &written.unwrap_or_default()
     });
-    Ok(exit_code(&report, &judgement))
+    Ok(exit_code(&report, &acceptance))
 }
 
 /// Exit code: failure if the consistency check fails, over budget if a limit is exceeded.
-fn exit_code(report: &Report, judgement: &results::Judgement) -> ExitCode {
+fn exit_code(report: &LatencyReport, acceptance: &results::AcceptanceResult) -> ExitCode {
     if !report.sum_check.passes() {
         ExitCode::from(exit_code::FAILURE)
-    } else if judgement.is_over() {
+    } else if acceptance.is_over() {
         ExitCode::from(exit_code::OVER_BUDGET)
     } else {
         ExitCode::SUCCESS
@@ -58,60 +59,60 @@ fn exit_code(report: &Report, judgement: &results::Judgement) -> ExitCode {
 
 /// Measures until enough frames have arrived, the daemon is silent, or a stop is requested.
 pub(crate) fn measure(
-    daemon: &ChosenDaemon,
+    daemon: &DaemonUnderTest,
     arguments: &MeasureArguments,
     stop: &StopSignal,
     output: &Output,
-) -> Result<(Report, Measurement), Failure> {
-    let mut listener = Listener::new(&daemon.domain)?;
-    let mut measurement = Measurement::new(arguments.timeline as usize);
-    let watch = warm_up(&mut listener, arguments.warm_up, stop)?;
+) -> Result<(LatencyReport, LatencyRecorder), Failure> {
+    let mut trace_reader = TraceReader::new(&daemon.domain)?;
+    let mut recorder = LatencyRecorder::new(arguments.timeline as usize);
+    let monitor = warm_up(&mut trace_reader, arguments.warm_up, stop)?;
     let progress = bar(arguments.frames, "frames", output);
-    listener.each_frame(stop, |way| {
-        measurement.add(way);
-        let n_frames = measurement.n_frames() as u64;
+    trace_reader.each_frame(stop, |timeline| {
+        recorder.add(timeline);
+        let n_frames = recorder.n_frames() as u64;
         progress.set_position(n_frames);
         n_frames < arguments.frames
     })?;
     progress.finish_and_clear();
-    if measurement.n_frames() == 0 {
+    if recorder.n_frames() == 0 {
         return Err(no_frames());
     }
-    let conditions = watch.end(
+    let conditions = monitor.end(
         source_name(daemon, arguments),
         daemon.domain.name(),
-        &listener,
+        &trace_reader,
     );
-    let measuring = Measuring {
+    let overhead = MeasurementOverhead {
         stage_cost_ns: stage_cost_ns(),
-        left_out: listener.gathering().n_left_out(),
-        unknown: listener.gathering().n_unknown(),
-        ..Measuring::default()
+        left_out: trace_reader.assembler().n_left_out(),
+        unknown: trace_reader.assembler().n_unknown(),
+        ..MeasurementOverhead::default()
     };
     Ok((
-        Report::new(&measurement, &measuring, conditions),
-        measurement,
+        LatencyReport::new(&recorder, &overhead, conditions),
+        recorder,
     ))
 }
 
 /// Skips the warm-up frames.
 fn warm_up(
-    listener: &mut Listener,
+    trace_reader: &mut TraceReader,
     n_frames: u64,
     stop: &StopSignal,
-) -> Result<ConditionsWatch, Failure> {
+) -> Result<ConditionsMonitor, Failure> {
     let mut n_passed = 0;
-    let ended = listener.each_frame(stop, |_| {
+    let ended = trace_reader.each_frame(stop, |_| {
         n_passed += 1;
         n_passed <= n_frames
     })?;
     match ended {
-        Ended::Enough => Ok(ConditionsWatch::begin(listener)),
-        Ended::Silence => Err(no_frames()),
+        ReadEnd::Enough => Ok(ConditionsMonitor::begin(trace_reader)),
+        ReadEnd::Silence => Err(no_frames()),
     }
 }
 
-fn source_name(daemon: &ChosenDaemon, arguments: &MeasureArguments) -> String {
+fn source_name(daemon: &DaemonUnderTest, arguments: &MeasureArguments) -> String {
     if daemon.is_own() {
         let source = &arguments.source;
         source.source.clone().unwrap_or_else(|| "simulation".into())
@@ -132,5 +133,6 @@ fn stage_cost_ns() -> f64 {
         *round_ns = begun.elapsed().as_nanos();
     }
     rounds_ns.sort_unstable();
-    rounds_ns[N_ROUNDS / 2] as f64 / f64::from(N_LAPS)
+    let median_ns = nearest_rank(&rounds_ns, 0.5).unwrap_or_default();
+    median_ns as f64 / f64::from(N_LAPS)
 }

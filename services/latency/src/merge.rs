@@ -10,7 +10,7 @@ use std::process::ExitCode;
 
 /// Percentiles of one merged stage, milliseconds.
 #[derive(Serialize)]
-struct Merged {
+struct MergedStage {
     stage: String,
     count: u64,
     p50: f64,
@@ -40,14 +40,14 @@ pub(crate) fn run(
         let text = merged.to_text(0.0).map_err(|error| failed(path, &error))?;
         std::fs::write(path, text).map_err(|error| failed(path, &error))?;
     }
-    let stages: Vec<Merged> = merged.iter().map(row).collect();
+    let stages: Vec<MergedStage> = merged.iter().map(row).collect();
     output.answer(&stages, || text(&stages));
     Ok(ExitCode::SUCCESS)
 }
 
-fn row((stage, count, at): (&str, u64, impl Fn(f64) -> u64)) -> Merged {
+fn row((stage, count, at): (&str, u64, impl Fn(f64) -> u64)) -> MergedStage {
     let ms = |share: f64| at(share) as f64 / 1e6;
-    Merged {
+    MergedStage {
         stage: stage.to_owned(),
         count,
         p50: ms(0.5),
@@ -58,7 +58,7 @@ fn row((stage, count, at): (&str, u64, impl Fn(f64) -> u64)) -> Merged {
     }
 }
 
-fn text(stages: &[Merged]) -> String {
+fn text(stages: &[MergedStage]) -> String {
     let rows: Vec<Vec<String>> = stages
         .iter()
         .map(|stage| {

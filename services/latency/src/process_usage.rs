@@ -7,7 +7,7 @@ use std::time::Instant;
 
 /// Resource counters of a process since its start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-struct Counters {
+struct ProcessCounters {
     cpu_ticks: u64,
     minor_faults: u64,
     major_faults: u64,
@@ -23,7 +23,7 @@ pub(crate) struct ProcessUsage {
     process: ProcessKind,
     pid: u32,
     begun: Instant,
-    before: Counters,
+    before: ProcessCounters,
 }
 
 impl ProcessUsage {
@@ -41,7 +41,8 @@ impl ProcessUsage {
     pub(crate) fn report(&self) -> Option<ProcessReport> {
         let now = counters(self.pid)?;
         let seconds = self.begun.elapsed().as_secs_f64().max(1e-9);
-        let since = |count: fn(&Counters) -> u64| count(&now).saturating_sub(count(&self.before));
+        let since =
+            |count: fn(&ProcessCounters) -> u64| count(&now).saturating_sub(count(&self.before));
         let per_second = rustix::param::clock_ticks_per_second() as f64;
         let page_bytes = rustix::param::page_size() as f64;
         Some(ProcessReport {
@@ -59,7 +60,7 @@ impl ProcessUsage {
     }
 }
 
-fn counters(pid: u32) -> Option<Counters> {
+fn counters(pid: u32) -> Option<ProcessCounters> {
     let folder = Path::new("/proc").join(pid.to_string());
     let stat = std::fs::read_to_string(folder.join("stat")).ok()?;
     let mut counters = parse_stat(&stat)?;
@@ -79,18 +80,18 @@ fn n_open_files(pid: u32) -> u64 {
 }
 
 /// Parses `/proc/PID/stat` (proc(5)). The name in parentheses may contain anything.
-fn parse_stat(line: &str) -> Option<Counters> {
+fn parse_stat(line: &str) -> Option<ProcessCounters> {
     let (_, behind_name) = line.rsplit_once(')')?;
     let words: Vec<&str> = behind_name.split_ascii_whitespace().collect();
     // The first word after the name is field 3.
     let field = |number: usize| words.get(number - 3)?.parse::<u64>().ok();
-    Some(Counters {
+    Some(ProcessCounters {
         minor_faults: field(10)?,
         major_faults: field(12)?,
         cpu_ticks: field(14)? + field(15)?,
         n_threads: field(20)?,
         resident_pages: field(24)?,
-        ..Counters::default()
+        ..ProcessCounters::default()
     })
 }
 
@@ -110,7 +111,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_line_is_read_whatever_the_name() {
+    fn stat_line_is_parsed_with_any_process_name() {
         let line = "77 (a) b (c)) S 1 77 77 0 -1 4194304 1000 0 20 0 300 50 0 0 20 0 9 0 12345 \
                     99999999 2560 18446744073709551615";
         let counters = parse_stat(line).unwrap();
@@ -122,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn switches_are_of_one_thread() {
+    fn context_switches_are_parsed() {
         let status = "Name:\tx\nvoluntary_ctxt_switches:\t12\nnonvoluntary_ctxt_switches:\t3\n";
         assert_eq!(parse_switches(status), (12, 3));
         assert_eq!(parse_switches(""), (0, 0));

@@ -1,8 +1,10 @@
 //! Text of a latency report.
 
-use crate::results::Judgement;
+use crate::results::AcceptanceResult;
 use command_line::table;
-use latency_report::{Comparison, Excess, Percentiles, Report, StageReport, Verdict};
+use latency_report::{
+    BudgetViolation, Comparison, ComparisonVerdict, DurationPercentiles, LatencyReport, StageReport,
+};
 use message::{Place, Stage};
 
 /// Header of the table of stages.
@@ -12,7 +14,7 @@ const HEADING: [&str; 11] = [
 ];
 
 /// Whole report, without budget and comparison.
-pub(crate) fn text(report: &Report) -> String {
+pub(crate) fn text(report: &LatencyReport) -> String {
     let mut parts: Vec<String> = report
         .conditions
         .warnings
@@ -27,8 +29,8 @@ pub(crate) fn text(report: &Report) -> String {
     parts.join("\n")
 }
 
-fn summary(report: &Report) -> String {
-    let Report {
+fn summary(report: &LatencyReport) -> String {
+    let LatencyReport {
         frames,
         dropped,
         not_captured,
@@ -45,7 +47,7 @@ fn summary(report: &Report) -> String {
 }
 
 /// Table of stages, grouped by the stage they belong to.
-fn stages(report: &Report) -> String {
+fn stages(report: &LatencyReport) -> String {
     let mut rows = vec![
         times("end to end", &report.end_to_end_ms),
         times("label of an object", &report.object_label_ms),
@@ -75,10 +77,10 @@ fn stages(report: &Report) -> String {
     table(&HEADING, &rows)
 }
 
-fn times(name: &str, ms: &Percentiles) -> Vec<String> {
+fn times(name: &str, ms: &DurationPercentiles) -> Vec<String> {
     let mut row = vec![name.to_owned()];
     row.extend(
-        Percentiles::NAMED
+        DurationPercentiles::NAMED
             .iter()
             .map(|(_, get)| format!("{:.3}", get(ms))),
     );
@@ -86,7 +88,7 @@ fn times(name: &str, ms: &Percentiles) -> Vec<String> {
 }
 
 /// Row of a stage; resource usage is the mean per interval.
-fn row(report: &Report, stage: Stage, indent: &str) -> Option<Vec<String>> {
+fn row(report: &LatencyReport, stage: Stage, indent: &str) -> Option<Vec<String>> {
     let StageReport {
         ms, count, usage, ..
     } = report.stage(stage)?;
@@ -106,7 +108,7 @@ fn row(report: &Report, stage: Stage, indent: &str) -> Option<Vec<String>> {
     Some(row)
 }
 
-fn processes(report: &Report) -> String {
+fn processes(report: &LatencyReport) -> String {
     let rows: Vec<Vec<String>> = report
         .conditions
         .processes
@@ -147,7 +149,7 @@ fn processes(report: &Report) -> String {
     )
 }
 
-fn worst(report: &Report) -> String {
+fn worst(report: &LatencyReport) -> String {
     let told = report.worst.iter().map(|frame| {
         format!(
             "  frame {}, {:.2} ms: {}",
@@ -160,9 +162,9 @@ fn worst(report: &Report) -> String {
     lines.join("\n")
 }
 
-fn checks(report: &Report) -> String {
+fn checks(report: &LatencyReport) -> String {
     let check = &report.sum_check;
-    let measuring = &report.measuring;
+    let overhead = &report.overhead;
     let verdict = if check.passes() {
         "the stages add up to end to end".to_owned()
     } else {
@@ -178,29 +180,29 @@ fn checks(report: &Report) -> String {
         check.frames,
         100.0 * check.worst_object_share,
         check.objects,
-        measuring.spans_per_frame,
-        measuring.stage_cost_ns,
-        measuring.cost_per_frame_ms,
+        overhead.spans_per_frame,
+        overhead.stage_cost_ns,
+        overhead.cost_per_frame_ms,
         100.0 * measuring.share_of_frame,
     )
 }
 
 /// Budget violations and comparison; empty without budget and baseline.
-pub(crate) fn judgement(judgement: &Judgement) -> String {
+pub(crate) fn acceptance(acceptance: &AcceptanceResult) -> String {
     let mut parts = vec![String::new()];
-    parts.extend(judgement.excesses.as_deref().map(budget));
-    parts.extend(judgement.comparisons.as_deref().map(comparison));
+    parts.extend(acceptance.violations.as_deref().map(budget));
+    parts.extend(acceptance.comparisons.as_deref().map(comparison));
     if parts.len() == 1 {
         return String::new();
     }
     parts.join("\n\n")
 }
 
-fn budget(excesses: &[Excess]) -> String {
-    if excesses.is_empty() {
+fn budget(violations: &[BudgetViolation]) -> String {
+    if violations.is_empty() {
         return "all limits of the budget are kept".into();
     }
-    let told = excesses.iter().map(|excess| {
+    let told = violations.iter().map(|excess| {
         format!(
             "over budget: {}, {:.3} instead of {:.3}",
             excess.what, excess.measured, excess.limit
@@ -212,7 +214,7 @@ fn budget(excesses: &[Excess]) -> String {
 /// Comparison table: all decided figures, and always end to end.
 pub(crate) fn comparison(comparisons: &[Comparison]) -> String {
     let is_told = |comparison: &&Comparison| {
-        comparison.verdict != Verdict::Undecided || comparison.what == "end_to_end"
+        comparison.verdict != ComparisonVerdict::Undecided || comparison.what == "end_to_end"
     };
     let rows: Vec<Vec<String>> = comparisons
         .iter()
@@ -231,7 +233,7 @@ pub(crate) fn comparison(comparisons: &[Comparison]) -> String {
         .collect();
     let n_undecided = comparisons
         .iter()
-        .filter(|comparison| comparison.verdict == Verdict::Undecided)
+        .filter(|comparison| comparison.verdict == ComparisonVerdict::Undecided)
         .count();
     let heading = [
         "stage",

@@ -2,8 +2,8 @@
 
 use crate::arguments::MeasureArguments;
 use latency_report::{
-    Budget, Comparison, Excess, Histograms, Measurement, Report, Verdict, compare,
-    percentile_figure, time_figure, timeline,
+    Budget, BudgetViolation, Comparison, ComparisonVerdict, Histograms, LatencyRecorder,
+    LatencyReport, chrome_trace, compare, percentile_figure, time_figure,
 };
 use serde::Serialize;
 use service::{Failure, exit_code};
@@ -11,40 +11,40 @@ use std::fmt::Display;
 use std::path::Path;
 
 /// Acceptance criteria of a report: budget and baseline.
-pub(crate) struct Judged {
+pub(crate) struct AcceptanceCriteria {
     budget: Option<Budget>,
-    baseline: Option<Report>,
+    baseline: Option<LatencyReport>,
 }
 
 /// Result of the acceptance check.
 #[derive(Debug, Default)]
-pub(crate) struct Judgement {
-    pub(crate) excesses: Option<Vec<Excess>>,
+pub(crate) struct AcceptanceResult {
+    pub(crate) violations: Option<Vec<BudgetViolation>>,
     pub(crate) comparisons: Option<Vec<Comparison>>,
 }
 
 /// JSON document of a measurement.
 #[derive(Serialize)]
-pub(crate) struct Document<'a> {
+pub(crate) struct ReportDocument<'a> {
     #[serde(flatten)]
-    report: &'a Report,
+    report: &'a LatencyReport,
     #[serde(skip_serializing_if = "Option::is_none")]
-    over_budget: Option<&'a [Excess]>,
+    over_budget: Option<&'a [BudgetViolation]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     comparison: Option<&'a [Comparison]>,
 }
 
-impl<'a> Document<'a> {
-    pub(crate) fn new(report: &'a Report, judgement: &'a Judgement) -> Self {
+impl<'a> ReportDocument<'a> {
+    pub(crate) fn new(report: &'a LatencyReport, acceptance: &'a AcceptanceResult) -> Self {
         Self {
             report,
-            over_budget: judgement.excesses.as_deref(),
-            comparison: judgement.comparisons.as_deref(),
+            over_budget: acceptance.violations.as_deref(),
+            comparison: acceptance.comparisons.as_deref(),
         }
     }
 }
 
-impl Judged {
+impl AcceptanceCriteria {
     /// Reads the budget and the baseline.
     ///
     /// # Errors
@@ -60,26 +60,26 @@ impl Judged {
         })
     }
 
-    pub(crate) fn judge(&self, report: &Report) -> Judgement {
+    pub(crate) fn judge(&self, report: &LatencyReport) -> AcceptanceResult {
         let budget = self.budget.as_ref();
         let baseline = self.baseline.as_ref();
-        Judgement {
-            excesses: budget.map(|budget| budget.excesses(report)),
+        AcceptanceResult {
+            violations: budget.map(|budget| budget.violations(report)),
             comparisons: baseline.map(|baseline| compare(baseline, report)),
         }
     }
 }
 
-impl Judgement {
+impl AcceptanceResult {
     /// `true` if a limit is exceeded or a figure has become slower.
     pub(crate) fn is_over(&self) -> bool {
-        let is_over = |excesses: &Vec<Excess>| !excesses.is_empty();
+        let is_over = |violations: &Vec<BudgetViolation>| !violations.is_empty();
         let is_slower = |comparisons: &Vec<Comparison>| {
             comparisons
                 .iter()
-                .any(|comparison| comparison.verdict == Verdict::Slower)
+                .any(|comparison| comparison.verdict == ComparisonVerdict::Slower)
         };
-        self.excesses.as_ref().is_some_and(is_over)
+        self.violations.as_ref().is_some_and(is_over)
             || self.comparisons.as_ref().is_some_and(is_slower)
     }
 }
@@ -104,7 +104,7 @@ pub(crate) fn read(path: &Path) -> Result<String, Failure> {
 ///
 /// # Errors
 /// If it cannot be read or parsed.
-pub(crate) fn read_report(path: &Path) -> Result<Report, Failure> {
+pub(crate) fn read_report(path: &Path) -> Result<LatencyReport, Failure> {
     serde_json::from_str(&read(path)?).map_err(|error| unusable(path, "report", error))
 }
 
@@ -114,8 +114,8 @@ pub(crate) fn read_report(path: &Path) -> Result<Report, Failure> {
 /// If a file cannot be written.
 pub(crate) fn write(
     folder: &Path,
-    report: &Report,
-    measurement: &Measurement,
+    report: &LatencyReport,
+    recorder: &LatencyRecorder,
 ) -> Result<(), Failure> {
     std::fs::create_dir_all(folder).map_err(not_written)?;
     let put =
@@ -124,20 +124,17 @@ pub(crate) fn write(
         "report.json",
         serde_json::to_string(report).map_err(not_written)?,
     )?;
-    put("timeline.json", timeline(&measurement.kept()).to_string())?;
-    let histograms = histograms(measurement).map_err(not_written)?;
+    put("timeline.json", chrome_trace(&recorder.kept()).to_string())?;
+    let histograms = histograms(recorder).map_err(not_written)?;
     put(
         "latency.hlog",
         histograms.to_text(report.seconds).map_err(not_written)?,
     )?;
     put(
         "percentiles.svg",
-        percentile_figure(measurement).map_err(not_written)?,
+        percentile_figure(recorder).map_err(not_written)?,
     )?;
-    put(
-        "over-time.svg",
-        time_figure(measurement).map_err(not_written)?,
-    )
+    put("over-time.svg", time_figure(recorder).map_err(not_written)?)
 }
 
 /// Failure: results could not be written.
@@ -146,10 +143,12 @@ pub(crate) fn not_written(error: impl Display) -> Failure {
     Failure::new(exit_code::FAILURE, sentence)
 }
 
-fn histograms(measurement: &Measurement) -> Result<Histograms, latency_report::HistogramFileError> {
+fn histograms(
+    recorder: &LatencyRecorder,
+) -> Result<Histograms, latency_report::HistogramFileError> {
     let mut histograms = Histograms::default();
-    histograms.add_end_to_end(&measurement.end_to_end_ns(&measurement.open_loop()))?;
-    for (stage, durations_ns) in measurement.stages_ns() {
+    histograms.add_end_to_end(&recorder.end_to_end_ns(&recorder.missed()))?;
+    for (stage, durations_ns) in recorder.stages_ns() {
         histograms.add(stage.word(), &durations_ns)?;
     }
     Ok(histograms)

@@ -1,15 +1,16 @@
 //! `tabula latency soak`: soak test with objects that come and go.
 
 use crate::arguments::{SoakArguments, SourceArguments};
-use crate::chosen_daemon::ChosenDaemon;
-use crate::listener::{Ended, Listener, no_frames};
-use crate::own_daemon::OwnDaemon;
+use crate::daemon_under_test::DaemonUnderTest;
 use crate::process_usage::ProcessUsage;
 use crate::results::not_written;
+use crate::spawned_daemon::SpawnedDaemon;
+use crate::trace_reader::{ReadEnd, TraceReader, no_frames};
 use channel::SharedMemory;
 use command_line::{Output, StopSignal, bar, table};
 use latency_report::{
-    Growth, Measurement, Percentiles, ProcessReport, SoakWindow, growths, soak_figure,
+    DurationPercentiles, Growth, LatencyRecorder, ProcessReport, SoakWindow, find_growth,
+    soak_figure,
 };
 use serde::Serialize;
 use service::{CommonArguments, Failure, exit_code, wall_clock_offset_ns};
@@ -26,7 +27,7 @@ const CONFIG: &str =
 
 /// JSON document of a soak test.
 #[derive(Serialize)]
-struct Document {
+struct SoakDocument {
     frames: u64,
     dropped: u64,
     not_captured: u64,
@@ -46,12 +47,12 @@ pub(crate) fn run(
     let (windows, lost_messages) = soak(&daemon, arguments, &stop, output)?;
     drop(daemon);
     let sum = |count: fn(&SoakWindow) -> u64| windows.iter().map(count).sum();
-    let document = Document {
+    let document = SoakDocument {
         frames: sum(|window| window.frames),
         dropped: sum(|window| window.dropped),
         not_captured: sum(|window| window.not_captured),
         lost_messages,
-        grown: growths(&windows),
+        grown: find_growth(&windows),
         windows,
     };
     if let Some(folder) = &arguments.out {
@@ -70,12 +71,12 @@ fn start(
     config: Option<&Path>,
     arguments: &SoakArguments,
     output: &Output,
-) -> Result<ChosenDaemon, Failure> {
+) -> Result<DaemonUnderTest, Failure> {
     let source = SourceArguments {
         rate: Some(arguments.rate),
         ..SourceArguments::of(&format!("parade:{}", arguments.objects))
     };
-    let home = OwnDaemon::home()?;
+    let home = SpawnedDaemon::home()?;
     let little = home.path().join("soak.toml");
     if config.is_none() {
         output.tell(&format!(
@@ -85,27 +86,27 @@ fn start(
         std::fs::write(&little, CONFIG).map_err(not_written)?;
     }
     let run_arguments = source.run_arguments(Some(config.unwrap_or(&little)));
-    let own = OwnDaemon::start(home, &run_arguments, None)?;
-    ChosenDaemon::join_own(own)
+    let own = SpawnedDaemon::start(home, &run_arguments, None)?;
+    DaemonUnderTest::join_spawned(own)
 }
 
 /// Measures window by window; returns the windows and the number of lost messages.
 fn soak(
-    daemon: &ChosenDaemon,
+    daemon: &DaemonUnderTest,
     arguments: &SoakArguments,
     stop: &StopSignal,
     output: &Output,
 ) -> Result<(Vec<SoakWindow>, u64), Failure> {
-    let mut listener = Listener::new(&daemon.domain)?;
+    let mut trace_reader = TraceReader::new(&daemon.domain)?;
     let progress = bar(arguments.frames, "frames", output);
     let (begun, offset_ns) = (Instant::now(), wall_clock_offset_ns());
     let window_frames = (arguments.frames / N_WINDOWS).max(1) as usize;
     let mut windows = Vec::new();
     let mut n_frames = 0;
     while n_frames < arguments.frames && !stop.is_raised() {
-        let usages = usages(&listener);
-        let measurement = measure_window(&mut listener, window_frames, stop)?;
-        n_frames += measurement.n_frames() as u64;
+        let usages = usages(&trace_reader);
+        let recorder = measure_window(&mut trace_reader, window_frames, stop)?;
+        n_frames += recorder.n_frames() as u64;
         progress.set_position(n_frames);
         windows.push(SoakWindow {
             at_s: begun.elapsed().as_secs_f64(),
@@ -113,50 +114,50 @@ fn soak(
             shared_memory_bytes: SharedMemory::of_domain(daemon.domain.name())
                 .map_or(0, |memory| memory.used_by_domain),
             processes: usages.iter().filter_map(ProcessUsage::report).collect(),
-            ..window(&measurement)
+            ..window(&recorder)
         });
     }
     progress.finish_and_clear();
-    Ok((windows, listener.n_lost()))
+    Ok((windows, trace_reader.n_lost()))
 }
 
-fn usages(listener: &Listener) -> Vec<ProcessUsage> {
-    let processes = listener.processes().into_iter();
+fn usages(trace_reader: &TraceReader) -> Vec<ProcessUsage> {
+    let processes = trace_reader.processes().into_iter();
     processes
         .filter_map(|(process, pid)| ProcessUsage::begin(process, pid))
         .collect()
 }
 
 fn measure_window(
-    listener: &mut Listener,
+    trace_reader: &mut TraceReader,
     n_frames: usize,
     stop: &StopSignal,
-) -> Result<Measurement, Failure> {
-    let mut measurement = Measurement::new(0);
-    let ended = listener.each_frame(stop, |way| {
-        measurement.add(way);
-        measurement.n_frames() < n_frames
+) -> Result<LatencyRecorder, Failure> {
+    let mut recorder = LatencyRecorder::new(0);
+    let ended = trace_reader.each_frame(stop, |timeline| {
+        recorder.add(timeline);
+        recorder.n_frames() < n_frames
     })?;
     match ended {
-        Ended::Enough => Ok(measurement),
-        Ended::Silence => Err(no_frames()),
+        ReadEnd::Enough => Ok(recorder),
+        ReadEnd::Silence => Err(no_frames()),
     }
 }
 
 /// Window statistics of the recorded frames.
-fn window(measurement: &Measurement) -> SoakWindow {
-    let open_loop = measurement.open_loop();
-    let n_missed = open_loop.n_dropped + open_loop.n_not_captured;
+fn window(recorder: &LatencyRecorder) -> SoakWindow {
+    let missed = recorder.missed();
+    let n_missed = missed.n_dropped + missed.n_not_captured;
     SoakWindow {
-        frames: measurement.n_frames() as u64 + n_missed,
-        dropped: open_loop.n_dropped,
-        not_captured: open_loop.n_not_captured,
-        end_to_end_ms: Percentiles::of(&mut measurement.end_to_end_ns(&open_loop)),
+        frames: recorder.n_frames() as u64 + n_missed,
+        dropped: missed.n_dropped,
+        not_captured: missed.n_not_captured,
+        end_to_end_ms: DurationPercentiles::of(&mut recorder.end_to_end_ns(&missed)),
         ..SoakWindow::default()
     }
 }
 
-fn write(folder: &Path, document: &Document) -> Result<(), Failure> {
+fn write(folder: &Path, document: &SoakDocument) -> Result<(), Failure> {
     std::fs::create_dir_all(folder).map_err(not_written)?;
     let json = serde_json::to_string(document).map_err(not_written)?;
     std::fs::write(folder.join("soak.json"), json).map_err(not_written)?;
@@ -164,7 +165,7 @@ fn write(folder: &Path, document: &Document) -> Result<(), Failure> {
     std::fs::write(folder.join("soak.svg"), picture).map_err(not_written)
 }
 
-fn text(document: &Document) -> String {
+fn text(document: &SoakDocument) -> String {
     let step = document.windows.len().div_ceil(10).max(1);
     let rows: Vec<Vec<String>> = document.windows.iter().step_by(step).map(row).collect();
     let heading = [
@@ -196,8 +197,8 @@ fn text(document: &Document) -> String {
 
 fn row(window: &SoakWindow) -> Vec<String> {
     let of_processes = |figure: fn(&ProcessReport) -> String| -> String {
-        let figures: Vec<String> = window.processes.iter().map(figure).collect();
-        figures.join(" + ")
+        let texts: Vec<String> = window.processes.iter().map(figure).collect();
+        texts.join(" + ")
     };
     let ms = &window.end_to_end_ms;
     vec![

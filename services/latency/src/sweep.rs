@@ -1,21 +1,20 @@
 //! `tabula latency sweep`: parameter sweep, with a daemon of its own for each value.
 
-mod axis;
 mod box_scene;
+mod operating_point;
 mod stored_views;
 
-pub(crate) use axis::Axis;
-
 use crate::arguments::{MeasureArguments, SourceArguments, SweepArguments};
-use crate::chosen_daemon::ChosenDaemon;
+use crate::daemon_under_test::DaemonUnderTest;
 use crate::measure::measure;
-use crate::own_daemon::OwnDaemon;
 use crate::results::not_written;
-use axis::Place;
+use crate::spawned_daemon::SpawnedDaemon;
+use crate::sweep_axis::SweepAxis;
 use channel::Subscriber;
 use channel::topic::Scene;
 use command_line::{Output, StopSignal, table};
 use latency_report::{SweepRow, sweep_figure};
+use operating_point::{OperatingPoint, operating_points};
 use serde::Serialize;
 use service::{CommonArguments, Failure, exit_code};
 use std::path::Path;
@@ -24,12 +23,12 @@ use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
 /// Maximum time until perception knows the taught views.
-const KNOWN: Duration = Duration::from_secs(60);
-const LOOK: Duration = Duration::from_millis(100);
+const KNOWN_TIMEOUT: Duration = Duration::from_secs(60);
+const POLL_PERIOD: Duration = Duration::from_millis(100);
 
 /// JSON document of a sweep.
 #[derive(Serialize)]
-struct Document<'a> {
+struct SweepDocument<'a> {
     axis: &'a str,
     rows: &'a [SweepRow],
 }
@@ -43,10 +42,10 @@ pub(crate) fn run(
     let axis = arguments.axis;
     let stop = StopSignal::install()?;
     let mut rows = Vec::new();
-    for place in axis.places(&arguments.values)? {
-        output.tell(&format!("{} {}", axis.title(), place.value));
-        let row = measure_at(&place, common.config.as_deref(), arguments, &stop, output)?;
-        let is_end = stop.is_raised() || (axis == Axis::Rate && row.is_broken());
+    for point in operating_points(axis, &arguments.values)? {
+        output.tell(&format!("{} {}", axis.title(), point.value));
+        let row = measure_at(&point, common.config.as_deref(), arguments, &stop, output)?;
+        let is_end = stop.is_raised() || (axis == SweepAxis::Rate && row.is_overloaded());
         rows.push(row);
         if is_end {
             break;
@@ -60,7 +59,7 @@ pub(crate) fn run(
         let document = serde_json::to_string(&rows).map_err(not_written)?;
         std::fs::write(file("json"), document).map_err(not_written)?;
     }
-    let document = Document {
+    let document = SweepDocument {
         axis: axis.title(),
         rows: &rows,
     };
@@ -69,35 +68,35 @@ pub(crate) fn run(
 }
 
 fn measure_at(
-    place: &Place,
+    point: &OperatingPoint,
     config: Option<&Path>,
     arguments: &SweepArguments,
     stop: &StopSignal,
     output: &Output,
 ) -> Result<SweepRow, Failure> {
-    let home = OwnDaemon::home()?;
-    let (source, n_views) = prepare(place, &home)?;
-    let own = OwnDaemon::start(home, &source.run_arguments(config), place.n_cores)?;
-    let daemon = ChosenDaemon::join_own(own)?;
+    let home = SpawnedDaemon::home()?;
+    let (source, n_views) = prepare(point, &home)?;
+    let own = SpawnedDaemon::start(home, &source.run_arguments(config), point.n_cores)?;
+    let daemon = DaemonUnderTest::join_spawned(own)?;
     wait_until_known(&daemon, n_views, stop)?;
     let plan = MeasureArguments::short(source, arguments.frames);
     let (report, _) = measure(&daemon, &plan, stop, output)?;
     let value = match arguments.axis {
-        Axis::Points => mean_points(&daemon)?,
-        _ => place.value,
+        SweepAxis::Points => mean_points(&daemon)?,
+        _ => point.value,
     };
     Ok(SweepRow::new(value, &report))
 }
 
 /// Prepares the daemon's home for a sweep point; returns its source and the memory sequence that
 /// perception must have reached.
-fn prepare(place: &Place, home: &TempDir) -> Result<(SourceArguments, u64), Failure> {
-    let sequence = match place.n_views {
+fn prepare(point: &OperatingPoint, home: &TempDir) -> Result<(SourceArguments, u64), Failure> {
+    let sequence = match point.n_views {
         0 => 0,
         n_views => stored_views::store(home.path(), n_views)?,
     };
-    let mut source = place.source.clone();
-    if let Some(side_m) = place.box_side_m {
+    let mut source = point.source.clone();
+    if let Some(side_m) = point.box_side_m {
         let scene = box_scene::write(home.path(), side_m).map_err(not_written)?;
         source.source = Some(format!("simulation:{}", scene.display()));
     }
@@ -106,12 +105,12 @@ fn prepare(place: &Place, home: &TempDir) -> Result<(SourceArguments, u64), Fail
 
 /// Waits until objects are compared with all taught views.
 fn wait_until_known(
-    daemon: &ChosenDaemon,
+    daemon: &DaemonUnderTest,
     sequence: u64,
     stop: &StopSignal,
 ) -> Result<(), Failure> {
     let mut scenes = Subscriber::<Scene>::polled(&daemon.domain)?;
-    let deadline = Instant::now() + KNOWN;
+    let deadline = Instant::now() + KNOWN_TIMEOUT;
     while !stop.is_raised() {
         let scene = scenes.latest()?;
         let knows = |scene: &channel::SharedFrame<Scene>| {
@@ -127,15 +126,15 @@ fn wait_until_known(
                 "the daemon sees no objects that are compared with what was taught",
             ));
         }
-        stop.sleep(LOOK);
+        stop.sleep(POLL_PERIOD);
     }
     Ok(())
 }
 
 /// Mean number of points per object in the newest scene.
-fn mean_points(daemon: &ChosenDaemon) -> Result<f64, Failure> {
+fn mean_points(daemon: &DaemonUnderTest) -> Result<f64, Failure> {
     let mut scenes = Subscriber::<Scene>::polled(&daemon.domain)?;
-    let deadline = Instant::now() + KNOWN;
+    let deadline = Instant::now() + KNOWN_TIMEOUT;
     loop {
         if let Some(scene) = scenes.latest()?
             && !scene.items().is_empty()
@@ -147,11 +146,11 @@ fn mean_points(daemon: &ChosenDaemon) -> Result<f64, Failure> {
             let sentence = "the daemon has published no scene with objects";
             return Err(Failure::new(exit_code::TIMED_OUT, sentence));
         }
-        std::thread::sleep(LOOK);
+        std::thread::sleep(POLL_PERIOD);
     }
 }
 
-fn text(axis: Axis, rows: &[SweepRow]) -> String {
+fn text(axis: SweepAxis, rows: &[SweepRow]) -> String {
     let cells = |row: &SweepRow| {
         let median = |word: &str| {
             let median = row.stage_p50_ms.get(word);
@@ -164,7 +163,7 @@ fn text(axis: Axis, rows: &[SweepRow]) -> String {
         cells.extend([ms.p50, ms.p99, ms.max].map(|ms| format!("{ms:.2}")));
         cells.extend(["detection", "objects", "description", "recognition"].map(median));
         cells.push(format!("{:.2}", row.cores));
-        if row.is_broken() {
+        if row.is_overloaded() {
             cells.push("the rate is not held".into());
         }
         cells

@@ -91,7 +91,7 @@ fn views(
     appearance: &mut Appearance,
 ) -> Result<Vec<View>, Failure> {
     let mut random = Random::from_seed(track as u64);
-    let solid = Solid::of_category(track % N_CATEGORIES, &mut random);
+    let solid = RandomSolid::of_category(track % N_CATEGORIES, &mut random);
     (0..n_views as u32)
         .map(|view_id| {
             let cloud = solid.seen(&mut random);
@@ -118,13 +118,13 @@ fn views(
 }
 
 /// Box or ellipsoid of one colour.
-struct Solid {
+struct RandomSolid {
     half_sides_m: Vector3<f64>,
     is_round: bool,
     rgb: [f64; 3],
 }
 
-impl Solid {
+impl RandomSolid {
     /// Random solid of a category: sides vary by 10 %, colour slightly.
     fn of_category(category: usize, random: &mut Random) -> Self {
         let mut of_category = Random::from_seed(0x5eed_0000 + category as u64);
@@ -186,14 +186,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn as_many_views_as_wanted_are_taught() {
+    fn requested_number_of_views_is_taught() {
         let home = tempfile::tempdir().unwrap();
         let sequence = store(home.path(), 45).unwrap();
         assert_eq!(sequence, 46, "23 tracks, each stored and taught");
     }
 
     #[test]
-    fn the_views_of_a_category_are_nearer_to_each_other_than_to_another_one() {
+    fn views_of_a_category_are_nearest_to_each_other() {
         let mut appearance = Appearance::new(AppearanceWeights::default()).unwrap();
         let mut descriptor = |track: usize| {
             let views = views(track, 1, 1, &mut appearance).unwrap();

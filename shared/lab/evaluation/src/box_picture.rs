@@ -1,6 +1,6 @@
 //! Overlay of tracked bounding boxes on the camera's colour image, as PNG.
 
-use crate::scene_picture::{encode, thing_color};
+use crate::scene_picture::{encode, object_color};
 use geometry::{OrientedBox, PinholeCamera};
 use nalgebra::{Point2, Point3, Vector3};
 use png::EncodingError;
@@ -43,11 +43,11 @@ pub fn draw(
 ) -> Result<Vec<u8>, EncodingError> {
     let mut canvas = Canvas::of(points, camera);
     for numbered in boxes {
-        let color = thing_color(numbered.number as usize);
+        let color = object_color(numbered.number as usize);
         canvas.draw_box(camera, numbered, color);
     }
     for numbered in boxes {
-        let color = thing_color(numbered.number as usize);
+        let color = object_color(numbered.number as usize);
         let centre = camera.project(&numbered.box_in_camera.centre());
         if let Some(centre) = centre {
             canvas.write(numbered.number, &centre, color);
@@ -177,17 +177,17 @@ mod tests {
     }
 
     #[test]
-    fn corners_are_where_they_are_seen_and_the_rest_stays() {
+    fn corners_are_projected_and_other_pixels_unchanged() {
         let image = pixels(&[boxed(1.0)]);
         // Projection: 585 px * 0.1 m / 0.9 m = 65 px from the principal point.
-        assert_eq!(at(&image, 385, 305), thing_color(120));
+        assert_eq!(at(&image, 385, 305), object_color(120));
         assert_eq!(at(&image, 400, 305), [90; 3]);
         // The number's background is black.
         assert_eq!(at(&image, 319 - 18, 239 - 11), [0; 3]);
     }
 
     #[test]
-    fn what_is_behind_the_camera_is_not_drawn_and_nothing_breaks() {
+    fn boxes_behind_the_camera_are_omitted() {
         assert!(pixels(&[boxed(-1.0), boxed(0.05)]).len() == 3 * CAMERA.n_pixels());
         let near = boxed(0.101);
         assert!(pixels(&[near]).len() == 3 * CAMERA.n_pixels());

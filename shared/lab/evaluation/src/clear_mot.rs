@@ -7,11 +7,11 @@ use tracking::{AssignmentBuffers, assign};
 
 /// Cost of leaving an object unmatched; large enough that the assignment matches as many as
 /// possible.
-const ALONE_COST: f64 = 1e6;
+const UNMATCHED_COST: f64 = 1e6;
 
 /// Position of an object or a track in a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Placed {
+pub struct ScoredPosition {
     /// Object number or track id.
     pub id: u64,
     /// Position in the world frame, metres.
@@ -99,7 +99,7 @@ impl Correspondence {
     /// Matches the objects and tracks of the next frame. Previous matches are kept within the
     /// gate; the rest are assigned one to one, as many as possible and with the least sum of
     /// distances.
-    pub fn step(&mut self, objects: &[Placed], tracks: &[Placed]) -> &[Match] {
+    pub fn step(&mut self, objects: &[ScoredPosition], tracks: &[ScoredPosition]) -> &[Match] {
         self.matches.clear();
         self.keep(objects, tracks);
         self.assign_others(objects, tracks);
@@ -110,31 +110,31 @@ impl Correspondence {
         &self.matches
     }
 
-    fn keep(&mut self, objects: &[Placed], tracks: &[Placed]) {
-        for (object, placed) in objects.iter().enumerate() {
-            let Some(last) = self.last.get(&placed.id) else {
+    fn keep(&mut self, objects: &[ScoredPosition], tracks: &[ScoredPosition]) {
+        for (object, scored_position) in objects.iter().enumerate() {
+            let Some(last) = self.last.get(&scored_position.id) else {
                 continue;
             };
             let track = tracks.iter().position(|track| track.id == *last);
             let is_free = |track: &usize| self.matches.iter().all(|other| other.track != *track);
             if let Some(track) = track.filter(is_free)
-                && self.is_near(placed, &tracks[track])
+                && self.is_near(scored_position, &tracks[track])
             {
                 self.matches.push(Match { object, track });
             }
         }
     }
 
-    fn assign_others(&mut self, objects: &[Placed], tracks: &[Placed]) {
+    fn assign_others(&mut self, objects: &[ScoredPosition], tracks: &[ScoredPosition]) {
         let kept = self.matches.clone();
         self.costs.clear();
-        for (object, placed) in objects.iter().enumerate() {
+        for (object, scored_position) in objects.iter().enumerate() {
             for (track, found) in tracks.iter().enumerate() {
                 let is_taken = kept
                     .iter()
                     .any(|other| other.object == object || other.track == track);
-                let is_possible = !is_taken && self.is_near(placed, found);
-                let distance_m = (placed.position - found.position).norm();
+                let is_possible = !is_taken && self.is_near(scored_position, found);
+                let distance_m = (scored_position.position - found.position).norm();
                 self.costs.push(if is_possible {
                     distance_m
                 } else {
@@ -142,7 +142,7 @@ impl Correspondence {
                 });
             }
         }
-        let pairs = assign(&self.costs, tracks.len(), ALONE_COST, &mut self.buffers);
+        let pairs = assign(&self.costs, tracks.len(), UNMATCHED_COST, &mut self.buffers);
         let pairs = pairs.iter().enumerate();
         self.matches.extend(pairs.filter_map(|(object, track)| {
             Some(Match {
@@ -152,7 +152,7 @@ impl Correspondence {
         }));
     }
 
-    fn count(&mut self, objects: &[Placed], tracks: &[Placed]) {
+    fn count(&mut self, objects: &[ScoredPosition], tracks: &[ScoredPosition]) {
         let sums = &mut self.sums;
         let n_objects = objects.iter().filter(|object| object.counts).count();
         let n_counted = self.matches.iter().filter(|m| objects[m.object].counts);
@@ -171,7 +171,7 @@ impl Correspondence {
         sums.n_tracks += (tracks.len() - n_ignored.count()) as u64;
     }
 
-    fn is_near(&self, object: &Placed, track: &Placed) -> bool {
+    fn is_near(&self, object: &ScoredPosition, track: &ScoredPosition) -> bool {
         (object.position - track.position).norm() <= self.gate_m
     }
 }
@@ -183,22 +183,22 @@ mod tests {
 
     const GATE_M: f64 = 0.05;
 
-    fn at(id: u64, x: f64) -> Placed {
-        Placed {
+    fn at(id: u64, x: f64) -> ScoredPosition {
+        ScoredPosition {
             id,
             position: Point3::new(x, 0.0, 0.0),
             counts: true,
         }
     }
 
-    fn ignored(id: u64, x: f64) -> Placed {
-        Placed {
+    fn ignored(id: u64, x: f64) -> ScoredPosition {
+        ScoredPosition {
             counts: false,
             ..at(id, x)
         }
     }
 
-    fn sums(frames: &[(Vec<Placed>, Vec<Placed>)]) -> ClearMot {
+    fn sums(frames: &[(Vec<ScoredPosition>, Vec<ScoredPosition>)]) -> ClearMot {
         let mut correspondence = Correspondence::new(GATE_M);
         for (objects, tracks) in frames {
             correspondence.step(objects, tracks);
@@ -211,7 +211,7 @@ mod tests {
         fn perfect_tracks_are_perfect(places in prop::collection::vec(prop::collection::vec(-1.0..1.0_f64, 3), 1..20)) {
             let frame = |xs: &Vec<f64>| {
                 let objects: Vec<_> = xs.iter().zip(1..).map(|(x, id)| at(id, *x)).collect();
-                let tracks = objects.iter().map(|o| Placed { id: o.id + 100, ..*o }).collect();
+                let tracks = objects.iter().map(|o| ScoredPosition { id: o.id + 100, ..*o }).collect();
                 (objects, tracks)
             };
             // Objects that meet may be exchanged, so only frames with separated objects are used.
@@ -237,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn two_tracks_that_change_objects_are_two_switches() {
+    fn swapped_tracks_are_two_identity_switches() {
         let before = (vec![at(1, 0.0), at(2, 0.5)], vec![at(7, 0.0), at(8, 0.5)]);
         let after = (vec![at(1, 0.0), at(2, 0.5)], vec![at(8, 0.0), at(7, 0.5)]);
         let frames = [vec![before; 6], vec![after; 4]].concat();
@@ -271,7 +271,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_count_is_neither_miss_nor_false_positive() {
+    fn unscored_objects_are_neither_miss_nor_false_positive() {
         let frames = [
             (vec![at(1, 0.0)], vec![at(7, 0.0)]),
             (vec![ignored(1, 0.0)], vec![at(8, 0.0)]),

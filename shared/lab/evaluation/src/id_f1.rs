@@ -8,7 +8,7 @@ use tracking::{AssignmentBuffers, assign};
 pub struct IdentityCounts {
     objects: BTreeMap<u64, u64>,
     tracks: BTreeMap<u64, u64>,
-    together: BTreeMap<(u64, u64), u64>,
+    common_frames: BTreeMap<(u64, u64), u64>,
 }
 
 /// Identity score under the best global one-to-one assignment of tracks to objects.
@@ -51,22 +51,22 @@ impl IdentityCounts {
     }
 
     /// Counts a frame in which a track was within the gate of an object, matched or not.
-    pub fn add_together(&mut self, object: u64, track: u64) {
-        *self.together.entry((object, track)).or_default() += 1;
+    pub fn add_common_frame(&mut self, object: u64, track: u64) {
+        *self.common_frames.entry((object, track)).or_default() += 1;
     }
 
     /// Best one-to-one assignment: maximises the total number of common frames.
     pub fn score(&self) -> IdentityScore {
-        let most = self.together.values().copied().max().unwrap_or(0) as f64;
-        let together = |object: &u64, track: &u64| {
-            let n = self.together.get(&(*object, *track));
+        let most = self.common_frames.values().copied().max().unwrap_or(0) as f64;
+        let common_frames = |object: &u64, track: &u64| {
+            let n = self.common_frames.get(&(*object, *track));
             n.copied().unwrap_or(0)
         };
         let costs: Vec<f64> = self
             .objects
             .keys()
             .flat_map(|object| {
-                let counts = self.tracks.keys().map(|track| together(object, track));
+                let counts = self.tracks.keys().map(|track| common_frames(object, track));
                 counts.map(|n| most - n as f64)
             })
             .collect();
@@ -74,7 +74,8 @@ impl IdentityCounts {
         let tracks: Vec<&u64> = self.tracks.keys().collect();
         let pairs = assign(&costs, tracks.len(), most, &mut buffers);
         let pairs = self.objects.keys().zip(pairs);
-        let own = pairs.filter_map(|(object, track)| Some(together(object, tracks[(*track)?])));
+        let own =
+            pairs.filter_map(|(object, track)| Some(common_frames(object, tracks[(*track)?])));
         IdentityScore {
             n_true_positives: own.sum(),
             n_objects: self.objects.values().sum(),
@@ -95,20 +96,20 @@ mod tests {
             for _ in 0..*n_frames {
                 counts.add_object(*object);
                 counts.add_track(*track);
-                counts.add_together(*object, *track);
+                counts.add_common_frame(*object, *track);
             }
         }
         counts
     }
 
     #[test]
-    fn an_exchange_costs_what_comes_after_it() {
+    fn identity_swap_costs_the_frames_after_it() {
         let exchanged = counts(&[(1, 7, 6), (2, 8, 6), (1, 8, 4), (2, 7, 4)]);
         assert_eq!(exchanged.score().idf1(), Some(0.6));
     }
 
     #[test]
-    fn the_best_for_all_is_taken_not_the_best_for_one() {
+    fn assignment_is_globally_optimal() {
         // Greedy matching of 7 with 1 would leave fewer right frames in total.
         let both = counts(&[(1, 7, 5), (1, 8, 4), (2, 7, 4)]);
         assert_eq!(both.score().n_true_positives, 8);

@@ -38,8 +38,8 @@ impl NoveltyScore {
             n_known: known.len(),
             auroc: auroc(&open_novelties, &known_novelties),
             false_alarms_at_95: (known.len() - n_quiet) as f64 / known.len() as f64,
-            rejected: rejected(open),
-            known_rejected: rejected(known),
+            rejected: rejection_rate(open),
+            known_rejected: rejection_rate(known),
         })
     }
 }
@@ -50,7 +50,7 @@ fn sorted_novelties(answers: &[Answer]) -> Vec<f32> {
     novelties
 }
 
-fn rejected(answers: &[Answer]) -> f64 {
+fn rejection_rate(answers: &[Answer]) -> f64 {
     let rejected = answers.iter().filter(|answer| answer.category.is_none());
     rejected.count() as f64 / answers.len() as f64
 }
@@ -70,7 +70,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_area_is_the_share_of_pairs_in_order() {
+    fn auroc_is_the_share_of_ordered_pairs() {
         assert_eq!(auroc(&[3.0, 4.0], &[1.0, 2.0]), 1.0);
         assert_eq!(auroc(&[1.0], &[1.0]), 0.5);
         assert_eq!(auroc(&[1.0, 5.0], &[2.0, 3.0, 4.0]), 0.5);
@@ -78,7 +78,7 @@ mod tests {
     }
 
     #[test]
-    fn false_alarms_are_known_views_beyond_the_threshold_that_finds_95_percent() {
+    fn false_alarm_rate_is_measured_at_95_percent_recall() {
         let answers = |novelties: &mut dyn Iterator<Item = f32>, category| {
             let answer = |novelty| Answer {
                 category,

@@ -17,7 +17,7 @@ const STRIPE_PX: usize = 5;
 const GAP_COLOR: [u8; 3] = [255; 3];
 const TABLE_COLOR: [u8; 3] = [70, 190, 90];
 /// Colour of hypotheses too small to count.
-const SMALL_COLOR: [u8; 3] = [150; 3];
+const UNSCORED_COLOR: [u8; 3] = [150; 3];
 /// Camera model for drawing unorganised clouds.
 const CAMERA: PinholeCamera = PinholeCamera::KINECT_V1;
 
@@ -27,7 +27,7 @@ enum Paint {
     Nothing,
     Table,
     /// Object or hypothesis, in its own colour.
-    Thing([u8; 3]),
+    Object([u8; 3]),
     /// Hypothesis that ψ ignores, striped.
     Ignored([u8; 3]),
 }
@@ -53,7 +53,7 @@ pub fn draw(
         .map(|&label| paint_of_label(label, overlaps))
         .collect();
     let result = paint_result(scene, table, found, overlaps);
-    let grid = Grid::of(scene);
+    let grid = PixelGrid::of(scene);
     let width = 3 * grid.width + 2 * GAP_PX;
     let mut image = Vec::with_capacity(3 * width * grid.height);
     for row in 0..grid.height {
@@ -87,7 +87,7 @@ pub(crate) fn encode(image: &[u8], width: usize, height: usize) -> Result<Vec<u8
 
 fn paint_of_label(label: u16, overlaps: &Overlaps) -> Paint {
     match overlaps.labels().binary_search(&label) {
-        Ok(object) => Paint::Thing(thing_color(object)),
+        Ok(object) => Paint::Object(object_color(object)),
         Err(_) if (1..FIRST_OBJECT_LABEL).contains(&label) => Paint::Table,
         Err(_) => Paint::Nothing,
     }
@@ -103,7 +103,7 @@ fn paint_result(
     let object_of = |h: usize| matches.iter().position(|matched| *matched == Some(h));
     // Unmatched hypotheses get the colours after those of the objects.
     let colors: Vec<[u8; 3]> = (0..overlaps.numbers().len())
-        .map(|h| thing_color(object_of(h).unwrap_or(matches.len() + h)))
+        .map(|h| object_color(object_of(h).unwrap_or(matches.len() + h)))
         .collect();
     let is_table = |point: &Point| {
         table.is_some_and(|table| {
@@ -115,13 +115,13 @@ fn paint_result(
     let paint = |(point, (&before, &after)): (&Point, (&u16, &u16))| {
         let color = || {
             let hypothesis = overlaps.numbers().binary_search(&before);
-            hypothesis.map_or(SMALL_COLOR, |hypothesis| colors[hypothesis])
+            hypothesis.map_or(UNSCORED_COLOR, |hypothesis| colors[hypothesis])
         };
         match (before, after) {
             (0, _) if is_table(point) => Paint::Table,
             (0, _) => Paint::Nothing,
             (_, 0) => Paint::Ignored(color()),
-            _ => Paint::Thing(color()),
+            _ => Paint::Object(color()),
         }
     };
     scene.points.iter().zip(numbers).map(paint).collect()
@@ -139,12 +139,12 @@ fn painted(point: &Point, paint: Paint, is_stripe: bool) -> [u8; 3] {
         Paint::Nothing => mixed([0; 3], 5),
         Paint::Table => mixed(TABLE_COLOR, 3),
         Paint::Ignored(_) if is_stripe => mixed([0; 3], 6),
-        Paint::Thing(color) | Paint::Ignored(color) => mixed(color, 6),
+        Paint::Object(color) | Paint::Ignored(color) => mixed(color, 6),
     }
 }
 
 /// Qualitative palette that differs from the table's colour.
-pub(crate) fn thing_color(index: usize) -> [u8; 3] {
+pub(crate) fn object_color(index: usize) -> [u8; 3] {
     const COLORS: [[u8; 3]; 12] = [
         [230, 25, 35],
         [30, 90, 255],
@@ -163,14 +163,14 @@ pub(crate) fn thing_color(index: usize) -> [u8; 3] {
 }
 
 /// Index of the point seen in each pixel.
-struct Grid {
+struct PixelGrid {
     width: usize,
     height: usize,
     /// Nearest point of each pixel; `None` for an organised cloud.
     nearest: Option<Vec<Option<usize>>>,
 }
 
-impl Grid {
+impl PixelGrid {
     fn of(scene: &LabelledScene) -> Self {
         if scene.width > 1 && scene.height > 1 {
             let (width, height) = (scene.width, scene.height);
@@ -284,7 +284,7 @@ mod tests {
     }
 
     #[test]
-    fn what_psi_ignores_is_striped() {
+    fn ignored_hypotheses_are_striped() {
         let scene = scene(40, 12);
         let (_, [_, truth, stripe]) = pixels(&scene, 2);
         let (_, [_, _, between]) = pixels(&scene, 6);
@@ -293,7 +293,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_depth_is_dark_and_the_table_green() {
+    fn pixels_without_depth_are_dark_and_the_table_is_green() {
         let (_, [dark, _, _]) = pixels(&scene(40, 12), 0);
         assert_eq!(dark, [37; 3]);
         let (_, [_, [red, green, blue], _]) = pixels(&scene(40, 12), 1);
@@ -315,7 +315,7 @@ mod tests {
     #[test]
     fn neighbouring_colours_differ() {
         for index in 0..40 {
-            let (a, b) = (thing_color(index), thing_color(index + 1));
+            let (a, b) = (object_color(index), object_color(index + 1));
             let difference: i32 = (0..3)
                 .map(|i| (i32::from(a[i]) - i32::from(b[i])).abs())
                 .sum();

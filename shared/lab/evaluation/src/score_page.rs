@@ -1,7 +1,7 @@
 //! HTML page of segmentation scores and scene pictures.
 
 use crate::segmentation_score::{MEASURE_NAMES, SegmentationScore};
-use plot::page::{self, escaped, linked_picture};
+use plot::html_page::{self, escaped, linked_picture};
 
 const LEGEND: &str = "<h2>Scenes, worst first</h2>\n<p>Left the colour image, in the middle the \
     truth, on the right the result. A hypothesis has the colour of the object that it is matched \
@@ -54,7 +54,7 @@ pub fn html(
 ) -> String {
     let tables = tables.iter().map(table);
     let legend = std::iter::once(LEGEND.to_owned());
-    page::html(
+    html_page::html(
         title,
         notes,
         tables.chain(legend).chain(scenes.iter().map(figure)),
@@ -112,7 +112,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_can_not_break_the_page() {
+    fn names_are_escaped_on_the_page() {
         let score = SegmentationScore {
             n_objects: 3,
             wov: 0.5,

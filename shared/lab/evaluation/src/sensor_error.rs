@@ -7,7 +7,7 @@
 use geometry::{PinholeCamera, RigidTransform};
 use mesh::{Surface, Triangle, TriangleMesh, Vertex};
 use nalgebra::{Point3, UnitQuaternion, Vector3};
-use plot::figure::{Axis, Color, Curve, Diagram, DrawingError, Legend, side_by_side};
+use plot::diagram::{Axis, Color, Curve, Diagram, DrawingError, Legend, side_by_side};
 use point_cloud::Point;
 use rendering::kinect::{AxialNoise, KinectSensor, SensorModel, Shot};
 use rendering::{Error, Instance, PreparedMesh, Rasterizer};
@@ -19,11 +19,11 @@ const N_FRAMES: u64 = 30;
 /// Half the side of the evaluated block of central pixels.
 const HALF_BLOCK_PX: usize = 24;
 /// Distance at which the plane is tilted, metres.
-const TURNED_AT_M: f64 = 1.2;
+const TILTED_AT_M: f64 = 1.2;
 
 /// Depth noise at one placement of the plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SpreadOfDepth {
+pub struct DepthNoise {
     /// Distance along the optical axis, metres.
     pub z_m: f64,
     /// Angle between the plane's normal and the optical axis, degrees.
@@ -38,9 +38,9 @@ pub struct SpreadOfDepth {
 #[derive(Debug, Clone, PartialEq)]
 pub struct SensorError {
     /// Sweep over distance, facing the plane.
-    pub by_distance: Vec<SpreadOfDepth>,
+    pub by_distance: Vec<DepthNoise>,
     /// Sweep over angle at 1.2 m.
-    pub by_angle: Vec<SpreadOfDepth>,
+    pub by_angle: Vec<DepthNoise>,
 }
 
 /// Number of placements measured by [`measure`].
@@ -51,21 +51,21 @@ pub const N_PLACEMENTS: usize = 31 + 26;
 /// # Errors
 /// If the renderer rejects its own nominal camera.
 pub fn measure(mut progress: impl FnMut()) -> Result<SensorError, Error> {
-    let mut spread = |z_m: f64, angle_deg: f64| {
+    let mut noise = |z_m: f64, angle_deg: f64| {
         let angle_rad = angle_deg.to_radians();
         let published = AxialNoise::KINECT_V1.sigma_m(z_m as f32, angle_rad as f32);
         let measured_m = measured_sigma_m(z_m, angle_rad)?;
         progress();
-        Ok(SpreadOfDepth {
+        Ok(DepthNoise {
             z_m,
             angle_deg,
             published_m: published.into(),
             measured_m,
         })
     };
-    let by_distance = (0..=30).map(|i| spread(0.5 + 0.1 * f64::from(i), 0.0));
+    let by_distance = (0..=30).map(|i| noise(0.5 + 0.1 * f64::from(i), 0.0));
     let by_distance = by_distance.collect::<Result<_, Error>>()?;
-    let by_angle = (0..=25).map(|i| spread(TURNED_AT_M, 3.0 * f64::from(i)));
+    let by_angle = (0..=25).map(|i| noise(TILTED_AT_M, 3.0 * f64::from(i)));
     Ok(SensorError {
         by_distance,
         by_angle: by_angle.collect::<Result<_, Error>>()?,
@@ -113,10 +113,10 @@ impl SensorError {
 fn diagram<'a>(
     title: &'a str,
     x_label: &'a str,
-    rows: &[SpreadOfDepth],
-    x: impl Fn(&SpreadOfDepth) -> f64,
+    rows: &[DepthNoise],
+    x: impl Fn(&DepthNoise) -> f64,
 ) -> Diagram<'a> {
-    let curve = |y: fn(&SpreadOfDepth) -> f64| -> Vec<(f64, f64)> {
+    let curve = |y: fn(&DepthNoise) -> f64| -> Vec<(f64, f64)> {
         rows.iter().map(|row| (x(row), y(row) * 1e3)).collect()
     };
     let highest_mm = rows
@@ -215,7 +215,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_simulated_spread_follows_the_published_law() {
+    fn simulated_depth_noise_follows_the_published_model() {
         let mut n_calls = 0;
         let figures = measure(|| n_calls += 1).unwrap();
         assert_eq!(n_calls, N_PLACEMENTS);

@@ -84,7 +84,7 @@ mod tests {
     }
 
     #[test]
-    fn spans_say_when_where_and_how_still() {
+    fn spans_have_frames_position_and_drift() {
         let frames = [
             frame(&[(3, 0.0, false)]),
             frame(&[(3, 0.0, true), (5, 0.7, true)]),

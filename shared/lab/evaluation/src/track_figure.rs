@@ -1,10 +1,10 @@
 //! Track figure as SVG: trajectories from above, and a timeline of track ids.
 
-mod of_run;
+mod run_figure;
 
-pub use of_run::{of_run, of_tracks};
+pub use run_figure::{of_run, of_tracks};
 
-use plot::figure::{DrawingError, failed};
+use plot::diagram::{DrawingError, drawing_error};
 use plotters::coord::Shift;
 use plotters::prelude::{
     ChartBuilder, Circle, Color, DrawingArea, IntoDrawingArea, IntoFont, Palette, Palette99,
@@ -21,46 +21,46 @@ const FRAME_PX: (u32, u32) = (76, 90);
 /// Share of the timeline's length reserved for names.
 const NAMES_SHARE: f64 = 0.24;
 /// Maximum number of rows drawn.
-const MOST_ROWS: usize = 120;
+const DRAWN_ROWS_MAX: usize = 120;
 /// Height of a row of the timeline, pixels.
 const ROW_PX: u32 = 19;
 
 /// Source of a trajectory or timeline span: ground truth or a track.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Who {
+pub enum TrackSource {
     /// Ground-truth object that is scored.
     Truth,
     /// Ground-truth object in frames that are not scored.
-    DoubtfulTruth,
+    UnscoredTruth,
     /// Track, by its id.
     Track(u64),
 }
 
 /// Trajectory over the table.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Way {
+pub struct Trajectory {
     /// Source of the trajectory.
-    pub who: Who,
+    pub source: TrackSource,
     /// World x and y, metres.
     pub points: Vec<(f64, f64)>,
 }
 
 /// Time span in a row of the timeline.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Span {
+pub struct TimelineSpan {
     /// Source that was seen.
-    pub who: Who,
+    pub source: TrackSource,
     /// Begin and end, seconds.
     pub time_s: Range<f64>,
 }
 
 /// Row of the timeline.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Row {
+pub struct TimelineRow {
     /// Name of the row.
     pub name: String,
     /// Spans in drawing order.
-    pub spans: Vec<Span>,
+    pub spans: Vec<TimelineSpan>,
 }
 
 /// Trajectories and timeline of one run.
@@ -69,18 +69,18 @@ pub struct TrackFigure {
     /// Caption.
     pub title: String,
     /// Trajectories in drawing order.
-    pub ways: Vec<Way>,
+    pub trajectories: Vec<Trajectory>,
     /// Rows of the timeline, top to bottom.
-    pub rows: Vec<Row>,
+    pub rows: Vec<TimelineRow>,
     /// Length of the timeline, seconds.
     pub duration_s: f64,
 }
 
-impl Who {
+impl TrackSource {
     fn color(self) -> RGBColor {
         match self {
             Self::Truth => RGBColor(150, 150, 150),
-            Self::DoubtfulTruth => RGBColor(218, 218, 218),
+            Self::UnscoredTruth => RGBColor(218, 218, 218),
             Self::Track(id) => {
                 let (r, g, b) = Palette99::COLORS[id as usize % Palette99::COLORS.len()];
                 RGBColor(r, g, b)
@@ -90,7 +90,7 @@ impl Who {
 
     fn width_px(self) -> u32 {
         match self {
-            Self::Truth | Self::DoubtfulTruth => 4,
+            Self::Truth | Self::UnscoredTruth => 4,
             Self::Track(_) => 2,
         }
     }
@@ -102,19 +102,19 @@ impl TrackFigure {
     /// # Errors
     /// If the plotting library fails.
     pub fn svg(&self) -> Result<String, DrawingError> {
-        let n_rows = self.rows.len().min(MOST_ROWS);
+        let n_rows = self.rows.len().min(DRAWN_ROWS_MAX);
         let height_px = VIEW_PX.1.max(n_rows as u32 * ROW_PX + FRAME_PX.1);
         let mut svg = String::new();
         {
             let size_px = (VIEW_PX.0 + TIMELINE_PX, height_px);
             let whole = SVGBackend::with_string(&mut svg, size_px).into_drawing_area();
-            whole.fill(&WHITE).map_err(failed)?;
+            whole.fill(&WHITE).map_err(drawing_error)?;
             let (left, right) = whole.split_horizontally(VIEW_PX.0);
             let view_px = height_px.min(VIEW_PX.0);
             let (left, _) = left.split_vertically(view_px);
             self.draw_view(&left, view_px)?;
             self.draw_timeline(&right)?;
-            whole.present().map_err(failed)?;
+            whole.present().map_err(drawing_error)?;
         }
         Ok(svg)
     }
@@ -131,34 +131,45 @@ impl TrackFigure {
             .x_label_area_size(36)
             .y_label_area_size(52)
             .build_cartesian_2d(x_range, y_range)
-            .map_err(failed)?;
+            .map_err(drawing_error)?;
         chart
             .configure_mesh()
             .x_desc("x, m")
             .y_desc("y, m")
             .light_line_style(WHITE)
             .draw()
-            .map_err(failed)?;
-        for way in &self.ways {
-            let style = way.who.color().stroke_width(way.who.width_px());
-            let path = PathElement::new(way.points.clone(), style);
-            chart.draw_series([path]).map_err(failed)?;
-            let (Who::Track(id), Some(begin)) = (way.who, way.points.first()) else {
+            .map_err(drawing_error)?;
+        for trajectory in &self.trajectories {
+            let style = trajectory
+                .source
+                .color()
+                .stroke_width(trajectory.source.width_px());
+            let path = PathElement::new(trajectory.points.clone(), style);
+            chart.draw_series([path]).map_err(drawing_error)?;
+            let (TrackSource::Track(id), Some(begin)) =
+                (trajectory.source, trajectory.points.first())
+            else {
                 continue;
             };
-            let dot = Circle::new(*begin, 3, way.who.color().filled());
-            chart.draw_series([dot]).map_err(failed)?;
-            let font = ("sans-serif", 13).into_font().color(&way.who.color());
+            let dot = Circle::new(*begin, 3, trajectory.source.color().filled());
+            chart.draw_series([dot]).map_err(drawing_error)?;
+            let font = ("sans-serif", 13)
+                .into_font()
+                .color(&trajectory.source.color());
             chart
                 .draw_series([Text::new(id.to_string(), *begin, font)])
-                .map_err(failed)?;
+                .map_err(drawing_error)?;
         }
         Ok(())
     }
 
     /// Axis ranges around all trajectories with equal scales.
     fn ranges(&self, height_px: u32) -> (Range<f64>, Range<f64>) {
-        let points = || self.ways.iter().flat_map(|way| &way.points);
+        let points = || {
+            self.trajectories
+                .iter()
+                .flat_map(|trajectory| &trajectory.points)
+        };
         let range = |values: &mut dyn Iterator<Item = f64>| {
             values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
                 (low.min(value), high.max(value))
@@ -173,16 +184,16 @@ impl TrackFigure {
         }
         let sides_px = [VIEW_PX.0 - FRAME_PX.0, height_px - FRAME_PX.1].map(f64::from);
         let width_m = |(low, high): (f64, f64)| high - low + 0.1;
-        let m_a_px = (width_m(x) / sides_px[0]).max(width_m(y) / sides_px[1]);
+        let metres_per_px = (width_m(x) / sides_px[0]).max(width_m(y) / sides_px[1]);
         let around = |(low, high): (f64, f64), side_px: f64| {
-            let (middle, half) = (f64::midpoint(low, high), 0.5 * side_px * m_a_px);
+            let (middle, half) = (f64::midpoint(low, high), 0.5 * side_px * metres_per_px);
             middle - half..middle + half
         };
         (around(x, sides_px[0]), around(y, sides_px[1]))
     }
 
     fn draw_timeline(&self, area: &DrawingArea<SVGBackend<'_>, Shift>) -> Result<(), DrawingError> {
-        let rows = &self.rows[..self.rows.len().min(MOST_ROWS)];
+        let rows = &self.rows[..self.rows.len().min(DRAWN_ROWS_MAX)];
         let duration_s = self.duration_s.max(0.1);
         let names_s = -NAMES_SHARE * duration_s;
         let mut chart = ChartBuilder::on(area)
@@ -190,7 +201,7 @@ impl TrackFigure {
             .margin(12)
             .x_label_area_size(36)
             .build_cartesian_2d(names_s..duration_s, 0.0..rows.len().max(1) as f64)
-            .map_err(failed)?;
+            .map_err(drawing_error)?;
         chart
             .configure_mesh()
             .disable_y_mesh()
@@ -204,25 +215,25 @@ impl TrackFigure {
                 }
             })
             .draw()
-            .map_err(failed)?;
+            .map_err(drawing_error)?;
         for (index, row) in rows.iter().enumerate() {
             let y = rows.len() as f64 - index as f64 - 0.5;
             let font = ("sans-serif", 13).into_font();
             let name = Text::new(row.name.clone(), (names_s, y + 0.3), font);
-            chart.draw_series([name]).map_err(failed)?;
+            chart.draw_series([name]).map_err(drawing_error)?;
             let mut labelled = None;
             for span in &row.spans {
-                let width_px = 3 * span.who.width_px();
+                let width_px = 3 * span.source.width_px();
                 let ends = vec![(span.time_s.start, y), (span.time_s.end, y)];
-                let line = PathElement::new(ends, span.who.color().stroke_width(width_px));
-                chart.draw_series([line]).map_err(failed)?;
-                if let Who::Track(id) = span.who
+                let line = PathElement::new(ends, span.source.color().stroke_width(width_px));
+                chart.draw_series([line]).map_err(drawing_error)?;
+                if let TrackSource::Track(id) = span.source
                     && labelled != Some(id)
                 {
                     labelled = Some(id);
                     let font = ("sans-serif", 12).into_font();
                     let label = Text::new(id.to_string(), (span.time_s.start, y + 0.5), font);
-                    chart.draw_series([label]).map_err(failed)?;
+                    chart.draw_series([label]).map_err(drawing_error)?;
                 }
             }
         }
@@ -230,7 +241,7 @@ impl TrackFigure {
     }
 
     fn timeline_title(&self) -> String {
-        let n_hidden = self.rows.len().saturating_sub(MOST_ROWS);
+        let n_hidden = self.rows.len().saturating_sub(DRAWN_ROWS_MAX);
         if n_hidden == 0 {
             "track-ids over time".to_owned()
         } else {
@@ -244,21 +255,21 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ids_and_names_stand_in_the_figure() {
-        let way = Way {
-            who: Who::Track(17),
+    fn figure_shows_ids_and_names() {
+        let trajectory = Trajectory {
+            source: TrackSource::Track(17),
             points: vec![(0.1, 0.2), (0.3, 0.2)],
         };
-        let row = Row {
+        let row = TimelineRow {
             name: "mug <3>".into(),
-            spans: vec![Span {
-                who: Who::Track(17),
+            spans: vec![TimelineSpan {
+                source: TrackSource::Track(17),
                 time_s: 0.0..2.0,
             }],
         };
         let figure = TrackFigure {
             title: "crossing".into(),
-            ways: vec![way],
+            trajectories: vec![trajectory],
             rows: vec![row],
             duration_s: 2.0,
         };
@@ -269,14 +280,14 @@ mod tests {
     }
 
     #[test]
-    fn a_run_without_anything_is_drawn_and_so_are_many_rows() {
+    fn empty_runs_and_many_rows_can_be_drawn() {
         assert!(TrackFigure::default().svg().is_ok());
-        let row = Row {
+        let row = TimelineRow {
             name: String::new(),
             spans: vec![],
         };
         let many = TrackFigure {
-            rows: vec![row; MOST_ROWS + 5],
+            rows: vec![row; DRAWN_ROWS_MAX + 5],
             ..TrackFigure::default()
         };
         assert!(many.svg().unwrap().contains("5 more rows"));
@@ -284,12 +295,12 @@ mod tests {
 
     #[test]
     fn both_axes_have_the_same_scale() {
-        let way = Way {
-            who: Who::Truth,
+        let trajectory = Trajectory {
+            source: TrackSource::Truth,
             points: vec![(-0.5, 0.0), (0.5, 0.1)],
         };
         let figure = TrackFigure {
-            ways: vec![way],
+            trajectories: vec![trajectory],
             ..TrackFigure::default()
         };
         let (x, y) = figure.ranges(VIEW_PX.1);

@@ -1,6 +1,6 @@
 //! Ground truth and tracker output of one frame.
 
-use crate::clear_mot::Placed;
+use crate::clear_mot::ScoredPosition;
 use crate::true_shape::Symmetry;
 use geometry::{OrientedBox, RigidTransform};
 
@@ -33,8 +33,8 @@ impl TrueObject {
         self.seen_box.as_ref().unwrap_or(&self.whole_box)
     }
 
-    pub(crate) fn placed(&self) -> Placed {
-        Placed {
+    pub(crate) fn scored_position(&self) -> ScoredPosition {
+        ScoredPosition {
             id: self.id,
             position: self.reference_box().centre(),
             counts: self.counts,
@@ -54,8 +54,8 @@ pub struct TrackState {
 }
 
 impl TrackState {
-    pub(crate) fn placed(&self) -> Placed {
-        Placed {
+    pub(crate) fn scored_position(&self) -> ScoredPosition {
+        ScoredPosition {
             id: self.id,
             position: self.box_in_world.centre(),
             counts: true,

@@ -1,6 +1,6 @@
 //! Tracking metrics of a run: MOTA, IDF1, pose errors, flips, lost tracks.
 
-use crate::clear_mot::{ClearMot, Correspondence, Match, Placed};
+use crate::clear_mot::{ClearMot, Correspondence, Match, ScoredPosition};
 use crate::id_f1::{IdentityCounts, IdentityScore};
 use crate::tracked_frame::{TrackState, TrackedFrame, TrueObject};
 use crate::true_shape::Symmetry;
@@ -11,7 +11,7 @@ pub const GATE_M: f64 = 0.05;
 /// Minimum jump of a track's orientation relative to its object that counts as a flip, radians.
 const FLIP_RAD: f64 = std::f64::consts::PI / 6.0;
 /// Distances from the camera counted as 1 m, metres.
-const ONE_METRE: std::ops::RangeInclusive<f64> = 0.8..=1.2;
+const ONE_METRE_RANGE_M: std::ops::RangeInclusive<f64> = 0.8..=1.2;
 
 /// Tracking metrics of one run or of several.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -21,7 +21,7 @@ pub struct TrackingScore {
     /// Identity score.
     pub identity: IdentityScore,
     /// Errors of matched tracks, relative to the box of the surface seen so far.
-    pub errors: Errors,
+    pub errors: PoseErrors,
     /// Number of frames in which a published orientation jumped relative to its object.
     pub n_flips: u64,
     /// Number of objects scored in at least one frame.
@@ -41,7 +41,7 @@ pub struct TrackingScore {
 
 /// Pose errors of single frames.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Errors {
+pub struct PoseErrors {
     /// Distance between the box centres, millimetres.
     pub centre_mm: Vec<f64>,
     /// Distance between the box centres for objects 0.8 to 1.2 m away, millimetres.
@@ -65,7 +65,7 @@ impl TrackingScore {
     /// Metrics of the frames of one run in order, and the matches of each frame as indices of its
     /// objects and tracks.
     pub fn of(frames: &[TrackedFrame]) -> (Self, Vec<Vec<Match>>) {
-        let mut scorer = Scorer::new();
+        let mut scorer = TrackingScorer::new();
         let matches: Vec<Vec<Match>> = frames.iter().map(|frame| scorer.step(frame)).collect();
         scorer.finish(frames);
         (scorer.score, matches)
@@ -91,7 +91,7 @@ impl TrackingScore {
     }
 }
 
-impl Errors {
+impl PoseErrors {
     fn add(&mut self, other: &Self) {
         let Self {
             centre_mm,
@@ -120,7 +120,7 @@ impl Errors {
         };
         let apart = centre - seen_box.centre();
         self.centre_mm.push(1e3 * apart.norm());
-        if ONE_METRE.contains(&object.range_m) {
+        if ONE_METRE_RANGE_M.contains(&object.range_m) {
             self.centre_at_1_m_mm.push(1e3 * apart.norm());
         }
         self.horizontal_mm.push(1e3 * apart.xy().norm());
@@ -142,7 +142,7 @@ impl Errors {
 }
 
 /// Accumulator over the frames of a run.
-struct Scorer {
+struct TrackingScorer {
     score: TrackingScore,
     correspondence: Correspondence,
     identities: IdentityCounts,
@@ -154,7 +154,7 @@ struct Scorer {
     believed: BTreeSet<u64>,
 }
 
-impl Scorer {
+impl TrackingScorer {
     fn new() -> Self {
         Self {
             score: TrackingScore::default(),
@@ -171,12 +171,20 @@ impl Scorer {
         let outputs: Vec<usize> = (0..frame.tracks.len())
             .filter(|i| frame.tracks[*i].is_output)
             .collect();
-        let objects: Vec<Placed> = frame.objects.iter().map(TrueObject::placed).collect();
-        let placed = outputs.iter().map(|i| frame.tracks[*i].placed());
-        let placed: Vec<Placed> = placed.collect();
-        let matches = self.correspondence.step(&objects, &placed).to_vec();
-        self.count_identities(&objects, &placed, &matches);
-        self.believed.extend(placed.iter().map(|track| track.id));
+        let objects: Vec<ScoredPosition> = frame
+            .objects
+            .iter()
+            .map(TrueObject::scored_position)
+            .collect();
+        let scored_position = outputs.iter().map(|i| frame.tracks[*i].scored_position());
+        let scored_position: Vec<ScoredPosition> = scored_position.collect();
+        let matches = self
+            .correspondence
+            .step(&objects, &scored_position)
+            .to_vec();
+        self.count_identities(&objects, &scored_position, &matches);
+        self.believed
+            .extend(scored_position.iter().map(|track| track.id));
         let matches: Vec<Match> = matches
             .into_iter()
             .map(|Match { object, track }| Match {
@@ -188,7 +196,12 @@ impl Scorer {
         matches
     }
 
-    fn count_identities(&mut self, objects: &[Placed], tracks: &[Placed], matches: &[Match]) {
+    fn count_identities(
+        &mut self,
+        objects: &[ScoredPosition],
+        tracks: &[ScoredPosition],
+        matches: &[Match],
+    ) {
         let counted = || objects.iter().filter(|object| object.counts);
         for object in counted() {
             self.identities.add_object(object.id);
@@ -202,7 +215,7 @@ impl Scorer {
             self.identities.add_track(track.id);
             for object in counted() {
                 if (object.position - track.position).norm() <= GATE_M {
-                    self.identities.add_together(object.id, track.id);
+                    self.identities.add_common_frame(object.id, track.id);
                 }
             }
         }

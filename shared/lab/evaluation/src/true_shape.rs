@@ -11,11 +11,11 @@ const CELL_M: f32 = 0.001;
 /// Change of the up direction in the object frame that rebuilds an outline, radians.
 const TILT_RAD: f64 = 0.004;
 /// Directional footprint: minimum growth of the bounding rectangle's area when rotated by
-/// [`SHARP_TURN_RAD`]. Chosen.
-const SHARP_GROWTH: f64 = 1.15;
-const SHARP_TURN_RAD: f64 = PI / 12.0;
+/// [`DIRECTIONAL_TURN_RAD`]. Chosen.
+const DIRECTIONAL_GROWTH_MIN: f64 = 1.15;
+const DIRECTIONAL_TURN_RAD: f64 = PI / 12.0;
 /// Ratio of sides below which they count as equal. Chosen.
-const EQUAL_SIDES: f64 = 1.1;
+const EQUAL_SIDES_RATIO_MAX: f64 = 1.1;
 
 /// Rotational symmetry of an upright bounding box about the vertical.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -80,11 +80,11 @@ impl WholeShape {
                 self.outline.add(point);
             }
             let smallest = self.outline.smallest_box()?;
-            let growth = self.outline.growth_when_turned(SHARP_TURN_RAD)?;
+            let growth = self.outline.growth_when_turned(DIRECTIONAL_TURN_RAD)?;
             let sides = smallest.half_sides_m;
-            let symmetry = if growth < SHARP_GROWTH {
+            let symmetry = if growth < DIRECTIONAL_GROWTH_MIN {
                 Symmetry::Round
-            } else if sides.x < EQUAL_SIDES * sides.y {
+            } else if sides.x < EQUAL_SIDES_RATIO_MAX * sides.y {
                 Symmetry::Quarter
             } else {
                 Symmetry::Half
@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn a_tilt_is_never_forgiven() {
+    fn tilt_is_never_symmetric() {
         let tilted = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), 0.2);
         for symmetry in [Symmetry::Round, Symmetry::Quarter, Symmetry::Half] {
             let deviation_rad = symmetry.deviation_rad(&tilted, &UnitQuaternion::identity());

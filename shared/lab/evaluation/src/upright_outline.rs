@@ -173,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_on_its_side_stands_upright_in_its_box() {
+    fn box_is_upright_for_a_tipped_object() {
         let tipped = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), FRAC_PI_2);
         let up = tipped.inverse() * Vector3::z_axis();
         let mut outline = UprightOutline::new(&up);
@@ -191,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn a_box_is_sharp_and_a_cylinder_is_not() {
+    fn growth_distinguishes_a_box_from_a_cylinder() {
         let mut square = UprightOutline::new(&Vector3::z_axis());
         corners([0.1, 0.1, 0.1]).for_each(|corner| square.add(&corner));
         let mut round = UprightOutline::new(&Vector3::z_axis());

@@ -28,7 +28,7 @@ fn line(name: &str, score: &SegmentationScore) -> String {
 
 #[test]
 #[ignore = "needs TABULA_DATA"]
-fn objects_of_labelled_scenes_are_found() {
+fn detection_finds_the_objects_of_labelled_scenes() {
     let (mut workspace, mut detection) = (Workspace::default(), Detection::default());
     let mut scores = Vec::new();
     let scenes = scenes();

@@ -76,7 +76,7 @@ fn round(point: &mut Point) {
 
 #[test]
 #[ignore = "needs TABULA_DATA"]
-fn scenes_without_their_grid_are_segmented_as_well() {
+fn unorganized_segmentation_agrees_with_organized() {
     let mut workspace = Workspace::default();
     let (mut agreed, mut f50, mut n) = ([0.0; 3], [0.0; 4], 0.0);
     for path in scenes() {
@@ -95,20 +95,20 @@ fn scenes_without_their_grid_are_segmented_as_well() {
             .collect();
         print!("{:?} {:.3}", path.file_stem().unwrap(), truth.f50);
         // In order, shuffled, and rounded to millimetres.
-        for way in 0..3 {
-            if way == 1 {
+        for variant in 0..3 {
+            if variant == 1 {
                 shuffle(&mut kept);
             }
             let mut points: Vec<Point> = kept.iter().map(|&i| scene.points[i]).collect();
-            if way == 2 {
+            if variant == 2 {
                 points.iter_mut().for_each(round);
             }
             let detection = found(&points, points.len(), &mut workspace);
             let off_grid = segments(&detection, |i| kept[i], n_pixels);
             let same = agreement(&on_grid, &off_grid);
             let f = score(&off_grid, &labels).map_or(0.0, |score| score.f50);
-            agreed[way] += same;
-            f50[way + 1] += f;
+            agreed[variant] += same;
+            f50[variant + 1] += f;
             print!(" | {same:.3} {f:.3} {}", detection.candidates.len());
         }
         println!();
@@ -130,7 +130,7 @@ fn world_from_camera(detection: &Detection) -> Option<Isometry3<f64>> {
 
 #[test]
 #[ignore = "needs TABULA_DATA"]
-fn scenes_in_the_frame_of_the_world_are_segmented_nearly_as_well() {
+fn unorganized_segmentation_in_the_world_frame_nearly_agrees() {
     let mut workspace = Workspace::default();
     let (mut agreed, mut wov, mut f50, mut n) = (0.0, [0.0; 2], [0.0; 2], 0.0);
     for path in scenes() {

@@ -1,16 +1,15 @@
 //! Latency budget: limits that a report must keep.
 
-use crate::percentiles::Percentiles;
-use crate::report::Report;
+use crate::duration_percentiles::DurationPercentiles;
+use crate::report::LatencyReport;
 use message::Stage;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::fmt;
 
 /// Limits of one latency distribution, milliseconds; `None` is unlimited.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-struct Limits {
+struct LatencyLimits {
     p50_ms: Option<f64>,
     p90_ms: Option<f64>,
     p99_ms: Option<f64>,
@@ -21,7 +20,7 @@ struct Limits {
 /// Limits of counts and shares of the whole run.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-struct Totals {
+struct TotalLimits {
     dropped_max: Option<u64>,
     not_captured_max: Option<u64>,
     cores_max: Option<f64>,
@@ -32,10 +31,10 @@ struct Totals {
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 struct RawBudget {
-    total: Totals,
-    end_to_end: Limits,
-    object_label: Limits,
-    stages: BTreeMap<String, Limits>,
+    total: TotalLimits,
+    end_to_end: LatencyLimits,
+    object_label: LatencyLimits,
+    stages: BTreeMap<String, LatencyLimits>,
 }
 
 /// Validated latency budget: limits per stage and percentile.
@@ -43,20 +42,13 @@ struct RawBudget {
 pub struct Budget(RawBudget);
 
 /// Error of a budget file.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
 pub struct InvalidBudget(String);
-
-impl fmt::Display for InvalidBudget {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for InvalidBudget {}
 
 /// Figure that exceeds its limit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Excess {
+pub struct BudgetViolation {
     /// Name of the figure, such as `end_to_end p99`.
     pub what: String,
     /// Measured value; milliseconds for durations.
@@ -65,7 +57,7 @@ pub struct Excess {
     pub limit: f64,
 }
 
-impl Limits {
+impl LatencyLimits {
     fn named(&self) -> [Option<f64>; 5] {
         [
             self.p50_ms,
@@ -94,7 +86,7 @@ impl Budget {
             .stages
             .values()
             .chain([&raw.end_to_end, &raw.object_label]);
-        let times = all.flat_map(Limits::named).flatten();
+        let times = all.flat_map(LatencyLimits::named).flatten();
         let shares = [raw.total.cores_max, raw.total.measuring_share_max];
         for limit in times.chain(shares.into_iter().flatten()) {
             if !(limit.is_finite() && limit > 0.0) {
@@ -108,26 +100,26 @@ impl Budget {
 
     /// Figures over their limits. A stage with a limit but without samples is a violation:
     /// nothing shows that it keeps its limit.
-    pub fn excesses(&self, report: &Report) -> Vec<Excess> {
+    pub fn violations(&self, report: &LatencyReport) -> Vec<BudgetViolation> {
         let Self(raw) = self;
-        let mut excesses = over_totals(&raw.total, report);
-        excesses.extend(over("end_to_end", &raw.end_to_end, &report.end_to_end_ms));
-        excesses.extend(over(
+        let mut violations = over_totals(&raw.total, report);
+        violations.extend(over("end_to_end", &raw.end_to_end, &report.end_to_end_ms));
+        violations.extend(over(
             "object_label",
             &raw.object_label,
             &report.object_label_ms,
         ));
         for (word, limits) in &raw.stages {
             match report.stages.get(word) {
-                Some(stage) => excesses.extend(over(word, limits, &stage.ms)),
-                None => excesses.push(Excess {
+                Some(stage) => violations.extend(over(word, limits, &stage.ms)),
+                None => violations.push(BudgetViolation {
                     what: format!("{word} was never passed"),
                     measured: 0.0,
                     limit: 0.0,
                 }),
             }
         }
-        excesses
+        violations
     }
 }
 
@@ -139,12 +131,16 @@ fn no_stage(word: &str) -> InvalidBudget {
     ))
 }
 
-fn over(what: &str, limits: &Limits, measured: &Percentiles) -> Vec<Excess> {
-    let named = Percentiles::NAMED.iter().zip(limits.named());
+fn over(
+    what: &str,
+    limits: &LatencyLimits,
+    measured: &DurationPercentiles,
+) -> Vec<BudgetViolation> {
+    let named = DurationPercentiles::NAMED.iter().zip(limits.named());
     named
         .filter_map(|((name, get), limit)| {
             let (measured, limit) = (get(measured), limit?);
-            (measured > limit).then(|| Excess {
+            (measured > limit).then(|| BudgetViolation {
                 what: format!("{what} {name}"),
                 measured,
                 limit,
@@ -153,7 +149,7 @@ fn over(what: &str, limits: &Limits, measured: &Percentiles) -> Vec<Excess> {
         .collect()
 }
 
-fn over_totals(totals: &Totals, report: &Report) -> Vec<Excess> {
+fn over_totals(totals: &TotalLimits, report: &LatencyReport) -> Vec<BudgetViolation> {
     let number = |limit: Option<u64>| limit.map(|limit| limit as f64);
     let figures = [
         (
@@ -174,14 +170,14 @@ fn over_totals(totals: &Totals, report: &Report) -> Vec<Excess> {
         (
             "share of the measuring",
             totals.measuring_share_max,
-            report.measuring.share_of_frame,
+            report.overhead.share_of_frame,
         ),
     ];
     figures
         .into_iter()
         .filter_map(|(what, limit, measured)| {
             let limit = limit?;
-            (measured > limit).then(|| Excess {
+            (measured > limit).then(|| BudgetViolation {
                 what: what.to_owned(),
                 measured,
                 limit,
@@ -195,8 +191,8 @@ mod tests {
     use super::*;
     use crate::report::StageReport;
 
-    fn report() -> Report {
-        let ms = Percentiles {
+    fn report() -> LatencyReport {
+        let ms = DurationPercentiles {
             p50: 5.0,
             p90: 6.0,
             p99: 9.0,
@@ -207,21 +203,21 @@ mod tests {
             ms,
             ..StageReport::default()
         };
-        Report {
+        LatencyReport {
             dropped: 2,
             end_to_end_ms: ms,
             stages: [("detection".to_owned(), detection)].into(),
-            ..Report::default()
+            ..LatencyReport::default()
         }
     }
 
     fn over(text: &str) -> Vec<String> {
-        let excesses = Budget::parse(text).unwrap().excesses(&report());
-        excesses.into_iter().map(|excess| excess.what).collect()
+        let violations = Budget::parse(text).unwrap().violations(&report());
+        violations.into_iter().map(|excess| excess.what).collect()
     }
 
     #[test]
-    fn what_is_over_its_limit_is_named() {
+    fn violations_name_the_figure_over_its_limit() {
         assert_eq!(over(""), Vec::<String>::new());
         let text = "[end_to_end]\np50_ms = 8\np99_ms = 8.5\n[total]\ndropped_max = 0";
         assert_eq!(over(text), ["dropped frames", "end_to_end p99"]);
@@ -232,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_budget_is_refused_with_its_rule() {
+    fn invalid_budgets_are_refused_with_the_rule() {
         for (text, word) in [
             ("[stages.detecton]\np50_ms = 1", "detecton"),
             ("[end_to_end]\np95_ms = 1", "p95_ms"),

@@ -7,19 +7,19 @@
 //! such as the placement of memory, is not visible in a single run: repeat the runs to measure
 //! it.
 
-use crate::batches::Batch;
-use crate::report::Report;
+use crate::batch_means::Batch;
+use crate::report::LatencyReport;
 use message::Stage;
 use serde::Serialize;
 
 /// Smallest relative difference that is decided. Chosen: from run to run the same program differs
 /// as much.
-const LEAST_SHARE: f64 = 0.03;
+const RELATIVE_DIFFERENCE_MIN: f64 = 0.03;
 
 /// Outcome of a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Verdict {
+pub enum ComparisonVerdict {
     /// The new report is significantly faster.
     Faster,
     /// The new report is significantly slower.
@@ -28,7 +28,7 @@ pub enum Verdict {
     Undecided,
 }
 
-impl Verdict {
+impl ComparisonVerdict {
     /// Word for the text report.
     pub fn word(self) -> &'static str {
         match self {
@@ -44,7 +44,7 @@ impl Verdict {
 pub struct Comparison {
     /// `end_to_end` or the stage's name.
     pub what: String,
-    /// `p50`, `p90` or `p99`.
+    /// Name of the percentile: `p50`, `p90` or `p99`.
     pub percentile: &'static str,
     /// Mean over the batches of the old report, milliseconds.
     pub before_ms: f64,
@@ -55,11 +55,11 @@ pub struct Comparison {
     /// 95 % confidence interval of the ratio.
     pub ratio_interval: [f64; 2],
     /// Outcome.
-    pub verdict: Verdict,
+    pub verdict: ComparisonVerdict,
 }
 
 /// Compares end-to-end latency and every stage that both reports contain.
-pub fn compare(before: &Report, now: &Report) -> Vec<Comparison> {
+pub fn compare(before: &LatencyReport, now: &LatencyReport) -> Vec<Comparison> {
     let whole = (
         "end_to_end",
         &before.end_to_end_batches,
@@ -75,14 +75,14 @@ pub fn compare(before: &Report, now: &Report) -> Vec<Comparison> {
             Batch::NAMED.iter().filter_map(move |(name, get)| {
                 let before: Vec<f64> = before.iter().map(get).collect();
                 let now: Vec<f64> = now.iter().map(get).collect();
-                compared(what, name, &before, &now)
+                welch_comparison(what, name, &before, &now)
             })
         })
         .collect()
 }
 
 /// Welch's t-test of one percentile; `None` for fewer than three batches or a mean of 0.
-fn compared(
+fn welch_comparison(
     what: &str,
     percentile: &'static str,
     before: &[f64],
@@ -92,15 +92,15 @@ fn compared(
     if before.value <= 0.0 {
         return None;
     }
-    let half = half_interval(&before, &now);
+    let half = confidence_half_width(&before, &now);
     let difference = now.value - before.value;
     let ratio = |difference: f64| 1.0 + difference / before.value;
     let interval = [ratio(difference - half), ratio(difference + half)];
-    let is_small = (ratio(difference) - 1.0).abs() < LEAST_SHARE;
+    let is_small = (ratio(difference) - 1.0).abs() < RELATIVE_DIFFERENCE_MIN;
     let verdict = match interval {
-        [_, high] if high < 1.0 && !is_small => Verdict::Faster,
-        [low, _] if low > 1.0 && !is_small => Verdict::Slower,
-        _ => Verdict::Undecided,
+        [_, high] if high < 1.0 && !is_small => ComparisonVerdict::Faster,
+        [low, _] if low > 1.0 && !is_small => ComparisonVerdict::Slower,
+        _ => ComparisonVerdict::Undecided,
     };
     Some(Comparison {
         what: what.to_owned(),
@@ -138,21 +138,21 @@ impl Mean {
 }
 
 /// Half-width of the 95 % confidence interval of the difference of two means.
-fn half_interval(a: &Mean, b: &Mean) -> f64 {
+fn confidence_half_width(a: &Mean, b: &Mean) -> f64 {
     let variance = a.variance + b.variance;
     if variance == 0.0 {
         return 0.0;
     }
     let freedom =
         variance.powi(2) / (a.variance.powi(2) / (a.n - 1.0) + b.variance.powi(2) / (b.n - 1.0));
-    student(freedom) * variance.sqrt()
+    student_t_quantile(freedom) * variance.sqrt()
 }
 
 /// 97.5 % quantile of Student's t distribution: within 4 % from two degrees of freedom on, within
 /// 0.3 % from five on.
 ///
 /// *Source*: Abramowitz and Stegun, "Handbook of Mathematical Functions", 1964, 26.7.5.
-fn student(freedom: f64) -> f64 {
+fn student_t_quantile(freedom: f64) -> f64 {
     const Z: f64 = 1.959_963_985;
     let terms = [
         (Z.powi(3) + Z) / 4.0,
@@ -175,38 +175,44 @@ mod tests {
         (0..20).map(|i| mean * (1.0 + scatter(i))).collect()
     }
 
-    fn verdict(before: f64, now: f64) -> Verdict {
-        compared("detection", "p50", &parts(before, 1), &parts(now, 2))
+    fn verdict(before: f64, now: f64) -> ComparisonVerdict {
+        welch_comparison("detection", "p50", &parts(before, 1), &parts(now, 2))
             .unwrap()
             .verdict
     }
 
     #[test]
-    fn what_differs_by_more_than_its_scatter_is_decided() {
-        assert_eq!(verdict(10.0, 8.0), Verdict::Faster);
-        assert_eq!(verdict(10.0, 12.0), Verdict::Slower);
-        assert_eq!(verdict(10.0, 10.0), Verdict::Undecided);
-        assert_eq!(verdict(10.0, 10.2), Verdict::Undecided);
+    fn differences_beyond_the_scatter_are_significant() {
+        assert_eq!(verdict(10.0, 8.0), ComparisonVerdict::Faster);
+        assert_eq!(verdict(10.0, 12.0), ComparisonVerdict::Slower);
+        assert_eq!(verdict(10.0, 10.0), ComparisonVerdict::Undecided);
+        assert_eq!(verdict(10.0, 10.2), ComparisonVerdict::Undecided);
     }
 
     #[test]
-    fn the_interval_holds_the_ratio() {
-        let found = compared("x", "p99", &parts(10.0, 1), &parts(9.0, 5)).unwrap();
+    fn confidence_interval_contains_the_ratio() {
+        let found = welch_comparison("x", "p99", &parts(10.0, 1), &parts(9.0, 5)).unwrap();
         let [low, high] = found.ratio_interval;
         assert!(low < found.ratio && found.ratio < high);
         assert!((found.ratio - 0.9).abs() < 0.05, "{found:?}");
     }
 
     #[test]
-    fn too_little_says_nothing() {
-        assert_eq!(compared("x", "p50", &[1.0, 2.0], &parts(1.0, 1)), None);
-        assert_eq!(compared("x", "p50", &[0.0; 5], &parts(1.0, 1)), None);
+    fn too_few_batches_give_no_comparison() {
+        assert_eq!(
+            welch_comparison("x", "p50", &[1.0, 2.0], &parts(1.0, 1)),
+            None
+        );
+        assert_eq!(
+            welch_comparison("x", "p50", &[0.0; 5], &parts(1.0, 1)),
+            None
+        );
     }
 
     #[test]
-    fn students_points_are_those_of_the_tables() {
+    fn student_t_quantiles_agree_with_tables() {
         for (freedom, expected) in [(5.0, 2.571), (10.0, 2.228), (30.0, 2.042), (1e6, 1.960)] {
-            let found = student(freedom);
+            let found = student_t_quantile(freedom);
             assert!(
                 (found - expected).abs() < 0.003 * expected,
                 "{freedom}: {found}"
@@ -215,18 +221,22 @@ mod tests {
     }
 
     #[test]
-    fn the_same_report_is_undecided_everywhere() {
+    fn a_report_compared_with_itself_is_undecided() {
         let part = |i: u32| Batch {
             p50: f64::from(i),
             p90: f64::from(i) * 1.5,
             p99: f64::from(i) * 2.0,
         };
-        let report = Report {
+        let report = LatencyReport {
             end_to_end_batches: (10..30).map(part).collect(),
-            ..Report::default()
+            ..LatencyReport::default()
         };
         let found = compare(&report, &report);
         assert_eq!(found.len(), 3);
-        assert!(found.iter().all(|c| c.verdict == Verdict::Undecided));
+        assert!(
+            found
+                .iter()
+                .all(|c| c.verdict == ComparisonVerdict::Undecided)
+        );
     }
 }

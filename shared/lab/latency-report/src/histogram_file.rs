@@ -9,7 +9,6 @@ use hdrhistogram::serialization::interval_log::{
 };
 use hdrhistogram::serialization::{Deserializer, V2DeflateSerializer};
 use std::collections::BTreeMap;
-use std::fmt;
 use std::time::Duration;
 
 /// Significant digits of the recorded values.
@@ -23,18 +22,11 @@ const END_TO_END: &str = "end_to_end";
 pub struct Histograms(BTreeMap<String, Histogram<u64>>);
 
 /// Error of writing or reading a histogram file.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("no histogram file: {0}")]
 pub struct HistogramFileError(String);
 
-impl fmt::Display for HistogramFileError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "no histogram file: {}", self.0)
-    }
-}
-
-impl std::error::Error for HistogramFileError {}
-
-fn failed(cause: impl fmt::Debug) -> HistogramFileError {
+fn failed(cause: impl std::fmt::Debug) -> HistogramFileError {
     HistogramFileError(format!("{cause:?}"))
 }
 
@@ -157,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_holds_what_was_written_to_three_digits() {
+    fn histograms_survive_a_round_trip_to_three_digits() {
         let written = histograms(1000);
         let read = Histograms::parse(&written.to_text(33.0).unwrap()).unwrap();
         let names: Vec<_> = read
@@ -182,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_file_is_refused() {
+    fn malformed_files_are_refused() {
         for text in [
             "",
             "rubbish",

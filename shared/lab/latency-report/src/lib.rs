@@ -35,40 +35,41 @@
 //! Invariants: this crate reads no clock, no file and no shared memory; messages in, figures and
 //! file contents out.
 
-mod batches;
+mod batch_means;
 mod budget;
 mod comparison;
-mod figures;
-mod gathering;
+mod coordinated_omission;
+mod duration_percentiles;
+mod frame_assembler;
+mod frame_timeline;
 mod histogram_file;
-mod measurement;
-mod open_loop;
-mod percentiles;
+mod latency_figures;
+mod latency_recorder;
 mod report;
+mod resource_usage;
+mod slowest_frames;
 mod soak;
 mod sum_check;
 mod sweep;
-mod timeline;
-mod usage;
-mod way;
-mod worst;
+mod trace_event;
 
-pub use batches::Batch;
-pub use budget::{Budget, Excess, InvalidBudget};
-pub use comparison::{Comparison, Verdict, compare};
-pub use figures::{percentile_figure, time_figure};
-pub use gathering::Gathering;
+pub use batch_means::Batch;
+pub use budget::{Budget, BudgetViolation, InvalidBudget};
+pub use comparison::{Comparison, ComparisonVerdict, compare};
+pub use coordinated_omission::MissedFrames;
+pub use duration_percentiles::{DurationPercentiles, NamedPercentile};
+pub use frame_assembler::FrameAssembler;
+pub use frame_timeline::{FrameTimeline, StageInterval};
 pub use histogram_file::{HistogramFileError, Histograms};
-pub use measurement::Measurement;
-pub use open_loop::OpenLoop;
-pub use percentiles::{NamedPercentile, Percentiles};
+pub use latency_figures::{percentile_figure, time_figure};
+pub use latency_recorder::LatencyRecorder;
 pub use report::{
-    Conditions, Measuring, Objects, ProcessReport, Report, SharedMemoryReport, StageReport,
+    Conditions, LatencyReport, MeasurementOverhead, ObjectCounts, ProcessReport,
+    SharedMemoryReport, StageReport,
 };
-pub use soak::{Growth, SoakWindow, growths, soak_figure};
+pub use resource_usage::ResourceUsage;
+pub use slowest_frames::WorstFrame;
+pub use soak::{Growth, SoakWindow, find_growth, soak_figure};
 pub use sum_check::SumCheck;
 pub use sweep::{SweepRow, sweep_figure};
-pub use timeline::timeline;
-pub use usage::Usage;
-pub use way::{FrameWay, Passage};
-pub use worst::WorstFrame;
+pub use trace_event::chrome_trace;

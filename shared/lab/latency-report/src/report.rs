@@ -1,11 +1,11 @@
 //! Latency report document (JSON).
 
-use crate::batches::{Batch, batches};
-use crate::measurement::{Measurement, StageSamples};
-use crate::percentiles::Percentiles;
+use crate::batch_means::{Batch, batch_percentiles};
+use crate::duration_percentiles::DurationPercentiles;
+use crate::latency_recorder::{LatencyRecorder, StageSamples};
+use crate::resource_usage::ResourceUsage;
+use crate::slowest_frames::WorstFrame;
 use crate::sum_check::SumCheck;
-use crate::usage::Usage;
-use crate::worst::WorstFrame;
 use message::Stage;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -67,7 +67,7 @@ pub struct SharedMemoryReport {
 
 /// Overhead of the measurement itself.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct Measuring {
+pub struct MeasurementOverhead {
     /// Spans per frame, all processes.
     pub spans_per_frame: f64,
     /// Cost of measuring one stage, as timed on this computer, nanoseconds.
@@ -84,7 +84,7 @@ pub struct Measuring {
 
 /// Number of objects per frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub struct Objects {
+pub struct ObjectCounts {
     /// Mean number.
     pub mean: f64,
     /// Maximum number.
@@ -96,18 +96,18 @@ pub struct Objects {
 pub struct StageReport {
     /// Durations of the stage, milliseconds.
     #[serde(flatten)]
-    pub ms: Percentiles,
+    pub ms: DurationPercentiles,
     /// Number of intervals.
     pub count: u64,
     /// Resource usage of all intervals.
-    pub usage: Usage,
+    pub usage: ResourceUsage,
     /// Percentiles of each batch of the run.
     pub batches: Vec<Batch>,
 }
 
 /// Report of one latency measurement.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct Report {
+pub struct LatencyReport {
     /// Scheduled captures (frames that were due).
     pub frames: u64,
     /// Captured frames that got no labels.
@@ -119,19 +119,20 @@ pub struct Report {
     /// Length of the measurement, seconds.
     pub seconds: f64,
     /// Number of objects in the frames.
-    pub objects: Objects,
+    pub objects: ObjectCounts,
     /// Latency from scheduled capture to published labels.
-    pub end_to_end_ms: Percentiles,
+    pub end_to_end_ms: DurationPercentiles,
     /// End-to-end percentiles of each batch of the run.
     pub end_to_end_batches: Vec<Batch>,
     /// Latency from scheduled capture to the answer of each object's actor.
-    pub object_label_ms: Percentiles,
+    pub object_label_ms: DurationPercentiles,
     /// Stages by name.
     pub stages: BTreeMap<String, StageReport>,
     /// Consistency check of stage durations against end-to-end latency.
     pub sum_check: SumCheck,
     /// Overhead of the measurement.
-    pub measuring: Measuring,
+    #[serde(rename = "measuring")]
+    pub overhead: MeasurementOverhead,
     /// Ten slowest frames, slowest first.
     pub worst: Vec<WorstFrame>,
     /// Conditions of the measurement.
@@ -139,16 +140,20 @@ pub struct Report {
     pub conditions: Conditions,
 }
 
-impl Report {
+impl LatencyReport {
     /// Report of a recorded measurement. `overhead` gives the cost of a stage and the counts of
     /// lost spans; its other fields are computed here.
-    pub fn new(measurement: &Measurement, measuring: &Measuring, conditions: Conditions) -> Self {
-        let open_loop = measurement.open_loop();
-        let n_frames = measurement.n_frames();
-        let n_missed = open_loop.n_dropped + open_loop.n_not_captured;
-        let end_to_end_ms = Percentiles::of(&mut measurement.end_to_end_ns(&open_loop));
-        let mut labels_ns: Vec<u64> = measurement.labels.iter().map(|label| label.ns).collect();
-        let stages: BTreeMap<_, _> = measurement
+    pub fn new(
+        recorder: &LatencyRecorder,
+        overhead: &MeasurementOverhead,
+        conditions: Conditions,
+    ) -> Self {
+        let missed = recorder.missed();
+        let n_frames = recorder.n_frames();
+        let n_missed = missed.n_dropped + missed.n_not_captured;
+        let end_to_end_ms = DurationPercentiles::of(&mut recorder.end_to_end_ns(&missed));
+        let mut labels_ns: Vec<u64> = recorder.labels.iter().map(|label| label.ns).collect();
+        let stages: BTreeMap<_, _> = recorder
             .stages
             .iter()
             .map(|(stage, samples)| (*stage, stage_report(samples, n_frames)))
@@ -159,20 +164,20 @@ impl Report {
             .collect();
         Self {
             frames: n_frames as u64 + n_missed,
-            dropped: open_loop.n_dropped,
-            not_captured: open_loop.n_not_captured,
-            period_ms: open_loop.period_ns as f64 / 1e6,
-            seconds: measurement.span_ns() as f64 / 1e9,
-            objects: Objects {
-                mean: measurement.n_objects as f64 / n_frames.max(1) as f64,
-                max: measurement.n_objects_max,
+            dropped: missed.n_dropped,
+            not_captured: missed.n_not_captured,
+            period_ms: missed.period_ns as f64 / 1e6,
+            seconds: recorder.span_ns() as f64 / 1e9,
+            objects: ObjectCounts {
+                mean: recorder.n_objects as f64 / n_frames.max(1) as f64,
+                max: recorder.n_objects_max,
             },
             end_to_end_ms,
-            end_to_end_batches: batches(&measurement.end_to_end, n_frames),
-            object_label_ms: Percentiles::of(&mut labels_ns),
-            sum_check: measurement.check,
-            measuring: measuring_costs(measuring, measurement, end_to_end_ms.p50),
-            worst: measurement.suspects.told(&usual_ns),
+            end_to_end_batches: batch_percentiles(&recorder.end_to_end, n_frames),
+            object_label_ms: DurationPercentiles::of(&mut labels_ns),
+            sum_check: recorder.check,
+            overhead: measurement_overhead(overhead, recorder, end_to_end_ms.p50),
+            worst: recorder.slowest.explain(&usual_ns),
             stages: stages
                 .into_iter()
                 .map(|(stage, report)| (stage.word().to_owned(), report))
@@ -198,35 +203,39 @@ impl Report {
 fn stage_report(stage: &StageSamples, n_frames: usize) -> StageReport {
     let mut durations_ns: Vec<u64> = stage.samples.iter().map(|sample| sample.ns).collect();
     StageReport {
-        ms: Percentiles::of(&mut durations_ns),
+        ms: DurationPercentiles::of(&mut durations_ns),
         count: durations_ns.len() as u64,
         usage: stage.usage,
-        batches: batches(&stage.samples, n_frames),
+        batches: batch_percentiles(&stage.samples, n_frames),
     }
 }
 
 /// Computes the measurement overhead: a stage in which a thread worked costs one reading of its
 /// counters, all other stages only time stamps that are taken anyway; sending the spans is a
 /// stage of its own.
-fn measuring_costs(measuring: &Measuring, measurement: &Measurement, frame_ms: f64) -> Measuring {
-    let n_frames = measurement.n_frames().max(1) as f64;
-    let n_spans: usize = measurement
+fn measurement_overhead(
+    overhead: &MeasurementOverhead,
+    recorder: &LatencyRecorder,
+    frame_ms: f64,
+) -> MeasurementOverhead {
+    let n_frames = recorder.n_frames().max(1) as f64;
+    let n_spans: usize = recorder
         .stages
         .values()
         .map(|stage| stage.samples.len())
         .sum();
-    let telling = measurement.stages.get(&Stage::Telling);
+    let telling = recorder.stages.get(&Stage::Telling);
     let telling_ns: u64 = telling.map_or(0, |telling| {
         telling.samples.iter().map(|sample| sample.ns).sum()
     });
-    let n_worked: u64 = measurement
+    let n_worked: u64 = recorder
         .stages
         .values()
         .map(|stage| stage.usage.worked)
         .sum();
-    let cost_ns = n_worked as f64 * measuring.stage_cost_ns + telling_ns as f64;
+    let cost_ns = n_worked as f64 * overhead.stage_cost_ns + telling_ns as f64;
     let cost_per_frame_ms = cost_ns / n_frames / 1e6;
-    Measuring {
+    MeasurementOverhead {
         spans_per_frame: n_spans as f64 / n_frames,
         cost_per_frame_ms,
         share_of_frame: if frame_ms > 0.0 {
@@ -234,21 +243,25 @@ fn measuring_costs(measuring: &Measuring, measurement: &Measurement, frame_ms: f
         } else {
             0.0
         },
-        ..measuring.clone()
+        ..overhead.clone()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::way::examples::frame;
+    use crate::frame_timeline::test_frames::frame;
 
-    fn report() -> Report {
-        let mut measurement = Measurement::new(0);
+    fn report() -> LatencyReport {
+        let mut recorder = LatencyRecorder::new(0);
         for sequence in (0..200).filter(|sequence| *sequence != 77) {
-            measurement.add(frame(sequence, sequence * 33_000_000, sequence * 1000));
+            recorder.add(frame(sequence, sequence * 33_000_000, sequence * 1000));
         }
-        Report::new(&measurement, &Measuring::default(), Conditions::default())
+        LatencyReport::new(
+            &recorder,
+            &MeasurementOverhead::default(),
+            Conditions::default(),
+        )
     }
 
     #[test]
@@ -262,7 +275,10 @@ mod tests {
             assert!(document["stages"]["detection"][percentile].is_f64());
         }
         assert!(document.get("machine").is_some());
-        assert_eq!(serde_json::from_value::<Report>(document).unwrap(), report);
+        assert_eq!(
+            serde_json::from_value::<LatencyReport>(document).unwrap(),
+            report
+        );
     }
 
     #[test]

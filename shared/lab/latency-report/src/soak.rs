@@ -1,25 +1,25 @@
 //! Soak test analysis: detects growth of memory, files and latency over a long run.
 
-use crate::percentiles::Percentiles;
+use crate::duration_percentiles::DurationPercentiles;
 use crate::report::ProcessReport;
 use plot::DrawingError;
-use plot::figure::{Axis, Color, Curve, Diagram, Legend, in_columns};
+use plot::diagram::{Axis, Color, Curve, Diagram, Legend, in_columns};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
 /// Tolerated growth of resident memory from the second quarter to the last: relative share, or
 /// megabytes if that is more. Chosen: allocators keep freed memory, and slots of shared memory
 /// count as resident only after first use.
-const MEMORY_SHARE: f64 = 0.05;
-const MEMORY_MB: f64 = 2.0;
+const MEMORY_GROWTH_SHARE: f64 = 0.05;
+const MEMORY_GROWTH_MB: f64 = 2.0;
 /// Tolerated growth of the number of open files. Chosen: the database creates tables and merges
 /// them again.
-const OPEN_FILES: f64 = 3.0;
+const OPEN_FILES_GROWTH: f64 = 3.0;
 /// Tolerated ratio of the p99 latency in the last quarter to that in the second. Chosen.
-const LATENCY_RATIO: f64 = 1.5;
+const LATENCY_RATIO_MAX: f64 = 1.5;
 /// Tolerated drift of the wall clock against the monotonic clock, parts per million: clock
 /// discipline adjusts by less than 500.
-const DRIFT_PPM: f64 = 500.0;
+const DRIFT_PPM_MAX: f64 = 500.0;
 
 /// Statistics of one window of a soak run.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -33,7 +33,7 @@ pub struct SoakWindow {
     /// Scheduled captures without a frame from the source.
     pub not_captured: u64,
     /// Latency from scheduled capture to published labels.
-    pub end_to_end_ms: Percentiles,
+    pub end_to_end_ms: DurationPercentiles,
     /// Processes at the end of the window, with their usage within it.
     pub processes: Vec<ProcessReport>,
     /// Shared memory used by the domain, bytes.
@@ -51,7 +51,7 @@ pub struct Growth {
 
 /// Compares the last quarter of the run with the second; the first is warm-up. Returns nothing
 /// for fewer than eight windows.
-pub fn growths(windows: &[SoakWindow]) -> Vec<Growth> {
+pub fn find_growth(windows: &[SoakWindow]) -> Vec<Growth> {
     let quarter = windows.len() / 4;
     if quarter < 2 {
         return Vec::new();
@@ -68,7 +68,7 @@ pub fn growths(windows: &[SoakWindow]) -> Vec<Growth> {
         }
         let files = |part| mean(part, |w| of(w, &process).map(|p| p.open_files as f64));
         let (then, now) = (files(before), files(last));
-        if now > then + OPEN_FILES {
+        if now > then + OPEN_FILES_GROWTH {
             sentences.push(format!(
                 "{process} has {now:.0} files open, {then:.0} before"
             ));
@@ -83,7 +83,7 @@ pub fn growths(windows: &[SoakWindow]) -> Vec<Growth> {
     }
     let slow = |part| mean(part, |w| Some(w.end_to_end_ms.p99));
     let (then, now) = (slow(before), slow(last));
-    if now > LATENCY_RATIO * then {
+    if now > LATENCY_RATIO_MAX * then {
         sentences.push(format!("the p99 has grown from {then:.2} to {now:.2} ms"));
     }
     sentences.extend(drift(windows));
@@ -95,13 +95,13 @@ pub fn growths(windows: &[SoakWindow]) -> Vec<Growth> {
 
 /// `true` if memory (megabytes) has grown beyond the tolerance.
 fn has_grown(then: f64, now: f64) -> bool {
-    now - then > MEMORY_MB.max(MEMORY_SHARE * then)
+    now - then > MEMORY_GROWTH_MB.max(MEMORY_GROWTH_SHARE * then)
 }
 
 fn drift(windows: &[SoakWindow]) -> Option<String> {
     let last = windows.last()?;
     let ppm = last.clock_drift_ns as f64 / (last.at_s * 1e3).max(1.0);
-    (ppm.abs() > DRIFT_PPM).then(|| {
+    (ppm.abs() > DRIFT_PPM_MAX).then(|| {
         format!(
             "wall clock and monotonic clock have drifted apart by {:.1} ms, {ppm:.0} parts of a \
              million",
@@ -139,7 +139,7 @@ pub fn soak_figure(windows: &[SoakWindow]) -> Result<String, DrawingError> {
         });
         curves.collect::<Vec<_>>()
     };
-    let latency = Percentiles::NAMED.iter().enumerate();
+    let latency = DurationPercentiles::NAMED.iter().enumerate();
     let latency = latency.map(|(index, (name, get))| {
         over_time(windows, name, index, |window| {
             Some(get(&window.end_to_end_ms))
@@ -205,9 +205,9 @@ mod tests {
                     open_files: 150,
                     ..ProcessReport::default()
                 }],
-                end_to_end_ms: Percentiles {
+                end_to_end_ms: DurationPercentiles {
                     p99: 9.0 + (i % 3) as f64,
-                    ..Percentiles::default()
+                    ..DurationPercentiles::default()
                 },
                 ..SoakWindow::default()
             };
@@ -218,22 +218,22 @@ mod tests {
     }
 
     fn told(change: impl Fn(usize, &mut SoakWindow)) -> Vec<String> {
-        let grown = growths(&windows(change));
+        let grown = find_growth(&windows(change));
         grown.into_iter().map(|growth| growth.sentence).collect()
     }
 
     #[test]
-    fn what_stays_as_it_is_has_not_grown() {
+    fn constant_windows_show_no_growth() {
         assert_eq!(told(|_, _| ()), Vec::<String>::new());
         let warming = |i: usize, w: &mut SoakWindow| {
             w.processes[0].resident_mb = if i < 8 { 20.0 } else { 30.0 };
         };
         assert_eq!(told(warming), Vec::<String>::new());
-        assert!(growths(&[]).is_empty());
+        assert!(find_growth(&[]).is_empty());
     }
 
     #[test]
-    fn what_grows_is_told() {
+    fn growth_of_each_kind_is_found() {
         let check = |change: &dyn Fn(usize, &mut SoakWindow), word: &str| {
             let sentences = told(change);
             assert!(

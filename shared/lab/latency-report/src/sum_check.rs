@@ -1,6 +1,6 @@
 //! Consistency check: stage durations must sum to the end-to-end latency within 1 %.
 
-use crate::way::{FrameWay, Passage};
+use crate::frame_timeline::{FrameTimeline, StageInterval};
 use message::Stage;
 use serde::{Deserialize, Serialize};
 
@@ -29,20 +29,25 @@ impl SumCheck {
     }
 
     /// Checks a frame and each of its objects. A frame without published labels is skipped.
-    pub fn add(&mut self, way: &FrameWay) {
-        let Some(end_to_end_ns) = way.end_to_end_ns() else {
+    pub fn add(&mut self, timeline: &FrameTimeline) {
+        let Some(end_to_end_ns) = timeline.end_to_end_ns() else {
             return;
         };
         let share = |sum_ns: u64, whole_ns: u64| {
             sum_ns.abs_diff(whole_ns) as f64 / end_to_end_ns.max(1) as f64
         };
-        let links_ns = way.links().map(Passage::duration_ns).sum();
+        let links_ns = timeline
+            .critical_path()
+            .map(StageInterval::duration_ns)
+            .sum();
         let of_frame = share(links_ns, end_to_end_ns);
         self.frames += 1;
         self.worst_frame_share = self.worst_frame_share.max(of_frame);
         self.over += u64::from(of_frame > TOLERANCE);
-        let objects_ns = way.passage(Stage::Objects).map_or(0, Passage::duration_ns);
-        for chain in way.objects().values() {
+        let objects_ns = timeline
+            .interval(Stage::Objects)
+            .map_or(0, StageInterval::duration_ns);
+        for chain in timeline.objects().values() {
             let of_object = share(
                 chain.iter().map(|link| link.duration_ns()).sum(),
                 objects_ns,
@@ -57,7 +62,7 @@ impl SumCheck {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::way::examples::frame;
+    use crate::frame_timeline::test_frames::frame;
 
     #[test]
     fn a_chain_without_gaps_adds_up() {
@@ -71,10 +76,12 @@ mod tests {
     #[test]
     fn a_missing_link_is_found() {
         let without = |stage: Stage| {
-            let mut way = frame(0, 1_000, 0);
-            way.passages.retain(|passage| passage.stage != stage);
+            let mut timeline = frame(0, 1_000, 0);
+            timeline
+                .intervals
+                .retain(|interval| interval.stage != stage);
             let mut check = SumCheck::default();
-            check.add(&way);
+            check.add(&timeline);
             check
         };
         assert!(!without(Stage::Detection).passes());

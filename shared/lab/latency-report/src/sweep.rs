@@ -1,17 +1,17 @@
 //! Parameter sweep: latency over one swept parameter.
 
-use crate::percentiles::Percentiles;
-use crate::report::Report;
+use crate::duration_percentiles::DurationPercentiles;
+use crate::report::LatencyReport;
 use message::{Place, Stage};
 use plot::DrawingError;
-use plot::figure::{Axis, Color, Curve, Diagram, Legend, side_by_side};
+use plot::diagram::{Axis, Color, Curve, Diagram, Legend, side_by_side};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// Share of missed frames beyond which the daemon is overloaded. Chosen.
-const BREAKING_SHARE: f64 = 0.01;
+const MISSED_SHARE_MAX: f64 = 0.01;
 /// Minimum share of the end-to-end median, at any point of the sweep, for a stage to be drawn.
-const DRAWN_SHARE: f64 = 0.03;
+const DRAWN_SHARE_MIN: f64 = 0.03;
 
 /// Measurement at one value of the swept parameter.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -27,7 +27,7 @@ pub struct SweepRow {
     /// Mean number of objects per frame.
     pub objects: f64,
     /// Latency from scheduled capture to published labels.
-    pub end_to_end_ms: Percentiles,
+    pub end_to_end_ms: DurationPercentiles,
     /// CPU utilisation of the daemon without its frame source, cores.
     pub cores: f64,
     /// Median duration of each stage, milliseconds.
@@ -36,7 +36,7 @@ pub struct SweepRow {
 
 impl SweepRow {
     /// Sweep row from a latency report.
-    pub fn new(value: f64, report: &Report) -> Self {
+    pub fn new(value: f64, report: &LatencyReport) -> Self {
         let medians = report.stages.iter();
         Self {
             value,
@@ -53,9 +53,9 @@ impl SweepRow {
     }
 
     /// `true` if more than 1 % of the frames were missed: the daemon does not sustain the rate.
-    pub fn is_broken(&self) -> bool {
+    pub fn is_overloaded(&self) -> bool {
         let n_missed = self.dropped + self.not_captured;
-        n_missed as f64 > BREAKING_SHARE * self.frames as f64
+        n_missed as f64 > MISSED_SHARE_MAX * self.frames as f64
     }
 }
 
@@ -64,7 +64,7 @@ impl SweepRow {
 /// # Errors
 /// If the plotting library fails.
 pub fn sweep_figure(axis: &str, rows: &[SweepRow]) -> Result<String, DrawingError> {
-    let of_frame = Percentiles::NAMED.iter().enumerate();
+    let of_frame = DurationPercentiles::NAMED.iter().enumerate();
     let of_frame = of_frame.map(|(index, (name, get))| {
         let point = |row: &SweepRow| (row.value, get(&row.end_to_end_ms));
         curve(name, index, rows.iter().map(point).collect())
@@ -88,7 +88,7 @@ fn matters(stage: Stage, rows: &[SweepRow]) -> bool {
     let is_before_label = stage.place() != Place::Beside;
     let is_large = |row: &SweepRow| {
         let median = row.stage_p50_ms.get(stage.word()).copied();
-        median.unwrap_or_default() > DRAWN_SHARE * row.end_to_end_ms.p50
+        median.unwrap_or_default() > DRAWN_SHARE_MIN * row.end_to_end_ms.p50
     };
     is_before_label && rows.iter().any(is_large)
 }
@@ -117,7 +117,7 @@ fn diagram<'a>(title: &'a str, axis: &'a str, curves: Vec<Curve<'a>>) -> Diagram
         x,
         y: Axis::linear("ms", 0.0..longest.max(0.001) * 1.1),
         curves,
-        legend: Legend::Beside,
+        legend: Legend::Outside,
     }
 }
 
@@ -126,22 +126,22 @@ mod tests {
     use super::*;
 
     fn row(value: f64, dropped: u64) -> SweepRow {
-        let report = Report {
+        let report = LatencyReport {
             frames: 300,
             dropped,
-            end_to_end_ms: Percentiles {
+            end_to_end_ms: DurationPercentiles {
                 p50: value,
-                ..Percentiles::default()
+                ..DurationPercentiles::default()
             },
-            ..Report::default()
+            ..LatencyReport::default()
         };
         SweepRow::new(value, &report)
     }
 
     #[test]
     fn a_rate_breaks_when_more_than_one_in_a_hundred_is_missed() {
-        assert!(!row(30.0, 3).is_broken());
-        assert!(row(120.0, 4).is_broken());
+        assert!(!row(30.0, 3).is_overloaded());
+        assert!(row(120.0, 4).is_overloaded());
     }
 
     #[test]

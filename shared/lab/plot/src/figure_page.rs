@@ -1,6 +1,6 @@
 //! HTML page of tables and figures.
 
-use crate::page::{self, escaped, linked_picture};
+use crate::html_page::{self, escaped, linked_picture};
 
 /// Picture with a caption.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -34,7 +34,7 @@ impl PageTable {
 /// HTML page that depends on no other file but the pictures, in the given order.
 pub fn html(title: &str, notes: &[String], tables: &[PageTable], figures: &[PageFigure]) -> String {
     let tables = tables.iter().map(table);
-    page::html(title, notes, tables.chain(figures.iter().map(figure)))
+    html_page::html(title, notes, tables.chain(figures.iter().map(figure)))
 }
 
 fn table(table: &PageTable) -> String {
@@ -64,7 +64,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn text_can_not_break_the_page() {
+    fn text_is_escaped_on_the_page() {
         let table = PageTable {
             title: "a & b".into(),
             rows: vec![vec!["<scene>".into()], vec!["1".into()]],

@@ -1,6 +1,6 @@
 //! Forest plot: one row per variant with its estimate and confidence interval, as SVG.
 
-use crate::figure::{DrawingError, failed};
+use crate::diagram::{DrawingError, drawing_error};
 use plotters::coord::Shift;
 use plotters::prelude::{
     BLACK, BLUE, ChartBuilder, Circle, Color, DrawingArea, IntoDrawingArea, PathElement, RGBColor,
@@ -41,9 +41,9 @@ pub fn svg(title: &str, x_label: &str, rows: &[IntervalRow]) -> Result<String, D
     {
         let size_px = (WIDTH_PX, FRAME_PX + ROW_PX * rows.len() as u32);
         let area = SVGBackend::with_string(&mut svg, size_px).into_drawing_area();
-        area.fill(&WHITE).map_err(failed)?;
+        area.fill(&WHITE).map_err(drawing_error)?;
         draw(&area, title, x_label, rows)?;
-        area.present().map_err(failed)?;
+        area.present().map_err(drawing_error)?;
     }
     Ok(svg)
 }
@@ -63,7 +63,7 @@ fn draw(
         .margin_left(NAMES_PX)
         .x_label_area_size(40)
         .build_cartesian_2d(x_range, n_rows..0.0)
-        .map_err(failed)?;
+        .map_err(drawing_error)?;
     chart
         .configure_mesh()
         .disable_y_mesh()
@@ -71,24 +71,24 @@ fn draw(
         .x_label_formatter(&|value| format!("{value:.2}"))
         .light_line_style(WHITE)
         .draw()
-        .map_err(failed)?;
+        .map_err(drawing_error)?;
     for (index, row) in rows.iter().enumerate() {
         let y = index as f64 + 0.5;
         let place_px = (NAMES_PX as i32 - 8, chart.backend_coord(&(0.0, y)).1);
-        write_beside(area, &row.name, place_px)?;
+        draw_name(area, &row.name, place_px)?;
         let Some(Estimate { value, low, high }) = row.estimate else {
             continue;
         };
         if row.is_reference {
             let line = PathElement::new([(value, 0.0), (value, n_rows)], PALE_BLUE.stroke_width(2));
-            chart.draw_series([line]).map_err(failed)?;
+            chart.draw_series([line]).map_err(drawing_error)?;
         }
         let bar = |from, to| PathElement::new([from, to], BLUE.stroke_width(2));
         let end = |x| bar((x, y - 0.15), (x, y + 0.15));
         let lines = [bar((low, y), (high, y)), end(low), end(high)];
-        chart.draw_series(lines).map_err(failed)?;
+        chart.draw_series(lines).map_err(drawing_error)?;
         let dot = Circle::new((value, y), 5, BLUE.filled());
-        chart.draw_series([dot]).map_err(failed)?;
+        chart.draw_series([dot]).map_err(drawing_error)?;
     }
     Ok(())
 }
@@ -103,7 +103,7 @@ fn range(rows: &[IntervalRow]) -> Range<f64> {
     low - margin..high + margin
 }
 
-fn write_beside(
+fn draw_name(
     area: &DrawingArea<SVGBackend<'_>, Shift>,
     name: &str,
     place_px: (i32, i32),
@@ -111,7 +111,7 @@ fn write_beside(
     let style = TextStyle::from(("sans-serif", 14)).color(&BLACK);
     let style = style.pos(Pos::new(HPos::Right, VPos::Center));
     area.draw(&Text::new(name.to_owned(), place_px, style))
-        .map_err(failed)
+        .map_err(drawing_error)
 }
 
 #[cfg(test)]
@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn each_row_has_a_name_and_a_dot_and_what_lacks_only_a_name() {
+    fn row_without_estimate_has_a_name_but_no_dot() {
         let mut rows = vec![row("ours", 0.8, 0.9), row("no & size", 0.7, 0.75)];
         let lacking = IntervalRow {
             estimate: None,

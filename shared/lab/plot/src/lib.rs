@@ -26,9 +26,9 @@
 //! Invariants: this crate never writes a file and never reads a clock; the same input gives the
 //! same text.
 
-pub mod figure;
+pub mod diagram;
 pub mod figure_page;
+pub mod html_page;
 pub mod interval_figure;
-pub mod page;
 
-pub use figure::DrawingError;
+pub use diagram::DrawingError;

@@ -7,11 +7,11 @@
 use random::Random;
 
 /// Random stream of the resampling.
-const RESAMPLES: u64 = 7;
+const RESAMPLING_STREAM: u64 = 7;
 /// Number of bootstrap resamples.
 pub const N_RESAMPLES: usize = 2000;
 /// Probability mass outside the interval on each side: a 95 % interval.
-const TAIL: f64 = 0.025;
+const TAIL_SHARE: f64 = 0.025;
 
 /// Point estimate with its 95 % bootstrap confidence interval.
 ///
@@ -41,7 +41,7 @@ impl Estimate {
         figure: impl Fn(&mut dyn Iterator<Item = usize>) -> Option<f64>,
     ) -> Option<Self> {
         let value = figure(&mut (0..n_runs))?;
-        let mut random = Random::for_purpose(seed, RESAMPLES);
+        let mut random = Random::for_purpose(seed, RESAMPLING_STREAM);
         let mut drawn = vec![0; n_runs];
         let mut resampled = Vec::with_capacity(N_RESAMPLES);
         for _ in 0..N_RESAMPLES {
@@ -49,7 +49,7 @@ impl Estimate {
             resampled.extend(figure(&mut drawn.iter().copied()));
         }
         resampled.sort_unstable_by(f64::total_cmp);
-        let n_outside = (TAIL * resampled.len() as f64) as usize;
+        let n_outside = (TAIL_SHARE * resampled.len() as f64) as usize;
         let low = resampled.get(n_outside).copied()?;
         let high = resampled.iter().rev().nth(n_outside).copied()?;
         Some(Self { value, low, high })
@@ -110,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn intervals_hold_the_truth_as_often_as_they_say() {
+    fn intervals_cover_the_true_mean_at_the_expected_rate() {
         // Expected from Student's t distribution: 90.4 % and 94.0 %. The standard deviation of a
         // share of 600 is 1.2 % and 1.0 %.
         for (n_runs, expected) in [(10, 0.904), (40, 0.940)] {
@@ -123,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn pairs_say_more_than_their_two_sides() {
+    fn paired_intervals_are_narrower_than_unpaired_ones() {
         let mut random = Random::for_purpose(5, 99);
         let first: Vec<f64> = (0..10).map(|_| 20.0 + 5.0 * normal(&mut random)).collect();
         let second: Vec<f64> = first
@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_certain_has_no_width_and_what_is_missing_no_figure() {
+    fn constant_values_have_zero_width_and_missing_values_no_estimate() {
         let certain = Estimate {
             value: 2.0,
             low: 2.0,

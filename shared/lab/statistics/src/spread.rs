@@ -1,5 +1,7 @@
 //! Summary statistics of a sample: count, mean, percentiles, maximum.
 
+use crate::percentiles::nearest_rank;
+
 /// Count, mean, nearest-rank percentiles and maximum of a sample.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Spread {
@@ -23,10 +25,7 @@ impl Spread {
         let mut values = values.to_vec();
         values.sort_unstable_by(f64::total_cmp);
         let n = values.len();
-        let at = |share: f64| {
-            let rank = (share * n as f64).ceil() as usize;
-            values.get(rank.max(1) - 1).copied()
-        };
+        let at = |share| nearest_rank(&values, share);
         Some(Self {
             n,
             mean: values.iter().sum::<f64>() / n.max(1) as f64,

@@ -1,10 +1,10 @@
 //! Disturbances during a measurement: steal time, other load, page faults, frequency changes.
 
-mod counter_text;
+mod kernel_counters;
 
 use crate::fingerprint::{frequencies_khz, n_frequency_changes};
 use crate::system_files::SystemFiles;
-use counter_text::{CpuTime, ProcessTime};
+use kernel_counters::{CpuTime, ProcessTime};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -35,29 +35,29 @@ pub struct Disturbance {
 
 /// Monitor of disturbances: the kernel's counters at the start of a measurement.
 #[derive(Debug)]
-pub struct Watch {
+pub struct DisturbanceMonitor {
     files: SystemFiles,
     began: Instant,
     cpu_time: Option<CpuTime>,
-    processes: BTreeMap<u32, Process>,
+    processes: BTreeMap<u32, ProcessSample>,
     n_frequency_changes: Option<u64>,
     frequencies_khz: Vec<u64>,
 }
 
 #[derive(Debug, Clone, Copy)]
-struct Process {
+struct ProcessSample {
     time: ProcessTime,
     involuntary_switches: u64,
 }
 
 impl Disturbance {
     /// Starts monitoring.
-    pub fn begin() -> Watch {
-        Watch::begin(SystemFiles::real())
+    pub fn begin() -> DisturbanceMonitor {
+        DisturbanceMonitor::begin(SystemFiles::real())
     }
 }
 
-impl Watch {
+impl DisturbanceMonitor {
     fn begin(files: SystemFiles) -> Self {
         let names = files.names_in("proc").into_iter();
         let pids = names.filter_map(|name| name.parse().ok());
@@ -79,7 +79,7 @@ impl Watch {
         let mut pids = own_pids.to_vec();
         pids.sort_unstable();
         pids.dedup();
-        let own: Vec<(u32, Option<Process>)> = pids
+        let own: Vec<(u32, Option<ProcessSample>)> = pids
             .iter()
             .map(|&pid| (pid, self.work_since(pid)))
             .collect();
@@ -87,7 +87,7 @@ impl Watch {
         let own_ticks = known().map(|work| work.time.busy).sum();
         let spent = self.cpu_time.zip(cpu_time(&self.files)).map(spent);
         let is_any_known = known().next().is_some();
-        let sum = |of: fn(Process) -> u64| is_any_known.then(|| known().map(of).sum());
+        let sum = |of: fn(ProcessSample) -> u64| is_any_known.then(|| known().map(of).sum());
         Disturbance {
             duration_s,
             steal_share: spent.and_then(steal_share),
@@ -95,7 +95,7 @@ impl Watch {
             waiting_share: self
                 .files
                 .text("proc/pressure/cpu")
-                .and_then(|pressure| counter_text::pressure_share(&pressure)),
+                .and_then(|pressure| kernel_counters::pressure_share(&pressure)),
             major_faults: sum(|work| work.time.major_faults),
             involuntary_switches: sum(|work| work.involuntary_switches),
             frequency_changes: n_frequency_changes(&self.files)
@@ -114,14 +114,14 @@ impl Watch {
     }
 
     /// Counters of a process since the start of monitoring, or since its own start.
-    fn work_since(&self, pid: u32) -> Option<Process> {
+    fn work_since(&self, pid: u32) -> Option<ProcessSample> {
         let now = process(&self.files, pid)?;
         let before = self.processes.get(&pid);
         let Some(before) = before.filter(|before| before.time.start == now.time.start) else {
             return Some(now);
         };
         let since = |now: u64, before: u64| now.saturating_sub(before);
-        Some(Process {
+        Some(ProcessSample {
             time: ProcessTime {
                 start: now.time.start,
                 busy: since(now.time.busy, before.time.busy),
@@ -133,21 +133,21 @@ impl Watch {
 }
 
 fn cpu_time(files: &SystemFiles) -> Option<CpuTime> {
-    counter_text::cpu_time(&files.text("proc/stat")?)
+    kernel_counters::cpu_time(&files.text("proc/stat")?)
 }
 
 fn present_frequencies_khz(files: &SystemFiles) -> Vec<u64> {
     frequencies_khz(files, &files.text("proc/cpuinfo").unwrap_or_default())
 }
 
-fn process(files: &SystemFiles, pid: u32) -> Option<Process> {
-    let time = counter_text::process_time(&files.text(&format!("proc/{pid}/stat"))?)?;
+fn process(files: &SystemFiles, pid: u32) -> Option<ProcessSample> {
+    let time = kernel_counters::process_time(&files.text(&format!("proc/{pid}/stat"))?)?;
     let tasks = format!("proc/{pid}/task");
     let switches = files.names_in(&tasks).into_iter().filter_map(|task| {
         let status = files.text(&format!("{tasks}/{task}/status"))?;
-        counter_text::involuntary_switches(&status)
+        kernel_counters::involuntary_switches(&status)
     });
-    Some(Process {
+    Some(ProcessSample {
         time,
         involuntary_switches: switches.sum(),
     })
@@ -204,13 +204,13 @@ mod tests {
     }
 
     #[test]
-    fn our_own_work_is_no_disturbance() {
+    fn own_work_is_no_disturbance() {
         let root = tempfile::tempdir().unwrap();
         let root = root.path();
         write(root, "proc/stat", "cpu 1000 0 0 5000 0 0 0 100\n");
         write_process(root, 7, 50, 200);
         write_process(root, 8, 60, 500);
-        let watch = Watch::begin(SystemFiles::below(root));
+        let watch = DisturbanceMonitor::begin(SystemFiles::below(root));
         // Process 7 worked 30 ticks; another process took the id 8 and worked 4; process 9 does
         // not exist; others worked 16; 10 of 100 ticks were stolen.
         write(root, "proc/stat", "cpu 1050 0 0 5040 0 0 0 110\n");
@@ -236,9 +236,9 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_told_is_none() {
+    fn unreported_values_are_none() {
         let root = tempfile::tempdir().unwrap();
-        let found = Watch::begin(SystemFiles::below(root.path())).end(&[1]);
+        let found = DisturbanceMonitor::begin(SystemFiles::below(root.path())).end(&[1]);
         assert_eq!(
             (
                 found.steal_share,
@@ -255,14 +255,14 @@ mod tests {
     }
 
     #[test]
-    fn drift_is_that_of_the_worst_core() {
+    fn frequency_drift_is_that_of_the_worst_core() {
         assert_eq!(drift_share(&[1000, 2000], &[1000, 1500]), Some(0.25));
         assert_eq!(drift_share(&[], &[1]), None);
         assert_eq!(drift_share(&[0], &[1]), None);
     }
 
     #[test]
-    fn this_computer_can_be_watched() {
+    fn this_computer_can_be_monitored() {
         let found = Disturbance::begin().end(&[std::process::id()]);
         assert!(found.ended_pids.is_empty());
         let text = serde_json::to_string(&found).unwrap();

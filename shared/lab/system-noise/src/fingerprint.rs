@@ -23,7 +23,7 @@ pub enum BuildProfile {
 /// Resource limit of this process (`getrlimit`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Limit {
+pub enum ResourceLimit {
     /// No limit.
     Unlimited,
     /// Soft limit.
@@ -85,9 +85,9 @@ pub struct Fingerprint {
     /// Timer slack of this thread, ns; does not apply to real-time threads.
     pub timer_slack_ns: Option<u64>,
     /// Maximum unprivileged real-time priority (`RLIMIT_RTPRIO`).
-    pub realtime_priority_limit: Limit,
+    pub realtime_priority_limit: ResourceLimit,
     /// Maximum unprivileged locked memory, bytes (`RLIMIT_MEMLOCK`).
-    pub locked_memory_limit: Limit,
+    pub locked_memory_limit: ResourceLimit,
     /// `true` if this process may use `SCHED_FIFO`, determined by trying.
     pub may_use_fifo: Option<bool>,
 }
@@ -196,14 +196,14 @@ fn governors(files: &SystemFiles) -> Option<Vec<String>> {
 /// Current frequencies of the cores, kHz; from the frequency driver, otherwise from
 /// `/proc/cpuinfo`.
 pub(crate) fn frequencies_khz(files: &SystemFiles, cpuinfo: &str) -> Vec<u64> {
-    let told: Vec<u64> = core_folders(files)
+    let reported: Vec<u64> = core_folders(files)
         .iter()
         .filter_map(|core| files.number(&format!("{core}/cpufreq/scaling_cur_freq")))
         .collect();
-    if told.is_empty() {
+    if reported.is_empty() {
         text::cpuinfo_frequencies_khz(cpuinfo)
     } else {
-        told
+        reported
     }
 }
 
@@ -217,10 +217,10 @@ pub(crate) fn n_frequency_changes(files: &SystemFiles) -> Option<u64> {
 }
 
 fn frequency(files: &SystemFiles, cpuinfo: &str) -> Option<FrequencyRange> {
-    let told = frequencies_khz(files, cpuinfo);
+    let reported = frequencies_khz(files, cpuinfo);
     Some(FrequencyRange {
-        lowest_khz: *told.iter().min()?,
-        highest_khz: *told.iter().max()?,
+        lowest_khz: *reported.iter().min()?,
+        highest_khz: *reported.iter().max()?,
     })
 }
 
@@ -235,8 +235,8 @@ fn virtual_machine(files: &SystemFiles, has_hypervisor: Option<bool>) -> Option<
 }
 
 fn container(files: &SystemFiles) -> Option<String> {
-    if let Some(told) = files.text("run/systemd/container") {
-        return Some(told);
+    if let Some(reported) = files.text("run/systemd/container") {
+        return Some(reported);
     }
     let marks = [(".dockerenv", "docker"), ("run/.containerenv", "podman")];
     if let Some((_, name)) = marks.iter().find(|(mark, _)| files.has(mark)) {
@@ -281,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_there_is_none() {
+    fn missing_files_are_none() {
         let root = tempfile::tempdir().unwrap();
         let print = Fingerprint::read_from(&SystemFiles::below(root.path()));
         assert_eq!(
@@ -297,7 +297,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_there_is_read() {
+    fn present_files_are_read() {
         let root = tempfile::tempdir().unwrap();
         let root = root.path();
         for core in 0..2 {
@@ -338,7 +338,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(32))]
         #[test]
-        fn rubbish_in_the_files_is_survived(bytes in prop::collection::vec(any::<u8>(), 0..80)) {
+        fn malformed_files_are_survived(bytes in prop::collection::vec(any::<u8>(), 0..80)) {
             let root = tempfile::tempdir().unwrap();
             for path in ["proc/cpuinfo", "proc/meminfo", "proc/cmdline", "proc/version", "proc/1/cgroup"] {
                 let path = root.path().join(path);

@@ -24,24 +24,24 @@
 //! shared-memory domain of its own, which it removes. An unreadable system file is never an
 //! error.
 
-pub mod advice;
 mod disturbance;
-pub mod effect;
-pub mod figures;
 mod fingerprint;
+pub mod latency_histograms;
 mod measurement;
-pub mod noise;
+pub mod mitigation;
 mod privilege;
+pub mod probe;
+pub mod recommendation;
 pub mod report;
 mod samples;
 mod scheduling;
 mod system_call;
 mod system_files;
-pub mod trial;
+pub mod thread_setting;
 mod warning;
 
-pub use disturbance::{Disturbance, Watch};
-pub use fingerprint::{BuildProfile, Fingerprint, FrequencyRange, Limit};
-pub use measurement::{MachineReport, NotMeasured, Plan, measure};
-pub use samples::{Samples, Summary};
+pub use disturbance::{Disturbance, DisturbanceMonitor};
+pub use fingerprint::{BuildProfile, Fingerprint, FrequencyRange, ResourceLimit};
+pub use measurement::{MachineReport, MeasurementPlan, NotMeasured, measure};
+pub use samples::{LatencySummary, Samples};
 pub use warning::{Warning, warnings};

@@ -1,17 +1,19 @@
 //! Complete system-noise measurement: all probes in sequence.
 
-use crate::advice::{Advice, advice};
 use crate::disturbance::Disturbance;
-use crate::effect::{AdviceKind, Effect, advice_of, huge_page_effects, latency_effects};
 use crate::fingerprint::Fingerprint;
-use crate::noise::bandwidth::{Bandwidth, Buffers, buffer_bytes, read_just_written};
-use crate::noise::clock_cost::{ClockCost, clock_costs};
-use crate::noise::hop::{self, Payload, Receiver, hop};
-use crate::noise::interruptions::{Interruptions, interruptions};
-use crate::noise::timer::timer;
-use crate::noise::wake_up::wake_up;
+use crate::mitigation::{
+    Mitigation, MitigationEffect, huge_page_effects, latency_effects, mitigation_of,
+};
+use crate::probe::bandwidth::{Bandwidth, BandwidthBuffers, buffer_bytes, read_just_written};
+use crate::probe::clock_cost::{ClockCost, clock_costs};
+use crate::probe::interruptions::{Interruptions, interruptions};
+use crate::probe::timer::timer_latency;
+use crate::probe::transport::{Payload, ReceiveMode, name_and_meaning, transport_latency};
+use crate::probe::wake_up::wake_up_latency;
+use crate::recommendation::{Recommendation, recommendations};
 use crate::samples::Samples;
-use crate::trial::{Setting, Trial, trial};
+use crate::thread_setting::{SettingTrial, ThreadSetting, run_trial};
 use crate::warning::{Warning, warnings};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -23,13 +25,13 @@ const N_ROUNDS: usize = 2;
 
 /// Durations of the probes of a measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Plan {
+pub struct MeasurementPlan {
     /// Duration of the timer, wake-up and interruption probes, each.
     pub probe: Duration,
     /// Duration of the cost measurement of each clock.
     pub clock: Duration,
     /// Duration of each transport probe.
-    pub hop: Duration,
+    pub transport: Duration,
     /// Duration of each of the two probes of a trial; there are twenty trials.
     pub trial: Duration,
     /// Number of rounds of each memory operation.
@@ -38,12 +40,12 @@ pub struct Plan {
     pub buffer_bytes: Option<usize>,
 }
 
-impl Plan {
+impl MeasurementPlan {
     /// Full measurement, about 50 s: the tail of each probe rests on thousands of samples.
     pub const FULL: Self = Self {
         probe: Duration::from_secs(4),
         clock: Duration::from_millis(200),
-        hop: Duration::from_millis(1500),
+        transport: Duration::from_millis(1500),
         trial: Duration::from_millis(650),
         n_rounds: 7,
         buffer_bytes: None,
@@ -53,7 +55,7 @@ impl Plan {
     pub const SHORT: Self = Self {
         probe: Duration::from_millis(400),
         clock: Duration::from_millis(20),
-        hop: Duration::from_millis(300),
+        transport: Duration::from_millis(300),
         trial: Duration::from_millis(65),
         n_rounds: 2,
         buffer_bytes: None,
@@ -89,18 +91,19 @@ pub struct MachineReport {
     /// Single-threaded memory bandwidth on huge pages, twice.
     pub huge_page_bandwidths: Vec<Bandwidth>,
     /// Timer and wake-up latencies under each thread setting, idle and busy.
-    pub trials: Vec<Trial>,
+    pub trials: Vec<SettingTrial>,
     /// Effects of the mitigations.
-    pub effects: Vec<Effect>,
+    pub effects: Vec<MitigationEffect>,
     /// Recommendations.
-    pub advice: Vec<Advice>,
+    #[serde(rename = "advice")]
+    pub recommendations: Vec<Recommendation>,
     /// Probes that could not be run.
     pub not_measured: Vec<NotMeasured>,
 }
 
 /// Runs all probes of a plan and calls `progress` with a sentence before each part. Never fails
 /// as a whole; all settings are reverted at the end.
-pub fn measure(plan: &Plan, progress: &mut dyn FnMut(&str)) -> MachineReport {
+pub fn measure(plan: &MeasurementPlan, progress: &mut dyn FnMut(&str)) -> MachineReport {
     let fingerprint = Fingerprint::read();
     let watch = Disturbance::begin();
     let mut not_measured = Vec::new();
@@ -123,7 +126,7 @@ pub fn measure(plan: &Plan, progress: &mut dyn FnMut(&str)) -> MachineReport {
     let disturbance = watch.end(&[std::process::id()]);
     MachineReport {
         warnings: warnings(&fingerprint, &disturbance),
-        advice: advice(&fingerprint, &effects),
+        recommendations: recommendations(&fingerprint, &effects),
         fingerprint,
         disturbance,
         latencies,
@@ -145,27 +148,27 @@ fn missing(name: &str, why: &dyn std::fmt::Display) -> NotMeasured {
 }
 
 fn latencies(
-    plan: &Plan,
+    plan: &MeasurementPlan,
     not_measured: &mut Vec<NotMeasured>,
     progress: &mut dyn FnMut(&str),
 ) -> Vec<Samples> {
     progress("How late a sleeping thread wakes.");
-    let mut latencies = vec![timer(plan.probe)];
+    let mut latencies = vec![timer_latency(plan.probe)];
     progress("How long one thread needs to wake another.");
-    match wake_up(plan.probe) {
+    match wake_up_latency(plan.probe) {
         Ok(samples) => latencies.push(samples),
         Err(error) => not_measured.push(missing("wake-up", &error)),
     }
-    let hops = [
-        (Payload::Small, Receiver::Polled),
-        (Payload::Cloud, Receiver::Polled),
-        (Payload::Small, Receiver::Blocking),
-        (Payload::Cloud, Receiver::Blocking),
+    let transports = [
+        (Payload::Small, ReceiveMode::Polled),
+        (Payload::Cloud, ReceiveMode::Polled),
+        (Payload::Small, ReceiveMode::Blocking),
+        (Payload::Cloud, ReceiveMode::Blocking),
     ];
-    for (payload, receiver) in hops {
-        let (name, _) = hop::names(payload, receiver);
+    for (payload, receiver) in transports {
+        let (name, _) = name_and_meaning(payload, receiver);
         progress(&format!("How long a message is on its way: {name}."));
-        match hop(payload, receiver, plan.hop) {
+        match transport_latency(payload, receiver, plan.transport) {
             Ok(samples) => latencies.push(samples),
             Err(error) => not_measured.push(missing(name, &error)),
         }
@@ -176,16 +179,16 @@ fn latencies(
 /// Runs the trials of all settings in turn, repeatedly, so that transient noise is not attributed
 /// to a setting.
 fn trials(
-    plan: &Plan,
+    plan: &MeasurementPlan,
     not_measured: &mut Vec<NotMeasured>,
     progress: &mut dyn FnMut(&str),
-) -> (Vec<Trial>, Vec<Effect>) {
+) -> (Vec<SettingTrial>, Vec<MitigationEffect>) {
     let settings = [
-        Setting::AsIs,
-        Setting::RealTime,
-        Setting::NoTimerSlack,
-        Setting::OneCore,
-        Setting::LockedMemory,
+        ThreadSetting::Baseline,
+        ThreadSetting::RealTime,
+        ThreadSetting::NoTimerSlack,
+        ThreadSetting::OneCore,
+        ThreadSetting::LockedMemory,
     ];
     let (mut trials, mut refused) = (Vec::new(), BTreeMap::new());
     for (is_loaded, machine) in [(false, "idle"), (true, "busy")] {
@@ -194,13 +197,16 @@ fn trials(
             progress(&format!(
                 "Timer and wake-up on the {machine} machine: {name}."
             ));
-            match (trial(setting, is_loaded, plan.trial), advice_of(setting)) {
+            match (
+                run_trial(setting, is_loaded, plan.trial),
+                mitigation_of(setting),
+            ) {
                 (Ok(trial), _) => trials.push(trial),
-                (Err(error), Some(advice)) => {
+                (Err(error), Some(mitigation)) => {
                     // The refusal is the same for idle and busy.
                     refused
                         .entry(name)
-                        .or_insert(Effect::refused(advice, &error));
+                        .or_insert(MitigationEffect::refused(mitigation, &error));
                 }
                 (Err(error), None) => not_measured.push(missing(name, &error)),
             }
@@ -211,8 +217,12 @@ fn trials(
     (trials, effects)
 }
 
-fn bandwidths(plan: &Plan, n_bytes: usize, n_cores: usize) -> io::Result<Vec<Bandwidth>> {
-    let mut buffers = Buffers::new(n_bytes);
+fn bandwidths(
+    plan: &MeasurementPlan,
+    n_bytes: usize,
+    n_cores: usize,
+) -> io::Result<Vec<Bandwidth>> {
+    let mut buffers = BandwidthBuffers::new(n_bytes);
     let mut bandwidths = buffers.measure(1, plan.n_rounds)?;
     if n_cores > 1 {
         bandwidths.extend(buffers.measure(n_cores, plan.n_rounds)?);
@@ -224,18 +234,18 @@ fn bandwidths(plan: &Plan, n_bytes: usize, n_cores: usize) -> io::Result<Vec<Ban
 
 /// Alternates huge and normal pages, so that transient noise is not attributed to them.
 fn huge_pages(
-    plan: &Plan,
+    plan: &MeasurementPlan,
     n_bytes: usize,
     before: &[Bandwidth],
-    effects: &mut Vec<Effect>,
+    effects: &mut Vec<MitigationEffect>,
 ) -> Vec<Bandwidth> {
     let (mut without, mut with) = (before.to_vec(), Vec::new());
     let mut in_turn = || {
         for round in 0..N_ROUNDS {
             if round > 0 {
-                without.extend(Buffers::new(n_bytes).measure(1, plan.n_rounds)?);
+                without.extend(BandwidthBuffers::new(n_bytes).measure(1, plan.n_rounds)?);
             }
-            let mut buffers = Buffers::on_huge_pages(n_bytes)?;
+            let mut buffers = BandwidthBuffers::on_huge_pages(n_bytes)?;
             with.extend(buffers.measure(1, plan.n_rounds)?);
         }
         Ok(())
@@ -243,7 +253,7 @@ fn huge_pages(
     let measured: io::Result<()> = in_turn();
     match measured {
         Ok(()) => effects.extend(huge_page_effects(&without, &with)),
-        Err(error) => effects.push(Effect::refused(AdviceKind::HugePages, &error)),
+        Err(error) => effects.push(MitigationEffect::refused(Mitigation::HugePages, &error)),
     }
     with
 }

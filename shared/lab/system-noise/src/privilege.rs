@@ -1,28 +1,30 @@
 //! Privileges of this process: real-time priority and locked memory.
 
-use crate::fingerprint::Limit;
-use crate::scheduling::{FIFO_PRIORITY, RealTime};
+use crate::fingerprint::ResourceLimit;
+use crate::scheduling::{FIFO_PRIORITY, RealTimeGuard};
 use rustix::process::{Resource, Rlimit, getrlimit};
 use rustix::thread::{CapabilitySet, capabilities};
 
 /// Maximum unprivileged real-time priority.
-pub(crate) fn realtime_priority_limit() -> Limit {
+pub(crate) fn realtime_priority_limit() -> ResourceLimit {
     limit(getrlimit(Resource::Rtprio))
 }
 
 /// Maximum unprivileged locked memory, bytes.
-pub(crate) fn locked_memory_limit() -> Limit {
+pub(crate) fn locked_memory_limit() -> ResourceLimit {
     limit(getrlimit(Resource::Memlock))
 }
 
-fn limit(limit: Rlimit) -> Limit {
-    limit.current.map_or(Limit::Unlimited, Limit::Most)
+fn limit(limit: Rlimit) -> ResourceLimit {
+    limit
+        .current
+        .map_or(ResourceLimit::Unlimited, ResourceLimit::Most)
 }
 
 /// `true` if a thread of this process may use `SCHED_FIFO`, tried in a short-lived thread. `None`
 /// if no thread could be started.
 pub(crate) fn may_use_fifo() -> Option<bool> {
-    let trial = || RealTime::begin(FIFO_PRIORITY).is_ok();
+    let trial = || RealTimeGuard::begin(FIFO_PRIORITY).is_ok();
     let thread = std::thread::Builder::new().spawn(trial).ok()?;
     thread.join().ok()
 }
@@ -32,5 +34,5 @@ pub(crate) fn may_use_fifo() -> Option<bool> {
 pub(crate) fn may_lock_memory() -> bool {
     let is_capable =
         capabilities(None).is_ok_and(|sets| sets.effective.contains(CapabilitySet::IPC_LOCK));
-    is_capable || locked_memory_limit() == Limit::Unlimited
+    is_capable || locked_memory_limit() == ResourceLimit::Unlimited
 }

@@ -1,15 +1,15 @@
 //! Text report of a system-noise measurement.
 
 mod environment;
-mod table;
+mod text_table;
 
 use crate::disturbance::Disturbance;
-use crate::effect::{AdviceKind, Effect, Verdict};
 use crate::fingerprint::Fingerprint;
 use crate::measurement::MachineReport;
-use crate::samples::{Samples, Summary};
+use crate::mitigation::{EffectVerdict, Mitigation, MitigationEffect};
+use crate::samples::{LatencySummary, Samples};
 use std::fmt::Write as _;
-use table::Table;
+use text_table::TextTable;
 
 /// Whole report for a terminal: environment, disturbance, warnings, noise, effects,
 /// recommendations. Times are in µs.
@@ -37,7 +37,7 @@ pub fn text(report: &MachineReport) -> String {
         &latency_effects(report),
     );
     section("Huge pages, GB/s on one thread", &bandwidth_effects(report));
-    section("Advice", &advice(report));
+    section("Advice", &recommendations(report));
     section("Not measured", &not_measured(report));
     text.truncate(text.trim_end().len());
     text.push('\n');
@@ -56,7 +56,7 @@ pub fn disturbance(disturbance: &Disturbance) -> String {
 
 /// Table of percentiles in µs, one line per probe.
 pub fn latency_table(latencies: &[Samples]) -> String {
-    let mut table = Table::new(&["", "n", "p50", "p90", "p99", "p99.9", "max"]);
+    let mut table = TextTable::new(&["", "n", "p50", "p90", "p99", "p99.9", "max"]);
     for samples in latencies {
         table.row(latency_row(samples));
     }
@@ -124,7 +124,7 @@ fn interruptions(report: &MachineReport) -> String {
 }
 
 fn clocks(report: &MachineReport) -> String {
-    let mut table = Table::new(&["", "ns"]);
+    let mut table = TextTable::new(&["", "ns"]);
     for clock in &report.clocks {
         table.row(vec![
             clock.clock.clone(),
@@ -135,7 +135,7 @@ fn clocks(report: &MachineReport) -> String {
 }
 
 fn memory(report: &MachineReport) -> String {
-    let mut table = Table::new(&["", "threads", "MB", "best", "worst"]);
+    let mut table = TextTable::new(&["", "threads", "MB", "best", "worst"]);
     for one in &report.bandwidths {
         let rounds = one.rounds_gb_per_s.iter().copied();
         table.row(vec![
@@ -150,11 +150,11 @@ fn memory(report: &MachineReport) -> String {
 }
 
 fn latency_effects(report: &MachineReport) -> String {
-    let mut table = Table::new(&["", "probe", "machine", "as it is", "with it", "verdict"]);
-    let shown = |s: &Summary| [s.p50_ns, s.p99_ns, s.p99_9_ns].map(us).join(" / ");
+    let mut table = TextTable::new(&["", "probe", "machine", "as it is", "with it", "verdict"]);
+    let shown = |s: &LatencySummary| [s.p50_ns, s.p99_ns, s.p99_9_ns].map(us).join(" / ");
     for effect in &report.effects {
-        if let Effect::Latency {
-            advice,
+        if let MitigationEffect::Latency {
+            mitigation,
             probe,
             is_loaded,
             before,
@@ -164,7 +164,7 @@ fn latency_effects(report: &MachineReport) -> String {
         {
             let machine = if *is_loaded { "busy" } else { "idle" };
             table.row(vec![
-                setting(*advice).to_owned(),
+                setting(*mitigation).to_owned(),
                 probe.clone(),
                 machine.to_owned(),
                 shown(before),
@@ -177,9 +177,9 @@ fn latency_effects(report: &MachineReport) -> String {
 }
 
 fn bandwidth_effects(report: &MachineReport) -> String {
-    let mut table = Table::new(&["", "without", "with", "verdict"]);
+    let mut table = TextTable::new(&["", "without", "with", "verdict"]);
     for effect in &report.effects {
-        if let Effect::Bandwidth {
+        if let MitigationEffect::Bandwidth {
             operation,
             before_gb_per_s,
             after_gb_per_s,
@@ -198,30 +198,30 @@ fn bandwidth_effects(report: &MachineReport) -> String {
     table.to_string()
 }
 
-fn setting(advice: AdviceKind) -> &'static str {
-    match advice {
-        AdviceKind::Governor => "governor",
-        AdviceKind::Isolation => "isolated core",
-        AdviceKind::RealTime => "SCHED_FIFO 80",
-        AdviceKind::TimerSlack => "no timer slack",
-        AdviceKind::OneCore => "on one core",
-        AdviceKind::LockedMemory => "memory locked",
-        AdviceKind::HugePages => "huge pages",
+fn setting(mitigation: Mitigation) -> &'static str {
+    match mitigation {
+        Mitigation::Governor => "governor",
+        Mitigation::Isolation => "isolated core",
+        Mitigation::RealTime => "SCHED_FIFO 80",
+        Mitigation::TimerSlack => "no timer slack",
+        Mitigation::OneCore => "on one core",
+        Mitigation::LockedMemory => "memory locked",
+        Mitigation::HugePages => "huge pages",
     }
 }
 
-fn word(verdict: Verdict) -> &'static str {
+fn word(verdict: EffectVerdict) -> &'static str {
     match verdict {
-        Verdict::Better => "better",
-        Verdict::NoDifference => "no difference",
-        Verdict::Worse => "worse",
-        Verdict::Mixed => "mixed",
+        EffectVerdict::Better => "better",
+        EffectVerdict::NoDifference => "no difference",
+        EffectVerdict::Worse => "worse",
+        EffectVerdict::Mixed => "mixed",
     }
 }
 
-fn advice(report: &MachineReport) -> String {
+fn recommendations(report: &MachineReport) -> String {
     let lines = report
-        .advice
+        .recommendations
         .iter()
         .map(|advice| format!("- {}\n  {}\n", advice.what_to_do, advice.finding));
     lines.collect()

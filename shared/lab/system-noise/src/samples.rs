@@ -13,7 +13,7 @@ pub struct Samples {
     /// Values in order of measurement, ns.
     pub values_ns: Vec<u64>,
     /// Percentiles; `None` without values.
-    pub summary: Option<Summary>,
+    pub summary: Option<LatencySummary>,
 }
 
 impl Samples {
@@ -22,7 +22,7 @@ impl Samples {
         Self {
             name: name.to_owned(),
             meaning: meaning.to_owned(),
-            summary: Summary::of(&values_ns),
+            summary: LatencySummary::of(&values_ns),
             values_ns,
         }
     }
@@ -30,7 +30,7 @@ impl Samples {
 
 /// Nearest-rank percentiles of latencies, ns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Summary {
+pub struct LatencySummary {
     /// Number of values.
     pub n: usize,
     /// Median.
@@ -45,7 +45,7 @@ pub struct Summary {
     pub max_ns: u64,
 }
 
-impl Summary {
+impl LatencySummary {
     /// Percentiles of values in any order; `None` without values.
     pub fn of(values_ns: &[u64]) -> Option<Self> {
         let mut sorted = values_ns.to_vec();
@@ -69,7 +69,7 @@ mod tests {
     #[test]
     fn percentiles_are_values_by_nearest_rank() {
         let values: Vec<u64> = (1..=1000).rev().collect();
-        let summary = Summary::of(&values).unwrap();
+        let summary = LatencySummary::of(&values).unwrap();
         assert_eq!(
             (summary.n, summary.p50_ns, summary.p90_ns),
             (1000, 500, 900)
@@ -78,16 +78,16 @@ mod tests {
             (summary.p99_ns, summary.p99_9_ns, summary.max_ns),
             (990, 999, 1000)
         );
-        assert_eq!(Summary::of(&[]), None);
+        assert_eq!(LatencySummary::of(&[]), None);
     }
 
     proptest! {
         #[test]
-        fn percentiles_never_go_down(values in prop::collection::vec(any::<u64>(), 1..300)) {
-            let s = Summary::of(&values).unwrap();
-            let told = [s.p50_ns, s.p90_ns, s.p99_ns, s.p99_9_ns, s.max_ns];
-            prop_assert!(told.is_sorted());
-            prop_assert!(told.iter().all(|value| values.contains(value)));
+        fn percentiles_are_monotonic(values in prop::collection::vec(any::<u64>(), 1..300)) {
+            let s = LatencySummary::of(&values).unwrap();
+            let percentiles = [s.p50_ns, s.p90_ns, s.p99_ns, s.p99_9_ns, s.max_ns];
+            prop_assert!(percentiles.is_sorted());
+            prop_assert!(percentiles.iter().all(|value| values.contains(value)));
             let n_not_longer = values.iter().filter(|value| **value <= s.p50_ns).count();
             prop_assert!(2 * n_not_longer >= values.len());
         }

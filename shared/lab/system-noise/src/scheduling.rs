@@ -1,6 +1,6 @@
 //! Scope guards of real-time settings, each reverted on drop.
 
-use crate::system_call::{Scheduling, schedule, scheduling};
+use crate::system_call::{Scheduling, scheduling, set_scheduling};
 use crate::system_files::SystemFiles;
 use rustix::mm::{MlockAllFlags, mlockall, munlockall};
 use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
@@ -17,15 +17,15 @@ type OfThisThread = PhantomData<*const ()>;
 
 /// Runs the calling thread under `SCHED_FIFO`; drop restores its policy.
 #[derive(Debug)]
-pub(crate) struct RealTime {
+pub(crate) struct RealTimeGuard {
     before: Scheduling,
     _thread: OfThisThread,
 }
 
-impl RealTime {
+impl RealTimeGuard {
     pub(crate) fn begin(priority: i32) -> io::Result<Self> {
         let before = scheduling()?;
-        schedule(Scheduling::fifo(priority))?;
+        set_scheduling(Scheduling::fifo(priority))?;
         Ok(Self {
             before,
             _thread: PhantomData,
@@ -33,21 +33,21 @@ impl RealTime {
     }
 }
 
-impl Drop for RealTime {
+impl Drop for RealTimeGuard {
     fn drop(&mut self) {
         // Returning to the previous policy is always permitted.
-        let _ = schedule(self.before);
+        let _ = set_scheduling(self.before);
     }
 }
 
 /// Pins the calling thread to one core; drop restores its affinity.
 #[derive(Debug)]
-pub(crate) struct OneCore {
+pub(crate) struct AffinityGuard {
     before: CpuSet,
     _thread: OfThisThread,
 }
 
-impl OneCore {
+impl AffinityGuard {
     pub(crate) fn begin(core: u32) -> io::Result<Self> {
         let before = sched_getaffinity(None)?;
         let mut only = CpuSet::new();
@@ -60,7 +60,7 @@ impl OneCore {
     }
 }
 
-impl Drop for OneCore {
+impl Drop for AffinityGuard {
     fn drop(&mut self) {
         let _ = sched_setaffinity(None, &self.before);
     }
@@ -69,12 +69,12 @@ impl Drop for OneCore {
 /// Minimises the timer slack of the calling thread, so that its timers are not coalesced; drop
 /// restores the slack.
 #[derive(Debug)]
-pub(crate) struct NoTimerSlack {
+pub(crate) struct TimerSlackGuard {
     before_ns: u64,
     _thread: OfThisThread,
 }
 
-impl NoTimerSlack {
+impl TimerSlackGuard {
     pub(crate) fn begin() -> io::Result<Self> {
         let before_ns = current_timer_slack()?;
         set_current_timer_slack(Some(NonZeroU64::MIN))?;
@@ -85,7 +85,7 @@ impl NoTimerSlack {
     }
 }
 
-impl Drop for NoTimerSlack {
+impl Drop for TimerSlackGuard {
     fn drop(&mut self) {
         // Real-time threads have a slack of 0, which cannot be set.
         let _ = set_current_timer_slack(NonZeroU64::new(self.before_ns));
@@ -99,9 +99,9 @@ pub(crate) fn timer_slack_ns() -> Option<u64> {
 
 /// Locks all memory of the process into RAM; drop unlocks it.
 #[derive(Debug)]
-pub(crate) struct LockedMemory(());
+pub(crate) struct MemoryLockGuard(());
 
-impl LockedMemory {
+impl MemoryLockGuard {
     /// Fails if memory is already locked: unlocking affects the whole process and would revert
     /// locks of others.
     pub(crate) fn begin() -> io::Result<Self> {
@@ -113,7 +113,7 @@ impl LockedMemory {
     }
 }
 
-impl Drop for LockedMemory {
+impl Drop for MemoryLockGuard {
     fn drop(&mut self) {
         let _ = munlockall();
     }
@@ -141,44 +141,44 @@ mod tests {
     use super::*;
 
     #[test]
-    fn policy_and_priority_come_back() {
+    fn policy_and_priority_are_restored() {
         let before = scheduling().unwrap();
-        if let Ok(guard) = RealTime::begin(FIFO_PRIORITY) {
+        if let Ok(guard) = RealTimeGuard::begin(FIFO_PRIORITY) {
             assert_eq!(scheduling().unwrap(), Scheduling::fifo(FIFO_PRIORITY));
             drop(guard);
         }
         assert_eq!(scheduling().unwrap(), before);
-        assert!(RealTime::begin(1000).is_err());
+        assert!(RealTimeGuard::begin(1000).is_err());
         assert_eq!(scheduling().unwrap(), before);
     }
 
     #[test]
-    fn the_cores_come_back() {
+    fn affinity_is_restored() {
         let before = usable_cores().unwrap();
-        let guard = OneCore::begin(before[0]).unwrap();
+        let guard = AffinityGuard::begin(before[0]).unwrap();
         assert_eq!(usable_cores().unwrap(), before[..1]);
         drop(guard);
         assert_eq!(usable_cores().unwrap(), before);
-        assert!(OneCore::begin(CpuSet::MAX_CPU as u32 - 1).is_err() || before.len() > 1000);
+        assert!(AffinityGuard::begin(CpuSet::MAX_CPU as u32 - 1).is_err() || before.len() > 1000);
         assert_eq!(usable_cores().unwrap(), before);
     }
 
     #[test]
-    fn the_timer_slack_comes_back() {
+    fn timer_slack_is_restored() {
         let before_ns = timer_slack_ns();
-        let guard = NoTimerSlack::begin().unwrap();
+        let guard = TimerSlackGuard::begin().unwrap();
         assert_eq!(timer_slack_ns(), Some(1));
         drop(guard);
         assert_eq!(timer_slack_ns(), before_ns);
     }
 
     #[test]
-    fn settings_come_back_when_the_thread_panics() {
+    fn settings_are_restored_on_panic() {
         let before = (scheduling().unwrap(), usable_cores().unwrap());
         let core = before.1[0];
         let broken = std::panic::catch_unwind(|| {
-            let _policy = RealTime::begin(FIFO_PRIORITY);
-            let _core = OneCore::begin(core);
+            let _policy = RealTimeGuard::begin(FIFO_PRIORITY);
+            let _core = AffinityGuard::begin(core);
             panic!("in the middle");
         });
         assert!(broken.is_err());

@@ -4,7 +4,7 @@
     reason = "the C library and rustix take pointers for scheduling, usage and advice on memory"
 )]
 
-use rustix::mm::{Advice, madvise};
+use rustix::mm::{Recommendation, madvise};
 use std::io;
 use std::mem::MaybeUninit;
 
@@ -49,7 +49,7 @@ pub(crate) fn scheduling() -> io::Result<Scheduling> {
 }
 
 /// Sets the scheduling policy of the calling thread.
-pub(crate) fn schedule(scheduling: Scheduling) -> io::Result<()> {
+pub(crate) fn set_scheduling(scheduling: Scheduling) -> io::Result<()> {
     let mut parameters = MaybeUninit::<libc::sched_param>::zeroed();
     // SAFETY: all zeros are a valid value of its integers.
     let parameters = unsafe { parameters.assume_init_mut() };
@@ -78,7 +78,7 @@ pub(crate) fn advise_huge_pages(words: &mut [MaybeUninit<u64>]) -> io::Result<()
     };
     let start = bytes.start.with_addr(first).cast();
     // SAFETY: the range lies in the buffer, and this advice changes no contents.
-    unsafe { madvise(start, length, Advice::LinuxHugepage) }?;
+    unsafe { madvise(start, length, Recommendation::LinuxHugepage) }?;
     Ok(())
 }
 

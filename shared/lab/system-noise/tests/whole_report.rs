@@ -1,19 +1,20 @@
 //! End-to-end test of the system-noise measurement: every probe ends, every setting is reverted.
 #![expect(clippy::unwrap_used, reason = "helpers of tests panic as tests do")]
 
+use parking_lot::Mutex;
 use std::collections::BTreeSet;
-use std::sync::{Mutex, PoisonError, mpsc};
+use std::sync::mpsc;
 use std::time::Duration;
-use system_noise::noise::hop::{Payload, Receiver, hop};
-use system_noise::{MachineReport, Plan, figures, measure, report};
+use system_noise::probe::transport::{Payload, ReceiveMode, transport_latency};
+use system_noise::{MachineReport, MeasurementPlan, latency_histograms, measure, report};
 
 /// Serialises the tests, which check the state of the whole process.
-static ONE_AFTER_THE_OTHER: Mutex<()> = Mutex::new(());
+static SERIALISED: Mutex<()> = Mutex::new(());
 
-const BRIEF: Plan = Plan {
+const BRIEF: MeasurementPlan = MeasurementPlan {
     probe: Duration::from_millis(50),
     clock: Duration::from_millis(5),
-    hop: Duration::from_millis(100),
+    transport: Duration::from_millis(100),
     trial: Duration::from_millis(30),
     n_rounds: 2,
     buffer_bytes: Some(4 << 20),
@@ -65,10 +66,8 @@ fn value(status: &str, key: &str) -> String {
 }
 
 #[test]
-fn everything_is_measured_and_nothing_is_left() {
-    let _turn = ONE_AFTER_THE_OTHER
-        .lock()
-        .unwrap_or_else(PoisonError::into_inner);
+fn report_measures_every_probe_and_reverts_every_setting() {
+    let _turn = SERIALISED.lock();
     let before = settings();
     let (found, sentences) = watched(|| {
         let mut sentences = Vec::new();
@@ -102,24 +101,22 @@ fn is_shown(found: &MachineReport) {
     for part in ["Environment", "Latencies", "timer", "Memory", "Advice"] {
         assert!(text.contains(part), "{part} is not in\n{text}");
     }
-    let svg = figures::histograms(&back).unwrap();
+    let svg = latency_histograms::histograms(&back).unwrap();
     assert!(svg.contains("Wake-up, idle machine") && svg.contains("interruptions"));
 }
 
 #[test]
-fn what_a_killed_probe_left_is_removed() {
-    let _turn = ONE_AFTER_THE_OTHER
-        .lock()
-        .unwrap_or_else(PoisonError::into_inner);
+fn transport_probe_removes_the_domain_of_a_killed_probe() {
+    let _turn = SERIALISED.lock();
     let folder = channel::RunFolder::of_user();
     let name: channel::DomainName = "m4294967295-0".parse().unwrap();
     let abandoned = folder.of_domain(&name);
     std::fs::create_dir_all(&abandoned).unwrap();
     std::fs::write(abandoned.join("domain.lock"), "").unwrap();
     let measured = watched(|| {
-        hop(
+        transport_latency(
             Payload::Small,
-            Receiver::Blocking,
+            ReceiveMode::Blocking,
             Duration::from_millis(50),
         )
     });

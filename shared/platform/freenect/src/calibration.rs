@@ -3,7 +3,6 @@
 use crate::DepthFormula;
 use crate::raw::{HEIGHT, WIDTH};
 use geometry::{InvalidIntrinsics, PinholeCamera, RigidTransform};
-use std::fmt;
 
 /// Maximum accepted distance between the cameras, metres; in a Kinect it is 25 mm.
 const MAX_BASELINE_M: f64 = 0.2;
@@ -25,56 +24,29 @@ pub struct Calibration {
 }
 
 /// Error of a calibration that cannot be that of a Kinect.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum InvalidCalibration {
     /// The intrinsics of a camera are invalid.
+    #[error("the calibration's {which} camera is impossible: {source}")]
     Camera {
-        /// `depth` or `colour`.
+        /// Name of the camera: `depth` or `colour`.
         which: &'static str,
         /// Cause.
         source: InvalidIntrinsics,
     },
     /// An image size is not 640x480.
+    #[error("the calibration's {which} camera must be 640x480, as the images are")]
     Size {
-        /// `depth` or `colour`.
+        /// Name of the camera: `depth` or `colour`.
         which: &'static str,
     },
     /// The cameras are too far apart or rotated too far, or the transform is not finite.
+    #[error(
+        "the calibration's transform from the depth to the colour camera must be within \
+         {MAX_BASELINE_M} m and {MAX_ANGLE_RAD} rad; is it in millimetres or degrees?"
+    )]
     Extrinsics,
-}
-
-impl fmt::Display for InvalidCalibration {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Camera { which, source } => {
-                write!(
-                    f,
-                    "the calibration's {which} camera is impossible: {source}"
-                )
-            }
-            Self::Size { which } => {
-                write!(
-                    f,
-                    "the calibration's {which} camera must be 640x480, as the images are"
-                )
-            }
-            Self::Extrinsics => write!(
-                f,
-                "the calibration's transform from the depth to the colour camera must be within \
-                 {MAX_BASELINE_M} m and {MAX_ANGLE_RAD} rad; is it in millimetres or degrees?"
-            ),
-        }
-    }
-}
-
-impl std::error::Error for InvalidCalibration {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::Camera { source, .. } => Some(source),
-            _ => None,
-        }
-    }
 }
 
 impl Calibration {

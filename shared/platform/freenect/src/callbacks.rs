@@ -11,9 +11,9 @@
 
 #![expect(unsafe_code, reason = "buffers are handed to C and images read back")]
 
-use crate::device::{Frame, Image};
+use crate::device::{Image, KinectFrame};
 use crate::frame_buffer::FrameBuffer;
-use crate::pairing::{N_FRAMES, Pair, Pairing, Stamped, Statistics};
+use crate::pairing::{N_FRAMES, Pair, Pairing, PairingStatistics, Stamped};
 use crate::raw::{Api, Device, N_PIXELS};
 use std::cell::RefCell;
 use std::ffi::c_void;
@@ -22,14 +22,14 @@ use std::rc::Rc;
 use std::time::Instant;
 
 /// Entry of the table: device and sink of a camera on this thread.
-type Entry = (*mut Device, Rc<RefCell<Sink>>);
+type SinkEntry = (*mut Device, Rc<RefCell<FrameSink>>);
 
 thread_local! {
-    static SINKS: RefCell<Vec<Entry>> = const { RefCell::new(Vec::new()) };
+    static SINKS: RefCell<Vec<SinkEntry>> = const { RefCell::new(Vec::new()) };
 }
 
 /// Receiver of one camera's frames; owns all its image memory.
-pub(crate) struct Sink {
+pub(crate) struct FrameSink {
     api: Api,
     depth_filling: FrameBuffer<u16>,
     video_filling: FrameBuffer<u8>,
@@ -38,22 +38,22 @@ pub(crate) struct Sink {
 }
 
 /// Image pair held by the caller; the library no longer writes to it.
-pub(crate) struct Shown(Pair<FrameBuffer<u16>, FrameBuffer<u8>>);
+pub(crate) struct HeldPair(Pair<FrameBuffer<u16>, FrameBuffer<u8>>);
 
 /// Entry of a sink in its thread's table, removed on drop.
-pub(crate) struct Registration {
+pub(crate) struct SinkRegistration {
     device: *mut Device,
 }
 
-impl Registration {
+impl SinkRegistration {
     /// Routes the frames of `device` to `sink` until dropped.
-    pub(crate) fn new(device: *mut Device, sink: Rc<RefCell<Sink>>) -> Self {
+    pub(crate) fn new(device: *mut Device, sink: Rc<RefCell<FrameSink>>) -> Self {
         SINKS.with_borrow_mut(|sinks| sinks.push((device, sink)));
         Self { device }
     }
 }
 
-impl Drop for Registration {
+impl Drop for SinkRegistration {
     fn drop(&mut self) {
         // At thread exit the table may already be destroyed, and the entry with it.
         let _ = SINKS.try_with(|sinks| {
@@ -80,7 +80,7 @@ pub(crate) extern "C" fn on_video(device: *mut Device, pixels: *mut c_void, stam
     });
 }
 
-fn with_sink(device: *mut Device, act: impl FnOnce(&mut Sink)) {
+fn with_sink(device: *mut Device, act: impl FnOnce(&mut FrameSink)) {
     let sink = SINKS.try_with(|sinks| {
         let sinks = sinks.try_borrow().ok()?;
         sinks
@@ -95,7 +95,7 @@ fn with_sink(device: *mut Device, act: impl FnOnce(&mut Sink)) {
     }
 }
 
-impl Sink {
+impl FrameSink {
     /// Sink with all image memory of one camera, about 9 MB.
     pub(crate) fn new(api: &Api) -> Self {
         let depth = || FrameBuffer::new(N_PIXELS);
@@ -189,13 +189,13 @@ impl Sink {
     }
 
     /// Newest pair not yet taken.
-    pub(crate) fn take_ready(&mut self) -> Option<Shown> {
-        self.pairing.take_ready().map(Shown)
+    pub(crate) fn take_ready(&mut self) -> Option<HeldPair> {
+        self.pairing.take_ready().map(HeldPair)
     }
 
     /// Returns a pair to the library's pool.
-    pub(crate) fn give_back(&mut self, shown: Shown) {
-        self.pairing.give_back(shown.0);
+    pub(crate) fn give_back(&mut self, held: HeldPair) {
+        self.pairing.give_back(held.0);
     }
 
     /// `true` if the library wrote outside the given buffer or rejected a buffer.
@@ -203,16 +203,16 @@ impl Sink {
         self.misplaced
     }
 
-    pub(crate) fn statistics(&self) -> Statistics {
+    pub(crate) fn statistics(&self) -> PairingStatistics {
         self.pairing.statistics()
     }
 }
 
-impl Shown {
+impl HeldPair {
     /// Images of the pair.
-    pub(crate) fn frame(&self) -> Frame<'_> {
+    pub(crate) fn frame(&self) -> KinectFrame<'_> {
         let Pair { depth, video } = &self.0;
-        Frame {
+        KinectFrame {
             depth: Image {
                 // SAFETY: the library got another buffer before this one was paired,
                 // and gets it again only after `give_back` took this value.

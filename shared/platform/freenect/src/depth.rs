@@ -134,7 +134,7 @@ mod tests {
     const FORMULAS: [DepthFormula; 2] = [DepthFormula::Magnenat, DepthFormula::Burrus];
 
     #[test]
-    fn values_of_the_sources_are_met() {
+    fn depth_agrees_with_hand_computed_values() {
         let check = |formula, raw, expected_m: f32| {
             let z = DepthTable::new(formula).depth_m(raw);
             assert!((z - expected_m).abs() < 1e-3, "{formula:?} {raw}: {z}");
@@ -157,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn the_default_agrees_with_the_sensors_geometry_over_a_table() {
+    fn default_formula_agrees_with_the_sensor_geometry() {
         let largest_error = |formula| {
             let table = DepthTable::new(formula);
             let error = |raw| (f64::from(table.depth_m(raw)) / triangulated_m(raw) - 1.0).abs();

@@ -1,11 +1,11 @@
 //! Safe handle of an open Kinect.
 
-use crate::callbacks::{Registration, Shown, Sink};
-use crate::messages::{self, Message};
+use crate::callbacks::{FrameSink, HeldPair, SinkRegistration};
+use crate::messages::{self, LogMessage};
 use crate::recording::check_recording;
 use crate::restart::FOLDER_VARIABLE;
 use crate::session::{Context, Device};
-use crate::{Acceleration, Error, Library, LibraryKind, Presence, Statistics, raw};
+use crate::{Acceleration, Error, Library, LibraryKind, PairingStatistics, Presence, raw};
 use std::cell::RefCell;
 use std::path::Path;
 use std::rc::Rc;
@@ -49,7 +49,7 @@ pub struct Image<'a, T> {
 
 /// Synchronised pair of depth and colour image (see [`crate::PAIRING_WINDOW_TICKS`]).
 #[derive(Debug, Clone, Copy)]
-pub struct Frame<'a> {
+pub struct KinectFrame<'a> {
     /// Raw depth image.
     pub depth: Image<'a, u16>,
     /// Colour image.
@@ -65,11 +65,11 @@ pub struct Kinect {
     // Fields are dropped in this order: the device first, so that the library has stopped writing
     // when the images are freed.
     device: Device,
-    _registration: Registration,
-    sink: Rc<RefCell<Sink>>,
-    shown: Option<Shown>,
-    end: Option<End>,
-    _playing: Option<Playing>,
+    _registration: SinkRegistration,
+    sink: Rc<RefCell<FrameSink>>,
+    held: Option<HeldPair>,
+    end: Option<StreamEnd>,
+    _playing: Option<PlaybackLock>,
 }
 
 impl fmt::Debug for Kinect {
@@ -82,7 +82,7 @@ impl fmt::Debug for Kinect {
 
 /// Reason for the end of the stream.
 #[derive(Debug, Clone)]
-enum End {
+enum StreamEnd {
     Gone { code: i32, said: String },
     Ended,
     Misbehaved,
@@ -98,26 +98,26 @@ impl Kinect {
     /// If there is no Kinect, it cannot be opened or started, or the recording is faulty; each
     /// error names the remedy.
     pub fn open(library: Arc<Library>, selector: &Selector) -> Result<Self, Error> {
-        let playing = (library.kind() == LibraryKind::Fake)
-            .then(Playing::start)
+        let playback = (library.kind() == LibraryKind::Fake)
+            .then(PlaybackLock::start)
             .transpose()?;
         // Earlier messages belong to another camera.
         messages::take();
         let device = open_device(library, selector)?;
-        let sink = Sink::new(device.library().api());
+        let sink = FrameSink::new(device.library().api());
         device.choose_modes()?;
         if !sink.hand_over_first_buffers(device.pointer()) {
             return Err(Error::Misbehaved);
         }
         let sink = Rc::new(RefCell::new(sink));
-        let registration = Registration::new(device.pointer(), Rc::clone(&sink));
+        let registration = SinkRegistration::new(device.pointer(), Rc::clone(&sink));
         let kinect = Self {
             device,
             _registration: registration,
             sink,
-            shown: None,
+            held: None,
             end: None,
-            _playing: playing,
+            _playing: playback,
         };
         kinect.device.set_callbacks();
         kinect.device.start_streams()?;
@@ -127,18 +127,18 @@ impl Kinect {
     /// Newest pair of images not yet returned; waits for one up to `timeout` and returns `None`
     /// when it elapses.
     ///
-    /// The images stay valid until the next call. Fakenect ignores the time-out:
-    /// it may block until the recording's next entry is due.
+    /// The images stay valid until the next call. Fakenect ignores the time-out: it
+    /// may block until the recording's next entry is due.
     ///
     /// # Errors
     /// [`Error::Gone`] when the Kinect was unplugged, [`Error::Ended`] at the end
     /// of a recording, [`Error::Misbehaved`]; from then on always the same.
-    pub fn next_frame(&mut self, timeout: Duration) -> Result<Option<Frame<'_>>, Error> {
+    pub fn next_frame(&mut self, timeout: Duration) -> Result<Option<KinectFrame<'_>>, Error> {
         let start = Instant::now();
         let mut polled = false;
         loop {
-            if self.show_ready() {
-                return Ok(self.shown.as_ref().map(Shown::frame));
+            if self.take_newest() {
+                return Ok(self.held.as_ref().map(HeldPair::frame));
             }
             if let Some(end) = &self.end {
                 return Err(end.clone().into_error());
@@ -182,13 +182,13 @@ impl Kinect {
     }
 
     /// Counts of paired and unpaired frames so far.
-    pub fn statistics(&self) -> Statistics {
+    pub fn statistics(&self) -> PairingStatistics {
         self.sink.borrow().statistics()
     }
 
     /// Log messages of the library since the last call, oldest first, at most 64 lines. Errors
     /// contain their own messages.
-    pub fn take_messages(&mut self) -> Vec<Message> {
+    pub fn take_messages(&mut self) -> Vec<LogMessage> {
         messages::take()
     }
 
@@ -196,11 +196,11 @@ impl Kinect {
     fn process_events(&mut self, timeout: Duration) {
         let code = self.device.process_events(timeout);
         if self.sink.borrow().is_misplaced() {
-            self.end = Some(End::Misbehaved);
+            self.end = Some(StreamEnd::Misbehaved);
         } else if code != 0 && code != INTERRUPTED {
             self.end = Some(match self.device.library().kind() {
-                LibraryKind::Fake => End::Ended,
-                LibraryKind::Real => End::Gone {
+                LibraryKind::Fake => StreamEnd::Ended,
+                LibraryKind::Real => StreamEnd::Gone {
                     code,
                     said: messages::take_as_clause(),
                 },
@@ -209,19 +209,19 @@ impl Kinect {
     }
 
     /// Takes the newest pair, if any, and returns the previous one to the pool.
-    fn show_ready(&mut self) -> bool {
+    fn take_newest(&mut self) -> bool {
         let mut sink = self.sink.borrow_mut();
         let Some(ready) = sink.take_ready() else {
             return false;
         };
-        if let Some(old) = self.shown.replace(ready) {
+        if let Some(old) = self.held.replace(ready) {
             sink.give_back(old);
         }
         true
     }
 }
 
-impl End {
+impl StreamEnd {
     fn into_error(self) -> Error {
         match self {
             Self::Gone { code, said } => Error::Gone { code, said },
@@ -251,24 +251,24 @@ fn open_device(library: Arc<Library>, selector: &Selector) -> Result<Device, Err
 
 /// Exclusive right of this process to play a recording: fakenect keeps its state in global
 /// variables, which two players would share.
-struct Playing;
+struct PlaybackLock;
 
-static PLAYING: AtomicBool = AtomicBool::new(false);
+static IS_PLAYING: AtomicBool = AtomicBool::new(false);
 
-impl Playing {
+impl PlaybackLock {
     /// Checks the recording named by the environment and that no other player is active.
     fn start() -> Result<Self, Error> {
         let folder = env::var_os(FOLDER_VARIABLE).ok_or(Error::NoRecording)?;
         check_recording(Path::new(&folder))?;
-        if PLAYING.swap(true, Ordering::Acquire) {
+        if IS_PLAYING.swap(true, Ordering::Acquire) {
             return Err(Error::FakeInUse);
         }
         Ok(Self)
     }
 }
 
-impl Drop for Playing {
+impl Drop for PlaybackLock {
     fn drop(&mut self) {
-        PLAYING.store(false, Ordering::Release);
+        IS_PLAYING.store(false, Ordering::Release);
     }
 }

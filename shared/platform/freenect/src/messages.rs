@@ -16,12 +16,12 @@ use std::ffi::{CStr, c_char, c_int};
 const MAX_MESSAGES: usize = 64;
 
 thread_local! {
-    static MESSAGES: RefCell<VecDeque<Message>> = const { RefCell::new(VecDeque::new()) };
+    static MESSAGES: RefCell<VecDeque<LogMessage>> = const { RefCell::new(VecDeque::new()) };
 }
 
 /// Severity of a log message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Level {
+pub enum LogLevel {
     /// The requested operation failed (levels fatal and error).
     Error,
     /// The library continues with a loss (level warning).
@@ -30,9 +30,9 @@ pub enum Level {
 
 /// Log message of the library.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Message {
+pub struct LogMessage {
     /// Severity.
-    pub level: Level,
+    pub level: LogLevel,
     /// Text without the end of line.
     pub text: String,
 }
@@ -46,9 +46,9 @@ pub(crate) extern "C" fn on_message(_context: *mut Context, level: c_int, text: 
     // SAFETY: the library passes a null-terminated buffer that lives during the call.
     let text = unsafe { CStr::from_ptr(text) };
     let level = if level <= 1 {
-        Level::Error
+        LogLevel::Error
     } else {
-        Level::Warning
+        LogLevel::Warning
     };
     let text = text.to_string_lossy().trim_end().to_owned();
     // A message during thread exit has no reader.
@@ -57,13 +57,13 @@ pub(crate) extern "C" fn on_message(_context: *mut Context, level: c_int, text: 
             if messages.len() == MAX_MESSAGES {
                 messages.pop_front();
             }
-            messages.push_back(Message { level, text });
+            messages.push_back(LogMessage { level, text });
         }
     });
 }
 
 /// Takes all messages of this thread, oldest first.
-pub(crate) fn take() -> Vec<Message> {
+pub(crate) fn take() -> Vec<LogMessage> {
     MESSAGES.with_borrow_mut(|messages| messages.drain(..).collect())
 }
 
@@ -86,8 +86,8 @@ mod tests {
         say(1, c"Could not open camera: -3\n");
         say(2, c"Lost packets\n");
         let expected = [
-            (Level::Error, "Could not open camera: -3"),
-            (Level::Warning, "Lost packets"),
+            (LogLevel::Error, "Could not open camera: -3"),
+            (LogLevel::Warning, "Lost packets"),
         ];
         let taken = take();
         assert_eq!(taken.len(), 2);

@@ -18,11 +18,11 @@ pub const PAIRING_WINDOW_TICKS: u32 = CLOCK_HZ / 30 / 2;
 
 /// Maximum number of unpaired frames kept per stream. Two, because the streams may lag behind
 /// each other by more than one period but never by two.
-const MAX_WAITING: usize = 2;
+const MAX_UNPAIRED: usize = 2;
 
 /// Number of frame buffers per stream: one being written, two unpaired, one just arrived, one in
 /// the pair not yet taken, and one in the pair held by the caller.
-pub(crate) const N_FRAMES: usize = MAX_WAITING + 4;
+pub(crate) const N_FRAMES: usize = MAX_UNPAIRED + 4;
 
 /// Frame with its time stamps.
 #[derive(Debug)]
@@ -44,7 +44,7 @@ pub(crate) struct Pair<D, V> {
 
 /// Unpaired frames and free buffers of one stream.
 #[derive(Debug)]
-struct Waiting<T> {
+struct UnpairedFrames<T> {
     frames: VecDeque<Stamped<T>>,
     spare: Vec<T>,
     n_unpaired: u64,
@@ -53,8 +53,8 @@ struct Waiting<T> {
 /// Pairs frames as they arrive, keeps the newest pair and counts losses.
 #[derive(Debug)]
 pub(crate) struct Pairing<D, V> {
-    depth: Waiting<D>,
-    video: Waiting<V>,
+    depth: UnpairedFrames<D>,
+    video: UnpairedFrames<V>,
     ready: Option<Pair<D, V>>,
     n_pairs: u64,
     n_superseded: u64,
@@ -62,7 +62,7 @@ pub(crate) struct Pairing<D, V> {
 
 /// Counts of paired and lost frames since the camera was opened.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Statistics {
+pub struct PairingStatistics {
     /// Number of pairs.
     pub n_pairs: u64,
     /// Number of pairs replaced by a newer one before they were taken.
@@ -78,10 +78,10 @@ fn within_window(a: u32, b: u32) -> bool {
     (a.wrapping_sub(b) as i32).unsigned_abs() < PAIRING_WINDOW_TICKS
 }
 
-impl<T> Waiting<T> {
+impl<T> UnpairedFrames<T> {
     fn new(spare: Vec<T>) -> Self {
         Self {
-            frames: VecDeque::with_capacity(MAX_WAITING + 1),
+            frames: VecDeque::with_capacity(MAX_UNPAIRED + 1),
             spare,
             n_unpaired: 0,
         }
@@ -94,28 +94,31 @@ impl<T> Waiting<T> {
             .frames
             .iter()
             .position(|frame| within_window(frame.stamp_ticks, stamp_ticks))?;
-        self.give_up(position);
+        self.free_unpaired(position);
         self.frames.pop_front()
     }
 
     /// Frees the oldest `n` frames as unpaired.
-    fn give_up(&mut self, n: usize) {
+    fn free_unpaired(&mut self, n: usize) {
         for lone in self.frames.drain(..n.min(self.frames.len())) {
             self.spare.push(lone.frame);
             self.n_unpaired += 1;
         }
     }
 
-    fn wait(&mut self, frame: Stamped<T>) {
+    fn push_unpaired(&mut self, frame: Stamped<T>) {
         self.frames.push_back(frame);
-        self.give_up(self.frames.len().saturating_sub(MAX_WAITING));
+        self.free_unpaired(self.frames.len().saturating_sub(MAX_UNPAIRED));
     }
 }
 
 impl<D, V> Pairing<D, V> {
     /// Pairing with [`N_FRAMES`] buffers per stream, less the one being written.
     pub(crate) fn new(spare_depth: Vec<D>, spare_video: Vec<V>) -> Self {
-        let (depth, video) = (Waiting::new(spare_depth), Waiting::new(spare_video));
+        let (depth, video) = (
+            UnpairedFrames::new(spare_depth),
+            UnpairedFrames::new(spare_video),
+        );
         Self {
             depth,
             video,
@@ -149,10 +152,10 @@ impl<D, V> Pairing<D, V> {
     pub(crate) fn depth_arrived(&mut self, depth: Stamped<D>) {
         match self.video.take_partner(depth.stamp_ticks) {
             Some(video) => {
-                self.depth.give_up(MAX_WAITING);
+                self.depth.free_unpaired(MAX_UNPAIRED);
                 self.pair_up(Pair { depth, video });
             }
-            None => self.depth.wait(depth),
+            None => self.depth.push_unpaired(depth),
         }
     }
 
@@ -160,10 +163,10 @@ impl<D, V> Pairing<D, V> {
     pub(crate) fn video_arrived(&mut self, video: Stamped<V>) {
         match self.depth.take_partner(video.stamp_ticks) {
             Some(depth) => {
-                self.video.give_up(MAX_WAITING);
+                self.video.free_unpaired(MAX_UNPAIRED);
                 self.pair_up(Pair { depth, video });
             }
-            None => self.video.wait(video),
+            None => self.video.push_unpaired(video),
         }
     }
 
@@ -179,8 +182,8 @@ impl<D, V> Pairing<D, V> {
     }
 
     /// Counts of paired and lost frames so far.
-    pub(crate) fn statistics(&self) -> Statistics {
-        Statistics {
+    pub(crate) fn statistics(&self) -> PairingStatistics {
+        PairingStatistics {
             n_pairs: self.n_pairs,
             n_superseded: self.n_superseded,
             n_unpaired_depth: self.depth.n_unpaired,

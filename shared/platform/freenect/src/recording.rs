@@ -42,7 +42,7 @@ pub struct RecordingSummary {
 
 /// Entry of the index.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Entry<'a> {
+struct IndexEntry<'a> {
     kind: EntryKind,
     seconds: f64,
     file_name: &'a str,
@@ -128,7 +128,7 @@ fn open_regular(path: &Path) -> Result<File, RecordingError> {
 }
 
 /// Parses a line of the index, more strictly than fakenect's `sscanf`.
-fn parse_line(line: &str) -> Result<Entry<'_>, &'static str> {
+fn parse_line(line: &str) -> Result<IndexEntry<'_>, &'static str> {
     if line.is_empty() {
         return Err("an empty line, where fakenect would stop for good");
     }
@@ -151,7 +151,7 @@ fn parse_line(line: &str) -> Result<Entry<'_>, &'static str> {
         .unwrap_or_default();
     let stamp: Result<u32, _> = digits.parse();
     stamp.map_err(|_| "the stamp must be a whole number below 2^32")?;
-    Ok(Entry {
+    Ok(IndexEntry {
         kind,
         seconds,
         file_name: line,

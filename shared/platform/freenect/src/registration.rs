@@ -14,7 +14,6 @@ use crate::DepthTable;
 use crate::calibration::{Calibration, InvalidCalibration};
 use crate::raw::{HEIGHT, N_PIXELS, WIDTH};
 use point_cloud::{Point, Rgba};
-use std::fmt;
 
 /// Colour of points outside the colour image and of pixels without depth.
 pub const NEUTRAL_GREY: Rgba = Rgba::opaque(128, 128, 128);
@@ -68,28 +67,13 @@ pub struct FillSummary {
 }
 
 /// Error of a buffer that does not hold 640x480 pixels.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("the {buffer} holds {length} values instead of the {expected} of 640x480 pixels")]
 pub struct WrongSize {
     buffer: &'static str,
     length: usize,
     expected: usize,
 }
-
-impl fmt::Display for WrongSize {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self {
-            buffer,
-            length,
-            expected,
-        } = self;
-        write!(
-            f,
-            "the {buffer} holds {length} values instead of the {expected} of 640x480 pixels"
-        )
-    }
-}
-
-impl std::error::Error for WrongSize {}
 
 impl CloudBuilder {
     /// Precomputes the tables of a calibration.

@@ -158,9 +158,9 @@ fn check_pair(kinect: &mut Kinect, n: usize) {
 
 #[test]
 #[ignore = "needs libfreenect0.5"]
-fn a_recording_plays_byte_for_byte_and_ends() {
+fn recording_plays_byte_for_byte_and_ends() {
     play_in_child(
-        "a_recording_plays_byte_for_byte_and_ends",
+        "recording_plays_byte_for_byte_and_ends",
         || Some(Folder::new(5)),
         || {
             let mut kinect = open();
@@ -183,9 +183,9 @@ fn a_recording_plays_byte_for_byte_and_ends() {
 
 #[test]
 #[ignore = "needs libfreenect0.5"]
-fn frames_come_no_faster_than_recorded() {
+fn recording_plays_no_faster_than_recorded() {
     play_in_child(
-        "frames_come_no_faster_than_recorded",
+        "recording_plays_no_faster_than_recorded",
         || Some(Folder::new(4)),
         || {
             let mut kinect = open();
@@ -206,9 +206,9 @@ fn frames_come_no_faster_than_recorded() {
 
 #[test]
 #[ignore = "needs libfreenect0.5"]
-fn loading_the_library_again_plays_from_the_start() {
+fn recording_restarts_when_the_library_is_reloaded() {
     play_in_child(
-        "loading_the_library_again_plays_from_the_start",
+        "recording_restarts_when_the_library_is_reloaded",
         || Some(Folder::new(2)),
         || {
             let library = load();
@@ -232,28 +232,32 @@ fn loading_the_library_again_plays_from_the_start() {
 
 #[test]
 #[ignore = "needs libfreenect0.5"]
-fn faulty_folders_never_reach_the_library() {
+fn recording_with_a_fault_never_reaches_the_library() {
     let folder = || {
         let folder = Folder::new(2);
         let name = folder.index.lines().nth(3).unwrap();
         fs::remove_file(folder.path().join(name)).unwrap();
         Some(folder)
     };
-    play_in_child("faulty_folders_never_reach_the_library", folder, || {
-        let error = Kinect::open(load(), &Selector::Index(0)).unwrap_err();
-        assert!(matches!(error, Error::Recording(_)), "{error}");
-        assert!(
-            error.to_string().contains(".pgm can not be read"),
-            "{error}"
-        );
-    });
+    play_in_child(
+        "recording_with_a_fault_never_reaches_the_library",
+        folder,
+        || {
+            let error = Kinect::open(load(), &Selector::Index(0)).unwrap_err();
+            assert!(matches!(error, Error::Recording(_)), "{error}");
+            assert!(
+                error.to_string().contains(".pgm can not be read"),
+                "{error}"
+            );
+        },
+    );
 }
 
 #[test]
 #[ignore = "needs libfreenect0.5"]
-fn a_process_without_a_recording_is_told_so() {
+fn recording_missing_in_the_environment_is_an_error() {
     play_in_child(
-        "a_process_without_a_recording_is_told_so",
+        "recording_missing_in_the_environment_is_an_error",
         || None,
         || {
             let error = Kinect::open(load(), &Selector::Index(0)).unwrap_err();
@@ -264,9 +268,9 @@ fn a_process_without_a_recording_is_told_so() {
 
 #[test]
 #[ignore = "needs libfreenect0.5"]
-fn only_one_recording_plays_at_a_time() {
+fn recording_playback_is_exclusive() {
     play_in_child(
-        "only_one_recording_plays_at_a_time",
+        "recording_playback_is_exclusive",
         || Some(Folder::new(1)),
         || {
             let first = open();
@@ -280,9 +284,9 @@ fn only_one_recording_plays_at_a_time() {
 
 #[test]
 #[ignore = "needs libfreenect0.5"]
-fn both_libraries_are_told_apart_in_one_process() {
+fn library_kinds_are_distinguished_in_one_process() {
     play_in_child(
-        "both_libraries_are_told_apart_in_one_process",
+        "library_kinds_are_distinguished_in_one_process",
         || None,
         || {
             let has =
@@ -300,9 +304,9 @@ fn both_libraries_are_told_apart_in_one_process() {
 
 #[test]
 #[ignore = "needs libfreenect0.5"]
-fn without_a_kinect_the_real_library_says_what_to_check() {
+fn library_without_a_kinect_names_the_remedy() {
     play_in_child(
-        "without_a_kinect_the_real_library_says_what_to_check",
+        "library_without_a_kinect_names_the_remedy",
         || None,
         || {
             for _ in 0..20 {
@@ -322,7 +326,7 @@ fn without_a_kinect_the_real_library_says_what_to_check() {
 }
 
 #[test]
-fn the_folder_written_here_is_a_good_recording() {
+fn recording_generated_by_the_tests_is_valid() {
     let summary = check_recording(Folder::new(3).path()).unwrap();
     assert_eq!(
         (summary.n_depth, summary.n_video, summary.n_acceleration),

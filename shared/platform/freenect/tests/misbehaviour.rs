@@ -2,7 +2,7 @@
 
 #![expect(unsafe_code, reason = "the library under test is one of our own")]
 
-use freenect::{Error, Kinect, Level, Library, LibraryKind, Selector, Statistics};
+use freenect::{Error, Kinect, Library, LibraryKind, LogLevel, PairingStatistics, Selector};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -63,7 +63,7 @@ fn number_of(kinect: &mut Kinect) -> u16 {
 }
 
 #[test]
-fn each_pair_arrives_once_and_whole_for_longer_than_the_clock_wraps() {
+fn pairs_arrive_once_and_whole_across_the_clock_wrap() {
     let mut kinect = open("steady").unwrap();
     // The stamp wraps after 2147 frames.
     for expected in 1..=2500 {
@@ -71,15 +71,15 @@ fn each_pair_arrives_once_and_whole_for_longer_than_the_clock_wraps() {
     }
     assert_eq!(
         kinect.statistics(),
-        Statistics {
+        PairingStatistics {
             n_pairs: 2500,
-            ..Statistics::default()
+            ..PairingStatistics::default()
         }
     );
 }
 
 #[test]
-fn an_unplugged_camera_is_gone_and_can_be_opened_again() {
+fn camera_unplugged_is_gone_and_can_be_reopened() {
     for _ in 0..3 {
         let mut kinect = open("unplugged").unwrap();
         for expected in 1..=3 {
@@ -99,7 +99,7 @@ fn an_unplugged_camera_is_gone_and_can_be_opened_again() {
 }
 
 #[test]
-fn a_signal_is_no_loss() {
+fn signal_loses_no_frame() {
     let mut kinect = open("interrupted").unwrap();
     for expected in 1..=4 {
         assert_eq!(number_of(&mut kinect), expected);
@@ -107,7 +107,7 @@ fn a_signal_is_no_loss() {
 }
 
 #[test]
-fn of_several_pairs_the_newest_is_taken_and_the_others_counted() {
+fn pairs_superseded_by_newer_ones_are_counted() {
     let mut kinect = open("burst").unwrap();
     assert_eq!(number_of(&mut kinect), 3);
     assert_eq!(number_of(&mut kinect), 6);
@@ -121,7 +121,7 @@ fn of_several_pairs_the_newest_is_taken_and_the_others_counted() {
 }
 
 #[test]
-fn depth_without_colour_is_counted_and_not_handed_out() {
+fn depth_without_colour_is_counted_but_not_returned() {
     let mut kinect = open("colourless").unwrap();
     assert!(kinect.next_frame(SHORT).unwrap().is_none());
     let statistics = kinect.statistics();
@@ -130,7 +130,7 @@ fn depth_without_colour_is_counted_and_not_handed_out() {
 }
 
 #[test]
-fn a_silent_camera_lets_the_caller_go() {
+fn camera_without_frames_times_out() {
     let mut kinect = open("silent").unwrap();
     assert!(kinect.next_frame(Duration::ZERO).unwrap().is_none());
     assert!(kinect.next_frame(SHORT).unwrap().is_none());
@@ -144,14 +144,14 @@ fn frames_in_foreign_memory_are_refused() {
 }
 
 #[test]
-fn a_stream_that_does_not_start_closes_the_camera_again() {
+fn stream_start_failure_closes_the_camera() {
     let error = open("no video").unwrap_err().to_string();
     assert!(error.contains("freenect_start_video failed"), "{error}");
     assert!(error.contains("send_cmd failed"), "{error}");
 }
 
 #[test]
-fn an_absent_camera_is_named_with_those_present() {
+fn camera_not_found_lists_those_present() {
     let error = open("A00364").unwrap_err().to_string();
     for part in [
         "serial A00364",
@@ -169,7 +169,7 @@ fn an_absent_camera_is_named_with_those_present() {
 }
 
 #[test]
-fn the_accelerometer_is_read_where_there_is_one() {
+fn accelerometer_is_read_if_present() {
     let mut kinect = open("steady").unwrap();
     let reading = kinect.acceleration().unwrap().unwrap();
     assert_eq!(
@@ -179,25 +179,25 @@ fn the_accelerometer_is_read_where_there_is_one() {
     let mut kinect = open("no motor").unwrap();
     assert_eq!(kinect.acceleration().unwrap(), None);
     let said = kinect.take_messages();
-    assert_eq!(said[0].level, Level::Error);
+    assert_eq!(said[0].level, LogLevel::Error);
     assert_eq!(number_of(&mut kinect), 1);
 }
 
 #[test]
-fn a_frame_that_comes_with_the_accelerometer_is_kept() {
+fn accelerometer_reading_keeps_a_frame_that_arrives() {
     let mut kinect = open("frame during tilt").unwrap();
     kinect.acceleration().unwrap();
     assert_eq!(number_of(&mut kinect), 1);
 }
 
 #[test]
-fn automatic_colours_can_be_switched() {
+fn colour_automatics_can_be_switched() {
     assert!(open("steady").unwrap().set_automatic_colors(false).unwrap());
     assert!(open("silent").unwrap().set_automatic_colors(false).is_err());
 }
 
 #[test]
-fn two_cameras_on_one_thread_and_on_two_keep_apart() {
+fn cameras_on_one_and_two_threads_are_independent() {
     let mut first = open("steady").unwrap();
     let mut second = open("burst").unwrap();
     assert_eq!((number_of(&mut first), number_of(&mut second)), (1, 3));

@@ -43,7 +43,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn scenes_of_mosd_are_known_by_their_number() {
+    fn mosd_kind_follows_from_the_scene_number() {
         for (stem, kind) in [
             ("learn0", Some("boxes")),
             ("learn16", Some("boxes")),
@@ -69,7 +69,7 @@ mod tests {
     }
 
     #[test]
-    fn the_last_digit_says_which_half() {
+    fn last_digit_selects_the_half() {
         for (stem, is_odd) in [
             ("learn10", Some(false)),
             ("frame-000007", Some(true)),

@@ -88,7 +88,7 @@ fn masks_become_labels_and_gravity_up() {
 }
 
 #[test]
-fn folders_of_scenes_are_groups_and_others_are_told() {
+fn sub_folders_are_groups_and_unusable_ones_are_listed() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
     write_sequence(&path("pile"), &[Some([0; 8])]);
@@ -113,7 +113,7 @@ fn folders_of_scenes_are_groups_and_others_are_told() {
 }
 
 #[test]
-fn what_can_not_be_used_is_explained() {
+fn unusable_folders_are_refused_with_a_reason() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
     for name in [

@@ -5,9 +5,9 @@ use crate::recogniser::{LabelledView, by_category};
 use random::Random;
 
 /// Random streams of the shuffles.
-const ORDER_OF_CATEGORIES: u64 = 1;
-const ORDER_OF_VIEWS: u64 = 2;
-const ORDER_OF_INSTANCES: u64 = 3;
+const CATEGORY_ORDER_STREAM: u64 = 1;
+const VIEW_ORDER_STREAM: u64 = 2;
+const INSTANCE_ORDER_STREAM: u64 = 3;
 
 /// Reason for excluding a category from a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,15 +25,15 @@ pub enum LeftOut {
 /// Unused views of each category, in the order of introduction.
 #[derive(Debug)]
 pub(super) struct Curriculum {
-    categories: Vec<FreshViews>,
+    categories: Vec<UnusedViews>,
 }
 
 /// Unused views of a category; the next one is last.
 #[derive(Debug)]
-struct FreshViews {
+struct UnusedViews {
     category: u32,
     for_questions: Vec<usize>,
-    /// `None` when lessons and questions share their views.
+    /// Lesson views; `None` when lessons and questions share their views.
     for_lessons: Option<Vec<usize>>,
 }
 
@@ -42,8 +42,8 @@ impl Curriculum {
     pub(super) fn new(protocol: &Protocol, views: &[LabelledView], seed: u64) -> Self {
         let mut categories = Vec::new();
         for (category, of_category) in by_category(views) {
-            if left_out(protocol, views, &of_category).is_none() {
-                categories.push(FreshViews::new(
+            if exclusion(protocol, views, &of_category).is_none() {
+                categories.push(UnusedViews::new(
                     protocol,
                     views,
                     category,
@@ -52,7 +52,7 @@ impl Curriculum {
                 ));
             }
         }
-        Random::for_purpose(seed, ORDER_OF_CATEGORIES).shuffle(&mut categories);
+        Random::for_purpose(seed, CATEGORY_ORDER_STREAM).shuffle(&mut categories);
         Self { categories }
     }
 
@@ -98,7 +98,7 @@ impl Curriculum {
     }
 }
 
-impl FreshViews {
+impl UnusedViews {
     fn new(
         protocol: &Protocol,
         views: &[LabelledView],
@@ -113,7 +113,7 @@ impl FreshViews {
             }
         };
         let shuffled = |mut indices: Vec<usize>, part: u64| {
-            let stream = ORDER_OF_VIEWS | part << 8 | u64::from(category) << 16;
+            let stream = VIEW_ORDER_STREAM | part << 8 | u64::from(category) << 16;
             Random::for_purpose(seed, stream).shuffle(&mut indices);
             indices
         };
@@ -137,7 +137,7 @@ fn take_instances(
     seed: u64,
 ) -> Vec<usize> {
     let mut instances = instances(views, of_category);
-    let stream = ORDER_OF_INSTANCES | u64::from(category) << 16;
+    let stream = INSTANCE_ORDER_STREAM | u64::from(category) << 16;
     Random::for_purpose(seed, stream).shuffle(&mut instances);
     instances.truncate(instances.len() / 2);
     let is_taken = |view: &mut usize| instances.contains(&views[*view].instance);
@@ -153,7 +153,7 @@ fn instances(views: &[LabelledView], of_category: &[usize]) -> Vec<Option<u32>> 
 }
 
 /// Reason for excluding a category, judged by its views.
-pub(super) fn left_out(
+pub(super) fn exclusion(
     protocol: &Protocol,
     views: &[LabelledView],
     of_category: &[usize],

@@ -1,14 +1,13 @@
 //! Simulated teacher: teach, ask, correct.
 
-use super::curriculum::{Curriculum, LeftOut, left_out};
-use super::record::{Question, Run, Stage, StopReason};
-use super::stage::{StageState, Verdict};
+use super::curriculum::{Curriculum, LeftOut, exclusion};
+use super::protocol_stage::{ProtocolStage, StageDecision};
+use super::record::{Question, Run, StageRecord, StopReason};
 use crate::recogniser::{LabelledView, Recogniser, by_category};
 use random::Random;
-use std::fmt;
 
 /// Random stream of open-set questions.
-const OPEN_SET: u64 = 4;
+const OPEN_SET_STREAM: u64 = 4;
 
 /// Split of the views into lessons and questions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -55,48 +54,33 @@ impl Default for Protocol {
 }
 
 /// Error of the protocol's parameters or data.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// The threshold is not in 0 to 1.
+    #[error(
+        "the accuracy at which a category is learned can not be {0}: choose from 0 to 1, 0.67 usually"
+    )]
     Tau(f64),
     /// The share of open-set questions is not in 0 to 0.9.
+    #[error("the share of open-set questions can not be {0}: choose from 0 to 0.9")]
     OpenSetShare(f64),
     /// No view at the start, or an empty window.
+    #[error(
+        "a category must be introduced with at least one view, and the window must have at least \
+         one pass: raise them"
+    )]
     Counts,
     /// Fewer than two categories are usable.
+    #[error(
+        "{n_usable} of the categories have enough views and objects for this protocol, and it needs \
+         two: give more data, or choose another protocol"
+    )]
     TooFewCategories {
         /// Number of usable categories.
         n_usable: usize,
     },
 }
-
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Tau(tau) => write!(
-                f,
-                "the accuracy at which a category is learned can not be {tau}: choose from 0 to 1, \
-                 0.67 usually"
-            ),
-            Self::OpenSetShare(share) => write!(
-                f,
-                "the share of open-set questions can not be {share}: choose from 0 to 0.9"
-            ),
-            Self::Counts => f.write_str(
-                "a category must be introduced with at least one view, and the window must have \
-                 at least one pass: raise them",
-            ),
-            Self::TooFewCategories { n_usable } => write!(
-                f,
-                "{n_usable} of the categories have enough views and objects for this protocol, and \
-                 it needs two: give more data, or choose another protocol"
-            ),
-        }
-    }
-}
-
-impl std::error::Error for Error {}
 
 impl Protocol {
     fn check(&self) -> Result<(), Error> {
@@ -125,7 +109,7 @@ pub fn usable_categories(
     let categories = by_category(views);
     let found: Vec<_> = categories
         .iter()
-        .map(|(category, of_category)| (*category, left_out(protocol, views, of_category)))
+        .map(|(category, of_category)| (*category, exclusion(protocol, views, of_category)))
         .collect();
     let n_usable = found.iter().filter(|(_, reason)| reason.is_none()).count();
     if n_usable < 2 {
@@ -164,7 +148,7 @@ struct Teacher<'a> {
     n_right: u32,
     n_counted: u32,
     questions: Vec<Question>,
-    stages: Vec<Stage>,
+    stages: Vec<StageRecord>,
     stage_accuracies: Vec<f64>,
     taught: Vec<(u32, u32)>,
 }
@@ -181,7 +165,7 @@ impl<'a> Teacher<'a> {
             protocol,
             seed,
             curriculum: Curriculum::new(protocol, views, seed),
-            open_set: Random::for_purpose(seed, OPEN_SET),
+            open_set: Random::for_purpose(seed, OPEN_SET_STREAM),
             n_right: 0,
             n_counted: 0,
             questions: Vec::new(),
@@ -235,11 +219,11 @@ impl<'a> Teacher<'a> {
     /// Asks the introduced categories in turn until the newest is learned; otherwise returns the
     /// reason for the end of the run.
     fn stage(&mut self, n_categories: usize) -> Option<StopReason> {
-        let mut stage = StageState::new(n_categories);
+        let mut stage = ProtocolStage::new(n_categories);
         let mut place = 0;
         loop {
             self.ask_open_set(n_categories);
-            let Some(view) = self.fresh_question(place) else {
+            let Some(view) = self.unused_question(place) else {
                 return Some(StopReason::LackOfData);
             };
             let category = self.curriculum.category(place);
@@ -252,12 +236,12 @@ impl<'a> Teacher<'a> {
             }
             place = (place + 1) % n_categories;
             match verdict {
-                Verdict::GoOn => {}
-                Verdict::Passed(accuracy) => {
+                StageDecision::Continue => {}
+                StageDecision::Passed(accuracy) => {
                     self.end_stage(n_categories, accuracy);
                     return None;
                 }
-                Verdict::Stalled(accuracy) => {
+                StageDecision::Stalled(accuracy) => {
                     self.end_stage(n_categories, Some(accuracy));
                     return Some(StopReason::Stalled);
                 }
@@ -266,7 +250,7 @@ impl<'a> Teacher<'a> {
     }
 
     /// Unused question view, if a wrong answer could be corrected.
-    fn fresh_question(&mut self, place: usize) -> Option<usize> {
+    fn unused_question(&mut self, place: usize) -> Option<usize> {
         let can_correct = self.curriculum.has_correction(place);
         self.curriculum.next_question(place).filter(|_| can_correct)
     }
@@ -320,7 +304,7 @@ impl<'a> Teacher<'a> {
 
     fn end_stage(&mut self, n_categories: usize, accuracy: Option<f64>) {
         self.stage_accuracies.extend(accuracy);
-        self.stages.push(Stage {
+        self.stages.push(StageRecord {
             n_categories: n_categories as u32,
             n_questions: self.n_counted,
             accuracy: f64::from(self.n_right) / f64::from(self.n_counted.max(1)),

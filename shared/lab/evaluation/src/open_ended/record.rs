@@ -43,7 +43,7 @@ pub enum StopReason {
 
 /// Cumulative figures at the end of a stage.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stage {
+pub struct StageRecord {
     /// Number of categories introduced so far.
     pub n_categories: u32,
     /// Number of questions since the start of the run.
@@ -80,7 +80,7 @@ pub struct Run {
     /// All questions in order.
     pub questions: Vec<Question>,
     /// All passed and failed stages in order.
-    pub stages: Vec<Stage>,
+    pub stages: Vec<StageRecord>,
     /// Accuracies that enter the APA.
     pub stage_accuracies: Vec<f64>,
     /// Categories in the order of introduction, with the number of taught views.

@@ -61,7 +61,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_published_table_has_its_means_and_deviations() {
+    fn mean_and_deviation_agree_with_the_published_table() {
         // Table 2 of Kasaei et al. 2018: QCI and TLC of ten experiments.
         let qci = [1669, 2014, 1759, 1952, 1592, 1366, 1547, 2087, 1066, 1540];
         let spread = MeanAndStd::of(&qci.map(f64::from)).unwrap();
@@ -74,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn one_value_does_not_spread_and_none_has_no_mean() {
+    fn single_value_has_no_deviation() {
         let one = MeanAndStd::of(&[0.5]);
         assert_eq!(
             one,

@@ -5,7 +5,7 @@ use random::Random;
 use std::collections::{HashMap, HashSet};
 
 /// Recogniser of fixed accuracy, independent of its training; records lessons and questions.
-struct Guesser<'a> {
+struct FixedAccuracyRecogniser<'a> {
     views: &'a [LabelledView],
     accuracy: f64,
     unknowns: f64,
@@ -15,7 +15,7 @@ struct Guesser<'a> {
     asked: Vec<usize>,
 }
 
-impl<'a> Guesser<'a> {
+impl<'a> FixedAccuracyRecogniser<'a> {
     fn new(views: &'a [LabelledView], accuracy: f64, seed: u64) -> Self {
         Self {
             views,
@@ -29,7 +29,7 @@ impl<'a> Guesser<'a> {
     }
 }
 
-impl Recogniser for Guesser<'_> {
+impl Recogniser for FixedAccuracyRecogniser<'_> {
     fn teach(&mut self, category: u32, view: usize) {
         self.taught.push((category, view));
         self.known.insert(category);
@@ -65,7 +65,7 @@ fn data_set(n_categories: u32, n_views: u32, n_instances: Option<u32>) -> Vec<La
 
 fn play(views: &[LabelledView], protocol: &Protocol, accuracy: f64, seed: u64) -> Run {
     run(
-        &mut Guesser::new(views, accuracy, seed),
+        &mut FixedAccuracyRecogniser::new(views, accuracy, seed),
         views,
         protocol,
         seed,
@@ -104,7 +104,7 @@ const EXPECTED: [(f64, [f64; 5], f64); 9] = [
 /// deviation of sqrt(2 / 200) times that of a run; 4.5 of these plus the rounding of the table
 /// are allowed.
 #[test]
-fn a_recogniser_of_known_accuracy_gives_the_known_figures() {
+fn metrics_of_constant_accuracy_agree_with_the_reference() {
     let views = data_set(51, 200, None);
     for (accuracy, expected, all_learned) in EXPECTED {
         let runs: Vec<Run> = (0..200)
@@ -145,13 +145,13 @@ fn the_views_taught_are_those_of_the_start_and_of_corrections() {
     for (split, n_instances) in [(Split::ByView, None), (Split::InstanceDisjoint, Some(4))] {
         let views = data_set(12, 300, n_instances);
         for seed in 0..20 {
-            let mut guesser = Guesser::new(&views, 0.7, seed);
-            guesser.unknowns = 0.3;
+            let mut recogniser = FixedAccuracyRecogniser::new(&views, 0.7, seed);
+            recogniser.unknowns = 0.3;
             let protocol = Protocol {
                 split,
                 ..Protocol::default()
             };
-            let run = run(&mut guesser, &views, &protocol, seed).unwrap();
+            let run = run(&mut recogniser, &views, &protocol, seed).unwrap();
             let Metrics {
                 qci, tlc, aic, gca, ..
             } = run.metrics();
@@ -159,7 +159,10 @@ fn the_views_taught_are_those_of_the_start_and_of_corrections() {
             assert_eq!(corrections.round() as u32, run.n_corrections());
             assert!((corrections - corrections.round()).abs() < 1e-9);
             assert!((aic - (3.0 + corrections / f64::from(tlc))).abs() < 1e-12);
-            assert_eq!(guesser.taught.len() as u32, 3 * tlc + run.n_corrections());
+            assert_eq!(
+                recogniser.taught.len() as u32,
+                3 * tlc + run.n_corrections()
+            );
         }
     }
 }
@@ -167,27 +170,27 @@ fn the_views_taught_are_those_of_the_start_and_of_corrections() {
 #[test]
 fn no_view_is_shown_twice_and_a_wrong_one_is_taught_at_once() {
     let views = data_set(8, 200, None);
-    let mut guesser = Guesser::new(&views, 0.7, 3);
-    let run = run(&mut guesser, &views, &Protocol::default(), 3).unwrap();
-    let n_asked = guesser.asked.iter().collect::<HashSet<_>>().len();
-    assert_eq!(n_asked, guesser.asked.len());
+    let mut recogniser = FixedAccuracyRecogniser::new(&views, 0.7, 3);
+    let run = run(&mut recogniser, &views, &Protocol::default(), 3).unwrap();
+    let n_asked = recogniser.asked.iter().collect::<HashSet<_>>().len();
+    assert_eq!(n_asked, recogniser.asked.len());
     let wrong: Vec<(u32, usize)> = run
         .questions
         .iter()
         .filter(|question| !question.is_right())
         .map(|question| (question.truth, question.view))
         .collect();
-    let corrections: Vec<(u32, usize)> = guesser
+    let corrections: Vec<(u32, usize)> = recogniser
         .taught
         .iter()
-        .filter(|(_, view)| guesser.asked.contains(view))
+        .filter(|(_, view)| recogniser.asked.contains(view))
         .copied()
         .collect();
     assert_eq!(corrections, wrong);
-    let n_taught = guesser.taught.iter().collect::<HashSet<_>>().len();
-    assert_eq!(n_taught, guesser.taught.len());
+    let n_taught = recogniser.taught.iter().collect::<HashSet<_>>().len();
+    assert_eq!(n_taught, recogniser.taught.len());
     assert!(
-        guesser
+        recogniser
             .taught
             .iter()
             .all(|&(c, view)| views[view].category == c)
@@ -209,7 +212,7 @@ fn categories_are_asked_in_the_order_of_their_introduction() {
 }
 
 #[test]
-fn a_hopeless_learner_stalls_101_questions_behind_the_window() {
+fn failing_learner_stalls_101_questions_beyond_the_window() {
     let views = data_set(5, 200, None);
     let run = play(&views, &Protocol::default(), 0.0, 1);
     assert_eq!(run.stop, StopReason::Stalled);
@@ -236,15 +239,15 @@ fn lessons_and_questions_show_different_objects() {
         split: Split::InstanceDisjoint,
         ..Protocol::default()
     };
-    let mut guesser = Guesser::new(&views, 0.8, 2);
-    let run = run(&mut guesser, &views, &protocol, 2).unwrap();
+    let mut recogniser = FixedAccuracyRecogniser::new(&views, 0.8, 2);
+    let run = run(&mut recogniser, &views, &protocol, 2).unwrap();
     assert!(run.n_corrections() > 0);
     let mut taught: HashMap<u32, HashSet<u32>> = HashMap::new();
-    for &(category, view) in &guesser.taught {
+    for &(category, view) in &recogniser.taught {
         let instance = views[view].instance.unwrap();
         taught.entry(category).or_default().insert(instance);
     }
-    for &view in &guesser.asked {
+    for &view in &recogniser.asked {
         let LabelledView { category, instance } = views[view];
         assert!(!taught[&category].contains(&instance.unwrap()));
     }
@@ -292,7 +295,7 @@ fn open_set_questions_leave_the_figures_as_they_are() {
 }
 
 #[test]
-fn what_can_not_take_part_is_left_out_with_a_reason() {
+fn excluded_categories_have_a_reason() {
     let mut views = data_set(4, 20, Some(2));
     views.extend(
         [LabelledView {
@@ -319,7 +322,7 @@ fn what_can_not_take_part_is_left_out_with_a_reason() {
 }
 
 #[test]
-fn rules_that_can_not_be_used_are_refused_by_a_sentence() {
+fn invalid_parameters_are_refused() {
     let views = data_set(4, 20, None);
     let check = |protocol: Protocol, part: &str| {
         let error = usable_categories(&protocol, &views).unwrap_err();

@@ -95,13 +95,13 @@ fn a_hypothesis_counts_from_a_hundred_valid_pixels_on() {
 }
 
 #[test]
-fn labels_below_ten_are_no_objects() {
+fn labels_below_ten_are_background() {
     assert_eq!(scored(&[(500, 1, 9), (500, 1, 0)]), None);
     assert_eq!(scored(&[(1, 0, 10)]).unwrap().n_objects, 1);
 }
 
 #[test]
-fn means_weigh_scenes_alike_and_counts_add_up() {
+fn means_weigh_scenes_equally_and_counts_add_up() {
     let scores = [
         scored(&[(200, 1, 20)]).unwrap(),
         scored(&[(10, 0, 20), (10, 0, 30)]).unwrap(),
@@ -119,15 +119,15 @@ fn images_of_different_size_are_refused() {
 }
 
 /// Brute-force reference: greatest sum of F-measures of the objects from `object` on.
-fn best_by_trying(overlaps: &Overlaps, object: usize, used: u32) -> f64 {
+fn brute_force_best_sum(overlaps: &Overlaps, object: usize, used: u32) -> f64 {
     if object == overlaps.labels().len() {
         return 0.0;
     }
     let free = (0..overlaps.numbers().len()).filter(|h| used & (1 << h) == 0);
     let with = free.map(|h| {
-        overlaps.f_measure(object, h) + best_by_trying(overlaps, object + 1, used | 1 << h)
+        overlaps.f_measure(object, h) + brute_force_best_sum(overlaps, object + 1, used | 1 << h)
     });
-    with.fold(best_by_trying(overlaps, object + 1, used), f64::max)
+    with.fold(brute_force_best_sum(overlaps, object + 1, used), f64::max)
 }
 
 /// Few labels and hypotheses, in runs long enough to be scored.
@@ -157,11 +157,11 @@ proptest! {
         prop_assert_eq!(used.len(), n_used);
         let pairs = matches.iter().enumerate().filter_map(|(object, h)| Some((object, (*h)?)));
         let sum: f64 = pairs.map(|(object, h)| overlaps.f_measure(object, h)).sum();
-        prop_assert!((sum - best_by_trying(&overlaps, 0, 0)).abs() < 1e-9);
+        prop_assert!((sum - brute_force_best_sum(&overlaps, 0, 0)).abs() < 1e-9);
     }
 
     #[test]
-    fn names_do_not_matter(runs in runs(), turn in 0..1000_usize) {
+    fn score_is_invariant_to_renumbering(runs in runs(), turn in 0..1000_usize) {
         let (mut hypotheses, mut labels) = image(&runs);
         let before = score(&Overlaps::count(&hypotheses, &labels));
         // The order of pixels does not matter either.
@@ -180,7 +180,7 @@ proptest! {
     }
 
     #[test]
-    fn the_truth_itself_is_perfect(sizes in prop::collection::vec(100..400_usize, 1..8)) {
+    fn ground_truth_has_a_perfect_score(sizes in prop::collection::vec(100..400_usize, 1..8)) {
         let mut runs: Vec<_> = (2..).zip(&sizes).map(|(k, &n)| (n, 900 - k, 10 * k)).collect();
         runs.push((321, 0, 1));
         let found = scored(&runs).unwrap();

@@ -67,7 +67,7 @@ fn perfect_tracks_have_no_errors() {
 }
 
 #[test]
-fn errors_are_those_that_were_made() {
+fn pose_errors_are_measured() {
     let mut frames = perfect();
     for frame in &mut frames {
         frame.tracks[0] = track(11, 0.004, 0.1 + PI);
@@ -81,7 +81,7 @@ fn errors_are_those_that_were_made() {
 }
 
 #[test]
-fn a_turn_of_the_object_is_no_flip_and_one_of_the_track_alone_is() {
+fn only_a_turn_of_the_track_alone_is_a_flip() {
     let mut frames = perfect();
     for frame in &mut frames[10..] {
         let turned = box_at(0.0, FRAC_PI_2);
@@ -96,7 +96,7 @@ fn a_turn_of_the_object_is_no_flip_and_one_of_the_track_alone_is() {
 }
 
 #[test]
-fn a_track_that_is_given_up_and_one_that_ends_with_its_object_are_told_apart() {
+fn lost_and_removed_tracks_are_distinguished() {
     let mut frames = perfect();
     for (index, frame) in frames.iter_mut().enumerate() {
         if index >= 10 {
@@ -119,7 +119,7 @@ fn a_track_that_is_given_up_and_one_that_ends_with_its_object_are_told_apart() {
 }
 
 #[test]
-fn what_is_not_seen_now_is_not_compared() {
+fn unseen_tracks_are_not_scored() {
     let mut frames = perfect();
     for frame in &mut frames[15..] {
         frame.tracks[0].is_output = false;
@@ -131,7 +131,7 @@ fn what_is_not_seen_now_is_not_compared() {
 }
 
 #[test]
-fn runs_add_up() {
+fn metrics_of_runs_add_up() {
     let (mut score, _) = TrackingScore::of(&perfect());
     let other = score.clone();
     score.add(&other);

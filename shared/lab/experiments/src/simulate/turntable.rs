@@ -28,9 +28,9 @@ const TEMPERATURES_K: [f64; 2] = [2700.0, 6500.0];
 const INTENSITIES: [f64; 2] = [0.7, 1.3];
 /// Maximum distance of the object's candidate from the turntable's centre, metres. Chosen:
 /// farther candidates are not the object.
-const OFF_MIDDLE_MAX_M: f64 = 0.12;
+const CENTRE_DISTANCE_MAX_M: f64 = 0.12;
 /// Random stream of camera distances and lamps.
-const LOOK: u64 = 5;
+const VIEW_STREAM: u64 = 5;
 
 /// Simulated turntable: an object on the table, seen by a camera on a circle around it.
 #[derive(Debug)]
@@ -95,29 +95,29 @@ impl Turntable {
         self.world.take_notes()
     }
 
-    /// Renders and segments one view. `height` is an index into [`ELEVATIONS`], `turn` the
+    /// Renders and segments one view. `height` is an index into [`HEIGHTS`], `turn` the
     /// fraction of a full revolution. `None` when detection does not find the object.
     ///
     /// # Errors
     /// If the camera cannot render the scene.
     pub(super) fn view(&mut self, height: usize, turn: f64) -> Result<Option<CutOut<'_>>, Error> {
         let (sequence, elevation_deg) = HEIGHTS[height % HEIGHTS.len()];
-        let mut random = random_stream(self.seed, LOOK + 16 * u64::from(sequence));
-        let middle = self.middle();
+        let mut random = random_stream(self.seed, VIEW_STREAM + 16 * u64::from(sequence));
+        let centre = self.centre();
         self.world.set_camera(CameraMount {
-            look_at_m: middle.coords.into(),
+            look_at_m: centre.coords.into(),
             distance_m: random.between(DISTANCES_M[0], DISTANCES_M[1]),
             elevation_deg,
             azimuth_deg: 360.0 * turn,
             orbit_deg_s: 0.0,
         });
-        self.kinect.set_lights(lamp(&mut random));
+        self.kinect.set_lights(random_lamps(&mut random));
         let frame = (f64::from(sequence) * 1e6 + turn * 1e5) as u64;
         self.kinect.look(&self.world, frame, &mut self.points)?;
         let up_in_camera = self.up_in_camera();
         self.detect(up_in_camera, frame);
-        let middle_in_camera = self.world.world_from_camera().inverse() * middle;
-        let Some(found) = nearest(&self.detection.candidates, &middle_in_camera) else {
+        let centre_in_camera = self.world.world_from_camera().inverse() * centre;
+        let Some(found) = candidate_at_centre(&self.detection.candidates, &centre_in_camera) else {
             return Ok(None);
         };
         let point_indices = self.detection.points_of(found);
@@ -128,7 +128,7 @@ impl Turntable {
         }))
     }
 
-    fn middle(&self) -> Point3<f64> {
+    fn centre(&self) -> Point3<f64> {
         let object = self.world.objects().first();
         object.map_or_else(
             || self.world.scene().table.middle(),
@@ -166,7 +166,7 @@ impl Turntable {
     }
 }
 
-fn lamp(random: &mut Random) -> Lights {
+fn random_lamps(random: &mut Random) -> Lights {
     let temperature_k = random.between(TEMPERATURES_K[0], TEMPERATURES_K[1]) as f32;
     let strength = random.between(INTENSITIES[0], INTENSITIES[1]) as f32;
     let lit = |given: Illuminant| Illuminant {
@@ -185,11 +185,16 @@ fn lamp(random: &mut Random) -> Lights {
 }
 
 /// Candidate nearest to the turntable's centre.
-fn nearest<'a>(candidates: &'a [Candidate], middle: &Point3<f64>) -> Option<&'a Candidate> {
-    let distance = |candidate: &Candidate| (candidate.oriented_box.centre() - middle).norm();
+fn candidate_at_centre<'a>(
+    candidates: &'a [Candidate],
+    centre: &Point3<f64>,
+) -> Option<&'a Candidate> {
+    let distance = |candidate: &Candidate| (candidate.oriented_box.centre() - centre).norm();
     candidates
         .iter()
-        .filter(|candidate| candidate.is_hypothesis() && distance(candidate) < OFF_MIDDLE_MAX_M)
+        .filter(|candidate| {
+            candidate.is_hypothesis() && distance(candidate) < CENTRE_DISTANCE_MAX_M
+        })
         .min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }
 

@@ -173,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn lists_of_cores_are_read_and_others_refused() {
+    fn core_lists_are_parsed_and_malformed_ones_refused() {
         assert_eq!(core_list("0-2,5\n"), Some(vec![0, 1, 2, 5]));
         assert_eq!(core_list(""), Some(vec![]));
         for rubbish in ["x", "1-", "0-99999999", "(null)"] {
@@ -182,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn the_chosen_word_is_that_in_brackets() {
+    fn chosen_word_is_in_brackets() {
         assert_eq!(chosen("always [madvise] never").as_deref(), Some("madvise"));
         assert_eq!(chosen("none (full) lazy").as_deref(), Some("full"));
         assert_eq!(chosen("always never"), None);
@@ -198,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn preemption_is_told_by_the_version_and_the_mode() {
+    fn preemption_follows_from_version_and_mode() {
         let of = |version, debug, line| preemption(version, debug, line);
         assert_eq!(of("#1 SMP PREEMPT_RT", None, None), "real-time");
         assert_eq!(
@@ -243,7 +243,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn rubbish_is_survived(text in "\\PC{0,200}|[0-9,:\\- \\[\\]()KMG\\n]{0,60}") {
+        fn malformed_text_is_survived(text in "\\PC{0,200}|[0-9,:\\- \\[\\]()KMG\\n]{0,60}") {
             let _ = (cpu_model(&text), has_hypervisor(&text), cpuinfo_frequencies_khz(&text));
             let _ = (core_list(&text), chosen(&text), size_bytes(&text));
             let _ = (meminfo_bytes(&text, "MemTotal"), container(&text));

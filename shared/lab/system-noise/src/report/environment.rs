@@ -1,13 +1,13 @@
 //! Text of environment and disturbance.
 
 use crate::disturbance::Disturbance;
-use crate::fingerprint::{BuildProfile, Fingerprint, Limit};
+use crate::fingerprint::{BuildProfile, Fingerprint, ResourceLimit};
 use std::fmt::Display;
 
-const NOT_TOLD: &str = "not told";
+const NOT_REPORTED: &str = "not told";
 
-fn told<T: Display>(value: Option<T>) -> String {
-    value.map_or_else(|| NOT_TOLD.to_owned(), |value| value.to_string())
+fn reported<T: Display>(value: Option<T>) -> String {
+    value.map_or_else(|| NOT_REPORTED.to_owned(), |value| value.to_string())
 }
 
 fn lines(pairs: &[(&str, String)]) -> String {
@@ -51,26 +51,26 @@ fn processor(print: &Fingerprint) -> Vec<(&'static str, String)> {
         format!("{lowest} to {highest} MHz")
     });
     vec![
-        ("processor", told(print.cpu_model.as_ref())),
-        ("cores", told(print.n_logical_cores)),
+        ("processor", reported(print.cpu_model.as_ref())),
+        ("cores", reported(print.n_logical_cores)),
         (
             "cores we may use",
-            told(print.usable_cores.as_deref().map(cores)),
+            reported(print.usable_cores.as_deref().map(cores)),
         ),
         (
             "two threads a core",
-            told(print.is_smt_active.map(yes_or_no)),
+            reported(print.is_smt_active.map(yes_or_no)),
         ),
         (
             "last-level cache",
-            told(print.last_level_cache_bytes.map(mib)),
+            reported(print.last_level_cache_bytes.map(mib)),
         ),
-        ("frequency now", told(frequency)),
-        ("governor", told(governors)),
-        ("memory", told(print.memory_total_bytes.map(mib))),
+        ("frequency now", reported(frequency)),
+        ("governor", reported(governors)),
+        ("memory", reported(print.memory_total_bytes.map(mib))),
         (
             "huge pages for",
-            told(print.transparent_huge_pages.as_ref()),
+            reported(print.transparent_huge_pages.as_ref()),
         ),
     ]
 }
@@ -82,57 +82,64 @@ fn kernel(print: &Fingerprint) -> Vec<(&'static str, String)> {
         .collect();
     let settings = (!settings.is_empty()).then(|| settings.join(", "));
     vec![
-        ("kernel", told(print.kernel_release.as_ref())),
-        ("preemption", told(print.preemption.as_ref())),
-        ("clock source", told(print.clock_source.as_ref())),
-        ("hypervisor flag", told(print.has_hypervisor.map(yes_or_no))),
-        ("virtual machine", told(print.virtual_machine.as_ref())),
-        ("container", told(print.container.as_ref())),
+        ("kernel", reported(print.kernel_release.as_ref())),
+        ("preemption", reported(print.preemption.as_ref())),
+        ("clock source", reported(print.clock_source.as_ref())),
+        (
+            "hypervisor flag",
+            reported(print.has_hypervisor.map(yes_or_no)),
+        ),
+        ("virtual machine", reported(print.virtual_machine.as_ref())),
+        ("container", reported(print.container.as_ref())),
         (
             "isolated cores",
-            told(print.isolated_cores.as_deref().map(cores)),
+            reported(print.isolated_cores.as_deref().map(cores)),
         ),
         (
             "tickless cores",
-            told(print.tickless_cores.as_deref().map(cores)),
+            reported(print.tickless_cores.as_deref().map(cores)),
         ),
-        ("scheduler", told(settings)),
+        ("scheduler", reported(settings)),
     ]
 }
 
 fn rights(print: &Fingerprint) -> Vec<(&'static str, String)> {
     let limit = |limit, shown: fn(u64) -> String| match limit {
-        Limit::Unlimited => "unlimited".to_owned(),
-        Limit::Most(most) => shown(most),
+        ResourceLimit::Unlimited => "unlimited".to_owned(),
+        ResourceLimit::Most(most) => shown(most),
     };
     let priority = limit(print.realtime_priority_limit, |most| most.to_string());
     let memory = limit(print.locked_memory_limit, mib);
     let slack = print.timer_slack_ns;
     let slack = slack.map(|slack_ns| format!("{:.1} µs", slack_ns as f64 / 1000.0));
     vec![
-        ("timer slack", told(slack)),
+        ("timer slack", reported(slack)),
         ("RLIMIT_RTPRIO", priority),
         ("RLIMIT_MEMLOCK", memory),
         (
             "SCHED_FIFO allowed",
-            told(print.may_use_fifo.map(yes_or_no)),
+            reported(print.may_use_fifo.map(yes_or_no)),
         ),
     ]
 }
 
 /// Disturbance, one line per reported value.
 pub(super) fn of_disturbance(found: &Disturbance) -> String {
-    let percent = |share: Option<f64>| told(share.map(|share| format!("{:.2} %", 100.0 * share)));
+    let percent =
+        |share: Option<f64>| reported(share.map(|share| format!("{:.2} %", 100.0 * share)));
     let load = found.other_load_cores;
     let load = load.map(|cores| format!("{:.1} % of a core", 100.0 * cores));
     lines(&[
         ("measured for", format!("{:.1} s", found.duration_s)),
         ("taken by the hypervisor", percent(found.steal_share)),
-        ("others' work", told(load)),
+        ("others' work", reported(load)),
         ("waits for a core, ours too", percent(found.waiting_share)),
-        ("our major page faults", told(found.major_faults)),
-        ("our involuntary switches", told(found.involuntary_switches)),
-        ("frequency changes", told(found.frequency_changes)),
+        ("our major page faults", reported(found.major_faults)),
+        (
+            "our involuntary switches",
+            reported(found.involuntary_switches),
+        ),
+        ("frequency changes", reported(found.frequency_changes)),
         ("frequency drift", percent(found.frequency_drift_share)),
     ])
 }
@@ -181,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_told_is_said() {
+    fn unreported_values_are_shown_as_such() {
         let folder = tempfile::tempdir().unwrap();
         let print = Fingerprint::read_from(&SystemFiles::below(folder.path()));
         let text = of_fingerprint(&print);

@@ -17,7 +17,11 @@ fn stamped(stamp_ticks: u32) -> Stamped<usize> {
 }
 
 /// Feeds frames `(stream, stamp)` in order and checks the resulting pairs.
-fn check(arrivals: &[(char, u32)], expected_pairs: &[(u32, u32)], expected_alone: (u64, u64)) {
+fn check_pairs(
+    arrivals: &[(char, u32)],
+    expected_pairs: &[(u32, u32)],
+    expected_alone: (u64, u64),
+) {
     let mut pairing = pairing();
     let mut pairs = Vec::new();
     for &(stream, stamp) in arrivals {
@@ -41,21 +45,21 @@ fn check(arrivals: &[(char, u32)], expected_pairs: &[(u32, u32)], expected_alone
 
 #[test]
 fn frames_of_a_moment_pair_in_either_order() {
-    check(&[('d', 100), ('v', 600_100)], &[(100, 600_100)], (0, 0));
-    check(&[('v', 600_100), ('d', 100)], &[(100, 600_100)], (0, 0));
+    check_pairs(&[('d', 100), ('v', 600_100)], &[(100, 600_100)], (0, 0));
+    check_pairs(&[('v', 600_100), ('d', 100)], &[(100, 600_100)], (0, 0));
 }
 
 #[test]
 fn half_a_period_is_too_far() {
-    check(&[('d', 0), ('v', 1_000_000)], &[], (0, 0));
-    check(&[('d', 0), ('v', 999_999)], &[(0, 999_999)], (0, 0));
-    check(&[('v', 0), ('d', 999_999)], &[(999_999, 0)], (0, 0));
+    check_pairs(&[('d', 0), ('v', 1_000_000)], &[], (0, 0));
+    check_pairs(&[('d', 0), ('v', 999_999)], &[(0, 999_999)], (0, 0));
+    check_pairs(&[('v', 0), ('d', 999_999)], &[(999_999, 0)], (0, 0));
 }
 
 #[test]
 fn a_lost_colour_frame_leaves_one_depth_frame_alone() {
     let (t0, t1) = (10, 10 + PERIOD);
-    check(
+    check_pairs(
         &[('d', t0), ('d', t1), ('v', t1 + 9)],
         &[(t1, t1 + 9)],
         (1, 0),
@@ -65,7 +69,7 @@ fn a_lost_colour_frame_leaves_one_depth_frame_alone() {
 #[test]
 fn a_stream_may_lag_by_more_than_a_period() {
     let (t0, t1) = (10, 10 + PERIOD);
-    check(
+    check_pairs(
         &[('d', t0), ('d', t1), ('v', t0), ('v', t1)],
         &[(t0, t0), (t1, t1)],
         (0, 0),
@@ -74,7 +78,7 @@ fn a_stream_may_lag_by_more_than_a_period() {
 
 #[test]
 fn the_wrap_of_the_counter_is_no_gap() {
-    check(
+    check_pairs(
         &[('d', u32::MAX - 5), ('v', 7)],
         &[(u32::MAX - 5, 7)],
         (0, 0),
@@ -92,7 +96,7 @@ fn after_a_jump_of_the_clock_pairs_return() {
         ('d', PERIOD),
         ('v', PERIOD),
     ];
-    check(&arrivals, &[(0, 0), (PERIOD, PERIOD)], (2, 0));
+    check_pairs(&arrivals, &[(0, 0), (PERIOD, PERIOD)], (2, 0));
 }
 
 #[test]

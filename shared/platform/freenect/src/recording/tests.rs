@@ -30,7 +30,7 @@ fn check_refused(change: impl FnOnce(&Path), part: &str) {
 }
 
 #[test]
-fn a_good_folder_is_counted() {
+fn valid_folder_is_summarised() {
     let summary = check_recording(good_folder().path()).unwrap();
     let duration = Duration::from_secs(1);
     assert_eq!(
@@ -45,7 +45,7 @@ fn a_good_folder_is_counted() {
 }
 
 #[test]
-fn what_would_end_the_process_is_refused() {
+fn missing_files_are_refused() {
     check_refused(
         |folder| fs::remove_file(folder.join("INDEX.txt")).unwrap(),
         "INDEX.txt",
@@ -65,7 +65,7 @@ fn what_would_end_the_process_is_refused() {
 }
 
 #[test]
-fn what_would_be_read_past_its_end_is_refused() {
+fn truncated_files_are_refused() {
     let shorten = |name: &'static str, by: u64| {
         move |folder: &Path| {
             let file = File::options().write(true).open(folder.join(name)).unwrap();
@@ -79,7 +79,7 @@ fn what_would_be_read_past_its_end_is_refused() {
 }
 
 #[test]
-fn what_would_keep_it_waiting_is_refused() {
+fn blocking_entries_are_refused() {
     let index = |text: &'static str| {
         move |folder: &Path| fs::write(folder.join("INDEX.txt"), text).unwrap()
     };
@@ -102,7 +102,7 @@ fn what_would_keep_it_waiting_is_refused() {
 }
 
 #[test]
-fn strange_lines_are_refused_with_their_rule() {
+fn malformed_lines_are_refused_with_the_rule() {
     for (line, part) in [
         ("x-1.0-2.pgm", "must begin with"),
         ("d", "decimal number"),

@@ -1,0 +1,76 @@
+//! Selection of the daemon under test: a running one or a spawned one.
+
+use crate::arguments::SourceArguments;
+use crate::spawned_daemon::SpawnedDaemon;
+use channel::{Domain, DomainName, DomainState, Role, RunFolder};
+use command_line::Output;
+use message::ProcessKind;
+use service::{CommonArguments, Failure};
+
+/// Daemon under test: one that was running, or one spawned for the measurement.
+#[derive(Debug)]
+pub(crate) struct DaemonUnderTest {
+    /// Domain membership; left before a spawned daemon is stopped.
+    pub(crate) domain: Domain,
+    /// Spawned daemon, stopped on drop.
+    own: Option<SpawnedDaemon>,
+}
+
+impl DaemonUnderTest {
+    /// Joins the running daemon of the domain; spawns one if a source is given or none runs.
+    ///
+    /// # Errors
+    /// If the daemon cannot be started or its domain cannot be joined.
+    pub(crate) fn choose(
+        common: &CommonArguments,
+        source: &SourceArguments,
+        output: &Output,
+    ) -> Result<Self, Failure> {
+        let run_folder = RunFolder::of_user();
+        let own = if source.is_given() || !is_running(&common.domain, &run_folder) {
+            let arguments = source.run_arguments(common.config.as_deref());
+            output.tell(&format!(
+                "starting a daemon: tabula run {}",
+                arguments.join(" ")
+            ));
+            Some(SpawnedDaemon::start(
+                SpawnedDaemon::home()?,
+                &arguments,
+                None,
+            )?)
+        } else {
+            output.tell(&format!(
+                "measuring the daemon of the domain {}",
+                common.domain
+            ));
+            None
+        };
+        let name = own.as_ref().map_or(&common.domain, SpawnedDaemon::domain);
+        let domain = Domain::join(name, &run_folder, Role::Guest)?;
+        Ok(Self { domain, own })
+    }
+
+    /// Joins a spawned daemon.
+    ///
+    /// # Errors
+    /// If its domain cannot be joined.
+    pub(crate) fn join_spawned(own: SpawnedDaemon) -> Result<Self, Failure> {
+        let domain = Domain::join(own.domain(), &RunFolder::of_user(), Role::Guest)?;
+        Ok(Self {
+            domain,
+            own: Some(own),
+        })
+    }
+
+    /// `true` if the daemon was spawned for this measurement.
+    pub(crate) fn is_own(&self) -> bool {
+        self.own.is_some()
+    }
+}
+
+/// `true` if a perception process runs in the domain.
+fn is_running(domain: &DomainName, run_folder: &RunFolder) -> bool {
+    let perception = ProcessKind::Perception.program();
+    let state = DomainState::of(domain, run_folder);
+    state.running.iter().any(|(role, _)| *role == perception)
+}

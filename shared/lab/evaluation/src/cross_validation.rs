@@ -1,0 +1,11 @@
+//! Stratified k-fold cross-validation over views, grouped by object if objects are known.
+
+mod confusion_matrix;
+mod confusion_matrix_figure;
+mod k_fold_split;
+mod withheld_categories;
+
+pub use confusion_matrix::{ClassificationScores, Confusion};
+pub use confusion_matrix_figure::svg as confusion_svg;
+pub use k_fold_split::{Dealing, Error, Folds};
+pub use withheld_categories::withheld;

@@ -1,0 +1,253 @@
+//! Learning curves of open-ended runs as SVG.
+
+use super::record::{Run, StageRecord};
+use plot::diagram::{
+    Axis, Color, Curve, Diagram, DrawingError, Legend, draw, drawing_error, side_by_side,
+    tick_label,
+};
+use plotters::coord::Shift;
+use plotters::prelude::{
+    BLUE, ChartBuilder, Color as _, DrawingArea, FontTransform, IntoDrawingArea, IntoFont,
+    RGBColor, Rectangle, SVGBackend, Text, TextStyle, WHITE,
+};
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+/// Width of the figure of a run, and height of each of its halves, pixels.
+const RUN_PX: (u32, u32) = (1040, 420);
+/// Height reserved for category names, pixels.
+const NAMES_PX: u32 = 150;
+/// Maximum number of categories for which names are drawn.
+const NAMED_BARS_MAX: usize = 70;
+
+/// Learning curves of all runs, one line each: accuracy over learned categories, and learned
+/// categories over questions, as SVG.
+///
+/// # Errors
+/// If the plotting library fails.
+pub fn overview_svg(runs: &[Run]) -> Result<String, DrawingError> {
+    let stages = || runs.iter().flat_map(|run| &run.stages);
+    let most = |value: fn(&StageRecord) -> u32| f64::from(stages().map(value).max().unwrap_or(1));
+    let (n_categories, n_questions) = (most(|s| s.n_categories), most(|s| s.n_questions));
+    let curves = |point: fn(&StageRecord) -> (f64, f64)| {
+        let curve = |(index, run): (usize, &Run)| Curve {
+            name: "",
+            color: Color::of_series(index),
+            points: run.stages.iter().map(point).collect(),
+            is_marked: false,
+        };
+        runs.iter().enumerate().map(curve).collect()
+    };
+    side_by_side(&[
+        Diagram {
+            title: "Accuracy over all questions, one line for each run",
+            x: Axis::linear("learned categories", 1.0..n_categories + 1.0),
+            y: Axis::linear("global classification accuracy", 0.0..1.05),
+            curves: curves(|stage| (stage.n_categories.into(), stage.accuracy)),
+            legend: Legend::UpperLeft,
+        },
+        Diagram {
+            title: "Learned categories, one line for each run",
+            x: Axis::linear("questions", 0.0..1.05 * n_questions),
+            y: Axis::linear("learned categories", 0.0..1.05 * n_categories + 1.0),
+            curves: curves(|stage| (stage.n_questions.into(), stage.n_categories.into())),
+            legend: Legend::UpperLeft,
+        },
+    ])
+}
+
+/// Figure of one run as SVG: protocol accuracy over questions with the threshold `tau` and a grey
+/// line at each introduction, and below the number of taught views per category. `names` are
+/// indexed by category number.
+///
+/// # Errors
+/// If the plotting library fails.
+pub fn run_svg(run: &Run, names: &[String], tau: f64) -> Result<String, DrawingError> {
+    let mut svg = String::new();
+    {
+        let (width_px, height_px) = RUN_PX;
+        let whole = SVGBackend::with_string(&mut svg, (width_px, 2 * height_px));
+        let whole = whole.into_drawing_area();
+        whole.fill(&WHITE).map_err(drawing_error)?;
+        let (upper, lower) = whole.split_vertically(height_px);
+        draw(&upper, &accuracy_diagram(run, tau))?;
+        draw_taught_views(&lower, run, names)?;
+        whole.present().map_err(drawing_error)?;
+    }
+    Ok(svg)
+}
+
+fn accuracy_diagram(run: &Run, tau: f64) -> Diagram<'static> {
+    let n_questions = f64::from(run.questions.last().map_or(1, |q| q.iteration));
+    let comes = run.questions.windows(2);
+    let comes = comes.filter(|pair| pair[0].n_categories < pair[1].n_categories);
+    let marks = comes.map(|pair| {
+        let iteration = f64::from(pair[1].iteration) - 0.5;
+        Curve {
+            name: "",
+            color: Color::GREY,
+            points: vec![(iteration, 0.0), (iteration, 1.05)],
+            is_marked: false,
+        }
+    });
+    let mut curves: Vec<Curve<'_>> = marks.collect();
+    curves.push(Curve {
+        name: "threshold",
+        color: Color::RED,
+        points: vec![(0.0, tau), (n_questions, tau)],
+        is_marked: false,
+    });
+    curves.extend(accuracy_curves(run));
+    Diagram {
+        title: "Protocol accuracy; a grey line where a category comes",
+        x: Axis::linear("questions", 0.0..n_questions + 1.0),
+        y: Axis::linear("protocol accuracy", 0.0..1.05),
+        curves,
+        legend: Legend::LowerLeft,
+    }
+}
+
+/// Protocol accuracy, a separate curve for each stage.
+fn accuracy_curves(run: &Run) -> Vec<Curve<'static>> {
+    let stages = run
+        .questions
+        .chunk_by(|a, b| a.n_categories == b.n_categories);
+    let curve = |(index, questions): (usize, &[super::record::Question])| {
+        let points = questions
+            .iter()
+            .filter_map(|q| Some((f64::from(q.iteration), q.accuracy?)));
+        let points: Vec<(f64, f64)> = points.collect();
+        Curve {
+            name: if index == 0 { "accuracy" } else { "" },
+            color: Color::BLUE,
+            // A single point needs a marker; a line needs two points.
+            is_marked: points.len() == 1,
+            points,
+        }
+    };
+    stages.enumerate().map(curve).collect()
+}
+
+/// Bar chart of taught views per category, in the order of introduction.
+fn draw_taught_views(
+    area: &DrawingArea<SVGBackend<'_>, Shift>,
+    run: &Run,
+    names: &[String],
+) -> Result<(), DrawingError> {
+    let most = run.taught.iter().map(|(_, n_views)| *n_views).max();
+    let highest = 1.05 * f64::from(most.unwrap_or(1)) + 1.0;
+    let n_bars = run.taught.len();
+    let mut chart = ChartBuilder::on(area)
+        .caption("Taught views of each category", ("sans-serif", 17))
+        .margin(12)
+        .margin_bottom(NAMES_PX)
+        .y_label_area_size(52)
+        .build_cartesian_2d(0.0..n_bars.max(1) as f64, 0.0..highest)
+        .map_err(drawing_error)?;
+    chart
+        .configure_mesh()
+        .disable_x_mesh()
+        .y_desc("views")
+        .y_label_formatter(&|value| tick_label(*value, &(0.0..highest)))
+        .light_line_style(WHITE)
+        .draw()
+        .map_err(drawing_error)?;
+    let start = f64::from(run.n_views_at_start);
+    for (index, &(category, n_views)) in run.taught.iter().enumerate() {
+        let (left, right) = (index as f64 + 0.15, index as f64 + 0.85);
+        let bar =
+            |from, to, color: RGBColor| Rectangle::new([(left, from), (right, to)], color.filled());
+        let bars = [
+            bar(0.0, start, Color::GREY.into()),
+            bar(start, n_views.into(), BLUE),
+        ];
+        chart.draw_series(bars).map_err(drawing_error)?;
+        if n_bars <= NAMED_BARS_MAX {
+            let (x_px, y_px) = chart.backend_coord(&(index as f64 + 0.5, 0.0));
+            let name = names.get(category as usize).map_or("", String::as_str);
+            draw_rotated(area, name, (x_px, y_px + 6))?;
+        }
+    }
+    Ok(())
+}
+
+/// Draws text rotated by 90 degrees; the position is that of its beginning, in pixels of the
+/// whole picture.
+fn draw_rotated(
+    area: &DrawingArea<SVGBackend<'_>, Shift>,
+    text: &str,
+    (x_px, y_px): (i32, i32),
+) -> Result<(), DrawingError> {
+    let (left_px, top_px) = area.get_base_pixel();
+    let font = ("sans-serif", 13).into_font();
+    let font = font.transform(FontTransform::Rotate90);
+    let style = TextStyle::from(font).pos(Pos::new(HPos::Left, VPos::Center));
+    let place = (x_px - left_px, y_px - top_px);
+    area.draw(&Text::new(text.to_owned(), place, style))
+        .map_err(drawing_error)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::record::{Question, StopReason};
+    use super::*;
+    use crate::recogniser::Answer;
+
+    fn question(iteration: u32, n_categories: u32) -> Question {
+        Question {
+            iteration,
+            n_categories,
+            view: 0,
+            truth: 1,
+            is_open_set: false,
+            answer: Answer {
+                category: Some(1),
+                distance: 0.1,
+                novelty: 0.1,
+            },
+            accuracy: Some(0.8),
+        }
+    }
+
+    fn run() -> Run {
+        let stage = |n_categories, n_questions| StageRecord {
+            n_categories,
+            n_questions,
+            accuracy: 0.75,
+        };
+        Run {
+            seed: 1,
+            stop: StopReason::AllLearned,
+            questions: vec![question(1, 2), question(2, 3), question(3, 3)],
+            stages: vec![stage(2, 1), stage(3, 3)],
+            stage_accuracies: vec![0.8, 0.8],
+            taught: vec![(1, 3), (0, 5), (2, 4)],
+            n_views_at_start: 3,
+        }
+    }
+
+    #[test]
+    fn figures_show_names_and_curves() {
+        let names = ["cup & saucer", "mug", "bowl"].map(str::to_owned);
+        let svg = run_svg(&run(), &names, 0.67).unwrap();
+        for part in ["cup &amp; saucer", "mug", "bowl", "threshold", "accuracy"] {
+            assert!(svg.contains(part), "{part} is not in {svg}");
+        }
+        let (one, two) = (overview_svg(&[run()]), overview_svg(&[run(), run()]));
+        let n_lines = |svg: Result<String, DrawingError>| svg.unwrap().matches("<polyline").count();
+        // One line in each of the two diagrams.
+        assert_eq!(n_lines(two), n_lines(one) + 2);
+    }
+
+    #[test]
+    fn a_run_without_questions_is_drawn() {
+        let empty = Run {
+            questions: Vec::new(),
+            stages: Vec::new(),
+            taught: Vec::new(),
+            ..run()
+        };
+        assert!(run_svg(&empty, &[], 0.67).is_ok());
+        assert!(overview_svg(&[empty]).is_ok());
+        assert!(overview_svg(&[]).is_ok());
+    }
+}
