@@ -96,12 +96,12 @@ impl ConditionsMonitor {
                 drift_ns as f64 / 1e6
             ));
         }
-        warnings.extend(self.gone());
+        warnings.extend(self.ended_processes());
         warnings
     }
 
     /// Warning about ended processes: a restarted process adds its cold start to the figures.
-    fn gone(&self) -> Option<String> {
+    fn ended_processes(&self) -> Option<String> {
         let ended = self
             .processes
             .iter()

@@ -150,14 +150,14 @@ fn processes(report: &LatencyReport) -> String {
 }
 
 fn worst(report: &LatencyReport) -> String {
-    let told = report.worst.iter().map(|frame| {
+    let lines = report.worst.iter().map(|frame| {
         format!(
             "  frame {}, {:.2} ms: {}",
             frame.sequence, frame.end_to_end_ms, frame.reason
         )
     });
     let lines: Vec<String> = std::iter::once("\nthe worst frames".to_owned())
-        .chain(told)
+        .chain(lines)
         .collect();
     lines.join("\n")
 }
@@ -183,7 +183,7 @@ fn checks(report: &LatencyReport) -> String {
         overhead.spans_per_frame,
         overhead.stage_cost_ns,
         overhead.cost_per_frame_ms,
-        100.0 * measuring.share_of_frame,
+        100.0 * overhead.share_of_frame,
     )
 }
 
@@ -202,13 +202,13 @@ fn budget(violations: &[BudgetViolation]) -> String {
     if violations.is_empty() {
         return "all limits of the budget are kept".into();
     }
-    let told = violations.iter().map(|excess| {
+    let lines = violations.iter().map(|excess| {
         format!(
             "over budget: {}, {:.3} instead of {:.3}",
             excess.what, excess.measured, excess.limit
         )
     });
-    told.collect::<Vec<_>>().join("\n")
+    lines.collect::<Vec<_>>().join("\n")
 }
 
 /// Comparison table: all decided figures, and always end to end.

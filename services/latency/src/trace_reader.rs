@@ -78,7 +78,7 @@ impl TraceReader {
             let header = message.header();
             self.pids.insert(header.process, header.pid);
             self.is_lockstep |= header.frame_flags & frame_flag::LOCKSTEP != 0;
-            self.assembler.take(header, message.items());
+            self.assembler.add(header, message.items());
         }
         Ok(())
     }

@@ -94,7 +94,7 @@ fn views(
     let solid = RandomSolid::of_category(track % N_CATEGORIES, &mut random);
     (0..n_views as u32)
         .map(|view_id| {
-            let cloud = solid.seen(&mut random);
+            let cloud = solid.visible_points(&mut random);
             let up = UnitVector3::new_unchecked(Vector3::z());
             let readings = appearance.describe(ObjectPoints::all(&cloud), Some(&up));
             Ok(View {
@@ -143,7 +143,7 @@ impl RandomSolid {
     }
 
     /// Points on the side visible to a camera in front of and above the solid.
-    fn seen(&self, random: &mut Random) -> Vec<Point> {
+    fn visible_points(&self, random: &mut Random) -> Vec<Point> {
         let turn = TAU * random.unit();
         let towards_camera = Vector3::new(turn.cos(), turn.sin(), 0.7);
         let mut points = Vec::with_capacity(N_POINTS);

@@ -247,7 +247,7 @@ mod tests {
     }
 
     #[test]
-    fn a_correspondence_holds_though_another_track_is_nearer() {
+    fn previous_match_is_kept_within_the_gate() {
         let mut correspondence = Correspondence::new(GATE_M);
         correspondence.step(&[at(1, 0.0)], &[at(7, 0.0)]);
         let matches = correspondence.step(&[at(1, 0.0)], &[at(8, 0.0), at(7, 0.04)]);
@@ -262,7 +262,7 @@ mod tests {
     }
 
     #[test]
-    fn as_many_as_possible_are_matched() {
+    fn matching_is_maximal() {
         // Greedy nearest-pair matching would leave the other pair unmatched.
         let objects = [at(1, 0.0), at(2, 0.04)];
         let tracks = [at(7, 0.05), at(8, 0.085)];

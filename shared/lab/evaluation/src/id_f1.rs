@@ -134,7 +134,7 @@ mod tests {
         }
 
         #[test]
-        fn a_track_that_is_broken_keeps_its_longer_part(before in 1..50_u64, after in 1..50_u64) {
+        fn fragmented_track_keeps_its_longer_part(before in 1..50_u64, after in 1..50_u64) {
             let broken = counts(&[(1, 7, before), (1, 8, after)]);
             let expected = before.max(after) as f64 / (before + after) as f64;
             prop_assert!((broken.score().idf1().unwrap() - expected).abs() < 1e-12);

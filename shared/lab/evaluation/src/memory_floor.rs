@@ -17,7 +17,7 @@ mod tests {
     use point_cloud::Rgba;
 
     #[test]
-    fn every_byte_is_read() {
+    fn checksum_depends_on_every_byte() {
         let point = Point {
             x: 1.0,
             y: 2.0,

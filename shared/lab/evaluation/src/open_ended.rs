@@ -16,12 +16,14 @@ mod protocol;
 mod protocol_stage;
 mod record;
 mod summary;
+mod teacher;
 
 pub use curriculum::LeftOut;
 pub use learning_curves::{overview_svg, run_svg};
-pub use protocol::{Error, Protocol, Split, run, usable_categories};
+pub use protocol::{Error, Protocol, Split};
 pub use record::{Metrics, Question, Run, StageRecord, StopReason};
 pub use summary::{MeanAndStd, Summary};
+pub use teacher::{run, usable_categories};
 
 #[cfg(test)]
 mod tests;

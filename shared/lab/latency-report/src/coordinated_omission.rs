@@ -92,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn without_gaps_nothing_is_missed() {
+    fn continuous_frames_have_no_missed_frames() {
         let whole: Vec<_> = (0..20).map(|i| (i, i)).collect();
         let missed = MissedFrames::of(&frames(&whole));
         assert_eq!(missed.period_ns, 100);
@@ -101,21 +101,21 @@ mod tests {
     }
 
     #[test]
-    fn a_dropped_frame_counts_until_the_next_labels() {
+    fn dropped_frames_count_until_the_next_labels() {
         let missed = MissedFrames::of(&frames(&[(0, 0), (1, 1), (2, 2), (5, 5), (6, 6)]));
         assert_eq!((missed.n_dropped, missed.n_not_captured), (2, 0));
         assert_eq!(missed.missed_ns, [230, 130]);
     }
 
     #[test]
-    fn an_instant_that_the_source_left_out_counts_as_well() {
+    fn skipped_captures_count_until_the_next_labels() {
         let missed = MissedFrames::of(&frames(&[(0, 0), (1, 1), (2, 2), (3, 5), (4, 6)]));
         assert_eq!((missed.n_dropped, missed.n_not_captured), (0, 2));
         assert_eq!(missed.missed_ns, [230, 130]);
     }
 
     #[test]
-    fn between_sessions_nothing_is_missed() {
+    fn gaps_between_sessions_are_not_missed_frames() {
         let mut two = frames(&[(7, 0), (8, 1), (0, 90), (1, 91)]);
         two[2].session = 2;
         two[3].session = 2;

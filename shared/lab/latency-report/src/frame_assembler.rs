@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn a_new_session_comes_after_the_old_one_whatever_its_number() {
+    fn sessions_are_ordered_by_arrival() {
         let mut assembler = FrameAssembler::default();
         for (session, sequence) in [(900, 50), (900, 51), (3, 0), (3, 1)] {
             assembler.add(&header(ProcessKind::Perception, session, sequence), &[]);

@@ -187,7 +187,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_damaged_file_is_no_panic(at in 0_usize..2000, byte in any::<u8>()) {
+        fn damaged_files_never_panic(at in 0_usize..2000, byte in any::<u8>()) {
             let mut bytes = histograms(50).to_text(1.0).unwrap().into_bytes();
             let place = at % bytes.len();
             bytes[place] = byte;

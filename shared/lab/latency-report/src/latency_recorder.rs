@@ -165,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn a_dropped_frame_is_in_the_distribution() {
+    fn dropped_frames_enter_the_distribution() {
         let mut recorder = LatencyRecorder::new(0);
         for sequence in (0..10).filter(|sequence| *sequence != 6) {
             recorder.add(frame(sequence, sequence * 33_000_000, 0));

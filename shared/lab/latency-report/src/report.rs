@@ -265,7 +265,7 @@ mod tests {
     }
 
     #[test]
-    fn the_document_has_the_promised_fields() {
+    fn json_document_keeps_its_keys() {
         let report = report();
         let document = serde_json::to_value(&report).unwrap();
         assert_eq!(document["frames"], 200);
@@ -282,7 +282,7 @@ mod tests {
     }
 
     #[test]
-    fn the_slowest_frame_is_the_missing_one_and_the_longest_after_it() {
+    fn slowest_frame_is_the_one_after_a_gap() {
         let report = report();
         assert!(report.end_to_end_ms.max > 43.0);
         assert_eq!(report.worst[0].sequence, 199);

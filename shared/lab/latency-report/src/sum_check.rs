@@ -65,7 +65,7 @@ mod tests {
     use crate::frame_timeline::test_frames::frame;
 
     #[test]
-    fn a_chain_without_gaps_adds_up() {
+    fn stages_without_gaps_pass_the_check() {
         let mut check = SumCheck::default();
         check.add(&frame(0, 1_000, 0));
         assert!(check.passes());
@@ -74,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn a_missing_link_is_found() {
+    fn missing_stage_fails_the_check() {
         let without = |stage: Stage| {
             let mut timeline = frame(0, 1_000, 0);
             timeline

@@ -139,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn a_rate_breaks_when_more_than_one_in_a_hundred_is_missed() {
+    fn overload_begins_above_one_percent_of_missed_frames() {
         assert!(!row(30.0, 3).is_overloaded());
         assert!(row(120.0, 4).is_overloaded());
     }

@@ -2,6 +2,7 @@
 
 pub(crate) mod kernel_text;
 
+use crate::privilege::ResourceLimit;
 use crate::system_files::SystemFiles;
 use crate::{privilege, scheduling};
 use kernel_text as text;
@@ -18,16 +19,6 @@ pub enum BuildProfile {
     Release,
     /// Debug build, with debug assertions and overflow checks.
     Debug,
-}
-
-/// Resource limit of this process (`getrlimit`).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ResourceLimit {
-    /// No limit.
-    Unlimited,
-    /// Soft limit.
-    Most(u64),
 }
 
 /// Range of the cores' current frequencies.

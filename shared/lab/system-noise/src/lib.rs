@@ -41,7 +41,8 @@ pub mod thread_setting;
 mod warning;
 
 pub use disturbance::{Disturbance, DisturbanceMonitor};
-pub use fingerprint::{BuildProfile, Fingerprint, FrequencyRange, ResourceLimit};
+pub use fingerprint::{BuildProfile, Fingerprint, FrequencyRange};
 pub use measurement::{MachineReport, MeasurementPlan, NotMeasured, measure};
+pub use privilege::ResourceLimit;
 pub use samples::{LatencySummary, Samples};
 pub use warning::{Warning, warnings};

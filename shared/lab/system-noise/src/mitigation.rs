@@ -318,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn idle_is_compared_with_idle_only() {
+    fn idle_trials_are_compared_with_idle_baselines() {
         let trials = [
             trial(ThreadSetting::Baseline, false, 10),
             trial(ThreadSetting::Baseline, true, 1000),

@@ -1,9 +1,19 @@
 //! Privileges of this process: real-time priority and locked memory.
 
-use crate::fingerprint::ResourceLimit;
 use crate::scheduling::{FIFO_PRIORITY, RealTimeGuard};
 use rustix::process::{Resource, Rlimit, getrlimit};
 use rustix::thread::{CapabilitySet, capabilities};
+use serde::{Deserialize, Serialize};
+
+/// Resource limit of this process (`getrlimit`).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ResourceLimit {
+    /// No limit.
+    Unlimited,
+    /// Soft limit.
+    Most(u64),
+}
 
 /// Maximum unprivileged real-time priority.
 pub(crate) fn realtime_priority_limit() -> ResourceLimit {

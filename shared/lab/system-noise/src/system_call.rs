@@ -4,7 +4,7 @@
     reason = "the C library and rustix take pointers for scheduling, usage and advice on memory"
 )]
 
-use rustix::mm::{Recommendation, madvise};
+use rustix::mm::{Advice, madvise};
 use std::io;
 use std::mem::MaybeUninit;
 
@@ -78,7 +78,7 @@ pub(crate) fn advise_huge_pages(words: &mut [MaybeUninit<u64>]) -> io::Result<()
     };
     let start = bytes.start.with_addr(first).cast();
     // SAFETY: the range lies in the buffer, and this advice changes no contents.
-    unsafe { madvise(start, length, Recommendation::LinuxHugepage) }?;
+    unsafe { madvise(start, length, Advice::LinuxHugepage) }?;
     Ok(())
 }
 

@@ -220,13 +220,13 @@ mod tests {
     }
 
     #[test]
-    fn a_quiet_computer_has_no_warnings() {
+    fn quiet_environment_has_no_warnings() {
         let (fingerprint, disturbance) = quiet();
         assert_eq!(warnings(&fingerprint, &disturbance), []);
     }
 
     #[test]
-    fn each_cause_has_its_sentence() {
+    fn each_condition_has_a_warning() {
         let (fingerprint, disturbance) = quiet();
         let environment = |change: fn(&mut Fingerprint)| {
             let mut changed = fingerprint.clone();

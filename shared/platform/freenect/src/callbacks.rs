@@ -11,9 +11,9 @@
 
 #![expect(unsafe_code, reason = "buffers are handed to C and images read back")]
 
-use crate::device::{Image, KinectFrame};
+use crate::frame::{Image, KinectFrame};
 use crate::frame_buffer::FrameBuffer;
-use crate::pairing::{N_FRAMES, Pair, Pairing, PairingStatistics, Stamped};
+use crate::pairing::{N_FRAMES, Pair, Pairing, PairingStatistics, StampedFrame};
 use crate::raw::{Api, Device, N_PIXELS};
 use std::cell::RefCell;
 use std::ffi::c_void;
@@ -135,11 +135,11 @@ impl FrameSink {
         };
         if !self.hand_over_depth(device, &next) {
             self.misplaced = true;
-            self.pairing.keep_depth(next);
+            self.pairing.return_depth(next);
             return;
         }
         let frame = mem::replace(&mut self.depth_filling, next);
-        self.pairing.depth_arrived(Stamped {
+        self.pairing.depth_arrived(StampedFrame {
             stamp_ticks,
             arrived,
             frame,
@@ -162,11 +162,11 @@ impl FrameSink {
         };
         if !self.hand_over_video(device, &next) {
             self.misplaced = true;
-            self.pairing.keep_video(next);
+            self.pairing.return_video(next);
             return;
         }
         let frame = mem::replace(&mut self.video_filling, next);
-        self.pairing.video_arrived(Stamped {
+        self.pairing.video_arrived(StampedFrame {
             stamp_ticks,
             arrived,
             frame,
@@ -194,8 +194,8 @@ impl FrameSink {
     }
 
     /// Returns a pair to the library's pool.
-    pub(crate) fn give_back(&mut self, held: HeldPair) {
-        self.pairing.give_back(held.0);
+    pub(crate) fn recycle(&mut self, held: HeldPair) {
+        self.pairing.recycle(held.0);
     }
 
     /// `true` if the library wrote outside the given buffer or rejected a buffer.
@@ -215,7 +215,7 @@ impl HeldPair {
         KinectFrame {
             depth: Image {
                 // SAFETY: the library got another buffer before this one was paired,
-                // and gets it again only after `give_back` took this value.
+                // and gets it again only after `recycle` took this value.
                 pixels: unsafe { depth.frame.pixels() },
                 stamp_ticks: depth.stamp_ticks,
                 arrived: depth.arrived,

@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_beyond_the_range_has_a_depth() {
+    fn raw_values_beyond_the_range_have_no_depth() {
         for formula in FORMULAS {
             let table = DepthTable::new(formula);
             assert!(table.last_raw > 1000 && table.last_raw < 1084);

@@ -1,6 +1,7 @@
 //! Safe handle of an open Kinect.
 
 use crate::callbacks::{FrameSink, HeldPair, SinkRegistration};
+use crate::frame::KinectFrame;
 use crate::messages::{self, LogMessage};
 use crate::recording::check_recording;
 use crate::restart::FOLDER_VARIABLE;
@@ -33,27 +34,6 @@ impl fmt::Display for Selector {
             Self::Serial(serial) => write!(f, "serial {serial}"),
         }
     }
-}
-
-/// Image of 640x480 pixels, row-major.
-#[derive(Debug, Clone, Copy)]
-pub struct Image<'a, T> {
-    /// Pixel values. Depth: one 11-bit raw value per pixel, 2047 for none. Colour: red, green,
-    /// blue per pixel.
-    pub pixels: &'a [T],
-    /// Device time stamp, ticks of 1/60 000 000 s; wraps about every 71.6 s.
-    pub stamp_ticks: u32,
-    /// Time of arrival in this process, monotonic.
-    pub arrived: Instant,
-}
-
-/// Synchronised pair of depth and colour image (see [`crate::PAIRING_WINDOW_TICKS`]).
-#[derive(Debug, Clone, Copy)]
-pub struct KinectFrame<'a> {
-    /// Raw depth image.
-    pub depth: Image<'a, u16>,
-    /// Colour image.
-    pub video: Image<'a, u8>,
 }
 
 /// Open, streaming Kinect, or fakenect playing a recording.
@@ -215,7 +195,7 @@ impl Kinect {
             return false;
         };
         if let Some(old) = self.held.replace(ready) {
-            sink.give_back(old);
+            sink.recycle(old);
         }
         true
     }

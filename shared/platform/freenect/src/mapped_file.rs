@@ -37,7 +37,7 @@ mod tests {
 ";
 
     #[test]
-    fn an_address_leads_to_its_file() {
+    fn address_is_resolved_to_its_file() {
         let check = |address, expected: Option<&str>| {
             assert_eq!(
                 find_in_maps(MAPS, address).as_deref(),
@@ -51,14 +51,14 @@ mod tests {
     }
 
     #[test]
-    fn strange_text_is_no_mapping() {
+    fn malformed_maps_have_no_mapping() {
         for text in ["", "x", "7-", "zz-zz r", "0-ffff", "0-ffff r x x x"] {
             assert_eq!(find_in_maps(text, 0x10), None);
         }
     }
 
     #[test]
-    fn a_function_of_this_program_is_in_this_program() {
+    fn own_function_is_resolved_to_this_program() {
         let address = mapped_file as *const () as usize;
         assert_eq!(
             mapped_file(address),

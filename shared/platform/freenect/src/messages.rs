@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn a_flood_keeps_the_newest() {
+    fn queue_overflow_drops_the_oldest() {
         for _ in 0..MAX_MESSAGES {
             say(2, c"old");
         }

@@ -26,7 +26,7 @@ pub(crate) const N_FRAMES: usize = MAX_UNPAIRED + 4;
 
 /// Frame with its time stamps.
 #[derive(Debug)]
-pub(crate) struct Stamped<T> {
+pub(crate) struct StampedFrame<T> {
     /// Device stamp, ticks of [`CLOCK_HZ`].
     pub(crate) stamp_ticks: u32,
     /// Time of arrival.
@@ -38,14 +38,14 @@ pub(crate) struct Stamped<T> {
 /// Synchronised pair of frames.
 #[derive(Debug)]
 pub(crate) struct Pair<D, V> {
-    pub(crate) depth: Stamped<D>,
-    pub(crate) video: Stamped<V>,
+    pub(crate) depth: StampedFrame<D>,
+    pub(crate) video: StampedFrame<V>,
 }
 
 /// Unpaired frames and free buffers of one stream.
 #[derive(Debug)]
 struct UnpairedFrames<T> {
-    frames: VecDeque<Stamped<T>>,
+    frames: VecDeque<StampedFrame<T>>,
     spare: Vec<T>,
     n_unpaired: u64,
 }
@@ -89,7 +89,7 @@ impl<T> UnpairedFrames<T> {
 
     /// Takes the frame within the pairing window. Older frames remain unpaired, since the other
     /// stream never goes back.
-    fn take_partner(&mut self, stamp_ticks: u32) -> Option<Stamped<T>> {
+    fn take_partner(&mut self, stamp_ticks: u32) -> Option<StampedFrame<T>> {
         let position = self
             .frames
             .iter()
@@ -106,7 +106,7 @@ impl<T> UnpairedFrames<T> {
         }
     }
 
-    fn push_unpaired(&mut self, frame: Stamped<T>) {
+    fn push_unpaired(&mut self, frame: StampedFrame<T>) {
         self.frames.push_back(frame);
         self.free_unpaired(self.frames.len().saturating_sub(MAX_UNPAIRED));
     }
@@ -139,17 +139,17 @@ impl<D, V> Pairing<D, V> {
     }
 
     /// Returns an unused depth buffer.
-    pub(crate) fn keep_depth(&mut self, frame: D) {
+    pub(crate) fn return_depth(&mut self, frame: D) {
         self.depth.spare.push(frame);
     }
 
     /// Returns an unused colour buffer.
-    pub(crate) fn keep_video(&mut self, frame: V) {
+    pub(crate) fn return_video(&mut self, frame: V) {
         self.video.spare.push(frame);
     }
 
     /// Adds a complete depth frame.
-    pub(crate) fn depth_arrived(&mut self, depth: Stamped<D>) {
+    pub(crate) fn depth_arrived(&mut self, depth: StampedFrame<D>) {
         match self.video.take_partner(depth.stamp_ticks) {
             Some(video) => {
                 self.depth.free_unpaired(MAX_UNPAIRED);
@@ -160,7 +160,7 @@ impl<D, V> Pairing<D, V> {
     }
 
     /// Adds a complete colour frame.
-    pub(crate) fn video_arrived(&mut self, video: Stamped<V>) {
+    pub(crate) fn video_arrived(&mut self, video: StampedFrame<V>) {
         match self.depth.take_partner(video.stamp_ticks) {
             Some(depth) => {
                 self.video.free_unpaired(MAX_UNPAIRED);
@@ -176,9 +176,9 @@ impl<D, V> Pairing<D, V> {
     }
 
     /// Returns the buffers of a pair.
-    pub(crate) fn give_back(&mut self, pair: Pair<D, V>) {
-        self.keep_depth(pair.depth.frame);
-        self.keep_video(pair.video.frame);
+    pub(crate) fn recycle(&mut self, pair: Pair<D, V>) {
+        self.return_depth(pair.depth.frame);
+        self.return_video(pair.video.frame);
     }
 
     /// Counts of paired and lost frames so far.
@@ -195,7 +195,7 @@ impl<D, V> Pairing<D, V> {
         self.n_pairs += 1;
         if let Some(older) = self.ready.replace(pair) {
             self.n_superseded += 1;
-            self.give_back(older);
+            self.recycle(older);
         }
     }
 }

@@ -74,7 +74,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_second_start_goes_on() {
+    fn restart_happens_once() {
         let folder = Path::new("/srv/recording");
         assert!(!is_named(folder, None));
         assert!(!is_named(folder, Some(OsStr::new("/srv/other"))));

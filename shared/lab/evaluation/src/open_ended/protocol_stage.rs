@@ -157,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn the_window_is_three_times_the_categories_and_then_a_stall_is_counted() {
+    fn stall_counting_begins_beyond_the_window() {
         let stage = play("wwrrrrwww", 0.9);
         let accuracies: Vec<f64> = stage.iter().filter_map(|(accuracy, _)| *accuracy).collect();
         // The window holds six answers: the two wrong ones at the start leave it.

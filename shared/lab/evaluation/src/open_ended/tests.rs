@@ -74,7 +74,7 @@ fn play(views: &[LabelledView], protocol: &Protocol, accuracy: f64, seed: u64) -
 }
 
 #[test]
-fn a_perfect_learner_needs_each_question_once() {
+fn perfect_recogniser_needs_each_question_once() {
     for (n_categories, qci) in [(51, 1325), (10, 54), (90, 4094)] {
         let views = data_set(n_categories, 200, None);
         let run = play(&views, &Protocol::default(), 1.0, 1);
@@ -141,7 +141,7 @@ fn metrics_of_constant_accuracy_agree_with_the_reference() {
 }
 
 #[test]
-fn the_views_taught_are_those_of_the_start_and_of_corrections() {
+fn taught_views_are_those_of_start_and_corrections() {
     for (split, n_instances) in [(Split::ByView, None), (Split::InstanceDisjoint, Some(4))] {
         let views = data_set(12, 300, n_instances);
         for seed in 0..20 {
@@ -168,7 +168,7 @@ fn the_views_taught_are_those_of_the_start_and_of_corrections() {
 }
 
 #[test]
-fn no_view_is_shown_twice_and_a_wrong_one_is_taught_at_once() {
+fn views_are_used_once_and_corrected_at_once() {
     let views = data_set(8, 200, None);
     let mut recogniser = FixedAccuracyRecogniser::new(&views, 0.7, 3);
     let run = run(&mut recogniser, &views, &Protocol::default(), 3).unwrap();
@@ -233,7 +233,7 @@ fn a_run_ends_without_fresh_views() {
 }
 
 #[test]
-fn lessons_and_questions_show_different_objects() {
+fn instance_disjoint_split_separates_objects() {
     let views = data_set(6, 120, Some(5));
     let protocol = Protocol {
         split: Split::InstanceDisjoint,

@@ -146,7 +146,7 @@ fn renamed(values: &[u16]) -> Vec<u16> {
 
 proptest! {
     #[test]
-    fn no_matching_has_a_greater_sum(runs in runs()) {
+    fn matching_maximises_the_sum_of_f_measures(runs in runs()) {
         let (hypotheses, labels) = image(&runs);
         let overlaps = Overlaps::count(&hypotheses, &labels);
         let matches = overlaps.matches();

@@ -35,14 +35,14 @@ struct Finished;
 
 impl PingPong {
     /// Passes the turn and wakes the waiting thread.
-    fn give(&self, turn: u32) {
+    fn pass_turn(&self, turn: u32) {
         self.since_ns.store(monotonic_ns(), Ordering::Relaxed);
         self.turn.store(turn, Ordering::Release);
         let _ = futex::wake(&self.turn, Flags::PRIVATE, 1);
     }
 
     /// Waits for a turn; wake-up latency if this thread really slept, ns.
-    fn take(&self, turn: u32) -> Result<Option<u64>, Finished> {
+    fn await_turn(&self, turn: u32) -> Result<Option<u64>, Finished> {
         let mut has_slept = false;
         loop {
             let present = self.turn.load(Ordering::Acquire);
@@ -98,8 +98,8 @@ fn ping(ping_pong: &PingPong, end: Instant) -> Vec<u64> {
     let mut latencies_ns = Vec::with_capacity(SAMPLES_MAX / 2);
     while Instant::now() < end && latencies_ns.len() < SAMPLES_MAX / 2 {
         std::thread::sleep(PAUSE);
-        ping_pong.give(PONG);
-        match ping_pong.take(PING) {
+        ping_pong.pass_turn(PONG);
+        match ping_pong.await_turn(PING) {
             Ok(latency_ns) => latencies_ns.extend(latency_ns),
             Err(Finished) => break,
         }
@@ -110,10 +110,10 @@ fn ping(ping_pong: &PingPong, end: Instant) -> Vec<u64> {
 fn pong(ping_pong: &PingPong) -> Vec<u64> {
     let _end = FinishGuard(ping_pong);
     let mut latencies_ns = Vec::with_capacity(SAMPLES_MAX / 2);
-    while let Ok(latency_ns) = ping_pong.take(PONG) {
+    while let Ok(latency_ns) = ping_pong.await_turn(PONG) {
         // Each ping is answered once, so the counts are equal.
         latencies_ns.extend(latency_ns);
-        ping_pong.give(PING);
+        ping_pong.pass_turn(PING);
     }
     latencies_ns
 }

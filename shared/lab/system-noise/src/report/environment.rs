@@ -1,7 +1,8 @@
 //! Text of environment and disturbance.
 
 use crate::disturbance::Disturbance;
-use crate::fingerprint::{BuildProfile, Fingerprint, ResourceLimit};
+use crate::fingerprint::{BuildProfile, Fingerprint};
+use crate::privilege::ResourceLimit;
 use std::fmt::Display;
 
 const NOT_REPORTED: &str = "not told";

@@ -8,8 +8,8 @@ fn pairing() -> Pairing<usize, usize> {
     Pairing::new((1..N_FRAMES).collect(), (1..N_FRAMES).collect())
 }
 
-fn stamped(stamp_ticks: u32) -> Stamped<usize> {
-    Stamped {
+fn stamped(stamp_ticks: u32) -> StampedFrame<usize> {
+    StampedFrame {
         stamp_ticks,
         arrived: Instant::now(),
         frame: 0,
@@ -31,7 +31,7 @@ fn check_pairs(
         }
         if let Some(pair) = pairing.take_ready() {
             pairs.push((pair.depth.stamp_ticks, pair.video.stamp_ticks));
-            pairing.give_back(pair);
+            pairing.recycle(pair);
         }
     }
     assert_eq!(pairs, expected_pairs);
@@ -129,16 +129,16 @@ proptest! {
             if is_depth {
                 let next = pairing.spare_depth().expect("a depth frame is free");
                 let frame = std::mem::replace(&mut depth_filling, next);
-                pairing.depth_arrived(Stamped { stamp_ticks, arrived, frame });
+                pairing.depth_arrived(StampedFrame { stamp_ticks, arrived, frame });
             } else {
                 let next = pairing.spare_video().expect("a colour frame is free");
                 let frame = std::mem::replace(&mut video_filling, next);
-                pairing.video_arrived(Stamped { stamp_ticks, arrived, frame });
+                pairing.video_arrived(StampedFrame { stamp_ticks, arrived, frame });
             }
             if look && let Some(pair) = pairing.take_ready()
                 && let Some(old) = held.replace(pair)
             {
-                pairing.give_back(old);
+                pairing.recycle(old);
             }
         }
         let counts = pairing.statistics();

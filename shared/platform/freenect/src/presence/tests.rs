@@ -69,7 +69,7 @@ fn a_camera_without_its_node_can_not_be_used() {
 }
 
 #[test]
-fn missing_rights_are_told_with_the_group() {
+fn missing_rights_name_the_udev_group() {
     let part = UsbPart {
         kind: UsbPartKind::Camera,
         product: 0x02ae,
@@ -90,7 +90,7 @@ fn missing_rights_are_told_with_the_group() {
 }
 
 #[test]
-fn no_bus_and_broken_entries_are_survived() {
+fn missing_bus_and_malformed_entries_are_tolerated() {
     let presence = Presence::scan_in(Path::new("/nonexistent"), Path::new("/nonexistent"));
     assert!(presence.to_string().contains("not visible"), "{presence}");
     let root = machine(&["02ae"]);
