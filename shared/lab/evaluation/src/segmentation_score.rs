@@ -19,17 +19,17 @@ const FINE_MATCH_F_MEASURE: f64 = 0.75;
 
 /// Segmentation scores of one scene, or means over several, as fractions.
 ///
-/// Overlap is intersection over union (IoU) of the pixels of an object and a hypothesis.
+/// Overlap is intersection over union (`IoU`) of the pixels of an object and a hypothesis.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct SegmentationScore {
     /// Number of labelled objects; summed over several scenes.
     pub n_objects: usize,
     /// Number of hypotheses; summed over several scenes.
     pub n_hypotheses: usize,
-    /// Weighted overlap (WOv): mean best IoU over the objects, weighted by the objects' pixels
+    /// Weighted overlap (`WOv`): mean best `IoU` over the objects, weighted by the objects' pixels
     /// (Silberman et al. 2012, Stein et al. 2014).
     pub wov: f64,
-    /// Unweighted overlap (UOv): mean best IoU over the objects.
+    /// Unweighted overlap (`UOv`): mean best `IoU` over the objects.
     pub uov: f64,
     /// Over-segmentation: share of the objects' pixels outside the hypothesis
     /// that covers most of the object (Richtsfeld et al. 2012).
@@ -37,11 +37,11 @@ pub struct SegmentationScore {
     /// Under-segmentation: pixels of the best covering hypotheses outside their object, over the
     /// objects' pixels; may exceed 1 (Richtsfeld et al. 2012).
     pub fus: f64,
-    /// Precision at IoU 0.5: share of the hypotheses that match an object.
+    /// Precision at `IoU` 0.5: share of the hypotheses that match an object.
     pub p50: f64,
-    /// Recall at IoU 0.5: share of the objects that are matched.
+    /// Recall at `IoU` 0.5: share of the objects that are matched.
     pub r50: f64,
-    /// F-measure at IoU 0.5: harmonic mean of `p50` and `r50`.
+    /// F-measure at `IoU` 0.5: harmonic mean of `p50` and `r50`.
     pub f50: f64,
     /// Overlap precision: common pixels of objects and their hypotheses, matched one to one for
     /// the greatest sum of F-measures, over the pixels of all hypotheses (Dave et al. 2019, Xie
@@ -122,7 +122,7 @@ pub fn score(overlaps: &Overlaps) -> Option<SegmentationScore> {
     Some(score)
 }
 
-/// Measures over the best hypothesis of each object: WOv, UOv, Fos, Fus.
+/// Measures over the best hypothesis of each object: `WOv`, `UOv`, Fos, Fus.
 fn best_overlaps(overlaps: &Overlaps, score: &mut SegmentationScore) {
     let n_hypotheses = score.n_hypotheses;
     let total = overlaps.of_object().iter().sum::<usize>() as f64;
@@ -144,7 +144,7 @@ fn best_overlaps(overlaps: &Overlaps, score: &mut SegmentationScore) {
     score.fus = n_outside as f64 / total;
 }
 
-/// Precision, recall and F-measure at IoU 0.5; above one half, matches are unique.
+/// Precision, recall and F-measure at `IoU` 0.5; above one half, matches are unique.
 fn matches_above_one_half(overlaps: &Overlaps, score: &mut SegmentationScore) {
     let pairs = (0..score.n_objects).flat_map(|o| (0..score.n_hypotheses).map(move |h| (o, h)));
     let n_hits = pairs.filter(|&(o, h)| overlaps.ratio(o, h) > 0.5).count() as f64;

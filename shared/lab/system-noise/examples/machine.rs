@@ -12,7 +12,7 @@ use system_noise::{MeasurementPlan, latency_histograms, measure, report};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let found = measure(&MeasurementPlan::FULL, &mut |sentence| {
-        eprintln!("{sentence}")
+        eprintln!("{sentence}");
     });
     print!("{}", report::text(&found));
     if let Some(folder) = std::env::args_os().nth(1).map(PathBuf::from) {

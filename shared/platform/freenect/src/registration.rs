@@ -5,10 +5,10 @@
 //! camera takes the colour of the occluding surface: a seam of a few pixels along the edges of
 //! objects, as in every Kinect's cloud.
 //!
-//! With q the rotated ray of a depth pixel, the colour pixel's column is (fx·(z·qx + tx) / (z·qz
-//! + tz)) + cx. Divided by z, and because q is linear in the pixel's column and row, that is a
-//! quotient of two terms linear in column and 1/z. So no image-sized table is needed: 1/z comes
-//! from a table of 2048 entries, and one division per pixel remains.
+//! With q the rotated ray of a depth pixel, the colour pixel's column is
+//! `fx (z qx + tx) / (z qz + tz) + cx`. Divided by z, and because q is linear in the pixel's
+//! column and row, that is a quotient of two terms linear in column and 1/z. So no image-sized
+//! table is needed: 1/z comes from a table of 2048 entries, and one division per pixel remains.
 
 use crate::DepthTable;
 use crate::calibration::{Calibration, InvalidCalibration};
