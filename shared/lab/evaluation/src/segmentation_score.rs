@@ -11,10 +11,10 @@ pub use overlaps::Overlaps;
 /// First label of an object.
 pub const FIRST_OBJECT_LABEL: u16 = 10;
 
-/// Minimum number of valid pixels of a scored hypothesis.
+/// Minimum number of valid pixels of a scored hypothesis. Chosen; part of the metric definition.
 pub const HYPOTHESIS_PIXELS_MIN: usize = 100;
 
-/// F-measure from which an object counts as found in `f75`.
+/// F-measure from which an object counts as found in `f75`. Part of the metric definition.
 const FINE_MATCH_F_MEASURE: f64 = 0.75;
 
 /// Segmentation scores of one scene, or means over several, as fractions.

@@ -6,11 +6,13 @@ use crate::tracked_frame::{TrackState, TrackedFrame, TrueObject};
 use crate::true_shape::Symmetry;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Gate of the matching: maximum distance of the box centres, metres.
+/// Gate of the matching: maximum distance of the box centres, metres. Chosen; part of the metric
+/// definition.
 pub const GATE_M: f64 = 0.05;
 /// Minimum jump of a track's orientation relative to its object that counts as a flip, radians.
+/// Chosen; part of the metric definition.
 const FLIP_RAD: f64 = std::f64::consts::PI / 6.0;
-/// Distances from the camera counted as 1 m, metres.
+/// Distances from the camera counted as 1 m, metres. Chosen; part of the metric definition.
 const ONE_METRE_RANGE_M: std::ops::RangeInclusive<f64> = 0.8..=1.2;
 
 /// Tracking metrics of one run or of several.

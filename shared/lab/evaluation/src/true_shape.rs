@@ -6,9 +6,10 @@ use nalgebra::{Point3, UnitQuaternion, UnitVector3, Vector3};
 use std::collections::HashSet;
 use std::f64::consts::PI;
 
-/// Cell size of the deduplication of surface points, metres.
+/// Cell size of the deduplication of surface points, metres. Chosen.
 const CELL_M: f32 = 0.001;
 /// Change of the up direction in the object frame that rebuilds an outline, radians.
+/// Chosen.
 const TILT_RAD: f64 = 0.004;
 /// Directional footprint: minimum growth of the bounding rectangle's area when rotated by
 /// [`DIRECTIONAL_TURN_RAD`]. Chosen.

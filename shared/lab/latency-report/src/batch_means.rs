@@ -4,7 +4,7 @@
 use crate::duration_percentiles::DurationPercentiles;
 use serde::{Deserialize, Serialize};
 
-/// Number of batches of a run.
+/// Number of batches of a run. Chosen.
 pub(crate) const N_BATCHES: usize = 20;
 
 /// Duration and the index of its frame.

@@ -4,7 +4,7 @@ use crate::frame_timeline::{FrameTimeline, StageInterval};
 use message::Stage;
 use serde::{Deserialize, Serialize};
 
-/// Tolerated gap or overlap of the stages, as a share of the end-to-end latency.
+/// Tolerated gap or overlap of the stages, as a share of the end-to-end latency. Chosen.
 const TOLERANCE: f64 = 0.01;
 
 /// Result of the consistency check of stage durations against end-to-end latency.

@@ -11,6 +11,7 @@ use std::collections::BTreeMap;
 /// Share of missed frames beyond which the daemon is overloaded. Chosen.
 const MISSED_SHARE_MAX: f64 = 0.01;
 /// Minimum share of the end-to-end median, at any point of the sweep, for a stage to be drawn.
+/// Chosen.
 const DRAWN_SHARE_MIN: f64 = 0.03;
 
 /// Measurement at one value of the swept parameter.

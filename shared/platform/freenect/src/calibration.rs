@@ -4,9 +4,10 @@ use crate::DepthFormula;
 use crate::raw::{HEIGHT, WIDTH};
 use geometry::{InvalidIntrinsics, PinholeCamera, RigidTransform};
 
-/// Maximum accepted distance between the cameras, metres; in a Kinect it is 25 mm.
+/// Maximum accepted distance between the cameras, metres; in a Kinect it is 25 mm. Chosen.
 const MAX_BASELINE_M: f64 = 0.2;
 /// Maximum accepted rotation between the cameras, radians; in a Kinect it is one degree.
+/// Chosen.
 const MAX_ANGLE_RAD: f64 = 0.35;
 
 /// Calibration of the depth and the colour camera.
