@@ -2,13 +2,14 @@
 
 use crate::domain_folder::{DomainName, RunFolder};
 use crate::lock_file::LockFile;
-use crate::shared_memory::{SharedMemory, remove_leftovers};
+use crate::shared_memory::{SharedMemory, refuse_foreign_files, remove_leftovers};
+use crate::trusted_folder::TrustedFolder;
 use crate::{Error, log_bridge};
 use iceoryx2::prelude::{
     Config, FileName, Node, NodeBuilder, Path as IoxPath, SemanticString, SignalHandlingMode,
     ipc_threadsafe,
 };
-use std::os::unix::fs::{DirBuilderExt, PermissionsExt};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
@@ -19,6 +20,12 @@ pub(crate) type Service = ipc_threadsafe::Service;
 /// taken only when it still is after a while.
 const N_SECOND_LOOKS: u32 = 3;
 const SECOND_LOOK: Duration = Duration::from_millis(5);
+
+/// The lock that every member of a domain holds.
+pub(crate) const DOMAIN_LOCK: &str = "domain.lock";
+
+/// Attempts to enter a folder that its last member may be removing.
+const MAX_ATTEMPTS: u32 = 20;
 
 /// What a process is in its domain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,18 +60,14 @@ impl Domain {
     /// Joins a domain, and makes it when nobody is there.
     ///
     /// # Errors
-    /// When the run folder can not be written, the role is taken, the domain's
+    /// When the run folder can not be written or is under another user's control, the role is taken, the domain's
     /// limits do not fit into the free shared memory, or iceoryx2 fails.
     pub fn join(name: &DomainName, run_folder: &RunFolder, role: Role<'_>) -> Result<Self, Error> {
         log_bridge::install();
-        let folder = run_folder.of_domain(name);
-        make_folder(run_folder.path(), 0o755)?;
-        make_folder(&folder, 0o750)?;
-        share_with_group(&folder);
-        let role = take_role(name, &folder, role)?;
-        let presence = enter(name, &folder)?;
+        let (folder, role, presence) = enter_folder(name, run_folder, role)?;
         check_shared_memory(name)?;
         let node = Some(make_node(name, &folder)?);
+        let folder = folder.path().to_owned();
         Ok(Self(Arc::new(Membership {
             name: name.clone(),
             folder,
@@ -122,43 +125,60 @@ impl Drop for Membership {
     }
 }
 
-fn make_folder(path: &Path, mode: u32) -> Result<(), Error> {
-    let made = std::fs::DirBuilder::new()
-        .recursive(true)
-        .mode(mode)
-        .create(path);
-    made.map_err(|source| Error::RunFolder {
-        attempt: "make the run folder",
-        path: path.to_owned(),
-        source,
-    })
-}
-
-/// Members of the group tabula reach the control socket inside the folder.
-/// Without that group, or without the right to give a folder to it, only the
-/// same user does.
-pub(crate) fn share_with_group(path: &Path) {
-    if let Some(group) = tabula_group() {
-        let _ = std::os::unix::fs::chown(path, None, Some(group));
+/// Opens the domain's folder and takes the role and the domain's lock in it. The
+/// last member of the domain may be removing the folder meanwhile: then all of it
+/// is done again.
+fn enter_folder(
+    name: &DomainName,
+    run_folder: &RunFolder,
+    role: Role<'_>,
+) -> Result<(Arc<TrustedFolder>, Option<LockFile>, LockFile), Error> {
+    let enter = || {
+        let folder = Arc::new(open_folder(name, run_folder)?);
+        let role = take_role(name, &folder, role)?;
+        let presence = enter(name, &folder)?;
+        Ok((folder, role, presence))
+    };
+    for _ in 1..MAX_ATTEMPTS {
+        match enter() {
+            Ok((_, Some(role), _)) if !role.is_current() => {}
+            Err(Error::RunFolder { source, .. }) if source.kind() == ErrorKind::NotFound => {}
+            entered_or_failed => return entered_or_failed,
+        }
+        std::thread::sleep(SECOND_LOOK);
     }
+    enter()
 }
 
-fn tabula_group() -> Option<u32> {
-    let groups = std::fs::read_to_string("/etc/group").ok()?;
-    let line = groups.lines().find(|line| line.starts_with("tabula:"))?;
-    line.split(':').nth(2)?.parse().ok()
+/// Opens the domain's folder, or makes it. Members of the group tabula reach the
+/// control socket in it; without that group only the same user does.
+fn open_folder(name: &DomainName, run_folder: &RunFolder) -> Result<TrustedFolder, Error> {
+    let is_in_shared_place = run_folder.is_in_shared_place();
+    let mode = if is_in_shared_place { 0o700 } else { 0o755 };
+    let all_domains = TrustedFolder::create(run_folder.path(), mode)?;
+    if is_in_shared_place {
+        let is_shared = all_domains.share_with_group();
+        all_domains.set_mode(if is_shared { 0o710 } else { 0o700 });
+    }
+    let folder = all_domains.create_subfolder(&name.to_string(), 0o750)?;
+    folder.share_with_group();
+    Ok(folder)
 }
 
-fn take_role(name: &DomainName, folder: &Path, role: Role<'_>) -> Result<Option<LockFile>, Error> {
+fn take_role(
+    name: &DomainName,
+    folder: &Arc<TrustedFolder>,
+    role: Role<'_>,
+) -> Result<Option<LockFile>, Error> {
     let Role::Only(role) = role else {
         return Ok(None);
     };
-    let path = folder.join(format!("{role}.lock"));
-    let mut lock = LockFile::try_exclusive(&path)?;
+    let file = format!("{role}.lock");
+    let mut lock = LockFile::try_exclusive(folder, &file)?;
     for _ in 0..N_SECOND_LOOKS {
         if lock.is_none() {
             std::thread::sleep(SECOND_LOOK);
-            lock = LockFile::try_exclusive(&path)?;
+            lock = LockFile::try_exclusive(folder, &file)?;
         }
     }
     match lock {
@@ -169,18 +189,19 @@ fn take_role(name: &DomainName, folder: &Path, role: Role<'_>) -> Result<Option<
         None => Err(Error::RoleTaken {
             role: role.to_owned(),
             domain: name.to_string(),
-            pid: LockFile::read_pid(&path),
+            pid: LockFile::read_pid(folder, &file),
         }),
     }
 }
 
 /// Takes part in the domain's lock; whoever finds it free cleans up first.
-fn enter(name: &DomainName, folder: &Path) -> Result<LockFile, Error> {
-    let path = folder.join("domain.lock");
-    let Some(lock) = LockFile::try_exclusive(&path)? else {
-        return LockFile::shared(&path);
+fn enter(name: &DomainName, folder: &Arc<TrustedFolder>) -> Result<LockFile, Error> {
+    let Some(lock) = LockFile::try_exclusive(folder, DOMAIN_LOCK)? else {
+        refuse_foreign_files(name)?;
+        return LockFile::shared(folder, DOMAIN_LOCK);
     };
-    let n_files = remove_leftovers(name, folder);
+    refuse_foreign_files(name)?;
+    let n_files = remove_leftovers(name, folder.path());
     if n_files > 0 {
         tracing::info!("removed {n_files} shared memory files of an earlier run that had crashed");
     }
@@ -198,11 +219,11 @@ fn check_shared_memory(name: &DomainName) -> Result<(), Error> {
     }
 }
 
-fn make_node(name: &DomainName, folder: &Path) -> Result<Node<Service>, Error> {
-    let root = folder.join("iox2");
-    make_folder(&root, 0o700)?;
+fn make_node(name: &DomainName, folder: &TrustedFolder) -> Result<Node<Service>, Error> {
+    let root = folder.create_subfolder("iox2", 0o700)?;
     // iceoryx2 wants its folders writable by their owner only, whatever the umask.
-    let _ = std::fs::set_permissions(&root, PermissionsExt::from_mode(0o700));
+    root.set_mode(0o700);
+    let root = root.path();
     let failed = |cause: &dyn std::fmt::Debug| Error::transport("join", "the domain", cause);
     let root = IoxPath::new(root.as_os_str().as_encoded_bytes()).map_err(|e| failed(&e))?;
     let mut config = Config::default();

@@ -1,8 +1,10 @@
 //! A domain's name and its run folder.
 
 use crate::Error;
+use crate::trusted_folder::SHARED_MEMORY_FOLDER;
 use rustix::fs::{StatFs, statfs};
 use std::fmt;
+use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -39,7 +41,7 @@ impl Default for DomainName {
 impl DomainName {
     /// Prefix of the domain's files in shared memory.
     pub(crate) fn prefix(&self) -> String {
-        format!("tabula_{}_{}_", rustix::process::getuid().as_raw(), self.0)
+        format!("tabula_{}_{}_", rustix::process::geteuid().as_raw(), self.0)
     }
 }
 
@@ -59,7 +61,7 @@ impl RunFolder {
     /// it is there and ours (as a service), the user's runtime folder, and
     /// otherwise a folder of the user's own in `/dev/shm`.
     pub fn of_user() -> Self {
-        let uid = rustix::process::getuid().as_raw();
+        let uid = rustix::process::geteuid().as_raw();
         let service = PathBuf::from("/run/tabula");
         let session =
             std::env::var_os("XDG_RUNTIME_DIR").map(|dir| PathBuf::from(dir).join("tabula"));
@@ -71,7 +73,7 @@ impl RunFolder {
         }
         match session {
             Some(folder) if folder.parent().is_some_and(is_tmpfs) => Self(folder),
-            _ => Self(PathBuf::from(format!("/dev/shm/tabula-{uid}"))),
+            _ => Self(Path::new(SHARED_MEMORY_FOLDER).join(format!("tabula-{uid}"))),
         }
     }
 
@@ -80,7 +82,9 @@ impl RunFolder {
     /// only when it belongs to the user it is named after.
     pub fn candidates() -> Vec<Self> {
         let mut folders = vec![Self::of_user(), Self(PathBuf::from("/run/tabula"))];
-        let Ok(entries) = std::fs::read_dir("/dev/shm") else {
+        // Another user may have taken the name of our own folder.
+        folders.retain(|folder| !folder.is_in_shared_place() || is_named_after_owner(&folder.0));
+        let Ok(entries) = std::fs::read_dir(SHARED_MEMORY_FOLDER) else {
             return folders;
         };
         let mut others: Vec<_> = entries
@@ -97,6 +101,11 @@ impl RunFolder {
     /// The folder's path.
     pub fn path(&self) -> &Path {
         &self.0
+    }
+
+    /// `true` when every user may create entries where this folder is: `/dev/shm`.
+    pub(crate) fn is_in_shared_place(&self) -> bool {
+        self.0.parent() == Some(Path::new(SHARED_MEMORY_FOLDER))
     }
 
     /// Folder of one domain.
@@ -116,7 +125,9 @@ fn is_named_after_owner(path: &Path) -> bool {
         .and_then(|name| name.to_str())
         .and_then(|name| name.strip_prefix("tabula-"))
         .and_then(|uid| uid.parse::<u32>().ok());
-    owner.is_some_and(|uid| rustix::fs::lstat(path).is_ok_and(|stat| stat.st_uid == uid))
+    owner.is_some_and(|uid| {
+        std::fs::symlink_metadata(path).is_ok_and(|folder| folder.is_dir() && folder.uid() == uid)
+    })
 }
 
 /// Whether a folder lies in memory.
@@ -139,6 +150,22 @@ mod tests {
             let sentence = bad.parse::<DomainName>().unwrap_err().to_string();
             assert!(sentence.contains("choose"), "{sentence}");
         }
+    }
+
+    #[test]
+    fn candidates_in_shared_memory_are_folders_of_the_user_in_their_name() {
+        let own = rustix::process::geteuid().as_raw();
+        let guard = tempfile::tempdir().unwrap();
+        let folder = guard.path().join(format!("tabula-{own}"));
+        assert!(!is_named_after_owner(&folder));
+        std::os::unix::fs::symlink(guard.path(), &folder).unwrap();
+        assert!(!is_named_after_owner(&folder), "a link");
+        std::fs::remove_file(&folder).unwrap();
+        std::fs::create_dir(&folder).unwrap();
+        assert!(is_named_after_owner(&folder));
+        let other = guard.path().join(format!("tabula-{}", own + 1));
+        std::fs::create_dir(&other).unwrap();
+        assert!(!is_named_after_owner(&other));
     }
 
     #[test]

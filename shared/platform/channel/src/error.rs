@@ -18,6 +18,16 @@ pub enum Error {
         /// Why not.
         source: io::Error,
     },
+    /// A name in the run folder or in `/dev/shm` is taken by something that another
+    /// user controls, or that is of the wrong kind.
+    Untrusted {
+        /// File or folder in the way.
+        path: PathBuf,
+        /// Kind of the entry: "a symbolic link", "a folder", ...
+        kind: &'static str,
+        /// User id of its owner.
+        owner: u32,
+    },
     /// A process of this role runs in the domain already.
     RoleTaken {
         /// The role.
@@ -99,6 +109,15 @@ impl fmt::Display for Error {
             } => {
                 write!(f, "could not {attempt} {}: {source}", path.display())
             }
+            Self::Untrusted { path, kind, owner } => write!(
+                f,
+                "could not use {}: it is {kind} of user {owner}, and only a file or folder of \
+                 user {} that nobody else may write is safe there; remove it (as root, if it \
+                 belongs to another user), or set XDG_RUNTIME_DIR to a folder in memory that \
+                 only you may write",
+                path.display(),
+                rustix::process::geteuid().as_raw()
+            ),
             Self::RoleTaken { role, domain, pid } => {
                 write!(f, "{role} is running in the domain {domain:?} already")?;
                 if let Some(pid) = pid {

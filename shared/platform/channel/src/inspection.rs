@@ -1,9 +1,10 @@
 //! Looking at a domain from outside, without joining it.
 
+use crate::domain::DOMAIN_LOCK;
 use crate::domain_folder::{DomainName, RunFolder};
 use crate::lock_file::LockFile;
 use crate::shared_memory::files_of;
-use std::path::Path;
+use crate::trusted_folder::TrustedFolder;
 
 /// What is there of a domain.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -19,27 +20,31 @@ pub struct DomainState {
 impl DomainState {
     /// Looks at a domain.
     pub fn of(domain: &DomainName, run_folder: &RunFolder) -> Self {
-        let folder = run_folder.of_domain(domain);
-        let entries = std::fs::read_dir(&folder).into_iter().flatten().flatten();
+        let path = run_folder.of_domain(domain);
+        let entries = std::fs::read_dir(&path).into_iter().flatten().flatten();
+        // A folder that another user controls holds no domain of ours.
+        let Ok(folder) = TrustedFolder::open(&path) else {
+            return Self {
+                running: Vec::new(),
+                is_alive: false,
+                n_files: files_of(domain).len(),
+            };
+        };
         let mut running: Vec<_> = entries
             .filter_map(|entry| {
                 let name = entry.file_name().into_string().ok()?;
                 let role = name
                     .strip_suffix(".lock")
                     .filter(|role| *role != "domain")?;
-                is_held(&entry.path()).then(|| (role.to_owned(), LockFile::read_pid(&entry.path())))
+                LockFile::is_held(&folder, &name)
+                    .then(|| (role.to_owned(), LockFile::read_pid(&folder, &name)))
             })
             .collect();
         running.sort();
         Self {
             running,
-            is_alive: is_held(&folder.join("domain.lock")),
+            is_alive: LockFile::is_held(&folder, DOMAIN_LOCK),
             n_files: files_of(domain).len(),
         }
     }
-}
-
-/// Whether a living process holds a lock. A file that is not there is not made.
-fn is_held(path: &Path) -> bool {
-    path.exists() && matches!(LockFile::try_exclusive(path), Ok(None))
 }

@@ -24,6 +24,7 @@ mod shared_frame;
 mod shared_memory;
 mod subscriber;
 pub mod topic;
+mod trusted_folder;
 mod wake;
 
 pub use domain::{Domain, Role};

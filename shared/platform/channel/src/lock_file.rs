@@ -1,23 +1,27 @@
 //! Locks that end with their process, whatever ends it.
 
 use crate::Error;
+use crate::trusted_folder::TrustedFolder;
 use std::fs::{File, TryLockError};
 use std::io::{Read, Seek, Write};
-use std::os::unix::fs::MetadataExt;
-use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// An open lock file; the lock is released when it is dropped.
 #[derive(Debug)]
 pub(crate) struct LockFile {
     file: File,
-    path: PathBuf,
+    folder: Arc<TrustedFolder>,
+    name: String,
 }
 
 impl LockFile {
     /// Takes the lock alone; `None` when somebody holds it.
-    pub(crate) fn try_exclusive(path: &Path) -> Result<Option<Self>, Error> {
+    pub(crate) fn try_exclusive(
+        folder: &Arc<TrustedFolder>,
+        name: &str,
+    ) -> Result<Option<Self>, Error> {
         loop {
-            let lock = Self::open(path)?;
+            let lock = Self::open(folder, name)?;
             match lock.file.try_lock() {
                 Ok(()) if lock.is_current() => return Ok(Some(lock)),
                 Ok(()) => {}
@@ -28,9 +32,9 @@ impl LockFile {
     }
 
     /// Takes the lock beside others; waits while somebody holds it alone.
-    pub(crate) fn shared(path: &Path) -> Result<Self, Error> {
+    pub(crate) fn shared(folder: &Arc<TrustedFolder>, name: &str) -> Result<Self, Error> {
         loop {
-            let lock = Self::open(path)?;
+            let lock = Self::open(folder, name)?;
             lock.file
                 .lock_shared()
                 .map_err(|source| lock.failed("lock", source))?;
@@ -62,52 +66,38 @@ impl LockFile {
         write(&mut self.file).map_err(|source| self.failed("write", source))
     }
 
-    /// The process id in a lock file.
-    pub(crate) fn read_pid(path: &Path) -> Option<u32> {
+    /// The process id in a lock file; `None` when there is none.
+    pub(crate) fn read_pid(folder: &TrustedFolder, name: &str) -> Option<u32> {
         let mut digits = String::new();
-        File::open(path)
-            .ok()?
-            .take(16)
-            .read_to_string(&mut digits)
-            .ok()?;
+        let file = folder.open_file(name, false).ok()?;
+        file.take(16).read_to_string(&mut digits).ok()?;
         digits.trim().parse().ok()
     }
 
-    fn open(path: &Path) -> Result<Self, Error> {
-        let file = File::options()
-            .read(true)
-            .write(true)
-            .create(true)
-            .truncate(false)
-            .open(path);
-        let source = match file {
-            Ok(file) => {
-                return Ok(Self {
-                    file,
-                    path: path.to_owned(),
-                });
-            }
-            Err(source) => source,
-        };
-        Err(Error::RunFolder {
-            attempt: "open the lock file",
-            path: path.to_owned(),
-            source,
+    /// `true` while a living process holds the lock. A missing file is not created.
+    pub(crate) fn is_held(folder: &TrustedFolder, name: &str) -> bool {
+        let file = folder.open_file(name, false);
+        file.is_ok_and(|file| matches!(file.try_lock(), Err(TryLockError::WouldBlock)))
+    }
+
+    fn open(folder: &Arc<TrustedFolder>, name: &str) -> Result<Self, Error> {
+        Ok(Self {
+            file: folder.open_file(name, true)?,
+            folder: folder.clone(),
+            name: name.to_owned(),
         })
     }
 
-    /// Whether the path still names the locked file: the last holder removes it,
-    /// and a lock on a removed file excludes nobody.
-    fn is_current(&self) -> bool {
-        let by_path = std::fs::metadata(&self.path).map(|file| file.ino());
-        let by_handle = self.file.metadata().map(|file| file.ino());
-        matches!((by_path, by_handle), (Ok(a), Ok(b)) if a == b)
+    /// `true` while the name still denotes the locked file: the last holder removes
+    /// it, and a lock on a removed file excludes no other process.
+    pub(crate) fn is_current(&self) -> bool {
+        self.folder.names(&self.name, &self.file)
     }
 
     fn failed(&self, attempt: &'static str, source: std::io::Error) -> Error {
         Error::RunFolder {
             attempt,
-            path: self.path.clone(),
+            path: self.folder.path().join(&self.name),
             source,
         }
     }
@@ -117,28 +107,48 @@ impl LockFile {
 mod tests {
     use super::*;
 
+    fn folder() -> (tempfile::TempDir, Arc<TrustedFolder>) {
+        let guard = tempfile::tempdir().unwrap();
+        let folder = TrustedFolder::open(guard.path()).unwrap();
+        (guard, Arc::new(folder))
+    }
+
     #[test]
     fn one_exclusive_or_many_shared() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("x.lock");
-        let mut first = LockFile::try_exclusive(&path).unwrap().unwrap();
+        let (_guard, folder) = folder();
+        let mut first = LockFile::try_exclusive(&folder, "x.lock").unwrap().unwrap();
         first.write_pid().unwrap();
-        assert!(LockFile::try_exclusive(&path).unwrap().is_none());
-        assert_eq!(LockFile::read_pid(&path), Some(std::process::id()));
+        assert!(
+            LockFile::try_exclusive(&folder, "x.lock")
+                .unwrap()
+                .is_none()
+        );
+        assert!(LockFile::is_held(&folder, "x.lock"));
+        assert_eq!(
+            LockFile::read_pid(&folder, "x.lock"),
+            Some(std::process::id())
+        );
         first.share().unwrap();
-        let second = LockFile::shared(&path).unwrap();
+        let second = LockFile::shared(&folder, "x.lock").unwrap();
         assert!(!first.become_exclusive());
         drop(second);
         assert!(first.become_exclusive());
     }
 
     #[test]
-    fn a_removed_lock_file_is_made_anew() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("x.lock");
-        let old = LockFile::try_exclusive(&path).unwrap().unwrap();
-        std::fs::remove_file(&path).unwrap();
-        let new = LockFile::try_exclusive(&path).unwrap();
+    fn removed_lock_file_is_created_again() {
+        let (guard, folder) = folder();
+        let old = LockFile::try_exclusive(&folder, "x.lock").unwrap().unwrap();
+        std::fs::remove_file(guard.path().join("x.lock")).unwrap();
+        let new = LockFile::try_exclusive(&folder, "x.lock").unwrap();
         assert!(new.is_some() && !old.is_current());
+    }
+
+    #[test]
+    fn looking_at_a_missing_lock_does_not_create_it() {
+        let (guard, folder) = folder();
+        assert!(!LockFile::is_held(&folder, "x.lock"));
+        assert_eq!(LockFile::read_pid(&folder, "x.lock"), None);
+        assert!(!guard.path().join("x.lock").exists());
     }
 }

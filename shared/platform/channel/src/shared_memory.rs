@@ -1,10 +1,9 @@
 //! What lies in `/dev/shm`.
 
-use crate::{DomainName, Reservation, domain_reservation};
+use crate::trusted_folder::SHARED_MEMORY_FOLDER as FOLDER;
+use crate::{DomainName, Error, Reservation, domain_reservation};
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
-
-const FOLDER: &str = "/dev/shm";
 
 /// State of the machine's shared memory as one domain sees it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,6 +69,33 @@ pub(crate) fn files_of(domain: &DomainName) -> Vec<PathBuf> {
         .collect()
 }
 
+/// Refuses a domain whose names in `/dev/shm` another user has taken: iceoryx2 would
+/// map that user's memory. Files of the prefix carry this user's id in their names,
+/// so that an honest user never makes one.
+pub(crate) fn refuse_foreign_files(domain: &DomainName) -> Result<(), Error> {
+    let own = rustix::process::geteuid().as_raw();
+    for path in files_of(domain) {
+        match std::fs::symlink_metadata(&path) {
+            Ok(file) if file.uid() != own || !file.is_file() => {
+                let kind = if file.is_symlink() {
+                    "a symbolic link"
+                } else if file.is_file() {
+                    "a file"
+                } else {
+                    "no regular file"
+                };
+                return Err(Error::Untrusted {
+                    owner: file.uid(),
+                    path,
+                    kind,
+                });
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
 /// Removes everything that a dead domain has left: only for the one that holds
 /// the domain's lock alone. Returns how many files there were.
 pub fn remove_leftovers(domain: &DomainName, domain_folder: &Path) -> usize {
@@ -80,4 +106,51 @@ pub fn remove_leftovers(domain: &DomainName, domain_folder: &Path) -> usize {
     let _ = std::fs::remove_dir_all(domain_folder.join("iox2"));
     let _ = std::fs::remove_file(domain_folder.join("control.sock"));
     files.len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::os::unix::fs::{chown, symlink};
+
+    /// A name in `/dev/shm` that is removed at the end.
+    struct Taken(PathBuf);
+
+    impl Drop for Taken {
+        fn drop(&mut self) {
+            let _ = std::fs::remove_file(&self.0);
+        }
+    }
+
+    fn domain_with_file(kind: &str) -> (DomainName, Taken) {
+        let name = format!("u{}-{kind}", std::process::id());
+        let name: DomainName = name.parse().unwrap();
+        let path = Path::new(FOLDER).join(format!("{}x.data", name.prefix()));
+        (name, Taken(path))
+    }
+
+    #[test]
+    fn shared_memory_under_a_symbolic_link_is_refused() {
+        let (name, taken) = domain_with_file("link");
+        std::fs::write(&taken.0, "").unwrap();
+        assert!(refuse_foreign_files(&name).is_ok());
+        std::fs::remove_file(&taken.0).unwrap();
+        symlink("/nowhere", &taken.0).unwrap();
+        let sentence = refuse_foreign_files(&name).unwrap_err().to_string();
+        assert!(sentence.contains("a symbolic link"), "{sentence}");
+    }
+
+    #[test]
+    #[ignore = "needs root"]
+    fn as_root_shared_memory_of_another_user_is_refused() {
+        assert!(
+            rustix::process::geteuid().is_root(),
+            "this test must be run as root, or skipped with --skip as_root_"
+        );
+        let (name, taken) = domain_with_file("owner");
+        std::fs::write(&taken.0, "").unwrap();
+        chown(&taken.0, Some(54_321), None).unwrap();
+        let sentence = refuse_foreign_files(&name).unwrap_err().to_string();
+        assert!(sentence.contains("a file of user 54321"), "{sentence}");
+    }
 }

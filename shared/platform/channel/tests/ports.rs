@@ -330,3 +330,27 @@ async fn the_socket_answers_people_and_refuses_rubbish() {
     watched(people).await.unwrap();
     running.abort();
 }
+
+#[test]
+fn domain_in_a_run_folder_that_is_a_symbolic_link_is_refused() {
+    let place = Place::new();
+    let elsewhere = tempfile::tempdir().unwrap();
+    let link = place.folder.path().join("run");
+    std::os::unix::fs::symlink(elsewhere.path(), &link).unwrap();
+    let joined = Domain::join(&place.name, &RunFolder::at(link), Role::Guest);
+    assert!(matches!(joined, Err(Error::Untrusted { .. })), "{joined:?}");
+    assert_eq!(std::fs::read_dir(elsewhere.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn domain_whose_role_lock_is_a_symbolic_link_is_refused() {
+    let place = Place::new();
+    let victim = place.folder.path().join("victim");
+    std::fs::write(&victim, "precious").unwrap();
+    let folder = place.folder.of_domain(&place.name);
+    std::fs::create_dir(&folder).unwrap();
+    std::os::unix::fs::symlink(&victim, folder.join("tabula-camera.lock")).unwrap();
+    let joined = Domain::join(&place.name, &place.folder, Role::Only("tabula-camera"));
+    assert!(matches!(joined, Err(Error::Untrusted { .. })), "{joined:?}");
+    assert_eq!(std::fs::read_to_string(&victim).unwrap(), "precious");
+}

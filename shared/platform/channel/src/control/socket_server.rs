@@ -2,7 +2,7 @@
 
 use super::{Handler, codec};
 use crate::Error;
-use crate::domain::share_with_group;
+use crate::trusted_folder::TrustedFolder;
 use message::control::{MAX_MESSAGE_BYTES, Refusal, RefusalKind, Reply};
 use std::io;
 use std::os::unix::fs::PermissionsExt;
@@ -33,17 +33,21 @@ impl SocketServer {
     /// dead process left at the path is replaced: the caller holds the role's lock.
     ///
     /// # Errors
-    /// When the path can not be bound.
+    /// When the path can not be bound, or its folder is under another user's control.
     pub fn bind(path: &Path, handler: Handler) -> Result<Self, Error> {
         let failed = |source| Error::RunFolder {
             attempt: "open the control socket",
             path: path.to_owned(),
             source,
         };
+        let (Some(folder), Some(name)) = (path.parent(), path.file_name()) else {
+            return Err(failed(io::ErrorKind::InvalidInput.into()));
+        };
+        let folder = TrustedFolder::open(folder)?;
         let _ = std::fs::remove_file(path);
         let listener = UnixListener::bind(path).map_err(failed)?;
         std::fs::set_permissions(path, PermissionsExt::from_mode(0o660)).map_err(failed)?;
-        share_with_group(path);
+        folder.share_entry_with_group(&name.to_string_lossy());
         Ok(Self {
             listener,
             path: path.to_owned(),
