@@ -1,9 +1,9 @@
-//! Membership in a domain.
+//! Membership of a process in a domain: role lock, domain lock, iceoryx2 node.
 
-use crate::domain_folder::{DomainName, RunFolder};
 use crate::lock_file::LockFile;
 use crate::shared_memory::{SharedMemory, refuse_foreign_files, remove_leftovers};
 use crate::trusted_folder::TrustedFolder;
+use crate::{DomainName, RunFolder};
 use crate::{Error, log_bridge};
 use iceoryx2::prelude::{
     Config, FileName, Node, NodeBuilder, Path as IoxPath, SemanticString, SignalHandlingMode,
@@ -16,29 +16,29 @@ use std::time::Duration;
 
 pub(crate) type Service = ipc_threadsafe::Service;
 
-/// Who looks at a domain from outside holds each lock for an instant: a role is
-/// taken only when it still is after a while.
+/// Repeated attempts to take a role: a process that inspects the domain holds each
+/// lock for an instant, so a role counts as taken only when it stays taken.
 const N_SECOND_LOOKS: u32 = 3;
 const SECOND_LOOK: Duration = Duration::from_millis(5);
 
-/// The lock that every member of a domain holds.
+/// Name of the lock file that every member of a domain holds.
 pub(crate) const DOMAIN_LOCK: &str = "domain.lock";
 
-/// Attempts to enter a folder that its last member may be removing.
+/// Attempts to enter a run folder that its last member may be removing.
 const MAX_ATTEMPTS: u32 = 20;
 
-/// What a process is in its domain.
+/// Role of a process in its domain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role<'a> {
-    /// The only process of this name: `tabula-camera`.
+    /// Exclusive role with this program name: `tabula-camera`.
     Only(&'a str),
-    /// One of any number of guests: tools and tests.
+    /// Guest: one of any number of tools and tests.
     Guest,
 }
 
 /// Membership of this process in a domain; ports keep it alive.
 ///
-/// The first member removes what a dead domain has left, the last one removes
+/// The first member removes the remains of a crashed domain, the last one removes
 /// everything. Both know that they are alone by a file lock, which the kernel
 /// releases even after `kill -9`.
 #[derive(Debug, Clone)]
@@ -49,19 +49,20 @@ struct Membership {
     name: DomainName,
     folder: PathBuf,
     run_folder: RunFolder,
-    /// `None` only while the membership is being dropped.
+    /// `None` only during drop.
     node: Option<Node<Service>>,
-    /// Held for as long as the process has the role.
+    /// Lock of the exclusive role.
     _role: Option<LockFile>,
     presence: LockFile,
 }
 
 impl Domain {
-    /// Joins a domain, and makes it when nobody is there.
+    /// Joins a domain; creates it when it has no members.
     ///
     /// # Errors
-    /// When the run folder can not be written or is under another user's control, the role is taken, the domain's
-    /// limits do not fit into the free shared memory, or iceoryx2 fails.
+    /// When the run folder cannot be written or is under another user's control, the
+    /// role is taken, the domain's limits do not fit into the free shared memory, or
+    /// iceoryx2 fails.
     pub fn join(name: &DomainName, run_folder: &RunFolder, role: Role<'_>) -> Result<Self, Error> {
         log_bridge::install();
         let (folder, role, presence) = enter_folder(name, run_folder, role)?;
@@ -78,23 +79,23 @@ impl Domain {
         })))
     }
 
-    /// The domain's name.
+    /// Name of the domain.
     pub fn name(&self) -> &DomainName {
         &self.0.name
     }
 
-    /// The domain's run folder.
+    /// Run folder of the domain.
     pub fn folder(&self) -> &Path {
         &self.0.folder
     }
 
-    /// The domain's control socket.
+    /// Path of the domain's control socket.
     pub fn control_socket(&self) -> PathBuf {
         self.0.run_folder.control_socket(&self.0.name)
     }
 
-    /// Cleans up after processes that have died without a word; nobody notices
-    /// their death unless somebody looks. To be called about once a second.
+    /// Removes the iceoryx2 resources of crashed processes, whose death is not
+    /// noticed otherwise. To be called about once a second.
     pub fn sweep_dead_nodes(&self) {
         let state = self.node().try_cleanup_dead_nodes();
         if state.cleanups > 0 {
@@ -102,12 +103,9 @@ impl Domain {
         }
     }
 
-    #[expect(clippy::expect_used, reason = "the node is taken out only by drop")]
+    #[expect(clippy::expect_used, reason = "the node is removed only by drop")]
     pub(crate) fn node(&self) -> &Node<Service> {
-        self.0
-            .node
-            .as_ref()
-            .expect("a living membership has its node")
+        self.0.node.as_ref().expect("the node exists until drop")
     }
 }
 
@@ -117,7 +115,7 @@ impl Drop for Membership {
         if self.presence.become_exclusive() {
             remove_leftovers(&self.name, &self.folder);
             let _ = std::fs::remove_dir_all(&self.folder);
-            // Succeeds only when no other domain is there.
+            // Succeeds only when the folder holds no other domain.
             if self.run_folder.path().starts_with("/dev/shm") {
                 let _ = std::fs::remove_dir(self.run_folder.path());
             }
@@ -125,9 +123,8 @@ impl Drop for Membership {
     }
 }
 
-/// Opens the domain's folder and takes the role and the domain's lock in it. The
-/// last member of the domain may be removing the folder meanwhile: then all of it
-/// is done again.
+/// Opens the domain's folder and takes the role and the domain's lock in it. Retries
+/// all of it while the last member of the domain removes the folder.
 fn enter_folder(
     name: &DomainName,
     run_folder: &RunFolder,
@@ -150,7 +147,7 @@ fn enter_folder(
     enter()
 }
 
-/// Opens the domain's folder, or makes it. Members of the group tabula reach the
+/// Opens or creates the domain's folder. Members of the group tabula reach the
 /// control socket in it; without that group only the same user does.
 fn open_folder(name: &DomainName, run_folder: &RunFolder) -> Result<TrustedFolder, Error> {
     let is_in_shared_place = run_folder.is_in_shared_place();
@@ -194,7 +191,8 @@ fn take_role(
     }
 }
 
-/// Takes part in the domain's lock; whoever finds it free cleans up first.
+/// Takes the domain's lock together with the other members; removes the remains of a
+/// crash when there are none.
 fn enter(name: &DomainName, folder: &Arc<TrustedFolder>) -> Result<LockFile, Error> {
     let Some(lock) = LockFile::try_exclusive(folder, DOMAIN_LOCK)? else {
         refuse_foreign_files(name)?;
@@ -221,7 +219,7 @@ fn check_shared_memory(name: &DomainName) -> Result<(), Error> {
 
 fn make_node(name: &DomainName, folder: &TrustedFolder) -> Result<Node<Service>, Error> {
     let root = folder.create_subfolder("iox2", 0o700)?;
-    // iceoryx2 wants its folders writable by their owner only, whatever the umask.
+    // iceoryx2 requires folders writable by their owner only, whatever the umask.
     root.set_mode(0o700);
     let root = root.path();
     let failed = |cause: &dyn std::fmt::Debug| Error::transport("join", "the domain", cause);
@@ -229,8 +227,8 @@ fn make_node(name: &DomainName, folder: &TrustedFolder) -> Result<Node<Service>,
     let mut config = Config::default();
     config.global.set_root_path(&root);
     config.global.prefix = FileName::new(name.prefix().as_bytes()).map_err(|e| failed(&e))?;
-    // The sweep on the timer looks for dead nodes; looking again while everybody
-    // leaves at the same moment makes each wait for the others.
+    // The periodic sweep looks for dead nodes; looking also while all members leave
+    // at the same moment makes each wait for the others.
     config.global.node.cleanup_dead_nodes_on_destruction = false;
     // A held service costs 0.5 MB of heap at the default of 128.
     config

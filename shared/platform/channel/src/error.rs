@@ -1,82 +1,112 @@
-//! What can go wrong with a domain and its ports.
+//! Errors of domains and their ports.
 
 use std::path::PathBuf;
 use std::{fmt, io};
 
 /// An error of the shared-memory transport.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The domain's name breaks the rules.
+    /// Invalid domain name.
+    #[error("the domain name {0:?} is not usable; choose 1 to 32 of the characters a-z, 0-9 and -")]
     DomainName(String),
-    /// A file or folder of the run folder can not be used.
+    /// Unusable file or folder of the run folder.
+    #[error("could not {attempt} {}: {source}", .path.display())]
     RunFolder {
-        /// What was tried.
+        /// Attempted operation.
         attempt: &'static str,
-        /// On what.
+        /// Path of the file or folder.
         path: PathBuf,
-        /// Why not.
+        /// Error of the system.
         source: io::Error,
     },
-    /// A name in the run folder or in `/dev/shm` is taken by something that another
-    /// user controls, or that is of the wrong kind.
+    /// File or folder that another user controls, or of the wrong kind, at a path of
+    /// the run folder or of `/dev/shm`.
+    #[error(
+        "could not use {}: it is {kind} of user {owner}, and only a file or folder of \
+         user {} that nobody else may write is safe there; remove it (as root, if it \
+         belongs to another user), or set XDG_RUNTIME_DIR to a folder in memory that \
+         only you may write",
+        .path.display(),
+        own_uid()
+    )]
     Untrusted {
-        /// File or folder in the way.
+        /// Path of the file or folder in the way.
         path: PathBuf,
-        /// Kind of the entry: "a symbolic link", "a folder", ...
+        /// Kind of the entry, such as "a symbolic link" or "a folder".
         kind: &'static str,
         /// User id of its owner.
         owner: u32,
     },
-    /// A process of this role runs in the domain already.
+    /// The exclusive role is taken by a running process.
+    #[error(
+        "{role} is running in the domain {domain:?} already{}; stop it first, or choose \
+         another domain with --domain NAME",
+        in_process(*.pid)
+    )]
     RoleTaken {
-        /// The role.
+        /// Name of the role.
         role: String,
-        /// The domain.
+        /// Name of the domain.
         domain: String,
-        /// Process id of the other one, when it could be read.
+        /// Id of the running process, when it could be read.
         pid: Option<u32>,
     },
     /// Not enough shared memory.
+    #[error(
+        "the daemon may use up to {} MB of shared memory and only {} MB of /dev/shm are free; \
+         stop what uses it, or enlarge it (mount -o remount,size=512M /dev/shm; \
+         in a container start it with a larger --shm-size)",
+        .needed.div_ceil(1_000_000),
+        .available / 1_000_000
+    )]
     SharedMemory {
-        /// Bytes the domain will reserve at most.
+        /// Upper bound of the domain's use, bytes.
         needed: u64,
-        /// Bytes that are free and not promised to others.
+        /// Bytes that are free and not reserved by others.
         available: u64,
     },
-    /// A service exists with other types or limits.
+    /// The service exists with other types or limits.
+    #[error(
+        "the service {service} of the domain {domain:?} was made by another version of \
+         tabula; stop all its processes and start them from one build"
+    )]
     OtherVersion {
-        /// The service.
+        /// Name of the service.
         service: &'static str,
-        /// The domain.
+        /// Name of the domain.
         domain: String,
     },
-    /// iceoryx2 refused.
+    /// Failure of iceoryx2.
+    #[error("shared memory failed to {attempt} {service}: {cause}")]
     Transport {
-        /// What was tried.
+        /// Attempted operation.
         attempt: &'static str,
-        /// The service, or empty.
+        /// Name of the service, or empty.
         service: &'static str,
-        /// iceoryx2's words.
+        /// iceoryx2's error.
         cause: String,
     },
     /// All loans of a publisher are held.
+    #[error("all messages of {service} are in use; send or drop one first")]
     NoLoan {
-        /// The service.
+        /// Name of the service.
         service: &'static str,
     },
-    /// A receiver's queue is full, the message was not delivered to it.
+    /// A receiver's queue is full; the message was not delivered to it.
+    #[error("a receiver of {service} does not keep up, its queue is full")]
     QueueFull {
-        /// The service.
+        /// Name of the service.
         service: &'static str,
     },
-    /// More items than the service carries.
+    /// Message longer than the service carries.
+    #[error("{service} carries at most {max} items in one message, not {len}")]
     TooLong {
-        /// The service.
+        /// Name of the service.
         service: &'static str,
-        /// Items asked for.
+        /// Requested number of items.
         len: usize,
-        /// Items possible.
+        /// Largest number of items.
         max: usize,
     },
 }
@@ -95,83 +125,11 @@ impl Error {
     }
 }
 
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::DomainName(name) => write!(
-                f,
-                "the domain name {name:?} is not usable; choose 1 to 32 of the characters a-z, 0-9 and -"
-            ),
-            Self::RunFolder {
-                attempt,
-                path,
-                source,
-            } => {
-                write!(f, "could not {attempt} {}: {source}", path.display())
-            }
-            Self::Untrusted { path, kind, owner } => write!(
-                f,
-                "could not use {}: it is {kind} of user {owner}, and only a file or folder of \
-                 user {} that nobody else may write is safe there; remove it (as root, if it \
-                 belongs to another user), or set XDG_RUNTIME_DIR to a folder in memory that \
-                 only you may write",
-                path.display(),
-                rustix::process::geteuid().as_raw()
-            ),
-            Self::RoleTaken { role, domain, pid } => {
-                write!(f, "{role} is running in the domain {domain:?} already")?;
-                if let Some(pid) = pid {
-                    write!(f, " (process {pid})")?;
-                }
-                f.write_str("; stop it first, or choose another domain with --domain NAME")
-            }
-            Self::SharedMemory { needed, available } => write!(
-                f,
-                "the daemon may use up to {} MB of shared memory and only {} MB of /dev/shm are free; \
-                 stop what uses it, or enlarge it (mount -o remount,size=512M /dev/shm; \
-                 in a container start it with a larger --shm-size)",
-                needed.div_ceil(1_000_000),
-                available / 1_000_000
-            ),
-            Self::OtherVersion { service, domain } => write!(
-                f,
-                "the service {service} of the domain {domain:?} was made by another version of \
-                 tabula; stop all its processes and start them from one build"
-            ),
-            Self::Transport {
-                attempt,
-                service,
-                cause,
-            } => {
-                write!(f, "shared memory failed to {attempt} {service}: {cause}")
-            }
-            Self::NoLoan { service } => {
-                write!(
-                    f,
-                    "all messages of {service} are in use; send or drop one first"
-                )
-            }
-            Self::QueueFull { service } => {
-                write!(
-                    f,
-                    "a receiver of {service} does not keep up, its queue is full"
-                )
-            }
-            Self::TooLong { service, len, max } => {
-                write!(
-                    f,
-                    "{service} carries at most {max} items in one message, not {len}"
-                )
-            }
-        }
-    }
+/// User id of this process, for sentences.
+fn own_uid() -> u32 {
+    rustix::process::geteuid().as_raw()
 }
 
-impl std::error::Error for Error {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::RunFolder { source, .. } => Some(source),
-            _ => None,
-        }
-    }
+fn in_process(pid: Option<u32>) -> String {
+    pid.map_or(String::new(), |pid| format!(" (process {pid})"))
 }

@@ -1,4 +1,5 @@
-//! Locks that end with their process, whatever ends it.
+//! File locks (`flock`), which the kernel releases when their process ends in any
+//! way.
 
 use crate::Error;
 use crate::trusted_folder::TrustedFolder;
@@ -6,7 +7,7 @@ use std::fs::{File, TryLockError};
 use std::io::{Read, Seek, Write};
 use std::sync::Arc;
 
-/// An open lock file; the lock is released when it is dropped.
+/// Open lock file; the lock is released on drop.
 #[derive(Debug)]
 pub(crate) struct LockFile {
     file: File,
@@ -15,7 +16,7 @@ pub(crate) struct LockFile {
 }
 
 impl LockFile {
-    /// Takes the lock alone; `None` when somebody holds it.
+    /// Takes the exclusive lock; `None` when another process holds the lock.
     pub(crate) fn try_exclusive(
         folder: &Arc<TrustedFolder>,
         name: &str,
@@ -31,7 +32,7 @@ impl LockFile {
         }
     }
 
-    /// Takes the lock beside others; waits while somebody holds it alone.
+    /// Takes the shared lock; waits while another process holds it exclusively.
     pub(crate) fn shared(folder: &Arc<TrustedFolder>, name: &str) -> Result<Self, Error> {
         loop {
             let lock = Self::open(folder, name)?;
@@ -44,14 +45,15 @@ impl LockFile {
         }
     }
 
-    /// Shares a lock that was held alone.
+    /// Turns an exclusive lock into a shared one.
     pub(crate) fn share(&self) -> Result<(), Error> {
         self.file
             .lock_shared()
             .map_err(|source| self.failed("share the lock", source))
     }
 
-    /// Whether nobody else holds the lock, which then is held alone.
+    /// Turns a shared lock into an exclusive one; `false` when other processes hold
+    /// it.
     pub(crate) fn become_exclusive(&self) -> bool {
         self.file.try_lock().is_ok()
     }
@@ -114,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn one_exclusive_or_many_shared() {
+    fn lock_is_exclusive_or_shared() {
         let (_guard, folder) = folder();
         let mut first = LockFile::try_exclusive(&folder, "x.lock").unwrap().unwrap();
         first.write_pid().unwrap();

@@ -1,28 +1,28 @@
-//! What lies in `/dev/shm`.
+//! Use of `/dev/shm` by a domain: sizes, checks, removal of leftovers.
 
 use crate::trusted_folder::SHARED_MEMORY_FOLDER as FOLDER;
 use crate::{DomainName, Error, Reservation, domain_reservation};
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
-/// State of the machine's shared memory as one domain sees it.
+/// State of the machine's shared memory from the view of one domain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SharedMemory {
-    /// Size of the file system.
+    /// Size of the file system, bytes.
     pub total_bytes: u64,
-    /// Bytes not used by anybody.
+    /// Free bytes of the file system.
     pub free_bytes: u64,
-    /// Bytes the domain's files use now.
+    /// Bytes used by the domain's files.
     pub used_by_domain: u64,
-    /// Bytes promised to others: sparse files use memory only when touched, and
-    /// then find it gone with SIGBUS if somebody else has taken it.
+    /// Bytes reserved by others but not yet used: sparse files use memory only when
+    /// touched, and then get SIGBUS if it is gone.
     pub promised_to_others: u64,
-    /// Bytes this domain can come to use.
+    /// Upper bound of the domain's use, bytes.
     pub needed: u64,
 }
 
 impl SharedMemory {
-    /// Measures `/dev/shm`; `None` when it is not there.
+    /// Measures `/dev/shm`; `None` when it does not exist.
     pub fn of_domain(domain: &DomainName) -> Option<Self> {
         let fs = rustix::fs::statvfs(FOLDER).ok()?;
         let mut state = Self {
@@ -45,12 +45,12 @@ impl SharedMemory {
         Some(state)
     }
 
-    /// Bytes this domain can count on.
+    /// Bytes available to this domain.
     pub fn available(&self) -> u64 {
         (self.free_bytes + self.used_by_domain).saturating_sub(self.promised_to_others)
     }
 
-    /// Whether the domain's limits fit.
+    /// `true` when the upper bound of the domain's use is available.
     pub fn is_enough(&self) -> bool {
         self.available() >= self.needed
     }
@@ -96,9 +96,9 @@ pub(crate) fn refuse_foreign_files(domain: &DomainName) -> Result<(), Error> {
     Ok(())
 }
 
-/// Removes everything that a dead domain has left: only for the one that holds
-/// the domain's lock alone. Returns how many files there were.
-pub fn remove_leftovers(domain: &DomainName, domain_folder: &Path) -> usize {
+/// Removes the leftovers of a crashed domain: only for the holder of the domain's
+/// exclusive lock. Returns the number of files.
+pub(crate) fn remove_leftovers(domain: &DomainName, domain_folder: &Path) -> usize {
     let files = files_of(domain);
     for file in &files {
         let _ = std::fs::remove_file(file);

@@ -1,49 +1,49 @@
-//! Receiving.
+//! Subscriber of a topic.
 
 use crate::domain::{Domain, Service};
-use crate::publisher::open_service;
-use crate::shared_frame::SharedFrame;
+use crate::shared_message::SharedFrame;
 use crate::topic::Topic;
-use crate::wake::Sleeper;
-use crate::{Error, segment::SegmentMap};
+use crate::topic_service::open_service;
+use crate::wake_event::WakeListener;
+use crate::{Error, segment_map::SegmentMap};
 use iceoryx2::port::ReceiveError;
 use message::Counted;
 
 type IoxSubscriber<T> =
     iceoryx2::port::subscriber::Subscriber<Service, [<T as Topic>::Item], <T as Topic>::Header>;
 
-/// Receives messages of one topic.
+/// Subscriber of one topic.
 #[derive(Debug)]
 pub struct Subscriber<T: Topic> {
     port: IoxSubscriber<T>,
-    sleeper: Option<Sleeper>,
+    listener: Option<WakeListener>,
     segments: SegmentMap,
-    /// Of each publisher the last message: one mostly, and never many.
-    last: Vec<Last>,
+    /// Last message of each publisher: mostly one entry.
+    last: Vec<LastMessage>,
     n_lost: u64,
     _domain: Domain,
 }
 
-/// The last message of a publisher.
+/// Number of the last message of a publisher.
 #[derive(Debug)]
-struct Last {
+struct LastMessage {
     publisher: u128,
     sent: u64,
 }
 
-/// What [`Subscriber::receive`] found.
+/// Result of [`Subscriber::receive`].
 #[derive(Debug)]
 pub enum Received<T: Topic> {
-    /// The next message.
+    /// Next message.
     Message(SharedFrame<T>),
-    /// Nothing is waiting.
+    /// No message is queued.
     Nothing,
-    /// The subscriber holds as many messages as it may; drop one first.
+    /// Borrow limit reached: the caller must drop a message first.
     HoldsAll,
 }
 
 impl<T: Topic> Subscriber<T> {
-    /// A subscriber that is asked, and costs nothing while it is not.
+    /// Creates a polled subscriber, which costs nothing between calls.
     ///
     /// # Errors
     /// When the service is of another version or has its subscribers already.
@@ -57,7 +57,7 @@ impl<T: Topic> Subscriber<T> {
             .map_err(|e| Error::transport("make a subscriber of", T::NAME, e))?;
         Ok(Self {
             port: subscriber,
-            sleeper: None,
+            listener: None,
             segments: SegmentMap::default(),
             last: Vec::new(),
             n_lost: 0,
@@ -65,19 +65,19 @@ impl<T: Topic> Subscriber<T> {
         })
     }
 
-    /// A subscriber that can wait; within a tokio runtime.
+    /// Creates a subscriber that can wait for messages; within a tokio runtime.
     ///
     /// # Errors
     /// As [`polled`](Self::polled).
     pub fn waiting(domain: &Domain) -> Result<Self, Error> {
-        let sleeper = Sleeper::new(domain, T::NAME)?;
+        let listener = WakeListener::new(domain, T::NAME)?;
         Ok(Self {
-            sleeper: Some(sleeper),
+            listener: Some(listener),
             ..Self::polled(domain)?
         })
     }
 
-    /// Takes the oldest waiting message.
+    /// Takes the oldest queued message.
     ///
     /// # Errors
     /// When shared memory fails.
@@ -89,17 +89,18 @@ impl<T: Topic> Subscriber<T> {
             Err(error) => return Err(Error::transport("receive from", T::NAME, error)),
         };
         let publisher = sample.origin().value();
-        // Takes a lock, before which no line of the other process's cache should
-        // be waited for: after it they all come together. The header's first line is
-        // among them because it is asked for here: what moves the frame waits for
-        // the lines asked for before, and lets none be asked for behind it.
+        // Takes a lock. Until then no cache line of the other process should be
+        // waited for: after it they all arrive together. The header's first line is
+        // among them because it is requested here: a memory barrier that moves the
+        // frame waits for lines requested before it and allows none to be requested
+        // behind it.
         let frame = SharedFrame::<T>::new(sample, &mut self.segments);
         self.count(publisher, frame.header().sent());
         Ok(Received::Message(frame))
     }
 
-    /// Takes the newest waiting message and drops, uncounted, what is older:
-    /// for state, of which only the latest matters.
+    /// Takes the newest queued message and drops older ones uncounted: for state, of
+    /// which only the latest matters.
     ///
     /// # Errors
     /// As [`receive`](Self::receive).
@@ -111,10 +112,10 @@ impl<T: Topic> Subscriber<T> {
         Ok(newest)
     }
 
-    /// Waits until a message may be there. Polled subscribers wait for ever.
+    /// Waits until a message may be queued. Polled subscribers wait for ever.
     pub async fn woken(&self) {
-        match &self.sleeper {
-            Some(sleeper) => sleeper.woken().await,
+        match &self.listener {
+            Some(listener) => listener.woken().await,
             None => std::future::pending().await,
         }
     }
@@ -122,7 +123,7 @@ impl<T: Topic> Subscriber<T> {
     /// Waits for the next message.
     ///
     /// # Errors
-    /// As [`receive`](Self::receive); also when all messages it may hold are held.
+    /// As [`receive`](Self::receive); also when the borrow limit is reached.
     pub async fn next(&mut self) -> Result<SharedFrame<T>, Error> {
         loop {
             match self.receive()? {
@@ -139,7 +140,7 @@ impl<T: Topic> Subscriber<T> {
         }
     }
 
-    /// Messages that were overwritten between received ones.
+    /// Number of messages overwritten between received ones.
     pub fn n_lost(&self) -> u64 {
         self.n_lost
     }
@@ -150,7 +151,7 @@ impl<T: Topic> Subscriber<T> {
             .iter_mut()
             .find(|last| last.publisher == publisher);
         let Some(last) = known else {
-            self.last.push(Last { publisher, sent });
+            self.last.push(LastMessage { publisher, sent });
             return;
         };
         self.n_lost += sent.saturating_sub(last.sent + 1);

@@ -1,5 +1,6 @@
-//! The services of a domain: types, limits and overflow policy in one place.
+//! Topics of a domain: types, limits and overflow policies in one place.
 
+use crate::reservation::{Reservation, SLOT_OVERHEAD_BYTES};
 use bytemuck::AnyBitPattern;
 use iceoryx2::prelude::ZeroCopySend;
 use message::{
@@ -10,21 +11,21 @@ use message::{
 };
 use std::fmt::Debug;
 
-/// Points of the largest frame.
+/// Number of points of the largest frame.
 pub const MAX_FRAME_POINTS: usize = 640 * 480;
 
-/// What happens when a subscriber's queue is full.
+/// Overflow policy: the treatment of a message for a full subscriber queue.
 pub trait Overflow {
-    /// Whether the oldest message makes room; otherwise sending fails.
+    /// `true` when the oldest message makes room; otherwise sending fails.
     const DROPS_OLDEST: bool;
 }
 
-/// Sensor data and state: the oldest message makes room and is counted as lost
-/// by the receiver.
+/// Drop-oldest policy for sensor data and state: the oldest message makes room and
+/// the receiver counts it as lost.
 #[derive(Debug)]
 pub enum DropOldest {}
 
-/// Reports that must arrive: the sender gets an error.
+/// Refusal policy for reports that must arrive: the sender gets an error.
 #[derive(Debug)]
 pub enum Refuse {}
 
@@ -36,37 +37,51 @@ impl Overflow for Refuse {
     const DROPS_OLDEST: bool = false;
 }
 
-/// Fixed numbers of a service; their product is the shared memory it reserves.
+/// Limits of a service; their product is the shared memory it reserves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
-    /// Publishers at a time.
+    /// Largest number of publishers.
     pub publishers: usize,
-    /// Subscribers at a time.
+    /// Largest number of subscribers.
     pub subscribers: usize,
-    /// Messages waiting at a subscriber.
+    /// Queue length of a subscriber, messages.
     pub buffer: usize,
-    /// Messages a subscriber may hold.
+    /// Largest number of messages that a subscriber holds.
     pub borrowed: usize,
-    /// Newest messages a new subscriber gets.
+    /// Newest messages delivered to a new subscriber (history).
     pub history: usize,
-    /// Messages a publisher may be filling.
+    /// Largest number of unsent loans of a publisher.
     pub loaned: usize,
 }
 
-/// A publish-subscribe service: a header and a slice of items.
+/// Publish-subscribe topic: a header and a slice of items.
 pub trait Topic: Debug + Send + Sync + 'static {
-    /// Header beside the items.
+    /// Header of a message.
     type Header: Debug + Copy + Default + Counted + AnyBitPattern + ZeroCopySend + Send + Sync;
-    /// One item of the payload: plain numbers, any bit pattern valid.
+    /// Item of the payload: plain numbers, any bit pattern valid.
     type Item: Debug + Copy + Default + AnyBitPattern + ZeroCopySend + Send + Sync;
     /// Overflow policy.
     type Overflow: Overflow;
-    /// Name within the domain.
+    /// Service name within the domain.
     const NAME: &'static str;
-    /// Most items of a message.
+    /// Largest number of items of a message.
     const MAX_ITEMS: usize;
-    /// Limits.
+    /// Limits of the service.
     const LIMITS: Limits;
+}
+
+/// Reservation of a topic's publishers: each keeps one slot for each message that can
+/// wait at or be held by a subscriber, for its history and its loans.
+pub(crate) fn reservation<T: Topic>() -> Reservation {
+    let limits = T::LIMITS;
+    let slots =
+        limits.subscribers * (limits.buffer + limits.borrowed) + limits.history + limits.loaned;
+    let bytes = size_of::<T::Header>() + T::MAX_ITEMS * size_of::<T::Item>();
+    Reservation {
+        service: T::NAME,
+        slots: (slots * limits.publishers) as u64,
+        slot_bytes: bytes as u64 + SLOT_OVERHEAD_BYTES,
+    }
 }
 
 macro_rules! topics {
@@ -84,14 +99,15 @@ macro_rules! topics {
             const LIMITS: Limits = $limits;
         })*
 
-        /// Slots and bytes of each topic's publishers, for the sum of the domain.
-        pub(crate) fn reservations() -> Vec<crate::Reservation> {
-            vec![$(crate::Reservation::of_topic::<$topic>()),*]
+        /// Reservations of all topics' publishers.
+        pub(crate) fn reservations() -> Vec<Reservation> {
+            vec![$(reservation::<$topic>()),*]
         }
     };
 }
 
-/// Many small subscribers; one queued state is enough for those that poll.
+/// Limits of state topics: many small subscribers; one queued state is enough for
+/// those that poll.
 const STATE: Limits = Limits {
     publishers: 1,
     subscribers: 8,
@@ -102,42 +118,42 @@ const STATE: Limits = Limits {
 };
 
 topics! {
-    /// Clouds of the camera. A subscriber may hold one frame for each worker and
-    /// two more, because one that holds all it may borrow receives no more.
+    /// Point clouds of the camera. A subscriber may hold one frame for each worker
+    /// and two more, because one at its borrow limit receives no more.
     CameraCloud { CAMERA_CLOUD, FrameHeader, [CloudPoint; MAX_FRAME_POINTS], DropOldest,
         Limits { publishers: 1, subscribers: 3, buffer: 2, borrowed: 6, history: 0, loaned: 2 } }
-    /// Finished frames of a lockstep source.
+    /// Reports of finished frames to a lockstep source.
     FrameFinished { FRAME_DONE, PlainHeader, [FrameDone; 1], Refuse,
         Limits { publishers: 4, subscribers: 2, buffer: 8, borrowed: 2, history: 0, loaned: 2 } }
-    /// The live world model.
+    /// Live scene: the tracked objects.
     Scene { SCENE, SceneSummary, [SceneObject; MAX_SCENE_OBJECTS], DropOldest, STATE }
-    /// Described views.
+    /// Described views of objects.
     ObjectView { OBJECT_VIEW, ObjectViewHeader, [f32; 1024], DropOldest,
         Limits { publishers: 1, subscribers: 4, buffer: 64, borrowed: 2, history: 0, loaned: 2 } }
-    /// Clouds of single objects.
+    /// Point clouds of single objects.
     ObjectCloud { OBJECT_CLOUD, ObjectCloudHeader, [CloudPoint; 65_536], DropOldest,
         Limits { publishers: 1, subscribers: 2, buffer: 8, borrowed: 2, history: 0, loaned: 2 } }
-    /// What happens to the object actors. Who comes late gets the newest ones.
+    /// Life-cycle events of the object actors. A new subscriber gets the newest ones.
     ActorEvents { ACTOR_EVENT, PlainHeader, [ActorEvent; 1], DropOldest,
         Limits { publishers: 1, subscribers: 4, buffer: 64, borrowed: 2, history: 16, loaned: 2 } }
-    /// The arm.
+    /// State of the robot arm.
     ArmStates { ARM_STATE, ArmState, [WireCapsule; MAX_CAPSULES], DropOldest,
         Limits { publishers: 1, subscribers: 6, buffer: 8, borrowed: 2, history: 1, loaned: 2 } }
-    /// The people around the table.
+    /// Bodies of the people around the table.
     PersonBodies { PERSON_BODY, PersonBody, [WireCapsule; MAX_CAPSULES], DropOldest, STATE }
-    /// Objects of simulated frames.
+    /// Ground-truth objects of simulated frames.
     TrueObjects { TRUTH_OBJECTS, TruthHeader, [TrueObject; MAX_TRUE_OBJECTS], DropOldest,
         Limits { publishers: 1, subscribers: 4, buffer: 4, borrowed: 2, history: 1, loaned: 2 } }
-    /// Masks of simulated frames.
+    /// Ground-truth masks of simulated frames.
     TrueMasks { TRUTH_MASK, TruthHeader, [MaskPixel; MAX_FRAME_POINTS], DropOldest,
         Limits { publishers: 1, subscribers: 2, buffer: 2, borrowed: 2, history: 0, loaned: 2 } }
-    /// Growth of the memory's history.
+    /// Announcements of changes of the memory.
     MemoryChanged { MEMORY_CHANGE, PlainHeader, [MemoryChange; 1], DropOldest, STATE }
-    /// Where the time of frames goes. What nobody reads in time makes room and is
-    /// counted: measuring never makes a frame wait.
+    /// Latency traces of frames. Unread traces make room and are counted: measuring
+    /// never delays a frame.
     FrameTraces { TRACE, TraceHeader, [Span; MAX_SPANS], DropOldest,
         Limits { publishers: 4, subscribers: 2, buffer: 24, borrowed: 2, history: 0, loaned: 2 } }
-    /// Health of all processes.
+    /// Health reports of all processes.
     ProcessHealth { HEALTH, PlainHeader, [Health; 1], DropOldest,
         Limits { publishers: 12, subscribers: 6, buffer: 16, borrowed: 2, history: 1, loaned: 2 } }
 }

@@ -24,7 +24,8 @@ const STICKY: u32 = 0o1000;
 /// Folder of POSIX shared memory.
 pub(crate) const SHARED_MEMORY_FOLDER: &str = "/dev/shm";
 
-/// An open folder that belongs to this user or to root and that nobody else may write.
+/// Open folder that belongs to this user or to root and that only its owner may
+/// write.
 #[derive(Debug)]
 pub(crate) struct TrustedFolder {
     descriptor: OwnedFd,
@@ -118,7 +119,7 @@ impl TrustedFolder {
         Ok(File::from(descriptor))
     }
 
-    /// Whether a name in this folder denotes the open file.
+    /// `true` when a name in this folder denotes the open file.
     pub(crate) fn names(&self, name: &str, file: &File) -> bool {
         let by_name = statat(&self.descriptor, name, AtFlags::SYMLINK_NOFOLLOW);
         match (by_name, fstat(file)) {
@@ -127,7 +128,7 @@ impl TrustedFolder {
         }
     }
 
-    /// The folder's path.
+    /// Path of the folder.
     pub(crate) fn path(&self) -> &Path {
         &self.path
     }
@@ -163,7 +164,7 @@ impl TrustedFolder {
 
 const ATTEMPT: &str = "make the run folder";
 
-/// Errors of `openat` that tell of another kind of entry than the expected one.
+/// `true` for errors of `openat` caused by an entry of an unexpected kind.
 fn is_obstacle(error: Errno) -> bool {
     [Errno::LOOP, Errno::NOTDIR, Errno::ISDIR, Errno::NXIO].contains(&error)
 }

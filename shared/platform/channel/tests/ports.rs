@@ -1,6 +1,6 @@
-//! Ports, carriers and clean-up over real shared memory, each test in a domain
-//! of its own.
-#![expect(clippy::unwrap_used, reason = "helpers of tests panic as tests do")]
+//! Ports, control transports and clean-up over real shared memory, each test in a
+//! separate domain.
+#![expect(clippy::unwrap_used, reason = "test helpers may panic")]
 
 use channel::control::{AnswerFuture, CallError, Client, Server, SocketClient, SocketServer};
 use channel::topic::{CameraCloud, FrameFinished, Scene};
@@ -11,18 +11,18 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
 
-/// A domain of a test's own, on tmpfs.
-struct Place {
+/// Separate domain of one test, on tmpfs.
+struct TestDomain {
     name: DomainName,
     folder: RunFolder,
     _guard: tempfile::TempDir,
 }
 
-static N_PLACES: AtomicU32 = AtomicU32::new(0);
+static N_DOMAINS: AtomicU32 = AtomicU32::new(0);
 
-impl Place {
+impl TestDomain {
     fn new() -> Self {
-        let number = N_PLACES.fetch_add(1, Ordering::Relaxed);
+        let number = N_DOMAINS.fetch_add(1, Ordering::Relaxed);
         let name = format!("t{}-{number}", std::process::id()).parse().unwrap();
         let guard = tempfile::tempdir_in("/dev/shm").unwrap();
         Self {
@@ -65,9 +65,9 @@ fn cloud_point(value: usize) -> CloudPoint {
 }
 
 #[tokio::test]
-async fn a_cloud_is_written_once_and_read_where_it_was_written() {
-    let place = Place::new();
-    let (camera, reader) = (place.join(), place.join());
+async fn publisher_and_subscriber_share_the_memory_of_a_cloud() {
+    let test_domain = TestDomain::new();
+    let (camera, reader) = (test_domain.join(), test_domain.join());
     watched(async {
         let mut publisher = Publisher::<CameraCloud>::new(&camera).unwrap();
         let mut subscriber = Subscriber::<CameraCloud>::waiting(&reader).unwrap();
@@ -98,9 +98,9 @@ async fn a_cloud_is_written_once_and_read_where_it_was_written() {
 }
 
 #[tokio::test]
-async fn sensor_data_drops_the_oldest_and_counts_it() {
-    let place = Place::new();
-    let domain = place.join();
+async fn overflow_of_sensor_data_drops_and_counts_the_oldest() {
+    let test_domain = TestDomain::new();
+    let domain = test_domain.join();
     let mut publisher = Publisher::<CameraCloud>::new(&domain).unwrap();
     let mut subscriber = Subscriber::<CameraCloud>::polled(&domain).unwrap();
     let mut send = |sequence| {
@@ -123,9 +123,9 @@ async fn sensor_data_drops_the_oldest_and_counts_it() {
 }
 
 #[tokio::test]
-async fn a_subscriber_that_holds_all_it_may_says_so_and_goes_on() {
-    let place = Place::new();
-    let domain = place.join();
+async fn subscriber_reports_its_borrow_limit_and_recovers() {
+    let test_domain = TestDomain::new();
+    let domain = test_domain.join();
     let mut publisher = Publisher::<CameraCloud>::new(&domain).unwrap();
     let mut subscriber = Subscriber::<CameraCloud>::polled(&domain).unwrap();
     let mut held = Vec::new();
@@ -146,9 +146,9 @@ async fn a_subscriber_that_holds_all_it_may_says_so_and_goes_on() {
 }
 
 #[tokio::test]
-async fn reports_that_must_arrive_are_refused_when_the_queue_is_full() {
-    let place = Place::new();
-    let domain = place.join();
+async fn overflow_of_reports_is_an_error_for_the_sender() {
+    let test_domain = TestDomain::new();
+    let domain = test_domain.join();
     let mut publisher = Publisher::<FrameFinished>::new(&domain).unwrap();
     let _subscriber = Subscriber::<FrameFinished>::polled(&domain).unwrap();
     let mut send = || publisher.send_copy(PlainHeader::default(), &[FrameDone::default()]);
@@ -159,9 +159,9 @@ async fn reports_that_must_arrive_are_refused_when_the_queue_is_full() {
 }
 
 #[tokio::test]
-async fn a_late_reader_gets_the_latest_scene() {
-    let place = Place::new();
-    let domain = place.join();
+async fn history_is_delivered_to_a_late_subscriber() {
+    let test_domain = TestDomain::new();
+    let domain = test_domain.join();
     let mut publisher = Publisher::<Scene>::new(&domain).unwrap();
     let object = SceneObject {
         track_id: 5,
@@ -179,9 +179,9 @@ async fn a_late_reader_gets_the_latest_scene() {
 }
 
 #[tokio::test]
-async fn too_many_items_are_refused() {
-    let place = Place::new();
-    let publisher = Publisher::<Scene>::new(&place.join()).unwrap();
+async fn loan_of_too_many_items_is_refused() {
+    let test_domain = TestDomain::new();
+    let publisher = Publisher::<Scene>::new(&test_domain.join()).unwrap();
     assert!(matches!(
         publisher.loan(257),
         Err(Error::TooLong { max: 256, .. })
@@ -189,28 +189,28 @@ async fn too_many_items_are_refused() {
 }
 
 #[tokio::test]
-async fn the_last_one_out_leaves_nothing() {
-    let place = Place::new();
-    let (one, two) = (place.join(), place.join());
+async fn domain_is_removed_by_its_last_member() {
+    let test_domain = TestDomain::new();
+    let (one, two) = (test_domain.join(), test_domain.join());
     let publisher = Publisher::<CameraCloud>::new(&one).unwrap();
     drop(one);
-    assert!(place.shared_memory_files() > 0);
+    assert!(test_domain.shared_memory_files() > 0);
     drop(two);
     assert!(
-        place.shared_memory_files() > 0,
+        test_domain.shared_memory_files() > 0,
         "the publisher still belongs to the domain"
     );
     drop(publisher);
-    assert_eq!(place.shared_memory_files(), 0);
-    assert!(!place.folder.of_domain(&place.name).exists());
+    assert_eq!(test_domain.shared_memory_files(), 0);
+    assert!(!test_domain.folder.of_domain(&test_domain.name).exists());
 }
 
 #[tokio::test]
-async fn a_role_is_taken_once() {
-    let place = Place::new();
+async fn role_is_exclusive() {
+    let test_domain = TestDomain::new();
     let role = Role::Only("tabula-camera");
-    let first = Domain::join(&place.name, &place.folder, role).unwrap();
-    let sentence = Domain::join(&place.name, &place.folder, role)
+    let first = Domain::join(&test_domain.name, &test_domain.folder, role).unwrap();
+    let sentence = Domain::join(&test_domain.name, &test_domain.folder, role)
         .unwrap_err()
         .to_string();
     assert!(
@@ -218,7 +218,7 @@ async fn a_role_is_taken_once() {
         "{sentence}"
     );
     drop(first);
-    assert!(Domain::join(&place.name, &place.folder, role).is_ok());
+    assert!(Domain::join(&test_domain.name, &test_domain.folder, role).is_ok());
 }
 
 fn echo() -> channel::control::Handler {
@@ -234,9 +234,9 @@ fn echo() -> channel::control::Handler {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn requests_between_processes_are_answered_each() {
-    let place = Place::new();
-    let (server_domain, client_domain) = (place.join(), place.join());
+async fn request_server_answers_every_client() {
+    let test_domain = TestDomain::new();
+    let (server_domain, client_domain) = (test_domain.join(), test_domain.join());
     watched(async {
         let client = Arc::new(Client::new(&client_domain, ProcessKind::Perception).unwrap());
         let ask = |track_id| Command::Ask { track_id };
@@ -275,9 +275,9 @@ async fn requests_between_processes_are_answered_each() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_server_that_says_nothing_is_a_timeout() {
-    let place = Place::new();
-    let domain = place.join();
+async fn request_to_a_silent_server_times_out() {
+    let test_domain = TestDomain::new();
+    let domain = test_domain.join();
     let silent: channel::control::Handler =
         Arc::new(|_| -> AnswerFuture { Box::pin(std::future::pending()) });
     let server = Server::new(&domain, ProcessKind::Memory, silent).unwrap();
@@ -292,13 +292,13 @@ async fn a_server_that_says_nothing_is_a_timeout() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn the_socket_answers_people_and_refuses_rubbish() {
+async fn control_socket_answers_clients_and_refuses_invalid_bytes() {
     use std::io::{Read, Write};
-    let place = Place::new();
-    let domain = place.join();
+    let test_domain = TestDomain::new();
+    let domain = test_domain.join();
     let server = SocketServer::bind(&domain.control_socket(), echo()).unwrap();
     let running = tokio::spawn(server.run());
-    let (name, folder) = (place.name.clone(), place.folder.clone());
+    let (name, folder) = (test_domain.name.clone(), test_domain.folder.clone());
     let path = domain.control_socket();
     let people = tokio::task::spawn_blocking(move || {
         let folders = [RunFolder::at("/nowhere".into()), folder];
@@ -333,24 +333,28 @@ async fn the_socket_answers_people_and_refuses_rubbish() {
 
 #[test]
 fn domain_in_a_run_folder_that_is_a_symbolic_link_is_refused() {
-    let place = Place::new();
+    let test_domain = TestDomain::new();
     let elsewhere = tempfile::tempdir().unwrap();
-    let link = place.folder.path().join("run");
+    let link = test_domain.folder.path().join("run");
     std::os::unix::fs::symlink(elsewhere.path(), &link).unwrap();
-    let joined = Domain::join(&place.name, &RunFolder::at(link), Role::Guest);
+    let joined = Domain::join(&test_domain.name, &RunFolder::at(link), Role::Guest);
     assert!(matches!(joined, Err(Error::Untrusted { .. })), "{joined:?}");
     assert_eq!(std::fs::read_dir(elsewhere.path()).unwrap().count(), 0);
 }
 
 #[test]
 fn domain_whose_role_lock_is_a_symbolic_link_is_refused() {
-    let place = Place::new();
-    let victim = place.folder.path().join("victim");
+    let test_domain = TestDomain::new();
+    let victim = test_domain.folder.path().join("victim");
     std::fs::write(&victim, "precious").unwrap();
-    let folder = place.folder.of_domain(&place.name);
+    let folder = test_domain.folder.of_domain(&test_domain.name);
     std::fs::create_dir(&folder).unwrap();
     std::os::unix::fs::symlink(&victim, folder.join("tabula-camera.lock")).unwrap();
-    let joined = Domain::join(&place.name, &place.folder, Role::Only("tabula-camera"));
+    let joined = Domain::join(
+        &test_domain.name,
+        &test_domain.folder,
+        Role::Only("tabula-camera"),
+    );
     assert!(matches!(joined, Err(Error::Untrusted { .. })), "{joined:?}");
     assert_eq!(std::fs::read_to_string(&victim).unwrap(), "precious");
 }

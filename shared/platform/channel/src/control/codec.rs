@@ -1,18 +1,18 @@
-//! Bytes of requests and replies.
+//! CBOR encoding of requests and replies.
 
 use message::control::{
     Command, MAX_MESSAGE_BYTES, PROTOCOL_VERSION, Refusal, RefusalKind, Reply, Request,
 };
 use serde::Serialize;
 
-/// Encodes; `None` when the message is longer than the protocol allows.
+/// Encodes a message; `None` when it is longer than the protocol allows.
 pub(super) fn encode<T: Serialize>(message: &T) -> Option<Vec<u8>> {
     let mut bytes = Vec::new();
     ciborium::into_writer(message, &mut bytes).ok()?;
     (bytes.len() <= MAX_MESSAGE_BYTES).then_some(bytes)
 }
 
-/// Encodes a reply; one that is too long becomes a refusal that says so.
+/// Encodes a reply; one that is too long becomes a refusal.
 pub(super) fn encode_reply(reply: &Reply) -> Vec<u8> {
     encode(reply)
         .or_else(|| encode(&too_long()))
@@ -47,7 +47,7 @@ pub(super) fn decode_request(bytes: &[u8]) -> Result<Command, Refusal> {
     ))
 }
 
-/// Decodes a reply; what is no reply becomes a refusal.
+/// Decodes a reply; invalid bytes become a refusal.
 pub(super) fn decode_reply(bytes: &[u8]) -> Reply {
     ciborium::from_reader(bytes).unwrap_or_else(|error| {
         Reply::Refused(Refusal::new(
@@ -89,7 +89,7 @@ mod tests {
         assert!(decode_request(b"rubbish").is_err() && decode_request(b"").is_err());
     }
 
-    /// Whatever is on the table is told in one message.
+    /// All objects of a full scene fit into one message.
     #[test]
     fn the_longest_list_of_objects_fits() {
         let name = Text::truncated(&"x".repeat(64));
@@ -154,7 +154,7 @@ mod tests {
         assert_eq!(decode_reply(&bytes), Reply::Objects(report));
     }
 
-    /// The longest pages of what the working memory knows fit, too.
+    /// The longest pages of the working memory fit, too.
     #[test]
     fn the_longest_pages_of_the_world_fit() {
         let name = "x".repeat(128);
@@ -215,9 +215,9 @@ mod tests {
         }
     }
 
-    /// A client may leave out what it does not ask for.
+    /// A client may omit unused fields of a filter.
     #[test]
-    fn a_filter_without_words_asks_for_a_page_of_all() {
+    fn empty_filter_requests_a_page_of_all_facts() {
         let words = BTreeMap::from([("track_id", 7)]);
         let facts = BTreeMap::from([("facts", words)]);
         let command = BTreeMap::from([("world", facts)]);
@@ -235,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn too_long_a_reply_becomes_a_refusal() {
+    fn reply_that_is_too_long_becomes_a_refusal() {
         let long = Reply::Refused(Refusal::new(RefusalKind::Internal, "x".repeat(1_000_000)));
         assert_eq!(decode_reply(&encode_reply(&long)), too_long());
         assert!(matches!(decode_reply(b"\xff\x00"), Reply::Refused(_)));

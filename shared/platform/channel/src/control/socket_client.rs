@@ -1,13 +1,13 @@
-//! Asking the daemon through its control socket.
+//! Blocking client of the daemon's control socket.
 
 use super::{CallError, codec};
-use crate::domain_folder::{DomainName, RunFolder};
+use crate::{DomainName, RunFolder};
 use message::control::{Command, MAX_MESSAGE_BYTES, Reply, Request};
 use std::io::{self, Read, Write};
 use std::os::unix::net::UnixStream;
 use std::time::Duration;
 
-/// A connection to a daemon, blocking: for tools.
+/// Connection to a daemon, blocking: for tools.
 #[derive(Debug)]
 pub struct SocketClient {
     stream: UnixStream,
@@ -15,10 +15,10 @@ pub struct SocketClient {
 }
 
 impl SocketClient {
-    /// Connects to the daemon of a domain, looking into the folders in order.
+    /// Connects to the daemon of a domain; tries the run folders in order.
     ///
     /// # Errors
-    /// When no daemon answers there, or this user may not ask it.
+    /// When no daemon answers there, or this user may not use its socket.
     pub fn connect(
         domain: &DomainName,
         folders: &[RunFolder],
@@ -59,10 +59,10 @@ impl SocketClient {
         Ok(Self { stream, deadline })
     }
 
-    /// Asks and waits for the reply.
+    /// Sends a request and waits for the reply.
     ///
     /// # Errors
-    /// When the daemon goes away, or does not answer in time.
+    /// When the daemon ends, or does not answer in time.
     pub fn call(&mut self, command: Command) -> Result<Reply, CallError> {
         let bytes = codec::encode(&Request::from(command)).ok_or_else(|| {
             CallError::Refused(format!(

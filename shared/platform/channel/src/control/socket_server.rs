@@ -1,4 +1,4 @@
-//! The control socket.
+//! Server of the control socket (Unix domain socket).
 
 use super::{Handler, codec};
 use crate::Error;
@@ -13,15 +13,15 @@ use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::{UnixListener, UnixStream};
 use tokio::sync::Semaphore;
 
-/// People and tools connected at a time; more wait in the kernel's queue.
+/// Largest number of connections; more wait in the kernel's queue.
 const MAX_CONNECTIONS: usize = 32;
-/// A connection that says nothing for this long is closed.
+/// Idle time after which a connection is closed.
 const IDLE: Duration = Duration::from_secs(60);
-/// A message that has begun must arrive and leave within this.
+/// Time limit for the transfer of one message.
 const TRANSFER: Duration = Duration::from_secs(5);
 
-/// A Unix socket that answers commands: a length (4 bytes, little-endian) and
-/// that many bytes of CBOR, in both directions, any number of times.
+/// Control-socket server. A message is a length (4 bytes, little-endian) and that
+/// many bytes of CBOR, in both directions, any number of times.
 pub struct SocketServer {
     listener: UnixListener,
     path: PathBuf,
@@ -29,11 +29,11 @@ pub struct SocketServer {
 }
 
 impl SocketServer {
-    /// Binds the socket, mode 0660, group tabula where that group exists. What a
-    /// dead process left at the path is replaced: the caller holds the role's lock.
+    /// Binds the socket, mode 0660, group tabula where that group exists. A socket
+    /// left by a dead process is replaced: the caller holds the role's lock.
     ///
     /// # Errors
-    /// When the path can not be bound, or its folder is under another user's control.
+    /// When the path cannot be bound, or its folder is under another user's control.
     pub fn bind(path: &Path, handler: Handler) -> Result<Self, Error> {
         let failed = |source| Error::RunFolder {
             attempt: "open the control socket",
@@ -109,7 +109,7 @@ pub async fn serve_stream(
         if length > MAX_MESSAGE_BYTES {
             let sentence = format!("a request may have at most {MAX_MESSAGE_BYTES} bytes");
             let refusal = Reply::Refused(Refusal::new(RefusalKind::Invalid, sentence));
-            // The rest of the stream can not be trusted.
+            // The rest of the stream cannot be trusted.
             return write(&mut stream, &refusal).await;
         }
         let mut bytes = vec![0; length];

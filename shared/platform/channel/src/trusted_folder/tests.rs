@@ -3,7 +3,7 @@ use crate::lock_file::LockFile;
 use std::os::unix::fs::{PermissionsExt, chown, symlink};
 use std::sync::Arc;
 
-/// A user that is not the one who runs the tests.
+/// User id different from that of the test process.
 const STRANGER: u32 = 54_321;
 
 fn untrusted_kind<T>(outcome: Result<T, Error>) -> (&'static str, u32) {

@@ -1,10 +1,11 @@
-//! Asking another process of the daemon.
+//! Request client over shared memory, for processes of the daemon.
 
-use super::shared_memory::{IoxService, MAX_OPEN_REQUESTS, names_of, open};
+use super::request_response::{IoxService, open};
 use super::{CallError, codec};
 use crate::Error;
 use crate::domain::{Domain, Service};
-use crate::wake::{Sleeper, Waker};
+use crate::request_services::{MAX_OPEN_REQUESTS, request_service};
+use crate::wake_event::{WakeListener, WakeNotifier};
 use iceoryx2::pending_response::PendingResponse;
 use iceoryx2::prelude::{BackpressureStrategy, PortFactory as _};
 use message::ProcessKind;
@@ -15,10 +16,12 @@ use tokio::sync::Mutex;
 type IoxClient = iceoryx2::port::client::Client<Service, [u8], (), [u8], ()>;
 type IoxPending = PendingResponse<Service, [u8], (), [u8], ()>;
 
-/// Wake-ups are a convenience: a reply is found even if its wake-up was lost.
+/// Polling period while waiting for a reply: a reply is found even if its wake-up was
+/// lost.
 const LOOK_AGAIN: Duration = Duration::from_millis(20);
 
-/// Asks one process; one request at a time, others wait for their turn.
+/// Client of one process: sends one request at a time; further calls wait for their
+/// turn.
 pub struct Client {
     port: Mutex<Port>,
     process: ProcessKind,
@@ -26,33 +29,33 @@ pub struct Client {
 
 struct Port {
     client: IoxClient,
-    requests: Waker,
-    replies: Sleeper,
+    requests: WakeNotifier,
+    replies: WakeListener,
     service: IoxService,
     _domain: Domain,
 }
 
 impl Client {
-    /// A client of the server in `process`, which need not be there yet; within a
+    /// Creates a client of the server in `process`, which may start later; within a
     /// tokio runtime.
     ///
     /// # Errors
-    /// When the process answers nothing, or shared memory fails.
+    /// When the process has no server, or shared memory fails.
     pub fn new(domain: &Domain, process: ProcessKind) -> Result<Self, Error> {
-        let names =
-            names_of(process).ok_or_else(|| Error::transport("ask", "control", process.name()))?;
-        let service = open(domain, names.service)?;
+        let parameters = request_service(process)
+            .ok_or_else(|| Error::transport("ask", "control", process.name()))?;
+        let service = open(domain, parameters.name)?;
         let client = service
             .client_builder()
-            .initial_max_slice_len(names.message_bytes)
+            .initial_max_slice_len(parameters.message_bytes)
             .max_active_requests(MAX_OPEN_REQUESTS)
             .backpressure_strategy(BackpressureStrategy::DiscardData)
             .create()
-            .map_err(|e| Error::transport("make a client of", names.service, e))?;
+            .map_err(|e| Error::transport("make a client of", parameters.name, e))?;
         let port = Port {
             client,
-            requests: Waker::new(domain, names.service)?,
-            replies: Sleeper::new(domain, names.replies)?,
+            requests: WakeNotifier::new(domain, parameters.name)?,
+            replies: WakeListener::new(domain, parameters.replies)?,
             service,
             _domain: domain.clone(),
         };
@@ -62,10 +65,10 @@ impl Client {
         })
     }
 
-    /// Asks, and waits for the reply at most until the deadline.
+    /// Sends a request and waits for the reply at most for the time limit.
     ///
     /// # Errors
-    /// When nobody answers, or not in time.
+    /// When the process does not run, or does not answer in time.
     pub async fn call(&self, command: Command, deadline: Duration) -> Result<Reply, CallError> {
         let bytes = codec::encode(&Request::from(command)).ok_or_else(|| {
             CallError::Refused(format!(
@@ -110,7 +113,7 @@ impl Client {
 
     async fn reply(&self, port: &Port, pending: IoxPending) -> Result<Reply, CallError> {
         loop {
-            // Connected is asked first: a reply may come between the two questions.
+            // Connected is checked first: a reply may arrive between the two checks.
             let is_connected = pending.is_connected();
             match pending.receive() {
                 Ok(Some(response)) => return Ok(codec::decode_reply(response.payload())),

@@ -1,9 +1,10 @@
-//! Answering requests of the daemon's own processes.
+//! Request server over shared memory, for processes of the daemon.
 
-use super::shared_memory::{IoxService, names_of, open};
+use super::request_response::{IoxService, open};
 use super::{Handler, codec};
 use crate::domain::{Domain, Service};
-use crate::wake::{Sleeper, Waker};
+use crate::request_services::request_service;
+use crate::wake_event::{WakeListener, WakeNotifier};
 use crate::{Error, control::CallError};
 use iceoryx2::active_request::ActiveRequest;
 use iceoryx2::prelude::BackpressureStrategy;
@@ -14,55 +15,55 @@ use std::sync::Arc;
 type IoxServer = iceoryx2::port::server::Server<Service, [u8], (), [u8], ()>;
 type IoxRequest = ActiveRequest<Service, [u8], (), [u8], ()>;
 
-/// Answers the commands of one process.
+/// Server of one process's commands.
 pub struct Server {
     port: IoxServer,
-    sleeper: Sleeper,
-    replies: Arc<Waker>,
+    listener: WakeListener,
+    replies: Arc<WakeNotifier>,
     handler: Handler,
     _service: IoxService,
     _domain: Domain,
 }
 
 impl Server {
-    /// A server; within a tokio runtime.
+    /// Creates a server; within a tokio runtime.
     ///
     /// # Errors
-    /// When the process answers nothing, or shared memory fails.
+    /// When the process has no service, or shared memory fails.
     pub fn new(domain: &Domain, process: ProcessKind, handler: Handler) -> Result<Self, Error> {
-        let names = names_of(process)
+        let parameters = request_service(process)
             .ok_or_else(|| Error::transport("serve", "control", process.name()))?;
-        let service = open(domain, names.service)?;
+        let service = open(domain, parameters.name)?;
         let server = service
             .server_builder()
-            .initial_max_slice_len(names.message_bytes)
+            .initial_max_slice_len(parameters.message_bytes)
             .max_loaned_responses_per_request(1)
             .backpressure_strategy(BackpressureStrategy::DiscardData)
             .create()
-            .map_err(|e| Error::transport("make a server of", names.service, e))?;
+            .map_err(|e| Error::transport("make a server of", parameters.name, e))?;
         Ok(Self {
             port: server,
-            sleeper: Sleeper::new(domain, names.service)?,
-            replies: Arc::new(Waker::new(domain, names.replies)?),
+            listener: WakeListener::new(domain, parameters.name)?,
+            replies: Arc::new(WakeNotifier::new(domain, parameters.replies)?),
             handler,
             _service: service,
             _domain: domain.clone(),
         })
     }
 
-    /// Answers until the future is dropped; each request in a task of its own.
+    /// Serves until the future is dropped; each request in a separate task.
     pub async fn run(self) {
         loop {
             while let Ok(Some(request)) = self.port.receive() {
                 let answer = answer(request, self.handler.clone(), self.replies.clone());
                 tokio::spawn(answer);
             }
-            self.sleeper.woken().await;
+            self.listener.woken().await;
         }
     }
 }
 
-async fn answer(request: IoxRequest, handler: Handler, replies: Arc<Waker>) {
+async fn answer(request: IoxRequest, handler: Handler, replies: Arc<WakeNotifier>) {
     let command = codec::decode_request(request.payload());
     let reply = match command {
         Ok(command) => handler(command).await,

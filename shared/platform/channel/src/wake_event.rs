@@ -1,4 +1,4 @@
-//! Waking a tokio task from another process.
+//! Wake-up of a tokio task by another process (iceoryx2 event service).
 
 use crate::Error;
 use crate::domain::{Domain, Service};
@@ -8,7 +8,7 @@ use iceoryx2::service::port_factory::event::PortFactory;
 use std::os::fd::{AsFd, AsRawFd, BorrowedFd, RawFd};
 use tokio::io::unix::AsyncFd;
 
-/// Most processes that wait for, or wake the waiters of, one service.
+/// Largest number of processes that wait for, or wake the waiters of, one service.
 const MAX_PORTS: usize = 32;
 
 fn open(domain: &Domain, name: &'static str) -> Result<PortFactory<Service>, Error> {
@@ -25,14 +25,14 @@ fn open(domain: &Domain, name: &'static str) -> Result<PortFactory<Service>, Err
         .map_err(|e| failed(&e))
 }
 
-/// Wakes whoever waits for a service.
+/// Notifier of one service's event: wakes the waiting processes.
 #[derive(Debug)]
-pub(crate) struct Waker {
+pub(crate) struct WakeNotifier {
     notifier: Notifier<Service>,
     service: PortFactory<Service>,
 }
 
-impl Waker {
+impl WakeNotifier {
     pub(crate) fn new(domain: &Domain, name: &'static str) -> Result<Self, Error> {
         let service = open(domain, name)?;
         let notifier = service
@@ -42,24 +42,25 @@ impl Waker {
         Ok(Self { notifier, service })
     }
 
-    /// A wake-up costs 13 to 20 µs, so only those who wait get one.
+    /// Wakes the waiting processes. A wake-up costs 13 to 20 µs, so it is skipped
+    /// without listeners.
     pub(crate) fn wake(&self) {
         use iceoryx2::prelude::PortFactory as _;
         if self.service.dynamic_config().number_of_listeners() > 0 {
-            // A waiter that has died is no reason to fail; the sweep removes it.
+            // A dead waiter is no reason to fail; the sweep removes it.
             let _ = self.notifier.notify();
         }
     }
 }
 
-/// The listener's descriptor as tokio wants it.
+/// File descriptor of a listener, for tokio's reactor.
 #[derive(Debug)]
-struct Descriptor(Listener<Service>);
+struct ListenerDescriptor(Listener<Service>);
 
-impl AsFd for Descriptor {
+impl AsFd for ListenerDescriptor {
     #[expect(
         unsafe_code,
-        reason = "iceoryx2 gives its descriptor as a bare number only"
+        reason = "iceoryx2 exposes its file descriptor only as a raw number"
     )]
     fn as_fd(&self) -> BorrowedFd<'_> {
         // SAFETY: the number is not closed and not kept beyond the borrow below.
@@ -69,36 +70,39 @@ impl AsFd for Descriptor {
     }
 }
 
-impl AsRawFd for Descriptor {
+impl AsRawFd for ListenerDescriptor {
     fn as_raw_fd(&self) -> RawFd {
         self.as_fd().as_raw_fd()
     }
 }
 
-/// Waits for wake-ups of one service.
+/// Listener of one service's event.
 #[derive(Debug)]
-pub(crate) struct Sleeper {
-    listener: AsyncFd<Descriptor>,
+pub(crate) struct WakeListener {
+    listener: AsyncFd<ListenerDescriptor>,
 }
 
-impl Sleeper {
-    /// Must be called within a tokio runtime.
+impl WakeListener {
+    /// Creates a listener; within a tokio runtime.
     pub(crate) fn new(domain: &Domain, name: &'static str) -> Result<Self, Error> {
         let listener = open(domain, name)?
             .listener_builder()
             .create()
             .map_err(|e| Error::transport("make a listener of", name, e))?;
-        let descriptor = Descriptor(listener);
-        #[expect(unsafe_code, reason = "tokio wants a promise about the descriptor")]
-        // SAFETY: `Descriptor` always gives the number of the one descriptor that
+        let descriptor = ListenerDescriptor(listener);
+        #[expect(
+            unsafe_code,
+            reason = "registering a raw file descriptor with tokio is unsafe"
+        )]
+        // SAFETY: `ListenerDescriptor` always gives the number of the one descriptor that
         // its listener keeps open until it is dropped.
         let listener = unsafe { AsyncFd::register(descriptor) };
         let listener = listener.map_err(|e| Error::transport("wait for", name, e))?;
         Ok(Self { listener })
     }
 
-    /// Returns after a wake-up since the last return; a wake-up before the first
-    /// call is not lost. All pending wake-ups are taken together.
+    /// Waits for a wake-up since the last return; one before the first call is not
+    /// lost. All pending wake-ups are taken together.
     pub(crate) async fn woken(&self) {
         loop {
             let Ok(mut ready) = self.listener.readable().await else {

@@ -1,35 +1,32 @@
-//! A received message that many threads read.
-#![expect(
-    unsafe_code,
-    reason = "makes a received sample readable by several threads"
-)]
+//! Received message in shared memory, readable by many threads.
+#![expect(unsafe_code, reason = "implements Send and Sync for a received sample")]
 
 use crate::domain::Service;
-use crate::segment::SegmentMap;
+use crate::segment_map::SegmentMap;
 use crate::topic::Topic;
 use iceoryx2::sample::Sample;
 use message::SegmentLocation;
 use std::ptr::NonNull;
 
-/// A received message, still in shared memory. Wrapped in an `Arc` it goes to any
-/// number of threads; the memory goes back to its publisher with the last one.
+/// Received message, still in shared memory. Wrapped in an `Arc` it can be read by
+/// any number of threads; the last one returns the memory to the publisher.
 #[derive(Debug)]
 pub struct SharedFrame<T: Topic> {
     sample: Sample<Service, [T::Item], T::Header>,
-    /// What `sample.payload()` gives, which takes the subscriber's lock each time.
+    /// Result of `sample.payload()`, which takes the subscriber's lock at each call.
     items: NonNull<[T::Item]>,
     location: SegmentLocation,
 }
 
-// SAFETY: `Sample` is Send, and `items` points into the memory that it holds, in
-// which every thread may read.
+// SAFETY: `Sample` is Send, and `items` points into the memory that it holds, which
+// every thread may read.
 unsafe impl<T: Topic> Send for SharedFrame<T> {}
 
-// SAFETY: `Sample` is not Sync only because nothing promises that its methods may
-// run at the same time. Through a shared reference we call nothing but
-// `user_header`, which reads a pointer fixed at construction, and read `items`:
-// both are plain data that no writer touches while the sample is held. What
-// changes state, returning the sample, needs ownership.
+// SAFETY: `Sample` is not Sync only because it does not promise that its methods may
+// run at the same time. Through a shared reference we call nothing but `user_header`,
+// which reads a pointer fixed at construction, and read `items`: both are plain data
+// that no writer touches while the sample is held. Returning the sample changes state
+// and needs ownership.
 unsafe impl<T: Topic> Sync for SharedFrame<T> {}
 
 impl<T: Topic> SharedFrame<T> {
@@ -46,13 +43,13 @@ impl<T: Topic> SharedFrame<T> {
         }
     }
 
-    /// The header.
+    /// Header of the message.
     #[inline]
     pub fn header(&self) -> &T::Header {
         self.sample.user_header()
     }
 
-    /// The items, in shared memory.
+    /// Items of the message, in shared memory.
     #[inline]
     pub fn items(&self) -> &[T::Item] {
         // SAFETY: the pointer comes from a reference to the sample's payload, which
@@ -60,7 +57,7 @@ impl<T: Topic> SharedFrame<T> {
         unsafe { self.items.as_ref() }
     }
 
-    /// Where the items lie in shared memory, as this process sees it.
+    /// Location of the items in shared memory, in this process's mapping.
     pub fn location(&self) -> SegmentLocation {
         self.location
     }

@@ -1,24 +1,25 @@
-//! Which shared memory an address belongs to.
+//! Lookup of the shared-memory segment of an address (`/proc/self/maps`).
 
 use message::SegmentLocation;
 use std::ops::Range;
 
-/// Remembers the mappings of this process, so that an address is looked up in
-/// the kernel's table only once per segment.
+/// Cache of this process's memory mappings, so that the kernel's table is read only
+/// once per segment.
 #[derive(Debug, Default)]
 pub(crate) struct SegmentMap {
-    mappings: Vec<Mapping>,
+    mappings: Vec<SegmentMapping>,
 }
 
 #[derive(Debug, PartialEq, Eq)]
-struct Mapping {
+struct SegmentMapping {
     addresses: Range<usize>,
     file_offset: u64,
     inode: u64,
 }
 
 impl SegmentMap {
-    /// Location of an address; the default when it is in no file's mapping.
+    /// Segment and offset of an address; the default when no mapping of `/dev/shm`
+    /// contains it.
     #[inline]
     pub(crate) fn locate(&mut self, address: usize) -> SegmentLocation {
         if let Some(location) = self.find(address) {
@@ -33,11 +34,11 @@ impl SegmentMap {
         self.mappings = table.lines().filter_map(parse).collect();
     }
 
-    /// The mapping found last comes first: mostly it is the next one, too.
+    /// Moves the mapping found to the front: mostly it is the next one, too.
     #[inline]
     fn find(&mut self, address: usize) -> Option<SegmentLocation> {
-        let holds_it = |mapping: &Mapping| mapping.addresses.contains(&address);
-        let index = self.mappings.iter().position(holds_it)?;
+        let contains = |mapping: &SegmentMapping| mapping.addresses.contains(&address);
+        let index = self.mappings.iter().position(contains)?;
         self.mappings.swap(0, index);
         let mapping = &self.mappings[0];
         let offset = (address - mapping.addresses.start) as u64;
@@ -48,14 +49,14 @@ impl SegmentMap {
     }
 }
 
-/// A line of the kernel's table that maps a file of /dev/shm.
-fn parse(line: &str) -> Option<Mapping> {
+/// Parses a line of the kernel's table that maps a file of `/dev/shm`.
+fn parse(line: &str) -> Option<SegmentMapping> {
     let mut words = line.split_ascii_whitespace();
     let (start, end) = words.next()?.split_once('-')?;
     let file_offset = words.nth(1)?;
     let inode = words.nth(1)?;
     words.next()?.starts_with("/dev/shm/").then_some(())?;
-    Some(Mapping {
+    Some(SegmentMapping {
         addresses: usize::from_str_radix(start, 16).ok()?..usize::from_str_radix(end, 16).ok()?,
         file_offset: u64::from_str_radix(file_offset, 16).ok()?,
         inode: inode.parse().ok()?,
@@ -69,7 +70,7 @@ mod tests {
     #[test]
     fn only_mappings_of_shared_memory_are_kept() {
         let shared = "7f0000000000-7f0000100000 rw-s 00002000 00:19 77   /dev/shm/tabula_x.data";
-        let expected = Mapping {
+        let expected = SegmentMapping {
             addresses: 0x7f00_0000_0000..0x7f00_0010_0000,
             file_offset: 0x2000,
             inode: 77,
@@ -82,8 +83,8 @@ mod tests {
         assert_eq!(parse("rubbish"), None);
     }
     #[test]
-    fn an_address_is_found_in_whatever_order_they_are_asked_for() {
-        let mapping = |start: usize, inode| Mapping {
+    fn addresses_are_found_in_any_order() {
+        let mapping = |start: usize, inode| SegmentMapping {
             addresses: start..start + 100,
             file_offset: 7,
             inode,

@@ -1,24 +1,24 @@
-//! Looking at a domain from outside, without joining it.
+//! Inspection of a domain from outside, without joining it.
 
 use crate::domain::DOMAIN_LOCK;
-use crate::domain_folder::{DomainName, RunFolder};
 use crate::lock_file::LockFile;
 use crate::shared_memory::files_of;
 use crate::trusted_folder::TrustedFolder;
+use crate::{DomainName, RunFolder};
 
-/// What is there of a domain.
+/// State of a domain: running programs and remaining files.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DomainState {
-    /// Programs that run in the domain, with their process ids.
+    /// Programs running in the domain, with their process ids.
     pub running: Vec<(String, Option<u32>)>,
-    /// Whether anybody is a member.
+    /// `true` when the domain has a member.
     pub is_alive: bool,
-    /// Files in shared memory that belong to the domain.
+    /// Number of files in shared memory that belong to the domain.
     pub n_files: usize,
 }
 
 impl DomainState {
-    /// Looks at a domain.
+    /// Inspects a domain.
     pub fn of(domain: &DomainName, run_folder: &RunFolder) -> Self {
         let path = run_folder.of_domain(domain);
         let entries = std::fs::read_dir(&path).into_iter().flatten().flatten();

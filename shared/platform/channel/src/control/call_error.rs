@@ -1,0 +1,57 @@
+//! Errors of calls over the control protocol.
+
+use std::io;
+use std::time::Duration;
+
+/// A request without a reply.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CallError {
+    /// No daemon runs in this domain.
+    #[error(
+        "no daemon is running in the domain {domain:?}; start it with: tabula run{}",
+        domain_option(.domain)
+    )]
+    NoDaemon {
+        /// Name of the domain.
+        domain: String,
+    },
+    /// The process does not run, or ended before it answered.
+    #[error(
+        "tabula-{process} is not running just now; it is restarted if the daemon runs, try again"
+    )]
+    NotThere {
+        /// Name of the process.
+        process: &'static str,
+    },
+    /// Timeout. A mutation may or may not have been carried out: the same mutation id
+    /// may be sent again.
+    #[error(
+        "no answer within {} s; the daemon is busy or stuck, see its log and `tabula doctor`",
+        .after.as_secs_f64()
+    )]
+    TimedOut {
+        /// Time limit that was exceeded.
+        after: Duration,
+    },
+    /// The request is too large, or too many requests are open.
+    #[error("{0}")]
+    Refused(String),
+    /// Failure of the transport.
+    #[error("could not {attempt} the daemon: {source}")]
+    Carrier {
+        /// Attempted operation.
+        attempt: &'static str,
+        /// Error of the system.
+        source: io::Error,
+    },
+}
+
+/// Option that names a domain other than the default one.
+fn domain_option(domain: &str) -> String {
+    if domain == "default" {
+        String::new()
+    } else {
+        format!(" --domain {domain}")
+    }
+}
