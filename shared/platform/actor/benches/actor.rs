@@ -1,8 +1,8 @@
-//! What an actor costs, inline and on the pool.
+//! Benchmark of message round trips and spawning of actors, inline and on the pool.
 //!
-//! Each figure is for one round over all actors of the argument; divan's
-//! item throughput is actors (or messages) a second. `tests/peers` compares
-//! inline actors with bare tasks and with other libraries.
+//! Each figure is for one round over all actors of the argument; divan's item
+//! throughput is actors (or messages) per second. `tests/peers` compares inline
+//! actors with bare tasks and with other libraries.
 
 use std::convert::Infallible;
 use std::num::NonZeroUsize;
@@ -24,7 +24,8 @@ fn main() {
     divan::main();
 }
 
-/// One reactor thread, so that the figures are costs, not the luck of waking.
+/// Runtime with one reactor thread, so that the figures do not depend on wake-ups
+/// across threads.
 fn runtime() -> Runtime {
     Builder::new_current_thread()
         .enable_time()
@@ -88,7 +89,7 @@ fn pool() -> Placement {
     Placement::Pool(WorkerPool::start(config).expect("threads"))
 }
 
-/// Asks all, then awaits all: the frame loop's way.
+/// Asks all actors, then awaits all answers, as the frame loop does.
 async fn round(actors: &[Address<Adder>], answers: &mut Vec<actor::Answer<u64>>) {
     for actor in actors {
         answers.push(actor.ask(0, 1).expect("it lives"));

@@ -1,8 +1,8 @@
-//! What a frame pays for new actors: many come at once, each with its first
-//! message, and the frame waits for all answers.
+//! Benchmark of spawning many actors at once, each with a first message, until all
+//! answers are there.
 //!
 //! On two reactor threads and two workers, as the perception process has them.
-//! `spawn` is the call alone, after which the frame goes on; `first_answer` lasts
+//! `spawn` is the call alone, after which the frame continues; `first_answer` lasts
 //! until the last of the answers is there.
 
 use std::convert::Infallible;

@@ -1,4 +1,4 @@
-//! What an actor is.
+//! The actor trait: state with a synchronous message handler.
 
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -6,65 +6,65 @@ use std::sync::Arc;
 use crate::mailbox::Overflow;
 use crate::progress::Progress;
 
-/// What names an actor, for instance a track-id.
+/// Key of an actor within its supervisor, for instance a track id.
 pub trait Identity: Ord + Clone + Debug + Send + Sync + 'static {}
 
 impl<T: Ord + Clone + Debug + Send + Sync + 'static> Identity for T {}
 
-/// What the actor wants after a message, with the answer to it.
+/// Control flow after a handled message, with the answer to it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Flow<R = ()> {
     /// Wait for the next message.
     Continue(R),
-    /// The work is done: stop.
+    /// Stop the actor: its work is done.
     Stop(R),
 }
 
 /// State owned by one loop that handles one message at a time.
 ///
-/// Everything here is synchronous and can be tested by calling it. An actor is
-/// never told of its death: clean up in `Drop`, and in `stop` only what needs
-/// an orderly end.
+/// Everything here is synchronous and can be tested by calling it. An actor is not
+/// notified before it is discarded after a failure: clean up in `Drop`, and in `stop`
+/// only what needs an orderly end.
 pub trait Actor: Sized + Send + 'static {
-    /// What it is sent; one enum when there are several kinds.
+    /// Type of its messages; one enum when there are several kinds.
     type Message: Send + 'static;
-    /// What each handled message is answered with; `()` when nothing is.
+    /// Type of the answer to each handled message; `()` for none.
     type Reply: Send + 'static;
-    /// What a successor needs to carry on: the state, without caches.
+    /// State from which a restart continues, without caches.
     type Checkpoint: Clone + Send + 'static;
-    /// What all actors of this kind share and none of them changes.
+    /// Read-only data shared by all actors of this kind.
     type Context: Send + Sync + 'static;
-    /// Why a message could not be handled.
+    /// Error of the handler.
     type Error: std::error::Error + Send + Sync + 'static;
-    /// What a full mailbox does.
+    /// Overflow policy of the mailbox.
     type Overflow: Overflow;
 
-    /// Builds the actor, for its first life as for any later one.
+    /// Builds the actor from a state, at its first start and at each restart.
     ///
     /// # Errors
-    /// Whatever makes this state unusable; counts as a failure like one in
+    /// Any error that makes this state unusable; counts as a failure like one in
     /// [`handle`](Self::handle).
     fn start(
         context: &Arc<Self::Context>,
         checkpoint: Self::Checkpoint,
     ) -> Result<Self, Self::Error>;
 
-    /// Handles one message. The answer is sent after the state was committed.
+    /// Handles one message; the answer is sent after the state was committed.
     ///
     /// # Errors
-    /// Whatever leaves the state in doubt: the actor is discarded and rebuilt
-    /// from its last checkpoint. A message that is merely useless is not an
-    /// error but an answer.
+    /// Any error that leaves the state in doubt: the actor is discarded and rebuilt
+    /// from its last checkpoint. A message that is merely useless is not an error but
+    /// an answer.
     fn handle(
         &mut self,
         message: Self::Message,
         progress: &Progress,
     ) -> Result<Flow<Self::Reply>, Self::Error>;
 
-    /// The state to commit; called after each message handled with success.
+    /// State to commit; called after each successfully handled message.
     fn checkpoint(&self) -> Self::Checkpoint;
 
-    /// Ends in good order: called once after the last message, not after a
+    /// Orderly clean-up, called once after the last message. Not called after a
     /// failure.
     fn stop(&mut self) {}
 }

@@ -1,4 +1,4 @@
-//! Where an actor is sent its messages.
+//! Actor address: the handle that sends messages (tell and ask patterns).
 
 use std::fmt;
 
@@ -6,19 +6,19 @@ use tokio::sync::oneshot;
 
 use crate::actor::Actor;
 use crate::mailbox::{Block, Immediate, SendError, Sender};
-use crate::reply::{Answer, answer};
+use crate::reply::{Answer, reply_channel};
 
-/// A message under way: what the mailbox of an actor holds.
+/// Envelope of a queued message: its tag and the channel for its answer.
 pub(crate) struct Envelope<A: Actor> {
     pub(crate) message: A::Message,
     pub(crate) tag: u64,
     pub(crate) reply: Option<oneshot::Sender<A::Reply>>,
 }
 
-/// Sends to one actor, through all its restarts; cheap to clone.
+/// Handle for sending to one actor through all its restarts; cheap to clone.
 ///
-/// Each message carries a tag, for instance the frame's sequence number, by
-/// which events name the message an actor failed on.
+/// Each message carries a tag, for instance the frame's sequence number, by which
+/// events name the message on which an actor failed.
 pub struct Address<A: Actor, P = <A as Actor>::Overflow>(Sender<Envelope<A>, P>);
 
 impl<A: Actor, P> Address<A, P> {
@@ -26,12 +26,12 @@ impl<A: Actor, P> Address<A, P> {
         Self(mailbox)
     }
 
-    /// How many messages were displaced by newer ones.
+    /// Number of messages displaced by newer ones.
     pub fn dropped(&self) -> u64 {
         self.0.dropped()
     }
 
-    /// Whether the actor was stopped, so that nothing reaches it any more.
+    /// `true` after the actor was stopped: no further message reaches it.
     pub fn is_closed(&self) -> bool {
         self.0.is_closed()
     }
@@ -42,7 +42,7 @@ impl<A: Actor, P> Address<A, P> {
 }
 
 impl<A: Actor, P: Immediate> Address<A, P> {
-    /// Sends a message whose answer nobody needs.
+    /// Sends a message without asking for an answer (fire and forget).
     ///
     /// # Errors
     /// [`SendError`] when the mailbox refuses or the actor has stopped.
@@ -56,7 +56,7 @@ impl<A: Actor, P: Immediate> Address<A, P> {
             .map_err(returned)
     }
 
-    /// Sends a message and promises its answer.
+    /// Sends a message and returns the future of its answer.
     ///
     /// # Errors
     /// [`SendError`] when the mailbox refuses or the actor has stopped.
@@ -65,7 +65,7 @@ impl<A: Actor, P: Immediate> Address<A, P> {
         tag: u64,
         message: A::Message,
     ) -> Result<Answer<A::Reply>, SendError<A::Message>> {
-        let (reply, answer) = answer();
+        let (reply, answer) = reply_channel();
         self.0
             .send(Envelope {
                 message,
@@ -78,7 +78,7 @@ impl<A: Actor, P: Immediate> Address<A, P> {
 }
 
 impl<A: Actor> Address<A, Block> {
-    /// Sends a message whose answer nobody needs, once there is room.
+    /// Sends a message without asking for an answer; waits for room in the mailbox.
     ///
     /// # Errors
     /// [`SendError::Closed`] when the actor has stopped.
@@ -93,7 +93,8 @@ impl<A: Actor> Address<A, Block> {
             .map_err(returned)
     }
 
-    /// Sends a message, once there is room, and promises its answer.
+    /// Waits for room in the mailbox, sends a message and returns the future of its
+    /// answer.
     ///
     /// # Errors
     /// [`SendError::Closed`] when the actor has stopped.
@@ -102,7 +103,7 @@ impl<A: Actor> Address<A, Block> {
         tag: u64,
         message: A::Message,
     ) -> Result<Answer<A::Reply>, SendError<A::Message>> {
-        let (reply, answer) = answer();
+        let (reply, answer) = reply_channel();
         self.0
             .send(Envelope {
                 message,

@@ -1,4 +1,5 @@
-//! How a supervisor treats its actors.
+//! Supervisor configuration: restart type, restart policy, placement, mailbox
+//! capacity.
 
 use std::num::NonZeroUsize;
 use std::time::Duration;
@@ -6,41 +7,41 @@ use std::time::Duration;
 use crate::restart_policy::RestartPolicy;
 use crate::worker_pool::WorkerPool;
 
-/// Which ends of an actor call for a restart.
+/// Restart type of an actor (OTP): the kinds of exit after which it is restarted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Restart {
-    /// Every end, unless it was told to stop.
+    /// Restart after every exit, unless a stop was requested.
     Permanent,
-    /// A failure; not its own wish to stop.
+    /// Restart after a failure, not after the actor stops itself.
     Transient,
-    /// None.
+    /// Never restart.
     Temporary,
 }
 
-/// Where handlers run.
+/// Placement of handlers: on the reactor's threads or on a worker pool.
 #[derive(Debug, Clone)]
 pub enum Placement {
-    /// In the actor's own task, on the reactor's threads: for handlers of
-    /// microseconds. A handler that hangs there keeps the thread for ever.
+    /// Inline, in the actor's own task: for handlers of microseconds. A handler that
+    /// hangs there keeps the thread for ever.
     Inline,
-    /// On a worker pool, whose watchdog abandons one that hangs.
+    /// On a worker pool, whose watchdog abandons a handler that hangs.
     Pool(WorkerPool),
 }
 
-/// What holds for all actors of one supervisor.
+/// Settings of a supervisor, common to all its actors.
 #[derive(Debug, Clone)]
 pub struct Config {
-    /// When an actor is restarted.
+    /// Exits after which an actor is restarted.
     pub restart: Restart,
-    /// How often: the limit counts the restarts of all actors together, the
-    /// back-off those of the one actor.
+    /// Restart intensity and back-off: the limit counts the restarts of all actors
+    /// together, the back-off those of the one actor.
     pub policy: RestartPolicy,
-    /// Where handlers run.
+    /// Placement of handlers.
     pub placement: Placement,
-    /// Messages that wait for one actor.
+    /// Mailbox capacity of one actor, messages.
     pub mailbox_capacity: NonZeroUsize,
-    /// Time for the message at work and `stop` to finish, once told to stop.
+    /// Time limit of an orderly stop: for the message being handled and `stop`.
     pub shutdown: Duration,
-    /// Events kept for a slow reader.
+    /// Capacity of the event queue; a slow reader loses older events.
     pub event_capacity: NonZeroUsize,
 }

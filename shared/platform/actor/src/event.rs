@@ -1,4 +1,4 @@
-//! What a supervisor reports.
+//! Supervisor events: starts, restarts, stops and escalation.
 
 use std::fmt;
 use std::sync::Arc;
@@ -7,96 +7,96 @@ use std::time::Duration;
 use crate::mailbox::{KeepLatest, Receiver};
 use crate::worker_pool::JobLost;
 
-/// The reports of a supervisor, oldest first. Bounded: a reader too slow loses
-/// the oldest, which [`dropped`](Receiver::dropped) counts. Ends after the
+/// Event stream of a supervisor, oldest first. Bounded: a slow reader loses the
+/// oldest events, which [`dropped`](Receiver::dropped) counts. Ends after the
 /// supervisor and all its actors are gone.
 pub type Events<I> = Receiver<Event<I>, KeepLatest>;
 
-/// One thing that happened to an actor, or to all.
+/// Life-cycle event of one actor, or of all.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub enum Event<I> {
-    /// It is ready for messages, for the first time or again.
+    /// The actor is ready for messages, for the first time or after a restart.
     Started {
-        /// Which actor.
+        /// Id of the actor.
         id: I,
     },
-    /// Its life ended and another begins after the back-off.
+    /// The actor failed and restarts after the back-off.
     Restarting {
-        /// Which actor.
+        /// Id of the actor.
         id: I,
-        /// Why its life ended.
+        /// Cause of the failure.
         cause: Cause,
-        /// The tag of the message at work, which is lost; `None` outside `handle`.
+        /// Tag of the message being handled, which is lost; `None` outside `handle`.
         tag: Option<u64>,
-        /// The back-off.
+        /// Back-off before the restart.
         after: Duration,
     },
-    /// It ended and does not come back.
+    /// The actor stopped and is not restarted.
     Stopped {
-        /// Which actor.
+        /// Id of the actor.
         id: I,
-        /// Why.
+        /// Reason of the stop.
         reason: StopReason,
     },
-    /// It did not stop within the shutdown time and was left behind.
+    /// The actor did not stop within the time limit and was abandoned.
     Abandoned {
-        /// Which actor.
+        /// Id of the actor.
         id: I,
     },
-    /// Restarts exceeded the policy: all actors were stopped, and no more can
-    /// be spawned. The last event, unless a supervisor above begins anew.
+    /// Restart intensity exceeded: all actors were stopped, and no more can be
+    /// spawned. The last event.
     Escalated(Escalation<I>),
 }
 
-/// A supervisor gave up, after it had stopped all its actors.
+/// Escalation (OTP): a supervisor gave up after stopping all its actors.
 #[derive(Debug, Clone)]
 pub struct Escalation<I> {
-    /// Whose failure was one too many.
+    /// Id of the actor whose failure exceeded the limit.
     pub id: I,
-    /// What that failure was.
+    /// Cause of that failure.
     pub cause: Cause,
-    /// The tag of the message at work; `None` outside `handle`.
+    /// Tag of the message being handled; `None` outside `handle`.
     pub tag: Option<u64>,
-    /// The limit that was exceeded.
+    /// Limit that was exceeded: restarts within `window`.
     pub max_restarts: u32,
-    /// Within which time.
+    /// Length of the sliding window.
     pub window: Duration,
 }
 
-/// Why an actor's life ended.
+/// Cause of an actor's failure.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub enum Cause {
-    /// It panicked with this message.
+    /// A panic with this message.
     Panicked(String),
-    /// It returned this error.
+    /// An error returned by the actor.
     Failed(Arc<dyn std::error::Error + Send + Sync>),
-    /// The worker pool lost it: stalled, or the pool is exhausted.
+    /// The worker pool lost the job: stalled, or the pool is exhausted.
     Lost(JobLost),
-    /// It ended by itself, but is one that always runs.
+    /// A permanent actor stopped itself.
     Finished,
 }
 
-/// Why an actor does not come back.
+/// Reason of an actor's final stop.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub enum StopReason {
-    /// It was told to stop, or all were.
+    /// A stop was requested, for this actor or for all.
     Asked,
-    /// It ended by itself.
+    /// The actor stopped itself.
     Finished,
-    /// It failed, and is not one that is restarted, or was stopping, or
-    /// exceeded the policy.
+    /// The actor failed and is not restarted: by its restart type, because a stop was
+    /// requested, or because the limit was exceeded.
     Failed {
-        /// Why.
+        /// Cause of the failure.
         cause: Cause,
-        /// The tag of the message at work; `None` outside `handle`.
+        /// Tag of the message being handled; `None` outside `handle`.
         tag: Option<u64>,
     },
 }
 
-/// One sentence for the owner's log.
+/// Log sentence of an event.
 impl<I: fmt::Debug> fmt::Display for Event<I> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -1,69 +1,56 @@
-//! One job of the worker pool: the work, and the meeting point of the worker,
-//! the one who awaits it, and the watchdog who may declare it lost.
+//! Job state machine of the worker pool, shared by the worker, the awaiting task and
+//! the watchdog that may declare the job lost.
 
-use std::fmt;
 use std::pin::Pin;
 use std::task::{Context, Poll, Waker};
 
-use crate::border::{discard, guarded};
+use crate::panic_boundary::{catch_panic, drop_caught};
 use crate::progress::Progress;
 use crate::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Why a job has no result.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// Reason for which a job has no result.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum JobLost {
-    /// It panicked with this message.
+    /// The job panicked with this message.
+    #[error("The job panicked ({0}); its result is lost, and the panic is a bug to fix.")]
     Panicked(String),
-    /// It showed no progress for the stall time; its thread was left behind,
-    /// and holds what the job borrowed until it moves again.
+    /// The job showed no progress for the stall time. Its thread was abandoned, and
+    /// keeps the job's borrows until it moves again.
+    #[error(
+        "The job showed no progress for the stall time and was abandoned with its \
+         thread; shorten it or let it tick."
+    )]
     Stalled,
-    /// The pool has lost too many workers and takes no more work.
+    /// The pool has abandoned too many workers and takes no more work.
+    #[error(
+        "The job was not run, because too many workers of the pool have stalled; \
+         end the process and let its supervisor start it again."
+    )]
     Exhausted,
 }
 
-impl fmt::Display for JobLost {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Panicked(message) => write!(
-                f,
-                "The job panicked ({message}); its result is lost, and the panic is a bug to fix."
-            ),
-            Self::Stalled => f.write_str(
-                "The job showed no progress for the stall time and was abandoned with its \
-                 thread; shorten it or let it tick.",
-            ),
-            Self::Exhausted => f.write_str(
-                "The job was not run, because too many workers of the pool have stalled; \
-                 end the process and let its supervisor start it again.",
-            ),
-        }
-    }
-}
-
-impl std::error::Error for JobLost {}
-
-/// A job as the pool sees it, whatever its result.
+/// Type-erased job: the pool's view, independent of the result type.
 pub(crate) trait Task: Send + Sync {
-    /// Runs the work on this thread. False when it was declared lost meanwhile,
-    /// so that this thread has been replaced.
+    /// Runs the work on this thread. `false` when the watchdog has declared it lost
+    /// meanwhile: this thread has then been replaced.
     fn run(&self, progress: &Progress) -> bool;
 
-    /// Declares the job lost. False when it had already ended.
-    fn lose(&self, reason: JobLost) -> bool;
+    /// Declares the job lost. `false` when it had already ended.
+    fn mark_lost(&self, reason: JobLost) -> bool;
 }
 
-pub(crate) struct Job<F, T>(Mutex<State<F, T>>);
+pub(crate) struct Job<F, T>(Mutex<JobState<F, T>>);
 
-enum State<F, T> {
+enum JobState<F, T> {
     Queued(F, Option<Waker>),
     Running(Option<Waker>),
-    /// Running, and nobody awaits it any more.
-    Unwanted,
+    /// Running, but the awaiting future was dropped.
+    Cancelled,
     Ended(Result<T, JobLost>),
     Lost(JobLost),
-    /// Nothing is left to do: the result was handed out or nobody wanted it.
-    Over,
+    /// Final: the result was delivered or is not wanted.
+    Done,
 }
 
 impl<F, T> Job<F, T>
@@ -72,19 +59,20 @@ where
     T: Send + 'static,
 {
     pub(crate) fn new(work: F) -> Self {
-        Self(Mutex::new(State::Queued(work, None)))
+        Self(Mutex::new(JobState::Queued(work, None)))
     }
 
-    /// Neither work nor wakers run under the lock, so a poisoned one is whole.
-    fn lock(&self) -> MutexGuard<'_, State<F, T>> {
+    /// Neither work nor wakers run under the lock, so the data behind a poisoned lock
+    /// is intact.
+    fn lock(&self) -> MutexGuard<'_, JobState<F, T>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn take_work(&self) -> Option<F> {
         let mut state = self.lock();
-        match std::mem::replace(&mut *state, State::Over) {
-            State::Queued(work, waker) => {
-                *state = State::Running(waker);
+        match std::mem::replace(&mut *state, JobState::Done) {
+            JobState::Queued(work, waker) => {
+                *state = JobState::Running(waker);
                 Some(work)
             }
             other => {
@@ -94,28 +82,29 @@ where
         }
     }
 
-    /// Hands over the result; false when the job had been declared lost.
-    fn settle(&self, result: Result<T, JobLost>) -> bool {
+    /// Stores the result and wakes the awaiting task; `false` when the job had been
+    /// declared lost.
+    fn complete(&self, result: Result<T, JobLost>) -> bool {
         let mut state = self.lock();
-        match std::mem::replace(&mut *state, State::Over) {
-            State::Running(waker) => {
-                *state = State::Ended(result);
+        match std::mem::replace(&mut *state, JobState::Done) {
+            JobState::Running(waker) => {
+                *state = JobState::Ended(result);
                 drop(state);
                 if let Some(waker) = waker {
                     waker.wake();
                 }
                 true
             }
-            State::Lost(reason) => {
-                *state = State::Lost(reason);
+            JobState::Lost(reason) => {
+                *state = JobState::Lost(reason);
                 drop(state);
-                discard(result);
+                drop_caught(result);
                 false
             }
-            // Only an unwanted job is left: a worker settles what it runs, once.
+            // Only a cancelled job is left: a worker completes each job once.
             _ => {
                 drop(state);
-                discard(result);
+                drop_caught(result);
                 true
             }
         }
@@ -124,32 +113,32 @@ where
     fn poll_result(&self, context: &Context<'_>) -> Poll<Result<T, JobLost>> {
         let mut state = self.lock();
         match &mut *state {
-            State::Queued(_, waker) | State::Running(waker) => {
+            JobState::Queued(_, waker) | JobState::Running(waker) => {
                 *waker = Some(context.waker().clone());
                 Poll::Pending
             }
-            State::Lost(reason) => Poll::Ready(Err(reason.clone())),
-            State::Ended(_) => match std::mem::replace(&mut *state, State::Over) {
-                State::Ended(result) => Poll::Ready(result),
+            JobState::Lost(reason) => Poll::Ready(Err(reason.clone())),
+            JobState::Ended(_) => match std::mem::replace(&mut *state, JobState::Done) {
+                JobState::Ended(result) => Poll::Ready(result),
                 _ => Poll::Pending,
             },
             // A future is not polled after it was ready or dropped.
-            State::Unwanted | State::Over => Poll::Pending,
+            JobState::Cancelled | JobState::Done => Poll::Pending,
         }
     }
 
-    /// Nobody awaits it any more: work not yet begun and results not yet
-    /// fetched are dropped here.
+    /// Cancels the job: drops work that has not begun and a result that was not
+    /// fetched.
     fn cancel(&self) {
         let mut state = self.lock();
         let next = match &*state {
-            State::Running(_) => State::Unwanted,
-            State::Queued(..) | State::Ended(_) => State::Over,
-            State::Unwanted | State::Lost(_) | State::Over => return,
+            JobState::Running(_) => JobState::Cancelled,
+            JobState::Queued(..) | JobState::Ended(_) => JobState::Done,
+            JobState::Cancelled | JobState::Lost(_) | JobState::Done => return,
         };
         let previous = std::mem::replace(&mut *state, next);
         drop(state);
-        discard(previous);
+        drop_caught(previous);
     }
 }
 
@@ -160,27 +149,30 @@ where
 {
     fn run(&self, progress: &Progress) -> bool {
         match self.take_work() {
-            Some(work) => self.settle(guarded(|| work(progress)).map_err(JobLost::Panicked)),
+            Some(work) => self.complete(catch_panic(|| work(progress)).map_err(JobLost::Panicked)),
             None => true,
         }
     }
 
-    fn lose(&self, reason: JobLost) -> bool {
+    fn mark_lost(&self, reason: JobLost) -> bool {
         let mut state = self.lock();
-        if matches!(*state, State::Ended(_) | State::Lost(_) | State::Over) {
+        if matches!(
+            *state,
+            JobState::Ended(_) | JobState::Lost(_) | JobState::Done
+        ) {
             return false;
         }
-        let previous = std::mem::replace(&mut *state, State::Lost(reason));
+        let previous = std::mem::replace(&mut *state, JobState::Lost(reason));
         drop(state);
-        if let State::Queued(_, Some(waker)) | State::Running(Some(waker)) = &previous {
+        if let JobState::Queued(_, Some(waker)) | JobState::Running(Some(waker)) = &previous {
             waker.wake_by_ref();
         }
-        discard(previous);
+        drop_caught(previous);
         true
     }
 }
 
-/// The awaiting end of a job; dropping it cancels work that has not begun.
+/// Future of a job's result; dropping it cancels work that has not begun.
 pub(crate) struct JobResult<F, T>(pub(crate) Arc<Job<F, T>>)
 where
     F: FnOnce(&Progress) -> T + Send + 'static,

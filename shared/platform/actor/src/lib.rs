@@ -1,50 +1,71 @@
-//! Mailbox, life cycle, worker pool and supervision.
+//! Supervised actors: bounded mailboxes, life cycle, worker pool, restarts with
+//! back-off.
 //!
-//! One object, one actor: a [`Supervisor`] owns actors by id, each a light
-//! task with a bounded mailbox. A handler that panics, fails or hangs costs
-//! that actor one message; it is rebuilt from its last good state, and its
-//! neighbours notice nothing. The words are OTP's: restart, intensity, period,
-//! escalation.
+//! A [`Supervisor`] owns actors of one kind by id. Each is a light task with a
+//! bounded mailbox. A handler that panics, fails or hangs costs that actor one
+//! message; the actor is rebuilt from its last committed state, and its neighbours
+//! are not affected. The vocabulary is OTP's: restart, intensity, period, escalation.
+//! An [`Escalation`] is for the owner of the process to turn into an exit code.
 //!
-//! Two supervisors share these words. [`Supervisor`] is for actors of one kind
-//! that come and go, as tracks do. [`Tree`] is for children known beforehand and
-//! unlike each other: actors, tasks, supervisors, other trees, each with its
-//! [`ChildSpec`], under a [`Strategy`]. A supervisor whose restarts exceed its
-//! policy stops its children and has itself failed: above it a tree restarts it,
-//! and at the root the [`Escalation`] is the owner's to turn into an exit code.
+//! ```
+//! use actor::{Actor, Config, Flow, Placement, Progress, Refuse, Restart, RestartPolicy, Supervisor};
+//! use std::{convert::Infallible, num::NonZeroUsize, sync::Arc, time::Duration};
 //!
-//! ```no_run
-//! # use actor::{ChildSpec, Escalation, ChildPath, Restart, RestartPolicy, Strategy, Tree, reports};
-//! # use std::{convert::Infallible, num::NonZeroUsize, time::Duration};
-//! # async fn run(policy: RestartPolicy, told_to_stop: impl Future<Output = ()>)
-//! # -> Result<(), Box<dyn std::error::Error>> {
-//! let courier = ChildSpec::task("courier", Restart::Permanent, Duration::from_secs(1), |stop| {
-//!     async move {
-//!         stop.await;
-//!         Ok::<(), Infallible>(())
+//! struct Counter(u64);
+//!
+//! impl Actor for Counter {
+//!     type Message = u64;
+//!     type Reply = u64;
+//!     type Checkpoint = u64;
+//!     type Context = ();
+//!     type Error = Infallible;
+//!     type Overflow = Refuse;
+//!
+//!     fn start(_: &Arc<()>, total: u64) -> Result<Self, Infallible> {
+//!         Ok(Self(total))
 //!     }
-//! });
-//! let tree = Tree::new(Strategy::OneForOne, policy, vec![courier])?;
-//! let (reports, events) = reports(NonZeroUsize::new(256).expect("not empty"));
-//! tree.run(reports, told_to_stop).await?;
-//! # drop(events);
+//!     fn handle(&mut self, n: u64, _: &Progress) -> Result<Flow<u64>, Infallible> {
+//!         self.0 += n;
+//!         Ok(Flow::Continue(self.0))
+//!     }
+//!     fn checkpoint(&self) -> u64 {
+//!         self.0
+//!     }
+//! }
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let second = Duration::from_secs(1);
+//! let config = Config {
+//!     restart: Restart::Permanent,
+//!     policy: RestartPolicy::new(3, 60 * second, second / 20, second)?,
+//!     placement: Placement::Inline,
+//!     mailbox_capacity: NonZeroUsize::MIN,
+//!     shutdown: second,
+//!     event_capacity: NonZeroUsize::MIN,
+//! };
+//! let runtime = tokio::runtime::Builder::new_multi_thread().enable_time().build()?;
+//! let (supervisor, _events) = Supervisor::<&str, Counter>::new(config, Arc::new(()), runtime.handle().clone());
+//! let address = supervisor.spawn("counter", 40)?;
+//! let answer = address.ask(0, 2)?;
+//! assert_eq!(runtime.block_on(answer)?, 42);
+//! assert_eq!(runtime.block_on(supervisor.stop_all()), 0);
 //! # Ok(()) }
 //! ```
 //!
 //! Invariants:
-//! - Handlers are synchronous and know nothing of tasks, threads or clocks.
+//! - Handlers are synchronous and independent of tasks, threads and clocks.
 //! - User code never runs while a lock of this crate is held.
-//! - A message is delivered at most once; the one that broke its actor never
-//!   comes back. Who awaits an answer is told when it can no longer come.
+//! - A message is delivered at most once; the message that broke its actor is not
+//!   delivered again. A sender that awaits an answer is notified when it can no
+//!   longer come.
 //! - State is committed only after the handler succeeded; an answer leaves only
 //!   after its state is committed.
-//! - After a failure an actor begins with its last good state, after an
-//!   escalation with its first.
-//! - Nothing here exits the process, installs a panic hook or writes a log:
-//!   what happened is an event, a count or an error for the owner to act on.
+//! - After a failure an actor begins with its last committed state.
+//! - Nothing here exits the process, installs a panic hook or writes a log: every
+//!   occurrence is an event, a count or an error for the owner to act on.
 
-mod border;
 mod error;
+mod panic_boundary;
 mod progress;
 mod sync;
 
@@ -60,13 +81,11 @@ mod config;
 mod event;
 mod restart_policy;
 
+mod actor_loop;
+mod actor_registry;
 mod address;
-mod child;
-mod life;
-mod roster;
+mod supervised_actor;
 mod supervisor;
-
-mod tree;
 
 pub use actor::{Actor, Flow, Identity};
 pub use address::Address;
@@ -78,5 +97,4 @@ pub use progress::Progress;
 pub use reply::{Answer, Lost};
 pub use restart_policy::{RestartHistory, RestartPolicy, Verdict};
 pub use supervisor::Supervisor;
-pub use tree::{ActorConfig, ChildPath, ChildSpec, Reports, Stop, Strategy, Tree, reports};
 pub use worker_pool::{JobLost, PoolConfig, Team, WorkerPool};

@@ -1,8 +1,8 @@
-//! The sign of life of a long handler.
+//! Heartbeat of a long handler, read by the watchdog.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// A counter the working code advances, so that slow is not taken for stuck.
+/// Progress counter by which the watchdog distinguishes slow work from stuck work.
 ///
 /// A handler that may run longer than the pool's stall time calls
 /// [`tick`](Self::tick) in its outer loop.
@@ -10,15 +10,15 @@ use std::sync::atomic::{AtomicU64, Ordering};
 pub struct Progress(AtomicU64);
 
 impl Progress {
-    /// Tells that the work moves on. One relaxed increment: cheap enough for
-    /// every row of an image.
+    /// Records progress. One relaxed increment: cheap enough for every row of an
+    /// image.
     #[inline]
     pub fn tick(&self) {
         // Relaxed: only the fact of change is read, nothing is published by it.
         self.0.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// How often it has ticked, modulo 2^64.
+    /// Number of ticks, modulo 2^64.
     pub fn count(&self) -> u64 {
         self.0.load(Ordering::Relaxed)
     }

@@ -1,31 +1,23 @@
-//! The answer to one message.
+//! Answer to one message (ask pattern).
 
-use std::fmt;
 use std::pin::Pin;
 use std::task::{Context, Poll};
 
 use tokio::sync::oneshot;
 
-/// The answer to come. Resolves in every case: to [`Lost`] when the message was
-/// displaced, its handler failed, or the actor stopped before reaching it.
+/// Future of an answer. Always resolves: to [`Lost`] when the message was displaced,
+/// its handler failed, or the actor stopped before reaching it.
 #[derive(Debug)]
 #[must_use = "an answer nobody awaits should be a `tell`"]
 pub struct Answer<R>(oneshot::Receiver<R>);
 
-/// No answer will come.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// A message that was lost before it was answered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "The message was lost before it was answered; the actor's events say whether it \
+     failed or stopped, and its mailbox counts what was displaced."
+)]
 pub struct Lost;
-
-impl fmt::Display for Lost {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(
-            "The message was lost before it was answered; the actor's events say whether it \
-             failed or stopped, and its mailbox counts what was displaced.",
-        )
-    }
-}
-
-impl std::error::Error for Lost {}
 
 impl<R> Future for Answer<R> {
     type Output = Result<R, Lost>;
@@ -37,8 +29,9 @@ impl<R> Future for Answer<R> {
     }
 }
 
-/// The two ends of one answer; dropping the sender loses it.
-pub(crate) fn answer<R>() -> (oneshot::Sender<R>, Answer<R>) {
+/// One-shot channel for one answer; dropping the sender resolves the future to
+/// [`Lost`].
+pub(crate) fn reply_channel<R>() -> (oneshot::Sender<R>, Answer<R>) {
     let (sender, receiver) = oneshot::channel();
     (sender, Answer(receiver))
 }

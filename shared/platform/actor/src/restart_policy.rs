@@ -1,4 +1,5 @@
-//! How often and how fast something is restarted: pure, over passed-in instants.
+//! Restart policy: restart intensity within a sliding window, and exponential
+//! back-off. Pure functions of passed-in instants.
 //!
 //! Used for actors inside a process and for the processes of a run alike.
 
@@ -7,10 +8,10 @@ use std::time::{Duration, Instant};
 
 use crate::error::Error;
 
-/// At most so many restarts within a window, each after a growing back-off.
+/// Restart limit within a sliding window, with exponential back-off.
 ///
-/// A back-off maximum above `window / max_restarts` makes the limit unreachable
-/// for one child that fails at once each time; it then goes on trying slowly.
+/// A back-off maximum above `window / max_restarts` makes the limit unreachable for
+/// one child that fails at once each time; it then goes on retrying slowly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RestartPolicy {
     max_restarts: u32,
@@ -19,22 +20,22 @@ pub struct RestartPolicy {
     backoff_max: Duration,
 }
 
-/// What to do about a failure.
+/// Decision about a failure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
-    /// Start again after this time.
+    /// Restart after this back-off.
     Restart {
-        /// The back-off.
+        /// Back-off before the restart.
         after: Duration,
     },
-    /// The limit is exceeded: escalate.
+    /// Escalate: the limit is exceeded.
     GiveUp,
 }
 
 impl RestartPolicy {
-    /// A policy of at most `max_restarts` (0 = never restart) within any
-    /// `window`, the first after `backoff_min`, each further one within the
-    /// window after twice the time, up to `backoff_max`.
+    /// Creates a policy of at most `max_restarts` (0 = never restart) within any
+    /// `window`. The first restart comes after `backoff_min`, each further one within
+    /// the window after twice the time, up to `backoff_max`.
     ///
     /// # Errors
     /// [`Error::InvalidRestartPolicy`] for an empty window or a minimum above
@@ -63,18 +64,18 @@ impl RestartPolicy {
         })
     }
 
-    /// The number of restarts allowed within the window.
+    /// Number of restarts allowed within the window.
     pub fn max_restarts(&self) -> u32 {
         self.max_restarts
     }
 
-    /// The time a restart is remembered.
+    /// Length of the sliding window.
     pub fn window(&self) -> Duration {
         self.window
     }
 
-    /// The back-off when `n_recent` restarts are remembered:
-    /// `min(backoff_min * 2^n_recent, backoff_max)`.
+    /// Exponential back-off after `n_recent` remembered restarts: `min(backoff_min *
+    /// 2^n_recent, backoff_max)`.
     pub fn backoff(&self, n_recent: usize) -> Duration {
         // 64 doublings of a nanosecond are centuries.
         (0..n_recent.min(64)).fold(self.backoff_min, |grown, _| {
@@ -83,8 +84,9 @@ impl RestartPolicy {
     }
 }
 
-/// The recent restarts of one child, or of all children of one supervisor.
-/// Holds at most `max_restarts` instants, and allocates at the first failure.
+/// Sliding window of recent restarts, of one child or of all children of one
+/// supervisor. Holds at most `max_restarts` instants, and allocates at the first
+/// failure.
 #[derive(Debug, Clone)]
 pub struct RestartHistory {
     policy: RestartPolicy,
@@ -92,7 +94,7 @@ pub struct RestartHistory {
 }
 
 impl RestartHistory {
-    /// No restarts yet.
+    /// Creates a history without restarts.
     pub fn new(policy: RestartPolicy) -> Self {
         Self {
             policy,
@@ -100,9 +102,9 @@ impl RestartHistory {
         }
     }
 
-    /// Judges a failure at `now` and remembers the restart it allows. A restart
-    /// exactly one window ago is forgotten. An instant before the previous one
-    /// counts as the same moment.
+    /// Decides about a failure at `now` and records the restart that it allows. A
+    /// restart exactly one window ago is forgotten. An instant before the previous
+    /// one counts as the same moment.
     pub fn on_failure(&mut self, now: Instant) -> Verdict {
         let window = self.policy.window;
         while self

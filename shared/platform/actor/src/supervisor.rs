@@ -1,4 +1,4 @@
-//! The owner of actors of one kind.
+//! Supervisor of actors of one kind (OTP's `simple_one_for_one`).
 
 use std::fmt;
 use std::sync::Arc;
@@ -6,87 +6,84 @@ use std::sync::Arc;
 use tokio::runtime::Handle;
 
 use crate::actor::{Actor, Identity};
+use crate::actor_loop::ActorLoop;
+use crate::actor_registry::{ActorRegistry, Spawned};
 use crate::address::Address;
-use crate::child::Child;
 use crate::config::Config;
 use crate::error::Error;
 use crate::event::Events;
-use crate::life::Life;
-use crate::roster::{Newcomer, Roster};
+use crate::supervised_actor::SupervisedActor;
 
-/// Spawns actors by id, restarts those that fail, one for one, and stops them.
+/// Spawns actors by id, restarts those that fail independently of each other, and
+/// stops them.
 ///
-/// Dropping it tells all actors to stop, without waiting.
-pub struct Supervisor<I: Identity, A: Actor>(Arc<Roster<I, A>>);
+/// Dropping it requests all actors to stop, without waiting.
+pub struct Supervisor<I: Identity, A: Actor>(Arc<ActorRegistry<I, A>>);
 
 impl<I: Identity, A: Actor> Supervisor<I, A> {
-    /// A supervisor without actors, and its reports. Tasks run on `runtime`,
-    /// which needs tokio's time driver.
+    /// Creates a supervisor without actors, and its event stream. Tasks run on
+    /// `runtime`, which needs tokio's time driver.
     pub fn new(config: Config, context: Arc<A::Context>, runtime: Handle) -> (Self, Events<I>) {
-        let (roster, events) = Roster::new(config, context, runtime);
-        (Self(Arc::new(roster)), events)
+        let (registry, events) = ActorRegistry::new(config, context, runtime);
+        (Self(Arc::new(registry)), events)
     }
 
-    pub(crate) fn roster(&self) -> Arc<Roster<I, A>> {
-        Arc::clone(&self.0)
-    }
-
-    /// Begins an actor from a first state. Returns before it has started;
-    /// messages sent meanwhile wait in its mailbox.
+    /// Spawns an actor with its first state. Returns before it has started; messages
+    /// sent meanwhile wait in its mailbox.
     ///
     /// # Errors
     /// [`Error::AlreadyRunning`] while an actor with this id has not ended;
     /// [`Error::SupervisorEnded`] after an escalation or [`stop_all`](Self::stop_all).
     pub fn spawn(&self, id: I, checkpoint: A::Checkpoint) -> Result<Address<A>, Error> {
-        let Newcomer {
-            membership,
+        let Spawned {
+            registration,
             mailbox,
             address,
-        } = self.0.enter(id)?;
-        let life = Life::new(mailbox, checkpoint, Arc::clone(&self.0.terms));
-        let child = Child::new(membership, life);
+        } = self.0.register(id)?;
+        let actor_loop = ActorLoop::new(mailbox, checkpoint, Arc::clone(&self.0.loop_config));
+        let child = SupervisedActor::new(registration, actor_loop);
         self.0.runtime.spawn(child.run());
         Ok(address)
     }
 
-    /// Where to send to an actor that has not ended.
+    /// Address of an actor that has not ended.
     pub fn address(&self, id: &I) -> Option<Address<A>> {
         self.0.address(id)
     }
 
-    /// How many actors have not ended.
+    /// Number of actors that have not ended.
     pub fn n_actors(&self) -> usize {
         self.0.n_actors()
     }
 
-    /// Tells an actor to stop, without waiting: the message at work is finished,
-    /// those in its mailbox are dropped now and their senders told. False when
-    /// there is no such actor.
+    /// Requests an actor to stop, without waiting: the message being handled is
+    /// finished, queued messages are dropped now and their senders notified. `false`
+    /// when there is no such actor.
     pub fn dismiss(&self, id: &I) -> bool {
         self.0.dismiss(id)
     }
 
-    /// Like [`dismiss`](Self::dismiss), then waits for the end, at most the
-    /// shutdown time. True when the actor has ended, or there was none; false
-    /// when it was left behind.
+    /// Requests an actor to stop as [`dismiss`](Self::dismiss) does, then waits for
+    /// its end, at most the time limit. `true` when the actor has ended, or there was
+    /// none; `false` when it was abandoned.
     pub async fn stop(&self, id: &I) -> bool {
-        match self.0.dismiss_awaited(id) {
-            Some(leaving) => self.0.see_off(leaving).await == 0,
+        match self.0.begin_stop(id) {
+            Some(pending) => self.0.await_stop(pending).await == 0,
             None => true,
         }
     }
 
-    /// Tells all actors to stop, waits for them at most the shutdown time, and
-    /// spawns no more. Returns how many were left behind.
+    /// Requests all actors to stop, waits for them at most the time limit, and spawns
+    /// no more. Returns the number of abandoned actors.
     pub async fn stop_all(&self) -> usize {
-        let leaving = self.0.dismiss_all();
-        self.0.see_off(leaving).await
+        let pending = self.0.begin_stop_all();
+        self.0.await_stop(pending).await
     }
 }
 
 impl<I: Identity, A: Actor> Drop for Supervisor<I, A> {
     fn drop(&mut self) {
-        drop(self.0.dismiss_all());
+        drop(self.0.begin_stop_all());
     }
 }
 

@@ -1,15 +1,14 @@
-//! The primitives whose order of events matters. The files that take them from
-//! here are compiled a second time in `tests/interleavings`, where a model
-//! checker's take their place.
+//! Synchronisation primitives behind one import, so that loom can replace them. The
+//! files that use them are compiled a second time in `tests/interleavings` with the
+//! primitives of that model checker.
 
 pub(crate) use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 pub(crate) use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
-/// How often somebody looks whether what he waits for is there before he sleeps; about
-/// as long as it takes to be waked.
-pub(crate) const PATIENCE: usize = 2_000;
+/// Iterations of spinning before a thread sleeps; about as long as a wake-up takes.
+pub(crate) const SPIN_LIMIT: usize = 2_000;
 
-/// Between two looks.
+/// One iteration of spinning.
 pub(crate) fn pause() {
     std::hint::spin_loop();
 }

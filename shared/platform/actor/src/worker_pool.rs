@@ -1,18 +1,20 @@
-//! Own threads for the kernels, away from the reactor's.
+//! Worker pool with a watchdog: threads for compute kernels, separate from the
+//! reactor's.
 //!
-//! A job that shows no progress for the stall time is declared lost, its thread
-//! left behind (a thread cannot be killed safely) and replaced. After a few of
-//! these the pool is exhausted: it answers every job with an error, and the
-//! process should exit.
+//! A job that shows no progress for the stall time is declared lost; its thread is
+//! abandoned (a thread cannot be killed safely) and replaced. After a few of these
+//! the pool is exhausted: it answers every job with an error, and the process should
+//! exit.
 
 use std::fmt;
 use std::num::NonZeroUsize;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use crossbeam::channel::{self, Receiver, Sender};
+use parking_lot::Mutex;
 use tokio::sync::watch;
 
 use crate::error::Error;
@@ -20,93 +22,92 @@ use crate::job::{Job, JobResult, Task};
 use crate::progress::Progress;
 
 pub use crate::job::JobLost;
-pub use team::Team;
+pub use fork_join::Team;
 
-mod team;
+mod fork_join;
 
-/// The watchdog looks this often within one stall time.
+/// Watchdog checks within one stall time.
 const CHECKS_PER_STALL: u32 = 4;
 
-/// It never spins, however impatient the configuration.
+/// Shortest period of the watchdog, whatever the configuration.
 const SHORTEST_PERIOD: Duration = Duration::from_millis(1);
 
-/// How many workers, and how patient the pool is with them.
+/// Pool configuration: number of workers and stall limits.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PoolConfig {
-    /// Begins the threads' names; Linux shows the first 15 bytes of a name.
+    /// Prefix of the threads' names; Linux shows the first 15 bytes of a name.
     pub name: String,
-    /// Threads at work at any time.
+    /// Number of worker threads.
     pub n_workers: NonZeroUsize,
-    /// A job silent for this long is abandoned.
+    /// Stall time: a job without progress for this long is abandoned.
     pub stall_after: Duration,
-    /// With this many workers abandoned the pool is exhausted.
+    /// Number of abandoned workers at which the pool is exhausted.
     pub max_abandoned: NonZeroUsize,
 }
 
-/// A fixed crew of named threads; cheap to clone. When the last clone is
-/// dropped, the workers end after the jobs already queued.
+/// Fixed-size pool of named threads; cheap to clone. When the last clone is dropped,
+/// the workers end after the jobs already queued.
 #[derive(Clone)]
-pub struct WorkerPool(Arc<Shared>);
+pub struct WorkerPool(Arc<PoolState>);
 
-struct Shared {
+struct PoolState {
     config: PoolConfig,
-    /// Unbounded, but each entry has a task awaiting it: the awaiting side is
-    /// what bounds it.
+    /// Unbounded, but each entry has a task awaiting it, which bounds it.
     queue: Sender<Arc<dyn Task>>,
-    crew: Mutex<Crew>,
+    workers: Mutex<WorkerSet>,
     n_abandoned: AtomicUsize,
     exhausted: watch::Sender<bool>,
 }
 
-struct Crew {
-    posts: Vec<Post>,
+struct WorkerSet {
+    watched: Vec<WatchedWorker>,
     queue: Receiver<Arc<dyn Task>>,
     n_started: usize,
     checked_at: Option<Instant>,
 }
 
-/// One worker as the watchdog knows it.
-struct Post {
-    worker: Arc<Worker>,
-    seen_count: u64,
-    silent_since: Instant,
+/// Watchdog's record of one worker.
+struct WatchedWorker {
+    thread: Arc<Worker>,
+    last_count: u64,
+    last_progress_at: Instant,
 }
 
-/// What a worker's thread and the watchdog share.
+/// State shared by a worker's thread and the watchdog.
 #[derive(Default)]
 struct Worker {
     progress: Progress,
-    at_work: Mutex<Option<Arc<dyn Task>>>,
+    current_job: Mutex<Option<Arc<dyn Task>>>,
 }
 
 impl WorkerPool {
-    /// Starts the threads. Nobody watches them until
+    /// Starts the threads. They are not watched until
     /// [`start_watchdog`](Self::start_watchdog) or [`check`](Self::check).
     ///
     /// # Errors
     /// [`Error::ThreadNotStarted`]; threads already started end again.
     pub fn start(config: PoolConfig) -> Result<Self, Error> {
         let (sender, receiver) = channel::unbounded();
-        let mut crew = Crew {
-            posts: Vec::new(),
+        let mut workers = WorkerSet {
+            watched: Vec::new(),
             queue: receiver,
             n_started: 0,
             checked_at: None,
         };
         for _ in 0..config.n_workers.get() {
-            crew.start_worker(&config.name, Instant::now())?;
+            workers.start_worker(&config.name, Instant::now())?;
         }
-        Ok(Self(Arc::new(Shared {
+        Ok(Self(Arc::new(PoolState {
             config,
             queue: sender,
-            crew: Mutex::new(crew),
+            workers: Mutex::new(workers),
             n_abandoned: AtomicUsize::new(0),
             exhausted: watch::Sender::new(false),
         })))
     }
 
-    /// Starts a thread that checks the workers several times within each stall
-    /// time, for as long as the pool lives.
+    /// Starts the watchdog thread, which checks the workers several times within each
+    /// stall time for as long as the pool lives.
     ///
     /// # Errors
     /// [`Error::ThreadNotStarted`].
@@ -124,8 +125,8 @@ impl WorkerPool {
         })
     }
 
-    /// Runs a closure on a worker. Dropping the future before the closure began
-    /// means that it never runs.
+    /// Runs a closure on a worker and returns the future of its result. Dropping the
+    /// future before the closure began cancels it.
     ///
     /// # Errors
     /// [`JobLost`] when it panicked, stalled, or the pool is exhausted.
@@ -137,70 +138,71 @@ impl WorkerPool {
         let job = Arc::new(Job::new(work));
         // The pool holds a receiver, so the channel cannot be disconnected.
         let _ = self.0.queue.send(Arc::clone(&job) as Arc<dyn Task>);
-        // Looked at after queueing: either this sees the exhaustion, or the
-        // exhaustion sees the job.
+        // Checked after queueing: either this sees the exhaustion, or the exhaustion
+        // sees the job.
         if self.is_exhausted() {
-            job.lose(JobLost::Exhausted);
+            job.mark_lost(JobLost::Exhausted);
         }
         JobResult(job)
     }
 
-    /// A team for work of a job that other workers can share. A leader or a helper
-    /// that stalls is abandoned like any other worker, and the job with it.
+    /// Creates a fork-join helper for work of a job that other workers can share. A
+    /// leader or a helper that stalls is abandoned like any other worker, and the job
+    /// with it.
     ///
-    /// The workers live as long as the team.
+    /// The worker threads live as long as it does.
     pub fn team(&self) -> Team {
         let queue = self.0.queue.clone();
-        let call = move |helper: Arc<team::Helper>| {
-            // The pool holds a receiver; without one nobody would help.
+        let call = move |helper: Arc<fork_join::Helper>| {
+            // The pool holds a receiver; without one there would be no help.
             let _ = queue.send(helper as Arc<dyn Task>);
         };
         Team::new(self.0.config.n_workers.get() - 1, Box::new(call))
     }
 
-    /// Abandons and replaces each worker that has shown no progress for the
-    /// stall time before `now`; returns how many. Call it several times within
-    /// a stall time: a longer gap between two calls (the process was stopped)
+    /// Watchdog check: abandons and replaces each worker that has shown no progress
+    /// for the stall time before `now`; returns their number. Call it several times
+    /// within a stall time: a longer gap between two calls (the process was stopped)
     /// proves nothing about the workers, and restarts their clocks.
     pub fn check(&self, now: Instant) -> usize {
-        let mut unrun = Vec::new();
+        let mut unstarted = Vec::new();
         let n_stalled = {
-            let mut crew = lock(&self.0.crew);
-            let n_stalled = crew.remove_stalled(now, self.0.config.stall_after);
+            let mut workers = self.0.workers.lock();
+            let n_stalled = workers.remove_stalled(now, self.0.config.stall_after);
             for _ in 0..n_stalled {
-                if !self.replace_one(&mut crew, now) {
+                if !self.replace_one(&mut workers, now) {
                     self.0.exhausted.send_replace(true);
-                    unrun.extend(crew.queue.try_iter());
+                    unstarted.extend(workers.queue.try_iter());
                 }
             }
             n_stalled
         };
-        for task in unrun {
-            task.lose(JobLost::Exhausted);
+        for task in unstarted {
+            task.mark_lost(JobLost::Exhausted);
         }
         n_stalled
     }
 
-    /// Counts an abandoned worker and starts its successor; false when there is
-    /// none, because too many were lost or the system gives no thread.
-    fn replace_one(&self, crew: &mut Crew, now: Instant) -> bool {
+    /// Counts an abandoned worker and starts its successor; `false` when there is
+    /// none, because too many were lost or the system refuses a thread.
+    fn replace_one(&self, workers: &mut WorkerSet, now: Instant) -> bool {
         let n_abandoned = self.0.n_abandoned.fetch_add(1, Ordering::Relaxed) + 1;
         n_abandoned < self.0.config.max_abandoned.get()
-            && crew.start_worker(&self.0.config.name, now).is_ok()
+            && workers.start_worker(&self.0.config.name, now).is_ok()
     }
 
-    /// How many workers were abandoned since the start.
+    /// Number of workers abandoned since the start.
     pub fn abandoned(&self) -> usize {
         self.0.n_abandoned.load(Ordering::Relaxed)
     }
 
-    /// Whether too many workers were abandoned, or one could not be replaced.
+    /// `true` when too many workers were abandoned, or one could not be replaced.
     pub fn is_exhausted(&self) -> bool {
         *self.0.exhausted.borrow()
     }
 
-    /// Returns once the pool is exhausted: then the process should end with an
-    /// error, for the threads left behind hold memory and shared frames.
+    /// Returns when the pool is exhausted: then the process should end with an error,
+    /// because the abandoned threads hold memory and shared frames.
     pub async fn exhausted(&self) {
         let mut exhausted = self.0.exhausted.subscribe();
         // Cannot fail: the sender lives as long as `self`.
@@ -208,18 +210,18 @@ impl WorkerPool {
     }
 }
 
-impl Crew {
+impl WorkerSet {
     fn start_worker(&mut self, name: &str, now: Instant) -> Result<(), Error> {
-        let worker = Arc::new(Worker::default());
-        let (at_post, queue) = (Arc::clone(&worker), self.queue.clone());
+        let thread = Arc::new(Worker::default());
+        let (own, queue) = (Arc::clone(&thread), self.queue.clone());
         start_thread(format!("{name}-{}", self.n_started), move || {
-            at_post.work(&queue);
+            own.work(&queue);
         })?;
         self.n_started += 1;
-        self.posts.push(Post {
-            worker,
-            seen_count: 0,
-            silent_since: now,
+        self.watched.push(WatchedWorker {
+            thread,
+            last_count: 0,
+            last_progress_at: now,
         });
         Ok(())
     }
@@ -228,54 +230,52 @@ impl Crew {
         let previous = self.checked_at.replace(now);
         let was_watched =
             previous.is_some_and(|then| now.saturating_duration_since(then) <= stall_after);
-        let n_before = self.posts.len();
-        self.posts.retain_mut(|post| {
-            let silent = post.silent_task(now);
+        let n_before = self.watched.len();
+        self.watched.retain_mut(|worker| {
+            let silent = worker.silent_job(now);
             let stalled = silent.filter(|(_, time)| was_watched && *time >= stall_after);
-            !stalled.is_some_and(|(task, _)| task.lose(JobLost::Stalled))
+            !stalled.is_some_and(|(task, _)| task.mark_lost(JobLost::Stalled))
         });
         if !was_watched {
-            self.posts
+            self.watched
                 .iter_mut()
-                .for_each(|post| post.silent_since = now);
+                .for_each(|worker| worker.last_progress_at = now);
         }
-        n_before - self.posts.len()
+        n_before - self.watched.len()
     }
 }
 
-impl Post {
-    /// The job at work and for how long it has shown no progress.
-    fn silent_task(&mut self, now: Instant) -> Option<(Arc<dyn Task>, Duration)> {
+impl WatchedWorker {
+    /// Current job and the time since its last progress.
+    fn silent_job(&mut self, now: Instant) -> Option<(Arc<dyn Task>, Duration)> {
         // The job first, then the count: a job that has just begun has ticked.
-        let at_work = lock(&self.worker.at_work).clone();
-        let count = self.worker.progress.count();
-        if at_work.is_none() || count != self.seen_count {
-            self.seen_count = count;
-            self.silent_since = now;
+        let current_job = self.thread.current_job.lock().clone();
+        let count = self.thread.progress.count();
+        if current_job.is_none() || count != self.last_count {
+            self.last_count = count;
+            self.last_progress_at = now;
         }
-        Some((at_work?, now.saturating_duration_since(self.silent_since)))
+        Some((
+            current_job?,
+            now.saturating_duration_since(self.last_progress_at),
+        ))
     }
 }
 
 impl Worker {
     fn work(&self, queue: &Receiver<Arc<dyn Task>>) {
         while let Ok(task) = queue.recv() {
-            // Before the job is visible, so that whoever sees it also sees that
-            // its beginning was progress.
+            // Before the job is visible, so that a watchdog that sees it also sees
+            // its beginning as progress.
             self.progress.tick();
-            *lock(&self.at_work) = Some(Arc::clone(&task));
+            *self.current_job.lock() = Some(Arc::clone(&task));
             let is_kept = task.run(&self.progress);
-            *lock(&self.at_work) = None;
+            *self.current_job.lock() = None;
             if !is_kept {
                 return;
             }
         }
     }
-}
-
-/// No foreign code runs under these locks, so a poisoned one is still whole.
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 fn start_thread(name: String, body: impl FnOnce() + Send + 'static) -> Result<(), Error> {

@@ -1,32 +1,33 @@
-//! What a full mailbox does, as a type.
+//! Overflow policies of a mailbox as types: drop oldest, block, refuse.
 
 mod sealed {
     pub trait Sealed {}
 }
 
-/// What a full mailbox does with the next message.
+/// Overflow policy: the treatment of a message sent to a full mailbox.
 pub trait Overflow: sealed::Sealed + Send + Sync + 'static {
-    /// Whether the receiver must tell waiting senders of the room it made.
+    /// `true` when the receiver must wake waiting senders after making room.
     #[doc(hidden)]
     const SENDERS_WAIT: bool;
 }
 
-/// A policy under which a sender never waits.
+/// Overflow policy under which a sender never waits.
 pub trait Immediate: Overflow {
-    /// Whether the oldest message makes room for the newest.
+    /// `true` when the newest message displaces the oldest.
     #[doc(hidden)]
     const DISPLACES: bool;
 }
 
-/// Drops the oldest message and counts it: for sensor data.
+/// Drop-oldest policy: displaces the oldest message and counts it; for sensor data.
 #[derive(Debug, Clone, Copy)]
 pub struct KeepLatest;
 
-/// Lets the sender wait for room: for streams that must be complete.
+/// Back-pressure policy: the sender waits for room; for streams that must be
+/// complete.
 #[derive(Debug, Clone, Copy)]
 pub struct Block;
 
-/// Hands the message back to the sender: for commands.
+/// Refusal policy: the message returns to the sender; for commands.
 #[derive(Debug, Clone, Copy)]
 pub struct Refuse;
 

@@ -1,37 +1,37 @@
-//! What the lock of a mailbox protects; every change is a function without
-//! waiting, and hands back whom to wake once the lock is released.
+//! Queue of a mailbox, protected by its lock. Every change is a function without
+//! waiting, and returns the wakers to call once the lock is released.
 
 use std::collections::VecDeque;
 use std::task::{Context, Waker};
 
-/// So many messages have their place from the beginning.
+/// Capacity reserved at the start, messages.
 const USUAL_CAPACITY: usize = 4;
 
 pub(crate) struct Queue<T> {
     messages: VecDeque<T>,
     reader: Option<Waker>,
-    /// Senders that wait for room, in the order of asking. On the heap, for
-    /// most mailboxes never have any, and are small in the cache without.
+    /// Senders waiting for room, first come, first served. On the heap because most
+    /// mailboxes never have any, and are small in the cache without.
     #[expect(clippy::box_collection, reason = "two cache lines for a mailbox")]
     waiting: Option<Box<VecDeque<(Ticket, Waker)>>>,
     n_tickets: u64,
-    pub(crate) state: State,
+    pub(crate) state: QueueState,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum State {
+pub(crate) enum QueueState {
     Open,
-    /// No sender is left; what is queued can still be received.
+    /// No sender is left; queued messages can still be received.
     Disconnected,
-    /// Nothing is received any more.
+    /// Closed: no message is received any more.
     Closed,
 }
 
-/// A place among the senders that wait.
+/// Position in the line of waiting senders.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Ticket(u64);
 
-/// Those who may go on; dropping it does not wake them.
+/// Wakers of the tasks that may continue; dropping it does not wake them.
 #[must_use]
 #[derive(Default)]
 pub(crate) struct Wakers {
@@ -46,8 +46,8 @@ impl Wakers {
     }
 }
 
-/// What becomes of a message that waits its turn.
-pub(crate) enum Turn {
+/// Outcome of an attempt to push in order.
+pub(crate) enum PushOutcome {
     Pushed(Wakers),
     Wait,
     Closed,
@@ -56,12 +56,12 @@ pub(crate) enum Turn {
 impl<T> Queue<T> {
     pub(crate) fn new(capacity: usize) -> Self {
         Self {
-            // Beside the mailbox in memory, if taken at once.
+            // Adjacent to the mailbox in memory, if allocated at once.
             messages: VecDeque::with_capacity(capacity.min(USUAL_CAPACITY)),
             reader: None,
             waiting: None,
             n_tickets: 0,
-            state: State::Open,
+            state: QueueState::Open,
         }
     }
 
@@ -81,41 +81,41 @@ impl<T> Queue<T> {
         self.messages.pop_front()
     }
 
-    /// Pushes the message if there is room and nobody has waited longer; else
-    /// the sender gets a ticket, or keeps the one it has.
-    pub(crate) fn push_in_turn(
+    /// Pushes the message if there is room and no other sender has waited longer;
+    /// otherwise the sender gets a ticket, or keeps the one it has.
+    pub(crate) fn push_in_order(
         &mut self,
         message: &mut Option<T>,
         ticket: &mut Option<Ticket>,
         capacity: usize,
         context: &Context<'_>,
-    ) -> Turn {
-        let place = ticket.and_then(|ticket| self.place(ticket));
-        if self.state == State::Closed || (ticket.is_some() && place.is_none()) {
-            // Closing took the ticket away, even if it is open again by now.
+    ) -> PushOutcome {
+        let position = ticket.and_then(|ticket| self.position(ticket));
+        if self.state == QueueState::Closed || (ticket.is_some() && position.is_none()) {
+            // Closing took the ticket away.
             *ticket = None;
-            return Turn::Closed;
+            return PushOutcome::Closed;
         }
-        let is_first = place.map_or(self.first().is_none(), |place| place == 0);
+        let is_first = position.map_or(self.first().is_none(), |position| position == 0);
         if is_first && self.len() < capacity {
             if let (Some(_), Some(waiting)) = (ticket.take(), &mut self.waiting) {
                 waiting.pop_front();
             }
             let mut wakers = message.take().map(|m| self.push(m)).unwrap_or_default();
             wakers.sender = self.next_sender(capacity);
-            return Turn::Pushed(wakers);
+            return PushOutcome::Pushed(wakers);
         }
-        match (place, &mut self.waiting) {
-            (Some(place), Some(waiting)) => waiting[place].1.clone_from(context.waker()),
-            _ => *ticket = Some(self.queue_up(context)),
+        match (position, &mut self.waiting) {
+            (Some(position), Some(waiting)) => waiting[position].1.clone_from(context.waker()),
+            _ => *ticket = Some(self.enqueue_sender(context)),
         }
-        Turn::Wait
+        PushOutcome::Wait
     }
 
-    /// Gives a ticket back; the next sender may have been waiting behind it.
-    pub(crate) fn leave(&mut self, ticket: Ticket, capacity: usize) -> Wakers {
-        if let (Some(place), Some(waiting)) = (self.place(ticket), &mut self.waiting) {
-            waiting.remove(place);
+    /// Cancels a wait; the next sender may have been waiting behind it.
+    pub(crate) fn cancel_wait(&mut self, ticket: Ticket, capacity: usize) -> Wakers {
+        if let (Some(position), Some(waiting)) = (self.position(ticket), &mut self.waiting) {
+            waiting.remove(position);
         }
         Wakers {
             reader: None,
@@ -123,23 +123,23 @@ impl<T> Queue<T> {
         }
     }
 
-    /// The sender to wake, if there is room for it.
+    /// Waker of the first waiting sender, if there is room for its message.
     pub(crate) fn next_sender(&self, capacity: usize) -> Option<Waker> {
         let first = self.first().filter(|_| self.len() < capacity);
         first.map(|(_, waker)| waker.clone())
     }
 
-    pub(crate) fn await_change(&mut self, context: &Context<'_>) {
+    pub(crate) fn register_reader(&mut self, context: &Context<'_>) {
         match &mut self.reader {
             Some(reader) => reader.clone_from(context.waker()),
             none => *none = Some(context.waker().clone()),
         }
     }
 
-    /// No sender is left.
+    /// Marks the queue as disconnected: no sender is left.
     pub(crate) fn disconnect(&mut self) -> Wakers {
-        if self.state == State::Open {
-            self.state = State::Disconnected;
+        if self.state == QueueState::Open {
+            self.state = QueueState::Disconnected;
         }
         Wakers {
             reader: self.reader.take(),
@@ -147,11 +147,11 @@ impl<T> Queue<T> {
         }
     }
 
-    /// Ends the queue; what it held is to be dropped, and everybody to be
-    /// woken, outside the lock.
-    pub(crate) fn close(&mut self) -> Remains<T> {
-        self.state = State::Closed;
-        Remains {
+    /// Closes the queue; its contents must be dropped, and all waiters woken, outside
+    /// the lock.
+    pub(crate) fn close(&mut self) -> ClosedQueue<T> {
+        self.state = QueueState::Closed;
+        ClosedQueue {
             messages: std::mem::take(&mut self.messages),
             reader: self.reader.take(),
             waiting: self
@@ -162,17 +162,17 @@ impl<T> Queue<T> {
         }
     }
 
-    fn place(&self, ticket: Ticket) -> Option<usize> {
+    fn position(&self, ticket: Ticket) -> Option<usize> {
         let waiting = self.waiting.as_ref()?;
         waiting.iter().position(|(other, _)| *other == ticket)
     }
 
-    /// The first of those who wait.
+    /// First waiting sender.
     fn first(&self) -> Option<&(Ticket, Waker)> {
         self.waiting.as_ref()?.front()
     }
 
-    fn queue_up(&mut self, context: &Context<'_>) -> Ticket {
+    fn enqueue_sender(&mut self, context: &Context<'_>) -> Ticket {
         self.n_tickets += 1;
         let ticket = Ticket(self.n_tickets);
         let waiting = self.waiting.get_or_insert_default();
@@ -181,17 +181,17 @@ impl<T> Queue<T> {
     }
 }
 
-/// What was in a closed queue.
+/// Contents of a closed queue.
 #[must_use]
-pub(crate) struct Remains<T> {
+pub(crate) struct ClosedQueue<T> {
     messages: VecDeque<T>,
     reader: Option<Waker>,
     waiting: VecDeque<(Ticket, Waker)>,
 }
 
-impl<T> Remains<T> {
-    /// Wakes everyone who waits at either end, then drops the messages.
-    pub(crate) fn scatter(self) {
+impl<T> ClosedQueue<T> {
+    /// Wakes all waiters at both ends, then drops the messages.
+    pub(crate) fn wake_and_drop(self) {
         self.reader.into_iter().for_each(Waker::wake);
         for (_, waker) in self.waiting {
             waker.wake();

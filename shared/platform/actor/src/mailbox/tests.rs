@@ -11,45 +11,44 @@ use std::num::NonZeroUsize;
 use std::sync::Arc;
 use std::task::{Context, Poll};
 
-/// Far beyond any healthy run, paused clocks included.
+/// Watchdog of a test, far beyond any healthy run, paused clocks included.
 const WATCHDOG: Duration = Duration::from_secs(60);
 
 fn room(n: usize) -> NonZeroUsize {
     NonZeroUsize::new(n).unwrap()
 }
 
-/// What is there now, without waiting.
+/// Polls the receiver once, without waiting.
 fn poll_now<T, P: Overflow>(receiver: &mut Receiver<T, P>) -> Poll<Option<T>> {
     let mut context = Context::from_waker(Waker::noop());
     pin!(receiver.recv()).poll(&mut context)
 }
 
 #[derive(Debug, Clone, Copy)]
-enum Step {
+enum MailboxStep {
     Send,
     Receive,
     Close,
 }
 
-fn steps() -> impl Strategy<Value = Vec<Step>> {
-    let step =
-        prop_oneof![30 => Just(Step::Send), 20 => Just(Step::Receive), 1 => Just(Step::Close)];
+fn steps() -> impl Strategy<Value = Vec<MailboxStep>> {
+    let step = prop_oneof![30 => Just(MailboxStep::Send), 20 => Just(MailboxStep::Receive), 1 => Just(MailboxStep::Close)];
     prop::collection::vec(step, 1..200)
 }
 
-/// Runs the steps on a mailbox and on a plain list with the policy's sentence.
-fn check<P: Immediate>(capacity: usize, steps: &[Step]) -> Result<(), TestCaseError> {
+/// Compares the mailbox with a plain list under the same policy.
+fn check<P: Immediate>(capacity: usize, steps: &[MailboxStep]) -> Result<(), TestCaseError> {
     let (sender, mut receiver) = mailbox::<usize, P>(room(capacity));
     let (mut model, mut n_displaced, mut is_closed) = (VecDeque::new(), 0_u64, false);
     for (stamp, step) in steps.iter().enumerate() {
         match step {
-            Step::Send if is_closed => {
+            MailboxStep::Send if is_closed => {
                 prop_assert_eq!(sender.send(stamp), Err(SendError::Closed(stamp)));
             }
-            Step::Send if model.len() == capacity && !P::DISPLACES => {
+            MailboxStep::Send if model.len() == capacity && !P::DISPLACES => {
                 prop_assert_eq!(sender.send(stamp), Err(SendError::Full(stamp)));
             }
-            Step::Send => {
+            MailboxStep::Send => {
                 if model.len() == capacity {
                     model.pop_front();
                     n_displaced += 1;
@@ -57,14 +56,14 @@ fn check<P: Immediate>(capacity: usize, steps: &[Step]) -> Result<(), TestCaseEr
                 model.push_back(stamp);
                 prop_assert_eq!(sender.send(stamp), Ok(()));
             }
-            Step::Receive => {
+            MailboxStep::Receive => {
                 let expected = match model.pop_front() {
                     None if !is_closed => Poll::Pending,
                     next => Poll::Ready(next),
                 };
                 prop_assert_eq!(poll_now(&mut receiver), expected);
             }
-            Step::Close => {
+            MailboxStep::Close => {
                 sender.close();
                 model.clear();
                 is_closed = true;
@@ -79,12 +78,12 @@ fn check<P: Immediate>(capacity: usize, steps: &[Step]) -> Result<(), TestCaseEr
 
 proptest! {
     #[test]
-    fn keep_latest_is_a_list_that_loses_its_oldest(capacity in 1_usize..6, steps in steps()) {
+    fn drop_oldest_agrees_with_a_list(capacity in 1_usize..6, steps in steps()) {
         check::<KeepLatest>(capacity, &steps)?;
     }
 
     #[test]
-    fn refuse_is_a_list_that_takes_no_more(capacity in 1_usize..6, steps in steps()) {
+    fn refuse_agrees_with_a_list(capacity in 1_usize..6, steps in steps()) {
         check::<Refuse>(capacity, &steps)?;
     }
 }
@@ -134,7 +133,7 @@ fn a_message_that_closes_its_own_mailbox_when_dropped_finds_no_lock_held() {
 }
 
 #[tokio::test(start_paused = true)]
-async fn without_senders_the_rest_is_received_and_then_the_end() {
+async fn receiver_without_senders_gets_the_rest_and_the_end() {
     let (sender, mut receiver) = mailbox::<_, Refuse>(room(4));
     let other = sender.clone();
     sender.send(1).unwrap();
@@ -188,7 +187,7 @@ async fn block_returns_the_message_when_the_receiver_goes() {
 }
 
 #[tokio::test(start_paused = true)]
-async fn an_abandoned_send_takes_no_place() {
+async fn cancelled_send_takes_no_place_in_line() {
     let (sender, mut receiver) = mailbox::<_, Block>(room(1));
     sender.send(1).await.unwrap();
     assert!(
@@ -202,7 +201,7 @@ async fn an_abandoned_send_takes_no_place() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn across_threads_nothing_is_lost_or_overtaken() {
+async fn messages_across_threads_keep_their_order() {
     const N_SENDERS: usize = 4;
     const N_MESSAGES: usize = 5_000;
     let (sender, mut receiver) = mailbox::<_, Block>(room(3));

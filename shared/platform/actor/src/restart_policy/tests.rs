@@ -9,7 +9,7 @@ fn policy(max_restarts: u32, window_ms: u64, min_ms: u64, max_ms: u64) -> Restar
     RestartPolicy::new(max_restarts, ms(window_ms), ms(min_ms), ms(max_ms)).unwrap()
 }
 
-/// The policy as its sentence says it: look at all restarts ever, count.
+/// Reference policy: counts over the list of all restarts.
 fn reference(policy: &RestartPolicy, restarts: &[Instant], now: Instant) -> Verdict {
     let n_recent = restarts
         .iter()
@@ -27,7 +27,7 @@ fn reference(policy: &RestartPolicy, restarts: &[Instant], now: Instant) -> Verd
 
 proptest! {
     #[test]
-    fn verdicts_follow_the_sentence(
+    fn decisions_agree_with_the_reference(
         max_restarts in 0_u32..12,
         window_ms in 1_u64..5_000,
         (min_ms, extra_ms) in (0_u64..300, 0_u64..3_000),
@@ -82,7 +82,7 @@ fn the_backoff_doubles_up_to_its_maximum() {
 }
 
 #[test]
-fn the_backoff_is_short_again_once_failures_are_forgotten() {
+fn backoff_resets_when_restarts_leave_the_window() {
     let mut history = RestartHistory::new(policy(30, 60_000, 50, 2_000));
     let first = Instant::now();
     history.on_failure(first);
@@ -97,7 +97,7 @@ fn the_backoff_is_short_again_once_failures_are_forgotten() {
 }
 
 #[test]
-fn an_instant_from_the_past_is_no_way_around_the_limit() {
+fn limit_holds_for_instants_in_the_past() {
     let mut history = RestartHistory::new(policy(1, 1_000, 0, 0));
     let earlier = Instant::now();
     history.on_failure(earlier + 5 * SECOND);
@@ -105,7 +105,7 @@ fn an_instant_from_the_past_is_no_way_around_the_limit() {
 }
 
 #[test]
-fn huge_numbers_stay_at_the_maximum() {
+fn backoff_saturates_at_its_maximum() {
     let policy = policy(u32::MAX, 1, 1, 1_000_000_000);
     for n_recent in [31, 32, 64, 65, usize::MAX] {
         assert_eq!(policy.backoff(n_recent), SECOND * 1_000_000);
@@ -113,7 +113,7 @@ fn huge_numbers_stay_at_the_maximum() {
 }
 
 #[test]
-fn contradictions_are_refused_with_a_sentence() {
+fn contradictory_policies_are_refused() {
     let zero_window = RestartPolicy::new(3, Duration::ZERO, SECOND, SECOND).unwrap_err();
     assert!(zero_window.to_string().contains("window must not be empty"));
     let crossed = RestartPolicy::new(3, SECOND, 2 * SECOND, SECOND).unwrap_err();

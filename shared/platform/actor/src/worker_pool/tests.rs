@@ -6,7 +6,7 @@ use tokio::time::timeout;
 use super::*;
 
 const STALL: Duration = Duration::from_secs(1);
-/// Far beyond any healthy run.
+/// Watchdog of a test, far beyond any healthy run.
 const WATCHDOG: Duration = Duration::from_secs(60);
 
 fn pool(n_workers: usize, max_abandoned: usize) -> WorkerPool {
@@ -24,19 +24,15 @@ fn runtime() -> Runtime {
 }
 
 fn wait<T>(future: impl Future<Output = T>) -> T {
-    runtime().block_on(async {
-        timeout(WATCHDOG, future)
-            .await
-            .expect("the watchdog barked")
-    })
+    runtime().block_on(async { timeout(WATCHDOG, future).await.expect("the test hangs") })
 }
 
-/// A job that has begun and hangs until its gate is dropped or told to tick.
+/// Running job that hangs until its gate is dropped or makes it tick.
 struct Hung<F> {
     result: F,
     gate: mpsc::Sender<()>,
     ticked: mpsc::Receiver<()>,
-    /// Shared with the job: how long it holds its resource.
+    /// Resource shared with the job: its count shows how long the job holds it.
     resource: Arc<()>,
 }
 
@@ -78,7 +74,7 @@ fn a_job_runs_on_a_named_thread_and_its_result_comes_back() {
 }
 
 #[test]
-fn a_panic_is_the_jobs_own_affair() {
+fn panic_is_the_error_of_its_job_only() {
     let pool = pool(1, 1);
     let lost = wait(pool.run(|_| panic!("voxel {}", 7)));
     assert_eq!(lost, Err::<(), _>(JobLost::Panicked("voxel 7".to_owned())));
@@ -87,7 +83,7 @@ fn a_panic_is_the_jobs_own_affair() {
 }
 
 #[test]
-fn a_job_nobody_awaits_is_not_begun() {
+fn cancelled_job_is_not_begun() {
     let pool = pool(1, 1);
     let busy = hang(&pool);
     let resource = Arc::new(());
@@ -104,7 +100,7 @@ fn a_job_nobody_awaits_is_not_begun() {
 }
 
 #[test]
-fn stalled_is_abandoned_is_replaced_until_exhausted() {
+fn stalled_workers_are_replaced_until_the_pool_is_exhausted() {
     let pool = pool(1, 2);
     let start = Instant::now();
     pool.check(start);
@@ -155,7 +151,7 @@ fn an_idle_worker_is_never_stalled() {
 }
 
 #[test]
-fn a_gap_between_checks_proves_nothing() {
+fn watchdog_ignores_a_gap_between_checks() {
     let pool = pool(1, 1);
     let hung = hang(&pool);
     let start = Instant::now();
@@ -179,7 +175,7 @@ fn an_abandoned_thread_that_moves_again_returns_what_it_held_and_ends() {
     assert_eq!(wait(hung.result), Err(JobLost::Stalled));
     assert_eq!(Arc::strong_count(&hung.resource), 2);
     drop(hung.gate);
-    // Its end of this channel is dropped with the job.
+    // The job's end of this channel is dropped with it.
     assert!(hung.ticked.recv_timeout(WATCHDOG).is_err());
     assert_eq!(Arc::strong_count(&hung.resource), 1);
     assert_eq!(pool.check(start + STALL * 3 / 2), 0);
@@ -190,7 +186,7 @@ fn an_abandoned_thread_that_moves_again_returns_what_it_held_and_ends() {
 }
 
 #[test]
-fn a_result_that_panics_when_nobody_wants_it_spares_the_worker() {
+fn unwanted_result_with_a_panicking_drop_spares_the_worker() {
     struct Bomb;
     impl Drop for Bomb {
         fn drop(&mut self) {
@@ -236,12 +232,12 @@ fn the_last_handle_lets_queued_jobs_finish() {
     }
 }
 
-/// Counts to a number, whoever takes a step; returns how many threads did.
+/// Counts to a number on all threads; returns how many threads took part.
 fn count_together(team: &Team, n_steps: usize) -> usize {
     let (next, threads) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     team.together(&|| {
         while next.fetch_add(1, Ordering::Relaxed) < n_steps {
-            let mut threads = threads.lock().unwrap();
+            let mut threads = threads.lock();
             if !threads.contains(&thread::current().id()) {
                 threads.push(thread::current().id());
             }
@@ -249,24 +245,24 @@ fn count_together(team: &Team, n_steps: usize) -> usize {
             thread::sleep(Duration::from_millis(1));
         }
     });
-    let n_threads = threads.lock().unwrap().len();
+    let n_threads = threads.lock().len();
     assert!(next.into_inner() >= n_steps);
     n_threads
 }
 
 #[test]
-fn idle_workers_help_the_one_who_leads() {
+fn fork_join_uses_idle_workers() {
     for n_workers in [1, 3] {
         let pool = pool(n_workers, 1);
         let team = pool.team();
-        // Each of the others needs a moment to wake up.
+        // Each of the other workers needs a moment to wake up.
         let n_threads = wait(pool.run(move |_| count_together(&team, 1_000)));
         assert_eq!(n_threads, Ok(n_workers));
     }
 }
 
 #[test]
-fn nobody_waits_for_a_worker_that_is_at_work_elsewhere() {
+fn fork_join_does_not_wait_for_busy_workers() {
     let pool = pool(2, 1);
     let busy = hang(&pool);
     let team = pool.team();
@@ -276,7 +272,7 @@ fn nobody_waits_for_a_worker_that_is_at_work_elsewhere() {
 }
 
 #[test]
-fn a_helper_that_stalls_takes_the_leaders_job_with_it_and_both_are_replaced() {
+fn fork_join_helper_that_stalls_loses_the_leaders_job() {
     let pool = pool(2, 3);
     let start = Instant::now();
     pool.check(start);
@@ -286,7 +282,7 @@ fn a_helper_that_stalls_takes_the_leaders_job_with_it_and_both_are_replaced() {
     let led = pool.run(move |_| {
         team.together(&|| {
             tell.send(()).unwrap();
-            let _ = opened.lock().unwrap().recv();
+            let _ = opened.lock().recv();
         });
     });
     for _ in 0..2 {
@@ -302,7 +298,7 @@ fn a_helper_that_stalls_takes_the_leaders_job_with_it_and_both_are_replaced() {
 }
 
 #[test]
-fn a_panic_of_the_leader_waits_for_the_helpers_and_is_the_jobs_own_affair() {
+fn fork_join_leader_panic_waits_for_the_helpers() {
     let pool = pool(2, 1);
     let team = Arc::new(pool.team());
     let leaders = Arc::clone(&team);
@@ -314,7 +310,7 @@ fn a_panic_of_the_leader_waits_for_the_helpers_and_is_the_jobs_own_affair() {
         let inside = Mutex::new(inside);
         leaders.together(&|| {
             if thread::current().id() == leader {
-                let _ = inside.lock().unwrap().recv_timeout(WATCHDOG);
+                let _ = inside.lock().recv_timeout(WATCHDOG);
                 panic!("the leader");
             }
             n_inside.fetch_add(1, Ordering::Relaxed);

@@ -1,13 +1,13 @@
-//! The mailbox, the job and the team under loom (a model checker; Norris and Demsky 2013):
-//! each test runs in every order of events that its threads can bring about,
-//! up to a bounded number of preemptions.
+//! Model checking of mailbox, job and fork-join under loom (Norris and Demsky 2013):
+//! each test runs in every interleaving of its threads, up to a bounded number of
+//! preemptions.
 //!
 //! The files are those of the crate, compiled here with loom's primitives.
 
 #![allow(
     dead_code,
     unreachable_pub,
-    reason = "the files are the crate's, of which a test uses a part"
+    reason = "each test uses a part of the included files of the crate"
 )]
 
 mod sync {
@@ -15,38 +15,38 @@ mod sync {
     pub(crate) use loom::sync::{Arc, Condvar, Mutex, MutexGuard};
     pub(crate) use std::sync::PoisonError;
 
-    /// Every number of looks is in one of the orders of no look.
-    pub(crate) const PATIENCE: usize = 0;
+    /// No spinning: the interleavings without it include all others.
+    pub(crate) const SPIN_LIMIT: usize = 0;
 
     pub(crate) fn pause() {}
 }
 
 #[path = "../../src/mailbox"]
 mod mailbox {
-    pub mod ends;
+    pub mod endpoints;
     pub mod overflow;
     pub mod queue;
     pub mod send_error;
 }
 
-#[path = "../../src/border.rs"]
-mod border;
-#[path = "../../src/job.rs"]
-mod job;
-#[path = "../../src/progress.rs"]
-mod progress;
-#[path = "../../src/worker_pool/team.rs"]
+#[path = "../../src/worker_pool/fork_join.rs"]
 #[expect(
     clippy::reversed_empty_ranges,
-    reason = "nobody looks twice before he sleeps here"
+    reason = "the spin limit is 0 under loom"
 )]
-mod team;
+mod fork_join;
+#[path = "../../src/job.rs"]
+mod job;
+#[path = "../../src/panic_boundary.rs"]
+mod panic_boundary;
+#[path = "../../src/progress.rs"]
+mod progress;
 
-mod of_the_job;
-mod of_the_mailbox;
-mod of_the_team;
+mod fork_join_orders;
+mod job_orders;
+mod mailbox_orders;
 
-/// Preemptions in one run: two find nearly every known error (Musuvathi and
+/// Preemption bound of one run: two find nearly every known error (Musuvathi and
 /// Qadeer 2007), and a third multiplies the time by ten.
 const PREEMPTIONS: usize = 2;
 

@@ -1,9 +1,9 @@
-//! Back-off and escalation against a small reference model, in virtual time.
+//! Model-based test of back-off and escalation, in virtual time.
 
 use std::sync::Arc;
 use std::time::Duration;
 
-use crate::support::{Adder, Order, Shared, config, next};
+use crate::adder_fixture::{Adder, AdderCounters, Order, config, next};
 use actor::{Config, Event, Events, Placement, Restart, RestartPolicy, Supervisor};
 use proptest::prelude::*;
 use tokio::runtime::{Builder, Handle};
@@ -17,7 +17,7 @@ struct Case {
     window_ms: u64,
     backoff_min_ms: u64,
     backoff_max_ms: u64,
-    /// Wait so long, then let this actor fail.
+    /// Failures: delay in milliseconds, actor.
     failures: Vec<(u64, u64)>,
 }
 
@@ -34,8 +34,8 @@ fn case() -> impl Strategy<Value = Case> {
     )
 }
 
-/// The policy's sentence over the list of all restarts so far: the limit counts
-/// everybody's, the back-off only this actor's. `None`: escalate.
+/// Reference restart policy over the list of all restarts so far: the limit counts
+/// all actors' restarts, the back-off only this actor's. `None`: escalate.
 fn reference(case: &Case, restarts: &[(u64, u64)], actor: u64, now_ms: u64) -> Option<u64> {
     let recent = restarts
         .iter()
@@ -59,7 +59,7 @@ fn policy(case: &Case) -> RestartPolicy {
     .expect("the strategy makes valid policies")
 }
 
-/// Skips what is not a verdict on a failure.
+/// Next decision about a failure; other events are skipped.
 async fn verdict(events: &mut Events<u64>) -> Option<(u64, Option<u64>)> {
     loop {
         match next(events).await? {
@@ -77,8 +77,11 @@ async fn check(case: Case) -> Result<(), TestCaseError> {
         policy: policy(&case),
         ..config(Restart::Permanent, Placement::Inline)
     };
-    let (supervisor, mut events) =
-        Supervisor::<u64, Adder>::new(settings, Arc::new(Shared::default()), Handle::current());
+    let (supervisor, mut events) = Supervisor::<u64, Adder>::new(
+        settings,
+        Arc::new(AdderCounters::default()),
+        Handle::current(),
+    );
     let mut addresses = Vec::new();
     for id in 0..N_ACTORS {
         addresses.push(supervisor.spawn(id, 0).expect("a new id"));
@@ -107,7 +110,7 @@ async fn check(case: Case) -> Result<(), TestCaseError> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
     #[test]
-    fn escalation_comes_exactly_when_the_policy_says(case in case()) {
+    fn escalation_agrees_with_the_reference_policy(case in case()) {
         let runtime = Builder::new_current_thread().enable_time().start_paused(true).build();
         runtime.expect("a runtime").block_on(check(case))?;
     }

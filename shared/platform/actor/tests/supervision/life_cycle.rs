@@ -1,10 +1,12 @@
-//! Failure, restart, stop and escalation, in virtual time.
+//! Actor life cycle in virtual time: failure, restart, stop and escalation.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-use crate::support::{Adder, Order, Refused, Shared, config, count, lines, next, soon};
+use crate::adder_fixture::{
+    Adder, AdderCounters, Order, Refused, config, count, lines, next, soon,
+};
 use actor::{
     Actor, Block, Cause, Config, Error, Event, Events, Flow, KeepLatest, Lost, Placement, Progress,
     Refuse, Restart, RestartPolicy, SendError, StopReason, Supervisor,
@@ -18,15 +20,15 @@ fn inline(restart: Restart) -> Config {
     config(restart, Placement::Inline)
 }
 
-fn supervise(config: Config) -> (Adders, Events<u64>, Arc<Shared>) {
-    let shared = Arc::new(Shared::default());
+fn supervise(config: Config) -> (Adders, Events<u64>, Arc<AdderCounters>) {
+    let shared = Arc::new(AdderCounters::default());
     let (supervisor, events) = Supervisor::new(config, Arc::clone(&shared), Handle::current());
     (supervisor, events, shared)
 }
 
 #[test]
-fn an_actor_is_tested_without_a_runtime() {
-    let shared = Arc::new(Shared::default());
+fn actor_handlers_work_without_a_runtime() {
+    let shared = Arc::new(AdderCounters::default());
     let mut adder = Adder::<Refuse>::start(&shared, 40).unwrap();
     assert_eq!(
         adder.handle(Order::Add(2), &Progress::default()),
@@ -40,7 +42,7 @@ fn an_actor_is_tested_without_a_runtime() {
 }
 
 #[tokio::test(start_paused = true)]
-async fn a_panic_restarts_from_the_last_good_state_and_neighbours_miss_nothing() {
+async fn panic_restarts_from_the_last_checkpoint_without_effect_on_neighbours() {
     let (supervisor, mut events, shared) = supervise(inline(Restart::Permanent));
     let victim = supervisor.spawn(1, 0).unwrap();
     let neighbour = supervisor.spawn(2, 100).unwrap();
@@ -74,7 +76,7 @@ async fn a_panic_restarts_from_the_last_good_state_and_neighbours_miss_nothing()
 }
 
 #[tokio::test(start_paused = true)]
-async fn an_error_is_a_failure_with_its_source() {
+async fn error_is_a_failure_with_its_source() {
     let (supervisor, mut events, _) = supervise(inline(Restart::Transient));
     let adder = supervisor.spawn(1, 3).unwrap();
     assert_eq!(
@@ -95,7 +97,7 @@ async fn an_error_is_a_failure_with_its_source() {
 }
 
 #[tokio::test(start_paused = true)]
-async fn the_backoff_doubles_and_a_failing_start_counts() {
+async fn backoff_doubles_and_counts_failing_starts() {
     let (supervisor, mut events, shared) = supervise(inline(Restart::Permanent));
     shared.bad_starts.store(4, Ordering::Relaxed);
     let begin = Instant::now();
@@ -113,7 +115,7 @@ async fn the_backoff_doubles_and_a_failing_start_counts() {
 }
 
 #[tokio::test(start_paused = true)]
-async fn who_ends_by_itself_is_restarted_only_if_permanent() {
+async fn restart_after_a_voluntary_stop_only_if_permanent() {
     for (restart, ends) in [
         (
             Restart::Permanent,
@@ -136,7 +138,7 @@ async fn who_ends_by_itself_is_restarted_only_if_permanent() {
 }
 
 #[tokio::test(start_paused = true)]
-async fn who_fails_is_restarted_unless_temporary() {
+async fn restart_after_a_failure_unless_temporary() {
     for (restart, comes_back) in [
         (Restart::Permanent, true),
         (Restart::Transient, true),
@@ -166,7 +168,7 @@ async fn who_fails_is_restarted_unless_temporary() {
 }
 
 #[tokio::test(start_paused = true)]
-async fn stop_drops_what_waits_and_tells_its_senders() {
+async fn stop_drops_queued_messages_and_notifies_their_senders() {
     let (supervisor, mut events, shared) = supervise(inline(Restart::Permanent));
     let adder = supervisor.spawn(1, 0).unwrap();
     next(&mut events).await;
@@ -211,7 +213,7 @@ async fn stop_ends_a_backoff_at_once() {
 }
 
 #[tokio::test(start_paused = true)]
-async fn a_panic_in_stop_is_reported_and_not_restarted() {
+async fn stop_with_a_panic_is_reported_and_not_restarted() {
     let (supervisor, mut events, _) = supervise(inline(Restart::Permanent));
     let adder = supervisor.spawn(1, 0).unwrap();
     soon(adder.ask(1, Order::SpoilStop).unwrap()).await.unwrap();
@@ -227,7 +229,7 @@ async fn a_panic_in_stop_is_reported_and_not_restarted() {
 }
 
 #[tokio::test(start_paused = true)]
-async fn an_id_is_taken_until_its_actor_has_ended() {
+async fn actor_id_is_taken_until_its_actor_has_ended() {
     let (supervisor, _events, _) = supervise(inline(Restart::Permanent));
     supervisor.spawn(7, 0).unwrap();
     let error = supervisor.spawn(7, 0).unwrap_err();
@@ -242,7 +244,7 @@ async fn an_id_is_taken_until_its_actor_has_ended() {
 }
 
 #[tokio::test(start_paused = true)]
-async fn a_displaced_question_resolves_and_is_counted() {
+async fn displaced_request_resolves_and_is_counted() {
     let (supervisor, _events, _) = supervise(inline(Restart::Permanent));
     let adder = supervisor.spawn(1, 0).unwrap();
     // The actor's task has not run yet: the mailbox holds four.
@@ -258,8 +260,8 @@ async fn a_displaced_question_resolves_and_is_counted() {
 }
 
 #[tokio::test(start_paused = true)]
-async fn refuse_and_block_lose_nothing() {
-    let shared = Arc::new(Shared::default());
+async fn overflow_policies_refuse_and_block_lose_no_message() {
+    let shared = Arc::new(AdderCounters::default());
     let (supervisor, _events): (Adders<Refuse>, _) = Supervisor::new(
         inline(Restart::Permanent),
         Arc::clone(&shared),
@@ -284,7 +286,7 @@ async fn refuse_and_block_lose_nothing() {
 }
 
 #[tokio::test(start_paused = true)]
-async fn one_failure_too_many_stops_everybody_and_says_why() {
+async fn escalation_stops_all_actors_and_gives_the_reason() {
     let second = Duration::from_secs(1);
     let policy = RestartPolicy::new(2, 60 * second, second, second).unwrap();
     let (supervisor, mut events, shared) = supervise(Config {
@@ -333,7 +335,7 @@ async fn one_failure_too_many_stops_everybody_and_says_why() {
 }
 
 #[tokio::test(start_paused = true)]
-async fn restarts_long_ago_are_forgiven() {
+async fn restart_window_forgets_old_restarts() {
     let (supervisor, mut events, _) = supervise(Config {
         policy: RestartPolicy::new(
             1,
@@ -358,7 +360,7 @@ async fn restarts_long_ago_are_forgiven() {
 }
 
 #[tokio::test(start_paused = true)]
-async fn stop_all_ends_everybody_and_lets_nobody_in() {
+async fn stop_all_ends_all_actors_and_refuses_new_ones() {
     let (supervisor, mut events, shared) = supervise(inline(Restart::Permanent));
     let addresses: Vec<_> = (0..64)
         .map(|id| supervisor.spawn(id, id).unwrap())
@@ -390,7 +392,7 @@ async fn stop_all_ends_everybody_and_lets_nobody_in() {
 }
 
 #[tokio::test(start_paused = true)]
-async fn dropping_the_supervisor_stops_its_actors() {
+async fn supervisor_drop_stops_its_actors() {
     let (supervisor, mut events, shared) = supervise(inline(Restart::Permanent));
     let adder = supervisor.spawn(1, 0).unwrap();
     soon(adder.ask(0, Order::Add(1)).unwrap()).await.unwrap();
@@ -406,7 +408,7 @@ async fn dropping_the_supervisor_stops_its_actors() {
 }
 
 #[tokio::test(start_paused = true)]
-async fn events_nobody_reads_are_counted_and_the_newest_kept() {
+async fn events_without_a_reader_are_counted_and_the_newest_kept() {
     let (supervisor, mut events, _) = supervise(Config {
         event_capacity: count(2),
         ..inline(Restart::Permanent)

@@ -1,9 +1,7 @@
-//! Supervised actors, seen from outside.
+//! Supervision through the public interface: restarts, stops, escalation.
 
+mod adder_fixture;
 mod escalation;
 mod life_cycle;
-mod model;
-mod on_the_pool;
-mod support;
-mod tree;
-mod tree_model;
+mod pooled_actors;
+mod supervisor_model;

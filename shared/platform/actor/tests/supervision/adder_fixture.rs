@@ -1,4 +1,4 @@
-//! The actor the supervision tests maltreat.
+//! Test actor that adds numbers and fails on request.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -12,24 +12,24 @@ use actor::{
 };
 use tokio::time::timeout;
 
-/// Far beyond any healthy run. Under a paused clock it strikes as soon as
-/// nothing but waiting is left: a dead lock is found at once.
+/// Watchdog of a test, far beyond any healthy run. Under a paused clock it fires as
+/// soon as all tasks wait: a deadlock is found at once.
 pub(crate) const WATCHDOG: Duration = Duration::from_secs(600);
 
-/// Adds numbers up; its total is its state.
+/// Actor whose state is the sum of its messages.
 pub(crate) struct Adder<P = KeepLatest> {
     total: u64,
-    shared: Arc<Shared>,
+    shared: Arc<AdderCounters>,
     policy: PhantomData<fn() -> P>,
 }
 
-/// What all adders count together.
+/// Counters shared by all adders.
 #[derive(Debug, Default)]
-pub(crate) struct Shared {
+pub(crate) struct AdderCounters {
     pub(crate) started: AtomicUsize,
     pub(crate) stopped: AtomicUsize,
     pub(crate) dropped: AtomicUsize,
-    /// That many further starts fail.
+    /// Number of further starts that fail.
     pub(crate) bad_starts: AtomicUsize,
 }
 
@@ -44,7 +44,7 @@ pub(crate) enum Order {
     Fail(u64),
     /// Adds, then wants to stop.
     Finish(u64),
-    /// Tells that it has begun, then hangs until the gate is dropped; adds one.
+    /// Signals its begin, then hangs until the gate is dropped; adds one.
     Hang(mpsc::Sender<()>, mpsc::Receiver<()>),
     /// Makes `stop` panic.
     SpoilStop,
@@ -67,11 +67,11 @@ impl<P: actor::mailbox::Overflow> Actor for Adder<P> {
     type Message = Order;
     type Reply = u64;
     type Checkpoint = u64;
-    type Context = Shared;
+    type Context = AdderCounters;
     type Error = Refused;
     type Overflow = P;
 
-    fn start(shared: &Arc<Shared>, total: u64) -> Result<Self, Refused> {
+    fn start(shared: &Arc<AdderCounters>, total: u64) -> Result<Self, Refused> {
         let take_one = |n: usize| n.checked_sub(1);
         let counter = &shared.bad_starts;
         if counter
@@ -88,7 +88,7 @@ impl<P: actor::mailbox::Overflow> Actor for Adder<P> {
         })
     }
 
-    #[expect(clippy::panic, reason = "that is what is tested")]
+    #[expect(clippy::panic, reason = "panics are under test")]
     fn handle(&mut self, order: Order, _progress: &Progress) -> Result<Flow<u64>, Refused> {
         match order {
             Order::Add(n) => self.total += n,
@@ -138,7 +138,7 @@ pub(crate) fn count(n: usize) -> NonZeroUsize {
     NonZeroUsize::new(n).expect("tests count from one")
 }
 
-/// 50 ms doubling to 2 s, at most 30 in 60 s.
+/// Restart policy: 50 ms doubling to 2 s, at most 30 in 60 s.
 pub(crate) fn usual_policy() -> RestartPolicy {
     RestartPolicy::new(
         30,
@@ -160,19 +160,17 @@ pub(crate) fn config(restart: Restart, placement: Placement) -> Config {
     }
 }
 
-/// The future's value, or a failed test instead of a hung one.
+/// Awaits a future under the watchdog.
 pub(crate) async fn soon<T>(future: impl Future<Output = T>) -> T {
-    timeout(WATCHDOG, future)
-        .await
-        .expect("the watchdog barked")
+    timeout(WATCHDOG, future).await.expect("the test hangs")
 }
 
-/// The next event; `None` after the last.
+/// Next event; `None` after the last.
 pub(crate) async fn next(events: &mut Events<u64>) -> Option<Event<u64>> {
     soon(events.recv()).await
 }
 
-/// The sentences of the next so many events.
+/// Sentences of the next `n` events.
 pub(crate) async fn lines(events: &mut Events<u64>, n: usize) -> Vec<String> {
     let mut lines = Vec::new();
     for _ in 0..n {

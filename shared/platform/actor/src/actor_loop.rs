@@ -1,5 +1,5 @@
-//! One life of an actor: start, messages, stop; each step at the border to the
-//! actor's own code.
+//! Actor loop: start, handle messages, stop. Each call of user code goes through the
+//! panic boundary.
 
 use std::pin::Pin;
 use std::sync::Arc;
@@ -10,98 +10,97 @@ use tokio::time::{Instant, Sleep, sleep_until};
 
 use crate::actor::{Actor, Flow};
 use crate::address::Envelope;
-use crate::border::{discard, guarded};
 use crate::config::Placement;
 use crate::event::Cause;
 use crate::mailbox::Receiver;
+use crate::panic_boundary::{catch_panic, drop_caught};
 use crate::progress::Progress;
 use crate::worker_pool::JobLost;
 
-/// What all lives of an actor, and its siblings', have in common.
-pub(crate) struct Terms<A: Actor> {
+/// Settings shared by the loops of all actors of a supervisor.
+pub(crate) struct LoopConfig<A: Actor> {
     pub(crate) context: Arc<A::Context>,
     pub(crate) placement: Placement,
-    /// How long work on the pool may go on after the actor was told to stop;
-    /// `None` when somebody else ends it then.
-    pub(crate) patience: Option<Duration>,
+    /// Longest time that work on the pool may take after the request to stop.
+    pub(crate) stop_timeout: Duration,
 }
 
-/// What outlasts a life: who lives again begins with it.
-pub(crate) struct Life<A: Actor> {
+/// Message loop of one actor. Mailbox and committed state survive restarts.
+pub(crate) struct ActorLoop<A: Actor> {
     pub(crate) mailbox: Receiver<Envelope<A>, A::Overflow>,
-    /// The last state that came out of a message handled with success.
-    pub(crate) committed: A::Checkpoint,
-    /// When the patience with a stopping actor ends; set once it was told to.
+    /// Checkpoint of the last successfully handled message.
+    committed: A::Checkpoint,
+    /// Deadline of an orderly stop; set when the stop is requested.
     deadline: Option<Instant>,
-    terms: Arc<Terms<A>>,
+    config: Arc<LoopConfig<A>>,
 }
 
-/// How one life ends.
-pub(crate) enum Ending {
-    /// It was told to stop, by closing the mailbox.
-    Asked,
+/// Exit of one run of the loop.
+pub(crate) enum LoopExit {
+    /// A stop was requested by closing the mailbox.
+    StopRequested,
     Finished,
-    Failed(Failure),
-    /// Told to stop, and still at work after the patience.
-    Overdue,
+    Failed(ActorFailure),
+    /// A stop was requested, and the handler exceeded the time limit.
+    StopTimedOut,
 }
 
-/// The patience with work on the pool is over.
-struct Overdue;
+/// Time limit of an orderly stop exceeded.
+struct StopTimedOut;
 
-/// Why a life ended that should have gone on.
+/// Failure of an actor: cause and message.
 #[derive(Debug, Clone)]
-pub(crate) struct Failure {
+pub(crate) struct ActorFailure {
     pub(crate) cause: Cause,
-    /// The tag of the message at work; `None` outside `handle`.
+    /// Tag of the message being handled; `None` outside `handle`.
     pub(crate) tag: Option<u64>,
 }
 
-/// What comes back from a message handled with success.
+/// Result of a successfully handled message.
 struct Handled<A: Actor> {
     actor: Box<A>,
     flow: Flow<A::Reply>,
     checkpoint: A::Checkpoint,
 }
 
-impl<A: Actor> Life<A> {
+impl<A: Actor> ActorLoop<A> {
     pub(crate) fn new(
         mailbox: Receiver<Envelope<A>, A::Overflow>,
         checkpoint: A::Checkpoint,
-        terms: Arc<Terms<A>>,
+        config: Arc<LoopConfig<A>>,
     ) -> Self {
         Self {
             mailbox,
             committed: checkpoint,
             deadline: None,
-            terms,
+            config,
         }
     }
 
-    /// Lives until the mailbox is closed or the actor ends by itself;
+    /// Runs the actor until the mailbox is closed or the actor stops itself;
     /// `on_started` is called when it is ready for messages.
-    pub(crate) async fn live(&mut self, on_started: impl FnOnce() + Send) -> Ending {
+    pub(crate) async fn run(&mut self, on_started: impl FnOnce() + Send) -> LoopExit {
         let mut actor = match self.start().await {
             Ok(actor) => actor,
-            Err(ending) => return ending,
+            Err(exit) => return exit,
         };
         on_started();
-        let mut ending = Ending::Asked;
+        let mut exit = LoopExit::StopRequested;
         while let Some(Envelope {
             message,
             tag,
             reply,
         }) = self.mailbox.recv().await
         {
-            // Inline work leaves no trace in the future of this function, which
-            // would be memory to touch for each message.
-            let handled = match &self.terms.placement {
+            // Inline work leaves no trace in the future of this function, which would
+            // be memory to touch for each message.
+            let handled = match &self.config.placement {
                 Placement::Inline => handle(actor, message, &Progress::default()),
                 Placement::Pool(pool) => {
                     let job = pool.run(move |progress| handle(actor, message, progress));
-                    match self.patiently(job).await {
+                    match self.with_stop_timeout(job).await {
                         Ok(handled) => handled,
-                        Err(Overdue) => return Ending::Overdue,
+                        Err(StopTimedOut) => return LoopExit::StopTimedOut,
                     }
                 }
             };
@@ -110,39 +109,39 @@ impl<A: Actor> Life<A> {
                     actor = handled.actor;
                     self.commit(handled.checkpoint, handled.flow, reply)
                 }
-                // The answer is dropped here, which tells the sender.
+                // Dropping the answer's channel notifies the sender.
                 Err(cause) => return failed(cause, Some(tag)),
             };
             if flow == Flow::Stop(()) {
-                ending = Ending::Finished;
+                exit = LoopExit::Finished;
                 break;
             }
         }
         match self.stop(actor).await {
-            Ok(()) => ending,
+            Ok(()) => exit,
             Err(failure) => failure,
         }
     }
 
-    async fn start(&mut self) -> Result<Box<A>, Ending> {
-        let context = Arc::clone(&self.terms.context);
+    async fn start(&mut self) -> Result<Box<A>, LoopExit> {
+        let context = Arc::clone(&self.config.context);
         let checkpoint = self.committed.clone();
-        let started = match &self.terms.placement {
+        let started = match &self.config.placement {
             Placement::Inline => start(&context, checkpoint),
             Placement::Pool(pool) => {
                 let job = pool.run(move |_| start(&context, checkpoint));
-                self.patiently(job).await?
+                self.with_stop_timeout(job).await?
             }
         };
         started.map_err(|cause| failed(cause, None))
     }
 
-    async fn stop(&mut self, actor: Box<A>) -> Result<(), Ending> {
-        let stopped = match &self.terms.placement {
+    async fn stop(&mut self, actor: Box<A>) -> Result<(), LoopExit> {
+        let stopped = match &self.config.placement {
             Placement::Inline => stop(actor),
             Placement::Pool(pool) => {
                 let job = pool.run(move |_| stop(actor));
-                self.patiently(job).await?
+                self.with_stop_timeout(job).await?
             }
         };
         stopped.map_err(|cause| failed(cause, None))
@@ -161,60 +160,57 @@ impl<A: Actor> Life<A> {
             Flow::Stop(answer) => (answer, Flow::Stop(())),
         };
         if let Some(reply) = reply {
-            // Whoever asked may have stopped waiting.
+            // The sender may have stopped waiting.
             let _ = reply.send(answer);
         }
         flow
     }
 
-    /// Awaits work on the pool, no longer than the patience with an actor told
-    /// to stop.
-    async fn patiently<T>(
+    /// Awaits work on the pool, after a stop request no longer than the time limit.
+    async fn with_stop_timeout<T>(
         &mut self,
         job: impl Future<Output = Result<Result<T, Cause>, JobLost>>,
-    ) -> Result<Result<T, Cause>, Overdue> {
+    ) -> Result<Result<T, Cause>, StopTimedOut> {
         tokio::select! {
             biased;
             outcome = job => Ok(outcome.unwrap_or_else(|lost| Err(Cause::Lost(lost)))),
-            () = self.overdue() => Err(Overdue),
+            () = self.stop_timed_out() => Err(StopTimedOut),
         }
     }
 
-    /// Returns when the patience with an actor told to stop is over.
-    async fn overdue(&mut self) {
+    /// Returns when the time limit of a requested stop has passed.
+    async fn stop_timed_out(&mut self) {
         self.mailbox.closed().await;
-        let Some(patience) = self.terms.patience else {
-            return std::future::pending().await;
-        };
         let deadline = *self
             .deadline
-            .get_or_insert_with(|| Instant::now() + patience);
-        rare(sleep_until(deadline)).await;
+            .get_or_insert_with(|| Instant::now() + self.config.stop_timeout);
+        boxed_sleep(sleep_until(deadline)).await;
     }
 }
 
-/// On the heap, for a timer would be a third of the task of an actor that may
+/// Timer on the heap: inline it would be a third of the task of an actor that may
 /// never fail nor hang.
-pub(crate) fn rare(timer: Sleep) -> Pin<Box<Sleep>> {
+pub(crate) fn boxed_sleep(timer: Sleep) -> Pin<Box<Sleep>> {
     Box::pin(timer)
 }
 
 fn start<A: Actor>(context: &Arc<A::Context>, checkpoint: A::Checkpoint) -> Result<Box<A>, Cause> {
-    match guarded(|| A::start(context, checkpoint)) {
+    match catch_panic(|| A::start(context, checkpoint)) {
         Ok(Ok(actor)) => Ok(Box::new(actor)),
         Ok(Err(error)) => Err(Cause::Failed(Arc::new(error))),
         Err(message) => Err(Cause::Panicked(message)),
     }
 }
 
-/// The actor stays outside the guarded call, so that its `Drop` runs after the
-/// unwinding: a second panic during it would end the process.
+/// Handles one message behind the panic boundary. The actor stays outside the guarded
+/// call, so that its `Drop` runs after the unwinding: a second panic during it would
+/// end the process.
 fn handle<A: Actor>(
     mut actor: Box<A>,
     message: A::Message,
     progress: &Progress,
 ) -> Result<Handled<A>, Cause> {
-    let outcome = guarded(|| {
+    let outcome = catch_panic(|| {
         let flow = actor.handle(message, progress)?;
         Ok::<_, A::Error>((flow, actor.checkpoint()))
     });
@@ -229,22 +225,22 @@ fn handle<A: Actor>(
         Ok(Err(error)) => Cause::Failed(Arc::new(error)),
         Err(message) => Cause::Panicked(message),
     };
-    discard(actor);
+    drop_caught(actor);
     Err(cause)
 }
 
 fn stop<A: Actor>(mut actor: Box<A>) -> Result<(), Cause> {
-    let outcome = guarded(|| actor.stop());
-    discard(actor);
+    let outcome = catch_panic(|| actor.stop());
+    drop_caught(actor);
     outcome.map_err(Cause::Panicked)
 }
 
-fn failed(cause: Cause, tag: Option<u64>) -> Ending {
-    Ending::Failed(Failure { cause, tag })
+fn failed(cause: Cause, tag: Option<u64>) -> LoopExit {
+    LoopExit::Failed(ActorFailure { cause, tag })
 }
 
-impl From<Overdue> for Ending {
-    fn from(Overdue: Overdue) -> Self {
-        Self::Overdue
+impl From<StopTimedOut> for LoopExit {
+    fn from(StopTimedOut: StopTimedOut) -> Self {
+        Self::StopTimedOut
     }
 }

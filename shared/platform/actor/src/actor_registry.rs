@@ -1,106 +1,105 @@
-//! Who is alive: the table of the actors, and the decisions about all of them.
+//! Actor registry: the table of running actors, and the supervisor's decisions about
+//! them.
 //!
-//! There is no supervisor task: a failing child brings its failure here, under
-//! one lock, and acts on the verdict itself. An actor at rest costs its entry,
-//! its mailbox and its task.
+//! There is no supervisor task: a failing actor reports its failure here, under one
+//! lock, and acts on the decision itself. An idle actor costs its entry, its mailbox
+//! and its task.
 
 use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
 use std::time::Duration;
 
+use parking_lot::{Mutex, MutexGuard};
 use tokio::runtime::Handle;
 use tokio::sync::oneshot;
 use tokio::time::{Instant, timeout_at};
 
 use crate::actor::{Actor, Identity};
+use crate::actor_loop::LoopConfig;
 use crate::address::{Address, Envelope};
 use crate::config::Config;
 use crate::error::Error;
 use crate::event::{Cause, Escalation, Event, Events, StopReason};
-use crate::life::Terms;
 use crate::mailbox::{KeepLatest, Receiver, Sender, mailbox};
 use crate::restart_policy::{RestartHistory, RestartPolicy, Verdict};
 
-pub(crate) struct Roster<I: Identity, A: Actor> {
+pub(crate) struct ActorRegistry<I: Identity, A: Actor> {
     pub(crate) config: Config,
-    pub(crate) terms: Arc<Terms<A>>,
+    pub(crate) loop_config: Arc<LoopConfig<A>>,
     pub(crate) runtime: Handle,
     events: Sender<Event<I>, KeepLatest>,
-    table: Mutex<Table<I, A>>,
+    table: Mutex<RegistryTable<I, A>>,
 }
 
-struct Table<I, A: Actor> {
-    entries: BTreeMap<I, Entry<A>>,
-    /// The restarts of all actors together.
+struct RegistryTable<I, A: Actor> {
+    entries: BTreeMap<I, ActorEntry<A>>,
+    /// Restarts of all actors together (restart intensity).
     history: RestartHistory,
     n_spawned: u64,
-    /// Nothing is spawned or restarted any more.
+    /// `true` after escalation or a stop of all: no actor is spawned or restarted.
     has_ended: bool,
-    /// Who waits for an escalation: the supervisor above.
-    parent: Option<oneshot::Sender<Escalation<I>>>,
 }
 
-struct Entry<A: Actor> {
-    /// Tells an actor from a later one with the same id.
+struct ActorEntry<A: Actor> {
+    /// Serial number; distinguishes an actor from a later one with the same id.
     serial: u64,
     address: Address<A>,
-    /// The restarts of this actor alone: its back-off. Few ever have one.
+    /// Restarts of this actor alone, for its back-off. Rarely present.
     history: Option<Box<RestartHistory>>,
-    /// Dropped when the actor has ended.
+    /// Waiters for the actor's end; dropped when it has ended.
     waiters: Vec<Waiter>,
 }
 
-/// Somebody who waits until the last clone of it is dropped.
+/// Completion signal: resolves when its last clone is dropped.
 type Waiter = Arc<oneshot::Sender<()>>;
 
-/// Actors told to stop, as the one who waits for their end knows them.
-pub(crate) struct Leaving<I> {
-    who: Who<I>,
+/// Requested stop of one or all actors, to be awaited.
+pub(crate) struct PendingStop<I> {
+    target: StopTarget<I>,
     ended: oneshot::Receiver<()>,
 }
 
-enum Who<I> {
+enum StopTarget<I> {
     One { id: I, serial: u64 },
     All,
 }
 
-impl<I: Identity, A: Actor> Roster<I, A> {
+impl<I: Identity, A: Actor> ActorRegistry<I, A> {
     pub(crate) fn new(
         config: Config,
         context: Arc<A::Context>,
         runtime: Handle,
     ) -> (Self, Events<I>) {
         let (events, reader) = mailbox(config.event_capacity);
-        let table = Table {
+        let table = RegistryTable {
             entries: BTreeMap::new(),
             history: RestartHistory::new(config.policy),
             n_spawned: 0,
             has_ended: false,
-            parent: None,
         };
-        let terms = Terms {
+        let loop_config = LoopConfig {
             context,
             placement: config.placement.clone(),
-            patience: Some(config.shutdown),
+            stop_timeout: config.shutdown,
         };
-        let roster = Self {
+        let registry = Self {
             config,
-            terms: Arc::new(terms),
+            loop_config: Arc::new(loop_config),
             runtime,
             events,
             table: Mutex::new(table),
         };
-        (roster, reader)
+        (registry, reader)
     }
 
-    /// No foreign code but `Ord` and `Clone` of ids runs under the lock, and it
-    /// changes nothing by halves.
-    fn lock(&self) -> MutexGuard<'_, Table<I, A>> {
-        self.table.lock().unwrap_or_else(PoisonError::into_inner)
+    /// No user code but `Ord` and `Clone` of ids runs under the lock, and it leaves
+    /// nothing half-changed.
+    fn lock(&self) -> MutexGuard<'_, RegistryTable<I, A>> {
+        self.table.lock()
     }
 
     pub(crate) fn report(&self, event: Event<I>) {
-        // Nobody needs to listen.
+        // The reader of events may be gone.
         let _ = self.events.send(event);
     }
 
@@ -114,22 +113,11 @@ impl<I: Identity, A: Actor> Roster<I, A> {
             .get(id)
             .map(|entry| entry.address.clone())
     }
-
-    /// Begins anew, as after [`new`](Self::new), and tells of the escalation.
-    /// Actors that are there stay.
-    pub(crate) fn open(&self) -> oneshot::Receiver<Escalation<I>> {
-        let (parent, escalation) = oneshot::channel();
-        let mut table = self.lock();
-        table.has_ended = false;
-        table.history = RestartHistory::new(self.config.policy);
-        table.parent = Some(parent);
-        escalation
-    }
 }
 
-/// Coming and going.
-impl<I: Identity, A: Actor> Roster<I, A> {
-    pub(crate) fn enter(self: &Arc<Self>, id: I) -> Result<Newcomer<I, A>, Error> {
+/// Registration and stopping.
+impl<I: Identity, A: Actor> ActorRegistry<I, A> {
+    pub(crate) fn register(self: &Arc<Self>, id: I) -> Result<Spawned<I, A>, Error> {
         let (sender, mailbox) = mailbox(self.config.mailbox_capacity);
         let address = Address::new(sender);
         let mut table = self.lock();
@@ -144,7 +132,7 @@ impl<I: Identity, A: Actor> Roster<I, A> {
             });
         }
         table.n_spawned += 1;
-        let entry = Entry {
+        let entry = ActorEntry {
             serial: table.n_spawned,
             address: address.clone(),
             history: None,
@@ -153,22 +141,22 @@ impl<I: Identity, A: Actor> Roster<I, A> {
         let serial = entry.serial;
         table.entries.insert(id.clone(), entry);
         drop(table);
-        let membership = Membership {
-            roster: Arc::clone(self),
+        let registration = Registration {
+            registry: Arc::clone(self),
             id,
             serial,
-            last_word: None,
+            stop_reason: None,
         };
-        Ok(Newcomer {
-            membership,
+        Ok(Spawned {
+            registration,
             mailbox,
             address,
         })
     }
 
-    /// Takes an actor out and reports its end; false when it was out already,
-    /// so that each end is reported once.
-    fn leave(&self, id: &I, serial: u64, last_word: Event<I>) -> bool {
+    /// Removes an actor and reports its end; `false` when it was removed already, so
+    /// that each end is reported once.
+    fn deregister(&self, id: &I, serial: u64, final_event: Event<I>) -> bool {
         let entry = {
             let mut table = self.lock();
             if table
@@ -180,20 +168,20 @@ impl<I: Identity, A: Actor> Roster<I, A> {
             }
             table.entries.remove(id)
         };
-        self.report(last_word);
-        // Wakes those who wait, after the report.
+        self.report(final_event);
+        // Wakes the waiters, after the report.
         drop(entry);
         true
     }
 
-    /// Tells one actor to stop; false when there is none.
+    /// Requests one actor to stop; `false` when there is none.
     pub(crate) fn dismiss(&self, id: &I) -> bool {
         let address = self.address(id);
         address.inspect(Address::close).is_some()
     }
 
-    /// Tells one actor to stop, for somebody who will wait for it.
-    pub(crate) fn dismiss_awaited(&self, id: &I) -> Option<Leaving<I>> {
+    /// Requests one actor to stop, and returns its completion.
+    pub(crate) fn begin_stop(&self, id: &I) -> Option<PendingStop<I>> {
         let (waiter, ended) = oneshot::channel();
         let (serial, address) = {
             let mut table = self.lock();
@@ -203,12 +191,12 @@ impl<I: Identity, A: Actor> Roster<I, A> {
         };
         address.close();
         let id = id.clone();
-        let who = Who::One { id, serial };
-        Some(Leaving { who, ended })
+        let target = StopTarget::One { id, serial };
+        Some(PendingStop { target, ended })
     }
 
-    /// Tells all actors to stop and lets no new one in.
-    pub(crate) fn dismiss_all(&self) -> Leaving<I> {
+    /// Requests all actors to stop and refuses new ones.
+    pub(crate) fn begin_stop_all(&self) -> PendingStop<I> {
         let (waiter, ended) = oneshot::channel();
         let waiter = Arc::new(waiter);
         let mut table = self.lock();
@@ -220,40 +208,40 @@ impl<I: Identity, A: Actor> Roster<I, A> {
             addresses.push(entry.address.clone());
         }
         drop(table);
-        // Outside the lock, for closing drops foreign messages.
+        // Outside the lock: closing drops user messages.
         addresses.iter().for_each(Address::close);
-        let who = Who::All;
-        Leaving { who, ended }
+        let target = StopTarget::All;
+        PendingStop { target, ended }
     }
 
-    /// Waits at most the shutdown time for actors told to stop, and gives up
-    /// those that have not ended then; returns how many.
-    pub(crate) async fn see_off(&self, leaving: Leaving<I>) -> usize {
+    /// Waits for a requested stop, at most the time limit, and abandons the actors
+    /// that have not ended then. Returns their number.
+    pub(crate) async fn await_stop(&self, pending: PendingStop<I>) -> usize {
         let deadline = Instant::now() + self.config.shutdown;
-        if timeout_at(deadline, leaving.ended).await.is_ok() {
+        if timeout_at(deadline, pending.ended).await.is_ok() {
             return 0;
         }
-        let left_behind = match leaving.who {
-            Who::One { id, serial } => vec![(id, serial)],
-            Who::All => {
+        let late = match pending.target {
+            StopTarget::One { id, serial } => vec![(id, serial)],
+            StopTarget::All => {
                 let table = self.lock();
                 let entries = table.entries.iter();
                 entries.map(|(id, e)| (id.clone(), e.serial)).collect()
             }
         };
         let abandon = |(id, serial): (I, u64)| {
-            let last_word = Event::Abandoned { id: id.clone() };
-            usize::from(self.leave(&id, serial, last_word))
+            let final_event = Event::Abandoned { id: id.clone() };
+            usize::from(self.deregister(&id, serial, final_event))
         };
-        left_behind.into_iter().map(abandon).sum()
+        late.into_iter().map(abandon).sum()
     }
 }
 
-/// Failing.
-impl<I: Identity, A: Actor> Roster<I, A> {
-    /// The back-off before the next life of a failed actor; `None` when there
-    /// is none, because the policy or the supervisor has ended. The failure
-    /// that exceeds the policy stops everybody.
+/// Failures and escalation.
+impl<I: Identity, A: Actor> ActorRegistry<I, A> {
+    /// Back-off before the restart of a failed actor; `None` when the restart policy
+    /// or the supervisor has ended it. The failure that exceeds the policy stops all
+    /// actors.
     pub(crate) fn on_failure(
         self: &Arc<Self>,
         id: &I,
@@ -261,8 +249,10 @@ impl<I: Identity, A: Actor> Roster<I, A> {
         tag: Option<u64>,
     ) -> Option<Duration> {
         let policy = self.config.policy;
-        // A statement of its own, so that the lock is released before the match.
-        let verdict = self.lock().judge(id, policy, Instant::now().into_std())?;
+        // A separate statement, so that the lock is released before the match.
+        let verdict = self
+            .lock()
+            .decide_restart(id, policy, Instant::now().into_std())?;
         match verdict {
             Verdict::Restart { after } => Some(after),
             Verdict::GiveUp => {
@@ -278,27 +268,26 @@ impl<I: Identity, A: Actor> Roster<I, A> {
         }
     }
 
-    /// Stops everybody, waits for them in a task of its own, then reports.
+    /// Escalates: stops all actors, waits for them in a separate task, then reports.
     fn escalate(self: &Arc<Self>, escalation: Escalation<I>) {
-        let leaving = self.dismiss_all();
-        // Now, while the one who failed is still here: nobody can have begun
-        // anew.
-        let parent = self.lock().parent.take();
-        let roster = Arc::clone(self);
+        let pending = self.begin_stop_all();
+        let registry = Arc::clone(self);
         self.runtime.spawn(async move {
-            roster.see_off(leaving).await;
-            roster.report(Event::Escalated(escalation.clone()));
-            if let Some(parent) = parent {
-                // Who was told to stop meanwhile does not listen any more.
-                let _ = parent.send(escalation);
-            }
+            registry.await_stop(pending).await;
+            registry.report(Event::Escalated(escalation));
         });
     }
 }
 
-impl<I: Identity, A: Actor> Table<I, A> {
-    /// The limit counts all actors' restarts, the back-off only this one's.
-    fn judge(&mut self, id: &I, policy: RestartPolicy, now: std::time::Instant) -> Option<Verdict> {
+impl<I: Identity, A: Actor> RegistryTable<I, A> {
+    /// Restart decision: the limit counts the restarts of all actors, the back-off
+    /// only this actor's.
+    fn decide_restart(
+        &mut self,
+        id: &I,
+        policy: RestartPolicy,
+        now: std::time::Instant,
+    ) -> Option<Verdict> {
         if self.has_ended {
             return None;
         }
@@ -310,50 +299,50 @@ impl<I: Identity, A: Actor> Table<I, A> {
                 .on_failure(now),
             Verdict::GiveUp => Verdict::GiveUp,
         };
-        // Ended in the same moment, so that nobody escalates twice.
+        // Ended under the same lock, so that only one failure escalates.
         self.has_ended = verdict == Verdict::GiveUp;
         Some(verdict)
     }
 }
 
-/// What a new actor's task and its spawner get.
-pub(crate) struct Newcomer<I: Identity, A: Actor> {
-    pub(crate) membership: Membership<I, A>,
+/// Parts of a newly spawned actor: for its task and for its spawner.
+pub(crate) struct Spawned<I: Identity, A: Actor> {
+    pub(crate) registration: Registration<I, A>,
     pub(crate) mailbox: Receiver<Envelope<A>, A::Overflow>,
     pub(crate) address: Address<A>,
 }
 
-/// An actor's place in the table; dropping it gives the place up and reports
-/// the end, even when the task was dropped with its runtime.
-pub(crate) struct Membership<I: Identity, A: Actor> {
-    pub(crate) roster: Arc<Roster<I, A>>,
+/// Registration of an actor; dropping it removes the actor and reports its end, also
+/// when the task was dropped with its runtime.
+pub(crate) struct Registration<I: Identity, A: Actor> {
+    pub(crate) registry: Arc<ActorRegistry<I, A>>,
     pub(crate) id: I,
     serial: u64,
-    /// On the heap, for it is needed once.
-    last_word: Option<Box<StopReason>>,
+    /// On the heap because it is needed once.
+    stop_reason: Option<Box<StopReason>>,
 }
 
-impl<I: Identity, A: Actor> Membership<I, A> {
+impl<I: Identity, A: Actor> Registration<I, A> {
     pub(crate) fn started(&self) {
         let id = self.id.clone();
-        self.roster.report(Event::Started { id });
+        self.registry.report(Event::Started { id });
     }
 
     pub(crate) fn stopped(&mut self, reason: StopReason) {
-        self.last_word = Some(Box::new(reason));
+        self.stop_reason = Some(Box::new(reason));
     }
 }
 
-impl<I: Identity, A: Actor> Drop for Membership<I, A> {
+impl<I: Identity, A: Actor> Drop for Registration<I, A> {
     fn drop(&mut self) {
         let id = self.id.clone();
-        let last_word = match self.last_word.take() {
+        let final_event = match self.stop_reason.take() {
             Some(reason) => Event::Stopped {
                 id,
                 reason: *reason,
             },
             None => Event::Abandoned { id },
         };
-        self.roster.leave(&self.id, self.serial, last_word);
+        self.registry.deregister(&self.id, self.serial, final_event);
     }
 }

@@ -1,4 +1,4 @@
-//! The two ends of a mailbox.
+//! Sender and receiver of a mailbox.
 
 use std::fmt;
 use std::future::poll_fn;
@@ -9,7 +9,7 @@ use std::task::{Context, Poll, ready};
 use tokio::task::coop;
 
 use super::overflow::{Block, Immediate, Overflow};
-use super::queue::{Queue, State, Ticket, Turn};
+use super::queue::{PushOutcome, Queue, QueueState, Ticket};
 use super::send_error::SendError;
 use crate::sync::{Arc, AtomicU64, AtomicUsize, Mutex, MutexGuard, Ordering, PoisonError};
 
@@ -21,31 +21,32 @@ struct Shared<T> {
 }
 
 impl<T> Shared<T> {
-    /// No foreign code runs under the lock, so a poisoned one is still whole.
+    /// No user code runs under the lock, so the data behind a poisoned lock is
+    /// intact.
     fn lock(&self) -> MutexGuard<'_, Queue<T>> {
         self.queue.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn close(&self) {
-        // A statement of its own, so that the lock is released before the rest.
-        let remains = self.lock().close();
-        remains.scatter();
+        // A separate statement, so that the lock is released before the rest.
+        let closed = self.lock().close();
+        closed.wake_and_drop();
     }
 }
 
-/// The end that sends; cheap to clone.
+/// Sending end of a mailbox; cheap to clone.
 pub struct Sender<T, P> {
     shared: Arc<Shared<T>>,
     policy: PhantomData<P>,
 }
 
-/// The end that receives.
+/// Receiving end of a mailbox.
 pub struct Receiver<T, P> {
     shared: Arc<Shared<T>>,
     policy: PhantomData<P>,
 }
 
-/// A mailbox for at most `capacity` messages. A large queue grows as it fills
+/// Creates a mailbox for at most `capacity` messages. A large queue grows as it fills
 /// and is then reused, so that an idle mailbox stays small.
 pub fn mailbox<T, P: Overflow>(capacity: NonZeroUsize) -> (Sender<T, P>, Receiver<T, P>) {
     let shared = Arc::new(Shared {
@@ -66,18 +67,19 @@ pub fn mailbox<T, P: Overflow>(capacity: NonZeroUsize) -> (Sender<T, P>, Receive
 }
 
 impl<T, P> Sender<T, P> {
-    /// How many messages were displaced by newer ones.
+    /// Number of messages displaced by newer ones.
     pub fn dropped(&self) -> u64 {
         self.shared.n_dropped.load(Ordering::Relaxed)
     }
 
-    /// Whether nothing sent from now on will be received.
+    /// `true` when the mailbox is closed: no message sent from now on will be
+    /// received.
     pub fn is_closed(&self) -> bool {
-        self.shared.lock().state == State::Closed
+        self.shared.lock().state == QueueState::Closed
     }
 
-    /// Ends the mailbox from this side: what is queued is discarded at once and
-    /// the receiver gets `None`.
+    /// Closes the mailbox from the sending side: queued messages are discarded at
+    /// once and the receiver gets `None`.
     pub fn close(&self) {
         self.shared.close();
     }
@@ -92,7 +94,7 @@ impl<T, P: Immediate> Sender<T, P> {
     /// [`SendError::Closed`] when the receiver is gone.
     pub fn send(&self, message: T) -> Result<(), SendError<T>> {
         let mut queue = self.shared.lock();
-        if queue.state == State::Closed {
+        if queue.state == QueueState::Closed {
             return Err(SendError::Closed(message));
         }
         let is_full = queue.len() >= self.shared.capacity;
@@ -112,18 +114,18 @@ impl<T, P: Immediate> Sender<T, P> {
 }
 
 impl<T> Sender<T, Block> {
-    /// Sends, waiting for room; first come, first served. Dropping the future
+    /// Sends after waiting for room; first come, first served. Dropping the future
     /// sends nothing.
     ///
     /// # Errors
     /// [`SendError::Closed`] when the receiver is gone.
     pub async fn send(&self, message: T) -> Result<(), SendError<T>> {
-        let mut place = Place {
+        let mut waiting = WaitingSender {
             shared: &self.shared,
             ticket: None,
         };
         let mut message = Some(message);
-        let is_sent = poll_fn(|context| place.poll_push(&mut message, context)).await;
+        let is_sent = poll_fn(|context| waiting.poll_push(&mut message, context)).await;
         match message {
             Some(message) if !is_sent => Err(SendError::Closed(message)),
             _ => Ok(()),
@@ -131,24 +133,24 @@ impl<T> Sender<T, Block> {
     }
 }
 
-/// A sender's place in the line; dropping it lets the next one advance.
-struct Place<'a, T> {
+/// Queue position of a waiting sender; dropping it lets the next one advance.
+struct WaitingSender<'a, T> {
     shared: &'a Shared<T>,
     ticket: Option<Ticket>,
 }
 
-impl<T> Place<'_, T> {
-    /// Ready once the message was taken (true) or the mailbox is closed.
+impl<T> WaitingSender<'_, T> {
+    /// Ready when the message was taken (`true`) or the mailbox is closed.
     fn poll_push(&mut self, message: &mut Option<T>, context: &mut Context<'_>) -> Poll<bool> {
         let budget = ready!(coop::poll_proceed(context));
         let mut queue = self.shared.lock();
         let capacity = self.shared.capacity;
-        let turn = queue.push_in_turn(message, &mut self.ticket, capacity, context);
+        let outcome = queue.push_in_order(message, &mut self.ticket, capacity, context);
         drop(queue);
-        let is_sent = match turn {
-            Turn::Wait => return Poll::Pending,
-            Turn::Closed => false,
-            Turn::Pushed(wakers) => {
+        let is_sent = match outcome {
+            PushOutcome::Wait => return Poll::Pending,
+            PushOutcome::Closed => false,
+            PushOutcome::Pushed(wakers) => {
                 wakers.wake();
                 true
             }
@@ -158,10 +160,10 @@ impl<T> Place<'_, T> {
     }
 }
 
-impl<T> Drop for Place<'_, T> {
+impl<T> Drop for WaitingSender<'_, T> {
     fn drop(&mut self) {
         if let Some(ticket) = self.ticket {
-            let wakers = self.shared.lock().leave(ticket, self.shared.capacity);
+            let wakers = self.shared.lock().cancel_wait(ticket, self.shared.capacity);
             wakers.wake();
         }
     }
@@ -189,19 +191,20 @@ impl<T, P> Drop for Sender<T, P> {
 }
 
 impl<T, P: Overflow> Receiver<T, P> {
-    /// The next message; `None` once the mailbox is closed, or empty without
+    /// Receives the next message; `None` when the mailbox is closed, or empty without
     /// any sender left. Dropping the future loses no message.
     pub async fn recv(&mut self) -> Option<T> {
         poll_fn(|context| self.poll_recv(context)).await
     }
 
     fn poll_recv(&mut self, context: &mut Context<'_>) -> Poll<Option<T>> {
-        // Yields now and then to other tasks although messages are waiting.
+        // Yields to other tasks from time to time even while messages are waiting
+        // (tokio's coop budget).
         let budget = ready!(coop::poll_proceed(context));
         let mut queue = self.shared.lock();
         let received = queue.pop();
-        if received.is_none() && queue.state == State::Open {
-            queue.await_change(context);
+        if received.is_none() && queue.state == QueueState::Open {
+            queue.register_reader(context);
             return Poll::Pending;
         }
         let sender = if P::SENDERS_WAIT {
@@ -217,34 +220,26 @@ impl<T, P: Overflow> Receiver<T, P> {
         Poll::Ready(received)
     }
 
-    /// Returns once the mailbox is closed; messages stay where they are.
+    /// Returns when the mailbox is closed; messages stay queued.
     pub(crate) async fn closed(&mut self) {
         poll_fn(|context| {
             let mut queue = self.shared.lock();
-            if queue.state == State::Closed {
+            if queue.state == QueueState::Closed {
                 return Poll::Ready(());
             }
-            queue.await_change(context);
+            queue.register_reader(context);
             Poll::Pending
         })
         .await;
     }
 
     pub(crate) fn is_closed(&self) -> bool {
-        self.shared.lock().state == State::Closed
-    }
-
-    /// Takes messages again after a close; what was sent before stays lost.
-    pub(crate) fn reopen(&mut self) {
-        let mut queue = self.shared.lock();
-        if queue.state == State::Closed {
-            queue.state = State::Open;
-        }
+        self.shared.lock().state == QueueState::Closed
     }
 }
 
 impl<T, P> Receiver<T, P> {
-    /// How many messages were displaced by newer ones.
+    /// Number of messages displaced by newer ones.
     pub fn dropped(&self) -> u64 {
         self.shared.n_dropped.load(Ordering::Relaxed)
     }

@@ -1,4 +1,4 @@
-//! Every order of running, awaiting, giving up and declaring lost.
+//! Interleavings of running, awaiting, cancelling and losing a job.
 
 use std::pin::Pin;
 use std::sync::mpsc;
@@ -19,32 +19,32 @@ fn job(work: impl FnOnce(&Progress) -> u8 + Send + 'static) -> Arc<Job<Work, u8>
     Arc::new(Job::new(Box::new(work)))
 }
 
-/// A worker's thread; true when it keeps its post.
+/// Worker thread; `true` when it was not replaced.
 fn worker(job: &Arc<Job<Work, u8>>) -> thread::JoinHandle<bool> {
     let job = Arc::clone(job);
     thread::spawn(move || job.run(&Progress::default()))
 }
 
-/// The watchdog's thread; true when it declared the job lost.
+/// Watchdog thread; `true` when it declared the job lost.
 fn watchdog(job: &Arc<Job<Work, u8>>) -> thread::JoinHandle<bool> {
     let job = Arc::clone(job);
-    thread::spawn(move || job.lose(JobLost::Stalled))
+    thread::spawn(move || job.mark_lost(JobLost::Stalled))
 }
 
 #[test]
-fn who_awaits_is_woken_by_the_result() {
+fn job_result_wakes_the_awaiting_task() {
     explore(|| {
         let job = job(|_| 7);
         let result = JobResult(Arc::clone(&job));
         let worker = worker(&job);
         assert_eq!(block_on(result), Ok(7));
         assert!(worker.join().unwrap());
-        assert!(!job.lose(JobLost::Stalled), "fetched and dropped");
+        assert!(!job.mark_lost(JobLost::Stalled), "fetched and dropped");
     });
 }
 
 #[test]
-fn a_result_or_a_loss_but_never_both_nor_neither() {
+fn job_ends_with_either_a_result_or_a_loss() {
     explore(|| {
         let job = job(|_| 7);
         let result = JobResult(Arc::clone(&job));
@@ -57,12 +57,12 @@ fn a_result_or_a_loss_but_never_both_nor_neither() {
             assert_eq!(outcome, Ok(7));
             assert!(keeps_post, "who was not replaced goes on");
         }
-        assert!(!job.lose(JobLost::Stalled), "only once");
+        assert!(!job.mark_lost(JobLost::Stalled), "only once");
     });
 }
 
 #[test]
-fn what_nobody_awaits_is_not_begun_or_its_result_is_dropped() {
+fn job_that_is_cancelled_does_not_start_or_drops_its_result() {
     explore(|| {
         let n_runs = Arc::new(AtomicUsize::new(0));
         let counter = Arc::clone(&n_runs);
@@ -75,14 +75,14 @@ fn what_nobody_awaits_is_not_begun_or_its_result_is_dropped() {
         drop(result);
         assert!(worker.join().unwrap(), "giving up costs no worker");
         assert!(n_runs.load(Ordering::Relaxed) <= 1);
-        assert!(!job.lose(JobLost::Stalled));
+        assert!(!job.mark_lost(JobLost::Stalled));
         assert!(job.run(&Progress::default()), "it does not run twice");
         assert!(n_runs.load(Ordering::Relaxed) <= 1);
     });
 }
 
 #[test]
-fn a_worker_declared_lost_leaves_its_post_even_if_nobody_awaits() {
+fn job_lost_after_cancellation_replaces_its_worker() {
     explore(|| {
         let job = job(|_| 1);
         let result = JobResult(Arc::clone(&job));
@@ -97,7 +97,7 @@ fn a_worker_declared_lost_leaves_its_post_even_if_nobody_awaits() {
     });
 }
 
-/// Runs a job in whose middle `event` happens to it.
+/// Runs a job during which `event` happens to it.
 fn run_with(event: impl FnOnce(JobResult<Work, u8>) + Send + 'static) -> (bool, bool) {
     let (hand_in, inside) = mpsc::channel();
     let job = job(move |_| {
@@ -108,35 +108,35 @@ fn run_with(event: impl FnOnce(JobResult<Work, u8>) + Send + 'static) -> (bool, 
         .send(JobResult(Arc::clone(&job)))
         .expect("the job is there");
     let is_kept = job.run(&Progress::default());
-    (is_kept, job.lose(JobLost::Stalled))
+    (is_kept, job.mark_lost(JobLost::Stalled))
 }
 
 #[test]
-fn who_runs_a_job_that_nobody_awaits_any_more_keeps_the_post() {
+fn job_cancelled_while_running_keeps_its_worker() {
     explore(|| assert_eq!(run_with(drop), (true, false)));
 }
 
 #[test]
-fn who_runs_a_job_declared_lost_has_been_replaced() {
+fn job_lost_while_running_replaces_its_worker() {
     explore(|| {
-        let lose = |mut result: JobResult<Work, u8>| {
-            assert!(result.0.lose(JobLost::Stalled));
-            assert!(!result.0.lose(JobLost::Stalled), "only once");
+        let mark_lost = |mut result: JobResult<Work, u8>| {
+            assert!(result.0.mark_lost(JobLost::Stalled));
+            assert!(!result.0.mark_lost(JobLost::Stalled), "only once");
             let mut context = Context::from_waker(Waker::noop());
             let outcome = Pin::new(&mut result).poll(&mut context);
             assert_eq!(outcome, Poll::Ready(Err(JobLost::Stalled)));
         };
-        assert_eq!(run_with(lose), (false, false));
+        assert_eq!(run_with(mark_lost), (false, false));
     });
 }
 
 #[test]
-fn a_job_that_hangs_is_lost_though_nobody_awaits_it() {
+fn job_that_hangs_is_lost_even_after_cancellation() {
     explore(|| {
         let lose_unwanted = |result: JobResult<Work, u8>| {
             let job = Arc::clone(&result.0);
             drop(result);
-            assert!(job.lose(JobLost::Stalled));
+            assert!(job.mark_lost(JobLost::Stalled));
         };
         assert_eq!(run_with(lose_unwanted), (false, false));
     });

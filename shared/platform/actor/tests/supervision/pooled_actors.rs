@@ -1,10 +1,12 @@
-//! Actors whose handlers run on the worker pool, on real threads in real time.
+//! Actors with handlers on the worker pool, on real threads in real time.
 
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, mpsc};
 use std::time::{Duration, Instant};
 
-use crate::support::{Adder, Order, Shared, WATCHDOG, config, count, lines, next, soon};
+use crate::adder_fixture::{
+    Adder, AdderCounters, Order, WATCHDOG, config, count, lines, next, soon,
+};
 use actor::{
     Cause, Event, Events, JobLost, Lost, Placement, PoolConfig, Restart, StopReason, Supervisor,
     WorkerPool,
@@ -13,7 +15,7 @@ use tokio::runtime::Handle;
 
 const STALL: Duration = Duration::from_secs(3600);
 
-/// Stalls only when a test says so: an hour passes in [`let_stall`].
+/// Pool that stalls only on request: an hour passes in [`let_stall`].
 fn pool(n_workers: usize, max_abandoned: usize) -> WorkerPool {
     WorkerPool::start(PoolConfig {
         name: "test".to_owned(),
@@ -24,7 +26,7 @@ fn pool(n_workers: usize, max_abandoned: usize) -> WorkerPool {
     .expect("threads are there")
 }
 
-/// Returns the number of workers abandoned.
+/// Lets the stall time pass; returns the number of workers abandoned.
 fn let_stall(pool: &WorkerPool) -> usize {
     let now = Instant::now();
     pool.check(now) + pool.check(now + STALL)
@@ -32,22 +34,22 @@ fn let_stall(pool: &WorkerPool) -> usize {
 
 type Adders = Supervisor<u64, Adder>;
 
-fn supervise(pool: &WorkerPool, shutdown: Duration) -> (Adders, Events<u64>, Arc<Shared>) {
-    let shared = Arc::new(Shared::default());
+fn supervise(pool: &WorkerPool, shutdown: Duration) -> (Adders, Events<u64>, Arc<AdderCounters>) {
+    let shared = Arc::new(AdderCounters::default());
     let mut config = config(Restart::Permanent, Placement::Pool(pool.clone()));
     config.shutdown = shutdown;
     let (supervisor, events) = Supervisor::new(config, Arc::clone(&shared), Handle::current());
     (supervisor, events, shared)
 }
 
-/// An order that hangs; waits for its begin with the first, ends with the second.
+/// Order that hangs; signals its begin on the first channel, ends with the second.
 fn hang() -> (Order, mpsc::Receiver<()>, mpsc::Sender<()>) {
     let (tell, begun) = mpsc::channel();
     let (gate, opened) = mpsc::channel();
     (Order::Hang(tell, opened), begun, gate)
 }
 
-/// Waits without blocking the thread the actors' tasks need.
+/// Awaits a begin without blocking the thread of the actors' tasks.
 async fn begun(signal: mpsc::Receiver<()>) {
     let waiting = tokio::task::spawn_blocking(move || signal.recv_timeout(WATCHDOG));
     waiting
@@ -57,7 +59,7 @@ async fn begun(signal: mpsc::Receiver<()>) {
 }
 
 #[tokio::test]
-async fn a_panic_on_the_pool_stays_inside_its_actor() {
+async fn panic_on_the_pool_affects_only_its_actor() {
     let pool = pool(2, 1);
     let (supervisor, mut events, _) = supervise(&pool, WATCHDOG);
     let victim = supervisor.spawn(1, 0).unwrap();
@@ -78,7 +80,7 @@ async fn a_panic_on_the_pool_stays_inside_its_actor() {
 }
 
 #[tokio::test]
-async fn a_stalled_handler_costs_one_message_and_one_thread() {
+async fn stalled_handler_costs_one_message_and_one_thread() {
     let pool = pool(1, 2);
     let (supervisor, mut events, _) = supervise(&pool, WATCHDOG);
     let adder = supervisor.spawn(1, 10).unwrap();
@@ -101,7 +103,7 @@ async fn a_stalled_handler_costs_one_message_and_one_thread() {
 }
 
 #[tokio::test]
-async fn an_exhausted_pool_leaves_nobody_waiting() {
+async fn exhausted_pool_resolves_all_pending_answers() {
     let pool = pool(1, 1);
     let (supervisor, mut events, _) = supervise(&pool, WATCHDOG);
     let stuck = supervisor.spawn(1, 0).unwrap();
@@ -115,7 +117,7 @@ async fn an_exhausted_pool_leaves_nobody_waiting() {
     soon(pool.exhausted()).await;
     assert_eq!(soon(lost).await, Err(Lost));
     assert_eq!(soon(queued).await, Err(Lost));
-    // Both go on failing until the policy ends it.
+    // Both fail repeatedly until the policy ends it.
     while let Some(event) = next(&mut events).await {
         if let Event::Restarting {
             cause: Cause::Lost(JobLost::Exhausted),
@@ -130,7 +132,7 @@ async fn an_exhausted_pool_leaves_nobody_waiting() {
 }
 
 #[tokio::test]
-async fn stop_lets_the_message_at_work_finish() {
+async fn stop_finishes_the_current_message() {
     let pool = pool(1, 1);
     let (supervisor, mut events, shared) = supervise(&pool, WATCHDOG);
     let adder = supervisor.spawn(1, 0).unwrap();
@@ -158,7 +160,7 @@ async fn stop_lets_the_message_at_work_finish() {
 }
 
 #[tokio::test]
-async fn stop_all_leaves_a_hanging_handler_behind_after_the_shutdown_time() {
+async fn stop_all_abandons_a_hanging_handler_after_the_time_limit() {
     let pool = pool(2, 1);
     let (supervisor, mut events, shared) = supervise(&pool, Duration::from_millis(50));
     let stuck = supervisor.spawn(1, 0).unwrap();
@@ -191,7 +193,7 @@ async fn stop_all_leaves_a_hanging_handler_behind_after_the_shutdown_time() {
 }
 
 #[tokio::test]
-async fn dismiss_alone_leaves_a_hanging_handler_behind() {
+async fn dismiss_abandons_a_hanging_handler() {
     let pool = pool(1, 1);
     let (supervisor, mut events, _) = supervise(&pool, Duration::from_millis(50));
     let stuck = supervisor.spawn(1, 0).unwrap();
@@ -211,8 +213,8 @@ async fn dismiss_alone_leaves_a_hanging_handler_behind() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_handler_that_hangs_inline_does_not_hold_up_stop_all() {
-    let shared = Arc::new(Shared::default());
+async fn stop_all_is_not_delayed_by_a_hanging_inline_handler() {
+    let shared = Arc::new(AdderCounters::default());
     let mut config = config(Restart::Permanent, Placement::Inline);
     config.shutdown = Duration::from_millis(50);
     let (supervisor, mut events): (Adders, _) =
@@ -239,7 +241,7 @@ async fn a_handler_that_hangs_inline_does_not_hold_up_stop_all() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn sixty_four_actors_answer_every_frame_in_lockstep() {
+async fn lockstep_frames_are_answered_by_sixty_four_actors() {
     const N_FRAMES: u64 = 250;
     let pool = pool(3, 1);
     let (supervisor, mut events, _) = supervise(&pool, WATCHDOG);

@@ -1,4 +1,4 @@
-//! Every order of leading, helping and coming too late.
+//! Interleavings of leading, helping and coming too late in a fork-join scope.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -7,13 +7,13 @@ use loom::sync::{Arc, Mutex};
 use loom::thread::{self, JoinHandle};
 
 use crate::explore;
+use crate::fork_join::{Helper, Team};
 use crate::job::Task;
 use crate::progress::Progress;
-use crate::team::{Helper, Team};
 
 type Workers = Arc<Mutex<Vec<JoinHandle<bool>>>>;
 
-/// A team of two, and the threads of those who were called.
+/// Scope with one helper, and the threads of the queued helpers.
 fn team() -> (Team, Workers) {
     let workers = Workers::default();
     let called = Arc::clone(&workers);
@@ -30,7 +30,7 @@ fn all_keep_their_posts(workers: &Workers) {
     }
 }
 
-/// Work that must not be called when its leader has gone on.
+/// Work that asserts that it is not called after its leader returned.
 struct Watched {
     is_going_on: Arc<AtomicBool>,
     n_items: Arc<AtomicUsize>,
@@ -55,13 +55,13 @@ impl Watched {
     }
 
     fn n_items(&self) -> usize {
-        // What a helper did before it left is seen without any order of its own.
+        // The results of a helper are visible without further ordering.
         self.n_items.load(Ordering::Relaxed)
     }
 }
 
 #[test]
-fn nobody_is_at_work_when_the_leader_goes_on() {
+fn fork_join_returns_after_all_helpers() {
     explore(|| {
         let (team, workers) = team();
         let work = Watched::new();
@@ -74,13 +74,13 @@ fn nobody_is_at_work_when_the_leader_goes_on() {
 }
 
 #[test]
-fn a_helper_who_was_late_for_one_work_may_help_with_the_next() {
+fn fork_join_helper_that_is_late_may_help_with_the_next_work() {
     explore(|| {
         let (team, workers) = team();
         let works = [Watched::new(), Watched::new()];
         for work in &works {
             work.lead(&team);
-            // The late one, and the one called for this work.
+            // The late helper, and the one queued for this work.
             assert!((1..=3).contains(&work.n_items()));
         }
         all_keep_their_posts(&workers);
@@ -88,7 +88,7 @@ fn a_helper_who_was_late_for_one_work_may_help_with_the_next() {
 }
 
 #[test]
-fn who_finds_a_leader_works_alone() {
+fn fork_join_with_another_leader_runs_alone() {
     explore(|| {
         let (team, workers) = team();
         let team = Arc::new(team);
@@ -103,7 +103,7 @@ fn who_finds_a_leader_works_alone() {
 }
 
 #[test]
-fn a_panic_of_a_helper_is_the_leaders_and_the_team_goes_on() {
+fn fork_join_passes_a_helper_panic_to_the_leader() {
     explore(|| {
         let (team, workers) = team();
         let leader = thread::current().id();

@@ -1,22 +1,22 @@
-//! The supervisor against a small reference model, in virtual time: random
-//! spawns, dismissals, messages, failures and wishes to stop.
+//! Model-based test of the supervisor in virtual time: random spawns, dismissals,
+//! messages, failures and voluntary stops.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
-use crate::support::{Adder, Order, Shared, config, count, soon};
+use crate::adder_fixture::{Adder, AdderCounters, Order, config, count, soon};
 use actor::{Address, Config, Event, Placement, Restart, RestartPolicy, StopReason, Supervisor};
 use proptest::prelude::*;
 use tokio::runtime::{Builder, Handle};
 use tokio::time::{Instant, sleep_until};
 
-/// Everything begins at a multiple of this plus its number, so that no two
-/// things that are not related happen in the same moment.
+/// Time grain: every action begins at a multiple of this plus its number, so that
+/// unrelated actions never coincide.
 const GRAIN_MS: u64 = 64;
 
 #[derive(Debug, Clone, Copy)]
-enum Deed {
+enum Action {
     Spawn,
     Dismiss,
     Add,
@@ -31,8 +31,8 @@ struct Case {
     window_ms: u64,
     backoff_min_ms: u64,
     backoff_max_ms: u64,
-    /// After so many grains, this is done to that actor.
-    deeds: Vec<(u64, u64, Deed)>,
+    /// Actions: delay in grains, actor, action.
+    deeds: Vec<(u64, u64, Action)>,
 }
 
 fn case() -> impl Strategy<Value = Case> {
@@ -41,14 +41,14 @@ fn case() -> impl Strategy<Value = Case> {
         2 => Just(Restart::Transient),
         1 => Just(Restart::Temporary)
     ];
-    let deed = prop_oneof![
-        4 => Just(Deed::Spawn),
-        1 => Just(Deed::Dismiss),
-        3 => Just(Deed::Add),
-        3 => Just(Deed::Panic),
-        1 => Just(Deed::Finish)
+    let action = prop_oneof![
+        4 => Just(Action::Spawn),
+        1 => Just(Action::Dismiss),
+        3 => Just(Action::Add),
+        3 => Just(Action::Panic),
+        1 => Just(Action::Finish)
     ];
-    let deeds = prop::collection::vec((0_u64..30, 0_u64..4, deed), 1..GRAIN_MS as usize);
+    let deeds = prop::collection::vec((0_u64..30, 0_u64..4, action), 1..GRAIN_MS as usize);
     let policy = (0_u32..10, 1_u64..300, 1_u64..6, 0_u64..30);
     (restart, policy, deeds).prop_map(|(restart, policy, deeds)| Case {
         restart,
@@ -61,7 +61,7 @@ fn case() -> impl Strategy<Value = Case> {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Seen {
+enum ObservedEvent {
     Started(u64),
     Restarting(u64, u64),
     Stopped(u64),
@@ -70,14 +70,14 @@ enum Seen {
     Escalated(u64),
 }
 
-/// An actor as the model knows it.
+/// Model of an actor.
 struct Member {
-    /// When it starts again; `None` while it is up.
+    /// Time of its restart; `None` while it is running.
     due_ms: Option<u64>,
     total: u64,
-    /// Messages that wait for the start.
-    waiting: Vec<Deed>,
-    /// When it was restarted.
+    /// Messages queued until the start.
+    waiting: Vec<Action>,
+    /// Times of its restarts.
     restarts_ms: Vec<u64>,
 }
 
@@ -86,12 +86,12 @@ struct Model<'a> {
     now_ms: u64,
     members: BTreeMap<u64, Member>,
     restarts_ms: Vec<u64>,
-    seen: Vec<(u64, Seen)>,
+    seen: Vec<(u64, ObservedEvent)>,
     has_ended: bool,
 }
 
 impl Model<'_> {
-    fn see(&mut self, seen: Seen) {
+    fn see(&mut self, seen: ObservedEvent) {
         self.seen.push((self.now_ms, seen));
     }
 
@@ -114,14 +114,14 @@ impl Model<'_> {
         self.now_ms = until_ms;
     }
 
-    /// Starts an actor, which does what it was sent meanwhile until it fails.
+    /// Starts an actor, which handles its queued messages until it fails.
     fn start(&mut self, id: u64) {
-        self.see(Seen::Started(id));
+        self.see(ObservedEvent::Started(id));
         let member = self.member(id);
         member.due_ms = None;
         let mut waiting = std::mem::take(&mut member.waiting).into_iter();
-        while let Some(deed) = waiting.next() {
-            self.handle(id, deed);
+        while let Some(action) = waiting.next() {
+            self.handle(id, action);
             match self.members.get_mut(&id) {
                 Some(member) if member.due_ms.is_some() => {
                     member.waiting = waiting.collect();
@@ -133,25 +133,25 @@ impl Model<'_> {
         }
     }
 
-    fn handle(&mut self, id: u64, deed: Deed) {
-        match deed {
-            Deed::Panic if self.case.restart == Restart::Temporary => {
-                self.end(id, Seen::Failed(id));
+    fn handle(&mut self, id: u64, action: Action) {
+        match action {
+            Action::Panic if self.case.restart == Restart::Temporary => {
+                self.end(id, ObservedEvent::Failed(id));
             }
-            Deed::Panic => self.fail(id),
-            Deed::Finish => {
+            Action::Panic => self.fail(id),
+            Action::Finish => {
                 self.member(id).total += 1;
                 if self.case.restart == Restart::Permanent {
                     self.fail(id);
                 } else {
-                    self.end(id, Seen::Finished(id));
+                    self.end(id, ObservedEvent::Finished(id));
                 }
             }
             _ => self.member(id).total += 1,
         }
     }
 
-    fn end(&mut self, id: u64, seen: Seen) {
+    fn end(&mut self, id: u64, seen: ObservedEvent) {
         self.see(seen);
         self.members.remove(&id);
     }
@@ -164,11 +164,11 @@ impl Model<'_> {
                 .count()
         };
         if n_recent(&self.restarts_ms) >= case.max_restarts as usize {
-            self.end(id, Seen::Failed(id));
+            self.end(id, ObservedEvent::Failed(id));
             for other in std::mem::take(&mut self.members).into_keys() {
-                self.see(Seen::Stopped(other));
+                self.see(ObservedEvent::Stopped(other));
             }
-            self.see(Seen::Escalated(id));
+            self.see(ObservedEvent::Escalated(id));
             self.has_ended = true;
             return;
         }
@@ -178,14 +178,14 @@ impl Model<'_> {
         let after_ms = (case.backoff_min_ms << n_own).min(case.backoff_max_ms);
         member.restarts_ms.push(now_ms);
         member.due_ms = Some(now_ms + after_ms);
-        self.see(Seen::Restarting(id, after_ms));
+        self.see(ObservedEvent::Restarting(id, after_ms));
     }
 
-    /// True when it should be possible.
-    fn apply(&mut self, id: u64, deed: Deed) -> bool {
+    /// Applies an action to the model; `true` when it should succeed.
+    fn apply(&mut self, id: u64, action: Action) -> bool {
         let is_there = self.members.contains_key(&id);
-        match deed {
-            Deed::Spawn if !is_there => {
+        match action {
+            Action::Spawn if !is_there => {
                 let member = Member {
                     due_ms: Some(self.now_ms),
                     total: 0,
@@ -195,18 +195,18 @@ impl Model<'_> {
                 self.members.insert(id, member);
                 true
             }
-            Deed::Spawn => false,
+            Action::Spawn => false,
             _ if !is_there => false,
-            Deed::Dismiss => {
-                self.end(id, Seen::Stopped(id));
+            Action::Dismiss => {
+                self.end(id, ObservedEvent::Stopped(id));
                 true
             }
-            deed => {
+            action => {
                 let member = self.member(id);
                 if member.due_ms.is_some() {
-                    member.waiting.push(deed);
+                    member.waiting.push(action);
                 } else {
-                    self.handle(id, deed);
+                    self.handle(id, action);
                 }
                 true
             }
@@ -214,33 +214,35 @@ impl Model<'_> {
     }
 }
 
-fn seen(event: &Event<u64>) -> Seen {
+fn seen(event: &Event<u64>) -> ObservedEvent {
     match event {
-        Event::Started { id } => Seen::Started(*id),
-        Event::Restarting { id, after, .. } => Seen::Restarting(*id, after.as_millis() as u64),
+        Event::Started { id } => ObservedEvent::Started(*id),
+        Event::Restarting { id, after, .. } => {
+            ObservedEvent::Restarting(*id, after.as_millis() as u64)
+        }
         Event::Stopped { id, reason } => match reason {
-            StopReason::Asked => Seen::Stopped(*id),
-            StopReason::Finished => Seen::Finished(*id),
-            _ => Seen::Failed(*id),
+            StopReason::Asked => ObservedEvent::Stopped(*id),
+            StopReason::Finished => ObservedEvent::Finished(*id),
+            _ => ObservedEvent::Failed(*id),
         },
-        Event::Escalated(escalation) => Seen::Escalated(escalation.id),
+        Event::Escalated(escalation) => ObservedEvent::Escalated(escalation.id),
         other => unreachable!("nothing hangs here: {other}"),
     }
 }
 
 type Adders = Supervisor<u64, Adder>;
 
-fn apply(supervisor: &Adders, id: u64, deed: Deed) -> bool {
+fn apply(supervisor: &Adders, id: u64, action: Action) -> bool {
     let tell = |order| {
         let address: Option<Address<Adder>> = supervisor.address(&id);
         address.is_some_and(|address| address.tell(0, order).is_ok())
     };
-    match deed {
-        Deed::Spawn => supervisor.spawn(id, 0).is_ok(),
-        Deed::Dismiss => supervisor.dismiss(&id),
-        Deed::Add => tell(Order::Add(1)),
-        Deed::Panic => tell(Order::Panic(100)),
-        Deed::Finish => tell(Order::Finish(1)),
+    match action {
+        Action::Spawn => supervisor.spawn(id, 0).is_ok(),
+        Action::Dismiss => supervisor.dismiss(&id),
+        Action::Add => tell(Order::Add(1)),
+        Action::Panic => tell(Order::Panic(100)),
+        Action::Finish => tell(Order::Finish(1)),
     }
 }
 
@@ -259,7 +261,7 @@ fn settings(case: &Case) -> Config {
     }
 }
 
-/// Lets everybody do what there is to do in this moment.
+/// Runs all tasks that are ready at this moment.
 async fn settle() {
     for _ in 0..100 {
         tokio::task::yield_now().await;
@@ -267,7 +269,7 @@ async fn settle() {
 }
 
 async fn check(case: Case) -> Result<(), TestCaseError> {
-    let shared = Arc::new(Shared::default());
+    let shared = Arc::new(AdderCounters::default());
     let (supervisor, mut events) = Adders::new(settings(&case), shared, Handle::current());
     let begin = Instant::now();
     let watching = tokio::spawn(async move {
@@ -286,7 +288,7 @@ async fn check(case: Case) -> Result<(), TestCaseError> {
         has_ended: false,
     };
     let mut grains = 0;
-    for (number, (gap, id, deed)) in (1..).zip(&case.deeds) {
+    for (number, (gap, id, action)) in (1..).zip(&case.deeds) {
         grains += gap;
         let at_ms = grains * GRAIN_MS + number;
         sleep_until(begin + Duration::from_millis(at_ms)).await;
@@ -295,9 +297,9 @@ async fn check(case: Case) -> Result<(), TestCaseError> {
         if model.has_ended {
             break;
         }
-        prop_assert_eq!(apply(&supervisor, *id, *deed), model.apply(*id, *deed));
+        prop_assert_eq!(apply(&supervisor, *id, *action), model.apply(*id, *action));
         settle().await;
-        // A new actor starts in the same moment.
+        // A new actor starts at the same moment.
         model.advance(at_ms);
         prop_assert_eq!(supervisor.n_actors(), model.members.len());
     }
@@ -311,7 +313,7 @@ async fn check(case: Case) -> Result<(), TestCaseError> {
     prop_assert_eq!(supervisor.spawn(99, 0).is_err(), model.has_ended);
     drop(supervisor);
     let mut log = watching.await.expect("it does not panic");
-    // The rest is the end of the test.
+    // Drop of the supervisor at the end of the test.
     log.truncate(model.seen.len());
     prop_assert_eq!(log, model.seen);
     Ok(())
@@ -320,7 +322,7 @@ async fn check(case: Case) -> Result<(), TestCaseError> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(256))]
     #[test]
-    fn the_supervisor_follows_the_model(case in case()) {
+    fn supervisor_agrees_with_the_model(case in case()) {
         let runtime = Builder::new_current_thread().enable_time().start_paused(true).build();
         runtime.expect("a runtime").block_on(check(case))?;
     }
