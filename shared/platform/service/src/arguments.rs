@@ -1,11 +1,11 @@
-//! Arguments that every process and tool understands.
+//! Command-line arguments common to all processes and tools.
 
 use crate::Home;
 use channel::DomainName;
 use clap::Args;
 use std::path::PathBuf;
 
-/// Which daemon, and with which configuration.
+/// Selection of a daemon and its configuration.
 #[derive(Debug, Clone, Args)]
 pub struct CommonArguments {
     /// Domain: several daemons with different names live side by side
@@ -27,10 +27,10 @@ pub struct CommonArguments {
     pub config: Option<PathBuf>,
 }
 
-/// What one process of the daemon understands besides.
+/// Command-line arguments of one process of the daemon.
 #[derive(Debug, Clone, Args)]
 pub struct ProcessArguments {
-    /// Which daemon.
+    /// Selection of the daemon.
     #[command(flatten)]
     pub common: CommonArguments,
 
@@ -44,7 +44,7 @@ pub struct ProcessArguments {
 }
 
 impl CommonArguments {
-    /// The home folder of these arguments.
+    /// Home folder of these arguments.
     pub fn home(&self) -> Home {
         match &self.home {
             Some(folder) => Home::at(folder.clone()),

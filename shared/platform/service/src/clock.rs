@@ -1,18 +1,18 @@
-//! The clocks.
+//! Monotonic clock and wall clock.
 
 use rustix::time::{ClockId, clock_gettime};
 
-/// The machine's monotonic clock, nanoseconds; the same in all processes.
+/// Monotonic clock, nanoseconds; the same in all processes.
 pub fn monotonic_ns() -> u64 {
     now_ns(ClockId::Monotonic) as u64
 }
 
-/// The wall clock, nanoseconds since 1970.
+/// Wall clock, nanoseconds since 1970.
 pub fn wall_clock_ns() -> i64 {
     now_ns(ClockId::Realtime)
 }
 
-/// Wall clock minus monotonic clock, nanoseconds, now.
+/// Current offset of the wall clock from the monotonic clock, nanoseconds.
 pub fn wall_clock_offset_ns() -> i64 {
     now_ns(ClockId::Realtime) - now_ns(ClockId::Monotonic)
 }

@@ -1,4 +1,4 @@
-//! The configuration file.
+//! Configuration file `tabula.toml` with one section per process.
 
 use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
@@ -7,73 +7,44 @@ use std::{fmt, io};
 /// Sections of the file: one for each process.
 const SECTIONS: [&str; 4] = ["camera", "simulator", "perception", "memory"];
 
-/// The largest file that is read.
+/// Largest accepted file, bytes.
 const MAX_BYTES: u64 = 1 << 20;
 
-/// One `tabula.toml` for all processes, each with a section of its own.
+/// Configuration file of all processes, each with its own section.
 #[derive(Debug, Clone, Default)]
 pub struct ConfigFile {
     path: Option<PathBuf>,
     text: String,
 }
 
-/// A configuration that can not be used.
-#[derive(Debug)]
+/// Unusable configuration.
+#[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ConfigError {
-    /// The file can not be read.
+    /// The file cannot be read.
+    #[error("could not read the configuration {}: {source}", .path.display())]
     Unreadable {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Why not.
+        /// Error of the system.
         source: io::Error,
     },
-    /// The file is not what it should be.
+    /// The file has invalid content.
+    #[error("the configuration {} is wrong: {}", .path.display(), .cause.trim_end())]
     Wrong {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Where and why.
+        /// Position and reason.
         cause: String,
     },
 }
 
-impl fmt::Display for ConfigError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Unreadable { path, source } => {
-                write!(
-                    f,
-                    "could not read the configuration {}: {source}",
-                    path.display()
-                )
-            }
-            Self::Wrong { path, cause } => {
-                write!(
-                    f,
-                    "the configuration {} is wrong: {}",
-                    path.display(),
-                    cause.trim_end()
-                )
-            }
-        }
-    }
-}
-
-impl std::error::Error for ConfigError {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::Unreadable { source, .. } => Some(source),
-            Self::Wrong { .. } => None,
-        }
-    }
-}
-
 impl ConfigFile {
-    /// Reads the given file, or else the first that is there: `tabula.toml` in
-    /// the home folder, `/etc/tabula/tabula.toml`. Without any, all defaults.
+    /// Reads the given file, or else the first that exists: `tabula.toml` in the home
+    /// folder, `/etc/tabula/tabula.toml`. Without any, all defaults.
     ///
     /// # Errors
-    /// When the file can not be read, is no TOML, or has an unknown section.
+    /// When the file cannot be read, is no TOML, or has an unknown section.
     pub fn find(given: Option<&Path>, home: &Path) -> Result<Self, ConfigError> {
         let places = [
             home.join("tabula.toml"),
@@ -95,15 +66,15 @@ impl ConfigFile {
         Ok(file)
     }
 
-    /// The file, when there is one.
+    /// Path of the file, if any.
     pub fn path(&self) -> Option<&Path> {
         self.path.as_deref()
     }
 
-    /// One process's section; the default when it is not there.
+    /// Parses one process's section; the default when it is missing.
     ///
     /// # Errors
-    /// When a key is unknown or a value is wrong.
+    /// When a key is unknown or a value is invalid.
     pub fn section<T: DeserializeOwned + Default>(&self, name: &str) -> Result<T, ConfigError> {
         let mut table: toml::Table = toml::from_str(&self.text).map_err(|e| self.wrong(e))?;
         match table.remove(name) {
@@ -114,7 +85,7 @@ impl ConfigFile {
         }
     }
 
-    /// An error about this file.
+    /// Creates an error about this file.
     pub fn wrong(&self, cause: impl fmt::Display) -> ConfigError {
         let path = self
             .path
@@ -181,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_named() {
+    fn errors_name_the_problem_and_the_file() {
         let check = |text: &str, word: &str| {
             let sentence = read_section(text).unwrap_err();
             assert!(

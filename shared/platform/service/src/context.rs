@@ -1,23 +1,23 @@
-//! What a process is given.
+//! Process context: everything a process gets from its runtime.
 
 use crate::{ConfigFile, HealthBoard, Home, Shutdown};
 use channel::Domain;
 use message::ProcessKind;
 use std::sync::Arc;
 
-/// Everything a process needs from its surroundings.
+/// Context of a process.
 #[derive(Debug, Clone)]
 pub struct Context {
-    /// Which process it is.
+    /// Kind of the process.
     pub process: ProcessKind,
     /// Membership in the domain.
     pub domain: Domain,
-    /// Folder of lasting data.
+    /// Folder of persistent data.
     pub home: Home,
-    /// The configuration file.
+    /// Configuration file.
     pub config: ConfigFile,
-    /// The request to stop.
+    /// Shutdown request.
     pub shutdown: Shutdown,
-    /// Where the process writes how it is.
+    /// Health counters of the process.
     pub health: Arc<HealthBoard>,
 }

@@ -1,27 +1,27 @@
-//! Where a process writes how it is.
+//! Health counters of a process.
 
 use message::{ProcessState, Text};
-use std::sync::Mutex;
+use parking_lot::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Counters and state of a process, written by its loops and read by the
-/// health report about once a second.
+/// Counters and state of a process, written by its loops and read by the health
+/// report about once a second.
 #[derive(Debug)]
 pub struct HealthBoard {
     state: Mutex<(ProcessState, Text)>,
-    /// Frames published, processed or persisted.
+    /// Number of frames published, processed or persisted.
     pub frames: AtomicU64,
-    /// Frames that should have been handled and were not.
+    /// Number of frames that were dropped.
     pub frames_dropped: AtomicU64,
-    /// Frames published more than a period late.
+    /// Number of frames published more than a period late.
     pub frames_late: AtomicU64,
     /// Shared memory reserved by the process's publishers, bytes.
     pub shared_memory_bytes: AtomicU64,
-    /// Restarts inside the process.
+    /// Number of restarts inside the process.
     pub restarts: AtomicU64,
-    /// Actors now.
+    /// Number of actors now.
     pub actors: AtomicU64,
-    /// Worker threads that were left behind.
+    /// Number of abandoned worker threads.
     pub abandoned: AtomicU64,
     progress: AtomicU64,
 }
@@ -43,30 +43,23 @@ impl Default for HealthBoard {
 }
 
 impl HealthBoard {
-    /// Sets the state and the sentence that explains it; empty when all is well.
+    /// Sets the state and its explanation; empty when all is well.
     pub fn set_state(&self, state: ProcessState, note: &str) {
-        let mut held = self
-            .state
-            .lock()
-            .unwrap_or_else(std::sync::PoisonError::into_inner);
-        *held = (state, Text::truncated(note));
+        *self.state.lock() = (state, Text::truncated(note));
     }
 
-    /// The state and its sentence.
+    /// State and its explanation.
     pub fn state(&self) -> (ProcessState, Text) {
-        *self
-            .state
-            .lock()
-            .unwrap_or_else(std::sync::PoisonError::into_inner)
+        *self.state.lock()
     }
 
-    /// Says that the process's main loop has made a step: a frame finished or,
-    /// without frames, a probe answered. Nothing else feeds the watchdog.
+    /// Records progress of the main loop: a frame finished or, without frames, a
+    /// probe answered. This alone feeds the watchdog.
     pub fn tick(&self) {
         self.progress.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// How many steps the main loop has made.
+    /// Number of steps of the main loop.
     pub fn progress(&self) -> u64 {
         self.progress.load(Ordering::Relaxed)
     }

@@ -1,20 +1,20 @@
-//! Where a daemon keeps what must last.
+//! Home folder of a daemon's persistent data.
 
 use channel::DomainName;
 use std::path::{Path, PathBuf};
 
-/// The folder of a daemon's lasting data.
+/// Folder of a daemon's persistent data.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Home(PathBuf);
 
 impl Home {
-    /// A given folder.
+    /// Home folder at a given path.
     pub fn at(folder: PathBuf) -> Self {
         Self(folder)
     }
 
-    /// The state folder given by systemd, otherwise a folder of the user's own,
-    /// one for each domain.
+    /// Default home folder: the state folder given by systemd, otherwise a folder in
+    /// the user's data folder, one for each domain.
     pub fn of_user(domain: &DomainName) -> Self {
         let folder = |name: &str| {
             std::env::var_os(name)
@@ -30,7 +30,7 @@ impl Home {
         Self(data.join("tabula").join(domain.to_string()))
     }
 
-    /// The folder.
+    /// Path of the folder.
     pub fn path(&self) -> &Path {
         &self.0
     }

@@ -1,39 +1,55 @@
-//! What every process shares: arguments, configuration, tracing, signals,
-//! readiness, watchdog, health.
+//! Process runtime of the daemon: arguments, configuration, log, signals, readiness,
+//! watchdog, health.
 //!
-//! A process is `main.rs` (parse the arguments, call [`run`]) and a function
-//! that is given a [`Context`] and returns when `context.shutdown` asks it to.
-//! Each process has one owner of its signals, its log and its readiness: this
-//! crate. It knows nothing of perception, learning or cameras.
+//! A process is `main.rs` (parse the arguments, call [`run`]) and a function that
+//! gets a [`Context`] and returns when `context.shutdown` is requested. Its
+//! long-running tasks form a [`TaskGroup`]. Each process has one owner of its
+//! signals, its log and its readiness: this crate. It knows nothing of perception,
+//! learning or cameras.
+//!
+//! ```
+//! use service::TaskGroup;
+//! use std::time::Duration;
+//!
+//! # tokio::runtime::Builder::new_current_thread().enable_time().build().unwrap().block_on(async {
+//! let mut tasks = TaskGroup::new(Duration::from_secs(1));
+//! tasks.spawn("forever", std::future::pending::<()>());
+//! tasks.spawn("short", async {});
+//! let failure = tasks.run(std::future::pending::<Result<(), _>>()).await.unwrap_err();
+//! assert_eq!(failure.sentence, "the task \"short\" has ended before shutdown");
+//! # });
+//! ```
 
-mod allocation_count;
 mod arguments;
 mod clock;
 mod config_file;
 mod context;
-mod cores;
-mod exit;
+mod counting_allocator;
+mod cpu_affinity;
+mod failure;
 mod health_board;
-mod health_report;
+mod health_reporter;
 mod home;
 mod log;
 mod run;
 mod shutdown;
 mod stopwatch;
+mod task_group;
 mod thread_usage;
 mod trace_publisher;
 
-pub use allocation_count::CountingAllocator;
 pub use arguments::{CommonArguments, ProcessArguments};
 pub use clock::{monotonic_ns, wall_clock_ns, wall_clock_offset_ns};
 pub use config_file::{ConfigError, ConfigFile};
 pub use context::Context;
-pub use cores::Cores;
-pub use exit::{Failure, exit_code};
+pub use counting_allocator::CountingAllocator;
+pub use cpu_affinity::Cores;
+pub use failure::{Failure, exit_code};
 pub use health_board::HealthBoard;
 pub use home::Home;
 pub use run::{follow_parent, run};
 pub use shutdown::Shutdown;
 pub use stopwatch::Stopwatch;
+pub use task_group::{TaskGroup, TaskOutcome};
 pub use thread_usage::{ThreadUsage, thread_id};
 pub use trace_publisher::TracePublisher;

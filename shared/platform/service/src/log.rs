@@ -1,4 +1,4 @@
-//! The log: to the journal under systemd, to standard error otherwise.
+//! Log set-up: to the journal under systemd, to standard error otherwise.
 
 use std::io::IsTerminal;
 use tracing_subscriber::EnvFilter;

@@ -1,6 +1,6 @@
-//! The life of a process.
+//! Process life cycle: set-up, signals, shutdown, exit code.
 
-use crate::health_report::Reporter;
+use crate::health_reporter::HealthReporter;
 use crate::shutdown::on_signals;
 use crate::{
     CommonArguments, ConfigFile, Context, Failure, HealthBoard, Home, ProcessArguments, Shutdown,
@@ -16,15 +16,15 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Stopping may take this long; then the process ends without waiting.
+/// Time limit of stopping; then the process ends without waiting.
 const STOP_TIME: Duration = Duration::from_secs(4);
 
-/// Runs a process from its arguments to its exit code: log, configuration,
-/// domain, health, signals, and in between `body`, which returns when
-/// `context.shutdown` asks it to, or with a failure.
+/// Runs a process from its arguments to its exit code: log, configuration, domain,
+/// health, signals, and in between `body`, which returns when `context.shutdown` is
+/// requested, or with a failure.
 ///
-/// `check` turns the configuration file into the process's own configuration;
-/// with `--check-config` that is all that happens.
+/// `check` turns the configuration file into the process's own configuration; with
+/// `--check-config` nothing else happens.
 pub fn run<C, F>(
     process: ProcessKind,
     arguments: &ProcessArguments,
@@ -99,10 +99,10 @@ fn live<F: Future<Output = Result<(), Failure>> + Send + 'static>(
             )
         })?;
         let health = Arc::new(HealthBoard::default());
-        let reporter = Reporter::new(&domain, process, health.clone())?;
+        let reporter = HealthReporter::new(&domain, process, health.clone())?;
         let reporter = tokio::spawn(reporter.run(shutdown.clone()));
-        // On a thread of the reactor, which is the one that learns first what has
-        // come; this thread would have to be waked by it.
+        // On a reactor thread, which is the first to see new messages; this thread
+        // would have to be woken by it.
         let outcome = tokio::spawn(body(Context {
             process,
             domain,
@@ -113,7 +113,7 @@ fn live<F: Future<Output = Result<(), Failure>> + Send + 'static>(
         }))
         .await;
         let outcome = outcome.unwrap_or_else(|lost| std::panic::resume_unwind(lost.into_panic()));
-        trigger.ask();
+        trigger.request();
         let _ = reporter.await;
         tracing::info!("{program} stopped");
         outcome
@@ -122,8 +122,8 @@ fn live<F: Future<Output = Result<(), Failure>> + Send + 'static>(
     outcome
 }
 
-/// From now on this process is asked to stop when its parent ends, whatever ends it.
-/// False when the parent has ended already.
+/// Requests a stop of this process when its parent ends in any way (parent-death
+/// signal). `false` when the parent has ended already.
 pub fn follow_parent(parent: u32) -> bool {
     if let Err(error) = set_parent_process_death_signal(Some(Signal::TERM)) {
         tracing::warn!("this process will not notice the end of its parent: {error}");
@@ -131,8 +131,8 @@ pub fn follow_parent(parent: u32) -> bool {
     getppid().is_some_and(|pid| pid.as_raw_nonzero().get().cast_unsigned() == parent)
 }
 
-/// Each service with its ports holds about seven descriptors, which the usual
-/// soft limit of 1024 does not fit.
+/// Raises the soft limit of open files: each service with its ports holds about seven
+/// descriptors, which the usual limit of 1024 does not fit.
 fn raise_descriptor_limit() {
     let limit = getrlimit(Resource::Nofile);
     let wanted = Rlimit {

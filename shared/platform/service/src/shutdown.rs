@@ -1,43 +1,43 @@
-//! Being asked to stop.
+//! Shutdown request of a process, raised by SIGTERM or SIGINT.
 
 use tokio::signal::unix::{SignalKind, signal};
 use tokio::sync::watch;
 
-/// A request to stop, seen by everybody who holds a clone.
+/// Shutdown request, visible to all holders of a clone.
 #[derive(Debug, Clone)]
 pub struct Shutdown(watch::Receiver<bool>);
 
-/// Makes the request.
+/// Sender of the shutdown request.
 #[derive(Debug, Clone)]
-pub(crate) struct Trigger(watch::Sender<bool>);
+pub(crate) struct ShutdownTrigger(watch::Sender<bool>);
 
 impl Shutdown {
-    /// A request not yet made, and who makes it.
-    pub(crate) fn new() -> (Trigger, Self) {
+    /// Creates a request and its sender.
+    pub(crate) fn new() -> (ShutdownTrigger, Self) {
         let (sender, receiver) = watch::channel(false);
-        (Trigger(sender), Self(receiver))
+        (ShutdownTrigger(sender), Self(receiver))
     }
 
-    /// Returns when the request has been made.
+    /// Waits for the request.
     pub async fn requested(&self) {
-        // An error means that whoever could ask is gone: the process is ending.
-        let _ = self.0.clone().wait_for(|asked| *asked).await;
+        // An error means that the sender is gone: the process is ending.
+        let _ = self.0.clone().wait_for(|requested| *requested).await;
     }
 
-    /// Whether the request has been made.
+    /// `true` after the request.
     pub fn is_requested(&self) -> bool {
         *self.0.borrow()
     }
 }
 
-impl Trigger {
-    pub(crate) fn ask(&self) {
+impl ShutdownTrigger {
+    pub(crate) fn request(&self) {
         let _ = self.0.send(true);
     }
 }
 
-/// Asks for shutdown at the first SIGTERM or SIGINT.
-pub(crate) fn on_signals(trigger: Trigger) -> std::io::Result<()> {
+/// Requests shutdown at the first SIGTERM or SIGINT.
+pub(crate) fn on_signals(trigger: ShutdownTrigger) -> std::io::Result<()> {
     let mut terminate = signal(SignalKind::terminate())?;
     let mut interrupt = signal(SignalKind::interrupt())?;
     tokio::spawn(async move {
@@ -46,7 +46,7 @@ pub(crate) fn on_signals(trigger: Trigger) -> std::io::Result<()> {
             _ = interrupt.recv() => "SIGINT",
         };
         tracing::info!("stopping: received {name}");
-        trigger.ask();
+        trigger.request();
     });
     Ok(())
 }

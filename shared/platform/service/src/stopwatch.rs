@@ -1,13 +1,14 @@
-//! Measuring the stages of a thread's work.
+//! Stopwatch for consecutive stages of a thread's work: time, processor time,
+//! allocations, faults.
 
 use crate::clock::monotonic_ns;
 use crate::thread_usage::{ThreadUsage, thread_id};
 use message::{Span, Stage};
 
-/// Measures stages that follow each other on one thread, without gaps: each begins
-/// where the one before has ended.
+/// Stopwatch of consecutive stages on one thread, without gaps: each begins at the
+/// end of the previous one.
 ///
-/// It must not be carried over an `await`, behind which the thread is another one.
+/// It must not be carried over an `await`, after which the thread may be another one.
 #[derive(Debug, Clone, Copy)]
 pub struct Stopwatch {
     begin_ns: u64,
@@ -15,12 +16,13 @@ pub struct Stopwatch {
 }
 
 impl Stopwatch {
-    /// Begins now.
+    /// Starts the first stage now.
     pub fn start() -> Self {
         Self::since(monotonic_ns())
     }
 
-    /// The first stage began at `begin_ns`, a moment ago, on this thread.
+    /// Starts with a first stage that began at `begin_ns`, a moment ago, on this
+    /// thread.
     pub fn since(begin_ns: u64) -> Self {
         Self {
             begin_ns,
@@ -28,13 +30,13 @@ impl Stopwatch {
         }
     }
 
-    /// When the stage that runs now has begun, monotonic.
+    /// Begin of the current stage, monotonic, nanoseconds.
     pub fn begin_ns(&self) -> u64 {
         self.begin_ns
     }
 
-    /// Ends the stage that has run since the last call; `track_id` is 0 where it is
-    /// the frame's.
+    /// Ends the current stage and begins the next; `track_id` is 0 for a stage of the
+    /// whole frame.
     pub fn lap(&mut self, stage: Stage, track_id: u64) -> Span {
         let begun = *self;
         self.usage = ThreadUsage::now();
@@ -42,8 +44,7 @@ impl Stopwatch {
         self.span_since(&begun, stage, track_id)
     }
 
-    /// The stage from the begin of `earlier` to the last lap: what several laps make
-    /// together.
+    /// Span from the begin of `earlier` to the last lap: the sum of several laps.
     pub fn span_since(&self, earlier: &Self, stage: Stage, track_id: u64) -> Span {
         let (now, then) = (&self.usage, &earlier.usage);
         let more = |now: u64, then: u64| now.saturating_sub(then) as u32;
@@ -90,7 +91,7 @@ mod tests {
     }
 
     #[test]
-    fn a_thread_that_sleeps_uses_no_processor_and_gives_it_up() {
+    fn sleeping_thread_uses_no_processor_time() {
         let mut watch = Stopwatch::start();
         std::thread::sleep(std::time::Duration::from_millis(30));
         let slept = watch.lap(Stage::ReleaseWait, 0);

@@ -1,8 +1,5 @@
-//! What a thread has used so far.
-#![expect(
-    unsafe_code,
-    reason = "the system tells of one thread only through a C structure"
-)]
+//! Resource usage of a thread (`getrusage`).
+#![expect(unsafe_code, reason = "rustix does not wrap getrusage(RUSAGE_THREAD)")]
 
 use crate::CountingAllocator;
 use rustix::thread::gettid;
@@ -11,31 +8,32 @@ use std::cell::Cell;
 use std::mem::MaybeUninit;
 
 thread_local! {
-    /// Asked once: it costs a call of the system.
+    /// Cached thread id: reading it is a system call.
     static THREAD_ID: Cell<u32> = const { Cell::new(0) };
 }
 
-/// What the calling thread has used since its start.
+/// Resources used by the calling thread since its start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct ThreadUsage {
-    /// Processor time.
+    /// Processor time, nanoseconds.
     pub cpu_ns: u64,
-    /// Heap allocations, where [`CountingAllocator`] is the process's allocator.
+    /// Number of heap allocations, where [`CountingAllocator`] is the process's
+    /// allocator.
     pub n_allocations: u64,
-    /// Heap bytes requested, likewise.
+    /// Requested heap bytes, under the same condition.
     pub allocated_bytes: u64,
-    /// How often it gave up its processor.
+    /// Number of voluntary context switches.
     pub n_voluntary_switches: u64,
-    /// How often its processor was taken from it.
+    /// Number of involuntary context switches.
     pub n_involuntary_switches: u64,
-    /// Page faults without disk.
+    /// Number of page faults without disk access.
     pub n_minor_faults: u64,
-    /// Page faults that read from disk.
+    /// Number of page faults with disk access.
     pub n_major_faults: u64,
 }
 
 impl ThreadUsage {
-    /// Of the calling thread, now. Two calls of the system.
+    /// Usage of the calling thread, now. Two system calls.
     pub fn now() -> Self {
         let cpu = clock_gettime(ClockId::ThreadCPUTime);
         let (n_allocations, allocated_bytes) = CountingAllocator::counts_of_thread();
@@ -57,18 +55,18 @@ fn resource_usage() -> libc::rusage {
     let mut usage = MaybeUninit::<libc::rusage>::zeroed();
     // SAFETY: the pointer is to a whole structure of the kind that the call fills.
     let _ = unsafe { libc::getrusage(libc::RUSAGE_THREAD, usage.as_mut_ptr()) };
-    // SAFETY: the structure is of plain numbers and was zeroed, so it is one even
-    // when the call has failed.
+    // SAFETY: the structure consists of plain numbers and was zeroed, so it is valid
+    // even when the call has failed.
     unsafe { usage.assume_init() }
 }
 
-/// The kernel's number of the calling thread.
+/// Kernel's id of the calling thread.
 pub fn thread_id() -> u32 {
     let known = THREAD_ID.get();
     if known != 0 {
         return known;
     }
-    let asked = gettid().as_raw_nonzero().get().cast_unsigned();
-    THREAD_ID.set(asked);
-    asked
+    let thread_id = gettid().as_raw_nonzero().get().cast_unsigned();
+    THREAD_ID.set(thread_id);
+    thread_id
 }

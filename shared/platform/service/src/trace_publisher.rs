@@ -1,19 +1,19 @@
-//! Telling where the time of frames goes.
+//! Publisher of latency traces of frames.
 
 use channel::topic::{FrameTraces, Topic};
 use channel::{Domain, Error, Publisher};
 use message::{FrameHeader, ProcessKind, SceneSummary, Span, TraceHeader};
 
-/// Publishes the spans of frames on `trace`. Nobody waits for a reader: what is not
-/// read in time is lost, and the reader counts it.
+/// Publisher of the spans of frames on `trace`. It never waits for a reader: unread
+/// spans are lost, and the reader counts them.
 #[derive(Debug)]
 pub struct TracePublisher {
     publisher: Publisher<FrameTraces>,
     process: ProcessKind,
-    is_failure_told: bool,
+    is_failure_logged: bool,
 }
 
-/// The frame that spans belong to.
+/// Frame to which spans belong.
 #[derive(Debug, Clone, Copy)]
 pub struct TracedFrame {
     session: u64,
@@ -46,22 +46,22 @@ impl From<&SceneSummary> for TracedFrame {
 
 impl TracePublisher {
     /// # Errors
-    /// When the topic can not be opened.
+    /// When the topic cannot be opened.
     pub fn new(domain: &Domain, process: ProcessKind) -> Result<Self, Error> {
         Ok(Self {
             publisher: Publisher::new(domain)?,
             process,
-            is_failure_told: false,
+            is_failure_logged: false,
         })
     }
 
-    /// Shared memory of the publisher.
+    /// Shared memory reserved by the publisher, bytes.
     pub fn reserved_bytes(&self) -> u64 {
         self.publisher.reservation().bytes()
     }
 
-    /// Publishes the spans of one frame; those that find no place are counted. That
-    /// it fails is no reason to stop working, and is told once.
+    /// Publishes the spans of one frame; spans above the limit are counted. A failure
+    /// does not stop the process, and is logged once.
     pub fn send(&mut self, frame: impl Into<TracedFrame>, spans: &[Span]) {
         let frame = frame.into();
         let n_sent = spans.len().min(FrameTraces::MAX_ITEMS);
@@ -77,10 +77,10 @@ impl TracePublisher {
         };
         let sent = self.publisher.send_copy(header, &spans[..n_sent]);
         if let Err(error) = sent
-            && !self.is_failure_told
+            && !self.is_failure_logged
         {
             tracing::warn!("latency can not be measured here: {error}");
-            self.is_failure_told = true;
+            self.is_failure_logged = true;
         }
     }
 }

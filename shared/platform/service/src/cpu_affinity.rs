@@ -1,32 +1,32 @@
-//! On which cores threads may run.
+//! CPU affinity of threads.
 
 use rustix::io::Result;
 use rustix::thread::{CpuSet, Pid, sched_getaffinity, sched_getcpu, sched_setaffinity};
 
-/// The cores that the process was given.
+/// CPU set of the process.
 #[derive(Debug, Clone)]
 pub struct Cores(CpuSet);
 
 impl Cores {
-    /// What the calling thread may use now; it stands for the process before any
-    /// thread was kept off a core.
+    /// CPU set of the calling thread; it stands for the process before any thread was
+    /// excluded from a core.
     ///
     /// # Errors
-    /// That of the system.
+    /// Error of the system.
     pub fn of_process() -> Result<Self> {
         sched_getaffinity(None).map(Self)
     }
 
-    /// The core on which the calling thread runs.
+    /// Core on which the calling thread runs.
     pub fn current() -> usize {
         sched_getcpu()
     }
 
-    /// Keeps a thread of this process, by its [id](crate::thread_id), off a core. Nothing
-    /// happens where that is the only one.
+    /// Excludes a core from a thread of this process, named by its
+    /// [id](crate::thread_id). Without effect where that is the only core.
     ///
     /// # Errors
-    /// That of the system; when the thread has ended, for example.
+    /// Error of the system; when the thread has ended, for example.
     pub fn keep_off(&self, thread_id: u32, core: usize) -> Result<()> {
         let mut others = self.0;
         others.unset(core);
@@ -36,7 +36,7 @@ impl Cores {
         allow(thread_id, &others)
     }
 
-    /// Gives a thread all cores again.
+    /// Allows a thread all cores again.
     ///
     /// # Errors
     /// As for [`keep_off`](Self::keep_off).
@@ -58,7 +58,7 @@ mod tests {
     use crate::thread_id;
 
     #[test]
-    fn a_thread_leaves_the_core_it_is_kept_off_and_comes_back() {
+    fn thread_leaves_an_excluded_core_and_returns() {
         let cores = Cores::of_process().unwrap();
         let own = thread_id();
         let first = Cores::current();

@@ -1,5 +1,5 @@
-//! Counting heap allocations.
-#![expect(unsafe_code, reason = "a global allocator is an unsafe trait")]
+//! Global allocator that counts allocations.
+#![expect(unsafe_code, reason = "GlobalAlloc is an unsafe trait")]
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -9,19 +9,19 @@ static N_ALLOCATIONS: AtomicU64 = AtomicU64::new(0);
 static N_BYTES: AtomicU64 = AtomicU64::new(0);
 
 thread_local! {
-    /// Allocations and bytes of this thread. Without a destructor and without a lazy
-    /// beginning, so that counting never allocates.
+    /// Allocations and bytes of this thread. Without a destructor and without lazy
+    /// initialisation, so that counting never allocates.
     static OF_THREAD: Cell<(u64, u64)> = const { Cell::new((0, 0)) };
 }
 
-/// The system's allocator with counters, which every process reports in its
-/// health: steady state must not allocate per frame, and the field must see it
-/// when it does. Two relaxed additions cost less than the allocation's own lock.
+/// System allocator with counters, which every process reports in its health: steady
+/// state must not allocate per frame, and the field must see it when it does. Two
+/// relaxed additions cost less than the allocation's own lock.
 #[derive(Debug)]
 pub struct CountingAllocator;
 
 impl CountingAllocator {
-    /// Allocations and bytes requested since start.
+    /// Number of allocations and requested bytes since the start of the process.
     pub fn counts() -> (u64, u64) {
         (
             N_ALLOCATIONS.load(Ordering::Relaxed),
@@ -29,7 +29,7 @@ impl CountingAllocator {
         )
     }
 
-    /// Allocations and bytes that this thread has requested since its start.
+    /// Number of allocations and requested bytes of this thread since its start.
     pub fn counts_of_thread() -> (u64, u64) {
         OF_THREAD.get()
     }
@@ -42,7 +42,7 @@ fn count(n_bytes: usize) {
     OF_THREAD.set((n_allocations + 1, n_thread_bytes + n_bytes as u64));
 }
 
-// SAFETY: every method hands its arguments unchanged to the system's allocator,
+// SAFETY: every method passes its arguments unchanged to the system's allocator,
 // whose contract is the trait's own; counting touches no allocated memory.
 unsafe impl GlobalAlloc for CountingAllocator {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {

@@ -1,4 +1,4 @@
-//! The health report, the watchdog and the sweep: what happens once a second.
+//! Periodic health report, watchdog notification and sweep of dead nodes.
 
 use crate::{CountingAllocator, HealthBoard, Shutdown, clock::monotonic_ns};
 use channel::topic::ProcessHealth;
@@ -9,14 +9,14 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-/// How often health is reported.
+/// Period of the health report.
 const PERIOD: Duration = Duration::from_millis(500);
-/// Reports between two sweeps: looking through the domain's folders costs 0.3 MB
-/// of allocations, and a second is soon enough for the dead.
+/// Health reports between two sweeps: scanning the domain's folders costs 0.3 MB of
+/// allocations, and a second is soon enough for dead nodes.
 const REPORTS_PER_SWEEP: u64 = 2;
 
-/// Reports until shutdown.
-pub(crate) struct Reporter {
+/// Publisher of a process's health reports.
+pub(crate) struct HealthReporter {
     publisher: Publisher<ProcessHealth>,
     domain: Domain,
     process: ProcessKind,
@@ -26,7 +26,7 @@ pub(crate) struct Reporter {
     is_ready: bool,
 }
 
-impl Reporter {
+impl HealthReporter {
     pub(crate) fn new(
         domain: &Domain,
         process: ProcessKind,
@@ -61,7 +61,7 @@ impl Reporter {
         self.report();
     }
 
-    /// Tells systemd once that the process is ready, and feeds its watchdog when
+    /// Notifies systemd once that the process is ready, and feeds its watchdog when
     /// the main loop has made progress since the last time.
     fn notify_service_manager(&mut self) {
         let (state, _) = self.board.state();
@@ -106,7 +106,8 @@ impl Reporter {
     }
 }
 
-/// Memory resident now, shared memory included; 0 when the kernel does not say.
+/// Resident memory, shared memory included, bytes; 0 when the kernel does not report
+/// it.
 fn resident_bytes() -> u64 {
     let pages = std::fs::read_to_string("/proc/self/statm")
         .ok()

@@ -1,11 +1,10 @@
-//! How a process ends.
+//! Process failures and exit codes.
 
-use std::error::Error;
 use std::fmt;
 
-/// The exit codes of all programs; documented in docs/guides/command-line.md.
+/// Exit codes of all programs; documented in docs/guides/command-line.md.
 pub mod exit_code {
-    /// Something failed.
+    /// General failure.
     pub const FAILURE: u8 = 1;
     /// Wrong arguments or configuration.
     pub const USAGE: u8 = 2;
@@ -13,25 +12,26 @@ pub mod exit_code {
     pub const NO_DAEMON: u8 = 3;
     /// The daemon refused the command.
     pub const REFUSED: u8 = 4;
-    /// No answer in time.
+    /// Timeout: no answer from the daemon.
     pub const TIMED_OUT: u8 = 5;
     /// Another daemon runs in the domain.
     pub const ALREADY_RUNNING: u8 = 6;
-    /// Something measured is over its budget.
+    /// A measurement is over its budget.
     pub const OVER_BUDGET: u8 = 7;
 }
 
-/// A sentence for people and an exit code for scripts.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// Failure of a process: a sentence for people and an exit code for scripts.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{sentence}")]
 pub struct Failure {
-    /// One of [`exit_code`].
+    /// Exit code, one of [`exit_code`].
     pub code: u8,
-    /// What happened, to what, and what to do next.
+    /// Sentence: the problem, the object concerned, and the next step.
     pub sentence: String,
 }
 
 impl Failure {
-    /// A failure with its code.
+    /// Creates a failure with an exit code.
     pub fn new(code: u8, sentence: impl fmt::Display) -> Self {
         Self {
             code,
@@ -39,14 +39,6 @@ impl Failure {
         }
     }
 }
-
-impl fmt::Display for Failure {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.sentence)
-    }
-}
-
-impl Error for Failure {}
 
 impl From<channel::Error> for Failure {
     fn from(error: channel::Error) -> Self {
