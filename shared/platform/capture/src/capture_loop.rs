@@ -1,7 +1,7 @@
-//! The capture loop: loan, fill, wait for the instant, send.
+//! Capture loop: loan, fill, wait for the scheduled time, send.
 
 use crate::lead_time::LeadTime;
-use crate::lockstep::{Lockstep, Waited};
+use crate::lockstep::{Lockstep, LockstepOutcome};
 use crate::schedule::Schedule;
 use crate::source::{FrameInfo, FrameSize, Source, Waiting};
 use crate::source_error::SourceError;
@@ -16,23 +16,24 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 use tokio::runtime::Handle;
 
-/// How often a device that is not there is looked for.
+/// Period of the search for a lost device.
 const LOOK_AGAIN: Duration = Duration::from_secs(1);
-/// Longest sleep without looking whether to stop.
+/// Longest sleep between two checks of the shutdown request.
 const NAP: Duration = Duration::from_millis(50);
-/// In lockstep capture time is the recording's own and begins here.
+/// Capture time of the first frame in lockstep, nanoseconds; lockstep has its own
+/// clock.
 const LOCKSTEP_START_NS: u64 = 1_000_000_000;
 
-/// Why the loop ended without a failure.
+/// Reason for the end of the loop without a failure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum End {
-    /// The process is asked to stop.
+    /// Shutdown was requested.
     Stopped,
-    /// The recording has come to its end.
+    /// End of the recording.
     Ended,
 }
 
-/// One run of a source; belongs on a thread of its own.
+/// Capture loop of one source; runs on a separate thread.
 pub struct CaptureLoop {
     source: Box<dyn Source>,
     publisher: Publisher<CameraCloud>,
@@ -42,18 +43,19 @@ pub struct CaptureLoop {
     lockstep: Option<Lockstep>,
     session: u64,
     sequence: u64,
-    is_gone: bool,
-    /// What was said of frames that can not be played.
-    told: BTreeSet<String>,
+    is_device_lost: bool,
+    /// Log sentences already written about unusable frames.
+    reported: BTreeSet<String>,
     context: Context,
     runtime: Handle,
 }
 
 impl CaptureLoop {
-    /// Prepares to play `source`; in lockstep a frame waits for its followers.
+    /// Creates a loop that plays `source`; in lockstep each frame waits for its
+    /// followers.
     ///
     /// # Errors
-    /// When the topic of the clouds can not be opened.
+    /// When the topic of the clouds cannot be opened.
     pub fn new(
         context: Context,
         source: Box<dyn Source>,
@@ -87,17 +89,17 @@ impl CaptureLoop {
             lockstep,
             session: random_session(),
             sequence: 0,
-            is_gone: false,
-            told: BTreeSet::new(),
+            is_device_lost: false,
+            reported: BTreeSet::new(),
             context,
             runtime,
         })
     }
 
-    /// Plays until the end, the request to stop, or a failure.
+    /// Runs until the end of the source, shutdown, or a failure.
     ///
     /// # Errors
-    /// When the source can not be used.
+    /// When the source cannot be used.
     pub fn run(mut self) -> Result<End, Failure> {
         if self.lockstep.is_some() {
             self.wait_for_subscriber();
@@ -105,42 +107,42 @@ impl CaptureLoop {
         self.context.health.set_state(ProcessState::Ready, "");
         while !self.context.shutdown.is_requested() {
             self.context.health.tick();
-            match self.one_frame() {
-                Ok(true) => self.recovered(),
+            match self.capture_frame() {
+                Ok(true) => self.note_recovery(),
                 Ok(false) | Err(SourceError::Ended) => return Ok(End::Ended),
                 Err(SourceError::Unusable(sentence)) => {
                     return Err(Failure::new(exit_code::USAGE, sentence));
                 }
                 Err(error @ SourceError::Frame { .. }) => {
-                    // A looped recording comes to its bad frames in every round.
+                    // A looped recording repeats its bad frames in every round.
                     let sentence = error.to_string();
-                    if !self.told.contains(&sentence) {
+                    if !self.reported.contains(&sentence) {
                         tracing::warn!("{sentence}");
-                        self.told.insert(sentence);
+                        self.reported.insert(sentence);
                     }
                     self.context
                         .health
                         .frames_dropped
                         .fetch_add(1, Ordering::Relaxed);
                 }
-                Err(SourceError::Gone(sentence)) => self.gone(&sentence),
+                Err(SourceError::Gone(sentence)) => self.wait_for_device(&sentence),
             }
         }
         Ok(End::Stopped)
     }
 
-    /// Sends the next frame; false at the end of the recording.
-    fn one_frame(&mut self) -> Result<bool, SourceError> {
+    /// Captures and sends the next frame; `false` at the end of the recording.
+    fn capture_frame(&mut self) -> Result<bool, SourceError> {
         let mut watch = Stopwatch::start();
         let Some(size) = self.source.prepare()? else {
             return Ok(false);
         };
         let preparing = watch.lap(Stage::Preparing, 0);
-        self.wait_until_worthwhile()?;
+        self.wait_for_lead_time()?;
         let making_wait = watch.lap(Stage::MakingWait, 0);
-        let (mut loan, mut info) = self.filled(size)?;
+        let (mut loan, mut info) = self.loan_filled(size)?;
         let making = watch.lap(Stage::Making, 0);
-        self.lead_time.made_in(making.duration_ns());
+        self.lead_time.record(making.duration_ns());
         if self.lockstep.is_some() {
             self.send_in_lockstep(loan, &info)?;
         } else {
@@ -155,7 +157,10 @@ impl CaptureLoop {
         Ok(true)
     }
 
-    fn filled(&mut self, size: FrameSize) -> Result<(Loan<CameraCloud>, FrameInfo), SourceError> {
+    fn loan_filled(
+        &mut self,
+        size: FrameSize,
+    ) -> Result<(Loan<CameraCloud>, FrameInfo), SourceError> {
         let mut loan = self.publisher.loan(size.n_points()).map_err(unusable)?;
         let info = self.source.fill(points_mut(loan.items_mut()))?;
         Ok((loan, info))
@@ -182,7 +187,7 @@ impl CaptureLoop {
         self.source.sending(&header)?;
         self.publisher.send(loan).map_err(unusable)?;
         self.source.sent(&header)?;
-        // In lockstep there is no lateness: the followers set the pace.
+        // In lockstep no frame is late: the followers set the pace.
         let released_ns = due_ns.filter(|_| self.lockstep.is_some()).unwrap_or(now_ns);
         let was_late = self
             .schedule
@@ -196,8 +201,8 @@ impl CaptureLoop {
         Ok(header)
     }
 
-    /// Sends the frame until all followers have finished it. A repeated frame is
-    /// the same to the bit, so that repeating it changes no result.
+    /// Sends the frame repeatedly until all followers have finished it. A repeated
+    /// frame is identical to the bit, so that repeating it changes no result.
     fn send_in_lockstep(
         &mut self,
         loan: Loan<CameraCloud>,
@@ -213,8 +218,8 @@ impl CaptureLoop {
             };
             let finished = lockstep.finished(self.session, self.sequence, &self.context.shutdown);
             match self.runtime.block_on(finished).map_err(unusable)? {
-                Waited::Finished | Waited::Stop => return Ok(()),
-                Waited::Silence => {
+                LockstepOutcome::Finished | LockstepOutcome::Stop => return Ok(()),
+                LockstepOutcome::TimedOut => {
                     tracing::warn!("no report on frame {}; sending it again", self.sequence);
                 }
             }
@@ -225,8 +230,8 @@ impl CaptureLoop {
         }
     }
 
-    /// Waits until the prepared frame must be made to be ready in time.
-    fn wait_until_worthwhile(&mut self) -> Result<(), SourceError> {
+    /// Waits for the latest safe time to make the prepared frame.
+    fn wait_for_lead_time(&mut self) -> Result<(), SourceError> {
         let (Some(schedule), Some(lead_ns)) = (self.schedule, self.lead_time.lead_ns()) else {
             return Ok(());
         };
@@ -257,7 +262,7 @@ impl CaptureLoop {
         })
     }
 
-    /// Waits until an instant, and lets the source do its small work meanwhile.
+    /// Waits for a monotonic time; the source may do small work meanwhile.
     fn wait_until(
         &mut self,
         end_ns: u64,
@@ -270,7 +275,7 @@ impl CaptureLoop {
             if monotonic_ns() >= end_ns {
                 return Ok(());
             }
-            // A source may be waked by unparking this thread.
+            // A source may be woken by unparking this thread.
             std::thread::park_timeout(left.min(NAP));
             self.context.health.tick();
         }
@@ -284,14 +289,14 @@ impl CaptureLoop {
         }
     }
 
-    /// Says once that the device is not there, and lets a while pass.
-    fn gone(&mut self, sentence: &str) {
-        if !self.is_gone {
+    /// Logs the loss of the device once, and waits before the next attempt.
+    fn wait_for_device(&mut self, sentence: &str) {
+        if !self.is_device_lost {
             tracing::warn!("{sentence}; looking for it every second from now on");
             self.context
                 .health
                 .set_state(ProcessState::Degraded, sentence);
-            self.is_gone = true;
+            self.is_device_lost = true;
         }
         let until_ns = monotonic_ns() + LOOK_AGAIN.as_nanos() as u64;
         while monotonic_ns() < until_ns && !self.context.shutdown.is_requested() {
@@ -299,21 +304,24 @@ impl CaptureLoop {
         }
     }
 
-    fn recovered(&mut self) {
-        if self.is_gone {
+    fn note_recovery(&mut self) {
+        if self.is_device_lost {
             tracing::info!("{} is there", self.source.name());
             self.context.health.set_state(ProcessState::Ready, "");
-            self.is_gone = false;
+            self.is_device_lost = false;
         }
     }
 }
 
-#[expect(clippy::needless_pass_by_value, reason = "the argument of map_err")]
+#[expect(
+    clippy::needless_pass_by_value,
+    reason = "signature required by map_err"
+)]
 fn unusable(error: channel::Error) -> SourceError {
     SourceError::Unusable(error.to_string())
 }
 
-/// The part of the header that the frame itself determines.
+/// Header fields that the frame itself determines.
 fn header(info: &FrameInfo, source_name: &str, is_lockstep: bool) -> FrameHeader {
     let flag = |is_set: bool, bit: u32| if is_set { bit } else { 0 };
     let mut header = FrameHeader {
@@ -336,7 +344,8 @@ fn header(info: &FrameInfo, source_name: &str, is_lockstep: bool) -> FrameHeader
     header
 }
 
-/// Sessions must differ between runs; without randomness the clock must do.
+/// Random session id: sessions must differ between runs; without randomness the clock
+/// must do.
 fn random_session() -> u64 {
     getrandom::u64().unwrap_or_else(|_| monotonic_ns())
 }

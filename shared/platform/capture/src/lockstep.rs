@@ -1,4 +1,4 @@
-//! Waiting for the followers of a frame.
+//! Lockstep: waits for the reports of the processes that handle a frame.
 
 use channel::topic::FrameFinished;
 use channel::{Domain, Error, Subscriber};
@@ -6,25 +6,25 @@ use message::{FrameDone, ProcessKind};
 use service::Shutdown;
 use std::time::Duration;
 
-/// Who must have finished a frame before the next one is sent.
+/// Processes that must finish a frame before the next one is sent.
 const FOLLOWERS: [ProcessKind; 2] = [ProcessKind::Perception, ProcessKind::Memory];
-/// After this silence the frame is sent again: a follower that was restarted has
-/// never seen it, one that has finished it says so again.
+/// Timeout after which the frame is sent again: a restarted follower has never seen
+/// it, one that has finished it reports again. Chosen.
 const SILENCE: Duration = Duration::from_secs(3);
 
-/// Collects the followers' reports.
+/// Receiver of the followers' reports.
 pub(crate) struct Lockstep {
     reports: Subscriber<FrameFinished>,
 }
 
-/// How waiting ended.
+/// Outcome of waiting for the followers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Waited {
+pub(crate) enum LockstepOutcome {
     /// All followers have finished the frame.
     Finished,
-    /// Somebody has not; send the frame again.
-    Silence,
-    /// The process is asked to stop.
+    /// A follower has not finished in time; send the frame again.
+    TimedOut,
+    /// Shutdown was requested.
     Stop,
 }
 
@@ -41,21 +41,21 @@ impl Lockstep {
         session: u64,
         sequence: u64,
         shutdown: &Shutdown,
-    ) -> Result<Waited, Error> {
+    ) -> Result<LockstepOutcome, Error> {
         let mut waiting_for = FOLLOWERS.to_vec();
         let silence = tokio::time::sleep(SILENCE);
         tokio::pin!(silence);
         while !waiting_for.is_empty() {
             let report = tokio::select! {
                 report = self.reports.next() => report?,
-                () = &mut silence => return Ok(Waited::Silence),
-                () = shutdown.requested() => return Ok(Waited::Stop),
+                () = &mut silence => return Ok(LockstepOutcome::TimedOut),
+                () = shutdown.requested() => return Ok(LockstepOutcome::Stop),
             };
             for done in report.items() {
                 waiting_for.retain(|&follower| !is_by(done, follower, session, sequence));
             }
         }
-        Ok(Waited::Finished)
+        Ok(LockstepOutcome::Finished)
     }
 }
 

@@ -1,7 +1,7 @@
-//! When frames are due.
+//! Frame schedule at a fixed rate.
 
-/// Instants at a fixed rate. Recorded frames are filled ahead and released when
-/// they are due, so that latency is counted from the scheduled instant.
+/// Schedule at a fixed rate. Recorded frames are filled ahead and sent when they are
+/// due, so that latency is counted from the scheduled time (no coordinated omission).
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Schedule {
     start_ns: u64,
@@ -9,12 +9,13 @@ pub(crate) struct Schedule {
     n_released: u64,
 }
 
-/// Falling behind by more periods than this begins a new schedule: a source that
-/// can not keep the rate must not send a burst when it recovers.
+/// Lag in periods above which a new schedule begins: a source that cannot keep the
+/// rate must not send a burst when it recovers. Chosen.
 const MAX_PERIODS_BEHIND: u64 = 5;
 
 impl Schedule {
-    /// A schedule whose first frame is due at `start_ns`. `rate_hz` is positive.
+    /// Creates a schedule whose first frame is due at `start_ns`. `rate_hz` is
+    /// positive.
     pub(crate) fn new(start_ns: u64, rate_hz: f64) -> Self {
         Self {
             start_ns,
@@ -23,13 +24,13 @@ impl Schedule {
         }
     }
 
-    /// When the next frame is due.
+    /// Scheduled time of the next frame, monotonic, nanoseconds.
     pub(crate) fn due_ns(&self) -> u64 {
         self.start_ns + self.n_released * self.period_ns
     }
 
-    /// Notes that the next frame was released; true when it was more than a
-    /// period late.
+    /// Records the release of the next frame; `true` when it was more than a period
+    /// late.
     pub(crate) fn release(&mut self, now_ns: u64) -> bool {
         let behind_ns = now_ns.saturating_sub(self.due_ns());
         self.n_released += 1;
@@ -49,7 +50,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn frames_are_due_at_the_rate_and_lateness_is_told() {
+    fn frames_are_due_at_the_rate_and_lateness_is_reported() {
         let mut schedule = Schedule::new(1_000, 1e7);
         assert_eq!(schedule.due_ns(), 1_000);
         assert!(!schedule.release(1_090));
@@ -59,7 +60,7 @@ mod tests {
     }
 
     #[test]
-    fn far_behind_is_no_burst() {
+    fn large_lag_causes_no_burst() {
         let mut schedule = Schedule::new(0, 1e7);
         assert!(schedule.release(10_000));
         assert_eq!(schedule.due_ns(), 10_100);

@@ -1,4 +1,4 @@
-//! A camera, live, recorded or simulated.
+//! Camera source interface: live, recorded or simulated.
 
 use crate::source_error::SourceError;
 use geometry::{PinholeCamera, RigidTransform};
@@ -6,12 +6,12 @@ use message::FrameHeader;
 use nalgebra::{Unit, Vector3};
 use point_cloud::Point;
 
-/// Columns and rows of a frame.
+/// Frame size in columns and rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FrameSize {
-    /// Columns.
+    /// Number of columns.
     pub width: usize,
-    /// Rows.
+    /// Number of rows.
     pub height: usize,
 }
 
@@ -22,50 +22,50 @@ impl FrameSize {
     }
 }
 
-/// What a source says about a frame it has filled.
+/// Metadata of a filled frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrameInfo {
-    /// Intrinsics and size.
+    /// Camera intrinsics and image size.
     pub camera: PinholeCamera,
-    /// Whether the intrinsics belong to this camera or are nominal.
+    /// `true` when the intrinsics belong to this camera; `false` when they are
+    /// nominal.
     pub is_calibrated: bool,
-    /// Pose of the camera, when known.
+    /// Camera pose, when known.
     pub world_from_camera: Option<RigidTransform>,
-    /// Direction against gravity, when known.
+    /// Up direction (against gravity) in the camera frame, when known.
     pub up_in_camera: Option<Unit<Vector3<f64>>>,
-    /// Number of the frame in its recording.
+    /// Index of the frame in its recording.
     pub source_frame: usize,
-    /// When a live sensor captured the frame, monotonic; `None` for recordings.
+    /// Capture time of a live sensor, monotonic, nanoseconds; `None` for recordings.
     pub captured_ns: Option<u64>,
 }
 
-/// A camera, live or recorded.
+/// Camera source, live, recorded or simulated.
 pub trait Source {
-    /// What people call it.
+    /// Name of the source for people.
     fn name(&self) -> &str;
 
-    /// Frames per second it wants to be played at; `None` for a live sensor,
-    /// whose frames are sent as they come.
+    /// Playback rate, frames per second; `None` for a live sensor, whose frames are
+    /// sent as they arrive.
     fn rate_hz(&self) -> Option<f64>;
 
-    /// Gets the next frame ready and says how large it is; `None` at the end. It is
-    /// filled later, as late as is safe, so that what the frame shows is done here and
-    /// drawing it there.
+    /// Prepares the next frame and returns its size; `None` at the end. It is filled
+    /// later, as late as is safe: the content is determined here, and drawn there.
     ///
     /// # Errors
-    /// When a frame can not be used (the next call goes on behind it), or the
-    /// device is gone.
+    /// When a frame cannot be used (the next call continues after it), or the device
+    /// is lost.
     fn prepare(&mut self) -> Result<Option<FrameSize>, SourceError>;
 
-    /// Writes the prepared frame, every point of it; `points` has the prepared size.
+    /// Fills the prepared frame, every point of it; `points` has the prepared size.
     ///
     /// # Errors
     /// As [`prepare`](Self::prepare).
     fn fill(&mut self, points: &mut [Point]) -> Result<FrameInfo, SourceError>;
 
-    /// Called again and again while the prepared frame waits to be filled, without
-    /// `points`, and while the filled frame waits for its instant `due_ns`,
-    /// monotonic. A source may do small work here, and may write a filled frame anew
+    /// Called repeatedly while the prepared frame waits to be filled, without
+    /// `points`, and while the filled frame waits for its scheduled time `due_ns`,
+    /// monotonic. A source may do small work here, and may rewrite a filled frame
     /// when the world has changed.
     ///
     /// # Errors
@@ -78,8 +78,8 @@ pub trait Source {
         Ok(Waiting::default())
     }
 
-    /// Called when the frame is about to be sent, with its header. What belongs to
-    /// the frame and is published here is there when the frame comes.
+    /// Called before the frame is sent, with its header. Data published here is there
+    /// when the frame arrives.
     ///
     /// # Errors
     /// As [`prepare`](Self::prepare).
@@ -87,7 +87,7 @@ pub trait Source {
         Ok(())
     }
 
-    /// Called when the frame has been sent, with the header it was sent with.
+    /// Called after the frame was sent, with its header.
     ///
     /// # Errors
     /// As [`prepare`](Self::prepare).
@@ -96,11 +96,12 @@ pub trait Source {
     }
 }
 
-/// What a source wants while its frame waits.
+/// Result of waiting: a rewritten frame and the time of the next call.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Waiting {
-    /// The frame has been written anew and is now this.
+    /// Metadata of the frame, if it was rewritten.
     pub rewritten: Option<FrameInfo>,
-    /// When the source wants to be called again, monotonic; it may be called earlier.
+    /// Time of the next call wanted by the source, monotonic, nanoseconds; it may
+    /// come earlier.
     pub again_ns: Option<u64>,
 }

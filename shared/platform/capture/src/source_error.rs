@@ -1,34 +1,24 @@
-//! What can go wrong with a source.
+//! Errors of camera sources.
 
-use std::fmt;
-
-/// A frame or a source that can not be used.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// Unusable frame or source.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SourceError {
-    /// The source can not be used at all.
+    /// The source cannot be used at all.
+    #[error("{0}")]
     Unusable(String),
-    /// One frame can not be used; the next one may.
+    /// One frame cannot be used; the next one may.
+    #[error("the frame {frame} is left out: {cause}")]
     Frame {
-        /// Its name.
+        /// Name of the frame.
         frame: String,
-        /// Why not.
+        /// Reason.
         cause: String,
     },
-    /// The recording has come to its end.
+    /// End of the recording.
+    #[error("the recording has come to its end")]
     Ended,
-    /// The device is not there, or has gone away; it may come back.
+    /// The device is not connected; it may come back.
+    #[error("{0}")]
     Gone(String),
 }
-
-impl fmt::Display for SourceError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Ended => f.write_str("the recording has come to its end"),
-            Self::Unusable(sentence) | Self::Gone(sentence) => f.write_str(sentence),
-            Self::Frame { frame, cause } => write!(f, "the frame {frame} is left out: {cause}"),
-        }
-    }
-}
-
-impl std::error::Error for SourceError {}

@@ -1,8 +1,14 @@
-//! What the programs for people share: answers as text or JSON, tables, bars that
-//! show progress, and being asked to stop.
+//! Command-line support: answers as text or JSON, tables, progress bars, stop
+//! signals.
 //!
-//! A program prints through one [`Output`] only: answers on standard output, what
-//! happens meanwhile where it disturbs no script.
+//! A program prints through one [`Output`] only: answers on standard output, status
+//! messages where they disturb no script.
+//!
+//! ```
+//! let rows = [vec!["7".to_owned(), "mug".to_owned()]];
+//! let text = command_line::table(&["id", "label"], &rows);
+//! assert_eq!(text, "id  label\n7   mug");
+//! ```
 
 mod output;
 mod progress;

@@ -1,11 +1,14 @@
-//! Printing for people and for scripts.
-#![expect(clippy::print_stderr, reason = "this is what the command line is for")]
+//! Output of answers for people (text) and scripts (JSON).
+#![expect(
+    clippy::print_stderr,
+    reason = "command-line output goes to the terminal"
+)]
 
 use serde::Serialize;
 use service::Failure;
 use std::io::{IsTerminal, Write};
 
-/// Where answers go: text, or one JSON document on standard output.
+/// Output format: text, or one JSON document on standard output.
 #[derive(Debug, Clone, Copy)]
 pub struct Output {
     json: bool,
@@ -18,12 +21,12 @@ struct ErrorDocument<'a> {
 }
 
 impl Output {
-    /// Answers as documents when `json` is true, as text otherwise.
+    /// Creates a JSON output when `json` is true, a text output otherwise.
     pub fn new(json: bool) -> Self {
         Self { json }
     }
 
-    /// Whether JSON is wanted.
+    /// `true` for JSON output.
     pub fn is_json(self) -> bool {
         self.json
     }
@@ -40,14 +43,14 @@ impl Output {
         }
     }
 
-    /// Prints a line for people, which scripts do not get.
+    /// Prints a line of text; nothing in JSON output.
     pub fn say(self, text: &str) {
         if !self.json {
             print(text);
         }
     }
 
-    /// Prints what happens meanwhile: for scripts on standard error, where the log is.
+    /// Prints a status message: in JSON output on standard error, where the log is.
     pub fn tell(self, text: &str) {
         if self.json {
             eprintln!("tabula: {text}");
@@ -56,7 +59,8 @@ impl Output {
         }
     }
 
-    /// Prints why a command failed: on standard error, for scripts also as document.
+    /// Prints the failure of a command: on standard error, in JSON output also as a
+    /// document.
     pub fn failure(self, failure: &Failure) {
         eprintln!("tabula: {failure}");
         if self.json {
@@ -69,7 +73,7 @@ impl Output {
     }
 }
 
-/// Replaces what is on the terminal; elsewhere the text is appended.
+/// Redraws the terminal with a text; elsewhere the text is appended.
 pub fn redraw(text: &str) {
     if std::io::stdout().is_terminal() {
         // Home, then clear to the end of each line and of the screen: no flicker.
@@ -80,7 +84,7 @@ pub fn redraw(text: &str) {
     }
 }
 
-/// A reader that has gone away (`tabula objects | head`) is no failure.
+/// Prints a line. A closed pipe (`tabula objects | head`) is no failure.
 fn print(text: &str) {
     let mut out = std::io::stdout().lock();
     let _ = writeln!(out, "{text}").and_then(|()| out.flush());

@@ -1,9 +1,9 @@
-//! A bar that shows how far a long run has come.
+//! Progress bar of a long run.
 
 use crate::Output;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// A bar on standard error for people at a terminal; nothing for scripts.
+/// Creates a progress bar on standard error; hidden in JSON output.
 pub fn bar(n_steps: u64, what: &'static str, output: &Output) -> ProgressBar {
     let target = if output.is_json() {
         ProgressDrawTarget::hidden()

@@ -1,19 +1,20 @@
-//! Being asked to stop, for a program without a runtime.
+//! Stop signal of a program without an async runtime.
 
+use parking_lot::{Condvar, Mutex};
 use service::{Failure, exit_code};
-use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::sync::Arc;
 use std::time::Duration;
 use tokio::signal::unix::{SignalKind, signal};
 
-/// Raised by SIGINT, SIGTERM or SIGHUP; sleeping ends when it is raised.
+/// Stop signal, raised by SIGINT, SIGTERM or SIGHUP; sleeping ends when it is raised.
 #[derive(Debug, Clone)]
 pub struct StopSignal(Arc<(Mutex<bool>, Condvar)>);
 
 impl StopSignal {
-    /// Takes over the signals, on a thread of its own.
+    /// Installs the signal handlers, on a separate thread.
     ///
     /// # Errors
-    /// When the signals can not be listened for.
+    /// When the signal handlers cannot be installed.
     pub fn install() -> Result<Self, Failure> {
         let failed = |error| {
             Failure::new(
@@ -45,20 +46,20 @@ impl StopSignal {
         Ok(raised)
     }
 
-    /// Whether the signal was raised.
+    /// `true` after the signal was raised.
     pub fn is_raised(&self) -> bool {
-        *self.0.0.lock().unwrap_or_else(PoisonError::into_inner)
+        *self.0.0.lock()
     }
 
-    /// Sleeps for a while, less when the signal is raised.
+    /// Sleeps for `time`, less when the signal is raised.
     pub fn sleep(&self, time: Duration) {
         let (raised, condition) = &*self.0;
-        let guard = raised.lock().unwrap_or_else(PoisonError::into_inner);
-        let _ = condition.wait_timeout_while(guard, time, |raised| !*raised);
+        let mut guard = raised.lock();
+        let _ = condition.wait_while_for(&mut guard, |raised| !*raised, time);
     }
 
     fn raise(&self) {
-        *self.0.0.lock().unwrap_or_else(PoisonError::into_inner) = true;
+        *self.0.0.lock() = true;
         self.0.1.notify_all();
     }
 }

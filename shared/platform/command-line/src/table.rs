@@ -1,6 +1,6 @@
-//! Tables of text.
+//! Text tables with aligned columns.
 
-/// A table with a heading and columns as wide as their widest cell.
+/// Formats a table with a heading and columns as wide as their widest cell.
 pub fn table(heading: &[&str], rows: &[Vec<String>]) -> String {
     let width = |column: usize| {
         let cells = rows
