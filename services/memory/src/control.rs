@@ -6,9 +6,12 @@ use channel::control::{AnswerFuture, Handler, Server, SocketServer};
 use message::ProcessKind;
 use std::sync::Arc;
 
-/// Serves processes through shared memory, and people through the socket, until
-/// the future is dropped.
-pub(crate) async fn serve(domain: &Domain, answerer: Answerer) -> Result<(), channel::Error> {
+/// The control servers of the gateway: shared memory for processes, a Unix socket for
+/// people.
+pub(crate) fn servers(
+    domain: &Domain,
+    answerer: Answerer,
+) -> Result<(Server, SocketServer), channel::Error> {
     let answerer = Arc::new(answerer);
     let handler: Handler = Arc::new(move |command| -> AnswerFuture {
         let answerer = answerer.clone();
@@ -16,6 +19,5 @@ pub(crate) async fn serve(domain: &Domain, answerer: Answerer) -> Result<(), cha
     });
     let processes = Server::new(domain, ProcessKind::Memory, handler.clone())?;
     let people = SocketServer::bind(&domain.control_socket(), handler)?;
-    tokio::join!(processes.run(), people.run());
-    Ok(())
+    Ok((processes, people))
 }

@@ -13,6 +13,7 @@ use channel::control::Client;
 use memory_requests::{MemoryDesk, MemoryDeskConfig};
 use message::{ProcessKind, ProcessState};
 use service::{Context, Failure, HealthBoard, exit_code, wall_clock_ns};
+use std::fmt::Display;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -26,7 +27,6 @@ const PROBE: Duration = Duration::from_millis(500);
 /// # Errors
 /// When the store can not be opened or shared memory fails.
 pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure> {
-    let failed = |error: store::Error| Failure::new(exit_code::FAILURE, error);
     let folder = context.home.perceptual_memory();
     let (thread, store, report) = StoreThread::start(StoreConfig {
         folder,
@@ -68,16 +68,33 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
         .health
         .shared_memory_bytes
         .store(reserved_bytes, Ordering::Relaxed);
-    tokio::select! {
-        served = control::serve(domain, answerer) => served?,
-        () = announcer.run() => {}
-        () = follower.run() => {}
-        () = probe(&store, &context.health, &processes) => {}
-        () = upkeep::run(&store, config.forgotten_kept) => {}
-        () = context.shutdown.requested() => {}
-    }
+    let (processes_server, people_server) = control::servers(domain, answerer)?;
+    let probe = probe(&store, &context.health, &processes);
+    let upkeep = upkeep::run(&store, config.forgotten_kept);
+    // The shutdown comes first: it may end other tasks in the same instant.
+    let outcome = tokio::select! {
+        biased;
+        () = context.shutdown.requested() => Ok(()),
+        ended = essential("the control server", processes_server.run()) => ended,
+        ended = essential("the control socket", people_server.run()) => ended,
+        ended = essential("the announcer of changes", announcer.run()) => ended,
+        ended = essential("the scene follower", follower.run()) => ended,
+        ended = essential("the probe of the store", probe) => ended,
+        ended = essential("the daily purge", upkeep) => ended,
+    };
     let world_stopped = world_thread.stop();
-    thread.stop().and(world_stopped).map_err(failed)
+    let stopped = thread.stop().and(world_stopped).map_err(failed);
+    outcome.and(stopped)
+}
+
+fn failed(error: impl Display) -> Failure {
+    Failure::new(exit_code::FAILURE, error)
+}
+
+/// Runs a task that the process cannot do without: its end is a failure that names it.
+async fn essential(name: &str, task: impl Future<Output = ()>) -> Result<(), Failure> {
+    task.await;
+    Err(failed(format!("{name} has ended unexpectedly")))
 }
 
 /// Says what was found when the store was opened, loudly when something is lost.
@@ -107,5 +124,18 @@ async fn probe(store: &StoreHandle, health: &HealthBoard, processes: &ProcessTab
         }
         processes.refresh();
         tokio::time::sleep(PROBE).await;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[tokio::test]
+    async fn the_end_of_an_essential_task_is_a_failure_that_names_it() {
+        let ended = essential("the announcer", std::future::ready(())).await;
+        let failure = ended.unwrap_err();
+        assert_eq!(failure.code, exit_code::FAILURE);
+        assert!(failure.to_string().contains("the announcer"), "{failure}");
     }
 }

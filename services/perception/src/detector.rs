@@ -44,6 +44,14 @@ pub(crate) enum DetectFailed {
     Lost(JobLost),
 }
 
+impl DetectFailed {
+    /// True if a worker or its buffers were started again: counted as a restart in
+    /// health. An unusable cloud is the camera's fault and restarts nothing.
+    pub(crate) fn is_restart(&self) -> bool {
+        matches!(self, Self::Lost(_))
+    }
+}
+
 impl Detector {
     pub(crate) fn new(pool: WorkerPool, config: Config) -> Self {
         Self {
@@ -140,5 +148,17 @@ fn stage(step: Step) -> Stage {
         Step::Feet => Stage::Feet,
         Step::Boxes => Stage::Boxes,
         Step::Judging => Stage::Judging,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_lost_job_counts_as_a_restart() {
+        let unusable = DetectFailed::Unusable("the cloud has no rows".into());
+        assert!(!unusable.is_restart());
+        assert!(DetectFailed::Lost(JobLost::Stalled).is_restart());
     }
 }

@@ -384,7 +384,9 @@ impl FrameLoop {
     }
 
     fn say_failed(&self, arrived: &Arrived, failed: &DetectFailed) {
-        self.health.restarts.fetch_add(1, Ordering::Relaxed);
+        if failed.is_restart() {
+            self.health.restarts.fetch_add(1, Ordering::Relaxed);
+        }
         let sequence = arrived.frame.header().sequence;
         match failed {
             DetectFailed::Unusable(error) => {

@@ -2,7 +2,7 @@
 
 use channel::topic::CameraCloud;
 use channel::{Domain, Error, Received, SharedFrame, Subscriber};
-use message::{CheckedFrame, InvalidFrame, frame_flag};
+use message::{CheckedFrame, FrameHeader, InvalidFrame, frame_flag};
 use pipeline::Frame;
 use std::sync::Arc;
 
@@ -37,9 +37,7 @@ impl Arrived {
 /// Takes frames and counts those it could not take.
 pub(crate) struct Intake {
     subscriber: Subscriber<CameraCloud>,
-    session: u64,
-    next_sequence: u64,
-    n_dropped: u64,
+    counter: FrameCounter,
     is_invalid_told: bool,
 }
 
@@ -47,9 +45,7 @@ impl Intake {
     pub(crate) fn new(domain: &Domain) -> Result<Self, Error> {
         Ok(Self {
             subscriber: Subscriber::waiting(domain)?,
-            session: 0,
-            next_sequence: 0,
-            n_dropped: 0,
+            counter: FrameCounter::default(),
             is_invalid_told: false,
         })
     }
@@ -68,48 +64,115 @@ impl Intake {
         }
         let Some(frame) = newest else { return Ok(None) };
         let received_ns = service::monotonic_ns();
-        self.count(&frame);
+        self.begin_session(frame.header());
         match frame.header().checked(frame.items().len()) {
-            Ok(checked) => Ok(Some(Arrived {
-                frame: Arc::new(frame),
-                checked,
-                received_ns,
-            })),
+            Ok(checked) => {
+                self.counter.accept(frame.header().sequence);
+                Ok(Some(Arrived {
+                    frame: Arc::new(frame),
+                    checked,
+                    received_ns,
+                }))
+            }
             Err(error) => {
-                self.refuse(&error);
+                self.reject(&error);
                 Ok(None)
             }
         }
     }
 
-    /// Frames of the current session that were not worked on.
+    /// Frames of the current session that were not processed.
     pub(crate) fn n_dropped(&self) -> u64 {
-        self.n_dropped
+        self.counter.n_dropped
     }
 
-    /// Counts gaps in the sequence. The first frame of a session is wherever
-    /// this process came to it.
-    fn count(&mut self, frame: &SharedFrame<CameraCloud>) {
-        let header = frame.header();
-        if header.session == self.session {
-            self.n_dropped += header.sequence.saturating_sub(self.next_sequence);
-        } else {
-            self.n_dropped = 0;
-            self.session = header.session;
+    fn begin_session(&mut self, header: &FrameHeader) {
+        if self.counter.begin_session(header.session) {
             self.is_invalid_told = false;
             tracing::info!(
                 "frames come from {}",
                 header.source_name.as_str().unwrap_or("an unknown source")
             );
         }
-        self.next_sequence = header.sequence + 1;
     }
 
-    fn refuse(&mut self, error: &InvalidFrame) {
-        self.n_dropped += 1;
+    fn reject(&mut self, error: &InvalidFrame) {
+        self.counter.reject();
         if !self.is_invalid_told {
             tracing::error!("{error}; such frames are left out, further ones are only counted");
             self.is_invalid_told = true;
         }
+    }
+}
+
+/// Counter of the frames that a session has lost, from the gaps in its sequence numbers.
+///
+/// Only the sequence number of a checked header is believed, and no number overflows.
+#[derive(Debug, Default)]
+struct FrameCounter {
+    session: u64,
+    /// Sequence number after the last frame; `None` before the first valid frame.
+    next_sequence: Option<u64>,
+    n_dropped: u64,
+}
+
+impl FrameCounter {
+    /// Starts counting from 0 when a frame is of another session; true then. The first
+    /// valid frame of a session may have any sequence number.
+    fn begin_session(&mut self, session: u64) -> bool {
+        let is_new = session != self.session;
+        if is_new {
+            *self = Self {
+                session,
+                ..Self::default()
+            };
+        }
+        is_new
+    }
+
+    /// Counts the gap before a valid frame as dropped.
+    fn accept(&mut self, sequence: u64) {
+        let gap = self
+            .next_sequence
+            .map_or(0, |next| sequence.saturating_sub(next));
+        self.n_dropped = self.n_dropped.saturating_add(gap);
+        self.next_sequence = Some(sequence.saturating_add(1));
+    }
+
+    /// Counts an invalid frame as dropped; it takes one place in the sequence.
+    fn reject(&mut self) {
+        self.n_dropped = self.n_dropped.saturating_add(1);
+        self.next_sequence = self.next_sequence.map(|next| next.saturating_add(1));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gaps_and_invalid_frames_count_once_as_dropped() {
+        let mut counter = FrameCounter::default();
+        assert!(counter.begin_session(7) && !counter.begin_session(7));
+        counter.accept(40);
+        counter.accept(41);
+        assert_eq!(counter.n_dropped, 0);
+        counter.accept(44);
+        counter.reject();
+        counter.accept(46);
+        assert_eq!(counter.n_dropped, 3);
+        assert!(counter.begin_session(8));
+        assert_eq!(counter.n_dropped, 0);
+    }
+
+    #[test]
+    fn the_largest_sequence_number_does_not_overflow() {
+        let mut counter = FrameCounter::default();
+        counter.accept(0);
+        counter.accept(u64::MAX);
+        counter.accept(u64::MAX);
+        counter.reject();
+        counter.accept(u64::MAX);
+        assert_eq!(counter.n_dropped, u64::MAX);
     }
 }

@@ -76,18 +76,27 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
         health.set_state(ProcessState::Ready, "");
         frames.run().await.map_err(Failure::from)
     };
+    let keep_ids = ids.clone().keep(memory.clone());
+    // The shutdown comes first: it may end other tasks in the same instant.
     let outcome = tokio::select! {
+        biased;
+        () = context.shutdown.requested() => Ok(()),
         outcome = work => outcome,
-        () = server.run() => Ok(()),
-        () = follower.run() => Ok(()),
-        () = courier.run() => Ok(()),
-        () = ids.clone().keep(memory.clone()) => Ok(()),
+        ended = essential("the control server", server.run()) => ended,
+        ended = essential("the replica of the memory", follower.run()) => ended,
+        ended = essential("the sender of key views", courier.run()) => ended,
+        ended = essential("the lease of track-ids", keep_ids) => ended,
         () = pool.exhausted() => Err(failed("too many worker threads have stalled")),
         escalated = desk.watch() => Err(failed(escalated)),
-        () = context.shutdown.requested() => Ok(()),
     };
     frames.stop().await;
     outcome
+}
+
+/// Runs a task that the process cannot do without: its end is a failure that names it.
+async fn essential(name: &str, task: impl Future<Output = ()>) -> Result<(), Failure> {
+    task.await;
+    Err(failed(format!("{name} has ended unexpectedly")))
 }
 
 fn actors(
@@ -142,4 +151,17 @@ fn start_supervisor(
         learned,
     });
     Ok(Supervisor::new(supervision, context, Handle::current()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[tokio::test]
+    async fn the_end_of_an_essential_task_is_a_failure_that_names_it() {
+        let ended = essential("the announcer", std::future::ready(())).await;
+        let failure = ended.unwrap_err();
+        assert_eq!(failure.code, exit_code::FAILURE);
+        assert!(failure.to_string().contains("the announcer"), "{failure}");
+    }
 }

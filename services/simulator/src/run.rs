@@ -37,9 +37,22 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
             .map_err(|_| failed("the simulation's thread has panicked"))?
     };
     tokio::select! {
-        ended = ended => ended.map(|_: End| ()),
-        () = server.run() => Ok(()),
+        biased;
+        ended = ended => outcome(ended),
+        () = server.run() => Err(ended_unexpectedly("the control server")),
     }
+}
+
+/// Outcome of the process: a simulation ends only when it is stopped.
+fn outcome(ended: Result<End, Failure>) -> Result<(), Failure> {
+    match ended? {
+        End::Stopped => Ok(()),
+        End::Ended => Err(ended_unexpectedly("the simulation")),
+    }
+}
+
+fn ended_unexpectedly(task: &str) -> Failure {
+    failed(format!("{task} has ended unexpectedly"))
 }
 
 fn play(
@@ -77,4 +90,17 @@ fn play(
         .shared_memory_bytes
         .fetch_add(shared_bytes, std::sync::atomic::Ordering::Relaxed);
     capture.run()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_simulation_that_ends_by_itself_is_a_failure() {
+        assert!(outcome(Ok(End::Stopped)).is_ok());
+        let failure = outcome(Ok(End::Ended)).unwrap_err();
+        assert_eq!(failure.code, exit_code::FAILURE);
+        assert!(failure.to_string().contains("the simulation"), "{failure}");
+    }
 }
