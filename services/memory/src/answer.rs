@@ -9,9 +9,11 @@ use message::ProcessKind;
 use message::control::{Command, Refusal, RefusalKind, Reply};
 use std::sync::Arc;
 use std::time::Duration;
+use store::Position;
+use tokio::sync::watch;
 
-/// How long another process may take to answer.
-const DEADLINE: Duration = Duration::from_secs(2);
+/// Time limit for the answer of another process; a client waits for 5 s.
+const DEADLINE: Duration = Duration::from_secs(4);
 
 /// Answers every command: its own from the store, others by asking their owner.
 pub(crate) struct Answerer {
@@ -20,6 +22,8 @@ pub(crate) struct Answerer {
     pub(crate) arm: Client,
     pub(crate) processes: Arc<ProcessTable>,
     pub(crate) world: Arc<World>,
+    /// Newest acknowledged position of the history.
+    pub(crate) position: watch::Receiver<Position>,
 }
 
 impl Answerer {
@@ -32,7 +36,10 @@ impl Answerer {
 
     async fn try_answer(&self, command: Command) -> Result<Reply, Refusal> {
         match command.owner() {
-            ProcessKind::Perception => return ask(&self.perception, command).await,
+            ProcessKind::Perception => {
+                let command = read_after(*self.position.borrow(), command);
+                return ask(&self.perception, command).await;
+            }
             ProcessKind::Simulator => return ask(&self.arm, command).await,
             ProcessKind::Memory | ProcessKind::Camera => {}
         }
@@ -46,6 +53,7 @@ impl Answerer {
     /// The desk's answer; a lesson is an event of the world, too.
     async fn answer_from_memory(&self, command: Command) -> Result<Reply, Refusal> {
         let lesson = event_report::lesson(&command);
+        let labelled = labelled_track(&command);
         let answer = self.desk.answer(command).await.unwrap_or_else(|| {
             let sentence = "tabula-memory does not answer this command".to_owned();
             Err(Refusal::new(RefusalKind::Internal, sentence))
@@ -57,7 +65,40 @@ impl Answerer {
             self.world
                 .with(|model| model.note_lesson(learned, now_ns()));
         }
-        answer
+        match (labelled, answer) {
+            (Some(track_id), Err(refusal)) if refusal.kind == RefusalKind::NotFound => {
+                Err(self.unknown_track(track_id).await.unwrap_or(refusal))
+            }
+            (_, answer) => answer,
+        }
+    }
+
+    /// Perception's refusal of a track that is not live; `None` when it is live, or
+    /// perception does not answer.
+    async fn unknown_track(&self, track_id: u64) -> Option<Refusal> {
+        match self.perception.call(Command::Ask { track_id }, DEADLINE).await {
+            Ok(Reply::Refused(refusal)) if refusal.kind == RefusalKind::NotFound => Some(refusal),
+            _ => None,
+        }
+    }
+}
+
+/// The track that a command labels; the store alone cannot tell a live track without
+/// key views from one that never was.
+fn labelled_track(command: &Command) -> Option<u64> {
+    match command {
+        Command::Teach(label) | Command::Correct(label) => Some(label.track_id),
+        _ => None,
+    }
+}
+
+/// Stamps a read with the newest acknowledged position of the history, so that its
+/// answer includes every change that any client knows to be done.
+fn read_after(position: Position, command: Command) -> Command {
+    Command::ReadAfter {
+        store_id: position.store_id.0,
+        sequence: position.sequence,
+        command: Box::new(command),
     }
 }
 

@@ -59,6 +59,7 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
         arm: Client::new(domain, ProcessKind::Simulator)?,
         processes: processes.clone(),
         world: world.clone(),
+        position: positions.clone(),
     };
     let announcer = Announcer::new(domain, positions)?;
     let feed = WorldFeed::new(domain, world)?;

@@ -1,15 +1,63 @@
-//! What the perception answers.
+//! Request handler of the perception service.
 
+use crate::learned::{CatchUp, HistoryPosition};
 use crate::world::World;
 use channel::control::{AnswerFuture, Handler};
 use message::control::{Command, Refusal, RefusalKind, Reply};
 use std::sync::Arc;
+use std::time::Duration;
 
-/// Answers from the latest scene.
-pub(crate) fn handler(world: Arc<World>) -> Handler {
+/// Time limit for labels to include what the memory has acknowledged. The gateway waits
+/// longer.
+const CATCH_UP: Duration = Duration::from_secs(3);
+
+/// Request handler that answers from the latest scene.
+pub(crate) fn handler(world: Arc<World>, barrier: CatchUp) -> Handler {
     Arc::new(move |command| -> AnswerFuture {
-        let reply = answer(&world, &command);
-        Box::pin(std::future::ready(reply))
+        let (world, barrier) = (world.clone(), barrier.clone());
+        Box::pin(async move {
+            let Command::ReadAfter {
+                store_id,
+                sequence,
+                command,
+            } = command
+            else {
+                return answer(&world, &command);
+            };
+            let position = HistoryPosition {
+                store_id: Some(store_id),
+                sequence,
+            };
+            match labelled_after(&world, position, barrier.wait(), CATCH_UP).await {
+                Ok(()) => answer(&world, &command),
+                Err(refusal) => Reply::Refused(refusal),
+            }
+        })
+    })
+}
+
+/// Waits until the labels of the scene include a position of the memory's history:
+/// first for the replica of the memory (`caught_up`), then for the labels.
+async fn labelled_after(
+    world: &World,
+    position: HistoryPosition,
+    caught_up: impl Future<Output = ()>,
+    deadline: Duration,
+) -> Result<(), Refusal> {
+    if world.includes(position) {
+        return Ok(());
+    }
+    let current = async {
+        caught_up.await;
+        world.labelled_after(position).await;
+    };
+    tokio::time::timeout(deadline, current).await.map_err(|_| {
+        let sentence = format!(
+            "perception has not taken over the memory's history up to {} within {} s; ask again",
+            position.sequence,
+            deadline.as_secs_f64()
+        );
+        Refusal::new(RefusalKind::Unavailable, sentence)
     })
 }
 
@@ -62,11 +110,35 @@ mod tests {
             track_id: 8,
             ..SceneObject::default()
         };
-        world.set(&SceneSummary::default(), &[object]);
+        world.set(&SceneSummary::default(), &[object], HistoryPosition::default());
         let Reply::Refused(refusal) = ask(3) else {
             panic!("track 3 is not there")
         };
         assert!(refusal.sentence.contains("the tracks are 8"), "{refusal}");
         assert!(matches!(ask(8), Reply::Object(_)));
+    }
+
+    #[tokio::test]
+    async fn an_answer_waits_until_the_labels_include_what_was_acknowledged() {
+        let at = |sequence| HistoryPosition {
+            store_id: Some(1),
+            sequence,
+        };
+        let world = World::default();
+        world.set(&SceneSummary::default(), &[], at(4));
+        let ready = || std::future::ready(());
+        let short = Duration::from_millis(1);
+        assert!(labelled_after(&world, at(4), std::future::pending(), short).await.is_ok());
+        let late = labelled_after(&world, at(5), ready(), short).await;
+        let refusal = late.unwrap_err();
+        assert_eq!(refusal.kind, RefusalKind::Unavailable);
+        assert!(refusal.sentence.contains("history up to 5"), "{refusal}");
+        let relabel = async {
+            world.outdated().await;
+            world.update(at(5), |_| ());
+        };
+        let long = Duration::from_secs(60);
+        let (waited, ()) = tokio::join!(labelled_after(&world, at(5), ready(), long), relabel);
+        assert!(waited.is_ok());
     }
 }

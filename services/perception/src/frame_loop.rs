@@ -7,23 +7,22 @@ use crate::detector::{DetectFailed, Detected, Detector};
 use crate::frame_trace::FrameTrace;
 use crate::intake::{Arrived, Intake};
 use crate::key_view_outbox::{OnDisk, Outbox};
-use crate::learned::CatchUp;
-use crate::newest_view::NewestView;
+use crate::learned::{CatchUp, Learned, SharedLearned};
+use crate::newest_view::{self, NewestView, NewestViews, Recognised};
 use crate::observation_round::{Actors, Outcome};
 use crate::ports::Ports;
 use crate::scene_report;
 use crate::table_log::TableLog;
 use crate::track_ids::TrackIds;
 use crate::world::World;
-use actor::WorkerPool;
+use actor::{Progress, WorkerPool};
 use channel::{Domain, Error};
 use constraint::Assumptions;
 use message::{
     FrameDone, PlainHeader, ProcessKind, SceneObject, SceneSummary, Stage, Text, points,
 };
-use pipeline::{Step, TrackTable};
+use pipeline::{ObjectTools, Step, TrackTable};
 use service::{HealthBoard, Stopwatch, monotonic_ns};
-use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -45,6 +44,8 @@ pub(crate) struct FrameLoop {
     ids: Arc<TrackIds>,
     outbox: Outbox,
     catch_up: CatchUp,
+    learned: SharedLearned,
+    config: pipeline::Config,
     world: Arc<World>,
     health: Arc<HealthBoard>,
     actor_deadline: Duration,
@@ -53,7 +54,7 @@ pub(crate) struct FrameLoop {
     step: Step,
     outcomes: Vec<Outcome>,
     objects: Vec<SceneObject>,
-    newest_views: BTreeMap<u64, NewestView>,
+    newest_views: NewestViews,
     last_capture_ns: u64,
     last_finished: Option<FrameDone>,
 }
@@ -65,6 +66,7 @@ pub(crate) struct Surroundings {
     pub(crate) ids: Arc<TrackIds>,
     pub(crate) outbox: Outbox,
     pub(crate) catch_up: CatchUp,
+    pub(crate) learned: SharedLearned,
     pub(crate) world: Arc<World>,
     pub(crate) health: Arc<HealthBoard>,
 }
@@ -97,6 +99,8 @@ impl FrameLoop {
             ids: given.ids,
             outbox: given.outbox,
             catch_up: given.catch_up,
+            learned: given.learned,
+            config: config.pipeline,
             world: given.world,
             health: given.health,
             actor_deadline: config.actor_deadline,
@@ -105,7 +109,7 @@ impl FrameLoop {
             step: Step::default(),
             outcomes: Vec::new(),
             objects: Vec::new(),
-            newest_views: BTreeMap::new(),
+            newest_views: NewestViews::new(),
             last_capture_ns: 0,
             last_finished: None,
         })
@@ -122,6 +126,7 @@ impl FrameLoop {
             }
             tokio::select! {
                 () = self.intake.woken() => {}
+                () = self.world.outdated() => self.relabel().await,
                 _ = probe.tick() => self.probe().await?,
             }
         }
@@ -284,12 +289,50 @@ impl FrameLoop {
         for view in self.newest_views.values_mut() {
             view.is_key_view = false;
         }
-        for (sighting, observed) in &self.outcomes {
-            if let Some(observed) = observed {
-                self.table.absorb(sighting.track_id, &observed.posterior);
-                self.newest_views.insert(sighting.track_id, observed.into());
+        for (sighting, observed) in &mut self.outcomes {
+            let Some(observed) = observed else { continue };
+            self.table.absorb(sighting.track_id, &observed.posterior);
+            let view = NewestView::new(observed, &sighting.measured);
+            if let Some(older) = self.newest_views.insert(sighting.track_id, view) {
+                self.actors.recycle_points(older.points);
             }
         }
+    }
+
+    /// Recomputes the labels of the latest scene that were made with older knowledge,
+    /// for clients that wait for it. Tracks that are not seen keep a label until they are
+    /// seen again; this is how it changes before.
+    async fn relabel(&mut self) {
+        let learned = self.learned.get();
+        let mut outdated = Vec::new();
+        for (track_id, view) in &mut self.newest_views {
+            if learned.is_current(view.recognised.position) {
+                view.recognised.position = learned.position;
+            } else {
+                outdated.push((*track_id, view.clone()));
+            }
+        }
+        let position = learned.position;
+        match self.pool.run(recognition(outdated, learned, self.config)).await {
+            Ok(recognised) => {
+                for (track_id, recognised) in recognised {
+                    if let Some(view) = self.newest_views.get_mut(&track_id) {
+                        view.recognised = recognised;
+                    }
+                }
+            }
+            Err(lost) => {
+                self.health.restarts.fetch_add(1, Ordering::Relaxed);
+                tracing::error!("the labels were not recomputed: {lost}");
+            }
+        }
+        let views = &self.newest_views;
+        let position = newest_view::oldest_position(views, position);
+        self.world.update(position, |object| {
+            if let Some(view) = views.get(&object.track_id) {
+                scene_report::set_recognised(object, &view.recognised);
+            }
+        });
     }
 
     fn send_key_views(&mut self, arrived: &Arrived) -> Vec<OnDisk> {
@@ -338,7 +381,9 @@ impl FrameLoop {
             .tell(Assumptions::from_bits(summary.assumptions));
         self.table_log.tell(detected.detection.table.as_ref());
         summary.stamps.published_ns = monotonic_ns();
-        self.world.set(summary, &self.objects);
+        let newest = self.learned.get().position;
+        let position = newest_view::oldest_position(&self.newest_views, newest);
+        self.world.set(summary, &self.objects, position);
         self.ports.scene.send_copy(*summary, &self.objects)
     }
 
@@ -394,5 +439,27 @@ impl FrameLoop {
             }
             DetectFailed::Lost(error) => tracing::error!("detection of frame {sequence}: {error}"),
         }
+    }
+}
+
+/// The job that recognises views with the knowledge of now.
+fn recognition(
+    views: Vec<(u64, NewestView)>,
+    learned: Arc<Learned>,
+    config: pipeline::Config,
+) -> impl FnOnce(&Progress) -> Vec<(u64, Recognised)> + Send + 'static {
+    move |progress| {
+        let mut recognised = Vec::with_capacity(views.len());
+        let Ok(mut tools) = ObjectTools::new() else {
+            return recognised;
+        };
+        for (track_id, view) in views {
+            progress.tick();
+            match view.recognise(&learned, &config, &mut tools) {
+                Ok(result) => recognised.push((track_id, result)),
+                Err(error) => tracing::warn!("track {track_id} keeps an old label: {error}"),
+            }
+        }
+        recognised
     }
 }

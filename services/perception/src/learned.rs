@@ -23,9 +23,48 @@ const LOOK_AGAIN: Duration = Duration::from_secs(1);
 pub(crate) struct Learned {
     /// The taught views.
     pub(crate) index: CategoryIndex,
-    /// History sequence they belong to.
+    /// Position in the history of the memory that the views belong to.
+    pub(crate) position: HistoryPosition,
+    /// History sequence of the last change of the index.
+    index_sequence: u64,
+}
+
+/// A position in the history of a memory's store.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) struct HistoryPosition {
+    /// The store; `None` before any was loaded.
+    pub(crate) store_id: Option<u128>,
+    /// Sequence number in the history of the store.
     pub(crate) sequence: u64,
-    store_id: Option<u128>,
+}
+
+impl HistoryPosition {
+    /// True if everything up to another position is known here.
+    pub(crate) fn includes(self, other: Self) -> bool {
+        self.store_id == other.store_id && self.sequence >= other.sequence
+    }
+
+    /// The older of two positions; the start of history when they are of two stores.
+    pub(crate) fn oldest(self, other: Self) -> Self {
+        if self.store_id == other.store_id {
+            Self {
+                sequence: self.sequence.min(other.sequence),
+                ..self
+            }
+        } else {
+            Self::default()
+        }
+    }
+}
+
+impl Learned {
+    /// True if a label made at a position is the one that these views give.
+    pub(crate) fn is_current(&self, made_at: HistoryPosition) -> bool {
+        made_at.includes(HistoryPosition {
+            sequence: self.index_sequence,
+            ..self.position
+        })
+    }
 }
 
 /// Read by every actor, replaced when something is learned. Who reads keeps the
@@ -52,8 +91,8 @@ impl Default for Learned {
         let index = category_index();
         Self {
             index,
-            sequence: 0,
-            store_id: None,
+            position: HistoryPosition::default(),
+            index_sequence: 0,
         }
     }
 }
@@ -69,6 +108,7 @@ pub(crate) struct Follower {
 }
 
 /// Asks the follower to catch up.
+#[derive(Clone)]
 pub(crate) struct CatchUp(mpsc::Sender<oneshot::Sender<()>>);
 
 impl CatchUp {
@@ -155,10 +195,10 @@ impl Follower {
 
     async fn catch_up(&mut self) -> Result<(), FollowFailed> {
         loop {
-            let (store_id, since) = {
-                let learned = self.learned.get();
-                (learned.store_id, learned.sequence)
-            };
+            let HistoryPosition {
+                store_id,
+                sequence: since,
+            } = self.learned.get().position;
             let Some(store_id) = store_id else {
                 self.load().await?;
                 continue;
@@ -221,8 +261,11 @@ impl Follower {
         for view in views {
             insert(&mut learned.index, &view, &mut self.is_kind_told);
         }
-        learned.store_id = Some(store_id);
-        learned.sequence = sequence;
+        learned.position = HistoryPosition {
+            store_id: Some(store_id),
+            sequence,
+        };
+        learned.index_sequence = sequence;
         let n_categories = learned.index.categories().len();
         self.learned.set(learned);
         tracing::info!("loaded {n_views} taught views of {n_categories} categories");
@@ -232,6 +275,10 @@ impl Follower {
     fn apply(&mut self, up_to: u64, changes: Vec<LearnedChange>) {
         // The clone shares all views that do not change.
         let mut learned = Learned::clone(&self.learned.get());
+        learned.position.sequence = up_to;
+        if !changes.is_empty() {
+            learned.index_sequence = up_to;
+        }
         for change in changes {
             match change {
                 LearnedChange::Assigned(view) => {
@@ -242,7 +289,6 @@ impl Follower {
                 }
             }
         }
-        learned.sequence = up_to;
         self.learned.set(learned);
     }
 
@@ -291,4 +337,36 @@ fn try_insert(index: &mut CategoryIndex, view: &LearnedView) -> Result<(), Strin
     index
         .insert(view_id(view.id), &category, &values)
         .map_err(|error| error.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(store_id: u128, sequence: u64) -> HistoryPosition {
+        HistoryPosition {
+            store_id: Some(store_id),
+            sequence,
+        }
+    }
+
+    #[test]
+    fn positions_of_two_stores_do_not_include_each_other() {
+        assert!(at(1, 5).includes(at(1, 5)) && at(1, 6).includes(at(1, 5)));
+        assert!(!at(1, 4).includes(at(1, 5)) && !at(2, 9).includes(at(1, 5)));
+        assert_eq!(at(1, 4).oldest(at(1, 7)), at(1, 4));
+        assert_eq!(at(1, 4).oldest(at(2, 7)), HistoryPosition::default());
+    }
+
+    #[test]
+    fn a_label_is_outdated_only_by_a_change_of_the_index() {
+        let mut learned = Learned {
+            position: at(1, 9),
+            index_sequence: 6,
+            ..Learned::default()
+        };
+        assert!(learned.is_current(at(1, 6)) && !learned.is_current(at(1, 5)));
+        learned.position.store_id = Some(2);
+        assert!(!learned.is_current(at(1, 9)));
+    }
 }

@@ -2,7 +2,7 @@
 
 use crate::detector::Detected;
 use crate::intake::Arrived;
-use crate::learned::SharedLearned;
+use crate::learned::{HistoryPosition, SharedLearned};
 use actor::{Actor, Flow, KeepLatest, Progress};
 use message::control::pack_cloud;
 use message::{ActorStamps, SegmentLocation, Span, Stage, points};
@@ -39,6 +39,8 @@ pub(crate) struct Observe {
     pub(crate) measured: Measured,
     /// Memory for the descriptor.
     pub(crate) descriptor: Vec<f32>,
+    /// Memory for the object's points.
+    pub(crate) points: Vec<Point>,
     /// When it was handed over, monotonic.
     pub(crate) asked_ns: u64,
     /// Whether the actor is to panic at it.
@@ -54,8 +56,10 @@ pub(crate) struct Observed {
     pub(crate) descriptor: Vec<f32>,
     /// The points of a key view in the world, packed; empty for others.
     pub(crate) packed_cloud: Vec<u8>,
-    /// History sequence of the memory the label was made with.
-    pub(crate) memory_sequence: u64,
+    /// The object's points, camera frame.
+    pub(crate) points: Vec<Point>,
+    /// Position in the history of the memory that the label was made with.
+    pub(crate) position: HistoryPosition,
     /// Where the points were read.
     pub(crate) location: SegmentLocation,
     /// The first of them.
@@ -101,6 +105,7 @@ impl Actor for ObjectActor {
             candidate,
             measured,
             mut descriptor,
+            points: mut own_points,
             asked_ns,
             ..
         } = message;
@@ -132,12 +137,15 @@ impl Actor for ObjectActor {
         } else {
             Vec::new()
         };
+        own_points.clear();
+        own_points.extend(points_at(cloud, indices).copied());
         laps.next();
         Ok(Flow::Continue(Observed {
             posterior,
             descriptor,
             packed_cloud,
-            memory_sequence: learned.sequence,
+            points: own_points,
+            position: learned.position,
             location: arrived.frame.location(),
             first_point_index: indices.first().copied().unwrap_or(0),
             stamps: laps.stamps(asked_ns),

@@ -8,6 +8,7 @@ use crate::object_actor::{ObjectActor, Observe, Observed};
 use crate::resting::Resting;
 use actor::{Address, Answer, Supervisor};
 use pipeline::{ObjectState, Sighting};
+use point_cloud::Point;
 use service::monotonic_ns;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -26,6 +27,7 @@ pub(crate) struct Actors {
     #[cfg(feature = "fault-injection")]
     fault: Fault,
     spare_descriptors: Vec<Vec<f32>>,
+    spare_points: Vec<Vec<Point>>,
     asked: Vec<(Sighting, Option<Answer<Observed>>)>,
 }
 
@@ -45,6 +47,7 @@ impl Actors {
             #[cfg(feature = "fault-injection")]
             fault: Fault::new(fault),
             spare_descriptors: Vec::new(),
+            spare_points: Vec::new(),
             asked: Vec::new(),
         }
     }
@@ -125,6 +128,11 @@ impl Actors {
             .extend(observed.map(|observed| observed.descriptor));
     }
 
+    /// Takes the memory of an older view's points back for later ones.
+    pub(crate) fn recycle_points(&mut self, points: Vec<Point>) {
+        self.spare_points.push(points);
+    }
+
     fn ask(
         &mut self,
         arrived: &Arrived,
@@ -139,6 +147,7 @@ impl Actors {
             track_id: sighting.track_id,
             measured: sighting.measured,
             descriptor: self.spare_descriptors.pop().unwrap_or_default(),
+            points: self.spare_points.pop().unwrap_or_default(),
             asked_ns: monotonic_ns(),
             #[cfg(feature = "fault-injection")]
             is_to_panic: self.fault.strikes(sighting.track_id),

@@ -53,20 +53,18 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
     let (outbox, courier) = outbox(couriers);
     let ids = Arc::new(TrackIds::default());
     let world = Arc::new(World::default());
-    let server = Server::new(
-        domain,
-        ProcessKind::Perception,
-        control::handler(world.clone()),
-    )?;
     let resting = Arc::new(Resting::default());
     let mut desk = EventDesk::new(domain, events, resting.clone(), health.clone())?;
-    let (follower, catch_up) = Follower::new(domain, memory.clone(), learned)?;
+    let (follower, catch_up) = Follower::new(domain, memory.clone(), learned.clone())?;
+    let handler = control::handler(world.clone(), catch_up.clone());
+    let server = Server::new(domain, ProcessKind::Perception, handler)?;
     let given = Surroundings {
         pool: pool.clone(),
         actors: actors(&config, supervisor, resting),
         ids: ids.clone(),
         outbox,
         catch_up,
+        learned,
         world,
         health: health.clone(),
     };

@@ -1,7 +1,7 @@
 //! From tracks to messages.
 
 use crate::intake::Arrived;
-use crate::newest_view::NewestView;
+use crate::newest_view::{NewestView, NewestViews, Recognised};
 use crate::object_actor::Observed;
 use constraint::Assumption;
 use detection::{Candidate, Detection};
@@ -15,7 +15,6 @@ use message::{
 };
 use pipeline::{DESCRIPTOR_KIND, Measured, Sighting, Track};
 use point_cloud::Rgba;
-use std::collections::BTreeMap;
 use std::mem;
 use tracking::{Sight, TrackPhase};
 
@@ -59,10 +58,32 @@ fn mean_rgb(measured: &Measured) -> [u8; 3] {
     measured.mean_rgb.map(|channel| channel as u8)
 }
 
-/// One object of the summary.
-fn object(track: &Track, view: &NewestView) -> SceneObject {
+/// Writes the result of a recognition into an object of the scene.
+pub(crate) fn set_recognised(object: &mut SceneObject, recognised: &Recognised) {
+    let label = recognised.label.as_ref();
+    object.distance = wire_distance(recognised.distance);
+    object.probability = recognised.probability.unwrap_or(f32::NAN);
+    object.is_labelled = u32::from(label.is_some());
+    object.label = label
+        .map(|label| Text::truncated(label.as_str()))
+        .unwrap_or_default();
+    (object.categories, object.n_categories) = near_categories(&recognised.nearest);
+    object.memory_sequence = recognised.position.sequence;
+}
+
+/// One object of the summary; a track without a view is unknown.
+fn object(track: &Track, view: Option<&NewestView>) -> SceneObject {
+    let mut object = unrecognised_object(track);
+    if let Some(view) = view {
+        object.is_key_view = u32::from(view.is_key_view);
+        object.stamps = view.stamps;
+        set_recognised(&mut object, &view.recognised);
+    }
+    object
+}
+
+fn unrecognised_object(track: &Track) -> SceneObject {
     let body = track.box_in_world();
-    let (categories, n_categories) = near_categories(&track.nearest);
     let [red, green, blue] = mean_rgb(&track.measured);
     SceneObject {
         track_id: track.id,
@@ -75,42 +96,31 @@ fn object(track: &Track, view: &NewestView) -> SceneObject {
         n_points: track.measured.n_points as u32,
         n_views: track.n_views,
         mean_argb: Rgba::opaque(red, green, blue).0,
-        distance: wire_distance(track.distance),
-        probability: track.probability.unwrap_or(f32::NAN),
-        is_labelled: u32::from(track.label.is_some()),
-        label: track
-            .label
-            .as_ref()
-            .map(|label| Text::truncated(label.as_str()))
-            .unwrap_or_default(),
-        n_categories,
-        memory_sequence: view.memory_sequence,
+        distance: f32::NAN,
+        probability: f32::NAN,
         linked_to: track.linked_to.unwrap_or(0),
         view_id: track.n_views.saturating_sub(1),
-        is_key_view: u32::from(view.is_key_view),
         n_key_views: track.n_key_views,
         position_covariance_m2: symmetric(&track.position_covariance_m2()),
         rotation_covariance_rad2: symmetric(&track.rotation_covariance_rad2()),
         velocity_m_s: track.velocity_m_s().cast().into(),
         angular_velocity_rad_s: track.angular_velocity_rad_s().cast().into(),
-        categories,
-        stamps: view.stamps,
+        ..SceneObject::default()
     }
 }
 
 /// Replaces `objects` by those of the tracks, as many as a summary holds.
 pub(crate) fn objects(
     tracks: &[Track],
-    newest_views: &BTreeMap<u64, NewestView>,
+    newest_views: &NewestViews,
     objects: &mut Vec<SceneObject>,
 ) {
-    let view = |track: &Track| newest_views.get(&track.id).copied().unwrap_or_default();
     objects.clear();
     objects.extend(
         tracks
             .iter()
             .take(MAX_SCENE_OBJECTS)
-            .map(|track| object(track, &view(track))),
+            .map(|track| object(track, newest_views.get(&track.id))),
     );
 }
 

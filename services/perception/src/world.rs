@@ -1,31 +1,83 @@
-//! The live world model: the latest scene, for whoever asks.
+//! Live world model: the latest scene, for the answers to clients.
 
+use crate::learned::HistoryPosition;
 use message::control::{ObjectReport, ObjectsReport};
 use message::{SceneObject, SceneSummary};
-use std::sync::{Mutex, PoisonError};
+use parking_lot::Mutex;
+use tokio::sync::{Notify, watch};
 
-/// The latest scene.
+/// The latest scene, and the knowledge its labels were made with.
 #[derive(Debug, Default)]
-pub(crate) struct World(Mutex<(SceneSummary, Vec<SceneObject>)>);
+pub(crate) struct World {
+    scene: Mutex<(SceneSummary, Vec<SceneObject>)>,
+    position: watch::Sender<HistoryPosition>,
+    outdated: Notify,
+}
 
 impl World {
-    /// Takes a new scene over.
-    pub(crate) fn set(&self, summary: &SceneSummary, objects: &[SceneObject]) {
-        let mut held = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+    /// Replaces the scene; `position` is the oldest that any of its labels was made with.
+    pub(crate) fn set(
+        &self,
+        summary: &SceneSummary,
+        objects: &[SceneObject],
+        position: HistoryPosition,
+    ) {
+        let mut held = self.scene.lock();
         held.0 = *summary;
         held.1.clear();
         held.1.extend_from_slice(objects);
+        drop(held);
+        self.set_position(position);
+    }
+
+    /// Changes the objects of the scene in place.
+    pub(crate) fn update(
+        &self,
+        position: HistoryPosition,
+        change: impl FnMut(&mut SceneObject),
+    ) {
+        self.scene.lock().1.iter_mut().for_each(change);
+        self.set_position(position);
+    }
+
+    fn set_position(&self, position: HistoryPosition) {
+        self.position.send_if_modified(|known| {
+            let is_new = *known != position;
+            *known = position;
+            is_new
+        });
+    }
+
+    /// True if all labels of the scene include a position of the memory's history.
+    pub(crate) fn includes(&self, position: HistoryPosition) -> bool {
+        self.position.borrow().includes(position)
+    }
+
+    /// Returns when all labels of the scene include a position of the memory's history;
+    /// has them recomputed where they do not.
+    pub(crate) async fn labelled_after(&self, position: HistoryPosition) {
+        let mut known = self.position.subscribe();
+        while !known.borrow_and_update().includes(position) {
+            self.outdated.notify_one();
+            // The sender is a field of this value.
+            let _ = known.changed().await;
+        }
+    }
+
+    /// Returns when labels are to be recomputed.
+    pub(crate) async fn outdated(&self) {
+        self.outdated.notified().await;
     }
 
     /// All objects.
     pub(crate) fn objects(&self) -> ObjectsReport {
-        let held = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let held = self.scene.lock();
         ObjectsReport::new(&held.0, &held.1)
     }
 
     /// One object; `None` when there is no such track now.
     pub(crate) fn object(&self, track_id: u64) -> Option<ObjectReport> {
-        let held = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let held = self.scene.lock();
         let object = held.1.iter().find(|object| object.track_id == track_id)?;
         Some(ObjectReport::new(object, held.0.stamps.capture_ns))
     }

@@ -140,6 +140,17 @@ pub enum Command {
         /// Newest sequence that the reader has applied.
         since: u64,
     },
+    /// Read-your-writes consistency: the command, answered with knowledge at least as new
+    /// as a position of the memory's history.
+    ReadAfter {
+        /// The store whose sequence `sequence` is.
+        #[serde(with = "learning::hex_id")]
+        store_id: u128,
+        /// The oldest history sequence that may answer.
+        sequence: u64,
+        /// The command to answer.
+        command: Box<Self>,
+    },
 }
 
 /// Assignment of a category label to a track.
@@ -205,12 +216,16 @@ impl Command {
         match self {
             Self::Objects | Self::Ask { .. } => ProcessKind::Perception,
             Self::Arm(_) => ProcessKind::Simulator,
+            Self::ReadAfter { command, .. } => command.owner(),
             _ => ProcessKind::Memory,
         }
     }
 
     /// True if only the daemon's own processes may send the command.
     pub fn is_internal(&self) -> bool {
-        matches!(self, Self::Snapshot { .. } | Self::Changes { .. })
+        matches!(
+            self,
+            Self::Snapshot { .. } | Self::Changes { .. } | Self::ReadAfter { .. }
+        )
     }
 }
