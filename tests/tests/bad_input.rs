@@ -402,8 +402,10 @@ fn requests_about_what_is_not_there_are_refused_and_change_nothing() {
     let track = id(&wait_for_all(&daemon, 0)[0]);
     let largest = u64::MAX.to_string();
     for verb in ["teach", "correct"] {
-        check_refused(&daemon, &[verb, "999999", "mug"], REFUSED, "999999");
-        check_refused(&daemon, &[verb, &largest, "mug"], REFUSED, &largest);
+        for unknown in ["999999", &largest] {
+            let sentence = format!("there is no track {unknown}; the tracks are");
+            check_refused(&daemon, &[verb, unknown, "mug"], REFUSED, &sentence);
+        }
         let too_large = "18446744073709551616";
         check_refused(&daemon, &[verb, too_large, "mug"], USAGE, too_large);
         check_refused(&daemon, &[verb, "-1", "mug"], USAGE, "-1");

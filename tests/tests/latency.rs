@@ -1,7 +1,8 @@
 //! `tabula latency`: measures a daemon that runs, and one of its own, and judges what
 //! it finds. No test says how fast anything must be.
 
-use crate::daemon::{Daemon, Place, eventually, program};
+use crate::daemon::{Daemon, Place, WITH_CAMERA, eventually, program};
+use crate::recorder::SceneRecorder;
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
 use std::path::Path;
@@ -63,6 +64,9 @@ fn pids(daemon: &Daemon<'_>) -> Vec<Value> {
 #[test]
 fn a_running_daemon_is_measured_and_goes_on() {
     let place = Place::new();
+    // No object is late on a busy computer.
+    let config = "[perception]\nactor_deadline_ms = 60000\n";
+    std::fs::write(place.home().join("tabula.toml"), config).unwrap();
     let daemon = place.start(&["--source", "synthetic:0"]);
     let before = pids(&daemon);
     let measured = latency(&place, &[]);
@@ -70,7 +74,9 @@ fn a_running_daemon_is_measured_and_goes_on() {
     let report = document(&measured);
     let stages = &report["stages"];
     for stage in CHAIN.iter().chain(&OF_OBJECTS) {
-        assert!(p50(&stages[stage]) >= 0.0, "{stage}: {report}");
+        let percentile = |name: &str| stages[stage][name].as_f64().unwrap();
+        let ordered = ["p50", "p90", "p99", "max"].map(percentile);
+        assert!(ordered.is_sorted(), "{stage}: {report}");
         let frames = stages[stage]["count"].as_u64().unwrap() as usize;
         assert!(frames >= N_FRAMES, "{stage}");
     }
@@ -197,12 +203,23 @@ fn ctrl_c_ends_a_measurement_with_what_was_measured() {
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    std::thread::sleep(std::time::Duration::from_secs(4));
+    // It measures from the moment it has joined the domain.
+    let n_files = place.shared_memory_files().len();
+    eventually("the measuring program has joined the domain", || {
+        place.shared_memory_files().len() > n_files
+    });
+    let frames = || {
+        daemon
+            .health("perception")
+            .and_then(|health| health["frames"].as_u64())
+    };
+    let before = frames().unwrap();
+    eventually("frames are measured", || frames() > Some(before + 60));
     let pid = Pid::from_raw(measuring.id().cast_signed()).unwrap();
     kill_process(pid, Signal::INT).unwrap();
     let output = measuring.wait_with_output().unwrap();
     assert!(output.status.success(), "{output:?}");
-    assert!(document(&output)["frames"].as_u64().unwrap() > 10);
+    assert!(document(&output)["frames"].as_u64().unwrap() > 0);
     daemon.stop();
 }
 
@@ -241,8 +258,9 @@ fn a_sweep_measures_each_of_its_places() {
     assert_eq!(seen, [2.0, 5.0], "{objects}");
     assert!(read(out.join("sweep-objects.svg")).starts_with(b"<svg"));
     let views = sweep(&["views", "--values", "300"]);
+    assert_eq!(views["rows"][0]["value"], 300.0, "{views}");
     let recognition = &views["rows"][0]["stage_p50_ms"]["recognition"];
-    assert!(recognition.as_f64().unwrap() > 0.0, "{views}");
+    assert!(recognition.is_number(), "{views}");
     let points = sweep(&["points", "--values", "80"]);
     assert!(
         points["rows"][0]["value"].as_f64().unwrap() > 500.0,
@@ -253,8 +271,56 @@ fn a_sweep_measures_each_of_its_places() {
     assert!(place.shared_memory_files().is_empty());
 }
 
-/// Nothing grows while objects come and go: files not at all, memory by less than an
-/// allocator keeps. How fast frames are worked on is told, not judged.
+/// Blocks of the table on which objects come and go, and frames until all have been away.
+const N_BLOCKS: usize = 12;
+const N_FRAMES_PER_ROUND: u64 = 360;
+
+/// Counts of what a process holds: open files and threads.
+fn held(pid: u32) -> [usize; 2] {
+    ["fd", "task"].map(|folder| {
+        let entries = std::fs::read_dir(format!("/proc/{pid}/{folder}"));
+        entries.unwrap().count()
+    })
+}
+
+#[test]
+fn soak_in_lockstep_holds_no_more_than_the_live_tracks_need() {
+    let place = Place::new();
+    let scenes = SceneRecorder::start(&place);
+    let source = format!("parade:{N_BLOCKS}");
+    let daemon = place.start(&["--source", &source, "--lockstep"]);
+    let wait_for_round = |round: u64| {
+        scenes.wait_for("a round of the parade is over", |scenes| {
+            let last = scenes.last().map(|scene| scene.header.sequence);
+            last >= Some(round * N_FRAMES_PER_ROUND)
+        });
+    };
+    let pids = WITH_CAMERA.map(|process| daemon.pid(process).unwrap());
+    let counts = || -> Vec<usize> {
+        let held = pids.into_iter().flat_map(held);
+        held.chain([place.shared_memory_files().len()]).collect()
+    };
+    wait_for_round(2);
+    let before = counts();
+    wait_for_round(4);
+    // A connection of a client may just be closing.
+    eventually("no more files, threads and shared memory than before", || {
+        let is_grown = |(now, before): (&usize, &usize)| now > before;
+        !counts().iter().zip(&before).any(is_grown)
+    });
+    // A block that is away may leave a lost track, and a new one when it is back; each
+    // track has one actor.
+    let most = 2 * N_BLOCKS;
+    let n_actors = daemon.health("perception").unwrap()["actors"].as_u64();
+    assert!(n_actors.unwrap() <= most as u64, "{n_actors:?} actors");
+    let (scenes, _) = scenes.stop();
+    let n_objects = scenes.iter().map(|scene| scene.header.n_objects_total).max();
+    assert!(n_objects.unwrap() <= most as u32, "{n_objects:?} tracks");
+    daemon.stop();
+}
+
+/// The report of a soak, judged: resident memory only where the limits of what is kept
+/// on purpose are reached long before the end.
 fn soak(n_frames: u32, rate_hz: u32) {
     let place = Place::new();
     let mut command = place.command("tabula-latency");
@@ -280,8 +346,18 @@ fn soak(n_frames: u32, rate_hz: u32) {
 }
 
 #[test]
-fn nothing_grows_while_objects_come_and_go() {
-    soak(1500, 60);
+fn soak_reports_every_window_of_its_run() {
+    let place = Place::new();
+    let mut command = place.command("tabula-latency");
+    command.args(["soak", "--json", "--frames", "80", "--rate", "20"]);
+    let run = document(&command.output().unwrap());
+    assert!(run["frames"].as_u64().unwrap() >= 80, "{run}");
+    let windows = run["windows"].as_array().unwrap();
+    let n_frames: u64 = windows.iter().map(|w| w["frames"].as_u64().unwrap()).sum();
+    assert_eq!(run["frames"], n_frames, "{run}");
+    let is_whole = |window: &Value| window["processes"].as_array().unwrap().len() == 3;
+    assert!(windows.iter().all(is_whole), "{run}");
+    assert!(place.shared_memory_files().is_empty());
 }
 
 #[test]

@@ -19,8 +19,6 @@ mod command_line;
 mod fakenect;
 /// Processes that are killed, stopped, or can not start.
 mod faults;
-/// The figures the project reports.
-mod figures;
 /// Where the milliseconds go: the measuring program.
 mod latency;
 /// Crates name only crates of lower layers; foreign libraries have owners.
@@ -34,6 +32,8 @@ mod memory_care;
 mod memory_kill;
 /// Panics of one object's actor: the others lose nothing, too many end the process.
 mod panics;
+/// Answers include every change that was acknowledged before the question.
+mod read_your_writes;
 /// Real scenes: known again after a restart, steady while the camera moves.
 mod real_scenes;
 /// The simulated table: truth, arm, person, recordings.

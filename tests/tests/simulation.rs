@@ -171,7 +171,7 @@ fn score(source: &str) -> Score {
     let place = Place::new();
     let scenes = SceneRecorder::start(&place);
     let truths = Recorder::<TrueObjects>::start(&place);
-    let daemon = place.start(&["--source", source]);
+    let daemon = place.start(&["--source", source, "--lockstep"]);
     scenes.wait_for("enough scenes", |s| s.len() > N_WARM_UP + N_SCORED);
     let (scenes, _) = scenes.stop();
     let (truths, _) = truths.stop();
@@ -274,7 +274,8 @@ fn the_arm_grasps_lifts_and_lets_go() {
     let place = Place::new();
     let truths = Recorder::<TrueObjects>::start(&place);
     let (_folder, source) = scene_file(CARTON);
-    let daemon = place.start(&["--source", &source]);
+    // In lockstep the simulated time does not run away from a busy perception.
+    let daemon = place.start(&["--source", &source, "--lockstep"]);
     let height = || truths.last().unwrap().items[0].world_from_object.position_m[2];
     daemon.wait_for("the carton is tracked", |objects| !objects.is_empty());
     let standing_m = height();
@@ -331,7 +332,7 @@ fn the_arm_over_the_table_is_ignored_and_people_are_told_why() {
     let scenes = SceneRecorder::start(&place);
     let truths = Recorder::<TrueObjects>::start(&place);
     let (_folder, source) = scene_file(CARTON);
-    let daemon = place.start(&["--source", &source]);
+    let daemon = place.start(&["--source", &source, "--lockstep"]);
     daemon.wait_for("the carton is tracked", |objects| !objects.is_empty());
     arm(&daemon, &["move", "-0.15", "-0.05", "1.12"]);
     arm(&daemon, &["move", "-0.05", "-0.15", "0.98"]);
@@ -436,7 +437,7 @@ fn stop_acts_at_once() {
                 .any(|v| v.abs() > 0.3)
     };
     states.wait_for("the arm moves", |states| {
-        states.last().is_some_and(is_moving)
+        states.iter().any(is_moving)
     });
     let stopped = arm(&daemon, &["stop"]);
     assert_eq!(stopped["activity"], "stopped");

@@ -13,7 +13,6 @@ use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Stdio};
-use std::time::Duration;
 
 fn list(document: &Value, name: &str) -> Vec<Value> {
     document[name].as_array().unwrap().clone()
@@ -66,9 +65,10 @@ fn wait_for_world(daemon: &Daemon<'_>, n_objects: usize) {
     });
 }
 
-/// What must be on disk is, a little later.
-fn wait_until_written() {
-    std::thread::sleep(Duration::from_secs(1));
+/// Waits until everything that the working memory knows is on disk: the start of a task
+/// is answered only then.
+fn wait_until_written(place: &Place) {
+    task(&mut connect(place), start_task()).unwrap();
 }
 
 #[test]
@@ -93,7 +93,7 @@ fn facts_are_kept_through_a_kill_and_end_when_their_object_was_last_seen() {
     let (label, place_then) = (property(&before, "label"), property(&before, "place"));
     assert_eq!(label["value"], "bowl");
     assert_eq!(label["end_ns"], Value::Null);
-    wait_until_written();
+    wait_until_written(&place);
     kill_memory(&daemon);
     wait_for_world(&daemon, objects.len());
 
@@ -267,7 +267,12 @@ fn a_task_is_noted_once_is_waited_for_and_outlives_the_memory() {
     assert_eq!(events_since(&mut client, newest, 10).events, []);
     let waiting = std::thread::spawn({
         let mut client = connect(&place);
-        move || events_since(&mut client, newest, 20_000).events
+        move || loop {
+            let events = events_since(&mut client, newest, 20_000).events;
+            if !events.is_empty() {
+                return events;
+            }
+        }
     });
     let ended = task(&mut client, end_task(2, 1)).unwrap();
     assert_eq!(ended.state, "failed");

@@ -1,7 +1,8 @@
 //! A cloud is written once: detection and every actor read the camera's own
 //! bytes, and nothing outside the camera allocates as much as a frame.
 
-use crate::daemon::{Daemon, PATIENCE, Place, eventually};
+use crate::daemon::{Daemon, PATIENCE, Place};
+use crate::recorder::SceneRecorder;
 use channel::topic::{CameraCloud, ObjectView};
 use channel::{Domain, Received, Role, SharedFrame, Subscriber};
 use message::{FrameHeader, ObjectViewHeader, ProcessKind, SegmentLocation};
@@ -12,7 +13,7 @@ use std::time::{Duration, Instant};
 /// Frames with views that are looked at.
 const N_FRAMES: usize = 30;
 /// Frames between two looks at what was allocated.
-const N_STEADY_FRAMES: u64 = 120;
+const N_STEADY_FRAMES: usize = 120;
 /// What a process may allocate for each frame in steady state.
 const MAX_BYTES_PER_FRAME: u64 = 64_000;
 
@@ -108,21 +109,22 @@ fn detection_and_every_actor_read_the_cameras_own_bytes() {
     daemon.stop();
 }
 
-/// Bytes allocated per frame between two health reports.
+/// Bytes allocated per frame between two health reports. Between them nothing is asked
+/// of the daemon: the memory allocates for every answer.
 fn bytes_per_frame(daemon: &Daemon<'_>, process: ProcessKind) -> u64 {
+    let scenes = SceneRecorder::start(daemon.place);
     let look = || {
         let health = daemon.health(process.name()).unwrap();
         let number = |name: &str| health[name].as_u64().unwrap();
         (number("frames"), number("allocated_bytes"))
     };
     let (first_frame, first_bytes) = look();
-    let (mut frame, mut bytes) = (first_frame, first_bytes);
-    eventually("frames pass", || {
-        // Seldom, because the memory allocates for every answer.
-        std::thread::sleep(Duration::from_millis(500));
-        (frame, bytes) = look();
-        frame >= first_frame + N_STEADY_FRAMES
+    let n_before = scenes.len();
+    scenes.wait_for("frames pass", |scenes| {
+        scenes.len() >= n_before + N_STEADY_FRAMES
     });
+    scenes.stop();
+    let (frame, bytes) = look();
     (bytes - first_bytes) / (frame - first_frame)
 }
 
