@@ -1,4 +1,4 @@
-//! The command line.
+//! Command-line arguments of the camera.
 
 use crate::source::SourceSpec;
 use clap::{Args, Parser};
@@ -7,24 +7,24 @@ use service::ProcessArguments;
 /// Publishes the clouds of one camera into the daemon's shared memory.
 #[derive(Debug, Clone, Parser)]
 #[command(name = "tabula-camera", version)]
-pub struct Arguments {
-    /// Which daemon.
+pub struct CameraArguments {
+    /// Options of every process.
     #[command(flatten)]
     pub process: ProcessArguments,
 
-    /// Which camera.
+    /// Source and playback options.
     #[command(flatten)]
     pub(crate) source: SourceArguments,
 }
 
-/// Which camera, and how a recording is played; they win over the configuration.
+/// Command-line choice of the source and its playback; it overrides the configuration.
 #[derive(Debug, Clone, Default, Args)]
 pub(crate) struct SourceArguments {
     /// synthetic[:N], crowd:N, parade:N, kinect, fakenect:FOLDER, or a folder of PCD scenes or of an RGB-D sequence
     #[arg(long, value_name = "SOURCE")]
     pub(crate) source: Option<SourceSpec>,
 
-    /// Frames per second of a recording or the synthetic table [default: 30]
+    /// FrameCursor per second of a recording or the synthetic table [default: 30]
     #[arg(long, value_name = "HZ")]
     pub(crate) rate: Option<f64>,
 

@@ -1,14 +1,14 @@
-//! The configuration, checked.
+//! Configuration section `[camera]`: parsing and validation.
 
-use crate::arguments::Arguments;
+use crate::arguments::CameraArguments;
 use crate::source::{Playback, SourceSpec};
 use serde::Deserialize;
 use service::{ConfigFile, Failure, exit_code};
 
-/// Rates that can be asked for.
+/// Valid frame rates, hertz.
 const RATES_HZ: std::ops::RangeInclusive<f64> = 0.01..=1000.0;
 
-/// The section `[camera]` as written.
+/// Section `[camera]` as written in TOML.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 struct RawConfig {
@@ -21,26 +21,26 @@ struct RawConfig {
     lockstep: bool,
 }
 
-/// What the camera does.
+/// Validated configuration of the camera.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Config {
-    /// The source.
+    /// Frame source.
     pub(crate) source: SourceSpec,
-    /// How it is played.
+    /// Playback options.
     pub(crate) playback: Playback,
-    /// Whether frames wait for their followers.
+    /// True if a frame is sent only when the one before is finished.
     pub(crate) lockstep: bool,
 }
 
 impl Config {
-    /// The section `[camera]` of the file, overruled by the arguments.
+    /// Reads the section of the file, overridden by the arguments.
     ///
     /// # Errors
     /// A usage failure that names the value and its rule.
-    pub fn new(arguments: &Arguments, file: &ConfigFile) -> Result<Self, Failure> {
+    pub fn new(arguments: &CameraArguments, file: &ConfigFile) -> Result<Self, Failure> {
         let raw: RawConfig = file.section("camera")?;
         let given = &arguments.source;
-        // What is overruled need not be a camera's: it may be the simulator's.
+        // An overridden source may be the simulator's, and is not parsed.
         let written = raw.source.as_deref().filter(|_| given.source.is_none());
         let written = written.map(str::parse::<SourceSpec>).transpose();
         let written = written.map_err(|rule| file.wrong(format!("[camera] source: {rule}")))?;
@@ -85,7 +85,8 @@ impl Config {
         self.check_live()
     }
 
-    /// A Kinect, real or played by fakenect, has its own rate and no frame numbers.
+    /// Rejects playback options for a Kinect, real or played by fakenect: it has its own
+    /// rate and no frame numbers.
     fn check_live(&self) -> Result<(), String> {
         let Playback {
             rate_hz,
@@ -121,12 +122,12 @@ mod tests {
 
     fn config(words: &str) -> Result<Config, String> {
         let words = std::iter::once("tabula-camera").chain(words.split_ascii_whitespace());
-        let arguments = Arguments::try_parse_from(words).map_err(|e| e.to_string())?;
+        let arguments = CameraArguments::try_parse_from(words).map_err(|e| e.to_string())?;
         Config::new(&arguments, &ConfigFile::default()).map_err(|e| e.to_string())
     }
 
     #[test]
-    fn no_camera_is_opened_that_nobody_named() {
+    fn a_camera_must_be_named() {
         assert!(config("").unwrap_err().contains("--source kinect"));
         let named = config("--source synthetic").unwrap();
         assert_eq!(named.source, SourceSpec::Synthetic(0));

@@ -1,4 +1,4 @@
-//! Starting the process again for fakenect.
+//! Process restart for fakenect, which reads its recording from the environment.
 
 use crate::config::Config;
 use crate::source::SourceSpec;
@@ -6,13 +6,12 @@ use service::{Failure, exit_code};
 use std::os::unix::process::CommandExt;
 use std::process::Command;
 
-/// Fakenect finds its folder through the environment, which only a new start can
-/// set. Must be called before any thread starts; does not return when the
-/// process was started anew.
+/// Replaces the process by one with the recording in its environment; does not return
+/// then. Must be called before any thread starts.
 ///
 /// # Errors
 /// When the folder is no complete recording, or the program can not be started.
-pub fn enter_recording(config: &Config) -> Result<(), Failure> {
+pub fn restart_with_recording(config: &Config) -> Result<(), Failure> {
     let SourceSpec::Fakenect(folder) = &config.source else {
         return Ok(());
     };
@@ -28,8 +27,8 @@ pub fn enter_recording(config: &Config) -> Result<(), Failure> {
     }
 }
 
-/// Plays the recording from its beginning: fakenect does not rewind, so the
-/// process starts anew. Returns only on failure.
+/// Plays the recording from its beginning by replacing the process: fakenect cannot
+/// rewind. Returns only on failure.
 pub(crate) fn play_again() -> Failure {
     let started = std::env::current_exe().map(|program| {
         Command::new(program)

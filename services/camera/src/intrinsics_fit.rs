@@ -1,18 +1,18 @@
-//! A camera's intrinsics from one of its organised clouds.
+//! Camera calibration: least-squares fit of pinhole intrinsics to an organised cloud.
 
 use geometry::PinholeCamera;
 use point_cloud::Point;
 
-/// Every how manieth row and column is looked at.
+/// Subsampling of rows and columns. Chosen.
 const STRIDE: usize = 4;
-/// Fewest points for a fit.
+/// Smallest number of points for a fit. Chosen.
 const MIN_POINTS: f64 = 500.0;
-/// Largest mean deviation from the fitted grid, pixels.
+/// Largest root mean square residual of the fit, pixels. Chosen.
 const MAX_RMS_PX: f64 = 1.0;
 
-/// Running sums of a straight line's least-squares fit.
+/// Running sums of a simple linear regression.
 #[derive(Default)]
-struct Line {
+struct LinearRegression {
     n: f64,
     x: f64,
     y: f64,
@@ -21,7 +21,7 @@ struct Line {
     yy: f64,
 }
 
-impl Line {
+impl LinearRegression {
     fn add(&mut self, x: f64, y: f64) {
         self.n += 1.0;
         self.x += x;
@@ -31,7 +31,7 @@ impl Line {
         self.yy += y * y;
     }
 
-    /// Slope, intercept and root mean square deviation of y.
+    /// Slope, intercept and root mean square residual.
     fn fit(&self) -> Option<(f64, f64, f64)> {
         let spread = self.n * self.xx - self.x * self.x;
         if self.n < MIN_POINTS || spread <= 1e-9 {
@@ -44,11 +44,11 @@ impl Line {
     }
 }
 
-/// Fits column = fx·x/z + cx and row = fy·y/z + cy by least squares. PCD files
-/// do not carry intrinsics, but an organised cloud in the camera's frame implies
-/// them. `None` when the points do not follow a pinhole camera to a pixel.
+/// Least-squares fit of column = fx·x/z + cx and row = fy·y/z + cy. PCD files carry no
+/// intrinsics, but an organised cloud in the camera frame implies them. `None` when the
+/// points do not follow a pinhole camera within a pixel.
 pub(crate) fn fit(points: &[Point], width: usize, height: usize) -> Option<PinholeCamera> {
-    let (mut columns, mut rows) = (Line::default(), Line::default());
+    let (mut columns, mut rows) = (LinearRegression::default(), LinearRegression::default());
     for row in (0..height).step_by(STRIDE) {
         for column in (0..width).step_by(STRIDE) {
             let p = &points[row * width + column];
@@ -97,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn the_camera_that_made_the_cloud_is_found() {
+    fn intrinsics_of_a_rendered_cloud_are_recovered() {
         let camera = PinholeCamera {
             fx_px: 525.0,
             fy_px: 527.0,
@@ -110,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn what_no_pinhole_camera_saw_is_none() {
+    fn clouds_of_no_pinhole_camera_have_no_intrinsics() {
         let mut shuffled = cloud(&PinholeCamera::KINECT_V1);
         shuffled.chunks_mut(2000).for_each(<[Point]>::reverse);
         assert_eq!(fit(&shuffled, 640, 480), None);

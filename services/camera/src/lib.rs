@@ -1,5 +1,5 @@
-//! The sensor: a Kinect, a fakenect folder, a recorded sequence, a folder of
-//! scenes or a synthetic table, published as organised clouds.
+//! Camera service: a Kinect, a fakenect recording, an RGB-D sequence, a folder of scenes
+//! or a synthetic table, published as organised point clouds.
 //!
 //! Each is a [`capture::Source`]; the capture loop sends its frames.
 
@@ -11,7 +11,7 @@ mod run;
 mod source;
 pub mod synthetic;
 
-pub use arguments::Arguments;
+pub use arguments::CameraArguments;
 pub use config::Config;
-pub use fakenect_restart::enter_recording;
-pub use run::{PlayAgain, check_source, run};
+pub use fakenect_restart::restart_with_recording;
+pub use run::{ReplayRequest, check_source, run};

@@ -1,6 +1,6 @@
-//! `tabula-camera`: publishes the clouds of one sensor.
+//! `tabula-camera`: publisher of one sensor's point clouds.
 
-use camera::{Arguments, Config, PlayAgain};
+use camera::{CameraArguments, Config, ReplayRequest};
 use clap::Parser;
 use message::ProcessKind;
 use service::{ConfigFile, CountingAllocator};
@@ -10,18 +10,18 @@ use std::process::ExitCode;
 static ALLOCATOR: CountingAllocator = CountingAllocator;
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = CameraArguments::parse();
     let check_only = arguments.process.check_config;
     let check = |file: &ConfigFile| {
         let config = Config::new(&arguments, file)?;
         if check_only {
             camera::check_source(&config)?;
         } else {
-            camera::enter_recording(&config)?;
+            camera::restart_with_recording(&config)?;
         }
         Ok(config)
     };
-    let again = PlayAgain::default();
+    let again = ReplayRequest::default();
     let run = |context, config| camera::run(context, config, again.clone());
     again.or(service::run(
         ProcessKind::Camera,

@@ -1,4 +1,4 @@
-//! The process: a capture thread beside the runtime.
+//! Camera service: the capture thread and the end of a recording.
 
 use crate::config::Config;
 use crate::fakenect_restart;
@@ -13,13 +13,13 @@ use std::time::Duration;
 use tokio::runtime::Handle;
 use tokio::sync::oneshot;
 
-/// Whether the program is to begin again when it has stopped in good order.
+/// Request to start the program again after a graceful stop.
 #[derive(Debug, Clone, Default)]
-pub struct PlayAgain(Arc<AtomicBool>);
+pub struct ReplayRequest(Arc<AtomicBool>);
 
-impl PlayAgain {
-    /// Starts the program again if that was asked for, which does not return;
-    /// otherwise passes the exit code on.
+impl ReplayRequest {
+    /// Starts the program again if requested, which does not return; otherwise passes the
+    /// exit code on.
     pub fn or(&self, code: ExitCode) -> ExitCode {
         if !self.0.load(Ordering::Relaxed) {
             return code;
@@ -30,11 +30,11 @@ impl PlayAgain {
     }
 }
 
-/// Publishes frames until shutdown; at the end of a recording it stays, idle.
+/// Publishes frames until shutdown; at the end of a recording the service stays, idle.
 ///
 /// # Errors
 /// When the source can not be used.
-pub async fn run(context: Context, config: Config, again: PlayAgain) -> Result<(), Failure> {
+pub async fn run(context: Context, config: Config, again: ReplayRequest) -> Result<(), Failure> {
     let shutdown = context.shutdown.clone();
     let health = context.health.clone();
     match capture(context, &config).await? {
@@ -60,7 +60,7 @@ pub async fn run(context: Context, config: Config, again: PlayAgain) -> Result<(
     }
 }
 
-/// Whether the source is there and can be played, without playing it.
+/// Checks that the source exists and can be played, without playing it.
 ///
 /// # Errors
 /// When it can not; a device may come later and is not looked for.
@@ -77,8 +77,8 @@ pub fn check_source(config: &Config) -> Result<(), Failure> {
     checked.map_err(|sentence| Failure::new(exit_code::USAGE, sentence))
 }
 
-/// Captures on a thread of its own: devices block, and a Kinect stays on the
-/// thread that opened it.
+/// Captures on a dedicated thread: devices block, and a Kinect stays on the thread that
+/// opened it.
 async fn capture(context: Context, config: &Config) -> Result<End, Failure> {
     let (sender, ended) = oneshot::channel();
     let (config, runtime) = (config.clone(), Handle::current());

@@ -1,4 +1,4 @@
-//! Sources behind one trait.
+//! Frame sources behind one trait, and their playback.
 
 mod kinect;
 mod rgbd;
@@ -9,16 +9,16 @@ mod synthetic_table;
 pub(crate) use capture::{FrameInfo, FrameSize, Source, SourceError};
 pub(crate) use spec::SourceSpec;
 
-/// How a source is played.
+/// Playback options of a source.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Playback {
-    /// Frames per second; `None` for the source's own.
+    /// Frame rate, hertz; `None` for the source's own.
     pub(crate) rate_hz: Option<f64>,
-    /// Whether it begins again at its end.
+    /// True if the recording starts again at its end.
     pub(crate) looped: bool,
-    /// First frame; `None` for the first there is.
+    /// First frame; `None` for the first of the recording.
     pub(crate) from: Option<usize>,
-    /// Frame before which it ends; `None` for the end there is.
+    /// End frame, exclusive; `None` for the end of the recording.
     pub(crate) to: Option<usize>,
 }
 
@@ -30,18 +30,18 @@ pub(crate) struct Playback {
 pub(crate) fn open(spec: &SourceSpec, playback: &Playback) -> Result<Box<dyn Source>, SourceError> {
     match spec {
         SourceSpec::Synthetic(arrangement) => Ok(Box::new(
-            synthetic_table::Synthetic::arrangement(*arrangement, playback),
+            synthetic_table::SyntheticSource::arrangement(*arrangement, playback),
         )),
-        SourceSpec::Crowd(n) => Ok(Box::new(synthetic_table::Synthetic::crowd(*n, playback))),
-        SourceSpec::Parade(n) => Ok(Box::new(synthetic_table::Synthetic::parade(*n, playback))),
+        SourceSpec::Crowd(n) => Ok(Box::new(synthetic_table::SyntheticSource::crowd(*n, playback))),
+        SourceSpec::Parade(n) => Ok(Box::new(synthetic_table::SyntheticSource::parade(*n, playback))),
         SourceSpec::Kinect => Ok(Box::new(kinect::KinectSource::real()?)),
         SourceSpec::Fakenect(folder) => Ok(Box::new(kinect::KinectSource::fake(folder)?)),
         SourceSpec::Folder(folder) => match dataset::detect_kind(folder) {
             Ok(dataset::RecordingKind::PcdScenes) => {
-                Ok(Box::new(scenes::Scenes::open(folder, playback)?))
+                Ok(Box::new(scenes::SceneFolderSource::open(folder, playback)?))
             }
             Ok(dataset::RecordingKind::RgbdSequence) => {
-                Ok(Box::new(rgbd::Sequence::open(folder, playback)?))
+                Ok(Box::new(rgbd::RgbdSource::open(folder, playback)?))
             }
             Ok(dataset::RecordingKind::Fakenect) => Err(SourceError::Unusable(format!(
                 "{0} is a recording of libfreenect; play it with --source fakenect:{0}",
@@ -52,9 +52,9 @@ pub(crate) fn open(spec: &SourceSpec, playback: &Playback) -> Result<Box<dyn Sou
     }
 }
 
-/// The frames of a recording that are played, in turn.
+/// Cursor over the frames of a recording, with looping and a count of unusable frames.
 #[derive(Debug, Clone)]
-struct Frames {
+struct FrameCursor {
     from: usize,
     to: usize,
     next: usize,
@@ -62,8 +62,8 @@ struct Frames {
     n_refused_in_a_row: usize,
 }
 
-impl Frames {
-    /// The frames of `playback` among the `n_frames` there are.
+impl FrameCursor {
+    /// Cursor over the frames of `playback` in a recording of `n_frames`.
     fn new(n_frames: usize, playback: &Playback) -> Result<Self, SourceError> {
         let from = playback.from.unwrap_or(0);
         let to = playback.to.unwrap_or(n_frames).min(n_frames);
@@ -93,13 +93,13 @@ impl Frames {
         })
     }
 
-    /// Notes that a frame was played.
+    /// Resets the count of unusable frames after a frame was played.
     fn accept(&mut self) {
         self.n_refused_in_a_row = 0;
     }
 
-    /// The error of a frame that can not be played; when a whole round of them
-    /// could not, that of the recording.
+    /// Error of an unusable frame; when a whole round was unusable, the error of the
+    /// recording.
     fn refuse(&mut self, recording: &str, frame: &str, cause: String) -> SourceError {
         self.n_refused_in_a_row += 1;
         let n_frames = self.to - self.from;
@@ -122,7 +122,7 @@ mod tests {
     #[test]
     fn frames_are_played_from_inclusive_to_exclusive() {
         let played = |playback: Playback, n| -> Vec<usize> {
-            let mut frames = Frames::new(5, &playback).unwrap();
+            let mut frames = FrameCursor::new(5, &playback).unwrap();
             std::iter::from_fn(|| frames.advance()).take(n).collect()
         };
         let part = Playback {
@@ -143,7 +143,7 @@ mod tests {
         );
         assert_eq!(played(Playback::default(), 9), [0, 1, 2, 3, 4]);
         assert!(
-            Frames::new(
+            FrameCursor::new(
                 5,
                 &Playback {
                     from: Some(5),
@@ -152,6 +152,6 @@ mod tests {
             )
             .is_err()
         );
-        assert!(Frames::new(0, &Playback::default()).is_err());
+        assert!(FrameCursor::new(0, &Playback::default()).is_err());
     }
 }

@@ -1,4 +1,4 @@
-//! A table with household objects, seen by a Kinect that is not there.
+//! Synthetic table: ray-cast household objects with Kinect v1 depth noise.
 //!
 //! The scene is cast once, pixel by pixel; a frame only adds the sensor's
 //! noise, so it costs about as much as copying it. World frame: z up, origin on
@@ -19,17 +19,17 @@ mod tests;
 
 pub use arrangement::TableObject;
 
-/// Phases of [`SyntheticTable::parade`].
+/// Number of phases of [`SyntheticTable::parade`].
 pub const N_PHASES: usize = 4;
 
-/// The most blocks of [`SyntheticTable::crowd`].
+/// Largest number of blocks of [`SyntheticTable::crowd`].
 pub const CROWD_MAX: u32 = arrangement::CROWD_MAX;
 
-use depth_sensor::{BASELINE_M, DepthSensor, N_BLIND_COLUMNS, PixelModel, Surroundings};
+use depth_sensor::{BASELINE_M, DepthSensor, N_BLIND_COLUMNS, PixelModel, PixelVisibility};
 use geometry::{PinholeCamera, RigidTransform};
 use nalgebra::{Point3, Unit, Vector3};
 use point_cloud::Point;
-use scene::{Scene, Sight};
+use scene::{SyntheticScene, VisibleSurface};
 use surface::Ray;
 
 /// Height of the table's surface over the world's origin, metres.
@@ -37,45 +37,45 @@ pub const TABLE_HEIGHT_M: f64 = 0.72;
 /// Half of the table's sides along world x and y, metres.
 pub const TABLE_HALF_SIDES_M: [f64; 2] = [0.65, 0.4];
 
-/// Where the camera stands.
+/// Camera viewpoint, in spherical coordinates around the table's middle.
 #[derive(Debug, Clone, Copy)]
-struct Stand {
+struct Viewpoint {
     /// Distance from the table's middle, metres.
     distance_m: f64,
-    /// How steeply it looks down, and how far it stands to the right, degrees.
+    /// Elevation above the table, and azimuth to the right, degrees.
     elevation_deg: f64,
     azimuth_deg: f64,
 }
 
-/// Where a person would look at a few objects from.
-const BEFORE_THE_TABLE: Stand = Stand {
+/// Viewpoint of a person in front of the table.
+const BEFORE_THE_TABLE: Viewpoint = Viewpoint {
     distance_m: 1.0,
     elevation_deg: 43.0,
     azimuth_deg: 5.0,
 };
 
-/// From where the whole table is seen and no block hides another.
-const OVER_THE_TABLE: Stand = Stand {
+/// Viewpoint over the table, from which no block hides another.
+const OVER_THE_TABLE: Viewpoint = Viewpoint {
     distance_m: 1.4,
     elevation_deg: 60.0,
     azimuth_deg: 0.0,
 };
-/// A pixel further away than its neighbour by this lies behind an edge, metres.
+/// Depth discontinuity at an object's edge, metres. Chosen.
 const EDGE_JUMP_M: f64 = 0.02;
 
-/// The table with one arrangement of objects and the Kinect that looks at it.
+/// Synthetic table with one arrangement of objects, and the Kinect that observes it.
 #[derive(Debug)]
 pub struct SyntheticTable {
     camera: PinholeCamera,
     world_from_camera: RigidTransform,
     objects: Vec<TableObject>,
-    scene: Scene,
+    scene: SyntheticScene,
     sensor: DepthSensor,
     pixels: Vec<PixelModel>,
     arrangement: u32,
 }
 
-/// A view without noise.
+/// Rendered depth and colour image without noise.
 #[derive(Debug, Clone)]
 pub struct RenderedView {
     /// Depth along the optical axis, metres, row-major; NaN where nothing is seen.
@@ -85,7 +85,7 @@ pub struct RenderedView {
 }
 
 impl SyntheticTable {
-    /// Lays the table; equal numbers give equal tables.
+    /// Table with five objects; equal numbers give equal tables.
     ///
     /// Five objects stand apart from each other and from the rim by at least
     /// 6 cm, all fully in view. Between two arrangements whose numbers differ
@@ -96,15 +96,14 @@ impl SyntheticTable {
         Self::with_objects(arrangement, objects, PinholeCamera::KINECT_V1)
     }
 
-    /// Lays the table with many small blocks in rows, each apart from the next by
-    /// at least 22 mm, and looks at it from above. At most [`CROWD_MAX`]; more
-    /// are left out.
+    /// Table with many small blocks in rows, at least 22 mm apart, seen from above. At
+    /// most [`CROWD_MAX`]; more are left out.
     pub fn crowd(n: u32) -> Self {
         Self::crowd_without(n, |_| false)
     }
 
-    /// The phases of a crowd that comes and goes: in each of them every fourth block is
-    /// away, in each other ones.
+    /// Phases of a crowd that comes and goes: in each phase another quarter of the blocks
+    /// is away.
     pub fn parade(n: u32) -> [Self; N_PHASES] {
         std::array::from_fn(|phase| {
             Self::crowd_without(n, |place| (place as usize + phase).is_multiple_of(N_PHASES))
@@ -121,12 +120,12 @@ impl SyntheticTable {
     }
 
     fn seen_from(
-        stand: &Stand,
+        stand: &Viewpoint,
         arrangement: u32,
         objects: Vec<TableObject>,
         camera: PinholeCamera,
     ) -> Self {
-        let scene = Scene::new(&objects);
+        let scene = SyntheticScene::new(&objects);
         let world_from_camera = camera_pose(stand);
         let sensor = DepthSensor::new(camera.fx_px);
         let pixels = pixel_models(&scene, &camera, &world_from_camera, sensor);
@@ -146,23 +145,23 @@ impl SyntheticTable {
         self.camera
     }
 
-    /// Pose of the depth camera.
+    /// Pose of the depth camera in the world.
     pub fn world_from_camera(&self) -> RigidTransform {
         self.world_from_camera
     }
 
-    /// Direction against gravity, depth camera frame.
+    /// Unit vector against gravity, depth camera frame.
     pub fn up_in_camera(&self) -> Unit<Vector3<f64>> {
         self.world_from_camera.rotation.inverse() * Vector3::z_axis()
     }
 
-    /// What stands on the table.
+    /// Objects on the table.
     pub fn objects(&self) -> &[TableObject] {
         &self.objects
     }
 
-    /// Writes one frame, row-major, camera frame; a shorter slice gets the
-    /// frame's beginning, a longer one keeps its end. Allocates nothing.
+    /// Writes one noisy frame, row-major, camera frame. A shorter slice gets the frame's
+    /// beginning, a longer one keeps its end. Allocates nothing.
     pub fn fill(&self, frame: u64, out: &mut [Point]) {
         let seed = random::nth(random::nth(u64::from(self.arrangement)) ^ frame);
         let width = self.camera.width as usize;
@@ -186,19 +185,19 @@ impl SyntheticTable {
         }
     }
 
-    /// What another camera sees of the scene, without noise.
+    /// Renders the scene for another camera, without noise.
     pub fn render(
         &self,
         camera: &PinholeCamera,
         world_from_camera: &RigidTransform,
     ) -> RenderedView {
-        let sights = cast_image(&self.scene, camera, world_from_camera);
+        let surfaces = cast_image(&self.scene, camera, world_from_camera);
         RenderedView {
-            depth_m: sights
+            depth_m: surfaces
                 .iter()
                 .map(|s| s.map_or(f32::NAN, |sight| sight.t as f32))
                 .collect(),
-            rgb: sights
+            rgb: surfaces
                 .iter()
                 .flat_map(|s| s.map_or([0; 3], |sight| sight.rgb))
                 .collect(),
@@ -206,8 +205,8 @@ impl SyntheticTable {
     }
 }
 
-/// Looks at the table's middle, upright.
-fn camera_pose(stand: &Stand) -> RigidTransform {
+/// Camera pose that looks at the table's middle, upright.
+fn camera_pose(stand: &Viewpoint) -> RigidTransform {
     let (elevation, azimuth) = (
         stand.elevation_deg.to_radians(),
         stand.azimuth_deg.to_radians(),
@@ -219,7 +218,7 @@ fn camera_pose(stand: &Stand) -> RigidTransform {
     RigidTransform::face_towards(&eye, &middle, &-Vector3::z())
 }
 
-/// The viewing ray of a pixel, world frame; its parameter is the depth.
+/// Viewing ray of a pixel, world frame; its parameter is the depth.
 fn world_ray(camera: &PinholeCamera, world_from_camera: &RigidTransform, pixel_idx: usize) -> Ray {
     let width = camera.width as usize;
     let (row, column) = (pixel_idx / width, pixel_idx % width);
@@ -230,44 +229,44 @@ fn world_ray(camera: &PinholeCamera, world_from_camera: &RigidTransform, pixel_i
 }
 
 fn cast_image(
-    scene: &Scene,
+    scene: &SyntheticScene,
     camera: &PinholeCamera,
     world_from_camera: &RigidTransform,
-) -> Vec<Option<Sight>> {
+) -> Vec<Option<VisibleSurface>> {
     let cast = |pixel_idx| scene.cast(&world_ray(camera, world_from_camera, pixel_idx));
     (0..camera.n_pixels()).map(cast).collect()
 }
 
 fn pixel_models(
-    scene: &Scene,
+    scene: &SyntheticScene,
     camera: &PinholeCamera,
     world_from_camera: &RigidTransform,
     sensor: DepthSensor,
 ) -> Vec<PixelModel> {
-    let sights = cast_image(scene, camera, world_from_camera);
+    let surfaces = cast_image(scene, camera, world_from_camera);
     let width = camera.width as usize;
     let projector = world_from_camera * Point3::new(BASELINE_M, 0.0, 0.0);
-    let model = |(pixel_idx, sight): (usize, &Option<Sight>)| {
+    let model = |(pixel_idx, sight): (usize, &Option<VisibleSurface>)| {
         let Some(sight) = sight else {
             return PixelModel::nothing();
         };
         let ray = world_ray(camera, world_from_camera, pixel_idx);
-        // A hair off the surface, which must not shade itself.
+        // Offset from the surface, against self-shadowing.
         let lit = ray.at(sight.t) + sight.normal * 5e-4;
         let is_blind = pixel_idx % width + N_BLIND_COLUMNS >= width;
-        let around = Surroundings {
+        let around = PixelVisibility {
             incidence: -sight.normal.dot(&ray.direction.normalize()),
-            is_behind_edge: is_behind_edge(&sights, width, pixel_idx),
+            is_behind_edge: is_behind_edge(&surfaces, width, pixel_idx),
             is_in_shadow: is_blind || scene.is_blocked(&lit, &projector),
         };
         sensor.model(sight.t, sight.rgb, around)
     };
-    sights.iter().enumerate().map(model).collect()
+    surfaces.iter().enumerate().map(model).collect()
 }
 
-/// Whether one of the pixel's four neighbours is clearly nearer.
-fn is_behind_edge(sights: &[Option<Sight>], width: usize, pixel_idx: usize) -> bool {
-    let depth = |idx: usize| sights.get(idx).copied().flatten().map(|sight| sight.t);
+/// True if one of the pixel's four neighbours is clearly nearer.
+fn is_behind_edge(surfaces: &[Option<VisibleSurface>], width: usize, pixel_idx: usize) -> bool {
+    let depth = |idx: usize| surfaces.get(idx).copied().flatten().map(|sight| sight.t);
     let column = pixel_idx % width;
     let neighbours = [
         (column > 0).then(|| pixel_idx - 1),

@@ -1,4 +1,4 @@
-//! The configuration, checked.
+//! Configuration section `[memory]`: parsing and validation.
 
 use serde::Deserialize;
 use service::{ConfigFile, Failure};
@@ -6,10 +6,10 @@ use std::time::Duration;
 use store::working::WorldConfig;
 use store::{Limits, WRITE_BUFFER_BYTES};
 
-/// When an object was last seen is on disk at least this exactly.
+/// Resolution on disk of the time at which an object was last seen, nanoseconds. Chosen.
 const SEEN_PERIOD_NS: u64 = 10_000_000_000;
 
-/// The section `[memory]` as written.
+/// Section `[memory]` as written in TOML.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 struct RawConfig {
@@ -42,25 +42,26 @@ impl Default for RawConfig {
     }
 }
 
-/// What the memory does.
+/// Validated configuration of the memory.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Config {
-    /// Most requests that wait for the store; one more is refused.
+    /// Capacity of the store's request queue; further requests are refused.
     pub(crate) queue_requests: usize,
-    /// How much is kept.
+    /// Retention limits.
     pub(crate) limits: Limits,
-    /// What the perceptual memory gathers before the database makes a table of it.
+    /// Write buffer of the perceptual memory, bytes; when full, the database makes a
+    /// table of it.
     pub(crate) write_buffer_bytes: usize,
-    /// How long what was forgotten can be taken back.
+    /// Retention time of forgotten views, during which they can be restored.
     pub(crate) forgotten_kept: Duration,
-    /// Time between two looks at the world, and between two writes of what changed.
+    /// Period of updates of the world model, and of its writes to disk.
     pub(crate) world_period: Duration,
-    /// What the working memory remembers.
+    /// Retention of the working memory.
     pub(crate) world: WorldConfig,
 }
 
 impl Config {
-    /// The section `[memory]` of the file.
+    /// Reads and validates the section of the file.
     pub(crate) fn new(file: &ConfigFile) -> Result<Self, Failure> {
         let raw: RawConfig = file.section("memory")?;
         raw.check().map_err(|rule| file.wrong(rule))?;
@@ -86,7 +87,7 @@ impl Config {
 }
 
 impl RawConfig {
-    /// The rule that is broken, if one is; no rule holds for NaN.
+    /// First violated rule, if any. NaN violates every range.
     fn check(&self) -> Result<(), &'static str> {
         let rules = [
             (
@@ -142,22 +143,22 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_out_of_range_and_no_numbers_break_a_rule() {
+    fn numbers_out_of_range_and_nan_violate_a_rule() {
         assert_eq!(RawConfig::default().check(), Ok(()));
-        let breaks = |change: &dyn Fn(&mut RawConfig)| {
+        let violates = |change: &dyn Fn(&mut RawConfig)| {
             let mut raw = RawConfig::default();
             change(&mut raw);
             raw.check().is_err()
         };
-        assert!(breaks(&|raw| raw.queue_requests = 0));
-        assert!(breaks(&|raw| raw.max_views_per_category = 9));
-        assert!(breaks(&|raw| raw.max_unnamed_views = 99));
-        assert!(breaks(&|raw| raw.write_buffer_mb = 0));
-        assert!(breaks(&|raw| raw.forgotten_kept_days = 36_501));
-        assert!(breaks(&|raw| raw.world_period_ms = 49));
-        assert!(breaks(&|raw| raw.world_move_min_m = f64::NAN));
-        assert!(breaks(&|raw| raw.world_turn_min_deg = 0.0));
-        assert!(breaks(&|raw| raw.world_keep_hours = f64::NAN));
-        assert!(breaks(&|raw| raw.world_kept_max = 0));
+        assert!(violates(&|raw| raw.queue_requests = 0));
+        assert!(violates(&|raw| raw.max_views_per_category = 9));
+        assert!(violates(&|raw| raw.max_unnamed_views = 99));
+        assert!(violates(&|raw| raw.write_buffer_mb = 0));
+        assert!(violates(&|raw| raw.forgotten_kept_days = 36_501));
+        assert!(violates(&|raw| raw.world_period_ms = 49));
+        assert!(violates(&|raw| raw.world_move_min_m = f64::NAN));
+        assert!(violates(&|raw| raw.world_turn_min_deg = 0.0));
+        assert!(violates(&|raw| raw.world_keep_hours = f64::NAN));
+        assert!(violates(&|raw| raw.world_kept_max = 0));
     }
 }

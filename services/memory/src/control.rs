@@ -1,6 +1,6 @@
-//! The two carriers in front of the answers.
+//! Control servers: shared memory for processes, a Unix socket for people.
 
-use crate::answer::Answerer;
+use crate::request_router::RequestRouter;
 use channel::Domain;
 use channel::control::{AnswerFuture, Handler, Server, SocketServer};
 use message::ProcessKind;
@@ -10,12 +10,12 @@ use std::sync::Arc;
 /// people.
 pub(crate) fn servers(
     domain: &Domain,
-    answerer: Answerer,
+    router: RequestRouter,
 ) -> Result<(Server, SocketServer), channel::Error> {
-    let answerer = Arc::new(answerer);
+    let router = Arc::new(router);
     let handler: Handler = Arc::new(move |command| -> AnswerFuture {
-        let answerer = answerer.clone();
-        Box::pin(async move { answerer.answer(command).await })
+        let router = router.clone();
+        Box::pin(async move { router.answer(command).await })
     });
     let processes = Server::new(domain, ProcessKind::Memory, handler.clone())?;
     let people = SocketServer::bind(&domain.control_socket(), handler)?;

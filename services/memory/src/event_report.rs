@@ -1,18 +1,18 @@
-//! Events in words.
+//! Conversion of world events to wire reports with sentences.
 
 use crate::world_report::word;
 use message::control::{Command, EventReport, LearningReport};
 use store::working::{Event, Happening, Learned, Lesson, Outcome};
 
-/// An event, with a sentence for people.
+/// Wire report of an event.
 pub(crate) fn event(event: &Event) -> EventReport {
-    let Telling {
+    let EventText {
         event: word,
         track_id,
         task_id,
         label,
         sentence,
-    } = Telling::of(&event.happening);
+    } = EventText::of(&event.happening);
     EventReport {
         sequence: event.sequence,
         wall_ns: event.wall_ns,
@@ -24,7 +24,8 @@ pub(crate) fn event(event: &Event) -> EventReport {
     }
 }
 
-/// The event of a lesson, given what was answered; `None` for a command that is none.
+/// Learning event of a command, once it is answered; `None` for a command that changes no
+/// label.
 pub(crate) fn lesson(command: &Command) -> Option<impl FnOnce(&LearningReport) -> Learned + use<>> {
     let (lesson, track_id, author) = match command {
         Command::Teach(label) => (Lesson::Taught, Some(label.track_id), &label.author),
@@ -43,7 +44,7 @@ pub(crate) fn lesson(command: &Command) -> Option<impl FnOnce(&LearningReport) -
 }
 
 #[derive(Default)]
-struct Telling {
+struct EventText {
     event: String,
     track_id: Option<u64>,
     task_id: Option<u64>,
@@ -51,7 +52,7 @@ struct Telling {
     sentence: String,
 }
 
-impl Telling {
+impl EventText {
     fn of(happening: &Happening) -> Self {
         match happening {
             Happening::Learned(learned) => Self::of_lesson(learned),
@@ -185,7 +186,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn events_are_told_in_sentences() {
+    fn events_have_sentences() {
         let check = |happening, expected: (&str, &str)| {
             let event = event(&Event {
                 sequence: 1,

@@ -1,18 +1,18 @@
-//! `tabula-memory`: keeps what was taught, and answers people.
+//! `tabula-memory`: perceptual and working memory, and gateway for clients.
 
-mod announcer;
-mod answer;
+mod change_publisher;
 mod config;
 mod control;
+mod daily_purge;
 mod event_report;
 mod offline;
 mod process_table;
+mod request_router;
 mod run;
 mod scene_follower;
-mod upkeep;
-mod world;
-mod world_answer;
-mod world_feed;
+mod working_memory;
+mod working_memory_requests;
+mod world_model_updater;
 mod world_report;
 
 use clap::Parser;
@@ -27,7 +27,7 @@ static ALLOCATOR: CountingAllocator = CountingAllocator;
 /// Keeps what was taught, and answers people and the daemon's other processes.
 #[derive(Debug, Parser)]
 #[command(name = "tabula-memory", version)]
-struct Arguments {
+struct MemoryArguments {
     #[command(flatten)]
     process: ProcessArguments,
 
@@ -38,7 +38,7 @@ struct Arguments {
 }
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = MemoryArguments::parse();
     if arguments.offline {
         return offline(&arguments.process);
     }

@@ -1,20 +1,20 @@
-//! The latest health of every process.
+//! Process table: the latest health report of every process.
 
 use channel::topic::ProcessHealth;
 use channel::{Domain, Error, Received, Subscriber};
 use message::control::ProcessReport;
 use message::{Health, ProcessKind};
+use parking_lot::Mutex;
 use service::monotonic_ns;
 use std::collections::BTreeMap;
-use std::sync::Mutex;
 
-/// A process that has said nothing for this long is not listed.
+/// Largest age of a health report, nanoseconds; older processes are not listed.
 const MAX_AGE_NS: u64 = 3_000_000_000;
 
-/// Reads the health topic when it is asked for.
-pub(crate) struct ProcessTable(Mutex<Inner>);
+/// Table of health reports, updated from the health topic on demand.
+pub(crate) struct ProcessTable(Mutex<HealthSubscription>);
 
-struct Inner {
+struct HealthSubscription {
     subscriber: Subscriber<ProcessHealth>,
     latest: BTreeMap<u32, Health>,
 }
@@ -22,34 +22,29 @@ struct Inner {
 impl ProcessTable {
     pub(crate) fn new(domain: &Domain) -> Result<Self, Error> {
         let subscriber = Subscriber::polled(domain)?;
-        Ok(Self(Mutex::new(Inner {
+        Ok(Self(Mutex::new(HealthSubscription {
             subscriber,
             latest: BTreeMap::new(),
         })))
     }
 
-    /// Takes what has been reported; to be called about once a second.
+    /// Receives waiting health reports; to be called about once a second.
     pub(crate) fn refresh(&self) {
-        let mut inner = self
-            .0
-            .lock()
-            .unwrap_or_else(std::sync::PoisonError::into_inner);
-        while let Ok(Received::Message(message)) = inner.subscriber.receive() {
+        let mut inner = self.0.lock();
+        let HealthSubscription { subscriber, latest } = &mut *inner;
+        while let Ok(Received::Message(message)) = subscriber.receive() {
             for health in message.items() {
                 if ProcessKind::from_code(health.process).is_some() {
-                    inner.latest.insert(health.process, *health);
+                    latest.insert(health.process, *health);
                 }
             }
         }
     }
 
-    /// Everybody who has reported lately.
+    /// Reports of all processes that are alive.
     pub(crate) fn reports(&self) -> Vec<ProcessReport> {
         self.refresh();
-        let inner = self
-            .0
-            .lock()
-            .unwrap_or_else(std::sync::PoisonError::into_inner);
+        let inner = self.0.lock();
         let now_ns = monotonic_ns();
         let is_recent = |health: &&Health| now_ns.saturating_sub(health.stamp_ns) < MAX_AGE_NS;
         inner

@@ -1,14 +1,14 @@
-//! The process.
+//! Memory service: set-up, tasks and shutdown.
 
-use crate::announcer::Announcer;
-use crate::answer::Answerer;
+use crate::change_publisher::ChangePublisher;
+use crate::request_router::RequestRouter;
 use crate::config::Config;
 use crate::control;
 use crate::process_table::ProcessTable;
 use crate::scene_follower::SceneFollower;
-use crate::upkeep;
-use crate::world::World;
-use crate::world_feed::WorldFeed;
+use crate::daily_purge;
+use crate::working_memory::WorkingMemory;
+use crate::world_model_updater::WorldModelUpdater;
 use channel::control::Client;
 use memory_requests::{MemoryDesk, MemoryDeskConfig};
 use message::{ProcessKind, ProcessState};
@@ -19,10 +19,10 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 use store::{OpenReport, StoreConfig, StoreHandle, StoreThread};
 
-/// How often the store is asked whether it still answers.
+/// Period of the liveness probe of the store.
 const PROBE: Duration = Duration::from_millis(500);
 
-/// Answers until shutdown.
+/// Runs the service until shutdown.
 ///
 /// # Errors
 /// When the store can not be opened or shared memory fails.
@@ -37,14 +37,14 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
         on_reopened: Box::new({
             let health = context.health.clone();
             move |opened| match opened {
-                Ok(report) => tell(&health, report),
+                Ok(report) => log_report(&health, report),
                 Err(error) => tracing::error!("the memory could not be opened again: {error}"),
             }
         }),
     })
     .map_err(failed)?;
-    tell(&context.health, &report);
-    let (world_thread, world) = World::start(&context, &config)?;
+    log_report(&context.health, &report);
+    let (world_thread, world) = WorkingMemory::start(&context, &config)?;
     let world = Arc::new(world);
     let (desk, positions) = MemoryDesk::new(MemoryDeskConfig {
         store: store.clone(),
@@ -53,7 +53,7 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
     });
     let domain = &context.domain;
     let processes = Arc::new(ProcessTable::new(domain)?);
-    let answerer = Answerer {
+    let router = RequestRouter {
         desk,
         perception: Client::new(domain, ProcessKind::Perception)?,
         arm: Client::new(domain, ProcessKind::Simulator)?,
@@ -61,27 +61,27 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
         world: world.clone(),
         position: positions.clone(),
     };
-    let announcer = Announcer::new(domain, positions)?;
-    let feed = WorldFeed::new(domain, world)?;
+    let change_publisher = ChangePublisher::new(domain, positions)?;
+    let feed = WorldModelUpdater::new(domain, world)?;
     let follower = SceneFollower::new(domain, context.health.clone(), feed, config.world_period)?;
-    let reserved_bytes = announcer.reserved_bytes() + follower.reserved_bytes();
+    let reserved_bytes = change_publisher.reserved_bytes() + follower.reserved_bytes();
     context
         .health
         .shared_memory_bytes
         .store(reserved_bytes, Ordering::Relaxed);
-    let (processes_server, people_server) = control::servers(domain, answerer)?;
+    let (processes_server, people_server) = control::servers(domain, router)?;
     let probe = probe(&store, &context.health, &processes);
-    let upkeep = upkeep::run(&store, config.forgotten_kept);
+    let daily_purge = daily_purge::run(&store, config.forgotten_kept);
     // The shutdown comes first: it may end other tasks in the same instant.
     let outcome = tokio::select! {
         biased;
         () = context.shutdown.requested() => Ok(()),
         ended = essential("the control server", processes_server.run()) => ended,
         ended = essential("the control socket", people_server.run()) => ended,
-        ended = essential("the announcer of changes", announcer.run()) => ended,
+        ended = essential("the publisher of changes", change_publisher.run()) => ended,
         ended = essential("the scene follower", follower.run()) => ended,
         ended = essential("the probe of the store", probe) => ended,
-        ended = essential("the daily purge", upkeep) => ended,
+        ended = essential("the daily purge", daily_purge) => ended,
     };
     let world_stopped = world_thread.stop();
     let stopped = thread.stop().and(world_stopped).map_err(failed);
@@ -92,14 +92,14 @@ fn failed(error: impl Display) -> Failure {
     Failure::new(exit_code::FAILURE, error)
 }
 
-/// Runs a task that the process cannot do without: its end is a failure that names it.
+/// Runs an essential task: its end is a failure that names it.
 async fn essential(name: &str, task: impl Future<Output = ()>) -> Result<(), Failure> {
     task.await;
     Err(failed(format!("{name} has ended unexpectedly")))
 }
 
-/// Says what was found when the store was opened, loudly when something is lost.
-fn tell(health: &HealthBoard, report: &OpenReport) {
+/// Logs the result of opening the store; a loss degrades the health.
+fn log_report(health: &HealthBoard, report: &OpenReport) {
     if report.is_loss() {
         tracing::error!("{report}");
         health.set_state(ProcessState::Degraded, &report.to_string());
@@ -112,7 +112,7 @@ fn tell(health: &HealthBoard, report: &OpenReport) {
     }
 }
 
-/// Makes progress visible: a round trip through the store's queue.
+/// Liveness probe: a round trip through the store's queue.
 async fn probe(store: &StoreHandle, health: &HealthBoard, processes: &ProcessTable) {
     loop {
         let (sender, answered) = tokio::sync::oneshot::channel();
@@ -134,9 +134,9 @@ mod tests {
 
     #[tokio::test]
     async fn the_end_of_an_essential_task_is_a_failure_that_names_it() {
-        let ended = essential("the announcer", std::future::ready(())).await;
+        let ended = essential("the publisher", std::future::ready(())).await;
         let failure = ended.unwrap_err();
         assert_eq!(failure.code, exit_code::FAILURE);
-        assert!(failure.to_string().contains("the announcer"), "{failure}");
+        assert!(failure.to_string().contains("the publisher"), "{failure}");
     }
 }

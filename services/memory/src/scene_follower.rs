@@ -1,7 +1,6 @@
-//! Following the scenes: the working memory looks at them now and then, and a
-//! lockstep source waits for the memory, too.
+//! Scene follower: feeds scenes to the world model, and acknowledges lockstep frames.
 
-use crate::world_feed::WorldFeed;
+use crate::world_model_updater::WorldModelUpdater;
 use channel::topic::{FrameFinished, Scene};
 use channel::{Domain, Error, Publisher, Received, Subscriber};
 use message::{FrameDone, PlainHeader, ProcessKind, SceneSummary, Span, Stage, frame_flag};
@@ -11,22 +10,22 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 use tokio::time::MissedTickBehavior;
 
-/// Sees every scene and reports it finished where the source waits.
+/// Subscriber to scenes that acknowledges each frame of a lockstep source.
 pub(crate) struct SceneFollower {
     scenes: Subscriber<Scene>,
     finished: Publisher<FrameFinished>,
     trace: TracePublisher,
     health: Arc<HealthBoard>,
-    feed: WorldFeed,
+    feed: WorldModelUpdater,
     look_period: Duration,
 }
 
 impl SceneFollower {
-    /// A follower that shows the working memory what is new once in `look_period`.
+    /// A follower that updates the world model once in `look_period`.
     pub(crate) fn new(
         domain: &Domain,
         health: Arc<HealthBoard>,
-        feed: WorldFeed,
+        feed: WorldModelUpdater,
         look_period: Duration,
     ) -> Result<Self, Error> {
         Ok(Self {
@@ -39,7 +38,7 @@ impl SceneFollower {
         })
     }
 
-    /// Shared memory of the publishers.
+    /// Shared memory reserved by the publishers, bytes.
     pub(crate) fn reserved_bytes(&self) -> u64 {
         self.finished.reservation().bytes() + self.trace.reserved_bytes()
     }

@@ -1,4 +1,4 @@
-//! Between the control protocol's types and the working memory's.
+//! Conversion between the working memory's types and the control protocol.
 
 use message::control::{
     FactFilter, FactReport, FactsReport, MAX_PAGE_FACTS, PlaceReport, Refusal, RefusalKind,
@@ -9,7 +9,7 @@ use store::working::{
     TaskRefusal, TaskState, Value, Window, WorldModel,
 };
 
-/// The objects and the robot as they are known now.
+/// Report of the current objects and of the robot.
 pub(crate) fn world(model: &WorldModel, now_ns: u64) -> WorldReport {
     WorldReport {
         now_ns,
@@ -56,7 +56,7 @@ fn robot(robot: &Robot) -> WorldRobotReport {
     }
 }
 
-/// The query of a filter.
+/// Fact query of a wire filter.
 pub(crate) fn query(filter: FactFilter) -> Result<FactQuery, Refusal> {
     let invalid = |rule: &str| Refusal::new(RefusalKind::Invalid, rule);
     let window = Window {
@@ -97,7 +97,7 @@ fn region(region: WorldRegion) -> Result<Region, &'static str> {
     }
 }
 
-/// A page of facts.
+/// Report of a page of facts.
 pub(crate) fn facts(page: &FactPage) -> FactsReport {
     FactsReport {
         facts: page.facts.iter().map(fact).collect(),
@@ -136,7 +136,7 @@ fn fact(fact: &Fact) -> FactReport {
     }
 }
 
-/// A task.
+/// Report of a task.
 pub(crate) fn task(task: &Task) -> TaskReport {
     let (state, ended_ns, reason) = match &task.state {
         TaskState::Running => ("running", None, ""),
@@ -167,7 +167,7 @@ pub(crate) fn word(outcome: Outcome) -> &'static str {
     }
 }
 
-/// How a task ended.
+/// Outcome of a task.
 pub(crate) fn outcome(outcome: TaskOutcome) -> Outcome {
     match outcome {
         TaskOutcome::Succeeded => Outcome::Succeeded,
@@ -176,7 +176,7 @@ pub(crate) fn outcome(outcome: TaskOutcome) -> Outcome {
     }
 }
 
-/// Why a task was not noted.
+/// Refusal of a task request.
 pub(crate) fn task_refusal(refusal: &TaskRefusal) -> Refusal {
     let kind = match refusal {
         TaskRefusal::Unknown { .. } => RefusalKind::NotFound,
@@ -191,7 +191,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_filter_of_no_numbers_or_no_time_is_refused() {
+    fn invalid_filters_are_refused() {
         let ball = |centre_m, radius_m| FactFilter {
             region: Some(WorldRegion::Ball { centre_m, radius_m }),
             ..FactFilter::default()

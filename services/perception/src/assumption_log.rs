@@ -1,22 +1,22 @@
-//! Tells when something begins or ceases to be taken for granted.
+//! Log of changes in the assumptions that detection makes.
 
 use constraint::{Assumption, Assumptions};
 
-/// What was told last.
+/// Change detector for the assumptions; logs each that begins or ends.
 #[derive(Debug, Default)]
 pub(crate) struct AssumptionLog {
-    told: Assumptions,
+    logged: Assumptions,
 }
 
 impl AssumptionLog {
-    /// Tells what has changed.
-    pub(crate) fn tell(&mut self, assumptions: Assumptions) {
-        if assumptions == self.told {
+    /// Logs the differences between a frame's assumptions and those logged last.
+    pub(crate) fn update(&mut self, assumptions: Assumptions) {
+        if assumptions == self.logged {
             return;
         }
         for assumption in Assumption::ALL {
             match (
-                self.told.contains(assumption),
+                self.logged.contains(assumption),
                 assumptions.contains(assumption),
             ) {
                 (false, true) => tracing::info!("assumed from here on: {}", assumption.sentence()),
@@ -24,6 +24,6 @@ impl AssumptionLog {
                 _ => {}
             }
         }
-        self.told = assumptions;
+        self.logged = assumptions;
     }
 }

@@ -1,7 +1,7 @@
-//! The configuration, checked.
+//! Configuration section `[perception]`: parsing and validation.
 
 #[cfg(feature = "fault-injection")]
-use crate::fault::FaultConfig;
+use crate::fault_injection::FaultConfig;
 use channel::topic::{CameraCloud, Topic};
 use detection::InvalidConfig;
 use message::Text;
@@ -12,15 +12,15 @@ use std::num::NonZeroUsize;
 use std::time::Duration;
 use tracking::{AssociationConfig, MotionConfig};
 
-/// A subscriber that holds all the frames it may can receive no more: one for
+/// Largest number of workers. A subscriber may hold a limited number of frames: one for
 /// each worker, one for the loop, and one to come.
 const MAX_WORKERS: usize = CameraCloud::LIMITS.borrowed - 2;
 
-/// Each restart that counts is remembered.
+/// Largest restart limit; every restart within the window is kept in memory.
 const RESTARTS_MAX: u32 = 10_000;
 const RESTART_WINDOW_MAX_S: f64 = 86_400.0;
 
-/// The section `[perception]` as written.
+/// Section `[perception]` as written in TOML.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 struct RawConfig {
@@ -72,30 +72,30 @@ impl Default for RawConfig {
     }
 }
 
-/// What the perception does.
+/// Validated configuration of perception.
 #[derive(Debug, Clone)]
 pub(crate) struct Config {
-    /// Kernel threads.
+    /// Number of worker threads of the kernel pool.
     pub(crate) workers: NonZeroUsize,
-    /// How long a frame waits for its actors; not in lockstep.
+    /// Deadline of a frame for its actors; none in lockstep.
     pub(crate) actor_deadline: Duration,
-    /// A worker without progress for this long is replaced.
+    /// Watchdog time: a worker without progress for this long is replaced.
     pub(crate) worker_stall: Duration,
-    /// Restarts of object actors, all together, that are allowed within the window.
+    /// Restart limit of all object actors together within the window.
     pub(crate) actor_restarts_max: u32,
-    /// How long a restart counts.
+    /// Length of the sliding window in which restarts count.
     pub(crate) actor_restart_window: Duration,
-    /// Faults on purpose.
+    /// Fault injection settings.
     #[cfg(feature = "fault-injection")]
     pub(crate) fault: FaultConfig,
-    /// Detection.
+    /// Detection settings.
     pub(crate) detection: detection::Config,
-    /// Tracking and recognition.
+    /// Tracking and recognition settings.
     pub(crate) pipeline: pipeline::Config,
 }
 
 impl Config {
-    /// The section `[perception]` of the file.
+    /// Reads and validates the section of the file.
     pub(crate) fn new(file: &ConfigFile) -> Result<Self, Failure> {
         let raw: RawConfig = file.section("perception")?;
         let wrong = |rule: &dyn Display| Failure::from(file.wrong(format!("[perception] {rule}")));
@@ -142,7 +142,7 @@ fn restarts_max(raw: &RawConfig) -> Result<u32, String> {
 
 fn restart_window(raw: &RawConfig) -> Result<Duration, String> {
     let given = raw.actor_restart_window_s;
-    // Written so that what is no number is refused.
+    // NaN is in no range, and so is refused.
     if (1.0..=RESTART_WINDOW_MAX_S).contains(&given) {
         return Ok(Duration::from_secs_f64(given));
     }
@@ -151,7 +151,7 @@ fn restart_window(raw: &RawConfig) -> Result<Duration, String> {
     ))
 }
 
-/// The settings of detection, or what is wrong with them.
+/// Validated detection settings, or a sentence that names the invalid one.
 fn detection(raw: &RawConfig) -> Result<detection::Config, String> {
     let settings = detection::RawConfig {
         range_min_m: raw.range_min_m,
@@ -192,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_limit_of_restarts_is_named() {
+    fn invalid_restart_limits_are_named() {
         let raw = |max, window| RawConfig {
             actor_restarts_max: max,
             actor_restart_window_s: window,
@@ -211,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn the_rule_of_the_file_holds() {
+    fn candidate_rule_is_read_from_the_file() {
         let config = with_rule("table and not image_border").unwrap();
         assert_eq!(config.rule().to_string(), "C_table ∧ ¬C_image_border");
         assert_eq!(
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn a_rule_that_can_not_be_used_is_named() {
+    fn invalid_candidate_rules_are_named() {
         for (rule, words) in [
             ("C_table and C_unicorn", ["candidate_rule", "C_unicorn"]),
             ("", ["candidate_rule", "empty"]),

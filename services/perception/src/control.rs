@@ -1,7 +1,7 @@
 //! Request handler of the perception service.
 
-use crate::learned::{CatchUp, HistoryPosition};
-use crate::world::World;
+use crate::memory_replica::{SyncBarrier, HistoryPosition};
+use crate::latest_scene::LatestScene;
 use channel::control::{AnswerFuture, Handler};
 use message::control::{Command, Refusal, RefusalKind, Reply};
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use std::time::Duration;
 const CATCH_UP: Duration = Duration::from_secs(3);
 
 /// Request handler that answers from the latest scene.
-pub(crate) fn handler(world: Arc<World>, barrier: CatchUp) -> Handler {
+pub(crate) fn handler(world: Arc<LatestScene>, barrier: SyncBarrier) -> Handler {
     Arc::new(move |command| -> AnswerFuture {
         let (world, barrier) = (world.clone(), barrier.clone());
         Box::pin(async move {
@@ -39,7 +39,7 @@ pub(crate) fn handler(world: Arc<World>, barrier: CatchUp) -> Handler {
 /// Waits until the labels of the scene include a position of the memory's history:
 /// first for the replica of the memory (`caught_up`), then for the labels.
 async fn labelled_after(
-    world: &World,
+    world: &LatestScene,
     position: HistoryPosition,
     caught_up: impl Future<Output = ()>,
     deadline: Duration,
@@ -61,7 +61,7 @@ async fn labelled_after(
     })
 }
 
-fn answer(world: &World, command: &Command) -> Reply {
+fn answer(world: &LatestScene, command: &Command) -> Reply {
     match command {
         Command::Objects => Reply::Objects(world.objects()),
         Command::Ask { track_id } => match world.object(*track_id) {
@@ -75,7 +75,7 @@ fn answer(world: &World, command: &Command) -> Reply {
     }
 }
 
-fn no_such_track(world: &World, track_id: u64) -> Refusal {
+fn no_such_track(world: &LatestScene, track_id: u64) -> Refusal {
     let ids: Vec<String> = world
         .objects()
         .objects
@@ -99,8 +99,8 @@ mod tests {
     use message::{SceneObject, SceneSummary};
 
     #[test]
-    fn who_asks_for_a_missing_track_is_told_which_there_are() {
-        let world = World::default();
+    fn a_missing_track_is_refused_with_the_live_tracks() {
+        let world = LatestScene::default();
         let ask = |track_id| answer(&world, &Command::Ask { track_id });
         let Reply::Refused(refusal) = ask(3) else {
             panic!("track 3 is not there")
@@ -124,7 +124,7 @@ mod tests {
             store_id: Some(1),
             sequence,
         };
-        let world = World::default();
+        let world = LatestScene::default();
         world.set(&SceneSummary::default(), &[], at(4));
         let ready = || std::future::ready(());
         let short = Duration::from_millis(1);

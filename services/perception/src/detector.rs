@@ -1,8 +1,8 @@
-//! Detection on the worker pool.
+//! Object detection as a job on the worker pool.
 
-use crate::bodies::Known;
-use crate::helpers::Helpers;
-use crate::intake::Arrived;
+use crate::helper_threads::HelperThreads;
+use crate::frame_receiver::ReceivedFrame;
+use crate::scene_priors::ScenePriors;
 use actor::{JobLost, Progress, WorkerPool};
 use detection::{Config, Detection, Frame, Step, Workspace, detect_in_steps};
 use message::{SegmentLocation, Span, Stage, points};
@@ -10,43 +10,43 @@ use point_cloud::OrganizedCloud;
 use service::Stopwatch;
 use std::sync::Arc;
 
-/// Detects, reusing its buffers from frame to frame.
+/// Detection job runner that reuses its buffers from frame to frame.
 pub(crate) struct Detector {
     pool: WorkerPool,
-    helpers: Arc<Helpers>,
+    helper_threads: Arc<HelperThreads>,
     config: Arc<Config>,
-    buffers: Buffers,
+    buffers: DetectionBuffers,
 }
 
 #[derive(Default)]
-struct Buffers {
-    known: Known,
+struct DetectionBuffers {
+    priors: ScenePriors,
     workspace: Workspace,
     detection: Detection,
     spans: Vec<Span>,
 }
 
-/// A detection, where its points were read, and what it took.
+/// Detection of a frame, with the location of its points and the measured time spans.
 #[derive(Debug, Default)]
-pub(crate) struct Detected {
+pub(crate) struct DetectedFrame {
     pub(crate) detection: Detection,
     pub(crate) location: SegmentLocation,
-    /// The whole detection last, its steps before.
+    /// Time spans of the steps, followed by that of the whole detection.
     pub(crate) spans: Vec<Span>,
 }
 
-/// Why a frame gave no detection.
+/// Reason why a frame has no detection.
 #[derive(Debug)]
-pub(crate) enum DetectFailed {
-    /// The cloud can not be searched.
+pub(crate) enum DetectionError {
+    /// The cloud cannot be searched, with the reason.
     Unusable(String),
-    /// The kernel has panicked or stalled; its buffers are gone with it.
+    /// The job panicked or stalled; its buffers are lost with it.
     Lost(JobLost),
 }
 
-impl DetectFailed {
-    /// True if a worker or its buffers were started again: counted as a restart in
-    /// health. An unusable cloud is the camera's fault and restarts nothing.
+impl DetectionError {
+    /// True if a worker or its buffers were restarted, which counts as a restart in
+    /// health. An unusable cloud restarts nothing.
     pub(crate) fn is_restart(&self) -> bool {
         matches!(self, Self::Lost(_))
     }
@@ -55,85 +55,85 @@ impl DetectFailed {
 impl Detector {
     pub(crate) fn new(pool: WorkerPool, config: Config) -> Self {
         Self {
-            helpers: Arc::new(Helpers::of(&pool)),
+            helper_threads: Arc::new(HelperThreads::of(&pool)),
             pool,
             config: Arc::new(config),
-            buffers: Buffers::default(),
+            buffers: DetectionBuffers::default(),
         }
     }
 
-    /// What is known to be there before the next frame is searched.
-    pub(crate) fn known_mut(&mut self) -> &mut Known {
-        &mut self.buffers.known
+    /// Scene priors of the next frame, to be filled.
+    pub(crate) fn priors_mut(&mut self) -> &mut ScenePriors {
+        &mut self.buffers.priors
     }
 
-    /// The settings.
+    /// Detection settings.
     pub(crate) fn config(&self) -> &Config {
         &self.config
     }
 
-    /// Searches a frame, in the camera's own bytes.
-    pub(crate) async fn detect(&mut self, arrived: &Arrived) -> Result<Detected, DetectFailed> {
+    /// Detects objects in a frame, reading the points in shared memory without a copy.
+    pub(crate) async fn detect(&mut self, received: &ReceivedFrame) -> Result<DetectedFrame, DetectionError> {
         let buffers = std::mem::take(&mut self.buffers);
-        let (arrived, config) = (arrived.clone(), self.config.clone());
-        let helpers = self.helpers.clone();
-        let search = move |_: &Progress| search(&arrived, &config, &helpers, buffers);
+        let (received, config) = (received.clone(), self.config.clone());
+        let helper_threads = self.helper_threads.clone();
+        let search = move |_: &Progress| search(&received, &config, &helper_threads, buffers);
         let job = self.pool.run(search);
-        let (buffers, found) = job.await.map_err(DetectFailed::Lost)?;
+        let (buffers, found) = job.await.map_err(DetectionError::Lost)?;
         self.buffers = buffers;
-        let location = found.map_err(DetectFailed::Unusable)?;
-        let Buffers {
+        let location = found.map_err(DetectionError::Unusable)?;
+        let DetectionBuffers {
             detection, spans, ..
         } = &mut self.buffers;
-        Ok(Detected {
+        Ok(DetectedFrame {
             detection: std::mem::take(detection),
             location,
             spans: std::mem::take(spans),
         })
     }
 
-    /// Takes a detection's memory back for the next frame.
-    pub(crate) fn recycle(&mut self, detected: Detected) {
+    /// Returns the buffers of a detection for reuse.
+    pub(crate) fn recycle(&mut self, detected: DetectedFrame) {
         self.buffers.detection = detected.detection;
         self.buffers.spans = detected.spans;
     }
 }
 
 fn search(
-    arrived: &Arrived,
+    received: &ReceivedFrame,
     config: &Config,
-    helpers: &Helpers,
-    mut buffers: Buffers,
-) -> (Buffers, Result<SegmentLocation, String>) {
+    helper_threads: &HelperThreads,
+    mut buffers: DetectionBuffers,
+) -> (DetectionBuffers, Result<SegmentLocation, String>) {
     let begin = Stopwatch::start();
-    let header = arrived.frame.header();
+    let header = received.frame.header();
     let [width, height] = header.size_px.map(|side| side as usize);
-    let cloud = OrganizedCloud::new(points(arrived.frame.items()), width, height);
+    let cloud = OrganizedCloud::new(points(received.frame.items()), width, height);
     let found = cloud.map_err(|error| error.to_string()).and_then(|cloud| {
-        let Buffers {
-            known,
+        let DetectionBuffers {
+            priors,
             workspace,
             detection,
             spans,
         } = &mut buffers;
         let frame = Frame {
             cloud,
-            up_in_camera: arrived.checked.up_in_camera,
+            up_in_camera: received.checked.up_in_camera,
             // The frame's own number: a replay draws the same samples.
             seed: header.sequence,
-            surroundings: known.surroundings(),
+            surroundings: priors.surroundings(),
         };
         let mut watch = begin;
         spans.clear();
         let on_step = &mut |step| spans.push(watch.lap(stage(step), 0));
-        let found = detect_in_steps(&frame, config, workspace, detection, helpers, on_step);
-        helpers.tell(spans);
-        // What follows the last step, where not all were taken.
+        let found = detect_in_steps(&frame, config, workspace, detection, helper_threads, on_step);
+        helper_threads.take_spans(spans);
+        // Discards the time after the last step.
         let _ = watch.lap(Stage::Detection, 0);
         spans.push(watch.span_since(&begin, Stage::Detection, 0));
         found.map_err(|error| error.to_string())
     });
-    (buffers, found.map(|()| arrived.frame.location()))
+    (buffers, found.map(|()| received.frame.location()))
 }
 
 fn stage(step: Step) -> Stage {
@@ -157,8 +157,8 @@ mod tests {
 
     #[test]
     fn only_a_lost_job_counts_as_a_restart() {
-        let unusable = DetectFailed::Unusable("the cloud has no rows".into());
+        let unusable = DetectionError::Unusable("the cloud has no rows".into());
         assert!(!unusable.is_restart());
-        assert!(DetectFailed::Lost(JobLost::Stalled).is_restart());
+        assert!(DetectionError::Lost(JobLost::Stalled).is_restart());
     }
 }

@@ -1,5 +1,5 @@
-//! `tabula-perception-faulty`: the same, with actors that panic when told to, for
-//! tests of the supervision.
+//! `tabula-perception-faulty`: the perception service with fault injection, for tests of
+//! the supervision.
 
 use std::process::ExitCode;
 

@@ -1,20 +1,21 @@
-//! The frame loop: it owns the track table and gives every frame its way.
+//! Frame loop: detection, data association, object actors and publication for each frame;
+//! owner of the track table.
 
 use crate::assumption_log::AssumptionLog;
-use crate::bodies::Bodies;
+use crate::body_subscriber::BodySubscribers;
 use crate::config::Config;
-use crate::detector::{DetectFailed, Detected, Detector};
+use crate::detector::{DetectionError, DetectedFrame, Detector};
 use crate::frame_trace::FrameTrace;
-use crate::intake::{Arrived, Intake};
-use crate::key_view_outbox::{OnDisk, Outbox};
-use crate::learned::{CatchUp, Learned, SharedLearned};
-use crate::newest_view::{self, NewestView, NewestViews, Recognised};
-use crate::observation_round::{Actors, Outcome};
-use crate::ports::Ports;
+use crate::frame_receiver::{ReceivedFrame, FrameReceiver};
+use crate::outbox::{StoreReceipt, Outbox};
+use crate::memory_replica::{SyncBarrier, CategorySnapshot, SharedCategories};
+use crate::newest_view::{self, NewestView, NewestViews, LabelEstimate};
+use crate::object_actors::{ObjectActors, Outcome};
+use crate::publishers::Publishers;
 use crate::scene_report;
 use crate::table_log::TableLog;
 use crate::track_ids::TrackIds;
-use crate::world::World;
+use crate::latest_scene::LatestScene;
 use actor::{Progress, WorkerPool};
 use channel::{Domain, Error};
 use constraint::Assumptions;
@@ -27,29 +28,29 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-/// Without frames the loop proves this often that it and its workers are alive.
+/// Period of the liveness probe of the loop and its workers while no frames arrive.
 const PROBE: Duration = Duration::from_millis(500);
 
-/// Everything that lasts from frame to frame.
+/// State of the frame loop that lasts from frame to frame.
 pub(crate) struct FrameLoop {
-    intake: Intake,
-    bodies: Bodies,
+    frame_receiver: FrameReceiver,
+    bodies: BodySubscribers,
     detector: Detector,
     rule: Text,
     assumption_log: AssumptionLog,
     table_log: TableLog,
     pool: WorkerPool,
     table: TrackTable,
-    actors: Actors,
+    actors: ObjectActors,
     ids: Arc<TrackIds>,
     outbox: Outbox,
-    catch_up: CatchUp,
-    learned: SharedLearned,
+    catch_up: SyncBarrier,
+    learned: SharedCategories,
     config: pipeline::Config,
-    world: Arc<World>,
+    world: Arc<LatestScene>,
     health: Arc<HealthBoard>,
     actor_deadline: Duration,
-    ports: Ports,
+    publishers: Publishers,
     trace: FrameTrace,
     step: Step,
     outcomes: Vec<Outcome>,
@@ -59,15 +60,15 @@ pub(crate) struct FrameLoop {
     last_finished: Option<FrameDone>,
 }
 
-/// What the loop is given.
-pub(crate) struct Surroundings {
+/// Dependencies of the frame loop.
+pub(crate) struct FrameLoopParts {
     pub(crate) pool: WorkerPool,
-    pub(crate) actors: Actors,
+    pub(crate) actors: ObjectActors,
     pub(crate) ids: Arc<TrackIds>,
     pub(crate) outbox: Outbox,
-    pub(crate) catch_up: CatchUp,
-    pub(crate) learned: SharedLearned,
-    pub(crate) world: Arc<World>,
+    pub(crate) catch_up: SyncBarrier,
+    pub(crate) learned: SharedCategories,
+    pub(crate) world: Arc<LatestScene>,
     pub(crate) health: Arc<HealthBoard>,
 }
 
@@ -75,20 +76,20 @@ impl FrameLoop {
     pub(crate) fn new(
         domain: &Domain,
         config: &Config,
-        given: Surroundings,
+        given: FrameLoopParts,
     ) -> Result<Self, Error> {
-        let ports = Ports::new(domain)?;
+        let publishers = Publishers::new(domain)?;
         let trace = FrameTrace::new(domain)?;
         given.health.shared_memory_bytes.store(
-            ports.reserved_bytes() + trace.reserved_bytes(),
+            publishers.reserved_bytes() + trace.reserved_bytes(),
             Ordering::Relaxed,
         );
         let detector = Detector::new(given.pool.clone(), config.detection.clone());
         let rule = detector.config().rule().to_string();
         tracing::info!("a candidate becomes an object when {rule}");
         Ok(Self {
-            intake: Intake::new(domain)?,
-            bodies: Bodies::new(domain)?,
+            frame_receiver: FrameReceiver::new(domain)?,
+            bodies: BodySubscribers::new(domain)?,
             detector,
             rule: Text::truncated(&rule),
             assumption_log: AssumptionLog::default(),
@@ -104,7 +105,7 @@ impl FrameLoop {
             world: given.world,
             health: given.health,
             actor_deadline: config.actor_deadline,
-            ports,
+            publishers,
             trace,
             step: Step::default(),
             outcomes: Vec::new(),
@@ -115,35 +116,35 @@ impl FrameLoop {
         })
     }
 
-    /// Works on frames as they come, until the future is dropped or shared
-    /// memory fails.
+    /// Processes frames as they arrive, until the future is dropped or shared memory
+    /// fails.
     pub(crate) async fn run(&mut self) -> Result<(), Error> {
         let mut probe = tokio::time::interval(PROBE);
         loop {
-            while let Some(arrived) = self.intake.newest()? {
-                self.frame(&arrived).await?;
+            while let Some(received) = self.frame_receiver.newest()? {
+                self.frame(&received).await?;
                 probe.reset();
             }
             tokio::select! {
-                () = self.intake.woken() => {}
+                () = self.frame_receiver.woken() => {}
                 () = self.world.outdated() => self.relabel().await,
                 _ = probe.tick() => self.probe().await?,
             }
         }
     }
 
-    /// Stops all actors in good order.
+    /// Stops all actors gracefully.
     pub(crate) async fn stop(&self) {
         self.actors.stop_all().await;
     }
 
-    /// Nothing has come for a while: is everything still able to work?
+    /// Liveness probe: runs an empty job on the worker pool and reports health.
     async fn probe(&mut self) -> Result<(), Error> {
         if self.pool.run(|_| ()).await.is_ok() {
             self.health.tick();
         }
         self.report_actors();
-        self.ports.scene.greet_new_subscribers()
+        self.publishers.scene.greet_new_subscribers()
     }
 
     fn report_actors(&self) {
@@ -156,45 +157,46 @@ impl FrameLoop {
             .store(count(self.pool.abandoned()), Ordering::Relaxed);
     }
 
-    async fn frame(&mut self, arrived: &Arrived) -> Result<(), Error> {
-        if self.is_repeated(arrived) {
-            return self.report_finished(arrived);
+    async fn frame(&mut self, received: &ReceivedFrame) -> Result<(), Error> {
+        if self.is_repeated(received) {
+            return self.report_finished(received);
         }
-        self.restart_if_time_jumped(arrived.frame.header().capture_stamp_ns);
-        if arrived.is_lockstep() {
-            // A replay must know the same at the same frame.
+        self.restart_if_time_jumped(received.frame.header().capture_stamp_ns);
+        if received.is_lockstep() {
+            // Determinism: a replay has the same categories at the same frame.
             self.catch_up.wait().await;
         }
-        self.trace.begin(arrived);
-        self.look_around(arrived)?;
-        let detected = match self.detector.detect(arrived).await {
+        self.trace.begin(received);
+        self.gather_priors(received)?;
+        let detected = match self.detector.detect(received).await {
             Ok(detected) => detected,
             Err(failed) => {
-                self.say_failed(arrived, &failed);
-                return self.report_finished(arrived);
+                self.log_failure(received, &failed);
+                return self.report_finished(received);
             }
         };
-        self.trace.detected(&detected);
-        let mut summary = scene_report::summary(arrived);
+        self.trace.add_detection(&detected);
+        let mut summary = scene_report::summary(received);
         summary.stamps.detected_ns = self.trace.at_ns();
-        self.associate(arrived, &detected);
+        self.associate(received, &detected);
         let detected = Arc::new(detected);
-        self.observe(arrived, &detected).await;
+        self.observe(received, &detected).await;
         summary.stamps.recognised_ns = self.trace.at_ns();
-        let on_disk = self.publish(&mut summary, arrived, &detected)?;
-        self.trace.send(arrived);
-        self.finish(arrived, detected, on_disk).await
+        let on_disk = self.publish(&mut summary, received, &detected)?;
+        self.trace.send(received);
+        self.finish(received, detected, on_disk).await
     }
 
-    /// A lockstep source sends a frame again when a report was lost.
-    fn is_repeated(&self, arrived: &Arrived) -> bool {
-        let header = arrived.frame.header();
+    /// True if the frame is a retransmission: a lockstep source sends a frame again when
+    /// a report was lost.
+    fn is_repeated(&self, received: &ReceivedFrame) -> bool {
+        let header = received.frame.header();
         self.last_finished
             .is_some_and(|last| (last.session, last.sequence) == (header.session, header.sequence))
     }
 
-    /// Capture time runs backwards when another recording begins: nothing that
-    /// was tracked has to do with it.
+    /// Ends all tracks when the capture time runs backwards, which is the start of
+    /// another recording.
     fn restart_if_time_jumped(&mut self, capture_ns: u64) {
         if capture_ns < self.last_capture_ns {
             self.step.gone.clear();
@@ -204,27 +206,26 @@ impl FrameLoop {
         self.last_capture_ns = capture_ns;
     }
 
-    /// Gathers what is known to be there before a frame is searched: people, the
-    /// robot, and where the tracks are expected.
-    fn look_around(&mut self, arrived: &Arrived) -> Result<(), Error> {
+    /// Gathers the scene priors of a frame: people, the robot, and the predicted tracks.
+    fn gather_priors(&mut self, received: &ReceivedFrame) -> Result<(), Error> {
         let mut watch = Stopwatch::since(self.trace.at_ns());
-        let capture_ns = arrived.frame.header().capture_stamp_ns;
-        let world_from_camera = arrived.checked.world_from_camera.as_ref();
-        let known = self.detector.known_mut();
+        let capture_ns = received.frame.header().capture_stamp_ns;
+        let world_from_camera = received.checked.world_from_camera.as_ref();
+        let priors = self.detector.priors_mut();
         self.table
-            .predict(&arrived.circumstances(), &mut known.tracks);
-        self.bodies.at(capture_ns, world_from_camera, known)?;
-        self.trace.worked(watch.lap(Stage::Surroundings, 0));
+            .predict(&received.frame_pose(), &mut priors.tracks);
+        self.bodies.priors_at(capture_ns, world_from_camera, priors)?;
+        self.trace.end_work(watch.lap(Stage::Surroundings, 0));
         Ok(())
     }
 
-    fn associate(&mut self, arrived: &Arrived, detected: &Detected) {
+    fn associate(&mut self, received: &ReceivedFrame, detected: &DetectedFrame) {
         let mut watch = Stopwatch::since(self.trace.at_ns());
-        let frame = arrived.circumstances();
+        let frame = received.frame_pose();
         let ids = &self.ids;
         self.table.step(
             &detected.detection,
-            points(arrived.frame.items()),
+            points(received.frame.items()),
             &frame,
             || ids.take(),
             &mut self.step,
@@ -238,7 +239,7 @@ impl FrameLoop {
             self.actors.spawn(sighting.track_id);
         }
         self.dismiss_gone();
-        self.trace.worked(watch.lap(Stage::Association, 0));
+        self.trace.end_work(watch.lap(Stage::Association, 0));
     }
 
     fn dismiss_gone(&mut self) {
@@ -248,8 +249,8 @@ impl FrameLoop {
         }
     }
 
-    async fn observe(&mut self, arrived: &Arrived, detected: &Arc<Detected>) {
-        let deadline = (!arrived.is_lockstep()).then_some(self.actor_deadline);
+    async fn observe(&mut self, received: &ReceivedFrame, detected: &Arc<DetectedFrame>) {
+        let deadline = (!received.is_lockstep()).then_some(self.actor_deadline);
         let Self {
             actors,
             step,
@@ -257,34 +258,34 @@ impl FrameLoop {
             ..
         } = self;
         actors
-            .observe(arrived, detected, &step.sightings, deadline, outcomes)
+            .observe(received, detected, &step.sightings, deadline, outcomes)
             .await;
-        self.trace.observed(&self.outcomes);
+        self.trace.add_observations(&self.outcomes);
     }
 
-    /// Makes known what the frame has brought: key views to the memory, the objects
-    /// and the scene to all.
+    /// Publishes the results of a frame: key views to the memory, objects and scene to
+    /// subscribers.
     fn publish(
         &mut self,
         summary: &mut SceneSummary,
-        arrived: &Arrived,
-        detected: &Detected,
-    ) -> Result<Vec<OnDisk>, Error> {
+        received: &ReceivedFrame,
+        detected: &DetectedFrame,
+    ) -> Result<Vec<StoreReceipt>, Error> {
         let begin = Stopwatch::since(self.trace.at_ns());
         let mut watch = begin;
         self.absorb();
-        let on_disk = self.send_key_views(arrived);
-        self.trace.tell(watch.lap(Stage::Outbox, 0));
-        self.publish_objects(arrived, detected);
-        self.trace.tell(watch.lap(Stage::ObjectTopics, 0));
-        self.publish_scene(summary, arrived, detected)?;
-        self.trace.tell(watch.lap(Stage::SceneTopic, 0));
+        let on_disk = self.send_key_views(received);
+        self.trace.add(watch.lap(Stage::Outbox, 0));
+        self.publish_objects(received, detected);
+        self.trace.add(watch.lap(Stage::ObjectTopics, 0));
+        self.publish_scene(summary, received, detected)?;
+        self.trace.add(watch.lap(Stage::SceneTopic, 0));
         self.trace
             .worked(watch.span_since(&begin, Stage::Publishing, 0));
         Ok(on_disk)
     }
 
-    /// Takes over what the actors have found.
+    /// Applies the actors' posteriors to the track table.
     fn absorb(&mut self) {
         for view in self.newest_views.values_mut() {
             view.is_key_view = false;
@@ -299,9 +300,8 @@ impl FrameLoop {
         }
     }
 
-    /// Recomputes the labels of the latest scene that were made with older knowledge,
-    /// for clients that wait for it. Tracks that are not seen keep a label until they are
-    /// seen again; this is how it changes before.
+    /// Recomputes outdated labels of the latest scene, for clients that wait for them.
+    /// Tracks out of view would keep a label until they are seen again.
     async fn relabel(&mut self) {
         let learned = self.learned.get();
         let mut outdated = Vec::new();
@@ -330,36 +330,36 @@ impl FrameLoop {
         let position = newest_view::oldest_position(views, position);
         self.world.update(position, |object| {
             if let Some(view) = views.get(&object.track_id) {
-                scene_report::set_recognised(object, &view.recognised);
+                scene_report::set_label(object, &view.recognised);
             }
         });
     }
 
-    fn send_key_views(&mut self, arrived: &Arrived) -> Vec<OnDisk> {
+    fn send_key_views(&mut self, received: &ReceivedFrame) -> Vec<StoreReceipt> {
         let key_views = self.outcomes.iter_mut().filter_map(|(sighting, observed)| {
             let observed = observed
                 .as_mut()
                 .filter(|observed| observed.posterior.is_key_view)?;
-            Some(scene_report::stored_view(arrived, sighting, observed))
+            Some(scene_report::stored_view(received, sighting, observed))
         });
         key_views.filter_map(|view| self.outbox.put(view)).collect()
     }
 
-    fn publish_objects(&mut self, arrived: &Arrived, detected: &Detected) {
+    fn publish_objects(&mut self, received: &ReceivedFrame, detected: &DetectedFrame) {
         let Self {
-            ports,
+            publishers,
             table,
             outcomes,
             ..
         } = self;
-        ports.publish_objects(arrived, detected, outcomes, table.tracks());
+        publishers.publish_objects(received, detected, outcomes, table.tracks());
     }
 
     fn publish_scene(
         &mut self,
         summary: &mut SceneSummary,
-        arrived: &Arrived,
-        detected: &Detected,
+        received: &ReceivedFrame,
+        detected: &DetectedFrame,
     ) -> Result<(), Error> {
         let tracks = self.table.tracks();
         scene_report::objects(tracks, &self.newest_views, &mut self.objects);
@@ -370,84 +370,84 @@ impl FrameLoop {
             .iter()
             .filter(|(_, observed)| observed.is_none())
             .count() as u32;
-        summary.frames_dropped = self.intake.n_dropped();
+        summary.frames_dropped = self.frame_receiver.n_dropped();
         scene_report::add_detection(
             summary,
             &detected.detection,
             &self.step.rejected,
-            arrived.checked.world_from_camera.as_ref(),
+            received.checked.world_from_camera.as_ref(),
         );
         self.assumption_log
-            .tell(Assumptions::from_bits(summary.assumptions));
-        self.table_log.tell(detected.detection.table.as_ref());
+            .update(Assumptions::from_bits(summary.assumptions));
+        self.table_log.update(detected.detection.table.as_ref());
         summary.stamps.published_ns = monotonic_ns();
         let newest = self.learned.get().position;
         let position = newest_view::oldest_position(&self.newest_views, newest);
         self.world.set(summary, &self.objects, position);
-        self.ports.scene.send_copy(*summary, &self.objects)
+        self.publishers.scene.send_copy(*summary, &self.objects)
     }
 
     async fn finish(
         &mut self,
-        arrived: &Arrived,
-        detected: Arc<Detected>,
-        on_disk: Vec<OnDisk>,
+        received: &ReceivedFrame,
+        detected: Arc<DetectedFrame>,
+        on_disk: Vec<StoreReceipt>,
     ) -> Result<(), Error> {
         self.actors.recycle(&mut self.outcomes);
-        // An actor that is late keeps the detection, and this frame's memory with it.
+        // A late actor still holds the detection, and this frame's buffers with it.
         if let Ok(detected) = Arc::try_unwrap(detected) {
             self.detector.recycle(detected);
         }
         self.health.frames.fetch_add(1, Ordering::Relaxed);
         self.health
             .frames_dropped
-            .store(self.intake.n_dropped(), Ordering::Relaxed);
+            .store(self.frame_receiver.n_dropped(), Ordering::Relaxed);
         self.report_actors();
         self.health.tick();
-        if arrived.is_lockstep() {
+        if received.is_lockstep() {
             for stored in on_disk {
                 let _ = stored.await;
             }
         }
-        self.report_finished(arrived)
+        self.report_finished(received)
     }
 
-    fn report_finished(&mut self, arrived: &Arrived) -> Result<(), Error> {
-        let header = arrived.frame.header();
+    fn report_finished(&mut self, received: &ReceivedFrame) -> Result<(), Error> {
+        let header = received.frame.header();
         let done = FrameDone {
             session: header.session,
             sequence: header.sequence,
             process: u64::from(ProcessKind::Perception.code()),
         };
         self.last_finished = Some(done);
-        if arrived.is_lockstep() {
-            self.ports
+        if received.is_lockstep() {
+            self.publishers
                 .finished
                 .send_copy(PlainHeader::default(), &[done])?;
         }
         Ok(())
     }
 
-    fn say_failed(&self, arrived: &Arrived, failed: &DetectFailed) {
+    fn log_failure(&self, received: &ReceivedFrame, failed: &DetectionError) {
         if failed.is_restart() {
             self.health.restarts.fetch_add(1, Ordering::Relaxed);
         }
-        let sequence = arrived.frame.header().sequence;
+        let sequence = received.frame.header().sequence;
         match failed {
-            DetectFailed::Unusable(error) => {
+            DetectionError::Unusable(error) => {
                 tracing::warn!("frame {sequence} can not be searched: {error}");
             }
-            DetectFailed::Lost(error) => tracing::error!("detection of frame {sequence}: {error}"),
+            DetectionError::Lost(error) => tracing::error!("detection of frame {sequence}: {error}"),
         }
     }
 }
 
-/// The job that recognises views with the knowledge of now.
+/// Worker job that recognises views with the newest categories.
 fn recognition(
     views: Vec<(u64, NewestView)>,
-    learned: Arc<Learned>,
+    learned: Arc<CategorySnapshot>,
     config: pipeline::Config,
-) -> impl FnOnce(&Progress) -> Vec<(u64, Recognised)> + Send + 'static {
+) -> impl FnOnce(&Progress) -> Vec<(u64, LabelEstimate)> + Send + 'static {
     move |progress| {
         let mut recognised = Vec::with_capacity(views.len());
         let Ok(mut tools) = ObjectTools::new() else {

@@ -1,32 +1,35 @@
-//! `tabula-perception`: from clouds to tracked, recognised objects.
+//! `tabula-perception`: object detection, tracking and recognition in organised point
+//! clouds.
 //!
-//! A library for two programs: the daemon's own, and, with the feature
-//! `fault-injection`, one for tests whose actors panic when they are told to.
+//! The library serves two programs: that of the daemon, and, with the feature
+//! `fault-injection`, one for tests of the supervision.
 
-mod actor_events;
+mod actor_event_publisher;
 mod assumption_log;
-mod bodies;
+mod body_subscriber;
 mod config;
 mod control;
 mod detector;
 #[cfg(feature = "fault-injection")]
-mod fault;
+mod fault_injection;
 mod frame_loop;
+mod frame_receiver;
 mod frame_trace;
-mod helpers;
-mod intake;
-mod key_view_outbox;
-mod learned;
+mod helper_threads;
+mod latest_scene;
+mod log_once;
+mod memory_replica;
 mod newest_view;
 mod object_actor;
-mod observation_round;
-mod ports;
-mod resting;
+mod object_actors;
+mod outbox;
+mod publishers;
+mod restart_backoff;
 mod run;
+mod scene_priors;
 mod scene_report;
 mod table_log;
 mod track_ids;
-mod world;
 
 use clap::Parser;
 use config::Config;
@@ -40,14 +43,14 @@ static ALLOCATOR: CountingAllocator = CountingAllocator;
 /// Finds the objects in the camera's clouds, follows and recognises them.
 #[derive(Debug, Parser)]
 #[command(name = "tabula-perception", version)]
-struct Arguments {
+struct PerceptionArguments {
     #[command(flatten)]
     process: ProcessArguments,
 }
 
-/// Runs the process with the arguments it was given.
+/// Entry point: runs the service with the command-line arguments.
 pub fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = PerceptionArguments::parse();
     service::run(
         ProcessKind::Perception,
         &arguments.process,

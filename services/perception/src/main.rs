@@ -1,4 +1,4 @@
-//! `tabula-perception`.
+//! `tabula-perception`: the perception service.
 
 use std::process::ExitCode;
 

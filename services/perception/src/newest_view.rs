@@ -1,25 +1,25 @@
-//! Newest view of each track, from which its label is recomputed when the taught views
-//! have changed.
+//! Newest view of each track, from which its label is recomputed after a change of the
+//! categories.
 
-use crate::learned::{HistoryPosition, Learned};
-use crate::object_actor::Observed;
+use crate::memory_replica::{HistoryPosition, CategorySnapshot};
+use crate::object_actor::ObservedView;
 use learning::{CategoryName, N_NEAREST, Neighbour};
 use message::ActorStamps;
 use pipeline::{Config, Error, Measured, ObjectState, ObjectTools, Observation, Posterior};
 use point_cloud::Point;
 use std::collections::BTreeMap;
 
-/// The newest views, by track-id.
+/// Newest views by track-id.
 pub(crate) type NewestViews = BTreeMap<u64, NewestView>;
 
-/// The newest view of a track, as the frame loop keeps it for the scene.
+/// Newest view of a track, for the scene and for relabelling.
 #[derive(Debug, Clone)]
 pub(crate) struct NewestView {
-    /// Result of the recognition.
-    pub(crate) recognised: Recognised,
-    /// True if the view is of this frame, and a key view.
+    /// Label with its distances.
+    pub(crate) recognised: LabelEstimate,
+    /// True if the view is a key view of the latest frame.
     pub(crate) is_key_view: bool,
-    /// Times at which it passed the actor.
+    /// Times at which the view passed its actor.
     pub(crate) stamps: ActorStamps,
     /// Points of the object, camera frame.
     pub(crate) points: Vec<Point>,
@@ -27,9 +27,9 @@ pub(crate) struct NewestView {
     measured: Measured,
 }
 
-/// Result of a recognition, and the knowledge it was made with.
+/// Result of a recognition, with the categories' position in the history.
 #[derive(Debug, Clone)]
-pub(crate) struct Recognised {
+pub(crate) struct LabelEstimate {
     /// Category; `None` when unknown.
     pub(crate) label: Option<CategoryName>,
     /// Distance to the nearest stored view; infinite when nothing was taught.
@@ -42,7 +42,7 @@ pub(crate) struct Recognised {
     pub(crate) position: HistoryPosition,
 }
 
-impl Recognised {
+impl LabelEstimate {
     fn new(posterior: Posterior, position: HistoryPosition) -> Self {
         let Posterior {
             label,
@@ -62,10 +62,10 @@ impl Recognised {
 }
 
 impl NewestView {
-    /// The view of an actor's answer, whose points are moved out of it.
-    pub(crate) fn new(observed: &mut Observed, measured: &Measured) -> Self {
+    /// Moves the newest view out of an actor's answer.
+    pub(crate) fn new(observed: &mut ObservedView, measured: &Measured) -> Self {
         Self {
-            recognised: Recognised::new(observed.posterior.clone(), observed.position),
+            recognised: LabelEstimate::new(observed.posterior.clone(), observed.position),
             is_key_view: observed.posterior.is_key_view,
             stamps: observed.stamps,
             points: std::mem::take(&mut observed.points),
@@ -73,19 +73,19 @@ impl NewestView {
         }
     }
 
-    /// Recognises the view with other taught views: the same answer as if it were
-    /// observed now.
+    /// Recognises the view with other categories; the answer is that of a new
+    /// observation.
     ///
     /// # Errors
     /// When the points cannot be described.
     pub(crate) fn recognise(
         &self,
-        learned: &Learned,
+        learned: &CategorySnapshot,
         config: &Config,
         tools: &mut ObjectTools,
-    ) -> Result<Recognised, Error> {
+    ) -> Result<LabelEstimate, Error> {
         let mut measured = self.measured;
-        // The points are no image.
+        // Without intrinsics, since the points are not an image.
         measured.frame.camera = None;
         let indices: Vec<u32> = (0..self.points.len() as u32).collect();
         let observation = Observation {
@@ -103,12 +103,11 @@ impl NewestView {
             tools,
             &mut descriptor,
         )?;
-        Ok(Recognised::new(posterior, learned.position))
+        Ok(LabelEstimate::new(posterior, learned.position))
     }
 }
 
-/// The oldest knowledge that any label was made with; the newest there is when there
-/// are no labels.
+/// Oldest position of all labels; `newest` when there are none.
 pub(crate) fn oldest_position(views: &NewestViews, newest: HistoryPosition) -> HistoryPosition {
     let positions = views.values().map(|view| view.recognised.position);
     positions.fold(newest, HistoryPosition::oldest)

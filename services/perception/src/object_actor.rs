@@ -1,8 +1,8 @@
-//! One object, one actor.
+//! Object actor: tracking, description and recognition of one object.
 
-use crate::detector::Detected;
-use crate::intake::Arrived;
-use crate::learned::{HistoryPosition, SharedLearned};
+use crate::detector::DetectedFrame;
+use crate::frame_receiver::ReceivedFrame;
+use crate::memory_replica::{HistoryPosition, SharedCategories};
 use actor::{Actor, Flow, KeepLatest, Progress};
 use message::control::pack_cloud;
 use message::{ActorStamps, SegmentLocation, Span, Stage, points};
@@ -11,66 +11,66 @@ use point_cloud::Point;
 use service::Stopwatch;
 use std::sync::Arc;
 
-/// Tracks, describes and recognises one object.
+/// Actor that owns the state of one object.
 pub(crate) struct ObjectActor {
     state: ObjectState,
     tools: ObjectTools,
     context: Arc<ObjectContext>,
 }
 
-/// What all object actors share.
+/// Settings and categories shared by all object actors.
 pub(crate) struct ObjectContext {
     pub(crate) config: Config,
-    pub(crate) learned: SharedLearned,
+    pub(crate) learned: SharedCategories,
 }
 
-/// One frame's view of the object.
+/// Message: one frame's view of the object.
 #[derive(Debug)]
-pub(crate) struct Observe {
+pub(crate) struct ObserveView {
     /// The frame, in shared memory.
-    pub(crate) arrived: Arrived,
-    /// What was detected in it.
-    pub(crate) detected: Arc<Detected>,
-    /// The object's place in the detection.
+    pub(crate) received: ReceivedFrame,
+    /// Detection of the frame.
+    pub(crate) detected: Arc<DetectedFrame>,
+    /// Index of the object's candidate in the detection.
     pub(crate) candidate: usize,
-    /// The object's track.
+    /// Track of the object.
     pub(crate) track_id: u64,
-    /// What was measured.
+    /// Measurement of the candidate.
     pub(crate) measured: Measured,
-    /// Memory for the descriptor.
+    /// Buffer of the descriptor.
     pub(crate) descriptor: Vec<f32>,
-    /// Memory for the object's points.
+    /// Buffer of the object's points.
     pub(crate) points: Vec<Point>,
-    /// When it was handed over, monotonic.
+    /// Time of sending, monotonic clock, nanoseconds.
     pub(crate) asked_ns: u64,
-    /// Whether the actor is to panic at it.
+    /// True if the actor must panic at this message.
     #[cfg(feature = "fault-injection")]
     pub(crate) is_to_panic: bool,
 }
 
-/// The actor's answer.
+/// Reply: the posterior and the descriptor of a view.
 #[derive(Debug)]
-pub(crate) struct Observed {
+pub(crate) struct ObservedView {
     pub(crate) posterior: Posterior,
     /// The descriptor of the view.
     pub(crate) descriptor: Vec<f32>,
-    /// The points of a key view in the world, packed; empty for others.
+    /// Points of a key view in the world frame, packed; empty for other views.
     pub(crate) packed_cloud: Vec<u8>,
     /// The object's points, camera frame.
     pub(crate) points: Vec<Point>,
     /// Position in the history of the memory that the label was made with.
     pub(crate) position: HistoryPosition,
-    /// Where the points were read.
+    /// Shared-memory location of the points.
     pub(crate) location: SegmentLocation,
-    /// The first of them.
+    /// Index of the object's first point in the frame.
     pub(crate) first_point_index: u32,
-    /// When the view passed the actor; answered when the frame loop has it.
+    /// Times at which the view passed the actor; the frame loop adds that of the answer.
     pub(crate) stamps: ActorStamps,
-    /// What its stages cost, in the order of [`OBJECT_STAGES`].
+    /// Time spans of the stages, in the order of [`OBJECT_STAGES`].
     pub(crate) spans: [Span; OBJECT_STAGES.len()],
 }
 
-/// What an actor does with a view.
+/// Stages of an observation, in order.
 const OBJECT_STAGES: [Stage; 4] = [
     Stage::Tracking,
     Stage::Description,
@@ -79,8 +79,8 @@ const OBJECT_STAGES: [Stage; 4] = [
 ];
 
 impl Actor for ObjectActor {
-    type Message = Observe;
-    type Reply = Observed;
+    type Message = ObserveView;
+    type Reply = ObservedView;
     type Checkpoint = ObjectState;
     type Context = ObjectContext;
     type Error = Error;
@@ -95,12 +95,12 @@ impl Actor for ObjectActor {
         })
     }
 
-    fn handle(&mut self, message: Observe, _: &Progress) -> Result<Flow<Observed>, Error> {
-        let mut laps = Laps::start(message.track_id);
+    fn handle(&mut self, message: ObserveView, _: &Progress) -> Result<Flow<ObservedView>, Error> {
+        let mut laps = StageTimer::start(message.track_id);
         #[cfg(feature = "fault-injection")]
         assert!(!message.is_to_panic, "a fault on purpose");
-        let Observe {
-            arrived,
+        let ObserveView {
+            received,
             detected,
             candidate,
             measured,
@@ -113,7 +113,7 @@ impl Actor for ObjectActor {
             Some(candidate) => detected.detection.points_of(candidate),
             None => &[],
         };
-        let cloud = points(arrived.frame.items());
+        let cloud = points(received.frame.items());
         let observation = Observation {
             cloud,
             indices,
@@ -132,7 +132,7 @@ impl Actor for ObjectActor {
             stages,
         )?;
         let packed_cloud = if posterior.is_key_view {
-            let world_from_camera = arrived.circumstances().world_from_camera;
+            let world_from_camera = received.frame_pose().world_from_camera;
             pack_cloud(points_at(cloud, indices), &world_from_camera)
         } else {
             Vec::new()
@@ -140,13 +140,13 @@ impl Actor for ObjectActor {
         own_points.clear();
         own_points.extend(points_at(cloud, indices).copied());
         laps.next();
-        Ok(Flow::Continue(Observed {
+        Ok(Flow::Continue(ObservedView {
             posterior,
             descriptor,
             packed_cloud,
             points: own_points,
             position: learned.position,
-            location: arrived.frame.location(),
+            location: received.frame.location(),
             first_point_index: indices.first().copied().unwrap_or(0),
             stamps: laps.stamps(asked_ns),
             spans: laps.spans,
@@ -158,15 +158,15 @@ impl Actor for ObjectActor {
     }
 }
 
-/// The stages of one view, measured one after the other.
-struct Laps {
+/// Lap timer for the stages of one observation.
+struct StageTimer {
     watch: Stopwatch,
     track_id: u64,
     n_ended: usize,
     spans: [Span; OBJECT_STAGES.len()],
 }
 
-impl Laps {
+impl StageTimer {
     fn start(track_id: u64) -> Self {
         Self {
             watch: Stopwatch::start(),

@@ -1,16 +1,16 @@
-//! The process.
+//! Perception service: set-up, main loop and shutdown.
 
-use crate::actor_events::EventDesk;
+use crate::actor_event_publisher::ActorEventPublisher;
 use crate::config::Config;
 use crate::control;
-use crate::frame_loop::{FrameLoop, Surroundings};
-use crate::key_view_outbox::outbox;
-use crate::learned::{Follower, SharedLearned};
+use crate::frame_loop::{FrameLoop, FrameLoopParts};
+use crate::outbox::outbox;
+use crate::memory_replica::{MemoryReplica, SharedCategories};
 use crate::object_actor::{ObjectActor, ObjectContext};
-use crate::observation_round::Actors;
-use crate::resting::Resting;
+use crate::object_actors::ObjectActors;
+use crate::backoff::RestartBackoff;
 use crate::track_ids::TrackIds;
-use crate::world::World;
+use crate::latest_scene::LatestScene;
 use actor::{Events, Placement, PoolConfig, Restart, RestartPolicy, Supervisor, WorkerPool};
 use channel::control::{Client, Server};
 use message::{ProcessKind, ProcessState};
@@ -21,24 +21,23 @@ use std::sync::Arc;
 use std::time::Duration;
 use tokio::runtime::Handle;
 
-/// How soon an actor that has failed starts again; each further time within the
-/// window twice as late.
+/// Restart back-off of a failed actor; doubled by each further failure within the window.
 const FIRST_BACKOFF: Duration = Duration::from_millis(50);
 const LONGEST_BACKOFF: Duration = Duration::from_secs(1);
-/// An actor gets this long to finish the message at work.
+/// Time limit for an actor to finish its message at shutdown.
 const ACTOR_SHUTDOWN: Duration = Duration::from_secs(2);
-/// Workers that may be left behind before the process gives up.
+/// Number of stalled workers at which the process gives up.
 const MAX_ABANDONED: NonZeroUsize = NonZeroUsize::new(3).unwrap();
-/// A newer frame replaces the one an actor has not begun.
+/// Mailbox capacity of an actor: a newer frame replaces one that is not begun.
 const MAILBOX: NonZeroUsize = NonZeroUsize::new(1).unwrap();
-/// All actors may come and go in one frame.
+/// Capacity of the event queue: all actors may start and stop in one frame.
 const EVENTS: NonZeroUsize = NonZeroUsize::new(1024).unwrap();
 
 fn failed(error: impl Display) -> Failure {
     Failure::new(exit_code::FAILURE, error)
 }
 
-/// Works until shutdown.
+/// Runs the service until shutdown.
 ///
 /// # Errors
 /// When shared memory fails, too many workers stall, or too many actors fail.
@@ -46,21 +45,21 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
     let domain = &context.domain;
     let health = context.health.clone();
     let pool = start_pool(&config)?;
-    let learned = SharedLearned::default();
+    let learned = SharedCategories::default();
     let (supervisor, events) = start_supervisor(&config, &pool, learned.clone())?;
     let memory = Arc::new(Client::new(domain, ProcessKind::Memory)?);
-    let couriers = Arc::new(Client::new(domain, ProcessKind::Memory)?);
-    let (outbox, courier) = outbox(couriers);
+    let outbox_client = Arc::new(Client::new(domain, ProcessKind::Memory)?);
+    let (outbox, outbox_sender) = outbox(outbox_client);
     let ids = Arc::new(TrackIds::default());
-    let world = Arc::new(World::default());
-    let resting = Arc::new(Resting::default());
-    let mut desk = EventDesk::new(domain, events, resting.clone(), health.clone())?;
-    let (follower, catch_up) = Follower::new(domain, memory.clone(), learned.clone())?;
+    let world = Arc::new(LatestScene::default());
+    let backoff = Arc::new(RestartBackoff::default());
+    let mut desk = ActorEventPublisher::new(domain, events, backoff.clone(), health.clone())?;
+    let (replica, catch_up) = MemoryReplica::new(domain, memory.clone(), learned.clone())?;
     let handler = control::handler(world.clone(), catch_up.clone());
     let server = Server::new(domain, ProcessKind::Perception, handler)?;
-    let given = Surroundings {
+    let given = FrameLoopParts {
         pool: pool.clone(),
-        actors: actors(&config, supervisor, resting),
+        actors: actors(&config, supervisor, backoff),
         ids: ids.clone(),
         outbox,
         catch_up,
@@ -81,8 +80,8 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
         () = context.shutdown.requested() => Ok(()),
         outcome = work => outcome,
         ended = essential("the control server", server.run()) => ended,
-        ended = essential("the replica of the memory", follower.run()) => ended,
-        ended = essential("the sender of key views", courier.run()) => ended,
+        ended = essential("the replica of the memory", replica.run()) => ended,
+        ended = essential("the sender of key views", outbox_sender.run()) => ended,
         ended = essential("the lease of track-ids", keep_ids) => ended,
         () = pool.exhausted() => Err(failed("too many worker threads have stalled")),
         escalated = desk.watch() => Err(failed(escalated)),
@@ -91,7 +90,7 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
     outcome
 }
 
-/// Runs a task that the process cannot do without: its end is a failure that names it.
+/// Runs an essential task: its end is a failure that names it.
 async fn essential(name: &str, task: impl Future<Output = ()>) -> Result<(), Failure> {
     task.await;
     Err(failed(format!("{name} has ended unexpectedly")))
@@ -100,13 +99,13 @@ async fn essential(name: &str, task: impl Future<Output = ()>) -> Result<(), Fai
 fn actors(
     config: &Config,
     supervisor: Supervisor<u64, ObjectActor>,
-    resting: Arc<Resting>,
-) -> Actors {
+    backoff: Arc<RestartBackoff>,
+) -> ObjectActors {
     #[cfg(not(feature = "fault-injection"))]
     let _ = config;
-    Actors::new(
+    ObjectActors::new(
         supervisor,
-        resting,
+        backoff,
         #[cfg(feature = "fault-injection")]
         config.fault,
     )
@@ -127,7 +126,7 @@ fn start_pool(config: &Config) -> Result<WorkerPool, Failure> {
 fn start_supervisor(
     config: &Config,
     pool: &WorkerPool,
-    learned: SharedLearned,
+    learned: SharedCategories,
 ) -> Result<(Supervisor<u64, ObjectActor>, Events<u64>), Failure> {
     let policy = RestartPolicy::new(
         config.actor_restarts_max,
@@ -157,9 +156,9 @@ mod tests {
 
     #[tokio::test]
     async fn the_end_of_an_essential_task_is_a_failure_that_names_it() {
-        let ended = essential("the announcer", std::future::ready(())).await;
+        let ended = essential("the publisher", std::future::ready(())).await;
         let failure = ended.unwrap_err();
         assert_eq!(failure.code, exit_code::FAILURE);
-        assert!(failure.to_string().contains("the announcer"), "{failure}");
+        assert!(failure.to_string().contains("the publisher"), "{failure}");
     }
 }

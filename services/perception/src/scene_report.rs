@@ -1,8 +1,8 @@
-//! From tracks to messages.
+//! Conversion of tracks and detections to wire messages.
 
-use crate::intake::Arrived;
-use crate::newest_view::{NewestView, NewestViews, Recognised};
-use crate::object_actor::Observed;
+use crate::frame_receiver::ReceivedFrame;
+use crate::newest_view::{NewestView, NewestViews, LabelEstimate};
+use crate::object_actor::ObservedView;
 use constraint::Assumption;
 use detection::{Candidate, Detection};
 use geometry::RigidTransform;
@@ -30,7 +30,7 @@ fn state(track: &Track) -> TrackState {
     }
 }
 
-/// The distance as messages have it: NaN when nothing was taught.
+/// Distance on the wire: NaN when no view is labelled.
 fn wire_distance(distance: f32) -> f32 {
     if distance.is_finite() {
         distance
@@ -39,7 +39,7 @@ fn wire_distance(distance: f32) -> f32 {
     }
 }
 
-/// The nearest categories, and how many there are.
+/// Nearest categories on the wire, with their number.
 fn near_categories(
     nearest: &[Option<Neighbour>; N_NEAREST],
 ) -> ([NearCategory; MAX_NEAR_CATEGORIES], u32) {
@@ -58,8 +58,8 @@ fn mean_rgb(measured: &Measured) -> [u8; 3] {
     measured.mean_rgb.map(|channel| channel as u8)
 }
 
-/// Writes the result of a recognition into an object of the scene.
-pub(crate) fn set_recognised(object: &mut SceneObject, recognised: &Recognised) {
+/// Writes a label estimate into an object of the scene.
+pub(crate) fn set_label(object: &mut SceneObject, recognised: &LabelEstimate) {
     let label = recognised.label.as_ref();
     object.distance = wire_distance(recognised.distance);
     object.probability = recognised.probability.unwrap_or(f32::NAN);
@@ -71,13 +71,13 @@ pub(crate) fn set_recognised(object: &mut SceneObject, recognised: &Recognised) 
     object.memory_sequence = recognised.position.sequence;
 }
 
-/// One object of the summary; a track without a view is unknown.
+/// Wire object of a track; a track without a view has no label.
 fn object(track: &Track, view: Option<&NewestView>) -> SceneObject {
     let mut object = unrecognised_object(track);
     if let Some(view) = view {
         object.is_key_view = u32::from(view.is_key_view);
         object.stamps = view.stamps;
-        set_recognised(&mut object, &view.recognised);
+        set_label(&mut object, &view.recognised);
     }
     object
 }
@@ -109,7 +109,7 @@ fn unrecognised_object(track: &Track) -> SceneObject {
     }
 }
 
-/// Replaces `objects` by those of the tracks, as many as a summary holds.
+/// Replaces `objects` by those of the tracks, up to the capacity of a summary.
 pub(crate) fn objects(
     tracks: &[Track],
     newest_views: &NewestViews,
@@ -124,9 +124,9 @@ pub(crate) fn objects(
     );
 }
 
-/// The summary of a frame without what the tracks add.
-pub(crate) fn summary(arrived: &Arrived) -> SceneSummary {
-    let header = arrived.frame.header();
+/// Scene summary with the header of a frame, without objects.
+pub(crate) fn summary(received: &ReceivedFrame) -> SceneSummary {
+    let header = received.frame.header();
     SceneSummary {
         frame_flags: header.flags,
         session: header.session,
@@ -136,15 +136,15 @@ pub(crate) fn summary(arrived: &Arrived) -> SceneSummary {
             capture_ns: header.capture_stamp_ns,
             scheduled_ns: header.scheduled_stamp_ns,
             camera_published_ns: header.published_stamp_ns,
-            received_ns: arrived.received_ns,
+            received_ns: received.received_ns,
             ..StageStamps::default()
         },
         ..SceneSummary::default()
     }
 }
 
-/// Adds what a frame's detection says: the table, what was taken for granted, and
-/// which candidates are `rejected`.
+/// Adds the result of detection: the table plane, the assumptions, and the rejected
+/// candidates.
 pub(crate) fn add_detection(
     summary: &mut SceneSummary,
     detection: &Detection,
@@ -183,14 +183,14 @@ fn ignored(candidate: &Candidate, world_from_camera: &RigidTransform) -> Ignored
     }
 }
 
-/// The header of one described view; where detection read it is left open.
+/// Header of a described view; `detection_location` is left at its default.
 pub(crate) fn object_view(
-    arrived: &Arrived,
+    received: &ReceivedFrame,
     sighting: &Sighting,
-    observed: &Observed,
+    observed: &ObservedView,
     track: Option<&Track>,
 ) -> ObjectViewHeader {
-    let header = arrived.frame.header();
+    let header = received.frame.header();
     let posterior = &observed.posterior;
     let body = posterior.filter.box_in_world();
     let (categories, n_categories) = near_categories(&posterior.nearest);
@@ -222,13 +222,13 @@ pub(crate) fn object_view(
     view
 }
 
-/// A key view for the memory; its cloud is taken out of the answer.
+/// Key view for the memory; moves the packed cloud out of the answer.
 pub(crate) fn stored_view(
-    arrived: &Arrived,
+    received: &ReceivedFrame,
     sighting: &Sighting,
-    observed: &mut Observed,
+    observed: &mut ObservedView,
 ) -> StoredView {
-    let header = arrived.frame.header();
+    let header = received.frame.header();
     let body = observed.posterior.filter.box_in_world();
     let pose = WirePose::from(&body.frame_from_box);
     StoredView {

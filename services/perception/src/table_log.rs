@@ -1,34 +1,34 @@
-//! Tells which table is looked at, when that changes for good.
+//! Debounced log of the table choice: support plane changes that last.
 
 use detection::{Table, TableChoice};
 use std::mem::discriminant;
 
-/// A new kind of choice is told after so many frames in a row: at the border of
-/// two kinds the choice turns with the noise.
+/// Hysteresis: number of consecutive frames after which a new kind of choice is logged.
+/// Chosen (1 s at 30 Hz); at the border of two kinds the choice flips with the noise.
 const FRAMES_MIN: u32 = 30;
 
-/// What was told last, and for how long something else has been so.
+/// Change detector for the table choice, with hysteresis.
 #[derive(Debug, Default)]
 pub(crate) struct TableLog {
-    told: Option<TableChoice>,
-    is_anything_told: bool,
-    n_other: u32,
+    logged: Option<TableChoice>,
+    is_anything_logged: bool,
+    n_different: u32,
 }
 
 impl TableLog {
-    /// Takes a frame's table, and tells why it is the table once that has lasted.
-    pub(crate) fn tell(&mut self, table: Option<&Table>) {
+    /// Counts a frame's table; logs it after [`FRAMES_MIN`] frames of another kind.
+    pub(crate) fn update(&mut self, table: Option<&Table>) {
         let choice = table.map(|table| table.choice);
-        let is_told = choice.as_ref().map(discriminant) == self.told.as_ref().map(discriminant);
-        if is_told && self.is_anything_told {
-            self.n_other = 0;
+        let is_same = choice.as_ref().map(discriminant) == self.logged.as_ref().map(discriminant);
+        if is_same && self.is_anything_logged {
+            self.n_different = 0;
             return;
         }
-        self.n_other += 1;
-        if self.n_other < FRAMES_MIN {
+        self.n_different += 1;
+        if self.n_different < FRAMES_MIN {
             return;
         }
-        (self.told, self.is_anything_told, self.n_other) = (choice, true, 0);
+        (self.logged, self.is_anything_logged, self.n_different) = (choice, true, 0);
         if let Some(choice) = choice {
             tracing::info!("the table is {choice}");
         } else {

@@ -1,26 +1,27 @@
-//! Track-ids, leased from the memory so that none is ever used twice.
+//! Track-id leases: blocks of unique ids from the memory, so that no id is used twice.
 
+use crate::log_once::LogOnce;
 use channel::control::Client;
 use message::control::{Command, Reply};
+use parking_lot::Mutex;
 use std::collections::VecDeque;
 use std::ops::Range;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 use tokio::sync::Notify;
 
-/// Ids of a lease. Those left over when the process ends are lost: 64 bits hold
-/// enough.
-const BLOCK: u32 = 64;
-/// With fewer left, the next lease is fetched.
-const FEW: u64 = 32;
-/// How long the memory may take to answer.
-const DEADLINE: Duration = Duration::from_secs(5);
-/// How soon it is asked again after a failure.
-const TRY_AGAIN: Duration = Duration::from_millis(50);
-/// Failures shorter than this are not told.
-const GRACE: Duration = Duration::from_secs(2);
+/// Size of a lease, ids. Ids left over when the process ends are lost; 64 bits suffice.
+const LEASE_SIZE: u32 = 64;
+/// Low-water mark: with fewer ids left, the next lease is fetched.
+const LOW_WATER: u64 = 32;
+/// Time limit for an answer of the memory.
+const CALL_TIMEOUT: Duration = Duration::from_secs(5);
+/// Pause before a failed lease is repeated.
+const RETRY_PERIOD: Duration = Duration::from_millis(50);
+/// Grace period: shorter failures are not logged.
+const LOG_DELAY: Duration = Duration::from_secs(2);
 
-/// Ids at hand.
+/// Leased ids that are not used yet.
 #[derive(Debug, Default)]
 pub(crate) struct TrackIds {
     blocks: Mutex<VecDeque<Range<u64>>>,
@@ -28,9 +29,9 @@ pub(crate) struct TrackIds {
 }
 
 impl TrackIds {
-    /// The next id; `None` while the memory has leased none.
+    /// Next id; `None` while no lease is available.
     pub(crate) fn take(&self) -> Option<u64> {
-        let mut blocks = self.blocks.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut blocks = self.blocks.lock();
         let id = loop {
             match blocks.front_mut() {
                 None => break None,
@@ -40,22 +41,22 @@ impl TrackIds {
                 },
             }
         };
-        if n_left(&blocks) < FEW {
+        if n_left(&blocks) < LOW_WATER {
             self.is_short.notify_one();
         }
         id
     }
 
-    /// Waits until ids are at hand.
+    /// Fetches the first lease.
     pub(crate) async fn fetch_first(&self, client: &Client) {
         self.fetch(client).await;
     }
 
-    /// Keeps ids at hand until the future is dropped.
+    /// Fetches leases at the low-water mark until the future is dropped.
     pub(crate) async fn keep(self: Arc<Self>, client: Arc<Client>) {
         loop {
             self.is_short.notified().await;
-            if n_left(&self.blocks.lock().unwrap_or_else(PoisonError::into_inner)) < FEW {
+            if n_left(&self.blocks.lock()) < LOW_WATER {
                 self.fetch(&client).await;
             }
         }
@@ -63,30 +64,25 @@ impl TrackIds {
 
     async fn fetch(&self, client: &Client) {
         let begun = Instant::now();
-        let mut is_told = false;
+        let mut failure_log = LogOnce::default();
         loop {
-            // The memory may be starting at this moment.
-            let is_silent = is_told || begun.elapsed() < GRACE;
             match client
-                .call(Command::LeaseTrackIds { count: BLOCK }, DEADLINE)
+                .call(Command::LeaseTrackIds { count: LEASE_SIZE }, CALL_TIMEOUT)
                 .await
             {
                 Ok(Reply::TrackIds { first }) => {
-                    let block = first..first.saturating_add(u64::from(BLOCK));
-                    self.blocks
-                        .lock()
-                        .unwrap_or_else(PoisonError::into_inner)
-                        .push_back(block);
+                    let block = first..first.saturating_add(u64::from(LEASE_SIZE));
+                    self.blocks.lock().push_back(block);
                     return;
                 }
-                _ if is_silent => {}
+                // The memory may be starting at this moment.
+                _ if begun.elapsed() < LOG_DELAY || !failure_log.is_first() => {}
                 Ok(other) => tracing::error!("no track-ids were leased: {other:?}"),
                 Err(error) => {
                     tracing::warn!("waiting for track-ids, new objects are not tracked: {error}");
                 }
             }
-            is_told |= !is_silent;
-            tokio::time::sleep(TRY_AGAIN).await;
+            tokio::time::sleep(RETRY_PERIOD).await;
         }
     }
 }
@@ -102,7 +98,7 @@ mod tests {
     #[test]
     fn ids_come_in_order_over_blocks_and_then_none() {
         let ids = TrackIds::default();
-        ids.blocks.lock().unwrap().extend([5..7, 64..65]);
+        ids.blocks.lock().extend([5..7, 64..65]);
         let taken: Vec<_> = std::iter::from_fn(|| ids.take()).collect();
         assert_eq!(taken, [5, 6, 64]);
         assert_eq!(ids.take(), None);

@@ -1,4 +1,4 @@
-//! The command line.
+//! Command-line arguments of the simulator.
 
 use clap::{Args, Parser};
 use service::ProcessArguments;
@@ -6,7 +6,7 @@ use service::ProcessArguments;
 /// Plays a simulated table: a camera, an arm and a person that are not there.
 #[derive(Debug, Clone, Parser)]
 #[command(name = "tabula-simulator", version)]
-pub(crate) struct Arguments {
+pub(crate) struct SimulatorArguments {
     #[command(flatten)]
     pub(crate) process: ProcessArguments,
 
@@ -14,7 +14,7 @@ pub(crate) struct Arguments {
     pub(crate) scene: SceneArguments,
 }
 
-/// Which scene; they win over the configuration.
+/// Command-line choice of the scene; it overrides the configuration.
 #[derive(Debug, Clone, Default, Args)]
 pub(crate) struct SceneArguments {
     /// everyday, isolated, pile, bin, set-table, or a TOML scene file [default: everyday]

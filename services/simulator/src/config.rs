@@ -1,17 +1,17 @@
-//! The configuration, checked.
+//! Configuration section `[simulator]`: parsing and validation.
 
-use crate::arguments::Arguments;
+use crate::arguments::SimulatorArguments;
 use serde::Deserialize;
 use service::{ConfigFile, Failure, exit_code};
 use simulated_world::{ArmMount, MOST_OBJECTS, ModelLibrary, ModelSource, Scene, SceneKind};
 use std::path::{Path, PathBuf};
 
-/// Rates that can be asked for.
+/// Valid frame rates, hertz.
 const RATES_HZ: std::ops::RangeInclusive<f64> = 0.1..=120.0;
-/// Objects of the everyday scene.
+/// Default number of objects of the everyday scene.
 const EVERYDAY_OBJECTS: usize = 5;
 
-/// The section `[simulator]` as written.
+/// Section `[simulator]` as written in TOML.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 struct RawConfig {
@@ -23,21 +23,21 @@ struct RawConfig {
     lockstep: bool,
 }
 
-/// Which scene is played.
+/// Choice of the scene.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum ScenePlan {
-    /// Some objects, an arm, and a person who now and then does something.
+pub(crate) enum SceneChoice {
+    /// A few objects, an arm, and a person who acts now and then.
     Everyday,
     /// A generated scene.
     Generated(SceneKind),
-    /// A TOML file.
+    /// A TOML scene file.
     File(PathBuf),
 }
 
-/// What the simulator does.
+/// Validated configuration of the simulator.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Config {
-    pub(crate) plan: ScenePlan,
+    pub(crate) plan: SceneChoice,
     n_objects: Option<usize>,
     seed: Option<u64>,
     models: ModelSource,
@@ -46,11 +46,11 @@ pub(crate) struct Config {
 }
 
 impl Config {
-    /// The section `[simulator]` of the file, overruled by the arguments.
+    /// Reads the section of the file, overridden by the arguments.
     ///
     /// # Errors
     /// A usage failure that names the value and its rule.
-    pub(crate) fn new(arguments: &Arguments, file: &ConfigFile) -> Result<Self, Failure> {
+    pub(crate) fn new(arguments: &SimulatorArguments, file: &ConfigFile) -> Result<Self, Failure> {
         let raw: RawConfig = file.section("simulator")?;
         let given = &arguments.scene;
         let usage = |rule: String| Failure::new(exit_code::USAGE, rule);
@@ -80,7 +80,7 @@ impl Config {
             ));
         }
         match (self.n_objects, &self.plan) {
-            (Some(_), ScenePlan::File(path)) => Err(format!(
+            (Some(_), SceneChoice::File(path)) => Err(format!(
                 "--objects can not be used with a scene file; write the number into {}",
                 path.display()
             )),
@@ -91,19 +91,19 @@ impl Config {
         }
     }
 
-    /// The scene and the models it is made of.
+    /// The scene and its object models.
     ///
     /// # Errors
     /// When a file can not be used, or the objects find no place.
     pub(crate) fn scene(&self) -> Result<(Scene, ModelLibrary), simulated_world::Error> {
         let mut library = ModelLibrary::open(&self.models)?;
         let scene = match &self.plan {
-            ScenePlan::File(path) => return Scene::open(path, self.seed),
-            ScenePlan::Everyday => {
+            SceneChoice::File(path) => return Scene::open(path, self.seed),
+            SceneChoice::Everyday => {
                 let n_objects = self.n_objects.unwrap_or(EVERYDAY_OBJECTS);
                 Scene::everyday(n_objects, self.seed(), &mut library)?
             }
-            ScenePlan::Generated(kind) => {
+            SceneChoice::Generated(kind) => {
                 let n_objects = self.n_objects.unwrap_or(kind.usual_number());
                 Scene {
                     arm: Some(ArmMount::default()),
@@ -114,27 +114,27 @@ impl Config {
         Ok((scene, library))
     }
 
-    /// The seed of a generated scene.
+    /// Seed of a generated scene.
     fn seed(&self) -> u64 {
         self.seed.unwrap_or(1)
     }
 
-    /// What people call the scene.
+    /// Human-readable name of the scene.
     pub(crate) fn name(&self) -> String {
         match &self.plan {
-            ScenePlan::Everyday => format!("simulation:everyday:{}", self.seed()),
-            ScenePlan::Generated(kind) => format!("simulation:{}:{}", kind.word(), self.seed()),
-            ScenePlan::File(path) => format!("simulation:{}", path.display()),
+            SceneChoice::Everyday => format!("simulation:everyday:{}", self.seed()),
+            SceneChoice::Generated(kind) => format!("simulation:{}:{}", kind.word(), self.seed()),
+            SceneChoice::File(path) => format!("simulation:{}", path.display()),
         }
     }
 }
 
-fn plan(scene: Option<&str>) -> Result<ScenePlan, String> {
+fn plan(scene: Option<&str>) -> Result<SceneChoice, String> {
     let Some(scene) = scene.filter(|scene| *scene != "everyday") else {
-        return Ok(ScenePlan::Everyday);
+        return Ok(SceneChoice::Everyday);
     };
     if let Ok(kind) = scene.parse() {
-        return Ok(ScenePlan::Generated(kind));
+        return Ok(SceneChoice::Generated(kind));
     }
     let path = Path::new(scene);
     if path.exists()
@@ -142,7 +142,7 @@ fn plan(scene: Option<&str>) -> Result<ScenePlan, String> {
             .extension()
             .is_some_and(|extension| extension == "toml")
     {
-        return Ok(ScenePlan::File(path.to_owned()));
+        return Ok(SceneChoice::File(path.to_owned()));
     }
     let kinds = SceneKind::ALL.map(SceneKind::word).join(", ");
     Err(format!(
@@ -157,16 +157,16 @@ mod tests {
 
     fn config(words: &str) -> Result<Config, String> {
         let words = std::iter::once("tabula-simulator").chain(words.split_ascii_whitespace());
-        let arguments = Arguments::try_parse_from(words).map_err(|e| e.to_string())?;
+        let arguments = SimulatorArguments::try_parse_from(words).map_err(|e| e.to_string())?;
         Config::new(&arguments, &ConfigFile::default()).map_err(|e| e.to_string())
     }
 
     #[test]
     fn the_default_is_an_everyday_table() {
-        assert_eq!(config("").unwrap().plan, ScenePlan::Everyday);
+        assert_eq!(config("").unwrap().plan, SceneChoice::Everyday);
         assert_eq!(
             config("--scene bin").unwrap().plan,
-            ScenePlan::Generated(SceneKind::Bin)
+            SceneChoice::Generated(SceneKind::Bin)
         );
     }
 

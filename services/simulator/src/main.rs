@@ -1,15 +1,15 @@
-//! `tabula-simulator`: a simulated table behind the channels of camera and arm.
+//! `tabula-simulator`: a simulated table with camera, arm and person.
 
 mod arguments;
-mod arm_desk;
-mod broadcast;
+mod arm_command_queue;
+mod world_publishers;
 mod config;
-mod increment;
+mod interval;
 mod run;
 mod simulator_source;
-mod translate;
+mod wire_conversion;
 
-use arguments::Arguments;
+use arguments::SimulatorArguments;
 use clap::Parser;
 use config::Config;
 use message::ProcessKind;
@@ -20,7 +20,7 @@ use std::process::ExitCode;
 static ALLOCATOR: CountingAllocator = CountingAllocator;
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = SimulatorArguments::parse();
     service::run(
         ProcessKind::Simulator,
         &arguments.process,

@@ -1,7 +1,7 @@
-//! The process: the simulation's thread beside the runtime.
+//! Simulator service: the simulation thread and the control server.
 
-use crate::arm_desk::{ArmRequests, desk};
-use crate::broadcast::Broadcast;
+use crate::arm_command_queue::{ArmCommandQueue, arm_command_queue};
+use crate::world_publishers::WorldPublishers;
 use crate::config::Config;
 use crate::simulator_source::SimulatorSource;
 use capture::{CaptureLoop, End};
@@ -16,12 +16,12 @@ fn failed(error: impl std::fmt::Display) -> Failure {
     Failure::new(exit_code::FAILURE, error)
 }
 
-/// Plays the table until shutdown.
+/// Runs the simulation until shutdown.
 ///
 /// # Errors
 /// When the scene can not be set up, or shared memory fails.
 pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure> {
-    let (handler, requests) = desk();
+    let (handler, requests) = arm_command_queue();
     let server = Server::new(&context.domain, ProcessKind::Simulator, handler)?;
     let (sender, ended) = oneshot::channel();
     let runtime = Handle::current();
@@ -58,7 +58,7 @@ fn ended_unexpectedly(task: &str) -> Failure {
 fn play(
     context: Context,
     config: &Config,
-    requests: ArmRequests,
+    requests: ArmCommandQueue,
     runtime: Handle,
 ) -> Result<End, Failure> {
     let unusable = |error: simulated_world::Error| Failure::new(exit_code::USAGE, error);
@@ -79,10 +79,10 @@ fn play(
         .collect();
     tracing::info!("on the table: {}", names.join(", "));
     let entered = runtime.enter();
-    let broadcast = Broadcast::new(&context.domain)?;
+    let world_publishers = WorldPublishers::new(&context.domain)?;
     drop(entered);
-    let shared_bytes = broadcast.reserved_bytes();
-    let source = SimulatorSource::new(config.name(), config.rate_hz, world, requests, broadcast)
+    let shared_bytes = world_publishers.reserved_bytes();
+    let source = SimulatorSource::new(config.name(), config.rate_hz, world, requests, world_publishers)
         .map_err(unusable)?;
     let health = context.health.clone();
     let capture = CaptureLoop::new(context, Box::new(source), config.lockstep, runtime)?;

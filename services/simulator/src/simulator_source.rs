@@ -1,9 +1,9 @@
-//! The simulated table as a source of frames.
+//! Frame source that renders the simulated table.
 
-use crate::arm_desk::{ArmRequest, ArmRequests};
-use crate::broadcast::Broadcast;
-use crate::increment::Increment;
-use crate::translate;
+use crate::arm_command_queue::{QueuedArmCommand, ArmCommandQueue};
+use crate::world_publishers::WorldPublishers;
+use crate::interval::FrameInterval;
+use crate::wire_conversion;
 use capture::{FrameInfo, FrameSize, Source, SourceError, Waiting};
 use geometry::PinholeCamera;
 use message::FrameHeader;
@@ -13,16 +13,16 @@ use point_cloud::Point;
 use service::monotonic_ns;
 use simulated_world::{SimulatedKinect, TrueObject, World};
 
-/// Plays the world for ever.
+/// Endless frame source of a simulated world.
 pub(crate) struct SimulatorSource {
     name: String,
     rate_hz: f64,
-    increment: Increment,
+    interval: FrameInterval,
     kinect: SimulatedKinect,
     truth: Vec<TrueObject>,
-    requests: ArmRequests,
-    broadcast: Broadcast,
-    /// Samples of the arm that have been published.
+    requests: ArmCommandQueue,
+    world_publishers: WorldPublishers,
+    /// Number of arm samples of this interval that are published.
     n_published: usize,
 }
 
@@ -31,11 +31,11 @@ impl SimulatorSource {
         name: String,
         rate_hz: f64,
         world: World,
-        requests: ArmRequests,
-        broadcast: Broadcast,
+        requests: ArmCommandQueue,
+        world_publishers: WorldPublishers,
     ) -> Result<Self, simulated_world::Error> {
         let mut kinect = SimulatedKinect::new(&world, PinholeCamera::KINECT_V1)?;
-        // The first looks draw the room; no frame is to wait for that.
+        // Warm-up: the first views render the room, which no frame shall wait for.
         let mut points = vec![Point::default(); kinect.camera().n_pixels()];
         for _ in 0..2 {
             kinect.look(&world, 0, &mut points)?;
@@ -44,18 +44,18 @@ impl SimulatorSource {
             name,
             rate_hz,
             kinect,
-            increment: Increment::new(world, rate_hz),
+            interval: FrameInterval::new(world, rate_hz),
             truth: Vec::new(),
             requests,
-            broadcast,
+            world_publishers,
             n_published: 0,
         })
     }
 
-    /// Renders the world as it is at the end of the increment.
+    /// Renders the world at the end of the interval.
     fn look(&mut self, points: &mut [Point]) -> Result<FrameInfo, SourceError> {
-        let frame = self.increment.frame();
-        let world = self.increment.world();
+        let frame = self.interval.frame();
+        let world = self.interval.world();
         self.truth = self.kinect.look(world, frame, points).map_err(unusable)?;
         let world_from_camera = world.world_from_camera();
         Ok(FrameInfo {
@@ -70,48 +70,47 @@ impl SimulatorSource {
         })
     }
 
-    /// Answers what waits at the desk; true when the world is another one now.
-    /// The increment ends at `end_ns`.
+    /// Answers waiting arm commands; true if the world has changed. The interval ends at
+    /// `end_ns`.
     fn serve(&mut self, end_ns: u64) -> Result<bool, SourceError> {
-        let mut is_another_world = false;
+        let mut is_world_changed = false;
         while let Ok(request) = self.requests.waiting.try_recv() {
-            // Whoever has the answer must not see the arm as it was before.
+            // The arm states before the answer are published before it.
             self.publish_arm(end_ns, request.arrived_ns.min(monotonic_ns()))?;
-            is_another_world |= self.answer(request, end_ns);
+            is_world_changed |= self.answer(request, end_ns);
         }
-        Ok(is_another_world)
+        Ok(is_world_changed)
     }
 
-    fn answer(&mut self, request: ArmRequest, end_ns: u64) -> bool {
+    fn answer(&mut self, request: QueuedArmCommand, end_ns: u64) -> bool {
         let before_end_ns = end_ns.saturating_sub(request.arrived_ns);
-        let told = translate::command(&request.command).and_then(|command| match command {
+        let executed = wire_conversion::command(&request.command).and_then(|command| match command {
             None => Ok(false),
             Some(command) => {
                 tracing::info!("arm: {:?}", request.command);
-                self.increment
+                self.interval
                     .command(&command, before_end_ns, self.n_published)
             }
         });
-        let is_another_world = matches!(told, Ok(true));
-        let status = self.increment.status_at(before_end_ns);
-        let report = told.and_then(|_| status.ok_or("the scene has no arm".into()));
+        let is_world_changed = matches!(executed, Ok(true));
+        let status = self.interval.status_at(before_end_ns);
+        let report = executed.and_then(|_| status.ok_or("the scene has no arm".into()));
         let report = report
-            .map(|status| translate::report(&status))
+            .map(|status| wire_conversion::report(&status))
             .map_err(|sentence| Refusal::new(RefusalKind::Invalid, sentence));
-        // Whoever asked may have gone.
+        // The client may have gone.
         let _ = request.answer.send(report);
-        is_another_world
+        is_world_changed
     }
 
-    /// Publishes the samples of the arm up to an instant; that of the next one is
-    /// returned.
+    /// Publishes the arm samples up to a time; returns the time of the next one.
     fn publish_arm(&mut self, end_ns: u64, until_ns: u64) -> Result<Option<u64>, SourceError> {
-        while let Some(sample) = self.increment.samples().get(self.n_published) {
-            let stamp_ns = end_ns.saturating_sub(self.increment.before_end_ns(self.n_published));
+        while let Some(sample) = self.interval.samples().get(self.n_published) {
+            let stamp_ns = end_ns.saturating_sub(self.interval.before_end_ns(self.n_published));
             if stamp_ns > until_ns {
                 return Ok(Some(stamp_ns));
             }
-            self.broadcast.arm(sample, stamp_ns).map_err(unusable)?;
+            self.world_publishers.arm(sample, stamp_ns).map_err(unusable)?;
             self.n_published += 1;
         }
         Ok(None)
@@ -129,9 +128,9 @@ impl Source for SimulatorSource {
 
     fn prepare(&mut self) -> Result<Option<FrameSize>, SourceError> {
         self.requests.wake_this_thread();
-        // What came since the last frame acts from here on.
+        // Commands since the last frame act from here on.
         self.serve(0)?;
-        self.increment.advance();
+        self.interval.advance();
         self.n_published = 0;
         let camera = self.kinect.camera();
         Ok(Some(FrameSize {
@@ -149,8 +148,8 @@ impl Source for SimulatorSource {
         due_ns: u64,
         points: Option<&mut [Point]>,
     ) -> Result<Waiting, SourceError> {
-        let is_another_world = self.serve(due_ns)?;
-        let drawn = points.filter(|_| is_another_world);
+        let is_world_changed = self.serve(due_ns)?;
+        let drawn = points.filter(|_| is_world_changed);
         let rewritten = drawn.map(|points| self.look(points)).transpose()?;
         let again_ns = self.publish_arm(due_ns, monotonic_ns())?;
         Ok(Waiting {
@@ -161,16 +160,16 @@ impl Source for SimulatorSource {
 
     fn sending(&mut self, header: &FrameHeader) -> Result<(), SourceError> {
         self.publish_arm(header.capture_stamp_ns, u64::MAX)?;
-        self.broadcast
-            .person(header, self.increment.world())
+        self.world_publishers
+            .person(header, self.interval.world())
             .map_err(unusable)
     }
 
     fn sent(&mut self, header: &FrameHeader) -> Result<(), SourceError> {
-        for note in self.increment.world_mut().take_notes() {
+        for note in self.interval.world_mut().take_notes() {
             tracing::warn!("{note}");
         }
-        self.broadcast
+        self.world_publishers
             .truth(header, &self.truth, self.kinect.mask())
             .map_err(unusable)
     }

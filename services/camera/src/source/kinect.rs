@@ -1,4 +1,4 @@
-//! A Kinect, real or played by fakenect, as a source.
+//! Frame source for a Kinect, real or played by fakenect.
 
 use super::{FrameInfo, FrameSize, Source, SourceError};
 use freenect::{Calibration, CloudBuilder, Error, Kinect, Library, LibraryKind, Selector};
@@ -8,10 +8,10 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// A sensor that sends nothing for this long is taken as gone.
+/// Time without images after which the sensor counts as gone. Chosen.
 const SILENCE: Duration = Duration::from_secs(3);
 
-/// The device, opened again whenever it has gone away.
+/// Kinect that is opened again whenever it has gone.
 pub(super) struct KinectSource {
     name: String,
     library: Arc<Library>,
@@ -26,7 +26,8 @@ impl KinectSource {
         Self::new("kinect".into(), LibraryKind::Real)
     }
 
-    /// The folder is known to the library by the process's environment.
+    /// Source for a recording, which the library finds through the environment of the
+    /// process.
     pub(super) fn fake(folder: &Path) -> Result<Self, SourceError> {
         Self::new(format!("fakenect:{}", folder.display()), LibraryKind::Fake)
     }
@@ -44,7 +45,7 @@ impl KinectSource {
         })
     }
 
-    /// The sensor's error as the source's; whatever it was, the device is closed.
+    /// Closes the device and converts its error.
     fn closed(&mut self, error: &Error) -> SourceError {
         self.kinect = None;
         match error {

@@ -1,23 +1,23 @@
-//! An RGB-D sequence as a source.
+//! Frame source for an RGB-D sequence with camera poses.
 
-use super::{FrameInfo, FrameSize, Frames, Playback, Source, SourceError};
+use super::{FrameInfo, FrameSize, FrameCursor, Playback, Source, SourceError};
 use dataset::rgbd_sequence::{RgbdSequence, Scratch};
 use point_cloud::Point;
 use std::path::Path;
 
 const DEFAULT_RATE_HZ: f64 = 30.0;
 
-/// Plays the frames of a sequence with their camera poses.
-pub(super) struct Sequence {
+/// Player of an RGB-D sequence.
+pub(super) struct RgbdSource {
     sequence: RgbdSequence,
     name: String,
     rate_hz: f64,
-    frames: Frames,
+    frames: FrameCursor,
     scratch: Scratch,
     prepared: usize,
 }
 
-impl Sequence {
+impl RgbdSource {
     pub(super) fn open(folder: &Path, playback: &Playback) -> Result<Self, SourceError> {
         let sequence =
             RgbdSequence::open(folder).map_err(|e| SourceError::Unusable(e.to_string()))?;
@@ -31,7 +31,7 @@ impl Sequence {
             return Err(SourceError::Unusable(sentence));
         }
         Ok(Self {
-            frames: Frames::new(sequence.n_frames(), playback)?,
+            frames: FrameCursor::new(sequence.n_frames(), playback)?,
             sequence,
             name: folder.display().to_string(),
             rate_hz: playback.rate_hz.unwrap_or(DEFAULT_RATE_HZ),
@@ -46,7 +46,7 @@ impl Sequence {
     }
 }
 
-impl Source for Sequence {
+impl Source for RgbdSource {
     fn name(&self) -> &str {
         &self.name
     }

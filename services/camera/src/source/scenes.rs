@@ -1,6 +1,6 @@
-//! A folder of PCD scenes as a source.
+//! Frame source for a folder of PCD scenes.
 
-use super::{FrameInfo, FrameSize, Frames, Playback, Source, SourceError};
+use super::{FrameInfo, FrameSize, FrameCursor, Playback, Source, SourceError};
 use crate::intrinsics_fit;
 use dataset::pcd;
 use dataset::scene_folder::SceneFolder;
@@ -10,22 +10,22 @@ use std::path::Path;
 
 const DEFAULT_RATE_HZ: f64 = 30.0;
 
-/// Plays organised scenes in natural name order.
-pub(super) struct Scenes {
+/// Player of organised scenes in natural name order.
+pub(super) struct SceneFolderSource {
     folder: SceneFolder,
     name: String,
     rate_hz: f64,
-    frames: Frames,
+    frames: FrameCursor,
     bytes: Vec<u8>,
     decoder: pcd::Decoder,
     prepared: Option<(usize, pcd::Header)>,
 }
 
-impl Scenes {
+impl SceneFolderSource {
     pub(super) fn open(folder: &Path, playback: &Playback) -> Result<Self, SourceError> {
         let scenes = SceneFolder::open(folder).map_err(|e| SourceError::Unusable(e.to_string()))?;
         Ok(Self {
-            frames: Frames::new(scenes.len(), playback)?,
+            frames: FrameCursor::new(scenes.len(), playback)?,
             folder: scenes,
             name: folder.display().to_string(),
             rate_hz: playback.rate_hz.unwrap_or(DEFAULT_RATE_HZ),
@@ -61,7 +61,7 @@ impl Scenes {
     }
 }
 
-impl Source for Scenes {
+impl Source for SceneFolderSource {
     fn name(&self) -> &str {
         &self.name
     }
@@ -106,7 +106,7 @@ impl Source for Scenes {
     }
 }
 
-/// A camera with a Kinect's field of view.
+/// Nominal intrinsics with a Kinect's field of view.
 fn nominal(width: usize, height: usize) -> PinholeCamera {
     let kinect = PinholeCamera::KINECT_V1;
     let scale = width as f64 / f64::from(kinect.width);

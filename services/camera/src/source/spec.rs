@@ -1,23 +1,23 @@
-//! What is written behind `--source`.
+//! Parser of the `--source` option.
 
 use crate::synthetic::CROWD_MAX;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-/// A source as named on the command line.
+/// Source as named on the command line.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum SourceSpec {
-    /// The synthetic table with an arrangement's number.
+    /// The synthetic table with the number of its arrangement.
     Synthetic(u32),
-    /// The synthetic table with so many small blocks.
+    /// The synthetic table with a number of small blocks.
     Crowd(u32),
-    /// The synthetic table with so many small blocks that come and go.
+    /// The synthetic table with a number of small blocks that come and go.
     Parade(u32),
     /// A Kinect.
     Kinect,
     /// A recording played by fakenect.
     Fakenect(PathBuf),
-    /// A folder of scenes or of an RGB-D sequence.
+    /// A folder of PCD scenes or of an RGB-D sequence.
     Folder(PathBuf),
 }
 

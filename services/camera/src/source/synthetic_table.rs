@@ -1,4 +1,4 @@
-//! The synthetic table as a source.
+//! Frame source for the synthetic table.
 
 use super::{FrameInfo, FrameSize, Playback, Source, SourceError};
 use crate::synthetic::SyntheticTable;
@@ -6,12 +6,12 @@ use point_cloud::Point;
 
 const DEFAULT_RATE_HZ: f64 = 30.0;
 
-/// So long each of several tables is there, one after the other, frames.
+/// Number of frames for which each of several tables is shown. Chosen (3 s at 30 Hz).
 const FRAMES_PER_TABLE: usize = 90;
 
-/// Plays one table, or several in turn, for ever, or from and to a frame of the noise.
-pub(super) struct Synthetic {
-    /// At least one.
+/// Endless player of one table, or of several in turn; the frame number seeds the noise.
+pub(super) struct SyntheticSource {
+    /// Tables in turn; at least one.
     tables: Vec<SyntheticTable>,
     name: String,
     rate_hz: f64,
@@ -19,20 +19,20 @@ pub(super) struct Synthetic {
     next: usize,
 }
 
-impl Synthetic {
-    /// An arrangement of a few objects.
+impl SyntheticSource {
+    /// Source of an arrangement of a few objects.
     pub(super) fn arrangement(number: u32, playback: &Playback) -> Self {
         let table = SyntheticTable::new(number);
         Self::new(vec![table], format!("synthetic:{number}"), playback)
     }
 
-    /// A crowd of blocks.
+    /// Source of a crowd of blocks.
     pub(super) fn crowd(n: u32, playback: &Playback) -> Self {
         let tables = vec![SyntheticTable::crowd(n)];
         Self::new(tables, format!("crowd:{n}"), playback)
     }
 
-    /// A crowd of blocks that come and go.
+    /// Source of a crowd of blocks that come and go.
     pub(super) fn parade(n: u32, playback: &Playback) -> Self {
         let tables = SyntheticTable::parade(n).into();
         Self::new(tables, format!("parade:{n}"), playback)
@@ -49,7 +49,7 @@ impl Synthetic {
     }
 }
 
-impl Source for Synthetic {
+impl Source for SyntheticSource {
     fn name(&self) -> &str {
         &self.name
     }

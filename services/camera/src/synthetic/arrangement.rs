@@ -1,13 +1,12 @@
-//! Which object stands where.
+//! Arrangements: object placement on the synthetic table.
 
 use super::TABLE_HEIGHT_M;
-use super::catalogue::{BLOCKS, KINDS, Kind};
+use super::catalogue::{BLOCKS, KINDS, ObjectKind};
 use geometry::{OrientedBox, RigidTransform};
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 
-/// Places on the table, world x and y, metres: two rows, the front one between
-/// the columns of the back one as the camera sees them, so far apart that any
-/// two kinds may be neighbours.
+/// Positions on the table, world x and y, metres. In two rows; the front row fills the
+/// gaps of the back row as seen by the camera, and any two kinds may be neighbours.
 const PLACES_M: [[f64; 2]; 5] = [
     [-0.41, 0.19],
     [-0.175, -0.195],
@@ -16,32 +15,32 @@ const PLACES_M: [[f64; 2]; 5] = [
     [0.36, 0.19],
 ];
 
-/// How far an object stands from its place at most, along x and along y, metres.
+/// Largest random offset from a position along x and y, metres. Chosen.
 const SCATTER_M: f64 = 0.015;
 
-/// Yaws lie within this range, radians. From each place the camera then sees
-/// where the mug's handle is joined, which stands along the object's x axis.
+/// Range of yaw angles, radians, in which the camera sees the joint of the mug's handle,
+/// which lies along the object's x axis.
 const YAW_RANGE: [f64; 2] = [-2.35, -0.6];
 
-/// One object on the table, as it truly is.
+/// Ground truth of one object on the table.
 #[derive(Debug, Clone)]
 pub struct TableObject {
-    /// What it is called.
+    /// Name of the object's kind.
     pub name: &'static str,
-    /// Its own frame (z up, origin in the middle of its base) in the world.
+    /// Pose of the object frame (z up, origin in the middle of its base) in the world.
     pub world_from_object: RigidTransform,
-    /// The smallest box around it with sides along its own axes, world frame.
+    /// Smallest box along the object's own axes, world frame.
     pub bounds_in_world: OrientedBox,
-    pub(super) kind: &'static Kind,
+    pub(super) kind: &'static ObjectKind,
 }
 
 impl TableObject {
-    /// Centre of its box, world frame.
+    /// Centre of the bounding box, world frame.
     pub fn centre_in_world(&self) -> Point3<f64> {
         self.bounds_in_world.centre()
     }
 
-    fn standing(kind: &'static Kind, at: Point3<f64>, yaw_rad: f64) -> Self {
+    fn standing(kind: &'static ObjectKind, at: Point3<f64>, yaw_rad: f64) -> Self {
         let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw_rad);
         let world_from_object = RigidTransform::from_parts(at.into(), yaw);
         let [low, high] = kind.corners.map(Vector3::from);
@@ -59,7 +58,7 @@ impl TableObject {
     }
 }
 
-/// The objects of an arrangement, one for each place.
+/// Objects of an arrangement, one for each position.
 ///
 /// From one arrangement to the next every kind moves on by one place, so that
 /// among any eight in a row no kind stands twice at the same place.
@@ -78,16 +77,16 @@ pub(super) fn objects(arrangement: u32) -> Vec<TableObject> {
     PLACES_M.iter().enumerate().map(place_of).collect()
 }
 
-/// Columns and rows of a crowd, along world x and y.
+/// Number of columns and rows of a crowd, along world x and y.
 const CROWD_PLACES: [u32; 2] = [20, 13];
 
-/// Distance from a block of a crowd to the next, along x and along y, metres.
+/// Distance between neighbouring blocks of a crowd along x and y, metres.
 const CROWD_PITCH_M: [f64; 2] = [0.061, 0.056];
 
-/// The most blocks of a crowd.
+/// Largest number of blocks of a crowd.
 pub(super) const CROWD_MAX: u32 = 256;
 
-/// Blocks in rows, the first `n` places of the crowd, without those that are away.
+/// Blocks at the first `n` positions of the crowd, without those that are away.
 pub(super) fn crowd(n: u32, is_away: impl Fn(u32) -> bool) -> Vec<TableObject> {
     let [n_columns, n_rows] = CROWD_PLACES;
     let along = |i: u32, n: u32, pitch: f64| (f64::from(i) - 0.5 * f64::from(n - 1)) * pitch;
@@ -103,8 +102,8 @@ pub(super) fn crowd(n: u32, is_away: impl Fn(u32) -> bool) -> Vec<TableObject> {
     there.map(block).collect()
 }
 
-/// Steps of the golden section spread any number of yaws over the range, with
-/// neighbours far apart.
+/// Low-discrepancy yaw angle: golden-section steps spread any number of yaws over the
+/// range.
 fn yaw_rad(kind_idx: usize, arrangement: u32) -> f64 {
     let steps = kind_idx as f64 * 0.29 + f64::from(arrangement) * 0.618_033_988_75;
     YAW_RANGE[0] + (YAW_RANGE[1] - YAW_RANGE[0]) * steps.fract()

@@ -1,35 +1,35 @@
-//! The things that can stand on the table, in their own frame (z up, origin in
-//! the middle of the base), and the room in the world's frame; metres.
+//! Catalogue of object shapes, in the object frame (z up, origin in the middle of the
+//! base), and of the room in the world frame; metres.
 
 use super::paint::{Paint, Pattern};
 use super::surface::Surface;
 use super::{TABLE_HALF_SIDES_M, TABLE_HEIGHT_M};
 use nalgebra::Point3;
 
-/// A painted surface.
-pub(super) type Part = (Surface, Paint);
+/// Surface with its paint.
+pub(super) type PaintedSurface = (Surface, Paint);
 
-/// One kind of object.
+/// Shape and colours of one kind of object.
 #[derive(Debug)]
-pub(super) struct Kind {
+pub(super) struct ObjectKind {
     pub(super) name: &'static str,
-    /// Lowest and highest corner of the smallest box around it.
+    /// Lowest and highest corner of the bounding box.
     pub(super) corners: [[f64; 3]; 2],
-    pub(super) parts: &'static [Part],
+    pub(super) parts: &'static [PaintedSurface],
 }
 
-impl Kind {
-    /// The smallest sphere around the kind's box: centre and radius.
+impl ObjectKind {
+    /// Bounding sphere of the kind's box: centre and radius.
     pub(super) fn bounding_sphere(&self) -> (Point3<f64>, f64) {
         let [low, high] = self.corners.map(Point3::from);
         (nalgebra::center(&low, &high), 0.5 * (high - low).norm())
     }
 }
 
-/// Every kind, in the order in which the arrangements go through them.
-pub(super) static KINDS: [Kind; 8] = [
+/// Every kind of object, in the order of the arrangements.
+pub(super) static KINDS: [ObjectKind; 8] = [
     // A hollow cylinder with a round handle along x.
-    Kind {
+    ObjectKind {
         name: "mug",
         corners: [[-0.041, -0.041, 0.0], [0.075, 0.041, 0.095]],
         parts: &[
@@ -41,7 +41,7 @@ pub(super) static KINDS: [Kind; 8] = [
         ],
     },
     // Parts of two spheres around one centre, on a foot.
-    Kind {
+    ObjectKind {
         name: "bowl",
         corners: [[-BOWL_RIM, -BOWL_RIM, 0.0], [BOWL_RIM, BOWL_RIM, 0.071]],
         parts: &[
@@ -51,7 +51,7 @@ pub(super) static KINDS: [Kind; 8] = [
             (Surface::ring([0.0785, BOWL_RIM], 0.071), MINT),
         ],
     },
-    Kind {
+    ObjectKind {
         name: "box",
         corners: [[-0.025, -0.075, 0.0], [0.025, 0.075, 0.21]],
         parts: &[(
@@ -59,13 +59,13 @@ pub(super) static KINDS: [Kind; 8] = [
             CEREAL,
         )],
     },
-    Kind {
+    ObjectKind {
         name: "ball",
         corners: [[-0.04, -0.04, 0.0], [0.04, 0.04, 0.08]],
         parts: &[(Surface::sphere(0.04, 0.04, [0.0, 0.08]), RED_BANDS)],
     },
-    // Body, shoulder, neck and cap.
-    Kind {
+    // SceneBody, shoulder, neck and cap.
+    ObjectKind {
         name: "bottle",
         corners: [[-0.036, -0.036, 0.0], [0.036, 0.036, 0.25]],
         parts: &[
@@ -77,7 +77,7 @@ pub(super) static KINDS: [Kind; 8] = [
         ],
     },
     // As the bowl, of larger spheres.
-    Kind {
+    ObjectKind {
         name: "plate",
         corners: [[-PLATE_RIM, -PLATE_RIM, 0.0], [PLATE_RIM, PLATE_RIM, 0.032]],
         parts: &[
@@ -88,7 +88,7 @@ pub(super) static KINDS: [Kind; 8] = [
         ],
     },
     // Blunt at its top.
-    Kind {
+    ObjectKind {
         name: "cone",
         corners: [[-0.05, -0.05, 0.0], [0.05, 0.05, 0.17]],
         parts: &[
@@ -97,7 +97,7 @@ pub(super) static KINDS: [Kind; 8] = [
         ],
     },
     // A drinks can with a sunk lid.
-    Kind {
+    ObjectKind {
         name: "can",
         corners: [[-0.033, -0.033, 0.0], [0.033, 0.033, 0.115]],
         parts: &[
@@ -109,9 +109,9 @@ pub(super) static KINDS: [Kind; 8] = [
     },
 ];
 
-/// Small blocks, each of one colour, of which a crowd stands on one table.
-pub(super) static BLOCKS: [Kind; 4] = [
-    Kind {
+/// Small blocks of one colour each, for crowds.
+pub(super) static BLOCKS: [ObjectKind; 4] = [
+    ObjectKind {
         name: "block",
         corners: [[-0.014, -0.013, 0.0], [0.014, 0.013, 0.036]],
         parts: &[(
@@ -119,7 +119,7 @@ pub(super) static BLOCKS: [Kind; 4] = [
             BLUE,
         )],
     },
-    Kind {
+    ObjectKind {
         name: "block",
         corners: [[-0.013, -0.014, 0.0], [0.013, 0.014, 0.042]],
         parts: &[(
@@ -127,7 +127,7 @@ pub(super) static BLOCKS: [Kind; 4] = [
             YELLOW,
         )],
     },
-    Kind {
+    ObjectKind {
         name: "block",
         corners: [[-0.015, -0.013, 0.0], [0.015, 0.013, 0.040]],
         parts: &[(
@@ -135,7 +135,7 @@ pub(super) static BLOCKS: [Kind; 4] = [
             RED,
         )],
     },
-    Kind {
+    ObjectKind {
         name: "block",
         corners: [[-0.013, -0.013, 0.0], [0.013, 0.013, 0.034]],
         parts: &[(
@@ -145,12 +145,12 @@ pub(super) static BLOCKS: [Kind; 4] = [
     },
 ];
 
-/// Outer radii of the rims, where the spheres end below their centres.
+/// Outer radius of the bowl's rim, where the spheres end below their centre.
 const BOWL_RIM: f64 = 0.082_614;
 const PLATE_RIM: f64 = 0.090_355;
 
-/// The table with its dark rim on four legs, the floor, the wall behind.
-pub(super) static ROOM: [Part; 8] = [
+/// Room: the table with its dark rim on four legs, the floor, and the wall behind.
+pub(super) static ROOM: [PaintedSurface; 8] = [
     (slab(0.0, [TABLE_HEIGHT_M - 0.004, TABLE_HEIGHT_M]), WOOD),
     (
         slab(0.001, [TABLE_HEIGHT_M - 0.03, TABLE_HEIGHT_M - 0.004]),

@@ -1,51 +1,51 @@
-//! How a Kinect v1 measures a scene: structured light seen by an infrared
-//! camera, disparity in eighths of a pixel on an 11-bit scale.
+//! Depth sensor model of a Kinect v1: structured light, disparity quantised to eighths of
+//! a pixel on an 11-bit scale.
 
 use point_cloud::{Point, Rgba};
 
-/// Distance from the infrared camera to the projector, along the camera's x
-/// axis, metres.
+/// Baseline between the infrared camera and the projector along the camera's x axis,
+/// metres.
 pub(super) const BASELINE_M: f64 = 0.075;
-/// Columns at the right border for which the correlation window ends outside
-/// the image.
+/// Number of columns at the right border without depth: the correlation window ends
+/// outside the image.
 pub(super) const N_BLIND_COLUMNS: usize = 8;
 
-/// Reading of an infinitely far point.
+/// Disparity reading of an infinitely far point.
 const RAW_AT_INFINITY: f32 = 1090.0;
-/// Steps of the reading per pixel of disparity.
+/// Quantisation steps per pixel of disparity.
 const STEPS_PER_PX: f64 = 8.0;
-/// Cosines of incidence below which all light, and above which none, is lost.
+/// Cosines of incidence between which the loss falls from all to none. Chosen.
 const GRAZING: [f64; 2] = [0.12, 0.3];
-/// Probability that a pixel is lost anywhere, and behind an edge, in 1/256.
+/// Loss probability of any pixel, in 1/256. Chosen, as is that behind an edge.
 const LOSS_ANYWHERE: f64 = 1.0;
 const LOSS_BEHIND_EDGE: f64 = 110.0;
 
-/// All that does not change from frame to frame about one pixel.
+/// Static sensor model of one pixel.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PixelModel {
-    /// Reading without noise, steps; real-valued.
+    /// Disparity reading without noise, steps; real-valued.
     pub(super) raw: f32,
-    /// Standard deviation of the reading, steps.
+    /// Standard deviation of the disparity reading, steps.
     deviation: f32,
-    /// Without noise; each channel at least 4 from the ends of its range.
+    /// Colour without noise; each channel at least 4 from the ends of its range.
     color: Rgba,
-    /// Probability of a missing depth, in 1/256.
+    /// Probability of missing depth, in 1/256.
     pub(super) loss: u32,
 }
 
-/// What a pixel's loss depends on.
+/// Geometric causes of missing depth at a pixel.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Surroundings {
-    /// Cosine of the angle between ray and normal.
+pub(super) struct PixelVisibility {
+    /// Cosine of the angle of incidence.
     pub(super) incidence: f64,
-    /// Whether a neighbour is clearly nearer. The correlation window then mixes
-    /// both, and the nearer surface, which is brighter, prevails.
+    /// True if a neighbour is clearly nearer. The correlation window then mixes both, and
+    /// the nearer surface, which is brighter, prevails.
     pub(super) is_behind_edge: bool,
-    /// Whether the projector's light does not get there.
+    /// True if the projector's light does not reach the surface.
     pub(super) is_in_shadow: bool,
 }
 
-/// Converts depth and disparity readings for one focal length.
+/// Conversion between depth and disparity for one focal length.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct DepthSensor {
     /// Product of disparity in steps and depth, metres.
@@ -59,8 +59,8 @@ impl DepthSensor {
         }
     }
 
-    /// The model of a pixel that sees a surface at depth `z_m`.
-    pub(super) fn model(self, z_m: f64, rgb: [u8; 3], around: Surroundings) -> PixelModel {
+    /// Model of a pixel that sees a surface at depth `z_m`, metres.
+    pub(super) fn model(self, z_m: f64, rgb: [u8; 3], around: PixelVisibility) -> PixelModel {
         let z = z_m as f32;
         let steps = self.steps_m / z;
         PixelModel {
@@ -71,7 +71,7 @@ impl DepthSensor {
         }
     }
 
-    /// One reading of a pixel, from 64 random bits.
+    /// One noisy reading of a pixel, from 64 random bits.
     ///
     /// `slope` is the pixel's viewing ray, x and y at z = 1.
     #[inline]
@@ -92,7 +92,7 @@ impl DepthSensor {
 }
 
 impl PixelModel {
-    /// A pixel that looks at nothing.
+    /// Model of a pixel that sees no surface.
     pub(super) fn nothing() -> Self {
         Self {
             raw: 0.0,
@@ -103,13 +103,13 @@ impl PixelModel {
     }
 }
 
-/// Standard deviation of the depth along the axis (Nguyen, Izadi and Lovell
-/// 2012, equation 4), metres.
+/// Axial depth noise, standard deviation in metres (Nguyen, Izadi and Lovell 2012,
+/// equation 4).
 pub(super) fn depth_deviation_m(z_m: f64) -> f64 {
     0.0012 + 0.0019 * (z_m - 0.4).powi(2)
 }
 
-fn loss(around: Surroundings) -> u32 {
+fn loss(around: PixelVisibility) -> u32 {
     if around.is_in_shadow {
         return 256;
     }
@@ -128,16 +128,16 @@ fn rgba(rgb: [u8; 3]) -> Rgba {
     Rgba::opaque(r, g, b)
 }
 
-/// Brightens or darkens all channels by up to 4; they leave room for that, so
-/// one addition does all three.
+/// Colour noise: brightens or darkens all channels by up to 4 with one addition, for
+/// which they leave room.
 #[inline]
 fn noisy(color: Rgba, bits: u64) -> Rgba {
     let step = (bits & 7) as i32 - 4;
     Rgba(color.0.wrapping_add((0x0001_0101 * step) as u32))
 }
 
-/// A number of mean 0 and deviation 1 from the lower 48 of 64 random bits: the
-/// sum of four uniform ones. Never beyond 3.465, so that no point is ever far off.
+/// Approximate normal variate (mean 0, deviation 1): the sum of four uniform variates
+/// from the lower 48 of 64 random bits. Never beyond 3.465, so that no point is far off.
 #[inline]
 fn gaussian(bits: u64) -> f32 {
     // Four times 12 bits; the deviation of their sum is 4096 / sqrt(3).

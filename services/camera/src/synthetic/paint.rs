@@ -1,8 +1,8 @@
-//! Colours with a little texture.
+//! Procedural textures of the synthetic surfaces.
 
 use nalgebra::Point3;
 
-/// What a surface is painted with, as a function of the place on it.
+/// Procedural colour as a function of the position on a surface.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Paint {
     pattern: Pattern,
@@ -10,22 +10,22 @@ pub(super) struct Paint {
     colors: [[u8; 3]; 2],
 }
 
-/// Where the second colour of a paint stands.
+/// Region of a paint's second colour.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Pattern {
-    /// Nowhere.
+    /// No second colour.
     Plain,
-    /// In every other band of this height, metres.
+    /// Every other band of this height, metres.
     Bands(f64),
-    /// In every other cube of this side, metres.
+    /// Every other cube of this side, metres.
     Checks(f64),
-    /// In the veins of wood that grew along x.
+    /// Veins of wood along x.
     Wood,
 }
 
-/// Side of the cells that differ a little in brightness, metres.
+/// Side of the cells of slightly different brightness, metres. Chosen.
 const SPECKLE_M: f64 = 0.006;
-/// Cells begin off the axes, so that no face of a thing lies on their border.
+/// Offset of the cell grid, as a share of a cell, so that no face lies on a cell border.
 const CELL_OFFSET: f64 = 0.37;
 
 impl Paint {
@@ -37,7 +37,7 @@ impl Paint {
         Self::new(Pattern::Plain, [color; 2])
     }
 
-    /// Red, green, blue (0 to 255) at a place in the painted thing's frame.
+    /// Red, green, blue (0 to 255) at a point in the object frame.
     pub(super) fn color_at(&self, p: &Point3<f64>) -> [f64; 3] {
         let cell = |x: f64, side: f64| (x / side + CELL_OFFSET).floor() as i64;
         let blend = match self.pattern {

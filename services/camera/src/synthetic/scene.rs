@@ -1,7 +1,7 @@
-//! What a ray sees.
+//! Ray casting of the synthetic scene.
 
 use super::arrangement::TableObject;
-use super::catalogue::{Part, ROOM};
+use super::catalogue::{PaintedSurface, ROOM};
 use super::paint::Paint;
 use super::surface::{Hit, Ray};
 use geometry::RigidTransform;
@@ -9,12 +9,12 @@ use nalgebra::{Point3, Vector3};
 
 /// Direction to the lamp, world frame, not normalised.
 const TO_LAMP: Vector3<f64> = Vector3::new(-0.35, -0.45, 0.9);
-/// Brightness of a surface the lamp does not reach, of 1.
+/// Ambient brightness of a surface that the lamp does not reach, of 1.
 const AMBIENT: f64 = 0.55;
 
-/// What one ray sees.
+/// First intersection of a ray with the scene.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Sight {
+pub(super) struct VisibleSurface {
     /// Parameter on the ray.
     pub(super) t: f64,
     /// Unit normal towards the viewer, world frame.
@@ -23,36 +23,36 @@ pub(super) struct Sight {
     pub(super) rgb: [u8; 3],
 }
 
-/// Rigidly joined parts.
+/// Rigid body of painted surfaces.
 #[derive(Debug)]
-struct Body {
+struct SceneBody {
     world_from_local: RigidTransform,
-    /// Centre (world frame) and radius of a sphere around all parts.
+    /// Bounding sphere: centre (world frame) and radius.
     bounds: (Point3<f64>, f64),
-    parts: &'static [Part],
+    parts: &'static [PaintedSurface],
 }
 
-/// The room and everything in it.
+/// The room and the objects in it.
 #[derive(Debug)]
-pub(super) struct Scene {
-    bodies: Vec<Body>,
+pub(super) struct SyntheticScene {
+    bodies: Vec<SceneBody>,
 }
 
-impl Scene {
+impl SyntheticScene {
     pub(super) fn new(objects: &[TableObject]) -> Self {
-        let room = Body {
+        let room = SceneBody {
             world_from_local: RigidTransform::identity(),
             bounds: (Point3::origin(), f64::INFINITY),
             parts: &ROOM,
         };
         let bodies = std::iter::once(room)
-            .chain(objects.iter().map(Body::of))
+            .chain(objects.iter().map(SceneBody::of))
             .collect();
         Self { bodies }
     }
 
-    /// What a ray (world frame) sees first.
-    pub(super) fn cast(&self, ray: &Ray) -> Option<Sight> {
+    /// First intersection of a ray (world frame).
+    pub(super) fn cast(&self, ray: &Ray) -> Option<VisibleSurface> {
         let nearest = self
             .bodies
             .iter()
@@ -67,7 +67,7 @@ impl Scene {
             let rgb = paint
                 .color_at(&place)
                 .map(|channel| (channel * light).round() as u8);
-            Sight {
+            VisibleSurface {
                 t: hit.t,
                 normal,
                 rgb,
@@ -75,7 +75,7 @@ impl Scene {
         })
     }
 
-    /// Whether anything stands between two points of the world.
+    /// True if a surface lies between two points of the world.
     pub(super) fn is_blocked(&self, from: &Point3<f64>, to: &Point3<f64>) -> bool {
         let ray = Ray {
             origin: *from,
@@ -87,7 +87,7 @@ impl Scene {
     }
 }
 
-impl Body {
+impl SceneBody {
     fn of(object: &TableObject) -> Self {
         let (centre, radius) = object.kind.bounding_sphere();
         Self {
@@ -97,8 +97,8 @@ impl Body {
         }
     }
 
-    /// The nearest hit of a ray (world frame) and its paint; the normal is in
-    /// the body's frame.
+    /// Nearest intersection of a ray (world frame) and its paint; the normal is in the
+    /// body frame.
     fn hit(&self, ray: &Ray) -> Option<(Hit, &Paint)> {
         let to_centre = self.bounds.0 - ray.origin;
         if to_centre.cross(&ray.direction).norm() > self.bounds.1 * ray.direction.norm() {

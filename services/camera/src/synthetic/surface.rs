@@ -1,8 +1,8 @@
-//! Surfaces a ray can hit, in the frame of the thing they are part of.
+//! Ray intersection with quadrics, rings, boxes and tori, in the object frame.
 
 use nalgebra::{Point3, Vector3};
 
-/// A half-line; the direction's length is the unit its parameter counts in.
+/// Half-line; the direction's length is the unit of its parameter.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ray {
     pub(super) origin: Point3<f64>,
@@ -15,26 +15,26 @@ impl Ray {
     }
 }
 
-/// Where a ray meets a surface.
+/// Intersection of a ray with a surface.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Hit {
     /// Parameter on the ray, > 0.
     pub(super) t: f64,
-    /// Unit normal on the side the ray comes from.
+    /// Unit normal on the side of the ray's origin.
     pub(super) normal: Vector3<f64>,
 }
 
-/// One surface, seen from both sides; metres, z up.
+/// Two-sided surface; metres, z up.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Surface {
-    /// A quadric around the z axis: `x² + y² = a z² + b z + c` for z in a range.
+    /// Surface of revolution around z: `x² + y² = a z² + b z + c` for z in a range.
     Revolved { quadric: [f64; 3], z: [f64; 2] },
-    /// The flat ring between two radii at a height.
+    /// Flat ring between two radii at a height.
     Ring { z: f64, radii: [f64; 2] },
-    /// A closed box along the axes, from corner to corner.
+    /// Closed box along the axes, from corner to corner.
     Cuboid { corners: [[f64; 3]; 2] },
-    /// A torus around an axis along y, its centre at this x and z, as far as it
-    /// lies outside the cylinder around z through that centre.
+    /// Half torus: axis along y, centre at this x and z, outside the cylinder around z
+    /// through that centre.
     Handle { centre: [f64; 2], radii: [f64; 2] },
 }
 
@@ -46,7 +46,7 @@ impl Surface {
         }
     }
 
-    /// A truncated cone with one radius at each end of its range of heights.
+    /// Truncated cone with one radius at each end of its range of heights.
     pub(super) const fn frustum(radii: [f64; 2], z: [f64; 2]) -> Self {
         let slope = (radii[1] - radii[0]) / (z[1] - z[0]);
         let at_zero = radii[0] - slope * z[0];
@@ -56,7 +56,7 @@ impl Surface {
         }
     }
 
-    /// The part of a sphere around `(0, 0, centre_z)` within a range of heights.
+    /// Part of a sphere around `(0, 0, centre_z)` within a range of heights.
     pub(super) const fn sphere(radius: f64, centre_z: f64, z: [f64; 2]) -> Self {
         let c = radius * radius - centre_z * centre_z;
         Self::Revolved {
@@ -86,7 +86,7 @@ impl Surface {
         Self::Handle { centre, radii }
     }
 
-    /// The nearest point of the surface on the ray.
+    /// Nearest intersection of the surface with a ray.
     pub(super) fn hit(&self, ray: &Ray) -> Option<Hit> {
         let (t, outwards) = match self {
             Self::Revolved { quadric, z } => revolved(*quadric, *z, ray),
@@ -104,7 +104,8 @@ impl Surface {
     }
 }
 
-/// Both roots of `x² + y² - a z² - b z - c` along the ray, the nearer valid one first.
+/// Ray intersection with a quadric of revolution: the nearer root within the height
+/// range.
 fn revolved([a, b, c]: [f64; 3], z: [f64; 2], ray: &Ray) -> Option<(f64, Vector3<f64>)> {
     let (o, d) = (ray.origin, ray.direction);
     let square = d.x * d.x + d.y * d.y - a * d.z * d.z;
@@ -133,7 +134,7 @@ fn ring(z: f64, radii: [f64; 2], ray: &Ray) -> Option<(f64, Vector3<f64>)> {
     (t > 0.0 && (radii[0]..=radii[1]).contains(&radius)).then(|| (t, Vector3::z()))
 }
 
-/// Slab by slab: the box is hit where the last of the three pairs is entered.
+/// Slab method: the box is entered where the last of the three slabs is.
 fn cuboid(corners: &[[f64; 3]; 2], ray: &Ray) -> Option<(f64, Vector3<f64>)> {
     let (mut enter, mut leave, mut axis) = (0.0, f64::INFINITY, None);
     for (i, (low, high)) in corners[0].iter().zip(&corners[1]).enumerate() {
@@ -148,8 +149,8 @@ fn cuboid(corners: &[[f64; 3]; 2], ray: &Ray) -> Option<(f64, Vector3<f64>)> {
     Some((enter, Vector3::ith(axis, 1.0)))
 }
 
-/// Sphere tracing (Hart 1996): the distance to the nearest surface is a safe
-/// step, which spares the torus' equation of fourth degree.
+/// Sphere tracing (Hart 1996): the distance to the nearest surface is a safe step, which
+/// avoids the quartic equation of the torus.
 fn handle([x, z]: [f64; 2], [major, minor]: [f64; 2], ray: &Ray) -> Option<(f64, Vector3<f64>)> {
     let distance = |p: &Point3<f64>| {
         let from_circle = (p.x - x).hypot(p.z - z) - major;

@@ -1,4 +1,4 @@
-//! The promises of the synthetic table, checked on what it shows.
+//! Tests of the synthetic table: geometry, visibility, noise and reproducibility.
 
 use super::arrangement::objects;
 use super::depth_sensor::depth_deviation_m;
@@ -9,7 +9,7 @@ use std::collections::HashSet;
 const WIDTH: usize = 640;
 const N_PIXELS: usize = 640 * 480;
 
-/// The Kinect with every second pixel, where many views are needed.
+/// Kinect camera at half resolution, for tests with many views.
 const HALF: PinholeCamera = PinholeCamera {
     fx_px: 292.5,
     fy_px: 292.5,
@@ -29,7 +29,7 @@ fn depths(table: &SyntheticTable, camera: &PinholeCamera) -> Vec<f32> {
     table.render(camera, &table.world_from_camera()).depth_m
 }
 
-/// Points all around an object's box on the table, millimetres apart.
+/// Points around an object's footprint on the table, millimetres apart.
 fn footprint(object: &TableObject) -> Vec<Point3<f64>> {
     let [x, y, z] = object.bounds_in_world.half_sides_m.into();
     let side = |t: f64| [[t * x, y], [t * x, -y], [x, t * y], [-x, t * y]];
@@ -74,8 +74,8 @@ fn objects_stand_apart_from_each_other_and_from_the_rim() {
     }
 }
 
-/// Each object is seen on an otherwise empty table, then among the others: the
-/// same readings, and no pixel newly dark in another's shadow.
+/// Each object gives the same readings on an otherwise empty table as among the others,
+/// without shadows.
 #[test]
 fn objects_are_in_full_view_and_nothing_hides_or_shades_them() {
     let empty = SyntheticTable::with_objects(0, Vec::new(), HALF);
@@ -102,8 +102,8 @@ fn objects_are_in_full_view_and_nothing_hides_or_shades_them() {
     }
 }
 
-/// Ten pixels of the half-size image from its borders, the right one being
-/// where the blind columns begin.
+/// Asserts a margin of ten pixels of the half-size image to its borders and the blind
+/// columns.
 fn check_in_view(pixel: usize, context: &str) {
     let (row, column) = (pixel / HALF.width as usize, pixel % HALF.width as usize);
     let (width, height) = (HALF.width as usize - N_BLIND_COLUMNS, HALF.height as usize);
@@ -154,8 +154,7 @@ fn within_eight_arrangements_an_object_moves_turns_and_is_replaced_by_another_ki
     }
 }
 
-/// Every rendered point of an object lies in the box given as its truth, which
-/// is filled to its top; everything below is the table.
+/// Every rendered point of an object lies in its ground-truth box, whose top is reached.
 #[test]
 fn ground_truth_agrees_with_what_is_seen() {
     let camera = PinholeCamera::KINECT_V1;
@@ -245,8 +244,8 @@ fn a_slice_of_another_length_gets_as_much_of_the_frame_as_it_holds() {
     assert_eq!(long[N_PIXELS..], [Point::default(); 9]);
 }
 
-/// On the pixel's ray; on the 11-bit scale; as far from the surface as noise
-/// and half a step of the scale allow; the colour within its noise.
+/// Each point lies on its pixel's ray and the 11-bit scale, within the noise of the
+/// surface; its colour within the colour noise.
 #[test]
 fn every_measured_point_lies_where_the_geometry_says() {
     let camera = PinholeCamera::KINECT_V1;
@@ -285,8 +284,8 @@ fn check_color(measured: Rgba, truth: &[u8]) {
     }
 }
 
-/// The spread of many readings of the table is that of the noise model and of
-/// the scale's steps together, and readings are not off on the whole.
+/// The spread of readings is that of the noise model and the quantisation together,
+/// without bias.
 #[test]
 fn the_spread_of_readings_is_the_noise_models() {
     let camera = PinholeCamera::KINECT_V1;
@@ -338,8 +337,7 @@ fn depth_is_missing_in_shadows_left_of_objects_and_in_the_blind_columns() {
     assert!(left > 8 && right < 6, "{left} left, {right} right");
 }
 
-/// The plane through a pixel's point predicts its neighbour's depth, except at
-/// edges: so the normals of all surfaces are right.
+/// Normals predict the depth of neighbouring pixels, except at edges.
 #[test]
 fn normals_agree_with_neighbouring_depths() {
     let camera = PinholeCamera::KINECT_V1;
@@ -347,13 +345,13 @@ fn normals_agree_with_neighbouring_depths() {
         let table = SyntheticTable::new(arrangement);
         let pose = table.world_from_camera();
         let bare = SyntheticTable::with_objects(0, Vec::new(), camera);
-        let (sights, bare) = (
+        let (surfaces, bare) = (
             cast_image(&table.scene, &camera, &pose),
             depths(&bare, &camera),
         );
         let (mut n, mut n_wrong) = (0.0, 0.0);
         for pixel in (0..N_PIXELS - 1).filter(|pixel| pixel % WIDTH != WIDTH - 1) {
-            let (Some(a), Some(b)) = (sights[pixel], sights[pixel + 1]) else {
+            let (Some(a), Some(b)) = (surfaces[pixel], surfaces[pixel + 1]) else {
                 continue;
             };
             if a.t as f32 != bare[pixel] && (a.t - b.t).abs() < 0.02 {
@@ -368,7 +366,7 @@ fn normals_agree_with_neighbouring_depths() {
     }
 }
 
-/// What the depth camera sees lies at the same place for a camera beside it.
+/// A surface seen by the depth camera is at the same place for a displaced camera.
 #[test]
 fn another_camera_sees_the_same_scene() {
     let table = SyntheticTable::new(2);

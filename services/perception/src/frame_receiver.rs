@@ -1,31 +1,32 @@
-//! Frames from the camera: the newest, checked.
+//! Frame receiver: takes the newest frame of the camera and validates its header.
 
+use crate::log_once::LogOnce;
 use channel::topic::CameraCloud;
 use channel::{Domain, Error, Received, SharedFrame, Subscriber};
 use message::{CheckedFrame, FrameHeader, InvalidFrame, frame_flag};
 use pipeline::Frame;
 use std::sync::Arc;
 
-/// A frame that can be worked on, still in shared memory.
+/// Validated frame, still in shared memory.
 #[derive(Debug, Clone)]
-pub(crate) struct Arrived {
-    /// Header and points.
+pub(crate) struct ReceivedFrame {
+    /// Header and points in shared memory.
     pub(crate) frame: Arc<SharedFrame<CameraCloud>>,
-    /// The header's numbers, checked.
+    /// Validated numbers of the header.
     pub(crate) checked: CheckedFrame,
-    /// When it was taken, monotonic.
+    /// Time of reception, monotonic clock, nanoseconds.
     pub(crate) received_ns: u64,
 }
 
-impl Arrived {
-    /// Whether the source waits for this frame to be finished.
+impl ReceivedFrame {
+    /// True if the source waits until this frame is finished.
     pub(crate) fn is_lockstep(&self) -> bool {
         self.frame.header().has(frame_flag::LOCKSTEP)
     }
 
-    /// When and from where it was seen; without a pose the world is the camera's
-    /// frame.
-    pub(crate) fn circumstances(&self) -> Frame {
+    /// Capture time, camera pose and intrinsics. Without a pose the world frame is the
+    /// camera frame.
+    pub(crate) fn frame_pose(&self) -> Frame {
         Frame {
             capture_ns: self.frame.header().capture_stamp_ns,
             world_from_camera: self.checked.world_from_camera.unwrap_or_default(),
@@ -34,30 +35,29 @@ impl Arrived {
     }
 }
 
-/// Takes frames and counts those it could not take.
-pub(crate) struct Intake {
+/// Subscriber to frames that keeps the newest and counts dropped ones.
+pub(crate) struct FrameReceiver {
     subscriber: Subscriber<CameraCloud>,
     counter: FrameCounter,
-    is_invalid_told: bool,
+    invalid_log: LogOnce,
 }
 
-impl Intake {
+impl FrameReceiver {
     pub(crate) fn new(domain: &Domain) -> Result<Self, Error> {
         Ok(Self {
             subscriber: Subscriber::waiting(domain)?,
             counter: FrameCounter::default(),
-            is_invalid_told: false,
+            invalid_log: LogOnce::default(),
         })
     }
 
-    /// Returns when a frame may be there.
+    /// Waits until a frame may have arrived.
     pub(crate) async fn woken(&self) {
         self.subscriber.woken().await;
     }
 
-    /// Takes the newest waiting frame; older ones, and unusable ones, count as
-    /// dropped.
-    pub(crate) fn newest(&mut self) -> Result<Option<Arrived>, Error> {
+    /// Takes the newest waiting frame; older and invalid ones count as dropped.
+    pub(crate) fn newest(&mut self) -> Result<Option<ReceivedFrame>, Error> {
         let mut newest = None;
         while let Received::Message(frame) = self.subscriber.receive()? {
             newest = Some(frame);
@@ -68,7 +68,7 @@ impl Intake {
         match frame.header().checked(frame.items().len()) {
             Ok(checked) => {
                 self.counter.accept(frame.header().sequence);
-                Ok(Some(Arrived {
+                Ok(Some(ReceivedFrame {
                     frame: Arc::new(frame),
                     checked,
                     received_ns,
@@ -88,7 +88,7 @@ impl Intake {
 
     fn begin_session(&mut self, header: &FrameHeader) {
         if self.counter.begin_session(header.session) {
-            self.is_invalid_told = false;
+            self.invalid_log.reset();
             tracing::info!(
                 "frames come from {}",
                 header.source_name.as_str().unwrap_or("an unknown source")
@@ -98,14 +98,13 @@ impl Intake {
 
     fn reject(&mut self, error: &InvalidFrame) {
         self.counter.reject();
-        if !self.is_invalid_told {
+        if self.invalid_log.is_first() {
             tracing::error!("{error}; such frames are left out, further ones are only counted");
-            self.is_invalid_told = true;
         }
     }
 }
 
-/// Counter of the frames that a session has lost, from the gaps in its sequence numbers.
+/// Counter of dropped frames, from the gaps in a session's sequence numbers.
 ///
 /// Only the sequence number of a checked header is believed, and no number overflows.
 #[derive(Debug, Default)]
@@ -117,8 +116,8 @@ struct FrameCounter {
 }
 
 impl FrameCounter {
-    /// Starts counting from 0 when a frame is of another session; true then. The first
-    /// valid frame of a session may have any sequence number.
+    /// Resets the count when a frame is of another session, and returns true then. The
+    /// first valid frame of a session may have any sequence number.
     fn begin_session(&mut self, session: u64) -> bool {
         let is_new = session != self.session;
         if is_new {
@@ -130,7 +129,7 @@ impl FrameCounter {
         is_new
     }
 
-    /// Counts the gap before a valid frame as dropped.
+    /// Counts the gap before a valid frame as dropped frames.
     fn accept(&mut self, sequence: u64) {
         let gap = self
             .next_sequence
@@ -139,7 +138,7 @@ impl FrameCounter {
         self.next_sequence = Some(sequence.saturating_add(1));
     }
 
-    /// Counts an invalid frame as dropped; it takes one place in the sequence.
+    /// Counts an invalid frame as dropped; it takes one number of the sequence.
     fn reject(&mut self) {
         self.n_dropped = self.n_dropped.saturating_add(1);
         self.next_sequence = self.next_sequence.map(|next| next.saturating_add(1));

@@ -1,28 +1,29 @@
-//! The working memory as the process has it: the model, who waits for its events,
-//! and how far it is on disk.
+//! Working memory of the process: the world model, its event notifications, and its
+//! progress on disk.
 
 use crate::config::Config;
 use message::ProcessState;
+use parking_lot::Mutex;
 use service::{Context, Failure, HealthBoard, exit_code, wall_clock_ns};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 use store::working::{
     OnTrouble, WorldHandle, WorldModel, WorldReport, WorldThread, WorldThreadConfig,
 };
 use tokio::sync::watch;
 
-/// The model, shared by who feeds it and who asks it.
-pub(crate) struct World {
+/// World model, shared by its updater and its readers.
+pub(crate) struct WorkingMemory {
     handle: WorldHandle,
     newest_event: watch::Sender<u64>,
     written: watch::Receiver<u64>,
 }
 
-/// Now, nanoseconds since 1970.
+/// Current wall-clock time, nanoseconds since 1970 (UTC).
 pub(crate) fn now_ns() -> u64 {
     wall_clock_ns().max(0) as u64
 }
 
-impl World {
+impl WorkingMemory {
     /// Opens the working memory and starts the thread that writes it.
     ///
     /// # Errors
@@ -43,7 +44,7 @@ impl World {
             on_trouble: on_trouble(context.health.clone()),
         })
         .map_err(|error| Failure::new(exit_code::FAILURE, error))?;
-        tell(&context.health, &report);
+        log_report(&context.health, &report);
         let newest_event = handle.with(|model| model.newest_event());
         let world = Self {
             handle,
@@ -53,8 +54,7 @@ impl World {
         Ok((thread, world))
     }
 
-    /// Looks at the model, or changes it. The model is locked meanwhile: the work
-    /// must be short.
+    /// Reads or changes the model under its lock; the work must be short.
     pub(crate) fn with<T>(&self, work: impl FnOnce(&mut WorldModel) -> T) -> T {
         let (result, newest) = self
             .handle
@@ -67,19 +67,19 @@ impl World {
         result
     }
 
-    /// Changes whenever something has happened.
+    /// Notification of new events: the number of the newest.
     pub(crate) fn events(&self) -> watch::Receiver<u64> {
         self.newest_event.subscribe()
     }
 
-    /// The version of the model of which all is on disk.
+    /// Notification of writes: the version of the model that is on disk.
     pub(crate) fn written(&self) -> watch::Receiver<u64> {
         self.written.clone()
     }
 }
 
-/// Says what was found, loudly when something is lost.
-fn tell(health: &HealthBoard, report: &WorldReport) {
+/// Logs the result of opening the working memory; a loss degrades the health.
+fn log_report(health: &HealthBoard, report: &WorldReport) {
     if report.is_loss() {
         tracing::error!("{report}");
         health.set_state(ProcessState::Degraded, &report.to_string());
@@ -88,12 +88,13 @@ fn tell(health: &HealthBoard, report: &WorldReport) {
     }
 }
 
-/// Degraded while the disk does not follow; afterwards as it was before.
+/// Handler of write failures: the health is degraded while they last, and restored
+/// afterwards.
 fn on_trouble(health: Arc<HealthBoard>) -> OnTrouble {
     let before = Mutex::new(None);
-    Box::new(move |told| {
-        let mut before = before.lock().unwrap_or_else(PoisonError::into_inner);
-        match told {
+    Box::new(move |result| {
+        let mut before = before.lock();
+        match result {
             Err(error) => {
                 let sentence = format!("the working memory is not on disk: {error}");
                 tracing::error!("{sentence}");

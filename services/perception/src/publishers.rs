@@ -1,8 +1,9 @@
-//! What perception publishes.
+//! Publishers of the perception topics: scene, object views, object clouds, finished
+//! frames.
 
-use crate::detector::Detected;
-use crate::intake::Arrived;
-use crate::observation_round::Outcome;
+use crate::detector::DetectedFrame;
+use crate::frame_receiver::ReceivedFrame;
+use crate::object_actors::Outcome;
 use crate::scene_report;
 use channel::topic::{FrameFinished, ObjectCloud, ObjectView, Scene, Topic};
 use channel::{Domain, Error, Publisher};
@@ -10,14 +11,14 @@ use message::ObjectCloudHeader;
 use pipeline::Track;
 
 /// The publishers of the frame loop.
-pub(crate) struct Ports {
+pub(crate) struct Publishers {
     pub(crate) scene: Publisher<Scene>,
     views: Publisher<ObjectView>,
     clouds: Publisher<ObjectCloud>,
     pub(crate) finished: Publisher<FrameFinished>,
 }
 
-impl Ports {
+impl Publishers {
     pub(crate) fn new(domain: &Domain) -> Result<Self, Error> {
         Ok(Self {
             scene: Publisher::new(domain)?,
@@ -34,11 +35,11 @@ impl Ports {
             + self.finished.reservation().bytes()
     }
 
-    /// Views and clouds of the objects, for those who subscribe.
+    /// Publishes views and clouds of the objects, where there are subscribers.
     pub(crate) fn publish_objects(
         &mut self,
-        arrived: &Arrived,
-        detected: &Detected,
+        received: &ReceivedFrame,
+        detected: &DetectedFrame,
         outcomes: &[Outcome],
         tracks: &[Track],
     ) {
@@ -47,32 +48,32 @@ impl Ports {
         for (sighting, observed) in outcomes {
             if wants_views && let Some(observed) = observed {
                 let track = tracks.iter().find(|track| track.id == sighting.track_id);
-                let mut header = scene_report::object_view(arrived, sighting, observed, track);
+                let mut header = scene_report::object_view(received, sighting, observed, track);
                 header.detection_location = detected.location;
-                say_unsent(self.views.send_copy(header, &observed.descriptor));
+                log_unsent(self.views.send_copy(header, &observed.descriptor));
             }
             if wants_clouds {
                 let indices = points_of(detected, sighting.candidate);
                 let clouds = &mut self.clouds;
-                say_unsent(publish_cloud(clouds, arrived, sighting.track_id, indices));
+                log_unsent(publish_cloud(clouds, received, sighting.track_id, indices));
             }
         }
     }
 }
 
-fn points_of(detected: &Detected, candidate: usize) -> &[u32] {
+fn points_of(detected: &DetectedFrame, candidate: usize) -> &[u32] {
     let candidate = detected.detection.candidates.get(candidate);
     candidate.map_or(&[], |candidate| detected.detection.points_of(candidate))
 }
 
 fn publish_cloud(
     clouds: &mut Publisher<ObjectCloud>,
-    arrived: &Arrived,
+    received: &ReceivedFrame,
     track_id: u64,
     indices: &[u32],
 ) -> Result<(), Error> {
     let indices = &indices[..indices.len().min(ObjectCloud::MAX_ITEMS)];
-    let (header, points) = (arrived.frame.header(), arrived.frame.items());
+    let (header, points) = (received.frame.header(), received.frame.items());
     let mut loan = clouds.loan(indices.len())?;
     *loan.header_mut() = ObjectCloudHeader {
         track_id,
@@ -87,8 +88,8 @@ fn publish_cloud(
     clouds.send(loan)
 }
 
-/// A view that outsiders do not get is no reason to stop seeing.
-fn say_unsent(sent: Result<(), Error>) {
+/// Logs a failed publication; perception continues without it.
+fn log_unsent(sent: Result<(), Error>) {
     if let Err(error) = sent {
         tracing::warn!("an object's view was not published: {error}");
     }

@@ -1,7 +1,7 @@
-//! What the working memory answers.
+//! Requests to the working memory: facts, events and tasks.
 
 use crate::event_report::event;
-use crate::world::{World, now_ns};
+use crate::working_memory::{WorkingMemory, now_ns};
 use crate::world_report as report;
 use message::control::{
     EventsReport, MAX_EVENT_WAIT_MS, MAX_PAGE_EVENTS, MAX_PAGE_TASKS, Refusal, RefusalKind, Reply,
@@ -12,11 +12,12 @@ use store::MutationId;
 use store::working::{NewTask, Task, TaskEnd, TaskRefusal, WorldModel};
 use tokio::time::{Instant, timeout, timeout_at};
 
-/// How long a task's start or end may take to be on disk, less than a client waits.
+/// Time limit for a task's start or end to be on disk; shorter than the time limit of
+/// clients.
 const ON_DISK: Duration = Duration::from_millis(1500);
 
-impl World {
-    /// The answer, or the refusal that says why there is none.
+impl WorkingMemory {
+    /// Reply to a command; a refusal gives the reason.
     pub(crate) async fn answer(&self, command: WorldCommand) -> Result<Reply, Refusal> {
         let reply = match command {
             WorldCommand::Now => WorldReply::Now(self.with(|model| report::world(model, now_ns()))),
@@ -74,15 +75,15 @@ impl World {
         Ok(Reply::World(Box::new(reply)))
     }
 
-    /// The events after one; waits for the first of them, but not for ever.
+    /// Long poll: the events after a sequence number, or none after the time limit.
     async fn events_after(&self, since: u64, wait_ms: u64) -> EventsReport {
         let deadline = Instant::now() + Duration::from_millis(wait_ms.min(MAX_EVENT_WAIT_MS));
         let mut news = self.events();
         loop {
             news.mark_unchanged();
             let answer = self.with(|model| events(model, since));
-            let is_begun_anew = answer.newest < since;
-            if !answer.events.is_empty() || is_begun_anew {
+            let is_restarted = answer.newest < since;
+            if !answer.events.is_empty() || is_restarted {
                 return answer;
             }
             if !matches!(timeout_at(deadline, news.changed()).await, Ok(Ok(()))) {
@@ -91,7 +92,7 @@ impl World {
         }
     }
 
-    /// Notes the start or end of a task; answered when it is on disk.
+    /// Records the start or end of a task; answered when it is on disk.
     async fn note_task(
         &self,
         note: impl FnOnce(&mut WorldModel) -> Result<&Task, TaskRefusal>,

@@ -1,31 +1,31 @@
-//! Faults on purpose, for tests of the supervision.
+//! Fault injection: periodic panics of one actor, for tests of the supervision.
 
 use std::time::{Duration, Instant};
 
-/// When which actor panics.
+/// Fault injection settings: the panic period and the actor.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct FaultConfig {
-    /// Time between two panics; zero for none.
+    /// Panic period; zero for no panics.
     pub(crate) panic_every: Duration,
-    /// The track whose actor panics.
+    /// Track whose actor panics.
     pub(crate) track_id: u64,
 }
 
-/// Decides for each message whether its actor panics at it.
+/// Timer that marks the messages at which an actor panics.
 #[derive(Debug)]
-pub(crate) struct Fault {
+pub(crate) struct FaultInjector {
     config: FaultConfig,
     next: Option<Instant>,
 }
 
-impl Fault {
-    /// The first panic is due when the actor's first message is one interval old.
+impl FaultInjector {
+    /// Injector whose first panic is due one period after the actor's first message.
     pub(crate) fn new(config: FaultConfig) -> Self {
         Self { config, next: None }
     }
 
-    /// Whether the next message to a track's actor is to make it panic.
-    pub(crate) fn strikes(&mut self, track_id: u64) -> bool {
+    /// True if the next message to a track's actor must make it panic.
+    pub(crate) fn is_due(&mut self, track_id: u64) -> bool {
         let FaultConfig {
             panic_every,
             track_id: chosen,
@@ -35,10 +35,10 @@ impl Fault {
         }
         let now = Instant::now();
         let next = *self.next.get_or_insert(now + panic_every);
-        let strikes = next <= now;
-        if strikes {
+        let is_due = next <= now;
+        if is_due {
             self.next = Some(now + panic_every);
         }
-        strikes
+        is_due
     }
 }

@@ -1,7 +1,7 @@
-//! What the working memory gets to see: the newest scene and the arm, a few times
-//! a second. A scene is read where it lies; what has not changed costs no memory.
+//! World model updater: feeds the newest scene and the arm state to the working memory a
+//! few times a second. Scenes are read in shared memory.
 
-use crate::world::{World, now_ns};
+use crate::working_memory::{WorkingMemory, now_ns};
 use channel::topic::{ArmStates, Scene};
 use channel::{Domain, Error, SharedFrame, Subscriber};
 use message::{
@@ -12,20 +12,20 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use store::working::{Outcome, Place, RobotSighting, Sighting, WorldModel};
 
-/// An arm that says nothing for this long is not there.
+/// Time without arm states after which the arm counts as absent. Chosen.
 const ARM_SILENCE: Duration = Duration::from_secs(5);
 
-/// Shows the world model what there is to see.
-pub(crate) struct WorldFeed {
-    world: Arc<World>,
+/// Periodic updater of the world model.
+pub(crate) struct WorldModelUpdater {
+    world: Arc<WorkingMemory>,
     arm: Subscriber<ArmStates>,
     arm_heard: Instant,
-    /// The newest scene, unless it has been shown already.
+    /// Newest scene that the model has not seen.
     scene: Option<SharedFrame<Scene>>,
 }
 
-impl WorldFeed {
-    pub(crate) fn new(domain: &Domain, world: Arc<World>) -> Result<Self, Error> {
+impl WorldModelUpdater {
+    pub(crate) fn new(domain: &Domain, world: Arc<WorkingMemory>) -> Result<Self, Error> {
         Ok(Self {
             world,
             arm: Subscriber::polled(domain)?,
@@ -34,12 +34,12 @@ impl WorldFeed {
         })
     }
 
-    /// Keeps a scene until the next look; the one before is let go.
+    /// Keeps a scene for the next update, and releases the one before.
     pub(crate) fn keep(&mut self, scene: SharedFrame<Scene>) {
         self.scene = Some(scene);
     }
 
-    /// Shows the model the newest scene and the arm, and tells how long that took.
+    /// Updates the model with the newest scene and arm state, and traces the time.
     pub(crate) fn look(&mut self, trace: &mut TracePublisher) -> Result<(), Error> {
         if let Some(scene) = self.scene.take() {
             let mut watch = Stopwatch::start();
@@ -72,8 +72,8 @@ impl WorldFeed {
     }
 }
 
-/// How long ago a scene was captured. In lockstep its stamps are of no clock here,
-/// and it counts as captured now.
+/// Age of a scene since its capture, nanoseconds. In lockstep the stamps are of no clock
+/// here, and the age is 0.
 fn age_ns(scene: &SceneSummary, monotonic_ns: u64) -> u64 {
     if scene.frame_flags & frame_flag::LOCKSTEP != 0 {
         return 0;
@@ -81,8 +81,8 @@ fn age_ns(scene: &SceneSummary, monotonic_ns: u64) -> u64 {
     monotonic_ns.saturating_sub(scene.stamps.capture_ns)
 }
 
-/// An object as the model sees it; `None` when it is not to be believed yet, or its
-/// numbers are none. The stamps count from `capture_ns`, which was at `captured_ns`.
+/// Object of a scene as an observation of the model; `None` for tentative tracks and
+/// invalid numbers. The stamps count from `capture_ns`, which was at `captured_ns`.
 fn sighting(object: &SceneObject, capture_ns: u64, captured_ns: u64) -> Option<Sighting<'_>> {
     let state = TrackState::from_code(object.state)?;
     if state == TrackState::Tentative {
@@ -108,7 +108,7 @@ fn sighting(object: &SceneObject, capture_ns: u64, captured_ns: u64) -> Option<S
     })
 }
 
-/// The arm as the model sees it; `None` when its numbers are none.
+/// Arm state as an observation of the model; `None` for invalid numbers.
 fn robot(arm: &ArmState) -> Option<RobotSighting<'_>> {
     let activity = ArmActivity::from_code(arm.activity)?;
     arm.world_from_gripper.checked()?;
@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn stamps_become_times_of_the_wall_clock() {
+    fn stamps_are_converted_to_the_wall_clock() {
         let object = object();
         let seen = sighting(&object, 1_000, 50_000).unwrap();
         assert_eq!((seen.first_seen_ns, seen.last_seen_ns), (49_100, 49_900));
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_believed_or_is_no_pose_is_not_seen() {
+    fn tentative_or_invalid_objects_are_not_observed() {
         let seen = |change: &dyn Fn(&mut SceneObject)| {
             let mut object = object();
             change(&mut object);
@@ -182,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn an_arm_says_how_its_command_ended() {
+    fn arm_activity_gives_the_outcome_of_a_command() {
         let arm = |activity: ArmActivity| ArmState {
             activity: activity.code(),
             world_from_gripper: object().pose,

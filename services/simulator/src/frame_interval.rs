@@ -1,33 +1,34 @@
-//! The world from one frame to the next, which can be taken back.
+//! Fixed-step simulation of one frame interval, with rollback.
 //!
-//! A frame is rendered before its instant. What reaches the arm in between, a
-//! stop above all, must act at its own instant: the increment is then run again
-//! from its beginning, with the command in its place.
+//! A frame is rendered before its capture time. A command that reaches the arm in
+//! between, above all a stop, must act at its own time: the interval is then simulated
+//! again from its beginning, with the command in its place.
 
 use geometry::Capsule;
 use simulated_world::{ArmCommand, ArmStatus, STEP_NS, STEPS_PER_SECOND, World};
 
-/// The arm at the end of one step.
+/// Arm state at the end of a step.
 #[derive(Debug, Clone)]
 pub(crate) struct ArmSample {
     pub(crate) status: ArmStatus,
     pub(crate) capsules: Vec<Capsule>,
 }
 
-/// The steps between two frames.
+/// Simulation steps between two frames.
 #[derive(Debug)]
-pub(crate) struct Increment {
-    /// The world at the beginning; kept only where there is an arm to command.
+pub(crate) struct FrameInterval {
+    /// Snapshot of the world at the beginning, for rollback; kept only for scenes with an
+    /// arm.
     start: Option<World>,
     world: World,
     rate_hz: f64,
     frame: u64,
-    /// Commands of this increment with the step before which they act.
+    /// Commands of this interval, each with the step before which it acts.
     commands: Vec<(usize, ArmCommand)>,
     samples: Vec<ArmSample>,
 }
 
-impl Increment {
+impl FrameInterval {
     pub(crate) fn new(world: World, rate_hz: f64) -> Self {
         Self {
             start: None,
@@ -39,7 +40,7 @@ impl Increment {
         }
     }
 
-    /// The world at the end of the increment.
+    /// World at the end of the interval.
     pub(crate) fn world(&self) -> &World {
         &self.world
     }
@@ -48,22 +49,22 @@ impl Increment {
         &mut self.world
     }
 
-    /// Frames so far.
+    /// Number of frames so far.
     pub(crate) fn frame(&self) -> u64 {
         self.frame
     }
 
-    /// The arm at the end of each step; empty without an arm.
+    /// Arm state at the end of each step; empty without an arm.
     pub(crate) fn samples(&self) -> &[ArmSample] {
         &self.samples
     }
 
-    /// Time from the end of a step to the end of the increment, nanoseconds.
+    /// Time from the end of a step to the end of the interval, nanoseconds.
     pub(crate) fn before_end_ns(&self, step: usize) -> u64 {
         (self.samples.len() - 1 - step) as u64 * STEP_NS
     }
 
-    /// Goes on to the next frame.
+    /// Advances the simulation to the next frame.
     pub(crate) fn advance(&mut self) {
         let has_arm = self.world.scene().arm.is_some();
         self.start = has_arm.then(|| self.world.clone());
@@ -72,9 +73,9 @@ impl Increment {
         self.run(self.n_steps());
     }
 
-    /// Gives the arm a command that arrived `before_end_ns` before the end of the
-    /// increment, and runs what comes after it again; steps before `fixed` stay as
-    /// they are. Whether the world is another one now.
+    /// Executes an arm command that arrived `before_end_ns` before the end of the
+    /// interval: rolls the world back and repeats the later steps. Steps before `fixed`
+    /// are kept. True if the world has changed.
     ///
     /// # Errors
     /// The sentence with which the arm refuses it.
@@ -85,7 +86,7 @@ impl Increment {
         fixed: usize,
     ) -> Result<bool, String> {
         let n_steps = self.samples.len();
-        // In the order in which they came.
+        // Commands act in the order of arrival.
         let earliest = self.commands.last().map_or(fixed, |(step, _)| *step);
         let step = self.step_at(before_end_ns).max(earliest).max(fixed);
         self.commands.push((step, *command));
@@ -97,30 +98,30 @@ impl Increment {
         };
         self.world = start.clone();
         let answer = self.run(n_steps);
-        answer.map_or(Ok(true), |told| told.map(|_| true))
+        answer.map_or(Ok(true), |answer| answer.map(|_| true))
     }
 
-    /// The arm at an instant of the increment, or at its end.
+    /// Arm state at a time of the interval, or at its end.
     pub(crate) fn status_at(&self, before_end_ns: u64) -> Option<ArmStatus> {
         let at = self.samples.get(self.step_at(before_end_ns));
         at.map(|sample| sample.status.clone())
             .or_else(|| self.world.arm_status())
     }
 
-    /// The step at whose beginning an instant is.
+    /// Index of the step that begins at a time.
     fn step_at(&self, before_end_ns: u64) -> usize {
         let n_after = (before_end_ns / STEP_NS) as usize;
         self.samples.len().saturating_sub(n_after)
     }
 
-    /// Steps of this increment: frames are evenly spaced in the long run.
+    /// Number of steps of this interval; frames are evenly spaced in the long run.
     fn n_steps(&self) -> usize {
         let steps_at =
             |frame: u64| (frame as f64 * f64::from(STEPS_PER_SECOND) / self.rate_hz).round() as u64;
         (steps_at(self.frame) - steps_at(self.frame - 1)) as usize
     }
 
-    /// Runs the steps; what the arm said to the last command is returned.
+    /// Runs the steps; returns the arm's answer to the last command.
     fn run(&mut self, n_steps: usize) -> Option<Result<u64, String>> {
         self.samples.clear();
         let mut answer = None;
@@ -136,7 +137,7 @@ impl Increment {
                 });
             }
         }
-        // Those that came after the last step act in the next increment.
+        // Commands after the last step act in the next interval.
         for (_, command) in self.commands.iter().filter(|(at, _)| *at >= n_steps) {
             answer = Some(self.world.command_arm(command));
         }

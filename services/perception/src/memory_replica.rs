@@ -1,27 +1,29 @@
-//! What was taught, followed from the memory process.
+//! Memory replica: the labelled views of the memory service, followed by snapshot and
+//! change log.
 
+use crate::log_once::LogOnce;
 use channel::control::{CallError, Client};
 use channel::topic::MemoryChanged;
 use channel::{Domain, Error, Subscriber};
 use learning::{CategoryIndex, CategoryName, ViewId};
 use message::control::{ChangesPage, Command, LearnedChange, LearnedView, Reply, SnapshotPage};
 use pipeline::{DESCRIPTOR_KIND, category_index};
-use std::fmt::{self, Display, Formatter};
-use std::sync::{Arc, PoisonError, RwLock};
+use parking_lot::RwLock;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 use tokio::sync::{mpsc, oneshot};
 
-/// How long the memory may take to answer.
-const DEADLINE: Duration = Duration::from_secs(5);
-/// Failures shorter than this are not told.
-const GRACE: Duration = Duration::from_secs(2);
-/// Announcements may be lost: the memory is asked this often in any case.
-const LOOK_AGAIN: Duration = Duration::from_secs(1);
+/// Time limit for an answer of the memory.
+const CALL_TIMEOUT: Duration = Duration::from_secs(5);
+/// Grace period: shorter failures are not logged.
+const LOG_DELAY: Duration = Duration::from_secs(2);
+/// Polling period for changes, in case an announcement is lost.
+const POLL_PERIOD: Duration = Duration::from_secs(1);
 
-/// All taught views, and how far the history of the memory is known.
+/// Immutable snapshot of all labelled views, with its position in the history.
 #[derive(Debug, Clone)]
-pub(crate) struct Learned {
-    /// The taught views.
+pub(crate) struct CategorySnapshot {
+    /// Index of the labelled views.
     pub(crate) index: CategoryIndex,
     /// Position in the history of the memory that the views belong to.
     pub(crate) position: HistoryPosition,
@@ -39,12 +41,12 @@ pub(crate) struct HistoryPosition {
 }
 
 impl HistoryPosition {
-    /// True if everything up to another position is known here.
+    /// True if this position includes everything up to another one.
     pub(crate) fn includes(self, other: Self) -> bool {
         self.store_id == other.store_id && self.sequence >= other.sequence
     }
 
-    /// The older of two positions; the start of history when they are of two stores.
+    /// The older of two positions; the start of history when they belong to two stores.
     pub(crate) fn oldest(self, other: Self) -> Self {
         if self.store_id == other.store_id {
             Self {
@@ -57,8 +59,8 @@ impl HistoryPosition {
     }
 }
 
-impl Learned {
-    /// True if a label made at a position is the one that these views give.
+impl CategorySnapshot {
+    /// True if a label made at a position is still the one that these views give.
     pub(crate) fn is_current(&self, made_at: HistoryPosition) -> bool {
         made_at.includes(HistoryPosition {
             sequence: self.index_sequence,
@@ -67,26 +69,23 @@ impl Learned {
     }
 }
 
-/// Read by every actor, replaced when something is learned. Who reads keeps the
-/// state of that moment; nobody waits for a reader or for what is being learned.
+/// Copy-on-write snapshot of the categories: read by every actor, replaced on each
+/// change. A reader keeps its snapshot; nobody waits.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct SharedLearned(Arc<RwLock<Arc<Learned>>>);
+pub(crate) struct SharedCategories(Arc<RwLock<Arc<CategorySnapshot>>>);
 
-impl SharedLearned {
-    /// What is known at this moment.
-    pub(crate) fn get(&self) -> Arc<Learned> {
-        self.0
-            .read()
-            .unwrap_or_else(PoisonError::into_inner)
-            .clone()
+impl SharedCategories {
+    /// The newest snapshot.
+    pub(crate) fn get(&self) -> Arc<CategorySnapshot> {
+        self.0.read().clone()
     }
 
-    fn set(&self, learned: Learned) {
-        *self.0.write().unwrap_or_else(PoisonError::into_inner) = Arc::new(learned);
+    fn set(&self, learned: CategorySnapshot) {
+        *self.0.write() = Arc::new(learned);
     }
 }
 
-impl Default for Learned {
+impl Default for CategorySnapshot {
     fn default() -> Self {
         let index = category_index();
         Self {
@@ -97,103 +96,98 @@ impl Default for Learned {
     }
 }
 
-/// Follows the memory, whatever happens to it.
-pub(crate) struct Follower {
+/// Follower of the memory's history that survives restarts of the memory.
+pub(crate) struct MemoryReplica {
     client: Arc<Client>,
     announcements: Subscriber<MemoryChanged>,
-    learned: SharedLearned,
-    is_kind_told: bool,
+    learned: SharedCategories,
+    kind_log: LogOnce,
     requests: mpsc::Receiver<oneshot::Sender<()>>,
     waiting: Vec<oneshot::Sender<()>>,
 }
 
-/// Asks the follower to catch up.
+/// Synchronisation barrier: waits until the replica has caught up.
 #[derive(Clone)]
-pub(crate) struct CatchUp(mpsc::Sender<oneshot::Sender<()>>);
+pub(crate) struct SyncBarrier(mpsc::Sender<oneshot::Sender<()>>);
 
-impl CatchUp {
-    /// Returns when everything is known that the memory had acknowledged before.
+impl SyncBarrier {
+    /// Waits until the replica includes everything that the memory acknowledged before
+    /// the call.
     pub(crate) async fn wait(&self) {
         let (sender, caught_up) = oneshot::channel();
-        // The follower ends only with the process.
+        // The replica ends only with the process.
         if self.0.send(sender).await.is_ok() {
             let _ = caught_up.await;
         }
     }
 }
 
-/// Why the memory could not be followed.
-#[derive(Debug)]
-enum FollowFailed {
+/// Failure to synchronise with the memory.
+#[derive(Debug, thiserror::Error)]
+enum SyncError {
+    #[error("what is taught is not followed for now: {0}")]
     Call(CallError),
+    #[error("the memory answered something else: {0}")]
     Unexpected(String),
 }
 
-impl Display for FollowFailed {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Call(error) => write!(f, "what is taught is not followed for now: {error}"),
-            Self::Unexpected(reply) => write!(f, "the memory answered something else: {reply}"),
-        }
-    }
-}
-
-impl Follower {
-    /// A follower, and how to wait for it.
+impl MemoryReplica {
+    /// A replica, and the barrier that waits for it.
     pub(crate) fn new(
         domain: &Domain,
         client: Arc<Client>,
-        learned: SharedLearned,
-    ) -> Result<(Self, CatchUp), Error> {
+        learned: SharedCategories,
+    ) -> Result<(Self, SyncBarrier), Error> {
         let announcements = Subscriber::waiting(domain)?;
         let (sender, requests) = mpsc::channel(1);
-        let follower = Self {
+        let replica = Self {
             client,
             announcements,
             learned,
-            is_kind_told: false,
+            kind_log: LogOnce::default(),
             requests,
             waiting: Vec::new(),
         };
-        Ok((follower, CatchUp(sender)))
+        Ok((replica, SyncBarrier(sender)))
     }
 
-    /// Keeps the views up to date until the future is dropped.
+    /// Keeps the replica up to date until the future is dropped.
     pub(crate) async fn run(mut self) {
         let mut last_success = Instant::now();
-        let mut is_told = false;
+        let mut failure_log = LogOnce::default();
         loop {
             let caught_up = self.catch_up().await;
             match &caught_up {
                 Ok(()) => {
-                    if std::mem::take(&mut is_told) {
+                    if failure_log.reset() {
                         tracing::info!("the memory answers again");
                     }
                     last_success = Instant::now();
                 }
                 // The memory may be starting at this moment.
-                Err(failure) if !is_told && last_success.elapsed() > GRACE => {
+                Err(failure)
+                    if last_success.elapsed() > LOG_DELAY && failure_log.is_first() =>
+                {
                     tracing::warn!("{failure}");
-                    is_told = true;
                 }
                 Err(_) => {}
             }
             if caught_up.is_ok() {
                 for waiting in self.waiting.drain(..) {
-                    // Who has asked may have gone away.
+                    // The caller may have stopped waiting.
                     let _ = waiting.send(());
                 }
             }
             tokio::select! {
                 () = self.announcements.woken() => {}
                 Some(request) = self.requests.recv() => self.waiting.push(request),
-                () = tokio::time::sleep(LOOK_AGAIN) => {}
+                () = tokio::time::sleep(POLL_PERIOD) => {}
             }
             let _ = self.announcements.latest();
         }
     }
 
-    async fn catch_up(&mut self) -> Result<(), FollowFailed> {
+    async fn catch_up(&mut self) -> Result<(), SyncError> {
         loop {
             let HistoryPosition {
                 store_id,
@@ -218,21 +212,21 @@ impl Follower {
                     tracing::warn!("the memory's history is another one; loading all views again");
                     self.load().await?;
                 }
-                other => return Err(FollowFailed::Unexpected(format!("{other:?}"))),
+                other => return Err(SyncError::Unexpected(format!("{other:?}"))),
             }
         }
     }
 
-    /// Loads all labelled views, page by page. What changes meanwhile comes with
-    /// the changes since the first page, which may be applied twice.
-    async fn load(&mut self) -> Result<(), FollowFailed> {
+    /// Loads all labelled views, page by page. Changes after the first page follow from
+    /// the change log and may be applied twice.
+    async fn load(&mut self) -> Result<(), SyncError> {
         let mut after = None;
         let mut first: Option<(u128, u64)> = None;
         let mut views = Vec::new();
         loop {
             let page = match self.call(Command::Snapshot { after }).await? {
                 Reply::Snapshot(page) => page,
-                other => return Err(FollowFailed::Unexpected(format!("{other:?}"))),
+                other => return Err(SyncError::Unexpected(format!("{other:?}"))),
             };
             let SnapshotPage {
                 store_id,
@@ -241,7 +235,7 @@ impl Follower {
                 next,
             } = page;
             if first.is_some_and(|(id, _)| id != store_id) {
-                // The store was exchanged in the middle: begin again.
+                // Another store took its place meanwhile: start again.
                 (first, after) = (None, None);
                 views.clear();
                 continue;
@@ -257,9 +251,9 @@ impl Follower {
             return Ok(());
         };
         let n_views = views.len();
-        let mut learned = Learned::default();
+        let mut learned = CategorySnapshot::default();
         for view in views {
-            insert(&mut learned.index, &view, &mut self.is_kind_told);
+            insert(&mut learned.index, &view, &mut self.kind_log);
         }
         learned.position = HistoryPosition {
             store_id: Some(store_id),
@@ -274,7 +268,7 @@ impl Follower {
 
     fn apply(&mut self, up_to: u64, changes: Vec<LearnedChange>) {
         // The clone shares all views that do not change.
-        let mut learned = Learned::clone(&self.learned.get());
+        let mut learned = CategorySnapshot::clone(&self.learned.get());
         learned.position.sequence = up_to;
         if !changes.is_empty() {
             learned.index_sequence = up_to;
@@ -282,7 +276,7 @@ impl Follower {
         for change in changes {
             match change {
                 LearnedChange::Assigned(view) => {
-                    insert(&mut learned.index, &view, &mut self.is_kind_told);
+                    insert(&mut learned.index, &view, &mut self.kind_log);
                 }
                 LearnedChange::Unassigned(id) => {
                     learned.index.remove_view(view_id(id));
@@ -292,11 +286,11 @@ impl Follower {
         self.learned.set(learned);
     }
 
-    async fn call(&self, command: Command) -> Result<Reply, FollowFailed> {
+    async fn call(&self, command: Command) -> Result<Reply, SyncError> {
         self.client
-            .call(command, DEADLINE)
+            .call(command, CALL_TIMEOUT)
             .await
-            .map_err(FollowFailed::Call)
+            .map_err(SyncError::Call)
     }
 }
 
@@ -307,14 +301,12 @@ fn view_id(id: message::control::ViewId) -> ViewId {
     }
 }
 
-/// Takes a view over; one that does not compare with ours is left out, and that
-/// is said once.
-fn insert(index: &mut CategoryIndex, view: &LearnedView, is_told: &mut bool) {
+/// Inserts a view into the index; incompatible views are left out and logged once.
+fn insert(index: &mut CategoryIndex, view: &LearnedView, log: &mut LogOnce) {
     if let Err(reason) = try_insert(index, view)
-        && !*is_told
+        && log.is_first()
     {
         tracing::warn!("stored views are left out, the first because {reason}");
-        *is_told = true;
     }
 }
 
@@ -360,10 +352,10 @@ mod tests {
 
     #[test]
     fn a_label_is_outdated_only_by_a_change_of_the_index() {
-        let mut learned = Learned {
+        let mut learned = CategorySnapshot {
             position: at(1, 9),
             index_sequence: 6,
-            ..Learned::default()
+            ..CategorySnapshot::default()
         };
         assert!(learned.is_current(at(1, 6)) && !learned.is_current(at(1, 5)));
         learned.position.store_id = Some(2);

@@ -1,8 +1,8 @@
-//! What the memory process answers to each command.
+//! Request router: answers from the stores, or forwards to the owning process.
 
 use crate::event_report;
 use crate::process_table::ProcessTable;
-use crate::world::{World, now_ns};
+use crate::working_memory::{WorkingMemory, now_ns};
 use channel::control::Client;
 use memory_requests::MemoryDesk;
 use message::ProcessKind;
@@ -15,19 +15,19 @@ use tokio::sync::watch;
 /// Time limit for the answer of another process; a client waits for 5 s.
 const DEADLINE: Duration = Duration::from_secs(4);
 
-/// Answers every command: its own from the store, others by asking their owner.
-pub(crate) struct Answerer {
+/// Router of all control requests, the gateway for clients.
+pub(crate) struct RequestRouter {
     pub(crate) desk: MemoryDesk,
     pub(crate) perception: Client,
     pub(crate) arm: Client,
     pub(crate) processes: Arc<ProcessTable>,
-    pub(crate) world: Arc<World>,
+    pub(crate) world: Arc<WorkingMemory>,
     /// Newest acknowledged position of the history.
     pub(crate) position: watch::Receiver<Position>,
 }
 
-impl Answerer {
-    /// The answer, or the refusal that says why there is none.
+impl RequestRouter {
+    /// Reply to a command; a refusal gives the reason.
     pub(crate) async fn answer(&self, command: Command) -> Reply {
         self.try_answer(command)
             .await
@@ -50,7 +50,8 @@ impl Answerer {
         }
     }
 
-    /// The desk's answer; a lesson is an event of the world, too.
+    /// Reply of the perceptual memory; a change of labels is also recorded as a world
+    /// event.
     async fn answer_from_memory(&self, command: Command) -> Result<Reply, Refusal> {
         let lesson = event_report::lesson(&command);
         let labelled = labelled_track(&command);
@@ -73,7 +74,7 @@ impl Answerer {
         }
     }
 
-    /// Perception's refusal of a track that is not live; `None` when it is live, or
+    /// Refusal by perception of a track that is not live; `None` when it is live, or
     /// perception does not answer.
     async fn unknown_track(&self, track_id: u64) -> Option<Refusal> {
         match self.perception.call(Command::Ask { track_id }, DEADLINE).await {
@@ -83,8 +84,8 @@ impl Answerer {
     }
 }
 
-/// The track that a command labels; the store alone cannot tell a live track without
-/// key views from one that never was.
+/// Track that a command labels. The store alone cannot tell a live track without key
+/// views from an unknown one.
 fn labelled_track(command: &Command) -> Option<u64> {
     match command {
         Command::Teach(label) | Command::Correct(label) => Some(label.track_id),
@@ -92,8 +93,8 @@ fn labelled_track(command: &Command) -> Option<u64> {
     }
 }
 
-/// Stamps a read with the newest acknowledged position of the history, so that its
-/// answer includes every change that any client knows to be done.
+/// Stamps a read with the newest acknowledged position of the history (read-your-writes
+/// consistency).
 fn read_after(position: Position, command: Command) -> Command {
     Command::ReadAfter {
         store_id: position.store_id.0,
@@ -102,7 +103,7 @@ fn read_after(position: Position, command: Command) -> Command {
     }
 }
 
-/// Passes a command on to the process that owns the answer.
+/// Forwards a command to the process that owns its answer.
 async fn ask(owner: &Client, command: Command) -> Result<Reply, Refusal> {
     let unavailable = |error| Refusal::new(RefusalKind::Unavailable, format!("{error}"));
     owner.call(command, DEADLINE).await.map_err(unavailable)

@@ -1,4 +1,5 @@
-//! Telling perception that something was learned.
+//! Publisher of changes: announces each new position of the memory's history to
+//! perception.
 
 use channel::topic::MemoryChanged;
 use channel::{Domain, Error, Publisher};
@@ -7,16 +8,16 @@ use std::time::Duration;
 use store::Position;
 use tokio::sync::watch;
 
-/// How often readers that have come since are greeted.
+/// Period at which new subscribers receive the newest position.
 const PERIOD: Duration = Duration::from_millis(500);
 
-/// Publishes the newest position of the history, and again to new readers.
-pub(crate) struct Announcer {
+/// Publisher of the newest position in the history.
+pub(crate) struct ChangePublisher {
     publisher: Publisher<MemoryChanged>,
     position: watch::Receiver<Position>,
 }
 
-impl Announcer {
+impl ChangePublisher {
     pub(crate) fn new(domain: &Domain, position: watch::Receiver<Position>) -> Result<Self, Error> {
         Ok(Self {
             publisher: Publisher::new(domain)?,
@@ -24,7 +25,7 @@ impl Announcer {
         })
     }
 
-    /// Shared memory of the publisher.
+    /// Shared memory reserved by the publisher, bytes.
     pub(crate) fn reserved_bytes(&self) -> u64 {
         self.publisher.reservation().bytes()
     }
@@ -39,18 +40,18 @@ impl Announcer {
                 },
                 _ = period.tick() => false,
             };
-            let told = if is_news {
-                self.tell()
+            let sent = if is_news {
+                self.publish()
             } else {
                 self.publisher.greet_new_subscribers()
             };
-            if let Err(error) = told {
+            if let Err(error) = sent {
                 tracing::warn!("a change of the memory was not announced: {error}");
             }
         }
     }
 
-    fn tell(&mut self) -> Result<(), Error> {
+    fn publish(&mut self) -> Result<(), Error> {
         let Position { store_id, sequence } = *self.position.borrow_and_update();
         let store_id = [(store_id.0 >> 64) as u64, store_id.0 as u64];
         self.publisher.send_copy(

@@ -1,21 +1,21 @@
-//! Live world model: the latest scene, for the answers to clients.
+//! Latest scene and its labels, for the answers to clients.
 
-use crate::learned::HistoryPosition;
+use crate::memory_replica::HistoryPosition;
 use message::control::{ObjectReport, ObjectsReport};
 use message::{SceneObject, SceneSummary};
 use parking_lot::Mutex;
 use tokio::sync::{Notify, watch};
 
-/// The latest scene, and the knowledge its labels were made with.
+/// The latest scene, and the position in the memory's history that its labels include.
 #[derive(Debug, Default)]
-pub(crate) struct World {
+pub(crate) struct LatestScene {
     scene: Mutex<(SceneSummary, Vec<SceneObject>)>,
     position: watch::Sender<HistoryPosition>,
     outdated: Notify,
 }
 
-impl World {
-    /// Replaces the scene; `position` is the oldest that any of its labels was made with.
+impl LatestScene {
+    /// Replaces the scene; `position` is the oldest of all its labels.
     pub(crate) fn set(
         &self,
         summary: &SceneSummary,
@@ -53,8 +53,8 @@ impl World {
         self.position.borrow().includes(position)
     }
 
-    /// Returns when all labels of the scene include a position of the memory's history;
-    /// has them recomputed where they do not.
+    /// Waits until all labels of the scene include a position of the memory's history,
+    /// and requests their recomputation.
     pub(crate) async fn labelled_after(&self, position: HistoryPosition) {
         let mut known = self.position.subscribe();
         while !known.borrow_and_update().includes(position) {
@@ -64,18 +64,18 @@ impl World {
         }
     }
 
-    /// Returns when labels are to be recomputed.
+    /// Waits for a request to recompute labels.
     pub(crate) async fn outdated(&self) {
         self.outdated.notified().await;
     }
 
-    /// All objects.
+    /// Report of all objects.
     pub(crate) fn objects(&self) -> ObjectsReport {
         let held = self.scene.lock();
         ObjectsReport::new(&held.0, &held.1)
     }
 
-    /// One object; `None` when there is no such track now.
+    /// Report of one object; `None` when the track is not live.
     pub(crate) fn object(&self, track_id: u64) -> Option<ObjectReport> {
         let held = self.scene.lock();
         let object = held.1.iter().find(|object| object.track_id == track_id)?;

@@ -1,16 +1,16 @@
-//! Once a day what was forgotten long enough ago is removed for good.
+//! Daily purge: removes forgotten views for good when their retention time is over.
 
 use service::wall_clock_ns;
 use std::time::Duration;
 use store::{Answer, Change, Error, Mutation, MutationId, StoreHandle};
 use tokio::sync::oneshot;
 
-/// How often.
+/// Period of the purge.
 const PERIOD: Duration = Duration::from_secs(24 * 3600);
-/// Who asks, in the history.
+/// Author of the purge in the history.
 const AUTHOR: &str = "upkeep";
 
-/// Removes what is due until the future is dropped.
+/// Purges periodically until the future is dropped.
 pub(crate) async fn run(store: &StoreHandle, forgotten_kept: Duration) {
     let mut period = tokio::time::interval(PERIOD);
     loop {
@@ -31,7 +31,6 @@ async fn purge(store: &StoreHandle, forgotten_kept: Duration) -> Result<Answer, 
     let wall_ns = wall_clock_ns().max(0) as u64;
     let before_ns = wall_ns.saturating_sub(forgotten_kept.as_nanos() as u64);
     let (sender, is_due) = oneshot::channel();
-    // Whoever waits below is there.
     store.read(
         move |memory| Ok(memory.has_purgeable(before_ns)),
         move |answer| drop(sender.send(answer)),

@@ -1,4 +1,4 @@
-//! Between the simulation's types and the messages.
+//! Conversion between the simulation's types and wire messages.
 
 use message::control::{ArmCommand as WireCommand, ArmReport};
 use message::{
@@ -7,10 +7,10 @@ use message::{
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use simulated_world::{ArmCommand, ArmStatus, MotionState, ObjectState, TrueObject};
 
-/// How far from unit length an orientation may be.
+/// Tolerance of a quaternion's norm. Chosen.
 const UNIT_TOLERANCE: f64 = 1e-2;
 
-/// A command for the arm; `None` to be told how it is.
+/// Arm command of a wire command; `None` for a query of the state.
 ///
 /// # Errors
 /// A sentence when its numbers are no pose.
@@ -63,7 +63,7 @@ fn activity(status: &ArmStatus) -> ArmActivity {
     }
 }
 
-/// How the arm is, for those who ask.
+/// Control report of the arm state.
 pub(crate) fn report(status: &ArmStatus) -> ArmReport {
     let pose = &status.world_from_gripper;
     ArmReport {
@@ -78,7 +78,7 @@ pub(crate) fn report(status: &ArmStatus) -> ArmReport {
     }
 }
 
-/// How the arm is, for its channel.
+/// Topic message of the arm state.
 pub(crate) fn arm_state(status: &ArmStatus, stamp_ns: u64) -> ArmState {
     ArmState {
         activity: activity(status).code(),

@@ -1,54 +1,55 @@
-//! Key views on their way to the memory: kept until they are on disk.
+//! Outbox of key views: a bounded queue that delivers at least once to the memory.
 
+use crate::log_once::LogOnce;
 use channel::control::Client;
-use message::control::{Command, MutationId, Reply, StoredView};
+use message::control::{Command, MutationId, Refusal, RefusalKind, Reply, StoredView};
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, mpsc, oneshot};
 
-/// What may wait, bytes; the memory is away for minutes before a view is lost.
+/// Capacity of the queue, bytes: enough for minutes without the memory.
 const CAPACITY_BYTES: usize = 256_000_000;
-/// How long the memory may take to answer.
-const DEADLINE: Duration = Duration::from_secs(5);
-/// How soon it is asked again after a failure.
-const TRY_AGAIN: Duration = Duration::from_millis(200);
+/// Time limit for an answer of the memory.
+const CALL_TIMEOUT: Duration = Duration::from_secs(5);
+/// Pause before a failed delivery is repeated.
+const RETRY_PERIOD: Duration = Duration::from_millis(200);
 
-/// Resolves when the view is on disk.
-pub(crate) type OnDisk = oneshot::Receiver<()>;
+/// Receipt that resolves when the view is on disk.
+pub(crate) type StoreReceipt = oneshot::Receiver<()>;
 
-struct Waiting {
+struct QueuedView {
     view: StoredView,
     on_disk: oneshot::Sender<()>,
-    /// Given back when the view is delivered.
+    /// Permits for the bytes of the view, released on delivery.
     _room: OwnedSemaphorePermit,
 }
 
-/// Takes key views. Its bound is that of their bytes; when it is full, the newest is
+/// Sending end of the outbox. It is bounded in bytes; when it is full, the newest view is
 /// lost.
 #[derive(Clone)]
 pub(crate) struct Outbox {
-    queue: mpsc::UnboundedSender<Waiting>,
-    /// One permit a byte.
+    queue: mpsc::UnboundedSender<QueuedView>,
+    /// Semaphore with one permit per byte.
     room: Arc<Semaphore>,
 }
 
-/// Sends key views.
-pub(crate) struct Courier {
+/// Delivery task of the outbox.
+pub(crate) struct OutboxSender {
     queue: Queue,
     client: Arc<Client>,
 }
 
-/// What waits for the courier, in order.
+/// Receiving end of the outbox, first in first out.
 struct Queue {
-    waiting: mpsc::UnboundedReceiver<Waiting>,
-    /// What did not fit into the last request.
-    next: Option<Waiting>,
+    waiting: mpsc::UnboundedReceiver<QueuedView>,
+    /// View that did not fit into the last request.
+    next: Option<QueuedView>,
 }
 
-/// An outbox, and the courier who empties it.
-pub(crate) fn outbox(client: Arc<Client>) -> (Outbox, Courier) {
+/// A new outbox, and its delivery task.
+pub(crate) fn outbox(client: Arc<Client>) -> (Outbox, OutboxSender) {
     let (outbox, queue) = queue(CAPACITY_BYTES);
-    (outbox, Courier { queue, client })
+    (outbox, OutboxSender { queue, client })
 }
 
 fn queue(capacity_bytes: usize) -> (Outbox, Queue) {
@@ -62,8 +63,8 @@ fn queue(capacity_bytes: usize) -> (Outbox, Queue) {
 }
 
 impl Outbox {
-    /// Takes a view; `None` when there is no room, which is said.
-    pub(crate) fn put(&self, view: StoredView) -> Option<OnDisk> {
+    /// Enqueues a view; `None`, with an error in the log, when the outbox is full.
+    pub(crate) fn put(&self, view: StoredView) -> Option<StoreReceipt> {
         let id = view.id;
         let (on_disk, resolved) = oneshot::channel();
         if self.try_put(view, on_disk).is_none() {
@@ -80,7 +81,7 @@ impl Outbox {
     fn try_put(&self, view: StoredView, on_disk: oneshot::Sender<()>) -> Option<()> {
         let n_bytes = u32::try_from(view.max_encoded_bytes()).ok()?;
         let room = self.room.clone().try_acquire_many_owned(n_bytes).ok()?;
-        let waiting = Waiting {
+        let waiting = QueuedView {
             view,
             on_disk,
             _room: room,
@@ -90,9 +91,9 @@ impl Outbox {
 }
 
 impl Queue {
-    /// Waits for views and takes as many as one request holds; none when no more
-    /// will come.
-    async fn take_batch(&mut self, batch: &mut Vec<Waiting>) {
+    /// Waits for views and takes as many as fit one request; none when the outbox is
+    /// closed.
+    async fn take_batch(&mut self, batch: &mut Vec<QueuedView>) {
         let mut next = match self.next.take() {
             Some(waiting) => Some(waiting),
             None => self.waiting.recv().await,
@@ -110,8 +111,8 @@ impl Queue {
     }
 }
 
-impl Courier {
-    /// Delivers in order until the future is dropped.
+impl OutboxSender {
+    /// Delivers views in order until the future is dropped.
     pub(crate) async fn run(mut self) {
         let mut batch = Vec::new();
         loop {
@@ -128,35 +129,33 @@ impl Courier {
         }
     }
 
-    /// Asks until the memory has them. The same identity makes a repetition
-    /// harmless.
+    /// Repeats a request until the memory has acknowledged it. The mutation id makes
+    /// repetitions idempotent.
     async fn deliver(&self, views: Vec<StoredView>) {
         let id = MutationId(random_id());
-        let mut is_told = false;
+        let mut wait_log = LogOnce::default();
         loop {
             let command = Command::StoreViews {
                 id,
                 views: views.clone(),
             };
-            match self.client.call(command, DEADLINE).await {
+            match self.client.call(command, CALL_TIMEOUT).await {
                 Ok(Reply::Stored) => return,
                 Ok(Reply::Refused(refusal)) if !is_transient(&refusal) => {
                     tracing::error!("{} key views were refused: {refusal}", views.len());
                     return;
                 }
-                other if !is_told => {
+                other if wait_log.is_first() => {
                     tracing::warn!("key views wait for the memory: {other:?}");
-                    is_told = true;
                 }
                 _ => {}
             }
-            tokio::time::sleep(TRY_AGAIN).await;
+            tokio::time::sleep(RETRY_PERIOD).await;
         }
     }
 }
 
-fn is_transient(refusal: &message::control::Refusal) -> bool {
-    use message::control::RefusalKind;
+fn is_transient(refusal: &Refusal) -> bool {
     matches!(
         refusal.kind,
         RefusalKind::Unavailable | RefusalKind::Internal
@@ -227,7 +226,7 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn what_waits_has_a_bound_in_bytes_and_delivery_makes_room() {
+    async fn the_queue_is_bounded_in_bytes_and_delivery_makes_room() {
         let one = view(0, 1000).max_encoded_bytes();
         let (outbox, mut queue) = queue(2 * one);
         assert!(outbox.put(view(0, 1000)).is_some());

@@ -1,4 +1,4 @@
-//! Where commands for the arm arrive, and wait until the simulation takes them.
+//! Arm command queue: from the control server to the simulation thread.
 
 use channel::control::{AnswerFuture, Handler};
 use crossbeam::channel::{Receiver, Sender, TrySendError, bounded};
@@ -8,37 +8,37 @@ use std::sync::{Arc, OnceLock};
 use std::thread::Thread;
 use tokio::sync::oneshot;
 
-/// Commands that may wait; one more is refused.
-const MOST_WAITING: usize = 16;
+/// Capacity of the queue; further commands are refused.
+const QUEUE_CAPACITY: usize = 16;
 
-/// A command for the arm.
+/// Arm command with the channel of its answer.
 #[derive(Debug)]
-pub(crate) struct ArmRequest {
+pub(crate) struct QueuedArmCommand {
     pub(crate) command: ArmCommand,
-    /// When it arrived, monotonic.
+    /// Time of arrival, monotonic clock, nanoseconds.
     pub(crate) arrived_ns: u64,
     pub(crate) answer: oneshot::Sender<Result<ArmReport, Refusal>>,
 }
 
-/// The desk's side of the simulation: the commands, and whom to wake.
+/// Receiving end of the queue, in the simulation thread.
 #[derive(Debug)]
-pub(crate) struct ArmRequests {
-    pub(crate) waiting: Receiver<ArmRequest>,
+pub(crate) struct ArmCommandQueue {
+    pub(crate) waiting: Receiver<QueuedArmCommand>,
     thread: Arc<OnceLock<Thread>>,
 }
 
-impl ArmRequests {
-    /// From now on each command wakes the calling thread.
+impl ArmCommandQueue {
+    /// Registers the calling thread to be woken by each command.
     pub(crate) fn wake_this_thread(&self) {
         let _ = self.thread.set(std::thread::current());
     }
 }
 
-/// A handler for the control server, and where its commands come out.
-pub(crate) fn desk() -> (Handler, ArmRequests) {
-    let (sender, waiting) = bounded(MOST_WAITING);
+/// Handler for the control server, and the queue that it fills.
+pub(crate) fn arm_command_queue() -> (Handler, ArmCommandQueue) {
+    let (sender, waiting) = bounded(QUEUE_CAPACITY);
     let thread = Arc::new(OnceLock::new());
-    let requests = ArmRequests {
+    let requests = ArmCommandQueue {
         waiting,
         thread: Arc::clone(&thread),
     };
@@ -54,7 +54,7 @@ pub(crate) fn desk() -> (Handler, ArmRequests) {
 
 async fn answer(
     command: Command,
-    sender: &Sender<ArmRequest>,
+    sender: &Sender<QueuedArmCommand>,
     thread: &OnceLock<Thread>,
 ) -> Result<Reply, Refusal> {
     let Command::Arm(command) = command else {
@@ -62,7 +62,7 @@ async fn answer(
         return Err(Refusal::new(RefusalKind::Internal, sentence));
     };
     let (answer, answered) = oneshot::channel();
-    let request = ArmRequest {
+    let request = QueuedArmCommand {
         command,
         arrived_ns: monotonic_ns(),
         answer,

@@ -1,7 +1,7 @@
-//! What happens to the object actors: told to the log, to health, and to whoever
-//! listens on `actor/event`.
+//! Publisher of actor life-cycle events: to the log, to health, and on the topic
+//! `actor/event`.
 
-use crate::resting::Resting;
+use crate::backoff::RestartBackoff;
 use actor::{Cause, Escalation, Event, Events, StopReason};
 use channel::topic::{ActorEvents, Topic};
 use channel::{Domain, Error, Publisher};
@@ -11,44 +11,44 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-/// Who has subscribed meanwhile gets the newest events this often.
-const GREET: Duration = Duration::from_secs(1);
+/// Period at which the newest events are delivered to new subscribers.
+const HISTORY_PERIOD: Duration = Duration::from_secs(1);
 
-/// Takes the supervisor's events.
-pub(crate) struct EventDesk {
+/// Consumer of the supervisor's events that logs, counts and publishes them.
+pub(crate) struct ActorEventPublisher {
     events: Events<u64>,
     publisher: Publisher<ActorEvents>,
-    resting: Arc<Resting>,
+    backoff: Arc<RestartBackoff>,
     health: Arc<HealthBoard>,
     n_abandoned: u64,
 }
 
-impl EventDesk {
-    /// A desk for the events of a supervisor.
+impl ActorEventPublisher {
+    /// Publisher for the events of a supervisor.
     pub(crate) fn new(
         domain: &Domain,
         events: Events<u64>,
-        resting: Arc<Resting>,
+        backoff: Arc<RestartBackoff>,
         health: Arc<HealthBoard>,
     ) -> Result<Self, Error> {
         Ok(Self {
             events,
             publisher: Publisher::new(domain)?,
-            resting,
+            backoff,
             health,
             n_abandoned: 0,
         })
     }
 
-    /// Tells what happens; returns with a sentence when the actors have failed too
-    /// often.
+    /// Processes events until the actors have failed too often; returns the reason as a
+    /// sentence.
     pub(crate) async fn watch(&mut self) -> String {
-        let mut greet = tokio::time::interval(GREET);
+        let mut greet = tokio::time::interval(HISTORY_PERIOD);
         loop {
             let event = tokio::select! {
                 event = self.events.recv() => event,
                 _ = greet.tick() => {
-                    say_unsent(self.publisher.greet_new_subscribers());
+                    log_unsent(self.publisher.greet_new_subscribers());
                     continue;
                 }
             };
@@ -65,12 +65,12 @@ impl EventDesk {
     fn take(&mut self, event: &Event<u64>) {
         match event {
             Event::Restarting { id, after, .. } => {
-                self.resting.rest(*id, *after);
+                self.backoff.extend(*id, *after);
                 self.health.restarts.fetch_add(1, Ordering::Relaxed);
                 tracing::warn!("{}", sentence(event));
             }
             Event::Stopped { id, reason } => {
-                self.resting.forget(*id);
+                self.backoff.remove(*id);
                 if matches!(reason, StopReason::Failed { .. }) {
                     tracing::warn!("{}", sentence(event));
                 } else {
@@ -81,16 +81,16 @@ impl EventDesk {
                 self.n_abandoned += 1;
                 tracing::warn!("{}", sentence(event));
             }
-            // Whoever ends the process because of it tells it.
+            // Logged as the failure that ends the process.
             Event::Escalated { .. } => {}
             _ => tracing::debug!("{}", sentence(event)),
         }
         if let Some(message) = self.message(event) {
-            say_unsent(self.publisher.send_copy(PlainHeader::default(), &[message]));
+            log_unsent(self.publisher.send_copy(PlainHeader::default(), &[message]));
         }
     }
 
-    /// The event for outsiders; `None` for kinds they do not know.
+    /// Wire message of an event; `None` for event kinds that are not published.
     fn message(&self, event: &Event<u64>) -> Option<ActorEvent> {
         let (kind, track_id, failure) = parts(event)?;
         let (cause, frame) = failure.unzip();
@@ -119,10 +119,10 @@ impl EventDesk {
     }
 }
 
-/// A failure, and the frame at work.
-type Failed<'a> = (&'a Cause, Option<u64>);
+/// Cause of a failure, with the sequence number of the frame that was processed.
+type FailureAtFrame<'a> = (&'a Cause, Option<u64>);
 
-fn parts(event: &Event<u64>) -> Option<(ActorEventKind, u64, Option<Failed<'_>>)> {
+fn parts(event: &Event<u64>) -> Option<(ActorEventKind, u64, Option<FailureAtFrame<'_>>)> {
     Some(match event {
         Event::Started { id } => (ActorEventKind::Started, *id, None),
         Event::Restarting { id, cause, tag, .. } => {
@@ -143,7 +143,7 @@ fn parts(event: &Event<u64>) -> Option<(ActorEventKind, u64, Option<Failed<'_>>)
     })
 }
 
-/// What happened, for people.
+/// Human-readable sentence for an event.
 fn sentence(event: &Event<u64>) -> String {
     let Some((kind, track_id, failure)) = parts(event) else {
         return event.to_string();
@@ -180,8 +180,8 @@ fn sentence(event: &Event<u64>) -> String {
     }
 }
 
-/// That outsiders are not told is no reason to stop.
-fn say_unsent(sent: Result<(), Error>) {
+/// Logs a failed publication; perception continues without it.
+fn log_unsent(sent: Result<(), Error>) {
     if let Err(error) = sent {
         tracing::warn!(
             "an event on {} was not published: {error}",
@@ -195,7 +195,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn people_read_which_track_lost_which_frame_and_why() {
+    fn sentences_name_the_track_the_frame_and_the_cause() {
         let cause = || Cause::Panicked("out of luck".into());
         let restarting = sentence(&Event::Restarting {
             id: 7,
@@ -210,9 +210,9 @@ mod tests {
             max_restarts: 5,
             window: Duration::from_secs(60),
         }));
-        for said in [restarting, escalated] {
+        for sentence in [restarting, escalated] {
             for word in ["track 7", "frame 31", "panicked: out of luck"] {
-                assert!(said.contains(word), "{said}");
+                assert!(sentence.contains(word), "{sentence}");
             }
         }
         let stopped = sentence(&Event::Stopped {

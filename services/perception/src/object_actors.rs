@@ -1,11 +1,12 @@
-//! Handing a frame's sightings to their actors, and collecting the answers.
+//! Scatter-gather over the object actors: sends a frame's sightings and collects the
+//! answers.
 
-use crate::detector::Detected;
+use crate::detector::DetectedFrame;
 #[cfg(feature = "fault-injection")]
-use crate::fault::{Fault, FaultConfig};
-use crate::intake::Arrived;
-use crate::object_actor::{ObjectActor, Observe, Observed};
-use crate::resting::Resting;
+use crate::fault_injection::{FaultInjector, FaultConfig};
+use crate::frame_receiver::ReceivedFrame;
+use crate::object_actor::{ObjectActor, ObserveView, ObservedView};
+use crate::backoff::RestartBackoff;
 use actor::{Address, Answer, Supervisor};
 use pipeline::{ObjectState, Sighting};
 use point_cloud::Point;
@@ -15,37 +16,37 @@ use std::sync::Arc;
 use std::time::Duration;
 use tokio::time::{Instant, timeout_at};
 
-/// Who has lost a message rests at least this long; the supervisor says how long
-/// in truth, a moment later.
-const LEAST_REST: Duration = Duration::from_millis(50);
+/// Shortest assumed back-off of an actor that lost a message, until the supervisor
+/// announces the real one.
+const MIN_BACKOFF: Duration = Duration::from_millis(50);
 
-/// The actors, by track-id.
-pub(crate) struct Actors {
+/// The object actors by track-id.
+pub(crate) struct ObjectActors {
     supervisor: Supervisor<u64, ObjectActor>,
     addresses: BTreeMap<u64, Address<ObjectActor>>,
-    resting: Arc<Resting>,
+    backoff: Arc<RestartBackoff>,
     #[cfg(feature = "fault-injection")]
-    fault: Fault,
+    fault: FaultInjector,
     spare_descriptors: Vec<Vec<f32>>,
     spare_points: Vec<Vec<Point>>,
-    asked: Vec<(Sighting, Option<Answer<Observed>>)>,
+    asked: Vec<(Sighting, Option<Answer<ObservedView>>)>,
 }
 
-/// What came of a sighting; `None` when its actor did not answer in time.
-pub(crate) type Outcome = (Sighting, Option<Observed>);
+/// Sighting with its answer; `None` when the actor did not answer in time.
+pub(crate) type Outcome = (Sighting, Option<ObservedView>);
 
-impl Actors {
+impl ObjectActors {
     pub(crate) fn new(
         supervisor: Supervisor<u64, ObjectActor>,
-        resting: Arc<Resting>,
+        backoff: Arc<RestartBackoff>,
         #[cfg(feature = "fault-injection")] fault: FaultConfig,
     ) -> Self {
         Self {
             supervisor,
             addresses: BTreeMap::new(),
-            resting,
+            backoff,
             #[cfg(feature = "fault-injection")]
-            fault: Fault::new(fault),
+            fault: FaultInjector::new(fault),
             spare_descriptors: Vec::new(),
             spare_points: Vec::new(),
             asked: Vec::new(),
@@ -62,7 +63,7 @@ impl Actors {
         }
     }
 
-    /// How many there are, those included that are about to stop.
+    /// Number of actors, including those that are stopping.
     pub(crate) fn n_actors(&self) -> usize {
         self.supervisor.n_actors()
     }
@@ -70,11 +71,11 @@ impl Actors {
     /// Stops the actor of a track that has ended.
     pub(crate) fn dismiss(&mut self, track_id: u64) {
         self.addresses.remove(&track_id);
-        self.resting.forget(track_id);
+        self.backoff.remove(track_id);
         self.supervisor.dismiss(&track_id);
     }
 
-    /// Stops all actors.
+    /// Stops all actors and waits for them.
     pub(crate) async fn stop_all(&self) {
         let n_abandoned = self.supervisor.stop_all().await;
         if n_abandoned > 0 {
@@ -82,22 +83,21 @@ impl Actors {
         }
     }
 
-    /// Gives each sighting to its actor and waits for the answers, at most until
-    /// the deadline; without one until all have answered or are lost. With a deadline
-    /// an actor that is about to start again is not asked: the others' frames do not
-    /// wait for it.
+    /// Sends each sighting to its actor and collects the answers until the deadline;
+    /// without a deadline until all have answered or are lost. With a deadline, an actor
+    /// in restart back-off is skipped, so that it delays no frame.
     pub(crate) async fn observe(
         &mut self,
-        arrived: &Arrived,
-        detected: &Arc<Detected>,
+        received: &ReceivedFrame,
+        detected: &Arc<DetectedFrame>,
         sightings: &[Sighting],
         deadline: Option<Duration>,
         outcomes: &mut Vec<Outcome>,
     ) {
         outcomes.clear();
         for sighting in sightings {
-            let is_absent = deadline.is_some() && self.resting.is_resting(sighting.track_id);
-            let answer = (!is_absent).then(|| self.ask(arrived, detected, sighting));
+            let is_absent = deadline.is_some() && self.backoff.is_waiting(sighting.track_id);
+            let answer = (!is_absent).then(|| self.ask(received, detected, sighting));
             self.asked.push((*sighting, answer.flatten()));
         }
         let until = deadline.map(|deadline| Instant::now() + deadline);
@@ -107,7 +107,7 @@ impl Actors {
                 (Some(answer), None) => answer.await.ok(),
                 (Some(answer), Some(until)) => match timeout_at(until, answer).await {
                     Ok(Err(_lost)) => {
-                        self.resting.rest(sighting.track_id, LEAST_REST);
+                        self.backoff.extend(sighting.track_id, MIN_BACKOFF);
                         None
                     }
                     in_time => in_time.ok().and_then(Result::ok),
@@ -121,27 +121,27 @@ impl Actors {
         }
     }
 
-    /// Takes the memory of answers back for later ones.
+    /// Returns the buffers of answers for reuse.
     pub(crate) fn recycle(&mut self, outcomes: &mut Vec<Outcome>) {
         let observed = outcomes.drain(..).filter_map(|(_, observed)| observed);
         self.spare_descriptors
             .extend(observed.map(|observed| observed.descriptor));
     }
 
-    /// Takes the memory of an older view's points back for later ones.
+    /// Returns a buffer of points for reuse.
     pub(crate) fn recycle_points(&mut self, points: Vec<Point>) {
         self.spare_points.push(points);
     }
 
     fn ask(
         &mut self,
-        arrived: &Arrived,
-        detected: &Arc<Detected>,
+        received: &ReceivedFrame,
+        detected: &Arc<DetectedFrame>,
         sighting: &Sighting,
-    ) -> Option<Answer<Observed>> {
+    ) -> Option<Answer<ObservedView>> {
         let address = self.addresses.get(&sighting.track_id)?;
-        let observe = Observe {
-            arrived: arrived.clone(),
+        let observe = ObserveView {
+            received: received.clone(),
             detected: detected.clone(),
             candidate: sighting.candidate,
             track_id: sighting.track_id,
@@ -150,9 +150,9 @@ impl Actors {
             points: self.spare_points.pop().unwrap_or_default(),
             asked_ns: monotonic_ns(),
             #[cfg(feature = "fault-injection")]
-            is_to_panic: self.fault.strikes(sighting.track_id),
+            is_to_panic: self.fault.is_due(sighting.track_id),
         };
         // An actor that has stopped for good has been reported by the supervisor.
-        address.ask(arrived.frame.header().sequence, observe).ok()
+        address.ask(received.frame.header().sequence, observe).ok()
     }
 }

@@ -1,21 +1,21 @@
-//! The channels beside the camera's: arm, person, ground truth.
+//! Publishers of the simulated arm, person and ground truth.
 
-use crate::increment::ArmSample;
-use crate::translate;
+use crate::interval::ArmSample;
+use crate::wire_conversion;
 use channel::topic::{ArmStates, PersonBodies, TrueMasks, TrueObjects};
 use channel::{Domain, Error, Publisher};
 use message::{FrameHeader, MaskPixel, PersonBody, TruthHeader};
 use simulated_world::{TrueObject, World};
 
-/// Publishers of everything but the cloud.
-pub(crate) struct Broadcast {
+/// Publishers of all topics but the point cloud.
+pub(crate) struct WorldPublishers {
     arm: Publisher<ArmStates>,
     person: Publisher<PersonBodies>,
     objects: Publisher<TrueObjects>,
     mask: Publisher<TrueMasks>,
 }
 
-impl Broadcast {
+impl WorldPublishers {
     pub(crate) fn new(domain: &Domain) -> Result<Self, Error> {
         Ok(Self {
             arm: Publisher::new(domain)?,
@@ -25,7 +25,7 @@ impl Broadcast {
         })
     }
 
-    /// Shared memory all of them have reserved, bytes.
+    /// Shared memory reserved by the publishers, bytes.
     pub(crate) fn reserved_bytes(&self) -> u64 {
         self.arm.reservation().bytes()
             + self.person.reservation().bytes()
@@ -34,22 +34,22 @@ impl Broadcast {
     }
 
     pub(crate) fn arm(&mut self, sample: &ArmSample, stamp_ns: u64) -> Result<(), Error> {
-        let capsules = translate::capsules(&sample.capsules);
+        let capsules = wire_conversion::capsules(&sample.capsules);
         self.arm
-            .send_copy(translate::arm_state(&sample.status, stamp_ns), &capsules)
+            .send_copy(wire_conversion::arm_state(&sample.status, stamp_ns), &capsules)
     }
 
-    /// Where the people of a frame are.
+    /// Publishes the people's bodies of a frame.
     pub(crate) fn person(&mut self, header: &FrameHeader, world: &World) -> Result<(), Error> {
         let body = PersonBody {
             stamp_ns: header.capture_stamp_ns,
             ..PersonBody::default()
         };
-        let capsules = translate::capsules(&world.person_capsules());
+        let capsules = wire_conversion::capsules(&world.person_capsules());
         self.person.send_copy(body, &capsules)
     }
 
-    /// What is true of a frame that was sent with this header.
+    /// Publishes the ground truth of a frame that was sent with this header.
     pub(crate) fn truth(
         &mut self,
         header: &FrameHeader,
@@ -62,7 +62,7 @@ impl Broadcast {
             capture_ns: header.capture_stamp_ns,
             ..TruthHeader::default()
         };
-        let wire: Vec<_> = objects.iter().map(translate::true_object).collect();
+        let wire: Vec<_> = objects.iter().map(wire_conversion::true_object).collect();
         self.objects.send_copy(truth, &wire)?;
         if !self.mask.has_subscribers() {
             return Ok(());

@@ -1,0 +1,77 @@
+//! Scene priors: the known bodies and tracks in view before a frame is searched.
+
+use detection::{ExpectedTrack, Surroundings};
+use geometry::{Capsule, RigidTransform};
+
+/// Capsules of a body in the camera frame, or an unknown body.
+#[derive(Debug, Default)]
+pub(crate) struct Body {
+    is_known: bool,
+    capsules: Vec<Capsule>,
+}
+
+impl Body {
+    pub(crate) fn set(
+        &mut self,
+        capsules_in_world: Option<&[Capsule]>,
+        camera_from_world: Option<&RigidTransform>,
+    ) {
+        self.capsules.clear();
+        self.is_known = capsules_in_world.is_some() && camera_from_world.is_some();
+        if let (Some(capsules), Some(camera_from_world)) = (capsules_in_world, camera_from_world) {
+            let in_camera = capsules
+                .iter()
+                .map(|capsule| capsule.transformed(camera_from_world));
+            self.capsules.extend(in_camera);
+        }
+    }
+
+    fn capsules(&self) -> Option<&[Capsule]> {
+        self.is_known.then_some(&self.capsules)
+    }
+}
+
+/// Scene priors of a frame, camera frame; reused from frame to frame.
+#[derive(Debug, Default)]
+pub(crate) struct ScenePriors {
+    pub(crate) robot: Body,
+    pub(crate) people: Body,
+    /// Live tracks, predicted to the frame's capture.
+    pub(crate) tracks: Vec<ExpectedTrack>,
+}
+
+impl ScenePriors {
+    /// View of the priors as the input of detection.
+    pub(crate) fn surroundings(&self) -> Surroundings<'_> {
+        Surroundings {
+            instructor: self.people.capsules(),
+            robot: self.robot.capsules(),
+            tracks: &self.tracks,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{Point3, Vector3};
+
+    #[test]
+    fn bodies_are_in_the_camera_frame_or_unknown() {
+        let at_half_metre = Point3::new(0.5, 0.0, 0.0);
+        let capsules = [Capsule {
+            from: at_half_metre,
+            to: at_half_metre,
+            radius_m: 0.1,
+        }];
+        let camera_from_world = RigidTransform::new(Vector3::x() * 0.25, Vector3::zeros());
+        let mut priors = ScenePriors::default();
+        priors.robot.set(Some(&capsules), Some(&camera_from_world));
+        priors.people.set(Some(&capsules), None);
+        let surroundings = priors.surroundings();
+        assert_eq!(surroundings.robot.map(|body| body[0].from.x), Some(0.75));
+        assert_eq!(surroundings.instructor, None);
+        priors.robot.set(None, Some(&camera_from_world));
+        assert_eq!(priors.surroundings().robot, None);
+    }
+}
