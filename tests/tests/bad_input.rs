@@ -1,7 +1,6 @@
-//! Bad input: each gives a sentence and an exit code, or a refused request, and
-//! the running daemon goes on.
+//! Invalid input: refused with a sentence and an exit code, while the daemon continues.
 
-use crate::daemon::{Daemon, PATIENCE, Place, WITH_CAMERA, eventually, run_to_end, with_mounts};
+use crate::daemon::{Daemon, Sandbox, WATCHDOG, WITH_CAMERA, eventually, run_to_end, with_mounts};
 use crate::skeleton::{id, wait_for_all};
 use camera::synthetic::SyntheticTable;
 use dataset::pcd;
@@ -21,13 +20,16 @@ const NO_DAEMON: i32 = 3;
 const REFUSED: i32 = 4;
 const ALREADY_RUNNING: i32 = 6;
 
-/// The synthetic table, slowly: several daemons share the machine's cores.
+/// The synthetic table at a low rate, since several daemons share the cores.
 const TABLE: [&str; 4] = ["--source", "synthetic:0", "--rate", "10"];
 
-/// `tabula run` must end by itself with this exit code, a sentence with these
-/// words, and nothing left behind.
-fn check_refused_start(place: &Place, arguments: &[&str], code: i32, words: &[&str]) {
-    let output = run_to_end(place.command("tabula").arg("run").args(arguments), PATIENCE);
+/// Asserts that `tabula run` ends with this exit code and a sentence with these words,
+/// and leaves nothing behind.
+fn check_refused_start(sandbox: &Sandbox, arguments: &[&str], code: i32, words: &[&str]) {
+    let output = run_to_end(
+        sandbox.command("tabula").arg("run").args(arguments),
+        WATCHDOG,
+    );
     let sentence = String::from_utf8(output.stderr).unwrap();
     assert_eq!(
         output.status.code(),
@@ -41,10 +43,13 @@ fn check_refused_start(place: &Place, arguments: &[&str], code: i32, words: &[&s
         );
     }
     assert!(!sentence.contains("panicked"), "{arguments:?}: {sentence}");
-    let said = String::from_utf8(output.stdout).unwrap();
-    assert!(!said.contains("tabula is running"), "{arguments:?}: {said}");
-    eventually("all processes have ended", || place.is_deserted());
-    assert_eq!(place.shared_memory_files(), Vec::<String>::new());
+    let printed = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        !printed.contains("tabula is running"),
+        "{arguments:?}: {printed}"
+    );
+    eventually("all processes have ended", || sandbox.is_deserted());
+    assert_eq!(sandbox.shared_memory_files(), Vec::<String>::new());
 }
 
 /// One scene of the synthetic table as a PCD file.
@@ -69,7 +74,7 @@ fn scene(points: &[Point], width: usize, height: usize) -> Vec<u8> {
     pcd::write(view, pcd::Encoding::BinaryCompressed).unwrap()
 }
 
-/// Files that are no scenes, by name.
+/// Malformed PCD files, by name.
 fn hostile_scenes() -> Vec<(&'static str, Vec<u8>)> {
     let good = good_scene();
     let truncated = good[..good.len() / 2].to_vec();
@@ -111,12 +116,12 @@ fn hostile_scenes() -> Vec<(&'static str, Vec<u8>)> {
 }
 
 #[test]
-fn sources_that_can_not_be_played_are_refused_at_the_start() {
-    let place = Place::new();
+fn unusable_sources_are_refused_at_the_start() {
+    let sandbox = Sandbox::new();
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let check = |name: &str, words: &[&str]| {
-        check_refused_start(&place, &["--source", &path(name)], USAGE, words);
+        check_refused_start(&sandbox, &["--source", &path(name)], USAGE, words);
     };
     check("missing", &["missing"]);
     std::fs::create_dir(path("empty")).unwrap();
@@ -133,13 +138,13 @@ fn sources_that_can_not_be_played_are_refused_at_the_start() {
     std::fs::create_dir(path("one")).unwrap();
     std::fs::write(path("one/scene.pcd"), &good).unwrap();
     let from_behind = ["--source", &path("one"), "--from", "1"];
-    check_refused_start(&place, &from_behind, USAGE, &["1 frames"]);
+    check_refused_start(&sandbox, &from_behind, USAGE, &["1 frames"]);
     let fakenect = format!("fakenect:{}", path("missing"));
-    check_refused_start(&place, &["--source", &fakenect], USAGE, &["missing"]);
+    check_refused_start(&sandbox, &["--source", &fakenect], USAGE, &["missing"]);
 }
 
 #[test]
-fn hostile_scenes_are_left_out_and_the_others_are_played() {
+fn hostile_scenes_are_skipped_and_the_others_are_played() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
     for name in ["a-good.pcd", "z-good.pcd"] {
@@ -158,9 +163,9 @@ fn hostile_scenes_are_left_out_and_the_others_are_played() {
     std::os::unix::fs::symlink("/dev/zero", path("m-endless.pcd")).unwrap();
     std::os::unix::fs::symlink("nowhere", path("n-nowhere.pcd")).unwrap();
 
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let source = folder.path().to_str().unwrap();
-    let daemon = place.start(&["--source", source, "--loop", "--rate", "20"]);
+    let daemon = sandbox.start(&["--source", source, "--loop", "--rate", "20"]);
     wait_for_all(&daemon, 0);
     let camera = daemon.pid(ProcessKind::Camera).unwrap();
     let count = |what: &str| -> u64 {
@@ -173,9 +178,9 @@ fn hostile_scenes_are_left_out_and_the_others_are_played() {
     assert!(count("frames_dropped") >= names.len() as u64);
     let log = daemon.log();
     for name in names {
-        let told = log.lines().find(|line| line.contains(name));
-        let told = told.unwrap_or_else(|| panic!("{name} is not in the log:\n{log}"));
-        assert!(told.contains("is left out: "), "{told}");
+        let reported = log.lines().find(|line| line.contains(name));
+        let reported = reported.unwrap_or_else(|| panic!("{name} is not in the log:\n{log}"));
+        assert!(reported.contains("is left out: "), "{reported}");
     }
     assert_eq!(
         daemon.pid(ProcessKind::Camera),
@@ -185,21 +190,21 @@ fn hostile_scenes_are_left_out_and_the_others_are_played() {
     daemon.stop();
 }
 
-/// A depth image of 4 x 3 pixels, 1 m everywhere.
+/// Depth image of 4 x 3 pixels, 1 m everywhere.
 const DEPTH_PNG: &[u8] = b"\x89\x50\x4e\x47\x0d\x0a\x1a\x0a\x00\x00\x00\x0d\x49\x48\x44\x52\
     \x00\x00\x00\x04\x00\x00\x00\x03\x10\x00\x00\x00\x00\xc1\x0f\x2d\x59\x00\x00\x00\x0f\x49\
     \x44\x41\x54\x78\xda\x63\x60\x7e\x01\x81\x0c\x18\x0c\x00\x8f\x73\x0b\x05\x2c\xe8\x5b\x85\
     \x00\x00\x00\x00\x49\x45\x4e\x44\xae\x42\x60\x82";
 
 #[test]
-fn wrong_intrinsics_are_refused_with_the_name_of_their_file() {
-    let place = Place::new();
+fn intrinsics_that_are_invalid_are_refused_with_their_file() {
+    let sandbox = Sandbox::new();
     let folder = tempfile::tempdir().unwrap();
     let intrinsics = folder.path().join("camera-intrinsics.txt");
     std::fs::write(folder.path().join("frame-000000.depth.png"), DEPTH_PNG).unwrap();
     std::fs::write(folder.path().join("frame-000000.color.jpg"), "no image").unwrap();
     let arguments = ["--source", folder.path().to_str().unwrap()];
-    let check = || check_refused_start(&place, &arguments, USAGE, &["camera-intrinsics.txt"]);
+    let check = || check_refused_start(&sandbox, &arguments, USAGE, &["camera-intrinsics.txt"]);
     check();
     for wrong in [
         "",
@@ -218,17 +223,17 @@ fn wrong_intrinsics_are_refused_with_the_name_of_their_file() {
     }
     // With a right one it is the image that is wrong, and all of them are.
     std::fs::write(&intrinsics, "5 0 2 0 5 1.5 0 0 1").unwrap();
-    check_refused_start(&place, &arguments, USAGE, &["frame-000000"]);
+    check_refused_start(&sandbox, &arguments, USAGE, &["frame-000000"]);
 }
 
 #[test]
-fn wrong_configurations_are_refused_with_what_is_wrong() {
-    let place = Place::new();
-    let path = place.home().join("tabula.toml");
+fn configuration_errors_are_refused_with_their_key() {
+    let sandbox = Sandbox::new();
+    let path = sandbox.home().join("tabula.toml");
     let check = |text: &str, word: &str| {
         std::fs::write(&path, text).unwrap();
         for arguments in [&[][..], &["--check-config"]] {
-            check_refused_start(&place, arguments, USAGE, &[word, "tabula.toml"]);
+            check_refused_start(&sandbox, arguments, USAGE, &[word, "tabula.toml"]);
         }
     };
     check("[camera]\nraet_hz = 5.0", "raet_hz");
@@ -250,18 +255,18 @@ fn wrong_configurations_are_refused_with_what_is_wrong() {
     check("[camera", "TOML");
     check("\u{0}", "TOML");
     std::fs::write(&path, [0xff, 0xfe]).unwrap();
-    check_refused_start(&place, &[], USAGE, &["tabula.toml"]);
+    check_refused_start(&sandbox, &[], USAGE, &["tabula.toml"]);
     let elsewhere = ["--config", "/nowhere/tabula.toml"];
-    check_refused_start(&place, &elsewhere, USAGE, &["/nowhere/tabula.toml"]);
+    check_refused_start(&sandbox, &elsewhere, USAGE, &["/nowhere/tabula.toml"]);
 }
 
 #[test]
-fn wrong_values_are_refused_with_their_rule() {
-    let place = Place::new();
+fn option_values_out_of_range_are_refused_with_their_rule() {
+    let sandbox = Sandbox::new();
     let check = |arguments: &[&str], word: &str| {
-        check_refused_start(&place, arguments, USAGE, &[word]);
+        check_refused_start(&sandbox, arguments, USAGE, &[word]);
         let checked = [arguments, &["--check-config"]].concat();
-        check_refused_start(&place, &checked, USAGE, &[word]);
+        check_refused_start(&sandbox, &checked, USAGE, &[word]);
     };
     for rate in ["0", "-1", "NaN", "inf", "1e9", "fast", ""] {
         check(&["--rate", rate], "--rate");
@@ -286,27 +291,27 @@ fn wrong_values_are_refused_with_their_rule() {
 }
 
 #[test]
-fn check_config_says_when_all_is_well_and_makes_nothing() {
-    let place = Place::new();
+fn check_config_accepts_a_valid_configuration_and_creates_nothing() {
+    let sandbox = Sandbox::new();
     std::fs::write(
-        place.home().join("tabula.toml"),
+        sandbox.home().join("tabula.toml"),
         "[camera]\nrate_hz = 5.0\n",
     )
     .unwrap();
-    let output = place.tabula(&["run", "--check-config"]);
+    let output = sandbox.tabula(&["run", "--check-config"]);
     assert!(output.status.success(), "{output:?}");
     assert!(
         String::from_utf8(output.stdout)
             .unwrap()
             .contains("in order")
     );
-    assert_eq!(place.shared_memory_files(), Vec::<String>::new());
-    assert!(!place.run_folder().of_domain(&place.domain).exists());
-    let files: Vec<_> = std::fs::read_dir(place.home()).unwrap().collect();
+    assert_eq!(sandbox.shared_memory_files(), Vec::<String>::new());
+    assert!(!sandbox.run_folder().of_domain(&sandbox.domain).exists());
+    let files: Vec<_> = std::fs::read_dir(sandbox.home()).unwrap().collect();
     assert_eq!(files.len(), 1, "only the configuration: {files:?}");
 }
 
-/// All process ids: the same before and after, when nothing was restarted.
+/// Process ids; the same before and after when nothing was restarted.
 fn pids(daemon: &Daemon<'_>) -> Vec<Option<u32>> {
     let mut pids = Vec::new();
     eventually("all processes report", || {
@@ -317,23 +322,23 @@ fn pids(daemon: &Daemon<'_>) -> Vec<Option<u32>> {
 }
 
 #[test]
-fn a_second_daemon_in_the_domain_is_refused_and_the_first_is_undisturbed() {
-    let place = Place::new();
-    let daemon = place.start(&TABLE);
+fn second_daemon_in_the_domain_is_refused_and_the_first_is_undisturbed() {
+    let sandbox = Sandbox::new();
+    let daemon = sandbox.start(&TABLE);
     let objects = wait_for_all(&daemon, 0);
     daemon.ask(&["teach", &id(&objects[0]), "thing"]);
     let before = pids(&daemon);
     for _ in 0..3 {
-        let mut second = place.command("tabula");
+        let mut second = sandbox.command("tabula");
         second.args(["run", "--json"]).args(TABLE);
-        let output = run_to_end(&mut second, PATIENCE);
+        let output = run_to_end(&mut second, WATCHDOG);
         let sentence = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(ALREADY_RUNNING), "{sentence}");
         assert!(sentence.contains("is running in the domain"), "{sentence}");
         assert!(sentence.contains("--domain NAME"), "{sentence}");
         // Scripts take the first document for the start.
-        let said: Value = serde_json::from_slice(&output.stdout).unwrap();
-        assert_eq!(said["exit_code"], json!(ALREADY_RUNNING), "{said}");
+        let printed: Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(printed["exit_code"], json!(ALREADY_RUNNING), "{printed}");
     }
     assert_eq!(pids(&daemon), before);
     let later = wait_for_all(&daemon, 0);
@@ -349,7 +354,7 @@ fn ids(objects: &[Value]) -> Vec<String> {
     objects.iter().map(id).collect()
 }
 
-/// A command must be refused with this exit code and a sentence with this word.
+/// Asserts that a command is refused with this exit code and a sentence with this word.
 fn check_refused(daemon: &Daemon<'_>, arguments: &[&str], code: i32, word: &str) {
     let (given, sentence) = daemon.refused(arguments);
     assert_eq!(given, code, "{arguments:?}: {sentence}");
@@ -360,9 +365,9 @@ fn check_refused(daemon: &Daemon<'_>, arguments: &[&str], code: i32, word: &str)
 }
 
 #[test]
-fn names_that_can_not_be_names_are_refused_and_change_nothing() {
-    let place = Place::new();
-    let daemon = place.start(&TABLE);
+fn category_names_that_are_invalid_are_refused_and_change_nothing() {
+    let sandbox = Sandbox::new();
+    let daemon = sandbox.start(&TABLE);
     let track = id(&wait_for_all(&daemon, 0)[0]);
     let long = "x".repeat(300);
     let very_long = "x".repeat(100_000);
@@ -383,7 +388,7 @@ fn names_that_can_not_be_names_are_refused_and_change_nothing() {
     let by_whom = ["teach", &track, "mug", "--author", &very_long];
     check_refused(&daemon, &by_whom, REFUSED, "author");
     let not_text = OsStr::from_bytes(b"\xff\xfe");
-    let mut teach = place.command("tabula");
+    let mut teach = sandbox.command("tabula");
     let output = teach
         .args(["teach", &track])
         .arg(not_text)
@@ -396,9 +401,9 @@ fn names_that_can_not_be_names_are_refused_and_change_nothing() {
 }
 
 #[test]
-fn requests_about_what_is_not_there_are_refused_and_change_nothing() {
-    let place = Place::new();
-    let daemon = place.start(&TABLE);
+fn requests_for_unknown_tracks_are_refused_and_change_nothing() {
+    let sandbox = Sandbox::new();
+    let daemon = sandbox.start(&TABLE);
     let track = id(&wait_for_all(&daemon, 0)[0]);
     let largest = u64::MAX.to_string();
     for verb in ["teach", "correct"] {
@@ -432,8 +437,8 @@ fn requests_about_what_is_not_there_are_refused_and_change_nothing() {
 }
 
 #[test]
-fn without_a_daemon_each_command_says_how_to_start_one() {
-    let place = Place::new();
+fn commands_without_a_daemon_tell_how_to_start_one() {
+    let sandbox = Sandbox::new();
     for arguments in [
         &["objects"][..],
         &["objects", "--watch"],
@@ -444,20 +449,20 @@ fn without_a_daemon_each_command_says_how_to_start_one() {
         &["categories"],
         &["status"],
     ] {
-        let output = run_to_end(place.command("tabula").args(arguments), PATIENCE);
+        let output = run_to_end(sandbox.command("tabula").args(arguments), WATCHDOG);
         let sentence = String::from_utf8(output.stderr).unwrap();
         assert_eq!(
             output.status.code(),
             Some(NO_DAEMON),
             "{arguments:?}: {sentence}"
         );
-        let domain = &place.domain;
+        let domain = &sandbox.domain;
         let expected = format!(
             "no daemon is running in the domain \"{domain}\"; start it with: tabula run --domain {domain}"
         );
         assert!(sentence.contains(&expected), "{arguments:?}: {sentence}");
     }
-    let output = place
+    let output = sandbox
         .command("tabula")
         .env_remove("TABULA_DOMAIN")
         .arg("--help")
@@ -466,14 +471,14 @@ fn without_a_daemon_each_command_says_how_to_start_one() {
     assert!(output.status.success());
 }
 
-/// A request in the socket's framing: length, little-endian, then CBOR.
+/// Request in the socket's framing: length, little-endian, then CBOR.
 fn framed(body: &[u8]) -> Vec<u8> {
     let mut message = (body.len() as u32).to_le_bytes().to_vec();
     message.extend_from_slice(body);
     message
 }
 
-/// The protocol version that the daemon speaks.
+/// Protocol version of the daemon.
 const OURS: u8 = message::control::PROTOCOL_VERSION as u8;
 
 /// CBOR of `{"protocol": version, "command": …}`, version below 24.
@@ -481,10 +486,10 @@ fn request(version: u8, command: &[u8]) -> Vec<u8> {
     [b"\xa2\x68protocol", &[version][..], b"\x67command", command].concat()
 }
 
-/// Sends bytes and gives back what the daemon answered before it, or we, hung up.
+/// Sends bytes and returns the answer until either side closes the connection.
 fn say(socket: &Path, bytes: &[u8]) -> Vec<u8> {
     let mut stream = UnixStream::connect(socket).unwrap();
-    stream.set_read_timeout(Some(PATIENCE)).unwrap();
+    stream.set_read_timeout(Some(WATCHDOG)).unwrap();
     // The daemon may hang up before it has read everything.
     let _ = stream.write_all(bytes);
     let _ = stream.shutdown(std::net::Shutdown::Write);
@@ -494,13 +499,13 @@ fn say(socket: &Path, bytes: &[u8]) -> Vec<u8> {
 }
 
 #[test]
-fn hostile_bytes_on_the_control_socket_harm_nobody() {
-    let place = Place::new();
-    let daemon = place.start(&TABLE);
+fn control_socket_survives_hostile_bytes() {
+    let sandbox = Sandbox::new();
+    let daemon = sandbox.start(&TABLE);
     let objects = wait_for_all(&daemon, 0);
     daemon.ask(&["teach", &id(&objects[0]), "thing"]);
     let before = pids(&daemon);
-    let socket = place.run_folder().control_socket(&place.domain);
+    let socket = sandbox.run_folder().control_socket(&sandbox.domain);
     let is_refused = |bytes: &[u8], word: &str| {
         let answer = say(&socket, bytes);
         let text = String::from_utf8_lossy(&answer);
@@ -555,18 +560,18 @@ fn hostile_bytes_on_the_control_socket_harm_nobody() {
     daemon.stop();
 }
 
-/// As root: other mounts are given to the daemon.
+/// Needs root: the daemon runs with other mounts.
 #[test]
 #[ignore = "needs root"]
-fn as_root_too_little_shared_memory_is_a_sentence() {
-    let place = Place::new();
+fn as_root_shared_memory_that_is_too_small_is_refused_with_a_sentence() {
+    let sandbox = Sandbox::new();
     for mounts in [
         "mount -t tmpfs -o size=16m tmpfs /dev/shm",
         "mount -t tmpfs -o size=300m tmpfs /dev/shm && fallocate -l 290M /dev/shm/full",
         "mount -t tmpfs -o size=300m tmpfs /dev/shm && truncate -s 290M /dev/shm/promised",
     ] {
-        let mut command = with_mounts(place.command("tabula").arg("run").args(TABLE), mounts);
-        let output = run_to_end(&mut command, PATIENCE);
+        let mut command = with_mounts(sandbox.command("tabula").arg("run").args(TABLE), mounts);
+        let output = run_to_end(&mut command, WATCHDOG);
         let sentence = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(FAILURE), "{mounts}: {sentence}");
         for word in ["shared memory", "MB of /dev/shm are free", "--shm-size"] {
@@ -575,6 +580,6 @@ fn as_root_too_little_shared_memory_is_a_sentence() {
                 "{mounts}: no {word:?} in {sentence}"
             );
         }
-        assert!(place.is_deserted());
+        assert!(sandbox.is_deserted());
     }
 }

@@ -1,15 +1,15 @@
-//! A folder of labelled views is learned by the running daemon.
+//! Batch learning: a running daemon learns a folder of labelled views.
 
-use crate::daemon::{Daemon, Place};
+use crate::daemon::{Daemon, Sandbox};
 use serde_json::Value;
 use std::path::Path;
 
 /// Writes views of two generated categories.
-fn write_views(place: &Place, folder: &Path) {
+fn write_views(sandbox: &Sandbox, folder: &Path) {
     let folder = folder.to_str().unwrap();
     let choice = ["--category", "bowl", "--category", "cereal-box"];
     let amount = ["--instances", "2", "--views", "6", "--out", folder];
-    let output = place.tabula(&[&["simulate", "views"], &choice[..], &amount[..]].concat());
+    let output = sandbox.tabula(&[&["simulate", "views"], &choice[..], &amount[..]].concat());
     assert!(output.status.success(), "{output:?}");
 }
 
@@ -29,11 +29,11 @@ fn wait_until_compared(daemon: &Daemon<'_>) {
 }
 
 #[test]
-fn a_folder_of_views_is_learned_and_kept() {
-    let place = Place::new();
+fn folder_of_views_is_learned_and_kept() {
+    let sandbox = Sandbox::new();
     let folder = tempfile::tempdir().unwrap();
-    write_views(&place, folder.path());
-    let daemon = place.start(&["--source", "synthetic:0"]);
+    write_views(&sandbox, folder.path());
+    let daemon = sandbox.start(&["--source", "synthetic:0"]);
     let report = daemon.ask(&["learn", folder.path().to_str().unwrap()]);
     assert_eq!(report["n_categories"], 2, "{report}");
     assert_eq!(report["n_objects"], 4, "{report}");
@@ -42,7 +42,7 @@ fn a_folder_of_views_is_learned_and_kept() {
     wait_until_compared(&daemon);
     daemon.stop();
 
-    let daemon = place.start(&["--source", "synthetic:0"]);
+    let daemon = sandbox.start(&["--source", "synthetic:0"]);
     let categories = daemon.ask(&["categories"]);
     let categories = categories["categories"].as_array().unwrap();
     let stored = categories.iter().filter_map(|c| c["n_views"].as_u64());
@@ -52,12 +52,12 @@ fn a_folder_of_views_is_learned_and_kept() {
 }
 
 #[test]
-fn a_folder_learned_twice_is_known_once_and_named_again_when_it_was_forgotten() {
-    let place = Place::new();
+fn folder_learned_twice_is_stored_once_and_relabelled_after_forgetting() {
+    let sandbox = Sandbox::new();
     let folder = tempfile::tempdir().unwrap();
-    write_views(&place, folder.path());
+    write_views(&sandbox, folder.path());
     let path = folder.path().to_str().unwrap();
-    let daemon = place.start(&["--source", "synthetic:0"]);
+    let daemon = sandbox.start(&["--source", "synthetic:0"]);
     let learn = || daemon.ask(&["learn", path]);
     let categories = || without_times(daemon.ask(&["categories"]));
     let first = learn();
@@ -81,7 +81,7 @@ fn a_folder_learned_twice_is_known_once_and_named_again_when_it_was_forgotten() 
     daemon.stop();
 }
 
-/// When a name was given last changes with each lesson.
+/// Removes the labelling times, which differ between runs.
 fn without_times(mut categories: Value) -> Value {
     for category in categories["categories"].as_array_mut().unwrap() {
         let times = category.as_object_mut().unwrap().remove("last_taught_ns");
@@ -91,8 +91,8 @@ fn without_times(mut categories: Value) -> Value {
 }
 
 #[test]
-fn two_robots_that_learn_a_folder_know_the_same_views() {
-    let (ours, theirs) = (Place::new(), Place::new());
+fn folder_learned_by_two_robots_gives_the_same_views() {
+    let (ours, theirs) = (Sandbox::new(), Sandbox::new());
     let folder = tempfile::tempdir().unwrap();
     write_views(&ours, folder.path());
     let path = folder.path().to_str().unwrap();
@@ -119,10 +119,10 @@ fn two_robots_that_learn_a_folder_know_the_same_views() {
 }
 
 #[test]
-fn what_does_not_tell_what_is_up_or_holds_no_views_is_refused() {
-    let place = Place::new();
+fn folder_without_up_direction_or_views_is_refused() {
+    let sandbox = Sandbox::new();
     let folder = tempfile::tempdir().unwrap();
-    let daemon = place.start(&["--source", "synthetic:0"]);
+    let daemon = sandbox.start(&["--source", "synthetic:0"]);
     let path = folder.path().to_str().unwrap();
     let (_, sentence) = daemon.refused(&["learn", path]);
     assert!(sentence.contains(path), "{sentence}");

@@ -1,8 +1,8 @@
-//! The command line: documents with exactly the documented keys, the choice of
-//! the daemon, other accounts, and the doctor.
+//! Command line: the keys of JSON documents, the choice of the daemon, other accounts,
+//! and the doctor.
 
 use crate::daemon::{
-    Daemon, PATIENCE, Place, WITH_CAMERA, eventually, program, run_to_end, with_mounts,
+    Daemon, Sandbox, WATCHDOG, WITH_CAMERA, eventually, program, run_to_end, with_mounts,
 };
 use crate::skeleton::{id, wait_for_all};
 use message::ProcessKind;
@@ -14,15 +14,15 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use tempfile::TempDir;
 
-/// The synthetic table, slowly: several daemons share the machine's cores.
+/// The synthetic table at a low rate, since several daemons share the cores.
 const TABLE: [&str; 4] = ["--source", "synthetic:0", "--rate", "10"];
-/// An account that is in no group, and a group that no account is in.
+/// User id of an account in no group. The group is one without accounts.
 const NOBODY: u32 = 65534;
 const STRANGE_GROUP: u32 = 54321;
 
-/// What a value of a document is.
+/// Type of a JSON value.
 #[derive(Debug, Clone, Copy)]
-enum Kind {
+enum JsonType {
     Count,
     Number,
     NumberOrNull,
@@ -33,15 +33,15 @@ enum Kind {
     Vector(usize),
     VectorOrNull(usize),
     CountOrNull,
-    Document(&'static [(&'static str, Kind)]),
-    DocumentOrNull(&'static [(&'static str, Kind)]),
+    Document(&'static [(&'static str, JsonType)]),
+    DocumentOrNull(&'static [(&'static str, JsonType)]),
 }
-use Kind::{
+use JsonType::{
     Count, CountOrNull, Document, DocumentOrNull, List, Number, NumberOrNull, Text, TextOrNull,
     Truth, Vector, VectorOrNull,
 };
 
-impl Kind {
+impl JsonType {
     fn fits(self, value: &Value) -> bool {
         match self {
             Count => value.is_u64(),
@@ -65,7 +65,7 @@ impl Kind {
     }
 }
 
-const OBJECTS: &[(&str, Kind)] = &[
+const OBJECTS: &[(&str, JsonType)] = &[
     ("objects", List),
     ("n_more", Count),
     ("frame_sequence", Count),
@@ -77,8 +77,8 @@ const OBJECTS: &[(&str, Kind)] = &[
     ("ignored", List),
     ("n_more_ignored", Count),
 ];
-const ASSUMPTION: &[(&str, Kind)] = &[("name", Text), ("sentence", Text)];
-const OBJECT: &[(&str, Kind)] = &[
+const ASSUMPTION: &[(&str, JsonType)] = &[("name", Text), ("sentence", Text)];
+const OBJECT: &[(&str, JsonType)] = &[
     ("track_id", Count),
     ("state", Text),
     ("label", TextOrNull),
@@ -104,27 +104,27 @@ const OBJECT: &[(&str, Kind)] = &[
     ("linked_to", CountOrNull),
     ("stamps", Document(STAMPS)),
 ];
-const COVARIANCE: &[(&str, Kind)] = &[("position_m2", Vector(6)), ("rotation_rad2", Vector(6))];
-const NEAR_CATEGORY: &[(&str, Kind)] = &[("label", Text), ("distance", Number)];
-const STAMPS: &[(&str, Kind)] = &[
+const COVARIANCE: &[(&str, JsonType)] = &[("position_m2", Vector(6)), ("rotation_rad2", Vector(6))];
+const NEAR_CATEGORY: &[(&str, JsonType)] = &[("label", Text), ("distance", Number)];
+const STAMPS: &[(&str, JsonType)] = &[
     ("asked_ns", CountOrNull),
     ("begun_ns", CountOrNull),
     ("described_ns", CountOrNull),
     ("recognised_ns", CountOrNull),
     ("answered_ns", CountOrNull),
 ];
-const LEARNED: &[(&str, Kind)] = &[
+const LEARNED: &[(&str, JsonType)] = &[
     ("sequence", Count),
     ("category", Text),
     ("n_views_changed", Count),
 ];
-const CATEGORY: &[(&str, Kind)] = &[
+const CATEGORY: &[(&str, JsonType)] = &[
     ("category", Text),
     ("n_views", Count),
     ("bytes", Count),
     ("last_taught_ns", Count),
 ];
-const PROCESS: &[(&str, Kind)] = &[
+const PROCESS: &[(&str, JsonType)] = &[
     ("process", Text),
     ("pid", Count),
     ("state", Text),
@@ -140,18 +140,18 @@ const PROCESS: &[(&str, Kind)] = &[
     ("abandoned", Count),
     ("note", Text),
 ];
-const STARTED: &[(&str, Kind)] = &[
+const STARTED: &[(&str, JsonType)] = &[
     ("domain", Text),
     ("home", Text),
     ("run_folder", Text),
     ("processes", List),
 ];
-const STARTED_PROCESS: &[(&str, Kind)] = &[("process", Text), ("pid", Count)];
-const FINDING: &[(&str, Kind)] = &[("check", Text), ("verdict", Text), ("sentence", Text)];
-const ERROR: &[(&str, Kind)] = &[("error", Text), ("exit_code", Count)];
+const STARTED_PROCESS: &[(&str, JsonType)] = &[("process", Text), ("pid", Count)];
+const FINDING: &[(&str, JsonType)] = &[("check", Text), ("verdict", Text), ("sentence", Text)];
+const ERROR: &[(&str, JsonType)] = &[("error", Text), ("exit_code", Count)];
 
-/// The document has exactly these keys, with values of these kinds.
-fn check_shape(document: &Value, shape: &[(&str, Kind)]) {
+/// Asserts that the document has exactly these keys, with values of these types.
+fn check_shape(document: &Value, shape: &[(&str, JsonType)]) {
     let object = document
         .as_object()
         .unwrap_or_else(|| panic!("{document} is no object"));
@@ -165,8 +165,8 @@ fn check_shape(document: &Value, shape: &[(&str, Kind)]) {
     }
 }
 
-/// A list of such documents, which must not be empty.
-fn check_list(list: &Value, shape: &[(&str, Kind)]) {
+/// Asserts that the list is not empty and all its documents have this shape.
+fn check_list(list: &Value, shape: &[(&str, JsonType)]) {
     let list = list.as_array().unwrap();
     assert!(!list.is_empty());
     for document in list {
@@ -175,13 +175,13 @@ fn check_list(list: &Value, shape: &[(&str, Kind)]) {
 }
 
 #[test]
-fn each_command_answers_with_exactly_the_documented_keys() {
-    let place = Place::new();
-    let daemon = place.start(&TABLE);
+fn commands_answer_with_exactly_the_documented_keys() {
+    let sandbox = Sandbox::new();
+    let daemon = sandbox.start(&TABLE);
     check_shape(&daemon.started, STARTED);
     check_list(&daemon.started["processes"], STARTED_PROCESS);
-    assert_eq!(daemon.started["domain"], json!(place.domain.to_string()));
-    assert_eq!(daemon.started["home"], json!(place.home()));
+    assert_eq!(daemon.started["domain"], json!(sandbox.domain.to_string()));
+    assert_eq!(daemon.started["home"], json!(sandbox.home()));
 
     let track = id(&wait_for_all(&daemon, 0)[0]);
     let objects = daemon.ask(&["objects"]);
@@ -228,10 +228,10 @@ fn each_command_answers_with_exactly_the_documented_keys() {
 }
 
 #[test]
-fn failures_are_documents_too_with_the_exit_code_in_them() {
-    let place = Place::new();
+fn failures_are_documents_with_their_exit_code() {
+    let sandbox = Sandbox::new();
     let check = |arguments: &[&str], code: i32| {
-        let output = place.tabula(&[arguments, &["--json"]].concat());
+        let output = sandbox.tabula(&[arguments, &["--json"]].concat());
         assert_eq!(
             output.status.code(),
             Some(code),
@@ -241,8 +241,11 @@ fn failures_are_documents_too_with_the_exit_code_in_them() {
         check_shape(&document, ERROR);
         assert_eq!(document["exit_code"], json!(code));
         let sentence = document["error"].as_str().unwrap();
-        let said = String::from_utf8(output.stderr).unwrap();
-        assert!(said.ends_with(&format!("tabula: {sentence}\n")), "{said}");
+        let printed = String::from_utf8(output.stderr).unwrap();
+        assert!(
+            printed.ends_with(&format!("tabula: {sentence}\n")),
+            "{printed}"
+        );
     };
     for command in [
         &["objects"][..],
@@ -253,16 +256,16 @@ fn failures_are_documents_too_with_the_exit_code_in_them() {
         check(command, 3);
     }
     check(&["run", "--source", "/nowhere"], 2);
-    let daemon = place.start(&TABLE);
+    let daemon = sandbox.start(&TABLE);
     check(&["ask", "999999"], 4);
     check(&["teach", "999999", "mug"], 4);
     check(&["forget", "unicorn"], 4);
     daemon.stop();
 }
 
-/// Watches, takes some lines, interrupts, and gives back all lines.
+/// Lines of `tabula objects --watch` until it is interrupted after `n_lines`.
 fn watched(daemon: &Daemon<'_>, arguments: &[&str], n_lines: usize) -> Vec<String> {
-    let mut command = daemon.place.command("tabula");
+    let mut command = daemon.sandbox.command("tabula");
     command
         .args(["objects", "--watch"])
         .args(arguments)
@@ -282,9 +285,9 @@ fn watched(daemon: &Daemon<'_>, arguments: &[&str], n_lines: usize) -> Vec<Strin
 }
 
 #[test]
-fn watching_gives_text_or_a_document_a_line_until_interrupted() {
-    let place = Place::new();
-    let daemon = place.start(&TABLE);
+fn watch_prints_text_or_json_lines_until_interrupted() {
+    let sandbox = Sandbox::new();
+    let daemon = sandbox.start(&TABLE);
     let objects = wait_for_all(&daemon, 0);
     let lines = watched(&daemon, &["--json"], 4);
     let mut frames = Vec::new();
@@ -327,11 +330,11 @@ fn watching_gives_text_or_a_document_a_line_until_interrupted() {
 }
 
 #[test]
-fn a_watch_waits_for_a_daemon_that_is_restarted() {
-    let place = Place::new();
-    let daemon = place.start(&TABLE);
+fn watch_waits_for_a_restarted_daemon() {
+    let sandbox = Sandbox::new();
+    let daemon = sandbox.start(&TABLE);
     wait_for_all(&daemon, 0);
-    let mut command = place.command("tabula");
+    let mut command = sandbox.command("tabula");
     command
         .args(["objects", "--watch", "--json"])
         .stdout(Stdio::piped());
@@ -348,12 +351,12 @@ fn a_watch_waits_for_a_daemon_that_is_restarted() {
 }
 
 #[test]
-fn flags_choose_the_daemon_as_the_environment_does() {
-    let place = Place::new();
-    let domain = place.domain.to_string();
-    let home = place.home().to_str().unwrap().to_owned();
+fn flags_and_environment_choose_the_same_daemon() {
+    let sandbox = Sandbox::new();
+    let domain = sandbox.domain.to_string();
+    let home = sandbox.home().to_str().unwrap().to_owned();
     let by_flags = |arguments: &[&str]| {
-        let mut command = place.command("tabula");
+        let mut command = sandbox.command("tabula");
         command
             .env("TABULA_DOMAIN", "elsewhere")
             .env("TABULA_HOME", "/nowhere");
@@ -374,13 +377,13 @@ fn flags_choose_the_daemon_as_the_environment_does() {
     let started: Value = serde_json::from_str(&line).unwrap();
     assert_eq!(started["domain"], json!(domain));
     assert_eq!(started["home"], json!(home));
-    assert!(place.home().join("perceptual-memory").is_dir());
+    assert!(sandbox.home().join("perceptual-memory").is_dir());
 
     let answer = |output: std::process::Output| -> Value {
         assert!(output.status.success(), "{output:?}");
         serde_json::from_slice(&output.stdout).unwrap()
     };
-    let by_environment = answer(place.tabula(&["status", "--json"]));
+    let by_environment = answer(sandbox.tabula(&["status", "--json"]));
     let pids = |status: &Value| -> Vec<Value> {
         status["processes"]
             .as_array()
@@ -392,7 +395,7 @@ fn flags_choose_the_daemon_as_the_environment_does() {
     let by_flag = answer(by_flags(&["status"]).output().unwrap());
     assert_eq!(pids(&by_environment), pids(&by_flag));
     // Flags may stand behind the command as well.
-    let mut behind = place.command("tabula");
+    let mut behind = sandbox.command("tabula");
     behind
         .env("TABULA_DOMAIN", "elsewhere")
         .args(["status", "--json", "--domain", &domain]);
@@ -400,15 +403,15 @@ fn flags_choose_the_daemon_as_the_environment_does() {
 
     kill_process(Pid::from_child(&run), Signal::INT).unwrap();
     assert!(run.wait().unwrap().success());
-    assert_eq!(place.shared_memory_files(), Vec::<String>::new());
+    assert_eq!(sandbox.shared_memory_files(), Vec::<String>::new());
 }
 
 #[test]
-fn daemons_of_two_domains_do_not_see_each_other() {
+fn domains_isolate_two_daemons() {
     // The second one's name begins like the first one's, in one run folder.
-    let place = Place::new();
-    let other = place.neighbour();
-    let daemon = place.start(&TABLE);
+    let sandbox = Sandbox::new();
+    let other = sandbox.neighbour();
+    let daemon = sandbox.start(&TABLE);
     let neighbour = other.start(&["--source", "synthetic:1", "--rate", "10"]);
     let objects = wait_for_all(&daemon, 0);
     wait_for_all(&neighbour, 1);
@@ -425,7 +428,7 @@ fn daemons_of_two_domains_do_not_see_each_other() {
     neighbour.stop();
 }
 
-/// The command line's program where any account may start it.
+/// Copy of the command-line program that any account may run.
 fn program_for_all() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     let copy = folder.path().join("tabula");
@@ -436,9 +439,9 @@ fn program_for_all() -> TempDir {
     folder
 }
 
-/// Runs a command of the command line as an account that is in one group.
-fn as_account(place: &Place, folder: &Path, group: u32, arguments: &[&str]) -> Command {
-    let own = place.command("tabula");
+/// Command that runs as an account in one group.
+fn as_account(sandbox: &Sandbox, folder: &Path, group: u32, arguments: &[&str]) -> Command {
+    let own = sandbox.command("tabula");
     let mut command = Command::new("setpriv");
     command
         .args([&format!("--reuid={NOBODY}"), &format!("--regid={group}")])
@@ -459,26 +462,29 @@ fn mode(path: &Path) -> u32 {
 }
 
 #[test]
-fn the_control_socket_is_for_its_owner_and_the_group() {
-    let place = Place::new();
-    let daemon = place.start(&TABLE);
+fn control_socket_permissions_are_owner_and_group() {
+    let sandbox = Sandbox::new();
+    let daemon = sandbox.start(&TABLE);
     assert_eq!(
-        mode(&place.run_folder().control_socket(&place.domain)),
+        mode(&sandbox.run_folder().control_socket(&sandbox.domain)),
         0o660
     );
-    assert_eq!(mode(&place.run_folder().of_domain(&place.domain)), 0o750);
+    assert_eq!(
+        mode(&sandbox.run_folder().of_domain(&sandbox.domain)),
+        0o750
+    );
     daemon.stop();
 }
 
-/// As root: the client runs as other accounts, and the daemon in a mount
-/// namespace whose list of groups has the group `tabula`.
+/// Needs root: the client runs as other accounts, and the daemon in a mount namespace
+/// whose list of groups has the group `tabula`.
 #[test]
 #[ignore = "needs root"]
 fn as_root_other_accounts_need_the_group() {
-    let place = Place::new();
-    place.open_to_all();
+    let sandbox = Sandbox::new();
+    sandbox.open_to_all();
     let folder = program_for_all();
-    let groups = place.home().join("group");
+    let groups = sandbox.home().join("group");
     let known = std::fs::read_to_string("/etc/group").unwrap();
     let others: Vec<_> = known
         .lines()
@@ -487,7 +493,7 @@ fn as_root_other_accounts_need_the_group() {
     let listed = format!("{}\ntabula:x:{STRANGE_GROUP}:\n", others.join("\n"));
     std::fs::write(&groups, listed).unwrap();
     let mounts = format!("mount --bind {} /etc/group", groups.display());
-    let mut command = place.command("tabula");
+    let mut command = sandbox.command("tabula");
     command.args(["run", "--json"]).args(TABLE);
     let mut run = with_mounts(&command, &mounts)
         .stdout(Stdio::piped())
@@ -501,16 +507,16 @@ fn as_root_other_accounts_need_the_group() {
         serde_json::from_str::<Value>(&line).is_ok(),
         "it did not start: {line}"
     );
-    let socket = place.run_folder().control_socket(&place.domain);
+    let socket = sandbox.run_folder().control_socket(&sandbox.domain);
     assert_eq!(std::fs::metadata(&socket).unwrap().gid(), STRANGE_GROUP);
     assert_eq!(mode(&socket), 0o660);
 
     for arguments in [&["objects", "--json"][..], &["status"], &["categories"]] {
-        let member = as_account(&place, folder.path(), STRANGE_GROUP, arguments)
+        let member = as_account(&sandbox, folder.path(), STRANGE_GROUP, arguments)
             .output()
             .unwrap();
         assert!(member.status.success(), "{arguments:?}: {member:?}");
-        let stranger = as_account(&place, folder.path(), NOBODY, arguments)
+        let stranger = as_account(&sandbox, folder.path(), NOBODY, arguments)
             .output()
             .unwrap();
         let sentence = String::from_utf8(stranger.stderr).unwrap();
@@ -524,7 +530,7 @@ fn as_root_other_accounts_need_the_group() {
     assert!(run.wait().unwrap().success());
 }
 
-/// What the doctor looks at, by name.
+/// Names of the doctor's checks.
 const CHECKS: [&str; 11] = [
     "shared memory",
     "largest services",
@@ -539,9 +545,9 @@ const CHECKS: [&str; 11] = [
     "kinect",
 ];
 
-/// The doctor's findings by check, and its exit code.
+/// Findings of the doctor by check, and its exit code.
 fn examined(command: &mut Command) -> (Vec<(String, String, String)>, i32) {
-    let output = run_to_end(command.args(["doctor", "--json"]), PATIENCE);
+    let output = run_to_end(command.args(["doctor", "--json"]), WATCHDOG);
     (findings(&output.stdout), output.status.code().unwrap())
 }
 
@@ -566,10 +572,10 @@ fn of_check<'a>(findings: &'a [(String, String, String)], check: &str) -> (&'a s
 }
 
 #[test]
-fn the_doctor_names_each_check_and_ends_well_when_nothing_fails() {
-    let place = Place::new();
+fn doctor_lists_every_check_and_succeeds_without_failures() {
+    let sandbox = Sandbox::new();
     let check = |running: bool| {
-        let (findings, code) = examined(&mut place.command("tabula"));
+        let (findings, code) = examined(&mut sandbox.command("tabula"));
         let names: Vec<_> = findings.iter().map(|(name, ..)| name.as_str()).collect();
         assert_eq!(names, CHECKS);
         let has_failed = findings.iter().any(|(_, verdict, _)| verdict == "failure");
@@ -584,7 +590,7 @@ fn the_doctor_names_each_check_and_ends_well_when_nothing_fails() {
             running,
             "{socket}"
         );
-        let text = place.tabula(&["doctor"]);
+        let text = sandbox.tabula(&["doctor"]);
         let text = String::from_utf8(text.stdout).unwrap();
         for (line, name) in text.lines().zip(CHECKS) {
             assert!(line.contains(&format!("  {name}: ")), "{line}");
@@ -593,22 +599,22 @@ fn the_doctor_names_each_check_and_ends_well_when_nothing_fails() {
     };
     check(false);
     assert!(
-        !place.run_folder().of_domain(&place.domain).exists(),
+        !sandbox.run_folder().of_domain(&sandbox.domain).exists(),
         "looking makes nothing"
     );
-    let daemon = place.start(&TABLE);
+    let daemon = sandbox.start(&TABLE);
     wait_for_all(&daemon, 0);
     check(true);
     daemon.stop();
 }
 
 #[test]
-fn the_doctor_fails_when_the_daemon_would_not_run() {
-    let place = Place::new();
-    let file = place.home().join("file");
+fn doctor_fails_when_the_daemon_could_not_run() {
+    let sandbox = Sandbox::new();
+    let file = sandbox.home().join("file");
     std::fs::write(&file, "not a folder").unwrap();
     for home in [file.clone(), file.join("below")] {
-        let (findings, code) = examined(place.command("tabula").arg("--home").arg(&home));
+        let (findings, code) = examined(sandbox.command("tabula").arg("--home").arg(&home));
         let (verdict, sentence) = of_check(&findings, "data folder");
         assert_eq!((verdict, code), ("failure", 1), "{sentence}");
         assert!(
@@ -616,7 +622,7 @@ fn the_doctor_fails_when_the_daemon_would_not_run() {
             "{sentence}"
         );
     }
-    let own = place.command("tabula");
+    let own = sandbox.command("tabula");
     let mut few = Command::new("sh");
     few.args(["-c", "ulimit -Sn 100; ulimit -Hn 100; exec \"$@\"", "sh"])
         .arg(own.get_program())
@@ -630,13 +636,13 @@ fn the_doctor_fails_when_the_daemon_would_not_run() {
     assert!(sentence.contains("hard limit is 100"), "{sentence}");
 }
 
-/// As root: other mounts are given to the doctor.
+/// Needs root: the doctor runs with other mounts.
 #[test]
 #[ignore = "needs root"]
-fn as_root_the_doctor_tells_too_little_shared_memory() {
-    let place = Place::new();
+fn as_root_doctor_reports_too_little_shared_memory() {
+    let sandbox = Sandbox::new();
     let mounts = "mount -t tmpfs -o size=16m tmpfs /dev/shm";
-    let (findings, code) = examined(&mut with_mounts(&place.command("tabula"), mounts));
+    let (findings, code) = examined(&mut with_mounts(&sandbox.command("tabula"), mounts));
     let (verdict, sentence) = of_check(&findings, "shared memory");
     assert_eq!((verdict, code), ("failure", 1), "{sentence}");
     assert!(sentence.contains("remount,size="), "{sentence}");

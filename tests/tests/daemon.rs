@@ -1,5 +1,5 @@
-//! A daemon of a test's own: real processes in a domain, home and run folder
-//! that nobody else has, stopped and checked for leftovers at the end.
+//! Test sandbox: a daemon with its own domain, home and run folder, checked for leftovers
+//! at the end.
 
 use channel::{Domain, DomainName, DomainState, Role, RunFolder};
 use message::ProcessKind;
@@ -14,11 +14,11 @@ use std::sync::{Arc, LazyLock};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
-/// Watchdog: a test that hangs fails after this. No test depends on how fast anything is.
-pub(crate) const PATIENCE: Duration = Duration::from_secs(180);
-const LOOK_AGAIN: Duration = Duration::from_millis(20);
+/// Watchdog time limit: a test that hangs fails after it. No test depends on speed.
+pub(crate) const WATCHDOG: Duration = Duration::from_secs(180);
+const POLL_PERIOD: Duration = Duration::from_millis(20);
 
-/// The folder of the programs, built once for all tests.
+/// Folder of the programs, built once for all tests.
 static PROGRAMS: LazyLock<PathBuf> = LazyLock::new(|| {
     let test = std::env::current_exe().unwrap();
     let folder = test.parent().unwrap().parent().unwrap().to_owned();
@@ -34,9 +34,8 @@ static PROGRAMS: LazyLock<PathBuf> = LazyLock::new(|| {
     folder
 });
 
-/// A folder of the same programs, in which perception is the one whose actors panic
-/// when the section `[perception]` says `fault_panic_every_ms`. Hard links: a program
-/// looks for the others in the folder it was started from.
+/// Folder of the programs with fault injection in perception (`fault_panic_every_ms`).
+/// Hard links, since a program looks for the others in its own folder.
 pub(crate) static FAULTY_PROGRAMS: LazyLock<PathBuf> = LazyLock::new(|| {
     const FAULTY: &str = "tabula-perception-faulty";
     let folder = PROGRAMS.join("with-faulty-perception");
@@ -64,29 +63,29 @@ pub(crate) static FAULTY_PROGRAMS: LazyLock<PathBuf> = LazyLock::new(|| {
     folder
 });
 
-/// The processes of a daemon with a camera, in the order they are started.
+/// Processes of a daemon with a camera, in the order of their start.
 pub(crate) const WITH_CAMERA: [ProcessKind; 3] = [
     ProcessKind::Memory,
     ProcessKind::Perception,
     ProcessKind::Camera,
 ];
 
-/// Path of one of our programs.
+/// Path of a program.
 pub(crate) fn program(name: &str) -> PathBuf {
     PROGRAMS.join(name)
 }
 
 static N_PLACES: AtomicU32 = AtomicU32::new(0);
 
-/// A domain, home and run folder of a test's own. Outlives the daemons in it.
-pub(crate) struct Place {
+/// Domain, home and run folder of one test. Outlives the daemons in it.
+pub(crate) struct Sandbox {
     pub(crate) domain: DomainName,
     runtime_dir: Arc<TempDir>,
     home: TempDir,
     programs: &'static Path,
 }
 
-impl Place {
+impl Sandbox {
     pub(crate) fn new() -> Self {
         let number = N_PLACES.fetch_add(1, Ordering::Relaxed);
         Self {
@@ -99,14 +98,14 @@ impl Place {
         }
     }
 
-    /// A place for daemons whose object actors can be told to panic.
+    /// Sandbox for daemons with fault injection.
     pub(crate) fn with_faulty_perception() -> Self {
-        let mut place = Self::new();
-        place.programs = &FAULTY_PROGRAMS;
-        place
+        let mut sandbox = Self::new();
+        sandbox.programs = &FAULTY_PROGRAMS;
+        sandbox
     }
 
-    /// Another domain in the same run folder; its name goes on where this one's ends.
+    /// Another domain in the same run folder; its name has this one's as a prefix.
     pub(crate) fn neighbour(&self) -> Self {
         Self {
             domain: format!("{}-b", self.domain).parse().unwrap(),
@@ -116,7 +115,7 @@ impl Place {
         }
     }
 
-    /// Lets other accounts as far as into the run folder, as `/run` does.
+    /// Permits other accounts to enter the run folder, as `/run` does.
     pub(crate) fn open_to_all(&self) {
         let mode = std::fs::Permissions::from_mode(0o755);
         std::fs::set_permissions(self.runtime_dir.path(), mode).unwrap();
@@ -126,12 +125,12 @@ impl Place {
         self.home.path()
     }
 
-    /// The run folder a daemon of this place uses.
+    /// Run folder of the daemons in this sandbox.
     pub(crate) fn run_folder(&self) -> RunFolder {
         RunFolder::at(self.runtime_dir.path().join("tabula"))
     }
 
-    /// A program with this place's environment.
+    /// Program with the environment of this sandbox.
     pub(crate) fn command(&self, name: &str) -> Command {
         let mut command = Command::new(self.programs.join(name));
         command
@@ -162,7 +161,7 @@ impl Place {
             .collect()
     }
 
-    /// Living processes that were told to work in this domain.
+    /// Ids of the living processes of this domain.
     pub(crate) fn processes(&self) -> Vec<u32> {
         let argument = format!("--domain={}", self.domain);
         let is_ours = |pid: &u32| {
@@ -177,19 +176,19 @@ impl Place {
             .collect()
     }
 
-    /// Whether nobody is left: a process that is being killed has no command line
-    /// any more, and holds its locks a little longer.
+    /// True if no process is left. A process that is being killed has no command line any
+    /// more, and holds its locks a little longer.
     pub(crate) fn is_deserted(&self) -> bool {
         let state = DomainState::of(&self.domain, &self.run_folder());
         self.processes().is_empty() && !state.is_alive && state.running.is_empty()
     }
 
-    /// Where the daemons of this place write what they have to say.
+    /// Log file of the daemons in this sandbox.
     pub(crate) fn log(&self) -> PathBuf {
         self.home.path().join("log.txt")
     }
 
-    /// Starts `tabula run` and waits for nothing.
+    /// Starts `tabula run` without waiting.
     pub(crate) fn launch(&self, arguments: &[&str]) -> Child {
         let log = std::fs::File::options()
             .create(true)
@@ -205,7 +204,7 @@ impl Place {
             .unwrap()
     }
 
-    /// Starts the daemon and waits until it says that it runs.
+    /// Starts the daemon and waits until it reports that it runs.
     pub(crate) fn start(&self, arguments: &[&str]) -> Daemon<'_> {
         let log = self.log();
         let mut child = self.launch(arguments);
@@ -219,7 +218,7 @@ impl Place {
             )
         });
         Daemon {
-            place: self,
+            sandbox: self,
             child,
             _stdout: stdout,
             started,
@@ -229,9 +228,8 @@ impl Place {
     }
 }
 
-impl Drop for Place {
-    /// A test that ends by killing leaves nothing behind either: who is alone in a
-    /// domain removes what the dead have left.
+impl Drop for Sandbox {
+    /// Removes the shared memory of killed processes, as the only member of the domain.
     fn drop(&mut self) {
         if !self.shared_memory_files().is_empty() {
             let _ = Domain::join(&self.domain, &self.run_folder(), Role::Guest);
@@ -239,28 +237,28 @@ impl Drop for Place {
     }
 }
 
-/// A running daemon.
+/// Running daemon in a sandbox.
 pub(crate) struct Daemon<'a> {
-    pub(crate) place: &'a Place,
+    pub(crate) sandbox: &'a Sandbox,
     child: Child,
     _stdout: BufReader<ChildStdout>,
-    /// What `tabula run --json` said.
+    /// Start document of `tabula run --json`.
     pub(crate) started: Value,
     log: PathBuf,
     is_stopped: bool,
 }
 
 impl Daemon<'_> {
-    /// Runs `tabula --json` with arguments; the document it printed.
+    /// JSON document of `tabula --json` with arguments.
     pub(crate) fn ask(&self, arguments: &[&str]) -> Value {
-        let output = self.place.tabula(&[&["--json"], arguments].concat());
+        let output = self.sandbox.tabula(&[&["--json"], arguments].concat());
         assert!(output.status.success(), "{arguments:?}: {output:?}");
         serde_json::from_slice(&output.stdout).unwrap()
     }
 
-    /// Runs `tabula` with arguments that must be refused: exit code and sentence.
+    /// Exit code and sentence of `tabula` with arguments that must be refused.
     pub(crate) fn refused(&self, arguments: &[&str]) -> (i32, String) {
-        let output = self.place.tabula(arguments);
+        let output = self.sandbox.tabula(arguments);
         assert!(!output.status.success(), "{arguments:?}: {output:?}");
         (
             output.status.code().unwrap(),
@@ -268,7 +266,7 @@ impl Daemon<'_> {
         )
     }
 
-    /// The tracked objects.
+    /// Tracked objects as JSON documents.
     pub(crate) fn objects(&self) -> Vec<Value> {
         self.ask(&["objects"])["objects"]
             .as_array()
@@ -276,11 +274,11 @@ impl Daemon<'_> {
             .clone()
     }
 
-    /// Waits until the objects are as wanted; gives them back.
+    /// Waits for a condition on the objects, and returns them.
     pub(crate) fn wait_for(&self, what: &str, is_so: impl Fn(&[Value]) -> bool) -> Vec<Value> {
-        let deadline = Instant::now() + PATIENCE;
+        let deadline = Instant::now() + WATCHDOG;
         loop {
-            let objects = self.place.tabula(&["objects", "--json"]);
+            let objects = self.sandbox.tabula(&["objects", "--json"]);
             let objects: Value = serde_json::from_slice(&objects.stdout).unwrap_or_default();
             let objects = objects["objects"].as_array().cloned().unwrap_or_default();
             if is_so(&objects) {
@@ -288,16 +286,16 @@ impl Daemon<'_> {
             }
             assert!(
                 Instant::now() < deadline,
-                "waited in vain: {what}; {objects:#?}\n{}",
+                "timed out waiting: {what}; {objects:#?}\n{}",
                 self.log()
             );
-            std::thread::sleep(LOOK_AGAIN);
+            std::thread::sleep(POLL_PERIOD);
         }
     }
 
-    /// The processes' health by name.
+    /// Health document of a process.
     pub(crate) fn health(&self, process: &str) -> Option<Value> {
-        let output = self.place.tabula(&["status", "--json"]);
+        let output = self.sandbox.tabula(&["status", "--json"]);
         let document: Value = serde_json::from_slice(&output.stdout).ok()?;
         let processes = document["processes"].as_array()?;
         processes
@@ -306,7 +304,7 @@ impl Daemon<'_> {
             .cloned()
     }
 
-    /// Process id of a process as it reports itself now.
+    /// Process id in the newest health report.
     pub(crate) fn pid(&self, process: ProcessKind) -> Option<u32> {
         u32::try_from(self.health(process.name())?["pid"].as_u64()?).ok()
     }
@@ -317,29 +315,29 @@ impl Daemon<'_> {
         kill_process(Pid::from_raw(pid.cast_signed()).unwrap(), signal).unwrap();
     }
 
-    /// What the daemon has logged.
+    /// Log text of the daemon.
     pub(crate) fn log(&self) -> String {
         std::fs::read_to_string(&self.log).unwrap_or_default()
     }
 
-    /// Stops the daemon with SIGINT, as Ctrl-C does, and checks that nothing is left:
+    /// Stops the daemon with SIGINT, as Ctrl-C does, and asserts that nothing is left:
     /// processes, shared memory, run folder.
     pub(crate) fn stop(mut self) {
         self.signal_parent(Signal::INT);
-        let status = self.wait(PATIENCE);
+        let status = self.wait(WATCHDOG);
         assert!(status.success(), "{status}\n{}", self.log());
         self.is_stopped = true;
-        let left = self.place.shared_memory_files();
+        let left = self.sandbox.shared_memory_files();
         assert!(left.is_empty(), "left in shared memory: {left:?}");
-        let folder = self.place.run_folder().of_domain(&self.place.domain);
+        let folder = self.sandbox.run_folder().of_domain(&self.sandbox.domain);
         assert!(!folder.exists(), "the run folder is left");
-        let alive = self.place.processes();
+        let alive = self.sandbox.processes();
         assert!(alive.is_empty(), "processes are left: {alive:?}");
     }
 
-    /// Waits until `tabula run` has ended by itself; its exit status.
-    pub(crate) fn wait(&mut self, patience: Duration) -> ExitStatus {
-        let status = wait_for_end(&mut self.child, patience);
+    /// Waits until `tabula run` has ended by itself, and returns its exit status.
+    pub(crate) fn wait(&mut self, watchdog: Duration) -> ExitStatus {
+        let status = wait_for_end(&mut self.child, watchdog);
         self.is_stopped = status.is_some();
         status.unwrap_or_else(|| panic!("the daemon does not stop\n{}", self.log()))
     }
@@ -355,35 +353,35 @@ impl Daemon<'_> {
 }
 
 impl Drop for Daemon<'_> {
-    /// A failed test leaves nothing behind either: the children follow their parent.
+    /// Stops the daemon of a failed test; the children follow their parent.
     fn drop(&mut self) {
         if !self.is_stopped {
             self.signal_parent(Signal::TERM);
-            let deadline = Instant::now() + PATIENCE;
+            let deadline = Instant::now() + WATCHDOG;
             while self.child.try_wait().unwrap().is_none() {
                 if Instant::now() > deadline {
                     let _ = self.child.kill();
                 }
-                std::thread::sleep(LOOK_AGAIN);
+                std::thread::sleep(POLL_PERIOD);
             }
         }
     }
 }
 
 /// Waits until a process has ended; `None` when it has not.
-pub(crate) fn wait_for_end(child: &mut Child, patience: Duration) -> Option<ExitStatus> {
-    let deadline = Instant::now() + patience;
+pub(crate) fn wait_for_end(child: &mut Child, watchdog: Duration) -> Option<ExitStatus> {
+    let deadline = Instant::now() + watchdog;
     while Instant::now() < deadline {
         if let Some(status) = child.try_wait().unwrap() {
             return Some(status);
         }
-        std::thread::sleep(LOOK_AGAIN);
+        std::thread::sleep(POLL_PERIOD);
     }
     None
 }
 
 /// Runs a command to its end; one that does not end is stopped and fails the test.
-pub(crate) fn run_to_end(command: &mut Command, patience: Duration) -> Output {
+pub(crate) fn run_to_end(command: &mut Command, watchdog: Duration) -> Output {
     let child = command
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
@@ -392,15 +390,15 @@ pub(crate) fn run_to_end(command: &mut Command, patience: Duration) -> Output {
     let pid = Pid::from_child(&child);
     let (sender, ended) = std::sync::mpsc::channel();
     std::thread::spawn(move || sender.send(child.wait_with_output()));
-    if let Ok(output) = ended.recv_timeout(patience) {
+    if let Ok(output) = ended.recv_timeout(watchdog) {
         return output.unwrap();
     }
     let _ = kill_process(pid, Signal::TERM);
     panic!("{command:?} does not end by itself");
 }
 
-/// The same command with other mounts, in a mount namespace of its own; `mounts`
-/// is a shell command. Only root may.
+/// Command in its own mount namespace with other mounts; `mounts` is a shell command.
+/// Needs root.
 pub(crate) fn with_mounts(command: &Command, mounts: &str) -> Command {
     let is_root = rustix::process::getuid().is_root();
     assert!(
@@ -428,20 +426,20 @@ pub(crate) fn with_mounts(command: &Command, mounts: &str) -> Command {
     wrapped
 }
 
-/// Waits until something holds.
+/// Polls until a condition holds, or the watchdog time is over.
 pub(crate) fn eventually(what: &str, mut is_so: impl FnMut() -> bool) {
-    let deadline = Instant::now() + PATIENCE;
+    let deadline = Instant::now() + WATCHDOG;
     while !is_so() {
-        assert!(Instant::now() < deadline, "waited in vain: {what}");
-        std::thread::sleep(LOOK_AGAIN);
+        assert!(Instant::now() < deadline, "timed out waiting: {what}");
+        std::thread::sleep(POLL_PERIOD);
     }
 }
 
-/// The object nearest to a place, metres; the objects must not be empty.
-pub(crate) fn nearest(objects: &[Value], place: [f64; 3]) -> &Value {
+/// Object nearest to a position, metres; the objects must not be empty.
+pub(crate) fn nearest(objects: &[Value], position_m: [f64; 3]) -> &Value {
     let distance2 = |object: &Value| -> f64 {
         let position = object["position_m"].as_array().unwrap();
-        let axis = |i: usize| position[i].as_f64().unwrap() - place[i];
+        let axis = |i: usize| position[i].as_f64().unwrap() - position_m[i];
         (0..3).map(|i| axis(i) * axis(i)).sum()
     };
     let by_distance = |a: &&Value, b: &&Value| distance2(a).total_cmp(&distance2(b));

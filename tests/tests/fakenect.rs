@@ -1,7 +1,6 @@
-//! A recording for libfreenect, made of the synthetic scene, played through the
-//! real library.
+//! Fakenect: a recording of the synthetic scene, played through the real libfreenect.
 
-use crate::daemon::{Daemon, Place, eventually, nearest};
+use crate::daemon::{Daemon, Sandbox, eventually, nearest};
 use camera::synthetic::{RenderedView, SyntheticTable};
 use dataset::fakenect_folder::FakenectWriter;
 use freenect::{Calibration, DepthTable};
@@ -13,25 +12,26 @@ use std::path::Path;
 use std::time::Duration;
 use tempfile::TempDir;
 
-/// Frames of the recording: two seconds.
+/// Number of frames of the recording: two seconds.
 const N_FRAMES: u32 = 60;
-/// A thirtieth of a second, in ticks of the Kinect's clock and on the wall's.
+/// Frame period in ticks of the Kinect's clock, and in wall-clock time.
 const TICKS_PER_FRAME: u32 = freenect::CLOCK_HZ / 30;
 const FRAME_TIME: Duration = Duration::from_nanos(33_333_333);
-/// When the recording was made, as it says.
+/// Wall-clock time at the start of the recording.
 const BEGAN: Duration = Duration::from_secs(1_300_000_000);
-/// The box of the seen points is not the box of the object, whose back is hidden.
+/// Tolerance of positions, metres: the box of the visible points differs from that of the
+/// object, whose back is hidden.
 const POSITION_TOLERANCE_M: f64 = 0.015;
-/// Mean colours differ by the seam where the colour camera sees something else.
+/// Tolerance of mean colours, 0 to 255: at edges the colour camera sees another surface.
 const COLOUR_TOLERANCE: f64 = 20.0;
 
-/// The synthetic table as a Kinect with the nominal calibration sees it.
-struct Scene {
+/// Synthetic table seen by a Kinect with the nominal calibration.
+struct KinectScene {
     table: SyntheticTable,
     calibration: Calibration,
 }
 
-impl Scene {
+impl KinectScene {
     fn new(arrangement: u32) -> Self {
         Self {
             table: SyntheticTable::new(arrangement),
@@ -76,8 +76,7 @@ impl Scene {
         }
     }
 
-    /// Where the objects stand and their mean colour as the depth camera sees
-    /// it, camera frame, metres, 0 to 255.
+    /// Ground-truth positions (camera frame, metres) and mean colours (0 to 255).
     fn truth(&self) -> Vec<(&'static str, [f64; 3], [f64; 3])> {
         let depth_from_world = self.world_from_depth().inverse();
         let view = self.depth();
@@ -92,7 +91,7 @@ impl Scene {
             .collect()
     }
 
-    /// Mean colour of the seen points for which something holds, world frame.
+    /// Mean colour of the visible points that fulfil a predicate, world frame.
     fn mean_color(&self, view: &RenderedView, is_meant: impl Fn(&Point3<f64>) -> bool) -> [f64; 3] {
         let camera = &self.calibration.depth_camera;
         let width = camera.width as usize;
@@ -117,8 +116,8 @@ impl Scene {
     }
 }
 
-/// A folder with a recording of an arrangement.
-fn recording(scene: &Scene) -> TempDir {
+/// Folder with a recording of an arrangement.
+fn recording(scene: &KinectScene) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     scene.record(folder.path());
     folder
@@ -156,11 +155,11 @@ fn camera(daemon: &Daemon<'_>, key: &str) -> Value {
 
 #[test]
 #[ignore = "needs libfreenect0.5"]
-fn objects_of_a_recording_are_tracked_where_they_stand_in_their_colours() {
-    let scene = Scene::new(0);
+fn fakenect_objects_are_tracked_at_their_positions_in_their_colours() {
+    let scene = KinectScene::new(0);
     let folder = recording(&scene);
-    let place = Place::new();
-    let daemon = place.start(&["--source", &source(&folder), "--loop"]);
+    let sandbox = Sandbox::new();
+    let daemon = sandbox.start(&["--source", &source(&folder), "--loop"]);
     let truth = scene.truth();
     let objects = daemon.wait_for("all objects are tracked", |objects| {
         tracked(objects) == truth.len() && objects.len() == truth.len()
@@ -187,13 +186,13 @@ fn objects_of_a_recording_are_tracked_where_they_stand_in_their_colours() {
 
 #[test]
 #[ignore = "needs libfreenect0.5"]
-fn after_the_end_of_a_recording_the_camera_is_idle() {
-    let folder = recording(&Scene::new(1));
-    let place = Place::new();
-    let daemon = place.start(&["--source", &source(&folder)]);
+fn fakenect_camera_is_idle_after_the_end_of_the_recording() {
+    let folder = recording(&KinectScene::new(1));
+    let sandbox = Sandbox::new();
+    let daemon = sandbox.start(&["--source", &source(&folder)]);
     eventually("the recording ends", || camera(&daemon, "state") == "idle");
     let n_frames = camera(&daemon, "frames").as_u64().unwrap();
-    // Fakenect drops what is not taken in time, and the pair that is cut off at the end.
+    // Fakenect drops images that are not taken in time, and the incomplete pair at the end.
     assert!(
         (1..=u64::from(N_FRAMES)).contains(&n_frames),
         "{}",
@@ -204,10 +203,10 @@ fn after_the_end_of_a_recording_the_camera_is_idle() {
 
 #[test]
 #[ignore = "needs libfreenect0.5"]
-fn a_looped_recording_starts_the_process_anew_and_goes_on() {
-    let folder = recording(&Scene::new(1));
-    let place = Place::new();
-    let daemon = place.start(&["--source", &source(&folder), "--loop"]);
+fn fakenect_loop_restarts_the_process_and_continues() {
+    let folder = recording(&KinectScene::new(1));
+    let sandbox = Sandbox::new();
+    let daemon = sandbox.start(&["--source", &source(&folder), "--loop"]);
     let n_starts = || daemon.log().matches("playing fakenect").count();
     eventually("the recording has begun three times", || n_starts() >= 3);
     let frames = || daemon.health(ProcessKind::Perception.name()).unwrap()["frames"].as_u64();

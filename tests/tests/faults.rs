@@ -1,8 +1,8 @@
-//! Faults: processes that are killed, stopped, or can not start. What was
-//! acknowledged stays, the daemon comes back, and nothing is left behind.
+//! Fault tolerance: processes that are killed, stopped, or cannot start. Acknowledged
+//! changes survive, the daemon recovers, and nothing is left behind.
 
 use crate::daemon::{
-    Daemon, PATIENCE, Place, WITH_CAMERA, eventually, nearest, run_to_end, wait_for_end,
+    Daemon, Sandbox, WATCHDOG, WITH_CAMERA, eventually, nearest, run_to_end, wait_for_end,
 };
 use crate::skeleton::{id, place_of, wait_for_all};
 use message::ProcessKind;
@@ -14,13 +14,13 @@ use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
 use std::time::Duration;
 
-/// The synthetic table, slowly: several daemons share the machine's cores.
+/// The synthetic table at a low rate, since several daemons share the cores.
 const TABLE: [&str; 4] = ["--source", "synthetic:0", "--rate", "10"];
-/// The daemon gives up when one process ends more than 30 times in a minute; a kill
-/// a second among three stays below it.
+/// Pause between kills. The daemon gives up when one process ends more than 30 times in a
+/// minute; a kill a second among three stays below it.
 const BETWEEN_KILLS: Duration = Duration::from_secs(1);
 
-/// Teaches the names of two objects.
+/// Teaches the labels of two objects.
 fn teach_two(daemon: &Daemon<'_>) {
     let objects = wait_for_all(daemon, 0);
     for (name, label) in [("mug", "mug"), ("box", "cereal box")] {
@@ -29,7 +29,7 @@ fn teach_two(daemon: &Daemon<'_>) {
     }
 }
 
-/// Waits until all objects are tracked and those that were taught have their names.
+/// Waits until all objects are tracked and the taught ones are labelled.
 fn wait_for_names(daemon: &Daemon<'_>) {
     wait_for_all(daemon, 0);
     let is_named = |objects: &[Value], name: &str, label: &str| {
@@ -42,7 +42,7 @@ fn wait_for_names(daemon: &Daemon<'_>) {
     assert_eq!(ball["label"], Value::Null, "{objects:#?}");
 }
 
-/// Number of frames a process has handled since its start.
+/// Number of frames that a process has handled since its start.
 fn n_frames(daemon: &Daemon<'_>, process: ProcessKind) -> u64 {
     let health = daemon.health(process.name());
     health
@@ -57,7 +57,7 @@ fn wait_for_frames(daemon: &Daemon<'_>, process: ProcessKind) {
     eventually(&what, || n_frames(daemon, process) > before + 5);
 }
 
-/// Kills a process and waits until another one has taken its place.
+/// Kills a process and waits for its replacement.
 fn kill(daemon: &Daemon<'_>, process: ProcessKind) {
     let mut killed = None;
     eventually("the process reports its id", || {
@@ -79,7 +79,7 @@ fn signal_pid(pid: u32, signal: Signal) {
     let _ = kill_process(Pid::from_raw(pid.cast_signed()).unwrap(), signal);
 }
 
-/// Views of each category.
+/// Number of views of each category.
 fn categories(daemon: &Daemon<'_>) -> BTreeMap<String, u64> {
     let document = daemon.ask(&["categories"]);
     let all = document["categories"].as_array().unwrap().iter();
@@ -92,10 +92,10 @@ fn categories(daemon: &Daemon<'_>) -> BTreeMap<String, u64> {
     .collect()
 }
 
-/// Numbers that are the same in each run.
-struct Dice(u64);
+/// Pseudo-random number generator (xorshift64) with a fixed seed.
+struct XorShift(u64);
 
-impl Dice {
+impl XorShift {
     fn below(&mut self, limit: u64) -> u64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
@@ -105,9 +105,9 @@ impl Dice {
 }
 
 #[test]
-fn a_killed_process_is_restarted_and_what_was_taught_is_recognised() {
-    let place = Place::new();
-    let daemon = place.start(&TABLE);
+fn killed_process_is_restarted_and_labels_are_recognised() {
+    let sandbox = Sandbox::new();
+    let daemon = sandbox.start(&TABLE);
     teach_two(&daemon);
     for process in WITH_CAMERA {
         let others = || {
@@ -130,19 +130,19 @@ fn a_killed_process_is_restarted_and_what_was_taught_is_recognised() {
 }
 
 #[test]
-fn what_was_acknowledged_survives_kill_9_of_the_memory() {
-    let place = Place::new();
-    let daemon = place.start(&TABLE);
+fn acknowledged_labels_survive_kill_9_of_the_memory() {
+    let sandbox = Sandbox::new();
+    let daemon = sandbox.start(&TABLE);
     let objects = wait_for_all(&daemon, 0);
     let mug = id(nearest(&objects, place_of(0, "mug")));
     for round in 0..5 {
         let label = format!("mug {round}");
         eventually("the correction is acknowledged", || {
-            place.tabula(&["correct", &mug, &label]).status.success()
+            sandbox.tabula(&["correct", &mug, &label]).status.success()
         });
         kill(&daemon, ProcessKind::Memory);
         eventually("the memory answers", || {
-            place.tabula(&["categories"]).status.success()
+            sandbox.tabula(&["categories"]).status.success()
         });
         let known = categories(&daemon);
         assert_eq!(
@@ -153,7 +153,7 @@ fn what_was_acknowledged_survives_kill_9_of_the_memory() {
         assert!(known[&label] > 0, "{known:?}");
     }
     daemon.stop();
-    let daemon = place.start(&TABLE);
+    let daemon = sandbox.start(&TABLE);
     assert!(categories(&daemon).contains_key("mug 4"));
     daemon.wait_for("the last name is the one that counts", |objects| {
         !objects.is_empty() && nearest(objects, place_of(0, "mug"))["label"] == "mug 4"
@@ -162,69 +162,69 @@ fn what_was_acknowledged_survives_kill_9_of_the_memory() {
 }
 
 #[test]
-fn the_children_end_when_tabula_run_is_killed() {
-    let place = Place::new();
-    let mut daemon = place.start(&TABLE);
+fn children_end_when_tabula_run_is_killed() {
+    let sandbox = Sandbox::new();
+    let mut daemon = sandbox.start(&TABLE);
     teach_two(&daemon);
     daemon.signal_parent(Signal::KILL);
-    assert!(!daemon.wait(PATIENCE).success());
-    eventually("the children follow their parent", || place.is_deserted());
-    let daemon = place.start(&TABLE);
+    assert!(!daemon.wait(WATCHDOG).success());
+    eventually("the children follow their parent", || sandbox.is_deserted());
+    let daemon = sandbox.start(&TABLE);
     wait_for_names(&daemon);
     daemon.stop();
 }
 
-/// `tabula run` is killed while it starts, at instants of a seeded choice.
+/// Kills `tabula run` at random times while it starts.
 fn kill_while_starting(n_rounds: u32) {
-    let place = Place::new();
-    let mut dice = Dice(0x5eed);
+    let sandbox = Sandbox::new();
+    let mut dice = XorShift(0x5eed);
     for _ in 0..n_rounds {
-        let mut run = place.launch(&TABLE);
+        let mut run = sandbox.launch(&TABLE);
         std::thread::sleep(Duration::from_millis(dice.below(400)));
         run.kill().unwrap();
         run.wait().unwrap();
-        eventually("no child outlives its parent", || place.is_deserted());
+        eventually("no child outlives its parent", || sandbox.is_deserted());
     }
-    let daemon = place.start(&TABLE);
+    let daemon = sandbox.start(&TABLE);
     wait_for_all(&daemon, 0);
     daemon.stop();
 }
 
 #[test]
-fn no_child_outlives_a_parent_that_is_killed_while_it_starts() {
+fn children_end_when_tabula_run_is_killed_while_starting() {
     kill_while_starting(8);
 }
 
 #[test]
 #[ignore = "long"]
-fn long_no_child_outlives_a_parent_that_is_killed_while_it_starts() {
+fn long_children_end_when_tabula_run_is_killed_while_starting() {
     kill_while_starting(100);
 }
 
 #[test]
-fn the_next_start_cleans_up_when_everything_was_killed_at_once() {
-    let place = Place::new();
-    let mut daemon = place.start(&TABLE);
+fn shared_memory_of_a_crash_is_removed_at_the_next_start() {
+    let sandbox = Sandbox::new();
+    let mut daemon = sandbox.start(&TABLE);
     teach_two(&daemon);
     // The parent first, so that it has no time to clean up; nor have the children,
     // which are told to stop when it dies.
-    let children = place.processes();
+    let children = sandbox.processes();
     assert_eq!(children.len(), WITH_CAMERA.len());
     for pid in &children {
         signal_pid(*pid, Signal::STOP);
     }
     daemon.signal_parent(Signal::KILL);
     children.into_iter().for_each(kill_pid);
-    daemon.wait(PATIENCE);
-    eventually("all are dead", || place.is_deserted());
-    let left = files_and_inodes(&place);
+    daemon.wait(WATCHDOG);
+    eventually("all are dead", || sandbox.is_deserted());
+    let left = files_and_inodes(&sandbox);
     assert!(left.len() > 10, "a crash leaves shared memory: {left:?}");
-    let doctor = place.tabula(&["doctor"]);
+    let doctor = sandbox.tabula(&["doctor"]);
     let findings = String::from_utf8(doctor.stdout).unwrap();
     assert!(findings.contains("crashed run has left"), "{findings}");
 
-    let daemon = place.start(&TABLE);
-    let kept: Vec<_> = files_and_inodes(&place)
+    let daemon = sandbox.start(&TABLE);
+    let kept: Vec<_> = files_and_inodes(&sandbox)
         .intersection(&left)
         .cloned()
         .collect();
@@ -236,9 +236,9 @@ fn the_next_start_cleans_up_when_everything_was_killed_at_once() {
     daemon.stop();
 }
 
-/// The domain's files in shared memory; the inode tells a new one of an old name.
-fn files_and_inodes(place: &Place) -> BTreeSet<(String, u64)> {
-    let files = place.shared_memory_files().into_iter();
+/// Shared memory files of the domain; the inode distinguishes files of the same name.
+fn files_and_inodes(sandbox: &Sandbox) -> BTreeSet<(String, u64)> {
+    let files = sandbox.shared_memory_files().into_iter();
     files
         .filter_map(|name| {
             let file = std::fs::metadata(Path::new("/dev/shm").join(&name)).ok()?;
@@ -247,19 +247,19 @@ fn files_and_inodes(place: &Place) -> BTreeSet<(String, u64)> {
         .collect()
 }
 
-/// What was tried to be taught of one track.
+/// Labels that were sent for one track.
 #[derive(Debug, Default)]
-struct Lessons {
-    /// The last label that was acknowledged.
+struct LabelHistory {
+    /// Last acknowledged label.
     acknowledged: Option<String>,
-    /// Labels since, of which nobody knows: the memory was killed meanwhile.
+    /// Later labels without an answer, since the memory was killed.
     in_doubt: Vec<String>,
 }
 
-impl Lessons {
-    /// Corrects the name of the track.
-    fn correct(&mut self, place: &Place, track: &str, label: String) {
-        let output = place.tabula(&["correct", track, &label]);
+impl LabelHistory {
+    /// Corrects the label of the track.
+    fn correct(&mut self, sandbox: &Sandbox, track: &str, label: String) {
+        let output = sandbox.tabula(&["correct", track, &label]);
         match output.status.code() {
             Some(0) => {
                 *self = Self {
@@ -273,7 +273,7 @@ impl Lessons {
         }
     }
 
-    /// The track must carry what was acknowledged last, or what came later.
+    /// Asserts that the track has the last acknowledged label, or a later one.
     fn check(&self, known: &BTreeMap<String, u64>) {
         if let Some(acknowledged) = &self.acknowledged {
             let mut possible = self.in_doubt.iter().chain([acknowledged]);
@@ -285,16 +285,16 @@ impl Lessons {
     }
 }
 
-/// Kills processes of a seeded choice while names are taught all the time.
+/// Kills random processes while labels are taught.
 fn kill_at_random(n_kills: u32) {
-    let place = Place::new();
-    let daemon = place.start(&TABLE);
+    let sandbox = Sandbox::new();
+    let daemon = sandbox.start(&TABLE);
     let first = id(&wait_for_all(&daemon, 0)[0]);
-    let mut dice = Dice(0xfa17);
-    let mut lessons: BTreeMap<String, Lessons> = BTreeMap::new();
+    let mut dice = XorShift(0xfa17);
+    let mut lessons: BTreeMap<String, LabelHistory> = BTreeMap::new();
     // At least one label is acknowledged, on however busy a computer.
     daemon.ask(&["correct", &first, "first"]);
-    let acknowledged = Lessons {
+    let acknowledged = LabelHistory {
         acknowledged: Some("first".to_owned()),
         in_doubt: Vec::new(),
     };
@@ -313,7 +313,7 @@ fn kill_at_random(n_kills: u32) {
                 kill_pid(victim.unwrap());
             });
             for lesson in 0..4 {
-                let objects = objects_if_any(&place);
+                let objects = objects_if_any(&sandbox);
                 let Some(object) = objects.get(dice.below(5) as usize) else {
                     continue;
                 };
@@ -321,7 +321,7 @@ fn kill_at_random(n_kills: u32) {
                 lessons
                     .entry(id(object))
                     .or_default()
-                    .correct(&place, &id(object), label);
+                    .correct(&sandbox, &id(object), label);
             }
         });
         std::thread::sleep(BETWEEN_KILLS);
@@ -334,15 +334,15 @@ fn kill_at_random(n_kills: u32) {
         lessons.check(&known);
     }
     daemon.stop();
-    let daemon = place.start(&TABLE);
+    let daemon = sandbox.start(&TABLE);
     assert_eq!(categories(&daemon), known, "a restart changes nothing");
     wait_for_all(&daemon, 0);
     daemon.stop();
 }
 
-/// The objects; none while a process is being restarted.
-fn objects_if_any(place: &Place) -> Vec<Value> {
-    let output = place.tabula(&["objects", "--json"]);
+/// Tracked objects; none while a process restarts.
+fn objects_if_any(sandbox: &Sandbox) -> Vec<Value> {
+    let output = sandbox.tabula(&["objects", "--json"]);
     let document: Value = serde_json::from_slice(&output.stdout).unwrap_or_default();
     document["objects"].as_array().cloned().unwrap_or_default()
 }
@@ -360,8 +360,8 @@ fn long_kills_at_random_instants_lose_nothing_acknowledged() {
 
 #[test]
 fn a_stopped_perception_blocks_neither_camera_nor_memory() {
-    let place = Place::new();
-    let daemon = place.start(&TABLE);
+    let sandbox = Sandbox::new();
+    let daemon = sandbox.start(&TABLE);
     teach_two(&daemon);
     let mug = id(nearest(&daemon.objects(), place_of(0, "mug")));
     let perception = daemon.pid(ProcessKind::Perception).unwrap();
@@ -390,9 +390,9 @@ fn a_stopped_perception_blocks_neither_camera_nor_memory() {
 }
 
 #[test]
-fn a_stopped_memory_is_a_sentence_and_goes_on_afterwards() {
-    let place = Place::new();
-    let daemon = place.start(&TABLE);
+fn stopped_memory_times_out_with_a_sentence_and_continues_afterwards() {
+    let sandbox = Sandbox::new();
+    let daemon = sandbox.start(&TABLE);
     teach_two(&daemon);
     let memory = daemon.pid(ProcessKind::Memory).unwrap();
     let memory = Pid::from_raw(memory.cast_signed()).unwrap();
@@ -407,11 +407,11 @@ fn a_stopped_memory_is_a_sentence_and_goes_on_afterwards() {
 }
 
 #[test]
-fn a_process_that_can_not_start_ends_the_daemon_with_a_reason() {
-    let place = Place::new();
+fn process_that_cannot_start_ends_the_daemon_with_a_reason() {
+    let sandbox = Sandbox::new();
     // A file where the memory needs a folder stops even root.
-    std::fs::write(place.home().join("perceptual-memory"), "not a folder").unwrap();
-    let output = run_to_end(place.command("tabula").arg("run").args(TABLE), PATIENCE);
+    std::fs::write(sandbox.home().join("perceptual-memory"), "not a folder").unwrap();
+    let output = run_to_end(sandbox.command("tabula").arg("run").args(TABLE), WATCHDOG);
     let sentence = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(1), "{sentence}");
     let last = sentence.lines().last().unwrap();
@@ -424,32 +424,32 @@ fn a_process_that_can_not_start_ends_the_daemon_with_a_reason() {
         sentence.contains("perceptual-memory"),
         "the cause is named: {sentence}"
     );
-    assert!(place.is_deserted());
-    assert_eq!(place.shared_memory_files(), Vec::<String>::new());
-    assert!(!place.run_folder().of_domain(&place.domain).exists());
+    assert!(sandbox.is_deserted());
+    assert_eq!(sandbox.shared_memory_files(), Vec::<String>::new());
+    assert!(!sandbox.run_folder().of_domain(&sandbox.domain).exists());
 }
 
 #[test]
 fn a_running_daemon_ends_on_sigterm_sigint_and_sighup() {
     for signal in [Signal::TERM, Signal::INT, Signal::HUP] {
-        let place = Place::new();
-        let mut daemon = place.start(&TABLE);
+        let sandbox = Sandbox::new();
+        let mut daemon = sandbox.start(&TABLE);
         wait_for_all(&daemon, 0);
         daemon.signal_parent(signal);
-        let status = daemon.wait(PATIENCE);
+        let status = daemon.wait(WATCHDOG);
         assert!(status.success(), "{signal:?}: {status}\n{}", daemon.log());
-        assert_nothing_is_left(&place);
+        assert_nothing_is_left(&sandbox);
     }
 }
 
-fn assert_nothing_is_left(place: &Place) {
-    eventually("all processes have ended", || place.is_deserted());
-    assert_eq!(place.shared_memory_files(), Vec::<String>::new());
-    assert!(!place.run_folder().of_domain(&place.domain).exists());
+fn assert_nothing_is_left(sandbox: &Sandbox) {
+    eventually("all processes have ended", || sandbox.is_deserted());
+    assert_eq!(sandbox.shared_memory_files(), Vec::<String>::new());
+    assert!(!sandbox.run_folder().of_domain(&sandbox.domain).exists());
 }
 
-/// Whether these tests ignore a signal, and with them every program they start, until
-/// it takes the signal over: so it is with SIGINT in a script's background jobs.
+/// True if the tests ignore a signal, and so do the programs they start until they handle
+/// it, as for SIGINT in a script's background jobs.
 fn is_ignored(signal: Signal) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap();
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
@@ -459,11 +459,11 @@ fn is_ignored(signal: Signal) -> bool {
 
 #[test]
 fn a_starting_daemon_ends_on_sigterm_and_sigint() {
-    let place = Place::new();
-    let mut dice = Dice(0x57a7);
+    let sandbox = Sandbox::new();
+    let mut dice = XorShift(0x57a7);
     let ends_at_sigint = !is_ignored(Signal::INT);
     for round in 0..10 {
-        let mut run = place.launch(&TABLE);
+        let mut run = sandbox.launch(&TABLE);
         std::thread::sleep(Duration::from_millis(dice.below(500)));
         let pid = Pid::from_child(&run);
         let signal = if round % 2 == 0 || !ends_at_sigint {
@@ -472,22 +472,22 @@ fn a_starting_daemon_ends_on_sigterm_and_sigint() {
             Signal::INT
         };
         kill_process(pid, signal).unwrap();
-        let status = wait_for_end(&mut run, PATIENCE).unwrap_or_else(|| {
+        let status = wait_for_end(&mut run, WATCHDOG).unwrap_or_else(|| {
             let _ = run.kill();
             panic!("it does not stop after {signal:?}")
         });
         // Before it has made anything, the signal ends it as it ends any program.
         let is_clean = status.success() || status.signal() == Some(signal.as_raw());
         assert!(is_clean, "{signal:?}: {status}");
-        assert_nothing_is_left(&place);
+        assert_nothing_is_left(&sandbox);
     }
 }
 
 #[test]
 fn a_stopped_child_does_not_keep_the_daemon_from_ending() {
     for process in WITH_CAMERA {
-        let place = Place::new();
-        let daemon = place.start(&TABLE);
+        let sandbox = Sandbox::new();
+        let daemon = sandbox.start(&TABLE);
         wait_for_all(&daemon, 0);
         daemon.signal(process, Signal::STOP);
         daemon.stop();

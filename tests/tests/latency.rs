@@ -1,17 +1,17 @@
-//! `tabula latency`: measures a daemon that runs, and one of its own, and judges what
-//! it finds. No test says how fast anything must be.
+//! `tabula latency`: measurement of a running daemon and of its own, budgets, comparison,
+//! sweep and soak. No test asserts a speed.
 
-use crate::daemon::{Daemon, Place, WITH_CAMERA, eventually, program};
+use crate::daemon::{Daemon, Sandbox, WITH_CAMERA, eventually, program};
 use crate::recorder::SceneRecorder;
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
 use std::path::Path;
 use std::process::{Child, Output, Stdio};
 
-/// Frames of a short measurement.
+/// Number of frames of a short measurement.
 const N_FRAMES: usize = 60;
 
-/// Links of a frame's chain: together they are end to end.
+/// Stages of a frame's critical path, which sum to the end-to-end latency.
 const CHAIN: [&str; 9] = [
     "source",
     "transport",
@@ -24,7 +24,7 @@ const CHAIN: [&str; 9] = [
     "publishing",
 ];
 
-/// Stages that every object passes.
+/// Stages of every object.
 const OF_OBJECTS: [&str; 7] = [
     "hand_over",
     "actor_queue",
@@ -35,9 +35,9 @@ const OF_OBJECTS: [&str; 7] = [
     "actor_answer",
 ];
 
-fn latency(place: &Place, words: &[&str]) -> Output {
+fn latency(sandbox: &Sandbox, words: &[&str]) -> Output {
     let n_frames = N_FRAMES.to_string();
-    let mut command = place.command("tabula");
+    let mut command = sandbox.command("tabula");
     command.args(["latency", "--json", "--warm-up", "5", "--frames", &n_frames]);
     command.args(words).output().unwrap()
 }
@@ -51,7 +51,7 @@ fn p50(stage: &Value) -> f64 {
     stage["p50"].as_f64().unwrap_or_else(|| panic!("{stage}"))
 }
 
-/// Whether the same processes of the daemon run as before.
+/// Process ids of the daemon.
 fn pids(daemon: &Daemon<'_>) -> Vec<Value> {
     let status = daemon.ask(&["status"]);
     let processes = status["processes"].as_array().unwrap();
@@ -63,13 +63,13 @@ fn pids(daemon: &Daemon<'_>) -> Vec<Value> {
 
 #[test]
 fn a_running_daemon_is_measured_and_goes_on() {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     // No object is late on a busy computer.
     let config = "[perception]\nactor_deadline_ms = 60000\n";
-    std::fs::write(place.home().join("tabula.toml"), config).unwrap();
-    let daemon = place.start(&["--source", "synthetic:0"]);
+    std::fs::write(sandbox.home().join("tabula.toml"), config).unwrap();
+    let daemon = sandbox.start(&["--source", "synthetic:0"]);
     let before = pids(&daemon);
-    let measured = latency(&place, &[]);
+    let measured = latency(&sandbox, &[]);
     assert!(measured.status.success(), "{measured:?}");
     let report = document(&measured);
     let stages = &report["stages"];
@@ -80,8 +80,8 @@ fn a_running_daemon_is_measured_and_goes_on() {
         let frames = stages[stage]["count"].as_u64().unwrap() as usize;
         assert!(frames >= N_FRAMES, "{stage}");
     }
-    for beside in ["making", "release_wait", "sending", "label_hop", "telling"] {
-        assert!(stages[beside].is_object(), "{beside}: {report}");
+    for off_path in ["making", "release_wait", "sending", "label_hop", "telling"] {
+        assert!(stages[off_path].is_object(), "{off_path}: {report}");
     }
     let sum: f64 = CHAIN.iter().map(|stage| p50(&stages[stage])).sum();
     assert!(sum <= report["end_to_end_ms"]["max"].as_f64().unwrap());
@@ -92,17 +92,17 @@ fn a_running_daemon_is_measured_and_goes_on() {
     assert_eq!(processes.len(), 3, "{processes:?}");
     assert!(report["machine"]["fingerprint"].is_object());
     assert!(report["worst"].as_array().unwrap().len() == 10);
-    assert_eq!(pids(&daemon), before, "no process was started anew");
+    assert_eq!(pids(&daemon), before, "no process was restarted");
     daemon.stop();
 }
 
 #[test]
-fn results_are_files_that_are_held_against_limits_and_earlier_ones() {
-    let place = Place::new();
-    let daemon = place.start(&["--source", "synthetic:0"]);
-    let folder = place.home().join("results");
+fn latency_results_are_compared_with_budgets_and_earlier_results() {
+    let sandbox = Sandbox::new();
+    let daemon = sandbox.start(&["--source", "synthetic:0"]);
+    let folder = sandbox.home().join("results");
     let name = |file: &str| folder.join(file).to_str().unwrap().to_owned();
-    let written = latency(&place, &["--out", folder.to_str().unwrap()]);
+    let written = latency(&sandbox, &["--out", folder.to_str().unwrap()]);
     assert!(written.status.success(), "{written:?}");
     let timeline: Value = serde_json::from_slice(&read(name("timeline.json"))).unwrap();
     let events = timeline["traceEvents"].as_array().unwrap();
@@ -130,10 +130,10 @@ fn results_are_files_that_are_held_against_limits_and_earlier_ones() {
         "{compared}"
     );
 
-    let budget = place.home().join("budget.toml");
+    let budget = sandbox.home().join("budget.toml");
     let with_budget = |text: &str| {
         std::fs::write(&budget, text).unwrap();
-        latency(&place, &["--budget", budget.to_str().unwrap()])
+        latency(&sandbox, &["--budget", budget.to_str().unwrap()])
     };
     let kept = with_budget("[end_to_end]\np50_ms = 10000");
     assert_eq!(document(&kept)["over_budget"], Value::Array(Vec::new()));
@@ -155,9 +155,9 @@ fn read(path: impl AsRef<Path>) -> Vec<u8> {
 }
 
 #[test]
-fn an_own_daemon_is_started_measured_and_stopped() {
-    let place = Place::new();
-    let measured = latency(&place, &["--source", "synthetic:2", "--rate", "20"]);
+fn latency_of_an_own_daemon_starts_measures_and_stops_it() {
+    let sandbox = Sandbox::new();
+    let measured = latency(&sandbox, &["--source", "synthetic:2", "--rate", "20"]);
     assert!(measured.status.success(), "{measured:?}");
     let report = document(&measured);
     let period_ms = report["period_ms"].as_f64().unwrap();
@@ -167,17 +167,17 @@ fn an_own_daemon_is_started_measured_and_stopped() {
         let pid = process["pid"].as_u64().unwrap();
         assert!(!Path::new(&format!("/proc/{pid}")).exists(), "{process}");
     }
-    assert!(place.shared_memory_files().is_empty());
+    assert!(sandbox.shared_memory_files().is_empty());
 }
 
 #[test]
-fn a_daemon_does_not_outlive_a_measurement_that_is_killed() {
-    let place = Place::new();
-    let mut measuring = place
+fn latency_measurement_that_is_killed_leaves_no_daemon() {
+    let sandbox = Sandbox::new();
+    let mut measuring = sandbox
         .command("tabula-latency")
         .args(["--source", "synthetic:0", "--frames", "100000"])
-        // It can not remove its daemon's home any more.
-        .env("TMPDIR", place.home())
+        // When killed, it cannot remove its daemon's home.
+        .env("TMPDIR", sandbox.home())
         .stdout(Stdio::null())
         .stderr(Stdio::null())
         .spawn()
@@ -193,10 +193,10 @@ fn a_daemon_does_not_outlive_a_measurement_that_is_killed() {
 }
 
 #[test]
-fn ctrl_c_ends_a_measurement_with_what_was_measured() {
-    let place = Place::new();
-    let daemon = place.start(&["--source", "synthetic:0"]);
-    let measuring: Child = place
+fn latency_measurement_interrupted_by_ctrl_c_reports_its_frames() {
+    let sandbox = Sandbox::new();
+    let daemon = sandbox.start(&["--source", "synthetic:0"]);
+    let measuring: Child = sandbox
         .command("tabula-latency")
         .args(["--json", "--warm-up", "0", "--frames", "1000000"])
         .stdout(Stdio::piped())
@@ -204,9 +204,9 @@ fn ctrl_c_ends_a_measurement_with_what_was_measured() {
         .spawn()
         .unwrap();
     // It measures from the moment it has joined the domain.
-    let n_files = place.shared_memory_files().len();
+    let n_files = sandbox.shared_memory_files().len();
     eventually("the measuring program has joined the domain", || {
-        place.shared_memory_files().len() > n_files
+        sandbox.shared_memory_files().len() > n_files
     });
     let frames = || {
         daemon
@@ -224,16 +224,16 @@ fn ctrl_c_ends_a_measurement_with_what_was_measured() {
 }
 
 #[test]
-fn what_can_not_be_measured_is_told() {
-    let place = Place::new();
-    let wrong_source = latency(&place, &["--source", "no-such-folder"]);
+fn latency_of_unusable_sources_is_refused_with_a_sentence() {
+    let sandbox = Sandbox::new();
+    let wrong_source = latency(&sandbox, &["--source", "no-such-folder"]);
     assert_eq!(wrong_source.status.code(), Some(2), "{wrong_source:?}");
     let sentence = String::from_utf8_lossy(&wrong_source.stderr).into_owned();
     assert!(sentence.contains("no-such-folder"), "{sentence}");
-    let no_report = latency(&place, &["--baseline", "no-such-report.json"]);
+    let no_report = latency(&sandbox, &["--baseline", "no-such-report.json"]);
     assert_eq!(no_report.status.code(), Some(2));
-    let daemon = place.start(&["--source", "synthetic:0", "--lockstep"]);
-    let in_lockstep = latency(&place, &[]);
+    let daemon = sandbox.start(&["--source", "synthetic:0", "--lockstep"]);
+    let in_lockstep = latency(&sandbox, &[]);
     assert_eq!(in_lockstep.status.code(), Some(2));
     let sentence = String::from_utf8_lossy(&in_lockstep.stderr).into_owned();
     assert!(sentence.contains("lockstep"), "{sentence}");
@@ -241,11 +241,11 @@ fn what_can_not_be_measured_is_told() {
 }
 
 #[test]
-fn a_sweep_measures_each_of_its_places() {
-    let place = Place::new();
-    let out = place.home().join("sweeps");
+fn sweep_measures_each_of_its_values() {
+    let sandbox = Sandbox::new();
+    let out = sandbox.home().join("sweeps");
     let sweep = |words: &[&str]| {
-        let mut command = place.command("tabula-latency");
+        let mut command = sandbox.command("tabula-latency");
         command.args(["sweep", "--json", "--frames", "20", "--out"]);
         document(&command.arg(&out).args(words).output().unwrap())
     };
@@ -268,14 +268,14 @@ fn a_sweep_measures_each_of_its_places() {
     );
     let refused = sweep(&["objects", "--values", "0"]);
     assert_eq!(refused["exit_code"], 2);
-    assert!(place.shared_memory_files().is_empty());
+    assert!(sandbox.shared_memory_files().is_empty());
 }
 
-/// Blocks of the table on which objects come and go, and frames until all have been away.
+/// Number of blocks that come and go, and of frames until all have been away.
 const N_BLOCKS: usize = 12;
 const N_FRAMES_PER_ROUND: u64 = 360;
 
-/// Counts of what a process holds: open files and threads.
+/// Number of open files and threads of a process.
 fn held(pid: u32) -> [usize; 2] {
     ["fd", "task"].map(|folder| {
         let entries = std::fs::read_dir(format!("/proc/{pid}/{folder}"));
@@ -285,10 +285,10 @@ fn held(pid: u32) -> [usize; 2] {
 
 #[test]
 fn soak_in_lockstep_holds_no_more_than_the_live_tracks_need() {
-    let place = Place::new();
-    let scenes = SceneRecorder::start(&place);
+    let sandbox = Sandbox::new();
+    let scenes = SceneRecorder::start(&sandbox);
     let source = format!("parade:{N_BLOCKS}");
-    let daemon = place.start(&["--source", &source, "--lockstep"]);
+    let daemon = sandbox.start(&["--source", &source, "--lockstep"]);
     let wait_for_round = |round: u64| {
         scenes.wait_for("a round of the parade is over", |scenes| {
             let last = scenes.last().map(|scene| scene.header.sequence);
@@ -298,32 +298,38 @@ fn soak_in_lockstep_holds_no_more_than_the_live_tracks_need() {
     let pids = WITH_CAMERA.map(|process| daemon.pid(process).unwrap());
     let counts = || -> Vec<usize> {
         let held = pids.into_iter().flat_map(held);
-        held.chain([place.shared_memory_files().len()]).collect()
+        held.chain([sandbox.shared_memory_files().len()]).collect()
     };
     wait_for_round(2);
     let before = counts();
     wait_for_round(4);
     // A connection of a client may just be closing.
-    eventually("no more files, threads and shared memory than before", || {
-        let is_grown = |(now, before): (&usize, &usize)| now > before;
-        !counts().iter().zip(&before).any(is_grown)
-    });
+    eventually(
+        "no more files, threads and shared memory than before",
+        || {
+            let is_grown = |(now, before): (&usize, &usize)| now > before;
+            !counts().iter().zip(&before).any(is_grown)
+        },
+    );
     // A block that is away may leave a lost track, and a new one when it is back; each
     // track has one actor.
     let most = 2 * N_BLOCKS;
     let n_actors = daemon.health("perception").unwrap()["actors"].as_u64();
     assert!(n_actors.unwrap() <= most as u64, "{n_actors:?} actors");
     let (scenes, _) = scenes.stop();
-    let n_objects = scenes.iter().map(|scene| scene.header.n_objects_total).max();
+    let n_objects = scenes
+        .iter()
+        .map(|scene| scene.header.n_objects_total)
+        .max();
     assert!(n_objects.unwrap() <= most as u32, "{n_objects:?} tracks");
     daemon.stop();
 }
 
-/// The report of a soak, judged: resident memory only where the limits of what is kept
-/// on purpose are reached long before the end.
+/// Asserts that a soak reports no growth. Resident memory is judged only where the
+/// retention limits are reached long before the end.
 fn soak(n_frames: u32, rate_hz: u32) {
-    let place = Place::new();
-    let mut command = place.command("tabula-latency");
+    let sandbox = Sandbox::new();
+    let mut command = sandbox.command("tabula-latency");
     command.args(["soak", "--json", "--frames", &n_frames.to_string()]);
     let output = command
         .args(["--rate", &rate_hz.to_string()])
@@ -342,13 +348,13 @@ fn soak(n_frames: u32, rate_hz: u32) {
         run["dropped"]
     );
     assert!(leaks.is_empty(), "{leaks:?}");
-    assert!(place.shared_memory_files().is_empty());
+    assert!(sandbox.shared_memory_files().is_empty());
 }
 
 #[test]
 fn soak_reports_every_window_of_its_run() {
-    let place = Place::new();
-    let mut command = place.command("tabula-latency");
+    let sandbox = Sandbox::new();
+    let mut command = sandbox.command("tabula-latency");
     command.args(["soak", "--json", "--frames", "80", "--rate", "20"]);
     let run = document(&command.output().unwrap());
     assert!(run["frames"].as_u64().unwrap() >= 80, "{run}");
@@ -357,16 +363,16 @@ fn soak_reports_every_window_of_its_run() {
     assert_eq!(run["frames"], n_frames, "{run}");
     let is_whole = |window: &Value| window["processes"].as_array().unwrap().len() == 3;
     assert!(windows.iter().all(is_whole), "{run}");
-    assert!(place.shared_memory_files().is_empty());
+    assert!(sandbox.shared_memory_files().is_empty());
 }
 
 #[test]
 #[ignore = "long: half an hour"]
-fn long_nothing_grows_in_two_hundred_thousand_frames() {
+fn long_soak_of_two_hundred_thousand_frames_does_not_grow() {
     soak(200_000, 120);
 }
 
-/// Processes with a word in their command line.
+/// Ids of the processes with a word in their command line.
 fn processes_with(word: &str) -> Vec<u32> {
     let has_word = |pid: &u32| {
         let words = std::fs::read(format!("/proc/{pid}/cmdline")).unwrap_or_default();

@@ -1,16 +1,16 @@
-//! In lockstep a recording gives the same scenes every time, to the bit, except
-//! for the stamps of the stages.
+//! Lockstep determinism: a recording gives bitwise identical scenes, except for the time
+//! stamps of the stages.
 
-use crate::daemon::{Daemon, Place, eventually};
+use crate::daemon::{Daemon, Sandbox, eventually};
 use crate::real_data;
-use crate::recorder::{Recorded, SceneRecorder};
+use crate::recorder::{RecordedScene, SceneRecorder};
 use message::{ActorStamps, ProcessKind, StageStamps};
 use rustix::process::Signal;
 use std::path::Path;
 
-/// What a replay must repeat. Printed numbers read back to the same bits, and
-/// NaN, which stands for an absent distance, equals itself.
-pub(crate) fn repeatable(scene: &Recorded) -> String {
+/// Deterministic part of a scene. Printed numbers read back to the same bits, and NaN, an
+/// absent distance, equals itself.
+pub(crate) fn repeatable(scene: &RecordedScene) -> String {
     let mut scene = scene.clone();
     scene.header.session = 0;
     scene.header.stamps = StageStamps {
@@ -31,10 +31,10 @@ fn wait_for_the_end(daemon: &Daemon<'_>) {
     });
 }
 
-/// Plays a source to its end; every scene, none dropped on the way.
-fn played(place: &Place, arguments: &[&str], n_frames: u64) -> Vec<Recorded> {
-    let recorder = SceneRecorder::start(place);
-    let daemon = place.start(&[arguments, &["--lockstep"]].concat());
+/// Plays a source to its end and returns every scene; none may be dropped.
+fn played(sandbox: &Sandbox, arguments: &[&str], n_frames: u64) -> Vec<RecordedScene> {
+    let recorder = SceneRecorder::start(sandbox);
+    let daemon = sandbox.start(&[arguments, &["--lockstep"]].concat());
     wait_for_the_end(&daemon);
     recorder.wait_for("the last scene is there", |scenes| {
         scenes
@@ -53,19 +53,20 @@ fn played(place: &Place, arguments: &[&str], n_frames: u64) -> Vec<Recorded> {
         sequences.eq(0..n_frames),
         "a frame is missing or was done twice"
     );
-    let is_whole = |scene: &Recorded| scene.header.frames_dropped == 0 && scene.header.n_late == 0;
+    let is_whole =
+        |scene: &RecordedScene| scene.header.frames_dropped == 0 && scene.header.n_late == 0;
     assert!(scenes.iter().all(is_whole));
     scenes
 }
 
-/// Two homes with the same content give the same scenes.
-fn check_repeatable(home: Option<&Path>, arguments: &[&str], n_frames: u64) -> Vec<Recorded> {
+/// Asserts that two homes with the same content give the same scenes.
+fn check_repeatable(home: Option<&Path>, arguments: &[&str], n_frames: u64) -> Vec<RecordedScene> {
     let play = || {
-        let place = Place::new();
+        let sandbox = Sandbox::new();
         if let Some(home) = home {
-            copy_folder(home, place.home());
+            copy_folder(home, sandbox.home());
         }
-        played(&place, arguments, n_frames)
+        played(&sandbox, arguments, n_frames)
     };
     let (first, second) = (play(), play());
     for (first, second) in first.iter().zip(&second) {
@@ -90,7 +91,7 @@ fn copy_folder(from: &Path, to: &Path) {
 }
 
 #[test]
-fn two_runs_of_the_synthetic_table_are_the_same() {
+fn lockstep_runs_of_the_synthetic_table_are_identical() {
     let scenes = check_repeatable(None, &["--source", "synthetic:0", "--to", "40"], 40);
     let last = scenes.last().unwrap();
     assert_eq!(last.items.len(), 5);
@@ -102,8 +103,8 @@ fn two_runs_of_the_synthetic_table_are_the_same() {
 }
 
 #[test]
-fn what_was_taught_is_recognised_from_the_same_frame_on() {
-    let taught = Place::new();
+fn lockstep_runs_recognise_labels_from_the_same_frame_on() {
+    let taught = Sandbox::new();
     let daemon = taught.start(&["--source", "synthetic:0"]);
     let objects = daemon.wait_for("all objects are tracked", |objects| objects.len() == 5);
     for (object, name) in objects.iter().zip(["a", "b", "c", "d", "e"]) {
@@ -121,7 +122,7 @@ fn what_was_taught_is_recognised_from_the_same_frame_on() {
 
 #[test]
 #[ignore = "needs TABULA_DATA"]
-fn two_runs_of_a_real_sequence_are_the_same() {
+fn lockstep_runs_of_a_real_sequence_are_identical() {
     let folder = real_data::folder("kitchen-sequence");
     let source = folder.to_str().unwrap();
     let arguments = ["--source", source, "--from", "100", "--to", "160"];
@@ -130,12 +131,12 @@ fn two_runs_of_a_real_sequence_are_the_same() {
 }
 
 #[test]
-fn a_killed_follower_does_not_stop_the_source_for_ever() {
-    let place = Place::new();
-    let recorder = SceneRecorder::start(&place);
-    let daemon = place.start(&["--source", "synthetic:0", "--lockstep"]);
+fn lockstep_source_continues_after_a_follower_is_killed() {
+    let sandbox = Sandbox::new();
+    let recorder = SceneRecorder::start(&sandbox);
+    let daemon = sandbox.start(&["--source", "synthetic:0", "--lockstep"]);
     for follower in [ProcessKind::Perception, ProcessKind::Memory] {
-        let newest = |scenes: &[Recorded]| scenes.last().map(|scene| scene.header.sequence);
+        let newest = |scenes: &[RecordedScene]| scenes.last().map(|scene| scene.header.sequence);
         recorder.wait_for("scenes come", |scenes| newest(scenes) > Some(5));
         daemon.signal(follower, Signal::KILL);
         let mut before = None;

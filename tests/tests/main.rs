@@ -1,48 +1,48 @@
-//! Integration tests: real processes, real shared memory, each test in a domain
-//! of its own, cleaned up afterwards. A test ends only processes it has started.
+//! Integration tests: real processes and shared memory, each test in its own domain. A
+//! test ends only processes that it has started.
 #![cfg(test)]
 
-/// A daemon of a test's own.
+/// Test sandbox with a daemon.
 mod daemon;
 /// Folders of real data.
 mod real_data;
-/// Every message of a topic, recorded.
+/// Recorder of all messages of a topic.
 mod recorder;
 
-/// Input that is refused with a sentence, while the daemon goes on.
+/// Invalid input is refused with a sentence.
 mod bad_input;
-/// A folder of labelled views is learned.
+/// Batch learning of a folder of labelled views.
 mod batch_learning;
-/// Documents, the choice of the daemon, other accounts, the doctor.
+/// Command line: documents, choice of the daemon, other accounts, the doctor.
 mod command_line;
-/// A recording played through the real libfreenect.
+/// Recordings played through the real libfreenect.
 mod fakenect;
-/// Processes that are killed, stopped, or can not start.
+/// Processes that are killed, stopped, or cannot start.
 mod faults;
-/// Where the milliseconds go: the measuring program.
+/// Latency measurement, budgets, sweep and soak.
 mod latency;
 /// Crates name only crates of lower layers; foreign libraries have owners.
 mod language;
 mod layering;
-/// Runs in lockstep repeat each other to the bit.
+/// Bitwise determinism of lockstep runs.
 mod lockstep;
-/// The memory is looked into, taken care of, given to another robot.
+/// Memory maintenance: history, export, import, verification, repair.
 mod memory_care;
-/// The memory is killed while people teach.
+/// Durability of the memory under random kills.
 mod memory_kill;
-/// Panics of one object's actor: the others lose nothing, too many end the process.
+/// Panics of one object's actor: supervision and restart limit.
 mod panics;
-/// Answers include every change that was acknowledged before the question.
+/// Read-your-writes consistency of answers.
 mod read_your_writes;
-/// Real scenes: known again after a restart, steady while the camera moves.
+/// Real scenes: recognition after a restart, static tracks under a moving camera.
 mod real_scenes;
-/// The simulated table: truth, arm, person, recordings.
+/// Simulated table: ground truth, arm, person, recordings.
 mod simulation;
-/// Start, see, teach, restart, recognise, stop.
+/// Walking skeleton: start, teach, restart, recognise, stop.
 mod skeleton;
-/// Many tracks at once.
+/// Two hundred tracks at once.
 mod stress;
-/// The working memory: facts, events, tasks, kept through a kill.
+/// Working memory: facts, events and tasks survive a kill.
 mod world_memory;
-/// The cloud is written once, and nobody allocates a frame's worth.
+/// Zero-copy transport: the cloud is written once.
 mod zero_copy;

@@ -1,13 +1,13 @@
-//! `tabula memory` and its neighbours, beside a running daemon and without one.
+//! Memory maintenance with `tabula memory`, with and without a running daemon.
 
-use crate::daemon::{Daemon, Place, with_mounts};
+use crate::daemon::{Daemon, Sandbox, with_mounts};
 use crate::skeleton::{id, wait_for_all};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-/// A daemon that has taught its first object, and that object's track.
-fn taught(place: &Place) -> (Daemon<'_>, String) {
-    let daemon = place.start(&["--source", "synthetic:0"]);
+/// Daemon with one labelled object, and the track of that object.
+fn taught(sandbox: &Sandbox) -> (Daemon<'_>, String) {
+    let daemon = sandbox.start(&["--source", "synthetic:0"]);
     let objects = wait_for_all(&daemon, 0);
     let track = id(&objects[0]);
     daemon.ask(&["teach", &track, "mug", "--author", "anna"]);
@@ -23,17 +23,17 @@ fn names(document: &Value) -> Vec<(String, u64)> {
     named.collect()
 }
 
-/// What `tabula` prints without a daemon.
-fn offline(place: &Place, arguments: &[&str]) -> Value {
-    let output = place.tabula(&[arguments, &["--json"]].concat());
+/// JSON document of `tabula` without a daemon.
+fn offline(sandbox: &Sandbox, arguments: &[&str]) -> Value {
+    let output = sandbox.tabula(&[arguments, &["--json"]].concat());
     assert!(output.status.success(), "{arguments:?}: {output:?}");
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
 #[test]
-fn lessons_are_taken_back_renamed_and_merged() {
-    let place = Place::new();
-    let (daemon, track) = taught(&place);
+fn labels_are_undone_renamed_and_merged() {
+    let sandbox = Sandbox::new();
+    let (daemon, track) = taught(&sandbox);
     let contradicted = daemon
         .refused(&["teach", &track, "bowl", "--author", "bert"])
         .1;
@@ -56,19 +56,22 @@ fn lessons_are_taken_back_renamed_and_merged() {
     assert_eq!(names(&daemon.ask(&["categories"]))[0].0, "coffee mug");
     let history = daemon.ask(&["memory", "history"]);
     let entries = history["entries"].as_array().unwrap();
-    let said: Vec<&str> = entries
+    let printed: Vec<&str> = entries
         .iter()
         .filter_map(|e| e["author"].as_str())
         .collect();
-    assert!(said.contains(&"anna") && said.contains(&"bert"), "{said:?}");
+    assert!(
+        printed.contains(&"anna") && printed.contains(&"bert"),
+        "{printed:?}"
+    );
     let bert = entries.iter().find(|e| e["author"] == "bert").unwrap();
     assert!(bert["contradiction"].is_string(), "{bert}");
     daemon.stop();
 }
 
 #[test]
-fn what_is_exported_is_known_by_another_robot() {
-    let (ours, theirs) = (Place::new(), Place::new());
+fn export_is_imported_by_another_robot() {
+    let (ours, theirs) = (Sandbox::new(), Sandbox::new());
     let file = ours.home().join("memory.export");
     let file = file.to_str().unwrap();
     let (daemon, track) = taught(&ours);
@@ -108,15 +111,15 @@ fn what_is_exported_is_known_by_another_robot() {
 }
 
 #[test]
-fn what_is_no_whole_export_is_refused_and_nothing_is_taken_over() {
-    let place = Place::new();
-    let (daemon, _) = taught(&place);
-    let file = place.home().join("memory.export");
+fn import_of_a_damaged_export_is_refused_and_changes_nothing() {
+    let sandbox = Sandbox::new();
+    let (daemon, _) = taught(&sandbox);
+    let file = sandbox.home().join("memory.export");
     daemon.ask(&["memory", "export", file.to_str().unwrap()]);
     let whole = std::fs::read(&file).unwrap();
     let before = daemon.ask(&["memory", "stats"])["sequence"].clone();
     let refuse = |bytes: &[u8]| {
-        let path = place.home().join("hostile");
+        let path = sandbox.home().join("hostile");
         std::fs::write(&path, bytes).unwrap();
         daemon
             .refused(&["memory", "import", path.to_str().unwrap()])
@@ -136,7 +139,7 @@ fn what_is_no_whole_export_is_refused_and_nothing_is_taken_over() {
     daemon.stop();
 }
 
-/// The largest file of the database.
+/// Largest file of the database.
 fn largest(folder: &Path) -> PathBuf {
     let files = std::fs::read_dir(folder).unwrap().flatten();
     let files = files.map(|entry| entry.path()).filter(|path| {
@@ -149,44 +152,43 @@ fn largest(folder: &Path) -> PathBuf {
 }
 
 #[test]
-fn damage_is_found_told_and_repaired() {
-    let place = Place::new();
-    let (daemon, _) = taught(&place);
+fn damage_is_found_reported_and_repaired() {
+    let sandbox = Sandbox::new();
+    let (daemon, _) = taught(&sandbox);
     daemon.ask(&["memory", "compact", "--forgotten-days", "0"]);
     daemon.stop();
-    let database = place.home().join("perceptual-memory/database");
+    let database = sandbox.home().join("perceptual-memory/database");
     let file = largest(&database);
     let mut bytes = std::fs::read(&file).unwrap();
     let middle = bytes.len() / 2;
     bytes[middle] ^= 1;
     std::fs::write(&file, &bytes).unwrap();
     // Verifying changes nothing.
-    let verified = place.tabula(&["memory", "verify", "--json"]);
+    let verified = sandbox.tabula(&["memory", "verify", "--json"]);
     assert_eq!(verified.status.code(), Some(1), "{verified:?}");
     assert_eq!(std::fs::read(&file).unwrap(), bytes);
-    // The daemon comes up with what is left and says what it lost, or it was repaired
-    // before that.
-    let repaired = place.tabula(&["memory", "repair", "--json"]);
+    // The repair keeps the intact records and reports the lost ones.
+    let repaired = sandbox.tabula(&["memory", "repair", "--json"]);
     let document: Value = serde_json::from_slice(&repaired.stdout).unwrap();
     let what = document["repaired"]["what"].as_str().unwrap();
     assert!(what.contains("lost:"), "{what}");
     assert!(
-        place
+        sandbox
             .home()
             .join("perceptual-memory/database.damaged-1")
             .exists()
     );
-    assert_eq!(offline(&place, &["memory", "verify"])["n_findings"], 0);
-    let daemon = place.start(&["--source", "synthetic:0"]);
+    assert_eq!(offline(&sandbox, &["memory", "verify"])["n_findings"], 0);
+    let daemon = sandbox.start(&["--source", "synthetic:0"]);
     assert_eq!(daemon.ask(&["memory", "verify"])["n_findings"], 0);
     daemon.stop();
 }
 
-/// Runs `tabula` where the home folder is mounted in another way; its sentence.
-fn with_home_mounted(place: &Place, mounts: &str, arguments: &[&str]) -> String {
-    let home = place.home().to_str().unwrap();
+/// Sentence of `tabula` with the home folder mounted in another way.
+fn with_home_mounted(sandbox: &Sandbox, mounts: &str, arguments: &[&str]) -> String {
+    let home = sandbox.home().to_str().unwrap();
     let mounts = mounts.replace("HOME", home);
-    let mut command = place.command("tabula");
+    let mut command = sandbox.command("tabula");
     let output = with_mounts(command.args(arguments), &mounts)
         .output()
         .unwrap();
@@ -195,17 +197,17 @@ fn with_home_mounted(place: &Place, mounts: &str, arguments: &[&str]) -> String 
 }
 
 #[test]
-fn as_root_a_disk_that_is_read_only_or_full_is_a_sentence_and_loses_nothing() {
-    let place = Place::new();
-    let (daemon, _) = taught(&place);
-    let file = place.home().join("memory.export");
+fn as_root_disk_that_is_read_only_or_full_is_refused_and_loses_nothing() {
+    let sandbox = Sandbox::new();
+    let (daemon, _) = taught(&sandbox);
+    let file = sandbox.home().join("memory.export");
     let file = file.to_str().unwrap();
     daemon.ask(&["memory", "export", file]);
     daemon.stop();
-    let before = offline(&place, &["memory", "stats"])["sequence"].clone();
+    let before = offline(&sandbox, &["memory", "stats"])["sequence"].clone();
 
     let read_only = "mount --bind HOME HOME && mount -o remount,ro,bind HOME";
-    let sentence = with_home_mounted(&place, read_only, &["memory", "stats"]);
+    let sentence = with_home_mounted(&sandbox, read_only, &["memory", "stats"]);
     assert!(sentence.contains("Read-only file system"), "{sentence}");
     assert!(
         sentence.contains("belongs to the daemon's user"),
@@ -217,24 +219,24 @@ fn as_root_a_disk_that_is_read_only_or_full_is_a_sentence_and_loses_nothing() {
                 mount -t tmpfs -o size=2m none HOME && cp -r /tmp/full-$$/. HOME && \
                 rm -r /tmp/full-$$ && (head -c 4m /dev/zero > HOME/rubbish; true)";
     let put = ["knowledge", "put", "large", "/proc/cpuinfo"];
-    let sentence = with_home_mounted(&place, full, &put);
+    let sentence = with_home_mounted(&sandbox, full, &put);
     assert!(sentence.contains("No space left on device"), "{sentence}");
     assert!(
         sentence.contains("see that the disk has room"),
         "{sentence}"
     );
 
-    assert_eq!(offline(&place, &["memory", "verify"])["n_findings"], 0);
-    assert_eq!(offline(&place, &["memory", "stats"])["sequence"], before);
+    assert_eq!(offline(&sandbox, &["memory", "verify"])["n_findings"], 0);
+    assert_eq!(offline(&sandbox, &["memory", "stats"])["sequence"], before);
 }
 
 #[test]
-fn a_second_process_on_the_same_memory_is_refused() {
-    let place = Place::new();
-    let (daemon, _) = taught(&place);
+fn second_process_on_the_same_memory_is_refused() {
+    let sandbox = Sandbox::new();
+    let (daemon, _) = taught(&sandbox);
     // Of another domain, so that it finds no daemon and opens the memory itself.
-    let mut command = place.command("tabula");
-    command.env("TABULA_DOMAIN", format!("{}-b", place.domain));
+    let mut command = sandbox.command("tabula");
+    command.env("TABULA_DOMAIN", format!("{}-b", sandbox.domain));
     let output = command.args(["memory", "stats"]).output().unwrap();
     assert!(!output.status.success());
     let sentence = String::from_utf8(output.stderr).unwrap();

@@ -1,8 +1,7 @@
-//! The memory is killed at random instants while people teach at full speed, and
-//! everybody asks again until they are answered: nothing acknowledged is lost,
-//! nothing is done twice, nothing is half done.
+//! Durability under random kills of the memory: clients retry until they are answered.
+//! Nothing acknowledged is lost, repeated, or half done.
 
-use crate::daemon::{PATIENCE, Place};
+use crate::daemon::{Sandbox, WATCHDOG};
 use channel::control::SocketClient;
 use message::control::{
     Command, HistoryReport, LearningReport, MemoryAnswer, MemoryQuery, MutationId, RefusalKind,
@@ -15,27 +14,27 @@ use std::process::{Child, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// People who teach at once.
+/// Number of concurrent clients.
 const N_TEACHERS: u64 = 4;
 const VIEWS_PER_TRACK: u32 = 3;
-/// Until the memory answers again, a teacher asks this often.
-const ASK_AGAIN: Duration = Duration::from_millis(3);
-/// A life is ended within this after its start, sometimes before it answers.
+/// Pause before a client repeats a request.
+const RETRY_PERIOD: Duration = Duration::from_millis(3);
+/// Longest life of a memory process, milliseconds; some end before their first answer.
 const LONGEST_LIFE_MS: u64 = 160;
 
-/// The memory alone, killed when it is dropped.
-struct Memory(Child);
+/// Memory process without a daemon, killed on drop.
+struct MemoryProcess(Child);
 
-impl Memory {
-    fn start(place: &Place) -> Self {
+impl MemoryProcess {
+    fn start(sandbox: &Sandbox) -> Self {
         let log = std::fs::File::options()
             .create(true)
             .append(true)
-            .open(place.log())
+            .open(sandbox.log())
             .unwrap();
-        let child = place
+        let child = sandbox
             .command("tabula-memory")
-            .arg(format!("--domain={}", place.domain))
+            .arg(format!("--domain={}", sandbox.domain))
             .stdout(Stdio::null())
             .stderr(log)
             .spawn();
@@ -43,38 +42,38 @@ impl Memory {
     }
 }
 
-impl Drop for Memory {
+impl Drop for MemoryProcess {
     fn drop(&mut self) {
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
 }
 
-/// Asks until it is answered, over as many connections as that takes. The same
-/// command, so with the same id.
-struct Stubborn<'a> {
-    place: &'a Place,
+/// Client that repeats a command, with the same id, over new connections until it is
+/// answered.
+struct RetryingClient<'a> {
+    sandbox: &'a Sandbox,
     client: Option<SocketClient>,
 }
 
-impl Stubborn<'_> {
+impl RetryingClient<'_> {
     fn ask(&mut self, command: &Command) -> Reply {
         let begin = Instant::now();
-        while begin.elapsed() < 2 * PATIENCE {
+        while begin.elapsed() < 2 * WATCHDOG {
             match self.try_ask(command) {
                 Some(Reply::Refused(refusal)) if refusal.kind == RefusalKind::Unavailable => {}
                 Some(reply) => return reply,
                 None => self.client = None,
             }
-            std::thread::sleep(ASK_AGAIN);
+            std::thread::sleep(RETRY_PERIOD);
         }
         panic!("the memory does not answer {command:?}");
     }
 
     fn try_ask(&mut self, command: &Command) -> Option<Reply> {
         if self.client.is_none() {
-            let folders = [self.place.run_folder()];
-            self.client = SocketClient::connect(&self.place.domain, &folders, PATIENCE).ok();
+            let folders = [self.sandbox.run_folder()];
+            self.client = SocketClient::connect(&self.sandbox.domain, &folders, WATCHDOG).ok();
         }
         self.client.as_mut()?.call(command.clone()).ok()
     }
@@ -101,13 +100,12 @@ fn view(track_id: u64, view_id: u32) -> StoredView {
     }
 }
 
-/// A category of this many tracks, so that none grows beyond what is kept of one.
+/// Category of a limited number of tracks, so that none exceeds its retention limit.
 fn name(category: &str, track_id: u64) -> String {
     format!("{category} {}", track_id / 100)
 }
 
-/// What is done with a track: stored, named, corrected, taken back. Undoing names the
-/// entry of the correction.
+/// Changes of a track in order: store, teach, correct, undo the correction.
 fn command(track_id: u64, step: usize, corrected: Option<u64>) -> Command {
     let id = id_of(track_id, step);
     let author = format!("teacher {}", track_id % N_TEACHERS);
@@ -134,14 +132,13 @@ fn command(track_id: u64, step: usize, corrected: Option<u64>) -> Command {
     }
 }
 
-/// Sequence of each acknowledged change; storing views is acknowledged without one.
+/// History sequence of each acknowledged change; stored views have none.
 type Acknowledged = BTreeMap<(u64, usize), Option<u64>>;
 
-/// Teaches one track after the other until told to stop, each of them to its end
-/// every second time, else up to the correction.
-fn teach(place: &Place, teacher: u64, is_over: &AtomicBool) -> Acknowledged {
-    let mut stubborn = Stubborn {
-        place,
+/// Changes one track after the other until the end, every second one including the undo.
+fn teach(sandbox: &Sandbox, teacher: u64, is_over: &AtomicBool) -> Acknowledged {
+    let mut client = RetryingClient {
+        sandbox,
         client: None,
     };
     let mut acknowledged = Acknowledged::new();
@@ -149,7 +146,7 @@ fn teach(place: &Place, teacher: u64, is_over: &AtomicBool) -> Acknowledged {
         let track_id = 1 + teacher + N_TEACHERS * round;
         let mut corrected = None;
         for step in 0..3 + (round as usize % 2) {
-            match stubborn.ask(&command(track_id, step, corrected)) {
+            match client.ask(&command(track_id, step, corrected)) {
                 Reply::Stored => {
                     acknowledged.insert((track_id, step), None);
                 }
@@ -172,12 +169,12 @@ fn teach(place: &Place, teacher: u64, is_over: &AtomicBool) -> Acknowledged {
     acknowledged
 }
 
-fn history(stubborn: &mut Stubborn<'_>) -> Vec<HistoryReport> {
+fn history(client: &mut RetryingClient<'_>) -> Vec<HistoryReport> {
     let mut all: Vec<HistoryReport> = Vec::new();
     loop {
         let from = Some(all.len() as u64 + 1);
         let query = MemoryQuery::History { from, max: 1000 };
-        match stubborn.ask(&Command::Memory(query)) {
+        match client.ask(&Command::Memory(query)) {
             Reply::Memory(MemoryAnswer::History { entries, .. }) if entries.is_empty() => {
                 return all;
             }
@@ -187,8 +184,8 @@ fn history(stubborn: &mut Stubborn<'_>) -> Vec<HistoryReport> {
     }
 }
 
-/// Every change that was acknowledged is in the history, where it was told to be,
-/// and no change is there twice or was asked for by nobody.
+/// Asserts that the history has exactly the acknowledged changes, each once and at its
+/// sequence number.
 fn check_history(history: &[HistoryReport], acknowledged: &Acknowledged) {
     let ids: Vec<MutationId> = history.iter().filter_map(|entry| entry.mutation).collect();
     let different: BTreeSet<u128> = ids.iter().map(|id| id.0).collect();
@@ -207,9 +204,9 @@ fn check_history(history: &[HistoryReport], acknowledged: &Acknowledged) {
     }
 }
 
-/// Every track is called what its last change made it, with all of its views.
-fn check_names(place: &Place, acknowledged: &Acknowledged) {
-    let output = place.tabula(&["memory", "inspect", "--json"]);
+/// Asserts that all views of every track have the label of its last change.
+fn check_names(sandbox: &Sandbox, acknowledged: &Acknowledged) {
+    let output = sandbox.tabula(&["memory", "inspect", "--json"]);
     let document: Value = serde_json::from_slice(&output.stdout).unwrap();
     let mut names: BTreeMap<u64, Vec<String>> = BTreeMap::new();
     for view in document["views"].as_array().unwrap() {
@@ -230,36 +227,36 @@ fn check_names(place: &Place, acknowledged: &Acknowledged) {
 }
 
 fn check_kills(n_kills: usize, seed: u64) {
-    let place = Place::new();
+    let sandbox = Sandbox::new();
     let is_over = AtomicBool::new(false);
     let mut random = Random::from_seed(seed);
     let acknowledged = std::thread::scope(|scope| {
         let teachers: Vec<_> = (0..N_TEACHERS)
             .map(|teacher| {
-                let (place, is_over) = (&place, &is_over);
-                scope.spawn(move || teach(place, teacher, is_over))
+                let (sandbox, is_over) = (&sandbox, &is_over);
+                scope.spawn(move || teach(sandbox, teacher, is_over))
             })
             .collect();
         for _ in 0..n_kills {
-            let memory = Memory::start(&place);
+            let memory = MemoryProcess::start(&sandbox);
             std::thread::sleep(Duration::from_millis(random.next_u64() % LONGEST_LIFE_MS));
             drop(memory);
         }
-        let _last = Memory::start(&place);
+        let _last = MemoryProcess::start(&sandbox);
         is_over.store(true, Ordering::Relaxed);
         let acknowledged = teachers.into_iter().map(|teacher| teacher.join().unwrap());
         let acknowledged: Acknowledged = acknowledged.flatten().collect();
-        let mut stubborn = Stubborn {
-            place: &place,
+        let mut client = RetryingClient {
+            sandbox: &sandbox,
             client: None,
         };
-        check_history(&history(&mut stubborn), &acknowledged);
-        check_names(&place, &acknowledged);
-        let verified = place.tabula(&["memory", "verify", "--json"]);
+        check_history(&history(&mut client), &acknowledged);
+        check_names(&sandbox, &acknowledged);
+        let verified = sandbox.tabula(&["memory", "verify", "--json"]);
         assert!(verified.status.success(), "{verified:?}");
         acknowledged
     });
-    let log = std::fs::read_to_string(place.log()).unwrap();
+    let log = std::fs::read_to_string(sandbox.log()).unwrap();
     assert!(!log.contains("lost:"), "a store was not sound:\n{log}");
     let n_tracks = acknowledged
         .keys()
@@ -277,12 +274,12 @@ fn check_kills(n_kills: usize, seed: u64) {
 }
 
 #[test]
-fn what_the_memory_acknowledged_survives_its_kills_and_is_done_once() {
+fn acknowledged_changes_survive_kills_and_are_made_once() {
     check_kills(25, 1);
 }
 
 #[test]
 #[ignore = "long"]
-fn long_what_the_memory_acknowledged_survives_its_kills_and_is_done_once() {
+fn long_acknowledged_changes_survive_kills_and_are_made_once() {
     check_kills(500, 2);
 }

@@ -1,25 +1,25 @@
-//! A panic in one object's actor: the others lose nothing, and too many of them end
-//! the process, exactly as the configuration says.
+//! Supervision of object actors: a panic costs other tracks nothing, and too many restart
+//! the process.
 
-use crate::daemon::{Daemon, Place, eventually};
-use crate::recorder::{Recorded, Recorder, SceneRecorder};
+use crate::daemon::{Daemon, Sandbox, eventually};
+use crate::recorder::{RecordedScene, Recorder, SceneRecorder};
 use crate::skeleton::wait_for_all;
 use channel::topic::ActorEvents;
 use message::{ActorEvent, ActorEventKind, ProcessKind, SceneObject};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// Slowly: several daemons share the machine's cores.
+/// The synthetic table at a low rate, since several daemons share the cores.
 const TABLE: [&str; 4] = ["--source", "synthetic:0", "--rate", "10"];
-/// The first id of a new memory.
+/// Track whose actor panics: the first id of a new memory.
 const FAULTY_TRACK: u64 = 1;
 
-/// Deadline of a frame for its actors: a frame loop that waited for an actor that has
-/// panicked would take as long.
+/// Deadline of a frame for its actors, milliseconds: the time that a frame would take if
+/// it waited for an actor that has panicked.
 const DEADLINE_MS: u64 = 60_000;
 
-/// A configuration with a panic of one actor every second.
-fn configure(place: &Place, restarts_max: u32, window_s: f64) {
+/// Configuration with a panic of one actor every second.
+fn configure(sandbox: &Sandbox, restarts_max: u32, window_s: f64) {
     let text = format!(
         "[perception]\n\
          actor_restarts_max = {restarts_max}\n\
@@ -29,20 +29,20 @@ fn configure(place: &Place, restarts_max: u32, window_s: f64) {
          fault_panic_every_ms = 1000\n\
          fault_panic_track_id = {FAULTY_TRACK}\n"
     );
-    std::fs::write(place.home().join("tabula.toml"), text).unwrap();
+    std::fs::write(sandbox.home().join("tabula.toml"), text).unwrap();
 }
 
-fn others(scene: &Recorded) -> impl Iterator<Item = &SceneObject> {
+fn others(scene: &RecordedScene) -> impl Iterator<Item = &SceneObject> {
     let is_other = |object: &&SceneObject| object.track_id != FAULTY_TRACK;
     scene.items.iter().filter(is_other)
 }
 
-fn sequence(scene: &Recorded) -> u64 {
+fn sequence(scene: &RecordedScene) -> u64 {
     scene.header.sequence
 }
 
-/// From scene to scene each track but the faulty one has one view more.
-fn check_gapless(scenes: &[Recorded]) {
+/// Asserts that from scene to scene each track but the faulty one has one view more.
+fn check_gapless(scenes: &[RecordedScene]) {
     for pair in scenes.windows(2) {
         let [before, after] = [&pair[0], &pair[1]];
         let views: BTreeMap<u64, u32> = others(before)
@@ -69,26 +69,25 @@ fn of_kind(events: &[ActorEvent], kind: ActorEventKind) -> Vec<&ActorEvent> {
         .collect()
 }
 
-/// Frames that the faulty track has lost by a panic, as a log tells them.
+/// Frames that the faulty track has lost by panics, from the log.
 fn frames_in_log(daemon: &Daemon<'_>) -> Vec<u64> {
-    let said = format!("the actor of track {FAULTY_TRACK} starts again");
+    let printed = format!("the actor of track {FAULTY_TRACK} starts again");
     let frame = |line: &str| {
         let (_, rest) = line.split_once("(at frame ")?;
         rest.split(',').next()?.parse().ok()
     };
     let log = daemon.log();
-    let lines = log.lines().filter(|line| line.contains(&said));
+    let lines = log.lines().filter(|line| line.contains(&printed));
     lines
         .map(|line| frame(line).unwrap_or_else(|| panic!("{line}")))
         .collect()
 }
 
-fn items(events: Vec<crate::recorder::Recording<ActorEvents>>) -> Vec<ActorEvent> {
+fn items(events: Vec<crate::recorder::RecordedMessage<ActorEvents>>) -> Vec<ActorEvent> {
     events.into_iter().flat_map(|event| event.items).collect()
 }
 
-/// Health, log and events of the daemon agree about what happened; the number of
-/// restarts.
+/// Asserts that health, log and events agree, and returns the number of restarts.
 fn check_agreement(daemon: &Daemon<'_>, events: &[ActorEvent]) -> u64 {
     let restarting = of_kind(events, ActorEventKind::Restarting);
     for (i, event) in restarting.iter().enumerate() {
@@ -109,7 +108,7 @@ fn check_agreement(daemon: &Daemon<'_>, events: &[ActorEvent]) -> u64 {
     restarting.len() as u64
 }
 
-/// Number of restarts that were published.
+/// Number of published restarts.
 fn n_restarts(events: &Recorder<ActorEvents>) -> u64 {
     let mut n_restarts = 0;
     events.is(|events| {
@@ -121,21 +120,21 @@ fn n_restarts(events: &Recorder<ActorEvents>) -> u64 {
     n_restarts
 }
 
-/// A panic every second, fewer than the limit: the other tracks lose nothing.
+/// Panics below the restart limit: the other tracks lose nothing.
 fn panic_every_second(n_panics: u64) {
-    let place = Place::with_faulty_perception();
-    configure(&place, 5, 2.0);
-    let events = Recorder::<ActorEvents>::start(&place);
-    let daemon = place.start(&TABLE);
+    let sandbox = Sandbox::with_faulty_perception();
+    configure(&sandbox, 5, 2.0);
+    let events = Recorder::<ActorEvents>::start(&sandbox);
+    let daemon = sandbox.start(&TABLE);
     wait_for_all(&daemon, 0);
-    let scenes = SceneRecorder::start(&place);
+    let scenes = SceneRecorder::start(&sandbox);
     let before = n_restarts(&events);
     while n_restarts(&events) < before + n_panics {
         let n_now = n_restarts(&events);
         eventually("the actor panics again", || n_restarts(&events) > n_now);
     }
     let (scenes, n_lost_scenes) = scenes.stop();
-    // What has happened by now is told by all of them in time.
+    // Health, log and events report the past restarts with a delay.
     let restarts = || {
         daemon.health("perception").unwrap()["restarts"]
             .as_u64()
@@ -150,7 +149,7 @@ fn panic_every_second(n_panics: u64) {
     assert_eq!((n_lost_scenes, n_lost_events), (0, 0));
     check_agreement(&daemon, &items(events));
     check_gapless(&scenes);
-    let took_ns = |scene: &Recorded| {
+    let took_ns = |scene: &RecordedScene| {
         let stamps = &scene.header.stamps;
         stamps.recognised_ns - stamps.detected_ns
     };
@@ -160,7 +159,7 @@ fn panic_every_second(n_panics: u64) {
         "a frame waited for the actor that had panicked: {longest_ns} ns"
     );
     assert_eq!(health["actors"], 5, "{health:#}");
-    let faulty = |scene: &Recorded| {
+    let faulty = |scene: &RecordedScene| {
         let track = scene
             .items
             .iter()
@@ -173,17 +172,17 @@ fn panic_every_second(n_panics: u64) {
 }
 
 #[test]
-fn a_panic_every_second_costs_the_others_no_frame() {
+fn panic_every_second_costs_other_tracks_no_frame() {
     panic_every_second(15);
 }
 
 #[test]
 #[ignore = "long"]
-fn long_a_panic_every_second_costs_the_others_no_frame() {
+fn long_panic_every_second_costs_other_tracks_no_frame() {
     panic_every_second(280);
 }
 
-/// Waits until perception runs as another process than before.
+/// Waits until perception runs as another process.
 fn wait_for_another(daemon: &Daemon<'_>, before: u32) {
     eventually("perception is started again", || {
         daemon
@@ -193,12 +192,12 @@ fn wait_for_another(daemon: &Daemon<'_>, before: u32) {
 }
 
 #[test]
-fn one_panic_more_than_is_allowed_ends_the_process_which_begins_anew() {
+fn panics_above_the_restart_limit_restart_the_process() {
     const MAX: u32 = 3;
-    let place = Place::with_faulty_perception();
-    configure(&place, MAX, 3600.0);
-    let events = Recorder::<ActorEvents>::start(&place);
-    let daemon = place.start(&TABLE);
+    let sandbox = Sandbox::with_faulty_perception();
+    configure(&sandbox, MAX, 3600.0);
+    let events = Recorder::<ActorEvents>::start(&sandbox);
+    let daemon = sandbox.start(&TABLE);
     wait_for_all(&daemon, 0);
     let before = daemon.pid(ProcessKind::Perception).unwrap();
     wait_for_another(&daemon, before);
@@ -229,11 +228,11 @@ fn check_log(log: &str, max: u32, frame: u64) {
         "the object actors needed more than {max} restarts within 3600 s, the last one the actor of \
          track {FAULTY_TRACK}: it panicked: a fault on purpose (at frame {frame}, which it loses)"
     );
-    for said in [
+    for printed in [
         escalation.as_str(),
         "tabula-perception has ended (exit status: 1); starting it again",
         "tabula-perception was started again",
     ] {
-        assert_eq!(log.matches(said).count(), 1, "{said}\n{log}");
+        assert_eq!(log.matches(printed).count(), 1, "{printed}\n{log}");
     }
 }

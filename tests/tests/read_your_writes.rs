@@ -1,13 +1,13 @@
-//! Read-your-writes consistency: an answer includes every change that was acknowledged
-//! before the question.
+//! Read-your-writes consistency: an answer includes every change acknowledged before the
+//! question.
 
-use crate::daemon::{Daemon, PATIENCE, Place, eventually};
+use crate::daemon::{Daemon, Sandbox, WATCHDOG, eventually};
 use crate::skeleton::{id, wait_for_all};
 use channel::control::SocketClient;
 use message::ProcessKind;
 use message::control::{Command, Labelling, MutationId, Reply};
 
-/// Changes, each followed by a question at once.
+/// Number of changes, each followed by a question at once.
 const N_CHANGES: u128 = 20;
 
 fn call(client: &mut SocketClient, command: Command) -> Reply {
@@ -26,11 +26,11 @@ fn labels(client: &mut SocketClient, track_id: u64) -> [Option<String>; 2] {
     [object.label, listed.unwrap().label]
 }
 
-/// Corrects the label of a track again and again, and asks at once for it.
+/// Corrects the label of a track repeatedly, and asks for it at once.
 fn check_each_change_is_answered(daemon: &Daemon<'_>, track_id: u64) {
-    let place = daemon.place;
-    let folders = [place.run_folder()];
-    let mut client = SocketClient::connect(&place.domain, &folders, PATIENCE).unwrap();
+    let sandbox = daemon.sandbox;
+    let folders = [sandbox.run_folder()];
+    let mut client = SocketClient::connect(&sandbox.domain, &folders, WATCHDOG).unwrap();
     for number in 0..N_CHANGES {
         let category = format!("thing {number}");
         let labelling = Labelling {
@@ -56,8 +56,8 @@ fn check_each_change_is_answered(daemon: &Daemon<'_>, track_id: u64) {
 
 #[test]
 fn label_is_answered_directly_after_a_change_while_frames_come() {
-    let place = Place::new();
-    let daemon = place.start(&["--source", "synthetic:0", "--rate", "10"]);
+    let sandbox = Sandbox::new();
+    let daemon = sandbox.start(&["--source", "synthetic:0", "--rate", "10"]);
     let track = id(&wait_for_all(&daemon, 0)[0]);
     check_each_change_is_answered(&daemon, track.parse().unwrap());
     daemon.stop();
@@ -65,8 +65,8 @@ fn label_is_answered_directly_after_a_change_while_frames_come() {
 
 #[test]
 fn label_is_answered_directly_after_a_change_when_no_frame_comes_any_more() {
-    let place = Place::new();
-    let daemon = place.start(&["--source", "synthetic:0", "--to", "30", "--lockstep"]);
+    let sandbox = Sandbox::new();
+    let daemon = sandbox.start(&["--source", "synthetic:0", "--to", "30", "--lockstep"]);
     eventually("the recording ends", || {
         let camera = daemon.health(ProcessKind::Camera.name());
         camera.is_some_and(|camera| camera["state"] == "idle")

@@ -1,40 +1,39 @@
-//! Real Kinect scenes: what was taught in one is known again after a restart,
-//! and what stands still stays where it is while the camera moves.
+//! Real Kinect scenes: recognition after a restart, and static tracks under a moving
+//! camera.
 
-use crate::daemon::{Daemon, Place, nearest};
+use crate::daemon::{Daemon, Sandbox, nearest};
 use crate::real_data;
-use crate::recorder::{Recorded, SceneRecorder};
+use crate::recorder::{RecordedScene, SceneRecorder};
 use message::{ProcessKind, SceneObject, TrackState, frame_flag};
 use nalgebra::{Point3, center, distance};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Scenes of the folder by number: lying boxes, stacked boxes, boxes that hide
-/// each other, cylinders.
+/// Scene numbers: lying boxes, stacked boxes, boxes that hide each other, cylinders.
 const SCENES: [usize; 4] = [7, 21, 28, 44];
-/// A scene with a bowl, a cylinder and a box, of which the first is taught.
+/// Scene with a bowl, a cylinder and a box, of which the first is taught.
 const DIFFERENT_SHAPES: usize = 35;
-/// Frames of the kitchen that are played, at 30 Hz.
+/// Number of frames of the kitchen sequence, at 30 Hz.
 const N_KITCHEN_FRAMES: u64 = 300;
-/// A track that lives longer than this must stay where it is, seconds.
+/// Life of a track, seconds, above which it must keep its position.
 const LONG_LIFE_S: f64 = 2.0;
-/// How far any may wander: the box of the seen part grows from its edge while an
-/// object comes into view, metres.
+/// Largest position drift of any track, metres: the box of the visible part grows while
+/// an object comes into view.
 const WANDER_MAX_M: f64 = 0.12;
-/// How far half of them may wander, metres.
+/// Largest median position drift, metres.
 const WANDER_USUAL_M: f64 = 0.04;
 
-/// Plays one scene of the folder for ever.
-fn show(place: &Place, scene: usize) -> Daemon<'_> {
+/// Daemon that plays one scene endlessly.
+fn show(sandbox: &Sandbox, scene: usize) -> Daemon<'_> {
     let folder = real_data::folder("tabletop-scenes");
     let (from, to) = (scene.to_string(), (scene + 1).to_string());
     let source = folder.to_str().unwrap();
-    place.start(&[
+    sandbox.start(&[
         "--source", source, "--from", &from, "--to", &to, "--loop", "--rate", "10",
     ])
 }
 
-/// Waits until everything that is seen is believed, and taken as key view.
+/// Waits until all tracks are confirmed and have key views.
 fn settled(daemon: &Daemon<'_>) -> Vec<Value> {
     daemon.wait_for("all objects are tracked", |objects| {
         let is_settled =
@@ -52,18 +51,18 @@ fn id(object: &Value) -> u64 {
     object["track_id"].as_u64().unwrap()
 }
 
-/// Teaches every object of a scene a name of its own, restarts everything, and
-/// looks for each name where its object stands. How many there were.
+/// Labels every object of a scene, restarts the daemon, and asserts each label at its
+/// position; returns the number of objects.
 fn check_known_again(scene: usize) -> usize {
-    let place = Place::new();
-    let daemon = show(&place, scene);
+    let sandbox = Sandbox::new();
+    let daemon = show(&sandbox, scene);
     let taught = settled(&daemon);
     for object in &taught {
         let track_id = object["track_id"].to_string();
         daemon.ask(&["teach", &track_id, &format!("thing {track_id}")]);
     }
     daemon.stop();
-    let daemon = show(&place, scene);
+    let daemon = show(&sandbox, scene);
     let again = settled(&daemon);
     assert_eq!(again.len(), taught.len(), "scene {scene}: {again:#?}");
     let newest_taught = taught.iter().map(id).max();
@@ -82,7 +81,7 @@ fn check_known_again(scene: usize) -> usize {
 
 #[test]
 #[ignore = "needs TABULA_DATA"]
-fn every_object_is_known_by_its_own_name_after_a_restart() {
+fn labels_of_real_objects_are_recognised_after_a_restart() {
     let n_objects: usize = SCENES.into_iter().map(check_known_again).sum();
     println!(
         "{n_objects} objects of {} scenes were known again",
@@ -96,9 +95,9 @@ fn every_object_is_known_by_its_own_name_after_a_restart() {
 
 #[test]
 #[ignore = "needs TABULA_DATA"]
-fn objects_of_another_shape_stay_unknown() {
-    let place = Place::new();
-    let daemon = show(&place, DIFFERENT_SHAPES);
+fn real_objects_of_another_shape_stay_unknown() {
+    let sandbox = Sandbox::new();
+    let daemon = show(&sandbox, DIFFERENT_SHAPES);
     let objects = settled(&daemon);
     assert!(objects.len() >= 3, "{objects:#?}");
     let taught = id(&objects[0]);
@@ -126,11 +125,12 @@ fn objects_of_another_shape_stay_unknown() {
     daemon.stop();
 }
 
-/// Where a track was seen whole, and when, seconds of capture time.
+/// Trajectory of a track: capture times in seconds and positions, where it was fully
+/// visible.
 type Path = Vec<(f64, Point3<f64>)>;
 
-/// The tracks' paths, as far as they were seen and not cut by the image.
-fn paths(scenes: &[Recorded]) -> BTreeMap<u64, Path> {
+/// Trajectories of the tracks, without views cut by the image border.
+fn paths(scenes: &[RecordedScene]) -> BTreeMap<u64, Path> {
     let mut paths = BTreeMap::<u64, Path>::new();
     for scene in scenes {
         let time_s = scene.header.stamps.capture_ns as f64 * 1e-9;
@@ -145,27 +145,27 @@ fn paths(scenes: &[Recorded]) -> BTreeMap<u64, Path> {
     paths
 }
 
-/// The largest distance of a path's places from its middle, metres.
+/// Largest distance of a trajectory from its middle, metres.
 fn wandering_m(path: &Path) -> f64 {
     let lowest = path
         .iter()
-        .fold(path[0].1, |low, (_, place)| low.inf(place));
+        .fold(path[0].1, |low, (_, position)| low.inf(position));
     let highest = path
         .iter()
-        .fold(path[0].1, |high, (_, place)| high.sup(place));
+        .fold(path[0].1, |high, (_, position)| high.sup(position));
     let middle = center(&lowest, &highest);
     path.iter()
-        .map(|(_, place)| distance(&middle, place))
+        .map(|(_, position)| distance(&middle, position))
         .fold(0.0, f64::max)
 }
 
-/// In lockstep, so that a busy machine drops no frame; capture time is that of
-/// 30 Hz all the same.
-fn kitchen(place: &Place) -> Vec<Recorded> {
+/// Scenes of the kitchen sequence, played in lockstep so that no frame is dropped;
+/// capture times are those of 30 Hz.
+fn kitchen(sandbox: &Sandbox) -> Vec<RecordedScene> {
     let folder = real_data::folder("kitchen-sequence");
-    let recorder = SceneRecorder::start(place);
+    let recorder = SceneRecorder::start(sandbox);
     let to = N_KITCHEN_FRAMES.to_string();
-    let daemon = place.start(&[
+    let daemon = sandbox.start(&[
         "--source",
         folder.to_str().unwrap(),
         "--to",
@@ -183,10 +183,11 @@ fn kitchen(place: &Place) -> Vec<Recorded> {
 
 #[test]
 #[ignore = "needs TABULA_DATA"]
-fn what_stands_still_stays_where_it_is_while_the_camera_moves() {
-    let place = Place::new();
-    let scenes = kitchen(&place);
-    let has_pose = |scene: &Recorded| scene.header.frame_flags & frame_flag::HAS_WORLD_POSE != 0;
+fn static_objects_keep_their_position_while_the_camera_moves() {
+    let sandbox = Sandbox::new();
+    let scenes = kitchen(&sandbox);
+    let has_pose =
+        |scene: &RecordedScene| scene.header.frame_flags & frame_flag::HAS_WORLD_POSE != 0;
     assert!(scenes.iter().all(has_pose));
     let captures = scenes.windows(2).map(|pair| {
         let [first, second] = [&pair[0].header, &pair[1].header];
@@ -224,13 +225,13 @@ fn what_stands_still_stays_where_it_is_while_the_camera_moves() {
         wandering[wandering.len() / 2] < WANDER_USUAL_M,
         "{wandering:?}"
     );
-    let ids = |scenes: &[Recorded]| -> BTreeSet<u64> {
+    let ids = |scenes: &[RecordedScene]| -> BTreeSet<u64> {
         scenes
             .iter()
             .flat_map(|scene| scene.items.iter().map(|object| object.track_id))
             .collect()
     };
-    let again = kitchen(&place);
+    let again = kitchen(&sandbox);
     assert!(
         ids(&scenes).is_disjoint(&ids(&again)),
         "a track-id is used twice"

@@ -1,6 +1,6 @@
-//! Every message of a topic, in order, taken by a guest that polls.
+//! Recorder of all messages of a topic, in order, in a guest that polls.
 
-use crate::daemon::{Place, eventually};
+use crate::daemon::{Sandbox, eventually};
 use channel::topic::{Scene, Topic};
 use channel::{Domain, Received, Role, Subscriber};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -8,18 +8,18 @@ use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// Polled so often that no message is overwritten before it is taken.
+/// Polling period, short enough that no message is overwritten.
 const PERIOD: Duration = Duration::from_micros(500);
 
-/// One message as published.
-pub(crate) struct Recording<T: Topic> {
+/// Copy of a published message.
+pub(crate) struct RecordedMessage<T: Topic> {
     /// Its header.
     pub(crate) header: T::Header,
     /// Its items.
     pub(crate) items: Vec<T::Item>,
 }
 
-impl<T: Topic> Clone for Recording<T> {
+impl<T: Topic> Clone for RecordedMessage<T> {
     fn clone(&self) -> Self {
         Self {
             header: self.header,
@@ -28,7 +28,7 @@ impl<T: Topic> Clone for Recording<T> {
     }
 }
 
-impl<T: Topic> std::fmt::Debug for Recording<T> {
+impl<T: Topic> std::fmt::Debug for RecordedMessage<T> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Recording")
             .field("header", &self.header)
@@ -37,30 +37,30 @@ impl<T: Topic> std::fmt::Debug for Recording<T> {
     }
 }
 
-/// One scene as published.
-pub(crate) type Recorded = Recording<Scene>;
+/// Copy of a published scene.
+pub(crate) type RecordedScene = RecordedMessage<Scene>;
 
-/// Records the scenes.
+/// Recorder of scenes.
 pub(crate) type SceneRecorder = Recorder<Scene>;
 
-struct Shared<T: Topic> {
-    messages: Mutex<Vec<Recording<T>>>,
+struct SharedRecording<T: Topic> {
+    messages: Mutex<Vec<RecordedMessage<T>>>,
     is_over: AtomicBool,
 }
 
-/// Records on a thread of its own. To be stopped before the daemon, which would
-/// otherwise not be the last one in its domain.
+/// Recorder thread. It must stop before the daemon, which would otherwise not be the last
+/// in its domain.
 pub(crate) struct Recorder<T: Topic> {
-    shared: Arc<Shared<T>>,
+    shared: Arc<SharedRecording<T>>,
     thread: Option<JoinHandle<u64>>,
 }
 
 impl<T: Topic> Recorder<T> {
-    /// Joins a place's domain, which need not be there yet, and begins to record.
-    pub(crate) fn start(place: &Place) -> Self {
-        let domain = Domain::join(&place.domain, &place.run_folder(), Role::Guest).unwrap();
+    /// Joins the domain of a sandbox, which need not exist yet, and starts recording.
+    pub(crate) fn start(sandbox: &Sandbox) -> Self {
+        let domain = Domain::join(&sandbox.domain, &sandbox.run_folder(), Role::Guest).unwrap();
         let mut subscriber = Subscriber::<T>::polled(&domain).unwrap();
-        let shared = Arc::new(Shared {
+        let shared = Arc::new(SharedRecording {
             messages: Mutex::default(),
             is_over: AtomicBool::new(false),
         });
@@ -78,34 +78,37 @@ impl<T: Topic> Recorder<T> {
         }
     }
 
-    /// Whether the recorded messages are as wanted.
-    pub(crate) fn is(&self, so: impl FnOnce(&[Recording<T>]) -> bool) -> bool {
+    /// True if a predicate holds for the recorded messages.
+    pub(crate) fn is(&self, so: impl FnOnce(&[RecordedMessage<T>]) -> bool) -> bool {
         so(&self.shared.messages.lock().unwrap())
     }
 
-    /// How many messages were recorded.
+    /// Number of recorded messages.
     pub(crate) fn len(&self) -> usize {
         self.shared.messages.lock().unwrap().len()
     }
 
-    /// The newest message.
-    pub(crate) fn last(&self) -> Option<Recording<T>> {
+    /// Newest message.
+    pub(crate) fn last(&self) -> Option<RecordedMessage<T>> {
         self.shared.messages.lock().unwrap().last().cloned()
     }
 
-    /// The first message that is as wanted.
-    pub(crate) fn find(&self, is_it: impl Fn(&Recording<T>) -> bool) -> Option<Recording<T>> {
+    /// First message that fulfils a predicate.
+    pub(crate) fn find(
+        &self,
+        is_it: impl Fn(&RecordedMessage<T>) -> bool,
+    ) -> Option<RecordedMessage<T>> {
         let messages = self.shared.messages.lock().unwrap();
         messages.iter().find(|message| is_it(message)).cloned()
     }
 
-    /// Waits until the recorded messages are as wanted.
-    pub(crate) fn wait_for(&self, what: &str, is_so: impl Fn(&[Recording<T>]) -> bool) {
+    /// Waits until a predicate holds for the recorded messages.
+    pub(crate) fn wait_for(&self, what: &str, is_so: impl Fn(&[RecordedMessage<T>]) -> bool) {
         eventually(what, || self.is(&is_so));
     }
 
-    /// Leaves the domain: the messages, and how many were published and not taken.
-    pub(crate) fn stop(mut self) -> (Vec<Recording<T>>, u64) {
+    /// Leaves the domain; returns the messages, and the number of lost ones.
+    pub(crate) fn stop(mut self) -> (Vec<RecordedMessage<T>>, u64) {
         let n_lost = self.leave().unwrap();
         let messages = std::mem::take(&mut *self.shared.messages.lock().unwrap());
         (messages, n_lost)
@@ -123,7 +126,7 @@ impl<T: Topic> Drop for Recorder<T> {
     }
 }
 
-fn take_all<T: Topic>(subscriber: &mut Subscriber<T>, shared: &Shared<T>) {
+fn take_all<T: Topic>(subscriber: &mut Subscriber<T>, shared: &SharedRecording<T>) {
     while let Received::Message(message) = subscriber.receive().unwrap() {
         shared.messages.lock().unwrap().push(Recording {
             header: *message.header(),

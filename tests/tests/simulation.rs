@@ -1,9 +1,9 @@
-//! The simulated table behind the channels of the real one: what is found is
-//! scored with the truth, the arm obeys and stops, recordings are played again.
+//! Simulated table: detection and tracking scored with ground truth, the arm, and
+//! recordings.
 
-use crate::daemon::{Daemon, Place, eventually};
+use crate::daemon::{Daemon, Sandbox, eventually};
 use crate::lockstep::repeatable;
-use crate::recorder::{Recorded, Recorder, Recording, SceneRecorder};
+use crate::recorder::{RecordedMessage, RecordedScene, Recorder, SceneRecorder};
 use channel::topic::{ArmStates, CameraCloud, PersonBodies, TrueMasks, TrueObjects};
 use channel::{Domain, Role, SharedFrame, Subscriber};
 use constraint::{Assumption, Assumptions, Constraint, Expression};
@@ -15,18 +15,18 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use tempfile::TempDir;
 
-/// Frames that are scored, after those in which tracks come into being.
+/// Number of scored frames, after the warm-up in which tracks are initiated.
 const N_SCORED: usize = 60;
 const N_WARM_UP: usize = 15;
-/// A track belongs to the object whose middle is this near, metres.
+/// Largest distance between a track and its ground-truth object, metres.
 const NEAR_M: f64 = 0.04;
-/// Objects that show fewer pixels are not expected to be found.
+/// Smallest visible area of an object that must be found, pixels.
 const PIXELS_MIN: u32 = 300;
-/// Exit code of a command that is used wrongly.
+/// Exit code of a usage error.
 const USAGE: i32 = 2;
 const REFUSED: i32 = 4;
 
-/// A scene of six things as they stand in a household, without arm or person.
+/// Scene of six household objects, without arm or person.
 const BREAKFAST: &str = "
 seed = 11
 [[object]]
@@ -50,7 +50,7 @@ category = 'teapot'
 position_m = [0.33, 0.15]
 ";
 
-/// A carton within the arm's reach.
+/// Scene of a carton within the arm's reach.
 const CARTON: &str = "
 seed = 3
 [arm]
@@ -59,7 +59,7 @@ category = 'milk-carton'
 position_m = [-0.15, -0.05]
 ";
 
-/// The same, and an apple behind which a person holds their hand.
+/// Scene of a carton, and an apple that a person's hand hides.
 const HANDS: &str = "
 seed = 3
 [[object]]
@@ -89,7 +89,7 @@ fn middle(position_m: [f64; 3]) -> Point3<f64> {
     Point3::from(position_m)
 }
 
-/// How well the tracks of some frames fit what was really there.
+/// Recall, precision, identity switches and position errors against ground truth.
 #[derive(Debug, Default)]
 struct Score {
     n_true: usize,
@@ -153,25 +153,26 @@ impl Score {
     }
 }
 
-/// Scenes and truths of the same frames.
+/// Scenes and ground truth of the same frames.
 fn paired<'a>(
-    scenes: &'a [Recorded],
-    truths: &'a [Recording<TrueObjects>],
-) -> impl Iterator<Item = (&'a Recorded, &'a Recording<TrueObjects>)> {
+    scenes: &'a [RecordedScene],
+    truths: &'a [RecordedMessage<TrueObjects>],
+) -> impl Iterator<Item = (&'a RecordedScene, &'a RecordedMessage<TrueObjects>)> {
     scenes.iter().filter_map(|scene| {
         let key = (scene.header.session, scene.header.sequence);
-        let is_same =
-            |truth: &&Recording<TrueObjects>| (truth.header.session, truth.header.sequence) == key;
+        let is_same = |truth: &&RecordedMessage<TrueObjects>| {
+            (truth.header.session, truth.header.sequence) == key
+        };
         Some((scene, truths.iter().find(is_same)?))
     })
 }
 
-/// Plays a scene and scores it.
+/// Plays a scene in lockstep and scores it.
 fn score(source: &str) -> Score {
-    let place = Place::new();
-    let scenes = SceneRecorder::start(&place);
-    let truths = Recorder::<TrueObjects>::start(&place);
-    let daemon = place.start(&["--source", source, "--lockstep"]);
+    let sandbox = Sandbox::new();
+    let scenes = SceneRecorder::start(&sandbox);
+    let truths = Recorder::<TrueObjects>::start(&sandbox);
+    let daemon = sandbox.start(&["--source", source, "--lockstep"]);
     scenes.wait_for("enough scenes", |s| s.len() > N_WARM_UP + N_SCORED);
     let (scenes, _) = scenes.stop();
     let (truths, _) = truths.stop();
@@ -184,7 +185,7 @@ fn score(source: &str) -> Score {
 }
 
 #[test]
-fn objects_of_the_simulated_table_are_found_and_followed() {
+fn simulated_objects_are_detected_and_tracked() {
     let (_folder, source) = scene_file(BREAKFAST);
     let mut score = score(&source);
     println!(
@@ -203,13 +204,13 @@ fn objects_of_the_simulated_table_are_found_and_followed() {
 
 #[test]
 fn the_mask_belongs_to_the_cloud_of_its_frame() {
-    let place = Place::new();
-    let domain = Domain::join(&place.domain, &place.run_folder(), Role::Guest).unwrap();
+    let sandbox = Sandbox::new();
+    let domain = Domain::join(&sandbox.domain, &sandbox.run_folder(), Role::Guest).unwrap();
     let mut clouds = Subscriber::<CameraCloud>::polled(&domain).unwrap();
-    let truths = Recorder::<TrueObjects>::start(&place);
-    let masks = Recorder::<TrueMasks>::start(&place);
+    let truths = Recorder::<TrueObjects>::start(&sandbox);
+    let masks = Recorder::<TrueMasks>::start(&sandbox);
     let (_folder, source) = scene_file(BREAKFAST);
-    let daemon = place.start(&["--source", &source]);
+    let daemon = sandbox.start(&["--source", &source]);
     let mut cloud = None;
     eventually("a cloud is there", || {
         cloud = clouds.latest().unwrap();
@@ -231,11 +232,11 @@ fn the_mask_belongs_to_the_cloud_of_its_frame() {
     daemon.stop();
 }
 
-/// Nearly all points of an object's pixels lie in the object's box.
+/// Asserts that nearly all points of an object's pixels lie in its box.
 fn check_mask(
     cloud: &SharedFrame<CameraCloud>,
-    mask: &Recording<TrueMasks>,
-    truth: &Recording<TrueObjects>,
+    mask: &RecordedMessage<TrueMasks>,
+    truth: &RecordedMessage<TrueObjects>,
 ) {
     let frame = cloud.header().checked(cloud.items().len()).unwrap();
     let world_from_camera = frame.world_from_camera.unwrap();
@@ -262,7 +263,7 @@ fn check_mask(
     }
 }
 
-/// Asks the arm for something that must succeed.
+/// Arm command that must succeed.
 fn arm(daemon: &Daemon<'_>, arguments: &[&str]) -> Value {
     let report = daemon.ask(&[&["arm"], arguments].concat());
     assert_eq!(report["note"], "", "{arguments:?}: {report:#}");
@@ -270,12 +271,12 @@ fn arm(daemon: &Daemon<'_>, arguments: &[&str]) -> Value {
 }
 
 #[test]
-fn the_arm_grasps_lifts_and_lets_go() {
-    let place = Place::new();
-    let truths = Recorder::<TrueObjects>::start(&place);
+fn arm_grasps_lifts_and_releases_an_object() {
+    let sandbox = Sandbox::new();
+    let truths = Recorder::<TrueObjects>::start(&sandbox);
     let (_folder, source) = scene_file(CARTON);
     // In lockstep the simulated time does not run away from a busy perception.
-    let daemon = place.start(&["--source", &source, "--lockstep"]);
+    let daemon = sandbox.start(&["--source", &source, "--lockstep"]);
     let height = || truths.last().unwrap().items[0].world_from_object.position_m[2];
     daemon.wait_for("the carton is tracked", |objects| !objects.is_empty());
     let standing_m = height();
@@ -295,12 +296,11 @@ fn the_arm_grasps_lifts_and_lets_go() {
     daemon.stop();
 }
 
-/// A track that begins farther than this from all objects is of something else,
-/// metres.
+/// Distance from all objects, metres, beyond which a new track is a false positive.
 const ASTRAY_M: f64 = 0.10;
 
-/// Sentences of all that is ignored in some scenes.
-fn sentences(scenes: &[Recorded]) -> BTreeSet<String> {
+/// Reasons of all rejected candidates in some scenes.
+fn sentences(scenes: &[RecordedScene]) -> BTreeSet<String> {
     let ignored = scenes.iter().flat_map(|scene| scene.header.ignored());
     let decided = ignored.flat_map(message::IgnoredBlob::why);
     decided
@@ -308,9 +308,9 @@ fn sentences(scenes: &[Recorded]) -> BTreeSet<String> {
         .collect()
 }
 
-/// Tracks that have begun in some scenes and are of none of the true objects.
-fn astray(scenes: &[Recorded], truths: &[Recording<TrueObjects>]) -> Vec<SceneObject> {
-    let is_astray = |track: &SceneObject, truth: &Recording<TrueObjects>| {
+/// False positives: new tracks far from all ground-truth objects.
+fn astray(scenes: &[RecordedScene], truths: &[RecordedMessage<TrueObjects>]) -> Vec<SceneObject> {
+    let is_astray = |track: &SceneObject, truth: &RecordedMessage<TrueObjects>| {
         let at = middle(track.pose.position_m);
         let is_near = |object: &TrueObject| {
             (middle(object.world_from_object.position_m) - at).norm() < ASTRAY_M
@@ -327,25 +327,25 @@ fn astray(scenes: &[Recorded], truths: &[Recording<TrueObjects>]) -> Vec<SceneOb
 }
 
 #[test]
-fn the_arm_over_the_table_is_ignored_and_people_are_told_why() {
-    let place = Place::new();
-    let scenes = SceneRecorder::start(&place);
-    let truths = Recorder::<TrueObjects>::start(&place);
+fn arm_over_the_table_is_rejected_with_a_reason() {
+    let sandbox = Sandbox::new();
+    let scenes = SceneRecorder::start(&sandbox);
+    let truths = Recorder::<TrueObjects>::start(&sandbox);
     let (_folder, source) = scene_file(CARTON);
-    let daemon = place.start(&["--source", &source, "--lockstep"]);
+    let daemon = sandbox.start(&["--source", &source, "--lockstep"]);
     daemon.wait_for("the carton is tracked", |objects| !objects.is_empty());
     arm(&daemon, &["move", "-0.15", "-0.05", "1.12"]);
     arm(&daemon, &["move", "-0.05", "-0.15", "0.98"]);
-    let mut told = Value::Null;
+    let mut reported = Value::Null;
     eventually("the arm is ignored", || {
-        told = daemon.ask(&["objects"]);
-        told["ignored"].as_array().is_some_and(|ignored| {
+        reported = daemon.ask(&["objects"]);
+        reported["ignored"].as_array().is_some_and(|ignored| {
             let of_arm = |blob: &Value| blob["why"].to_string().contains("the robot's arm");
             ignored.iter().any(of_arm)
         })
     });
-    assert_eq!(told["rule"], Expression::default().to_string());
-    for blob in told["ignored"].as_array().unwrap() {
+    assert_eq!(reported["rule"], Expression::default().to_string());
+    for blob in reported["ignored"].as_array().unwrap() {
         let keys: BTreeSet<_> = blob
             .as_object()
             .unwrap()
@@ -364,10 +364,14 @@ fn the_arm_over_the_table_is_ignored_and_people_are_told_why() {
         assert_eq!(keys, BTreeSet::from(expected));
         assert_eq!(blob["findings"].as_array().unwrap().len(), Constraint::N);
     }
-    // The simulation tells where the arm is, that nobody is there, where up is and
-    // where the camera stands: nothing is taken for granted.
-    assert_eq!(told["assumptions"], serde_json::json!([]), "{told:#}");
-    let text = place.tabula(&["objects"]);
+    // The simulation publishes the arm, the absence of people, the up direction and the
+    // camera pose: detection assumes nothing.
+    assert_eq!(
+        reported["assumptions"],
+        serde_json::json!([]),
+        "{reported:#}"
+    );
+    let text = sandbox.tabula(&["objects"]);
     let text = String::from_utf8(text.stdout).unwrap();
     assert!(text.contains("ignored at ("), "{text}");
     assert!(text.contains("it is the robot's arm ("), "{text}");
@@ -379,12 +383,12 @@ fn the_arm_over_the_table_is_ignored_and_people_are_told_why() {
 }
 
 #[test]
-fn a_hand_at_an_object_is_ignored_and_starts_no_track() {
-    let place = Place::new();
-    let scenes = SceneRecorder::start(&place);
-    let truths = Recorder::<TrueObjects>::start(&place);
+fn hand_at_an_object_is_rejected_and_starts_no_track() {
+    let sandbox = Sandbox::new();
+    let scenes = SceneRecorder::start(&sandbox);
+    let truths = Recorder::<TrueObjects>::start(&sandbox);
     let (_folder, source) = scene_file(HANDS);
-    let daemon = place.start(&["--source", &source, "--lockstep"]);
+    let daemon = sandbox.start(&["--source", &source, "--lockstep"]);
     scenes.wait_for("the hand has come and gone", |scenes| scenes.len() >= 150);
     let (scenes, _) = scenes.stop();
     let (truths, _) = truths.stop();
@@ -402,14 +406,14 @@ fn a_hand_at_an_object_is_ignored_and_starts_no_track() {
 }
 
 #[test]
-fn a_rule_that_names_no_constraint_is_refused_before_anything_starts() {
-    let place = Place::new();
+fn candidate_rule_with_an_unknown_constraint_is_refused_at_the_start() {
+    let sandbox = Sandbox::new();
     let folder = tempfile::tempdir().unwrap();
     let config = folder.path().join("tabula.toml");
     let text = "[perception]\ncandidate_rule = 'C_table and C_tarck'\n";
     std::fs::write(&config, text).unwrap();
     let config = config.to_str().unwrap();
-    let (code, sentence) = refused(&place, &["run", "--check-config", "--config", config]);
+    let (code, sentence) = refused(&sandbox, &["run", "--check-config", "--config", config]);
     assert_eq!(code, USAGE, "{sentence}");
     for word in [
         "candidate_rule",
@@ -423,12 +427,12 @@ fn a_rule_that_names_no_constraint_is_refused_before_anything_starts() {
 
 #[test]
 fn stop_acts_at_once() {
-    let place = Place::new();
-    let states = Recorder::<ArmStates>::start(&place);
+    let sandbox = Sandbox::new();
+    let states = Recorder::<ArmStates>::start(&sandbox);
     let (_folder, source) = scene_file(CARTON);
-    let daemon = place.start(&["--source", &source]);
+    let daemon = sandbox.start(&["--source", &source]);
     arm(&daemon, &["move", "-0.15", "-0.05", "1.12", "--no-wait"]);
-    let is_moving = |state: &Recording<ArmStates>| {
+    let is_moving = |state: &RecordedMessage<ArmStates>| {
         state.header.activity == ArmActivity::Moving.code()
             && state
                 .header
@@ -436,9 +440,7 @@ fn stop_acts_at_once() {
                 .iter()
                 .any(|v| v.abs() > 0.3)
     };
-    states.wait_for("the arm moves", |states| {
-        states.iter().any(is_moving)
-    });
+    states.wait_for("the arm moves", |states| states.iter().any(is_moving));
     let stopped = arm(&daemon, &["stop"]);
     assert_eq!(stopped["activity"], "stopped");
     let n_before = states.len();
@@ -446,7 +448,7 @@ fn stop_acts_at_once() {
     let (states, _) = states.stop();
     daemon.stop();
     // The answer came before a frame was over; from its instant on nothing moves.
-    let angles = |state: &Recording<ArmStates>| state.header.joint_angles_rad;
+    let angles = |state: &RecordedMessage<ArmStates>| state.header.joint_angles_rad;
     let last = states.last().unwrap();
     assert_eq!(last.header.activity, ArmActivity::Stopped.code());
     for state in &states[n_before..] {
@@ -465,10 +467,10 @@ fn stop_acts_at_once() {
 }
 
 #[test]
-fn the_default_is_a_table_with_an_arm_and_a_person() {
-    let place = Place::new();
-    let bodies = Recorder::<PersonBodies>::start(&place);
-    let daemon = place.start(&[]);
+fn default_source_is_a_table_with_an_arm_and_a_person() {
+    let sandbox = Sandbox::new();
+    let bodies = Recorder::<PersonBodies>::start(&sandbox);
+    let daemon = sandbox.start(&[]);
     daemon.wait_for("objects are tracked", |objects| objects.len() >= 2);
     let objects = daemon.ask(&["objects"]);
     let source = objects["source_name"].as_str().unwrap().to_owned();
@@ -484,9 +486,9 @@ fn the_default_is_a_table_with_an_arm_and_a_person() {
 #[test]
 fn in_lockstep_the_same_seed_gives_the_same_world() {
     let run = || {
-        let place = Place::new();
-        let scenes = SceneRecorder::start(&place);
-        let daemon = place.start(&["--source", "simulation", "--seed", "9", "--lockstep"]);
+        let sandbox = Sandbox::new();
+        let scenes = SceneRecorder::start(&sandbox);
+        let daemon = sandbox.start(&["--source", "simulation", "--seed", "9", "--lockstep"]);
         scenes.wait_for("enough scenes", |scenes| scenes.len() >= 40);
         let (scenes, _) = scenes.stop();
         daemon.stop();
@@ -499,10 +501,10 @@ fn in_lockstep_the_same_seed_gives_the_same_world() {
 }
 
 #[test]
-fn a_killed_simulator_comes_back() {
-    let place = Place::new();
+fn killed_simulator_is_restarted() {
+    let sandbox = Sandbox::new();
     let (_folder, source) = scene_file(BREAKFAST);
-    let daemon = place.start(&["--source", &source]);
+    let daemon = sandbox.start(&["--source", &source]);
     daemon.wait_for("objects are tracked", |objects| objects.len() >= 4);
     let killed = daemon.pid(ProcessKind::Simulator).unwrap();
     daemon.signal(ProcessKind::Simulator, Signal::KILL);
@@ -519,13 +521,13 @@ fn a_killed_simulator_comes_back() {
 }
 
 #[test]
-fn a_recorded_scene_is_played_again() {
-    let place = Place::new();
+fn recorded_simulation_is_replayed() {
+    let sandbox = Sandbox::new();
     let (folder, source) = scene_file(BREAKFAST);
     let scene = source.strip_prefix("simulation:").unwrap();
     let out = folder.path().join("sequence");
     let out = out.to_str().unwrap();
-    let output = place.tabula(&["simulate", "scene", scene, "--frames", "20", "--out", out]);
+    let output = sandbox.tabula(&["simulate", "scene", scene, "--frames", "20", "--out", out]);
     assert!(output.status.success(), "{output:?}");
     let files = |suffix: &str| {
         let names = std::fs::read_dir(out)
@@ -544,7 +546,7 @@ fn a_recorded_scene_is_played_again() {
     ] {
         assert_eq!(files(suffix), 20, "{suffix}");
     }
-    let daemon = place.start(&["--source", out, "--loop"]);
+    let daemon = sandbox.start(&["--source", out, "--loop"]);
     daemon.wait_for("objects are tracked", |objects| {
         objects.iter().filter(|o| o["state"] == "tracked").count() >= 4
     });
@@ -552,14 +554,14 @@ fn a_recorded_scene_is_played_again() {
 }
 
 #[test]
-fn views_are_written_for_learning() {
-    let place = Place::new();
+fn simulated_views_are_written_for_learning() {
+    let sandbox = Sandbox::new();
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().to_str().unwrap();
     let words =
         "--json simulate views --category mug --category cereal-box --instances 2 --views 6";
     let arguments: Vec<&str> = words.split(' ').chain(["--out", out]).collect();
-    let output = place.tabula(&arguments);
+    let output = sandbox.tabula(&arguments);
     assert!(output.status.success(), "{output:?}");
     let report: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(report["objects"], 4, "{report:#}");
@@ -568,7 +570,7 @@ fn views_are_written_for_learning() {
     let dataset = dataset::washington::ObjectDataset::open(folder.path()).unwrap();
     assert_eq!(dataset.n_views() as u64, report["views"].as_u64().unwrap());
     let (code, sentence) = refused(
-        &place,
+        &sandbox,
         &["simulate", "views", "--category", "unicorn", "--out", out],
     );
     assert_eq!(code, USAGE);
@@ -576,14 +578,14 @@ fn views_are_written_for_learning() {
 }
 
 #[test]
-fn tracks_are_compared_with_the_truth_of_a_scene() {
-    let place = Place::new();
+fn tracking_evaluation_compares_with_ground_truth() {
+    let sandbox = Sandbox::new();
     let (folder, source) = scene_file(&format!("duration_s = 1.0\n{BREAKFAST}"));
     let scene = source.strip_prefix("simulation:").unwrap();
     let out = folder.path().join("tracks");
     let out = out.to_str().unwrap();
     let words = ["--json", "evaluate", "tracking", scene, "--seeds", "1"];
-    let output = place.tabula(&[&words[..], &["--out", out]].concat());
+    let output = sandbox.tabula(&[&words[..], &["--out", out]].concat());
     assert!(output.status.success(), "{output:?}");
     let report: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(report["n_objects"], 6, "{report:#}");
@@ -594,23 +596,23 @@ fn tracks_are_compared_with_the_truth_of_a_scene() {
     let centre_mm = &report["centre_error_mm"]["median"];
     assert!(centre_mm.as_f64() < Some(15.0), "{report:#}");
     let unknown = ["evaluate", "tracking", "--scene", "dance", "--out", out];
-    let (code, sentence) = refused(&place, &unknown);
+    let (code, sentence) = refused(&sandbox, &unknown);
     assert_eq!(code, USAGE);
     assert!(sentence.contains("crossing"), "{sentence}");
 }
 
-fn refused(place: &Place, arguments: &[&str]) -> (i32, String) {
-    let output = place.tabula(arguments);
+fn refused(sandbox: &Sandbox, arguments: &[&str]) -> (i32, String) {
+    let output = sandbox.tabula(arguments);
     assert!(!output.status.success(), "{arguments:?}: {output:?}");
     let sentence = String::from_utf8(output.stderr).unwrap();
     (output.status.code().unwrap(), sentence)
 }
 
 #[test]
-fn a_scene_that_can_not_be_is_refused_before_anything_starts() {
-    let place = Place::new();
+fn invalid_scenes_are_refused_at_the_start() {
+    let sandbox = Sandbox::new();
     let check = |source: &str, word: &str| {
-        let (code, sentence) = refused(&place, &["run", "--source", source]);
+        let (code, sentence) = refused(&sandbox, &["run", "--source", source]);
         assert_eq!(code, USAGE, "{sentence}");
         assert!(sentence.contains(word), "{sentence}");
     };
@@ -629,11 +631,11 @@ fn a_scene_that_can_not_be_is_refused_before_anything_starts() {
         let (_folder, source) = scene_file(text);
         check(&source, word);
     }
-    let (code, sentence) = refused(&place, &["run", "--loop"]);
+    let (code, sentence) = refused(&sandbox, &["run", "--loop"]);
     assert_eq!(code, USAGE, "{sentence}");
     assert!(sentence.contains("--loop"), "{sentence}");
     assert!(
-        !Path::new(place.home()).exists()
-            || std::fs::read_dir(place.home()).unwrap().next().is_none()
+        !Path::new(sandbox.home()).exists()
+            || std::fs::read_dir(sandbox.home()).unwrap().next().is_none()
     );
 }

@@ -1,14 +1,14 @@
-//! The walking skeleton: start, see, teach, restart, recognise, stop.
+//! Walking skeleton: start, see, teach, restart, recognise, stop.
 
-use crate::daemon::{Daemon, Place, nearest};
+use crate::daemon::{Daemon, Sandbox, nearest};
 use crate::recorder::SceneRecorder;
 use camera::synthetic::SyntheticTable;
 use serde_json::Value;
 
-/// Frames in which nothing moves.
+/// Number of frames of a static scene.
 const N_STILL_FRAMES: usize = 150;
 
-/// Where an object of an arrangement stands.
+/// Ground-truth position of an object of an arrangement.
 pub(crate) fn place_of(arrangement: u32, name: &str) -> [f64; 3] {
     let table = SyntheticTable::new(arrangement);
     let objects = table.objects();
@@ -16,7 +16,7 @@ pub(crate) fn place_of(arrangement: u32, name: &str) -> [f64; 3] {
     object.centre_in_world().into()
 }
 
-/// The track-id of an object, as an argument.
+/// Track-id of an object, as an argument.
 pub(crate) fn id(object: &Value) -> String {
     object["track_id"].to_string()
 }
@@ -31,9 +31,9 @@ pub(crate) fn wait_for_all(daemon: &Daemon<'_>, arrangement: u32) -> Vec<Value> 
 }
 
 #[test]
-fn what_was_taught_is_named_by_its_shape_and_not_by_its_place() {
-    let place = Place::new();
-    let daemon = place.start(&["--source", "synthetic:0"]);
+fn recognition_follows_the_shape_and_not_the_position() {
+    let sandbox = Sandbox::new();
+    let daemon = sandbox.start(&["--source", "synthetic:0"]);
     let objects = wait_for_all(&daemon, 0);
     for (name, label) in [("bowl", "bowl"), ("box", "cereal box")] {
         let taught = nearest(&objects, place_of(0, name));
@@ -41,7 +41,7 @@ fn what_was_taught_is_named_by_its_shape_and_not_by_its_place() {
     }
     daemon.stop();
 
-    let daemon = place.start(&["--source", "synthetic:1"]);
+    let daemon = sandbox.start(&["--source", "synthetic:1"]);
     let objects = wait_for_all(&daemon, 1);
     let label = |name: &str| nearest(&objects, place_of(1, name))["label"].clone();
     assert_eq!(label("bowl"), "bowl", "{objects:#?}");
@@ -52,13 +52,13 @@ fn what_was_taught_is_named_by_its_shape_and_not_by_its_place() {
     daemon.stop();
 }
 
-/// How round things are turned is noise, and no motion.
+/// The yaw of round objects is noise, and no motion.
 #[test]
-fn what_stands_still_has_one_key_view() {
-    let place = Place::new();
-    let daemon = place.start(&["--source", "synthetic:0"]);
+fn static_objects_have_one_key_view() {
+    let sandbox = Sandbox::new();
+    let daemon = sandbox.start(&["--source", "synthetic:0"]);
     wait_for_all(&daemon, 0);
-    let scenes = SceneRecorder::start(&place);
+    let scenes = SceneRecorder::start(&sandbox);
     scenes.wait_for("frames go by", |scenes| scenes.len() >= N_STILL_FRAMES);
     let (scenes, _) = scenes.stop();
     for object in scenes.iter().flat_map(|scene| &scene.items) {

@@ -1,26 +1,26 @@
 //! Stress test: many tracks at once keep their ids.
 
-use crate::daemon::{Daemon, Place, eventually};
-use crate::recorder::{Recorded, SceneRecorder};
+use crate::daemon::{Daemon, Sandbox, eventually};
+use crate::recorder::{RecordedScene, SceneRecorder};
 use message::TrackState;
 use std::collections::BTreeSet;
 
-/// Blocks on the table, and frames that are looked at once all are tracked.
+/// Number of blocks on the table, and of frames after all are tracked.
 const N_BLOCKS: usize = 200;
 const N_FRAMES: usize = 60;
 
-fn n_tracked(scene: &Recorded) -> usize {
+fn n_tracked(scene: &RecordedScene) -> usize {
     let is_tracked = |state: u32| TrackState::from_code(state) == Some(TrackState::Tracked);
     let objects = scene.items.iter();
     objects.filter(|object| is_tracked(object.state)).count()
 }
 
-fn ids(scene: &Recorded) -> BTreeSet<u64> {
+fn ids(scene: &RecordedScene) -> BTreeSet<u64> {
     scene.items.iter().map(|object| object.track_id).collect()
 }
 
-fn start_crowd<'a>(place: &'a Place, n_blocks: usize, rate_hz: &str) -> Daemon<'a> {
-    place.start(&["--source", &format!("crowd:{n_blocks}"), "--rate", rate_hz])
+fn start_crowd<'a>(sandbox: &'a Sandbox, n_blocks: usize, rate_hz: &str) -> Daemon<'a> {
+    sandbox.start(&["--source", &format!("crowd:{n_blocks}"), "--rate", rate_hz])
 }
 
 fn wait_for_tracks(scenes: &SceneRecorder, n: usize) {
@@ -32,10 +32,10 @@ fn wait_for_tracks(scenes: &SceneRecorder, n: usize) {
 }
 
 #[test]
-fn two_hundred_tracks_at_once_keep_their_ids() {
-    let place = Place::new();
-    let scenes = SceneRecorder::start(&place);
-    let daemon = start_crowd(&place, N_BLOCKS, "30");
+fn tracks_keep_their_ids_among_two_hundred() {
+    let sandbox = Sandbox::new();
+    let scenes = SceneRecorder::start(&sandbox);
+    let daemon = start_crowd(&sandbox, N_BLOCKS, "30");
     wait_for_tracks(&scenes, N_BLOCKS);
     let n_before = scenes.len();
     scenes.wait_for("further frames", |scenes| {
@@ -54,9 +54,9 @@ fn two_hundred_tracks_at_once_keep_their_ids() {
         );
         assert_eq!(scene.header.n_objects_total as usize, N_BLOCKS);
     }
-    let told = daemon.ask(&["objects"]);
-    assert_eq!(told["objects"].as_array().unwrap().len(), N_BLOCKS);
-    assert_eq!(told["n_more"], 0);
+    let reported = daemon.ask(&["objects"]);
+    assert_eq!(reported["objects"].as_array().unwrap().len(), N_BLOCKS);
+    assert_eq!(reported["n_more"], 0);
     let health = daemon.health("perception").unwrap();
     assert_eq!(health["actors"], N_BLOCKS, "{health:#}");
     assert_eq!(health["restarts"], 0, "{health:#}");

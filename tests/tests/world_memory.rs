@@ -1,7 +1,6 @@
-//! The working memory: what was known is kept through a kill, and ends when it was
-//! last seen.
+//! Working memory: facts survive a kill, and end when their object was last seen.
 
-use crate::daemon::{Daemon, PATIENCE, Place, WITH_CAMERA, eventually, nearest};
+use crate::daemon::{Daemon, Sandbox, WATCHDOG, WITH_CAMERA, eventually, nearest};
 use crate::skeleton::{id, place_of, wait_for_all};
 use channel::control::SocketClient;
 use message::ProcessKind;
@@ -19,7 +18,7 @@ fn list(document: &Value, name: &str) -> Vec<Value> {
 }
 
 fn world(daemon: &Daemon<'_>) -> Vec<Value> {
-    let output = daemon.place.tabula(&["world", "--json"]);
+    let output = daemon.sandbox.tabula(&["world", "--json"]);
     let document: Value = serde_json::from_slice(&output.stdout).unwrap_or_default();
     document["objects"].as_array().cloned().unwrap_or_default()
 }
@@ -37,17 +36,17 @@ fn n_events(events: &[Value], kind: &str) -> usize {
     events.iter().filter(|event| event["event"] == kind).count()
 }
 
-/// A process of a test's own, killed when it is dropped.
-struct Killed(Child);
+/// Child process that is killed on drop.
+struct KilledOnDrop(Child);
 
-impl Drop for Killed {
+impl Drop for KilledOnDrop {
     fn drop(&mut self) {
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
 }
 
-/// Kills the memory, and waits until another one answers.
+/// Kills the memory, and waits until its replacement answers.
 fn kill_memory(daemon: &Daemon<'_>) {
     let killed = daemon.pid(ProcessKind::Memory);
     daemon.signal(ProcessKind::Memory, Signal::KILL);
@@ -58,23 +57,22 @@ fn kill_memory(daemon: &Daemon<'_>) {
     });
 }
 
-/// Waits until the working memory knows as many objects.
+/// Waits until the working memory has a number of objects.
 fn wait_for_world(daemon: &Daemon<'_>, n_objects: usize) {
     eventually("the working memory sees the objects", || {
         world(daemon).len() == n_objects
     });
 }
 
-/// Waits until everything that the working memory knows is on disk: the start of a task
-/// is answered only then.
-fn wait_until_written(place: &Place) {
-    task(&mut connect(place), start_task()).unwrap();
+/// Waits until the working memory is on disk: the start of a task is answered only then.
+fn wait_until_written(sandbox: &Sandbox) {
+    task(&mut connect(sandbox), start_task()).unwrap();
 }
 
 #[test]
-fn facts_are_kept_through_a_kill_and_end_when_their_object_was_last_seen() {
-    let place = Place::new();
-    let daemon = place.start(&["--source", "synthetic:0"]);
+fn facts_survive_a_kill_and_end_when_their_object_was_last_seen() {
+    let sandbox = Sandbox::new();
+    let daemon = sandbox.start(&["--source", "synthetic:0"]);
     let objects = wait_for_all(&daemon, 0);
     wait_for_world(&daemon, objects.len());
     let bowl = nearest(&objects, place_of(0, "bowl"));
@@ -93,7 +91,7 @@ fn facts_are_kept_through_a_kill_and_end_when_their_object_was_last_seen() {
     let (label, place_then) = (property(&before, "label"), property(&before, "place"));
     assert_eq!(label["value"], "bowl");
     assert_eq!(label["end_ns"], Value::Null);
-    wait_until_written(&place);
+    wait_until_written(&sandbox);
     kill_memory(&daemon);
     wait_for_world(&daemon, objects.len());
 
@@ -115,7 +113,7 @@ fn facts_are_kept_through_a_kill_and_end_when_their_object_was_last_seen() {
     daemon.stop();
 
     // Another session: all that was known of the tracks before is over.
-    let daemon = place.start(&["--source", "synthetic:1"]);
+    let daemon = sandbox.start(&["--source", "synthetic:1"]);
     wait_for_all(&daemon, 1);
     let kept = facts(&daemon, &["--track", &track]);
     assert!(kept.len() >= after.len(), "{kept:#?}");
@@ -124,9 +122,9 @@ fn facts_are_kept_through_a_kill_and_end_when_their_object_was_last_seen() {
 }
 
 #[test]
-fn facts_are_found_by_name_place_and_time() {
-    let place = Place::new();
-    let daemon = place.start(&["--source", "synthetic:0"]);
+fn facts_are_queried_by_label_position_and_time() {
+    let sandbox = Sandbox::new();
+    let daemon = sandbox.start(&["--source", "synthetic:0"]);
     let objects = wait_for_all(&daemon, 0);
     wait_for_world(&daemon, objects.len());
     let mug = place_of(0, "mug");
@@ -162,15 +160,15 @@ fn facts_are_found_by_name_place_and_time() {
 
 #[test]
 fn events_are_followed_as_they_happen() {
-    let place = Place::new();
-    let daemon = place.start(&["--source", "synthetic:0"]);
+    let sandbox = Sandbox::new();
+    let daemon = sandbox.start(&["--source", "synthetic:0"]);
     let objects = wait_for_all(&daemon, 0);
     wait_for_world(&daemon, objects.len());
-    let mut follower = place.command("tabula");
+    let mut follower = sandbox.command("tabula");
     follower.args(["world", "events", "--follow", "--since", "0", "--json"]);
-    let mut follower = Killed(follower.stdout(Stdio::piped()).spawn().unwrap());
+    let mut follower = KilledOnDrop(follower.stdout(Stdio::piped()).spawn().unwrap());
     let lines = BufReader::new(follower.0.stdout.take().unwrap()).lines();
-    let (sender, told) = std::sync::mpsc::channel();
+    let (sender, reported) = std::sync::mpsc::channel();
     std::thread::spawn(move || {
         for line in lines.map_while(Result::ok) {
             let event: Value = serde_json::from_str(&line).unwrap();
@@ -180,7 +178,7 @@ fn events_are_followed_as_they_happen() {
         }
     });
     let wait_for = |kind: &str| loop {
-        let event = told.recv_timeout(PATIENCE).unwrap();
+        let event = reported.recv_timeout(WATCHDOG).unwrap();
         if event["event"] == kind {
             return event;
         }
@@ -195,24 +193,24 @@ fn events_are_followed_as_they_happen() {
     daemon.stop();
 }
 
-/// Starts a memory alone, and waits until it answers.
-fn start_memory(place: &Place) -> Killed {
-    let alone = Killed(
-        place
+/// Starts a memory without a daemon, and waits until it answers.
+fn start_memory(sandbox: &Sandbox) -> KilledOnDrop {
+    let alone = KilledOnDrop(
+        sandbox
             .command("tabula-memory")
-            .arg(format!("--domain={}", place.domain))
+            .arg(format!("--domain={}", sandbox.domain))
             .stderr(Stdio::null())
             .spawn()
             .unwrap(),
     );
     eventually("the memory answers", || {
-        place.tabula(&["world"]).status.success()
+        sandbox.tabula(&["world"]).status.success()
     });
     alone
 }
 
-fn connect(place: &Place) -> SocketClient {
-    SocketClient::connect(&place.domain, &[place.run_folder()], PATIENCE).unwrap()
+fn connect(sandbox: &Sandbox) -> SocketClient {
+    SocketClient::connect(&sandbox.domain, &[sandbox.run_folder()], WATCHDOG).unwrap()
 }
 
 fn task(client: &mut SocketClient, command: WorldCommand) -> Result<TaskReport, RefusalKind> {
@@ -255,18 +253,18 @@ fn events_since(client: &mut SocketClient, since: u64, wait_ms: u64) -> EventsRe
 }
 
 #[test]
-fn a_task_is_noted_once_is_waited_for_and_outlives_the_memory() {
-    let place = Place::new();
+fn task_is_recorded_once_and_survives_the_memory_process() {
+    let sandbox = Sandbox::new();
     // Nobody looks at anything, so that only the task happens.
-    let memory = start_memory(&place);
-    let mut client = connect(&place);
+    let memory = start_memory(&sandbox);
+    let mut client = connect(&sandbox);
     let started = task(&mut client, start_task()).unwrap();
     assert_eq!((started.task_id, started.state.as_str()), (1, "running"));
     assert_eq!(task(&mut client, start_task()), Ok(started.clone()));
     let newest = events_since(&mut client, 0, 0).newest;
     assert_eq!(events_since(&mut client, newest, 10).events, []);
     let waiting = std::thread::spawn({
-        let mut client = connect(&place);
+        let mut client = connect(&sandbox);
         move || loop {
             let events = events_since(&mut client, newest, 20_000).events;
             if !events.is_empty() {
@@ -276,13 +274,16 @@ fn a_task_is_noted_once_is_waited_for_and_outlives_the_memory() {
     });
     let ended = task(&mut client, end_task(2, 1)).unwrap();
     assert_eq!(ended.state, "failed");
-    let told = waiting.join().unwrap();
-    assert_eq!(told[0].event, "task_failed");
-    assert!(told[0].sentence.contains("the mug slipped"), "{told:?}");
+    let reported = waiting.join().unwrap();
+    assert_eq!(reported[0].event, "task_failed");
+    assert!(
+        reported[0].sentence.contains("the mug slipped"),
+        "{reported:?}"
+    );
 
     drop(memory);
-    let mut memory = start_memory(&place);
-    let mut client = connect(&place);
+    let mut memory = start_memory(&sandbox);
+    let mut client = connect(&sandbox);
     // What was answered is on disk: a retry is still answered, not done again.
     assert_eq!(task(&mut client, end_task(2, 1)), Ok(ended));
     assert_eq!(
@@ -298,14 +299,14 @@ fn a_task_is_noted_once_is_waited_for_and_outlives_the_memory() {
 }
 
 #[test]
-fn a_damaged_working_memory_is_told_and_does_not_stop_the_daemon() {
-    let place = Place::new();
-    let daemon = place.start(&["--source", "synthetic:0"]);
+fn damaged_working_memory_is_reported_and_does_not_stop_the_daemon() {
+    let sandbox = Sandbox::new();
+    let daemon = sandbox.start(&["--source", "synthetic:0"]);
     wait_for_world(&daemon, wait_for_all(&daemon, 0).len());
     daemon.stop();
-    let database = place.home().join("working-memory/database");
+    let database = sandbox.home().join("working-memory/database");
     std::fs::write(database.join("CURRENT"), "rubbish\n").unwrap();
-    let daemon = place.start(&["--source", "synthetic:0"]);
+    let daemon = sandbox.start(&["--source", "synthetic:0"]);
     wait_for_world(&daemon, wait_for_all(&daemon, 0).len());
     for process in WITH_CAMERA {
         assert!(daemon.pid(process).is_some(), "{}", process.name());
@@ -313,7 +314,7 @@ fn a_damaged_working_memory_is_told_and_does_not_stop_the_daemon() {
     let log = daemon.log();
     assert!(log.contains("begun anew"), "{log}");
     assert!(
-        place
+        sandbox
             .home()
             .join("working-memory/database.damaged-1")
             .is_dir()

@@ -1,7 +1,7 @@
-//! A cloud is written once: detection and every actor read the camera's own
-//! bytes, and nothing outside the camera allocates as much as a frame.
+//! Zero-copy transport: detection and actors read the camera's own bytes, and nothing
+//! outside the camera allocates as much as a frame.
 
-use crate::daemon::{Daemon, PATIENCE, Place};
+use crate::daemon::{Daemon, Sandbox, WATCHDOG};
 use crate::recorder::SceneRecorder;
 use channel::topic::{CameraCloud, ObjectView};
 use channel::{Domain, Received, Role, SharedFrame, Subscriber};
@@ -10,26 +10,27 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-/// Frames with views that are looked at.
+/// Number of observed frames with views.
 const N_FRAMES: usize = 30;
-/// Frames between two looks at what was allocated.
+/// Number of frames between two readings of the allocation counter.
 const N_STEADY_FRAMES: usize = 120;
-/// What a process may allocate for each frame in steady state.
+/// Largest allocation of a process for each frame in steady state, bytes. Chosen, against
+/// 9.8 MB of a frame.
 const MAX_BYTES_PER_FRAME: u64 = 64_000;
 
-/// The camera's headers and the objects' views, as a guest sees them.
-struct Watcher {
+/// Guest that collects the camera's headers and the objects' views.
+struct FrameWatcher {
     clouds: Subscriber<CameraCloud>,
     views: Subscriber<ObjectView>,
     headers: BTreeMap<(u64, u64), FrameHeader>,
     viewed: Vec<ObjectViewHeader>,
-    /// The newest frame: held, so that the camera has to write the next one elsewhere.
+    /// Newest frame, held so that the camera writes the next one elsewhere.
     held: Vec<SharedFrame<CameraCloud>>,
 }
 
-impl Watcher {
-    fn new(place: &Place) -> Self {
-        let domain = Domain::join(&place.domain, &place.run_folder(), Role::Guest).unwrap();
+impl FrameWatcher {
+    fn new(sandbox: &Sandbox) -> Self {
+        let domain = Domain::join(&sandbox.domain, &sandbox.run_folder(), Role::Guest).unwrap();
         Self {
             clouds: Subscriber::polled(&domain).unwrap(),
             views: Subscriber::polled(&domain).unwrap(),
@@ -39,8 +40,8 @@ impl Watcher {
         }
     }
 
-    /// Takes what has come. Where the camera says it has written a frame is
-    /// where it lies in this process's mapping, too.
+    /// Takes waiting messages; the location in a header must be that in this process's
+    /// mapping.
     fn take_all(&mut self) {
         while let Received::Message(frame) = self.clouds.receive().unwrap() {
             let header = *frame.header();
@@ -56,9 +57,9 @@ impl Watcher {
         }
     }
 
-    /// Watches until views of so many frames have come whose header came, too.
+    /// Watches until a number of frames have both a header and views.
     fn watch(&mut self, n_frames: usize) {
-        let deadline = Instant::now() + PATIENCE;
+        let deadline = Instant::now() + WATCHDOG;
         while self.matched().len() < n_frames {
             assert!(Instant::now() < deadline, "{} views", self.viewed.len());
             self.take_all();
@@ -66,7 +67,7 @@ impl Watcher {
         }
     }
 
-    /// Views by frame, of the frames whose header came.
+    /// Views by frame, for frames with a header.
     fn matched(&self) -> BTreeMap<(u64, u64), Vec<ObjectViewHeader>> {
         let mut frames = BTreeMap::<_, Vec<_>>::new();
         for view in &self.viewed {
@@ -81,9 +82,9 @@ impl Watcher {
 
 #[test]
 fn detection_and_every_actor_read_the_cameras_own_bytes() {
-    let place = Place::new();
-    let daemon = place.start(&["--source", "synthetic:0"]);
-    let mut watcher = Watcher::new(&place);
+    let sandbox = Sandbox::new();
+    let daemon = sandbox.start(&["--source", "synthetic:0"]);
+    let mut watcher = FrameWatcher::new(&sandbox);
     watcher.watch(N_FRAMES);
     let mut locations = Vec::<SegmentLocation>::new();
     for (frame, views) in watcher.matched() {
@@ -109,10 +110,10 @@ fn detection_and_every_actor_read_the_cameras_own_bytes() {
     daemon.stop();
 }
 
-/// Bytes allocated per frame between two health reports. Between them nothing is asked
-/// of the daemon: the memory allocates for every answer.
+/// Allocated bytes per frame between two health reports, without requests in between: the
+/// memory allocates for every answer.
 fn bytes_per_frame(daemon: &Daemon<'_>, process: ProcessKind) -> u64 {
-    let scenes = SceneRecorder::start(daemon.place);
+    let scenes = SceneRecorder::start(daemon.sandbox);
     let look = || {
         let health = daemon.health(process.name()).unwrap();
         let number = |name: &str| health[name].as_u64().unwrap();
@@ -129,10 +130,10 @@ fn bytes_per_frame(daemon: &Daemon<'_>, process: ProcessKind) -> u64 {
 }
 
 #[test]
-fn nothing_outside_the_camera_allocates_much_in_steady_state() {
-    let place = Place::new();
-    let daemon = place.start(&["--source", "synthetic:0"]);
-    let watcher = Watcher::new(&place);
+fn steady_state_allocations_outside_the_camera_are_small() {
+    let sandbox = Sandbox::new();
+    let daemon = sandbox.start(&["--source", "synthetic:0"]);
+    let watcher = FrameWatcher::new(&sandbox);
     let objects = daemon.wait_for("all objects are known well", |objects| {
         let is_known = |object: &&Value| object["n_views"].as_u64() > Some(60);
         objects.iter().filter(is_known).count() == 5

@@ -10,7 +10,7 @@ use std::process::Command;
 /// then. Must be called before any thread starts.
 ///
 /// # Errors
-/// When the folder is no complete recording, or the program can not be started.
+/// When the folder is no complete recording, or the program cannot be started.
 pub fn restart_with_recording(config: &Config) -> Result<(), Failure> {
     let SourceSpec::Fakenect(folder) = &config.source else {
         return Ok(());

@@ -1,7 +1,20 @@
 //! Camera service: a Kinect, a fakenect recording, an RGB-D sequence, a folder of scenes
 //! or a synthetic table, published as organised point clouds.
 //!
-//! Each is a [`capture::Source`]; the capture loop sends its frames.
+//! Each is a [`capture::Source`]; the capture loop sends its frames. The synthetic table
+//! also serves as ground truth in tests:
+//!
+//! ```
+//! use camera::synthetic::SyntheticTable;
+//! use point_cloud::Point;
+//!
+//! let table = SyntheticTable::new(0);
+//! let mut points = vec![Point::default(); table.camera().n_pixels()];
+//! table.fill(0, &mut points);
+//! assert_eq!(table.objects().len(), 5);
+//! let n_measured = points.iter().filter(|point| point.is_finite()).count();
+//! assert!(n_measured > points.len() / 2);
+//! ```
 
 mod arguments;
 mod config;

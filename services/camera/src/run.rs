@@ -33,7 +33,7 @@ impl ReplayRequest {
 /// Publishes frames until shutdown; at the end of a recording the service stays, idle.
 ///
 /// # Errors
-/// When the source can not be used.
+/// When the source cannot be used.
 pub async fn run(context: Context, config: Config, again: ReplayRequest) -> Result<(), Failure> {
     let shutdown = context.shutdown.clone();
     let health = context.health.clone();
@@ -63,7 +63,7 @@ pub async fn run(context: Context, config: Config, again: ReplayRequest) -> Resu
 /// Checks that the source exists and can be played, without playing it.
 ///
 /// # Errors
-/// When it can not; a device may come later and is not looked for.
+/// When the source cannot be played. A device may be connected later and is not checked.
 pub fn check_source(config: &Config) -> Result<(), Failure> {
     let checked = match &config.source {
         SourceSpec::Fakenect(folder) => freenect::check_recording(folder)

@@ -25,15 +25,19 @@ pub(crate) struct Playback {
 /// Opens a source.
 ///
 /// # Errors
-/// When the folder is not there or holds nothing usable, or the device can not
+/// When the folder is not there or holds nothing usable, or the device cannot
 /// be opened.
 pub(crate) fn open(spec: &SourceSpec, playback: &Playback) -> Result<Box<dyn Source>, SourceError> {
     match spec {
         SourceSpec::Synthetic(arrangement) => Ok(Box::new(
             synthetic_table::SyntheticSource::arrangement(*arrangement, playback),
         )),
-        SourceSpec::Crowd(n) => Ok(Box::new(synthetic_table::SyntheticSource::crowd(*n, playback))),
-        SourceSpec::Parade(n) => Ok(Box::new(synthetic_table::SyntheticSource::parade(*n, playback))),
+        SourceSpec::Crowd(n) => Ok(Box::new(synthetic_table::SyntheticSource::crowd(
+            *n, playback,
+        ))),
+        SourceSpec::Parade(n) => Ok(Box::new(synthetic_table::SyntheticSource::parade(
+            *n, playback,
+        ))),
         SourceSpec::Kinect => Ok(Box::new(kinect::KinectSource::real()?)),
         SourceSpec::Fakenect(folder) => Ok(Box::new(kinect::KinectSource::fake(folder)?)),
         SourceSpec::Folder(folder) => match dataset::detect_kind(folder) {

@@ -77,7 +77,11 @@ impl RequestRouter {
     /// Refusal by perception of a track that is not live; `None` when it is live, or
     /// perception does not answer.
     async fn unknown_track(&self, track_id: u64) -> Option<Refusal> {
-        match self.perception.call(Command::Ask { track_id }, DEADLINE).await {
+        match self
+            .perception
+            .call(Command::Ask { track_id }, DEADLINE)
+            .await
+        {
             Ok(Reply::Refused(refusal)) if refusal.kind == RefusalKind::NotFound => Some(refusal),
             _ => None,
         }

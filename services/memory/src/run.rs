@@ -1,12 +1,12 @@
 //! Memory service: set-up, tasks and shutdown.
 
 use crate::change_publisher::ChangePublisher;
-use crate::request_router::RequestRouter;
 use crate::config::Config;
 use crate::control;
-use crate::process_table::ProcessTable;
-use crate::scene_follower::SceneFollower;
 use crate::daily_purge;
+use crate::process_table::ProcessTable;
+use crate::request_router::RequestRouter;
+use crate::scene_follower::SceneFollower;
 use crate::working_memory::WorkingMemory;
 use crate::world_model_updater::WorldModelUpdater;
 use channel::control::Client;
@@ -25,7 +25,7 @@ const PROBE: Duration = Duration::from_millis(500);
 /// Runs the service until shutdown.
 ///
 /// # Errors
-/// When the store can not be opened or shared memory fails.
+/// When the store cannot be opened or shared memory fails.
 pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure> {
     let folder = context.home.perceptual_memory();
     let (thread, store, report) = StoreThread::start(StoreConfig {

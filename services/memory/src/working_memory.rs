@@ -27,7 +27,7 @@ impl WorkingMemory {
     /// Opens the working memory and starts the thread that writes it.
     ///
     /// # Errors
-    /// When its folder is in use or can not be written.
+    /// When its folder is in use or cannot be written.
     pub(crate) fn start(
         context: &Context,
         config: &Config,

@@ -1,7 +1,7 @@
 //! Publisher of actor life-cycle events: to the log, to health, and on the topic
 //! `actor/event`.
 
-use crate::backoff::RestartBackoff;
+use crate::restart_backoff::RestartBackoff;
 use actor::{Cause, Escalation, Event, Events, StopReason};
 use channel::topic::{ActorEvents, Topic};
 use channel::{Domain, Error, Publisher};

@@ -1,7 +1,7 @@
 //! Request handler of the perception service.
 
-use crate::memory_replica::{SyncBarrier, HistoryPosition};
 use crate::latest_scene::LatestScene;
+use crate::memory_replica::{HistoryPosition, SyncBarrier};
 use channel::control::{AnswerFuture, Handler};
 use message::control::{Command, Refusal, RefusalKind, Reply};
 use std::sync::Arc;
@@ -12,9 +12,9 @@ use std::time::Duration;
 const CATCH_UP: Duration = Duration::from_secs(3);
 
 /// Request handler that answers from the latest scene.
-pub(crate) fn handler(world: Arc<LatestScene>, barrier: SyncBarrier) -> Handler {
+pub(crate) fn handler(scene: Arc<LatestScene>, barrier: SyncBarrier) -> Handler {
     Arc::new(move |command| -> AnswerFuture {
-        let (world, barrier) = (world.clone(), barrier.clone());
+        let (scene, barrier) = (scene.clone(), barrier.clone());
         Box::pin(async move {
             let Command::ReadAfter {
                 store_id,
@@ -22,14 +22,14 @@ pub(crate) fn handler(world: Arc<LatestScene>, barrier: SyncBarrier) -> Handler 
                 command,
             } = command
             else {
-                return answer(&world, &command);
+                return answer(&scene, &command);
             };
             let position = HistoryPosition {
                 store_id: Some(store_id),
                 sequence,
             };
-            match labelled_after(&world, position, barrier.wait(), CATCH_UP).await {
-                Ok(()) => answer(&world, &command),
+            match labelled_after(&scene, position, barrier.wait(), CATCH_UP).await {
+                Ok(()) => answer(&scene, &command),
                 Err(refusal) => Reply::Refused(refusal),
             }
         })
@@ -39,17 +39,17 @@ pub(crate) fn handler(world: Arc<LatestScene>, barrier: SyncBarrier) -> Handler 
 /// Waits until the labels of the scene include a position of the memory's history:
 /// first for the replica of the memory (`caught_up`), then for the labels.
 async fn labelled_after(
-    world: &LatestScene,
+    scene: &LatestScene,
     position: HistoryPosition,
     caught_up: impl Future<Output = ()>,
     deadline: Duration,
 ) -> Result<(), Refusal> {
-    if world.includes(position) {
+    if scene.includes(position) {
         return Ok(());
     }
     let current = async {
         caught_up.await;
-        world.labelled_after(position).await;
+        scene.labelled_after(position).await;
     };
     tokio::time::timeout(deadline, current).await.map_err(|_| {
         let sentence = format!(
@@ -61,12 +61,12 @@ async fn labelled_after(
     })
 }
 
-fn answer(world: &LatestScene, command: &Command) -> Reply {
+fn answer(scene: &LatestScene, command: &Command) -> Reply {
     match command {
-        Command::Objects => Reply::Objects(world.objects()),
-        Command::Ask { track_id } => match world.object(*track_id) {
+        Command::Objects => Reply::Objects(scene.objects()),
+        Command::Ask { track_id } => match scene.object(*track_id) {
             Some(object) => Reply::Object(Box::new(object)),
-            None => Reply::Refused(no_such_track(world, *track_id)),
+            None => Reply::Refused(no_such_track(scene, *track_id)),
         },
         other => Reply::Refused(Refusal::new(
             RefusalKind::Internal,
@@ -75,8 +75,8 @@ fn answer(world: &LatestScene, command: &Command) -> Reply {
     }
 }
 
-fn no_such_track(world: &LatestScene, track_id: u64) -> Refusal {
-    let ids: Vec<String> = world
+fn no_such_track(scene: &LatestScene, track_id: u64) -> Refusal {
+    let ids: Vec<String> = scene
         .objects()
         .objects
         .iter()
@@ -100,8 +100,8 @@ mod tests {
 
     #[test]
     fn a_missing_track_is_refused_with_the_live_tracks() {
-        let world = LatestScene::default();
-        let ask = |track_id| answer(&world, &Command::Ask { track_id });
+        let scene = LatestScene::default();
+        let ask = |track_id| answer(&scene, &Command::Ask { track_id });
         let Reply::Refused(refusal) = ask(3) else {
             panic!("track 3 is not there")
         };
@@ -110,7 +110,11 @@ mod tests {
             track_id: 8,
             ..SceneObject::default()
         };
-        world.set(&SceneSummary::default(), &[object], HistoryPosition::default());
+        scene.set(
+            &SceneSummary::default(),
+            &[object],
+            HistoryPosition::default(),
+        );
         let Reply::Refused(refusal) = ask(3) else {
             panic!("track 3 is not there")
         };
@@ -124,21 +128,25 @@ mod tests {
             store_id: Some(1),
             sequence,
         };
-        let world = LatestScene::default();
-        world.set(&SceneSummary::default(), &[], at(4));
+        let scene = LatestScene::default();
+        scene.set(&SceneSummary::default(), &[], at(4));
         let ready = || std::future::ready(());
         let short = Duration::from_millis(1);
-        assert!(labelled_after(&world, at(4), std::future::pending(), short).await.is_ok());
-        let late = labelled_after(&world, at(5), ready(), short).await;
+        assert!(
+            labelled_after(&scene, at(4), std::future::pending(), short)
+                .await
+                .is_ok()
+        );
+        let late = labelled_after(&scene, at(5), ready(), short).await;
         let refusal = late.unwrap_err();
         assert_eq!(refusal.kind, RefusalKind::Unavailable);
         assert!(refusal.sentence.contains("history up to 5"), "{refusal}");
         let relabel = async {
-            world.outdated().await;
-            world.update(at(5), |_| ());
+            scene.outdated().await;
+            scene.update(at(5), |_| ());
         };
         let long = Duration::from_secs(60);
-        let (waited, ()) = tokio::join!(labelled_after(&world, at(5), ready(), long), relabel);
+        let (waited, ()) = tokio::join!(labelled_after(&scene, at(5), ready(), long), relabel);
         assert!(waited.is_ok());
     }
 }

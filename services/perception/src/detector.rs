@@ -1,7 +1,7 @@
 //! Object detection as a job on the worker pool.
 
-use crate::helper_threads::HelperThreads;
 use crate::frame_receiver::ReceivedFrame;
+use crate::helper_threads::HelperThreads;
 use crate::scene_priors::ScenePriors;
 use actor::{JobLost, Progress, WorkerPool};
 use detection::{Config, Detection, Frame, Step, Workspace, detect_in_steps};
@@ -73,7 +73,10 @@ impl Detector {
     }
 
     /// Detects objects in a frame, reading the points in shared memory without a copy.
-    pub(crate) async fn detect(&mut self, received: &ReceivedFrame) -> Result<DetectedFrame, DetectionError> {
+    pub(crate) async fn detect(
+        &mut self,
+        received: &ReceivedFrame,
+    ) -> Result<DetectedFrame, DetectionError> {
         let buffers = std::mem::take(&mut self.buffers);
         let (received, config) = (received.clone(), self.config.clone());
         let helper_threads = self.helper_threads.clone();
@@ -126,7 +129,14 @@ fn search(
         let mut watch = begin;
         spans.clear();
         let on_step = &mut |step| spans.push(watch.lap(stage(step), 0));
-        let found = detect_in_steps(&frame, config, workspace, detection, helper_threads, on_step);
+        let found = detect_in_steps(
+            &frame,
+            config,
+            workspace,
+            detection,
+            helper_threads,
+            on_step,
+        );
         helper_threads.take_spans(spans);
         // Discards the time after the last step.
         let _ = watch.lap(Stage::Detection, 0);

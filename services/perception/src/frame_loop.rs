@@ -4,18 +4,18 @@
 use crate::assumption_log::AssumptionLog;
 use crate::body_subscriber::BodySubscribers;
 use crate::config::Config;
-use crate::detector::{DetectionError, DetectedFrame, Detector};
+use crate::detector::{DetectedFrame, DetectionError, Detector};
+use crate::frame_receiver::{FrameReceiver, ReceivedFrame};
 use crate::frame_trace::FrameTrace;
-use crate::frame_receiver::{ReceivedFrame, FrameReceiver};
-use crate::outbox::{StoreReceipt, Outbox};
-use crate::memory_replica::{SyncBarrier, CategorySnapshot, SharedCategories};
-use crate::newest_view::{self, NewestView, NewestViews, LabelEstimate};
+use crate::latest_scene::LatestScene;
+use crate::memory_replica::{CategorySnapshot, SharedCategories, SyncBarrier};
+use crate::newest_view::{self, LabelEstimate, NewestView, NewestViews};
 use crate::object_actors::{ObjectActors, Outcome};
+use crate::outbox::{Outbox, StoreReceipt};
 use crate::publishers::Publishers;
 use crate::scene_report;
 use crate::table_log::TableLog;
 use crate::track_ids::TrackIds;
-use crate::latest_scene::LatestScene;
 use actor::{Progress, WorkerPool};
 use channel::{Domain, Error};
 use constraint::Assumptions;
@@ -44,10 +44,10 @@ pub(crate) struct FrameLoop {
     actors: ObjectActors,
     ids: Arc<TrackIds>,
     outbox: Outbox,
-    catch_up: SyncBarrier,
-    learned: SharedCategories,
+    sync_barrier: SyncBarrier,
+    categories: SharedCategories,
     config: pipeline::Config,
-    world: Arc<LatestScene>,
+    latest_scene: Arc<LatestScene>,
     health: Arc<HealthBoard>,
     actor_deadline: Duration,
     publishers: Publishers,
@@ -66,9 +66,9 @@ pub(crate) struct FrameLoopParts {
     pub(crate) actors: ObjectActors,
     pub(crate) ids: Arc<TrackIds>,
     pub(crate) outbox: Outbox,
-    pub(crate) catch_up: SyncBarrier,
-    pub(crate) learned: SharedCategories,
-    pub(crate) world: Arc<LatestScene>,
+    pub(crate) sync_barrier: SyncBarrier,
+    pub(crate) categories: SharedCategories,
+    pub(crate) latest_scene: Arc<LatestScene>,
     pub(crate) health: Arc<HealthBoard>,
 }
 
@@ -76,15 +76,15 @@ impl FrameLoop {
     pub(crate) fn new(
         domain: &Domain,
         config: &Config,
-        given: FrameLoopParts,
+        parts: FrameLoopParts,
     ) -> Result<Self, Error> {
         let publishers = Publishers::new(domain)?;
         let trace = FrameTrace::new(domain)?;
-        given.health.shared_memory_bytes.store(
+        parts.health.shared_memory_bytes.store(
             publishers.reserved_bytes() + trace.reserved_bytes(),
             Ordering::Relaxed,
         );
-        let detector = Detector::new(given.pool.clone(), config.detection.clone());
+        let detector = Detector::new(parts.pool.clone(), config.detection.clone());
         let rule = detector.config().rule().to_string();
         tracing::info!("a candidate becomes an object when {rule}");
         Ok(Self {
@@ -94,16 +94,16 @@ impl FrameLoop {
             rule: Text::truncated(&rule),
             assumption_log: AssumptionLog::default(),
             table_log: TableLog::default(),
-            pool: given.pool,
+            pool: parts.pool,
             table: TrackTable::new(config.pipeline),
-            actors: given.actors,
-            ids: given.ids,
-            outbox: given.outbox,
-            catch_up: given.catch_up,
-            learned: given.learned,
+            actors: parts.actors,
+            ids: parts.ids,
+            outbox: parts.outbox,
+            sync_barrier: parts.sync_barrier,
+            categories: parts.categories,
             config: config.pipeline,
-            world: given.world,
-            health: given.health,
+            latest_scene: parts.latest_scene,
+            health: parts.health,
             actor_deadline: config.actor_deadline,
             publishers,
             trace,
@@ -124,10 +124,12 @@ impl FrameLoop {
             while let Some(received) = self.frame_receiver.newest()? {
                 self.frame(&received).await?;
                 probe.reset();
+                // A camera faster than the loop leaves no pause between frames.
+                self.relabel_if_requested().await;
             }
             tokio::select! {
                 () = self.frame_receiver.woken() => {}
-                () = self.world.outdated() => self.relabel().await,
+                () = self.latest_scene.outdated() => self.relabel_if_requested().await,
                 _ = probe.tick() => self.probe().await?,
             }
         }
@@ -164,7 +166,7 @@ impl FrameLoop {
         self.restart_if_time_jumped(received.frame.header().capture_stamp_ns);
         if received.is_lockstep() {
             // Determinism: a replay has the same categories at the same frame.
-            self.catch_up.wait().await;
+            self.sync_barrier.wait().await;
         }
         self.trace.begin(received);
         self.gather_priors(received)?;
@@ -182,9 +184,9 @@ impl FrameLoop {
         let detected = Arc::new(detected);
         self.observe(received, &detected).await;
         summary.stamps.recognised_ns = self.trace.at_ns();
-        let on_disk = self.publish(&mut summary, received, &detected)?;
+        let receipts = self.publish(&mut summary, received, &detected)?;
         self.trace.send(received);
-        self.finish(received, detected, on_disk).await
+        self.finish(received, detected, receipts).await
     }
 
     /// True if the frame is a retransmission: a lockstep source sends a frame again when
@@ -214,7 +216,8 @@ impl FrameLoop {
         let priors = self.detector.priors_mut();
         self.table
             .predict(&received.frame_pose(), &mut priors.tracks);
-        self.bodies.priors_at(capture_ns, world_from_camera, priors)?;
+        self.bodies
+            .priors_at(capture_ns, world_from_camera, priors)?;
         self.trace.end_work(watch.lap(Stage::Surroundings, 0));
         Ok(())
     }
@@ -274,15 +277,15 @@ impl FrameLoop {
         let begin = Stopwatch::since(self.trace.at_ns());
         let mut watch = begin;
         self.absorb();
-        let on_disk = self.send_key_views(received);
+        let receipts = self.send_key_views(received);
         self.trace.add(watch.lap(Stage::Outbox, 0));
         self.publish_objects(received, detected);
         self.trace.add(watch.lap(Stage::ObjectTopics, 0));
         self.publish_scene(summary, received, detected)?;
         self.trace.add(watch.lap(Stage::SceneTopic, 0));
         self.trace
-            .worked(watch.span_since(&begin, Stage::Publishing, 0));
-        Ok(on_disk)
+            .end_work(watch.span_since(&begin, Stage::Publishing, 0));
+        Ok(receipts)
     }
 
     /// Applies the actors' posteriors to the track table.
@@ -300,20 +303,30 @@ impl FrameLoop {
         }
     }
 
+    async fn relabel_if_requested(&mut self) {
+        if self.latest_scene.take_outdated() {
+            self.relabel().await;
+        }
+    }
+
     /// Recomputes outdated labels of the latest scene, for clients that wait for them.
     /// Tracks out of view would keep a label until they are seen again.
     async fn relabel(&mut self) {
-        let learned = self.learned.get();
+        let snapshot = self.categories.get();
         let mut outdated = Vec::new();
         for (track_id, view) in &mut self.newest_views {
-            if learned.is_current(view.recognised.position) {
-                view.recognised.position = learned.position;
+            if snapshot.is_current(view.recognised.position) {
+                view.recognised.position = snapshot.position;
             } else {
                 outdated.push((*track_id, view.clone()));
             }
         }
-        let position = learned.position;
-        match self.pool.run(recognition(outdated, learned, self.config)).await {
+        let position = snapshot.position;
+        match self
+            .pool
+            .run(recognition(outdated, snapshot, self.config))
+            .await
+        {
             Ok(recognised) => {
                 for (track_id, recognised) in recognised {
                     if let Some(view) = self.newest_views.get_mut(&track_id) {
@@ -328,7 +341,7 @@ impl FrameLoop {
         }
         let views = &self.newest_views;
         let position = newest_view::oldest_position(views, position);
-        self.world.update(position, |object| {
+        self.latest_scene.update(position, |object| {
             if let Some(view) = views.get(&object.track_id) {
                 scene_report::set_label(object, &view.recognised);
             }
@@ -381,9 +394,9 @@ impl FrameLoop {
             .update(Assumptions::from_bits(summary.assumptions));
         self.table_log.update(detected.detection.table.as_ref());
         summary.stamps.published_ns = monotonic_ns();
-        let newest = self.learned.get().position;
+        let newest = self.categories.get().position;
         let position = newest_view::oldest_position(&self.newest_views, newest);
-        self.world.set(summary, &self.objects, position);
+        self.latest_scene.set(summary, &self.objects, position);
         self.publishers.scene.send_copy(*summary, &self.objects)
     }
 
@@ -391,7 +404,7 @@ impl FrameLoop {
         &mut self,
         received: &ReceivedFrame,
         detected: Arc<DetectedFrame>,
-        on_disk: Vec<StoreReceipt>,
+        receipts: Vec<StoreReceipt>,
     ) -> Result<(), Error> {
         self.actors.recycle(&mut self.outcomes);
         // A late actor still holds the detection, and this frame's buffers with it.
@@ -405,7 +418,7 @@ impl FrameLoop {
         self.report_actors();
         self.health.tick();
         if received.is_lockstep() {
-            for stored in on_disk {
+            for stored in receipts {
                 let _ = stored.await;
             }
         }
@@ -437,7 +450,9 @@ impl FrameLoop {
             DetectionError::Unusable(error) => {
                 tracing::warn!("frame {sequence} can not be searched: {error}");
             }
-            DetectionError::Lost(error) => tracing::error!("detection of frame {sequence}: {error}"),
+            DetectionError::Lost(error) => {
+                tracing::error!("detection of frame {sequence}: {error}")
+            }
         }
     }
 }
@@ -445,7 +460,7 @@ impl FrameLoop {
 /// Worker job that recognises views with the newest categories.
 fn recognition(
     views: Vec<(u64, NewestView)>,
-    learned: Arc<CategorySnapshot>,
+    snapshot: Arc<CategorySnapshot>,
     config: pipeline::Config,
 ) -> impl FnOnce(&Progress) -> Vec<(u64, LabelEstimate)> + Send + 'static {
     move |progress| {
@@ -455,7 +470,7 @@ fn recognition(
         };
         for (track_id, view) in views {
             progress.tick();
-            match view.recognise(&learned, &config, &mut tools) {
+            match view.recognise(&snapshot, &config, &mut tools) {
                 Ok(result) => recognised.push((track_id, result)),
                 Err(error) => tracing::warn!("track {track_id} keeps an old label: {error}"),
             }

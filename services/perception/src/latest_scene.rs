@@ -4,6 +4,7 @@ use crate::memory_replica::HistoryPosition;
 use message::control::{ObjectReport, ObjectsReport};
 use message::{SceneObject, SceneSummary};
 use parking_lot::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
 use tokio::sync::{Notify, watch};
 
 /// The latest scene, and the position in the memory's history that its labels include.
@@ -11,6 +12,7 @@ use tokio::sync::{Notify, watch};
 pub(crate) struct LatestScene {
     scene: Mutex<(SceneSummary, Vec<SceneObject>)>,
     position: watch::Sender<HistoryPosition>,
+    is_outdated: AtomicBool,
     outdated: Notify,
 }
 
@@ -31,11 +33,7 @@ impl LatestScene {
     }
 
     /// Changes the objects of the scene in place.
-    pub(crate) fn update(
-        &self,
-        position: HistoryPosition,
-        change: impl FnMut(&mut SceneObject),
-    ) {
+    pub(crate) fn update(&self, position: HistoryPosition, change: impl FnMut(&mut SceneObject)) {
         self.scene.lock().1.iter_mut().for_each(change);
         self.set_position(position);
     }
@@ -58,6 +56,7 @@ impl LatestScene {
     pub(crate) async fn labelled_after(&self, position: HistoryPosition) {
         let mut known = self.position.subscribe();
         while !known.borrow_and_update().includes(position) {
+            self.is_outdated.store(true, Ordering::Release);
             self.outdated.notify_one();
             // The sender is a field of this value.
             let _ = known.changed().await;
@@ -67,6 +66,11 @@ impl LatestScene {
     /// Waits for a request to recompute labels.
     pub(crate) async fn outdated(&self) {
         self.outdated.notified().await;
+    }
+
+    /// Takes a request to recompute labels; true if there was one.
+    pub(crate) fn take_outdated(&self) -> bool {
+        self.is_outdated.swap(false, Ordering::AcqRel)
     }
 
     /// Report of all objects.

@@ -7,8 +7,8 @@ use channel::topic::MemoryChanged;
 use channel::{Domain, Error, Subscriber};
 use learning::{CategoryIndex, CategoryName, ViewId};
 use message::control::{ChangesPage, Command, LearnedChange, LearnedView, Reply, SnapshotPage};
-use pipeline::{DESCRIPTOR_KIND, category_index};
 use parking_lot::RwLock;
+use pipeline::{DESCRIPTOR_KIND, category_index};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use tokio::sync::{mpsc, oneshot};
@@ -70,7 +70,7 @@ impl CategorySnapshot {
 }
 
 /// Copy-on-write snapshot of the categories: read by every actor, replaced on each
-/// change. A reader keeps its snapshot; nobody waits.
+/// change. A reader keeps its snapshot; neither side waits.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct SharedCategories(Arc<RwLock<Arc<CategorySnapshot>>>);
 
@@ -80,8 +80,8 @@ impl SharedCategories {
         self.0.read().clone()
     }
 
-    fn set(&self, learned: CategorySnapshot) {
-        *self.0.write() = Arc::new(learned);
+    fn set(&self, snapshot: CategorySnapshot) {
+        *self.0.write() = Arc::new(snapshot);
     }
 }
 
@@ -100,7 +100,7 @@ impl Default for CategorySnapshot {
 pub(crate) struct MemoryReplica {
     client: Arc<Client>,
     announcements: Subscriber<MemoryChanged>,
-    learned: SharedCategories,
+    categories: SharedCategories,
     kind_log: LogOnce,
     requests: mpsc::Receiver<oneshot::Sender<()>>,
     waiting: Vec<oneshot::Sender<()>>,
@@ -136,14 +136,14 @@ impl MemoryReplica {
     pub(crate) fn new(
         domain: &Domain,
         client: Arc<Client>,
-        learned: SharedCategories,
+        categories: SharedCategories,
     ) -> Result<(Self, SyncBarrier), Error> {
         let announcements = Subscriber::waiting(domain)?;
         let (sender, requests) = mpsc::channel(1);
         let replica = Self {
             client,
             announcements,
-            learned,
+            categories,
             kind_log: LogOnce::default(),
             requests,
             waiting: Vec::new(),
@@ -165,9 +165,7 @@ impl MemoryReplica {
                     last_success = Instant::now();
                 }
                 // The memory may be starting at this moment.
-                Err(failure)
-                    if last_success.elapsed() > LOG_DELAY && failure_log.is_first() =>
-                {
+                Err(failure) if last_success.elapsed() > LOG_DELAY && failure_log.is_first() => {
                     tracing::warn!("{failure}");
                 }
                 Err(_) => {}
@@ -192,7 +190,7 @@ impl MemoryReplica {
             let HistoryPosition {
                 store_id,
                 sequence: since,
-            } = self.learned.get().position;
+            } = self.categories.get().position;
             let Some(store_id) = store_id else {
                 self.load().await?;
                 continue;
@@ -251,39 +249,39 @@ impl MemoryReplica {
             return Ok(());
         };
         let n_views = views.len();
-        let mut learned = CategorySnapshot::default();
+        let mut snapshot = CategorySnapshot::default();
         for view in views {
-            insert(&mut learned.index, &view, &mut self.kind_log);
+            insert(&mut snapshot.index, &view, &mut self.kind_log);
         }
-        learned.position = HistoryPosition {
+        snapshot.position = HistoryPosition {
             store_id: Some(store_id),
             sequence,
         };
-        learned.index_sequence = sequence;
-        let n_categories = learned.index.categories().len();
-        self.learned.set(learned);
+        snapshot.index_sequence = sequence;
+        let n_categories = snapshot.index.categories().len();
+        self.categories.set(snapshot);
         tracing::info!("loaded {n_views} taught views of {n_categories} categories");
         Ok(())
     }
 
     fn apply(&mut self, up_to: u64, changes: Vec<LearnedChange>) {
         // The clone shares all views that do not change.
-        let mut learned = CategorySnapshot::clone(&self.learned.get());
-        learned.position.sequence = up_to;
+        let mut snapshot = CategorySnapshot::clone(&self.categories.get());
+        snapshot.position.sequence = up_to;
         if !changes.is_empty() {
-            learned.index_sequence = up_to;
+            snapshot.index_sequence = up_to;
         }
         for change in changes {
             match change {
                 LearnedChange::Assigned(view) => {
-                    insert(&mut learned.index, &view, &mut self.kind_log);
+                    insert(&mut snapshot.index, &view, &mut self.kind_log);
                 }
                 LearnedChange::Unassigned(id) => {
-                    learned.index.remove_view(view_id(id));
+                    snapshot.index.remove_view(view_id(id));
                 }
             }
         }
-        self.learned.set(learned);
+        self.categories.set(snapshot);
     }
 
     async fn call(&self, command: Command) -> Result<Reply, SyncError> {
@@ -352,13 +350,13 @@ mod tests {
 
     #[test]
     fn a_label_is_outdated_only_by_a_change_of_the_index() {
-        let mut learned = CategorySnapshot {
+        let mut snapshot = CategorySnapshot {
             position: at(1, 9),
             index_sequence: 6,
             ..CategorySnapshot::default()
         };
-        assert!(learned.is_current(at(1, 6)) && !learned.is_current(at(1, 5)));
-        learned.position.store_id = Some(2);
-        assert!(!learned.is_current(at(1, 9)));
+        assert!(snapshot.is_current(at(1, 6)) && !snapshot.is_current(at(1, 5)));
+        snapshot.position.store_id = Some(2);
+        assert!(!snapshot.is_current(at(1, 9)));
     }
 }

@@ -1,7 +1,7 @@
 //! Newest view of each track, from which its label is recomputed after a change of the
 //! categories.
 
-use crate::memory_replica::{HistoryPosition, CategorySnapshot};
+use crate::memory_replica::{CategorySnapshot, HistoryPosition};
 use crate::object_actor::ObservedView;
 use learning::{CategoryName, N_NEAREST, Neighbour};
 use message::ActorStamps;
@@ -80,7 +80,7 @@ impl NewestView {
     /// When the points cannot be described.
     pub(crate) fn recognise(
         &self,
-        learned: &CategorySnapshot,
+        snapshot: &CategorySnapshot,
         config: &Config,
         tools: &mut ObjectTools,
     ) -> Result<LabelEstimate, Error> {
@@ -98,12 +98,12 @@ impl NewestView {
         let mut descriptor = Vec::new();
         let posterior = state.observe(
             &observation,
-            &learned.index,
+            &snapshot.index,
             config,
             tools,
             &mut descriptor,
         )?;
-        Ok(LabelEstimate::new(posterior, learned.position))
+        Ok(LabelEstimate::new(posterior, snapshot.position))
     }
 }
 

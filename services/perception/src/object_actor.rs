@@ -21,7 +21,7 @@ pub(crate) struct ObjectActor {
 /// Settings and categories shared by all object actors.
 pub(crate) struct ObjectContext {
     pub(crate) config: Config,
-    pub(crate) learned: SharedCategories,
+    pub(crate) categories: SharedCategories,
 }
 
 /// Message: one frame's view of the object.
@@ -119,14 +119,14 @@ impl Actor for ObjectActor {
             indices,
             measured: &measured,
         };
-        let learned = self.context.learned.get();
+        let snapshot = self.context.categories.get();
         let stages = Stages {
             descriptor: &mut descriptor,
             on_stage: &mut |_| laps.next(),
         };
         let posterior = self.state.observe_in_stages(
             &observation,
-            &learned.index,
+            &snapshot.index,
             &self.context.config,
             &mut self.tools,
             stages,
@@ -145,7 +145,7 @@ impl Actor for ObjectActor {
             descriptor,
             packed_cloud,
             points: own_points,
-            position: learned.position,
+            position: snapshot.position,
             location: received.frame.location(),
             first_point_index: indices.first().copied().unwrap_or(0),
             stamps: laps.stamps(asked_ns),

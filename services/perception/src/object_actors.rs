@@ -3,10 +3,10 @@
 
 use crate::detector::DetectedFrame;
 #[cfg(feature = "fault-injection")]
-use crate::fault_injection::{FaultInjector, FaultConfig};
+use crate::fault_injection::{FaultConfig, FaultInjector};
 use crate::frame_receiver::ReceivedFrame;
 use crate::object_actor::{ObjectActor, ObserveView, ObservedView};
-use crate::backoff::RestartBackoff;
+use crate::restart_backoff::RestartBackoff;
 use actor::{Address, Answer, Supervisor};
 use pipeline::{ObjectState, Sighting};
 use point_cloud::Point;

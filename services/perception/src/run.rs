@@ -4,13 +4,13 @@ use crate::actor_event_publisher::ActorEventPublisher;
 use crate::config::Config;
 use crate::control;
 use crate::frame_loop::{FrameLoop, FrameLoopParts};
-use crate::outbox::outbox;
+use crate::latest_scene::LatestScene;
 use crate::memory_replica::{MemoryReplica, SharedCategories};
 use crate::object_actor::{ObjectActor, ObjectContext};
 use crate::object_actors::ObjectActors;
-use crate::backoff::RestartBackoff;
+use crate::outbox::outbox;
+use crate::restart_backoff::RestartBackoff;
 use crate::track_ids::TrackIds;
-use crate::latest_scene::LatestScene;
 use actor::{Events, Placement, PoolConfig, Restart, RestartPolicy, Supervisor, WorkerPool};
 use channel::control::{Client, Server};
 use message::{ProcessKind, ProcessState};
@@ -45,29 +45,30 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
     let domain = &context.domain;
     let health = context.health.clone();
     let pool = start_pool(&config)?;
-    let learned = SharedCategories::default();
-    let (supervisor, events) = start_supervisor(&config, &pool, learned.clone())?;
+    let categories = SharedCategories::default();
+    let (supervisor, events) = start_supervisor(&config, &pool, categories.clone())?;
     let memory = Arc::new(Client::new(domain, ProcessKind::Memory)?);
     let outbox_client = Arc::new(Client::new(domain, ProcessKind::Memory)?);
     let (outbox, outbox_sender) = outbox(outbox_client);
     let ids = Arc::new(TrackIds::default());
-    let world = Arc::new(LatestScene::default());
+    let latest_scene = Arc::new(LatestScene::default());
     let backoff = Arc::new(RestartBackoff::default());
-    let mut desk = ActorEventPublisher::new(domain, events, backoff.clone(), health.clone())?;
-    let (replica, catch_up) = MemoryReplica::new(domain, memory.clone(), learned.clone())?;
-    let handler = control::handler(world.clone(), catch_up.clone());
+    let mut event_publisher =
+        ActorEventPublisher::new(domain, events, backoff.clone(), health.clone())?;
+    let (replica, sync_barrier) = MemoryReplica::new(domain, memory.clone(), categories.clone())?;
+    let handler = control::handler(latest_scene.clone(), sync_barrier.clone());
     let server = Server::new(domain, ProcessKind::Perception, handler)?;
-    let given = FrameLoopParts {
+    let parts = FrameLoopParts {
         pool: pool.clone(),
         actors: actors(&config, supervisor, backoff),
         ids: ids.clone(),
         outbox,
-        catch_up,
-        learned,
-        world,
+        sync_barrier,
+        categories,
+        latest_scene,
         health: health.clone(),
     };
-    let mut frames = FrameLoop::new(domain, &config, given)?;
+    let mut frames = FrameLoop::new(domain, &config, parts)?;
     let work = async {
         ids.fetch_first(&memory).await;
         health.set_state(ProcessState::Ready, "");
@@ -84,7 +85,7 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
         ended = essential("the sender of key views", outbox_sender.run()) => ended,
         ended = essential("the lease of track-ids", keep_ids) => ended,
         () = pool.exhausted() => Err(failed("too many worker threads have stalled")),
-        escalated = desk.watch() => Err(failed(escalated)),
+        escalated = event_publisher.watch() => Err(failed(escalated)),
     };
     frames.stop().await;
     outcome
@@ -126,7 +127,7 @@ fn start_pool(config: &Config) -> Result<WorkerPool, Failure> {
 fn start_supervisor(
     config: &Config,
     pool: &WorkerPool,
-    learned: SharedCategories,
+    categories: SharedCategories,
 ) -> Result<(Supervisor<u64, ObjectActor>, Events<u64>), Failure> {
     let policy = RestartPolicy::new(
         config.actor_restarts_max,
@@ -145,7 +146,7 @@ fn start_supervisor(
     };
     let context = Arc::new(ObjectContext {
         config: config.pipeline,
-        learned,
+        categories,
     });
     Ok(Supervisor::new(supervision, context, Handle::current()))
 }

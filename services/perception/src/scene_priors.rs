@@ -5,12 +5,12 @@ use geometry::{Capsule, RigidTransform};
 
 /// Capsules of a body in the camera frame, or an unknown body.
 #[derive(Debug, Default)]
-pub(crate) struct Body {
+pub(crate) struct BodyPrior {
     is_known: bool,
     capsules: Vec<Capsule>,
 }
 
-impl Body {
+impl BodyPrior {
     pub(crate) fn set(
         &mut self,
         capsules_in_world: Option<&[Capsule]>,
@@ -34,8 +34,8 @@ impl Body {
 /// Scene priors of a frame, camera frame; reused from frame to frame.
 #[derive(Debug, Default)]
 pub(crate) struct ScenePriors {
-    pub(crate) robot: Body,
-    pub(crate) people: Body,
+    pub(crate) robot: BodyPrior,
+    pub(crate) people: BodyPrior,
     /// Live tracks, predicted to the frame's capture.
     pub(crate) tracks: Vec<ExpectedTrack>,
 }

@@ -1,7 +1,7 @@
 //! Conversion of tracks and detections to wire messages.
 
 use crate::frame_receiver::ReceivedFrame;
-use crate::newest_view::{NewestView, NewestViews, LabelEstimate};
+use crate::newest_view::{LabelEstimate, NewestView, NewestViews};
 use crate::object_actor::ObservedView;
 use constraint::Assumption;
 use detection::{Candidate, Detection};

@@ -94,7 +94,7 @@ impl Config {
     /// The scene and its object models.
     ///
     /// # Errors
-    /// When a file can not be used, or the objects find no place.
+    /// When a file cannot be used, or the objects find no place.
     pub(crate) fn scene(&self) -> Result<(Scene, ModelLibrary), simulated_world::Error> {
         let mut library = ModelLibrary::open(&self.models)?;
         let scene = match &self.plan {

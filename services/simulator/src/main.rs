@@ -2,12 +2,12 @@
 
 mod arguments;
 mod arm_command_queue;
-mod world_publishers;
 mod config;
-mod interval;
+mod frame_interval;
 mod run;
 mod simulator_source;
 mod wire_conversion;
+mod world_publishers;
 
 use arguments::SimulatorArguments;
 use clap::Parser;

@@ -1,9 +1,9 @@
 //! Simulator service: the simulation thread and the control server.
 
 use crate::arm_command_queue::{ArmCommandQueue, arm_command_queue};
-use crate::world_publishers::WorldPublishers;
 use crate::config::Config;
 use crate::simulator_source::SimulatorSource;
+use crate::world_publishers::WorldPublishers;
 use capture::{CaptureLoop, End};
 use channel::control::Server;
 use message::ProcessKind;
@@ -19,7 +19,7 @@ fn failed(error: impl std::fmt::Display) -> Failure {
 /// Runs the simulation until shutdown.
 ///
 /// # Errors
-/// When the scene can not be set up, or shared memory fails.
+/// When the scene cannot be set up, or shared memory fails.
 pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure> {
     let (handler, requests) = arm_command_queue();
     let server = Server::new(&context.domain, ProcessKind::Simulator, handler)?;
@@ -82,8 +82,14 @@ fn play(
     let world_publishers = WorldPublishers::new(&context.domain)?;
     drop(entered);
     let shared_bytes = world_publishers.reserved_bytes();
-    let source = SimulatorSource::new(config.name(), config.rate_hz, world, requests, world_publishers)
-        .map_err(unusable)?;
+    let source = SimulatorSource::new(
+        config.name(),
+        config.rate_hz,
+        world,
+        requests,
+        world_publishers,
+    )
+    .map_err(unusable)?;
     let health = context.health.clone();
     let capture = CaptureLoop::new(context, Box::new(source), config.lockstep, runtime)?;
     health

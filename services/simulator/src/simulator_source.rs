@@ -1,9 +1,9 @@
 //! Frame source that renders the simulated table.
 
-use crate::arm_command_queue::{QueuedArmCommand, ArmCommandQueue};
-use crate::world_publishers::WorldPublishers;
-use crate::interval::FrameInterval;
+use crate::arm_command_queue::{ArmCommandQueue, QueuedArmCommand};
+use crate::frame_interval::FrameInterval;
 use crate::wire_conversion;
+use crate::world_publishers::WorldPublishers;
 use capture::{FrameInfo, FrameSize, Source, SourceError, Waiting};
 use geometry::PinholeCamera;
 use message::FrameHeader;
@@ -84,14 +84,15 @@ impl SimulatorSource {
 
     fn answer(&mut self, request: QueuedArmCommand, end_ns: u64) -> bool {
         let before_end_ns = end_ns.saturating_sub(request.arrived_ns);
-        let executed = wire_conversion::command(&request.command).and_then(|command| match command {
-            None => Ok(false),
-            Some(command) => {
-                tracing::info!("arm: {:?}", request.command);
-                self.interval
-                    .command(&command, before_end_ns, self.n_published)
-            }
-        });
+        let executed =
+            wire_conversion::command(&request.command).and_then(|command| match command {
+                None => Ok(false),
+                Some(command) => {
+                    tracing::info!("arm: {:?}", request.command);
+                    self.interval
+                        .command(&command, before_end_ns, self.n_published)
+                }
+            });
         let is_world_changed = matches!(executed, Ok(true));
         let status = self.interval.status_at(before_end_ns);
         let report = executed.and_then(|_| status.ok_or("the scene has no arm".into()));
@@ -110,7 +111,9 @@ impl SimulatorSource {
             if stamp_ns > until_ns {
                 return Ok(Some(stamp_ns));
             }
-            self.world_publishers.arm(sample, stamp_ns).map_err(unusable)?;
+            self.world_publishers
+                .arm(sample, stamp_ns)
+                .map_err(unusable)?;
             self.n_published += 1;
         }
         Ok(None)

@@ -1,6 +1,6 @@
 //! Publishers of the simulated arm, person and ground truth.
 
-use crate::interval::ArmSample;
+use crate::frame_interval::ArmSample;
 use crate::wire_conversion;
 use channel::topic::{ArmStates, PersonBodies, TrueMasks, TrueObjects};
 use channel::{Domain, Error, Publisher};
@@ -35,8 +35,10 @@ impl WorldPublishers {
 
     pub(crate) fn arm(&mut self, sample: &ArmSample, stamp_ns: u64) -> Result<(), Error> {
         let capsules = wire_conversion::capsules(&sample.capsules);
-        self.arm
-            .send_copy(wire_conversion::arm_state(&sample.status, stamp_ns), &capsules)
+        self.arm.send_copy(
+            wire_conversion::arm_state(&sample.status, stamp_ns),
+            &capsules,
+        )
     }
 
     /// Publishes the people's bodies of a frame.

@@ -1,6 +1,6 @@
 //! Frame source for an RGB-D sequence with camera poses.
 
-use super::{FrameInfo, FrameSize, FrameCursor, Playback, Source, SourceError};
+use super::{FrameCursor, FrameInfo, FrameSize, Playback, Source, SourceError};
 use dataset::rgbd_sequence::{RgbdSequence, Scratch};
 use point_cloud::Point;
 use std::path::Path;

@@ -1,6 +1,6 @@
 //! Frame source for a folder of PCD scenes.
 
-use super::{FrameInfo, FrameSize, FrameCursor, Playback, Source, SourceError};
+use super::{FrameCursor, FrameInfo, FrameSize, Playback, Source, SourceError};
 use crate::intrinsics_fit;
 use dataset::pcd;
 use dataset::scene_folder::SceneFolder;

@@ -179,7 +179,7 @@ fn ground_truth_agrees_with_what_is_seen() {
                 .objects()
                 .iter()
                 .position(holds)
-                .expect("a box holds it");
+                .expect("a ground-truth box contains the point");
             tops[owner] = p.z.max(tops[owner]);
         }
         for (object, top) in table.objects().iter().zip(tops) {
@@ -258,7 +258,9 @@ fn every_measured_point_lies_where_the_geometry_says() {
             if !point.is_finite() {
                 continue;
             }
-            let seen = camera.project(&point.position()).expect("it is in front");
+            let seen = camera
+                .project(&point.position())
+                .expect("the point is in front of the camera");
             let (column, row) = ((pixel % WIDTH) as f64, (pixel / WIDTH) as f64);
             assert!((seen.x - column).abs() < 1e-3 && (seen.y - row).abs() < 1e-3);
             let (z, truth) = (f64::from(point.z), f64::from(view.depth_m[pixel]));
@@ -324,7 +326,10 @@ fn depth_is_missing_in_shadows_left_of_objects_and_in_the_blind_columns() {
     let camera_from_world = table.world_from_camera().inverse();
     let cereal_box = &table.objects()[2];
     let centre = camera_from_world * (cereal_box.centre_in_world() + 0.08 * Vector3::z());
-    let at = table.camera().project(&centre).expect("it is in front");
+    let at = table
+        .camera()
+        .project(&centre)
+        .expect("the point is in front of the camera");
     let lost = |columns: std::ops::Range<usize>| {
         columns
             .filter(|column| !points[at.y as usize * WIDTH + column].is_finite())
@@ -387,7 +392,9 @@ fn another_camera_sees_the_same_scene() {
     for (pixel, z) in here.depth_m.iter().enumerate() {
         let (column, row) = ((pixel % WIDTH) as f64, (pixel / WIDTH) as f64);
         let p = right_by_25_mm.inverse() * camera.back_project(column, row, f64::from(*z));
-        let at = wider.project(&p).expect("it is in front");
+        let at = wider
+            .project(&p)
+            .expect("the point is in front of the camera");
         let (column, row) = (at.x.round(), at.y.round());
         if (0.0..640.0).contains(&column) && (0.0..480.0).contains(&row) {
             let there_idx = row as usize * WIDTH + column as usize;
