@@ -30,7 +30,7 @@ impl<T: Topic> Clone for RecordedMessage<T> {
 
 impl<T: Topic> std::fmt::Debug for RecordedMessage<T> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Recording")
+        f.debug_struct("RecordedMessage")
             .field("header", &self.header)
             .field("items", &self.items)
             .finish()
@@ -128,7 +128,7 @@ impl<T: Topic> Drop for Recorder<T> {
 
 fn take_all<T: Topic>(subscriber: &mut Subscriber<T>, shared: &SharedRecording<T>) {
     while let Received::Message(message) = subscriber.receive().unwrap() {
-        shared.messages.lock().unwrap().push(Recording {
+        shared.messages.lock().unwrap().push(RecordedMessage {
             header: *message.header(),
             items: message.items().to_vec(),
         });
