@@ -24,7 +24,7 @@ pub(crate) struct SourceArguments {
     #[arg(long, value_name = "SOURCE")]
     pub(crate) source: Option<SourceSpec>,
 
-    /// FrameCursor per second of a recording or the synthetic table [default: 30]
+    /// Frames per second of a recording or the synthetic table [default: 30]
     #[arg(long, value_name = "HZ")]
     pub(crate) rate: Option<f64>,
 

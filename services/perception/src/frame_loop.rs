@@ -451,7 +451,7 @@ impl FrameLoop {
                 tracing::warn!("frame {sequence} can not be searched: {error}");
             }
             DetectionError::Lost(error) => {
-                tracing::error!("detection of frame {sequence}: {error}")
+                tracing::error!("detection of frame {sequence}: {error}");
             }
         }
     }

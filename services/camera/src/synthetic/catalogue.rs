@@ -64,7 +64,7 @@ pub(super) static KINDS: [ObjectKind; 8] = [
         corners: [[-0.04, -0.04, 0.0], [0.04, 0.04, 0.08]],
         parts: &[(Surface::sphere(0.04, 0.04, [0.0, 0.08]), RED_BANDS)],
     },
-    // SceneBody, shoulder, neck and cap.
+    // Body, shoulder, neck and cap.
     ObjectKind {
         name: "bottle",
         corners: [[-0.036, -0.036, 0.0], [0.036, 0.036, 0.25]],
