@@ -127,11 +127,11 @@ fn real_objects_of_another_shape_stay_unknown() {
 
 /// Trajectory of a track: capture times in seconds and positions, where it was fully
 /// visible.
-type Path = Vec<(f64, Point3<f64>)>;
+type Trajectory = Vec<(f64, Point3<f64>)>;
 
 /// Trajectories of the tracks, without views cut by the image border.
-fn paths(scenes: &[RecordedScene]) -> BTreeMap<u64, Path> {
-    let mut paths = BTreeMap::<u64, Path>::new();
+fn paths(scenes: &[RecordedScene]) -> BTreeMap<u64, Trajectory> {
+    let mut paths = BTreeMap::<u64, Trajectory>::new();
     for scene in scenes {
         let time_s = scene.header.stamps.capture_ns as f64 * 1e-9;
         let is_whole = |object: &&SceneObject| {
@@ -146,7 +146,7 @@ fn paths(scenes: &[RecordedScene]) -> BTreeMap<u64, Path> {
 }
 
 /// Largest distance of a trajectory from its middle, metres.
-fn wandering_m(path: &Path) -> f64 {
+fn wandering_m(path: &Trajectory) -> f64 {
     let lowest = path
         .iter()
         .fold(path[0].1, |low, (_, position)| low.inf(position));
@@ -201,7 +201,7 @@ fn static_objects_keep_their_position_while_the_camera_moves() {
         );
     }
     let paths = paths(&scenes);
-    let life_s = |path: &Path| path.last().unwrap().0 - path[0].0;
+    let life_s = |path: &Trajectory| path.last().unwrap().0 - path[0].0;
     let mut wandering = Vec::new();
     for (track_id, path) in paths.iter().filter(|(_, path)| life_s(path) > LONG_LIFE_S) {
         let (life_s, wandering_m) = (life_s(path), wandering_m(path));

@@ -112,3 +112,26 @@ async fn ask(owner: &Client, command: Command) -> Result<Reply, Refusal> {
     let unavailable = |error| Refusal::new(RefusalKind::Unavailable, format!("{error}"));
     owner.call(command, DEADLINE).await.map_err(unavailable)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use store::StoreId;
+
+    #[test]
+    fn reads_are_stamped_with_the_newest_acknowledged_position() {
+        let position = Position {
+            store_id: StoreId(7),
+            sequence: 9,
+        };
+        let stamped = read_after(position, Command::Objects);
+        assert_eq!(stamped.owner(), ProcessKind::Perception);
+        assert!(stamped.is_internal());
+        let expected = Command::ReadAfter {
+            store_id: 7,
+            sequence: 9,
+            command: Box::new(Command::Objects),
+        };
+        assert_eq!(stamped, expected);
+    }
+}

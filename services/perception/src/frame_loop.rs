@@ -10,7 +10,7 @@ use crate::frame_trace::FrameTrace;
 use crate::latest_scene::LatestScene;
 use crate::memory_replica::{CategorySnapshot, SharedCategories, SyncBarrier};
 use crate::newest_view::{self, LabelEstimate, NewestView, NewestViews};
-use crate::object_actors::{ObjectActors, Outcome};
+use crate::object_actors::{ObjectActors, SightingOutcome};
 use crate::outbox::{Outbox, StoreReceipt};
 use crate::publishers::Publishers;
 use crate::scene_report;
@@ -53,7 +53,7 @@ pub(crate) struct FrameLoop {
     publishers: Publishers,
     trace: FrameTrace,
     step: Step,
-    outcomes: Vec<Outcome>,
+    outcomes: Vec<SightingOutcome>,
     objects: Vec<SceneObject>,
     newest_views: NewestViews,
     last_capture_ns: u64,

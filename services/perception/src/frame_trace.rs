@@ -2,7 +2,7 @@
 
 use crate::detector::DetectedFrame;
 use crate::frame_receiver::ReceivedFrame;
-use crate::object_actors::Outcome;
+use crate::object_actors::SightingOutcome;
 use channel::topic::{FrameTraces, Topic};
 use channel::{Domain, Error};
 use message::{ProcessKind, Span, Stage};
@@ -75,7 +75,7 @@ impl FrameTrace {
     }
 
     /// Adds the spans of the object actors that answered in time.
-    pub(crate) fn add_observations(&mut self, outcomes: &[Outcome]) {
+    pub(crate) fn add_observations(&mut self, outcomes: &[SightingOutcome]) {
         let begin_ns = self.at_ns;
         self.end_wait(Stage::Objects, monotonic_ns());
         for (sighting, observed) in outcomes {

@@ -33,7 +33,7 @@ pub(crate) struct ObjectActors {
 }
 
 /// Sighting with its answer; `None` when the actor did not answer in time.
-pub(crate) type Outcome = (Sighting, Option<ObservedView>);
+pub(crate) type SightingOutcome = (Sighting, Option<ObservedView>);
 
 impl ObjectActors {
     pub(crate) fn new(
@@ -92,7 +92,7 @@ impl ObjectActors {
         detected: &Arc<DetectedFrame>,
         sightings: &[Sighting],
         deadline: Option<Duration>,
-        outcomes: &mut Vec<Outcome>,
+        outcomes: &mut Vec<SightingOutcome>,
     ) {
         outcomes.clear();
         for sighting in sightings {
@@ -122,7 +122,7 @@ impl ObjectActors {
     }
 
     /// Returns the buffers of answers for reuse.
-    pub(crate) fn recycle(&mut self, outcomes: &mut Vec<Outcome>) {
+    pub(crate) fn recycle(&mut self, outcomes: &mut Vec<SightingOutcome>) {
         let observed = outcomes.drain(..).filter_map(|(_, observed)| observed);
         self.spare_descriptors
             .extend(observed.map(|observed| observed.descriptor));

@@ -35,12 +35,12 @@ pub(crate) struct Outbox {
 
 /// Delivery task of the outbox.
 pub(crate) struct OutboxSender {
-    queue: Queue,
+    queue: OutboxQueue,
     client: Arc<Client>,
 }
 
 /// Receiving end of the outbox, first in first out.
-struct Queue {
+struct OutboxQueue {
     waiting: mpsc::UnboundedReceiver<QueuedView>,
     /// View that did not fit into the last request.
     next: Option<QueuedView>,
@@ -52,14 +52,14 @@ pub(crate) fn outbox(client: Arc<Client>) -> (Outbox, OutboxSender) {
     (outbox, OutboxSender { queue, client })
 }
 
-fn queue(capacity_bytes: usize) -> (Outbox, Queue) {
+fn queue(capacity_bytes: usize) -> (Outbox, OutboxQueue) {
     let (sender, waiting) = mpsc::unbounded_channel();
     let outbox = Outbox {
         queue: sender,
         room: Arc::new(Semaphore::new(capacity_bytes)),
     };
     let next = None;
-    (outbox, Queue { waiting, next })
+    (outbox, OutboxQueue { waiting, next })
 }
 
 impl Outbox {
@@ -90,7 +90,7 @@ impl Outbox {
     }
 }
 
-impl Queue {
+impl OutboxQueue {
     /// Waits for views and takes as many as fit one request; none when the outbox is
     /// closed.
     async fn take_batch(&mut self, batch: &mut Vec<QueuedView>) {
@@ -195,7 +195,7 @@ mod tests {
         }
     }
 
-    async fn batch_of(queue: &mut Queue) -> Vec<u32> {
+    async fn batch_of(queue: &mut OutboxQueue) -> Vec<u32> {
         let mut batch = Vec::new();
         queue.take_batch(&mut batch).await;
         batch

@@ -3,7 +3,7 @@
 
 use crate::detector::DetectedFrame;
 use crate::frame_receiver::ReceivedFrame;
-use crate::object_actors::Outcome;
+use crate::object_actors::SightingOutcome;
 use crate::scene_report;
 use channel::topic::{FrameFinished, ObjectCloud, ObjectView, Scene, Topic};
 use channel::{Domain, Error, Publisher};
@@ -40,7 +40,7 @@ impl Publishers {
         &mut self,
         received: &ReceivedFrame,
         detected: &DetectedFrame,
-        outcomes: &[Outcome],
+        outcomes: &[SightingOutcome],
         tracks: &[Track],
     ) {
         let wants_views = self.views.has_subscribers();
