@@ -306,7 +306,7 @@ fn check_config_accepts_a_valid_configuration_and_creates_nothing() {
             .contains("in order")
     );
     assert_eq!(sandbox.shared_memory_files(), Vec::<String>::new());
-    assert!(!sandbox.run_folder().of_domain(&sandbox.domain).exists());
+    assert!(!sandbox.run_folder().domain_folder(&sandbox.domain).exists());
     let files: Vec<_> = std::fs::read_dir(sandbox.home()).unwrap().collect();
     assert_eq!(files.len(), 1, "only the configuration: {files:?}");
 }

@@ -470,7 +470,7 @@ fn control_socket_permissions_are_owner_and_group() {
         0o660
     );
     assert_eq!(
-        mode(&sandbox.run_folder().of_domain(&sandbox.domain)),
+        mode(&sandbox.run_folder().domain_folder(&sandbox.domain)),
         0o750
     );
     daemon.stop();
@@ -599,7 +599,7 @@ fn doctor_lists_every_check_and_succeeds_without_failures() {
     };
     check(false);
     assert!(
-        !sandbox.run_folder().of_domain(&sandbox.domain).exists(),
+        !sandbox.run_folder().domain_folder(&sandbox.domain).exists(),
         "looking makes nothing"
     );
     let daemon = sandbox.start(&TABLE);

@@ -179,7 +179,7 @@ impl Sandbox {
     /// True if no process is left. A process that is being killed has no command line any
     /// more, and holds its locks a little longer.
     pub(crate) fn is_deserted(&self) -> bool {
-        let state = DomainState::of(&self.domain, &self.run_folder());
+        let state = DomainState::inspect(&self.domain, &self.run_folder());
         self.processes().is_empty() && !state.is_alive && state.running.is_empty()
     }
 
@@ -329,7 +329,10 @@ impl Daemon<'_> {
         self.is_stopped = true;
         let left = self.sandbox.shared_memory_files();
         assert!(left.is_empty(), "left in shared memory: {left:?}");
-        let folder = self.sandbox.run_folder().of_domain(&self.sandbox.domain);
+        let folder = self
+            .sandbox
+            .run_folder()
+            .domain_folder(&self.sandbox.domain);
         assert!(!folder.exists(), "the run folder is left");
         let alive = self.sandbox.processes();
         assert!(alive.is_empty(), "processes are left: {alive:?}");

@@ -426,7 +426,7 @@ fn process_that_cannot_start_ends_the_daemon_with_a_reason() {
     );
     assert!(sandbox.is_deserted());
     assert_eq!(sandbox.shared_memory_files(), Vec::<String>::new());
-    assert!(!sandbox.run_folder().of_domain(&sandbox.domain).exists());
+    assert!(!sandbox.run_folder().domain_folder(&sandbox.domain).exists());
 }
 
 #[test]
@@ -445,7 +445,7 @@ fn a_running_daemon_ends_on_sigterm_sigint_and_sighup() {
 fn assert_nothing_is_left(sandbox: &Sandbox) {
     eventually("all processes have ended", || sandbox.is_deserted());
     assert_eq!(sandbox.shared_memory_files(), Vec::<String>::new());
-    assert!(!sandbox.run_folder().of_domain(&sandbox.domain).exists());
+    assert!(!sandbox.run_folder().domain_folder(&sandbox.domain).exists());
 }
 
 /// True if the tests ignore a signal, and so do the programs they start until they handle

@@ -53,7 +53,9 @@ fn workspace() -> Vec<(PathBuf, String)> {
 fn headlines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     let marker = |line: &str| {
         let line = line.trim_start();
-        ["//!", "///"].into_iter().find(|marker| line.starts_with(marker))
+        ["//!", "///"]
+            .into_iter()
+            .find(|marker| line.starts_with(marker))
     };
     let mut previous = None;
     text.lines().enumerate().filter_map(move |(number, line)| {
@@ -79,7 +81,10 @@ fn crate_of(path: &Path) -> PathBuf {
 /// Names of the types that a line defines at the start of an item.
 fn defined_type(line: &str) -> Option<&str> {
     let mut words = line.trim_start().split_whitespace().peekable();
-    while words.peek().is_some_and(|word| word.starts_with("pub") || *word == "unsafe") {
+    while words
+        .peek()
+        .is_some_and(|word| word.starts_with("pub") || *word == "unsafe")
+    {
         words.next();
     }
     let keyword = words.next()?;
@@ -125,18 +130,25 @@ fn language_a_type_name_has_one_meaning() {
     let mut crates: BTreeMap<String, BTreeSet<PathBuf>> = BTreeMap::new();
     for (path, text) in workspace() {
         for name in text.lines().filter_map(defined_type) {
-            crates.entry(name.to_owned()).or_default().insert(crate_of(&path));
+            crates
+                .entry(name.to_owned())
+                .or_default()
+                .insert(crate_of(&path));
         }
     }
     crates.retain(|name, crates| {
         crates.len() > CRATES_PER_TYPE_MAX && !COMMON_TYPES.contains(&name.as_str())
     });
-    assert!(crates.is_empty(), "in more than {CRATES_PER_TYPE_MAX} crates: {crates:#?}");
+    assert!(
+        crates.is_empty(),
+        "in more than {CRATES_PER_TYPE_MAX} crates: {crates:#?}"
+    );
 }
 
 #[test]
 fn language_rules_see_what_they_look_for() {
-    let text = "//! What it is.\n\n/// Gate.\n/// How wide.\nstruct Gate;\n    /// When.\n    x: u8,\n";
+    let text =
+        "//! What it is.\n\n/// Gate.\n/// How wide.\nstruct Gate;\n    /// When.\n    x: u8,\n";
     let found: Vec<_> = headlines(text).collect();
     assert_eq!(found, [(1, "What it is."), (3, "Gate."), (6, "When.")]);
     assert!(is_riddle("What it is.") && is_riddle("Who?") && !is_riddle("Whatever"));

@@ -19,10 +19,10 @@ mod command_line;
 mod fakenect;
 /// Processes that are killed, stopped, or cannot start.
 mod faults;
-/// Latency measurement, budgets, sweep and soak.
-mod latency;
 /// Crates name only crates of lower layers; foreign libraries have owners.
 mod language;
+/// Latency measurement, budgets, sweep and soak.
+mod latency;
 mod layering;
 /// Bitwise determinism of lockstep runs.
 mod lockstep;

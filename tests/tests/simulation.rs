@@ -5,7 +5,7 @@ use crate::daemon::{Daemon, Sandbox, eventually};
 use crate::lockstep::repeatable;
 use crate::recorder::{RecordedMessage, RecordedScene, Recorder, SceneRecorder};
 use channel::topic::{ArmStates, CameraCloud, PersonBodies, TrueMasks, TrueObjects};
-use channel::{Domain, Role, SharedFrame, Subscriber};
+use channel::{Domain, Role, SharedMessage, Subscriber};
 use constraint::{Assumption, Assumptions, Constraint, Expression};
 use message::{ArmActivity, ProcessKind, SceneObject, TrackState, TrueObject};
 use nalgebra::{Point3, Vector3};
@@ -234,7 +234,7 @@ fn the_mask_belongs_to_the_cloud_of_its_frame() {
 
 /// Asserts that nearly all points of an object's pixels lie in its box.
 fn check_mask(
-    cloud: &SharedFrame<CameraCloud>,
+    cloud: &SharedMessage<CameraCloud>,
     mask: &RecordedMessage<TrueMasks>,
     truth: &RecordedMessage<TrueObjects>,
 ) {
@@ -301,8 +301,10 @@ const ASTRAY_M: f64 = 0.10;
 
 /// Reasons of all rejected candidates in some scenes.
 fn sentences(scenes: &[RecordedScene]) -> BTreeSet<String> {
-    let ignored = scenes.iter().flat_map(|scene| scene.header.ignored());
-    let decided = ignored.flat_map(message::IgnoredBlob::why);
+    let ignored = scenes
+        .iter()
+        .flat_map(|scene| scene.header.rejected_candidates());
+    let decided = ignored.flat_map(message::RejectedCandidate::decisive_findings);
     decided
         .map(|(_, finding)| finding.reason.to_string())
         .collect()

@@ -4,7 +4,7 @@
 use crate::daemon::{Daemon, Sandbox, WATCHDOG};
 use crate::recorder::SceneRecorder;
 use channel::topic::{CameraCloud, ObjectView};
-use channel::{Domain, Received, Role, SharedFrame, Subscriber};
+use channel::{Domain, Received, Role, SharedMessage, Subscriber};
 use message::{FrameHeader, ObjectViewHeader, ProcessKind, SegmentLocation};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -25,7 +25,7 @@ struct FrameWatcher {
     headers: BTreeMap<(u64, u64), FrameHeader>,
     viewed: Vec<ObjectViewHeader>,
     /// Newest frame, held so that the camera writes the next one elsewhere.
-    held: Vec<SharedFrame<CameraCloud>>,
+    held: Vec<SharedMessage<CameraCloud>>,
 }
 
 impl FrameWatcher {

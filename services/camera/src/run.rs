@@ -3,7 +3,7 @@
 use crate::config::Config;
 use crate::fakenect_restart;
 use crate::source::{self, SourceSpec};
-use ::capture::{CaptureLoop, End};
+use ::capture::{CaptureEnd, CaptureLoop};
 use message::ProcessState;
 use service::{Context, Failure, exit_code};
 use std::process::ExitCode;
@@ -38,21 +38,21 @@ pub async fn run(context: Context, config: Config, again: ReplayRequest) -> Resu
     let shutdown = context.shutdown.clone();
     let health = context.health.clone();
     match capture(context, &config).await? {
-        End::Stopped => return Ok(()),
-        End::Ended if config.playback.looped => {
+        CaptureEnd::Stopped => return Ok(()),
+        CaptureEnd::EndOfRecording if config.playback.looped => {
             again.0.store(
                 matches!(config.source, SourceSpec::Fakenect(_)),
                 Ordering::Relaxed,
             );
             return Ok(());
         }
-        End::Ended => {}
+        CaptureEnd::EndOfRecording => {}
     }
     let n_frames = health.frames.load(Ordering::Relaxed);
     tracing::info!("the recording has ended after {n_frames} frames");
     health.set_state(ProcessState::Idle, "the recording has ended");
     loop {
-        health.tick();
+        health.record_progress();
         tokio::select! {
             () = shutdown.requested() => return Ok(()),
             () = tokio::time::sleep(Duration::from_millis(500)) => {}
@@ -79,7 +79,7 @@ pub fn check_source(config: &Config) -> Result<(), Failure> {
 
 /// Captures on a dedicated thread: devices block, and a Kinect stays on the thread that
 /// opened it.
-async fn capture(context: Context, config: &Config) -> Result<End, Failure> {
+async fn capture(context: Context, config: &Config) -> Result<CaptureEnd, Failure> {
     let (sender, ended) = oneshot::channel();
     let (config, runtime) = (config.clone(), Handle::current());
     let spawned = std::thread::Builder::new()
@@ -94,7 +94,7 @@ async fn capture(context: Context, config: &Config) -> Result<End, Failure> {
         .map_err(|_| failed("the capture thread has panicked".into()))?
 }
 
-fn play(context: Context, config: &Config, runtime: Handle) -> Result<End, Failure> {
+fn play(context: Context, config: &Config, runtime: Handle) -> Result<CaptureEnd, Failure> {
     let opened = source::open(&config.source, &config.playback);
     let source = opened.map_err(|error| Failure::new(exit_code::USAGE, error))?;
     let rate = match source.rate_hz() {

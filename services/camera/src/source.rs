@@ -40,7 +40,7 @@ pub(crate) fn open(spec: &SourceSpec, playback: &Playback) -> Result<Box<dyn Sou
         ))),
         SourceSpec::Kinect => Ok(Box::new(kinect::KinectSource::real()?)),
         SourceSpec::Fakenect(folder) => Ok(Box::new(kinect::KinectSource::fake(folder)?)),
-        SourceSpec::Folder(folder) => match dataset::detect_kind(folder) {
+        SourceSpec::Folder(folder) => match dataset::detect_recording_kind(folder) {
             Ok(dataset::RecordingKind::PcdScenes) => {
                 Ok(Box::new(scenes::SceneFolderSource::open(folder, playback)?))
             }

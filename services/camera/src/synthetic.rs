@@ -163,7 +163,8 @@ impl SyntheticTable {
     /// Writes one noisy frame, row-major, camera frame. A shorter slice gets the frame's
     /// beginning, a longer one keeps its end. Allocates nothing.
     pub fn fill(&self, frame: u64, out: &mut [Point]) {
-        let seed = random::nth(random::nth(u64::from(self.arrangement)) ^ frame);
+        let seed =
+            random::counter_based(random::counter_based(u64::from(self.arrangement)) ^ frame);
         let width = self.camera.width as usize;
         let (step_x, step_y) = (
             1.0 / self.camera.fx_px as f32,
@@ -179,7 +180,7 @@ impl SyntheticTable {
             let first = seed.wrapping_add((row * width) as u64);
             for (column, (point, pixel)) in points.iter_mut().zip(pixels).enumerate() {
                 let slope = [(column as f32 - cx) * step_x, y];
-                let bits = random::nth(first.wrapping_add(column as u64));
+                let bits = random::counter_based(first.wrapping_add(column as u64));
                 *point = self.sensor.read(pixel, slope, bits);
             }
         }

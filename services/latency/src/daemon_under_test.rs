@@ -29,7 +29,7 @@ impl DaemonUnderTest {
         let run_folder = RunFolder::of_user();
         let own = if source.is_given() || !is_running(&common.domain, &run_folder) {
             let arguments = source.run_arguments(common.config.as_deref());
-            output.tell(&format!(
+            output.print_status(&format!(
                 "starting a daemon: tabula run {}",
                 arguments.join(" ")
             ));
@@ -39,7 +39,7 @@ impl DaemonUnderTest {
                 None,
             )?)
         } else {
-            output.tell(&format!(
+            output.print_status(&format!(
                 "measuring the daemon of the domain {}",
                 common.domain
             ));
@@ -71,6 +71,6 @@ impl DaemonUnderTest {
 /// `true` if a perception process runs in the domain.
 fn is_running(domain: &DomainName, run_folder: &RunFolder) -> bool {
     let perception = ProcessKind::Perception.program();
-    let state = DomainState::of(domain, run_folder);
+    let state = DomainState::inspect(domain, run_folder);
     state.running.iter().any(|(role, _)| *role == perception)
 }

@@ -14,7 +14,7 @@ pub(crate) fn run(short: bool, out: Option<&Path>, output: &Output) -> Result<Ex
     } else {
         MeasurementPlan::FULL
     };
-    let found = measure(&plan, &mut |sentence| output.tell(sentence));
+    let found = measure(&plan, &mut |sentence| output.print_status(sentence));
     if let Some(folder) = out {
         write(folder, &found)?;
     }

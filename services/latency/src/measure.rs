@@ -6,7 +6,7 @@ use crate::daemon_under_test::DaemonUnderTest;
 use crate::report_text;
 use crate::results::{self, AcceptanceCriteria};
 use crate::trace_reader::{ReadEnd, TraceReader, no_frames};
-use command_line::{Output, StopSignal, bar};
+use command_line::{Output, StopSignal, progress_bar};
 use latency_report::{LatencyRecorder, LatencyReport, MeasurementOverhead};
 use message::Stage;
 use service::{CommonArguments, Failure, Stopwatch, exit_code};
@@ -67,7 +67,7 @@ pub(crate) fn measure(
     let mut trace_reader = TraceReader::new(&daemon.domain)?;
     let mut recorder = LatencyRecorder::new(arguments.timeline as usize);
     let monitor = warm_up(&mut trace_reader, arguments.warm_up, stop)?;
-    let progress = bar(arguments.frames, "frames", output);
+    let progress = progress_bar(arguments.frames, "frames", output);
     trace_reader.each_frame(stop, |timeline| {
         recorder.add(timeline);
         let n_frames = recorder.n_frames() as u64;

@@ -1,7 +1,7 @@
 //! `tabula latency merge`: merges the histograms of several measurements.
 
 use crate::results::read;
-use command_line::{Output, table};
+use command_line::{Output, format_table};
 use latency_report::Histograms;
 use serde::Serialize;
 use service::{Failure, exit_code};
@@ -68,7 +68,7 @@ fn text(stages: &[MergedStage]) -> String {
             row
         })
         .collect();
-    table(
+    format_table(
         &["stage", "count", "p50 ms", "p90", "p99", "p99.9", "max"],
         &rows,
     )

@@ -4,9 +4,9 @@
 //! detection is timed before and after it in the same run, which reveals a change of the
 //! computer's speed.
 
-use command_line::{Output, table};
+use command_line::{Output, format_table};
 use dataset::pcd;
-use detection::{Config, Detection, Frame, Surroundings, Workspace, detect};
+use detection::{Config, Detection, DetectionInput, ScenePriors, Workspace, detect};
 use point_cloud::OrganizedCloud;
 use serde::Serialize;
 use service::{Failure, exit_code};
@@ -56,12 +56,12 @@ pub(crate) fn run(
     } else {
         N_REPETITIONS
     };
-    output.tell(&format!(
+    output.print_status(&format!(
         "our detection on {}, {n} times each",
         scenes_counted(scenes.len())
     ));
     let before_ms = ours_ms(scenes, n)?;
-    output.tell("PCL on the same; the first time its harness is built, for minutes");
+    output.print_status("PCL on the same; the first time its harness is built, for minutes");
     let csv = run_harness(harness, scenes, n)?;
     let after_ms = ours_ms(scenes, n)?;
     let ours_ms = 0.5 * (before_ms + after_ms);
@@ -115,11 +115,11 @@ fn ours_ms(scenes: &[PathBuf], n_repetitions: usize) -> Result<f64, Failure> {
             .map_err(|error| unusable(&error))?;
         let mut times_ms = Vec::with_capacity(n_repetitions);
         for seed in 0..n_repetitions as u64 {
-            let frame = Frame {
+            let frame = DetectionInput {
                 cloud,
                 up_in_camera: None,
                 seed,
-                surroundings: Surroundings::default(),
+                priors: ScenePriors::default(),
             };
             let begin = Instant::now();
             detect(&frame, &config, &mut workspace, &mut detection)
@@ -198,7 +198,7 @@ fn text(comparison: &PclComparison) -> String {
     }));
     format!(
         "{}\nmedians over {}; ours after PCL took {:.2} times as long as before\n",
-        table(&["detection", "threads", "median ms", "times ours"], &rows),
+        format_table(&["detection", "threads", "median ms", "times ours"], &rows),
         scenes_counted(comparison.n_scenes),
         comparison.drift
     )

@@ -1,11 +1,11 @@
 //! Text of a latency report.
 
 use crate::results::AcceptanceResult;
-use command_line::table;
+use command_line::format_table;
 use latency_report::{
     BudgetViolation, Comparison, ComparisonVerdict, DurationPercentiles, LatencyReport, StageReport,
 };
-use message::{Place, Stage};
+use message::{Stage, StageScope};
 
 /// Header of the table of stages.
 const HEADING: [&str; 11] = [
@@ -55,26 +55,26 @@ fn stages(report: &LatencyReport) -> String {
     ];
     for stage in Stage::ALL
         .iter()
-        .filter(|stage| stage.place() == Place::Frame)
+        .filter(|stage| stage.scope() == StageScope::Frame)
     {
         rows.extend(row(report, *stage, ""));
         let steps = Stage::ALL
             .iter()
-            .filter(|step| step.place() == Place::Within(*stage));
+            .filter(|step| step.scope() == StageScope::Within(*stage));
         rows.extend(steps.filter_map(|step| row(report, *step, "  ")));
         if *stage == Stage::Objects {
             let links = Stage::ALL
                 .iter()
-                .filter(|link| link.place() == Place::Object);
+                .filter(|link| link.scope() == StageScope::Object);
             rows.extend(links.filter_map(|link| row(report, *link, "  ")));
         }
     }
     rows.push(vec!["beside".into()]);
     let beside = Stage::ALL
         .iter()
-        .filter(|stage| stage.place() == Place::Beside);
+        .filter(|stage| stage.scope() == StageScope::Outside);
     rows.extend(beside.filter_map(|stage| row(report, *stage, "  ")));
-    table(&HEADING, &rows)
+    format_table(&HEADING, &rows)
 }
 
 fn times(name: &str, ms: &DurationPercentiles) -> Vec<String> {
@@ -142,7 +142,7 @@ fn processes(report: &LatencyReport) -> String {
     let memory = &report.conditions.shared_memory;
     format!(
         "\n{}\nthe daemon without its source uses {:.2} cores; shared memory {:.1} of {:.0} MB",
-        table(&heading, &rows),
+        format_table(&heading, &rows),
         report.cores_without_source(),
         memory.used_bytes as f64 / 1e6,
         memory.reserved_bytes as f64 / 1e6,
@@ -245,7 +245,7 @@ pub(crate) fn comparison(comparisons: &[Comparison]) -> String {
     ];
     format!(
         "{}\n{n_undecided} of {} undecided",
-        table(&heading, &rows),
+        format_table(&heading, &rows),
         comparisons.len()
     )
 }

@@ -7,7 +7,7 @@ use crate::results::not_written;
 use crate::spawned_daemon::SpawnedDaemon;
 use crate::trace_reader::{ReadEnd, TraceReader, no_frames};
 use channel::SharedMemory;
-use command_line::{Output, StopSignal, bar, table};
+use command_line::{Output, StopSignal, format_table, progress_bar};
 use latency_report::{
     DurationPercentiles, Growth, LatencyRecorder, ProcessReport, SoakWindow, find_growth,
     soak_figure,
@@ -79,7 +79,7 @@ fn start(
     let home = SpawnedDaemon::home()?;
     let little = home.path().join("soak.toml");
     if config.is_none() {
-        output.tell(&format!(
+        output.print_status(&format!(
             "starting a daemon that keeps little, to be measured with its limits reached; for \
              others use --config FILE:\n{CONFIG}"
         ));
@@ -98,7 +98,7 @@ fn soak(
     output: &Output,
 ) -> Result<(Vec<SoakWindow>, u64), Failure> {
     let mut trace_reader = TraceReader::new(&daemon.domain)?;
-    let progress = bar(arguments.frames, "frames", output);
+    let progress = progress_bar(arguments.frames, "frames", output);
     let (begun, offset_ns) = (Instant::now(), wall_clock_offset_ns());
     let window_frames = (arguments.frames / N_WINDOWS).max(1) as usize;
     let mut windows = Vec::new();
@@ -186,7 +186,7 @@ fn text(document: &SoakDocument) -> String {
     };
     format!(
         "{}\n\n{} frames, {} dropped, {} not captured, {} trace messages lost\n{}",
-        table(&heading, &rows),
+        format_table(&heading, &rows),
         document.frames,
         document.dropped,
         document.not_captured,

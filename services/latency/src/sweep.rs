@@ -12,7 +12,7 @@ use crate::spawned_daemon::SpawnedDaemon;
 use crate::sweep_axis::SweepAxis;
 use channel::Subscriber;
 use channel::topic::Scene;
-use command_line::{Output, StopSignal, table};
+use command_line::{Output, StopSignal, format_table};
 use latency_report::{SweepRow, sweep_figure};
 use operating_point::{OperatingPoint, operating_points};
 use serde::Serialize;
@@ -43,7 +43,7 @@ pub(crate) fn run(
     let stop = StopSignal::install()?;
     let mut rows = Vec::new();
     for point in operating_points(axis, &arguments.values)? {
-        output.tell(&format!("{} {}", axis.title(), point.value));
+        output.print_status(&format!("{} {}", axis.title(), point.value));
         let row = measure_at(&point, common.config.as_deref(), arguments, &stop, output)?;
         let is_end = stop.is_raised() || (axis == SweepAxis::Rate && row.is_overloaded());
         rows.push(row);
@@ -113,7 +113,7 @@ fn wait_until_known(
     let deadline = Instant::now() + KNOWN_TIMEOUT;
     while !stop.is_raised() {
         let scene = scenes.latest()?;
-        let knows = |scene: &channel::SharedFrame<Scene>| {
+        let knows = |scene: &channel::SharedMessage<Scene>| {
             let mut objects = scene.items().iter();
             objects.any(|object| object.memory_sequence >= sequence)
         };
@@ -183,5 +183,5 @@ fn text(axis: SweepAxis, rows: &[SweepRow]) -> String {
         "cores",
         "",
     ];
-    table(&heading, &rows.iter().map(cells).collect::<Vec<_>>())
+    format_table(&heading, &rows.iter().map(cells).collect::<Vec<_>>())
 }

@@ -43,7 +43,7 @@ impl ChangePublisher {
             let sent = if is_news {
                 self.publish()
             } else {
-                self.publisher.greet_new_subscribers()
+                self.publisher.deliver_history()
             };
             if let Err(error) = sent {
                 tracing::warn!("a change of the memory was not announced: {error}");

@@ -4,7 +4,7 @@ use serde::Deserialize;
 use service::{ConfigFile, Failure};
 use std::time::Duration;
 use store::working::WorldConfig;
-use store::{Limits, WRITE_BUFFER_BYTES};
+use store::{RetentionLimits, WRITE_BUFFER_BYTES};
 
 /// Resolution on disk of the time at which an object was last seen, nanoseconds. Chosen.
 const SEEN_PERIOD_NS: u64 = 10_000_000_000;
@@ -48,7 +48,7 @@ pub(crate) struct Config {
     /// Capacity of the store's request queue; further requests are refused.
     pub(crate) queue_requests: usize,
     /// Retention limits.
-    pub(crate) limits: Limits,
+    pub(crate) limits: RetentionLimits,
     /// Write buffer of the perceptual memory, bytes; when full, the database makes a
     /// table of it.
     pub(crate) write_buffer_bytes: usize,
@@ -67,7 +67,7 @@ impl Config {
         raw.check().map_err(|rule| file.wrong(rule))?;
         Ok(Self {
             queue_requests: raw.queue_requests,
-            limits: Limits {
+            limits: RetentionLimits {
                 max_views_per_category: raw.max_views_per_category,
                 max_unnamed_views: raw.max_unnamed_views,
             },

@@ -2,7 +2,7 @@
 
 use service::wall_clock_ns;
 use std::time::Duration;
-use store::{Answer, Change, Error, Mutation, MutationId, StoreHandle};
+use store::{Error, Mutation, MutationId, MutationReceipt, StoreChange, StoreHandle};
 use tokio::sync::oneshot;
 
 /// Period of the purge.
@@ -16,7 +16,7 @@ pub(crate) async fn run(store: &StoreHandle, forgotten_kept: Duration) {
     loop {
         period.tick().await;
         match purge(store, forgotten_kept).await {
-            Ok(Answer { n_views: 0, .. }) => {}
+            Ok(MutationReceipt { n_views: 0, .. }) => {}
             Ok(answer) => tracing::info!(
                 "{} view(s) were forgotten more than {} days ago and are removed for good",
                 answer.n_views,
@@ -27,7 +27,7 @@ pub(crate) async fn run(store: &StoreHandle, forgotten_kept: Duration) {
     }
 }
 
-async fn purge(store: &StoreHandle, forgotten_kept: Duration) -> Result<Answer, Error> {
+async fn purge(store: &StoreHandle, forgotten_kept: Duration) -> Result<MutationReceipt, Error> {
     let wall_ns = wall_clock_ns().max(0) as u64;
     let before_ns = wall_ns.saturating_sub(forgotten_kept.as_nanos() as u64);
     let (sender, is_due) = oneshot::channel();
@@ -36,7 +36,7 @@ async fn purge(store: &StoreHandle, forgotten_kept: Duration) -> Result<Answer, 
         move |answer| drop(sender.send(answer)),
     );
     if !is_due.await.unwrap_or(Err(Error::Stopped))? {
-        return Ok(Answer {
+        return Ok(MutationReceipt {
             sequence: 0,
             n_views: 0,
             contradiction: None,
@@ -46,7 +46,7 @@ async fn purge(store: &StoreHandle, forgotten_kept: Duration) -> Result<Answer, 
         id: MutationId::random()?,
         author: AUTHOR.to_owned(),
         wall_ns,
-        change: Change::Purge { before_ns },
+        change: StoreChange::Purge { before_ns },
     };
     let (sender, purged) = oneshot::channel();
     store.mutate(mutation, move |answer| drop(sender.send(answer)));

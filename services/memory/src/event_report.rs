@@ -2,7 +2,7 @@
 
 use crate::world_report::word;
 use message::control::{Command, EventReport, LearningReport};
-use store::working::{Event, Happening, Learned, Lesson, Outcome};
+use store::working::{ActionOutcome, Event, EventKind, TeachingEvent, TeachingKind};
 
 /// Wire report of an event.
 pub(crate) fn event(event: &Event) -> EventReport {
@@ -26,15 +26,17 @@ pub(crate) fn event(event: &Event) -> EventReport {
 
 /// Learning event of a command, once it is answered; `None` for a command that changes no
 /// label.
-pub(crate) fn lesson(command: &Command) -> Option<impl FnOnce(&LearningReport) -> Learned + use<>> {
+pub(crate) fn lesson(
+    command: &Command,
+) -> Option<impl FnOnce(&LearningReport) -> TeachingEvent + use<>> {
     let (lesson, track_id, author) = match command {
-        Command::Teach(label) => (Lesson::Taught, Some(label.track_id), &label.author),
-        Command::Correct(label) => (Lesson::Corrected, Some(label.track_id), &label.author),
-        Command::Forget { author, .. } => (Lesson::Forgot, None, author),
+        Command::Teach(label) => (TeachingKind::Taught, Some(label.track_id), &label.author),
+        Command::Correct(label) => (TeachingKind::Corrected, Some(label.track_id), &label.author),
+        Command::Forget { author, .. } => (TeachingKind::Forgot, None, author),
         _ => return None,
     };
     let author = author.clone();
-    Some(move |report: &LearningReport| Learned {
+    Some(move |report: &LearningReport| TeachingEvent {
         lesson,
         category: report.category.clone(),
         track_id,
@@ -53,10 +55,10 @@ struct EventText {
 }
 
 impl EventText {
-    fn of(happening: &Happening) -> Self {
+    fn of(happening: &EventKind) -> Self {
         match happening {
-            Happening::Learned(learned) => Self::of_lesson(learned),
-            Happening::ActionEnded {
+            EventKind::TeachingEvent(learned) => Self::of_lesson(learned),
+            EventKind::ActionEnded {
                 command_id,
                 outcome,
                 note,
@@ -68,13 +70,13 @@ impl EventText {
                 ),
                 ..Self::default()
             },
-            Happening::TaskStarted { task, kind } => Self {
+            EventKind::TaskStarted { task, kind } => Self {
                 event: "task_started".to_owned(),
                 task_id: Some(*task),
                 sentence: format!("task {task} ({kind}) began"),
                 ..Self::default()
             },
-            Happening::TaskEnded {
+            EventKind::TaskEnded {
                 task,
                 kind,
                 outcome,
@@ -89,8 +91,8 @@ impl EventText {
         }
     }
 
-    fn of_lesson(learned: &Learned) -> Self {
-        let Learned {
+    fn of_lesson(learned: &TeachingEvent) -> Self {
+        let TeachingEvent {
             category,
             track_id,
             author,
@@ -98,9 +100,9 @@ impl EventText {
         } = learned;
         let track = track_id.map_or_else(String::new, |track| format!(" track {track} as"));
         let (event, did) = match learned.lesson {
-            Lesson::Taught => ("taught", "taught"),
-            Lesson::Corrected => ("corrected", "corrected"),
-            Lesson::Forgot => ("forgot", "had forgotten"),
+            TeachingKind::Taught => ("taught", "taught"),
+            TeachingKind::Corrected => ("corrected", "corrected"),
+            TeachingKind::Forgot => ("forgot", "had forgotten"),
         };
         Self {
             event: event.to_owned(),
@@ -111,9 +113,9 @@ impl EventText {
         }
     }
 
-    fn of_object(happening: &Happening) -> Self {
+    fn of_object(happening: &EventKind) -> Self {
         let (event, track_id, label, sentence) = match happening {
-            Happening::Appeared {
+            EventKind::Appeared {
                 track_id,
                 label,
                 position_m,
@@ -122,11 +124,11 @@ impl EventText {
                 let sentence = format!("track {track_id} ({called}) appeared at {place}");
                 ("appeared", Some(*track_id), label.clone(), sentence)
             }
-            Happening::Vanished { track_id, label } => {
+            EventKind::Vanished { track_id, label } => {
                 let sentence = format!("track {track_id} ({}) vanished", called(label.as_ref()));
                 ("vanished", Some(*track_id), label.clone(), sentence)
             }
-            Happening::Relabelled {
+            EventKind::Relabelled {
                 track_id,
                 before,
                 after,
@@ -135,7 +137,7 @@ impl EventText {
                 let sentence = format!("track {track_id} is {now} now, was {before}");
                 ("relabelled", Some(*track_id), after.clone(), sentence)
             }
-            Happening::Moved {
+            EventKind::Moved {
                 track_id,
                 from_m,
                 to_m,
@@ -160,11 +162,11 @@ fn called(label: Option<&String>) -> &str {
     label.map_or("unknown", String::as_str)
 }
 
-fn ended(outcome: Outcome) -> &'static str {
+fn ended(outcome: ActionOutcome) -> &'static str {
     match outcome {
-        Outcome::Succeeded => "succeeded",
-        Outcome::Failed => "failed",
-        Outcome::Cancelled => "was cancelled",
+        ActionOutcome::Succeeded => "succeeded",
+        ActionOutcome::Failed => "failed",
+        ActionOutcome::Cancelled => "was cancelled",
     }
 }
 
@@ -195,7 +197,7 @@ mod tests {
             });
             assert_eq!((event.event.as_str(), event.sentence.as_str()), expected);
         };
-        let relabelled = Happening::Relabelled {
+        let relabelled = EventKind::Relabelled {
             track_id: 7,
             before: None,
             after: Some("mug".into()),
@@ -204,15 +206,15 @@ mod tests {
             relabelled,
             ("relabelled", "track 7 is mug now, was unknown"),
         );
-        let failed = Happening::ActionEnded {
+        let failed = EventKind::ActionEnded {
             command_id: 4,
-            outcome: Outcome::Failed,
+            outcome: ActionOutcome::Failed,
             note: "out of reach".into(),
         };
         let sentence = "the arm's command 4 failed: out of reach";
         check(failed, ("action_failed", sentence));
         let learned = |lesson, track_id| {
-            Happening::Learned(Learned {
+            EventKind::TeachingEvent(TeachingEvent {
                 lesson,
                 category: "mug".into(),
                 track_id,
@@ -220,10 +222,10 @@ mod tests {
                 history: 9,
             })
         };
-        let forgot = learned(Lesson::Forgot, None);
+        let forgot = learned(TeachingKind::Forgot, None);
         check(forgot, ("forgot", "anna had forgotten mug"));
-        let taught = learned(Lesson::Taught, Some(7));
+        let taught = learned(TeachingKind::Taught, Some(7));
         check(taught, ("taught", "anna taught track 7 as mug"));
-        check(Happening::Started, ("started", "the memory started"));
+        check(EventKind::Started, ("started", "the memory started"));
     }
 }

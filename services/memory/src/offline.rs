@@ -9,7 +9,7 @@
 )]
 
 use channel::control::{AnswerFuture, Handler, serve_stream};
-use memory_requests::{MemoryDesk, MemoryDeskConfig, verification_report};
+use memory_requests::{MemoryRequestHandler, MemoryRequestHandlerConfig, verification_report};
 use message::control::{
     Command, JobCommand, JobKind, JobOutcome, JobReport, Refusal, RefusalKind, Reply,
 };
@@ -19,7 +19,7 @@ use std::os::unix::net::UnixStream;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
-use store::{Limits, StoreConfig, StoreThread, WRITE_BUFFER_BYTES};
+use store::{RetentionLimits, StoreConfig, StoreThread, WRITE_BUFFER_BYTES};
 
 /// A client may think as long as a person does; its end closes the connection.
 const IDLE_LIMIT: Duration = Duration::from_secs(7 * 24 * 3600);
@@ -72,7 +72,7 @@ pub(crate) fn run(common: &CommonArguments) -> Result<(), Failure> {
 struct OfflineMemory {
     common: CommonArguments,
     verification: Option<Arc<Verification>>,
-    opened: Option<(MemoryDesk, StoreThread)>,
+    opened: Option<(MemoryRequestHandler, StoreThread)>,
 }
 
 impl OfflineMemory {
@@ -108,7 +108,7 @@ impl OfflineMemory {
         }
     }
 
-    fn desk(&mut self) -> Result<&MemoryDesk, Refusal> {
+    fn desk(&mut self) -> Result<&MemoryRequestHandler, Refusal> {
         if self.opened.is_none() {
             self.opened = Some(self.open()?);
         }
@@ -121,19 +121,19 @@ impl OfflineMemory {
         }
     }
 
-    fn open(&self) -> Result<(MemoryDesk, StoreThread), Refusal> {
+    fn open(&self) -> Result<(MemoryRequestHandler, StoreThread), Refusal> {
         let home = self.common.home();
         let (thread, store, report) = StoreThread::start(StoreConfig {
             folder: home.perceptual_memory(),
             queue_capacity: QUEUE_REQUESTS,
-            limits: Limits::default(),
+            limits: RetentionLimits::default(),
             write_buffer_bytes: WRITE_BUFFER_BYTES,
             wall_clock: || wall_clock_ns().max(0) as u64,
             on_reopened: Box::new(|_| {}),
         })
         .map_err(|error| Refusal::new(RefusalKind::Internal, error.to_string()))?;
         eprintln!("{report}");
-        let (desk, _) = MemoryDesk::new(MemoryDeskConfig {
+        let (desk, _) = MemoryRequestHandler::new(MemoryRequestHandlerConfig {
             store,
             scratch: home.path().join("exchange"),
             descriptor_kind: pipeline::DESCRIPTOR_KIND,

@@ -4,7 +4,7 @@ use crate::event_report;
 use crate::process_table::ProcessTable;
 use crate::working_memory::{WorkingMemory, now_ns};
 use channel::control::Client;
-use memory_requests::MemoryDesk;
+use memory_requests::MemoryRequestHandler;
 use message::ProcessKind;
 use message::control::{Command, Refusal, RefusalKind, Reply};
 use std::sync::Arc;
@@ -17,7 +17,7 @@ const DEADLINE: Duration = Duration::from_secs(4);
 
 /// Router of all control requests, the gateway for clients.
 pub(crate) struct RequestRouter {
-    pub(crate) desk: MemoryDesk,
+    pub(crate) desk: MemoryRequestHandler,
     pub(crate) perception: Client,
     pub(crate) arm: Client,
     pub(crate) processes: Arc<ProcessTable>,
@@ -64,7 +64,7 @@ impl RequestRouter {
         {
             let learned = lesson(report);
             self.world
-                .with(|model| model.note_lesson(learned, now_ns()));
+                .with(|model| model.record_teaching(learned, now_ns()));
         }
         match (labelled, answer) {
             (Some(track_id), Err(refusal)) if refusal.kind == RefusalKind::NotFound => {

@@ -10,9 +10,9 @@ use crate::scene_follower::SceneFollower;
 use crate::working_memory::WorkingMemory;
 use crate::world_model_updater::WorldModelUpdater;
 use channel::control::Client;
-use memory_requests::{MemoryDesk, MemoryDeskConfig};
+use memory_requests::{MemoryRequestHandler, MemoryRequestHandlerConfig};
 use message::{ProcessKind, ProcessState};
-use service::{Context, Failure, HealthBoard, exit_code, wall_clock_ns};
+use service::{Context, Failure, HealthCounters, exit_code, wall_clock_ns};
 use std::fmt::Display;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -46,7 +46,7 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
     log_report(&context.health, &report);
     let (world_thread, world) = WorkingMemory::start(&context, &config)?;
     let world = Arc::new(world);
-    let (desk, positions) = MemoryDesk::new(MemoryDeskConfig {
+    let (desk, positions) = MemoryRequestHandler::new(MemoryRequestHandlerConfig {
         store: store.clone(),
         scratch: context.home.path().join("exchange"),
         descriptor_kind: pipeline::DESCRIPTOR_KIND,
@@ -99,7 +99,7 @@ async fn essential(name: &str, task: impl Future<Output = ()>) -> Result<(), Fai
 }
 
 /// Logs the result of opening the store; a loss degrades the health.
-fn log_report(health: &HealthBoard, report: &OpenReport) {
+fn log_report(health: &HealthCounters, report: &OpenReport) {
     if report.is_loss() {
         tracing::error!("{report}");
         health.set_state(ProcessState::Degraded, &report.to_string());
@@ -113,7 +113,7 @@ fn log_report(health: &HealthBoard, report: &OpenReport) {
 }
 
 /// Liveness probe: a round trip through the store's queue.
-async fn probe(store: &StoreHandle, health: &HealthBoard, processes: &ProcessTable) {
+async fn probe(store: &StoreHandle, health: &HealthCounters, processes: &ProcessTable) {
     loop {
         let (sender, answered) = tokio::sync::oneshot::channel();
         store.read(
@@ -121,7 +121,7 @@ async fn probe(store: &StoreHandle, health: &HealthBoard, processes: &ProcessTab
             move |answer| drop(sender.send(answer)),
         );
         if answered.await.is_ok() {
-            health.tick();
+            health.record_progress();
         }
         processes.refresh();
         tokio::time::sleep(PROBE).await;

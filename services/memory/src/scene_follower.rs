@@ -1,10 +1,10 @@
 //! Scene follower: feeds scenes to the world model, and acknowledges lockstep frames.
 
 use crate::world_model_updater::WorldModelUpdater;
-use channel::topic::{FrameFinished, Scene};
+use channel::topic::{FinishedFrames, Scene};
 use channel::{Domain, Error, Publisher, Received, Subscriber};
 use message::{FrameDone, PlainHeader, ProcessKind, SceneSummary, Span, Stage, frame_flag};
-use service::{HealthBoard, TracePublisher, monotonic_ns};
+use service::{HealthCounters, TracePublisher, monotonic_ns};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -13,9 +13,9 @@ use tokio::time::MissedTickBehavior;
 /// Subscriber to scenes that acknowledges each frame of a lockstep source.
 pub(crate) struct SceneFollower {
     scenes: Subscriber<Scene>,
-    finished: Publisher<FrameFinished>,
+    finished: Publisher<FinishedFrames>,
     trace: TracePublisher,
-    health: Arc<HealthBoard>,
+    health: Arc<HealthCounters>,
     feed: WorldModelUpdater,
     look_period: Duration,
 }
@@ -24,7 +24,7 @@ impl SceneFollower {
     /// A follower that updates the world model once in `look_period`.
     pub(crate) fn new(
         domain: &Domain,
-        health: Arc<HealthBoard>,
+        health: Arc<HealthCounters>,
         feed: WorldModelUpdater,
         look_period: Duration,
     ) -> Result<Self, Error> {
@@ -48,7 +48,7 @@ impl SceneFollower {
         looks.set_missed_tick_behavior(MissedTickBehavior::Delay);
         loop {
             let followed = tokio::select! {
-                () = self.scenes.woken() => self.take_all(),
+                () = self.scenes.wake_event() => self.take_all(),
                 _ = looks.tick() => self.feed.look(&mut self.trace),
             };
             if let Err(error) = followed {

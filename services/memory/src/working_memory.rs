@@ -4,7 +4,7 @@
 use crate::config::Config;
 use message::ProcessState;
 use parking_lot::Mutex;
-use service::{Context, Failure, HealthBoard, exit_code, wall_clock_ns};
+use service::{Context, Failure, HealthCounters, exit_code, wall_clock_ns};
 use std::sync::Arc;
 use store::working::{
     OnTrouble, WorldHandle, WorldModel, WorldReport, WorldThread, WorldThreadConfig,
@@ -79,7 +79,7 @@ impl WorkingMemory {
 }
 
 /// Logs the result of opening the working memory; a loss degrades the health.
-fn log_report(health: &HealthBoard, report: &WorldReport) {
+fn log_report(health: &HealthCounters, report: &WorldReport) {
     if report.is_loss() {
         tracing::error!("{report}");
         health.set_state(ProcessState::Degraded, &report.to_string());
@@ -90,7 +90,7 @@ fn log_report(health: &HealthBoard, report: &WorldReport) {
 
 /// Handler of write failures: the health is degraded while they last, and restored
 /// afterwards.
-fn on_trouble(health: Arc<HealthBoard>) -> OnTrouble {
+fn on_trouble(health: Arc<HealthCounters>) -> OnTrouble {
     let before = Mutex::new(None);
     Box::new(move |result| {
         let mut before = before.lock();

@@ -3,14 +3,14 @@
 
 use crate::working_memory::{WorkingMemory, now_ns};
 use channel::topic::{ArmStates, Scene};
-use channel::{Domain, Error, SharedFrame, Subscriber};
+use channel::{Domain, Error, SharedMessage, Subscriber};
 use message::{
     ArmActivity, ArmState, SceneObject, SceneSummary, Span, Stage, TrackState, frame_flag,
 };
 use service::{Stopwatch, TracePublisher, monotonic_ns};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use store::working::{Outcome, Place, RobotSighting, Sighting, WorldModel};
+use store::working::{ActionOutcome, BoxPose, RobotSighting, Sighting, WorldModel};
 
 /// Time without arm states after which the arm counts as absent. Chosen.
 const ARM_SILENCE: Duration = Duration::from_secs(5);
@@ -21,7 +21,7 @@ pub(crate) struct WorldModelUpdater {
     arm: Subscriber<ArmStates>,
     arm_heard: Instant,
     /// Newest scene that the model has not seen.
-    scene: Option<SharedFrame<Scene>>,
+    scene: Option<SharedMessage<Scene>>,
 }
 
 impl WorldModelUpdater {
@@ -35,7 +35,7 @@ impl WorldModelUpdater {
     }
 
     /// Keeps a scene for the next update, and releases the one before.
-    pub(crate) fn keep(&mut self, scene: SharedFrame<Scene>) {
+    pub(crate) fn keep(&mut self, scene: SharedMessage<Scene>) {
         self.scene = Some(scene);
     }
 
@@ -98,7 +98,7 @@ fn sighting(object: &SceneObject, capture_ns: u64, captured_ns: u64) -> Option<S
         track_id: object.track_id,
         state: state.word(),
         label: object.label(),
-        place: Place {
+        place: BoxPose {
             position_m: object.pose.position_m,
             orientation_xyzw: object.pose.orientation_xyzw,
             size_m,
@@ -117,9 +117,9 @@ fn robot(arm: &ArmState) -> Option<RobotSighting<'_>> {
         return None;
     }
     let outcome = match activity {
-        ArmActivity::Idle => Some(Outcome::Succeeded),
-        ArmActivity::Failed => Some(Outcome::Failed),
-        ArmActivity::Stopped => Some(Outcome::Cancelled),
+        ArmActivity::Idle => Some(ActionOutcome::Succeeded),
+        ArmActivity::Failed => Some(ActionOutcome::Failed),
+        ArmActivity::Stopped => Some(ActionOutcome::Cancelled),
         ArmActivity::Moving | ArmActivity::Opening | ArmActivity::Closing => None,
     };
     Some(RobotSighting {
@@ -190,9 +190,12 @@ mod tests {
         };
         let outcome = |activity| robot(&arm(activity)).unwrap().outcome;
         assert_eq!(outcome(ArmActivity::Moving), None);
-        assert_eq!(outcome(ArmActivity::Idle), Some(Outcome::Succeeded));
-        assert_eq!(outcome(ArmActivity::Failed), Some(Outcome::Failed));
-        assert_eq!(outcome(ArmActivity::Stopped), Some(Outcome::Cancelled));
+        assert_eq!(outcome(ArmActivity::Idle), Some(ActionOutcome::Succeeded));
+        assert_eq!(outcome(ArmActivity::Failed), Some(ActionOutcome::Failed));
+        assert_eq!(
+            outcome(ArmActivity::Stopped),
+            Some(ActionOutcome::Cancelled)
+        );
         let broken = ArmState {
             opening_m: f64::NAN,
             ..arm(ArmActivity::Idle)

@@ -5,8 +5,8 @@ use message::control::{
     TaskOutcome, TaskReport, WorldObjectReport, WorldRegion, WorldReport, WorldRobotReport,
 };
 use store::working::{
-    Fact, FactPage, FactQuery, Object, Outcome, Place, Property, Region, Robot, Subject, Task,
-    TaskRefusal, TaskState, Value, Window, WorldModel,
+    ActionOutcome, BoxPose, Fact, FactPage, FactQuery, ObjectRecord, Property, Region, Robot,
+    Subject, Task, TaskRefusal, TaskState, Value, Window, WorldModel,
 };
 
 /// Report of the current objects and of the robot.
@@ -19,8 +19,8 @@ pub(crate) fn world(model: &WorldModel, now_ns: u64) -> WorldReport {
     }
 }
 
-fn object(model: &WorldModel, object: &Object) -> WorldObjectReport {
-    let since_ns = |property| model.since_ns(Subject::Object(object.track_id), property);
+fn object(model: &WorldModel, object: &ObjectRecord) -> WorldObjectReport {
+    let since_ns = |property| model.since_ns(Subject::ObjectRecord(object.track_id), property);
     WorldObjectReport {
         track_id: object.track_id,
         state: object.state.clone(),
@@ -28,13 +28,13 @@ fn object(model: &WorldModel, object: &Object) -> WorldObjectReport {
         label: object.label.clone(),
         label_since_ns: since_ns(Property::Label),
         place: place(&object.place),
-        place_since_ns: since_ns(Property::Place).unwrap_or(object.first_seen_ns),
+        place_since_ns: since_ns(Property::BoxPose).unwrap_or(object.first_seen_ns),
         first_seen_ns: object.first_seen_ns,
         last_seen_ns: object.last_seen_ns,
     }
 }
 
-fn place(place: &Place) -> PlaceReport {
+fn place(place: &BoxPose) -> PlaceReport {
     PlaceReport {
         position_m: place.position_m,
         orientation_xyzw: place.orientation_xyzw,
@@ -70,7 +70,7 @@ pub(crate) fn query(filter: FactFilter) -> Result<FactQuery, Refusal> {
     }
     let region = filter.region.map(region).transpose().map_err(invalid)?;
     Ok(FactQuery {
-        subject: filter.track_id.map(Subject::Object),
+        subject: filter.track_id.map(Subject::ObjectRecord),
         label: filter.label,
         region,
         window: Some(window),
@@ -107,7 +107,7 @@ pub(crate) fn facts(page: &FactPage) -> FactsReport {
 
 fn fact(fact: &Fact) -> FactReport {
     let (subject, track_id, task_id) = match fact.subject {
-        Subject::Object(track_id) => ("object", Some(track_id), None),
+        Subject::ObjectRecord(track_id) => ("object", Some(track_id), None),
         Subject::Robot => ("robot", None, None),
         Subject::Task(task) => ("task", None, Some(task)),
     };
@@ -115,12 +115,12 @@ fn fact(fact: &Fact) -> FactReport {
     let (property, value) = match &fact.value {
         Value::State(state) => ("state", Some(state.clone())),
         Value::Label(label) => ("label", Some(label.clone())),
-        Value::Place(_) => ("place", None),
+        Value::BoxPose(_) => ("place", None),
         Value::Activity(activity) => ("activity", Some(activity.clone())),
         Value::Holding(is_holding) => ("holding", Some(word(*is_holding).to_owned())),
     };
     let place = match &fact.value {
-        Value::Place(known) => Some(place(known)),
+        Value::BoxPose(known) => Some(place(known)),
         _ => None,
     };
     FactReport {
@@ -159,20 +159,20 @@ pub(crate) fn task(task: &Task) -> TaskReport {
     }
 }
 
-pub(crate) fn word(outcome: Outcome) -> &'static str {
+pub(crate) fn word(outcome: ActionOutcome) -> &'static str {
     match outcome {
-        Outcome::Succeeded => "succeeded",
-        Outcome::Failed => "failed",
-        Outcome::Cancelled => "cancelled",
+        ActionOutcome::Succeeded => "succeeded",
+        ActionOutcome::Failed => "failed",
+        ActionOutcome::Cancelled => "cancelled",
     }
 }
 
-/// Outcome of a task.
-pub(crate) fn outcome(outcome: TaskOutcome) -> Outcome {
+/// ActionOutcome of a task.
+pub(crate) fn outcome(outcome: TaskOutcome) -> ActionOutcome {
     match outcome {
-        TaskOutcome::Succeeded => Outcome::Succeeded,
-        TaskOutcome::Failed => Outcome::Failed,
-        TaskOutcome::Cancelled => Outcome::Cancelled,
+        TaskOutcome::Succeeded => ActionOutcome::Succeeded,
+        TaskOutcome::Failed => ActionOutcome::Failed,
+        TaskOutcome::Cancelled => ActionOutcome::Cancelled,
     }
 }
 

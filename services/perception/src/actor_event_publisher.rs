@@ -2,11 +2,11 @@
 //! `actor/event`.
 
 use crate::restart_backoff::RestartBackoff;
-use actor::{Cause, Escalation, Event, Events, StopReason};
+use actor::{Cause, Escalation, Events, LifecycleEvent, StopReason};
 use channel::topic::{ActorEvents, Topic};
 use channel::{Domain, Error, Publisher};
 use message::{ActorEvent, ActorEventKind, PlainHeader, Text};
-use service::{HealthBoard, monotonic_ns};
+use service::{HealthCounters, monotonic_ns};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -19,7 +19,7 @@ pub(crate) struct ActorEventPublisher {
     events: Events<u64>,
     publisher: Publisher<ActorEvents>,
     backoff: Arc<RestartBackoff>,
-    health: Arc<HealthBoard>,
+    health: Arc<HealthCounters>,
     n_abandoned: u64,
 }
 
@@ -29,7 +29,7 @@ impl ActorEventPublisher {
         domain: &Domain,
         events: Events<u64>,
         backoff: Arc<RestartBackoff>,
-        health: Arc<HealthBoard>,
+        health: Arc<HealthCounters>,
     ) -> Result<Self, Error> {
         Ok(Self {
             events,
@@ -48,7 +48,7 @@ impl ActorEventPublisher {
             let event = tokio::select! {
                 event = self.events.recv() => event,
                 _ = greet.tick() => {
-                    log_unsent(self.publisher.greet_new_subscribers());
+                    log_unsent(self.publisher.deliver_history());
                     continue;
                 }
             };
@@ -56,20 +56,20 @@ impl ActorEventPublisher {
                 return "the supervisor of the object actors is gone".into();
             };
             self.take(&event);
-            if matches!(event, Event::Escalated { .. }) {
+            if matches!(event, LifecycleEvent::Escalated { .. }) {
                 return sentence(&event);
             }
         }
     }
 
-    fn take(&mut self, event: &Event<u64>) {
+    fn take(&mut self, event: &LifecycleEvent<u64>) {
         match event {
-            Event::Restarting { id, after, .. } => {
+            LifecycleEvent::Restarting { id, after, .. } => {
                 self.backoff.extend(*id, *after);
                 self.health.restarts.fetch_add(1, Ordering::Relaxed);
                 tracing::warn!("{}", sentence(event));
             }
-            Event::Stopped { id, reason } => {
+            LifecycleEvent::Stopped { id, reason } => {
                 self.backoff.remove(*id);
                 if matches!(reason, StopReason::Failed { .. }) {
                     tracing::warn!("{}", sentence(event));
@@ -77,12 +77,12 @@ impl ActorEventPublisher {
                     tracing::debug!("{}", sentence(event));
                 }
             }
-            Event::Abandoned { .. } => {
+            LifecycleEvent::Abandoned { .. } => {
                 self.n_abandoned += 1;
                 tracing::warn!("{}", sentence(event));
             }
             // Logged as the failure that ends the process.
-            Event::Escalated { .. } => {}
+            LifecycleEvent::Escalated { .. } => {}
             _ => tracing::debug!("{}", sentence(event)),
         }
         if let Some(message) = self.message(event) {
@@ -91,12 +91,12 @@ impl ActorEventPublisher {
     }
 
     /// Wire message of an event; `None` for event kinds that are not published.
-    fn message(&self, event: &Event<u64>) -> Option<ActorEvent> {
+    fn message(&self, event: &LifecycleEvent<u64>) -> Option<ActorEvent> {
         let (kind, track_id, failure) = parts(event)?;
         let (cause, frame) = failure.unzip();
         let frame = frame.flatten();
         let after = match event {
-            Event::Restarting { after, .. } => after.as_nanos() as u64,
+            LifecycleEvent::Restarting { after, .. } => after.as_nanos() as u64,
             _ => 0,
         };
         Some(ActorEvent {
@@ -122,21 +122,21 @@ impl ActorEventPublisher {
 /// Cause of a failure, with the sequence number of the frame that was processed.
 type FailureAtFrame<'a> = (&'a Cause, Option<u64>);
 
-fn parts(event: &Event<u64>) -> Option<(ActorEventKind, u64, Option<FailureAtFrame<'_>>)> {
+fn parts(event: &LifecycleEvent<u64>) -> Option<(ActorEventKind, u64, Option<FailureAtFrame<'_>>)> {
     Some(match event {
-        Event::Started { id } => (ActorEventKind::Started, *id, None),
-        Event::Restarting { id, cause, tag, .. } => {
+        LifecycleEvent::Started { id } => (ActorEventKind::Started, *id, None),
+        LifecycleEvent::Restarting { id, cause, tag, .. } => {
             (ActorEventKind::Restarting, *id, Some((cause, *tag)))
         }
-        Event::Stopped { id, reason } => {
+        LifecycleEvent::Stopped { id, reason } => {
             let failure = match reason {
                 StopReason::Failed { cause, tag } => Some((cause, *tag)),
                 _ => None,
             };
             (ActorEventKind::Stopped, *id, failure)
         }
-        Event::Abandoned { id } => (ActorEventKind::Abandoned, *id, None),
-        Event::Escalated(Escalation { id, cause, tag, .. }) => {
+        LifecycleEvent::Abandoned { id } => (ActorEventKind::Abandoned, *id, None),
+        LifecycleEvent::Escalated(Escalation { id, cause, tag, .. }) => {
             (ActorEventKind::Escalated, *id, Some((cause, *tag)))
         }
         _ => return None,
@@ -144,7 +144,7 @@ fn parts(event: &Event<u64>) -> Option<(ActorEventKind, u64, Option<FailureAtFra
 }
 
 /// Human-readable sentence for an event.
-fn sentence(event: &Event<u64>) -> String {
+fn sentence(event: &LifecycleEvent<u64>) -> String {
     let Some((kind, track_id, failure)) = parts(event) else {
         return event.to_string();
     };
@@ -156,7 +156,7 @@ fn sentence(event: &Event<u64>) -> String {
     let actor = format!("the actor of track {track_id}");
     match (kind, event) {
         (ActorEventKind::Started, _) => format!("{actor} is ready"),
-        (_, Event::Restarting { after, .. }) => {
+        (_, LifecycleEvent::Restarting { after, .. }) => {
             format!("{actor} starts again in {} ms{why}", after.as_millis())
         }
         (ActorEventKind::Abandoned, _) => {
@@ -164,7 +164,7 @@ fn sentence(event: &Event<u64>) -> String {
         }
         (
             _,
-            Event::Escalated(Escalation {
+            LifecycleEvent::Escalated(Escalation {
                 max_restarts,
                 window,
                 ..
@@ -197,13 +197,13 @@ mod tests {
     #[test]
     fn sentences_name_the_track_the_frame_and_the_cause() {
         let cause = || Cause::Panicked("out of luck".into());
-        let restarting = sentence(&Event::Restarting {
+        let restarting = sentence(&LifecycleEvent::Restarting {
             id: 7,
             cause: cause(),
             tag: Some(31),
             after: Duration::from_millis(50),
         });
-        let escalated = sentence(&Event::Escalated(Escalation {
+        let escalated = sentence(&LifecycleEvent::Escalated(Escalation {
             id: 7,
             cause: cause(),
             tag: Some(31),
@@ -215,19 +215,19 @@ mod tests {
                 assert!(sentence.contains(word), "{sentence}");
             }
         }
-        let stopped = sentence(&Event::Stopped {
+        let stopped = sentence(&LifecycleEvent::Stopped {
             id: 7,
-            reason: StopReason::Asked,
+            reason: StopReason::Requested,
         });
         assert_eq!(stopped, "the actor of track 7 has stopped");
     }
 
     #[test]
     fn each_event_has_its_kind() {
-        let (kind, track_id, failure) = parts(&Event::Started { id: 4 }).unwrap();
+        let (kind, track_id, failure) = parts(&LifecycleEvent::Started { id: 4 }).unwrap();
         assert_eq!((kind, track_id), (ActorEventKind::Started, 4));
         assert!(failure.is_none());
-        let failed = Event::Stopped {
+        let failed = LifecycleEvent::Stopped {
             id: 4,
             reason: StopReason::Failed {
                 cause: Cause::Finished,

@@ -1,6 +1,6 @@
 //! Subscribers to the poses of the robot and of people, with time-stamped pose histories.
 
-use crate::scene_priors::ScenePriors;
+use crate::scene_priors::PriorBuffers;
 use channel::topic::{ArmStates, PersonBodies, Topic};
 use channel::{Domain, Error, Received, Subscriber};
 use geometry::{Capsule, RigidTransform};
@@ -118,7 +118,7 @@ impl BodySubscribers {
         &mut self,
         capture_ns: u64,
         world_from_camera: Option<&RigidTransform>,
-        priors: &mut ScenePriors,
+        priors: &mut PriorBuffers,
     ) -> Result<(), Error> {
         self.robot.receive()?;
         self.people.receive()?;

@@ -2,9 +2,9 @@
 
 use crate::frame_receiver::ReceivedFrame;
 use crate::helper_threads::HelperThreads;
-use crate::scene_priors::ScenePriors;
+use crate::scene_priors::PriorBuffers;
 use actor::{JobLost, Progress, WorkerPool};
-use detection::{Config, Detection, Frame, Step, Workspace, detect_in_steps};
+use detection::{Config, Detection, DetectionInput, DetectionStage, Workspace, detect_observed};
 use message::{SegmentLocation, Span, Stage, points};
 use point_cloud::OrganizedCloud;
 use service::Stopwatch;
@@ -20,7 +20,7 @@ pub(crate) struct Detector {
 
 #[derive(Default)]
 struct DetectionBuffers {
-    priors: ScenePriors,
+    priors: PriorBuffers,
     workspace: Workspace,
     detection: Detection,
     spans: Vec<Span>,
@@ -63,7 +63,7 @@ impl Detector {
     }
 
     /// Scene priors of the next frame, to be filled.
-    pub(crate) fn priors_mut(&mut self) -> &mut ScenePriors {
+    pub(crate) fn priors_mut(&mut self) -> &mut PriorBuffers {
         &mut self.buffers.priors
     }
 
@@ -119,17 +119,17 @@ fn search(
             detection,
             spans,
         } = &mut buffers;
-        let frame = Frame {
+        let frame = DetectionInput {
             cloud,
             up_in_camera: received.checked.up_in_camera,
             // The frame's own number: a replay draws the same samples.
             seed: header.sequence,
-            surroundings: priors.surroundings(),
+            priors: priors.priors(),
         };
         let mut watch = begin;
         spans.clear();
         let on_step = &mut |step| spans.push(watch.lap(stage(step), 0));
-        let found = detect_in_steps(
+        let found = detect_observed(
             &frame,
             config,
             workspace,
@@ -146,18 +146,18 @@ fn search(
     (buffers, found.map(|()| received.frame.location()))
 }
 
-fn stage(step: Step) -> Stage {
+fn stage(step: DetectionStage) -> Stage {
     match step {
-        Step::Samples => Stage::Samples,
-        Step::TablePlane => Stage::TablePlane,
-        Step::TableSurface => Stage::TableSurface,
-        Step::Prism => Stage::Prism,
-        Step::Clusters => Stage::Clusters,
-        Step::Piles => Stage::Piles,
-        Step::Regrouping => Stage::Regrouping,
-        Step::Feet => Stage::Feet,
-        Step::Boxes => Stage::Boxes,
-        Step::Judging => Stage::Judging,
+        DetectionStage::Subsampling => Stage::Samples,
+        DetectionStage::TablePlane => Stage::TablePlane,
+        DetectionStage::TableSurface => Stage::TableSurface,
+        DetectionStage::PrismFilter => Stage::Prism,
+        DetectionStage::Clustering => Stage::Clusters,
+        DetectionStage::ConcavitySplit => Stage::ConcavitySplit,
+        DetectionStage::TrackRegrouping => Stage::Regrouping,
+        DetectionStage::SupportPlaneGrowth => Stage::SupportGrowth,
+        DetectionStage::BoundingBoxes => Stage::Boxes,
+        DetectionStage::ConstraintEvaluation => Stage::ConstraintEvaluation,
     }
 }
 

@@ -22,8 +22,8 @@ use constraint::Assumptions;
 use message::{
     FrameDone, PlainHeader, ProcessKind, SceneObject, SceneSummary, Stage, Text, points,
 };
-use pipeline::{ObjectTools, Step, TrackTable};
-use service::{HealthBoard, Stopwatch, monotonic_ns};
+use pipeline::{ObjectWorkspace, TrackTable, TrackUpdate};
+use service::{HealthCounters, Stopwatch, monotonic_ns};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -48,11 +48,11 @@ pub(crate) struct FrameLoop {
     categories: SharedCategories,
     config: pipeline::Config,
     latest_scene: Arc<LatestScene>,
-    health: Arc<HealthBoard>,
+    health: Arc<HealthCounters>,
     actor_deadline: Duration,
     publishers: Publishers,
     trace: FrameTrace,
-    step: Step,
+    step: TrackUpdate,
     outcomes: Vec<SightingOutcome>,
     objects: Vec<SceneObject>,
     newest_views: NewestViews,
@@ -69,7 +69,7 @@ pub(crate) struct FrameLoopParts {
     pub(crate) sync_barrier: SyncBarrier,
     pub(crate) categories: SharedCategories,
     pub(crate) latest_scene: Arc<LatestScene>,
-    pub(crate) health: Arc<HealthBoard>,
+    pub(crate) health: Arc<HealthCounters>,
 }
 
 impl FrameLoop {
@@ -107,7 +107,7 @@ impl FrameLoop {
             actor_deadline: config.actor_deadline,
             publishers,
             trace,
-            step: Step::default(),
+            step: TrackUpdate::default(),
             outcomes: Vec::new(),
             objects: Vec::new(),
             newest_views: NewestViews::new(),
@@ -143,10 +143,10 @@ impl FrameLoop {
     /// Liveness probe: runs an empty job on the worker pool and reports health.
     async fn probe(&mut self) -> Result<(), Error> {
         if self.pool.run(|_| ()).await.is_ok() {
-            self.health.tick();
+            self.health.record_progress();
         }
         self.report_actors();
-        self.publishers.scene.greet_new_subscribers()
+        self.publishers.scene.deliver_history()
     }
 
     fn report_actors(&self) {
@@ -156,7 +156,7 @@ impl FrameLoop {
             .store(count(self.actors.n_actors()), Ordering::Relaxed);
         self.health
             .abandoned
-            .store(count(self.pool.abandoned()), Ordering::Relaxed);
+            .store(count(self.pool.n_abandoned()), Ordering::Relaxed);
     }
 
     async fn frame(&mut self, received: &ReceivedFrame) -> Result<(), Error> {
@@ -201,8 +201,8 @@ impl FrameLoop {
     /// another recording.
     fn restart_if_time_jumped(&mut self, capture_ns: u64) {
         if capture_ns < self.last_capture_ns {
-            self.step.gone.clear();
-            self.table.clear(&mut self.step.gone);
+            self.step.ended_tracks.clear();
+            self.table.clear(&mut self.step.ended_tracks);
             self.dismiss_gone();
         }
         self.last_capture_ns = capture_ns;
@@ -218,7 +218,7 @@ impl FrameLoop {
             .predict(&received.frame_pose(), &mut priors.tracks);
         self.bodies
             .priors_at(capture_ns, world_from_camera, priors)?;
-        self.trace.end_work(watch.lap(Stage::Surroundings, 0));
+        self.trace.end_work(watch.lap(Stage::GatherPriors, 0));
         Ok(())
     }
 
@@ -226,7 +226,7 @@ impl FrameLoop {
         let mut watch = Stopwatch::since(self.trace.at_ns());
         let frame = received.frame_pose();
         let ids = &self.ids;
-        self.table.step(
+        self.table.update(
             &detected.detection,
             points(received.frame.items()),
             &frame,
@@ -246,7 +246,7 @@ impl FrameLoop {
     }
 
     fn dismiss_gone(&mut self) {
-        for track_id in &self.step.gone {
+        for track_id in &self.step.ended_tracks {
             self.actors.dismiss(*track_id);
             self.newest_views.remove(track_id);
         }
@@ -295,7 +295,8 @@ impl FrameLoop {
         }
         for (sighting, observed) in &mut self.outcomes {
             let Some(observed) = observed else { continue };
-            self.table.absorb(sighting.track_id, &observed.posterior);
+            self.table
+                .apply_posterior(sighting.track_id, &observed.posterior);
             let view = NewestView::new(observed, &sighting.measured);
             if let Some(older) = self.newest_views.insert(sighting.track_id, view) {
                 self.actors.recycle_points(older.points);
@@ -387,7 +388,7 @@ impl FrameLoop {
         scene_report::add_detection(
             summary,
             &detected.detection,
-            &self.step.rejected,
+            &self.step.rejected_candidates,
             received.checked.world_from_camera.as_ref(),
         );
         self.assumption_log
@@ -416,7 +417,7 @@ impl FrameLoop {
             .frames_dropped
             .store(self.frame_receiver.n_dropped(), Ordering::Relaxed);
         self.report_actors();
-        self.health.tick();
+        self.health.record_progress();
         if received.is_lockstep() {
             for stored in receipts {
                 let _ = stored.await;
@@ -465,7 +466,7 @@ fn recognition(
 ) -> impl FnOnce(&Progress) -> Vec<(u64, LabelEstimate)> + Send + 'static {
     move |progress| {
         let mut recognised = Vec::with_capacity(views.len());
-        let Ok(mut tools) = ObjectTools::new() else {
+        let Ok(mut tools) = ObjectWorkspace::new() else {
             return recognised;
         };
         for (track_id, view) in views {

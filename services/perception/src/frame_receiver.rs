@@ -2,16 +2,16 @@
 
 use crate::log_once::LogOnce;
 use channel::topic::CameraCloud;
-use channel::{Domain, Error, Received, SharedFrame, Subscriber};
+use channel::{Domain, Error, Received, SharedMessage, Subscriber};
 use message::{CheckedFrame, FrameHeader, InvalidFrame, frame_flag};
-use pipeline::Frame;
+use pipeline::FramePose;
 use std::sync::Arc;
 
 /// Validated frame, still in shared memory.
 #[derive(Debug, Clone)]
 pub(crate) struct ReceivedFrame {
     /// Header and points in shared memory.
-    pub(crate) frame: Arc<SharedFrame<CameraCloud>>,
+    pub(crate) frame: Arc<SharedMessage<CameraCloud>>,
     /// Validated numbers of the header.
     pub(crate) checked: CheckedFrame,
     /// Time of reception, monotonic clock, nanoseconds.
@@ -26,8 +26,8 @@ impl ReceivedFrame {
 
     /// Capture time, camera pose and intrinsics. Without a pose the world frame is the
     /// camera frame.
-    pub(crate) fn frame_pose(&self) -> Frame {
-        Frame {
+    pub(crate) fn frame_pose(&self) -> FramePose {
+        FramePose {
             capture_ns: self.frame.header().capture_stamp_ns,
             world_from_camera: self.checked.world_from_camera.unwrap_or_default(),
             camera: Some(self.checked.camera),
@@ -53,7 +53,7 @@ impl FrameReceiver {
 
     /// Waits until a frame may have arrived.
     pub(crate) async fn woken(&self) {
-        self.subscriber.woken().await;
+        self.subscriber.wake_event().await;
     }
 
     /// Takes the newest waiting frame; older and invalid ones count as dropped.

@@ -84,15 +84,11 @@ impl FrameTrace {
             let waiting =
                 |stage, begin_ns, end_ns| Span::waiting(stage, sighting.track_id, begin_ns, end_ns);
             let finished_ns = spans.last().map_or(stamps.begun_ns, |span| span.end_ns);
-            self.add(waiting(Stage::HandOver, begin_ns, stamps.asked_ns));
+            self.add(waiting(Stage::Dispatch, begin_ns, stamps.asked_ns));
             self.add(waiting(Stage::ActorQueue, stamps.asked_ns, stamps.begun_ns));
             self.spans.extend_from_slice(spans);
             self.add(waiting(Stage::ActorAnswer, finished_ns, stamps.answered_ns));
-            self.add(waiting(
-                Stage::OthersAwaited,
-                stamps.answered_ns,
-                self.at_ns,
-            ));
+            self.add(waiting(Stage::Barrier, stamps.answered_ns, self.at_ns));
         }
     }
 
@@ -105,6 +101,6 @@ impl FrameTrace {
     pub(crate) fn send(&mut self, received: &ReceivedFrame) {
         let mut watch = Stopwatch::start();
         self.publisher.send(received.frame.header(), &self.spans);
-        self.publishing = Some(watch.lap(Stage::Telling, 0));
+        self.publishing = Some(watch.lap(Stage::TracePublishing, 0));
     }
 }

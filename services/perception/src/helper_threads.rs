@@ -1,19 +1,19 @@
 //! Helper threads: idle workers that take part in a parallel detection.
 
-use actor::{Team, WorkerPool};
-use detection::Crew;
+use actor::{ForkJoin, WorkerPool};
+use detection::Parallelism;
 use message::{Span, Stage};
 use parking_lot::Mutex;
-use service::{Cores, Stopwatch, thread_id};
+use service::{CpuAffinity, Stopwatch, thread_id};
 
 /// Fork-join team with core affinity: keeps helpers off the leader's core. The scheduler
 /// often wakes a thread on the core of its waker, where it would interrupt the leader
 /// while another core is idle.
 #[derive(Debug)]
 pub(crate) struct HelperThreads {
-    team: Team,
+    team: ForkJoin,
     /// Core affinity; `None` where the system has none.
-    cores: Option<Cores>,
+    cores: Option<CpuAffinity>,
     placement: Mutex<ThreadPlacement>,
     spans: Mutex<Vec<Span>>,
 }
@@ -31,8 +31,8 @@ impl HelperThreads {
     /// Helper threads of a worker pool.
     pub(crate) fn of(pool: &WorkerPool) -> Self {
         Self {
-            team: pool.team(),
-            cores: Cores::of_process().ok(),
+            team: pool.fork_join(),
+            cores: CpuAffinity::of_process().ok(),
             placement: Mutex::default(),
             spans: Mutex::default(),
         }
@@ -46,18 +46,18 @@ impl HelperThreads {
     /// Reserves the core of the calling thread, the leader, by moving the others away.
     fn reserve_core(&self, own: u32) {
         let Some(cores) = &self.cores else { return };
-        let leader = (own, Cores::current());
+        let leader = (own, CpuAffinity::current());
         let mut placement = self.placement.lock();
         if placement.leader == Some(leader) {
             return;
         }
         // Best effort: on failure the leader keeps its own affinity.
-        let _ = cores.give_back(own);
+        let _ = cores.restore(own);
         placement.leader = Some(leader);
         // A thread that cannot be moved has ended.
         placement
             .threads
-            .retain(|&thread| thread == own || cores.keep_off(thread, leader.1).is_ok());
+            .retain(|&thread| thread == own || cores.exclude(thread, leader.1).is_ok());
         placement.add(own);
     }
 }
@@ -70,11 +70,11 @@ impl ThreadPlacement {
     }
 }
 
-impl Crew for HelperThreads {
-    fn together(&self, work: &(dyn Fn() + Sync)) {
+impl Parallelism for HelperThreads {
+    fn run_on_all(&self, work: &(dyn Fn() + Sync)) {
         let leader = thread_id();
         self.reserve_core(leader);
-        self.team.together(&|| {
+        self.team.run(&|| {
             let own = thread_id();
             if own == leader {
                 // Measured with the step that it leads.
@@ -82,7 +82,7 @@ impl Crew for HelperThreads {
             }
             let mut watch = Stopwatch::start();
             work();
-            self.spans.lock().push(watch.lap(Stage::Helping, 0));
+            self.spans.lock().push(watch.lap(Stage::ParallelHelp, 0));
             self.placement.lock().add(own);
         });
     }

@@ -177,7 +177,7 @@ impl MemoryReplica {
                 }
             }
             tokio::select! {
-                () = self.announcements.woken() => {}
+                () = self.announcements.wake_event() => {}
                 Some(request) = self.requests.recv() => self.waiting.push(request),
                 () = tokio::time::sleep(POLL_PERIOD) => {}
             }

@@ -5,7 +5,9 @@ use crate::memory_replica::{CategorySnapshot, HistoryPosition};
 use crate::object_actor::ObservedView;
 use learning::{CategoryName, N_NEAREST, Neighbour};
 use message::ActorStamps;
-use pipeline::{Config, Error, Measured, ObjectState, ObjectTools, Observation, Posterior};
+use pipeline::{
+    CandidateMeasurement, Config, Error, ObjectState, ObjectWorkspace, Observation, Posterior,
+};
 use point_cloud::Point;
 use std::collections::BTreeMap;
 
@@ -24,7 +26,7 @@ pub(crate) struct NewestView {
     /// Points of the object, camera frame.
     pub(crate) points: Vec<Point>,
     /// Measurement of the object, for the description.
-    measured: Measured,
+    measured: CandidateMeasurement,
 }
 
 /// Result of a recognition, with the categories' position in the history.
@@ -63,7 +65,7 @@ impl LabelEstimate {
 
 impl NewestView {
     /// Moves the newest view out of an actor's answer.
-    pub(crate) fn new(observed: &mut ObservedView, measured: &Measured) -> Self {
+    pub(crate) fn new(observed: &mut ObservedView, measured: &CandidateMeasurement) -> Self {
         Self {
             recognised: LabelEstimate::new(observed.posterior.clone(), observed.position),
             is_key_view: observed.posterior.is_key_view,
@@ -82,7 +84,7 @@ impl NewestView {
         &self,
         snapshot: &CategorySnapshot,
         config: &Config,
-        tools: &mut ObjectTools,
+        tools: &mut ObjectWorkspace,
     ) -> Result<LabelEstimate, Error> {
         let mut measured = self.measured;
         // Without intrinsics, since the points are not an image.

@@ -3,10 +3,13 @@
 use crate::detector::DetectedFrame;
 use crate::frame_receiver::ReceivedFrame;
 use crate::memory_replica::{HistoryPosition, SharedCategories};
-use actor::{Actor, Flow, KeepLatest, Progress};
+use actor::{Actor, DropOldest, Flow, Progress};
 use message::control::pack_cloud;
 use message::{ActorStamps, SegmentLocation, Span, Stage, points};
-use pipeline::{Config, Error, Measured, ObjectState, ObjectTools, Observation, Posterior, Stages};
+use pipeline::{
+    CandidateMeasurement, Config, Error, ObjectState, ObjectWorkspace, Observation,
+    ObservationOutput, Posterior,
+};
 use point_cloud::Point;
 use service::Stopwatch;
 use std::sync::Arc;
@@ -14,7 +17,7 @@ use std::sync::Arc;
 /// Actor that owns the state of one object.
 pub(crate) struct ObjectActor {
     state: ObjectState,
-    tools: ObjectTools,
+    tools: ObjectWorkspace,
     context: Arc<ObjectContext>,
 }
 
@@ -36,7 +39,7 @@ pub(crate) struct ObserveView {
     /// Track of the object.
     pub(crate) track_id: u64,
     /// Measurement of the candidate.
-    pub(crate) measured: Measured,
+    pub(crate) measured: CandidateMeasurement,
     /// Buffer of the descriptor.
     pub(crate) descriptor: Vec<f32>,
     /// Buffer of the object's points.
@@ -84,10 +87,10 @@ impl Actor for ObjectActor {
     type Checkpoint = ObjectState;
     type Context = ObjectContext;
     type Error = Error;
-    type Overflow = KeepLatest;
+    type Overflow = DropOldest;
 
     fn start(context: &Arc<ObjectContext>, state: ObjectState) -> Result<Self, Error> {
-        let tools = ObjectTools::new()?;
+        let tools = ObjectWorkspace::new()?;
         Ok(Self {
             state,
             tools,
@@ -120,11 +123,11 @@ impl Actor for ObjectActor {
             measured: &measured,
         };
         let snapshot = self.context.categories.get();
-        let stages = Stages {
+        let stages = ObservationOutput {
             descriptor: &mut descriptor,
-            on_stage: &mut |_| laps.next(),
+            on_stage: Some(&mut |_| laps.next()),
         };
-        let posterior = self.state.observe_in_stages(
+        let posterior = self.state.observe(
             &observation,
             &snapshot.index,
             &self.context.config,

@@ -7,7 +7,7 @@ use crate::fault_injection::{FaultConfig, FaultInjector};
 use crate::frame_receiver::ReceivedFrame;
 use crate::object_actor::{ObjectActor, ObserveView, ObservedView};
 use crate::restart_backoff::RestartBackoff;
-use actor::{Address, Answer, Supervisor};
+use actor::{Address, PendingReply, Supervisor};
 use pipeline::{ObjectState, Sighting};
 use point_cloud::Point;
 use service::monotonic_ns;
@@ -29,7 +29,7 @@ pub(crate) struct ObjectActors {
     fault: FaultInjector,
     spare_descriptors: Vec<Vec<f32>>,
     spare_points: Vec<Vec<Point>>,
-    asked: Vec<(Sighting, Option<Answer<ObservedView>>)>,
+    asked: Vec<(Sighting, Option<PendingReply<ObservedView>>)>,
 }
 
 /// Sighting with its answer; `None` when the actor did not answer in time.
@@ -72,7 +72,7 @@ impl ObjectActors {
     pub(crate) fn dismiss(&mut self, track_id: u64) {
         self.addresses.remove(&track_id);
         self.backoff.remove(track_id);
-        self.supervisor.dismiss(&track_id);
+        self.supervisor.request_stop(&track_id);
     }
 
     /// Stops all actors and waits for them.
@@ -138,7 +138,7 @@ impl ObjectActors {
         received: &ReceivedFrame,
         detected: &Arc<DetectedFrame>,
         sighting: &Sighting,
-    ) -> Option<Answer<ObservedView>> {
+    ) -> Option<PendingReply<ObservedView>> {
         let address = self.addresses.get(&sighting.track_id)?;
         let observe = ObserveView {
             received: received.clone(),

@@ -5,7 +5,7 @@ use crate::detector::DetectedFrame;
 use crate::frame_receiver::ReceivedFrame;
 use crate::object_actors::SightingOutcome;
 use crate::scene_report;
-use channel::topic::{FrameFinished, ObjectCloud, ObjectView, Scene, Topic};
+use channel::topic::{FinishedFrames, ObjectCloud, ObjectView, Scene, Topic};
 use channel::{Domain, Error, Publisher};
 use message::ObjectCloudHeader;
 use pipeline::Track;
@@ -15,7 +15,7 @@ pub(crate) struct Publishers {
     pub(crate) scene: Publisher<Scene>,
     views: Publisher<ObjectView>,
     clouds: Publisher<ObjectCloud>,
-    pub(crate) finished: Publisher<FrameFinished>,
+    pub(crate) finished: Publisher<FinishedFrames>,
 }
 
 impl Publishers {

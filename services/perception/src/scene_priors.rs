@@ -1,6 +1,6 @@
 //! Scene priors: the known bodies and tracks in view before a frame is searched.
 
-use detection::{ExpectedTrack, Surroundings};
+use detection::{ExpectedTrack, ScenePriors};
 use geometry::{Capsule, RigidTransform};
 
 /// Capsules of a body in the camera frame, or an unknown body.
@@ -31,19 +31,19 @@ impl BodyPrior {
     }
 }
 
-/// Scene priors of a frame, camera frame; reused from frame to frame.
+/// Buffers of the scene priors of a frame, camera frame; reused from frame to frame.
 #[derive(Debug, Default)]
-pub(crate) struct ScenePriors {
+pub(crate) struct PriorBuffers {
     pub(crate) robot: BodyPrior,
     pub(crate) people: BodyPrior,
     /// Live tracks, predicted to the frame's capture.
     pub(crate) tracks: Vec<ExpectedTrack>,
 }
 
-impl ScenePriors {
+impl PriorBuffers {
     /// View of the priors as the input of detection.
-    pub(crate) fn surroundings(&self) -> Surroundings<'_> {
-        Surroundings {
+    pub(crate) fn priors(&self) -> ScenePriors<'_> {
+        ScenePriors {
             instructor: self.people.capsules(),
             robot: self.robot.capsules(),
             tracks: &self.tracks,
@@ -65,13 +65,13 @@ mod tests {
             radius_m: 0.1,
         }];
         let camera_from_world = RigidTransform::new(Vector3::x() * 0.25, Vector3::zeros());
-        let mut priors = ScenePriors::default();
+        let mut priors = PriorBuffers::default();
         priors.robot.set(Some(&capsules), Some(&camera_from_world));
         priors.people.set(Some(&capsules), None);
-        let surroundings = priors.surroundings();
-        assert_eq!(surroundings.robot.map(|body| body[0].from.x), Some(0.75));
-        assert_eq!(surroundings.instructor, None);
+        let given = priors.priors();
+        assert_eq!(given.robot.map(|body| body[0].from.x), Some(0.75));
+        assert_eq!(given.instructor, None);
         priors.robot.set(None, Some(&camera_from_world));
-        assert_eq!(priors.surroundings().robot, None);
+        assert_eq!(priors.priors().robot, None);
     }
 }

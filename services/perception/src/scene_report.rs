@@ -9,24 +9,24 @@ use geometry::RigidTransform;
 use learning::{N_NEAREST, Neighbour};
 use message::control::{StoredView, ViewId};
 use message::{
-    IgnoredBlob, MAX_IGNORED, MAX_NEAR_CATEGORIES, MAX_SCENE_OBJECTS, NearCategory,
-    ObjectViewHeader, SceneObject, SceneSummary, StageStamps, Text, TrackState, WirePose,
-    symmetric,
+    MAX_NEAR_CATEGORIES, MAX_REJECTED_CANDIDATES, MAX_SCENE_OBJECTS, NearCategory,
+    ObjectViewHeader, RejectedCandidate, SceneObject, SceneSummary, StageStamps, Text, TrackState,
+    WirePose, upper_triangle,
 };
-use pipeline::{DESCRIPTOR_KIND, Measured, Sighting, Track};
+use pipeline::{CandidateMeasurement, DESCRIPTOR_KIND, Sighting, Track};
 use point_cloud::Rgba;
 use std::mem;
-use tracking::{Sight, TrackPhase};
+use tracking::{TrackPhase, Visibility};
 
 const _: () = assert!(N_NEAREST == MAX_NEAR_CATEGORIES);
 
 fn state(track: &Track) -> TrackState {
-    match (track.sight(), track.phase()) {
-        (Sight::Occluded, _) => TrackState::Occluded,
-        (Sight::OutOfView, _) => TrackState::OutOfView,
-        (Sight::Missing, _) => TrackState::Missing,
-        (Sight::Seen, TrackPhase::Tentative) => TrackState::Tentative,
-        (Sight::Seen, _) => TrackState::Tracked,
+    match (track.visibility(), track.phase()) {
+        (Visibility::Occluded, _) => TrackState::Occluded,
+        (Visibility::OutOfView, _) => TrackState::OutOfView,
+        (Visibility::Missing, _) => TrackState::Missing,
+        (Visibility::Visible, TrackPhase::Tentative) => TrackState::Tentative,
+        (Visibility::Visible, _) => TrackState::Tracked,
     }
 }
 
@@ -54,7 +54,7 @@ fn near_categories(
     (categories, nearest.iter().flatten().count() as u32)
 }
 
-fn mean_rgb(measured: &Measured) -> [u8; 3] {
+fn mean_rgb(measured: &CandidateMeasurement) -> [u8; 3] {
     measured.mean_rgb.map(|channel| channel as u8)
 }
 
@@ -88,7 +88,7 @@ fn unrecognised_object(track: &Track) -> SceneObject {
     SceneObject {
         track_id: track.id,
         state: state(track).code(),
-        cut_by_image: u32::from(track.measured.is_cut_by_image),
+        cut_by_image: u32::from(track.measured.is_truncated_by_image),
         first_seen_ns: track.first_seen_ns,
         last_seen_ns: track.last_seen_ns,
         pose: WirePose::from(&body.frame_from_box),
@@ -98,11 +98,11 @@ fn unrecognised_object(track: &Track) -> SceneObject {
         mean_argb: Rgba::opaque(red, green, blue).0,
         distance: f32::NAN,
         probability: f32::NAN,
-        linked_to: track.linked_to.unwrap_or(0),
+        linked_to: track.reidentified_as.unwrap_or(0),
         view_id: track.n_views.saturating_sub(1),
         n_key_views: track.n_key_views,
-        position_covariance_m2: symmetric(&track.position_covariance_m2()),
-        rotation_covariance_rad2: symmetric(&track.rotation_covariance_rad2()),
+        position_covariance_m2: upper_triangle(&track.position_covariance_m2()),
+        rotation_covariance_rad2: upper_triangle(&track.rotation_covariance_rad2()),
         velocity_m_s: track.velocity_m_s().cast().into(),
         angular_velocity_rad_s: track.angular_velocity_rad_s().cast().into(),
         ..SceneObject::default()
@@ -164,22 +164,22 @@ pub(crate) fn add_detection(
         summary.table_plane = [normal.x, normal.y, normal.z, plane.offset_m];
     }
     summary.n_rejected = rejected.len() as u32;
-    summary.n_ignored = rejected.len().min(MAX_IGNORED) as u32;
+    summary.n_ignored = rejected.len().min(MAX_REJECTED_CANDIDATES) as u32;
     let candidates = rejected.iter().filter_map(|&i| detection.candidates.get(i));
     for (blob, candidate) in summary.ignored.iter_mut().zip(candidates) {
         *blob = ignored(candidate, &pose);
     }
 }
 
-fn ignored(candidate: &Candidate, world_from_camera: &RigidTransform) -> IgnoredBlob {
+fn ignored(candidate: &Candidate, world_from_camera: &RigidTransform) -> RejectedCandidate {
     let body = candidate.oriented_box.transformed(world_from_camera);
-    IgnoredBlob {
+    RejectedCandidate {
         pose: WirePose::from(&body.frame_from_box),
         size_m: body.sides_m().map(|side| side as f32).into(),
         n_points: candidate.n_points() as u32,
         verdict: candidate.verdict.code().into(),
         decisive: candidate.decisive.bits().into(),
-        findings: IgnoredBlob::wire_findings(&candidate.findings),
+        findings: RejectedCandidate::wire_findings(&candidate.findings),
     }
 }
 
@@ -214,8 +214,8 @@ pub(crate) fn object_view(
         ..ObjectViewHeader::default()
     };
     if let Some(track) = track {
-        view.position_covariance_m2 = symmetric(&track.position_covariance_m2());
-        view.rotation_covariance_rad2 = symmetric(&track.rotation_covariance_rad2());
+        view.position_covariance_m2 = upper_triangle(&track.position_covariance_m2());
+        view.rotation_covariance_rad2 = upper_triangle(&track.rotation_covariance_rad2());
         view.velocity_m_s = track.velocity_m_s().cast().into();
         view.angular_velocity_rad_s = track.angular_velocity_rad_s().cast().into();
     }

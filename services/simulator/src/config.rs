@@ -3,7 +3,7 @@
 use crate::arguments::SimulatorArguments;
 use serde::Deserialize;
 use service::{ConfigFile, Failure, exit_code};
-use simulated_world::{ArmMount, MOST_OBJECTS, ModelLibrary, ModelSource, Scene, SceneKind};
+use simulated_world::{ArmMount, MAX_OBJECTS, ModelLibrary, ModelSource, Scene, SceneKind};
 use std::path::{Path, PathBuf};
 
 /// Valid frame rates, hertz.
@@ -84,8 +84,8 @@ impl Config {
                 "--objects can not be used with a scene file; write the number into {}",
                 path.display()
             )),
-            (Some(n), _) if n > MOST_OBJECTS => {
-                Err(format!("--objects must be at most {MOST_OBJECTS}, not {n}"))
+            (Some(n), _) if n > MAX_OBJECTS => {
+                Err(format!("--objects must be at most {MAX_OBJECTS}, not {n}"))
             }
             _ => Ok(()),
         }
@@ -104,7 +104,7 @@ impl Config {
                 Scene::everyday(n_objects, self.seed(), &mut library)?
             }
             SceneChoice::Generated(kind) => {
-                let n_objects = self.n_objects.unwrap_or(kind.usual_number());
+                let n_objects = self.n_objects.unwrap_or(kind.default_n_objects());
                 Scene {
                     arm: Some(ArmMount::default()),
                     ..Scene::generate(*kind, n_objects, self.seed(), &mut library)?

@@ -4,7 +4,7 @@ use crate::arm_command_queue::{ArmCommandQueue, arm_command_queue};
 use crate::config::Config;
 use crate::simulator_source::SimulatorSource;
 use crate::world_publishers::WorldPublishers;
-use capture::{CaptureLoop, End};
+use capture::{CaptureEnd, CaptureLoop};
 use channel::control::Server;
 use message::ProcessKind;
 use service::{Context, Failure, exit_code};
@@ -44,10 +44,10 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
 }
 
 /// Outcome of the process: a simulation ends only when it is stopped.
-fn outcome(ended: Result<End, Failure>) -> Result<(), Failure> {
+fn outcome(ended: Result<CaptureEnd, Failure>) -> Result<(), Failure> {
     match ended? {
-        End::Stopped => Ok(()),
-        End::Ended => Err(ended_unexpectedly("the simulation")),
+        CaptureEnd::Stopped => Ok(()),
+        CaptureEnd::EndOfRecording => Err(ended_unexpectedly("the simulation")),
     }
 }
 
@@ -60,7 +60,7 @@ fn play(
     config: &Config,
     requests: ArmCommandQueue,
     runtime: Handle,
-) -> Result<End, Failure> {
+) -> Result<CaptureEnd, Failure> {
     let unusable = |error: simulated_world::Error| Failure::new(exit_code::USAGE, error);
     let (scene, library) = config.scene().map_err(unusable)?;
     tracing::info!(
@@ -104,8 +104,8 @@ mod tests {
 
     #[test]
     fn a_simulation_that_ends_by_itself_is_a_failure() {
-        assert!(outcome(Ok(End::Stopped)).is_ok());
-        let failure = outcome(Ok(End::Ended)).unwrap_err();
+        assert!(outcome(Ok(CaptureEnd::Stopped)).is_ok());
+        let failure = outcome(Ok(CaptureEnd::EndOfRecording)).unwrap_err();
         assert_eq!(failure.code, exit_code::FAILURE);
         assert!(failure.to_string().contains("the simulation"), "{failure}");
     }

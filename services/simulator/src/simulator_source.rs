@@ -4,14 +4,14 @@ use crate::arm_command_queue::{ArmCommandQueue, QueuedArmCommand};
 use crate::frame_interval::FrameInterval;
 use crate::wire_conversion;
 use crate::world_publishers::WorldPublishers;
-use capture::{FrameInfo, FrameSize, Source, SourceError, Waiting};
+use capture::{FrameInfo, FrameSize, IdleUpdate, Source, SourceError};
 use geometry::PinholeCamera;
 use message::FrameHeader;
 use message::control::{Refusal, RefusalKind};
 use nalgebra::{Unit, Vector3};
 use point_cloud::Point;
 use service::monotonic_ns;
-use simulated_world::{SimulatedKinect, TrueObject, World};
+use simulated_world::{ObjectTruth, SimulatedKinect, World};
 
 /// Endless frame source of a simulated world.
 pub(crate) struct SimulatorSource {
@@ -19,7 +19,7 @@ pub(crate) struct SimulatorSource {
     rate_hz: f64,
     interval: FrameInterval,
     kinect: SimulatedKinect,
-    truth: Vec<TrueObject>,
+    truth: Vec<ObjectTruth>,
     requests: ArmCommandQueue,
     world_publishers: WorldPublishers,
     /// Number of arm samples of this interval that are published.
@@ -150,25 +150,25 @@ impl Source for SimulatorSource {
         &mut self,
         due_ns: u64,
         points: Option<&mut [Point]>,
-    ) -> Result<Waiting, SourceError> {
+    ) -> Result<IdleUpdate, SourceError> {
         let is_world_changed = self.serve(due_ns)?;
         let drawn = points.filter(|_| is_world_changed);
         let rewritten = drawn.map(|points| self.look(points)).transpose()?;
         let again_ns = self.publish_arm(due_ns, monotonic_ns())?;
-        Ok(Waiting {
+        Ok(IdleUpdate {
             rewritten,
-            again_ns,
+            next_call_ns: again_ns,
         })
     }
 
-    fn sending(&mut self, header: &FrameHeader) -> Result<(), SourceError> {
+    fn before_send(&mut self, header: &FrameHeader) -> Result<(), SourceError> {
         self.publish_arm(header.capture_stamp_ns, u64::MAX)?;
         self.world_publishers
             .person(header, self.interval.world())
             .map_err(unusable)
     }
 
-    fn sent(&mut self, header: &FrameHeader) -> Result<(), SourceError> {
+    fn after_send(&mut self, header: &FrameHeader) -> Result<(), SourceError> {
         for note in self.interval.world_mut().take_notes() {
             tracing::warn!("{note}");
         }

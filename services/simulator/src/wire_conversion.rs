@@ -5,7 +5,7 @@ use message::{
     ArmActivity, ArmState, Text, TrueObject as WireObject, TrueState, WireCapsule, WirePose,
 };
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
-use simulated_world::{ArmCommand, ArmStatus, MotionState, ObjectState, TrueObject};
+use simulated_world::{ArmCommand, ArmStatus, MotionState, ObjectState, ObjectTruth};
 
 /// Tolerance of a quaternion's norm. Chosen.
 const UNIT_TOLERANCE: f64 = 1e-2;
@@ -105,7 +105,7 @@ pub(crate) fn capsules(capsules: &[geometry::Capsule]) -> Vec<WireCapsule> {
     capsules.iter().map(WireCapsule::from).collect()
 }
 
-pub(crate) fn true_object(object: &TrueObject) -> WireObject {
+pub(crate) fn true_object(object: &ObjectTruth) -> WireObject {
     let state = match object.state {
         ObjectState::Settled => TrueState::Settled,
         ObjectState::Moving => TrueState::Moving,

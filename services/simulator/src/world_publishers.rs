@@ -5,7 +5,7 @@ use crate::wire_conversion;
 use channel::topic::{ArmStates, PersonBodies, TrueMasks, TrueObjects};
 use channel::{Domain, Error, Publisher};
 use message::{FrameHeader, MaskPixel, PersonBody, TruthHeader};
-use simulated_world::{TrueObject, World};
+use simulated_world::{ObjectTruth, World};
 
 /// Publishers of all topics but the point cloud.
 pub(crate) struct WorldPublishers {
@@ -55,7 +55,7 @@ impl WorldPublishers {
     pub(crate) fn truth(
         &mut self,
         header: &FrameHeader,
-        objects: &[TrueObject],
+        objects: &[ObjectTruth],
         mask: &[u16],
     ) -> Result<(), Error> {
         let truth = TruthHeader {

@@ -1,6 +1,6 @@
 //! One process of the daemon as a child.
 
-use actor::{RestartHistory, RestartPolicy, Verdict};
+use actor::{RestartDecision, RestartHistory, RestartPolicy};
 use message::ProcessKind;
 use rustix::process::{Pid, Signal, kill_process};
 use service::{CommonArguments, Failure, exit_code};
@@ -86,7 +86,7 @@ impl Child {
             ));
         }
         match self.history.on_failure(Instant::now()) {
-            Verdict::Restart { after } => {
+            RestartDecision::Restart { after } => {
                 say(&format!(
                     "{program} has ended ({status}); starting it again in {after:?}"
                 ));
@@ -95,7 +95,7 @@ impl Child {
                 };
                 Ok(())
             }
-            Verdict::GiveUp => Err(Failure::new(
+            RestartDecision::Escalate => Err(Failure::new(
                 exit_code::FAILURE,
                 format!(
                     "{program} has ended more than {MAX_RESTARTS} times within {} s ({status}); \

@@ -9,7 +9,7 @@ use control_client::{call, connect};
 use message::ProcessKind;
 use message::control::{Command, Reply};
 use serde::Serialize;
-use service::{CommonArguments, Failure, follow_parent};
+use service::{CommonArguments, Failure, stop_with_parent};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
@@ -59,13 +59,13 @@ pub(crate) fn run(
     let for_idle: Vec<String> = arguments(idle).into_iter().chain(its_arguments).collect();
     child::check(idle, &for_idle)?;
     if run.check_config {
-        output.say("the configuration and the arguments are in order");
+        output.print_text("the configuration and the arguments are in order");
         return Ok(ExitCode::SUCCESS);
     }
     let stop = StopSignal::install()?;
     if run
         .follow_parent
-        .is_some_and(|parent| !follow_parent(parent))
+        .is_some_and(|parent| !stop_with_parent(parent))
     {
         return Ok(ExitCode::SUCCESS);
     }
@@ -75,7 +75,7 @@ pub(crate) fn run(
     let mut children = Vec::new();
     let outcome = start_all(&mut children, &processes, arguments)
         .and_then(|()| keep_running(&mut children, common, &domain, &stop, output));
-    output.say("stopping");
+    output.print_text("stopping");
     stop_all(&mut children);
     outcome.map(|()| ExitCode::SUCCESS)
 }
@@ -102,7 +102,7 @@ fn keep_running(
     let mut next_question = Instant::now();
     while !stop.is_raised() {
         for child in &mut *children {
-            child.look_after(|text| output.tell(text))?;
+            child.look_after(|text| output.print_status(text))?;
         }
         if !is_announced && next_question <= Instant::now() {
             is_announced = is_ready(children, common);

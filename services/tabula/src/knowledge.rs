@@ -2,7 +2,7 @@
 
 use crate::arguments::{KnowledgeVerb, PutArguments};
 use crate::time::utc;
-use command_line::{Output, table};
+use command_line::{Output, format_table};
 use control_client::{MemoryAccess, author_or_user, mutation_id, unexpected};
 use message::control::{
     Command, DocumentKind, DocumentName, DocumentReport, LearningReport, MemoryAnswer, MemoryQuery,
@@ -93,7 +93,7 @@ fn list_text(documents: &[DocumentReport]) -> String {
         ]
     };
     let rows: Vec<_> = documents.iter().map(row).collect();
-    table(&["name", "type", "bytes", "by", "when"], &rows)
+    format_table(&["name", "type", "bytes", "by", "when"], &rows)
 }
 
 #[derive(Serialize)]

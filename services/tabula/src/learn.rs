@@ -1,7 +1,7 @@
 //! Teaching, correcting, forgetting.
 
 use crate::arguments::{ForgetArguments, LabelArguments};
-use command_line::{Output, table};
+use command_line::{Output, format_table};
 use control_client::{author_or_user, call, connect, mutation_id, unexpected};
 use message::control::{
     CategoryReport, Command, Labelling, LearningReport, Reply, Revision, RevisionChange, ViewId,
@@ -130,7 +130,7 @@ fn categories_text(categories: &[CategoryReport]) -> String {
         ]
     };
     let rows: Vec<_> = categories.iter().map(row).collect();
-    table(&["category", "views", "bytes"], &rows)
+    format_table(&["category", "views", "bytes"], &rows)
 }
 
 fn learn(common: &CommonArguments, command: Command) -> Result<LearningReport, Failure> {

@@ -1,9 +1,9 @@
 //! Showing what the daemon sees and how it is.
 
 use channel::control::SocketClient;
-use command_line::{Output, StopSignal, redraw, table};
+use command_line::{Output, StopSignal, format_table, redraw_terminal};
 use control_client::{call, connect, unexpected};
-use message::control::{Command, IgnoredReport, ObjectReport, ObjectsReport, Reply};
+use message::control::{Command, ObjectReport, ObjectsReport, RejectedCandidateReport, Reply};
 use serde::Serialize;
 use service::{CommonArguments, Failure};
 use std::process::ExitCode;
@@ -50,11 +50,11 @@ fn watch(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure>
         };
         match report {
             Ok(report) if output.is_json() => output.answer(&report, String::new),
-            Ok(report) => redraw(&objects_text(&report)),
+            Ok(report) => redraw_terminal(&objects_text(&report)),
             Err(failure) => {
                 client = None;
                 if !output.is_json() {
-                    redraw(&format!("{failure}"));
+                    redraw_terminal(&format!("{failure}"));
                 }
             }
         }
@@ -84,7 +84,7 @@ fn objects_text(report: &ObjectsReport) -> String {
         [] if !report.ignored.is_empty() => "no objects".into(),
         [] if report.has_table => "no objects: the table is empty".into(),
         [] => "no objects: no table is seen".into(),
-        rows => table(&HEADING, rows),
+        rows => format_table(&HEADING, rows),
     };
     let more = match report.n_more {
         0 => String::new(),
@@ -110,7 +110,7 @@ fn objects_text(report: &ObjectsReport) -> String {
     lines.join("\n")
 }
 
-fn ignored_line(ignored: &IgnoredReport) -> String {
+fn ignored_line(ignored: &RejectedCandidateReport) -> String {
     let why = match ignored.why.as_slice() {
         [] => "nobody can say why".to_owned(),
         why => why.join("; "),
@@ -256,7 +256,7 @@ fn status_text(document: &StatusDocument) -> String {
             ]
         })
         .collect();
-    table(&heading, &rows)
+    format_table(&heading, &rows)
 }
 
 #[cfg(test)]
@@ -264,7 +264,7 @@ mod tests {
     use super::*;
 
     fn report() -> ObjectsReport {
-        let ignored = IgnoredReport {
+        let ignored = RejectedCandidateReport {
             position_m: [0.1, -0.25, 0.8],
             orientation_xyzw: [0.0, 0.0, 0.0, 1.0],
             size_m: [0.1; 3],

@@ -3,7 +3,7 @@
 use crate::arguments::{EventsArguments, HistoryArguments, Point, Time, WorldVerb};
 use crate::objects::metres;
 use channel::control::SocketClient;
-use command_line::{Output, StopSignal, table};
+use command_line::{Output, StopSignal, format_table};
 use control_client::{call, connect, unexpected};
 use message::control::{
     Command, EventReport, EventsReport, FactFilter, FactReport, FactsReport, Reply, TaskReport,
@@ -227,7 +227,7 @@ fn world_text(report: &WorldReport) -> String {
     let rows: Vec<_> = report.objects.iter().map(row).collect();
     let objects = match rows.as_slice() {
         [] => "no objects".into(),
-        rows => table(&heading, rows),
+        rows => format_table(&heading, rows),
     };
     match &report.robot {
         Some(robot) => format!("{objects}\n{}", robot_line(robot, now_ns)),
@@ -281,7 +281,7 @@ fn history_text(report: &FactsReport, now_ns: u64) -> String {
     let more = report
         .next
         .map_or("", |_| "\nand older ones; --limit shows more");
-    format!("{}{more}", table(&heading, &rows))
+    format!("{}{more}", format_table(&heading, &rows))
 }
 
 fn value_text(fact: &FactReport) -> String {
@@ -336,7 +336,7 @@ fn tasks_text(report: &TasksReport, now_ns: u64) -> String {
     let more = report
         .next
         .map_or("", |_| "\nand older ones; --limit shows more");
-    format!("{}{more}", table(&heading, &rows))
+    format!("{}{more}", format_table(&heading, &rows))
 }
 
 /// How long ago, in two units at most; what lies ahead is now.

@@ -53,7 +53,7 @@ impl KinectSource {
             | Error::CannotOpen { .. }
             | Error::CallFailed { .. }
             | Error::Gone { .. }
-            | Error::UsbUnavailable { .. } => SourceError::Gone(error.to_string()),
+            | Error::UsbUnavailable { .. } => SourceError::Disconnected(error.to_string()),
             _ => SourceError::Unusable(error.to_string()),
         }
     }
@@ -89,17 +89,17 @@ impl Source for KinectSource {
             kinect, builder, ..
         } = self;
         let Some(kinect) = kinect else {
-            return Err(SourceError::Gone("the Kinect is not open".into()));
+            return Err(SourceError::Disconnected("the Kinect is not open".into()));
         };
         let filled = match kinect.next_frame(SILENCE) {
             Ok(Some(frame)) => builder
                 .fill(frame.depth.pixels, frame.video.pixels, points)
                 .map(|_| frame.depth.arrived.elapsed())
                 .map_err(|error| SourceError::Unusable(error.to_string())),
-            Ok(None) => Err(SourceError::Gone(
+            Ok(None) => Err(SourceError::Disconnected(
                 "the Kinect sends no images; check its power supply and its USB port".into(),
             )),
-            Err(Error::Ended) => return Err(SourceError::Ended),
+            Err(Error::Ended) => return Err(SourceError::EndOfRecording),
             Err(error) => return Err(self.closed(&error)),
         };
         let since_arrival = filled.inspect_err(|_| self.kinect = None)?;

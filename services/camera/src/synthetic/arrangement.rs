@@ -67,10 +67,10 @@ pub(super) fn objects(arrangement: u32) -> Vec<TableObject> {
     let shift = arrangement as usize % n_kinds;
     let place_of = |(place_idx, place): (usize, &[f64; 2])| {
         let kind_idx = (place_idx + n_kinds - shift) % n_kinds;
-        let bits = random::nth(u64::from(arrangement) << 8 | place_idx as u64);
+        let bits = random::counter_based(u64::from(arrangement) << 8 | place_idx as u64);
         let scatter = |bits| SCATTER_M * (2.0 * random::unit(bits) - 1.0);
         let x = place[0] + scatter(bits);
-        let y = place[1] + scatter(random::nth(bits));
+        let y = place[1] + scatter(random::counter_based(bits));
         let at = Point3::new(x, y, TABLE_HEIGHT_M);
         TableObject::standing(&KINDS[kind_idx], at, yaw_rad(kind_idx, arrangement))
     };
@@ -93,7 +93,7 @@ pub(super) fn crowd(n: u32, is_away: impl Fn(u32) -> bool) -> Vec<TableObject> {
     let block = |i: u32| {
         let x = along(i % n_columns, n_columns, CROWD_PITCH_M[0]);
         let y = along(i / n_columns, n_rows, CROWD_PITCH_M[1]);
-        let bits = random::nth(u64::from(i));
+        let bits = random::counter_based(u64::from(i));
         let yaw_rad = 0.4 * (random::unit(bits) - 0.5);
         let kind = &BLOCKS[(bits & 3) as usize];
         TableObject::standing(kind, Point3::new(x, y, TABLE_HEIGHT_M), yaw_rad)

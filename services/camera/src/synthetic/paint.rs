@@ -48,9 +48,9 @@ impl Paint {
             }
             Pattern::Wood => 0.5 + 0.5 * (130.0 * p.y + 4.0 * (3.1 * p.x + 9.0 * p.y).sin()).sin(),
         };
-        let speckle = [p.x, p.y, p.z]
-            .iter()
-            .fold(0, |bits, x| random::nth(bits ^ cell(*x, SPECKLE_M) as u64));
+        let speckle = [p.x, p.y, p.z].iter().fold(0, |bits, x| {
+            random::counter_based(bits ^ cell(*x, SPECKLE_M) as u64)
+        });
         let brightness = 0.95 + 0.1 * random::unit(speckle);
         let [even, odd] = self.colors;
         std::array::from_fn(|i| {

@@ -3,7 +3,7 @@
 //! The views are of solids with random sides, colours and orientations, described as the daemon
 //! describes real views, so that their descriptors are spread realistically.
 
-use description::{Appearance, AppearanceWeights, ObjectPoints};
+use description::{AppearanceDescriptor, AppearanceWeights, ObjectPoints};
 use geometry::OrientedBox;
 use learning::{CategoryName, ViewId};
 use nalgebra::{Isometry3, UnitVector3, Vector3};
@@ -15,8 +15,8 @@ use std::f64::consts::TAU;
 use std::fmt::Display;
 use std::path::Path;
 use store::{
-    Change, Descriptor, Limits, Mutation, MutationId, StoreConfig, StoreHandle, StoreThread, View,
-    WRITE_BUFFER_BYTES,
+    CapturedView, Mutation, MutationId, RetentionLimits, StoreChange, StoreConfig, StoreHandle,
+    StoreThread, StoredDescriptor, WRITE_BUFFER_BYTES,
 };
 
 /// Points on the visible side of a solid.
@@ -44,7 +44,7 @@ pub(super) fn store(home: &Path, n_views: usize) -> Result<u64, Failure> {
     let config = StoreConfig {
         folder: Home::at(home.to_owned()).perceptual_memory(),
         queue_capacity: QUEUE,
-        limits: Limits::default(),
+        limits: RetentionLimits::default(),
         write_buffer_bytes: WRITE_BUFFER_BYTES,
         wall_clock: || 1,
         on_reopened: Box::new(|_| ()),
@@ -55,15 +55,15 @@ pub(super) fn store(home: &Path, n_views: usize) -> Result<u64, Failure> {
     let first_track = store
         .lease_track_ids_and_wait(n_tracks as u64)
         .map_err(failed)?;
-    let mut appearance = Appearance::new(AppearanceWeights::default()).map_err(failed)?;
+    let mut appearance = AppearanceDescriptor::new(AppearanceWeights::default()).map_err(failed)?;
     for track in 0..n_tracks {
         let n_of_track = per_track.min(n_views - track * per_track);
         let track_id = first_track + track as u64;
         let views = views(track, track_id, n_of_track, &mut appearance)?;
-        change(&store, Change::StoreViews(views))?;
+        change(&store, StoreChange::StoreViews(views))?;
         let name = format!("solid {}", track % N_CATEGORIES);
         let category = CategoryName::new(&name).map_err(failed)?;
-        change(&store, Change::Teach { track_id, category })?;
+        change(&store, StoreChange::Teach { track_id, category })?;
     }
     let sequence = store
         .read_and_wait(|memory| Ok(memory.sequence()))
@@ -72,7 +72,7 @@ pub(super) fn store(home: &Path, n_views: usize) -> Result<u64, Failure> {
     Ok(sequence)
 }
 
-fn change(store: &StoreHandle, change: Change) -> Result<(), Failure> {
+fn change(store: &StoreHandle, change: StoreChange) -> Result<(), Failure> {
     let mutation = Mutation {
         id: MutationId::random().map_err(failed)?,
         author: "tabula-latency".to_owned(),
@@ -88,8 +88,8 @@ fn views(
     track: usize,
     track_id: u64,
     n_views: usize,
-    appearance: &mut Appearance,
-) -> Result<Vec<View>, Failure> {
+    appearance: &mut AppearanceDescriptor,
+) -> Result<Vec<CapturedView>, Failure> {
     let mut random = Random::from_seed(track as u64);
     let solid = RandomSolid::of_category(track % N_CATEGORIES, &mut random);
     (0..n_views as u32)
@@ -97,9 +97,9 @@ fn views(
             let cloud = solid.visible_points(&mut random);
             let up = UnitVector3::new_unchecked(Vector3::z());
             let readings = appearance.describe(ObjectPoints::all(&cloud), Some(&up));
-            Ok(View {
+            Ok(CapturedView {
                 id: ViewId { track_id, view_id },
-                descriptor: Descriptor {
+                descriptor: StoredDescriptor {
                     kind: DESCRIPTOR_KIND.to_owned(),
                     values: readings.map_err(failed)?[0].clone(),
                 },
@@ -194,7 +194,7 @@ mod tests {
 
     #[test]
     fn views_of_a_category_are_nearest_to_each_other() {
-        let mut appearance = Appearance::new(AppearanceWeights::default()).unwrap();
+        let mut appearance = AppearanceDescriptor::new(AppearanceWeights::default()).unwrap();
         let mut descriptor = |track: usize| {
             let views = views(track, 1, 1, &mut appearance).unwrap();
             views[0].descriptor.values.clone()

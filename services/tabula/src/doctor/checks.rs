@@ -19,7 +19,7 @@ const FEW_BYTES: u64 = 100_000_000;
 /// Everything, in the order in which a new user meets it.
 pub(crate) fn all(common: &CommonArguments) -> Vec<Finding> {
     let run_folder = RunFolder::of_user();
-    let state = DomainState::of(&common.domain, &run_folder);
+    let state = DomainState::inspect(&common.domain, &run_folder);
     vec![
         shared_memory(common),
         reservations(),
@@ -47,7 +47,7 @@ fn shared_memory(common: &CommonArguments) -> Finding {
     };
     let (needed, available) = (megabytes(state.needed), state.available() / 1_000_000);
     let total = megabytes(state.total_bytes);
-    if state.is_enough() {
+    if state.is_sufficient() {
         let sentence = format!(
             "the services will reserve up to {needed} MB; {available} MB of {total} MB are free for them"
         );
@@ -100,7 +100,7 @@ fn descriptors() -> Finding {
 }
 
 fn domain(common: &CommonArguments, run_folder: &RunFolder, state: &DomainState) -> Finding {
-    let folder = run_folder.of_domain(&common.domain);
+    let folder = run_folder.domain_folder(&common.domain);
     let sentence = match state.running.as_slice() {
         [] => format!(
             "nothing runs in the domain {} ({})",

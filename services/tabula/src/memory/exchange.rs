@@ -1,7 +1,7 @@
 //! Exporting and importing.
 
 use crate::arguments::ImportArguments;
-use command_line::{Output, bar};
+use command_line::{Output, progress_bar};
 use control_client::{
     ImportRequest, MemoryAccess, author_or_user, import as import_file, unexpected,
 };
@@ -83,7 +83,7 @@ fn write_export(
     let failed = |error: io::Error| file_failed("written", path, &error);
     let mut file = File::create(path).map_err(failed)?;
     let begun = memory.begin(JobKind::Export)?;
-    let bar = bar(begun.total, "views", output);
+    let bar = progress_bar(begun.total, "views", output);
     let mut offset = 0;
     let report = loop {
         // Asked first: what comes after it is over is all there is.

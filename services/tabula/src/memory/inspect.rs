@@ -2,7 +2,7 @@
 
 use crate::arguments::{EntriesArguments, InspectArguments};
 use crate::time::utc;
-use command_line::{Output, table};
+use command_line::{Output, format_table};
 use control_client::{MemoryAccess, unexpected};
 use message::control::{
     Command, HistoryReport, MemoryAnswer, MemoryQuery, MemoryStats, Reply, ViewReport,
@@ -52,7 +52,7 @@ fn stats_text(stats: &MemoryStats) -> String {
     if stats.n_lost_entries > 0 {
         rows.insert(8, row("lost entries", stats.n_lost_entries.to_string()));
     }
-    table(&["what", "how much"], &rows)
+    format_table(&["what", "how much"], &rows)
 }
 
 #[derive(Serialize)]
@@ -124,7 +124,7 @@ fn views_text(views: &[ViewReport]) -> String {
         "size mm",
         "bytes",
     ];
-    table(&heading, &views.iter().map(row).collect::<Vec<_>>())
+    format_table(&heading, &views.iter().map(row).collect::<Vec<_>>())
 }
 
 #[derive(Serialize)]
@@ -176,5 +176,5 @@ fn history_text(entries: &[HistoryReport]) -> String {
         ]
     };
     let heading = ["entry", "when", "by", "what", "views"];
-    table(&heading, &entries.iter().map(row).collect::<Vec<_>>())
+    format_table(&heading, &entries.iter().map(row).collect::<Vec<_>>())
 }

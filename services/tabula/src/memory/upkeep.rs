@@ -1,7 +1,7 @@
 //! Verifying, repairing, compacting.
 
 use crate::arguments::CompactArguments;
-use command_line::{Output, bar};
+use command_line::{Output, progress_bar};
 use control_client::{MemoryAccess, daemon, local_folder, unexpected};
 use message::control::{JobKind, JobOutcome, Reply, VerificationReport};
 use service::{CommonArguments, Failure, exit_code};
@@ -17,7 +17,7 @@ fn job(
     output: &Output,
 ) -> Result<JobOutcome, Failure> {
     let report = memory.begin(kind)?;
-    let bar = bar(report.total, unit, output);
+    let bar = progress_bar(report.total, unit, output);
     let outcome = memory.wait(report.job, |report| {
         bar.set_length(report.total);
         bar.set_position(report.done);

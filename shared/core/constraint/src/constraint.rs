@@ -2,7 +2,7 @@
 
 use crate::finding::Finding;
 use crate::reason::Reason;
-use crate::ternary::Truth;
+use crate::ternary::Ternary;
 
 /// Constraint: a predicate about an object candidate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -70,15 +70,18 @@ impl Constraint {
     /// their default is unknown.
     pub fn default_finding(self) -> Finding {
         let (truth, reason) = match self {
-            Self::Track => (Truth::True, Reason::NoOverlappingTrack { overlap: 0.0 }),
-            Self::Instructor => (Truth::False, Reason::NoPersonKnown),
-            Self::Robot => (Truth::False, Reason::NoRobotKnown),
-            Self::KeyView => (Truth::Unknown, Reason::KeyViewUndecided),
+            Self::Track => (Ternary::True, Reason::NoOverlappingTrack { overlap: 0.0 }),
+            Self::Instructor => (Ternary::False, Reason::NoPersonKnown),
+            Self::Robot => (Ternary::False, Reason::NoRobotKnown),
+            Self::KeyView => (Ternary::Unknown, Reason::KeyViewUndecided),
             Self::Table | Self::Size | Self::Edge | Self::ImageBorder => {
-                (Truth::Unknown, Reason::NotJudged)
+                (Ternary::Unknown, Reason::NotEvaluated)
             }
         };
-        Finding { truth, reason }
+        Finding {
+            value: truth,
+            reason,
+        }
     }
 
     pub(crate) fn bit(self) -> u8 {

@@ -1,7 +1,7 @@
 //! Boolean expression over constraints, in postfix order and ternary logic.
 
 use crate::parser::parse;
-use crate::{Constraint, ConstraintSet, Findings, InvalidExpression, Truth};
+use crate::{Constraint, ConstraintSet, Findings, InvalidExpression, Ternary};
 use std::fmt;
 use std::str::FromStr;
 
@@ -51,19 +51,19 @@ impl Default for Expression {
 /// Ternary value with the constraints that decided it.
 #[derive(Debug, Clone, Copy)]
 struct DecidedValue {
-    truth: Truth,
+    truth: Ternary,
     decisive: ConstraintSet,
 }
 
 impl DecidedValue {
     const NONE: Self = Self {
-        truth: Truth::Unknown,
+        truth: Ternary::Unknown,
         decisive: ConstraintSet::NONE,
     };
 
     fn of(constraint: Constraint, findings: &Findings) -> Self {
         Self {
-            truth: findings.of(constraint).truth,
+            truth: findings.get(constraint).value,
             decisive: constraint.into(),
         }
     }
@@ -77,7 +77,7 @@ impl DecidedValue {
 
     /// Combination of two values to `truth`, the value of at least one of them. The
     /// operands with that value have decided it.
-    fn combined(self, other: Self, truth: Truth) -> Self {
+    fn combined(self, other: Self, truth: Ternary) -> Self {
         let decisive = [self, other]
             .into_iter()
             .filter(|value| value.truth == truth)
@@ -96,7 +96,7 @@ impl Expression {
     }
 
     /// Evaluate the rule for the findings of a candidate. Allocates nothing.
-    pub fn evaluate(&self, findings: &Findings) -> Truth {
+    pub fn evaluate(&self, findings: &Findings) -> Ternary {
         self.value(findings).truth
     }
 

@@ -2,13 +2,13 @@
 
 use crate::constraint::Constraint;
 use crate::reason::Reason;
-use crate::ternary::Truth;
+use crate::ternary::Ternary;
 
 /// Finding: the ternary value of one constraint for one candidate, with its reason.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Finding {
     /// Ternary value of the constraint.
-    pub truth: Truth,
+    pub value: Ternary,
     /// Reason for the value.
     pub reason: Reason,
 }
@@ -26,7 +26,7 @@ impl Default for Findings {
 
 impl Findings {
     /// Finding of a constraint.
-    pub fn of(&self, constraint: Constraint) -> Finding {
+    pub fn get(&self, constraint: Constraint) -> Finding {
         self.0[constraint as usize]
     }
 
@@ -36,8 +36,8 @@ impl Findings {
     }
 
     /// `true` when the candidate is known to be a part of a person or of the robot.
-    pub fn is_limb(&self) -> bool {
-        let holds = |constraint| self.of(constraint).truth == Truth::True;
+    pub fn is_person_or_robot(&self) -> bool {
+        let holds = |constraint| self.get(constraint).value == Ternary::True;
         holds(Constraint::Robot) || holds(Constraint::Instructor)
     }
 }
@@ -49,8 +49,8 @@ mod tests {
     #[test]
     fn default_findings_have_no_person_or_robot() {
         let findings = Findings::default();
-        assert!(!findings.is_limb());
-        assert_eq!(findings.of(Constraint::Track).truth, Truth::True);
-        assert_eq!(findings.of(Constraint::KeyView).truth, Truth::Unknown);
+        assert!(!findings.is_person_or_robot());
+        assert_eq!(findings.get(Constraint::Track).value, Ternary::True);
+        assert_eq!(findings.get(Constraint::KeyView).value, Ternary::Unknown);
     }
 }

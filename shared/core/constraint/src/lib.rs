@@ -13,18 +13,18 @@
 //! # Example
 //!
 //! ```
-//! use constraint::{Constraint, Expression, Finding, Findings, Reason, Truth};
+//! use constraint::{Constraint, Expression, Finding, Findings, Reason, Ternary};
 //!
 //! let rule: Expression = "C_table and not C_edge".parse()?;
 //! let mut findings = Findings::default();
-//! let standing = Finding { truth: Truth::True, reason: Reason::StandsOnTable };
+//! let standing = Finding { truth: Ternary::True, reason: Reason::StandsOnTable };
 //! findings.set(Constraint::Table, standing);
 //! // The rim has not been evaluated, so the verdict is open.
-//! assert_eq!(rule.evaluate(&findings), Truth::Unknown);
+//! assert_eq!(rule.evaluate(&findings), Ternary::Unknown);
 //!
-//! let inside = Finding { truth: Truth::False, reason: Reason::AwayFromRim };
+//! let inside = Finding { truth: Ternary::False, reason: Reason::AwayFromRim };
 //! findings.set(Constraint::Edge, inside);
-//! assert_eq!(rule.evaluate(&findings), Truth::True);
+//! assert_eq!(rule.evaluate(&findings), Ternary::True);
 //! # Ok::<(), constraint::InvalidExpression>(())
 //! ```
 
@@ -45,4 +45,4 @@ pub use expression::Expression;
 pub use finding::{Finding, Findings};
 pub use invalid_expression::InvalidExpression;
 pub use reason::Reason;
-pub use ternary::Truth;
+pub use ternary::Ternary;

@@ -87,7 +87,7 @@ impl fmt::Display for Litres {
 
 reasons! {
     /// The constraint was not evaluated.
-    0 NotJudged
+    0 NotEvaluated
         => "it was not judged";
     /// The candidate stands on the table: its lowest points are near the plane.
     1 StandsOnTable

@@ -3,7 +3,7 @@
 /// Ternary truth value of Kleene's strong logic (Kleene 1952, § 64), ordered from false to
 /// true.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Truth {
+pub enum Ternary {
     /// The predicate does not hold.
     False,
     /// The predicate is undecided.
@@ -12,7 +12,7 @@ pub enum Truth {
     True,
 }
 
-impl Truth {
+impl Ternary {
     const ALL: [Self; 3] = [Self::False, Self::Unknown, Self::True];
 
     /// Conjunction: the lesser of the two values.
@@ -61,7 +61,7 @@ impl Truth {
     }
 }
 
-impl From<bool> for Truth {
+impl From<bool> for Ternary {
     fn from(holds: bool) -> Self {
         if holds { Self::True } else { Self::False }
     }
@@ -69,7 +69,7 @@ impl From<bool> for Truth {
 
 #[cfg(test)]
 mod tests {
-    use super::Truth::{False, True, Unknown};
+    use super::Ternary::{False, True, Unknown};
     use super::*;
 
     #[test]
@@ -84,21 +84,21 @@ mod tests {
             [Unknown, Unknown, True],
             [True, True, True],
         ];
-        for (i, a) in Truth::ALL.into_iter().enumerate() {
-            for (j, b) in Truth::ALL.into_iter().enumerate() {
+        for (i, a) in Ternary::ALL.into_iter().enumerate() {
+            for (j, b) in Ternary::ALL.into_iter().enumerate() {
                 assert_eq!(a.and(b), conjunction[i][j], "{a:?} and {b:?}");
                 assert_eq!(a.or(b), disjunction[i][j], "{a:?} or {b:?}");
             }
         }
-        assert_eq!(Truth::ALL.map(Truth::not), [True, Unknown, False]);
+        assert_eq!(Ternary::ALL.map(Ternary::not), [True, Unknown, False]);
     }
 
     #[test]
     fn value_round_trips_through_its_code() {
-        for truth in Truth::ALL {
-            assert_eq!(Truth::from_code(truth.code()), Some(truth));
+        for truth in Ternary::ALL {
+            assert_eq!(Ternary::from_code(truth.code()), Some(truth));
         }
-        assert_eq!(Truth::from_code(3), None);
-        assert_eq!([Truth::from(false), Truth::from(true)], [False, True]);
+        assert_eq!(Ternary::from_code(3), None);
+        assert_eq!([Ternary::from(false), Ternary::from(true)], [False, True]);
     }
 }

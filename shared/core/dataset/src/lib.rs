@@ -46,7 +46,7 @@ mod test_corruption;
 
 pub mod fakenect_folder;
 pub mod mesh;
-pub mod models;
+pub mod model_folder;
 pub mod obj;
 pub mod object_views;
 pub mod pcd;
@@ -60,7 +60,7 @@ pub use atomic_file::{create_folder, write_atomic};
 pub use bounded_file::FileError;
 pub use image_error::ImageError;
 pub use natural_order::natural_order;
-pub use recording_kind::{RecordingKind, detect_kind};
+pub use recording_kind::{RecordingKind, detect_recording_kind};
 
 /// Colour of points from files without colours.
 pub const NEUTRAL_GREY: point_cloud::Rgba = point_cloud::Rgba::opaque(128, 128, 128);

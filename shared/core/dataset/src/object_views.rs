@@ -106,7 +106,7 @@ impl ObjectViews {
 
     /// True if [`up`](ObjectView::up) is known for all views; in the Washington layout it follows
     /// from the sequence number.
-    pub fn tell_up(&self) -> bool {
+    pub fn is_up_known(&self) -> bool {
         match &self.layout {
             DatasetLayout::Washington(dataset) => dataset
                 .names()

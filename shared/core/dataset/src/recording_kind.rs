@@ -65,7 +65,7 @@ pub enum Error {
 ///
 /// # Errors
 /// When the folder is missing, empty, holds no recording or several kinds.
-pub fn detect_kind(folder: &Path) -> Result<RecordingKind, Error> {
+pub fn detect_recording_kind(folder: &Path) -> Result<RecordingKind, Error> {
     if folder.exists() && !folder.is_dir() {
         return Err(Error::NotAFolder(folder.to_owned()));
     }
@@ -98,7 +98,7 @@ mod tests {
         for name in names {
             std::fs::write(folder.path().join(name), []).unwrap();
         }
-        detect_kind(folder.path())
+        detect_recording_kind(folder.path())
     }
 
     #[test]
@@ -118,12 +118,12 @@ mod tests {
     #[test]
     fn other_folders_are_explained() {
         let folder = tempfile::tempdir().unwrap();
-        let missing = detect_kind(&folder.path().join("missing")).unwrap_err();
+        let missing = detect_recording_kind(&folder.path().join("missing")).unwrap_err();
         let file = folder.path().join("file");
         std::fs::write(&file, []).unwrap();
         for (error, reason) in [
             (missing, "could not list"),
-            (detect_kind(&file).unwrap_err(), "not a folder"),
+            (detect_recording_kind(&file).unwrap_err(), "not a folder"),
             (detect(&[]).unwrap_err(), "is empty"),
             (
                 detect(&["scan.ply", "index.txt"]).unwrap_err(),

@@ -35,7 +35,7 @@ pub use error::{ContentError, Error};
 pub use image::{decode_color, decode_depth, decode_mask};
 pub use location::{format_location, parse_location};
 pub use object_dataset::ObjectDataset;
-pub use view::View;
+pub use view::CroppedView;
 pub use view_name::ViewName;
 pub use writer::write_view;
 

@@ -2,7 +2,9 @@
 //! ranges are wide enough for any correct reader and too narrow for swapped fields, byte orders
 //! or units.
 
-use dataset::{RecordingKind, detect_kind, models, pcd, ply, rgbd_sequence, scene_folder};
+use dataset::{
+    RecordingKind, detect_recording_kind, model_folder, pcd, ply, rgbd_sequence, scene_folder,
+};
 use point_cloud::Point;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -25,7 +27,10 @@ fn data(folder: &str) -> PathBuf {
 #[ignore = "needs TABULA_DATA"]
 fn tabletop_scenes_are_all_read() {
     let folder = data("tabletop-scenes");
-    assert_eq!(detect_kind(&folder).unwrap(), RecordingKind::PcdScenes);
+    assert_eq!(
+        detect_recording_kind(&folder).unwrap(),
+        RecordingKind::PcdScenes
+    );
     let scenes = scene_folder::SceneFolder::open(&folder).unwrap();
     assert_eq!(scenes.len(), 45);
     let (mut bytes, mut decoder) = (Vec::new(), pcd::Decoder::new());
@@ -178,7 +183,10 @@ fn household_models_are_all_read() {
 #[ignore = "needs TABULA_DATA"]
 fn kitchen_sequence_is_read() {
     let folder = data("kitchen-sequence");
-    assert_eq!(detect_kind(&folder).unwrap(), RecordingKind::RgbdSequence);
+    assert_eq!(
+        detect_recording_kind(&folder).unwrap(),
+        RecordingKind::RgbdSequence
+    );
     let sequence = rgbd_sequence::RgbdSequence::open(&folder).unwrap();
     assert_eq!(sequence.n_frames(), 500);
     let camera = *sequence.camera();
@@ -232,14 +240,14 @@ fn kitchen_sequence_is_read() {
 #[test]
 #[ignore = "needs TABULA_DATA"]
 fn household_models_are_listed_with_number_and_name() {
-    let models = models::list(&data("household-models")).unwrap();
+    let models = model_folder::list(&data("household-models")).unwrap();
     assert_eq!(models.len(), 51);
     assert!(models.is_sorted_by_key(|model| model.number));
     let mug = models.iter().find(|model| model.number == Some(25));
     let mug = mug.unwrap();
     assert_eq!(mug.name, "mug");
     assert_eq!(
-        models::open(&mug.path).unwrap(),
+        model_folder::open(&mug.path).unwrap(),
         ply::open(&mug.path).unwrap()
     );
 }

@@ -11,15 +11,15 @@ pub struct ConvexPolygon {
 impl ConvexPolygon {
     /// Convex hull of finite points by the monotone chain (Andrew 1979), O(n log n). Sorts `points`
     /// in place. Collinear points give an empty polygon, which contains nothing.
-    pub fn hull_of(points: &mut [Point2<f64>]) -> Self {
+    pub fn convex_hull_of(points: &mut [Point2<f64>]) -> Self {
         let mut hull = Self::default();
-        hull.become_hull_of(points);
+        hull.assign_convex_hull_of(points);
         hull
     }
 
-    /// Replaces this polygon by a convex hull, as [`hull_of`](Self::hull_of), and reuses its
+    /// Replaces this polygon by a convex hull, as [`convex_hull_of`](Self::convex_hull_of), and reuses its
     /// memory.
-    pub fn become_hull_of(&mut self, points: &mut [Point2<f64>]) {
+    pub fn assign_convex_hull_of(&mut self, points: &mut [Point2<f64>]) {
         let corners = &mut self.corners;
         corners.clear();
         points.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
@@ -46,7 +46,7 @@ impl ConvexPolygon {
 
     /// Signed distance of a point to the border, metres, positive inside. Outside: the negated
     /// distance to the farthest violated edge line. Minus infinity for an empty polygon.
-    pub fn inner_distance_m(&self, point: &Point2<f64>) -> f64 {
+    pub fn signed_distance_m(&self, point: &Point2<f64>) -> f64 {
         if self.corners.is_empty() {
             return f64::NEG_INFINITY;
         }
@@ -109,7 +109,7 @@ mod tests {
     proptest! {
         #[test]
         fn a_hull_contains_its_points_and_is_convex(mut cloud in points(60)) {
-            let hull = ConvexPolygon::hull_of(&mut cloud);
+            let hull = ConvexPolygon::convex_hull_of(&mut cloud);
             let corners = hull.corners();
             for i in 0..corners.len() {
                 let (a, b) = (corners[i], corners[(i + 1) % corners.len()]);
@@ -118,7 +118,7 @@ mod tests {
             }
             if corners.len() >= 3 {
                 for p in &cloud {
-                    prop_assert!(hull.inner_distance_m(p) > -1e-9);
+                    prop_assert!(hull.signed_distance_m(p) > -1e-9);
                 }
                 prop_assert!(hull.area_m2() > 0.0);
             }
@@ -135,17 +135,17 @@ mod tests {
             at(2.0, 2.0),
             at(0.0, 2.0),
         ];
-        let square = ConvexPolygon::hull_of(&mut cloud);
+        let square = ConvexPolygon::convex_hull_of(&mut cloud);
         assert_eq!(square.corners().len(), 4);
         assert!((square.area_m2() - 4.0).abs() < 1e-12);
-        assert!((square.inner_distance_m(&at(0.5, 1.0)) - 0.5).abs() < 1e-12);
+        assert!((square.signed_distance_m(&at(0.5, 1.0)) - 0.5).abs() < 1e-12);
         assert!(square.contains(&at(2.0, 1.0)) && !square.contains(&at(2.1, 1.0)));
     }
 
     #[test]
     fn points_on_a_line_enclose_nothing() {
         let mut line: Vec<_> = (0..9).map(|i| Point2::new(f64::from(i), 2.0)).collect();
-        let hull = ConvexPolygon::hull_of(&mut line);
+        let hull = ConvexPolygon::convex_hull_of(&mut line);
         assert!(hull.corners().is_empty() && !hull.contains(&Point2::new(1.0, 2.0)));
     }
 }

@@ -37,7 +37,7 @@ impl OrientedBox {
     /// Bounding-sphere test: true if two boxes may come within `margin_m` of each other. False for
     /// a box with a NaN.
     #[inline]
-    pub fn may_meet(&self, other: &Self, margin_m: f64) -> bool {
+    pub fn bounding_spheres_meet(&self, other: &Self, margin_m: f64) -> bool {
         let reach_m = self.half_sides_m.norm() + other.half_sides_m.norm() + margin_m;
         (self.centre() - other.centre()).norm() <= reach_m
     }
@@ -80,9 +80,9 @@ mod tests {
             half_sides_m: Vector3::repeat(1.0),
         };
         let reach_m = 2.0 * 3.0_f64.sqrt();
-        assert!(cube(0.0).may_meet(&cube(reach_m - 1e-9), 0.0));
-        assert!(!cube(0.0).may_meet(&cube(reach_m + 0.1), 0.0));
-        assert!(cube(0.0).may_meet(&cube(reach_m + 0.1), 0.11));
-        assert!(!cube(0.0).may_meet(&cube(f64::NAN), 1.0));
+        assert!(cube(0.0).bounding_spheres_meet(&cube(reach_m - 1e-9), 0.0));
+        assert!(!cube(0.0).bounding_spheres_meet(&cube(reach_m + 0.1), 0.0));
+        assert!(cube(0.0).bounding_spheres_meet(&cube(reach_m + 0.1), 0.11));
+        assert!(!cube(0.0).bounding_spheres_meet(&cube(f64::NAN), 1.0));
     }
 }

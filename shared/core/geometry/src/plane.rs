@@ -22,7 +22,7 @@ impl Plane {
 
     /// Plane through three points; `None` when they are nearly collinear (the doubled area of the
     /// triangle is below 1e-9 m²).
-    pub fn through_three(a: &Point3<f64>, b: &Point3<f64>, c: &Point3<f64>) -> Option<Self> {
+    pub fn through_points(a: &Point3<f64>, b: &Point3<f64>, c: &Point3<f64>) -> Option<Self> {
         let normal = Unit::try_new((b - a).cross(&(c - a)), 1e-9)?;
         Some(Self::through(a, normal))
     }
@@ -69,7 +69,7 @@ mod tests {
     use super::*;
 
     fn slanted() -> Plane {
-        Plane::through_three(
+        Plane::through_points(
             &Point3::new(0.0, 0.3, 1.0),
             &Point3::new(1.0, 0.35, 1.2),
             &Point3::new(0.2, 0.1, 1.9),
@@ -101,7 +101,7 @@ mod tests {
     #[test]
     fn three_points_on_a_line_span_no_plane() {
         let at = |t: f64| Point3::new(t, 2.0 * t, 1.0 - t);
-        assert_eq!(Plane::through_three(&at(0.0), &at(0.4), &at(2.0)), None);
+        assert_eq!(Plane::through_points(&at(0.0), &at(0.4), &at(2.0)), None);
     }
 
     #[test]

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 impl TriangleMesh {
     /// Splits the mesh into its connected components by shared vertex positions, in the order of
     /// their first triangles. Invalid triangles are dropped.
-    pub fn connected_parts(&self) -> Vec<Self> {
+    pub fn connected_components(&self) -> Vec<Self> {
         let (welded_index, n_welded) = weld_vertices(self);
         let mut parts = UnionFind::new(n_welded);
         let corners = |triangle: &Triangle| welded_corners(&welded_index, triangle.vertices);
@@ -56,11 +56,11 @@ mod tests {
         let second = rounded_box([0.1, 0.1, 0.1], 0.0, 1.0).mesh;
         let mut both = first.clone();
         both.append(&second);
-        let parts = both.connected_parts();
+        let parts = both.connected_components();
         assert_eq!(parts.len(), 2);
         assert_eq!(parts[0].triangles.len(), first.triangles.len());
         assert_eq!(parts[1].signed_volume(), second.signed_volume());
-        assert!(parts.iter().all(|part| part.examination().is_sound()));
-        assert!(TriangleMesh::default().connected_parts().is_empty());
+        assert!(parts.iter().all(|part| part.diagnostics().is_sound()));
+        assert!(TriangleMesh::default().connected_components().is_empty());
     }
 }

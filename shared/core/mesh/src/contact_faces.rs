@@ -15,7 +15,7 @@ const RETRACTION_M: f32 = 0.0012;
 /// Physics engines compute the contact of two faces from few of their corners; when
 /// these are neighbours, a body that stands on a polygon sinks in next to them. Parts
 /// that share the weight of a body cause jitter.
-pub fn with_four_cornered_faces(mut parts: Vec<ConvexPart>) -> Vec<ConvexPart> {
+pub fn simplify_contact_faces(mut parts: Vec<ConvexPart>) -> Vec<ConvexPart> {
     for part in &mut parts {
         for axis in 0..3 {
             for sign in [-1.0, 1.0] {
@@ -95,7 +95,7 @@ mod tests {
         let drum = ConvexPart {
             points: ring(0.0).chain(ring(0.1)).collect(),
         };
-        let standing = with_four_cornered_faces(vec![drum.clone()]).remove(0);
+        let standing = simplify_contact_faces(vec![drum.clone()]).remove(0);
         let feet: Vec<_> = standing.points.iter().filter(|p| p.z < 1e-5).collect();
         assert_eq!(feet.len(), 4);
         for (a, b) in [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)] {
@@ -109,6 +109,6 @@ mod tests {
     #[test]
     fn a_box_stays_as_it_is() {
         let parts = crate::rounded_box([0.1, 0.2, 0.3], 0.0, 0.1).convex_parts;
-        assert_eq!(with_four_cornered_faces(parts.clone()), parts);
+        assert_eq!(simplify_contact_faces(parts.clone()), parts);
     }
 }

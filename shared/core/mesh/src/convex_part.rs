@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use std::f32::consts::PI;
 
 /// Maximum number of points of a convex part made by a builder.
-pub const N_POINTS_MAX: usize = 64;
+pub const MAX_HULL_POINTS: usize = 64;
 /// Minimum number of points of a reduced convex part. Chosen.
 const N_POINTS_MIN: usize = 32;
 /// Tolerance of round surfaces, inside or outside, metres. Chosen: finer facets let bodies roll
@@ -19,7 +19,7 @@ pub struct ConvexPart {
 }
 
 impl ConvexPart {
-    /// Convex hull of points, reduced to at most [`N_POINTS_MAX`] points, fewer for thin bodies.
+    /// Convex hull of points, reduced to at most [`MAX_HULL_POINTS`] points, fewer for thin bodies.
     /// Kept are the support points in evenly spread directions, in the bounding box scaled to a
     /// cube.
     pub fn around(points: Vec<Point3<f32>>) -> Self {
@@ -92,7 +92,7 @@ impl ConvexPart {
 fn n_points(sides: Vector3<f32>) -> usize {
     let thickness = sides.sum() - sides.max() - sides.min();
     let n = 2.0 + 0.25 * 4.84 * 0.5 * thickness / ROUND_TOLERANCE_M;
-    (n as usize).clamp(N_POINTS_MIN, N_POINTS_MAX)
+    (n as usize).clamp(N_POINTS_MIN, MAX_HULL_POINTS)
 }
 
 /// Scale of `n` points on a sphere that balances the error of their faces inside and outside of
@@ -155,7 +155,7 @@ mod tests {
     fn few_points_stand_for_a_ball() {
         let ball = ellipsoid([0.05, 0.05, 0.05], 32);
         let part = ConvexPart::around(ball.mesh.vertices.iter().map(|v| v.position).collect());
-        assert!(part.points.len() <= N_POINTS_MAX);
+        assert!(part.points.len() <= MAX_HULL_POINTS);
         for vertex in &ball.mesh.vertices {
             assert!(part.distance(&vertex.position) < 0.09 * 0.05);
         }

@@ -20,7 +20,7 @@ impl TriangleMesh {
     /// Vertices are clustered in a grid (Rossignac and Borrel 1993), as fine as
     /// the limit allows; a cell is represented by the point nearest to the
     /// planes of its faces (Lindstrom 2000). Normals are recomputed.
-    pub fn decimated(&self, n_triangles_max: usize) -> Self {
+    pub fn decimate(&self, n_triangles_max: usize) -> Self {
         if self.triangles.len() <= n_triangles_max {
             return self.clone();
         }
@@ -173,7 +173,7 @@ mod tests {
     #[test]
     fn a_ball_stays_a_ball() {
         let ball = ellipsoid([0.05, 0.05, 0.05], 128).mesh;
-        let coarse = ball.decimated(1500);
+        let coarse = ball.decimate(1500);
         assert!(
             (700..=1500).contains(&coarse.triangles.len()),
             "{}",
@@ -188,7 +188,7 @@ mod tests {
     #[test]
     fn a_box_keeps_its_corners() {
         let fine = rounded_box([0.1, 0.2, 0.3], 0.0, 0.004).mesh;
-        let coarse = fine.decimated(600);
+        let coarse = fine.decimate(600);
         assert!(coarse.triangles.len() <= 600);
         assert!((coarse.signed_volume() / 0.006 - 1.0).abs() < 0.02);
         let (a, b) = (fine.bounds().unwrap(), coarse.bounds().unwrap());
@@ -202,8 +202,8 @@ mod tests {
         mesh.vertices[9].position.y = f32::INFINITY;
         mesh.triangles[3].vertices[1] = u32::MAX;
         mesh.triangles.truncate(2000);
-        let coarse = mesh.decimated(300);
+        let coarse = mesh.decimate(300);
         assert!(!coarse.triangles.is_empty() && coarse.triangles.len() <= 300);
-        assert_eq!(coarse.examination().n_invalid_triangles, 0);
+        assert_eq!(coarse.diagnostics().n_invalid_triangles, 0);
     }
 }

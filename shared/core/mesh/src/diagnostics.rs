@@ -10,7 +10,7 @@ const AREA_MIN_M2: f32 = 1e-12;
 
 /// Result of mesh validation. Vertices at equal positions are treated as one.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Examination {
+pub struct MeshDiagnostics {
     /// Number of boundary edges: edges with a single face.
     pub n_boundary_edges: usize,
     /// Number of non-manifold edges: edges with more than two faces.
@@ -24,15 +24,15 @@ pub struct Examination {
     /// Number of vertices whose position or normal is not finite.
     pub n_non_finite_vertices: usize,
     /// Number of connected components.
-    pub n_parts: usize,
+    pub n_components: usize,
     /// Bounding box of the finite vertices.
     pub extent: Option<Bounds>,
 }
 
-impl Examination {
+impl MeshDiagnostics {
     /// True if the mesh is closed (watertight): each edge belongs to exactly two faces.
     pub fn is_closed(&self) -> bool {
-        self.n_boundary_edges == 0 && self.n_non_manifold_edges == 0 && self.n_parts > 0
+        self.n_boundary_edges == 0 && self.n_non_manifold_edges == 0 && self.n_components > 0
     }
 
     /// True if the mesh is closed and has no other defect.
@@ -54,7 +54,7 @@ struct EdgeUse {
 
 impl TriangleMesh {
     /// Validates the mesh. Any mesh is accepted.
-    pub fn examination(&self) -> Examination {
+    pub fn diagnostics(&self) -> MeshDiagnostics {
         let (welded_index, n_welded) = weld_vertices(self);
         let mut edges: HashMap<(u32, u32), EdgeUse> = HashMap::new();
         let mut parts = UnionFind::new(n_welded);
@@ -80,14 +80,14 @@ impl TriangleMesh {
             }
         }
         let count = |is: fn(&EdgeUse) -> bool| edges.values().filter(|edge| is(edge)).count();
-        Examination {
+        MeshDiagnostics {
             n_boundary_edges: count(|edge| edge.n_forward + edge.n_backward == 1),
             n_non_manifold_edges: count(|edge| edge.n_forward + edge.n_backward > 2),
             n_inconsistent_edges: count(|edge| edge.n_forward.abs_diff(edge.n_backward) == 2),
             n_degenerate_triangles: n_degenerate,
             n_invalid_triangles: n_invalid,
             n_non_finite_vertices: self.n_non_finite_vertices(),
-            n_parts: parts.n_components(),
+            n_components: parts.n_components(),
             extent: self.bounds(),
         }
     }
@@ -119,16 +119,16 @@ mod tests {
 
     #[test]
     fn a_cube_is_sound() {
-        let found = cube().examination();
+        let found = cube().diagnostics();
         assert!(found.is_sound(), "{found:?}");
-        assert_eq!(found.n_parts, 1);
+        assert_eq!(found.n_components, 1);
     }
 
     #[test]
     fn a_missing_face_leaves_three_boundary_edges() {
         let mut mesh = cube();
         mesh.triangles.pop();
-        let found = mesh.examination();
+        let found = mesh.diagnostics();
         assert_eq!(found.n_boundary_edges, 3);
         assert!(!found.is_closed());
     }
@@ -137,7 +137,7 @@ mod tests {
     fn a_turned_face_is_inconsistent_with_its_three_neighbours() {
         let mut mesh = cube();
         mesh.triangles[0].vertices.swap(0, 1);
-        let found = mesh.examination();
+        let found = mesh.diagnostics();
         assert_eq!((found.n_inconsistent_edges, found.n_boundary_edges), (3, 0));
         assert!(!found.is_sound());
     }
@@ -156,7 +156,7 @@ mod tests {
             ..first
         });
         mesh.vertices[0].normal.x = f32::NAN;
-        let found = mesh.examination();
+        let found = mesh.diagnostics();
         assert!(found.n_non_manifold_edges >= 3);
         assert_eq!(
             (
@@ -176,7 +176,7 @@ mod tests {
             vertex.position += Point3::new(1.0, 0.0, 0.0).coords;
         }
         mesh.append(&other);
-        assert_eq!(mesh.examination().n_parts, 2);
-        assert_eq!(TriangleMesh::default().examination().n_parts, 0);
+        assert_eq!(mesh.diagnostics().n_components, 2);
+        assert_eq!(TriangleMesh::default().diagnostics().n_components, 0);
     }
 }

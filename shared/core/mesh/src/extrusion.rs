@@ -102,7 +102,7 @@ mod tests {
             };
             let outline: Vec<_> = radii.iter().enumerate().map(at).collect();
             let solid = extrude(&outline, 0.02, bevel);
-            let found = solid.mesh.examination();
+            let found = solid.mesh.diagnostics();
             prop_assert!(found.is_sound(), "{:?}", found);
             let volume = doubled_signed_area(&outline) / 2.0 * 0.02;
             let share = solid.mesh.signed_volume() as f32 / volume;

@@ -37,10 +37,10 @@ mod union_find;
 mod vertex_normals;
 mod welding;
 
-pub use contact_faces::with_four_cornered_faces;
+pub use contact_faces::simplify_contact_faces;
 pub use convex_decomposition::{convex_decomposition, simplify_polygon};
-pub use convex_part::{ConvexPart, N_POINTS_MAX};
-pub use diagnostics::Examination;
+pub use convex_part::{ConvexPart, MAX_HULL_POINTS};
+pub use diagnostics::MeshDiagnostics;
 pub use extrusion::extrude;
 pub use mass_properties::Bounds;
 pub use revolution::lathe;

@@ -108,7 +108,11 @@ mod tests {
         mesh.append(&part);
         assert_eq!(mesh.surfaces, [Surface::MATTE, metal]);
         assert_eq!(mesh.triangles.last().unwrap().surface, 1);
-        assert_eq!(mesh.examination().n_parts, 1, "they lie on one another");
+        assert_eq!(
+            mesh.diagnostics().n_components,
+            1,
+            "they lie on one another"
+        );
     }
 
     #[test]

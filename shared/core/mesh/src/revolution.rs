@@ -2,7 +2,7 @@
 
 use crate::convex_part::{circle_inflation, n_sides};
 use crate::surface_builder::SurfaceBuilder;
-use crate::{ConvexPart, N_POINTS_MAX, Solid, convex_decomposition, simplify_polygon};
+use crate::{ConvexPart, MAX_HULL_POINTS, Solid, convex_decomposition, simplify_polygon};
 use nalgebra::{Point2, Point3};
 use std::f32::consts::{PI, TAU};
 
@@ -112,7 +112,7 @@ fn slice(piece: &[Point2<f32>]) -> ConvexPart {
     let n_rings = |section: &[Point2<f32>]| section.iter().filter(|p| p.x >= AXIS_M).count();
     let radius = piece.iter().map(|p| p.x).fold(0.0, f32::max);
     // Reserves two points for the axis.
-    let n_rings_max = (N_POINTS_MAX - 2) / n_sides(radius);
+    let n_rings_max = (MAX_HULL_POINTS - 2) / n_sides(radius);
     let mut section = piece.to_vec();
     let mut tolerance_m = SIMPLIFICATION_M;
     while n_rings(&section) > n_rings_max && tolerance_m < 0.02 {
@@ -121,7 +121,7 @@ fn slice(piece: &[Point2<f32>]) -> ConvexPart {
     }
     let n_rings = n_rings(&section);
     let n_on_axis = section.len() - n_rings;
-    let n_around = n_sides(radius).min((N_POINTS_MAX - n_on_axis) / n_rings.max(1));
+    let n_around = n_sides(radius).min((MAX_HULL_POINTS - n_on_axis) / n_rings.max(1));
     let widening = circle_inflation(n_around);
     let points = section.iter().flat_map(|p| {
         let n = if p.x >= AXIS_M { n_around } else { 1 };
@@ -157,7 +157,7 @@ mod tests {
     fn a_ring_has_the_volume_of_pappus() {
         let section = profile(&[(0.04, 0.0), (0.05, 0.0), (0.05, 0.02), (0.04, 0.02)]);
         let ring = lathe(&section, 96);
-        assert!(ring.mesh.examination().is_sound());
+        assert!(ring.mesh.diagnostics().is_sound());
         let expected = 0.01 * 0.02 * consts::TAU * 0.045;
         assert!((ring.mesh.signed_volume() / expected - 1.0).abs() < 0.002);
         let inside = Point3::new(0.0, 0.0, 0.01);
@@ -180,7 +180,7 @@ mod tests {
         ]);
         for section in [section.clone(), section.iter().rev().copied().collect()] {
             let cup = lathe(&section, 32);
-            assert!(cup.mesh.examination().is_sound());
+            assert!(cup.mesh.diagnostics().is_sound());
             assert!(cup.mesh.signed_volume() > 0.0);
             assert!(cup.convex_parts.len() <= N_PARTS_MAX);
             let inside = Point3::new(0.0, 0.0, 0.05);

@@ -119,7 +119,7 @@ mod tests {
         let (a, b, c, r) = (0.04_f64, 0.06, 0.09, 0.01);
         let sides = [a, b, c].map(|side| (side + 2.0 * r) as f32);
         let solid = rounded_box(sides, r as f32, 0.01);
-        let found = solid.mesh.examination();
+        let found = solid.mesh.diagnostics();
         assert!(found.is_sound(), "{found:?}");
         let expected = a * b * c
             + 2.0 * r * (a * b + b * c + c * a)
@@ -132,7 +132,7 @@ mod tests {
     fn a_sphere_is_a_fully_rounded_box() {
         let found = rounded_box([0.02, 0.02, 0.02], 1.0, 0.01)
             .mesh
-            .examination();
+            .diagnostics();
         assert!(found.is_sound(), "{found:?}");
     }
 }

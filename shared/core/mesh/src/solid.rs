@@ -37,21 +37,21 @@ impl Solid {
 
     /// Solid translated by a displacement, metres.
     pub fn moved(self, x: f32, y: f32, z: f32) -> Self {
-        self.placed(&Isometry3::translation(x, y, z))
+        self.transformed(&Isometry3::translation(x, y, z))
     }
 
     /// Solid rotated about an axis through the origin, right-handed.
-    pub fn turned(self, axis: Vector3<f32>, angle_rad: f32) -> Self {
+    pub fn rotated(self, axis: Vector3<f32>, angle_rad: f32) -> Self {
         let axis = nalgebra::Unit::new_normalize(axis);
         let rotation = UnitQuaternion::from_axis_angle(&axis, angle_rad);
-        self.placed(&Isometry3::from_parts(
+        self.transformed(&Isometry3::from_parts(
             nalgebra::Translation3::identity(),
             rotation,
         ))
     }
 
     /// Solid transformed by `pose`, which is `target_from_source`.
-    pub fn placed(mut self, pose: &Isometry3<f32>) -> Self {
+    pub fn transformed(mut self, pose: &Isometry3<f32>) -> Self {
         self.mesh.transform(pose);
         for part in &mut self.convex_parts {
             part.transform(pose);
@@ -90,7 +90,7 @@ impl Solid {
 
     /// Solid with its convex hull as the only collision shape, for nearly convex or very fine
     /// bodies.
-    pub fn hulled(mut self) -> Self {
+    pub fn with_convex_hull(mut self) -> Self {
         let points = self.mesh.vertices.iter().map(|v| v.position).collect();
         self.convex_parts = vec![ConvexPart::around(points)];
         self.decoration.clear();
@@ -143,6 +143,6 @@ mod tests {
             assert_eq!(corner.z > 0.5, range.contains(&i));
         }
         assert_eq!(range.start, n);
-        assert!(solid.hulled().decoration.is_empty());
+        assert!(solid.with_convex_hull().decoration.is_empty());
     }
 }

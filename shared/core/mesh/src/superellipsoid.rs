@@ -81,7 +81,7 @@ mod tests {
             vertical in 0.2..1.6_f32, horizontal in 0.2..1.6_f32, n in 8..40_usize,
         ) {
             let solid = superellipsoid([0.02, 0.03, 0.05], vertical, horizontal, 4 * (n / 4));
-            let found = solid.mesh.examination();
+            let found = solid.mesh.diagnostics();
             prop_assert!(found.is_sound(), "{:?}", found);
             let sides = found.extent.unwrap().sides();
             prop_assert!((sides.z - 0.1).abs() < 1e-4);

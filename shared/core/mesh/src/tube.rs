@@ -208,12 +208,12 @@ mod tests {
     fn a_straight_tube_is_a_cylinder() {
         let at = |x| TubeSection::round(Point3::new(x, 0.0, 0.0), 0.01);
         let solid = tube(&[at(0.0), at(0.05), at(0.1)], Vector3::z(), 64);
-        assert!(solid.mesh.examination().is_sound());
+        assert!(solid.mesh.diagnostics().is_sound());
         let expected = consts::PI * 1e-4 * 0.1;
         assert!((solid.mesh.signed_volume() / expected - 1.0).abs() < 0.005);
         assert_eq!(solid.convex_parts.len(), 1);
         let rounded = rounded_tube(&[at(0.0), at(0.1)], Vector3::z(), 64).mesh;
-        assert!(rounded.examination().is_sound());
+        assert!(rounded.diagnostics().is_sound());
         let ball = 4.0 / 3.0 * consts::PI * 1e-6;
         assert!((rounded.signed_volume() / (expected + ball) - 1.0).abs() < 0.02);
     }
@@ -225,7 +225,7 @@ mod tests {
             .map(|(sin, cos)| TubeSection::round(Point3::new(0.03 * cos, 0.0, 0.03 * sin), 0.005))
             .collect();
         let solid = tube(&sections, Vector3::y(), 12);
-        assert!(solid.mesh.examination().is_sound());
+        assert!(solid.mesh.diagnostics().is_sound());
         for vertex in &solid.mesh.vertices {
             let distances = solid
                 .convex_parts

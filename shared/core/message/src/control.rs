@@ -32,12 +32,12 @@ pub use learning::{
 };
 pub use memory::{
     DocumentKind, DocumentName, DocumentReport, ExportReport, HistoryOperation, HistoryReport,
-    ImportReport, JobCommand, JobKind, JobOutcome, JobReport, MemoryAnswer, MemoryQuery, MemoryStats, Revision,
-    RevisionChange, VerificationReport, ViewReport,
+    ImportReport, JobCommand, JobKind, JobOutcome, JobReport, MemoryAnswer, MemoryQuery,
+    MemoryStats, Revision, RevisionChange, VerificationReport, ViewReport,
 };
 pub use packed_cloud::{InvalidCloud, MAX_CLOUD_POINTS, PackedCloud, pack_cloud};
 pub use refusal::{Refusal, RefusalKind};
-pub use rejected::{AssumptionReport, FindingReport, IgnoredReport};
+pub use rejected::{AssumptionReport, FindingReport, RejectedCandidateReport};
 pub use report::{
     ActorStampsReport, CategoryReport, CovarianceReport, LearningReport, NearCategoryReport,
     ObjectReport, ObjectsReport, ProcessReport,

@@ -53,14 +53,14 @@ pub use health::{Health, ProcessKind, ProcessState};
 pub use memory_change::MemoryChange;
 pub use near_category::{MAX_NEAR_CATEGORIES, NearCategory};
 pub use object_view::{ObjectCloudHeader, ObjectViewHeader};
-pub use pose::{WirePose, WireTransform, symmetric};
-pub use rejected_candidate::{IgnoredBlob, MAX_IGNORED, WireFinding};
+pub use pose::{WirePose, WireTransform, upper_triangle};
+pub use rejected_candidate::{MAX_REJECTED_CANDIDATES, RejectedCandidate, WireFinding};
 pub use robot::{ARM_JOINTS, ArmActivity, ArmState, MAX_CAPSULES, PersonBody, WireCapsule};
 pub use scene::{
     ActorStamps, MAX_SCENE_OBJECTS, SceneObject, SceneSummary, StageStamps, TrackState,
 };
-pub use sequenced_header::{Counted, PlainHeader};
-pub use stage::{Place, Stage};
+pub use sequenced_header::{PlainHeader, SequencedHeader};
+pub use stage::{Stage, StageScope};
 pub use text::Text;
 pub use trace::{MAX_SPANS, Span, TraceHeader};
 

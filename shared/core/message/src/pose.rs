@@ -98,7 +98,7 @@ impl WirePose {
 }
 
 /// Packed symmetric matrix (upper triangle): xx, xy, xz, yy, yz, zz.
-pub fn symmetric(matrix: &Matrix3<f64>) -> [f32; 6] {
+pub fn upper_triangle(matrix: &Matrix3<f64>) -> [f32; 6] {
     [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|place| matrix[place] as f32)
 }
 
@@ -143,7 +143,7 @@ mod tests {
     #[test]
     fn covariances_are_told_from_other_matrices() {
         let root = Matrix3::new(0.1, 0.0, 0.0, 0.03, 0.2, 0.0, -0.1, 0.05, 0.3);
-        let wire = symmetric(&(root * root.transpose()));
+        let wire = upper_triangle(&(root * root.transpose()));
         assert!((wire[1] - 0.003).abs() < 1e-9 && (wire[5] - 0.1025).abs() < 1e-7);
         assert!(is_covariance(&wire) && is_covariance(&[0.0; 6]));
         for (i, wrong) in [(0, -1.0), (1, f32::NAN), (3, f32::INFINITY), (2, 1e9)] {

@@ -2,11 +2,11 @@
 
 use crate::pose::WirePose;
 use bytemuck::{Pod, Zeroable};
-use constraint::{Constraint, ConstraintSet, Finding, Findings, Reason, Truth};
+use constraint::{Constraint, ConstraintSet, Finding, Findings, Reason, Ternary};
 use iceoryx2::prelude::ZeroCopySend;
 
 /// Maximum number of rejected candidates in one scene summary.
-pub const MAX_IGNORED: usize = 16;
+pub const MAX_REJECTED_CANDIDATES: usize = 16;
 
 /// Order in which reasons are reported, most informative first.
 const REPORT_ORDER: [Constraint; Constraint::N] = [
@@ -25,7 +25,7 @@ const REPORT_ORDER: [Constraint; Constraint::N] = [
 #[type_name("tabula.Finding.v1")]
 #[repr(C)]
 pub struct WireFinding {
-    /// Code of a [`Truth`] value.
+    /// Code of a [`Ternary`] value.
     pub truth: u16,
     /// Code of a [`Reason`].
     pub reason: u16,
@@ -36,7 +36,7 @@ pub struct WireFinding {
 impl From<Finding> for WireFinding {
     fn from(finding: Finding) -> Self {
         Self {
-            truth: finding.truth.code(),
+            truth: finding.value.code(),
             reason: finding.reason.code(),
             values: finding.reason.values(),
         }
@@ -47,7 +47,7 @@ impl WireFinding {
     /// Validated finding; `None` for unknown codes.
     pub fn checked(&self) -> Option<Finding> {
         Some(Finding {
-            truth: Truth::from_code(self.truth)?,
+            value: Ternary::from_code(self.truth)?,
             reason: Reason::from_parts(self.reason, self.values)?,
         })
     }
@@ -57,14 +57,14 @@ impl WireFinding {
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable, ZeroCopySend)]
 #[type_name("tabula.IgnoredBlob.v1")]
 #[repr(C)]
-pub struct IgnoredBlob {
+pub struct RejectedCandidate {
     /// Pose of the box's centre: `world_from_box`.
     pub pose: WirePose,
     /// Side lengths of the box, metres.
     pub size_m: [f32; 3],
     /// Number of measured points.
     pub n_points: u32,
-    /// Verdict of the rule: code of a [`Truth`] value.
+    /// Verdict of the rule: code of a [`Ternary`] value.
     pub verdict: u32,
     /// Bits of the [`ConstraintSet`] that decided the verdict.
     pub decisive: u32,
@@ -72,22 +72,22 @@ pub struct IgnoredBlob {
     pub findings: [WireFinding; Constraint::N],
 }
 
-const _: () = assert!(size_of::<WireFinding>() == 12 && size_of::<IgnoredBlob>() == 176);
+const _: () = assert!(size_of::<WireFinding>() == 12 && size_of::<RejectedCandidate>() == 176);
 
-impl IgnoredBlob {
+impl RejectedCandidate {
     /// Wire form of the findings of all constraints.
     pub fn wire_findings(findings: &Findings) -> [WireFinding; Constraint::N] {
-        Constraint::ALL.map(|constraint| findings.of(constraint).into())
+        Constraint::ALL.map(|constraint| findings.get(constraint).into())
     }
 
     /// Verdict of the rule; `None` for an unknown code.
-    pub fn verdict(&self) -> Option<Truth> {
-        Truth::from_code(u16::try_from(self.verdict).ok()?)
+    pub fn verdict(&self) -> Option<Ternary> {
+        Ternary::from_code(u16::try_from(self.verdict).ok()?)
     }
 
     /// Findings of the constraints that decided the verdict, most informative first. Invalid
     /// findings are skipped.
-    pub fn why(&self) -> impl Iterator<Item = (Constraint, Finding)> {
+    pub fn decisive_findings(&self) -> impl Iterator<Item = (Constraint, Finding)> {
         let decisive = ConstraintSet::from_bits(self.decisive as u8);
         let decided = REPORT_ORDER
             .into_iter()
@@ -111,32 +111,38 @@ impl IgnoredBlob {
 mod tests {
     use super::*;
 
-    fn blob() -> IgnoredBlob {
+    fn blob() -> RejectedCandidate {
         let mut findings = Findings::default();
         let reason = Reason::Robot {
             share: 0.875,
             margin_m: 0.03,
         };
-        let truth = Truth::True;
-        findings.set(Constraint::Robot, Finding { truth, reason });
-        IgnoredBlob {
-            verdict: Truth::False.code().into(),
+        let truth = Ternary::True;
+        findings.set(
+            Constraint::Robot,
+            Finding {
+                value: truth,
+                reason,
+            },
+        );
+        RejectedCandidate {
+            verdict: Ternary::False.code().into(),
             decisive: ConstraintSet::from(Constraint::Robot).bits().into(),
-            findings: IgnoredBlob::wire_findings(&findings),
-            ..IgnoredBlob::default()
+            findings: RejectedCandidate::wire_findings(&findings),
+            ..RejectedCandidate::default()
         }
     }
 
     #[test]
     fn verdict_and_reasons_survive_the_wire() {
         let blob = blob();
-        assert_eq!(blob.verdict(), Some(Truth::False));
-        let why: Vec<_> = blob.why().collect();
+        assert_eq!(blob.verdict(), Some(Ternary::False));
+        let why: Vec<_> = blob.decisive_findings().collect();
         assert_eq!(why.len(), 1);
         let (constraint, finding) = why[0];
         assert_eq!(
-            (constraint, finding.truth),
-            (Constraint::Robot, Truth::True)
+            (constraint, finding.value),
+            (Constraint::Robot, Ternary::True)
         );
         assert!(
             finding.reason.to_string().contains("88 %"),
@@ -154,7 +160,7 @@ mod tests {
         blob.findings[1].values[0] = f32::NAN;
         blob.verdict = 0x0001_0000;
         assert_eq!(blob.verdict(), None);
-        assert_eq!(blob.why().count(), 0);
+        assert_eq!(blob.decisive_findings().count(), 0);
         assert_eq!(blob.findings().count(), Constraint::N - 3);
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::near_category::{MAX_NEAR_CATEGORIES, NearCategory};
 use crate::pose::WirePose;
-use crate::{IgnoredBlob, MAX_IGNORED, SCHEMA_VERSION, Text};
+use crate::{MAX_REJECTED_CANDIDATES, RejectedCandidate, SCHEMA_VERSION, Text};
 use bytemuck::AnyBitPattern;
 use iceoryx2::prelude::ZeroCopySend;
 
@@ -194,7 +194,7 @@ pub struct SceneSummary {
     /// Number of valid entries of `ignored`.
     pub n_ignored: u32,
     /// Rejected candidates, nearest first.
-    pub ignored: [IgnoredBlob; MAX_IGNORED],
+    pub ignored: [RejectedCandidate; MAX_REJECTED_CANDIDATES],
 }
 
 const _: () = assert!(
@@ -202,7 +202,7 @@ const _: () = assert!(
         && size_of::<ActorStamps>() == 40
         && size_of::<SceneObject>() == 944
 );
-const _: () = assert!(size_of::<SceneSummary>() == 280 + 136 + MAX_IGNORED * 176);
+const _: () = assert!(size_of::<SceneSummary>() == 280 + 136 + MAX_REJECTED_CANDIDATES * 176);
 
 impl Default for SceneObject {
     fn default() -> Self {
@@ -256,15 +256,15 @@ impl Default for SceneSummary {
             assumptions: 0,
             rule: Text::default(),
             n_ignored: 0,
-            ignored: [IgnoredBlob::default(); MAX_IGNORED],
+            ignored: [RejectedCandidate::default(); MAX_REJECTED_CANDIDATES],
         }
     }
 }
 
 impl SceneSummary {
     /// Rejected candidates of the summary.
-    pub fn ignored(&self) -> &[IgnoredBlob] {
-        &self.ignored[..MAX_IGNORED.min(self.n_ignored as usize)]
+    pub fn rejected_candidates(&self) -> &[RejectedCandidate] {
+        &self.ignored[..MAX_REJECTED_CANDIDATES.min(self.n_ignored as usize)]
     }
 }
 
@@ -322,6 +322,6 @@ mod tests {
             n_ignored: u32::MAX,
             ..SceneSummary::default()
         };
-        assert_eq!(summary.ignored().len(), MAX_IGNORED);
+        assert_eq!(summary.rejected_candidates().len(), MAX_REJECTED_CANDIDATES);
     }
 }

@@ -11,7 +11,7 @@ use iceoryx2::prelude::ZeroCopySend;
 ///
 /// In a long header the number precedes the other fields, next to the time stamps: a receiver
 /// that reads it has the cache line with both, each of which takes 0.1 µs from another core.
-pub trait Counted {
+pub trait SequencedHeader {
     /// Number of this message.
     fn sent(&self) -> u64;
     /// Sets the number of this message.
@@ -31,7 +31,7 @@ const _: () = assert!(size_of::<PlainHeader>() == 8);
 
 macro_rules! counted {
     ($($header:ty),*) => {$(
-        impl Counted for $header {
+        impl SequencedHeader for $header {
             fn sent(&self) -> u64 {
                 self.sent
             }

@@ -2,7 +2,7 @@
 
 /// Scope of a stage within the path from capture to label.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Place {
+pub enum StageScope {
     /// Link of the frame's chain: consecutive without gaps, from the scheduled capture to the
     /// published label.
     Frame,
@@ -11,7 +11,7 @@ pub enum Place {
     /// Sub-stage of another stage.
     Within(Stage),
     /// Outside the path from capture to label: before it, after it, or concurrent.
-    Beside,
+    Outside,
 }
 
 macro_rules! stages {
@@ -34,7 +34,7 @@ macro_rules! stages {
             }
 
             /// Scope of the stage.
-            pub fn place(self) -> Place {
+            pub fn scope(self) -> StageScope {
                 match self {
                     $(Self::$stage => $place,)*
                 }
@@ -45,87 +45,87 @@ macro_rules! stages {
 
 stages! {
     /// Preparation of the next frame by the source: opening a file, or advancing simulated time.
-    Preparing = 4, "preparing", Place::Beside;
+    Preparing = 4, "preparing", StageScope::Outside;
     /// Wait before frame generation, so that the frame is generated as late as is safe.
-    MakingWait = 5, "making_wait", Place::Beside;
+    GenerationWait = 5, "making_wait", StageScope::Outside;
     /// Frame generation by the source: reading the device, or rendering.
-    Making = 1, "making", Place::Beside;
+    Generation = 1, "making", StageScope::Outside;
     /// Wait of the finished frame for its release time.
-    ReleaseWait = 2, "release_wait", Place::Beside;
+    ReleaseWait = 2, "release_wait", StageScope::Outside;
     /// Sending of the frame, including its header.
-    Sending = 3, "sending", Place::Beside;
+    Sending = 3, "sending", StageScope::Outside;
     /// Source delay: from the scheduled time to the frame in shared memory.
-    Source = 10, "source", Place::Frame;
+    Source = 10, "source", StageScope::Frame;
     /// Transport delay: from the frame in shared memory to its receipt by perception, including
     /// wake-up and the wait for the previous frame.
-    Transport = 11, "transport", Place::Frame;
+    Transport = 11, "transport", StageScope::Frame;
     /// Gathering of priors: prediction of tracks, and poses of people and robot at capture time.
-    Surroundings = 12, "surroundings", Place::Frame;
+    GatherPriors = 12, "surroundings", StageScope::Frame;
     /// Wait of detection for a worker.
-    DetectionQueue = 13, "detection_queue", Place::Frame;
+    DetectionQueue = 13, "detection_queue", StageScope::Frame;
     /// Object detection.
-    Detection = 14, "detection", Place::Frame;
+    Detection = 14, "detection", StageScope::Frame;
     /// Wait of the finished detection for the frame loop.
-    DetectionAnswer = 15, "detection_answer", Place::Frame;
+    DetectionAnswer = 15, "detection_answer", StageScope::Frame;
     /// Data association of candidates with tracks, including the start of actors for new tracks.
-    Association = 16, "association", Place::Frame;
+    Association = 16, "association", StageScope::Frame;
     /// Processing of all views by the object actors, until the last one answers.
-    Objects = 17, "objects", Place::Frame;
+    Objects = 17, "objects", StageScope::Frame;
     /// Publication of objects and scene, and hand-over of key views.
-    Publishing = 18, "publishing", Place::Frame;
+    Publishing = 18, "publishing", StageScope::Frame;
     /// Grid sampling of the points in range.
-    Samples = 30, "samples", Place::Within(Stage::Detection);
+    Samples = 30, "samples", StageScope::Within(Stage::Detection);
     /// Search for the plane of the table.
-    TablePlane = 31, "table_plane", Place::Within(Stage::Detection);
+    TablePlane = 31, "table_plane", StageScope::Within(Stage::Detection);
     /// Surface cells and outline of the table.
-    TableSurface = 32, "table_surface", Place::Within(Stage::Detection);
+    TableSurface = 32, "table_surface", StageScope::Within(Stage::Detection);
     /// Selection of the points above the table (prism).
-    Prism = 33, "prism", Place::Within(Stage::Detection);
+    Prism = 33, "prism", StageScope::Within(Stage::Detection);
     /// Clustering of these points, without people and robot.
-    Clusters = 34, "clusters", Place::Within(Stage::Detection);
+    Clusters = 34, "clusters", StageScope::Within(Stage::Detection);
     /// Concavity split of clusters that hold several objects.
-    Piles = 35, "piles", Place::Within(Stage::Detection);
+    ConcavitySplit = 35, "piles", StageScope::Within(Stage::Detection);
     /// Split and merge of clusters by the tracks expected there.
-    Regrouping = 36, "regrouping", Place::Within(Stage::Detection);
+    Regrouping = 36, "regrouping", StageScope::Within(Stage::Detection);
     /// Growth of clusters down to the table.
-    Feet = 37, "feet", Place::Within(Stage::Detection);
+    SupportGrowth = 37, "feet", StageScope::Within(Stage::Detection);
     /// Oriented bounding boxes of the clusters.
-    Boxes = 38, "boxes", Place::Within(Stage::Detection);
+    Boxes = 38, "boxes", StageScope::Within(Stage::Detection);
     /// Evaluation of constraints and rule; output of the candidates.
-    Judging = 39, "judging", Place::Within(Stage::Detection);
+    ConstraintEvaluation = 39, "judging", StageScope::Within(Stage::Detection);
     /// Work of a second worker on one of the preceding steps.
-    Helping = 40, "helping", Place::Within(Stage::Detection);
+    ParallelHelp = 40, "helping", StageScope::Within(Stage::Detection);
     /// Dispatch delay: from the request to the first object until the request to this one, because
     /// the frame loop sends them one after the other.
-    HandOver = 50, "hand_over", Place::Object;
+    Dispatch = 50, "hand_over", StageScope::Object;
     /// Wait of the object's view for its actor and a worker.
-    ActorQueue = 51, "actor_queue", Place::Object;
+    ActorQueue = 51, "actor_queue", StageScope::Object;
     /// Measurement update of the object's motion filter.
-    Tracking = 52, "tracking", Place::Object;
+    Tracking = 52, "tracking", StageScope::Object;
     /// Computation of the object's descriptor.
-    Description = 53, "description", Place::Object;
+    Description = 53, "description", StageScope::Object;
     /// Recognition: comparison of the descriptor with the stored views.
-    Recognition = 54, "recognition", Place::Object;
+    Recognition = 54, "recognition", StageScope::Object;
     /// Key-view decision, and packing of a key view's points.
-    KeyView = 55, "key_view", Place::Object;
+    KeyView = 55, "key_view", StageScope::Object;
     /// Wait of the actor's answer for the frame loop.
-    ActorAnswer = 56, "actor_answer", Place::Object;
+    ActorAnswer = 56, "actor_answer", StageScope::Object;
     /// Wait of an answered object for the remaining objects (barrier).
-    OthersAwaited = 57, "others_awaited", Place::Object;
+    Barrier = 57, "others_awaited", StageScope::Object;
     /// Adoption of the posteriors, and hand-over of key views to the outbox.
-    Outbox = 70, "outbox", Place::Within(Stage::Publishing);
+    Outbox = 70, "outbox", StageScope::Within(Stage::Publishing);
     /// Publication of views and clouds of single objects to subscribers.
-    ObjectTopics = 71, "object_topics", Place::Within(Stage::Publishing);
+    ObjectTopics = 71, "object_topics", StageScope::Within(Stage::Publishing);
     /// Publication of the scene with all labels.
-    SceneTopic = 72, "scene_topic", Place::Within(Stage::Publishing);
+    SceneTopic = 72, "scene_topic", StageScope::Within(Stage::Publishing);
     /// Publication of the previous frame's spans: cost of tracing itself.
-    Telling = 73, "telling", Place::Beside;
+    TracePublishing = 73, "telling", StageScope::Outside;
     /// Delivery delay: from the published label to its receipt by another process.
-    LabelHop = 90, "label_hop", Place::Beside;
+    LabelHop = 90, "label_hop", StageScope::Outside;
     /// Wait of the scene for the next update of the working memory, a few times per second.
-    WorldWait = 91, "world_wait", Place::Beside;
+    WorldWait = 91, "world_wait", StageScope::Outside;
     /// Update of the working memory from the scene.
-    WorldUpdate = 92, "world_update", Place::Beside;
+    WorldUpdate = 92, "world_update", StageScope::Outside;
 }
 
 impl Stage {
@@ -165,8 +165,8 @@ mod tests {
     #[test]
     fn sub_stages_are_within_links_of_the_frame_chain() {
         for stage in Stage::ALL {
-            if let Place::Within(whole) = stage.place() {
-                assert_eq!(whole.place(), Place::Frame);
+            if let StageScope::Within(whole) = stage.scope() {
+                assert_eq!(whole.scope(), StageScope::Frame);
             }
         }
     }

@@ -27,7 +27,7 @@ pub struct Random {
 
 impl Random {
     /// Creates a generator from a seed. Seeds that differ by a multiple of the state increment
-    /// share numbers; combine the parts of a composite seed with [`mixed`].
+    /// share numbers; combine the parts of a composite seed with [`mix64`].
     #[inline]
     pub const fn from_seed(seed: u64) -> Self {
         Self { state: seed }
@@ -35,9 +35,9 @@ impl Random {
 
     /// Creates an independent substream for one purpose of an experiment, so that new uses of
     /// randomness do not shift the others.
-    pub const fn for_purpose(seed: u64, purpose: u64) -> Self {
+    pub const fn substream(seed: u64, purpose: u64) -> Self {
         // Mixed twice: otherwise one seed's stream equals another seed's for another purpose.
-        Self::from_seed(mixed(mixed(seed) ^ purpose))
+        Self::from_seed(mix64(mix64(seed) ^ purpose))
     }
 
     /// Next 64 random bits.
@@ -87,14 +87,14 @@ impl Random {
 
 /// 64-bit mixing function: first number of the generator with seed `bits`.
 #[inline]
-pub const fn mixed(bits: u64) -> u64 {
+pub const fn mix64(bits: u64) -> u64 {
     Random::from_seed(bits).next_u64()
 }
 
 /// Counter-based random number: the `index`-th number, from 1, of the generator with seed 0.
 /// For noise indexed by position and drawn in any order.
 #[inline]
-pub const fn nth(index: u64) -> u64 {
+pub const fn counter_based(index: u64) -> u64 {
     finalize(index.wrapping_mul(GOLDEN_GAMMA))
 }
 
@@ -143,9 +143,9 @@ mod tests {
     fn numbers_are_available_by_index() {
         let mut random = Random::from_seed(0);
         for index in 1..100 {
-            assert_eq!(nth(index), random.next_u64());
+            assert_eq!(counter_based(index), random.next_u64());
         }
-        assert_eq!(mixed(77), Random::from_seed(77).next_u64());
+        assert_eq!(mix64(77), Random::from_seed(77).next_u64());
     }
 
     #[test]

@@ -5,7 +5,7 @@ mod confusion_matrix_figure;
 mod k_fold_split;
 mod withheld_categories;
 
-pub use confusion_matrix::{ClassificationScores, Confusion};
-pub use confusion_matrix_figure::svg as confusion_svg;
-pub use k_fold_split::{Dealing, Error, Folds};
-pub use withheld_categories::withheld;
+pub use confusion_matrix::{ClassificationScores, ConfusionMatrix};
+pub use confusion_matrix_figure::svg as confusion_matrix_svg;
+pub use k_fold_split::{Error, FoldAssignment, Folds};
+pub use withheld_categories::withheld_categories;

@@ -1,6 +1,6 @@
 //! Label images of the segmentation hypotheses of a detection.
 
-use constraint::Truth;
+use constraint::Ternary;
 use detection::Detection;
 
 /// Hypothesis number of each point, before and after the constraints ψ.
@@ -22,7 +22,7 @@ impl HypothesisImages {
         };
         for (i, candidate) in detection.candidates.iter().enumerate() {
             let number = u16::try_from(i + 1).ok()?;
-            let passes = candidate.verdict == Truth::True;
+            let passes = candidate.verdict == Ternary::True;
             for &point_idx in detection.points_of(candidate) {
                 images.before_psi[point_idx as usize] = number;
                 images.after_psi[point_idx as usize] = if passes { number } else { 0 };

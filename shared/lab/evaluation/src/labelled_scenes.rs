@@ -9,7 +9,7 @@ pub use error::Error;
 use crate::segmentation_score::FIRST_OBJECT_LABEL;
 use dataset::rgbd_sequence::{RgbdSequence, Scratch};
 use dataset::scene_folder::SceneFolder;
-use dataset::{RecordingKind, detect_kind, natural_order, pcd, recording_kind};
+use dataset::{RecordingKind, detect_recording_kind, natural_order, pcd, recording_kind};
 use nalgebra::{Unit, Vector3};
 use point_cloud::Point;
 use scene_name::{ends_odd, mosd_kind};
@@ -76,7 +76,7 @@ impl LabelledScenes {
             entries: Vec::new(),
             unusable: Vec::new(),
         };
-        match detect_kind(folder) {
+        match detect_recording_kind(folder) {
             Err(recording_kind::Error::Unknown(unknown)) => {
                 for name in folder_names(folder)? {
                     if let Err(error) = scenes.add(&folder.join(&name), &name, true) {
@@ -120,7 +120,7 @@ impl LabelledScenes {
     }
 
     fn add(&mut self, folder: &Path, group: &str, is_one_of_many: bool) -> Result<(), Error> {
-        let recording = match detect_kind(folder)? {
+        let recording = match detect_recording_kind(folder)? {
             RecordingKind::PcdScenes => LabelledRecording::Scenes(SceneFolder::open(folder)?),
             RecordingKind::RgbdSequence => {
                 LabelledRecording::Sequence(Box::new(RgbdSequence::open(folder)?))

@@ -18,11 +18,11 @@ mod record;
 mod summary;
 mod teacher;
 
-pub use curriculum::LeftOut;
+pub use curriculum::Exclusion;
 pub use learning_curves::{overview_svg, run_svg};
-pub use protocol::{Error, Protocol, Split};
-pub use record::{Metrics, Question, Run, StageRecord, StopReason};
-pub use summary::{MeanAndStd, Summary};
+pub use protocol::{Error, LessonSplit, Protocol};
+pub use record::{Metrics, OpenEndedRun, Question, StageRecord, StopReason};
+pub use summary::{MeanAndStd, MetricsSummary};
 pub use teacher::{run, usable_categories};
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use mesh::{Surface, Triangle, TriangleMesh, Vertex};
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 use plot::diagram::{Axis, Color, Curve, Diagram, DrawingError, Legend, side_by_side};
 use point_cloud::Point;
-use rendering::kinect::{AxialNoise, KinectSensor, SensorModel, Shot};
+use rendering::kinect::{AxialNoise, FrameSeed, KinectSensor, SensorModel};
 use rendering::{Error, Instance, PreparedMesh, Rasterizer};
 use std::fmt::Write;
 
@@ -159,7 +159,7 @@ fn measured_sigma_m(z_m: f64, angle_rad: f64) -> Result<f64, Error> {
     let mut points = vec![Point::default(); CAMERA.n_pixels()];
     let mut errors = Vec::new();
     for frame_index in 0..N_FRAMES {
-        let shot = Shot {
+        let shot = FrameSeed {
             seed: 1,
             frame_index,
         };

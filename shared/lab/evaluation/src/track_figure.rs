@@ -2,7 +2,7 @@
 
 mod run_figure;
 
-pub use run_figure::{of_run, of_tracks};
+pub use run_figure::{figure_with_ground_truth, figure_without_ground_truth};
 
 use plot::diagram::{DrawingError, drawing_error};
 use plotters::coord::Shift;

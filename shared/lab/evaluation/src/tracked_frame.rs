@@ -6,7 +6,7 @@ use geometry::{OrientedBox, RigidTransform};
 
 /// Ground truth of an object in a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TrueObject {
+pub struct GroundTruthObject {
     /// Object number in the scene.
     pub id: u64,
     /// Pose of the object.
@@ -26,7 +26,7 @@ pub struct TrueObject {
     pub counts: bool,
 }
 
-impl TrueObject {
+impl GroundTruthObject {
     /// Reference box of the comparison: of the surface seen so far, otherwise of the whole
     /// surface.
     pub fn reference_box(&self) -> &OrientedBox {
@@ -69,7 +69,7 @@ pub struct TrackedFrame {
     /// Time since the start of the run, seconds.
     pub time_s: f64,
     /// Objects in the scene.
-    pub objects: Vec<TrueObject>,
+    pub objects: Vec<GroundTruthObject>,
     /// All live tracks.
     pub tracks: Vec<TrackState>,
     /// Ids of the tracks that ended in this frame.

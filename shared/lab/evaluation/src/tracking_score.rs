@@ -2,7 +2,7 @@
 
 use crate::clear_mot::{ClearMot, Correspondence, Match, ScoredPosition};
 use crate::id_f1::{IdentityCounts, IdentityScore};
-use crate::tracked_frame::{TrackState, TrackedFrame, TrueObject};
+use crate::tracked_frame::{GroundTruthObject, TrackState, TrackedFrame};
 use crate::true_shape::Symmetry;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -115,7 +115,7 @@ impl PoseErrors {
         up_to_quarter_deg.extend(&other.up_to_quarter_deg);
     }
 
-    fn take(&mut self, object: &TrueObject, track: &TrackState) {
+    fn take(&mut self, object: &GroundTruthObject, track: &TrackState) {
         let centre = track.box_in_world.centre();
         let Some(seen_box) = &object.seen_box else {
             return;
@@ -151,7 +151,7 @@ struct TrackingScorer {
     /// Object that each track showed last.
     object_of: BTreeMap<u64, u64>,
     /// Matched pairs of the previous frame.
-    last_pairs: Vec<(TrueObject, TrackState)>,
+    last_pairs: Vec<(GroundTruthObject, TrackState)>,
     ids_of_object: BTreeMap<u64, BTreeSet<u64>>,
     believed: BTreeSet<u64>,
 }
@@ -176,7 +176,7 @@ impl TrackingScorer {
         let objects: Vec<ScoredPosition> = frame
             .objects
             .iter()
-            .map(TrueObject::scored_position)
+            .map(GroundTruthObject::scored_position)
             .collect();
         let scored_position = outputs.iter().map(|i| frame.tracks[*i].scored_position());
         let scored_position: Vec<ScoredPosition> = scored_position.collect();
@@ -260,8 +260,11 @@ impl TrackingScorer {
 }
 
 /// Rotation of a track relative to its object between two frames, radians.
-fn jump_rad(before: &(TrueObject, TrackState), after: &(TrueObject, TrackState)) -> f64 {
-    let object_from_box = |(object, track): &(TrueObject, TrackState)| {
+fn jump_rad(
+    before: &(GroundTruthObject, TrackState),
+    after: &(GroundTruthObject, TrackState),
+) -> f64 {
+    let object_from_box = |(object, track): &(GroundTruthObject, TrackState)| {
         object.world_from_object.rotation.inverse() * track.box_in_world.frame_from_box.rotation
     };
     object_from_box(before).angle_to(&object_from_box(after))

@@ -91,7 +91,7 @@ impl UprightOutline {
     fn join_added(&mut self) {
         if !self.added.is_empty() {
             self.added.extend(self.hull.corners());
-            self.hull.become_hull_of(&mut self.added);
+            self.hull.assign_convex_hull_of(&mut self.added);
             if !self.hull.corners().is_empty() {
                 self.added.clear();
             }

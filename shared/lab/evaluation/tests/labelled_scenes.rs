@@ -1,6 +1,6 @@
 //! Detection quality on real labelled scenes.
 
-use detection::{Config, Detection, Frame, Surroundings, Workspace, detect};
+use detection::{Config, Detection, DetectionInput, ScenePriors, Workspace, detect};
 use evaluation::hypothesis_image::HypothesisImages;
 use evaluation::labelled_scenes::LabelledScenes;
 use evaluation::segmentation_score::{MEASURE_NAMES, Overlaps, SegmentationScore, score};
@@ -34,11 +34,11 @@ fn detection_finds_the_objects_of_labelled_scenes() {
     let scenes = scenes();
     for entry in scenes.entries() {
         let scene = scenes.read(entry).unwrap();
-        let frame = Frame {
+        let frame = DetectionInput {
             cloud: OrganizedCloud::new(&scene.points, scene.width, scene.height).unwrap(),
             up_in_camera: scene.up_in_camera,
             seed: 1,
-            surroundings: Surroundings::default(),
+            priors: ScenePriors::default(),
         };
         detect(&frame, &Config::default(), &mut workspace, &mut detection).unwrap();
         let found = HypothesisImages::of(&detection, scene.points.len()).unwrap();

@@ -2,7 +2,7 @@
 //! clouds.
 
 use dataset::pcd;
-use detection::{Config, Detection, Frame, Surroundings, Workspace, detect};
+use detection::{Config, Detection, DetectionInput, ScenePriors, Workspace, detect};
 use evaluation::segmentation_score::{Overlaps, SegmentationScore};
 use nalgebra::{Isometry3, Vector3};
 use point_cloud::{OrganizedCloud, Point};
@@ -24,11 +24,11 @@ fn scenes() -> Vec<PathBuf> {
 
 fn found(points: &[Point], width: usize, workspace: &mut Workspace) -> Detection {
     let cloud = OrganizedCloud::new(points, width, points.len() / width).expect("full rows");
-    let frame = Frame {
+    let frame = DetectionInput {
         cloud,
         up_in_camera: None,
         seed: 1,
-        surroundings: Surroundings::default(),
+        priors: ScenePriors::default(),
     };
     let mut detection = Detection::default();
     detect(&frame, &Config::default(), workspace, &mut detection).expect("a small cloud");

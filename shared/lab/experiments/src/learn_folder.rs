@@ -4,11 +4,11 @@ mod described;
 
 use crate::arguments::{LearnArguments, Up};
 use crate::evaluate::parallel;
-use command_line::{Output, bar};
+use command_line::{Output, progress_bar};
 use control_client::{ImportRequest, MemoryAccess, author_or_user, connect, import};
 use dataset::object_views::{ObjectViews, ViewFile};
 use described::Folder;
-use description::{Appearance, AppearanceWeights};
+use description::{AppearanceDescriptor, AppearanceWeights};
 use learning::CategoryName;
 use serde::Serialize;
 use service::{CommonArguments, Failure, exit_code, wall_clock_ns};
@@ -18,7 +18,7 @@ use std::io::{BufWriter, Seek};
 use std::ops::Range;
 use std::path::Path;
 use std::process::ExitCode;
-use store::{Decided, PortableWriter};
+use store::{DecisionStamp, PortableWriter};
 
 /// One object of the folder; its views come in as those of one track.
 struct Object {
@@ -52,7 +52,7 @@ pub fn run(
     let views = ObjectViews::open(&arguments.folder)
         .map_err(|error| Failure::new(exit_code::USAGE, error))?;
     let up = arguments.up.and_then(Up::direction);
-    if up.is_none() && (arguments.up.is_some() || !views.tell_up()) {
+    if up.is_none() && (arguments.up.is_some() || !views.is_up_known()) {
         return Err(up_unknown(&arguments.folder));
     }
     // Without a daemon this is told now, and not after the work. It closes connections
@@ -62,7 +62,7 @@ pub fn run(
     let folder = Folder {
         views: &views,
         up,
-        decided: Decided {
+        decided: DecisionStamp {
             author: author.as_str().into(),
             stamp_ns: wall_clock_ns().max(0) as u64,
         },
@@ -131,13 +131,13 @@ fn write(folder: &Folder<'_>, report: &mut Report, output: &Output) -> Result<Fi
             place.display()
         ))
     };
-    let appearance = Appearance::new(AppearanceWeights::default()).map_err(failed)?;
+    let appearance = AppearanceDescriptor::new(AppearanceWeights::default()).map_err(failed)?;
     let mut file = tempfile::tempfile().map_err(unwritable)?;
     let mut writer = PortableWriter::new(BufWriter::new(&file)).map_err(unwritable)?;
-    let bar = bar(folder.views.files().len() as u64, "views", output);
+    let bar = progress_bar(folder.views.files().len() as u64, "views", output);
     let mut categories = BTreeSet::new();
     for object in objects(folder.views.files(), report) {
-        let work = |appearance: &mut Appearance, place| {
+        let work = |appearance: &mut AppearanceDescriptor, place| {
             folder.describe(appearance, &object, object.views.start + place)
         };
         let results = parallel::map(object.views.len(), &bar, || appearance.clone(), work)?;

@@ -11,7 +11,7 @@ mod report;
 mod scratch;
 
 use crate::arguments::SweepArguments;
-use command_line::{Output, bar};
+use command_line::{Output, progress_bar};
 use constant::Constant;
 use measure::Measure;
 use report::{Report, Row};
@@ -32,7 +32,7 @@ pub fn run(arguments: &SweepArguments, output: &Output) -> Result<ExitCode, Fail
     make_folder(&arguments.out)?;
     let scratch = Scratch::copy(&root)?;
     let n_steps = 1 + constants.len() * arguments.factors.len();
-    let bar = bar(n_steps as u64, "builds and evaluations", output);
+    let bar = progress_bar(n_steps as u64, "builds and evaluations", output);
     let mut report = Report::new(&measure, scratch.scores(&measure, &arguments.out)?);
     bar.inc(1);
     for constant in &constants {

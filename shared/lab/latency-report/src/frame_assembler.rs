@@ -112,7 +112,7 @@ mod tests {
             let frame = header(ProcessKind::Perception, 5, sequence);
             assembler.add(&frame, &[span(Stage::Detection), span(Stage::Publishing)]);
             let made = header(ProcessKind::Simulator, 5, sequence);
-            assembler.add(&made, &[span(Stage::Making)]);
+            assembler.add(&made, &[span(Stage::Generation)]);
         }
         let mut timelines: Vec<FrameTimeline> =
             std::iter::from_fn(|| assembler.next_frame()).collect();

@@ -1,6 +1,6 @@
 //! Timeline of one frame through the processes.
 
-use message::{Place, ProcessKind, Span, Stage};
+use message::{ProcessKind, Span, Stage, StageScope};
 use std::collections::BTreeMap;
 
 /// Interval of one processing stage in one process.
@@ -39,7 +39,7 @@ pub struct FrameTimeline {
 impl FrameTimeline {
     /// Intervals of the frame's critical path, which tile the end-to-end latency.
     pub fn critical_path(&self) -> impl Iterator<Item = &StageInterval> {
-        let is_link = |interval: &&StageInterval| interval.stage.place() == Place::Frame;
+        let is_link = |interval: &&StageInterval| interval.stage.scope() == StageScope::Frame;
         self.intervals.iter().filter(is_link)
     }
 
@@ -64,7 +64,7 @@ impl FrameTimeline {
     pub fn objects(&self) -> BTreeMap<u64, Vec<&StageInterval>> {
         let mut objects: BTreeMap<u64, Vec<&StageInterval>> = BTreeMap::new();
         for interval in &self.intervals {
-            if interval.stage.place() == Place::Object {
+            if interval.stage.scope() == StageScope::Object {
                 objects
                     .entry(interval.span.track_id)
                     .or_default()
@@ -100,7 +100,7 @@ pub(crate) mod test_frames {
         let critical_path = [
             (Stage::Source, 100_000),
             (Stage::Transport, 50_000),
-            (Stage::Surroundings, 50_000),
+            (Stage::GatherPriors, 50_000),
             (Stage::DetectionQueue, 20_000),
             (Stage::Detection, 7_000_000 + longer_ns),
             (Stage::DetectionAnswer, 30_000),

@@ -2,7 +2,7 @@
 
 use crate::duration_percentiles::DurationPercentiles;
 use crate::latency_recorder::LatencyRecorder;
-use message::Place;
+use message::StageScope;
 use plot::DrawingError;
 use plot::diagram::{Axis, Color, Curve, Diagram, Legend, side_by_side};
 
@@ -28,7 +28,7 @@ pub fn percentile_figure(recorder: &LatencyRecorder) -> Result<String, DrawingEr
     ];
     let critical_path = recorder
         .stages_ns()
-        .filter(|(stage, _)| stage.place() == Place::Frame)
+        .filter(|(stage, _)| stage.scope() == StageScope::Frame)
         .enumerate()
         .map(|(index, (stage, durations))| percentile_curve(stage.word(), index, durations));
     side_by_side(&[

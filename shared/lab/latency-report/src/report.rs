@@ -224,7 +224,7 @@ fn measurement_overhead(
         .values()
         .map(|stage| stage.samples.len())
         .sum();
-    let telling = recorder.stages.get(&Stage::Telling);
+    let telling = recorder.stages.get(&Stage::TracePublishing);
     let telling_ns: u64 = telling.map_or(0, |telling| {
         telling.samples.iter().map(|sample| sample.ns).sum()
     });

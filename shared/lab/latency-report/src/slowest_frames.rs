@@ -1,7 +1,7 @@
 //! Slowest frames of a run, each with the probable cause.
 
 use crate::frame_timeline::{FrameTimeline, StageInterval};
-use message::{Place, Stage};
+use message::{Stage, StageScope};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -122,10 +122,10 @@ fn slowest_nested<'a>(
     link: Stage,
     usual_ns: &BTreeMap<Stage, u64>,
 ) -> Option<&'a StageInterval> {
-    let belongs = |interval: &&StageInterval| match interval.stage.place() {
-        Place::Within(whole) => whole == link,
-        Place::Object => link == Stage::Objects && interval.stage != Stage::OthersAwaited,
-        Place::Frame | Place::Beside => false,
+    let belongs = |interval: &&StageInterval| match interval.stage.scope() {
+        StageScope::Within(whole) => whole == link,
+        StageScope::Object => link == Stage::Objects && interval.stage != Stage::Barrier,
+        StageScope::Frame | StageScope::Outside => false,
     };
     most_delayed(timeline.intervals.iter().filter(belongs), usual_ns)
 }
@@ -139,7 +139,7 @@ fn of_track(interval: &StageInterval) -> String {
 
 /// Cause of a late frame source.
 fn late_source(timeline: &FrameTimeline) -> Option<String> {
-    let making = timeline.interval(Stage::Making)?;
+    let making = timeline.interval(Stage::Generation)?;
     let waited = timeline.interval(Stage::ReleaseWait);
     let slept_ns = waited.map_or(0, StageInterval::duration_ns);
     Some(if making.span.end_ns > timeline.scheduled_ns {

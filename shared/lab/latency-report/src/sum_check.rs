@@ -86,7 +86,7 @@ mod tests {
         };
         assert!(!without(Stage::Detection).passes());
         assert!(!without(Stage::Description).passes());
-        assert!(without(Stage::Surroundings).passes(), "0.5 % is tolerated");
+        assert!(without(Stage::GatherPriors).passes(), "0.5 % is tolerated");
         assert_eq!(without(Stage::Publishing).frames, 0);
     }
 }

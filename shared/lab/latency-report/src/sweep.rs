@@ -2,7 +2,7 @@
 
 use crate::duration_percentiles::DurationPercentiles;
 use crate::report::LatencyReport;
-use message::{Place, Stage};
+use message::{Stage, StageScope};
 use plot::DrawingError;
 use plot::diagram::{Axis, Color, Curve, Diagram, Legend, side_by_side};
 use serde::{Deserialize, Serialize};
@@ -86,7 +86,7 @@ pub fn sweep_figure(axis: &str, rows: &[SweepRow]) -> Result<String, DrawingErro
 }
 
 fn matters(stage: Stage, rows: &[SweepRow]) -> bool {
-    let is_before_label = stage.place() != Place::Beside;
+    let is_before_label = stage.scope() != StageScope::Outside;
     let is_large = |row: &SweepRow| {
         let median = row.stage_p50_ms.get(stage.word()).copied();
         median.unwrap_or_default() > DRAWN_SHARE_MIN * row.end_to_end_ms.p50

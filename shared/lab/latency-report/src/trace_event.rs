@@ -4,7 +4,7 @@
 //! microseconds.
 
 use crate::frame_timeline::{FrameTimeline, StageInterval};
-use message::Place;
+use message::StageScope;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 
@@ -33,9 +33,9 @@ pub fn chrome_trace(timelines: &[&FrameTimeline]) -> Value {
 
 /// Row of an interval: its thread, the critical path, or the object.
 fn row(interval: &StageInterval) -> u64 {
-    match (interval.span.thread_id, interval.stage.place()) {
-        (0, Place::Object) => CRITICAL_PATH_ROW + 1 + interval.span.track_id,
-        (0, _) | (_, Place::Frame) => CRITICAL_PATH_ROW,
+    match (interval.span.thread_id, interval.stage.scope()) {
+        (0, StageScope::Object) => CRITICAL_PATH_ROW + 1 + interval.span.track_id,
+        (0, _) | (_, StageScope::Frame) => CRITICAL_PATH_ROW,
         (thread_id, _) => thread_id.into(),
     }
 }

@@ -1,6 +1,6 @@
 //! Plots as SVG and reports as HTML pages, drawn with plotters.
 //!
-//! [`diagram`] draws line charts, [`interval_figure`] forest plots of estimates with their
+//! [`diagram`] draws line charts, [`forest_plot`] forest plots of estimates with their
 //! confidence intervals, and [`figure_page`] puts tables and figures on an HTML page.
 //!
 //! ```
@@ -28,7 +28,7 @@
 
 pub mod diagram;
 pub mod figure_page;
+pub mod forest_plot;
 pub mod html_page;
-pub mod interval_figure;
 
 pub use diagram::DrawingError;

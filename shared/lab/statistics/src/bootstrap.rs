@@ -41,7 +41,7 @@ impl Estimate {
         figure: impl Fn(&mut dyn Iterator<Item = usize>) -> Option<f64>,
     ) -> Option<Self> {
         let value = figure(&mut (0..n_runs))?;
-        let mut random = Random::for_purpose(seed, RESAMPLING_STREAM);
+        let mut random = Random::substream(seed, RESAMPLING_STREAM);
         let mut drawn = vec![0; n_runs];
         let mut resampled = Vec::with_capacity(N_RESAMPLES);
         for _ in 0..N_RESAMPLES {
@@ -97,7 +97,7 @@ mod tests {
     /// Coverage: share of experiments whose interval over `n_runs` values contains their true
     /// mean of 3.
     fn coverage(n_runs: usize) -> f64 {
-        let mut random = Random::for_purpose(11, 99);
+        let mut random = Random::substream(11, 99);
         let n_experiments = 600;
         let holds = (0..n_experiments).filter(|&experiment| {
             let values: Vec<_> = (0..n_runs)
@@ -124,7 +124,7 @@ mod tests {
 
     #[test]
     fn paired_intervals_are_narrower_than_unpaired_ones() {
-        let mut random = Random::for_purpose(5, 99);
+        let mut random = Random::substream(5, 99);
         let first: Vec<f64> = (0..10).map(|_| 20.0 + 5.0 * normal(&mut random)).collect();
         let second: Vec<f64> = first
             .iter()

@@ -110,7 +110,7 @@ fn transport_probe_removes_the_domain_of_a_killed_probe() {
     let _turn = SERIALISED.lock();
     let folder = channel::RunFolder::of_user();
     let name: channel::DomainName = "m4294967295-0".parse().unwrap();
-    let abandoned = folder.of_domain(&name);
+    let abandoned = folder.domain_folder(&name);
     std::fs::create_dir_all(&abandoned).unwrap();
     std::fs::write(abandoned.join("domain.lock"), "").unwrap();
     let measured = watched(|| {

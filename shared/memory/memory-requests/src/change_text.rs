@@ -1,24 +1,26 @@
 //! Descriptions of changes and history entries for logs and users.
 
-use store::{Change, Contradiction, Operation};
+use store::{Contradiction, Operation, StoreChange};
 
 /// Description of a requested change.
-pub(crate) fn describe_change(change: &Change) -> String {
+pub(crate) fn describe_change(change: &StoreChange) -> String {
     match change {
-        Change::StoreViews(views) => format!("store {} view(s)", views.len()),
-        Change::Teach { track_id, category } => format!("teach track {track_id} as {category}"),
-        Change::Correct { target, category } => format!("correct {target} to {category}"),
-        Change::Forget(target) => format!("forget {target}"),
-        Change::Rename { from, to } => format!("rename {from} to {to}"),
-        Change::MergeCategories { from, into } => format!("merge {from} into {into}"),
-        Change::Undo {
+        StoreChange::StoreViews(views) => format!("store {} view(s)", views.len()),
+        StoreChange::Teach { track_id, category } => {
+            format!("teach track {track_id} as {category}")
+        }
+        StoreChange::Correct { target, category } => format!("correct {target} to {category}"),
+        StoreChange::Forget(target) => format!("forget {target}"),
+        StoreChange::Rename { from, to } => format!("rename {from} to {to}"),
+        StoreChange::MergeCategories { from, into } => format!("merge {from} into {into}"),
+        StoreChange::Undo {
             sequence: Some(sequence),
         } => format!("undo entry {sequence}"),
-        Change::Undo { sequence: None } => "undo the last lesson".to_owned(),
-        Change::PutDocument(document) => format!("store {}", document.key),
-        Change::RemoveDocument(key) => format!("remove {key}"),
-        Change::Purge { .. } => "remove for good what was forgotten".to_owned(),
-        Change::Import { source, .. } => format!("import {source}"),
+        StoreChange::Undo { sequence: None } => "undo the last lesson".to_owned(),
+        StoreChange::PutDocument(document) => format!("store {}", document.key),
+        StoreChange::RemoveDocument(key) => format!("remove {key}"),
+        StoreChange::Purge { .. } => "remove for good what was forgotten".to_owned(),
+        StoreChange::Import { source, .. } => format!("import {source}"),
         _ => "change what is known".to_owned(),
     }
 }

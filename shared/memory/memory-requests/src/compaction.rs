@@ -2,7 +2,7 @@
 
 use crate::job_context::{JobContext, Progress, publish_position, wall_ns};
 use message::control::JobOutcome;
-use store::{Change, Error, Mutation, MutationId, PerceptualMemory};
+use store::{Error, Mutation, MutationId, PerceptualMemory, StoreChange};
 
 const NS_PER_S: u64 = 1_000_000_000;
 /// Author of the purge in the history.
@@ -29,7 +29,7 @@ fn try_run(
         id: MutationId::random()?,
         author: AUTHOR.to_owned(),
         wall_ns: wall_ns(),
-        change: Change::Purge { before_ns },
+        change: StoreChange::Purge { before_ns },
     })?;
     publish_position(&context.position, store.position());
     let n_steps = PerceptualMemory::N_COMPACT_STEPS;

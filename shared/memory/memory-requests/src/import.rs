@@ -9,7 +9,7 @@ use std::fs::{self, File};
 use std::io::BufReader;
 use std::os::unix::fs::FileExt;
 use std::path::{Path, PathBuf};
-use store::{Change, Digest, Mutation, PortableBatch, PortableReader};
+use store::{Digest, Mutation, PortableBatch, PortableReader, StoreChange};
 
 /// Parameters of an import.
 pub(crate) struct ImportRequest {
@@ -175,7 +175,7 @@ fn take_over(
         id: store::MutationId(Digest::of(&id).0),
         author: request.author.clone(),
         wall_ns: wall_ns(),
-        change: Change::Import {
+        change: StoreChange::Import {
             source: request.source.clone(),
             views: batch.views,
             documents: batch.documents,

@@ -31,5 +31,5 @@ mod import;
 mod verification;
 
 pub use history_page::{PAGE_ENTRIES, read_history};
-pub use memory_request_handler::{MemoryDesk, MemoryDeskConfig};
+pub use memory_request_handler::{MemoryRequestHandler, MemoryRequestHandlerConfig};
 pub use verification::verification_report;

@@ -10,8 +10,8 @@ use message::control::{
 };
 use std::path::PathBuf;
 use store::{
-    Answer, Change, Digest, Error, Mutation, Operation, PerceptualMemory, Position, StoreHandle,
-    Target,
+    Digest, Error, Mutation, MutationReceipt, Operation, PerceptualMemory, Position, StoreChange,
+    StoreHandle, Target,
 };
 use tokio::sync::{oneshot, watch};
 
@@ -21,7 +21,7 @@ const PAGE_BYTES: usize = message::control::MAX_MESSAGE_BYTES / 2;
 const MAX_CHANGES_BYTES: usize = message::control::MAX_MESSAGE_BYTES / 4 * 3;
 
 /// Configuration of a request handler.
-pub struct MemoryDeskConfig {
+pub struct MemoryRequestHandlerConfig {
     /// Handle of the store.
     pub store: StoreHandle,
     /// Folder for the upload files of imports.
@@ -31,15 +31,15 @@ pub struct MemoryDeskConfig {
 }
 
 /// Request handler of the perceptual memory.
-pub struct MemoryDesk {
+pub struct MemoryRequestHandler {
     store: StoreHandle,
     jobs: Jobs,
     position: watch::Sender<Position>,
 }
 
-impl MemoryDesk {
+impl MemoryRequestHandler {
     /// Request handler, and a channel with its history position.
-    pub fn new(config: MemoryDeskConfig) -> (Self, watch::Receiver<Position>) {
+    pub fn new(config: MemoryRequestHandlerConfig) -> (Self, watch::Receiver<Position>) {
         let (position, positions) = watch::channel(config.store.position());
         let desk = Self {
             store: config.store.clone(),
@@ -58,11 +58,11 @@ impl MemoryDesk {
     pub async fn answer(&self, command: Command) -> Option<Result<Reply, Refusal>> {
         Some(match command {
             Command::Teach(label) => {
-                let teach = |track_id, category| Change::Teach { track_id, category };
+                let teach = |track_id, category| StoreChange::Teach { track_id, category };
                 self.label(label, teach).await
             }
             Command::Correct(label) => {
-                let correct = |track_id, category| Change::Correct {
+                let correct = |track_id, category| StoreChange::Correct {
                     target: Target::Track(track_id),
                     category,
                 };
@@ -133,7 +133,7 @@ impl MemoryDesk {
     async fn label(
         &self,
         label: Labelling,
-        change: impl FnOnce(u64, CategoryName) -> Change,
+        change: impl FnOnce(u64, CategoryName) -> StoreChange,
     ) -> Result<Reply, Refusal> {
         let Labelling {
             id,
@@ -154,14 +154,14 @@ impl MemoryDesk {
         category: &str,
     ) -> Result<Reply, Refusal> {
         let name = translate::category(category)?;
-        let change = Change::Forget(Target::Category(name.clone()));
+        let change = StoreChange::Forget(Target::Category(name.clone()));
         self.apply_teaching(id, author, change, name.as_str()).await
     }
 
     async fn revise(&self, revision: Revision) -> Result<Reply, Refusal> {
         let Revision { id, author, change } = revision;
         let (change, about) = revision::change(change)?;
-        let is_undo = matches!(change, Change::Undo { .. });
+        let is_undo = matches!(change, StoreChange::Undo { .. });
         let mut reply = self.apply_teaching(id, author, change, &about).await?;
         if is_undo && let Reply::Learned(report) = &mut reply {
             let sequence = report.sequence;
@@ -175,11 +175,11 @@ impl MemoryDesk {
         &self,
         id: MutationId,
         author: String,
-        change: Change,
+        change: StoreChange,
         about: &str,
     ) -> Result<Reply, Refusal> {
         let what = change_text::describe_change(&change);
-        let Answer {
+        let MutationReceipt {
             sequence,
             n_views,
             contradiction,
@@ -202,15 +202,17 @@ impl MemoryDesk {
         &self,
         id: MutationId,
         author: String,
-        change: Change,
-    ) -> Result<Answer, Refusal> {
+        change: StoreChange,
+    ) -> Result<MutationReceipt, Refusal> {
         let mutation = Mutation {
             id: store::MutationId(id.0),
             author,
             wall_ns: wall_ns(),
             change,
         };
-        let ask = |reply: ReplySender<Answer>| self.store.mutate(mutation, |done| reply.send(done));
+        let ask = |reply: ReplySender<MutationReceipt>| {
+            self.store.mutate(mutation, |done| reply.send(done))
+        };
         let answer = wait(ask).await?;
         publish_position(&self.position, self.store.position());
         Ok(answer)

@@ -4,44 +4,44 @@ use crate::translate;
 use message::control::{
     DocumentKind as WireKind, DocumentName, Refusal, RefusalKind, RevisionChange,
 };
-use store::{Change, DocumentKey, DocumentKind, MemoryDocument, Target};
+use store::{DocumentKey, DocumentKind, MemoryDocument, StoreChange, Target};
 
 /// Store change of a revision, and its subject for the answer.
-pub(crate) fn change(change: RevisionChange) -> Result<(Change, String), Refusal> {
+pub(crate) fn change(change: RevisionChange) -> Result<(StoreChange, String), Refusal> {
     let category = |name: &str| translate::category(name);
     Ok(match change {
         RevisionChange::ForgetTrack { track_id } => (
-            Change::Forget(Target::Track(track_id)),
+            StoreChange::Forget(Target::Track(track_id)),
             format!("track {track_id}"),
         ),
         RevisionChange::ForgetView { view } => {
-            let target = Target::View(translate::local_id(view));
+            let target = Target::CapturedView(translate::local_id(view));
             let about = target.to_string();
-            (Change::Forget(target), about)
+            (StoreChange::Forget(target), about)
         }
         RevisionChange::CorrectView {
             view,
             category: name,
         } => {
-            let target = Target::View(translate::local_id(view));
+            let target = Target::CapturedView(translate::local_id(view));
             let category = category(&name)?;
-            (Change::Correct { target, category }, name)
+            (StoreChange::Correct { target, category }, name)
         }
         RevisionChange::Rename { from, to } => {
-            let change = Change::Rename {
+            let change = StoreChange::Rename {
                 from: category(&from)?,
                 to: category(&to)?,
             };
             (change, to)
         }
         RevisionChange::Merge { from, into } => {
-            let change = Change::MergeCategories {
+            let change = StoreChange::MergeCategories {
                 from: category(&from)?,
                 into: category(&into)?,
             };
             (change, into)
         }
-        RevisionChange::Undo { sequence } => (Change::Undo { sequence }, String::new()),
+        RevisionChange::Undo { sequence } => (StoreChange::Undo { sequence }, String::new()),
         RevisionChange::PutDocument {
             document,
             media_type,
@@ -53,11 +53,11 @@ pub(crate) fn change(change: RevisionChange) -> Result<(Change, String), Refusal
                 media_type,
                 content,
             };
-            (Change::PutDocument(document), about)
+            (StoreChange::PutDocument(document), about)
         }
         RevisionChange::RemoveDocument { document } => {
             let about = document.name.clone();
-            (Change::RemoveDocument(key(document)?), about)
+            (StoreChange::RemoveDocument(key(document)?), about)
         }
         other => {
             let sentence = format!("this memory does not know the change {other:?}");

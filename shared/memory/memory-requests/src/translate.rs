@@ -1,14 +1,16 @@
 //! Conversion between the types of the control protocol and of the store.
 
 use geometry::OrientedBox;
-use learning::{CategoryName, Refusal as TeachingRefusal, ViewId};
+use learning::{CategoryName, TeachingError as TeachingRefusal, ViewId};
 use message::WirePose;
 use message::control::{
     CategoryReport, ChangesPage, LearnedChange, LearnedView, PackedCloud, Refusal, RefusalKind,
     SnapshotCursor, SnapshotPage, StoredView, ViewId as WireViewId,
 };
 use nalgebra::Vector3;
-use store::{Change, Changes, Descriptor, Error, LabelledView, NameChange, View};
+use store::{
+    CapturedView, Changes, Error, LabelledView, NameChange, StoreChange, StoredDescriptor,
+};
 
 /// Validated category name.
 pub(crate) fn category(name: &str) -> Result<CategoryName, Refusal> {
@@ -16,15 +18,15 @@ pub(crate) fn category(name: &str) -> Result<CategoryName, Refusal> {
 }
 
 /// Store change for a batch of key views.
-pub(crate) fn store_views(views: Vec<StoredView>) -> Result<Change, Refusal> {
+pub(crate) fn store_views(views: Vec<StoredView>) -> Result<StoreChange, Refusal> {
     views
         .into_iter()
         .map(view)
         .collect::<Result<_, _>>()
-        .map(Change::StoreViews)
+        .map(StoreChange::StoreViews)
 }
 
-fn view(view: StoredView) -> Result<View, Refusal> {
+fn view(view: StoredView) -> Result<CapturedView, Refusal> {
     let refused = |rule: &str| {
         let WireViewId { track_id, view_id } = view.id;
         let sentence = format!("view {view_id} of track {track_id} can not be stored: {rule}");
@@ -43,12 +45,12 @@ fn view(view: StoredView) -> Result<View, Refusal> {
     if let Some(Err(error)) = points.as_deref().map(PackedCloud::checked) {
         return Err(refused(&error.to_string()));
     }
-    Ok(View {
+    Ok(CapturedView {
         id: ViewId {
             track_id: view.id.track_id,
             view_id: view.id.view_id,
         },
-        descriptor: Descriptor {
+        descriptor: StoredDescriptor {
             kind: view.descriptor_kind,
             values,
         },
@@ -164,7 +166,7 @@ pub(crate) fn refusal(error: &Error) -> Refusal {
     use store::StoreRefusal;
     let kind = match error {
         Error::Refused(
-            StoreRefusal::Teaching(TeachingRefusal::LabelledOtherwise { .. })
+            StoreRefusal::Teaching(TeachingRefusal::LabelConflict { .. })
             | StoreRefusal::ViewDiffers { .. }
             | StoreRefusal::NameTaken { .. }
             | StoreRefusal::ViewChangedSince { .. }

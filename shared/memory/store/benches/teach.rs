@@ -11,8 +11,8 @@ use geometry::OrientedBox;
 use learning::{CategoryName, ViewId};
 use nalgebra::{Isometry3, Vector3};
 use store::{
-    Change, Descriptor, Mutation, MutationId, PerceptualMemory, StoreConfig, StoreHandle,
-    StoreThread, Target, View,
+    CapturedView, Mutation, MutationId, PerceptualMemory, StoreChange, StoreConfig, StoreHandle,
+    StoreThread, StoredDescriptor, Target,
 };
 use tempfile::TempDir;
 
@@ -32,7 +32,7 @@ fn wall_clock() -> u64 {
         .map_or(0, |now| now.as_nanos() as u64)
 }
 
-fn mutation(change: Change) -> Mutation {
+fn mutation(change: StoreChange) -> Mutation {
     static NEXT_ID: AtomicU64 = AtomicU64::new(1);
     let id = MutationId(NEXT_ID.fetch_add(1, Ordering::Relaxed) as u128);
     Mutation {
@@ -43,11 +43,11 @@ fn mutation(change: Change) -> Mutation {
     }
 }
 
-fn view(track_id: u64, view_id: u32, cloud_bytes: usize) -> View {
+fn view(track_id: u64, view_id: u32, cloud_bytes: usize) -> CapturedView {
     let values = (0..DESCRIPTOR_VALUES).map(|i| (i as u64 * track_id % 97) as f32 / 97.0);
-    View {
+    CapturedView {
         id: ViewId { track_id, view_id },
-        descriptor: Descriptor {
+        descriptor: StoredDescriptor {
             kind: "good-published-15".to_owned(),
             values: values.collect(),
         },
@@ -66,7 +66,7 @@ fn view(track_id: u64, view_id: u32, cloud_bytes: usize) -> View {
 fn teach(track_id: u64, n: u64) -> Mutation {
     let category = CategoryName::new(&format!("category {n}")).expect("a name");
     let target = Target::Track(track_id);
-    mutation(Change::Correct { target, category })
+    mutation(StoreChange::Correct { target, category })
 }
 
 /// Store with one labelled view of each of `n_tracks`.
@@ -80,7 +80,7 @@ fn filled(n_tracks: u64, cloud_bytes: usize) -> TempDir {
             .map(|track| view(track, 0, cloud_bytes))
             .collect();
         let is_done = |answer: Result<_, store::Error>| assert!(answer.is_ok());
-        handle.mutate(mutation(Change::StoreViews(views)), is_done);
+        handle.mutate(mutation(StoreChange::StoreViews(views)), is_done);
         for track in tracks {
             handle.mutate(teach(track, track % 50), is_done);
         }
@@ -95,7 +95,7 @@ fn start(folder: &TempDir) -> (StoreThread, StoreHandle) {
     let config = StoreConfig {
         folder: folder.path().to_owned(),
         queue_capacity: 1024,
-        limits: store::Limits::default(),
+        limits: store::RetentionLimits::default(),
         write_buffer_bytes: store::WRITE_BUFFER_BYTES,
         wall_clock,
         on_reopened: Box::new(|_| {}),
@@ -129,7 +129,7 @@ fn store_key_view_one_caller(bencher: Bencher) {
         n += 1;
         let views = vec![view(1000, n, CLOUD_BYTES)];
         handle
-            .mutate_and_wait(mutation(Change::StoreViews(views)))
+            .mutate_and_wait(mutation(StoreChange::StoreViews(views)))
             .expect("stored")
     });
 }

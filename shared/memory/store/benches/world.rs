@@ -2,7 +2,9 @@
 //! memory use.
 
 use divan::{AllocProfiler, Bencher};
-use store::working::{FactQuery, Place, Region, Sighting, WorkingMemory, WorldConfig, WorldModel};
+use store::working::{
+    BoxPose, FactQuery, Region, Sighting, WorkingMemory, WorldConfig, WorldModel,
+};
 use tempfile::TempDir;
 
 #[global_allocator]
@@ -33,7 +35,7 @@ fn look(model: &mut WorldModel, step: u64) {
         track_id,
         state: "tracked",
         label: Some("mug"),
-        place: Place {
+        place: BoxPose {
             position_m: [0.1 * track_id as f64, 0.05 * (step % 10) as f64, 0.7],
             orientation_xyzw: [0.0, 0.0, 0.0, 1.0],
             size_m: [0.1; 3],

@@ -83,8 +83,8 @@ pub enum Error {
 pub enum StoreRefusal {
     /// Violated rule of teaching.
     #[error("{0}")]
-    Teaching(#[from] learning::Refusal),
-    /// View id that is stored already with different content.
+    Teaching(#[from] learning::TeachingError),
+    /// CapturedView id that is stored already with different content.
     #[error(
         "{} is stored already, with another content; give a new view a new id",
         in_words(*view)
@@ -93,7 +93,7 @@ pub enum StoreRefusal {
         /// Id of the view.
         view: ViewId,
     },
-    /// View with invalid values.
+    /// CapturedView with invalid values.
     #[error("{} cannot be stored because {reason}; send it again corrected", in_words(*view))]
     InvalidView {
         /// Id of the view.
@@ -117,7 +117,7 @@ pub enum StoreRefusal {
         /// Maximum number of bytes in a batch.
         most: usize,
     },
-    /// View that is not stored, or was forgotten.
+    /// CapturedView that is not stored, or was forgotten.
     #[error(
         "{} is not stored; list the views of the track to see which there are",
         in_words(*view)
@@ -219,7 +219,7 @@ pub enum StoreRefusal {
         /// Maximum length, bytes.
         most: usize,
     },
-    /// View under a track-id that was never leased.
+    /// CapturedView under a track-id that was never leased.
     #[error(
         "{} cannot be stored, since that track-id was never leased; lease track-ids first, and \
          store views under them",
@@ -239,8 +239,8 @@ pub enum StoreRefusal {
     },
 }
 
-impl From<learning::Refusal> for Error {
-    fn from(refusal: learning::Refusal) -> Self {
+impl From<learning::TeachingError> for Error {
+    fn from(refusal: learning::TeachingError) -> Self {
         Self::Refused(StoreRefusal::Teaching(refusal))
     }
 }

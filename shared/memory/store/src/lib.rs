@@ -12,7 +12,7 @@
 //! ```
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! # let folder = tempfile::tempdir()?;
-//! use store::{Change, Error, Mutation, PerceptualMemory, StoreRefusal};
+//! use store::{StoreChange, Error, Mutation, PerceptualMemory, StoreRefusal};
 //!
 //! let (mut memory, report) = PerceptualMemory::open(folder.path(), 1)?;
 //! assert!(!report.is_loss());
@@ -21,7 +21,7 @@
 //!     id: MutationId::random()?,
 //!     author: "anna".to_owned(),
 //!     wall_ns: 2,
-//!     change: Change::Teach {
+//!     change: StoreChange::Teach {
 //!         track_id,
 //!         category: learning::CategoryName::new("mug")?,
 //!     },
@@ -54,11 +54,13 @@ pub use perceptual::document::{
 };
 pub use perceptual::exchange::{ForeignDocument, ForeignView};
 pub use perceptual::history::HistoryEntry;
-pub use perceptual::label_status::{Decided, Standing};
+pub use perceptual::label_status::{DecisionStamp, LabelStatus};
 pub use perceptual::maintenance::Stats;
 pub use perceptual::meta::StoreId;
-pub use perceptual::model::{Answer, Contradiction, DataLoss, Effect, Limits, Operation, Target};
-pub use perceptual::mutation::{Change, MAX_BATCH_BYTES, MAX_BATCH_VIEWS, Mutation};
+pub use perceptual::model::{
+    Contradiction, DataLoss, Effect, MutationReceipt, Operation, RetentionLimits, Target,
+};
+pub use perceptual::mutation::{MAX_BATCH_BYTES, MAX_BATCH_VIEWS, Mutation, StoreChange};
 pub use perceptual::opening::{Condition, OpenReport};
 pub use perceptual::perceptual_memory::{MAX_LEASE, PerceptualMemory};
 pub use perceptual::portable::{
@@ -70,6 +72,7 @@ pub use perceptual::queries::{
 pub use perceptual::store_index::CategorySummary;
 pub use perceptual::store_thread::{OnReopened, StoreConfig, StoreHandle, StoreThread};
 pub use perceptual::view::{
-    Descriptor, MAX_DESCRIPTOR_VALUES, MAX_NAME_BYTES, MAX_POINTS_BYTES, Origin, StoredView, View,
+    CapturedView, MAX_DESCRIPTOR_VALUES, MAX_NAME_BYTES, MAX_POINTS_BYTES, Origin,
+    StoredDescriptor, StoredView,
 };
 pub use perceptual::view_summary::ViewSummary;

@@ -30,9 +30,9 @@ mod world_thread;
 #[cfg(test)]
 mod tests;
 
-pub use event::{Event, Happening, Learned, Lesson, Outcome};
-pub use fact::{Fact, Place, Property, Subject, Value};
-pub use object::{Object, Sighting};
+pub use event::{ActionOutcome, Event, EventKind, TeachingEvent, TeachingKind};
+pub use fact::{BoxPose, Fact, Property, Subject, Value};
+pub use object::{ObjectRecord, Sighting};
 pub use query::{FactPage, FactQuery, Region, Window};
 pub use robot::{Robot, RobotSighting};
 pub use task::{NewTask, Task, TaskEnd, TaskRefusal, TaskState};

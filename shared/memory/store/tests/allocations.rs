@@ -6,8 +6,8 @@ use std::cell::Cell;
 use geometry::OrientedBox;
 use learning::ViewId;
 use nalgebra::{Isometry3, Vector3};
-use store::working::{Place, RobotSighting, Sighting, WorldConfig, WorldModel};
-use store::{Change, Descriptor, Mutation, MutationId, PerceptualMemory, View};
+use store::working::{BoxPose, RobotSighting, Sighting, WorldConfig, WorldModel};
+use store::{CapturedView, Mutation, MutationId, PerceptualMemory, StoreChange, StoredDescriptor};
 
 thread_local! {
     static N_ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
@@ -59,7 +59,7 @@ fn sighting(track_id: u64, wobble_m: f64, now_ns: u64) -> Sighting<'static> {
         track_id,
         state: "tracked",
         label: Some("mug"),
-        place: Place {
+        place: BoxPose {
             position_m: [track_id as f64 + wobble_m, 0.0, 0.7],
             orientation_xyzw: [0.0, 0.0, 0.0, 1.0],
             size_m: [0.1; 3],
@@ -106,14 +106,14 @@ fn unchanged_observation_allocates_nothing() {
     }
 }
 
-/// View with a point cloud whose bytes depend on the track.
-fn view_with_cloud(track_id: u64, n_bytes: usize) -> View {
-    View {
+/// CapturedView with a point cloud whose bytes depend on the track.
+fn view_with_cloud(track_id: u64, n_bytes: usize) -> CapturedView {
+    CapturedView {
         id: ViewId {
             track_id,
             view_id: 0,
         },
-        descriptor: Descriptor {
+        descriptor: StoredDescriptor {
             kind: "test".to_owned(),
             values: vec![0.5; 10],
         },
@@ -141,7 +141,7 @@ fn read_content_is_not_kept_in_memory() {
             id: MutationId(u128::from(track_id)),
             author: "anna".to_owned(),
             wall_ns: track_id,
-            change: Change::StoreViews(vec![view_with_cloud(track_id, CLOUD_BYTES)]),
+            change: StoreChange::StoreViews(vec![view_with_cloud(track_id, CLOUD_BYTES)]),
         });
         stored.unwrap();
     }

@@ -2,8 +2,8 @@
 //! a frame of 640 x 480. The authors' programs compute frame and descriptor together.
 
 use description::{
-    Appearance, AppearanceWeights, Descriptor, DescriptorFrame, Good, GoodVariant, ObjectPoints,
-    Support, WarpedGood, object_axes, reference_frame,
+    AppearanceDescriptor, AppearanceWeights, Descriptor, DescriptorFrame, Good, GoodVariant,
+    ObjectPoints, Support, WarpedGood, object_axes, reference_frame,
 };
 use divan::{Bencher, black_box};
 use point_cloud::{Point, Rgba};
@@ -95,7 +95,7 @@ fn appearance(bencher: Bencher<'_, '_>, is_upright: bool) {
     let points = ObjectPoints::selected(&cloud, &indices).expect("the indices fit");
     let up = is_upright.then(nalgebra::Vector3::z_axis);
     let mut appearance =
-        Appearance::new(AppearanceWeights::default()).expect("the weights are valid");
+        AppearanceDescriptor::new(AppearanceWeights::default()).expect("the weights are valid");
     bencher.bench_local(|| appearance.describe(black_box(points), up.as_ref()).is_ok());
 }
 

@@ -24,7 +24,7 @@ use color_histograms::{ColorHistograms, N_CHROMATICITIES, N_COLORS};
 use nalgebra::UnitVector3;
 use std::sync::LazyLock;
 
-pub use axis_hypotheses::N_READINGS;
+pub use axis_hypotheses::N_AXIS_HYPOTHESES;
 pub use warped_good::WarpedGood;
 
 /// Offset of the size values in the computed order, behind the shape values. Stored
@@ -85,16 +85,16 @@ impl AppearanceWeights {
 
 /// Appearance descriptor with its scratch memory and last result.
 #[derive(Debug, Clone)]
-pub struct Appearance {
+pub struct AppearanceDescriptor {
     weights: AppearanceWeights,
     shape: WarpedGood,
     colors: ColorHistograms,
     hypotheses: AxisHypotheses,
     computed: Vec<f32>,
-    described: [Vec<f32>; N_READINGS],
+    described: [Vec<f32>; N_AXIS_HYPOTHESES],
 }
 
-impl Appearance {
+impl AppearanceDescriptor {
     /// Length of a descriptor.
     pub const DIMENSION: usize = DIMENSION;
 
@@ -130,7 +130,7 @@ impl Appearance {
         &mut self,
         points: ObjectPoints<'_>,
         up: Option<&UnitVector3<f64>>,
-    ) -> Result<&[Vec<f32>; N_READINGS], Error> {
+    ) -> Result<&[Vec<f32>; N_AXIS_HYPOTHESES], Error> {
         let axes = object_axes(points, up).ok_or(Error::NoPoints)?;
         let computed = &mut self.computed;
         computed.clear();
@@ -153,7 +153,7 @@ impl Appearance {
     /// Descriptor of a stored view in all axis hypotheses, the stored one first: the
     /// result of [`describe`](Self::describe), had it started with that hypothesis.
     /// Missing values are taken as 0.
-    pub fn axis_hypotheses_of(stored: &[f32], kind: AxesKind) -> [Vec<f32>; N_READINGS] {
+    pub fn axis_hypotheses_of(stored: &[f32], kind: AxesKind) -> [Vec<f32>; N_AXIS_HYPOTHESES] {
         static HYPOTHESES: LazyLock<AxisHypotheses> = LazyLock::new(AxisHypotheses::new);
         static STORAGE_ORDER: LazyLock<Vec<usize>> = LazyLock::new(value_order::storage_order);
         let mut computed = vec![0.0; DIMENSION];

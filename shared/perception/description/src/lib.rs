@@ -1,7 +1,7 @@
 //! Object descriptors: appearance (shape, size, colour) and GOOD, with their object
 //! frames.
 //!
-//! A descriptor is a vector that is similar for similar visible surfaces. [`Appearance`]
+//! A descriptor is a vector that is similar for similar visible surfaces. [`AppearanceDescriptor`]
 //! is the descriptor of the live system; it determines the object frame itself. [`Good`]
 //! is the published descriptor; with [`reference_frame`], the frame of its
 //! implementation, it reproduces the published numbers.
@@ -13,7 +13,7 @@
 //! # Example
 //!
 //! ```
-//! use description::{Appearance, AppearanceWeights, ObjectPoints};
+//! use description::{AppearanceDescriptor, AppearanceWeights, ObjectPoints};
 //! use point_cloud::{Point, Rgba};
 //!
 //! let point = |i: u16| {
@@ -26,9 +26,9 @@
 //!     }
 //! };
 //! let cloud: Vec<Point> = (0..500).map(point).collect();
-//! let mut appearance = Appearance::new(AppearanceWeights::default())?;
+//! let mut appearance = AppearanceDescriptor::new(AppearanceWeights::default())?;
 //! let hypotheses = appearance.describe(ObjectPoints::all(&cloud), None)?;
-//! assert_eq!(hypotheses[0].len(), Appearance::DIMENSION);
+//! assert_eq!(hypotheses[0].len(), AppearanceDescriptor::DIMENSION);
 //! # Ok::<(), description::Error>(())
 //! ```
 
@@ -46,7 +46,7 @@ mod symmetric_eigen;
 mod appearance;
 mod good;
 
-pub use appearance::{Appearance, AppearanceWeights, N_READINGS, WarpedGood};
+pub use appearance::{AppearanceDescriptor, AppearanceWeights, N_AXIS_HYPOTHESES, WarpedGood};
 pub use descriptor::Descriptor;
 pub use descriptor_frame::DescriptorFrame;
 pub use error::Error;

@@ -10,7 +10,7 @@ use point_cloud::Point;
 ///
 /// Sums are sequential and in single precision, in the order of the points, because
 /// their rounding decides the bins. The signs change when the object turns: for anything
-/// but reproducing published numbers use [`Appearance`](crate::Appearance).
+/// but reproducing published numbers use [`AppearanceDescriptor`](crate::AppearanceDescriptor).
 ///
 /// Returns `None` when no point is finite or the sums overflow.
 ///

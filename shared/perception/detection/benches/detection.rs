@@ -7,7 +7,7 @@
 mod synthetic;
 
 use dataset::pcd;
-use detection::{Config, Detection, Frame, Surroundings, Workspace, detect};
+use detection::{Config, Detection, DetectionInput, ScenePriors, Workspace, detect};
 use divan::Bencher;
 use point_cloud::{OrganizedCloud, Point};
 use std::path::PathBuf;
@@ -28,11 +28,11 @@ fn bench_cloud(bencher: Bencher<'_, '_>, cloud: OrganizedCloud<'_>) {
     let (config, mut seed) = (Config::default(), 0);
     bencher.bench_local(|| {
         seed += 1;
-        let frame = Frame {
+        let frame = DetectionInput {
             cloud,
             up_in_camera: None,
             seed,
-            surroundings: Surroundings::default(),
+            priors: ScenePriors::default(),
         };
         detect(&frame, &config, &mut workspace, &mut detection).is_ok()
     });

@@ -8,7 +8,7 @@
 
 use dataset::pcd;
 use dataset::rgbd_sequence::{RgbdSequence, Scratch};
-use detection::{Config, Detection, Frame, Surroundings, Workspace, detect};
+use detection::{Config, Detection, DetectionInput, ScenePriors, Workspace, detect};
 use nalgebra::{Unit, Vector3};
 use point_cloud::{OrganizedCloud, Point};
 use std::error::Error;
@@ -61,11 +61,11 @@ fn segments(
     cloud: &OrganizedCloud<'_>,
     up_in_camera: Option<Unit<Vector3<f64>>>,
 ) -> Result<Vec<u32>, Box<dyn Error>> {
-    let frame = Frame {
+    let frame = DetectionInput {
         cloud: *cloud,
         up_in_camera,
         seed: 1,
-        surroundings: Surroundings::default(),
+        priors: ScenePriors::default(),
     };
     let mut detection = Detection::default();
     detect(

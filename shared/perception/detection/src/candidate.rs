@@ -1,6 +1,6 @@
 //! Object candidate: a cluster above the table with its box and findings.
 
-use constraint::{Constraint, ConstraintSet, Findings, Truth};
+use constraint::{Constraint, ConstraintSet, Findings, Ternary};
 use geometry::OrientedBox;
 use nalgebra::Point3;
 use std::ops::Range;
@@ -29,7 +29,7 @@ pub struct Candidate {
     pub oriented_box: OrientedBox,
     /// Height of the lower part of the box without any point, metres, because a round
     /// object occludes its own contact area.
-    pub unseen_foot_m: f64,
+    pub occluded_base_m: f64,
     /// Mean colour: red, green, blue, each 0 to 255.
     pub mean_rgb: [f32; 3],
     /// Support relation; `None` when no support is known.
@@ -44,7 +44,7 @@ pub struct Candidate {
     pub findings: Findings,
     /// Verdict of the rule. False for a candidate that is not object-sized, whatever the
     /// rule says. Only a true verdict begins a track.
-    pub verdict: Truth,
+    pub verdict: Ternary,
     /// Constraints that decided the verdict.
     pub decisive: ConstraintSet,
 }
@@ -58,20 +58,20 @@ impl Candidate {
     /// `true` when size and support allow an object that is neither person nor robot,
     /// before the rule is evaluated.
     pub fn is_hypothesis(&self) -> bool {
-        self.is_object_sized && self.support.is_some() && !self.findings.is_limb()
+        self.is_object_sized && self.support.is_some() && !self.findings.is_person_or_robot()
     }
 
     /// `true` when a person or the robot may touch the candidate, so that a part of it may
     /// be missing.
     pub fn is_touched(&self) -> bool {
         let limbs = [Constraint::Instructor, Constraint::Robot];
-        let mut truths = limbs.map(|limb| self.findings.of(limb).truth).into_iter();
-        truths.any(|truth| truth == Truth::Unknown)
+        let mut truths = limbs.map(|limb| self.findings.get(limb).value).into_iter();
+        truths.any(|truth| truth == Ternary::Unknown)
     }
 
     /// `true` when the candidate can be the observation of a live track, whatever the rule
     /// says: everything of an object's size except people and the robot.
     pub fn can_continue_track(&self) -> bool {
-        self.is_object_sized && !self.findings.is_limb()
+        self.is_object_sized && !self.findings.is_person_or_robot()
     }
 }

@@ -1,11 +1,11 @@
 //! Detection entry points: organised clouds take the image path, all others the
 //! unorganised path.
 
-use crate::input::Frame;
+use crate::input::DetectionInput;
 use crate::organized::detect_organized;
 use crate::output::Detection;
-use crate::parallelism::{Crew, Sequential};
-use crate::stage::Step;
+use crate::parallelism::{Parallelism, Sequential};
+use crate::stage::DetectionStage;
 use crate::unorganized::{detect_unorganized, is_unorganized};
 use crate::workspace::Workspace;
 use crate::{Config, Error};
@@ -24,12 +24,12 @@ const N_POINTS_MAX: usize = 1 << 26;
 /// # Errors
 /// When the cloud is larger than 8192x8192 points; `detection` is then left empty.
 pub fn detect(
-    frame: &Frame<'_>,
+    frame: &DetectionInput<'_>,
     config: &Config,
     workspace: &mut Workspace,
     detection: &mut Detection,
 ) -> Result<(), Error> {
-    detect_in_steps(
+    detect_observed(
         frame,
         config,
         workspace,
@@ -47,13 +47,13 @@ pub fn detect(
 ///
 /// # Errors
 /// As for [`detect`].
-pub fn detect_in_steps(
-    frame: &Frame<'_>,
+pub fn detect_observed(
+    frame: &DetectionInput<'_>,
     config: &Config,
     workspace: &mut Workspace,
     detection: &mut Detection,
-    parallelism: &dyn Crew,
-    on_step: &mut dyn FnMut(Step),
+    parallelism: &dyn Parallelism,
+    on_step: &mut dyn FnMut(DetectionStage),
 ) -> Result<(), Error> {
     let Workspace {
         organized,
@@ -72,14 +72,11 @@ pub fn detect_in_steps(
 }
 
 /// Assumptions for the sources that are absent.
-fn assumptions(frame: &Frame<'_>) -> Assumptions {
+fn assumptions(frame: &DetectionInput<'_>) -> Assumptions {
     let mut assumptions = Assumptions::default();
     for (is_absent, assumption) in [
-        (
-            frame.surroundings.instructor.is_none(),
-            Assumption::NoPersonKnown,
-        ),
-        (frame.surroundings.robot.is_none(), Assumption::NoRobotKnown),
+        (frame.priors.instructor.is_none(), Assumption::NoPersonKnown),
+        (frame.priors.robot.is_none(), Assumption::NoRobotKnown),
         (frame.up_in_camera.is_none(), Assumption::UpGuessed),
     ] {
         if is_absent {

@@ -6,7 +6,7 @@ use point_cloud::OrganizedCloud;
 
 /// Detection input: one point cloud, the up direction, a seed and scene priors.
 #[derive(Debug, Clone, Copy)]
-pub struct Frame<'a> {
+pub struct DetectionInput<'a> {
     /// Point cloud in the camera frame, metres. A cloud of a single row or column has
     /// no image grid; it may be in any frame and merged from several views.
     pub cloud: OrganizedCloud<'a>,
@@ -15,13 +15,13 @@ pub struct Frame<'a> {
     /// Seed of the plane search; the same seed gives the same result.
     pub seed: u64,
     /// Scene priors: people, robot and live tracks.
-    pub surroundings: Surroundings<'a>,
+    pub priors: ScenePriors<'a>,
 }
 
 /// Scene priors in the camera frame: people, robot and live tracks. The default
 /// knows nothing.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Surroundings<'a> {
+pub struct ScenePriors<'a> {
     /// Capsules of people; `None` when no source reports people.
     pub instructor: Option<&'a [Capsule]>,
     /// Capsules of the robot's links; `None` when no source reports the robot.
@@ -34,7 +34,7 @@ pub struct Surroundings<'a> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ExpectedTrack {
     /// Predicted box, camera frame.
-    pub shape: OrientedBox,
+    pub oriented_box: OrientedBox,
     /// Number of points at the last observation. 0 marks a box that may be empty; no
     /// cluster is split by it.
     pub n_points: usize,
@@ -42,6 +42,9 @@ pub struct ExpectedTrack {
 
 impl From<OrientedBox> for ExpectedTrack {
     fn from(shape: OrientedBox) -> Self {
-        Self { shape, n_points: 0 }
+        Self {
+            oriented_box: shape,
+            n_points: 0,
+        }
     }
 }

@@ -11,22 +11,22 @@
 //! Invariants: this crate never does I/O, never reads a clock, keeps no state between
 //! frames but buffers, draws randomness only from the given seed, accepts any bit
 //! pattern in the points, and knows people, the robot and tracks only as the capsules
-//! and boxes in [`Surroundings`].
+//! and boxes in [`ScenePriors`].
 //!
 //! # Example
 //!
 //! A cloud without a plane has no table and therefore no candidates:
 //!
 //! ```
-//! use detection::{Config, Detection, Frame, Surroundings, Workspace, detect};
+//! use detection::{Config, Detection, DetectionInput, ScenePriors, Workspace, detect};
 //! use point_cloud::{OrganizedCloud, Point};
 //!
 //! let points = vec![Point::default(); 640 * 480];
-//! let frame = Frame {
+//! let frame = DetectionInput {
 //!     cloud: OrganizedCloud::new(&points, 640, 480)?,
 //!     up_in_camera: None,
 //!     seed: 1,
-//!     surroundings: Surroundings::default(),
+//!     surroundings: ScenePriors::default(),
 //! };
 //! let (mut workspace, mut detection) = (Workspace::default(), Detection::default());
 //! detect(&frame, &Config::default(), &mut workspace, &mut detection)?;
@@ -72,12 +72,12 @@ mod workspace;
 
 pub use candidate::{Candidate, Support};
 pub use config::{Config, InvalidConfig, RawConfig};
-pub use detect::{detect, detect_in_steps};
+pub use detect::{detect, detect_observed};
 pub use error::Error;
-pub use input::{ExpectedTrack, Frame, Surroundings};
+pub use input::{DetectionInput, ExpectedTrack, ScenePriors};
 pub use outline::Outline;
 pub use output::Detection;
-pub use parallelism::{Crew, Sequential};
-pub use stage::Step;
+pub use parallelism::{Parallelism, Sequential};
+pub use stage::DetectionStage;
 pub use table::{Table, TableChoice};
 pub use workspace::Workspace;

@@ -70,7 +70,7 @@ pub(crate) fn find_occluded_table(
         region,
     );
     region_polygon(samples, region, table, outline);
-    let is_around = |corner| table.inner_distance_m(corner) >= -OVERHANG_M;
+    let is_around = |corner| table.signed_distance_m(corner) >= -OVERHANG_M;
     let surrounds = n_around >= n_min && top.corners().iter().all(is_around);
     surrounds.then(|| region_plane(samples, region).unwrap_or(lower))
 }

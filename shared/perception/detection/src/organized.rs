@@ -5,16 +5,16 @@ use crate::candidate::Candidate;
 use crate::cluster_hypothesis::ClusterHypothesis;
 use crate::clusters::{Clusters, ConcavitySplit, TrackClaims};
 use crate::constraint_evaluation::{BodyMask, ConstraintEvaluator};
-use crate::input::Frame;
+use crate::input::DetectionInput;
 use crate::outline::Outline;
 use crate::outline_tracing::OutlineTracer;
 use crate::output::Detection;
-use crate::parallelism::{Crew, ScratchPool};
+use crate::parallelism::{Parallelism, ScratchPool};
 use crate::pixel_bounds::PixelBounds;
 use crate::prism::{Prism, TableOverlap, lowest_m};
 use crate::samples::Samples;
 use crate::split_gate::may_be_several_objects;
-use crate::stage::Step;
+use crate::stage::DetectionStage;
 use crate::support_plane_holes::SupportPlaneHoles;
 use crate::support_relations::find_support_relations;
 use crate::table::Table;
@@ -94,39 +94,39 @@ impl OrganizedBuffers {
 /// Detect the table and the candidates in an organised cloud; `detection` comes
 /// empty. Without a table it stays empty.
 pub(crate) fn detect_organized(
-    frame: &Frame<'_>,
+    frame: &DetectionInput<'_>,
     config: &Config,
     buffers: &mut OrganizedBuffers,
     detection: &mut Detection,
-    parallelism: &dyn Crew,
-    on_step: &mut dyn FnMut(Step),
+    parallelism: &dyn Parallelism,
+    on_step: &mut dyn FnMut(DetectionStage),
 ) {
     let raw = config.get();
     if let Some(table) = find_table(frame, raw, buffers, on_step) {
         list_above_table(&frame.cloud, &table, raw, parallelism, buffers);
-        on_step(Step::Prism);
+        on_step(DetectionStage::PrismFilter);
         cluster_pixels(frame, &table, raw, parallelism, buffers);
-        on_step(Step::Clusters);
+        on_step(DetectionStage::Clustering);
         split_at_concavities(&frame.cloud, &table, parallelism, buffers);
-        on_step(Step::Piles);
+        on_step(DetectionStage::ConcavitySplit);
         regroup_by_tracks(frame, buffers);
-        on_step(Step::Regrouping);
+        on_step(DetectionStage::TrackRegrouping);
         grow_to_support_plane(&frame.cloud, &table, buffers);
-        on_step(Step::Feet);
+        on_step(DetectionStage::SupportPlaneGrowth);
         find_hypotheses(&frame.cloud, &table, raw, parallelism, buffers);
-        on_step(Step::Boxes);
+        on_step(DetectionStage::BoundingBoxes);
         write_candidates(frame, &table, config, parallelism, buffers, detection);
         detection.table = Some(table);
-        on_step(Step::Judging);
+        on_step(DetectionStage::ConstraintEvaluation);
     }
 }
 
 /// Table of a frame with its surface cells and outline.
 fn find_table(
-    frame: &Frame<'_>,
+    frame: &DetectionInput<'_>,
     config: &RawConfig,
     buffers: &mut OrganizedBuffers,
-    on_step: &mut dyn FnMut(Step),
+    on_step: &mut dyn FnMut(DetectionStage),
 ) -> Option<Table> {
     let OrganizedBuffers {
         samples,
@@ -137,17 +137,17 @@ fn find_table(
         ..
     } = buffers;
     samples.refill(&frame.cloud, config);
-    on_step(Step::Samples);
+    on_step(DetectionStage::Subsampling);
     let mut random = Random::from_seed(frame.seed);
     let table = select_table(samples, frame.up_in_camera, config, &mut random, selection);
-    on_step(Step::TablePlane);
+    on_step(DetectionStage::TablePlane);
     let mut table = table?;
     surface.refill(&table, samples);
     if surface.has_gaps() {
         std::mem::swap(&mut table.outline, hull);
         tracer.trace(surface, hull, &mut table.outline);
     }
-    on_step(Step::TableSurface);
+    on_step(DetectionStage::TableSurface);
     Some(table)
 }
 
@@ -156,7 +156,7 @@ fn list_above_table(
     cloud: &OrganizedCloud<'_>,
     table: &Table,
     config: &RawConfig,
-    parallelism: &dyn Crew,
+    parallelism: &dyn Parallelism,
     buffers: &mut OrganizedBuffers,
 ) {
     let OrganizedBuffers {
@@ -178,10 +178,10 @@ fn list_above_table(
 /// Cluster the pixels above the table. Pixels of people and the robot are clustered
 /// separately, so that no object merges with a body that touches it.
 fn cluster_pixels(
-    frame: &Frame<'_>,
+    frame: &DetectionInput<'_>,
     table: &Table,
     config: &RawConfig,
-    parallelism: &dyn Crew,
+    parallelism: &dyn Parallelism,
     buffers: &mut OrganizedBuffers,
 ) {
     let OrganizedBuffers {
@@ -192,8 +192,8 @@ fn cluster_pixels(
         clusters,
         ..
     } = buffers;
-    body_mask.refill(&frame.surroundings, table, config);
-    let tracks = frame.surroundings.tracks;
+    body_mask.refill(&frame.priors, table, config);
+    let tracks = frame.priors.tracks;
     body_mask.extract(&frame.cloud, tracks, over_table, masked);
     let n_min = (config.points_min_at_1m / (config.range_max_m * config.range_max_m)) as u32;
     clusters.label_components(&frame.cloud, parallelism, over_table, n_min);
@@ -206,7 +206,7 @@ fn cluster_pixels(
 fn split_at_concavities(
     cloud: &OrganizedCloud<'_>,
     table: &Table,
-    parallelism: &dyn Crew,
+    parallelism: &dyn Parallelism,
     buffers: &mut OrganizedBuffers,
 ) {
     let OrganizedBuffers {
@@ -220,13 +220,13 @@ fn split_at_concavities(
 
 /// Track-guided regrouping: split clusters shared by several tracked objects and merge
 /// fragments of one tracked object.
-fn regroup_by_tracks(frame: &Frame<'_>, buffers: &mut OrganizedBuffers) {
+fn regroup_by_tracks(frame: &DetectionInput<'_>, buffers: &mut OrganizedBuffers) {
     let OrganizedBuffers {
         clusters,
         track_claims,
         ..
     } = buffers;
-    let tracks = frame.surroundings.tracks;
+    let tracks = frame.priors.tracks;
     clusters.split_by_tracks(&frame.cloud, tracks, track_claims);
     clusters.merge_by_tracks(&frame.cloud, tracks);
 }
@@ -257,7 +257,7 @@ fn find_hypotheses(
     cloud: &OrganizedCloud<'_>,
     table: &Table,
     config: &RawConfig,
-    parallelism: &dyn Crew,
+    parallelism: &dyn Parallelism,
     buffers: &mut OrganizedBuffers,
 ) {
     let OrganizedBuffers {
@@ -311,10 +311,10 @@ fn find_hypotheses(
 
 /// Evaluate the constraints of the hypotheses and write them as candidates.
 fn write_candidates(
-    frame: &Frame<'_>,
+    frame: &DetectionInput<'_>,
     table: &Table,
     config: &Config,
-    parallelism: &dyn Crew,
+    parallelism: &dyn Parallelism,
     buffers: &mut OrganizedBuffers,
     detection: &mut Detection,
 ) {
@@ -322,7 +322,7 @@ fn write_candidates(
     let evaluator = ConstraintEvaluator {
         cloud: frame.cloud,
         table,
-        priors: frame.surroundings,
+        priors: frame.priors,
         body_mask: &buffers.body_mask,
         config: config.get(),
     };

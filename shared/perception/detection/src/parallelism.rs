@@ -5,29 +5,29 @@ use parking_lot::Mutex;
 /// Parallelism: the threads on which detection stages run.
 ///
 /// The result does not depend on the implementation.
-pub trait Crew {
+pub trait Parallelism {
     /// Run `work` on the calling thread and, at the same time, on any idle threads; return
     /// after the last call ends. Each call takes work items until none is left.
-    fn together(&self, work: &(dyn Fn() + Sync));
+    fn run_on_all(&self, work: &(dyn Fn() + Sync));
 }
 
 /// Sequential execution on the calling thread.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Sequential;
 
-impl Crew for Sequential {
-    fn together(&self, work: &(dyn Fn() + Sync)) {
+impl Parallelism for Sequential {
+    fn run_on_all(&self, work: &(dyn Fn() + Sync)) {
         work();
     }
 }
 
 /// Run `work` for each item on all threads; an idle thread takes the next item.
-pub(crate) fn for_each<I>(parallelism: &dyn Crew, items: I, work: impl Fn(I::Item) + Sync)
+pub(crate) fn for_each<I>(parallelism: &dyn Parallelism, items: I, work: impl Fn(I::Item) + Sync)
 where
     I: Iterator<Item: Send> + Send,
 {
     let items = Mutex::new(items);
-    parallelism.together(&|| {
+    parallelism.run_on_all(&|| {
         while let Some(item) = take_next(&items) {
             work(item);
         }
@@ -42,14 +42,14 @@ impl<D: Default + Send> ScratchPool<D> {
     /// Run `work` for each item on all threads, each with its own scratch buffer.
     pub(crate) fn for_each<I>(
         &self,
-        parallelism: &dyn Crew,
+        parallelism: &dyn Parallelism,
         items: I,
         work: impl Fn(&mut D, I::Item) + Sync,
     ) where
         I: Iterator<Item: Send> + Send,
     {
         let items = Mutex::new(items);
-        parallelism.together(&|| {
+        parallelism.run_on_all(&|| {
             let mut scratch = None;
             while let Some(item) = take_next(&items) {
                 work(scratch.get_or_insert_with(|| self.take()), item);

@@ -101,7 +101,7 @@ fn hypothesis(samples: &Samples, free: &[u32], random: &mut Random) -> Option<Pl
     let anchor = free[random.below(free.len())] as usize;
     let second = neighbour(samples, anchor, random)?;
     let third = neighbour(samples, anchor, random)?;
-    Plane::through_three(
+    Plane::through_points(
         &samples.position(anchor),
         &samples.position(second),
         &samples.position(third),

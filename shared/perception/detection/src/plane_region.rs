@@ -274,7 +274,7 @@ pub(crate) fn region_polygon(
             }
         }
     }
-    polygon.become_hull_of(&mut buffers.outline);
+    polygon.assign_convex_hull_of(&mut buffers.outline);
     let corners = polygon.corners();
     let ends_view = |i: usize| buffers.view_ends.contains(&corners[i % corners.len()]);
     outline.corners.clear();

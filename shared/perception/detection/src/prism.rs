@@ -2,7 +2,7 @@
 
 use crate::RawConfig;
 use crate::affine_form::AffineForm;
-use crate::parallelism::{Crew, for_each};
+use crate::parallelism::{Parallelism, for_each};
 use crate::samples::{is_in_range, sideways_max_m};
 use crate::support_plane_holes::SupportPlaneHoles;
 use crate::table::Table;
@@ -139,7 +139,7 @@ impl<'a> Prism<'a> {
     pub(crate) fn list_pixels(
         &self,
         cloud: &OrganizedCloud<'_>,
-        parallelism: &dyn Crew,
+        parallelism: &dyn Parallelism,
         bands: &mut Vec<Vec<u32>>,
         pixels: &mut Vec<u32>,
     ) {

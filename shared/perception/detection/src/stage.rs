@@ -2,25 +2,25 @@
 
 /// Detection stage of an organised cloud, in the order of execution.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Step {
+pub enum DetectionStage {
     /// Subsampling of the cloud.
-    Samples,
+    Subsampling,
     /// Table plane search.
     TablePlane,
     /// Table surface cells and outline.
     TableSurface,
     /// Prism filter: pixels above the table.
-    Prism,
+    PrismFilter,
     /// Connected components, with people and robot masked.
-    Clusters,
+    Clustering,
     /// Concavity split of clusters of several objects.
-    Piles,
+    ConcavitySplit,
     /// Track-guided splitting and merging of clusters.
-    Regrouping,
+    TrackRegrouping,
     /// Growth of the clusters down to the support plane.
-    Feet,
+    SupportPlaneGrowth,
     /// Bounding boxes and support relations.
-    Boxes,
+    BoundingBoxes,
     /// Constraint evaluation and output of the candidates.
-    Judging,
+    ConstraintEvaluation,
 }

@@ -359,7 +359,7 @@ mod tests {
         Table {
             plane,
             table_from_camera: plane.plane_from_source(),
-            polygon: ConvexPolygon::hull_of(corners),
+            polygon: ConvexPolygon::convex_hull_of(corners),
             outline: Outline::default(),
             n_samples: 0,
             choice: TableChoice::Only,
@@ -381,7 +381,7 @@ mod tests {
             let (low, high) = ends.fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(v), h.max(v)));
             for (u, v) in probes {
                 let (u, v): (f64, f64) = (u, v);
-                let inner = table.polygon.inner_distance_m(&Point2::new(u, v));
+                let inner = table.polygon.signed_distance_m(&Point2::new(u, v));
                 // A pointed corner is cut off at the margin before its tip.
                 let before_end = (v - low).min(high - v) > 0.03;
                 if inner > 0.03 {

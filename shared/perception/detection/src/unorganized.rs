@@ -27,7 +27,7 @@ use self::point_labels::PointLabels;
 use self::single_view::{SingleView, ViewEvidence};
 use self::voxel_detection::VoxelDetector;
 use crate::Config;
-use crate::input::Frame;
+use crate::input::DetectionInput;
 use crate::organized::{OrganizedBuffers, detect_organized};
 use crate::output::Detection;
 use crate::parallelism::Sequential;
@@ -48,7 +48,7 @@ pub(crate) fn is_unorganized(cloud: &OrganizedCloud<'_>) -> bool {
 
 /// Detect in an unorganised cloud; `detection` comes empty.
 pub(crate) fn detect_unorganized(
-    frame: &Frame<'_>,
+    frame: &DetectionInput<'_>,
     config: &Config,
     buffers: &mut UnorganizedBuffers,
     organized: &mut OrganizedBuffers,
@@ -70,7 +70,7 @@ pub(crate) fn detect_unorganized(
 
 /// Detect in the image of a single view and transfer the result to the points.
 fn detect_in_single_view(
-    frame: &Frame<'_>,
+    frame: &DetectionInput<'_>,
     config: &Config,
     buffers: &mut UnorganizedBuffers,
     organized: &mut OrganizedBuffers,
@@ -78,7 +78,7 @@ fn detect_in_single_view(
 ) {
     let UnorganizedBuffers { view, labels, .. } = buffers;
     let Some(image) = view.image() else { return };
-    let image_frame = Frame {
+    let image_frame = DetectionInput {
         cloud: image,
         ..*frame
     };

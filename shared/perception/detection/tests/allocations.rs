@@ -4,7 +4,7 @@
 mod scene_priors;
 mod synthetic;
 
-use detection::{Candidate, Config, Detection, Frame, Surroundings, Workspace, detect};
+use detection::{Candidate, Config, Detection, DetectionInput, ScenePriors, Workspace, detect};
 use point_cloud::OrganizedCloud;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -54,11 +54,11 @@ fn organized_detection_allocates_nothing_in_steady_state() {
     let config = Config::default();
     let (tracks, links) = (scene_priors::tracks(), [scene_priors::link()]);
     for seed in 0..40 {
-        let frame = Frame {
+        let frame = DetectionInput {
             cloud,
             up_in_camera: None,
             seed,
-            surroundings: Surroundings {
+            priors: ScenePriors {
                 instructor: None,
                 robot: Some(&links),
                 tracks: &tracks,
@@ -68,7 +68,7 @@ fn organized_detection_allocates_nothing_in_steady_state() {
         detect(&frame, &config, &mut workspace, &mut detection).unwrap();
         let n_allocations = N_ALLOCATIONS.get() - before;
         assert!(detection.candidates.len() >= 3);
-        let is_limb = |c: &Candidate| c.findings.is_limb();
+        let is_limb = |c: &Candidate| c.findings.is_person_or_robot();
         assert!(detection.candidates.iter().any(is_limb));
         if seed >= 20 {
             assert_eq!(n_allocations, 0, "in frame {seed}");
@@ -107,11 +107,11 @@ fn unorganized_detection_allocates_only_polygons_in_steady_state() {
         let (mut workspace, mut detection) = (Workspace::default(), Detection::default());
         let config = Config::default();
         for seed in 0..40 {
-            let frame = Frame {
+            let frame = DetectionInput {
                 cloud,
                 up_in_camera: None,
                 seed,
-                surroundings: Surroundings::default(),
+                priors: ScenePriors::default(),
             };
             let before = N_ALLOCATIONS.get();
             detect(&frame, &config, &mut workspace, &mut detection).unwrap();

@@ -2,9 +2,10 @@
 
 mod synthetic;
 
-use constraint::{Assumption, Constraint, Findings, Reason, Truth};
+use constraint::{Assumption, Constraint, Findings, Reason, Ternary};
 use detection::{
-    Candidate, Config, Detection, ExpectedTrack, Frame, RawConfig, Surroundings, Workspace, detect,
+    Candidate, Config, Detection, DetectionInput, ExpectedTrack, RawConfig, ScenePriors, Workspace,
+    detect,
 };
 use geometry::{Capsule, OrientedBox};
 use nalgebra::{Isometry3, Point3, Vector3};
@@ -27,13 +28,13 @@ fn box_at(x: f64, y: f64, sides: [f64; 3]) -> BoxOnTable {
     }
 }
 
-fn found(points: &[Point], surroundings: Surroundings<'_>, config: &Config) -> Detection {
+fn found(points: &[Point], surroundings: ScenePriors<'_>, config: &Config) -> Detection {
     let mut detection = Detection::default();
-    let frame = Frame {
+    let frame = DetectionInput {
         cloud: OrganizedCloud::new(points, 640, 480).expect("a full grid"),
         up_in_camera: None,
         seed: 3,
-        surroundings,
+        priors: surroundings,
     };
     detect(&frame, config, &mut Workspace::default(), &mut detection).expect("an organised cloud");
     detection
@@ -41,7 +42,7 @@ fn found(points: &[Point], surroundings: Surroundings<'_>, config: &Config) -> D
 
 fn found_plainly(boxes: &[BoxOnTable]) -> Detection {
     let points = render(boxes, 1.0);
-    found(&points, Surroundings::default(), &Config::default())
+    found(&points, ScenePriors::default(), &Config::default())
 }
 
 /// Candidate with its box centre nearest to a point of the table's frame.
@@ -74,9 +75,14 @@ fn capsule_in_camera(from: [f64; 3], to: [f64; 3], radius_m: f64) -> Capsule {
     capsule.transformed(&camera_from_table())
 }
 
-fn check(findings: &Findings, constraint: Constraint, truth: Truth, is_reason: fn(Reason) -> bool) {
-    let finding = findings.of(constraint);
-    assert_eq!(finding.truth, truth, "{constraint:?}: {}", finding.reason);
+fn check(
+    findings: &Findings,
+    constraint: Constraint,
+    truth: Ternary,
+    is_reason: fn(Reason) -> bool,
+) {
+    let finding = findings.get(constraint);
+    assert_eq!(finding.value, truth, "{constraint:?}: {}", finding.reason);
     assert!(is_reason(finding.reason), "{:?}", finding.reason);
 }
 
@@ -84,30 +90,30 @@ fn check(findings: &Findings, constraint: Constraint, truth: Truth, is_reason: f
 fn verdict_is_true_for_a_free_standing_object() {
     let detection = found_plainly(&[MIDDLE]);
     let candidate = near(&detection, [0.0, 0.0, 0.06]);
-    assert_eq!(candidate.verdict, Truth::True);
+    assert_eq!(candidate.verdict, Ternary::True);
     let findings = &candidate.findings;
-    check(findings, Constraint::Table, Truth::True, |r| {
+    check(findings, Constraint::Table, Ternary::True, |r| {
         r == Reason::StandsOnTable
     });
-    check(findings, Constraint::Track, Truth::True, |r| {
+    check(findings, Constraint::Track, Ternary::True, |r| {
         r == Reason::NoOverlappingTrack { overlap: 0.0 }
     });
-    check(findings, Constraint::Size, Truth::True, |r| {
+    check(findings, Constraint::Size, Ternary::True, |r| {
         matches!(r, Reason::Graspable { .. })
     });
-    check(findings, Constraint::Edge, Truth::False, |r| {
+    check(findings, Constraint::Edge, Ternary::False, |r| {
         r == Reason::AwayFromRim
     });
-    check(findings, Constraint::Robot, Truth::False, |r| {
+    check(findings, Constraint::Robot, Ternary::False, |r| {
         r == Reason::NoRobotKnown
     });
-    check(findings, Constraint::Instructor, Truth::False, |r| {
+    check(findings, Constraint::Instructor, Ternary::False, |r| {
         r == Reason::NoPersonKnown
     });
-    check(findings, Constraint::KeyView, Truth::Unknown, |r| {
+    check(findings, Constraint::KeyView, Ternary::Unknown, |r| {
         r == Reason::KeyViewUndecided
     });
-    check(findings, Constraint::ImageBorder, Truth::False, |r| {
+    check(findings, Constraint::ImageBorder, Ternary::False, |r| {
         r == Reason::WithinView
     });
 }
@@ -117,7 +123,7 @@ fn assumptions_name_the_absent_sources() {
     let points = render(&[MIDDLE], 1.0);
     let assumptions_of =
         |surroundings| found(&points, surroundings, &Config::default()).assumptions;
-    let nothing_known = assumptions_of(Surroundings::default());
+    let nothing_known = assumptions_of(ScenePriors::default());
     for assumption in [
         Assumption::NoPersonKnown,
         Assumption::NoRobotKnown,
@@ -125,7 +131,7 @@ fn assumptions_name_the_absent_sources() {
     ] {
         assert!(nothing_known.contains(assumption));
     }
-    let empty_scene = assumptions_of(Surroundings {
+    let empty_scene = assumptions_of(ScenePriors {
         instructor: Some(&[]),
         robot: Some(&[]),
         tracks: &[],
@@ -143,9 +149,9 @@ fn track_regrouping_splits_two_touching_tracked_objects() {
     let pair = [box_at(-0.04, 0.0, sides), box_at(0.04, 0.0, sides)];
     let points = render(&pair, 1.0);
     let with = |tracks: &[ExpectedTrack]| {
-        let surroundings = Surroundings {
+        let surroundings = ScenePriors {
             tracks,
-            ..Surroundings::default()
+            ..ScenePriors::default()
         };
         found(&points, surroundings, &Config::default())
     };
@@ -153,7 +159,7 @@ fn track_regrouping_splits_two_touching_tracked_objects() {
     assert_eq!(whole.candidates.len(), 1);
     let n_points = whole.candidates[0].n_points() / 2;
     let track = |solid: &BoxOnTable, n_points: usize| ExpectedTrack {
-        shape: box_in_camera(solid, [0.004, 0.003, 0.0]),
+        oriented_box: box_in_camera(solid, [0.004, 0.003, 0.0]),
         n_points,
     };
     let both = pair.each_ref().map(|solid| track(solid, n_points));
@@ -186,9 +192,9 @@ fn track_constraint_is_false_for_an_explained_candidate() {
     let points = render(&[MIDDLE], 1.0);
     let evaluated = |boxes: &[OrientedBox]| {
         let tracks: Vec<ExpectedTrack> = boxes.iter().map(|shape| (*shape).into()).collect();
-        let surroundings = Surroundings {
+        let surroundings = ScenePriors {
             tracks: &tracks,
-            ..Surroundings::default()
+            ..ScenePriors::default()
         };
         let detection = found(&points, surroundings, &Config::default());
         near(&detection, [0.0, 0.0, 0.06]).clone()
@@ -197,10 +203,10 @@ fn track_constraint_is_false_for_an_explained_candidate() {
     check(
         &same.findings,
         Constraint::Track,
-        Truth::False,
+        Ternary::False,
         |r| matches!(r, Reason::OverlapsTrack { overlap } if overlap > 0.6),
     );
-    assert_eq!(same.verdict, Truth::False);
+    assert_eq!(same.verdict, Ternary::False);
     assert_eq!(
         same.decisive.iter().collect::<Vec<_>>(),
         [Constraint::Track]
@@ -214,22 +220,22 @@ fn track_constraint_is_false_for_an_explained_candidate() {
     check(
         &inside.findings,
         Constraint::Track,
-        Truth::False,
+        Ternary::False,
         |r| matches!(r, Reason::InsideTrack { share } if share > 0.95),
     );
     let beside = evaluated(&[box_in_camera(&MIDDLE, [0.2, 0.0, 0.0])]);
     check(
         &beside.findings,
         Constraint::Track,
-        Truth::True,
+        Ternary::True,
         |r| matches!(r, Reason::NoOverlappingTrack { overlap } if overlap == 0.0),
     );
-    assert_eq!(beside.verdict, Truth::True);
+    assert_eq!(beside.verdict, Ternary::True);
     let broken = evaluated(&[OrientedBox {
         half_sides_m: Vector3::repeat(f64::NAN),
         ..box_in_camera(&MIDDLE, [0.0; 3])
     }]);
-    assert_eq!(broken.verdict, Truth::True);
+    assert_eq!(broken.verdict, Ternary::True);
 }
 
 #[test]
@@ -242,23 +248,23 @@ fn size_constraint_names_the_violated_limit() {
     check(
         &long.findings,
         Constraint::Size,
-        Truth::False,
+        Ternary::False,
         |r| matches!(r, Reason::TooLong { side_m, max_m } if (side_m - 0.45).abs() < 0.02 && max_m == 0.35),
     );
     // The default rule does not include C_size.
-    assert_eq!(long.verdict, Truth::True);
+    assert_eq!(long.verdict, Ternary::True);
     let broad = evaluated([0.30, 0.29, 0.05]);
     check(
         &broad.findings,
         Constraint::Size,
-        Truth::False,
+        Ternary::False,
         |r| matches!(r, Reason::TooBroad { side_m, .. } if (side_m - 0.29).abs() < 0.02),
     );
     let bulky = evaluated([0.34, 0.24, 0.24]);
     check(
         &bulky.findings,
         Constraint::Size,
-        Truth::False,
+        Ternary::False,
         |r| matches!(r, Reason::TooBulky { volume_m3, .. } if (volume_m3 - 0.0196).abs() < 0.003),
     );
     let config = Config::new(RawConfig {
@@ -266,10 +272,10 @@ fn size_constraint_names_the_violated_limit() {
         ..RawConfig::default()
     });
     let points = render(&[box_at(0.0, 0.05, [0.45, 0.06, 0.06])], 1.0);
-    let detection = found(&points, Surroundings::default(), &config.unwrap());
+    let detection = found(&points, ScenePriors::default(), &config.unwrap());
     let no_object = near(&detection, [0.0, 0.05, 0.03]);
     assert!(!no_object.is_object_sized && !no_object.can_continue_track());
-    assert_eq!(no_object.verdict, Truth::False);
+    assert_eq!(no_object.verdict, Ternary::False);
     assert_eq!(
         no_object.decisive.iter().collect::<Vec<_>>(),
         [Constraint::Size]
@@ -277,7 +283,7 @@ fn size_constraint_names_the_violated_limit() {
     check(
         &no_object.findings,
         Constraint::Size,
-        Truth::False,
+        Ternary::False,
         |r| matches!(r, Reason::TooLong { max_m, .. } if max_m == 0.4),
     );
 }
@@ -286,10 +292,10 @@ fn size_constraint_names_the_violated_limit() {
 fn size_constraint_is_unknown_at_the_image_border() {
     let detection = found_plainly(&[box_at(-0.47, 0.0, [0.12, 0.1, 0.2])]);
     let cut = near(&detection, [-0.47, 0.0, 0.1]);
-    check(&cut.findings, Constraint::Size, Truth::Unknown, |r| {
+    check(&cut.findings, Constraint::Size, Ternary::Unknown, |r| {
         matches!(r, Reason::SizeTruncated { .. })
     });
-    check(&cut.findings, Constraint::ImageBorder, Truth::True, |r| {
+    check(&cut.findings, Constraint::ImageBorder, Ternary::True, |r| {
         r == Reason::AtImageBorder
     });
 }
@@ -305,15 +311,15 @@ fn edge_constraint_rejects_an_object_at_the_rim() {
     check(
         &at_rim.findings,
         Constraint::Edge,
-        Truth::True,
+        Ternary::True,
         |r| matches!(r, Reason::AtRim { share, distance_m } if share > 0.3 && distance_m == 0.03),
     );
-    assert_eq!(at_rim.verdict, Truth::False);
+    assert_eq!(at_rim.verdict, Ternary::False);
     assert!(at_rim.can_continue_track());
     check(
         &evaluated(0.25).findings,
         Constraint::Edge,
-        Truth::False,
+        Ternary::False,
         |r| r == Reason::AwayFromRim,
     );
 }
@@ -329,41 +335,41 @@ fn robot_constraint_rejects_a_robot_link() {
     );
     let link = [capsule_in_camera([-0.4, 0.0, 0.02], [0.0, 0.0, 0.02], 0.03)];
     let evaluated = |surroundings| found(&points, surroundings, &Config::default());
-    let as_robot = evaluated(Surroundings {
+    let as_robot = evaluated(ScenePriors {
         robot: Some(&link),
         instructor: Some(&[]),
-        ..Surroundings::default()
+        ..ScenePriors::default()
     });
     let arm = near(&as_robot, [-0.2, 0.0, 0.025]);
     check(
         &arm.findings,
         Constraint::Robot,
-        Truth::True,
+        Ternary::True,
         |r| matches!(r, Reason::Robot { share, margin_m } if share == 1.0 && margin_m == 0.03),
     );
-    check(&arm.findings, Constraint::Instructor, Truth::False, |r| {
+    check(&arm.findings, Constraint::Instructor, Ternary::False, |r| {
         r == Reason::NotPerson
     });
-    assert_eq!(arm.verdict, Truth::False);
+    assert_eq!(arm.verdict, Ternary::False);
     assert_eq!(arm.decisive.iter().collect::<Vec<_>>(), [Constraint::Robot]);
     assert!(!arm.can_continue_track() && !arm.is_hypothesis());
     let other = near(&as_robot, [0.2, 0.0, 0.05]);
-    check(&other.findings, Constraint::Robot, Truth::False, |r| {
+    check(&other.findings, Constraint::Robot, Ternary::False, |r| {
         r == Reason::NotRobot
     });
-    assert_eq!(other.verdict, Truth::True);
-    let as_person = evaluated(Surroundings {
+    assert_eq!(other.verdict, Ternary::True);
+    let as_person = evaluated(ScenePriors {
         instructor: Some(&link),
-        ..Surroundings::default()
+        ..ScenePriors::default()
     });
     let hand = near(&as_person, [-0.2, 0.0, 0.025]);
     check(
         &hand.findings,
         Constraint::Instructor,
-        Truth::True,
+        Ternary::True,
         |r| matches!(r, Reason::Person { margin_m, .. } if margin_m == 0.05),
     );
-    check(&hand.findings, Constraint::Robot, Truth::False, |r| {
+    check(&hand.findings, Constraint::Robot, Ternary::False, |r| {
         r == Reason::NoRobotKnown
     });
 }
@@ -382,7 +388,7 @@ fn body_constraints_are_independent_where_person_and_robot_meet() {
         [0.25, 0.0, 0.025],
         0.04,
     )];
-    let surroundings = Surroundings {
+    let surroundings = ScenePriors {
         robot: Some(&robot),
         instructor: Some(&person),
         tracks: &[],
@@ -392,12 +398,15 @@ fn body_constraints_are_independent_where_person_and_robot_meet() {
     check(
         &both.findings,
         Constraint::Robot,
-        Truth::Unknown,
+        Ternary::Unknown,
         |r| matches!(r, Reason::MaybeRobot { share, .. } if (0.1..0.5).contains(&share)),
     );
-    check(&both.findings, Constraint::Instructor, Truth::True, |_| {
-        true
-    });
+    check(
+        &both.findings,
+        Constraint::Instructor,
+        Ternary::True,
+        |_| true,
+    );
 }
 
 #[test]
@@ -411,24 +420,24 @@ fn body_mask_separates_a_hand_from_the_object_it_touches() {
         rgb: [30, 200, 30],
     };
     let points = render(&[carton, forearm], 1.0);
-    let merged = found(&points, Surroundings::default(), &Config::default());
+    let merged = found(&points, ScenePriors::default(), &Config::default());
     let capsule = [capsule_in_camera(
         [0.08, -0.03, 0.085],
         [0.40, -0.03, 0.085],
         0.03,
     )];
-    let surroundings = Surroundings {
+    let surroundings = ScenePriors {
         instructor: Some(&capsule),
-        ..Surroundings::default()
+        ..ScenePriors::default()
     };
     let config = Config::new(RawConfig {
         person_margin_m: 0.01,
         ..RawConfig::default()
     });
     let detection = found(&points, surroundings, &config.unwrap());
-    let is_person = |c: &&Candidate| c.findings.is_limb();
+    let is_person = |c: &&Candidate| c.findings.is_person_or_robot();
     let (limbs, objects): (Vec<_>, Vec<_>) = detection.candidates.iter().partition(is_person);
-    assert!(!limbs.is_empty() && limbs.iter().all(|limb| limb.verdict == Truth::False));
+    assert!(!limbs.is_empty() && limbs.iter().all(|limb| limb.verdict == Ternary::False));
     let green = |candidate: &Candidate| candidate.mean_rgb[1];
     assert!(limbs.iter().all(|limb| green(limb) > 150.0), "{limbs:?}");
     let kept = objects
@@ -441,10 +450,10 @@ fn body_mask_separates_a_hand_from_the_object_it_touches() {
     check(
         &kept[0].findings,
         Constraint::Instructor,
-        Truth::Unknown,
+        Ternary::Unknown,
         |r| matches!(r, Reason::TouchedByPerson { share, .. } if share > 0.05),
     );
-    assert_eq!(kept[0].verdict, Truth::Unknown);
+    assert_eq!(kept[0].verdict, Ternary::Unknown);
     assert!(kept[0].can_continue_track() && kept[0].is_touched());
     let sides = kept[0].oriented_box.sides_m();
     assert!(
@@ -475,7 +484,7 @@ fn table_constraint_is_unknown_without_depth_below() {
         }
     }
     let plate = |points: &[Point]| {
-        let detection = found(points, Surroundings::default(), &Config::default());
+        let detection = found(points, ScenePriors::default(), &Config::default());
         assert_eq!(detection.candidates.len(), 1, "{:?}", detection.candidates);
         detection.candidates[0].clone()
     };
@@ -483,7 +492,7 @@ fn table_constraint_is_unknown_without_depth_below() {
     check(
         &in_the_air.findings,
         Constraint::Table,
-        Truth::False,
+        Ternary::False,
         |r| matches!(r, Reason::Unsupported { gap_m } if (gap_m - 0.2).abs() < 0.01),
     );
     for row in 240..255 {
@@ -492,10 +501,10 @@ fn table_constraint_is_unknown_without_depth_below() {
         }
     }
     let unseen = plate(&points);
-    check(&unseen.findings, Constraint::Table, Truth::Unknown, |r| {
+    check(&unseen.findings, Constraint::Table, Ternary::Unknown, |r| {
         r == Reason::BaseWithoutDepth
     });
-    assert_eq!(unseen.verdict, Truth::Unknown);
+    assert_eq!(unseen.verdict, Ternary::Unknown);
     assert!(unseen.decisive.contains(Constraint::Table));
     assert!(unseen.can_continue_track());
 }
@@ -508,21 +517,21 @@ fn rule_of_the_settings_decides_the_verdict() {
             rule: rule.into(),
             ..RawConfig::default()
         };
-        let detection = found(&points, Surroundings::default(), &Config::new(raw).unwrap());
+        let detection = found(&points, ScenePriors::default(), &Config::new(raw).unwrap());
         let at = |place| near(&detection, place).verdict;
         [at([-0.47, 0.0, 0.1]), at([0.0, 0.0, 0.06])]
     };
-    assert_eq!(verdicts("C_table"), [Truth::True; 2]);
+    assert_eq!(verdicts("C_table"), [Ternary::True; 2]);
     assert_eq!(
         verdicts("C_table and not C_image_border"),
-        [Truth::False, Truth::True]
+        [Ternary::False, Ternary::True]
     );
     assert_eq!(
         verdicts("C_table and C_size"),
-        [Truth::Unknown, Truth::True]
+        [Ternary::Unknown, Ternary::True]
     );
-    assert_eq!(verdicts("C_key_view or C_table"), [Truth::True; 2]);
-    assert_eq!(verdicts("C_key_view"), [Truth::Unknown; 2]);
+    assert_eq!(verdicts("C_key_view or C_table"), [Ternary::True; 2]);
+    assert_eq!(verdicts("C_key_view"), [Ternary::Unknown; 2]);
 }
 
 #[test]
@@ -536,11 +545,11 @@ fn body_mask_ignores_non_finite_capsules() {
             radius_m,
         })
         .collect();
-    let surroundings = Surroundings {
+    let surroundings = ScenePriors {
         robot: Some(&capsules),
         instructor: Some(&capsules),
         tracks: &[],
     };
     let detection = found(&points, surroundings, &Config::default());
-    assert_eq!(near(&detection, [0.0, 0.0, 0.06]).verdict, Truth::True);
+    assert_eq!(near(&detection, [0.0, 0.0, 0.06]).verdict, Ternary::True);
 }

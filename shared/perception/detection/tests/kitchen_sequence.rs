@@ -1,7 +1,7 @@
 //! Table selection in a kitchen sequence with floor, walls, cupboards and chairs.
 
 use dataset::rgbd_sequence::{RgbdSequence, Scratch};
-use detection::{Config, Detection, Frame, Surroundings, Table, Workspace, detect};
+use detection::{Config, Detection, DetectionInput, ScenePriors, Table, Workspace, detect};
 use nalgebra::{Unit, Vector3};
 use point_cloud::{OrganizedCloud, Point};
 use std::path::PathBuf;
@@ -58,11 +58,11 @@ fn table_selection_prefers_the_table_to_walls_and_floor() {
         let cloud = OrganizedCloud::new(&points, 640, 480).unwrap();
         let up_in_camera = Unit::new_normalize(world_from_camera.rotation.inverse() * up);
         for (n_found, up_in_camera) in n_found.iter_mut().zip([None, Some(up_in_camera)]) {
-            let frame = Frame {
+            let frame = DetectionInput {
                 cloud,
                 up_in_camera,
                 seed: index as u64,
-                surroundings: Surroundings::default(),
+                priors: ScenePriors::default(),
             };
             detect(&frame, &Config::default(), &mut workspace, &mut detection).unwrap();
             let height = height_m(detection.table.as_ref(), &world_from_camera, &up);

@@ -7,23 +7,24 @@ mod scoped_threads;
 mod synthetic;
 
 use detection::{
-    Config, Crew, Detection, Frame, Sequential, Surroundings, Workspace, detect_in_steps,
+    Config, Detection, DetectionInput, Parallelism, ScenePriors, Sequential, Workspace,
+    detect_observed,
 };
 use point_cloud::{OrganizedCloud, Point};
 use scoped_threads::ScopedThreads;
 use synthetic::{BoxOnTable, render};
 
 /// Detections of rendered boxes with two tracks and a robot link, frame by frame.
-fn searched(points: &[Point], parallelism: &dyn Crew) -> Vec<Detection> {
+fn searched(points: &[Point], parallelism: &dyn Parallelism) -> Vec<Detection> {
     let (tracks, links) = (scene_priors::tracks(), [scene_priors::link()]);
     let config = Config::default();
     let mut workspace = Workspace::default();
     let mut search = |seed| {
-        let frame = Frame {
+        let frame = DetectionInput {
             cloud: OrganizedCloud::new(points, 640, 480).expect("an image"),
             up_in_camera: None,
             seed,
-            surroundings: Surroundings {
+            priors: ScenePriors {
                 instructor: None,
                 robot: Some(&links),
                 tracks: &tracks,
@@ -31,7 +32,7 @@ fn searched(points: &[Point], parallelism: &dyn Crew) -> Vec<Detection> {
         };
         let mut detection = Detection::default();
         let on_step = &mut |_| {};
-        detect_in_steps(
+        detect_observed(
             &frame,
             &config,
             &mut workspace,

@@ -2,8 +2,8 @@
 
 mod synthetic;
 
-use constraint::Truth;
-use detection::{Config, Detection, Frame, Support, Surroundings, Workspace, detect};
+use constraint::Ternary;
+use detection::{Config, Detection, DetectionInput, ScenePriors, Support, Workspace, detect};
 use nalgebra::{Point3, Unit, Vector3};
 use point_cloud::{OrganizedCloud, Point, Rgba};
 use proptest::prelude::*;
@@ -25,11 +25,11 @@ const BLUE: BoxOnTable = BoxOnTable {
 fn found(points: &[Point], size: (usize, usize), up: Option<Unit<Vector3<f64>>>) -> Detection {
     let mut detection = Detection::default();
     let cloud = OrganizedCloud::new(points, size.0, size.1).expect("a full grid");
-    let frame = Frame {
+    let frame = DetectionInput {
         cloud,
         up_in_camera: up,
         seed: 3,
-        surroundings: Surroundings::default(),
+        priors: ScenePriors::default(),
     };
     detect(
         &frame,
@@ -85,7 +85,7 @@ fn detection_finds_boxes_at_their_true_pose() {
             assert!((sides - truth).amax() < 0.012, "{sides} for {truth}");
             assert_eq!(candidate.mean_rgb, solid.rgb.map(f32::from));
             assert_eq!(candidate.support, Some(Support::Table));
-            assert_eq!(candidate.verdict, Truth::True, "{candidate:?}");
+            assert_eq!(candidate.verdict, Ternary::True, "{candidate:?}");
             assert!(!candidate.touches_image_border);
         }
         let distances: Vec<f64> = detection
@@ -192,9 +192,9 @@ fn support_is_required_unless_the_base_is_occluded() {
     };
     plate(&mut points, -0.1);
     let hanging = found(&points, (640, 480), None);
-    let verdicts: Vec<Truth> = hanging.candidates.iter().map(|c| c.verdict).collect();
+    let verdicts: Vec<Ternary> = hanging.candidates.iter().map(|c| c.verdict).collect();
     assert_eq!(verdicts.len(), 2);
-    assert!(verdicts.contains(&Truth::True) && verdicts.contains(&Truth::False));
+    assert!(verdicts.contains(&Ternary::True) && verdicts.contains(&Ternary::False));
     assert_eq!(n_objects(&hanging), 1);
     // A box with its lower part occluded by a taller one.
     let tall = BoxOnTable {
@@ -251,11 +251,11 @@ fn workspace_reuse_keeps_no_state() {
     ];
     for points in &scenes {
         let cloud = OrganizedCloud::new(points, 640, 480).unwrap();
-        let frame = Frame {
+        let frame = DetectionInput {
             cloud,
             up_in_camera: None,
             seed: 3,
-            surroundings: Surroundings::default(),
+            priors: ScenePriors::default(),
         };
         detect(&frame, &Config::default(), &mut workspace, &mut detection).unwrap();
         assert_eq!(detection, found(points, (640, 480), None));
@@ -288,7 +288,7 @@ proptest! {
         let up_in_camera = up.and_then(|up| Unit::try_new(Vector3::from(up), 1e-3));
         let cloud = OrganizedCloud::new(&points, size.0, size.1).unwrap();
         let mut detection = Detection::default();
-        let frame = Frame { cloud, up_in_camera, seed, surroundings: Surroundings::default() };
+        let frame = DetectionInput { cloud, up_in_camera, seed, priors: ScenePriors::default() };
         detect(&frame, &Config::default(), &mut Workspace::default(), &mut detection).unwrap();
         prop_assert!(detection.point_indices.iter().all(|&i| points[i as usize].is_finite()));
     }

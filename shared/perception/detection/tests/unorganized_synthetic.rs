@@ -2,7 +2,7 @@
 
 mod synthetic;
 
-use detection::{Config, Detection, Frame, Support, Surroundings, Workspace, detect};
+use detection::{Config, Detection, DetectionInput, ScenePriors, Support, Workspace, detect};
 use nalgebra::{Isometry3, Unit, Vector3};
 use point_cloud::{OrganizedCloud, Point, Rgba};
 use proptest::prelude::*;
@@ -31,11 +31,11 @@ const GREEN: BoxOnTable = BoxOnTable {
 
 fn found_with(points: &[Point], up: Option<Vector3<f64>>, workspace: &mut Workspace) -> Detection {
     let mut detection = Detection::default();
-    let frame = Frame {
+    let frame = DetectionInput {
         cloud: OrganizedCloud::new(points, points.len(), 1).expect("a row"),
         up_in_camera: up.map(Unit::new_normalize),
         seed: 3,
-        surroundings: Surroundings::default(),
+        priors: ScenePriors::default(),
     };
     detect(&frame, &Config::default(), workspace, &mut detection).expect("a small cloud");
     detection
@@ -130,11 +130,11 @@ fn unorganized_single_view_matches_its_image_in_any_order() {
 fn unorganized_column_matches_row() {
     let points = without_gaps(&render(&[RED, BLUE], 1.0));
     let mut detection = Detection::default();
-    let frame = Frame {
+    let frame = DetectionInput {
         cloud: OrganizedCloud::new(&points, 1, points.len()).unwrap(),
         up_in_camera: None,
         seed: 3,
-        surroundings: Surroundings::default(),
+        priors: ScenePriors::default(),
     };
     detect(
         &frame,
@@ -467,7 +467,7 @@ proptest! {
         let (width, height) = if is_column { (1, points.len()) } else { (points.len(), 1) };
         let cloud = OrganizedCloud::new(&points, width, height).unwrap();
         let up_in_camera = up.and_then(|up| Unit::try_new(Vector3::from(up), 1e-3));
-        let frame = Frame { cloud, up_in_camera, seed , surroundings: Surroundings::default(),};
+        let frame = DetectionInput { cloud, up_in_camera, seed , priors: ScenePriors::default(),};
         let mut detection = Detection::default();
         detect(&frame, &Config::default(), &mut Workspace::default(), &mut detection).unwrap();
         prop_assert!(detection.point_indices.iter().all(|&i| points[i as usize].is_finite()));

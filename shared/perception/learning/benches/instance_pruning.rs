@@ -2,7 +2,7 @@
 //! category.
 
 use divan::{Bencher, black_box};
-use learning::least_telling;
+use learning::redundant_views;
 
 /// Length of a descriptor.
 const DIMENSION: usize = 309;
@@ -25,5 +25,5 @@ fn views() -> Vec<Vec<f32>> {
 #[divan::bench(args = [N_VIEWS / 10, N_VIEWS - 50])]
 fn sparing(bencher: Bencher, n_to_drop: usize) {
     let views = views();
-    bencher.bench(|| least_telling(black_box(&views), n_to_drop));
+    bencher.bench(|| redundant_views(black_box(&views), n_to_drop));
 }

@@ -19,7 +19,7 @@ const METRIC: Metric = Metric::Euclidean;
 ///
 /// # Errors
 /// When the descriptors differ in length, or a value is not finite or beyond 1e6.
-pub fn least_telling(
+pub fn redundant_views(
     descriptors: &[impl AsRef<[f32]>],
     n_to_drop: usize,
 ) -> Result<Vec<usize>, Error> {

@@ -7,7 +7,7 @@ use crate::{CategoryName, ViewId};
 
 /// Stored key view with its label.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct ViewRecord<'a> {
+pub struct LabelledView<'a> {
     /// View id.
     pub id: ViewId,
     /// Label; `None` when the view was never taught, or forgotten.
@@ -16,7 +16,7 @@ pub struct ViewRecord<'a> {
 
 /// Label change of one view; `before` and `after` differ.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ViewChange {
+pub struct LabelChange {
     /// View id.
     pub id: ViewId,
     /// Previous label.
@@ -28,7 +28,7 @@ pub struct ViewChange {
 /// Rejected teaching request.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
-pub enum Refusal {
+pub enum TeachingError {
     /// Track without key views.
     #[error(
         "track {track_id} has no key views to learn from: let the object rest in view of the \
@@ -42,7 +42,7 @@ pub enum Refusal {
     #[error(
         "track {track_id} was taught as {present}, not as {asked}: correct it if {asked} is right"
     )]
-    LabelledOtherwise {
+    LabelConflict {
         /// Track id.
         track_id: u64,
         /// Present label.
@@ -69,10 +69,10 @@ pub enum Refusal {
 /// When the track has no views, or a view with another label: two people disagree, and
 /// [`correct`] decides.
 pub fn teach<'a>(
-    records: impl IntoIterator<Item = ViewRecord<'a>> + Clone,
+    records: impl IntoIterator<Item = LabelledView<'a>> + Clone,
     track_id: u64,
     category: &CategoryName,
-) -> Result<Vec<ViewChange>, Refusal> {
+) -> Result<Vec<LabelChange>, TeachingError> {
     let others = records
         .clone()
         .into_iter()
@@ -81,7 +81,7 @@ pub fn teach<'a>(
         .filter_map(|r| r.category)
         .find(|&present| present != category)
     {
-        return Err(Refusal::LabelledOtherwise {
+        return Err(TeachingError::LabelConflict {
             track_id,
             present: present.clone(),
             asked: category.clone(),
@@ -98,16 +98,16 @@ pub fn teach<'a>(
 /// # Errors
 /// When the track has no views.
 pub fn correct<'a>(
-    records: impl IntoIterator<Item = ViewRecord<'a>>,
+    records: impl IntoIterator<Item = LabelledView<'a>>,
     track_id: u64,
     category: &CategoryName,
-) -> Result<Vec<ViewChange>, Refusal> {
+) -> Result<Vec<LabelChange>, TeachingError> {
     let mut of_track = records
         .into_iter()
         .filter(|record| record.id.track_id == track_id)
         .peekable();
     if of_track.peek().is_none() {
-        return Err(Refusal::NoViews { track_id });
+        return Err(TeachingError::NoViews { track_id });
     }
     Ok(of_track
         .filter(|record| record.category != Some(category))
@@ -121,24 +121,24 @@ pub fn correct<'a>(
 /// # Errors
 /// When no view belongs to the category.
 pub fn forget<'a>(
-    records: impl IntoIterator<Item = ViewRecord<'a>>,
+    records: impl IntoIterator<Item = LabelledView<'a>>,
     category: &CategoryName,
-) -> Result<Vec<ViewChange>, Refusal> {
+) -> Result<Vec<LabelChange>, TeachingError> {
     let of_category = records
         .into_iter()
         .filter(|record| record.category == Some(category));
     let changes: Vec<_> = of_category.map(|record| record.changed_to(None)).collect();
     if changes.is_empty() {
-        return Err(Refusal::UnknownCategory {
+        return Err(TeachingError::UnknownCategory {
             category: category.clone(),
         });
     }
     Ok(changes)
 }
 
-impl ViewRecord<'_> {
-    fn changed_to(self, after: Option<&CategoryName>) -> ViewChange {
-        ViewChange {
+impl LabelledView<'_> {
+    fn changed_to(self, after: Option<&CategoryName>) -> LabelChange {
+        LabelChange {
             id: self.id,
             before: self.category.cloned(),
             after: after.cloned(),

@@ -3,7 +3,7 @@
 //! A category is the set of views that a person taught under its name. An object belongs
 //! to the category of its nearest taught view, or is unknown when even that one is too
 //! different. [`CategoryIndex`] is the nearest-neighbour index; [`teach`], [`correct`]
-//! and [`forget`] compute the label changes of views; [`least_telling`] selects the
+//! and [`forget`] compute the label changes of views; [`redundant_views`] selects the
 //! views that a category can lose.
 //!
 //! Invariants: this crate never does I/O, depends on no other crate of the workspace,
@@ -46,8 +46,8 @@ pub use calibration::Calibration;
 pub use category_index::{CategoryIndex, NearestViewCache};
 pub use category_name::{CategoryName, InvalidCategoryName};
 pub use error::Error;
-pub use instance_pruning::least_telling;
-pub use labelling::{Refusal, ViewChange, ViewRecord, correct, forget, teach};
+pub use instance_pruning::redundant_views;
+pub use labelling::{LabelChange, LabelledView, TeachingError, correct, forget, teach};
 pub use metric::{Metric, UnknownMetric};
 pub use recognition::{N_NEAREST, Neighbour, Recognition, UnknownRule};
 pub use view_id::ViewId;

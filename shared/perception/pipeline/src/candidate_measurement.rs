@@ -1,6 +1,6 @@
 //! Measurement of a detection candidate from its points.
 
-use crate::{Config, Error, Frame};
+use crate::{Config, Error, FramePose};
 use detection::{Candidate, Support};
 use geometry::{OrientedBox, RigidTransform};
 use nalgebra::{Translation3, Unit, Vector3};
@@ -16,11 +16,11 @@ const N_SAMPLES: usize = 400;
 
 /// Measurement of one detection candidate: box, appearance and truncation.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Measured {
+pub struct CandidateMeasurement {
     /// Oriented bounding box in the world with its stamp.
     pub measurement: Measurement,
     /// Frame of the measurement.
-    pub frame: Frame,
+    pub frame: FramePose,
     /// Coarse appearance for data association.
     pub appearance: CoarseAppearance,
     /// Mean red, green and blue, 0 to 255.
@@ -30,13 +30,13 @@ pub struct Measured {
     /// `true` when the candidate lies in the space of a person or the robot.
     pub overlaps_body: bool,
     /// `true` when the image border truncates the object.
-    pub is_cut_by_image: bool,
+    pub is_truncated_by_image: bool,
     /// `true` when a part may be missing: truncated by the image border or touched by a
     /// person or the robot.
     pub is_truncated: bool,
 }
 
-impl Measured {
+impl CandidateMeasurement {
     /// Measurement of a candidate from its points.
     ///
     /// # Errors
@@ -45,12 +45,12 @@ impl Measured {
         candidate: &Candidate,
         indices: &[u32],
         cloud: &[Point],
-        frame: &Frame,
+        frame: &FramePose,
     ) -> Result<Self, Error> {
         let box_in_camera = visible_box(candidate);
         let box_in_world = box_in_camera.transformed(&frame.world_from_camera);
         let is_cut_by_image = candidate.touches_image_border;
-        let overlaps_body = candidate.findings.is_limb();
+        let overlaps_body = candidate.findings.is_person_or_robot();
         let hand_contact = match (overlaps_body, candidate.is_touched()) {
             (true, _) => HandContact::Overlapping,
             (false, true) => HandContact::Touching,
@@ -80,7 +80,7 @@ impl Measured {
             mean_rgb: candidate.mean_rgb,
             n_points: candidate.n_points(),
             overlaps_body,
-            is_cut_by_image,
+            is_truncated_by_image: is_cut_by_image,
             is_truncated,
         })
     }
@@ -99,7 +99,7 @@ impl Measured {
 /// left out because it vanishes when the object is lifted.
 fn visible_box(candidate: &Candidate) -> OrientedBox {
     let whole = &candidate.oriented_box;
-    let half_foot_m = (0.5 * candidate.unseen_foot_m).min(whole.half_sides_m.z);
+    let half_foot_m = (0.5 * candidate.occluded_base_m).min(whole.half_sides_m.z);
     OrientedBox {
         frame_from_box: whole.frame_from_box * Translation3::new(0.0, 0.0, half_foot_m),
         half_sides_m: whole.half_sides_m - Vector3::z() * half_foot_m,
@@ -108,7 +108,7 @@ fn visible_box(candidate: &Candidate) -> OrientedBox {
 
 /// True if the box was seen to end at the table.
 fn stands_on_table(candidate: &Candidate) -> bool {
-    candidate.support == Some(Support::Table) && candidate.unseen_foot_m == 0.0
+    candidate.support == Some(Support::Table) && candidate.occluded_base_m == 0.0
 }
 
 /// Evenly strided sample of an object's points.

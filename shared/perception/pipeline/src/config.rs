@@ -1,7 +1,7 @@
 //! Configuration of tracking and recognition.
 
 use crate::Error;
-use description::{Appearance, AxesKind};
+use description::{AppearanceDescriptor, AxesKind};
 use learning::{Calibration, CategoryIndex, Metric, UnknownRule};
 use tracking::{AssociationConfig, MotionConfig};
 
@@ -51,7 +51,7 @@ impl Config {
 }
 
 /// Length of a descriptor.
-const DESCRIPTOR_DIMENSION: usize = Appearance::DIMENSION;
+const DESCRIPTOR_DIMENSION: usize = AppearanceDescriptor::DIMENSION;
 
 /// Metric of descriptor distances.
 pub(crate) const METRIC: Metric = Metric::Euclidean;
@@ -71,10 +71,10 @@ pub fn category_index() -> CategoryIndex {
 pub fn calibration(kind: AxesKind) -> Calibration {
     let axis_hypotheses_of: fn(&[f32]) -> Vec<Vec<f32>> = match kind {
         AxesKind::Principal => {
-            |stored| Appearance::axis_hypotheses_of(stored, AxesKind::Principal).into()
+            |stored| AppearanceDescriptor::axis_hypotheses_of(stored, AxesKind::Principal).into()
         }
         AxesKind::Upright => {
-            |stored| Appearance::axis_hypotheses_of(stored, AxesKind::Upright).into()
+            |stored| AppearanceDescriptor::axis_hypotheses_of(stored, AxesKind::Upright).into()
         }
     };
     Calibration {

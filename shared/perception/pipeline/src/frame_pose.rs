@@ -6,7 +6,7 @@ use tracking::DepthView;
 
 /// Capture stamp, camera pose and camera intrinsics of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Frame {
+pub struct FramePose {
     /// Capture stamp, nanoseconds.
     pub capture_ns: u64,
     /// Camera pose; the identity when it is unknown.
@@ -15,7 +15,7 @@ pub struct Frame {
     pub camera: Option<PinholeCamera>,
 }
 
-impl Frame {
+impl FramePose {
     /// Depth image of the frame's cloud for occlusion tests; `None` if the cloud is not
     /// organised.
     pub fn view<'a>(&self, cloud: &'a [Point]) -> Option<DepthView<'a>> {

@@ -18,12 +18,12 @@
 //!
 //! ```
 //! use geometry::RigidTransform;
-//! use pipeline::{Config, Frame, Step, TrackTable};
+//! use pipeline::{Config, FramePose, TrackUpdate, TrackTable};
 //! use tracking::{AssociationConfig, MotionConfig};
 //!
 //! let config = Config::new(MotionConfig::default(), AssociationConfig::default(), 0.5)?;
 //! let mut table = TrackTable::new(config);
-//! let frame = Frame {
+//! let frame = FramePose {
 //!     capture_ns: 0,
 //!     world_from_camera: RigidTransform::identity(),
 //!     camera: None,
@@ -33,7 +33,7 @@
 //! table.predict(&frame, &mut expected);
 //! let detection = detection::Detection::default();
 //!
-//! let (mut ids, mut update) = (1_u64.., Step::default());
+//! let (mut ids, mut update) = (1_u64.., TrackUpdate::default());
 //! table.step(&detection, &[], &frame, || ids.next(), &mut update);
 //! assert!(update.sightings.is_empty() && table.tracks().is_empty());
 //! # Ok::<(), pipeline::Error>(())
@@ -50,12 +50,12 @@ mod track;
 mod track_recovery;
 mod track_table;
 
-pub use candidate_measurement::Measured;
+pub use candidate_measurement::CandidateMeasurement;
 pub use config::{Config, DESCRIPTOR_KIND, calibration, category_index};
 pub use error::Error;
-pub use frame_pose::Frame;
+pub use frame_pose::FramePose;
 pub use object_state::{
-    ObjectState, ObjectTools, Observation, ObservationOutput, ObservationStage, Posterior, Stages,
+    ObjectState, ObjectWorkspace, Observation, ObservationOutput, ObservationStage, Posterior,
 };
 pub use track::Track;
-pub use track_table::{Sighting, Step, TrackTable};
+pub use track_table::{Sighting, TrackTable, TrackUpdate};

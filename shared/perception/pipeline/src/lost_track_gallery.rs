@@ -51,7 +51,7 @@ impl LostTrackGallery {
             self.0.pop_front();
         }
         self.0.push_back(LostTrack {
-            track_id: track.linked_to.unwrap_or(track.id),
+            track_id: track.reidentified_as.unwrap_or(track.id),
             since_ns: now_ns,
             appearance: track.appearance,
         });

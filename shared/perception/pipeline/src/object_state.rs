@@ -1,11 +1,11 @@
 //! Per-object half of the pipeline: motion filter, descriptor, recognition and key
 //! views.
 
-use crate::candidate_measurement::Measured;
+use crate::candidate_measurement::CandidateMeasurement;
 use crate::key_view_selector::KeyViewSelector;
 use crate::track::WHOLE_FRACTION_MIN;
 use crate::{Config, Error};
-use description::{Appearance, AppearanceWeights, N_READINGS, ObjectPoints};
+use description::{AppearanceDescriptor, AppearanceWeights, N_AXIS_HYPOTHESES, ObjectPoints};
 use geometry::{OrientedBox, RigidTransform};
 use learning::{CategoryIndex, CategoryName, N_NEAREST, NearestViewCache, Neighbour};
 use nalgebra::Vector3;
@@ -28,19 +28,19 @@ pub struct ObjectState {
 /// Scratch memory and nearest-view cache of one object. Sharing it between objects gives
 /// equal results but defeats the cache.
 #[derive(Debug, Clone)]
-pub struct ObjectTools {
-    appearance: Appearance,
+pub struct ObjectWorkspace {
+    appearance: AppearanceDescriptor,
     nearest_views: NearestViewCache,
 }
 
-impl ObjectTools {
+impl ObjectWorkspace {
     /// Empty scratch memory.
     ///
     /// # Errors
     /// When the descriptor weights are invalid.
     pub fn new() -> Result<Self, Error> {
         Ok(Self {
-            appearance: Appearance::new(AppearanceWeights::default())
+            appearance: AppearanceDescriptor::new(AppearanceWeights::default())
                 .map_err(Error::Description)?,
             nearest_views: NearestViewCache::default(),
         })
@@ -55,7 +55,7 @@ pub struct Observation<'a> {
     /// Indices of the object's points in the cloud.
     pub indices: &'a [u32],
     /// Measured box and appearance.
-    pub measured: &'a Measured,
+    pub measured: &'a CandidateMeasurement,
 }
 
 /// Posterior of one object after an observation.
@@ -109,23 +109,6 @@ impl<'a> From<&'a mut Vec<f32>> for ObservationOutput<'a> {
     }
 }
 
-/// Output buffer and stage observer; the older form of [`ObservationOutput`].
-pub struct Stages<'a> {
-    /// Receives the descriptor of the first axis hypothesis.
-    pub descriptor: &'a mut Vec<f32>,
-    /// Called at the end of each stage.
-    pub on_stage: &'a mut dyn FnMut(ObservationStage),
-}
-
-impl<'a> From<Stages<'a>> for ObservationOutput<'a> {
-    fn from(stages: Stages<'a>) -> Self {
-        Self {
-            descriptor: stages.descriptor,
-            on_stage: Some(stages.on_stage),
-        }
-    }
-}
-
 impl ObjectState {
     /// Processes one view: updates the motion filter, describes the points, recognises
     /// the category over all axis hypotheses and selects key views. The descriptor of
@@ -141,7 +124,7 @@ impl ObjectState {
         observation: &Observation<'_>,
         taught: &CategoryIndex,
         config: &Config,
-        tools: &mut ObjectTools,
+        tools: &mut ObjectWorkspace,
         output: impl Into<ObservationOutput<'a>>,
     ) -> Result<Posterior, Error> {
         let ObservationOutput {
@@ -171,7 +154,7 @@ impl ObjectState {
         .map_err(Error::Tracking)?;
         end_stage(ObservationStage::Tracked);
         let points = ObjectPoints::selected(cloud, indices).map_err(Error::Description)?;
-        let ObjectTools {
+        let ObjectWorkspace {
             appearance,
             nearest_views,
         } = tools;
@@ -202,21 +185,6 @@ impl ObjectState {
             n_key_views: self.n_key_views,
         })
     }
-
-    /// Observation with a stage observer; the older form of [`observe`](Self::observe).
-    ///
-    /// # Errors
-    /// As for [`observe`](Self::observe).
-    pub fn observe_in_stages(
-        &mut self,
-        observation: &Observation<'_>,
-        taught: &CategoryIndex,
-        config: &Config,
-        tools: &mut ObjectTools,
-        stages: Stages<'_>,
-    ) -> Result<Posterior, Error> {
-        self.observe(observation, taught, config, tools, stages)
-    }
 }
 
 /// Pose for motion detection. The yaw of a rotationally symmetric object is
@@ -234,9 +202,9 @@ fn observable_pose(shape: &OrientedBox) -> RigidTransform {
 /// direction.
 fn describe<'a>(
     points: ObjectPoints<'_>,
-    measured: &Measured,
-    appearance: &'a mut Appearance,
-) -> Result<&'a [Vec<f32>; N_READINGS], Error> {
+    measured: &CandidateMeasurement,
+    appearance: &'a mut AppearanceDescriptor,
+) -> Result<&'a [Vec<f32>; N_AXIS_HYPOTHESES], Error> {
     let camera_from_world = measured.frame.world_from_camera.rotation.inverse();
     let world_from_box = measured.measurement.box_in_world().frame_from_box.rotation;
     let up = camera_from_world * world_from_box * Vector3::z_axis();

@@ -1,10 +1,10 @@
 //! Track of one object.
 
-use crate::candidate_measurement::Measured;
+use crate::candidate_measurement::CandidateMeasurement;
 use geometry::OrientedBox;
 use learning::{CategoryName, N_NEAREST, Neighbour};
 use nalgebra::{Matrix3, Vector3};
-use tracking::{CoarseAppearance, MotionFilter, Sight, TrackLifecycle, TrackPhase};
+use tracking::{CoarseAppearance, MotionFilter, TrackLifecycle, TrackPhase, Visibility};
 
 /// Track of one object: motion, appearance and recognition result.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,7 +16,7 @@ pub struct Track {
     /// Capture stamp of the last measurement, nanoseconds.
     pub last_seen_ns: u64,
     /// Last measurement.
-    pub measured: Measured,
+    pub measured: CandidateMeasurement,
     /// Number of described views.
     pub n_views: u32,
     /// Recognised category; `None` when unknown.
@@ -31,7 +31,7 @@ pub struct Track {
     /// Number of key views.
     pub n_key_views: u32,
     /// Id of the lost track as which this object was re-identified by appearance.
-    pub linked_to: Option<u64>,
+    pub reidentified_as: Option<u64>,
     pub(crate) lifecycle: TrackLifecycle,
     /// Motion state after the last measurement update.
     pub(crate) posterior: MotionFilter,
@@ -52,7 +52,7 @@ impl Track {
     }
 
     /// Visibility in the last frame.
-    pub fn sight(&self) -> Sight {
+    pub fn visibility(&self) -> Visibility {
         self.lifecycle.visibility()
     }
 

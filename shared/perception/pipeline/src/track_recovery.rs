@@ -1,6 +1,6 @@
 //! Recovery of tracks that were moved out of their association gate.
 
-use crate::candidate_measurement::Measured;
+use crate::candidate_measurement::CandidateMeasurement;
 use crate::track::Track;
 use tracking::{
     AssignmentBuffers, AssociationConfig, DepthView, OcclusionState, TrackPhase, appearance_cost,
@@ -79,7 +79,7 @@ impl TrackRecovery {
         &mut self,
         tracks: &[Track],
         occlusions: &[Option<OcclusionState>],
-        measured: &[Option<Measured>],
+        measured: &[Option<CandidateMeasurement>],
         now_ns: u64,
         config: &AssociationConfig,
     ) {
@@ -130,7 +130,7 @@ impl TrackRecovery {
 }
 
 /// True if a candidate may be a moved object, not a hand.
-fn is_eligible(measured: Option<&Measured>) -> bool {
+fn is_eligible(measured: Option<&CandidateMeasurement>) -> bool {
     measured.is_some_and(|measured| !measured.overlaps_body)
 }
 
@@ -138,7 +138,7 @@ fn is_eligible(measured: Option<&Measured>) -> bool {
 /// cost; `None` outside the gates.
 fn pair_cost(
     track: &Track,
-    measured: &Measured,
+    measured: &CandidateMeasurement,
     now_ns: u64,
     config: &AssociationConfig,
 ) -> Option<f64> {

@@ -1,17 +1,17 @@
 //! Track table: data association and track management, once per frame.
 
-use crate::candidate_measurement::Measured;
-use crate::frame_pose::Frame;
+use crate::candidate_measurement::CandidateMeasurement;
+use crate::frame_pose::FramePose;
 use crate::lost_track_gallery::LostTrackGallery;
 use crate::track::{Track, WHOLE_FRACTION_MIN};
 use crate::track_recovery::{TrackRecovery, occlusion_of_unmatched};
 use crate::{Config, Posterior};
-use constraint::Truth;
+use constraint::Ternary;
 use detection::{Candidate, Detection, ExpectedTrack, Support};
 use point_cloud::Point;
 use tracking::{
-    AssociationBuffers, MotionFilter, ObservedCandidate, OcclusionState, PredictedTrack, Sight,
-    TrackLifecycle, TrackPhase, associate, fraction_inside,
+    AssociationBuffers, MotionFilter, ObservedCandidate, OcclusionState, PredictedTrack,
+    TrackLifecycle, TrackPhase, Visibility, associate, fraction_inside,
 };
 
 /// Upper limit of the predicted position uncertainty in the association gate (standard
@@ -63,7 +63,7 @@ pub struct Sighting {
     /// Index of the candidate in the detection.
     pub candidate: usize,
     /// Measurement of the candidate.
-    pub measured: Measured,
+    pub measured: CandidateMeasurement,
     /// `true` when the track starts with this candidate.
     pub is_new: bool,
 }
@@ -71,13 +71,13 @@ pub struct Sighting {
 /// Track update of a frame: matches, ended tracks and rejected candidates. Reused from
 /// frame to frame.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Step {
+pub struct TrackUpdate {
     /// Matched tracks with their measurements; continued tracks precede new ones.
     pub sightings: Vec<Sighting>,
     /// Ids of the tracks that ended.
-    pub gone: Vec<u64>,
+    pub ended_tracks: Vec<u64>,
     /// Indices of the candidates that neither continued nor started a track, ascending.
-    pub rejected: Vec<usize>,
+    pub rejected_candidates: Vec<usize>,
 }
 
 /// Live tracks with the buffers of association.
@@ -86,7 +86,7 @@ pub struct TrackTable {
     config: Config,
     tracks: Vec<Track>,
     lost_tracks: LostTrackGallery,
-    measured: Vec<Option<Measured>>,
+    measured: Vec<Option<CandidateMeasurement>>,
     candidate_of_column: Vec<usize>,
     predicted: Vec<PredictedTrack>,
     observed: Vec<ObservedCandidate>,
@@ -128,16 +128,16 @@ impl TrackTable {
     /// Predicts all tracks to the frame and writes their expected boxes, camera frame,
     /// as a prior for detection. A track not measured in the last frame contributes its
     /// last measured box as well, since its motion may have stopped.
-    pub fn predict(&mut self, frame: &Frame, expected: &mut Vec<ExpectedTrack>) {
+    pub fn predict(&mut self, frame: &FramePose, expected: &mut Vec<ExpectedTrack>) {
         self.predict_tracks(frame);
         let camera_from_world = frame.world_from_camera.inverse();
         expected.clear();
         for track in &self.tracks {
             expected.push(ExpectedTrack {
-                shape: track.box_in_world().transformed(&camera_from_world),
+                oriented_box: track.box_in_world().transformed(&camera_from_world),
                 n_points: track.measured.n_points,
             });
-            if track.sight() != Sight::Seen {
+            if track.visibility() != Visibility::Visible {
                 let last_seen = track.posterior.box_in_world();
                 expected.push(last_seen.transformed(&camera_from_world).into());
             }
@@ -152,17 +152,17 @@ impl TrackTable {
     /// it accepts only candidates of similar appearance. A new track needs a candidate
     /// for which the rule is true. `next_id` supplies ascending ids, or `None` while
     /// there are none; `cloud` is the cloud of the detection.
-    pub fn step(
+    pub fn update(
         &mut self,
         detection: &Detection,
         cloud: &[Point],
-        frame: &Frame,
+        frame: &FramePose,
         mut next_id: impl FnMut() -> Option<u64>,
-        update: &mut Step,
+        update: &mut TrackUpdate,
     ) {
         update.sightings.clear();
-        update.gone.clear();
-        update.rejected.clear();
+        update.ended_tracks.clear();
+        update.rejected_candidates.clear();
         self.measure(detection, cloud, frame);
         self.predict_tracks(frame);
         self.associate(frame, update);
@@ -172,18 +172,18 @@ impl TrackTable {
         self.mark_missed(frame);
         self.remove_lost_tracks(frame, update);
         self.start_tracks(detection, frame, &mut next_id, update);
-        let Step {
+        let TrackUpdate {
             sightings,
-            rejected,
+            rejected_candidates,
             ..
         } = update;
         let is_matched = |i: &usize| sightings.iter().any(|sighting| sighting.candidate == *i);
-        rejected.extend((0..detection.candidates.len()).filter(|i| !is_matched(i)));
+        rejected_candidates.extend((0..detection.candidates.len()).filter(|i| !is_matched(i)));
     }
 
     /// Applies an object's posterior to its track. A posterior of an ended track, or one
     /// older than the track, is ignored.
-    pub fn absorb(&mut self, track_id: u64, posterior: &Posterior) {
+    pub fn apply_posterior(&mut self, track_id: u64, posterior: &Posterior) {
         let Ok(i) = self
             .tracks
             .binary_search_by_key(&track_id, |track| track.id)
@@ -205,19 +205,21 @@ impl TrackTable {
         track.n_key_views = posterior.n_key_views;
     }
 
-    fn measure(&mut self, detection: &Detection, cloud: &[Point], frame: &Frame) {
+    fn measure(&mut self, detection: &Detection, cloud: &[Point], frame: &FramePose) {
         self.measured.clear();
         for candidate in &detection.candidates {
             let indices = detection.points_of(candidate);
             let measured = candidate
                 .is_object_sized
-                .then(|| Measured::from_candidate(candidate, indices, cloud, frame).ok())
+                .then(|| {
+                    CandidateMeasurement::from_candidate(candidate, indices, cloud, frame).ok()
+                })
                 .flatten();
             self.measured.push(measured);
         }
     }
 
-    fn predict_tracks(&mut self, frame: &Frame) {
+    fn predict_tracks(&mut self, frame: &FramePose) {
         for track in &mut self.tracks {
             // Always predict from the measured state: predictions of predictions would
             // coast without end.
@@ -230,7 +232,7 @@ impl TrackTable {
     /// Assigns candidates to tracks; assigned candidates leave `measured`. Recently seen
     /// tracks come first, so that a track with a wide gate does not take their
     /// candidates.
-    fn associate(&mut self, frame: &Frame, update: &mut Step) {
+    fn associate(&mut self, frame: &FramePose, update: &mut TrackUpdate) {
         self.occlusions.clear();
         self.occlusions
             .resize(self.tracks.len(), Some(OcclusionState::Unknown));
@@ -239,13 +241,14 @@ impl TrackTable {
         }
     }
 
-    fn associate_subset(&mut self, is_recent: bool, frame: &Frame, update: &mut Step) {
+    fn associate_subset(&mut self, is_recent: bool, frame: &FramePose, update: &mut TrackUpdate) {
         self.predicted.clear();
         self.observed.clear();
         self.candidate_of_column.clear();
         self.track_of_row.clear();
         for (i, track) in self.tracks.iter().enumerate() {
-            let was_recent = track.sight() == Sight::Seen && track.phase() == TrackPhase::Confirmed;
+            let was_recent =
+                track.visibility() == Visibility::Visible && track.phase() == TrackPhase::Confirmed;
             if self.occlusions[i].is_some() && was_recent == is_recent {
                 self.track_of_row.push(i);
                 self.predicted.push(predicted(track));
@@ -277,7 +280,7 @@ impl TrackTable {
     }
 
     /// Occlusion test of the tracks without a candidate.
-    fn classify_unmatched(&mut self, cloud: &[Point], frame: &Frame) {
+    fn classify_unmatched(&mut self, cloud: &[Point], frame: &FramePose) {
         let Some(view) = frame.view(cloud) else {
             return;
         };
@@ -290,7 +293,7 @@ impl TrackTable {
 
     /// Recovers tracks in free space by matching them with unassigned candidates: a hand
     /// moves objects out of any gate.
-    fn recover_tracks(&mut self, frame: &Frame, update: &mut Step) {
+    fn recover_tracks(&mut self, frame: &FramePose, update: &mut TrackUpdate) {
         let config = self.config.association();
         self.recovery.match_candidates(
             &self.tracks,
@@ -334,7 +337,7 @@ impl TrackTable {
         }
     }
 
-    fn mark_missed(&mut self, frame: &Frame) {
+    fn mark_missed(&mut self, frame: &FramePose) {
         for (track, occlusion) in self.tracks.iter_mut().zip(&self.occlusions) {
             if let Some(occlusion) = occlusion {
                 track.lifecycle = track.lifecycle.missed(frame.capture_ns, *occlusion);
@@ -342,12 +345,12 @@ impl TrackTable {
         }
     }
 
-    fn remove_lost_tracks(&mut self, frame: &Frame, update: &mut Step) {
+    fn remove_lost_tracks(&mut self, frame: &FramePose, update: &mut TrackUpdate) {
         let lost_tracks = &mut self.lost_tracks;
         self.tracks.retain(|track| {
             let is_lost = track.phase() == TrackPhase::Lost;
             if is_lost {
-                update.gone.push(track.id);
+                update.ended_tracks.push(track.id);
                 lost_tracks.insert(track, frame.capture_ns);
             }
             !is_lost
@@ -357,12 +360,12 @@ impl TrackTable {
     fn start_tracks(
         &mut self,
         detection: &Detection,
-        frame: &Frame,
+        frame: &FramePose,
         next_id: &mut impl FnMut() -> Option<u64>,
-        update: &mut Step,
+        update: &mut TrackUpdate,
     ) {
         for (candidate, measured) in self.measured.iter_mut().enumerate() {
-            let is_object = detection.candidates[candidate].verdict == Truth::True;
+            let is_object = detection.candidates[candidate].verdict == Ternary::True;
             let Some(measured) = measured.take().filter(|_| is_object) else {
                 continue;
             };
@@ -390,7 +393,7 @@ impl TrackTable {
                 probability: None,
                 nearest: Default::default(),
                 n_key_views: 0,
-                linked_to: self
+                reidentified_as: self
                     .lost_tracks
                     .reidentify(&measured.appearance, frame.capture_ns),
                 lifecycle: TrackLifecycle::start(frame.capture_ns),
@@ -417,7 +420,11 @@ fn predicted(track: &Track) -> PredictedTrack {
 }
 
 /// True if a candidate may be a part of a recently handled object.
-fn is_part_of_handled(tracks: &[Track], measured: &Measured, frame: &Frame) -> bool {
+fn is_part_of_handled(
+    tracks: &[Track],
+    measured: &CandidateMeasurement,
+    frame: &FramePose,
+) -> bool {
     let centre = measured.measurement.box_in_world().centre();
     tracks.iter().any(|track| {
         track.was_handled(frame.capture_ns, HANDLED_NS)
@@ -451,9 +458,9 @@ fn is_part_of_larger(part: &Candidate, candidates: &[Candidate]) -> bool {
 fn update_track(
     track: &mut Track,
     candidate: usize,
-    measured: &Measured,
-    frame: &Frame,
-    update: &mut Step,
+    measured: &CandidateMeasurement,
+    frame: &FramePose,
+    update: &mut TrackUpdate,
 ) {
     track.lifecycle = track.lifecycle.observed(frame.capture_ns);
     track.last_seen_ns = frame.capture_ns;

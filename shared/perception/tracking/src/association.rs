@@ -251,7 +251,7 @@ fn volume_difference(track: &CoarseAppearance, candidate: &CoarseAppearance) -> 
 /// Fraction of sample points of a box inside another one, with a tolerance of 12 mm.
 pub fn fraction_inside(part: &OrientedBox, whole: &OrientedBox) -> f64 {
     // Most boxes are far apart.
-    if !part.may_meet(whole, 2.0 * PART_MARGIN_M) {
+    if !part.bounding_spheres_meet(whole, 2.0 * PART_MARGIN_M) {
         return 0.0;
     }
     let place =

@@ -73,4 +73,4 @@ pub use motion_filter::MotionFilter;
 pub use observation_context::ObservationContext;
 pub use track_lifecycle::{TrackLifecycle, TrackPhase};
 pub use viewing_conditions::{HandContact, ViewingConditions};
-pub use visibility::{OcclusionState, Sight};
+pub use visibility::{OcclusionState, Visibility};

@@ -1,6 +1,6 @@
 //! Track lifecycle: confirmation, missed detections and termination.
 
-use crate::visibility::{OcclusionState, Sight};
+use crate::visibility::{OcclusionState, Visibility};
 
 /// Number of measurements after which a tentative track is confirmed. Chosen;
 /// sensitivity: see `tabula-lab sweep`.
@@ -40,7 +40,7 @@ pub struct TrackLifecycle {
     /// Stamp of the last measurement or of the last explained absence.
     last_explained_ns: u64,
     n_seen: u32,
-    visibility: Sight,
+    visibility: Visibility,
     phase: TrackPhase,
 }
 
@@ -51,7 +51,7 @@ impl TrackLifecycle {
             last_seen_ns: stamp_ns,
             last_explained_ns: stamp_ns,
             n_seen: 1,
-            visibility: Sight::Seen,
+            visibility: Visibility::Visible,
             phase: TrackPhase::Tentative,
         }
     }
@@ -68,7 +68,7 @@ impl TrackLifecycle {
             last_seen_ns: self.last_seen_ns.max(stamp_ns),
             last_explained_ns: self.last_explained_ns.max(stamp_ns),
             n_seen,
-            visibility: Sight::Seen,
+            visibility: Visibility::Visible,
             phase,
         }
     }
@@ -78,12 +78,12 @@ impl TrackLifecycle {
     #[must_use]
     pub fn missed(&self, stamp_ns: u64, occlusion: OcclusionState) -> Self {
         let visibility = match occlusion {
-            OcclusionState::Occluded => Sight::Occluded,
-            OcclusionState::OutOfView => Sight::OutOfView,
-            OcclusionState::Unknown | OcclusionState::Empty => Sight::Missing,
+            OcclusionState::Occluded => Visibility::Occluded,
+            OcclusionState::OutOfView => Visibility::OutOfView,
+            OcclusionState::Unknown | OcclusionState::Empty => Visibility::Missing,
         };
         let last_explained_ns = match visibility {
-            Sight::Missing => self.last_explained_ns,
+            Visibility::Missing => self.last_explained_ns,
             _ => self.last_explained_ns.max(stamp_ns),
         };
         let unexplained_ns = stamp_ns.saturating_sub(last_explained_ns);
@@ -119,7 +119,7 @@ impl TrackLifecycle {
     }
 
     /// Visibility in the last frame.
-    pub fn visibility(&self) -> Sight {
+    pub fn visibility(&self) -> Visibility {
         self.visibility
     }
 
@@ -156,9 +156,9 @@ mod tests {
     #[test]
     fn the_timeout_depends_on_the_occlusion_state() {
         for (occlusion, visibility, timeout_ms) in [
-            (OcclusionState::Unknown, Sight::Missing, 1500),
-            (OcclusionState::Occluded, Sight::Occluded, 10_000),
-            (OcclusionState::OutOfView, Sight::OutOfView, 60_000),
+            (OcclusionState::Unknown, Visibility::Missing, 1500),
+            (OcclusionState::Occluded, Visibility::Occluded, 10_000),
+            (OcclusionState::OutOfView, Visibility::OutOfView, 60_000),
         ] {
             let lifecycle = confirmed_at(700 * MS);
             let alive = lifecycle.missed((699 + timeout_ms) * MS, occlusion);
@@ -188,7 +188,7 @@ mod tests {
         let uncovered = hidden.missed(6033 * MS, OcclusionState::Unknown);
         assert_eq!(
             (uncovered.phase(), uncovered.visibility()),
-            (Confirmed, Sight::Missing)
+            (Confirmed, Visibility::Missing)
         );
         assert_eq!(
             uncovered.missed(7500 * MS, OcclusionState::Unknown).phase(),

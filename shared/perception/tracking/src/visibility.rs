@@ -16,9 +16,9 @@ pub enum OcclusionState {
 
 /// Visibility of a track's object in the last frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Sight {
+pub enum Visibility {
     /// The object was measured.
-    Seen,
+    Visible,
     /// The object is occluded.
     Occluded,
     /// The object is outside the image.

@@ -66,7 +66,7 @@ fn cylinder_solid(cylinder: &TaperedCylinder) -> Solid {
         .unwrap_or_else(UnitQuaternion::identity);
     let pose = Isometry3::from_parts(cylinder.ends[0].cast::<f32>().into(), rotation);
     lathe(&rounded_profile(axis.norm(), lower, upper), N_AROUND)
-        .placed(&pose)
+        .transformed(&pose)
         .colored(cylinder.color)
         .with_surface(PLASTIC)
 }
@@ -96,7 +96,7 @@ fn rounded_profile(length_m: f32, lower_m: f32, upper_m: f32) -> Vec<Point2<f32>
 fn box_solid(body: &OrientedBox, rounding_m: f32, color: [u8; 3]) -> Solid {
     let sides = body.sides_m().cast::<f32>();
     rounded_box(sides.into(), rounding_m, 0.05)
-        .placed(&body.frame_from_box.cast())
+        .transformed(&body.frame_from_box.cast())
         .colored(color)
         .with_surface(PLASTIC)
 }
@@ -111,7 +111,7 @@ mod tests {
     fn meshes_are_closed_and_face_outwards() {
         let meshes = LinkMeshes::new(&Arm::jaco_like());
         for solid in meshes.links.iter().chain([&meshes.rail, &meshes.finger]) {
-            let found = solid.mesh.examination();
+            let found = solid.mesh.diagnostics();
             assert!(found.is_sound(), "{found:?}");
             assert!(solid.mesh.signed_volume() > 0.0);
         }

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use actor::{
-    Actor, Address, Config, Flow, KeepLatest, Placement, PoolConfig, Progress, Restart,
+    Actor, Address, Config, DropOldest, Flow, Placement, PoolConfig, Progress, Restart,
     RestartPolicy, Supervisor, WorkerPool,
 };
 use divan::Bencher;
@@ -45,7 +45,7 @@ impl Actor for Adder {
     type Checkpoint = u64;
     type Context = ();
     type Error = Infallible;
-    type Overflow = KeepLatest;
+    type Overflow = DropOldest;
 
     fn start(_: &Arc<()>, total: u64) -> Result<Self, Infallible> {
         Ok(Self(total))
@@ -90,7 +90,7 @@ fn pool() -> Placement {
 }
 
 /// Asks all actors, then awaits all answers, as the frame loop does.
-async fn round(actors: &[Address<Adder>], answers: &mut Vec<actor::Answer<u64>>) {
+async fn round(actors: &[Address<Adder>], answers: &mut Vec<actor::PendingReply<u64>>) {
     for actor in actors {
         answers.push(actor.ask(0, 1).expect("it lives"));
     }

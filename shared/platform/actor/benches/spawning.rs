@@ -11,7 +11,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use actor::{
-    Actor, Config, Flow, KeepLatest, Placement, PoolConfig, Progress, Restart, RestartPolicy,
+    Actor, Config, DropOldest, Flow, Placement, PoolConfig, Progress, Restart, RestartPolicy,
     Supervisor, WorkerPool,
 };
 use divan::Bencher;
@@ -32,7 +32,7 @@ impl Actor for Adder {
     type Checkpoint = u64;
     type Context = ();
     type Error = Infallible;
-    type Overflow = KeepLatest;
+    type Overflow = DropOldest;
 
     fn start(_: &Arc<()>, total: u64) -> Result<Self, Infallible> {
         Ok(Self(total))

@@ -173,7 +173,7 @@ impl<A: Actor> ActorLoop<A> {
     ) -> Result<Result<T, Cause>, StopTimedOut> {
         tokio::select! {
             biased;
-            outcome = job => Ok(outcome.unwrap_or_else(|lost| Err(Cause::Lost(lost)))),
+            outcome = job => Ok(outcome.unwrap_or_else(|lost| Err(Cause::ReplyLost(lost)))),
             () = self.stop_timed_out() => Err(StopTimedOut),
         }
     }

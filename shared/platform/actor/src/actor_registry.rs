@@ -19,15 +19,15 @@ use crate::actor_loop::LoopConfig;
 use crate::address::{Address, Envelope};
 use crate::config::Config;
 use crate::error::Error;
-use crate::event::{Cause, Escalation, Event, Events, StopReason};
-use crate::mailbox::{KeepLatest, Receiver, Sender, mailbox};
-use crate::restart_policy::{RestartHistory, RestartPolicy, Verdict};
+use crate::event::{Cause, Escalation, Events, LifecycleEvent, StopReason};
+use crate::mailbox::{DropOldest, Receiver, Sender, mailbox};
+use crate::restart_policy::{RestartDecision, RestartHistory, RestartPolicy};
 
 pub(crate) struct ActorRegistry<I: Identity, A: Actor> {
     pub(crate) config: Config,
     pub(crate) loop_config: Arc<LoopConfig<A>>,
     pub(crate) runtime: Handle,
-    events: Sender<Event<I>, KeepLatest>,
+    events: Sender<LifecycleEvent<I>, DropOldest>,
     table: Mutex<RegistryTable<I, A>>,
 }
 
@@ -98,7 +98,7 @@ impl<I: Identity, A: Actor> ActorRegistry<I, A> {
         self.table.lock()
     }
 
-    pub(crate) fn report(&self, event: Event<I>) {
+    pub(crate) fn report(&self, event: LifecycleEvent<I>) {
         // The reader of events may be gone.
         let _ = self.events.send(event);
     }
@@ -156,7 +156,7 @@ impl<I: Identity, A: Actor> ActorRegistry<I, A> {
 
     /// Removes an actor and reports its end; `false` when it was removed already, so
     /// that each end is reported once.
-    fn deregister(&self, id: &I, serial: u64, final_event: Event<I>) -> bool {
+    fn deregister(&self, id: &I, serial: u64, final_event: LifecycleEvent<I>) -> bool {
         let entry = {
             let mut table = self.lock();
             if table
@@ -230,7 +230,7 @@ impl<I: Identity, A: Actor> ActorRegistry<I, A> {
             }
         };
         let abandon = |(id, serial): (I, u64)| {
-            let final_event = Event::Abandoned { id: id.clone() };
+            let final_event = LifecycleEvent::Abandoned { id: id.clone() };
             usize::from(self.deregister(&id, serial, final_event))
         };
         late.into_iter().map(abandon).sum()
@@ -254,8 +254,8 @@ impl<I: Identity, A: Actor> ActorRegistry<I, A> {
             .lock()
             .decide_restart(id, policy, Instant::now().into_std())?;
         match verdict {
-            Verdict::Restart { after } => Some(after),
-            Verdict::GiveUp => {
+            RestartDecision::Restart { after } => Some(after),
+            RestartDecision::Escalate => {
                 self.escalate(Escalation {
                     id: id.clone(),
                     cause: cause.clone(),
@@ -274,7 +274,7 @@ impl<I: Identity, A: Actor> ActorRegistry<I, A> {
         let registry = Arc::clone(self);
         self.runtime.spawn(async move {
             registry.await_stop(pending).await;
-            registry.report(Event::Escalated(escalation));
+            registry.report(LifecycleEvent::Escalated(escalation));
         });
     }
 }
@@ -287,20 +287,20 @@ impl<I: Identity, A: Actor> RegistryTable<I, A> {
         id: &I,
         policy: RestartPolicy,
         now: std::time::Instant,
-    ) -> Option<Verdict> {
+    ) -> Option<RestartDecision> {
         if self.has_ended {
             return None;
         }
         let entry = self.entries.get_mut(id)?;
         let verdict = match self.history.on_failure(now) {
-            Verdict::Restart { .. } => entry
+            RestartDecision::Restart { .. } => entry
                 .history
                 .get_or_insert_with(|| Box::new(RestartHistory::new(policy)))
                 .on_failure(now),
-            Verdict::GiveUp => Verdict::GiveUp,
+            RestartDecision::Escalate => RestartDecision::Escalate,
         };
         // Ended under the same lock, so that only one failure escalates.
-        self.has_ended = verdict == Verdict::GiveUp;
+        self.has_ended = verdict == RestartDecision::Escalate;
         Some(verdict)
     }
 }
@@ -325,7 +325,7 @@ pub(crate) struct Registration<I: Identity, A: Actor> {
 impl<I: Identity, A: Actor> Registration<I, A> {
     pub(crate) fn started(&self) {
         let id = self.id.clone();
-        self.registry.report(Event::Started { id });
+        self.registry.report(LifecycleEvent::Started { id });
     }
 
     pub(crate) fn stopped(&mut self, reason: StopReason) {
@@ -337,11 +337,11 @@ impl<I: Identity, A: Actor> Drop for Registration<I, A> {
     fn drop(&mut self) {
         let id = self.id.clone();
         let final_event = match self.stop_reason.take() {
-            Some(reason) => Event::Stopped {
+            Some(reason) => LifecycleEvent::Stopped {
                 id,
                 reason: *reason,
             },
-            None => Event::Abandoned { id },
+            None => LifecycleEvent::Abandoned { id },
         };
         self.registry.deregister(&self.id, self.serial, final_event);
     }

@@ -5,8 +5,8 @@ use std::fmt;
 use tokio::sync::oneshot;
 
 use crate::actor::Actor;
-use crate::mailbox::{Block, Immediate, SendError, Sender};
-use crate::reply::{Answer, reply_channel};
+use crate::mailbox::{Backpressure, Immediate, SendError, Sender};
+use crate::reply::{PendingReply, reply_channel};
 
 /// Envelope of a queued message: its tag and the channel for its answer.
 pub(crate) struct Envelope<A: Actor> {
@@ -27,7 +27,7 @@ impl<A: Actor, P> Address<A, P> {
     }
 
     /// Number of messages displaced by newer ones.
-    pub fn dropped(&self) -> u64 {
+    pub fn n_dropped(&self) -> u64 {
         self.0.dropped()
     }
 
@@ -64,7 +64,7 @@ impl<A: Actor, P: Immediate> Address<A, P> {
         &self,
         tag: u64,
         message: A::Message,
-    ) -> Result<Answer<A::Reply>, SendError<A::Message>> {
+    ) -> Result<PendingReply<A::Reply>, SendError<A::Message>> {
         let (reply, answer) = reply_channel();
         self.0
             .send(Envelope {
@@ -77,7 +77,7 @@ impl<A: Actor, P: Immediate> Address<A, P> {
     }
 }
 
-impl<A: Actor> Address<A, Block> {
+impl<A: Actor> Address<A, Backpressure> {
     /// Sends a message without asking for an answer; waits for room in the mailbox.
     ///
     /// # Errors
@@ -102,7 +102,7 @@ impl<A: Actor> Address<A, Block> {
         &self,
         tag: u64,
         message: A::Message,
-    ) -> Result<Answer<A::Reply>, SendError<A::Message>> {
+    ) -> Result<PendingReply<A::Reply>, SendError<A::Message>> {
         let (reply, answer) = reply_channel();
         self.0
             .send(Envelope {
@@ -129,7 +129,7 @@ impl<A: Actor, P> Clone for Address<A, P> {
 impl<A: Actor, P> fmt::Debug for Address<A, P> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Address")
-            .field("dropped", &self.dropped())
+            .field("dropped", &self.n_dropped())
             .finish_non_exhaustive()
     }
 }

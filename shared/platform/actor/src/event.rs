@@ -4,18 +4,18 @@ use std::fmt;
 use std::sync::Arc;
 use std::time::Duration;
 
-use crate::mailbox::{KeepLatest, Receiver};
+use crate::mailbox::{DropOldest, Receiver};
 use crate::worker_pool::JobLost;
 
 /// Event stream of a supervisor, oldest first. Bounded: a slow reader loses the
 /// oldest events, which [`dropped`](Receiver::dropped) counts. Ends after the
 /// supervisor and all its actors are gone.
-pub type Events<I> = Receiver<Event<I>, KeepLatest>;
+pub type Events<I> = Receiver<LifecycleEvent<I>, DropOldest>;
 
 /// Life-cycle event of one actor, or of all.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
-pub enum Event<I> {
+pub enum LifecycleEvent<I> {
     /// The actor is ready for messages, for the first time or after a restart.
     Started {
         /// Id of the actor.
@@ -73,7 +73,7 @@ pub enum Cause {
     /// An error returned by the actor.
     Failed(Arc<dyn std::error::Error + Send + Sync>),
     /// The worker pool lost the job: stalled, or the pool is exhausted.
-    Lost(JobLost),
+    ReplyLost(JobLost),
     /// A permanent actor stopped itself.
     Finished,
 }
@@ -83,7 +83,7 @@ pub enum Cause {
 #[non_exhaustive]
 pub enum StopReason {
     /// A stop was requested, for this actor or for all.
-    Asked,
+    Requested,
     /// The actor stopped itself.
     Finished,
     /// The actor failed and is not restarted: by its restart type, because a stop was
@@ -97,7 +97,7 @@ pub enum StopReason {
 }
 
 /// Log sentence of an event.
-impl<I: fmt::Debug> fmt::Display for Event<I> {
+impl<I: fmt::Debug> fmt::Display for LifecycleEvent<I> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Started { id } => write!(f, "Actor {id:?} has started."),
@@ -116,7 +116,7 @@ impl<I: fmt::Debug> fmt::Display for Event<I> {
             }
             Self::Stopped {
                 id,
-                reason: StopReason::Asked,
+                reason: StopReason::Requested,
             } => {
                 write!(f, "Actor {id:?} has stopped, as it was told.")
             }
@@ -182,7 +182,7 @@ impl fmt::Display for Cause {
         match self {
             Self::Panicked(message) => write!(f, "it panicked: {message}"),
             Self::Failed(error) => write!(f, "it failed: {error}"),
-            Self::Lost(lost) => write!(f, "its work was lost: {lost}"),
+            Self::ReplyLost(lost) => write!(f, "its work was lost: {lost}"),
             Self::Finished => f.write_str("it ended by itself"),
         }
     }

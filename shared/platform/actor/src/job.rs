@@ -48,7 +48,7 @@ enum JobState<F, T> {
     /// Running, but the awaiting future was dropped.
     Cancelled,
     Ended(Result<T, JobLost>),
-    Lost(JobLost),
+    ReplyLost(JobLost),
     /// Final: the result was delivered or is not wanted.
     Done,
 }
@@ -95,8 +95,8 @@ where
                 }
                 true
             }
-            JobState::Lost(reason) => {
-                *state = JobState::Lost(reason);
+            JobState::ReplyLost(reason) => {
+                *state = JobState::ReplyLost(reason);
                 drop(state);
                 drop_caught(result);
                 false
@@ -117,7 +117,7 @@ where
                 *waker = Some(context.waker().clone());
                 Poll::Pending
             }
-            JobState::Lost(reason) => Poll::Ready(Err(reason.clone())),
+            JobState::ReplyLost(reason) => Poll::Ready(Err(reason.clone())),
             JobState::Ended(_) => match std::mem::replace(&mut *state, JobState::Done) {
                 JobState::Ended(result) => Poll::Ready(result),
                 _ => Poll::Pending,
@@ -134,7 +134,7 @@ where
         let next = match &*state {
             JobState::Running(_) => JobState::Cancelled,
             JobState::Queued(..) | JobState::Ended(_) => JobState::Done,
-            JobState::Cancelled | JobState::Lost(_) | JobState::Done => return,
+            JobState::Cancelled | JobState::ReplyLost(_) | JobState::Done => return,
         };
         let previous = std::mem::replace(&mut *state, next);
         drop(state);
@@ -158,11 +158,11 @@ where
         let mut state = self.lock();
         if matches!(
             *state,
-            JobState::Ended(_) | JobState::Lost(_) | JobState::Done
+            JobState::Ended(_) | JobState::ReplyLost(_) | JobState::Done
         ) {
             return false;
         }
-        let previous = std::mem::replace(&mut *state, JobState::Lost(reason));
+        let previous = std::mem::replace(&mut *state, JobState::ReplyLost(reason));
         drop(state);
         if let JobState::Queued(_, Some(waker)) | JobState::Running(Some(waker)) = &previous {
             waker.wake_by_ref();

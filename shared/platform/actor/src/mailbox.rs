@@ -13,7 +13,7 @@ mod queue;
 mod send_error;
 
 pub use endpoints::{Receiver, Sender, mailbox};
-pub use overflow::{Block, Immediate, KeepLatest, Overflow, Refuse};
+pub use overflow::{Backpressure, DropOldest, Immediate, Overflow, Refuse};
 pub use send_error::SendError;
 
 #[cfg(test)]

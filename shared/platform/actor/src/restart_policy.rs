@@ -22,14 +22,14 @@ pub struct RestartPolicy {
 
 /// Decision about a failure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Verdict {
+pub enum RestartDecision {
     /// Restart after this back-off.
     Restart {
         /// Back-off before the restart.
         after: Duration,
     },
     /// Escalate: the limit is exceeded.
-    GiveUp,
+    Escalate,
 }
 
 impl RestartPolicy {
@@ -105,7 +105,7 @@ impl RestartHistory {
     /// Decides about a failure at `now` and records the restart that it allows. A
     /// restart exactly one window ago is forgotten. An instant before the previous
     /// one counts as the same moment.
-    pub fn on_failure(&mut self, now: Instant) -> Verdict {
+    pub fn on_failure(&mut self, now: Instant) -> RestartDecision {
         let window = self.policy.window;
         while self
             .restarts
@@ -116,10 +116,10 @@ impl RestartHistory {
         }
         let n_recent = self.restarts.len();
         if n_recent >= self.policy.max_restarts as usize {
-            return Verdict::GiveUp;
+            return RestartDecision::Escalate;
         }
         self.restarts.push_back(now);
-        Verdict::Restart {
+        RestartDecision::Restart {
             after: self.policy.backoff(n_recent),
         }
     }

@@ -9,7 +9,7 @@ use crate::actor::{Actor, Identity};
 use crate::actor_loop::{ActorFailure, ActorLoop, LoopExit, boxed_sleep};
 use crate::actor_registry::{ActorRegistry, Registration};
 use crate::config::Restart;
-use crate::event::{Cause, Event, StopReason};
+use crate::event::{Cause, LifecycleEvent, StopReason};
 
 /// Task of one supervised actor, through all its restarts.
 ///
@@ -45,7 +45,7 @@ impl<I: Identity, A: Actor> SupervisedActor<I, A> {
                 tokio::select! {
                     biased;
                     () = self.actor_loop.mailbox.closed() => {
-                        return self.registration.stopped(StopReason::Asked);
+                        return self.registration.stopped(StopReason::Requested);
                     }
                     () = boxed_sleep(sleep(after)) => {}
                 }
@@ -58,7 +58,7 @@ impl<I: Identity, A: Actor> SupervisedActor<I, A> {
         let restart = self.registry().config.restart;
         let ActorFailure { cause, tag } = match exit {
             LoopExit::StopTimedOut => return None,
-            LoopExit::StopRequested => return self.stop_for_good(StopReason::Asked),
+            LoopExit::StopRequested => return self.stop_for_good(StopReason::Requested),
             LoopExit::Finished if restart == Restart::Permanent => ActorFailure {
                 cause: Cause::Finished,
                 tag: None,
@@ -76,7 +76,7 @@ impl<I: Identity, A: Actor> SupervisedActor<I, A> {
             return self.stop_for_good(StopReason::Failed { cause, tag });
         };
         let id = self.registration.id.clone();
-        self.registry().report(Event::Restarting {
+        self.registry().report(LifecycleEvent::Restarting {
             id,
             cause,
             tag,

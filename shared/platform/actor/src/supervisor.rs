@@ -59,11 +59,11 @@ impl<I: Identity, A: Actor> Supervisor<I, A> {
     /// Requests an actor to stop, without waiting: the message being handled is
     /// finished, queued messages are dropped now and their senders notified. `false`
     /// when there is no such actor.
-    pub fn dismiss(&self, id: &I) -> bool {
+    pub fn request_stop(&self, id: &I) -> bool {
         self.0.dismiss(id)
     }
 
-    /// Requests an actor to stop as [`dismiss`](Self::dismiss) does, then waits for
+    /// Requests an actor to stop as [`request_stop`](Self::request_stop) does, then waits for
     /// its end, at most the time limit. `true` when the actor has ended, or there was
     /// none; `false` when it was abandoned.
     pub async fn stop(&self, id: &I) -> bool {

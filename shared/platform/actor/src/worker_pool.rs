@@ -22,7 +22,7 @@ use crate::job::{Job, JobResult, Task};
 use crate::progress::Progress;
 
 pub use crate::job::JobLost;
-pub use fork_join::Team;
+pub use fork_join::ForkJoin;
 
 mod fork_join;
 
@@ -151,13 +151,13 @@ impl WorkerPool {
     /// with it.
     ///
     /// The worker threads live as long as it does.
-    pub fn team(&self) -> Team {
+    pub fn fork_join(&self) -> ForkJoin {
         let queue = self.0.queue.clone();
         let call = move |helper: Arc<fork_join::Helper>| {
             // The pool holds a receiver; without one there would be no help.
             let _ = queue.send(helper as Arc<dyn Task>);
         };
-        Team::new(self.0.config.n_workers.get() - 1, Box::new(call))
+        ForkJoin::new(self.0.config.n_workers.get() - 1, Box::new(call))
     }
 
     /// Watchdog check: abandons and replaces each worker that has shown no progress
@@ -192,7 +192,7 @@ impl WorkerPool {
     }
 
     /// Number of workers abandoned since the start.
-    pub fn abandoned(&self) -> usize {
+    pub fn n_abandoned(&self) -> usize {
         self.0.n_abandoned.load(Ordering::Relaxed)
     }
 
@@ -289,7 +289,7 @@ impl fmt::Debug for WorkerPool {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("WorkerPool")
             .field("config", &self.0.config)
-            .field("abandoned", &self.abandoned())
+            .field("abandoned", &self.n_abandoned())
             .finish_non_exhaustive()
     }
 }

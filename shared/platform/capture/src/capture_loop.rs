@@ -3,7 +3,7 @@
 use crate::lead_time::LeadTime;
 use crate::lockstep::{Lockstep, LockstepOutcome};
 use crate::schedule::Schedule;
-use crate::source::{FrameInfo, FrameSize, Source, Waiting};
+use crate::source::{FrameInfo, FrameSize, IdleUpdate, Source};
 use crate::source_error::SourceError;
 use channel::topic::CameraCloud;
 use channel::{Loan, Publisher};
@@ -26,11 +26,11 @@ const LOCKSTEP_START_NS: u64 = 1_000_000_000;
 
 /// Reason for the end of the loop without a failure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum End {
+pub enum CaptureEnd {
     /// Shutdown was requested.
     Stopped,
     /// End of the recording.
-    Ended,
+    EndOfRecording,
 }
 
 /// Capture loop of one source; runs on a separate thread.
@@ -100,16 +100,18 @@ impl CaptureLoop {
     ///
     /// # Errors
     /// When the source cannot be used.
-    pub fn run(mut self) -> Result<End, Failure> {
+    pub fn run(mut self) -> Result<CaptureEnd, Failure> {
         if self.lockstep.is_some() {
             self.wait_for_subscriber();
         }
         self.context.health.set_state(ProcessState::Ready, "");
         while !self.context.shutdown.is_requested() {
-            self.context.health.tick();
+            self.context.health.record_progress();
             match self.capture_frame() {
                 Ok(true) => self.note_recovery(),
-                Ok(false) | Err(SourceError::Ended) => return Ok(End::Ended),
+                Ok(false) | Err(SourceError::EndOfRecording) => {
+                    return Ok(CaptureEnd::EndOfRecording);
+                }
                 Err(SourceError::Unusable(sentence)) => {
                     return Err(Failure::new(exit_code::USAGE, sentence));
                 }
@@ -125,10 +127,10 @@ impl CaptureLoop {
                         .frames_dropped
                         .fetch_add(1, Ordering::Relaxed);
                 }
-                Err(SourceError::Gone(sentence)) => self.wait_for_device(&sentence),
+                Err(SourceError::Disconnected(sentence)) => self.wait_for_device(&sentence),
             }
         }
-        Ok(End::Stopped)
+        Ok(CaptureEnd::Stopped)
     }
 
     /// Captures and sends the next frame; `false` at the end of the recording.
@@ -139,9 +141,9 @@ impl CaptureLoop {
         };
         let preparing = watch.lap(Stage::Preparing, 0);
         self.wait_for_lead_time()?;
-        let making_wait = watch.lap(Stage::MakingWait, 0);
+        let making_wait = watch.lap(Stage::GenerationWait, 0);
         let (mut loan, mut info) = self.loan_filled(size)?;
-        let making = watch.lap(Stage::Making, 0);
+        let making = watch.lap(Stage::Generation, 0);
         self.lead_time.record(making.duration_ns());
         if self.lockstep.is_some() {
             self.send_in_lockstep(loan, &info)?;
@@ -184,9 +186,9 @@ impl CaptureLoop {
             ..header(info, self.source.name(), self.lockstep.is_some())
         };
         *loan.header_mut() = header;
-        self.source.sending(&header)?;
+        self.source.before_send(&header)?;
         self.publisher.send(loan).map_err(unusable)?;
-        self.source.sent(&header)?;
+        self.source.after_send(&header)?;
         // In lockstep no frame is late: the followers set the pace.
         let released_ns = due_ns.filter(|_| self.lockstep.is_some()).unwrap_or(now_ns);
         let was_late = self
@@ -223,7 +225,7 @@ impl CaptureLoop {
                     tracing::warn!("no report on frame {}; sending it again", self.sequence);
                 }
             }
-            self.context.health.tick();
+            self.context.health.record_progress();
             self.schedule = schedule;
             loan = self.publisher.loan(copy.len()).map_err(unusable)?;
             loan.items_mut().copy_from_slice(&copy);
@@ -266,18 +268,18 @@ impl CaptureLoop {
     fn wait_until(
         &mut self,
         end_ns: u64,
-        mut while_waiting: impl FnMut(&mut dyn Source) -> Result<Waiting, SourceError>,
+        mut while_waiting: impl FnMut(&mut dyn Source) -> Result<IdleUpdate, SourceError>,
     ) -> Result<(), SourceError> {
         while !self.context.shutdown.is_requested() {
             let waiting = while_waiting(&mut *self.source)?;
-            let until_ns = end_ns.min(waiting.again_ns.unwrap_or(end_ns));
+            let until_ns = end_ns.min(waiting.next_call_ns.unwrap_or(end_ns));
             let left = Duration::from_nanos(until_ns.saturating_sub(monotonic_ns()));
             if monotonic_ns() >= end_ns {
                 return Ok(());
             }
             // A source may be woken by unparking this thread.
             std::thread::park_timeout(left.min(NAP));
-            self.context.health.tick();
+            self.context.health.record_progress();
         }
         Ok(())
     }
@@ -285,7 +287,7 @@ impl CaptureLoop {
     fn wait_for_subscriber(&self) {
         while !self.publisher.has_subscribers() && !self.context.shutdown.is_requested() {
             std::thread::sleep(NAP);
-            self.context.health.tick();
+            self.context.health.record_progress();
         }
     }
 

@@ -40,7 +40,7 @@
 //! }
 //!
 //! let mut source = Plane(0);
-//! let size = source.prepare()?.ok_or(SourceError::Ended)?;
+//! let size = source.prepare()?.ok_or(SourceError::EndOfRecording)?;
 //! let mut points = vec![Point::default(); size.n_points()];
 //! assert_eq!(source.fill(&mut points)?.camera.width, 4);
 //! assert_eq!(source.prepare()?, None);
@@ -54,6 +54,6 @@ mod schedule;
 mod source;
 mod source_error;
 
-pub use capture_loop::{CaptureLoop, End};
-pub use source::{FrameInfo, FrameSize, Source, Waiting};
+pub use capture_loop::{CaptureEnd, CaptureLoop};
+pub use source::{FrameInfo, FrameSize, IdleUpdate, Source};
 pub use source_error::SourceError;

@@ -1,6 +1,6 @@
 //! Lockstep: waits for the reports of the processes that handle a frame.
 
-use channel::topic::FrameFinished;
+use channel::topic::FinishedFrames;
 use channel::{Domain, Error, Subscriber};
 use message::{FrameDone, ProcessKind};
 use service::Shutdown;
@@ -14,7 +14,7 @@ const SILENCE: Duration = Duration::from_secs(3);
 
 /// Receiver of the followers' reports.
 pub(crate) struct Lockstep {
-    reports: Subscriber<FrameFinished>,
+    reports: Subscriber<FinishedFrames>,
 }
 
 /// Outcome of waiting for the followers.

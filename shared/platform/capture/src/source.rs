@@ -74,8 +74,8 @@ pub trait Source {
         &mut self,
         _due_ns: u64,
         _points: Option<&mut [Point]>,
-    ) -> Result<Waiting, SourceError> {
-        Ok(Waiting::default())
+    ) -> Result<IdleUpdate, SourceError> {
+        Ok(IdleUpdate::default())
     }
 
     /// Called before the frame is sent, with its header. Data published here is there
@@ -83,7 +83,7 @@ pub trait Source {
     ///
     /// # Errors
     /// As [`prepare`](Self::prepare).
-    fn sending(&mut self, _header: &FrameHeader) -> Result<(), SourceError> {
+    fn before_send(&mut self, _header: &FrameHeader) -> Result<(), SourceError> {
         Ok(())
     }
 
@@ -91,17 +91,17 @@ pub trait Source {
     ///
     /// # Errors
     /// As [`prepare`](Self::prepare).
-    fn sent(&mut self, _header: &FrameHeader) -> Result<(), SourceError> {
+    fn after_send(&mut self, _header: &FrameHeader) -> Result<(), SourceError> {
         Ok(())
     }
 }
 
 /// Result of waiting: a rewritten frame and the time of the next call.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Waiting {
+pub struct IdleUpdate {
     /// Metadata of the frame, if it was rewritten.
     pub rewritten: Option<FrameInfo>,
     /// Time of the next call wanted by the source, monotonic, nanoseconds; it may
     /// come earlier.
-    pub again_ns: Option<u64>,
+    pub next_call_ns: Option<u64>,
 }

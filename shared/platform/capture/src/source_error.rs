@@ -17,8 +17,8 @@ pub enum SourceError {
     },
     /// End of the recording.
     #[error("the recording has come to its end")]
-    Ended,
+    EndOfRecording,
     /// The device is not connected; it may come back.
     #[error("{0}")]
-    Gone(String),
+    Disconnected(String),
 }

@@ -209,7 +209,7 @@ fn enter(name: &DomainName, folder: &Arc<TrustedFolder>) -> Result<LockFile, Err
 
 fn check_shared_memory(name: &DomainName) -> Result<(), Error> {
     match SharedMemory::of_domain(name) {
-        Some(state) if !state.is_enough() => Err(Error::SharedMemory {
+        Some(state) if !state.is_sufficient() => Err(Error::SharedMemory {
             needed: state.needed,
             available: state.available(),
         }),

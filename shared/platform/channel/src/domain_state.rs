@@ -19,8 +19,8 @@ pub struct DomainState {
 
 impl DomainState {
     /// Inspects a domain.
-    pub fn of(domain: &DomainName, run_folder: &RunFolder) -> Self {
-        let path = run_folder.of_domain(domain);
+    pub fn inspect(domain: &DomainName, run_folder: &RunFolder) -> Self {
+        let path = run_folder.domain_folder(domain);
         let entries = std::fs::read_dir(&path).into_iter().flatten().flatten();
         // A folder that another user controls holds no domain of ours.
         let Ok(folder) = TrustedFolder::open(&path) else {

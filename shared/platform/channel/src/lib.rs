@@ -4,7 +4,7 @@
 //! A [`Domain`] is one daemon on one machine: a name, a run folder on tmpfs, a prefix
 //! in shared memory. Its services are [`topic`]s; each defines its limits, its
 //! overflow policy and its types in one place. A message is loaned, filled and sent
-//! by value (zero-copy). A received message is a [`SharedFrame`] that any number of
+//! by value (zero-copy). A received message is a [`SharedMessage`] that any number of
 //! threads may read and that returns its memory when the last one drops it.
 //!
 //! This crate is the only one that names iceoryx2's ports. It never copies a payload,
@@ -59,5 +59,5 @@ pub use publisher::{Loan, Publisher};
 pub use reservation::Reservation;
 pub use run_folder::RunFolder;
 pub use shared_memory::SharedMemory;
-pub use shared_message::SharedFrame;
+pub use shared_message::SharedMessage;
 pub use subscriber::{Received, Subscriber};

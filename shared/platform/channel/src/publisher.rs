@@ -14,7 +14,7 @@ use iceoryx2::port::update_connections::UpdateConnections as _;
 use iceoryx2::port::{BackpressureAction, LoanError, SendError};
 use iceoryx2::prelude::BackpressureStrategy;
 use iceoryx2::sample_mut::SampleMut;
-use message::{Counted, SegmentLocation};
+use message::{SegmentLocation, SequencedHeader};
 
 type IoxPublisher<T> =
     iceoryx2::port::publisher::Publisher<Service, [<T as Topic>::Item], <T as Topic>::Header>;
@@ -126,7 +126,7 @@ impl<T: Topic> Publisher<T> {
     ///
     /// # Errors
     /// When shared memory fails.
-    pub fn greet_new_subscribers(&self) -> Result<(), Error> {
+    pub fn deliver_history(&self) -> Result<(), Error> {
         let greeted = self.port.update_connections();
         greeted.map_err(|e| Error::transport("connect the subscribers of", T::NAME, e))?;
         self.waker.wake();

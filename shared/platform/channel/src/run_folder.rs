@@ -74,13 +74,13 @@ impl RunFolder {
     }
 
     /// Path of one domain's folder.
-    pub fn of_domain(&self, domain: &DomainName) -> PathBuf {
+    pub fn domain_folder(&self, domain: &DomainName) -> PathBuf {
         self.0.join(domain.to_string())
     }
 
     /// Path of one domain's control socket.
     pub fn control_socket(&self, domain: &DomainName) -> PathBuf {
-        self.of_domain(domain).join("control.sock")
+        self.domain_folder(domain).join("control.sock")
     }
 }
 

@@ -16,7 +16,7 @@ pub struct SharedMemory {
     pub used_by_domain: u64,
     /// Bytes reserved by others but not yet used: sparse files use memory only when
     /// touched, and then get SIGBUS if it is gone.
-    pub promised_to_others: u64,
+    pub reserved_by_others: u64,
     /// Upper bound of the domain's use, bytes.
     pub needed: u64,
 }
@@ -29,7 +29,7 @@ impl SharedMemory {
             total_bytes: fs.f_blocks * fs.f_frsize,
             free_bytes: fs.f_bavail * fs.f_frsize,
             used_by_domain: 0,
-            promised_to_others: 0,
+            reserved_by_others: 0,
             needed: domain_reservation().iter().map(Reservation::bytes).sum(),
         };
         let own_prefix = domain.prefix();
@@ -39,7 +39,7 @@ impl SharedMemory {
             if entry.file_name().to_string_lossy().starts_with(&own_prefix) {
                 state.used_by_domain += allocated;
             } else if file.is_file() {
-                state.promised_to_others += file.size().saturating_sub(allocated);
+                state.reserved_by_others += file.size().saturating_sub(allocated);
             }
         }
         Some(state)
@@ -47,11 +47,11 @@ impl SharedMemory {
 
     /// Bytes available to this domain.
     pub fn available(&self) -> u64 {
-        (self.free_bytes + self.used_by_domain).saturating_sub(self.promised_to_others)
+        (self.free_bytes + self.used_by_domain).saturating_sub(self.reserved_by_others)
     }
 
     /// `true` when the upper bound of the domain's use is available.
-    pub fn is_enough(&self) -> bool {
+    pub fn is_sufficient(&self) -> bool {
         self.available() >= self.needed
     }
 }

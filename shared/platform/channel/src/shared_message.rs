@@ -11,7 +11,7 @@ use std::ptr::NonNull;
 /// Received message, still in shared memory. Wrapped in an `Arc` it can be read by
 /// any number of threads; the last one returns the memory to the publisher.
 #[derive(Debug)]
-pub struct SharedFrame<T: Topic> {
+pub struct SharedMessage<T: Topic> {
     sample: Sample<Service, [T::Item], T::Header>,
     /// Result of `sample.payload()`, which takes the subscriber's lock at each call.
     items: NonNull<[T::Item]>,
@@ -20,16 +20,16 @@ pub struct SharedFrame<T: Topic> {
 
 // SAFETY: `Sample` is Send, and `items` points into the memory that it holds, which
 // every thread may read.
-unsafe impl<T: Topic> Send for SharedFrame<T> {}
+unsafe impl<T: Topic> Send for SharedMessage<T> {}
 
 // SAFETY: `Sample` is not Sync only because it does not promise that its methods may
 // run at the same time. Through a shared reference we call nothing but `user_header`,
 // which reads a pointer fixed at construction, and read `items`: both are plain data
 // that no writer touches while the sample is held. Returning the sample changes state
 // and needs ownership.
-unsafe impl<T: Topic> Sync for SharedFrame<T> {}
+unsafe impl<T: Topic> Sync for SharedMessage<T> {}
 
-impl<T: Topic> SharedFrame<T> {
+impl<T: Topic> SharedMessage<T> {
     pub(crate) fn new(
         sample: Sample<Service, [T::Item], T::Header>,
         segments: &mut SegmentMap,

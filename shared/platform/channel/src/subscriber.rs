@@ -1,13 +1,13 @@
 //! Subscriber of a topic.
 
 use crate::domain::{Domain, Service};
-use crate::shared_message::SharedFrame;
+use crate::shared_message::SharedMessage;
 use crate::topic::Topic;
 use crate::topic_service::open_service;
 use crate::wake_event::WakeListener;
 use crate::{Error, segment_map::SegmentMap};
 use iceoryx2::port::ReceiveError;
-use message::Counted;
+use message::SequencedHeader;
 
 type IoxSubscriber<T> =
     iceoryx2::port::subscriber::Subscriber<Service, [<T as Topic>::Item], <T as Topic>::Header>;
@@ -35,11 +35,11 @@ struct LastMessage {
 #[derive(Debug)]
 pub enum Received<T: Topic> {
     /// Next message.
-    Message(SharedFrame<T>),
+    Message(SharedMessage<T>),
     /// No message is queued.
     Nothing,
     /// Borrow limit reached: the caller must drop a message first.
-    HoldsAll,
+    BorrowLimitReached,
 }
 
 impl<T: Topic> Subscriber<T> {
@@ -85,7 +85,7 @@ impl<T: Topic> Subscriber<T> {
         let sample = match self.port.receive() {
             Ok(Some(sample)) => sample,
             Ok(None) => return Ok(Received::Nothing),
-            Err(ReceiveError::ExceedsMaxBorrows) => return Ok(Received::HoldsAll),
+            Err(ReceiveError::ExceedsMaxBorrows) => return Ok(Received::BorrowLimitReached),
             Err(error) => return Err(Error::transport("receive from", T::NAME, error)),
         };
         let publisher = sample.origin().value();
@@ -94,7 +94,7 @@ impl<T: Topic> Subscriber<T> {
         // among them because it is requested here: a memory barrier that moves the
         // frame waits for lines requested before it and allows none to be requested
         // behind it.
-        let frame = SharedFrame::<T>::new(sample, &mut self.segments);
+        let frame = SharedMessage::<T>::new(sample, &mut self.segments);
         self.count(publisher, frame.header().sent());
         Ok(Received::Message(frame))
     }
@@ -104,7 +104,7 @@ impl<T: Topic> Subscriber<T> {
     ///
     /// # Errors
     /// As [`receive`](Self::receive).
-    pub fn latest(&mut self) -> Result<Option<SharedFrame<T>>, Error> {
+    pub fn latest(&mut self) -> Result<Option<SharedMessage<T>>, Error> {
         let mut newest = None;
         while let Received::Message(message) = self.receive()? {
             newest = Some(message);
@@ -113,7 +113,7 @@ impl<T: Topic> Subscriber<T> {
     }
 
     /// Waits until a message may be queued. Polled subscribers wait for ever.
-    pub async fn woken(&self) {
+    pub async fn wake_event(&self) {
         match &self.listener {
             Some(listener) => listener.woken().await,
             None => std::future::pending().await,
@@ -124,12 +124,12 @@ impl<T: Topic> Subscriber<T> {
     ///
     /// # Errors
     /// As [`receive`](Self::receive); also when the borrow limit is reached.
-    pub async fn next(&mut self) -> Result<SharedFrame<T>, Error> {
+    pub async fn next(&mut self) -> Result<SharedMessage<T>, Error> {
         loop {
             match self.receive()? {
                 Received::Message(message) => return Ok(message),
-                Received::Nothing => self.woken().await,
-                Received::HoldsAll => {
+                Received::Nothing => self.wake_event().await,
+                Received::BorrowLimitReached => {
                     return Err(Error::transport(
                         "receive from",
                         T::NAME,

@@ -4,10 +4,10 @@ use crate::reservation::{Reservation, SLOT_OVERHEAD_BYTES};
 use bytemuck::AnyBitPattern;
 use iceoryx2::prelude::ZeroCopySend;
 use message::{
-    ActorEvent, ArmState, CloudPoint, Counted, FrameDone, FrameHeader, Health, MAX_CAPSULES,
+    ActorEvent, ArmState, CloudPoint, FrameDone, FrameHeader, Health, MAX_CAPSULES,
     MAX_SCENE_OBJECTS, MAX_SPANS, MAX_TRUE_OBJECTS, MaskPixel, MemoryChange, ObjectCloudHeader,
-    ObjectViewHeader, PersonBody, PlainHeader, SceneObject, SceneSummary, Span, TraceHeader,
-    TrueObject, TruthHeader, WireCapsule, service_name,
+    ObjectViewHeader, PersonBody, PlainHeader, SceneObject, SceneSummary, SequencedHeader, Span,
+    TraceHeader, TrueObject, TruthHeader, WireCapsule, service_name,
 };
 use std::fmt::Debug;
 
@@ -57,7 +57,14 @@ pub struct Limits {
 /// Publish-subscribe topic: a header and a slice of items.
 pub trait Topic: Debug + Send + Sync + 'static {
     /// Header of a message.
-    type Header: Debug + Copy + Default + Counted + AnyBitPattern + ZeroCopySend + Send + Sync;
+    type Header: Debug
+        + Copy
+        + Default
+        + SequencedHeader
+        + AnyBitPattern
+        + ZeroCopySend
+        + Send
+        + Sync;
     /// Item of the payload: plain numbers, any bit pattern valid.
     type Item: Debug + Copy + Default + AnyBitPattern + ZeroCopySend + Send + Sync;
     /// Overflow policy.
@@ -123,7 +130,7 @@ topics! {
     CameraCloud { CAMERA_CLOUD, FrameHeader, [CloudPoint; MAX_FRAME_POINTS], DropOldest,
         Limits { publishers: 1, subscribers: 3, buffer: 2, borrowed: 6, history: 0, loaned: 2 } }
     /// Reports of finished frames to a lockstep source.
-    FrameFinished { FRAME_DONE, PlainHeader, [FrameDone; 1], Refuse,
+    FinishedFrames { FRAME_DONE, PlainHeader, [FrameDone; 1], Refuse,
         Limits { publishers: 4, subscribers: 2, buffer: 8, borrowed: 2, history: 0, loaned: 2 } }
     /// Live scene: the tracked objects.
     Scene { SCENE, SceneSummary, [SceneObject; MAX_SCENE_OBJECTS], DropOldest, STATE }

@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "test helpers may panic")]
 
 use channel::control::{AnswerFuture, CallError, Client, Server, SocketClient, SocketServer};
-use channel::topic::{CameraCloud, FrameFinished, Scene};
+use channel::topic::{CameraCloud, FinishedFrames, Scene};
 use channel::{Domain, DomainName, Error, Publisher, Received, Role, RunFolder, Subscriber};
 use message::control::{Command, MAX_MESSAGE_BYTES, Refusal, RefusalKind, Reply};
 use message::{CloudPoint, FrameDone, PlainHeader, ProcessKind, SceneObject, SceneSummary};
@@ -133,7 +133,7 @@ async fn subscriber_reports_its_borrow_limit_and_recovers() {
         publisher.send(publisher.loan(1).unwrap()).unwrap();
         match subscriber.receive().unwrap() {
             Received::Message(frame) => held.push(frame),
-            Received::HoldsAll => break,
+            Received::BorrowLimitReached => break,
             Received::Nothing => panic!("nothing arrived"),
         }
     }
@@ -149,8 +149,8 @@ async fn subscriber_reports_its_borrow_limit_and_recovers() {
 async fn overflow_of_reports_is_an_error_for_the_sender() {
     let test_domain = TestDomain::new();
     let domain = test_domain.join();
-    let mut publisher = Publisher::<FrameFinished>::new(&domain).unwrap();
-    let _subscriber = Subscriber::<FrameFinished>::polled(&domain).unwrap();
+    let mut publisher = Publisher::<FinishedFrames>::new(&domain).unwrap();
+    let _subscriber = Subscriber::<FinishedFrames>::polled(&domain).unwrap();
     let mut send = || publisher.send_copy(PlainHeader::default(), &[FrameDone::default()]);
     for _ in 0..8 {
         send().unwrap();
@@ -173,7 +173,7 @@ async fn history_is_delivered_to_a_late_subscriber() {
     };
     publisher.send_copy(scene, &[object]).unwrap();
     let mut reader = Subscriber::<Scene>::polled(&domain).unwrap();
-    publisher.greet_new_subscribers().unwrap();
+    publisher.deliver_history().unwrap();
     let late = reader.latest().unwrap().unwrap();
     assert_eq!((late.header().sequence, late.items()[0].track_id), (3, 5));
 }
@@ -202,7 +202,7 @@ async fn domain_is_removed_by_its_last_member() {
     );
     drop(publisher);
     assert_eq!(test_domain.shared_memory_files(), 0);
-    assert!(!test_domain.folder.of_domain(&test_domain.name).exists());
+    assert!(!test_domain.folder.domain_folder(&test_domain.name).exists());
 }
 
 #[tokio::test]
@@ -347,7 +347,7 @@ fn domain_whose_role_lock_is_a_symbolic_link_is_refused() {
     let test_domain = TestDomain::new();
     let victim = test_domain.folder.path().join("victim");
     std::fs::write(&victim, "precious").unwrap();
-    let folder = test_domain.folder.of_domain(&test_domain.name);
+    let folder = test_domain.folder.domain_folder(&test_domain.name);
     std::fs::create_dir(&folder).unwrap();
     std::os::unix::fs::symlink(&victim, folder.join("tabula-camera.lock")).unwrap();
     let joined = Domain::join(

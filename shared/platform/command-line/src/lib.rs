@@ -6,7 +6,7 @@
 //!
 //! ```
 //! let rows = [vec!["7".to_owned(), "mug".to_owned()]];
-//! let text = command_line::table(&["id", "label"], &rows);
+//! let text = command_line::format_table(&["id", "label"], &rows);
 //! assert_eq!(text, "id  label\n7   mug");
 //! ```
 
@@ -15,7 +15,7 @@ mod progress;
 mod stop_signal;
 mod table;
 
-pub use output::{Output, redraw};
-pub use progress::bar;
+pub use output::{Output, redraw_terminal};
+pub use progress::progress_bar;
 pub use stop_signal::StopSignal;
-pub use table::table;
+pub use table::format_table;

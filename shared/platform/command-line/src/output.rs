@@ -44,14 +44,14 @@ impl Output {
     }
 
     /// Prints a line of text; nothing in JSON output.
-    pub fn say(self, text: &str) {
+    pub fn print_text(self, text: &str) {
         if !self.json {
             print(text);
         }
     }
 
     /// Prints a status message: in JSON output on standard error, where the log is.
-    pub fn tell(self, text: &str) {
+    pub fn print_status(self, text: &str) {
         if self.json {
             eprintln!("tabula: {text}");
         } else {
@@ -74,7 +74,7 @@ impl Output {
 }
 
 /// Redraws the terminal with a text; elsewhere the text is appended.
-pub fn redraw(text: &str) {
+pub fn redraw_terminal(text: &str) {
     if std::io::stdout().is_terminal() {
         // Home, then clear to the end of each line and of the screen: no flicker.
         let lines = text.replace('\n', "\x1b[K\n");

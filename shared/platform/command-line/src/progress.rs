@@ -4,7 +4,7 @@ use crate::Output;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// Creates a progress bar on standard error; hidden in JSON output.
-pub fn bar(n_steps: u64, what: &'static str, output: &Output) -> ProgressBar {
+pub fn progress_bar(n_steps: u64, what: &'static str, output: &Output) -> ProgressBar {
     let target = if output.is_json() {
         ProgressDrawTarget::hidden()
     } else {

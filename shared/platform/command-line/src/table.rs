@@ -1,7 +1,7 @@
 //! Text tables with aligned columns.
 
 /// Formats a table with a heading and columns as wide as their widest cell.
-pub fn table(heading: &[&str], rows: &[Vec<String>]) -> String {
+pub fn format_table(heading: &[&str], rows: &[Vec<String>]) -> String {
     let width = |column: usize| {
         let cells = rows
             .iter()
@@ -38,7 +38,7 @@ mod tests {
             vec!["22".into(), "cereal box".into()],
         ];
         let expected = "id  label\n1   mug\n22  cereal box";
-        assert_eq!(table(&["id", "label"], &rows), expected);
-        assert_eq!(table(&["id"], &[]), "id");
+        assert_eq!(format_table(&["id", "label"], &rows), expected);
+        assert_eq!(format_table(&["id"], &[]), "id");
     }
 }

@@ -3,7 +3,7 @@
 use crate::authorship::mutation_id;
 use crate::connection::unexpected;
 use crate::memory_access::MemoryAccess;
-use command_line::{Output, bar};
+use command_line::{Output, progress_bar};
 use message::control::{
     ImportReport, JobCommand, JobKind, JobOutcome, JobReport, MAX_MESSAGE_BYTES, Reply,
 };
@@ -46,7 +46,7 @@ pub fn import(
         renames: request.renames,
         prefix: request.prefix,
     })?;
-    let bar = bar(0, "bytes", output);
+    let bar = progress_bar(0, "bytes", output);
     let outcome = memory.wait(job, |report| {
         bar.set_length(report.total);
         bar.set_position(report.done);
@@ -70,7 +70,7 @@ fn upload(memory: &mut MemoryAccess, file: &mut File, output: &Output) -> Result
     };
     let n_bytes = file.metadata().map_err(failed)?.len();
     let job = memory.begin(JobKind::Import)?.job;
-    let bar = bar(n_bytes, "bytes sent", output);
+    let bar = progress_bar(n_bytes, "bytes sent", output);
     let mut offset = 0;
     loop {
         let mut bytes = Vec::with_capacity(WRITE_BYTES);

@@ -91,7 +91,7 @@ impl MemoryAccess {
             return Ok(client.into());
         }
         let folder = local_folder(common)?;
-        output.tell(&format!(
+        output.print_status(&format!(
             "no daemon runs in the domain {}; opening {}",
             common.domain,
             folder.display()

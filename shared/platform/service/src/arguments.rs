@@ -48,7 +48,7 @@ impl CommonArguments {
     pub fn home(&self) -> Home {
         match &self.home {
             Some(folder) => Home::at(folder.clone()),
-            None => Home::of_user(&self.domain),
+            None => Home::default_for(&self.domain),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Process context: everything a process gets from its runtime.
 
-use crate::{ConfigFile, HealthBoard, Home, Shutdown};
+use crate::{ConfigFile, HealthCounters, Home, Shutdown};
 use channel::Domain;
 use message::ProcessKind;
 use std::sync::Arc;
@@ -19,5 +19,5 @@ pub struct Context {
     /// Shutdown request.
     pub shutdown: Shutdown,
     /// Health counters of the process.
-    pub health: Arc<HealthBoard>,
+    pub health: Arc<HealthCounters>,
 }

@@ -5,9 +5,9 @@ use rustix::thread::{CpuSet, Pid, sched_getaffinity, sched_getcpu, sched_setaffi
 
 /// CPU set of the process.
 #[derive(Debug, Clone)]
-pub struct Cores(CpuSet);
+pub struct CpuAffinity(CpuSet);
 
-impl Cores {
+impl CpuAffinity {
     /// CPU set of the calling thread; it stands for the process before any thread was
     /// excluded from a core.
     ///
@@ -27,7 +27,7 @@ impl Cores {
     ///
     /// # Errors
     /// Error of the system; when the thread has ended, for example.
-    pub fn keep_off(&self, thread_id: u32, core: usize) -> Result<()> {
+    pub fn exclude(&self, thread_id: u32, core: usize) -> Result<()> {
         let mut others = self.0;
         others.unset(core);
         if others.count() == 0 {
@@ -39,8 +39,8 @@ impl Cores {
     /// Allows a thread all cores again.
     ///
     /// # Errors
-    /// As for [`keep_off`](Self::keep_off).
-    pub fn give_back(&self, thread_id: u32) -> Result<()> {
+    /// As for [`exclude`](Self::exclude).
+    pub fn restore(&self, thread_id: u32) -> Result<()> {
         allow(thread_id, &self.0)
     }
 }
@@ -59,17 +59,17 @@ mod tests {
 
     #[test]
     fn thread_leaves_an_excluded_core_and_returns() {
-        let cores = Cores::of_process().unwrap();
+        let cores = CpuAffinity::of_process().unwrap();
         let own = thread_id();
-        let first = Cores::current();
-        cores.keep_off(own, first).unwrap();
+        let first = CpuAffinity::current();
+        cores.exclude(own, first).unwrap();
         let n_cores = cores.0.count();
-        assert_eq!(Cores::current() == first, n_cores == 1);
+        assert_eq!(CpuAffinity::current() == first, n_cores == 1);
         let mut allowed = sched_getaffinity(None).unwrap().count();
         assert_eq!(allowed, (n_cores - 1).max(1));
-        cores.give_back(own).unwrap();
+        cores.restore(own).unwrap();
         allowed = sched_getaffinity(None).unwrap().count();
         assert_eq!(allowed, n_cores);
-        assert!(cores.keep_off(u32::MAX >> 1, first).is_err() || n_cores == 1);
+        assert!(cores.exclude(u32::MAX >> 1, first).is_err() || n_cores == 1);
     }
 }

@@ -1,6 +1,6 @@
 //! Periodic health report, watchdog notification and sweep of dead nodes.
 
-use crate::{CountingAllocator, HealthBoard, Shutdown, clock::monotonic_ns};
+use crate::{CountingAllocator, HealthCounters, Shutdown, clock::monotonic_ns};
 use channel::topic::ProcessHealth;
 use channel::{Domain, Error, Publisher};
 use message::{Health, PlainHeader, ProcessKind, ProcessState};
@@ -20,7 +20,7 @@ pub(crate) struct HealthReporter {
     publisher: Publisher<ProcessHealth>,
     domain: Domain,
     process: ProcessKind,
-    board: Arc<HealthBoard>,
+    board: Arc<HealthCounters>,
     started_ns: u64,
     last_progress: u64,
     is_ready: bool,
@@ -30,7 +30,7 @@ impl HealthReporter {
     pub(crate) fn new(
         domain: &Domain,
         process: ProcessKind,
-        board: Arc<HealthBoard>,
+        board: Arc<HealthCounters>,
     ) -> Result<Self, Error> {
         Ok(Self {
             publisher: Publisher::new(domain)?,

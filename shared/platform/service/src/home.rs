@@ -15,7 +15,7 @@ impl Home {
 
     /// Default home folder: the state folder given by systemd, otherwise a folder in
     /// the user's data folder, one for each domain.
-    pub fn of_user(domain: &DomainName) -> Self {
+    pub fn default_for(domain: &DomainName) -> Self {
         let folder = |name: &str| {
             std::env::var_os(name)
                 .map(PathBuf::from)

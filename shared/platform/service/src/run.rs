@@ -3,8 +3,8 @@
 use crate::health_reporter::HealthReporter;
 use crate::shutdown::on_signals;
 use crate::{
-    CommonArguments, ConfigFile, Context, Failure, HealthBoard, Home, ProcessArguments, Shutdown,
-    exit_code, log,
+    CommonArguments, ConfigFile, Context, Failure, HealthCounters, Home, ProcessArguments,
+    Shutdown, exit_code, log,
 };
 use channel::{Domain, Role, RunFolder};
 use message::ProcessKind;
@@ -38,7 +38,7 @@ where
     let common = &arguments.common;
     if arguments
         .follow_parent
-        .is_some_and(|parent| !follow_parent(parent))
+        .is_some_and(|parent| !stop_with_parent(parent))
     {
         return ExitCode::SUCCESS;
     }
@@ -98,7 +98,7 @@ fn live<F: Future<Output = Result<(), Failure>> + Send + 'static>(
                 format!("could not listen for signals: {error}"),
             )
         })?;
-        let health = Arc::new(HealthBoard::default());
+        let health = Arc::new(HealthCounters::default());
         let reporter = HealthReporter::new(&domain, process, health.clone())?;
         let reporter = tokio::spawn(reporter.run(shutdown.clone()));
         // On a reactor thread, which is the first to see new messages; this thread
@@ -124,7 +124,7 @@ fn live<F: Future<Output = Result<(), Failure>> + Send + 'static>(
 
 /// Requests a stop of this process when its parent ends in any way (parent-death
 /// signal). `false` when the parent has ended already.
-pub fn follow_parent(parent: u32) -> bool {
+pub fn stop_with_parent(parent: u32) -> bool {
     if let Err(error) = set_parent_process_death_signal(Some(Signal::TERM)) {
         tracing::warn!("this process will not notice the end of its parent: {error}");
     }

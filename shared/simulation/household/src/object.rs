@@ -1,7 +1,7 @@
 //! Generation of an object from its category and instance number.
 
 use crate::{Category, Variation};
-use mesh::{ConvexPart, TriangleMesh, with_four_cornered_faces};
+use mesh::{ConvexPart, TriangleMesh, simplify_contact_faces};
 use std::ops::Range;
 
 /// Least mass of an object, kilograms. Chosen.
@@ -39,7 +39,7 @@ pub fn generate(category: &Category, instance: u64) -> Object {
         mass_kg: (volume_m3 * category.density_kg_m3).max(MASS_MIN_KG),
         friction: category.friction,
         mesh: solid.mesh,
-        convex_parts: with_four_cornered_faces(solid.convex_parts),
+        convex_parts: simplify_contact_faces(solid.convex_parts),
         decoration: solid.decoration,
     }
 }

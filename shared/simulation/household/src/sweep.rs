@@ -120,7 +120,7 @@ pub(crate) fn vessel_handle(
 
 /// Rotates a solid that stands along z so that it lies along x.
 pub(crate) fn lying(solid: Solid) -> Solid {
-    solid.turned(Vector3::y(), std::f32::consts::FRAC_PI_2)
+    solid.rotated(Vector3::y(), std::f32::consts::FRAC_PI_2)
 }
 
 /// Stable resting pose: tilts a solid about y so that it rests on the two lowest points of its
@@ -139,7 +139,7 @@ pub(crate) fn resting_on_two_points(solid: Solid) -> Solid {
     });
     let lowest = slope_and_height.min_by(|a, b| a.1.total_cmp(&b.1));
     let slope = lowest.map_or(0.0, |(slope, _)| slope);
-    solid.turned(Vector3::y(), slope.atan())
+    solid.rotated(Vector3::y(), slope.atan())
 }
 
 /// x coordinate of the centre of mass.

@@ -1,7 +1,7 @@
 //! Random parameters of an instance.
 
 use crate::palette::{Rgb, jittered};
-use random::{Random, mixed};
+use random::{Random, mix64};
 
 /// Random number stream of one instance.
 #[derive(Debug, Clone)]
@@ -21,7 +21,7 @@ impl Variation {
         // Both are mixed: otherwise one instance's stream would be a shifted copy of another
         // one's.
         Self {
-            random: Random::from_seed(mixed(name ^ mixed(instance))),
+            random: Random::from_seed(mix64(name ^ mix64(instance))),
         }
     }
 

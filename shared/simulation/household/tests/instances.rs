@@ -1,7 +1,7 @@
 //! Properties of all instances of all categories: geometry, mass, physics parts.
 
 use household::{Category, Object, categories, category, generate};
-use mesh::N_POINTS_MAX;
+use mesh::MAX_HULL_POINTS;
 use nalgebra::Point3;
 use std::collections::HashSet;
 
@@ -40,7 +40,7 @@ fn category_names_are_unique_and_valid_keys() {
 #[test]
 fn meshes_are_sound() {
     check(N_INSTANCES, |object| {
-        let found = object.mesh.examination();
+        let found = object.mesh.diagnostics();
         ensure(found.is_sound(), || format!("{found:?}"))
     });
 }
@@ -48,7 +48,7 @@ fn meshes_are_sound() {
 #[test]
 fn mesh_parts_face_outwards() {
     check(N_INSTANCES / 3, |object| {
-        let parts = object.mesh.connected_parts();
+        let parts = object.mesh.connected_components();
         let inward = parts.iter().find(|part| part.signed_volume() <= 0.0);
         ensure(inward.is_none(), || {
             format!("{:?}", inward.and_then(mesh::TriangleMesh::bounds))
@@ -119,7 +119,7 @@ fn convex_parts_are_few_and_cover_the_body() {
         ensure((1..=32).contains(&n_parts), || format!("{n_parts} parts"))?;
         for part in &object.convex_parts {
             let n = part.points.len();
-            ensure((4..=N_POINTS_MAX).contains(&n), || format!("{n} points"))?;
+            ensure((4..=MAX_HULL_POINTS).contains(&n), || format!("{n} points"))?;
             let is_finite = part.points.iter().all(|p| p.iter().all(|x| x.is_finite()));
             ensure(is_finite, || format!("{part:?}"))?;
         }

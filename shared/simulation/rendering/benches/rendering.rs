@@ -10,7 +10,7 @@ use parry3d::math::Vector;
 use parry3d::query::{Ray, RayCast};
 use parry3d::shape::TriMesh;
 use point_cloud::Point;
-use rendering::kinect::{KinectSensor, SensorModel, Shot};
+use rendering::kinect::{FrameSeed, KinectSensor, SensorModel};
 use rendering::{Error, Lights, Rasterizer, StaticScene};
 use synthetic::TableScene;
 
@@ -101,7 +101,7 @@ fn bench_sense(bencher: Bencher<'_, '_>, n_objects: usize, model: SensorModel) {
     };
     let image = rasterizer.render(&scene.objects());
     let mut points = vec![Point::default(); CAMERA.n_pixels()];
-    let mut shot = Shot::default();
+    let mut shot = FrameSeed::default();
     bencher.bench_local(|| {
         shot.frame_index += 1;
         sensor.sense(image, shot, &mut points).is_ok()
@@ -129,7 +129,7 @@ fn render_and_sense(bencher: Bencher<'_, '_>, n_objects: usize) {
     };
     let objects = scene.objects();
     let mut points = vec![Point::default(); CAMERA.n_pixels()];
-    let mut shot = Shot::default();
+    let mut shot = FrameSeed::default();
     bencher.bench_local(|| {
         shot.frame_index += 1;
         let image = rasterizer.render(&objects);
@@ -150,7 +150,7 @@ fn frame_with_moving_camera(bencher: Bencher<'_, '_>, n_objects: usize) {
     };
     let (background, objects) = (scene.background(), scene.objects());
     let mut points = vec![Point::default(); CAMERA.n_pixels()];
-    let mut shot = Shot::default();
+    let mut shot = FrameSeed::default();
     bencher.bench_local(|| {
         shot.frame_index += 1;
         let stage = StaticScene {

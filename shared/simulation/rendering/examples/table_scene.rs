@@ -9,7 +9,7 @@ mod synthetic;
 
 use geometry::PinholeCamera;
 use point_cloud::Point;
-use rendering::kinect::{KinectSensor, SensorModel, Shot};
+use rendering::kinect::{FrameSeed, KinectSensor, SensorModel};
 use rendering::{Lights, Rasterizer, StaticScene};
 use std::error::Error;
 use std::fs::File;
@@ -61,7 +61,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("kinect", SensorModel::KINECT_V1),
     ] {
         let mut sensor = KinectSensor::new(CAMERA, model)?;
-        sensor.sense(image, Shot::default(), &mut points)?;
+        sensor.sense(image, FrameSeed::default(), &mut points)?;
         save(
             folder,
             &format!("{name}_color"),

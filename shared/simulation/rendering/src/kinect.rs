@@ -24,5 +24,5 @@ pub use edge_fattening::EdgeFattening;
 pub use lateral_noise::LateralNoise;
 pub use missing_depth::{BorderSpeckle, DepthRange, WeakSignal};
 pub use projector_shadow::ProjectorShadow;
-pub use sensor::{KinectSensor, Shot};
+pub use sensor::{FrameSeed, KinectSensor};
 pub use sensor_model::SensorModel;

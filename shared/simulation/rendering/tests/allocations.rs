@@ -4,7 +4,7 @@ mod synthetic;
 
 use geometry::PinholeCamera;
 use point_cloud::Point;
-use rendering::kinect::{KinectSensor, SensorModel, Shot};
+use rendering::kinect::{FrameSeed, KinectSensor, SensorModel};
 use rendering::{Lights, Rasterizer, StaticScene};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -59,7 +59,7 @@ fn rendering_and_sensing_in_steady_state_allocate_nothing() {
             rasterizer.prepare(&stage).unwrap();
         }
         let image = rasterizer.render(&objects);
-        let shot = Shot {
+        let shot = FrameSeed {
             seed: 1,
             frame_index,
         };

@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 use point_cloud::Point;
 use rendering::kinect::{
     AxialNoise, BorderSpeckle, ColorResponse, DepthRange, DisparityQuantisation, EdgeFattening,
-    KinectSensor, LateralNoise, ProjectorShadow, SensorModel, Shot, WeakSignal,
+    FrameSeed, KinectSensor, LateralNoise, ProjectorShadow, SensorModel, WeakSignal,
 };
 use rendering::{Error, Image, Instance, Lights, PreparedMesh, Rasterizer, StaticScene};
 use synthetic::{TableScene, at, ball, cuboid, rectangle, with_surface};
@@ -20,7 +20,7 @@ const FOCAL_BASELINE: f64 = 585.0 * 0.075;
 
 fn sense(image: &Image, model: SensorModel, frame_index: u64) -> Vec<Point> {
     let mut points = vec![Point::default(); CAMERA.n_pixels()];
-    let shot = Shot {
+    let shot = FrameSeed {
         seed: 5,
         frame_index,
     };
@@ -70,7 +70,7 @@ fn sigma_m(image: &Image, model: SensorModel) -> f64 {
     let mut points = vec![Point::default(); CAMERA.n_pixels()];
     let (mut n, mut sum, mut squares) = (0.0, 0.0, 0.0);
     for frame_index in 0..12 {
-        let shot = Shot {
+        let shot = FrameSeed {
             seed: 3,
             frame_index,
         };
@@ -277,7 +277,7 @@ fn noise_repeats_for_a_shot_and_differs_for_another_frame_or_seed() {
     let mut sensor = KinectSensor::new(CAMERA, model).unwrap();
     let mut points = vec![Point::default(); CAMERA.n_pixels()];
     let mut take = |seed| {
-        let shot = Shot {
+        let shot = FrameSeed {
             seed,
             frame_index: 4,
         };
@@ -449,12 +449,12 @@ fn sensor_rejects_foreign_images_and_buffers() {
     let mut points = vec![Point::default(); CAMERA.n_pixels()];
     let image = plane(1.0, 0.0);
     assert_eq!(
-        sensor.sense(&image, Shot::default(), &mut points),
+        sensor.sense(&image, FrameSeed::default(), &mut points),
         Err(Error::ForeignImage)
     );
     let mut sensor = KinectSensor::new(CAMERA, SensorModel::PERFECT).unwrap();
     assert_eq!(
-        sensor.sense(&image, Shot::default(), &mut points[1..]),
+        sensor.sense(&image, FrameSeed::default(), &mut points[1..]),
         Err(Error::CloudSize {
             n_points: CAMERA.n_pixels() - 1,
             n_pixels: CAMERA.n_pixels()
@@ -480,7 +480,7 @@ fn sensor_measures_images_of_any_size() {
         for frame_index in 0..20 {
             let place = at(0.05 * (frame_index as f64 - 10.0), 0.0, 0.6);
             let image = rasterizer.render(&[Instance::new(&mesh, place, 1)]);
-            let shot = Shot {
+            let shot = FrameSeed {
                 seed: 1,
                 frame_index,
             };

@@ -23,7 +23,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         (Scene::everyday(5, seed, &mut library)?, library)
     } else {
         let kind: SceneKind = kind.parse()?;
-        let scene = Scene::generate(kind, kind.usual_number(), seed, &mut library)?;
+        let scene = Scene::generate(kind, kind.default_n_objects(), seed, &mut library)?;
         (scene, library)
     };
     let mut world = World::new(scene, library)?;

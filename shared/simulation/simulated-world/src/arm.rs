@@ -6,7 +6,7 @@ mod grasp;
 use crate::arm_mount::ArmMount;
 use crate::object_model::compound_shape;
 use crate::physics::{BodyId, Physics, STEPS_PER_SECOND};
-use crate::scene_object::SceneObject;
+use crate::scene_object::SimulatedObject;
 use arm_kinematics::{
     Arm, ArmController, BodyPoses, Command, CommandState, HOME, JointVector, LinkMeshes,
     MotionState, PathKind,
@@ -168,7 +168,7 @@ impl SimulatedArm {
     }
 
     /// Advances by one step; must be called before the physics step.
-    pub(crate) fn step(&mut self, physics: &mut Physics, objects: &mut [SceneObject]) {
+    pub(crate) fn step(&mut self, physics: &mut Physics, objects: &mut [SimulatedObject]) {
         let before = self.controller.clone();
         let touched = self.touched_by_both_fingers(physics);
         // The physics has no contacts with a held object, since it follows the hand.

@@ -5,7 +5,7 @@ use crate::furniture::{Bin, TableDimensions};
 use crate::model_choice::ModelChoice;
 use crate::object_model::ObjectModel;
 use crate::random_stream::{random_rotation, random_stream};
-use crate::scene::{Placing, SceneKind};
+use crate::scene::{ObjectPlacement, SceneKind};
 use geometry::RigidTransform;
 use nalgebra::{Translation3, UnitQuaternion};
 use random::Random;
@@ -76,7 +76,7 @@ pub(crate) fn place(
     table: &TableDimensions,
     bin: Option<&Bin>,
     seed: u64,
-) -> Result<Vec<Placing>, Error> {
+) -> Result<Vec<ObjectPlacement>, Error> {
     let mut random = random_stream(seed, STREAM_PLACEMENT);
     match kind {
         SceneKind::Isolated | SceneKind::SetTable => isolated(models, table, &mut random),
@@ -106,12 +106,12 @@ fn dropped(
     drop_m: f64,
     random: &mut Random,
     spot: impl Fn(&mut Random) -> [f64; 2],
-) -> Vec<Placing> {
+) -> Vec<ObjectPlacement> {
     (0..n_objects)
         .map(|_| {
             let [x, y] = spot(random);
             let position = Translation3::new(x, y, table.height_m + drop_m);
-            Placing::Dropped {
+            ObjectPlacement::Dropped {
                 world_from_object: RigidTransform::from_parts(position, random_rotation(random)),
             }
         })
@@ -122,7 +122,7 @@ fn isolated(
     models: &[&ObjectModel],
     table: &TableDimensions,
     random: &mut Random,
-) -> Result<Vec<Placing>, Error> {
+) -> Result<Vec<ObjectPlacement>, Error> {
     let mut most = 0;
     for gap_m in GAPS_M {
         let places = place_apart(models, table, gap_m, random);
@@ -144,7 +144,7 @@ fn place_apart(
     table: &TableDimensions,
     gap_m: f64,
     random: &mut Random,
-) -> Vec<Placing> {
+) -> Vec<ObjectPlacement> {
     let radii: Vec<f64> = models.iter().map(|m| m.footprint_radius_m()).collect();
     let mut order: Vec<usize> = (0..models.len()).collect();
     order.sort_by(|&a, &b| radii[b].total_cmp(&radii[a]));
@@ -155,7 +155,7 @@ fn place_apart(
             continue;
         };
         taken.push((spot, radii[index]));
-        places[index] = Some(Placing::Upright {
+        places[index] = Some(ObjectPlacement::Upright {
             position_m: spot,
             yaw_rad: random.between(-PI, PI),
         });
@@ -194,7 +194,7 @@ pub(crate) fn set_table(
     categories: &[&str],
     n_objects: usize,
     seed: u64,
-) -> Vec<(ModelChoice, Placing)> {
+) -> Vec<(ModelChoice, ObjectPlacement)> {
     let mut random = random_stream(seed, STREAM_PLACEMENT);
     let family = random.next_u64() % 1000;
     let mut laid = Vec::new();
@@ -223,7 +223,7 @@ pub(crate) fn set_table(
                 category: category.to_owned(),
                 instance,
             };
-            let placing = Placing::Upright {
+            let placing = ObjectPlacement::Upright {
                 position_m: spot.map(|v| v + jitter(&mut random)),
                 yaw_rad: yaw_rad + random.between(-0.06, 0.06),
             };

@@ -1,6 +1,6 @@
 //! Ground truth of a simulated frame.
 
-use crate::scene_object::{ObjectState, SceneObject};
+use crate::scene_object::{ObjectState, SimulatedObject};
 use geometry::RigidTransform;
 use nalgebra::Vector3;
 use serde::Serialize;
@@ -12,7 +12,7 @@ pub const PERSON_ID: u16 = u16::MAX - 1;
 
 /// Ground truth of one object in a frame.
 #[derive(Debug, Clone, PartialEq)]
-pub struct TrueObject {
+pub struct ObjectTruth {
     /// Number in the scene, from 1; its mask value.
     pub id: u16,
     /// Unique name of the instance: `mug-3`.
@@ -33,8 +33,8 @@ pub struct TrueObject {
     pub unoccluded_px: u32,
 }
 
-impl TrueObject {
-    pub(crate) fn new(object: &SceneObject, visible_px: u32, unoccluded_px: u32) -> Self {
+impl ObjectTruth {
+    pub(crate) fn new(object: &SimulatedObject, visible_px: u32, unoccluded_px: u32) -> Self {
         Self {
             id: object.id,
             name: object.model.name.clone(),
@@ -78,7 +78,7 @@ struct ObjectDocument<'a> {
 }
 
 /// Ground truth of a frame as JSON text.
-pub fn truth_json(frame: u64, time_s: f64, objects: &[TrueObject]) -> String {
+pub fn truth_json(frame: u64, time_s: f64, objects: &[ObjectTruth]) -> String {
     let objects = objects.iter().map(|object| ObjectDocument {
         id: object.id,
         name: &object.name,

@@ -36,7 +36,7 @@ const PARTS_CONCAVITY: f32 = 0.02;
 
 /// Model files of a folder in natural order.
 pub(crate) fn list(folder: &Path) -> Result<Vec<PathBuf>, Error> {
-    let models = dataset::models::list(folder).map_err(|error| Error::Unreadable {
+    let models = dataset::model_folder::list(folder).map_err(|error| Error::Unreadable {
         path: folder.to_owned(),
         cause: error.to_string(),
     })?;
@@ -49,7 +49,7 @@ pub(crate) fn list(folder: &Path) -> Result<Vec<PathBuf>, Error> {
 /// # Errors
 /// [`Error::Unreadable`] or [`Error::Model`] for an unusable file.
 pub(crate) fn open(path: &Path, notes: &mut Vec<String>) -> Result<ObjectModel, Error> {
-    let read = dataset::models::open(path).map_err(|error| Error::Unreadable {
+    let read = dataset::model_folder::open(path).map_err(|error| Error::Unreadable {
         path: path.to_owned(),
         cause: error.to_string(),
     })?;
@@ -65,7 +65,7 @@ pub(crate) fn open(path: &Path, notes: &mut Vec<String>) -> Result<ObjectModel, 
             "it has no faces; export it as a triangle mesh".into(),
         ));
     }
-    let mut mesh = mesh.decimated(TRIANGLES_MAX);
+    let mut mesh = mesh.decimate(TRIANGLES_MAX);
     if read.triangles.len() > TRIANGLES_MAX {
         notes.push(note(format!(
             "its {} triangles were reduced to {}",
@@ -103,7 +103,7 @@ pub(crate) fn open(path: &Path, notes: &mut Vec<String>) -> Result<ObjectModel, 
 
 /// Surface defects: open and non-manifold edges, one sentence each.
 fn surface_faults(mesh: &TriangleMesh) -> Vec<String> {
-    let found = mesh.examination();
+    let found = mesh.diagnostics();
     let mut faults = Vec::new();
     if found.n_boundary_edges > 0 {
         faults.push(format!(
@@ -172,7 +172,7 @@ fn valid_faces(read: &dataset::mesh::Mesh) -> TriangleMesh {
 /// Scales a mesh in millimetres to metres and returns a note about it.
 fn to_metres(mesh: &mut TriangleMesh) -> Result<Option<String>, String> {
     let sides = mesh
-        .examination()
+        .diagnostics()
         .extent
         .map_or_else(Vector3::zeros, |b| b.sides());
     let longest = sides.max();
@@ -194,7 +194,7 @@ fn to_metres(mesh: &mut TriangleMesh) -> Result<Option<String>, String> {
 
 /// Convex decomposition for the physics (Mamou 2016, volumetric).
 fn convex_decomposition(mesh: &TriangleMesh) -> Vec<ConvexPart> {
-    let coarse = mesh.decimated(TRIANGLES_FOR_PARTS);
+    let coarse = mesh.decimate(TRIANGLES_FOR_PARTS);
     let points: Vec<_> = coarse
         .vertices
         .iter()
@@ -212,5 +212,5 @@ fn convex_decomposition(mesh: &TriangleMesh) -> Vec<ConvexPart> {
     let hulls = hulls.into_iter().map(|(points, _)| {
         ConvexPart::around(points.iter().map(|p| Point3::new(p.x, p.y, p.z)).collect())
     });
-    mesh::with_four_cornered_faces(hulls.collect())
+    mesh::simplify_contact_faces(hulls.collect())
 }

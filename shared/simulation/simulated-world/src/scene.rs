@@ -37,7 +37,7 @@ impl SceneKind {
     }
 
     /// Default number of objects; 20 in a bin as in the paper.
-    pub fn usual_number(self) -> usize {
+    pub fn default_n_objects(self) -> usize {
         match self {
             Self::Isolated => 6,
             Self::Pile => 8,
@@ -64,7 +64,7 @@ impl std::str::FromStr for SceneKind {
 
 /// Initial placement of an object.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Placing {
+pub enum ObjectPlacement {
     /// Upright on the table.
     Upright {
         /// Position on the table, world x and y, metres.
@@ -85,7 +85,7 @@ pub struct ObjectPlan {
     /// Model of the object.
     pub model: ModelChoice,
     /// Initial placement.
-    pub placing: Placing,
+    pub placement: ObjectPlacement,
 }
 
 /// Complete description of a simulated scene.

@@ -19,7 +19,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// Greatest number of objects of a scene.
-pub const MOST_OBJECTS: usize = 60;
+pub const MAX_OBJECTS: usize = 60;
 /// Default pause between a person's random actions, seconds: shortest and longest. Chosen.
 const RANDOM_PAUSE_S: [f64; 2] = [6.0, 14.0];
 /// Initial categories of [`Scene::everyday`]: objects that a Kinect sees well and that look
@@ -144,10 +144,10 @@ fn generated_objects(
     n_objects: usize,
     library: &mut ModelLibrary,
 ) -> Result<Vec<ObjectPlan>, Error> {
-    if n_objects > MOST_OBJECTS {
+    if n_objects > MAX_OBJECTS {
         return Err(Error::Scene {
             place: "objects".into(),
-            rule: format!("at most {MOST_OBJECTS} fit a scene, not {n_objects}"),
+            rule: format!("at most {MAX_OBJECTS} fit a scene, not {n_objects}"),
         });
     }
     if kind == SceneKind::SetTable && *library.source() == ModelSource::Generated {
@@ -160,7 +160,10 @@ fn generated_objects(
         }
         let plans = laid.into_iter();
         return Ok(plans
-            .map(|(model, placing)| ObjectPlan { model, placing })
+            .map(|(model, placing)| ObjectPlan {
+                model,
+                placement: placing,
+            })
             .collect());
     }
     let choices = library.choose(n_objects, scene.seed);
@@ -180,6 +183,9 @@ fn placed(
     let places = arrangement::place(kind, &models, &scene.table, scene.bin.as_ref(), scene.seed)?;
     let plans = choices.into_iter().zip(places);
     Ok(plans
-        .map(|(model, placing)| ObjectPlan { model, placing })
+        .map(|(model, placing)| ObjectPlan {
+            model,
+            placement: placing,
+        })
         .collect())
 }

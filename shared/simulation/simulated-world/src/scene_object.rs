@@ -40,7 +40,7 @@ impl ObjectState {
 
 /// Object of the running world.
 #[derive(Debug, Clone)]
-pub struct SceneObject {
+pub struct SimulatedObject {
     /// Number in the scene, from 1; never reused.
     pub id: u16,
     /// Object model.
@@ -55,7 +55,7 @@ pub struct SceneObject {
     is_fall_reported: bool,
 }
 
-impl SceneObject {
+impl SimulatedObject {
     pub(crate) fn new(id: u16, model: Arc<ObjectModel>, body: BodyId) -> Self {
         Self {
             id,

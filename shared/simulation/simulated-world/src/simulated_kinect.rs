@@ -5,13 +5,13 @@ mod room_piece;
 
 use crate::ObjectModel;
 use crate::error::Error;
-use crate::ground_truth::{ARM_ID, PERSON_ID, TrueObject};
+use crate::ground_truth::{ARM_ID, ObjectTruth, PERSON_ID};
 use crate::world::World;
 use geometry::{PinholeCamera, RigidTransform};
 use nalgebra::Point3;
 use person_meshes::PersonMeshes;
 use point_cloud::Point;
-use rendering::kinect::{KinectSensor, Shot};
+use rendering::kinect::{FrameSeed, KinectSensor};
 use rendering::{Image, Instance, Lights, PreparedMesh, Rasterizer, ShadowRegion, StaticScene};
 use room_piece::{RoomPiece, room_pieces};
 use std::sync::Arc;
@@ -114,7 +114,7 @@ impl SimulatedKinect {
         world: &World,
         frame: u64,
         points: &mut [Point],
-    ) -> Result<Vec<TrueObject>, Error> {
+    ) -> Result<Vec<ObjectTruth>, Error> {
         self.update_meshes(world);
         let wrong = |error: rendering::Error| Error::Scene {
             place: "camera".into(),
@@ -138,7 +138,7 @@ impl SimulatedKinect {
         count_pixels(&self.rasterizer, &mut self.counts, world);
         update_unoccluded(&mut self.rasterizer, &mut self.unoccluded, world, objects);
         let truth = true_objects(&self.counts, &self.unoccluded, world);
-        let shot = Shot {
+        let shot = FrameSeed {
             seed: self.seed,
             frame_index: frame,
         };
@@ -282,13 +282,13 @@ fn update_unoccluded(
     }
 }
 
-fn true_objects(counts: &[u32], unoccluded: &[UnoccludedCount], world: &World) -> Vec<TrueObject> {
+fn true_objects(counts: &[u32], unoccluded: &[UnoccludedCount], world: &World) -> Vec<ObjectTruth> {
     let n_px = |id: u16| {
         let seen = unoccluded.iter().find(|seen| seen.id == id);
         seen.map_or(0, |seen| seen.n_px)
     };
     let objects = world.objects().iter();
     objects
-        .map(|object| TrueObject::new(object, counts[usize::from(object.id)], n_px(object.id)))
+        .map(|object| ObjectTruth::new(object, counts[usize::from(object.id)], n_px(object.id)))
         .collect()
 }

@@ -13,9 +13,9 @@ use crate::model_library::ModelLibrary;
 use crate::person::{HandEvent, Person};
 use crate::physics::{Physics, STEPS_PER_SECOND};
 use crate::room::{self, RoomBox};
-use crate::scene::{Placing, Scene};
-use crate::scene_file::MOST_OBJECTS;
-use crate::scene_object::{ObjectState, SceneObject};
+use crate::scene::{ObjectPlacement, Scene};
+use crate::scene_file::MAX_OBJECTS;
+use crate::scene_object::{ObjectState, SimulatedObject};
 use geometry::{Capsule, RigidTransform};
 use held_object::HeldObject;
 use std::sync::Arc;
@@ -40,7 +40,7 @@ pub struct World {
     boxes: Arc<[RoomBox]>,
     library: ModelLibrary,
     physics: Physics,
-    objects: Vec<SceneObject>,
+    objects: Vec<SimulatedObject>,
     last_id: u16,
     arm: Option<SimulatedArm>,
     person: Option<Person>,
@@ -82,15 +82,15 @@ impl World {
         };
         let plans = Arc::clone(&world.scene);
         for (plan, model) in plans.objects.iter().zip(models) {
-            world.add_planned(model, &plan.placing);
+            world.add_planned(model, &plan.placement);
         }
         world.settle();
         Ok(world)
     }
 
-    fn add_planned(&mut self, model: Arc<crate::ObjectModel>, placing: &Placing) {
+    fn add_planned(&mut self, model: Arc<crate::ObjectModel>, placing: &ObjectPlacement) {
         match placing {
-            Placing::Upright {
+            ObjectPlacement::Upright {
                 position_m,
                 yaw_rad,
             } => {
@@ -103,7 +103,7 @@ impl World {
                 );
                 self.add_object(model, &pose);
             }
-            Placing::Dropped { world_from_object } => {
+            ObjectPlacement::Dropped { world_from_object } => {
                 self.add_object(model, world_from_object);
                 self.run_physics(DROP_STEPS);
             }
@@ -116,7 +116,7 @@ impl World {
             .physics
             .add_object(&model.shape, model.mass_kg, model.friction, pose);
         self.objects
-            .push(SceneObject::new(self.last_id, model, body));
+            .push(SimulatedObject::new(self.last_id, model, body));
         self.refresh_objects();
         self.last_id
     }
@@ -161,7 +161,7 @@ impl World {
     }
 
     fn bring_object(&mut self, model: &ModelChoice, hand: nalgebra::Point3<f64>) {
-        if self.objects.len() >= MOST_OBJECTS || self.last_id >= LAST_ID {
+        if self.objects.len() >= MAX_OBJECTS || self.last_id >= LAST_ID {
             let note = "nothing more is brought: the scene is full; start it again".to_owned();
             self.notes.push(note);
             return;
@@ -185,8 +185,9 @@ impl World {
         // The object may have gone, fallen, or been grasped by the arm while the hand was on its
         // way.
         let grip = hand - nalgebra::Vector3::z() * crate::person::GRIP_M;
-        let is_there =
-            |found: &&SceneObject| !found.is_held() && (found.top() - grip).norm() < MISSED_GRIP_M;
+        let is_there = |found: &&SimulatedObject| {
+            !found.is_held() && (found.top() - grip).norm() < MISSED_GRIP_M
+        };
         let Some(found) = self.find(object).filter(is_there) else {
             self.notes.push(format!(
                 "the person reached for object {object}, which was not there any more"
@@ -246,12 +247,12 @@ impl World {
     }
 
     /// Objects of the scene, in the order of their arrival.
-    pub fn objects(&self) -> &[SceneObject] {
+    pub fn objects(&self) -> &[SimulatedObject] {
         &self.objects
     }
 
     /// Object by its number.
-    pub fn find(&self, id: u16) -> Option<&SceneObject> {
+    pub fn find(&self, id: u16) -> Option<&SimulatedObject> {
         self.objects.iter().find(|object| object.id == id)
     }
 

@@ -9,8 +9,8 @@
 use geometry::RigidTransform;
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 use simulated_world::{
-    ArmCommand, ArmMount, ModelChoice, ModelLibrary, MotionState, ObjectPlan, ObjectState, Placing,
-    Scene, World,
+    ArmCommand, ArmMount, ModelChoice, ModelLibrary, MotionState, ObjectPlacement, ObjectPlan,
+    ObjectState, Scene, World,
 };
 use std::f64::consts::PI;
 
@@ -34,7 +34,7 @@ fn upright(category: &str, position_m: [f64; 2], yaw_rad: f64) -> ObjectPlan {
             category: category.to_owned(),
             instance: 1,
         },
-        placing: Placing::Upright {
+        placement: ObjectPlacement::Upright {
             position_m,
             yaw_rad,
         },

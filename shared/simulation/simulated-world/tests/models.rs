@@ -6,8 +6,8 @@ use dataset::mesh::MeshView;
 use dataset::ply::{self, Encoding};
 use point_cloud::{Point, Rgba};
 use simulated_world::{
-    ModelChoice, ModelLibrary, ModelSource, ObjectModel, ObjectPlan, ObjectState, Placing, Scene,
-    World,
+    ModelChoice, ModelLibrary, ModelSource, ObjectModel, ObjectPlacement, ObjectPlan, ObjectState,
+    Scene, World,
 };
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -107,7 +107,7 @@ fn world_with(path: &Path) -> World {
     let scene = Scene {
         objects: vec![ObjectPlan {
             model: ModelChoice::File(path.to_owned()),
-            placing: Placing::Upright {
+            placement: ObjectPlacement::Upright {
                 position_m: [0.0, 0.0],
                 yaw_rad: 0.0,
             },

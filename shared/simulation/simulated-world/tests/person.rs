@@ -11,8 +11,8 @@ use nalgebra::Point3;
 use point_cloud::Point;
 use rendering::kinect::SensorModel;
 use simulated_world::{
-    Action, ModelChoice, ModelLibrary, ObjectPlan, ObjectState, PERSON_ID, PersonPlan, Placing,
-    Scene, SimulatedKinect, TimedAction, World,
+    Action, ModelChoice, ModelLibrary, ObjectPlacement, ObjectPlan, ObjectState, PERSON_ID,
+    PersonPlan, Scene, SimulatedKinect, TimedAction, World,
 };
 
 /// Greatest distance of an object from its target position, metres.
@@ -30,7 +30,7 @@ fn model(category: &str) -> ModelChoice {
 fn upright(category: &str, position_m: [f64; 2]) -> ObjectPlan {
     ObjectPlan {
         model: model(category),
-        placing: Placing::Upright {
+        placement: ObjectPlacement::Upright {
             position_m,
             yaw_rad: 0.0,
         },
@@ -220,7 +220,7 @@ impl CameraProbe {
         let truth = self.kinect.look(world, 0, &mut self.points).unwrap();
         truth
             .iter()
-            .map(simulated_world::TrueObject::visible_fraction)
+            .map(simulated_world::ObjectTruth::visible_fraction)
             .collect()
     }
 }

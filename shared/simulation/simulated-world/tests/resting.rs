@@ -3,7 +3,8 @@
 #![expect(clippy::unwrap_used, reason = "a failing set-up must fail the test")]
 
 use simulated_world::{
-    ModelChoice, ModelLibrary, ObjectPlan, ObjectState, Placing, Scene, World, category_names,
+    ModelChoice, ModelLibrary, ObjectPlacement, ObjectPlan, ObjectState, Scene, World,
+    category_names,
 };
 
 /// Greatest distance that an object may slide or roll before it rests, metres.
@@ -20,7 +21,7 @@ fn world_with(category: &str, instance: u64) -> World {
             category: category.to_owned(),
             instance,
         },
-        placing: Placing::Upright {
+        placement: ObjectPlacement::Upright {
             position_m: [0.0, 0.0],
             yaw_rad: 0.3,
         },

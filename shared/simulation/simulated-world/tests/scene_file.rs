@@ -6,7 +6,9 @@
     reason = "a failing set-up must fail the test"
 )]
 
-use simulated_world::{ModelChoice, ModelLibrary, ObjectPlan, ObjectState, Placing, Scene, World};
+use simulated_world::{
+    ModelChoice, ModelLibrary, ObjectPlacement, ObjectPlan, ObjectState, Scene, World,
+};
 use std::path::Path;
 
 fn parsed(text: &str) -> Result<(Scene, ModelLibrary), simulated_world::Error> {
@@ -102,13 +104,13 @@ fn scene_file_with_all_keys_is_parsed() {
     assert!((scene.camera.azimuth_deg + 20.0).abs() < 1e-12);
     assert!((scene.arm.unwrap().yaw_deg - 45.0).abs() < 1e-12);
     assert!(matches!(
-        scene.objects[3].placing,
-        Placing::Upright {
+        scene.objects[3].placement,
+        ObjectPlacement::Upright {
             position_m: [0.3, 0.2],
             ..
         }
     ));
-    let Placing::Dropped { world_from_object } = &scene.objects[4].placing else {
+    let ObjectPlacement::Dropped { world_from_object } = &scene.objects[4].placement else {
         panic!("{:?}", scene.objects[4]);
     };
     assert!((world_from_object.translation.z - 0.9).abs() < 1e-12);
@@ -165,7 +167,7 @@ fn varied_objects(seed: u64) -> Vec<(u64, [f64; 2])> {
     let objects = scene.objects.iter().map(|plan| match plan {
         ObjectPlan {
             model: ModelChoice::Generated { instance, .. },
-            placing: Placing::Upright { position_m, .. },
+            placement: ObjectPlacement::Upright { position_m, .. },
         } => (*instance, *position_m),
         other => panic!("{other:?}"),
     });

@@ -7,8 +7,8 @@
 )]
 
 use simulated_world::{
-    Error, ModelChoice, ModelLibrary, ObjectModel, ObjectState, Placing, Scene, SceneKind, World,
-    category_names,
+    Error, ModelChoice, ModelLibrary, ObjectModel, ObjectPlacement, ObjectState, Scene, SceneKind,
+    World, category_names,
 };
 use std::path::Path;
 
@@ -32,7 +32,7 @@ fn footprints(scene: &Scene) -> Vec<(f64, [f64; 2])> {
     let mut library = ModelLibrary::generated();
     let footprint = |plan: &simulated_world::ObjectPlan| {
         let model = library.load(&plan.model).unwrap();
-        let Placing::Upright { position_m, .. } = plan.placing else {
+        let ObjectPlacement::Upright { position_m, .. } = plan.placement else {
             panic!("{plan:?} is not put down");
         };
         (model.footprint_radius_m(), position_m)
@@ -44,7 +44,7 @@ fn footprints(scene: &Scene) -> Vec<(f64, [f64; 2])> {
 fn generated_scene_has_the_requested_number_of_objects() {
     for kind in SceneKind::ALL {
         for seed in 0..5 {
-            for n in [0, 1, kind.usual_number()] {
+            for n in [0, 1, kind.default_n_objects()] {
                 let scene = generated(kind, n, seed);
                 assert_eq!(scene.objects.len(), n, "{} {seed}", kind.word());
                 assert_eq!(scene.bin.is_some(), kind == SceneKind::Bin);
@@ -103,7 +103,7 @@ fn generated_scene_uses_each_category_before_repeating_one() {
 #[test]
 fn generated_scene_is_determined_by_its_seed() {
     for kind in SceneKind::ALL {
-        let n = kind.usual_number();
+        let n = kind.default_n_objects();
         let objects = |seed| generated(kind, n, seed).objects;
         for seed in 0..4 {
             assert_eq!(objects(seed), objects(seed), "{}", kind.word());
@@ -134,7 +134,7 @@ fn isolated_objects_rest_where_they_were_planned() {
         let mut world = world(generated(SceneKind::Isolated, 6, seed));
         assert_eq!(world.take_notes(), Vec::<String>::new(), "seed {seed}");
         for (object, plan) in world.objects().iter().zip(&world.scene().objects) {
-            let Placing::Upright { position_m, .. } = plan.placing else {
+            let ObjectPlacement::Upright { position_m, .. } = plan.placement else {
                 panic!("{plan:?} is not put down");
             };
             let at = object.world_from_object.translation;
@@ -182,7 +182,7 @@ fn bin_scene_keeps_nearly_all_objects_and_reports_fallen_ones() {
 }
 
 /// Every tenth vertex of an object, world frame.
-fn points(object: &simulated_world::SceneObject) -> Vec<nalgebra::Point3<f64>> {
+fn points(object: &simulated_world::SimulatedObject) -> Vec<nalgebra::Point3<f64>> {
     let vertices = object.model.mesh.vertices.iter().step_by(10);
     vertices
         .map(|v| object.world_from_object * v.position.cast::<f64>())

@@ -7,13 +7,13 @@ use nalgebra::Vector3;
 use point_cloud::Point;
 use rendering::kinect::SensorModel;
 use simulated_world::{
-    ARM_ID, ModelChoice, ModelLibrary, ObjectPlan, PERSON_ID, Placing, Scene, SceneKind,
-    SimulatedKinect, TrueObject, World, truth_json,
+    ARM_ID, ModelChoice, ModelLibrary, ObjectPlacement, ObjectPlan, ObjectTruth, PERSON_ID, Scene,
+    SceneKind, SimulatedKinect, World, truth_json,
 };
 
 /// Captured frame of a world.
 struct Look {
-    truth: Vec<TrueObject>,
+    truth: Vec<ObjectTruth>,
     points: Vec<Point>,
     mask: Vec<u16>,
 }
@@ -37,7 +37,7 @@ fn upright(category: &str, position_m: [f64; 2]) -> ObjectPlan {
             category: category.to_owned(),
             instance: 3,
         },
-        placing: Placing::Upright {
+        placement: ObjectPlacement::Upright {
             position_m,
             yaw_rad: 0.2,
         },
@@ -55,7 +55,7 @@ fn world_of(objects: Vec<ObjectPlan>) -> World {
 
 fn generated(kind: SceneKind, seed: u64) -> World {
     let mut library = ModelLibrary::generated();
-    let mut scene = Scene::generate(kind, kind.usual_number(), seed, &mut library).unwrap();
+    let mut scene = Scene::generate(kind, kind.default_n_objects(), seed, &mut library).unwrap();
     scene.sensor = SensorModel::PERFECT;
     scene.arm = Some(simulated_world::ArmMount::default());
     World::new(scene, library).unwrap()

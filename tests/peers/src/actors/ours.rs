@@ -2,7 +2,7 @@
 
 use crate::crew::{Crew, MAILBOX};
 use actor::{
-    Actor, Address, Answer, Config, Flow, KeepLatest, Placement, Progress, Restart, RestartPolicy,
+    Actor, Address, PendingReply, Config, Flow, DropOldest, Placement, Progress, Restart, RestartPolicy,
     Supervisor,
 };
 use std::convert::Infallible;
@@ -19,7 +19,7 @@ impl Actor for Adder {
     type Checkpoint = u64;
     type Context = ();
     type Error = Infallible;
-    type Overflow = KeepLatest;
+    type Overflow = DropOldest;
 
     fn start(_: &Arc<()>, total: u64) -> Result<Self, Infallible> {
         Ok(Self(total))
@@ -38,7 +38,7 @@ impl Actor for Adder {
 pub struct Ours {
     supervisor: Supervisor<u64, Adder>,
     actors: Vec<Address<Adder>>,
-    answers: Vec<Answer<u64>>,
+    answers: Vec<PendingReply<u64>>,
 }
 
 fn config() -> Config {

@@ -10,8 +10,8 @@ use geometry::OrientedBox;
 use learning::{CategoryName, ViewId};
 use nalgebra::{Isometry3, Vector3};
 use store::{
-    Change, Descriptor, Mutation, MutationId, PerceptualMemory, StoreConfig, StoreHandle,
-    StoreThread, View,
+    StoreChange, StoredDescriptor, Mutation, MutationId, PerceptualMemory, StoreConfig, StoreHandle,
+    StoreThread, CapturedView,
 };
 
 use crate::figures::Run;
@@ -39,14 +39,14 @@ fn mutation(plan: &Plan, index: usize) -> Mutation {
         Step::StoreTracks(tracks) => store_tracks(tracks, VIEWS_PER_TRACK, 0),
         Step::Teach(track_id) => teach(track_id),
         Step::StoreView { track_id, view_id } => {
-            Change::StoreViews(vec![view(track_id, view_id, CLOUD_BYTES)])
+            StoreChange::StoreViews(vec![view(track_id, view_id, CLOUD_BYTES)])
         }
     };
     numbered(index, change)
 }
 
 /// With an id that is spread as those that clients draw, and the same in each run.
-fn numbered(index: usize, change: Change) -> Mutation {
+fn numbered(index: usize, change: StoreChange) -> Mutation {
     let spread = |n: u64| (n + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     let high = spread(index as u64);
     Mutation {
@@ -57,21 +57,21 @@ fn numbered(index: usize, change: Change) -> Mutation {
     }
 }
 
-fn store_tracks(tracks: Range<u64>, views_per_track: u32, cloud_bytes: usize) -> Change {
+fn store_tracks(tracks: Range<u64>, views_per_track: u32, cloud_bytes: usize) -> StoreChange {
     let views = |track| (0..views_per_track).map(move |n| view(track, n, cloud_bytes));
-    Change::StoreViews(tracks.flat_map(views).collect())
+    StoreChange::StoreViews(tracks.flat_map(views).collect())
 }
 
-fn teach(track_id: u64) -> Change {
+fn teach(track_id: u64) -> StoreChange {
     let category = CategoryName::new(&format!("category {}", track_id % 50)).expect("a name");
-    Change::Teach { track_id, category }
+    StoreChange::Teach { track_id, category }
 }
 
-fn view(track_id: u64, view_id: u32, cloud_bytes: usize) -> View {
+fn view(track_id: u64, view_id: u32, cloud_bytes: usize) -> CapturedView {
     let noise = |i: u64| ((i + track_id * 31 + view_id as u64).wrapping_mul(0x9e37_79b9)) >> 7;
-    View {
+    CapturedView {
         id: ViewId { track_id, view_id },
-        descriptor: Descriptor {
+        descriptor: StoredDescriptor {
             kind: "good-published-15".to_owned(),
             values: (0..DESCRIPTOR_VALUES).map(|i| noise(i) as f32).collect(),
         },
@@ -92,7 +92,7 @@ fn start(folder: &Path) -> (StoreThread, StoreHandle) {
     let config = StoreConfig {
         folder: folder.to_owned(),
         queue_capacity: 1024,
-        limits: store::Limits::default(),
+        limits: store::RetentionLimits::default(),
         write_buffer_bytes: store::WRITE_BUFFER_BYTES,
         wall_clock: || 1,
         on_reopened: Box::new(|_| panic!("the store had to be opened again")),

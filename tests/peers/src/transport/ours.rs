@@ -5,7 +5,7 @@ use crate::place::Place;
 use crate::plan::Task;
 use crate::{clock, payload::Fill, ports, reactor};
 use channel::topic::CameraCloud;
-use channel::{Domain, Publisher, Received, Role, SharedFrame, Subscriber};
+use channel::{Domain, Publisher, Received, Role, SharedMessage, Subscriber};
 use tokio::runtime::Runtime;
 
 fn join(place: &Place) -> Domain {
@@ -62,7 +62,7 @@ impl Receiving {
     }
 }
 
-fn note(log: &mut Log, frame: &SharedFrame<CameraCloud>) -> bool {
+fn note(log: &mut Log, frame: &SharedMessage<CameraCloud>) -> bool {
     let header = frame.header();
     let payload = bytemuck::cast_slice(frame.items());
     log.note(header.sequence, header.published_stamp_ns, payload)

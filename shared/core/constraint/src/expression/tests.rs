@@ -10,22 +10,28 @@ fn refused(text: &str) -> String {
     text.parse::<Expression>().unwrap_err().to_string()
 }
 
-fn findings(truths: [Truth; Constraint::N]) -> Findings {
+fn findings(truths: [Ternary; Constraint::N]) -> Findings {
     let mut findings = Findings::default();
     for (constraint, truth) in Constraint::ALL.into_iter().zip(truths) {
-        let reason = Reason::NotJudged;
-        findings.set(constraint, Finding { truth, reason });
+        let reason = Reason::NotEvaluated;
+        findings.set(
+            constraint,
+            Finding {
+                value: truth,
+                reason,
+            },
+        );
     }
     findings
 }
 
 /// All assignments of the first six constraints; the others are unknown.
 fn assignments() -> impl Iterator<Item = Findings> {
-    let truth = |number: usize| [Truth::False, Truth::Unknown, Truth::True][number % 3];
+    let truth = |number: usize| [Ternary::False, Ternary::Unknown, Ternary::True][number % 3];
     (0..3_usize.pow(6)).map(move |number| {
         findings(std::array::from_fn(|i| match i {
             0..6 => truth(number / 3_usize.pow(i as u32)),
-            _ => Truth::Unknown,
+            _ => Ternary::Unknown,
         }))
     })
 }
@@ -64,7 +70,7 @@ fn precedence_is_not_then_and_then_or() {
 fn evaluation_matches_kleenes_logic() {
     use Constraint::{Edge, Instructor, Robot, Table, Track};
     for findings in assignments() {
-        let is = |constraint| findings.of(constraint).truth;
+        let is = |constraint| findings.get(constraint).value;
         let expected = is(Table)
             .and(is(Track))
             .and(is(Instructor).or(is(Robot)).or(is(Edge)).not());
@@ -80,16 +86,16 @@ fn decisive_constraints_alone_fix_a_false_verdict() {
         let decisive = rule.decisive(&findings);
         assert!(!decisive.is_empty());
         // All other constraints may take any value.
-        for other in [Truth::False, Truth::Unknown, Truth::True] {
+        for other in [Ternary::False, Ternary::Unknown, Ternary::True] {
             let mut changed = findings;
-            if truth == Truth::False {
+            if truth == Ternary::False {
                 let first = decisive.iter().next().unwrap();
                 for constraint in Constraint::ALL.into_iter().filter(|one| *one != first) {
-                    let reason = Reason::NotJudged;
+                    let reason = Reason::NotEvaluated;
                     changed.set(
                         constraint,
                         Finding {
-                            truth: other,
+                            value: other,
                             reason,
                         },
                     );

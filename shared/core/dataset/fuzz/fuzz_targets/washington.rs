@@ -3,7 +3,7 @@
 #![no_main]
 
 use dataset::washington::{
-    CAMERA, ContentError, View, ViewName, decode_color, decode_depth, decode_mask, format_location,
+    CAMERA, ContentError, CroppedView, ViewName, decode_color, decode_depth, decode_mask, format_location,
     parse_location, read_cloud, write_cloud,
 };
 use libfuzzer_sys::fuzz_target;
@@ -39,7 +39,7 @@ fuzz_target!(|bytes: &[u8]| {
 
 /// Decodes a colour image and round-trips the points of its view.
 fn color(file: &[u8]) -> Result<(), ContentError> {
-    let mut view = View::default();
+    let mut view = CroppedView::default();
     view.size = decode_color(file, &mut view.color)?;
     let n_pixels = view.size.0 as usize * view.size.1 as usize;
     assert_eq!(view.color.len(), 3 * n_pixels);

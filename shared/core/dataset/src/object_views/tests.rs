@@ -1,7 +1,7 @@
 use super::*;
 use crate::pcd::{self, Encoding, PcdView};
 use crate::test_corruption::assert_sentence;
-use crate::washington::{CAMERA, View, ViewName, write_view};
+use crate::washington::{CAMERA, CroppedView, ViewName, write_view};
 use geometry::RigidTransform;
 use nalgebra::{UnitQuaternion, Vector3};
 use point_cloud::Point;
@@ -40,8 +40,8 @@ fn write_pcd(root: &Path, path: &str, viewpoint: RigidTransform) {
 }
 
 /// View of one pixel at 1 m.
-fn one_pixel() -> View {
-    View {
+fn one_pixel() -> CroppedView {
+    CroppedView {
         size: (1, 1),
         top_left: (100, 50),
         color: vec![10, 20, 30],

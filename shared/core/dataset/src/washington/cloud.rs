@@ -1,7 +1,7 @@
 //! PCD files of Washington views.
 
 use super::error::Error;
-use super::view::View;
+use super::view::CroppedView;
 use crate::pcd;
 use geometry::PinholeCamera;
 use point_cloud::Point;
@@ -28,7 +28,7 @@ pub fn read_cloud(bytes: &[u8]) -> Result<Vec<Point>, pcd::Error> {
 ///
 /// # Errors
 /// When a vector of the view does not fill the cut-out.
-pub fn write_cloud(view: &View, camera: &PinholeCamera) -> Result<Vec<u8>, Error> {
+pub fn write_cloud(view: &CroppedView, camera: &PinholeCamera) -> Result<Vec<u8>, Error> {
     view.check()?;
     let n_points = view.object_pixels().count();
     let mut file = format!(

@@ -4,7 +4,7 @@ use super::cloud::read_cloud;
 use super::error::{ContentError, Error};
 use super::image::{decode_color, decode_depth, decode_mask};
 use super::location::parse_location;
-use super::view::View;
+use super::view::CroppedView;
 use super::view_name::ViewName;
 use super::{CAMERA, CLOUD_SUFFIX, COLOR_SUFFIX, DEPTH_SUFFIX, LOCATION_SUFFIX, MASK_SUFFIX};
 use crate::bounded_file::{file_names, folder_names, read_file};
@@ -160,9 +160,9 @@ impl ObjectDataset {
     /// # Errors
     /// When there is no such view, it has no images, or a file cannot be read
     /// or is wrong; each error of a file names it.
-    pub fn load(&self, index: usize) -> Result<View, Error> {
+    pub fn load(&self, index: usize) -> Result<CroppedView, Error> {
         let listed = self.listed(index, IMAGES, "images")?;
-        let (mut view, mut file) = (View::default(), Vec::new());
+        let (mut view, mut file) = (CroppedView::default(), Vec::new());
         view.size = self.read(listed, 0, MAX_IMAGE_BYTES, &mut file, |bytes| {
             decode_color(bytes, &mut view.color)
         })?;

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-fn view() -> impl Strategy<Value = View> {
+fn view() -> impl Strategy<Value = CroppedView> {
     let place = (0..600_u32, 0..400_u32);
     ((1..20_u32, 1..20_u32), place).prop_flat_map(|(size, top_left)| {
         let n_pixels = (size.0 * size.1) as usize;
@@ -15,7 +15,7 @@ fn view() -> impl Strategy<Value = View> {
             prop::collection::vec(depth, n_pixels),
             prop::collection::vec(prop_oneof![Just(0_u8), Just(255)], n_pixels),
         )
-            .prop_map(move |(color, depth_mm, mask)| View {
+            .prop_map(move |(color, depth_mm, mask)| CroppedView {
                 size,
                 top_left,
                 color,
@@ -26,8 +26,8 @@ fn view() -> impl Strategy<Value = View> {
 }
 
 /// Crop of 3 x 2 pixels: the last pixel has no depth, the first one is background.
-fn small() -> View {
-    View {
+fn small() -> CroppedView {
+    CroppedView {
         size: (3, 2),
         top_left: (317, 239),
         color: (0..18).collect(),

@@ -9,7 +9,7 @@ const M_FROM_MM: f64 = 0.001;
 
 /// Cropped view of an object. The vectors hold one value per pixel, row-major.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct View {
+pub struct CroppedView {
     /// Columns and rows of the crop.
     pub size: (u32, u32),
     /// Column and row of the first pixel in the whole image, from 0.
@@ -22,7 +22,7 @@ pub struct View {
     pub mask: Vec<u8>,
 }
 
-impl View {
+impl CroppedView {
     /// Points of the object: its pixels with depth, row-major.
     ///
     /// *Frame*: camera, metres. The camera is that of the whole image, such as

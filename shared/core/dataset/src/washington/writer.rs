@@ -3,7 +3,7 @@
 use super::cloud::write_cloud;
 use super::error::Error;
 use super::location::format_location;
-use super::view::View;
+use super::view::CroppedView;
 use super::view_name::ViewName;
 use super::{CLOUD_SUFFIX, COLOR_SUFFIX, DEPTH_SUFFIX, LOCATION_SUFFIX, MASK_SUFFIX};
 use crate::atomic_file::{create_folder, write_atomic};
@@ -23,7 +23,7 @@ use std::path::Path;
 pub fn write_view(
     root: &Path,
     name: &ViewName,
-    view: &View,
+    view: &CroppedView,
     camera: Option<&PinholeCamera>,
 ) -> Result<(), Error> {
     view.check()?;

@@ -1,8 +1,8 @@
 //! Reports on rejected candidates and on assumptions made for absent inputs.
 
-use crate::IgnoredBlob;
+use crate::RejectedCandidate;
 use crate::control::rounding::rounded;
-use constraint::{Assumption, Constraint, Finding, Truth};
+use constraint::{Assumption, Constraint, Finding, Ternary};
 use serde::{Deserialize, Serialize};
 
 /// Assumption made in place of an absent input.
@@ -25,7 +25,7 @@ impl From<Assumption> for AssumptionReport {
 
 /// Candidate above the table that the rule does not accept as an object.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct IgnoredReport {
+pub struct RejectedCandidateReport {
     /// Centre of the box in the world, metres.
     pub position_m: [f64; 3],
     /// Orientation of the box in the world, quaternion: x, y, z, w.
@@ -59,18 +59,20 @@ impl From<(Constraint, Finding)> for FindingReport {
     fn from((constraint, finding): (Constraint, Finding)) -> Self {
         Self {
             constraint: constraint.name().into(),
-            truth: finding.truth.word().into(),
+            truth: finding.value.word().into(),
             reason: finding.reason.code(),
             sentence: finding.reason.to_string(),
         }
     }
 }
 
-impl From<&IgnoredBlob> for IgnoredReport {
-    fn from(blob: &IgnoredBlob) -> Self {
-        let decided = blob.why().map(|(_, finding)| finding.reason.to_string());
+impl From<&RejectedCandidate> for RejectedCandidateReport {
+    fn from(blob: &RejectedCandidate) -> Self {
+        let decided = blob
+            .decisive_findings()
+            .map(|(_, finding)| finding.reason.to_string());
         let why = match blob.verdict() {
-            Some(Truth::True) => vec!["it is an object, but has no track-id yet".to_owned()],
+            Some(Ternary::True) => vec!["it is an object, but has no track-id yet".to_owned()],
             _ => decided.collect(),
         };
         Self {
@@ -78,7 +80,7 @@ impl From<&IgnoredBlob> for IgnoredReport {
             orientation_xyzw: blob.pose.orientation_xyzw,
             size_m: blob.size_m.map(rounded),
             n_points: blob.n_points,
-            verdict: blob.verdict().unwrap_or(Truth::Unknown).word().into(),
+            verdict: blob.verdict().unwrap_or(Ternary::Unknown).word().into(),
             why,
             findings: blob.findings().map(FindingReport::from).collect(),
         }
@@ -98,8 +100,14 @@ mod tests {
             share: 0.4,
             distance_m: 0.03,
         };
-        let truth = Truth::True;
-        findings.set(Constraint::Edge, Finding { truth, reason });
+        let truth = Ternary::True;
+        findings.set(
+            Constraint::Edge,
+            Finding {
+                value: truth,
+                reason,
+            },
+        );
         let rule = Expression::default();
         let mut assumptions = Assumptions::default();
         assumptions.add(Assumption::NoRobotKnown);
@@ -110,12 +118,12 @@ mod tests {
             assumptions: assumptions.bits(),
             ..SceneSummary::default()
         };
-        summary.ignored[0] = IgnoredBlob {
+        summary.ignored[0] = RejectedCandidate {
             n_points: 320,
             verdict: rule.evaluate(&findings).code().into(),
             decisive: rule.decisive(&findings).bits().into(),
-            findings: IgnoredBlob::wire_findings(&findings),
-            ..IgnoredBlob::default()
+            findings: RejectedCandidate::wire_findings(&findings),
+            ..RejectedCandidate::default()
         };
         summary
     }

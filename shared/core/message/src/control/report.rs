@@ -1,6 +1,6 @@
 //! Reports for people and scripts: the documents printed by `--json`.
 
-use crate::control::rejected::{AssumptionReport, IgnoredReport};
+use crate::control::rejected::{AssumptionReport, RejectedCandidateReport};
 use crate::control::rounding::rounded;
 use crate::pose::is_covariance;
 use crate::{
@@ -32,7 +32,7 @@ pub struct ObjectsReport {
     pub assumptions: Vec<AssumptionReport>,
     /// Rejected candidates, nearest first.
     #[serde(default)]
-    pub ignored: Vec<IgnoredReport>,
+    pub ignored: Vec<RejectedCandidateReport>,
     /// Number of rejected candidates that did not fit into the summary.
     #[serde(default)]
     pub n_more_ignored: u32,
@@ -237,10 +237,14 @@ impl ObjectsReport {
                 .iter()
                 .map(AssumptionReport::from)
                 .collect(),
-            ignored: scene.ignored().iter().map(IgnoredReport::from).collect(),
+            ignored: scene
+                .rejected_candidates()
+                .iter()
+                .map(RejectedCandidateReport::from)
+                .collect(),
             n_more_ignored: scene
                 .n_rejected
-                .saturating_sub(scene.ignored().len() as u32),
+                .saturating_sub(scene.rejected_candidates().len() as u32),
         }
     }
 }

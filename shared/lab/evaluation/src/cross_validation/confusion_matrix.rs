@@ -2,7 +2,7 @@
 
 /// Confusion matrix with a column for "unknown".
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Confusion {
+pub struct ConfusionMatrix {
     n_categories: usize,
     /// *Shape*: `n_categories x (n_categories + 1)`, row-major: a row per true category, a column
     /// per answer, the last one for "unknown".
@@ -22,7 +22,7 @@ pub struct ClassificationScores {
     pub f1_macro: f64,
 }
 
-impl Confusion {
+impl ConfusionMatrix {
     /// Empty confusion matrix.
     pub fn new(n_categories: usize) -> Self {
         Self {
@@ -95,8 +95,8 @@ impl Confusion {
 mod tests {
     use super::*;
 
-    fn confusion(answers: &[(u32, Option<u32>, u32)]) -> Confusion {
-        let mut confusion = Confusion::new(3);
+    fn confusion(answers: &[(u32, Option<u32>, u32)]) -> ConfusionMatrix {
+        let mut confusion = ConfusionMatrix::new(3);
         for &(truth, answer, n) in answers {
             (0..n).for_each(|_| confusion.count(truth, answer));
         }
@@ -130,6 +130,6 @@ mod tests {
         assert_eq!(scores.f1_micro, scores.accuracy_micro);
         // Category 2 has no test views.
         assert!((scores.accuracy_macro - 5.0 / 7.0).abs() < 1e-12);
-        assert_eq!(Confusion::new(3).scores(), None);
+        assert_eq!(ConfusionMatrix::new(3).scores(), None);
     }
 }

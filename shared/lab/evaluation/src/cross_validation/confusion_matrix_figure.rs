@@ -1,6 +1,6 @@
 //! Confusion matrix as an SVG heat map.
 
-use super::confusion_matrix::Confusion;
+use super::confusion_matrix::ConfusionMatrix;
 use plot::diagram::{DrawingError, drawing_error};
 use plotters::coord::Shift;
 use plotters::prelude::{
@@ -26,7 +26,7 @@ const FONT_PX: i32 = 12;
 ///
 /// # Errors
 /// If the plotting library fails.
-pub fn svg(confusion: &Confusion, names: &[String]) -> Result<String, DrawingError> {
+pub fn svg(confusion: &ConfusionMatrix, names: &[String]) -> Result<String, DrawingError> {
     let n = confusion.n_categories();
     let cell_px = if n <= FEW_CATEGORIES {
         2 * CELL_PX
@@ -118,7 +118,7 @@ mod tests {
 
     #[test]
     fn figure_shows_names_and_percentages() {
-        let mut confusion = Confusion::new(2);
+        let mut confusion = ConfusionMatrix::new(2);
         (0..3).for_each(|_| confusion.count(0, Some(0)));
         confusion.count(0, Some(1));
         confusion.count(1, None);

@@ -8,7 +8,7 @@ const FOLD_STREAM: u64 = 5;
 
 /// Assignment of a category's views to folds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Dealing {
+pub enum FoldAssignment {
     /// Random order, view by view.
     ByView,
     /// Grouped by object in random order: all views of an object share a fold. A category with
@@ -52,10 +52,10 @@ impl Folds {
     ///
     /// # Errors
     /// If there are fewer than two folds, or fewer views than folds.
-    pub fn deal(
+    pub fn assign(
         views: &[LabelledView],
         n_folds: u32,
-        dealing: Dealing,
+        dealing: FoldAssignment,
         seed: u64,
     ) -> Result<Self, Error> {
         if n_folds < 2 {
@@ -73,16 +73,16 @@ impl Folds {
         let mut n_of_fold = vec![0_usize; n_folds as usize];
         for (category, of_category) in by_category(views) {
             let mut groups = match dealing {
-                Dealing::Contiguous => {
+                FoldAssignment::Contiguous => {
                     folds.assign_slices(&of_category);
                     continue;
                 }
-                Dealing::ByView => ungrouped(&of_category),
-                Dealing::ByInstance => grouped_by_instance(views, &of_category),
+                FoldAssignment::ByView => ungrouped(&of_category),
+                FoldAssignment::ByInstance => grouped_by_instance(views, &of_category),
             };
             folds.n_grouped += usize::from(groups.iter().any(|group| group.len() > 1));
             let stream = FOLD_STREAM | u64::from(category) << 16;
-            Random::for_purpose(seed, stream).shuffle(&mut groups);
+            Random::substream(seed, stream).shuffle(&mut groups);
             folds.assign_groups(&groups, &mut n_of_fold);
         }
         Ok(folds)
@@ -159,7 +159,7 @@ mod tests {
     #[test]
     fn folds_are_stratified_view_by_view() {
         let views = views(&[(0, None, 25), (1, None, 31), (2, None, 4)]);
-        let folds = Folds::deal(&views, 10, Dealing::ByView, 3).unwrap();
+        let folds = Folds::assign(&views, 10, FoldAssignment::ByView, 3).unwrap();
         for of_category in counts(&views, &folds) {
             let (least, most) = (of_category.iter().min(), of_category.iter().max());
             assert!(most.unwrap() - least.unwrap() <= 1, "{of_category:?}");
@@ -184,7 +184,7 @@ mod tests {
             (1, Some(1), 40),
             (2, None, 20),
         ]);
-        let folds = Folds::deal(&views, 3, Dealing::ByInstance, 1).unwrap();
+        let folds = Folds::assign(&views, 3, FoldAssignment::ByInstance, 1).unwrap();
         let of_first = counts(&views[..90], &folds);
         assert_eq!(of_first[0].iter().sum::<usize>(), 90);
         let mut sizes = of_first[0].clone();
@@ -207,14 +207,14 @@ mod tests {
     #[test]
     fn contiguous_slices_are_those_of_the_original() {
         let views = views(&[(0, None, 11), (1, None, 2)]);
-        let folds = Folds::deal(&views, 3, Dealing::Contiguous, 1).unwrap();
+        let folds = Folds::assign(&views, 3, FoldAssignment::Contiguous, 1).unwrap();
         assert_eq!(folds.of_view, [0, 0, 0, 1, 1, 1, 2, 2, 2, 2, 2, 2, 2]);
     }
 
     #[test]
     fn folds_depend_on_the_seed_only() {
         let views = views(&[(0, None, 50), (1, None, 50)]);
-        let deal = |seed| Folds::deal(&views, 10, Dealing::ByView, seed).unwrap();
+        let deal = |seed| Folds::assign(&views, 10, FoldAssignment::ByView, seed).unwrap();
         assert_eq!(deal(1), deal(1));
         assert_ne!(deal(1), deal(2));
     }
@@ -223,7 +223,7 @@ mod tests {
     fn too_few_folds_or_views_are_refused_by_a_sentence() {
         let views = views(&[(0, None, 3)]);
         for (n_folds, part) in [(1, "in 1 folds"), (4, "3 views")] {
-            let error = Folds::deal(&views, n_folds, Dealing::ByView, 1).unwrap_err();
+            let error = Folds::assign(&views, n_folds, FoldAssignment::ByView, 1).unwrap_err();
             assert!(error.to_string().contains(part), "{error}");
         }
     }

@@ -8,12 +8,12 @@ const WITHHELD_STREAM: u64 = 6;
 /// Open-set mask of a fold: `true` for each category withheld from its learner. `share` (0 to 1)
 /// is rounded to the nearest number of categories, but to at least one if it is not 0; at least
 /// one category remains for training.
-pub fn withheld(n_categories: usize, share: f64, fold: u32, seed: u64) -> Vec<bool> {
+pub fn withheld_categories(n_categories: usize, share: f64, fold: u32, seed: u64) -> Vec<bool> {
     let n = (share * n_categories as f64).round() as usize;
     let n = n.max(usize::from(share > 0.0));
     let n = n.min(n_categories.saturating_sub(1));
     let mut is_withheld: Vec<bool> = (0..n_categories).map(|category| category < n).collect();
-    Random::for_purpose(seed, WITHHELD_STREAM | u64::from(fold) << 16).shuffle(&mut is_withheld);
+    Random::substream(seed, WITHHELD_STREAM | u64::from(fold) << 16).shuffle(&mut is_withheld);
     is_withheld
 }
 
@@ -22,7 +22,7 @@ mod tests {
     use super::*;
 
     fn n_withheld(n_categories: usize, share: f64) -> usize {
-        let withheld = withheld(n_categories, share, 0, 1);
+        let withheld = withheld_categories(n_categories, share, 0, 1);
         assert_eq!(withheld.len(), n_categories);
         withheld
             .into_iter()
@@ -50,7 +50,7 @@ mod tests {
 
     #[test]
     fn folds_withhold_others_and_the_seed_chooses() {
-        let of = |fold, seed| withheld(40, 0.5, fold, seed);
+        let of = |fold, seed| withheld_categories(40, 0.5, fold, seed);
         assert_eq!(of(3, 1), of(3, 1));
         assert_ne!(of(3, 1), of(4, 1));
         assert_ne!(of(3, 1), of(3, 2));

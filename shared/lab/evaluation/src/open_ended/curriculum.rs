@@ -1,6 +1,6 @@
 //! Curriculum: random order of categories and views for the simulated teacher.
 
-use super::protocol::{Protocol, Split};
+use super::protocol::{LessonSplit, Protocol};
 use crate::recogniser::{LabelledView, by_category};
 use random::Random;
 
@@ -11,7 +11,7 @@ const INSTANCE_ORDER_STREAM: u64 = 3;
 
 /// Reason for excluding a category from a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LeftOut {
+pub enum Exclusion {
     /// Too few views for the lessons at the start and one question.
     TooFewViews {
         /// Number of its views.
@@ -52,7 +52,7 @@ impl Curriculum {
                 ));
             }
         }
-        Random::for_purpose(seed, CATEGORY_ORDER_STREAM).shuffle(&mut categories);
+        Random::substream(seed, CATEGORY_ORDER_STREAM).shuffle(&mut categories);
         Self { categories }
     }
 
@@ -107,14 +107,14 @@ impl UnusedViews {
         seed: u64,
     ) -> Self {
         let for_lessons = match protocol.split {
-            Split::ByView => None,
-            Split::InstanceDisjoint => {
+            LessonSplit::ByView => None,
+            LessonSplit::InstanceDisjoint => {
                 Some(take_instances(views, category, &mut of_category, seed))
             }
         };
         let shuffled = |mut indices: Vec<usize>, part: u64| {
             let stream = VIEW_ORDER_STREAM | part << 8 | u64::from(category) << 16;
-            Random::for_purpose(seed, stream).shuffle(&mut indices);
+            Random::substream(seed, stream).shuffle(&mut indices);
             indices
         };
         Self {
@@ -138,7 +138,7 @@ fn take_instances(
 ) -> Vec<usize> {
     let mut instances = instances(views, of_category);
     let stream = INSTANCE_ORDER_STREAM | u64::from(category) << 16;
-    Random::for_purpose(seed, stream).shuffle(&mut instances);
+    Random::substream(seed, stream).shuffle(&mut instances);
     instances.truncate(instances.len() / 2);
     let is_taken = |view: &mut usize| instances.contains(&views[*view].instance);
     of_category.extract_if(.., is_taken).collect()
@@ -157,13 +157,13 @@ pub(super) fn exclusion(
     protocol: &Protocol,
     views: &[LabelledView],
     of_category: &[usize],
-) -> Option<LeftOut> {
+) -> Option<Exclusion> {
     let n_views = of_category.len();
     if n_views <= protocol.n_views_at_start {
-        return Some(LeftOut::TooFewViews { n_views });
+        return Some(Exclusion::TooFewViews { n_views });
     }
-    let is_split = protocol.split == Split::InstanceDisjoint;
+    let is_split = protocol.split == LessonSplit::InstanceDisjoint;
     let instances = instances(views, of_category);
     let is_known = !instances.contains(&None);
-    (is_split && !(is_known && instances.len() >= 2)).then_some(LeftOut::TooFewInstances)
+    (is_split && !(is_known && instances.len() >= 2)).then_some(Exclusion::TooFewInstances)
 }

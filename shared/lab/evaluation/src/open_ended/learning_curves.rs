@@ -1,6 +1,6 @@
 //! Learning curves of open-ended runs as SVG.
 
-use super::record::{Run, StageRecord};
+use super::record::{OpenEndedRun, StageRecord};
 use plot::diagram::{
     Axis, Color, Curve, Diagram, DrawingError, Legend, draw, drawing_error, side_by_side,
     tick_label,
@@ -24,12 +24,12 @@ const NAMED_BARS_MAX: usize = 70;
 ///
 /// # Errors
 /// If the plotting library fails.
-pub fn overview_svg(runs: &[Run]) -> Result<String, DrawingError> {
+pub fn overview_svg(runs: &[OpenEndedRun]) -> Result<String, DrawingError> {
     let stages = || runs.iter().flat_map(|run| &run.stages);
     let most = |value: fn(&StageRecord) -> u32| f64::from(stages().map(value).max().unwrap_or(1));
     let (n_categories, n_questions) = (most(|s| s.n_categories), most(|s| s.n_questions));
     let curves = |point: fn(&StageRecord) -> (f64, f64)| {
-        let curve = |(index, run): (usize, &Run)| Curve {
+        let curve = |(index, run): (usize, &OpenEndedRun)| Curve {
             name: "",
             color: Color::of_series(index),
             points: run.stages.iter().map(point).collect(),
@@ -61,7 +61,7 @@ pub fn overview_svg(runs: &[Run]) -> Result<String, DrawingError> {
 ///
 /// # Errors
 /// If the plotting library fails.
-pub fn run_svg(run: &Run, names: &[String], tau: f64) -> Result<String, DrawingError> {
+pub fn run_svg(run: &OpenEndedRun, names: &[String], tau: f64) -> Result<String, DrawingError> {
     let mut svg = String::new();
     {
         let (width_px, height_px) = RUN_PX;
@@ -76,7 +76,7 @@ pub fn run_svg(run: &Run, names: &[String], tau: f64) -> Result<String, DrawingE
     Ok(svg)
 }
 
-fn accuracy_diagram(run: &Run, tau: f64) -> Diagram<'static> {
+fn accuracy_diagram(run: &OpenEndedRun, tau: f64) -> Diagram<'static> {
     let n_questions = f64::from(run.questions.last().map_or(1, |q| q.iteration));
     let comes = run.questions.windows(2);
     let comes = comes.filter(|pair| pair[0].n_categories < pair[1].n_categories);
@@ -107,7 +107,7 @@ fn accuracy_diagram(run: &Run, tau: f64) -> Diagram<'static> {
 }
 
 /// Protocol accuracy, a separate curve for each stage.
-fn accuracy_curves(run: &Run) -> Vec<Curve<'static>> {
+fn accuracy_curves(run: &OpenEndedRun) -> Vec<Curve<'static>> {
     let stages = run
         .questions
         .chunk_by(|a, b| a.n_categories == b.n_categories);
@@ -130,7 +130,7 @@ fn accuracy_curves(run: &Run) -> Vec<Curve<'static>> {
 /// Bar chart of taught views per category, in the order of introduction.
 fn draw_taught_views(
     area: &DrawingArea<SVGBackend<'_>, Shift>,
-    run: &Run,
+    run: &OpenEndedRun,
     names: &[String],
 ) -> Result<(), DrawingError> {
     let most = run.taught.iter().map(|(_, n_views)| *n_views).max();
@@ -208,13 +208,13 @@ mod tests {
         }
     }
 
-    fn run() -> Run {
+    fn run() -> OpenEndedRun {
         let stage = |n_categories, n_questions| StageRecord {
             n_categories,
             n_questions,
             accuracy: 0.75,
         };
-        Run {
+        OpenEndedRun {
             seed: 1,
             stop: StopReason::AllLearned,
             questions: vec![question(1, 2), question(2, 3), question(3, 3)],
@@ -240,7 +240,7 @@ mod tests {
 
     #[test]
     fn a_run_without_questions_is_drawn() {
-        let empty = Run {
+        let empty = OpenEndedRun {
             questions: Vec::new(),
             stages: Vec::new(),
             taught: Vec::new(),

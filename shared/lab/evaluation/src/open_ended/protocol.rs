@@ -2,7 +2,7 @@
 
 /// Split of the views into lessons and questions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Split {
+pub enum LessonSplit {
     /// Lessons and questions share all views of a category; the view of a wrongly answered
     /// question is taught.
     ByView,
@@ -26,7 +26,7 @@ pub struct Protocol {
     /// Share of open-set questions (categories not yet introduced), 0 to 0.9.
     pub open_set_share: f64,
     /// Split of the views into lessons and questions.
-    pub split: Split,
+    pub split: LessonSplit,
 }
 
 impl Default for Protocol {
@@ -39,7 +39,7 @@ impl Default for Protocol {
             window: 3,
             stall_limit: 100,
             open_set_share: 0.0,
-            split: Split::ByView,
+            split: LessonSplit::ByView,
         }
     }
 }

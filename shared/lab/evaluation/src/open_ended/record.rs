@@ -72,7 +72,7 @@ pub struct Metrics {
 
 /// Complete record of a run.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Run {
+pub struct OpenEndedRun {
     /// Seed of the run.
     pub seed: u64,
     /// Reason for the end of the run.
@@ -89,7 +89,7 @@ pub struct Run {
     pub n_views_at_start: u32,
 }
 
-impl Run {
+impl OpenEndedRun {
     /// Metrics of the run; GCA is 0 without questions.
     ///
     /// Invariant, with three views at the start: AIC = 3 + QCI (1 - GCA) / TLC.

@@ -26,7 +26,7 @@ impl MeanAndStd {
 
 /// Metrics over runs; each is `None` without runs.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Summary {
+pub struct MetricsSummary {
     /// Question/correction iterations.
     pub qci: Option<MeanAndStd>,
     /// Taught categories.
@@ -39,7 +39,7 @@ pub struct Summary {
     pub apa: Option<MeanAndStd>,
 }
 
-impl Summary {
+impl MetricsSummary {
     /// Summary of the metrics of several runs.
     pub fn of(runs: &[Metrics]) -> Self {
         let spread = |value: fn(&Metrics) -> f64| {

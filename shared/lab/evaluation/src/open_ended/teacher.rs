@@ -1,9 +1,9 @@
 //! Simulated teacher: teach, ask, correct.
 
-use super::curriculum::{Curriculum, LeftOut, exclusion};
-use super::protocol::{Error, Protocol, Split};
+use super::curriculum::{Curriculum, Exclusion, exclusion};
+use super::protocol::{Error, LessonSplit, Protocol};
 use super::protocol_stage::{ProtocolStage, StageDecision};
-use super::record::{Question, Run, StageRecord, StopReason};
+use super::record::{OpenEndedRun, Question, StageRecord, StopReason};
 use crate::recogniser::{LabelledView, Recogniser, by_category};
 use random::Random;
 
@@ -17,7 +17,7 @@ const OPEN_SET_STREAM: u64 = 4;
 pub fn usable_categories(
     protocol: &Protocol,
     views: &[LabelledView],
-) -> Result<Vec<(u32, Option<LeftOut>)>, Error> {
+) -> Result<Vec<(u32, Option<Exclusion>)>, Error> {
     protocol.check()?;
     let categories = by_category(views);
     let found: Vec<_> = categories
@@ -45,7 +45,7 @@ pub fn run(
     views: &[LabelledView],
     protocol: &Protocol,
     seed: u64,
-) -> Result<Run, Error> {
+) -> Result<OpenEndedRun, Error> {
     usable_categories(protocol, views)?;
     let mut teacher = Teacher::new(recogniser, views, protocol, seed);
     let stop = teacher.play();
@@ -78,7 +78,7 @@ impl<'a> Teacher<'a> {
             protocol,
             seed,
             curriculum: Curriculum::new(protocol, views, seed),
-            open_set: Random::for_purpose(seed, OPEN_SET_STREAM),
+            open_set: Random::substream(seed, OPEN_SET_STREAM),
             n_right: 0,
             n_counted: 0,
             questions: Vec::new(),
@@ -88,8 +88,8 @@ impl<'a> Teacher<'a> {
         }
     }
 
-    fn finish(self, stop: StopReason) -> Run {
-        Run {
+    fn finish(self, stop: StopReason) -> OpenEndedRun {
+        OpenEndedRun {
             seed: self.seed,
             stop,
             questions: self.questions,
@@ -189,8 +189,8 @@ impl<'a> Teacher<'a> {
     /// Corrects a wrong answer at once, before the next question.
     fn correct(&mut self, place: usize, asked: usize) {
         let view = match self.protocol.split {
-            Split::ByView => Some(asked),
-            Split::InstanceDisjoint => self.curriculum.next_lesson(place),
+            LessonSplit::ByView => Some(asked),
+            LessonSplit::InstanceDisjoint => self.curriculum.next_lesson(place),
         };
         if let Some(view) = view {
             let (category, n_views) = &mut self.taught[place];

@@ -21,7 +21,7 @@ impl<'a> FixedAccuracyRecogniser<'a> {
             views,
             accuracy,
             unknowns: 0.0,
-            random: Random::for_purpose(seed, 99),
+            random: Random::substream(seed, 99),
             taught: Vec::new(),
             known: HashSet::new(),
             asked: Vec::new(),
@@ -63,7 +63,7 @@ fn data_set(n_categories: u32, n_views: u32, n_instances: Option<u32>) -> Vec<La
         .collect()
 }
 
-fn play(views: &[LabelledView], protocol: &Protocol, accuracy: f64, seed: u64) -> Run {
+fn play(views: &[LabelledView], protocol: &Protocol, accuracy: f64, seed: u64) -> OpenEndedRun {
     run(
         &mut FixedAccuracyRecogniser::new(views, accuracy, seed),
         views,
@@ -107,12 +107,12 @@ const EXPECTED: [(f64, [f64; 5], f64); 9] = [
 fn metrics_of_constant_accuracy_agree_with_the_reference() {
     let views = data_set(51, 200, None);
     for (accuracy, expected, all_learned) in EXPECTED {
-        let runs: Vec<Run> = (0..200)
+        let runs: Vec<OpenEndedRun> = (0..200)
             .map(|seed| play(&views, &Protocol::default(), accuracy, seed))
             .collect();
         assert!(runs.iter().all(|run| run.stop != StopReason::LackOfData));
-        let metrics: Vec<Metrics> = runs.iter().map(Run::metrics).collect();
-        let summary = Summary::of(&metrics);
+        let metrics: Vec<Metrics> = runs.iter().map(OpenEndedRun::metrics).collect();
+        let summary = MetricsSummary::of(&metrics);
         let found = [
             summary.tlc,
             summary.qci,
@@ -142,7 +142,10 @@ fn metrics_of_constant_accuracy_agree_with_the_reference() {
 
 #[test]
 fn taught_views_are_those_of_start_and_corrections() {
-    for (split, n_instances) in [(Split::ByView, None), (Split::InstanceDisjoint, Some(4))] {
+    for (split, n_instances) in [
+        (LessonSplit::ByView, None),
+        (LessonSplit::InstanceDisjoint, Some(4)),
+    ] {
         let views = data_set(12, 300, n_instances);
         for seed in 0..20 {
             let mut recogniser = FixedAccuracyRecogniser::new(&views, 0.7, seed);
@@ -236,7 +239,7 @@ fn a_run_ends_without_fresh_views() {
 fn instance_disjoint_split_separates_objects() {
     let views = data_set(6, 120, Some(5));
     let protocol = Protocol {
-        split: Split::InstanceDisjoint,
+        split: LessonSplit::InstanceDisjoint,
         ..Protocol::default()
     };
     let mut recogniser = FixedAccuracyRecogniser::new(&views, 0.8, 2);
@@ -276,7 +279,7 @@ fn open_set_questions_leave_the_figures_as_they_are() {
     );
     assert_eq!(without.metrics(), with.metrics());
     assert_eq!(without.taught, with.taught);
-    let novelty = |run: &Run| {
+    let novelty = |run: &OpenEndedRun| {
         let [open, known] = [true, false].map(|kind| run.answers(kind).collect::<Vec<_>>());
         NoveltyScore::of(&open, &known)
     };
@@ -310,14 +313,14 @@ fn excluded_categories_have_a_reason() {
         }; 9],
     );
     let by_view = usable_categories(&Protocol::default(), &views).unwrap();
-    assert_eq!(by_view[4], (4, Some(LeftOut::TooFewViews { n_views: 3 })));
+    assert_eq!(by_view[4], (4, Some(Exclusion::TooFewViews { n_views: 3 })));
     assert_eq!(by_view[5], (5, None));
     let disjoint = Protocol {
-        split: Split::InstanceDisjoint,
+        split: LessonSplit::InstanceDisjoint,
         ..Protocol::default()
     };
     let found = usable_categories(&disjoint, &views).unwrap();
-    assert_eq!(found[5], (5, Some(LeftOut::TooFewInstances)));
+    assert_eq!(found[5], (5, Some(Exclusion::TooFewInstances)));
     assert_eq!(play(&views, &disjoint, 1.0, 1).metrics().tlc, 4);
 }
 
@@ -364,6 +367,6 @@ fn invalid_parameters_are_refused() {
         },
         "0 of the categories",
     );
-    let split = Split::InstanceDisjoint;
+    let split = LessonSplit::InstanceDisjoint;
     check(Protocol { split, ..usual() }, "needs two");
 }

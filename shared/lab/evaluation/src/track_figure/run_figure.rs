@@ -14,7 +14,7 @@ const BRIDGED_PAUSE_S: f64 = 0.1;
 /// Track figure of a run with ground truth in a world with z up: true trajectories are grey,
 /// tracks have a colour per id. The timeline has a row for each object with its matched tracks,
 /// and a last row for tracks without an object.
-pub fn of_run(
+pub fn figure_with_ground_truth(
     title: &str,
     frames: &[TrackedFrame],
     matches: &[Vec<Match>],
@@ -65,7 +65,7 @@ pub fn of_run(
 
 /// Track figure of a run without ground truth: a timeline row for each output track. The top view
 /// is along `up_in_world`; if that is not z, the world is rotated by the shortest rotation.
-pub fn of_tracks(
+pub fn figure_without_ground_truth(
     title: &str,
     frames: &[TrackedFrame],
     up_in_world: &UnitVector3<f64>,

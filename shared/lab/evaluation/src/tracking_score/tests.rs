@@ -10,8 +10,8 @@ fn box_at(x: f64, yaw_rad: f64) -> OrientedBox {
     }
 }
 
-fn object(id: u64, x: f64) -> TrueObject {
-    TrueObject {
+fn object(id: u64, x: f64) -> GroundTruthObject {
+    GroundTruthObject {
         id,
         world_from_object: box_at(x, 0.0).frame_from_box,
         whole_box: box_at(x, 0.0),

@@ -10,10 +10,10 @@ use super::whole_file::{make_folder, write};
 use super::{failed, parallel};
 use crate::arguments::{AblationArguments, AblationVariant};
 use clap::ValueEnum;
-use command_line::{Output, bar};
+use command_line::{Output, progress_bar};
 use document::Document;
 use evaluation::open_ended::{self as teacher, Metrics, Protocol};
-use plot::interval_figure;
+use plot::forest_plot;
 use service::Failure;
 use std::process::ExitCode;
 
@@ -73,7 +73,7 @@ fn play_all(
 ) -> Result<Vec<Vec<Metrics>>, Failure> {
     let n_runs = arguments.runs as usize;
     let n_jobs = learners.len() * n_runs;
-    let bar = bar(n_jobs as u64, "runs", output);
+    let bar = progress_bar(n_jobs as u64, "runs", output);
     let played = parallel::map(
         n_jobs,
         &bar,
@@ -99,7 +99,7 @@ fn write_all(
 ) -> Result<(), Failure> {
     let document = Document::of(arguments, protocol, views, played);
     let rows = report::figure_rows(&document);
-    let svg = interval_figure::svg(report::CAPTION, "global classification accuracy", &rows);
+    let svg = forest_plot::svg(report::CAPTION, "global classification accuracy", &rows);
     let out = &arguments.out;
     write(&out.join(report::PICTURE), svg.map_err(failed)?.as_bytes())?;
     let json = serde_json::to_string_pretty(&document).map_err(failed)?;

@@ -11,9 +11,9 @@ mod scene_figures;
 use super::whole_file::{make_folder, write};
 use super::{failed, parallel, scene_views};
 use crate::arguments::CrossValidationArguments;
-use command_line::{Output, bar};
+use command_line::{Output, progress_bar};
 use document::Document;
-use evaluation::cross_validation::{Confusion, confusion_svg};
+use evaluation::cross_validation::{ConfusionMatrix, confusion_matrix_svg};
 use fold_result::{FoldResult, play};
 use material::Material;
 use service::Failure;
@@ -29,7 +29,7 @@ pub(super) fn run(
         make_folder(&arguments.out.join(scene_views::PICTURES))?;
     }
     let material = Material::of(arguments, output)?;
-    let bar = bar(arguments.folds.into(), "folds", output);
+    let bar = progress_bar(arguments.folds.into(), "folds", output);
     let results = parallel::map(
         material.folds.n_folds as usize,
         &bar,
@@ -48,11 +48,11 @@ fn write_all(
     output: &Output,
 ) -> Result<(), Failure> {
     let (views, out) = (&material.views, &arguments.out);
-    let mut confusion = Confusion::new(views.categories.len());
+    let mut confusion = ConfusionMatrix::new(views.categories.len());
     for (view, answer) in results.iter().flat_map(|result| &result.answers) {
         confusion.count(views.labels[*view].category, answer.category);
     }
-    let svg = confusion_svg(&confusion, &views.categories).map_err(failed)?;
+    let svg = confusion_matrix_svg(&confusion, &views.categories).map_err(failed)?;
     write(&out.join("confusion.svg"), svg.as_bytes())?;
     if let Some(path) = &arguments.log {
         write(path, log::csv(results, material).as_bytes())?;

@@ -5,9 +5,9 @@ use super::stopwatch::durations_ms;
 use super::whole_file::{make_folder, write};
 use super::{failed, report};
 use crate::arguments::DetectionArguments;
-use command_line::{Output, bar};
+use command_line::{Output, progress_bar};
 use constraint::Assumptions;
-use detection::{Config, Detection, Frame, Surroundings, Workspace, detect};
+use detection::{Config, Detection, DetectionInput, ScenePriors, Workspace, detect};
 use evaluation::hypothesis_image::HypothesisImages;
 use evaluation::labelled_scenes::{LabelledScene, LabelledScenes, SceneEntry};
 use evaluation::memory_floor::sum_of_words;
@@ -82,7 +82,7 @@ pub(super) fn run(arguments: &DetectionArguments, output: &Output) -> Result<Exi
     let mut skipped: Vec<Skipped> = folders.collect();
     let mut results = Vec::new();
     let mut bench = Bench::new(arguments);
-    let bar = bar(scenes.entries().len() as u64, "scenes", output);
+    let bar = progress_bar(scenes.entries().len() as u64, "scenes", output);
     for entry in scenes.entries() {
         match bench.evaluate(&scenes, entry) {
             Ok(result) => results.push(result),
@@ -145,11 +145,11 @@ impl<'a> Bench<'a> {
     ) -> Result<SceneResult, Reason> {
         let scene = scenes.read(entry).map_err(of_scene)?;
         let cloud = OrganizedCloud::new(&scene.points, scene.width, scene.height);
-        let frame = Frame {
+        let frame = DetectionInput {
             cloud: cloud.map_err(of_scene)?,
             up_in_camera: scene.up_in_camera,
             seed: self.arguments.seed,
-            surroundings: Surroundings::default(),
+            priors: ScenePriors::default(),
         };
         self.detect(&frame).map_err(of_scene)?;
         let found = HypothesisImages::of(&self.detection, scene.points.len())
@@ -185,7 +185,7 @@ impl<'a> Bench<'a> {
         })
     }
 
-    fn detect(&mut self, frame: &Frame<'_>) -> Result<(), detection::Error> {
+    fn detect(&mut self, frame: &DetectionInput<'_>) -> Result<(), detection::Error> {
         detect(
             black_box(frame),
             &self.config,

@@ -2,7 +2,7 @@
 
 use super::variant::{Describer, Method, Readings};
 use super::{failed, parallel};
-use command_line::{Output, bar};
+use command_line::{Output, progress_bar};
 use dataset::object_views::{ObjectView, ObjectViews, ViewFile};
 use description::ObjectPoints;
 use evaluation::recogniser::LabelledView;
@@ -90,8 +90,8 @@ impl Catalogue {
     ) -> Result<(ViewTable, Vec<Vec<Readings>>), Failure> {
         let describers = methods.iter().map(Method::describer);
         let describers: Vec<Describer> = describers.collect::<Result<_, _>>()?;
-        let knows_up = self.views.tell_up();
-        let bar = bar(self.chosen.len() as u64, "views", output);
+        let knows_up = self.views.is_up_known();
+        let bar = progress_bar(self.chosen.len() as u64, "views", output);
         let own = || describers.clone();
         let described = parallel::map(self.chosen.len(), &bar, own, |describers, job| {
             let index = self.chosen[job];
@@ -144,7 +144,7 @@ impl Catalogue {
             labels,
             files: files.iter().map(|file| text_of(&file.path)).collect(),
             left_out,
-            tells_up: self.views.tell_up(),
+            tells_up: self.views.is_up_known(),
             describe_ms: sum_ms / descriptions.len() as f64,
         };
         Ok((table, descriptions))

@@ -10,9 +10,11 @@ use super::variant::{Learner, described};
 use super::whole_file::{make_folder, write};
 use super::{failed, parallel};
 use crate::arguments::{OpenEndedArguments, ViewProtocol};
-use command_line::{Output, bar};
+use command_line::{Output, progress_bar};
 use document::Document;
-use evaluation::open_ended::{self as teacher, Protocol, Run, Split, overview_svg, run_svg};
+use evaluation::open_ended::{
+    self as teacher, LessonSplit, OpenEndedRun, Protocol, overview_svg, run_svg,
+};
 use service::{Failure, exit_code};
 use std::process::ExitCode;
 use std::time::Instant;
@@ -22,7 +24,7 @@ const PICTURES: &str = "runs";
 
 /// A run, and how long its questions took.
 struct Played {
-    run: Run,
+    run: OpenEndedRun,
     play_ms: f64,
 }
 
@@ -36,7 +38,7 @@ pub(super) fn run(arguments: &OpenEndedArguments, output: &Output) -> Result<Exi
     let n_questions: usize = played.iter().map(|played| played.run.questions.len()).sum();
     let sum_ms: f64 = played.iter().map(|played| played.play_ms).sum();
     let ask_ms = sum_ms / n_questions.max(1) as f64;
-    let runs: Vec<Run> = played.into_iter().map(|played| played.run).collect();
+    let runs: Vec<OpenEndedRun> = played.into_iter().map(|played| played.run).collect();
     draw(arguments, &protocol, &views, &runs)?;
     if let Some(path) = &arguments.log {
         write(path, log::csv(&runs, &views).as_bytes())?;
@@ -60,10 +62,10 @@ fn protocol(arguments: &OpenEndedArguments) -> Protocol {
 }
 
 /// The rule of the protocol of this name.
-pub(super) fn split(protocol: ViewProtocol) -> Split {
+pub(super) fn split(protocol: ViewProtocol) -> LessonSplit {
     match protocol {
-        ViewProtocol::View => Split::ByView,
-        ViewProtocol::InstanceDisjoint => Split::InstanceDisjoint,
+        ViewProtocol::View => LessonSplit::ByView,
+        ViewProtocol::InstanceDisjoint => LessonSplit::InstanceDisjoint,
     }
 }
 
@@ -77,11 +79,11 @@ pub(super) fn leave_out(protocol: &Protocol, views: &mut ViewTable) -> Result<()
         let n_views = of_category.count();
         let name = &views.categories[category as usize];
         views.left_out.add(n_views, || match reason {
-            teacher::LeftOut::TooFewViews { n_views } => format!(
+            teacher::Exclusion::TooFewViews { n_views } => format!(
                 "the category {name} has {n_views} views, and {} are needed",
                 protocol.n_views_at_start + 1
             ),
-            teacher::LeftOut::TooFewInstances => {
+            teacher::Exclusion::TooFewInstances => {
                 format!("the category {name} has no two objects that are known")
             }
         });
@@ -96,7 +98,7 @@ fn play_all(
     learner: &dyn Learner,
     output: &Output,
 ) -> Result<Vec<Played>, Failure> {
-    let bar = bar(arguments.runs, "runs", output);
+    let bar = progress_bar(arguments.runs, "runs", output);
     let n_runs = arguments.runs as usize;
     let played = parallel::map(
         n_runs,
@@ -120,7 +122,7 @@ fn draw(
     arguments: &OpenEndedArguments,
     protocol: &Protocol,
     views: &ViewTable,
-    runs: &[Run],
+    runs: &[OpenEndedRun],
 ) -> Result<(), Failure> {
     let overview = overview_svg(runs).map_err(failed)?;
     write(&arguments.out.join("overview.svg"), overview.as_bytes())?;

@@ -3,7 +3,7 @@
 use super::detection::{SceneResult, Skipped};
 use super::document::{Document, Halves, Part, Scores};
 use crate::arguments::DetectionArguments;
-use command_line::table;
+use command_line::format_table;
 use evaluation::score_page::{PicturedScene, ScoreLine, ScoreTable, html};
 use evaluation::segmentation_score::{MEASURE_NAMES, SegmentationScore};
 
@@ -21,7 +21,7 @@ pub(super) fn text(document: &Document<'_>, arguments: &DetectionArguments) -> S
             row(names, &line.score, line.detection_ms)
         });
         let rows: Vec<_> = rows.collect();
-        let table = table(&heading(["%", "scenes"]), &rows);
+        let table = format_table(&heading(["%", "scenes"]), &rows);
         lines.extend([scores.title, table, String::new()]);
     }
     let worst = document.per_scene.iter().take(N_WORST);
@@ -29,7 +29,7 @@ pub(super) fn text(document: &Document<'_>, arguments: &DetectionArguments) -> S
         let names = [scene.name.into(), scene.group.into()];
         row(names, &scene.scores.score, scene.detection_ms.p50)
     });
-    let worst = table(&heading(["worst", "group"]), &worst.collect::<Vec<_>>());
+    let worst = format_table(&heading(["worst", "group"]), &worst.collect::<Vec<_>>());
     lines.extend([worst, String::new()]);
     lines.extend(timing(document));
     lines.extend(left_out(document.skipped));

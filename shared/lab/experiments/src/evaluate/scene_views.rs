@@ -7,7 +7,7 @@ mod stage;
 use super::object_views::{LeftOut, ViewTable};
 use super::parallel;
 use super::variant::{Method, Readings};
-use command_line::{Output, bar};
+use command_line::{Output, progress_bar};
 pub(super) use describe_scene::PICTURES;
 use describe_scene::{Bench, DescribedScene};
 use evaluation::recogniser::LabelledView;
@@ -48,7 +48,7 @@ pub(super) fn simulate(
 ) -> Result<SceneViews, Failure> {
     let stage = Stage::new(seed)?;
     let describer = method.describer()?;
-    let bar = bar(n_scenes.into(), "scenes", output);
+    let bar = progress_bar(n_scenes.into(), "scenes", output);
     let own = || Bench::new(describer.clone());
     let scenes = parallel::map(n_scenes as usize, &bar, own, |bench, scene| {
         bench.describe(&stage, scene, out)

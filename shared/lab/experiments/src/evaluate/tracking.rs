@@ -13,7 +13,7 @@ mod without_truth;
 use super::failed;
 use super::whole_file::{make_folder, write};
 use crate::arguments::TrackingArguments;
-use command_line::{Output, bar};
+use command_line::{Output, progress_bar};
 use crossbeam::channel::unbounded;
 use document::{Document, Run};
 use evaluation::track_figure;
@@ -58,7 +58,7 @@ fn run_stories(
         .iter()
         .flat_map(|story| seeds.clone().map(move |seed| (story, seed)))
         .collect();
-    let bar = bar(jobs.len() as u64, "runs", output);
+    let bar = progress_bar(jobs.len() as u64, "runs", output);
     let runs = play_all(&jobs, arguments, &bar);
     bar.finish_and_clear();
     finish(&runs?, arguments, output)
@@ -74,7 +74,7 @@ fn run_recording(
     if !recording.has_truth()? {
         return without_truth::run(&recording, arguments, output);
     }
-    let bar = bar(recording.n_frames() as u64, "frames", output);
+    let bar = progress_bar(recording.n_frames() as u64, "frames", output);
     let told = recording.play(|_| {
         bar.inc(1);
         Ok(())
@@ -152,7 +152,8 @@ fn scored(
         None => (scene.clone(), scene.clone()),
     };
     let picture = format!("{PICTURES}/{stem}.svg");
-    let figure = track_figure::of_run(&title, &told.frames, &matches, &told.names);
+    let figure =
+        track_figure::figure_with_ground_truth(&title, &told.frames, &matches, &told.names);
     let svg = figure.svg().map_err(failed)?;
     write(&arguments.out.join(&picture), svg.as_bytes())?;
     Ok(Run {

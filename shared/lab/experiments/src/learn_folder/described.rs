@@ -2,14 +2,17 @@
 
 use crate::learn_folder::Object;
 use dataset::object_views::{ObjectView, ObjectViews};
-use description::{Appearance, ObjectPoints};
+use description::{AppearanceDescriptor, ObjectPoints};
 use geometry::{OrientedBox, RigidTransform};
 use learning::ViewId;
 use message::control::pack_cloud;
 use nalgebra::{UnitVector3, Vector3};
 use pipeline::DESCRIPTOR_KIND;
 use point_cloud::{Point, Rgba};
-use store::{Decided, Descriptor, Digest, ForeignView, MAX_NAME_BYTES, Origin, Standing, View};
+use store::{
+    CapturedView, DecisionStamp, Digest, ForeignView, LabelStatus, MAX_NAME_BYTES, Origin,
+    StoredDescriptor,
+};
 
 /// Keeps digests of where a view comes from apart from all others.
 const ORIGIN_PURPOSE: &str = "tabula files";
@@ -20,7 +23,7 @@ pub(super) struct Folder<'a> {
     /// What is up, when it was told.
     pub(super) up: Option<UnitVector3<f64>>,
     /// Who teaches, and when.
-    pub(super) decided: Decided,
+    pub(super) decided: DecisionStamp,
 }
 
 impl Folder<'_> {
@@ -29,7 +32,7 @@ impl Folder<'_> {
     /// again, or on another robot, has the same views.
     pub(super) fn describe(
         &self,
-        appearance: &mut Appearance,
+        appearance: &mut AppearanceDescriptor,
         object: &Object,
         index: usize,
     ) -> Result<ForeignView, String> {
@@ -47,9 +50,9 @@ impl Folder<'_> {
             .map_err(|error| format!("the view {source} can not be described: {error}"))?;
         let origin = origin(object, &source);
         let cloud = pack_cloud(view.points.iter(), &RigidTransform::identity());
-        let view = View {
+        let view = CapturedView {
             id: origin.view,
-            descriptor: Descriptor {
+            descriptor: StoredDescriptor {
                 kind: DESCRIPTOR_KIND.into(),
                 values: readings[0].clone(),
             },
@@ -69,7 +72,7 @@ impl Folder<'_> {
         Ok(ForeignView::Present {
             view: Box::new(view),
             origin,
-            standing: Standing::Named(object.category.clone()),
+            standing: LabelStatus::Named(object.category.clone()),
             decided: Some(self.decided.clone()),
         })
     }

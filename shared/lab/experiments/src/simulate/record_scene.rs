@@ -2,7 +2,7 @@
 
 use super::{failed, usage};
 use crate::arguments::SceneArguments;
-use command_line::{Output, bar};
+use command_line::{Output, progress_bar};
 use crossbeam::channel::{Receiver, Sender, bounded};
 use dataset::rgbd_sequence::{FrameView, SequenceWriter};
 use geometry::{PinholeCamera, RigidTransform};
@@ -43,7 +43,7 @@ pub(super) fn run(arguments: &SceneArguments, output: &Output) -> Result<ExitCod
     let down = -Vector3::z_axis();
     let camera = PinholeCamera::KINECT_V1;
     let writer = SequenceWriter::create(&arguments.out, &camera, Some(down)).map_err(failed)?;
-    let bar = bar(arguments.frames, "frames", output);
+    let bar = progress_bar(arguments.frames, "frames", output);
     let (sender, receiver) = bounded(FRAMES_AHEAD);
     let (rendered, written) = std::thread::scope(|scope| {
         let renderer = scope.spawn(move || render(world, arguments, &sender));
@@ -104,7 +104,7 @@ fn generated(
     let kind = kind.map_or(Ok(SceneKind::Isolated), str::parse);
     let kind: SceneKind = kind.map_err(usage)?;
     let mut library = ModelLibrary::open(&arguments.models()).map_err(usage)?;
-    let n_objects = arguments.objects.unwrap_or(kind.usual_number());
+    let n_objects = arguments.objects.unwrap_or(kind.default_n_objects());
     let seed = arguments.seed.unwrap_or(1);
     let scene = Scene::generate(kind, n_objects, seed, &mut library).map_err(usage)?;
     Ok((scene, library))

@@ -1,10 +1,10 @@
 //! `tabula simulate views`: views of single objects for learning.
 
-use super::turntable::{CutOut, HEIGHTS, Turntable};
+use super::turntable::{ELEVATIONS, SegmentedView, Turntable};
 use super::{failed, usage};
 use crate::arguments::ViewsArguments;
-use command_line::{Output, bar};
-use dataset::washington::{CAMERA, View, ViewName, write_view};
+use command_line::{Output, progress_bar};
+use dataset::washington::{CAMERA, CroppedView, ViewName, write_view};
 use indicatif::ProgressBar;
 use serde::Serialize;
 use service::Failure;
@@ -46,7 +46,7 @@ pub(super) fn run(arguments: &ViewsArguments, output: &Output) -> Result<ExitCod
     let library = ModelLibrary::open(&arguments.models()).map_err(usage)?;
     let jobs = jobs(arguments, &library)?;
     let n_views = jobs.len() as u64 * u64::from(arguments.views);
-    let bar = bar(n_views, "views", output);
+    let bar = progress_bar(n_views, "views", output);
     let next = AtomicUsize::new(0);
     let report = Mutex::new(Report::default());
     let n_threads = std::thread::available_parallelism().map_or(1, usize::from);
@@ -167,12 +167,12 @@ fn record(
     bar: &ProgressBar,
 ) -> Result<(), Failure> {
     let n_views = arguments.views as usize;
-    let n_turns = n_views.div_ceil(HEIGHTS.len());
+    let n_turns = n_views.div_ceil(ELEVATIONS.len());
     for index in 0..n_views {
-        let (height, turn) = (index % HEIGHTS.len(), index / HEIGHTS.len());
+        let (height, turn) = (index % ELEVATIONS.len(), index / ELEVATIONS.len());
         let cut_out = turntable.view(height, turn as f64 / n_turns as f64);
         if let Some(cut_out) = cut_out.map_err(failed)? {
-            let (sequence, frame) = (HEIGHTS[height].0, turn as u32 + 1);
+            let (sequence, frame) = (ELEVATIONS[height].0, turn as u32 + 1);
             let name = ViewName::new(&job.category, job.instance, sequence, frame)
                 .ok_or_else(|| failed(format!("`{}` is no category's name", job.category)))?;
             let view = washington_view(&cut_out);
@@ -188,7 +188,7 @@ fn record(
 }
 
 /// The smallest rectangle around the cut-out.
-fn washington_view(cut_out: &CutOut<'_>) -> View {
+fn washington_view(cut_out: &SegmentedView<'_>) -> CroppedView {
     let width = CAMERA.width;
     let columns = cut_out.point_indices.iter().map(|index| index % width);
     let rows = cut_out.point_indices.iter().map(|index| index / width);
@@ -196,7 +196,7 @@ fn washington_view(cut_out: &CutOut<'_>) -> View {
     let (top, bottom) = rows.fold((u32::MAX, 0), |(t, b), r| (t.min(r), b.max(r)));
     let size = (right - left + 1, bottom - top + 1);
     let n_pixels = (size.0 * size.1) as usize;
-    let mut view = View {
+    let mut view = CroppedView {
         size,
         top_left: (left, top),
         color: Vec::with_capacity(3 * n_pixels),

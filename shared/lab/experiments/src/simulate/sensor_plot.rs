@@ -1,7 +1,7 @@
 //! `tabula simulate sensor`: the simulated Kinect's noise beside the published law.
 
 use super::failed;
-use command_line::{Output, bar};
+use command_line::{Output, progress_bar};
 use evaluation::sensor_error;
 use serde::Serialize;
 use service::Failure;
@@ -18,7 +18,7 @@ struct Document {
 
 /// Measures and writes the table and the plot into a folder.
 pub(super) fn run(out: &Path, output: &Output) -> Result<ExitCode, Failure> {
-    let bar = bar(sensor_error::N_PLACEMENTS as u64, "placements", output);
+    let bar = progress_bar(sensor_error::N_PLACEMENTS as u64, "placements", output);
     let figures = sensor_error::measure(|| bar.inc(1)).map_err(failed)?;
     bar.finish_and_clear();
     let (table, plot) = (out.join("sensor-error.csv"), out.join("sensor-error.svg"));

@@ -5,7 +5,7 @@
 //! and 60 degrees, here from 0.7 to 1.3 m. All sensor errors are on; lamps vary in colour and
 //! strength.
 
-use detection::{Candidate, Config, Detection, Frame, Surroundings, Workspace, detect};
+use detection::{Candidate, Config, Detection, DetectionInput, ScenePriors, Workspace, detect};
 use geometry::PinholeCamera;
 use nalgebra::{Point3, Unit, Vector3};
 use point_cloud::{OrganizedCloud, Point};
@@ -16,10 +16,10 @@ use simulated_world::ModelLibrary;
 use simulated_world::SimulatedKinect;
 use simulated_world::World;
 use simulated_world::random_stream;
-use simulated_world::{CameraMount, ModelChoice, ObjectPlan, Placing, Scene};
+use simulated_world::{CameraMount, ModelChoice, ObjectPlacement, ObjectPlan, Scene};
 
 /// Sequence numbers of the Washington dataset with their camera elevations, degrees.
-pub(super) const HEIGHTS: [(u32, f64); 3] = [(1, 30.0), (2, 45.0), (4, 60.0)];
+pub(super) const ELEVATIONS: [(u32, f64); 3] = [(1, 30.0), (2, 45.0), (4, 60.0)];
 
 /// Range of the camera's distance from the object, metres.
 const DISTANCES_M: [f64; 2] = [0.7, 1.3];
@@ -46,7 +46,7 @@ pub(super) struct Turntable {
 
 /// View of the object as segmented by detection.
 #[derive(Debug)]
-pub(super) struct CutOut<'a> {
+pub(super) struct SegmentedView<'a> {
     /// Points of the whole frame, camera frame, row-major.
     pub(super) cloud: &'a [Point],
     /// Indices of the object's points in `cloud`, ascending.
@@ -68,7 +68,7 @@ impl Turntable {
     ) -> Result<Self, Error> {
         let plan = ObjectPlan {
             model: model.clone(),
-            placing: Placing::Upright {
+            placement: ObjectPlacement::Upright {
                 position_m: [0.0, 0.0],
                 yaw_rad: 0.0,
             },
@@ -95,13 +95,17 @@ impl Turntable {
         self.world.take_notes()
     }
 
-    /// Renders and segments one view. `height` is an index into [`HEIGHTS`], `turn` the
+    /// Renders and segments one view. `height` is an index into [`ELEVATIONS`], `turn` the
     /// fraction of a full revolution. `None` when detection does not find the object.
     ///
     /// # Errors
     /// If the camera cannot render the scene.
-    pub(super) fn view(&mut self, height: usize, turn: f64) -> Result<Option<CutOut<'_>>, Error> {
-        let (sequence, elevation_deg) = HEIGHTS[height % HEIGHTS.len()];
+    pub(super) fn view(
+        &mut self,
+        height: usize,
+        turn: f64,
+    ) -> Result<Option<SegmentedView<'_>>, Error> {
+        let (sequence, elevation_deg) = ELEVATIONS[height % ELEVATIONS.len()];
         let mut random = random_stream(self.seed, VIEW_STREAM + 16 * u64::from(sequence));
         let centre = self.centre();
         self.world.set_camera(CameraMount {
@@ -121,7 +125,7 @@ impl Turntable {
             return Ok(None);
         };
         let point_indices = self.detection.points_of(found);
-        Ok(Some(CutOut {
+        Ok(Some(SegmentedView {
             cloud: &self.points,
             overlap: overlap(point_indices, self.kinect.mask(), &self.points),
             point_indices,
@@ -148,11 +152,11 @@ impl Turntable {
         let Ok(cloud) = OrganizedCloud::new(&self.points, size.0, size.1) else {
             return;
         };
-        let frame = Frame {
+        let frame = DetectionInput {
             cloud,
             up_in_camera: Some(up_in_camera),
             seed,
-            surroundings: Surroundings::default(),
+            priors: ScenePriors::default(),
         };
         let detected = detect(
             &frame,

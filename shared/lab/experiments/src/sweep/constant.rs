@@ -88,7 +88,9 @@ fn literal_field(line: &str) -> Option<(&str, &str)> {
     let (name, value) = line.strip_suffix(',')?.split_once(": ")?;
     let is_name = name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
     let is_number = value.starts_with(|c: char| c.is_ascii_digit() || c == '-')
-        && value.chars().all(|c| c.is_ascii_digit() || "._-".contains(c));
+        && value
+            .chars()
+            .all(|c| c.is_ascii_digit() || "._-".contains(c));
     (is_name && is_number).then_some((name, value))
 }
 

@@ -3,7 +3,7 @@
 use super::constant::Constant;
 use super::failed;
 use super::measure::{Measure, Scores};
-use command_line::table;
+use command_line::format_table;
 use serde::Serialize;
 use service::Failure;
 use std::path::Path;
@@ -75,7 +75,7 @@ impl Report {
         original.extend(self.original.iter().map(|score| format!("{score:.4}")));
         let mut rows = vec![original];
         rows.extend(self.rows.iter().map(|row| self.line(row)));
-        table(&heading, &rows)
+        format_table(&heading, &rows)
     }
 
     fn line(&self, row: &Row) -> Vec<String> {

@@ -26,7 +26,9 @@ impl Scratch {
         };
         mirror(root, &scratch.source).map_err(|error| {
             let source = scratch.source.display();
-            failed(format!("the sources could not be copied to {source}: {error}"))
+            failed(format!(
+                "the sources could not be copied to {source}: {error}"
+            ))
         })?;
         Ok(scratch)
     }

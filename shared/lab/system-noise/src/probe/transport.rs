@@ -148,7 +148,7 @@ fn receive_spinning<T: Stamped>(
     while !arrivals.is_over.load(Ordering::Acquire) {
         match subscriber.receive()? {
             Received::Message(message) => arrivals.arrived(monotonic_ns(), T::stamp_ns(&message)),
-            Received::Nothing | Received::HoldsAll => spin_loop(),
+            Received::Nothing | Received::BorrowLimitReached => spin_loop(),
         }
     }
     Ok(())

@@ -1,7 +1,7 @@
 use super::*;
 use learning::CategoryName;
 use std::convert::Infallible;
-use store::{Change, Mutation};
+use store::{Mutation, StoreChange};
 
 fn name(text: &str) -> CategoryName {
     CategoryName::new(text).unwrap()
@@ -61,7 +61,7 @@ fn history_report_has_the_fields_of_its_operation() {
         track_id: 3,
         view_id: 7,
     };
-    let target = Target::View(view);
+    let target = Target::CapturedView(view);
     let forgotten = empty(4, &Operation::Forget { target });
     assert_eq!(forgotten.view, Some(translate::view_id(view)));
     assert_eq!(empty(5, &Operation::Undo { sequence: 4 }).undone, Some(4));
@@ -75,7 +75,7 @@ fn memory_with_history(folder: &std::path::Path, n: u64, author: &str) -> Percep
             id: store::MutationId(u128::from(i)),
             author: author.to_owned(),
             wall_ns: i,
-            change: Change::Purge { before_ns: 0 },
+            change: StoreChange::Purge { before_ns: 0 },
         };
         memory.apply(&mutation).unwrap();
     }

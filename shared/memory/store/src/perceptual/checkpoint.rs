@@ -17,7 +17,7 @@ use crate::perceptual::document::{DocumentContent, DocumentKey, MemoryDocument};
 use crate::perceptual::exchange::{ForeignDocument, ForeignView};
 use crate::perceptual::findings::Findings;
 use crate::perceptual::keys;
-use crate::perceptual::label_status::Standing;
+use crate::perceptual::label_status::LabelStatus;
 use crate::perceptual::meta::{SCHEMA, StoreId};
 use crate::perceptual::perceptual_memory::PerceptualMemory;
 use crate::perceptual::queries::Position;
@@ -301,7 +301,7 @@ impl CheckpointReader {
     ) -> Result<(), E> {
         let is_exported = |entry: &IndexedView| {
             let register = &entry.register;
-            register.standing != Standing::Forgotten || !register.decided.is_limit_decision()
+            register.standing != LabelStatus::Forgotten || !register.decided.is_limit_decision()
         };
         let exported = self.index.all().filter(|(_, entry)| is_exported(entry));
         let mut identities: Vec<_> = exported.map(|(_, entry)| entry.identity).collect();
@@ -339,7 +339,7 @@ impl CheckpointReader {
             return Ok(ForeignView::Forgotten { identity, decided });
         };
         let register = &entry.register;
-        if register.standing == Standing::Forgotten {
+        if register.standing == LabelStatus::Forgotten {
             let decided = register.decided.clone();
             return Ok(ForeignView::Forgotten { identity, decided });
         }

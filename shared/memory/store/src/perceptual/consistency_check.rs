@@ -10,7 +10,7 @@ use crate::perceptual::findings::Findings;
 use crate::perceptual::history::HistoryEntry;
 use crate::perceptual::history_projection::HistoryProjection;
 use crate::perceptual::keys;
-use crate::perceptual::label_status::{Decided, LwwRegister};
+use crate::perceptual::label_status::{DecisionStamp, LwwRegister};
 use crate::perceptual::meta::{Meta, SCHEMA};
 use crate::perceptual::store_index::StoreIndex;
 use crate::perceptual::track_id_counter;
@@ -217,7 +217,7 @@ fn read_documents(reader: &mut Reader, found: &mut ConsistencyReport) -> Result<
 
 fn read_tombstones(reader: &mut Reader, found: &mut ConsistencyReport) -> Result<(), Error> {
     reader.scan_prefix(&[keys::TOMBSTONE], |key, record| {
-        match (keys::digest_of(key), unseal::<Decided>(key, record)) {
+        match (keys::digest_of(key), unseal::<DecisionStamp>(key, record)) {
             (Some(identity), Ok(decided)) => {
                 found.index.tombstones.insert(identity, decided);
             }

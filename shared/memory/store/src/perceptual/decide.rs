@@ -4,49 +4,53 @@
 
 use std::collections::HashMap;
 
-use learning::{CategoryName, Refusal as TeachingRefusal, ViewChange, ViewId};
+use learning::{CategoryName, LabelChange, TeachingError as TeachingRefusal, ViewId};
 
 use crate::error::StoreRefusal;
 use crate::perceptual::decision::{Decision, change_all};
 use crate::perceptual::digest::Digest;
 use crate::perceptual::document::{DocumentKey, MemoryDocument};
 use crate::perceptual::importing;
-use crate::perceptual::label_status::Standing;
+use crate::perceptual::label_status::LabelStatus;
 use crate::perceptual::meta::Meta;
 use crate::perceptual::model::{Contradiction, Effect, Operation, Target};
-use crate::perceptual::mutation::Change;
+use crate::perceptual::mutation::StoreChange;
 use crate::perceptual::purge;
 use crate::perceptual::store_index::{IndexedView, StoreIndex};
-use crate::perceptual::view::{Origin, View};
+use crate::perceptual::view::{CapturedView, Origin};
 use crate::perceptual::view_record::ViewParts;
 
 /// Decides every change except an undo, which has to read the history.
 pub(crate) fn decide(
     index: &StoreIndex,
     meta: &Meta,
-    change: &Change,
+    change: &StoreChange,
 ) -> Result<Decision, StoreRefusal> {
     match change {
-        Change::StoreViews(views) => store_views(index, meta, views),
-        Change::Teach { track_id, category } => teach(index, *track_id, category),
-        Change::Correct { target, category } => correct(index, target, category),
-        Change::Forget(target) => forget(index, target),
-        Change::Rename { from, to } => rename(index, from, to),
-        Change::MergeCategories { from, into } => merge(index, from, into),
-        Change::Import {
+        StoreChange::StoreViews(views) => store_views(index, meta, views),
+        StoreChange::Teach { track_id, category } => teach(index, *track_id, category),
+        StoreChange::Correct { target, category } => correct(index, target, category),
+        StoreChange::Forget(target) => forget(index, target),
+        StoreChange::Rename { from, to } => rename(index, from, to),
+        StoreChange::MergeCategories { from, into } => merge(index, from, into),
+        StoreChange::Import {
             source,
             views,
             documents,
         } => importing::decide(index, meta, source, views, documents),
-        Change::PutDocument(document) => Ok(put_document(index, document)),
-        Change::RemoveDocument(key) => remove_document(index, key),
-        Change::Purge { before_ns } => Ok(purge::decide(index, *before_ns)),
-        Change::Undo { .. } => Err(StoreRefusal::NothingToUndo),
+        StoreChange::PutDocument(document) => Ok(put_document(index, document)),
+        StoreChange::RemoveDocument(key) => remove_document(index, key),
+        StoreChange::Purge { before_ns } => Ok(purge::decide(index, *before_ns)),
+        StoreChange::Undo { .. } => Err(StoreRefusal::NothingToUndo),
     }
 }
 
 /// Stores the new views, or refuses all.
-fn store_views(index: &StoreIndex, meta: &Meta, views: &[View]) -> Result<Decision, StoreRefusal> {
+fn store_views(
+    index: &StoreIndex,
+    meta: &Meta,
+    views: &[CapturedView],
+) -> Result<Decision, StoreRefusal> {
     let mut decision = Decision::new(Operation::StoreViews, Vec::new());
     let mut new: HashMap<ViewId, Digest> = HashMap::new();
     for view in views {
@@ -90,7 +94,7 @@ fn teach(
     };
     match learning::teach(index.records_of_track(track_id), track_id, category) {
         Ok(changes) => Ok(Decision::new(operation, effects(changes))),
-        Err(TeachingRefusal::LabelledOtherwise { present, .. }) => {
+        Err(TeachingRefusal::LabelConflict { present, .. }) => {
             let mut decision = Decision::new(operation, Vec::new());
             decision.contradiction = contradiction(index, track_id, &present);
             Ok(decision)
@@ -115,11 +119,11 @@ fn contradiction(
     })
 }
 
-fn effects(changes: Vec<ViewChange>) -> Vec<Effect> {
-    let effect = |change: ViewChange| Effect::Changed {
+fn effects(changes: Vec<LabelChange>) -> Vec<Effect> {
+    let effect = |change: LabelChange| Effect::Changed {
         view: change.id,
-        before: Standing::of(change.before),
-        after: Standing::of(change.after),
+        before: LabelStatus::of(change.before),
+        after: LabelStatus::of(change.after),
         decided: None,
     };
     changes.into_iter().map(effect).collect()
@@ -130,7 +134,7 @@ fn correct(
     target: &Target,
     category: &CategoryName,
 ) -> Result<Decision, StoreRefusal> {
-    let after = Standing::Named(category.clone());
+    let after = LabelStatus::Named(category.clone());
     let operation = Operation::Correct {
         target: target.clone(),
         category: category.clone(),
@@ -144,8 +148,8 @@ fn correct(
 fn forget(index: &StoreIndex, target: &Target) -> Result<Decision, StoreRefusal> {
     let after = match target {
         // Only the label is removed: the views stay and can be taught again.
-        Target::Category(_) => Standing::Unnamed,
-        Target::Track(_) | Target::View(_) => Standing::Forgotten,
+        Target::Category(_) => LabelStatus::Unnamed,
+        Target::Track(_) | Target::CapturedView(_) => LabelStatus::Forgotten,
     };
     let operation = Operation::Forget {
         target: target.clone(),
@@ -172,7 +176,7 @@ fn rename(
         from: from.clone(),
         to: to.clone(),
     };
-    let effects = change_all(views, &Standing::Named(to.clone()));
+    let effects = change_all(views, &LabelStatus::Named(to.clone()));
     Ok(Decision::new(operation, effects))
 }
 
@@ -187,7 +191,7 @@ fn merge(
         from: from.clone(),
         into: into.clone(),
     };
-    let effects = change_all(views, &Standing::Named(into.clone()));
+    let effects = change_all(views, &LabelStatus::Named(into.clone()));
     Ok(Decision::new(operation, effects))
 }
 
@@ -210,9 +214,9 @@ fn of_target<'a>(index: &'a StoreIndex, target: &Target) -> Result<Views<'a>, St
             }
             .into(),
         ),
-        Target::View(view) => {
+        Target::CapturedView(view) => {
             let entry = index.get(*view);
-            let entry = entry.filter(|entry| entry.register.standing != Standing::Forgotten);
+            let entry = entry.filter(|entry| entry.register.standing != LabelStatus::Forgotten);
             (
                 entry.map(|entry| (*view, entry)).into_iter().collect(),
                 StoreRefusal::UnknownView { view: *view },

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use learning::ViewId;
 
 use crate::perceptual::digest::Digest;
-use crate::perceptual::label_status::Standing;
+use crate::perceptual::label_status::LabelStatus;
 use crate::perceptual::model::{Contradiction, Effect, Operation};
 use crate::perceptual::store_index::IndexedView;
 use crate::perceptual::view_record::ViewParts;
@@ -43,7 +43,7 @@ impl Decision {
 /// Effects of setting the label status of all these views.
 pub(crate) fn change_all<'a>(
     views: impl IntoIterator<Item = (ViewId, &'a IndexedView)>,
-    after: &Standing,
+    after: &LabelStatus,
 ) -> Vec<Effect> {
     let others = views
         .into_iter()

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::StoreRefusal;
 use crate::perceptual::digest::Digest;
-use crate::perceptual::label_status::Decided;
+use crate::perceptual::label_status::DecisionStamp;
 use crate::perceptual::view::MAX_NAME_BYTES;
 
 /// Maximum size of a document, bytes.
@@ -142,7 +142,7 @@ pub struct DocumentContent {
 pub(crate) struct DocumentVersion {
     /// Content reference; `None` for a removal.
     pub(crate) content: Option<DocumentContent>,
-    pub(crate) decided: Decided,
+    pub(crate) decided: DecisionStamp,
 }
 
 /// Present document without its content.
@@ -153,7 +153,7 @@ pub struct DocumentSummary {
     /// Content reference of the present version.
     pub content: DocumentContent,
     /// Author and time of the last change.
-    pub decided: Decided,
+    pub decided: DecisionStamp,
     /// Sequence number of the history entry of the last change.
     pub sequence: u64,
 }

@@ -11,7 +11,7 @@ use crate::perceptual::digest::Digest;
 use crate::perceptual::document::{DocumentContent, DocumentKey, DocumentVersion};
 use crate::perceptual::history::HistoryEntry;
 use crate::perceptual::keys;
-use crate::perceptual::label_status::{Decided, LwwRegister, Standing};
+use crate::perceptual::label_status::{DecisionStamp, LabelStatus, LwwRegister};
 use crate::perceptual::meta::Meta;
 use crate::perceptual::model::Effect;
 use crate::perceptual::record_batch::RecordBatch;
@@ -95,8 +95,8 @@ impl EntryApplier<'_> {
         &mut self,
         entry: &HistoryEntry,
         view: ViewId,
-        after: &Standing,
-        decided: Option<&Decided>,
+        after: &LabelStatus,
+        decided: Option<&DecisionStamp>,
     ) {
         let Some(known) = self.index.get(view) else {
             return;
@@ -136,7 +136,7 @@ impl EntryApplier<'_> {
         }
     }
 
-    fn bury(&mut self, identity: Digest, decided: Option<&Decided>) {
+    fn bury(&mut self, identity: Digest, decided: Option<&DecisionStamp>) {
         let key = keys::digest_key(keys::TOMBSTONE, identity);
         if let Some(decided) = decided {
             self.writes.put(&key, decided);
@@ -152,7 +152,7 @@ impl EntryApplier<'_> {
         entry: &HistoryEntry,
         document: &DocumentKey,
         after: Option<&DocumentContent>,
-        decided: Option<&Decided>,
+        decided: Option<&DecisionStamp>,
         contents: &NewContent,
     ) {
         if let Some(content) = after
@@ -187,6 +187,6 @@ impl EntryApplier<'_> {
 }
 
 /// Decision stamp of the author of the entry.
-fn later(entry: &HistoryEntry, last_stamp_ns: u64) -> Decided {
-    Decided::after(last_stamp_ns, Arc::clone(&entry.author), entry.wall_ns)
+fn later(entry: &HistoryEntry, last_stamp_ns: u64) -> DecisionStamp {
+    DecisionStamp::after(last_stamp_ns, Arc::clone(&entry.author), entry.wall_ns)
 }

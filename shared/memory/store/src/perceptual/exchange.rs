@@ -7,33 +7,33 @@ use learning::{CategoryName, ViewId};
 use crate::error::StoreRefusal;
 use crate::perceptual::digest::Digest;
 use crate::perceptual::document::{DocumentKey, MemoryDocument};
-use crate::perceptual::label_status::{Decided, Standing};
-use crate::perceptual::view::{MAX_NAME_BYTES, Origin, View};
+use crate::perceptual::label_status::{DecisionStamp, LabelStatus};
+use crate::perceptual::view::{CapturedView, MAX_NAME_BYTES, Origin};
 use crate::perceptual::view_record::ViewParts;
 
 /// Maximum accepted clock difference between two robots: a day. Chosen.
 const MAX_AHEAD_NS: u64 = 24 * 3_600_000_000_000;
 
-/// View of another memory.
+/// CapturedView of another memory.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ForeignView {
-    /// View with its content.
+    /// CapturedView with its content.
     Present {
-        /// View; its id has no meaning here.
-        view: Box<View>,
+        /// CapturedView; its id has no meaning here.
+        view: Box<CapturedView>,
         /// Provenance: memory and id under which the view was first stored.
         origin: Origin,
         /// Label status.
-        standing: Standing,
+        standing: LabelStatus,
         /// Author and time of the label status; `None` for a view that was never labelled.
-        decided: Option<Decided>,
+        decided: Option<DecisionStamp>,
     },
     /// Forgotten view, without content.
     Forgotten {
         /// Content digest of the view.
         identity: Digest,
         /// Author and time of the forgetting.
-        decided: Decided,
+        decided: DecisionStamp,
     },
 }
 
@@ -47,10 +47,10 @@ impl ForeignView {
     }
 
     /// Label status.
-    pub fn standing(&self) -> &Standing {
+    pub fn standing(&self) -> &LabelStatus {
         match self {
             Self::Present { standing, .. } => standing,
-            Self::Forgotten { .. } => &Standing::Forgotten,
+            Self::Forgotten { .. } => &LabelStatus::Forgotten,
         }
     }
 
@@ -67,7 +67,7 @@ impl ForeignView {
         if let Self::Present { standing, .. } = self
             && let Some(other) = standing.category().and_then(name)
         {
-            *standing = Standing::Named(other);
+            *standing = LabelStatus::Named(other);
         }
     }
 
@@ -100,7 +100,7 @@ pub struct ForeignDocument {
     /// Document; `None` if it was removed.
     pub document: Option<MemoryDocument>,
     /// Author and time of the last change.
-    pub decided: Decided,
+    pub decided: DecisionStamp,
 }
 
 impl ForeignDocument {
@@ -119,7 +119,7 @@ impl ForeignDocument {
 }
 
 /// Refuses a decision in the future, which would win over every local one.
-fn check_decided(decided: &Decided, wall_ns: u64) -> Result<(), StoreRefusal> {
+fn check_decided(decided: &DecisionStamp, wall_ns: u64) -> Result<(), StoreRefusal> {
     let ahead_ns = decided.stamp_ns.saturating_sub(wall_ns);
     if ahead_ns > MAX_AHEAD_NS {
         let ahead_h = ahead_ns / 3_600_000_000_000;

@@ -15,7 +15,7 @@ use crate::engine::record::{seal, unseal};
 use crate::mutation_id::MutationId;
 use crate::perceptual::digest::{Digest, Hasher};
 use crate::perceptual::keys;
-use crate::perceptual::model::{Answer, Contradiction, Effect, Operation};
+use crate::perceptual::model::{Contradiction, Effect, MutationReceipt, Operation};
 
 /// Entry of the history.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -95,13 +95,13 @@ impl HistoryEntry {
             .finish()
     }
 
-    /// Answer to the mutation that made the entry.
-    pub(crate) fn answer(&self) -> Answer {
+    /// MutationReceipt to the mutation that made the entry.
+    pub(crate) fn answer(&self) -> MutationReceipt {
         // An import may change only the time stamp of a decision.
         let is_change = |effect: &&Effect| !matches!(effect, Effect::Changed { before, after, .. } if before == after);
         let changes = self.effects.iter().filter(is_change);
         let views: BTreeSet<ViewId> = changes.filter_map(Effect::view).collect();
-        Answer {
+        MutationReceipt {
             sequence: self.sequence,
             n_views: views.len() as u64,
             contradiction: self.contradiction.clone(),

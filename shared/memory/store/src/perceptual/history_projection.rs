@@ -9,15 +9,15 @@ use crate::perceptual::digest::Digest;
 use crate::perceptual::document::DocumentKey;
 use crate::perceptual::findings::Findings;
 use crate::perceptual::history::HistoryEntry;
-use crate::perceptual::label_status::Standing;
+use crate::perceptual::label_status::LabelStatus;
 use crate::perceptual::model::{Effect, Operation, is_among};
 use crate::perceptual::store_index::StoreIndex;
 
-/// View as implied by the history.
+/// CapturedView as implied by the history.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct ProjectedView {
     pub(crate) identity: Digest,
-    pub(crate) standing: Standing,
+    pub(crate) standing: LabelStatus,
     /// Sequence number of the last entry that touched the view.
     pub(crate) sequence: u64,
 }
@@ -49,7 +49,7 @@ impl HistoryProjection {
             Effect::Stored { view, identity } => {
                 let projected = ProjectedView {
                     identity: *identity,
-                    standing: Standing::Unnamed,
+                    standing: LabelStatus::Unnamed,
                     sequence,
                 };
                 self.views.insert(*view, projected);

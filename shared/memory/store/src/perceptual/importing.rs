@@ -13,11 +13,11 @@ use crate::perceptual::decision::Decision;
 use crate::perceptual::digest::Digest;
 use crate::perceptual::document::MemoryDocument;
 use crate::perceptual::exchange::{ForeignDocument, ForeignIdAllocator, ForeignView};
-use crate::perceptual::label_status::{Decided, Standing};
+use crate::perceptual::label_status::{DecisionStamp, LabelStatus};
 use crate::perceptual::meta::Meta;
 use crate::perceptual::model::{Effect, Operation};
 use crate::perceptual::store_index::StoreIndex;
-use crate::perceptual::view::{Origin, View};
+use crate::perceptual::view::{CapturedView, Origin};
 use crate::perceptual::view_record::ViewParts;
 
 /// Effects of an import: the foreign views, decisions and documents that are new.
@@ -87,10 +87,10 @@ impl Import<'_> {
 
     fn take_present(
         &mut self,
-        view: &View,
+        view: &CapturedView,
         origin: Origin,
-        standing: &Standing,
-        decided: Option<&Decided>,
+        standing: &LabelStatus,
+        decided: Option<&DecisionStamp>,
     ) {
         let parts = ViewParts::of(view, origin);
         let identity = parts.metadata.identity();
@@ -102,7 +102,7 @@ impl Import<'_> {
         }
         if let Some(forgotten) = self.index.tombstones.get(&identity) {
             let stamp_ns = decided.map_or(0, |decided| decided.stamp_ns);
-            if (stamp_ns, standing) <= (forgotten.stamp_ns, &Standing::Forgotten) {
+            if (stamp_ns, standing) <= (forgotten.stamp_ns, &LabelStatus::Forgotten) {
                 return;
             }
             self.decision.effects.push(Effect::Tombstone {
@@ -126,7 +126,7 @@ impl Import<'_> {
     }
 
     /// Sets the label status of an inserted view to the latest decision.
-    fn decide(&mut self, view: ViewId, standing: &Standing, decided: Option<&Decided>) {
+    fn decide(&mut self, view: ViewId, standing: &LabelStatus, decided: Option<&DecisionStamp>) {
         let before = self.index.get(view).map(|entry| &entry.register);
         let theirs = decided.map(|decided| (standing, decided));
         // Decision on the view that it replaces.
@@ -135,10 +135,10 @@ impl Import<'_> {
             .into_iter()
             .chain(ours)
             .max_by_key(|(standing, decided)| (decided.stamp_ns, *standing));
-        if let Some((standing, decided)) = latest.filter(|(s, _)| **s != Standing::Unnamed) {
+        if let Some((standing, decided)) = latest.filter(|(s, _)| **s != LabelStatus::Unnamed) {
             self.decision.effects.push(Effect::Changed {
                 view,
-                before: Standing::Unnamed,
+                before: LabelStatus::Unnamed,
                 after: standing.clone(),
                 decided: Some(decided.clone()),
             });
@@ -171,9 +171,9 @@ impl Import<'_> {
             .id_for(origin, || index.track_of_origin(origin))
     }
 
-    fn take_forgotten(&mut self, identity: Digest, decided: &Decided) {
+    fn take_forgotten(&mut self, identity: Digest, decided: &DecisionStamp) {
         if self.index.by_identity(identity).is_some() {
-            return self.change_known(identity, &Standing::Forgotten, decided);
+            return self.change_known(identity, &LabelStatus::Forgotten, decided);
         }
         let known = self.index.tombstones.get(&identity);
         if known.is_none_or(|known| known.stamp_ns < decided.stamp_ns) {
@@ -184,7 +184,7 @@ impl Import<'_> {
         }
     }
 
-    fn change_known(&mut self, identity: Digest, standing: &Standing, decided: &Decided) {
+    fn change_known(&mut self, identity: Digest, standing: &LabelStatus, decided: &DecisionStamp) {
         let Some((view, entry)) = self.index.by_identity(identity) else {
             return;
         };

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 /// Label status of a stored view.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub enum Standing {
+pub enum LabelStatus {
     /// Unlabelled.
     #[serde(rename = "u")]
     Unnamed,
@@ -20,7 +20,7 @@ pub enum Standing {
     Forgotten,
 }
 
-impl Standing {
+impl LabelStatus {
     /// Category label, if there is one.
     pub fn category(&self) -> Option<&CategoryName> {
         match self {
@@ -35,7 +35,7 @@ impl Standing {
     }
 }
 
-impl fmt::Display for Standing {
+impl fmt::Display for LabelStatus {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Unnamed => f.write_str("no name"),
@@ -48,7 +48,7 @@ impl fmt::Display for Standing {
 /// Author and time stamp of a decision. Of two decisions on one view the later one wins, also
 /// across robots.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Decided {
+pub struct DecisionStamp {
     /// Author.
     pub author: Arc<str>,
     /// Time, nanoseconds since 1970, UTC; always later than that of the decision it replaced,
@@ -56,7 +56,7 @@ pub struct Decided {
     pub stamp_ns: u64,
 }
 
-impl Decided {
+impl DecisionStamp {
     /// Time stamp of a new decision: the present time, but later than the previous stamp, so that a
     /// clock that steps back does not reorder decisions.
     pub(crate) fn after(last_stamp_ns: u64, author: Arc<str>, wall_ns: u64) -> Self {
@@ -70,7 +70,7 @@ impl Decided {
 /// Author of limit decisions in the history.
 pub(crate) const LIMIT_AUTHOR: &str = "the store itself, to hold a limit";
 
-impl Decided {
+impl DecisionStamp {
     /// `true` if a view was forgotten only because of a local retention limit, which does
     /// not concern other robots.
     pub(crate) fn is_limit_decision(&self) -> bool {
@@ -78,7 +78,7 @@ impl Decided {
     }
 }
 
-impl Default for Decided {
+impl Default for DecisionStamp {
     /// Earliest possible decision, without an author.
     fn default() -> Self {
         Self {
@@ -91,8 +91,8 @@ impl Default for Decided {
 /// Last-writer-wins register: present label status of a view, as stored.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct LwwRegister {
-    pub(crate) standing: Standing,
-    pub(crate) decided: Decided,
+    pub(crate) standing: LabelStatus,
+    pub(crate) decided: DecisionStamp,
     /// Sequence number of the last history entry that touched the view.
     pub(crate) sequence: u64,
 }
@@ -101,15 +101,15 @@ impl LwwRegister {
     /// Initial register of a view stored by entry `sequence`; any decision is later.
     pub(crate) fn untouched(sequence: u64) -> Self {
         Self {
-            standing: Standing::Unnamed,
-            decided: Decided::default(),
+            standing: LabelStatus::Unnamed,
+            decided: DecisionStamp::default(),
             sequence,
         }
     }
 
     /// `true` if a decision from elsewhere is later. Ties are broken by the label status, so that
     /// all robots converge.
-    pub(crate) fn yields_to(&self, stamp_ns: u64, standing: &Standing) -> bool {
+    pub(crate) fn yields_to(&self, stamp_ns: u64, standing: &LabelStatus) -> bool {
         (self.decided.stamp_ns, &self.standing) < (stamp_ns, standing)
     }
 }

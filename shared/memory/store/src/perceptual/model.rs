@@ -8,14 +8,14 @@ use serde::{Deserialize, Serialize};
 
 use crate::perceptual::digest::Digest;
 use crate::perceptual::document::{DocumentContent, DocumentKey};
-use crate::perceptual::label_status::{Decided, Standing};
+use crate::perceptual::label_status::{DecisionStamp, LabelStatus};
 
 /// Set of views that a label change applies to.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Target {
     /// One view.
-    View(ViewId),
+    CapturedView(ViewId),
     /// All views of a track.
     Track(u64),
     /// All views of a category.
@@ -25,7 +25,7 @@ pub enum Target {
 impl fmt::Display for Target {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::View(view) => write!(f, "{}", crate::error::in_words(*view)),
+            Self::CapturedView(view) => write!(f, "{}", crate::error::in_words(*view)),
             Self::Track(track_id) => write!(f, "track {track_id}"),
             Self::Category(name) => write!(f, "the category {name}"),
         }
@@ -128,7 +128,7 @@ pub enum Effect {
         #[serde(rename = "i")]
         identity: Digest,
     },
-    /// Change of the label status of a view.
+    /// StoreChange of the label status of a view.
     #[serde(rename = "c")]
     Changed {
         /// Id of the view.
@@ -136,13 +136,13 @@ pub enum Effect {
         view: ViewId,
         /// Label status before.
         #[serde(rename = "b")]
-        before: Standing,
+        before: LabelStatus,
         /// Label status after.
         #[serde(rename = "a")]
-        after: Standing,
+        after: LabelStatus,
         /// Author and time of the decision, if they differ from those of the entry.
         #[serde(rename = "d", default, skip_serializing_if = "Option::is_none")]
-        decided: Option<Decided>,
+        decided: Option<DecisionStamp>,
     },
     /// Permanent deletion of a view.
     #[serde(rename = "p")]
@@ -159,7 +159,7 @@ pub enum Effect {
         identity: Digest,
         /// Author and time of the forgetting; `None` clears the tombstone.
         #[serde(rename = "d")]
-        decided: Option<Decided>,
+        decided: Option<DecisionStamp>,
     },
     /// Replacement of the content of a document.
     #[serde(rename = "d")]
@@ -175,7 +175,7 @@ pub enum Effect {
         after: Option<DocumentContent>,
         /// Author and time of the decision, if they differ from those of the entry.
         #[serde(rename = "w", default, skip_serializing_if = "Option::is_none")]
-        decided: Option<Decided>,
+        decided: Option<DecisionStamp>,
     },
     /// Permanent deletion of an earlier version of a document.
     #[serde(rename = "q")]
@@ -213,12 +213,12 @@ pub struct Contradiction {
     /// Present label of the track.
     pub present: CategoryName,
     /// Author and time of the present label.
-    pub decided: Decided,
+    pub decided: DecisionStamp,
 }
 
 /// Result of a mutation that is on disk.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Answer {
+pub struct MutationReceipt {
     /// Sequence number of the history entry.
     pub sequence: u64,
     /// Number of views that were stored or changed their label status; zero if the state was
@@ -267,14 +267,14 @@ impl fmt::Display for DataLoss {
 ///   the older one, repeatedly. This can be undone until the next purge.
 /// - of the unlabelled views, those of the oldest tracks are deleted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Limits {
+pub struct RetentionLimits {
     /// Maximum number of views of a category.
     pub max_views_per_category: usize,
     /// Maximum number of unlabelled views.
     pub max_unnamed_views: usize,
 }
 
-impl Default for Limits {
+impl Default for RetentionLimits {
     /// No limits.
     fn default() -> Self {
         Self {

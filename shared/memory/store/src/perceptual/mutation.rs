@@ -7,7 +7,7 @@ use crate::mutation_id::MutationId;
 use crate::perceptual::document::{DocumentKey, MemoryDocument};
 use crate::perceptual::exchange::{ForeignDocument, ForeignView};
 use crate::perceptual::model::Target;
-use crate::perceptual::view::{MAX_NAME_BYTES, View};
+use crate::perceptual::view::{CapturedView, MAX_NAME_BYTES};
 
 /// Maximum number of views in one mutation.
 pub const MAX_BATCH_VIEWS: usize = 1024;
@@ -26,16 +26,16 @@ pub struct Mutation {
     /// Time of the request, nanoseconds since 1970, UTC.
     pub wall_ns: u64,
     /// Requested change.
-    pub change: Change,
+    pub change: StoreChange,
 }
 
 /// Kinds of changes.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
-pub enum Change {
+pub enum StoreChange {
     /// Store 1 to [`MAX_BATCH_VIEWS`] views of up to [`MAX_BATCH_BYTES`] under leased track-ids.
     /// Views that are stored already with the same content are left unchanged.
-    StoreViews(Vec<View>),
+    StoreViews(Vec<CapturedView>),
     /// Label all views of an unlabelled track. If the track has another label, nothing changes and
     /// the history records the contradiction.
     Teach {
@@ -98,7 +98,7 @@ impl Mutation {
     /// Validates everything that does not depend on the state of the store.
     pub(crate) fn check(&self) -> Result<(), StoreRefusal> {
         let text = match &self.change {
-            Change::Import { source, .. } => source,
+            StoreChange::Import { source, .. } => source,
             _ => &self.author,
         };
         for text in [&self.author, text] {
@@ -110,17 +110,17 @@ impl Mutation {
             }
         }
         match &self.change {
-            Change::StoreViews(views) => {
+            StoreChange::StoreViews(views) => {
                 check_batch(
                     views.len().max(1),
-                    views.iter().map(View::n_large_bytes).sum(),
+                    views.iter().map(CapturedView::n_large_bytes).sum(),
                 )?;
                 if views.is_empty() {
                     return Err(batch_size(0));
                 }
-                views.iter().try_for_each(View::check)
+                views.iter().try_for_each(CapturedView::check)
             }
-            Change::Import {
+            StoreChange::Import {
                 views, documents, ..
             } => {
                 let n_bytes = views.iter().map(ForeignView::n_large_bytes).sum::<usize>()
@@ -135,7 +135,7 @@ impl Mutation {
                     .iter()
                     .try_for_each(|document| document.check(now_ns))
             }
-            Change::PutDocument(document) => document.check(),
+            StoreChange::PutDocument(document) => document.check(),
             _ => Ok(()),
         }
     }

@@ -11,10 +11,10 @@ use crate::perceptual::decide::decide;
 use crate::perceptual::decision::{Decision, NewContent};
 use crate::perceptual::entry_applier::EntryApplier;
 use crate::perceptual::history::HistoryEntry;
-use crate::perceptual::label_status::Decided;
+use crate::perceptual::label_status::DecisionStamp;
 use crate::perceptual::meta::{Meta, StoreId};
-use crate::perceptual::model::{Answer, Effect, Limits};
-use crate::perceptual::mutation::{Change, Mutation};
+use crate::perceptual::model::{Effect, MutationReceipt, RetentionLimits};
+use crate::perceptual::mutation::{Mutation, StoreChange};
 use crate::perceptual::record_batch::RecordBatch;
 use crate::perceptual::record_reader::read_entry;
 use crate::perceptual::store_index::StoreIndex;
@@ -35,7 +35,7 @@ pub struct PerceptualMemory {
     pub(crate) engine: Database,
     pub(crate) index: StoreIndex,
     pub(crate) meta: Meta,
-    pub(crate) limits: Limits,
+    pub(crate) limits: RetentionLimits,
     /// Wall-clock time of the last mutation, for entries that the store writes itself.
     pub(crate) last_wall_ns: u64,
     watermark: Watermark,
@@ -66,7 +66,7 @@ impl PerceptualMemory {
             engine,
             index,
             meta,
-            limits: Limits::default(),
+            limits: RetentionLimits::default(),
             last_wall_ns: 0,
             watermark,
             staged,
@@ -86,7 +86,7 @@ impl PerceptualMemory {
     }
 
     /// Sets the retention limits, enforced from the next mutation on. The default is no limit.
-    pub fn set_limits(&mut self, limits: Limits) {
+    pub fn set_limits(&mut self, limits: RetentionLimits) {
         self.limits = limits;
     }
 
@@ -101,7 +101,7 @@ impl PerceptualMemory {
     ///
     /// [`Error::Refused`] when nothing changed; otherwise the change may be on
     /// disk or not: open the store again and repeat it with the same id.
-    pub fn apply(&mut self, mutation: &Mutation) -> Result<Answer, Error> {
+    pub fn apply(&mut self, mutation: &Mutation) -> Result<MutationReceipt, Error> {
         let answer = self.stage(mutation)?;
         self.commit()?;
         Ok(answer)
@@ -133,14 +133,14 @@ impl PerceptualMemory {
 
     /// Stages a mutation in the index; [`Self::commit`] makes it durable. Later staged mutations
     /// see it.
-    pub(crate) fn stage(&mut self, mutation: &Mutation) -> Result<Answer, Error> {
+    pub(crate) fn stage(&mut self, mutation: &Mutation) -> Result<MutationReceipt, Error> {
         self.usable()?;
         if let Some(&sequence) = self.index.answered.get(&mutation.id) {
             return Ok(self.entry(sequence)?.answer());
         }
         mutation.check()?;
         let decision = match &mutation.change {
-            Change::Undo { sequence } => self.decide_undo(*sequence, &mutation.author)?,
+            StoreChange::Undo { sequence } => self.decide_undo(*sequence, &mutation.author)?,
             change => decide(&self.index, &self.meta, change)?,
         };
         let id = Some(mutation.id);
@@ -155,7 +155,7 @@ impl PerceptualMemory {
         author: &str,
         wall_ns: u64,
         mut decision: Decision,
-    ) -> Answer {
+    ) -> MutationReceipt {
         self.date_documents(&mut decision.effects, author, wall_ns);
         self.meta.next_track_id = self.meta.next_track_id.max(decision.next_track_id);
         let entry = HistoryEntry {
@@ -183,13 +183,17 @@ impl PerceptualMemory {
             };
             let last_ns = self.index.document_stamp_ns(document);
             if decided.is_none() && last_ns >= wall_ns {
-                *decided = Some(Decided::after(last_ns, author.into(), wall_ns));
+                *decided = Some(DecisionStamp::after(last_ns, author.into(), wall_ns));
             }
         }
     }
 
     /// Stages a complete history entry.
-    pub(crate) fn stage_entry(&mut self, entry: HistoryEntry, contents: &NewContent) -> Answer {
+    pub(crate) fn stage_entry(
+        &mut self,
+        entry: HistoryEntry,
+        contents: &NewContent,
+    ) -> MutationReceipt {
         let mut target = EntryApplier {
             index: &mut self.index,
             meta: &mut self.meta,

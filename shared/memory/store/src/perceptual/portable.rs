@@ -21,7 +21,7 @@ use serde_bytes::ByteBuf;
 use crate::perceptual::digest::{Digest, Hasher};
 use crate::perceptual::document::{DocumentKey, MemoryDocument};
 use crate::perceptual::exchange::{ForeignDocument, ForeignView};
-use crate::perceptual::label_status::{Decided, Standing};
+use crate::perceptual::label_status::{DecisionStamp, LabelStatus};
 use crate::perceptual::mutation::{MAX_BATCH_BYTES, MAX_BATCH_VIEWS};
 use crate::perceptual::view_record::{ViewMetadata, ViewParts};
 
@@ -43,14 +43,14 @@ struct ViewBody {
     metadata: ViewMetadata,
     descriptor: ByteBuf,
     points: Option<ByteBuf>,
-    standing: Standing,
-    decided: Option<Decided>,
+    standing: LabelStatus,
+    decided: Option<DecisionStamp>,
 }
 
 #[derive(Serialize, Deserialize)]
 struct ForgottenBody {
     identity: Digest,
-    decided: Decided,
+    decided: DecisionStamp,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -58,7 +58,7 @@ struct DocumentBody {
     key: DocumentKey,
     media_type: Option<String>,
     content: Option<ByteBuf>,
-    decided: Decided,
+    decided: DecisionStamp,
 }
 
 /// Number of frames of each kind.
@@ -87,7 +87,7 @@ pub enum PortableError {
     Io(io::Error),
     /// File of another format.
     #[error("it is no exported memory; export one with: tabula memory export FILE")]
-    NoMemory,
+    NotAnExport,
     /// File of a newer format version.
     #[error("it was exported by a newer version of this program; update this one")]
     Newer,
@@ -248,7 +248,7 @@ pub struct PortableReader<R> {
 }
 
 enum PortableItem {
-    View(ForeignView),
+    CapturedView(ForeignView),
     Document(ForeignDocument),
 }
 
@@ -266,7 +266,7 @@ impl<R: Read> PortableReader<R> {
             return Err(if is_any {
                 PortableError::Newer
             } else {
-                PortableError::NoMemory
+                PortableError::NotAnExport
             });
         }
         let mut hasher = Hasher::new(b"");
@@ -302,7 +302,7 @@ impl<R: Read> PortableReader<R> {
             && n_bytes < MAX_BATCH_BYTES / 4
         {
             match self.item()? {
-                Some(PortableItem::View(view)) => {
+                Some(PortableItem::CapturedView(view)) => {
                     n_bytes += view.n_large_bytes();
                     batch.views.push(view);
                 }
@@ -331,12 +331,12 @@ impl<R: Read> PortableReader<R> {
             VIEW => {
                 self.counts.n_views += 1;
                 let view = view_of(decode(&body).map_err(damaged)?).map_err(damaged)?;
-                Ok(Some(PortableItem::View(view)))
+                Ok(Some(PortableItem::CapturedView(view)))
             }
             FORGOTTEN => {
                 self.counts.n_forgotten += 1;
                 let ForgottenBody { identity, decided } = decode(&body).map_err(damaged)?;
-                Ok(Some(PortableItem::View(ForeignView::Forgotten {
+                Ok(Some(PortableItem::CapturedView(ForeignView::Forgotten {
                     identity,
                     decided,
                 })))
@@ -418,7 +418,7 @@ fn view_of(body: ViewBody) -> Result<ForeignView, &'static str> {
     if !parts.is_what_it_says() || !parts.descriptor.len().is_multiple_of(size_of::<f32>()) {
         return Err("the content of a view is not what its digest says");
     }
-    if body.standing == Standing::Forgotten {
+    if body.standing == LabelStatus::Forgotten {
         return Err("a forgotten view has content");
     }
     let origin = parts.metadata.origin();

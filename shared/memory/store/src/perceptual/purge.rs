@@ -1,7 +1,7 @@
 //! Purge: permanent deletion of content that was forgotten or replaced before a time.
 
 use crate::perceptual::decision::Decision;
-use crate::perceptual::label_status::Standing;
+use crate::perceptual::label_status::LabelStatus;
 use crate::perceptual::model::{Effect, Operation};
 use crate::perceptual::store_index::{IndexedView, StoreIndex};
 
@@ -10,7 +10,7 @@ use crate::perceptual::store_index::{IndexedView, StoreIndex};
 pub(crate) fn decide(index: &StoreIndex, before_ns: u64) -> Decision {
     let is_due = |entry: &IndexedView| {
         let register = &entry.register;
-        register.standing == Standing::Forgotten && register.decided.stamp_ns < before_ns
+        register.standing == LabelStatus::Forgotten && register.decided.stamp_ns < before_ns
     };
     let mut effects = Vec::new();
     for (view, entry) in index.all().filter(|(_, entry)| is_due(entry)) {

@@ -17,7 +17,7 @@ use crate::perceptual::model::Effect;
 use crate::perceptual::perceptual_memory::PerceptualMemory;
 use crate::perceptual::record_reader::{read_content, read_entry, read_view};
 use crate::perceptual::store_index::{CategorySummary, IndexedView, StoreIndex};
-use crate::perceptual::view::{Descriptor, StoredView};
+use crate::perceptual::view::{StoredDescriptor, StoredView};
 use crate::perceptual::view_record;
 
 /// Number of unwanted records whose scan costs as much as one seek. Measured with the bench
@@ -41,7 +41,7 @@ pub struct LabelledView {
     /// Category label.
     pub category: CategoryName,
     /// Shape descriptor.
-    pub descriptor: Descriptor,
+    pub descriptor: StoredDescriptor,
 }
 
 /// Page of a snapshot of all labelled views.
@@ -59,7 +59,7 @@ pub struct SnapshotPage {
     pub next: Option<Digest>,
 }
 
-/// Change feed since a position.
+/// StoreChange feed since a position.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Changes {
     /// History entries after the position, without a gap.
@@ -256,7 +256,7 @@ impl PerceptualMemory {
 /// Labelled views with neighbouring descriptor records, read with one scan.
 type DescriptorRun = Vec<(Digest, Vec<(ViewId, CategoryName, String)>)>;
 
-/// Descriptor runs of a page, and the cursor of the next page.
+/// StoredDescriptor runs of a page, and the cursor of the next page.
 fn runs_from(
     index: &StoreIndex,
     from: Digest,

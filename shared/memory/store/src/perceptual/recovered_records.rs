@@ -14,7 +14,7 @@ use crate::perceptual::document::{DocumentKey, DocumentVersion};
 use crate::perceptual::history::HistoryEntry;
 use crate::perceptual::history_projection::HistoryProjection;
 use crate::perceptual::keys;
-use crate::perceptual::label_status::{Decided, LwwRegister, Standing};
+use crate::perceptual::label_status::{DecisionStamp, LabelStatus, LwwRegister};
 use crate::perceptual::meta::{Meta, SCHEMA};
 use crate::perceptual::model::{Effect, is_among};
 use crate::perceptual::schema_1;
@@ -34,7 +34,7 @@ pub(crate) struct RecoveredRecords {
     pub(crate) metadata: BTreeMap<Digest, ViewMetadata>,
     pub(crate) registers: BTreeMap<ViewId, LwwRegister>,
     pub(crate) documents: BTreeMap<(DocumentKey, u64), DocumentVersion>,
-    pub(crate) tombstones: BTreeMap<Digest, Decided>,
+    pub(crate) tombstones: BTreeMap<Digest, DecisionStamp>,
     /// Views that were stored and not purged, according to the intact history entries.
     pub(crate) stored_by_history: BTreeSet<ViewId>,
     pub(crate) versions_by_history: BTreeSet<(DocumentKey, u64)>,
@@ -241,7 +241,7 @@ impl RecoveredRecords {
     }
 
     /// Label status of a view and its decision stamp, from the recovered register.
-    pub(crate) fn standing(&self, view: ViewId) -> Option<(Standing, Decided)> {
+    pub(crate) fn standing(&self, view: ViewId) -> Option<(LabelStatus, DecisionStamp)> {
         let register = self.registers.get(&view)?;
         Some((register.standing.clone(), register.decided.clone()))
     }

@@ -6,8 +6,8 @@ use crate::error::Error;
 use crate::perceptual::decision::{Decision, change_all};
 use crate::perceptual::digest::Digest;
 use crate::perceptual::keys;
-use crate::perceptual::label_status::{LIMIT_AUTHOR, Standing};
-use crate::perceptual::model::{Effect, Limits, Operation};
+use crate::perceptual::label_status::{LIMIT_AUTHOR, LabelStatus};
+use crate::perceptual::model::{Effect, Operation, RetentionLimits};
 use crate::perceptual::perceptual_memory::PerceptualMemory;
 use crate::perceptual::record_reader::read_content;
 use crate::perceptual::view_record;
@@ -15,7 +15,7 @@ use crate::perceptual::view_record;
 impl PerceptualMemory {
     /// Stages the enforcement of exceeded limits; `false` if none is exceeded.
     pub(crate) fn stage_limit_enforcement(&mut self) -> Result<bool, Error> {
-        let Limits {
+        let RetentionLimits {
             max_views_per_category,
             max_unnamed_views,
         } = self.limits;
@@ -72,7 +72,7 @@ impl PerceptualMemory {
             })?;
             let n_drop = n_left_to_drop.min(of_kind.len().saturating_sub(1));
             // Descriptors of different lengths under one kind: the oldest views go.
-            let redundant = learning::least_telling(&descriptors, n_drop)
+            let redundant = learning::redundant_views(&descriptors, n_drop)
                 .unwrap_or_else(|_| (0..n_drop).collect());
             n_left_to_drop -= redundant.len();
             spared.extend(redundant.into_iter().map(|i| of_kind[i].1));
@@ -80,13 +80,13 @@ impl PerceptualMemory {
         let entries = spared
             .iter()
             .filter_map(|view| Some((*view, self.index.get(*view)?)));
-        let effects = change_all(entries, &Standing::Forgotten);
+        let effects = change_all(entries, &LabelStatus::Forgotten);
         let category = Some(name.clone());
         Ok(Decision::new(Operation::EnforceLimit { category }, effects))
     }
 
     fn evict_unlabelled_views(&self, n_drop: usize) -> Decision {
-        let is_unnamed = |standing: &Standing| *standing == Standing::Unnamed;
+        let is_unnamed = |standing: &LabelStatus| *standing == LabelStatus::Unnamed;
         let oldest = self
             .index
             .all()

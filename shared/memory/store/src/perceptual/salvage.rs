@@ -16,7 +16,7 @@ use crate::perceptual::decision::NewContent;
 use crate::perceptual::document::DocumentKey;
 use crate::perceptual::entry_applier::EntryApplier;
 use crate::perceptual::history::HistoryEntry;
-use crate::perceptual::label_status::Standing;
+use crate::perceptual::label_status::LabelStatus;
 use crate::perceptual::meta::Meta;
 use crate::perceptual::model::{DataLoss, Effect, Operation};
 use crate::perceptual::record_batch::RecordBatch;
@@ -214,10 +214,10 @@ impl Rebuilder<'_> {
         last_entry.stored.insert(view);
         last_entry.n_stored += 1;
         let standing = self.recovered.standing(view);
-        if let Some((standing, decided)) = standing.filter(|(s, _)| *s != Standing::Unnamed) {
+        if let Some((standing, decided)) = standing.filter(|(s, _)| *s != LabelStatus::Unnamed) {
             last_entry.effects.push(Effect::Changed {
                 view,
-                before: Standing::Unnamed,
+                before: LabelStatus::Unnamed,
                 after: standing,
                 decided: Some(decided),
             });

@@ -14,7 +14,7 @@ use crate::mutation_id::MutationId;
 use crate::perceptual::digest::Digest;
 use crate::perceptual::history::HistoryEntry;
 use crate::perceptual::keys;
-use crate::perceptual::label_status::{Decided, LwwRegister, Standing};
+use crate::perceptual::label_status::{DecisionStamp, LabelStatus, LwwRegister};
 use crate::perceptual::model::{DataLoss, Effect, Operation, Target};
 use crate::perceptual::recovered_records::{RecordedTotals, RecoveredRecords};
 use crate::perceptual::view::Origin;
@@ -163,8 +163,8 @@ fn read_view(
 
 fn register(label: Label1) -> LwwRegister {
     LwwRegister {
-        standing: Standing::of(label.category),
-        decided: Decided {
+        standing: LabelStatus::of(label.category),
+        decided: DecisionStamp {
             author: label.author.into(),
             stamp_ns: label.wall_ns,
         },
@@ -184,8 +184,8 @@ fn converted(sequence: u64, entry: Entry1, recovered: &RecoveredRecords) -> Hist
         .iter()
         .map(|&(track, view, before, after)| Effect::Changed {
             view: ViewId::from((track, view)),
-            before: Standing::of(name(before)),
-            after: Standing::of(name(after)),
+            before: LabelStatus::of(name(before)),
+            after: LabelStatus::of(name(after)),
             decided: None,
         });
     let first = entry.changes.first().copied();

@@ -6,12 +6,12 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::ops::Bound;
 use std::sync::Arc;
 
-use learning::{CategoryName, ViewId, ViewRecord};
+use learning::{CategoryName, LabelledView, ViewId};
 
 use crate::mutation_id::MutationId;
 use crate::perceptual::digest::Digest;
 use crate::perceptual::document::{DocumentKey, DocumentSummary, DocumentVersion};
-use crate::perceptual::label_status::{Decided, LwwRegister, Standing};
+use crate::perceptual::label_status::{DecisionStamp, LabelStatus, LwwRegister};
 use crate::perceptual::model::is_among;
 use crate::perceptual::view::Origin;
 use crate::perceptual::view_record::{ContentRef, ViewMetadata};
@@ -35,7 +35,7 @@ impl IndexedView {
     }
 
     fn is_forgotten(&self) -> bool {
-        self.register.standing == Standing::Forgotten
+        self.register.standing == LabelStatus::Forgotten
     }
 }
 
@@ -66,7 +66,7 @@ pub(crate) struct StoreIndex {
     /// Reference counts of point clouds and document content, by digest.
     blobs: HashMap<Digest, u32>,
     documents: BTreeMap<DocumentKey, BTreeMap<u64, DocumentVersion>>,
-    pub(crate) tombstones: BTreeMap<Digest, Decided>,
+    pub(crate) tombstones: BTreeMap<Digest, DecisionStamp>,
     /// Sequence numbers of answered mutations, by idempotency key.
     pub(crate) answered: HashMap<MutationId, u64>,
     kinds: BTreeSet<Arc<str>>,
@@ -89,7 +89,7 @@ impl StoreIndex {
 
 /// Queries and updates of views.
 impl StoreIndex {
-    /// View with content, forgotten or not.
+    /// CapturedView with content, forgotten or not.
     pub(crate) fn get(&self, view: ViewId) -> Option<&IndexedView> {
         self.views.get(&view)
     }
@@ -171,8 +171,8 @@ impl StoreIndex {
     pub(crate) fn records_of_track(
         &self,
         track_id: u64,
-    ) -> impl Iterator<Item = ViewRecord<'_>> + Clone {
-        self.track(track_id).map(|(id, entry)| ViewRecord {
+    ) -> impl Iterator<Item = LabelledView<'_>> + Clone {
+        self.track(track_id).map(|(id, entry)| LabelledView {
             id,
             category: entry.register.standing.category(),
         })
@@ -200,7 +200,7 @@ impl StoreIndex {
         larger.map(|(name, _)| name.clone()).collect()
     }
 
-    /// Descriptor digests from `from` on, each with the views that share it.
+    /// StoredDescriptor digests from `from` on, each with the views that share it.
     pub(crate) fn descriptors_from(
         &self,
         from: Digest,
@@ -263,7 +263,7 @@ impl StoreIndex {
         };
         let before = std::mem::replace(&mut entry.register, register);
         self.n_forgotten += usize::from(entry.is_forgotten());
-        self.n_forgotten -= usize::from(before.standing == Standing::Forgotten);
+        self.n_forgotten -= usize::from(before.standing == LabelStatus::Forgotten);
         if let Some(name) = before.standing.category()
             && let Some(views) = self.categories.get_mut(name)
         {

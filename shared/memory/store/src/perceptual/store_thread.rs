@@ -20,7 +20,7 @@ use parking_lot::Mutex;
 
 use crate::engine::store_folder::StoreFolder;
 use crate::error::Error;
-use crate::perceptual::model::{Answer, Limits};
+use crate::perceptual::model::{MutationReceipt, RetentionLimits};
 use crate::perceptual::mutation::Mutation;
 use crate::perceptual::opening::{self, OpenReport};
 use crate::perceptual::perceptual_memory::PerceptualMemory;
@@ -47,7 +47,7 @@ pub struct StoreConfig {
     /// Capacity of the request queue, at least one.
     pub queue_capacity: usize,
     /// Retention limits.
-    pub limits: Limits,
+    pub limits: RetentionLimits,
     /// Size of the write buffer (memtable), bytes; usually
     /// [`WRITE_BUFFER_BYTES`](crate::WRITE_BUFFER_BYTES).
     pub write_buffer_bytes: usize,
@@ -98,7 +98,7 @@ impl<T> Drop for Reply<T> {
 type Read = Box<dyn FnOnce(Result<&mut PerceptualMemory, Error>) + Send>;
 
 enum StoreRequest {
-    Mutate(Mutation, Reply<Answer>),
+    Mutate(Mutation, Reply<MutationReceipt>),
     Lease(u64, Reply<u64>),
     Read(Read),
     Rebuild(Reply<OpenReport>),
@@ -125,7 +125,7 @@ impl StoreHandle {
     pub fn mutate(
         &self,
         mutation: Mutation,
-        reply: impl FnOnce(Result<Answer, Error>) + Send + 'static,
+        reply: impl FnOnce(Result<MutationReceipt, Error>) + Send + 'static,
     ) {
         self.send(StoreRequest::Mutate(mutation, Reply::new(reply)));
     }
@@ -161,7 +161,7 @@ impl StoreHandle {
     /// # Errors
     ///
     /// Those of [`PerceptualMemory::apply`], [`Error::QueueFull`], and [`Error::Stopped`].
-    pub fn mutate_and_wait(&self, mutation: Mutation) -> Result<Answer, Error> {
+    pub fn mutate_and_wait(&self, mutation: Mutation) -> Result<MutationReceipt, Error> {
         wait(|reply| self.mutate(mutation, reply))
     }
 

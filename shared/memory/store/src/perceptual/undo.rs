@@ -10,7 +10,7 @@ use learning::ViewId;
 use crate::error::StoreRefusal;
 use crate::perceptual::decision::Decision;
 use crate::perceptual::history::HistoryEntry;
-use crate::perceptual::label_status::Standing;
+use crate::perceptual::label_status::LabelStatus;
 use crate::perceptual::model::{Effect, Operation};
 use crate::perceptual::store_index::StoreIndex;
 
@@ -40,7 +40,7 @@ pub(crate) fn decide(index: &StoreIndex, entry: &HistoryEntry) -> Result<Decisio
         match effect {
             Effect::Stored { view, .. } => {
                 let standing = present(index, *view, sequence)?;
-                effects.push(changed(*view, standing, Standing::Forgotten));
+                effects.push(changed(*view, standing, LabelStatus::Forgotten));
             }
             // The view is forgotten as a whole.
             Effect::Changed { view, .. } if stored.contains(view) => {}
@@ -86,7 +86,7 @@ fn stored_view(effect: &Effect) -> Option<ViewId> {
 }
 
 /// Label status of a view, if the given entry was the last to touch it.
-fn present(index: &StoreIndex, view: ViewId, sequence: u64) -> Result<Standing, StoreRefusal> {
+fn present(index: &StoreIndex, view: ViewId, sequence: u64) -> Result<LabelStatus, StoreRefusal> {
     let Some(entry) = index.get(view) else {
         return Err(StoreRefusal::GoneForGood { sequence });
     };
@@ -101,7 +101,7 @@ fn present(index: &StoreIndex, view: ViewId, sequence: u64) -> Result<Standing, 
     Ok(register.standing.clone())
 }
 
-fn changed(view: ViewId, before: Standing, after: Standing) -> Effect {
+fn changed(view: ViewId, before: LabelStatus, after: LabelStatus) -> Effect {
     Effect::Changed {
         view,
         before,

@@ -4,7 +4,7 @@ use geometry::OrientedBox;
 use learning::ViewId;
 
 use crate::error::StoreRefusal;
-use crate::perceptual::label_status::{Decided, Standing};
+use crate::perceptual::label_status::{DecisionStamp, LabelStatus};
 
 /// Maximum length of a descriptor, values. GOOD with fifty bins a side has 7500.
 pub const MAX_DESCRIPTOR_VALUES: usize = 65_536;
@@ -18,7 +18,7 @@ const UNIT_TOLERANCE: f64 = 1e-6;
 
 /// Shape descriptor with its kind.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Descriptor {
+pub struct StoredDescriptor {
     /// Algorithm and parameters, such as `good-published-15`. Only descriptors of one kind are
     /// comparable.
     pub kind: String,
@@ -26,13 +26,13 @@ pub struct Descriptor {
     pub values: Vec<f32>,
 }
 
-/// View of an object; immutable once stored.
+/// CapturedView of an object; immutable once stored.
 #[derive(Debug, Clone, PartialEq)]
-pub struct View {
+pub struct CapturedView {
     /// Id of the view; its track-id must be leased.
     pub id: ViewId,
     /// Shape descriptor.
-    pub descriptor: Descriptor,
+    pub descriptor: StoredDescriptor,
     /// Oriented bounding box of the object in the world frame, metres.
     pub box_in_world: OrientedBox,
     /// Capture time, nanoseconds since 1970, UTC.
@@ -56,22 +56,22 @@ pub struct Origin {
     pub view: ViewId,
 }
 
-/// View with its label status, as stored.
+/// CapturedView with its label status, as stored.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StoredView {
     /// Stored view.
-    pub view: View,
+    pub view: CapturedView,
     /// Provenance of the view.
     pub origin: Origin,
     /// Label status.
-    pub standing: Standing,
+    pub standing: LabelStatus,
     /// Author and time of the label status; `None` for a view that was never labelled.
-    pub decided: Option<Decided>,
+    pub decided: Option<DecisionStamp>,
     /// Sequence number of the last history entry that touched the view.
     pub sequence: u64,
 }
 
-impl View {
+impl CapturedView {
     /// Size of descriptor and point cloud, bytes.
     pub(crate) fn n_large_bytes(&self) -> usize {
         let n_points_bytes = self.points.as_ref().map_or(0, Vec::len);

@@ -1,4 +1,4 @@
-//! View records: metadata under the view id; descriptor and point cloud under their content digests
+//! CapturedView records: metadata under the view id; descriptor and point cloud under their content digests
 //! (content-addressed, deduplicated, not read at opening).
 
 use geometry::OrientedBox;
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use serde_bytes::ByteArray;
 
 use crate::perceptual::digest::{Digest, Hasher};
-use crate::perceptual::view::{Descriptor, Origin, View};
+use crate::perceptual::view::{CapturedView, Origin, StoredDescriptor};
 
 /// Domain separation of the identity digest from other digests and later formats.
 const IDENTITY_PURPOSE: &[u8] = b"tabula view 2";
@@ -47,17 +47,17 @@ impl ContentRef {
     }
 }
 
-/// View in its stored parts.
+/// CapturedView in its stored parts.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ViewParts {
     pub(crate) metadata: ViewMetadata,
-    /// Descriptor values as little-endian `f32`.
+    /// StoredDescriptor values as little-endian `f32`.
     pub(crate) descriptor: Vec<u8>,
     pub(crate) points: Option<Vec<u8>>,
 }
 
 impl ViewParts {
-    pub(crate) fn of(view: &View, origin: Origin) -> Self {
+    pub(crate) fn of(view: &CapturedView, origin: Origin) -> Self {
         let values = view.descriptor.values.iter();
         let descriptor: Vec<u8> = values.flat_map(|value| value.to_le_bytes()).collect();
         Self {
@@ -88,9 +88,9 @@ impl ViewParts {
         self.metadata.points.is_some() == self.points.is_some()
     }
 
-    /// View assembled from its parts, under its local id.
-    pub(crate) fn into_view(self, id: ViewId) -> View {
-        View {
+    /// CapturedView assembled from its parts, under its local id.
+    pub(crate) fn into_view(self, id: ViewId) -> CapturedView {
+        CapturedView {
             id,
             descriptor: descriptor(self.metadata.descriptor_kind, &self.descriptor),
             box_in_world: box_of(self.metadata.box_in_world),
@@ -162,10 +162,10 @@ impl ViewMetadata {
     }
 }
 
-/// Descriptor from its stored values.
-pub(crate) fn descriptor(kind: String, values: &[u8]) -> Descriptor {
+/// StoredDescriptor from its stored values.
+pub(crate) fn descriptor(kind: String, values: &[u8]) -> StoredDescriptor {
     let (values, _) = values.as_chunks::<4>();
-    Descriptor {
+    StoredDescriptor {
         kind,
         values: values
             .iter()

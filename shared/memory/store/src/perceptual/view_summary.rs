@@ -1,4 +1,4 @@
-//! View summaries: metadata of stored views without descriptor and point cloud.
+//! CapturedView summaries: metadata of stored views without descriptor and point cloud.
 
 use std::ops::Bound;
 
@@ -8,7 +8,7 @@ use learning::ViewId;
 use crate::error::Error;
 use crate::perceptual::digest::Digest;
 use crate::perceptual::keys;
-use crate::perceptual::label_status::{Decided, Standing};
+use crate::perceptual::label_status::{DecisionStamp, LabelStatus};
 use crate::perceptual::model::Target;
 use crate::perceptual::perceptual_memory::PerceptualMemory;
 use crate::perceptual::record_reader::read_record;
@@ -26,9 +26,9 @@ pub struct ViewSummary {
     /// Provenance: memory and id under which the view was first stored.
     pub origin: Origin,
     /// Label status.
-    pub standing: Standing,
+    pub standing: LabelStatus,
     /// Author and time of the label status; `None` for a view that was never labelled.
-    pub decided: Option<Decided>,
+    pub decided: Option<DecisionStamp>,
     /// Sequence number of the last history entry that touched the view.
     pub sequence: u64,
     /// Oriented bounding box of the object in the world frame, metres.
@@ -65,14 +65,14 @@ impl PerceptualMemory {
         let from = after.map_or(Bound::Unbounded, Bound::Excluded);
         let is_meant = |view: ViewId, entry: &IndexedView| match of {
             None => true,
-            Some(Target::View(meant)) => view == *meant,
+            Some(Target::CapturedView(meant)) => view == *meant,
             Some(Target::Track(track_id)) => view.track_id == *track_id,
             Some(Target::Category(name)) => entry.register.standing.category() == Some(name),
         };
         let views: Vec<(ViewId, IndexedView)> = self
             .index
             .range(from)
-            .filter(|(_, entry)| entry.register.standing != Standing::Forgotten)
+            .filter(|(_, entry)| entry.register.standing != LabelStatus::Forgotten)
             .filter(|(view, entry)| is_meant(*view, entry))
             .take(max)
             .map(|(view, entry)| (view, entry.clone()))

@@ -18,9 +18,9 @@ use tempfile::TempDir;
 use crate::engine::database::{Database, WRITE_BUFFER_BYTES};
 use crate::mutation_id::MutationId;
 use crate::perceptual::model::Target;
-use crate::perceptual::mutation::{Change, Mutation};
+use crate::perceptual::mutation::{Mutation, StoreChange};
 use crate::perceptual::perceptual_memory::PerceptualMemory;
-use crate::perceptual::view::{Descriptor, View};
+use crate::perceptual::view::{CapturedView, StoredDescriptor};
 
 /// Size of a point cloud that fills a memtable after a few tracks, bytes.
 const CLOUD_BYTES: usize = 150_000;
@@ -109,11 +109,11 @@ fn check_same(found: &[String], expected: &[String], what: &str) {
     );
 }
 
-fn view(id: ViewId, cloud_bytes: usize) -> View {
+fn view(id: ViewId, cloud_bytes: usize) -> CapturedView {
     let noise = |i: u64| (i * 7 + id.track_id + id.view_id as u64).wrapping_mul(0x9e37_79b9) >> 9;
-    View {
+    CapturedView {
         id,
-        descriptor: Descriptor {
+        descriptor: StoredDescriptor {
             kind: "test".to_owned(),
             values: (0..309).map(|i| noise(i) as f32).collect(),
         },
@@ -133,20 +133,20 @@ fn view(id: ViewId, cloud_bytes: usize) -> View {
 fn live(memory: &mut PerceptualMemory, track_id: u64, cloud_bytes: usize) {
     let name = |kind: u64| CategoryName::new(&format!("Thing {}", kind % 7)).unwrap();
     let views = (0..VIEWS_PER_TRACK).map(|view_id| view(ViewId { track_id, view_id }, cloud_bytes));
-    let mut changes = vec![Change::StoreViews(views.collect())];
+    let mut changes = vec![StoreChange::StoreViews(views.collect())];
     memory.lease_track_ids(1).unwrap();
     let category = name(track_id);
-    changes.push(Change::Teach { track_id, category });
+    changes.push(StoreChange::Teach { track_id, category });
     if track_id.is_multiple_of(3) {
         let category = name(track_id + 1);
         let target = Target::Track(track_id);
-        changes.push(Change::Correct { target, category });
+        changes.push(StoreChange::Correct { target, category });
     }
     if track_id.is_multiple_of(10) {
         let category = name(track_id / 10);
         // The name may be nobody's, and then there is nothing to forget.
         if memory.categories().iter().any(|c| c.name == category) {
-            changes.push(Change::Forget(Target::Category(category)));
+            changes.push(StoreChange::Forget(Target::Category(category)));
         }
     }
     for (i, change) in changes.into_iter().enumerate() {

@@ -20,11 +20,11 @@ use crate::engine::env_health::{EnvHealth, FileOperation, Observer};
 use crate::error::Error;
 use crate::mutation_id::MutationId;
 use crate::perceptual::consistency_check::check_consistency;
-use crate::perceptual::mutation::{Change as Asked, Mutation};
+use crate::perceptual::mutation::{Mutation, StoreChange as Asked};
 use crate::perceptual::opening::Condition;
 use crate::perceptual::perceptual_memory::PerceptualMemory;
 use crate::perceptual::store_thread::{StoreConfig, StoreThread};
-use crate::perceptual::view::{Descriptor, View};
+use crate::perceptual::view::{CapturedView, StoredDescriptor};
 
 /// Size of a point cloud of which a memtable holds seven, bytes.
 const CLOUD_BYTES: usize = 600_000;
@@ -45,12 +45,12 @@ fn mutation(n: u64, cloud_bytes: usize) -> Mutation {
         let byte = |i: u32| (i.wrapping_mul(2_654_435_761) >> 13) as u8;
         let cloud = (first..first + cloud_bytes as u32).map(byte);
         let half_sides_m = Vector3::repeat(0.1);
-        Asked::StoreViews(vec![View {
+        Asked::StoreViews(vec![CapturedView {
             id: ViewId {
                 track_id,
                 view_id: 0,
             },
-            descriptor: Descriptor {
+            descriptor: StoredDescriptor {
                 kind: "test".to_owned(),
                 values: vec![n as f32],
             },
@@ -410,7 +410,7 @@ fn failed_store_is_reopened_by_its_thread() {
     let config = StoreConfig {
         folder: folder.path().to_owned(),
         queue_capacity: 8,
-        limits: crate::Limits::default(),
+        limits: crate::RetentionLimits::default(),
         write_buffer_bytes: WRITE_BUFFER_BYTES,
         wall_clock: || 7,
         on_reopened: Box::new(move |report| {

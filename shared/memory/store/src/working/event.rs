@@ -10,13 +10,13 @@ pub struct Event {
     /// Detection time, nanoseconds since 1970.
     pub wall_ns: u64,
     /// Kind and details of the event.
-    pub happening: Happening,
+    pub happening: EventKind,
 }
 
 /// Kinds of events.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
-pub enum Happening {
+pub enum EventKind {
     /// Start of the memory. Facts about objects and the robot ended when these were last observed.
     Started,
     /// First observation of an object.
@@ -35,7 +35,7 @@ pub enum Happening {
         /// Label at that time.
         label: Option<String>,
     },
-    /// Change of the label of an object.
+    /// StoreChange of the label of an object.
     Relabelled {
         /// Track-id of the object.
         track_id: u64,
@@ -54,13 +54,13 @@ pub enum Happening {
         to_m: [f64; 3],
     },
     /// Teaching event: a label was taught, corrected or forgotten.
-    Learned(Learned),
+    TeachingEvent(TeachingEvent),
     /// End of a robot action.
     ActionEnded {
         /// Command number of the robot.
         command_id: u64,
         /// Result of the action.
-        outcome: Outcome,
+        outcome: ActionOutcome,
         /// Reason of a failure; empty on success.
         note: String,
     },
@@ -78,7 +78,7 @@ pub enum Happening {
         /// Kind of the task.
         kind: String,
         /// Result of the task.
-        outcome: Outcome,
+        outcome: ActionOutcome,
         /// Reason for the result.
         reason: String,
     },
@@ -86,9 +86,9 @@ pub enum Happening {
 
 /// Details of a teaching event.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Learned {
+pub struct TeachingEvent {
     /// Kind of teaching.
-    pub lesson: Lesson,
+    pub lesson: TeachingKind,
     /// Category label.
     pub category: String,
     /// Track-id; `None` if a whole category was forgotten.
@@ -101,7 +101,7 @@ pub struct Learned {
 
 /// Kinds of teaching.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Lesson {
+pub enum TeachingKind {
     /// Labelling of an object.
     Taught,
     /// Correction of a label.
@@ -112,7 +112,7 @@ pub enum Lesson {
 
 /// Result of an action or a task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Outcome {
+pub enum ActionOutcome {
     /// Success.
     Succeeded,
     /// Failure.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::Bound;
 
 use super::dirty_set::DirtySet;
-use super::event::{Event, Happening};
+use super::event::{Event, EventKind};
 use super::expiry_queue::ExpiryQueue;
 use super::record_key::RecordKey;
 
@@ -17,7 +17,7 @@ pub(super) struct EventLog {
 }
 
 impl EventLog {
-    pub(super) fn add(&mut self, happening: Happening, now_ns: u64, dirty: &mut DirtySet) {
+    pub(super) fn add(&mut self, happening: EventKind, now_ns: u64, dirty: &mut DirtySet) {
         let event = Event {
             sequence: self.newest + 1,
             wall_ns: now_ns,

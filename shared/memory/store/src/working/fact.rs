@@ -8,8 +8,8 @@ use super::world_config::WorldConfig;
 /// Subject of a fact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Subject {
-    /// Object with this track-id.
-    Object(u64),
+    /// ObjectRecord with this track-id.
+    ObjectRecord(u64),
     /// Robot.
     Robot,
     /// Task with this number.
@@ -24,7 +24,7 @@ pub enum Property {
     /// Label of an object; there is no such fact while the object is unknown.
     Label,
     /// Pose and size of an object.
-    Place,
+    BoxPose,
     /// Activity of the robot.
     Activity,
     /// Gripper state of the robot: holding something or not.
@@ -39,7 +39,7 @@ pub enum Value {
     /// Value of [`Property::Label`].
     Label(String),
     /// Value of [`Property::Place`].
-    Place(Place),
+    BoxPose(BoxPose),
     /// Value of [`Property::Activity`].
     Activity(String),
     /// Value of [`Property::Holding`].
@@ -51,14 +51,14 @@ pub enum Value {
 pub(super) enum ValueRef<'a> {
     State(&'a str),
     Label(&'a str),
-    Place(&'a Place),
+    BoxPose(&'a BoxPose),
     Activity(&'a str),
     Holding(bool),
 }
 
 /// Oriented bounding box of an object in the world frame.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Place {
+pub struct BoxPose {
     /// Centre, metres.
     pub position_m: [f64; 3],
     /// Orientation: unit quaternion x, y, z, w.
@@ -92,7 +92,7 @@ impl Value {
         match self {
             Self::State(state) => ValueRef::State(state),
             Self::Label(label) => ValueRef::Label(label),
-            Self::Place(place) => ValueRef::Place(place),
+            Self::BoxPose(place) => ValueRef::BoxPose(place),
             Self::Activity(activity) => ValueRef::Activity(activity),
             Self::Holding(is_holding) => ValueRef::Holding(*is_holding),
         }
@@ -104,7 +104,7 @@ impl ValueRef<'_> {
         match self {
             Self::State(_) => Property::State,
             Self::Label(_) => Property::Label,
-            Self::Place(_) => Property::Place,
+            Self::BoxPose(_) => Property::BoxPose,
             Self::Activity(_) => Property::Activity,
             Self::Holding(_) => Property::Holding,
         }
@@ -114,7 +114,7 @@ impl ValueRef<'_> {
         match self {
             Self::State(state) => Value::State(state.to_owned()),
             Self::Label(label) => Value::Label(label.to_owned()),
-            Self::Place(place) => Value::Place(*place),
+            Self::BoxPose(place) => Value::BoxPose(*place),
             Self::Activity(activity) => Value::Activity(activity.to_owned()),
             Self::Holding(is_holding) => Value::Holding(is_holding),
         }
@@ -123,7 +123,7 @@ impl ValueRef<'_> {
     /// `true` if the value equals the known one within the thresholds of the configuration.
     pub(super) fn matches_value(self, value: &Value, config: &WorldConfig) -> bool {
         match (self, value) {
-            (Self::Place(place), Value::Place(known)) => {
+            (Self::BoxPose(place), Value::BoxPose(known)) => {
                 !place.has_moved_from(known, config) && !place.has_other_size_than(known, config)
             }
             _ => self == value.as_value_ref(),
@@ -131,7 +131,7 @@ impl ValueRef<'_> {
     }
 }
 
-impl Place {
+impl BoxPose {
     /// Distance between the centres, metres.
     pub fn distance_m(&self, other: &Self) -> f64 {
         (Vector3::from(self.position_m) - Vector3::from(other.position_m)).norm()
@@ -160,9 +160,9 @@ impl Place {
 mod tests {
     use super::*;
 
-    fn place(x: f64, turn_rad: f64, side_m: f64) -> Place {
+    fn place(x: f64, turn_rad: f64, side_m: f64) -> BoxPose {
         let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn_rad);
-        Place {
+        BoxPose {
             position_m: [x, 0.0, 0.0],
             orientation_xyzw: turn.coords.into(),
             size_m: [0.1, side_m, 0.1],
@@ -179,8 +179,9 @@ mod tests {
             seen_period_ns: 0,
             write_buffer_bytes: crate::WRITE_BUFFER_BYTES,
         };
-        let known = Value::Place(place(0.0, 0.0, 0.1));
-        let matches_value = |place: Place| ValueRef::Place(&place).matches_value(&known, &config);
+        let known = Value::BoxPose(place(0.0, 0.0, 0.1));
+        let matches_value =
+            |place: BoxPose| ValueRef::BoxPose(&place).matches_value(&known, &config);
         assert!(matches_value(place(0.019, 0.29, 0.119)));
         assert!(!matches_value(place(0.021, 0.0, 0.1)));
         assert!(!matches_value(place(0.0, -0.31, 0.1)));

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::fact::Place;
+use super::fact::BoxPose;
 
 /// Observation of an object in one scene.
 #[derive(Debug, Clone, Copy)]
@@ -14,7 +14,7 @@ pub struct Sighting<'a> {
     /// Label; `None` for an unknown object.
     pub label: Option<&'a str>,
     /// Pose and size in the world frame.
-    pub place: Place,
+    pub place: BoxPose,
     /// Start of the track, nanoseconds since 1970.
     pub first_seen_ns: u64,
     /// Last measurement, nanoseconds since 1970.
@@ -23,7 +23,7 @@ pub struct Sighting<'a> {
 
 /// Present or past object.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Object {
+pub struct ObjectRecord {
     /// Track-id of the object.
     pub track_id: u64,
     /// Last state of the track.
@@ -31,7 +31,7 @@ pub struct Object {
     /// Last label; `None` for an unknown object.
     pub label: Option<String>,
     /// Last pose and size in the world frame; small changes make no new fact.
-    pub place: Place,
+    pub place: BoxPose,
     /// Start of the track, nanoseconds since 1970.
     pub first_seen_ns: u64,
     /// Last measurement, nanoseconds since 1970.
@@ -46,7 +46,7 @@ pub struct Object {
     pub(super) noted_seen_ns: u64,
 }
 
-impl Object {
+impl ObjectRecord {
     pub(super) fn new(sighting: &Sighting<'_>) -> Self {
         Self {
             track_id: sighting.track_id,

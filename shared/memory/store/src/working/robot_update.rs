@@ -1,6 +1,6 @@
 //! Robot update: effects of a state report of the arm on robot, facts and events.
 
-use super::event::Happening;
+use super::event::EventKind;
 use super::fact::{Property, Subject, ValueRef};
 use super::record_key::RecordKey;
 use super::robot::{Robot, RobotSighting};
@@ -46,7 +46,7 @@ impl WorldModel {
             && sighting.command_id != 0
             && !was_over
         {
-            let ended = Happening::ActionEnded {
+            let ended = EventKind::ActionEnded {
                 command_id: sighting.command_id,
                 outcome,
                 note: sighting.note.to_owned(),

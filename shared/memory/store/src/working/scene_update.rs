@@ -1,8 +1,8 @@
 //! Scene update: effects of an observed scene on objects, facts and events.
 
-use super::event::Happening;
+use super::event::EventKind;
 use super::fact::{Property, Subject, Value, ValueRef};
-use super::object::{Object, Sighting};
+use super::object::{ObjectRecord, Sighting};
 use super::record_key::RecordKey;
 use super::world_model::WorldModel;
 
@@ -36,7 +36,7 @@ impl WorldModel {
             }
             Some(_) => self.record_changes(sighting, now_ns),
         };
-        let (subject, config) = (Subject::Object(track_id), &self.config);
+        let (subject, config) = (Subject::ObjectRecord(track_id), &self.config);
         let (facts, dirty) = (&mut self.facts, &mut self.dirty);
         facts.assert_fact(
             subject,
@@ -53,7 +53,7 @@ impl WorldModel {
         }
         facts.assert_fact(
             subject,
-            ValueRef::Place(&sighting.place),
+            ValueRef::BoxPose(&sighting.place),
             now_ns,
             config,
             dirty,
@@ -68,7 +68,7 @@ impl WorldModel {
             let unwritten_ns = object.last_seen_ns.abs_diff(object.noted_seen_ns);
             if has_changed || unwritten_ns >= self.config.seen_period_ns {
                 object.noted_seen_ns = object.last_seen_ns;
-                dirty.add(RecordKey::Object(track_id));
+                dirty.add(RecordKey::ObjectRecord(track_id));
             }
         }
     }
@@ -76,8 +76,8 @@ impl WorldModel {
     fn start_object(&mut self, sighting: &Sighting<'_>, now_ns: u64) {
         let track_id = sighting.track_id;
         self.present.insert(track_id);
-        self.objects.insert(track_id, Object::new(sighting));
-        let appeared = Happening::Appeared {
+        self.objects.insert(track_id, ObjectRecord::new(sighting));
+        let appeared = EventKind::Appeared {
             track_id,
             label: sighting.label.map(str::to_owned),
             position_m: sighting.place.position_m,
@@ -94,7 +94,7 @@ impl WorldModel {
         let is_other = object.gone_ns.is_some() || object.state != sighting.state;
         let is_relabelled = object.label.as_deref() != sighting.label;
         if is_relabelled {
-            let relabelled = Happening::Relabelled {
+            let relabelled = EventKind::Relabelled {
                 track_id,
                 before: object.label.clone(),
                 after: sighting.label.map(str::to_owned),
@@ -106,15 +106,16 @@ impl WorldModel {
     }
 
     fn record_motion(&mut self, sighting: &Sighting<'_>, now_ns: u64) -> bool {
-        let subject = Subject::Object(sighting.track_id);
-        let known = self.facts.holding(subject, Property::Place);
-        let Some((Value::Place(place), start_ns)) = known.map(|fact| (&fact.value, fact.start_ns))
+        let subject = Subject::ObjectRecord(sighting.track_id);
+        let known = self.facts.holding(subject, Property::BoxPose);
+        let Some((Value::BoxPose(place), start_ns)) =
+            known.map(|fact| (&fact.value, fact.start_ns))
         else {
             return false;
         };
         let has_moved = sighting.place.has_moved_from(place, &self.config);
         if has_moved && now_ns.saturating_sub(start_ns) >= RESTED_NS {
-            let moved = Happening::Moved {
+            let moved = EventKind::Moved {
                 track_id: sighting.track_id,
                 from_m: place.position_m,
                 to_m: sighting.place.position_m,
@@ -129,7 +130,7 @@ impl WorldModel {
         let missed: Vec<u64> = self.present.iter().copied().filter(is_missed).collect();
         for track_id in missed {
             let label = self.objects[&track_id].label.clone();
-            let vanished = Happening::Vanished { track_id, label };
+            let vanished = EventKind::Vanished { track_id, label };
             self.events.add(vanished, now_ns, &mut self.dirty);
             self.end_object(track_id, now_ns);
         }
@@ -137,8 +138,8 @@ impl WorldModel {
 
     /// Ends an object and all facts about it.
     pub(super) fn end_object(&mut self, track_id: u64, end_ns: u64) {
-        for property in [Property::State, Property::Label, Property::Place] {
-            let subject = Subject::Object(track_id);
+        for property in [Property::State, Property::Label, Property::BoxPose] {
+            let subject = Subject::ObjectRecord(track_id);
             self.facts
                 .retract(subject, property, end_ns, &mut self.dirty);
         }
@@ -146,7 +147,7 @@ impl WorldModel {
         if let Some(object) = self.objects.get_mut(&track_id) {
             object.gone_ns = Some(end_ns);
             self.gone.insert(end_ns, track_id);
-            self.dirty.add(RecordKey::Object(track_id));
+            self.dirty.add(RecordKey::ObjectRecord(track_id));
         }
     }
 }

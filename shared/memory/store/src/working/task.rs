@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::event::Outcome;
+use super::event::ActionOutcome;
 use crate::mutation_id::MutationId;
 
 /// Maximum length of a task kind, bytes.
@@ -33,7 +33,7 @@ pub struct TaskEnd {
     /// Number of the task.
     pub task: u64,
     /// Result of the task.
-    pub outcome: Outcome,
+    pub outcome: ActionOutcome,
     /// Reason for the result, at most 2048 bytes.
     pub reason: String,
 }
@@ -64,7 +64,7 @@ pub enum TaskState {
     /// Ended.
     Ended {
         /// Result of the task.
-        outcome: Outcome,
+        outcome: ActionOutcome,
         /// Reason for the result.
         reason: String,
         /// End time, nanoseconds since 1970, not before the start.

@@ -1,6 +1,6 @@
 //! Task update: start and end of tasks, with their facts and events.
 
-use super::event::Happening;
+use super::event::EventKind;
 use super::fact::{Property, Subject, ValueRef};
 use super::task::{NewTask, Task, TaskEnd, TaskRefusal};
 use super::task_table::RequestEffect;
@@ -22,7 +22,7 @@ impl WorldModel {
                 .assert_fact(subject, running, now_ns, config, dirty);
             let kind = new.kind.clone();
             self.events
-                .add(Happening::TaskStarted { task, kind }, now_ns, dirty);
+                .add(EventKind::TaskStarted { task, kind }, now_ns, dirty);
         }
         self.task_of(done)
     }
@@ -39,7 +39,7 @@ impl WorldModel {
             self.facts
                 .retract(Subject::Task(task), Property::State, now_ns, dirty);
             let kind = self.tasks.get(task).map(|task| task.kind.clone());
-            let ended = Happening::TaskEnded {
+            let ended = EventKind::TaskEnded {
                 task,
                 kind: kind.unwrap_or_default(),
                 outcome: end.outcome,

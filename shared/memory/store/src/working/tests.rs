@@ -32,8 +32,8 @@ enum WorldStep {
     Wait(i64),
 }
 
-pub(super) fn place(x: u8) -> Place {
-    Place {
+pub(super) fn place(x: u8) -> BoxPose {
+    BoxPose {
         position_m: [f64::from(x) / 10.0, 0.0, 0.7],
         orientation_xyzw: [0.0, 0.0, 0.0, 1.0],
         size_m: [0.1; 3],
@@ -122,17 +122,17 @@ impl NaiveModel {
 
     fn scene(&mut self, seen: &[ObservedObject], is_whole: bool, now_ns: u64) {
         for &(track, state, label, x) in seen {
-            let subject = Subject::Object(track);
+            let subject = Subject::ObjectRecord(track);
             self.set(subject, Value::State(STATES[state].to_owned()), now_ns);
             match LABELS[label] {
                 Some(label) => self.set(subject, Value::Label(label.to_owned()), now_ns),
                 None => self.end(subject, Property::Label, now_ns),
             }
-            self.set(subject, Value::Place(place(x)), now_ns);
+            self.set(subject, Value::BoxPose(place(x)), now_ns);
         }
         for track in (1..4).filter(|track| is_whole && seen.iter().all(|seen| seen.0 != *track)) {
-            for property in [Property::State, Property::Label, Property::Place] {
-                self.end(Subject::Object(track), property, now_ns);
+            for property in [Property::State, Property::Label, Property::BoxPose] {
+                self.end(Subject::ObjectRecord(track), property, now_ns);
             }
         }
     }
@@ -214,7 +214,7 @@ impl NaiveModel {
         let there: Vec<&Fact> = match &query.region {
             None => vec![fact],
             Some(region) => {
-                let so = |fact: &&Fact| matches!(&fact.value, Value::Place(place) if region.contains(&place.position_m));
+                let so = |fact: &&Fact| matches!(&fact.value, Value::BoxPose(place) if region.contains(&place.position_m));
                 self.facts.iter().filter(of_subject).filter(so).collect()
             }
         };
@@ -294,7 +294,7 @@ fn play(steps: &[WorldStep]) -> (WorldModel, NaiveModel, u64) {
                 let end = TaskEnd {
                     id: MutationId(*id),
                     task: *task,
-                    outcome: Outcome::Failed,
+                    outcome: ActionOutcome::Failed,
                     reason: String::new(),
                 };
                 let has_ended = model.end_task(&end, now_ns).is_ok();
@@ -311,7 +311,7 @@ fn play(steps: &[WorldStep]) -> (WorldModel, NaiveModel, u64) {
 fn queries() -> impl Strategy<Value = FactQuery> {
     let subject = prop_oneof![
         3 => Just(None),
-        2 => (1..4_u64).prop_map(|track| Some(Subject::Object(track))),
+        2 => (1..4_u64).prop_map(|track| Some(Subject::ObjectRecord(track))),
         1 => Just(Some(Subject::Robot)),
     ];
     let label = prop::option::of(prop_oneof![Just("mug".to_owned()), Just("bowl".to_owned())]);
@@ -393,7 +393,7 @@ proptest! {
     }
 }
 
-fn kinds(model: &WorldModel, since: u64) -> Vec<Happening> {
+fn kinds(model: &WorldModel, since: u64) -> Vec<EventKind> {
     model
         .events_since(since)
         .map(|event| event.happening.clone())
@@ -416,22 +416,22 @@ fn object_life_cycle_makes_events() {
     see(&mut model, &[], 9 * SECOND);
     let mug = || Some("mug".to_owned());
     let expected = [
-        Happening::Appeared {
+        EventKind::Appeared {
             track_id: 7,
             label: None,
             position_m: place(1).position_m,
         },
-        Happening::Relabelled {
+        EventKind::Relabelled {
             track_id: 7,
             before: None,
             after: mug(),
         },
-        Happening::Moved {
+        EventKind::Moved {
             track_id: 7,
             from_m: place(1).position_m,
             to_m: place(2).position_m,
         },
-        Happening::Vanished {
+        EventKind::Vanished {
             track_id: 7,
             label: mug(),
         },
@@ -469,38 +469,41 @@ fn action_end_is_one_event() {
         model.observe_robot(&sighting, SECOND);
         kinds(&model, newest)
     };
-    let succeeded = Some(Outcome::Succeeded);
+    let succeeded = Some(ActionOutcome::Succeeded);
     assert_eq!(tell(3, succeeded), [], "it was over before");
     assert_eq!(tell(4, None), []);
     let ended = |command_id, outcome| {
-        [Happening::ActionEnded {
+        [EventKind::ActionEnded {
             command_id,
             outcome,
             note: String::new(),
         }]
     };
-    assert_eq!(tell(4, succeeded), ended(4, Outcome::Succeeded));
+    assert_eq!(tell(4, succeeded), ended(4, ActionOutcome::Succeeded));
     assert_eq!(tell(4, succeeded), []);
     // Too short to be seen at work.
-    assert_eq!(tell(5, Some(Outcome::Failed)), ended(5, Outcome::Failed));
+    assert_eq!(
+        tell(5, Some(ActionOutcome::Failed)),
+        ended(5, ActionOutcome::Failed)
+    );
 }
 
 #[test]
 fn teaching_is_one_event() {
     let mut model = WorldModel::new(CONFIG);
-    let learned = |history| Learned {
-        lesson: Lesson::Taught,
+    let learned = |history| TeachingEvent {
+        lesson: TeachingKind::Taught,
         category: "mug".to_owned(),
         track_id: Some(7),
         author: "anna".to_owned(),
         history,
     };
     for history in [1, 1, 2, 1] {
-        model.note_lesson(learned(history), SECOND);
+        model.record_teaching(learned(history), SECOND);
     }
     assert_eq!(
         kinds(&model, 0),
-        [1, 2].map(|history| Happening::Learned(learned(history)))
+        [1, 2].map(|history| EventKind::TeachingEvent(learned(history)))
     );
 }
 

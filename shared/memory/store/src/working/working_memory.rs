@@ -57,7 +57,7 @@ pub enum WorldCondition {
     /// Intact.
     Sound,
     /// Damaged; an empty database was created.
-    BegunAnew {
+    Reset {
         /// Detected corruption, as a sentence.
         reason: String,
         /// Path of the damaged database.
@@ -74,7 +74,7 @@ pub(super) struct RecordWrite {
 impl WorldReport {
     /// `true` if the earlier content was lost; deserves a loud warning.
     pub fn is_loss(&self) -> bool {
-        matches!(self.condition, WorldCondition::BegunAnew { .. })
+        matches!(self.condition, WorldCondition::Reset { .. })
     }
 }
 
@@ -83,7 +83,7 @@ impl fmt::Display for WorldReport {
         match &self.condition {
             WorldCondition::New => write!(f, "a new working memory was created")?,
             WorldCondition::Sound => write!(f, "the working memory is sound")?,
-            WorldCondition::BegunAnew { reason, set_aside } => write!(
+            WorldCondition::Reset { reason, set_aside } => write!(
                 f,
                 "the working memory was damaged and has been begun anew; the damaged database is \
                  kept as {} ({reason})",
@@ -122,7 +122,7 @@ impl WorkingMemory {
             Err(Error::Damaged { what: reason }) => {
                 let set_aside = folder.set_aside()?;
                 let (engine, _) = read_database(&folder, config)?;
-                let condition = WorldCondition::BegunAnew { reason, set_aside };
+                let condition = WorldCondition::Reset { reason, set_aside };
                 (engine, WorldModel::new(config), condition)
             }
             Err(error) => return Err(error),
@@ -229,7 +229,7 @@ impl ModelLoader {
         match RecordKey::of(key).ok_or("its key is none")? {
             RecordKey::Meta => self.meta = Some(unseal(key, record)?),
             RecordKey::Robot => self.model.robot = Some(unseal(key, record)?),
-            RecordKey::Object(_) => self.model.insert_object(unseal(key, record)?),
+            RecordKey::ObjectRecord(_) => self.model.insert_object(unseal(key, record)?),
             RecordKey::Fact(_) => self.model.facts.insert(unseal(key, record)?),
             RecordKey::Event(_) => self.model.events.insert(unseal(key, record)?),
             RecordKey::Task(_) => self.model.tasks.insert(unseal(key, record)?),
@@ -294,7 +294,7 @@ impl WorldModel {
                 Some(seal(key, &meta))
             }
             RecordKey::Robot => self.robot.as_ref().map(|robot| seal(key, robot)),
-            RecordKey::Object(id) => self.objects.get(&id).map(|object| seal(key, object)),
+            RecordKey::ObjectRecord(id) => self.objects.get(&id).map(|object| seal(key, object)),
             RecordKey::Fact(number) => self.facts.get(number).map(|fact| seal(key, fact)),
             RecordKey::Event(sequence) => self.events.get(sequence).map(|event| seal(key, event)),
             RecordKey::Task(number) => self.tasks.get(number).map(|task| seal(key, task)),
@@ -311,7 +311,7 @@ impl WorldModel {
     }
 
     fn entries(&self) -> impl Iterator<Item = RecordKey> {
-        let objects = self.objects.keys().map(|id| RecordKey::Object(*id));
+        let objects = self.objects.keys().map(|id| RecordKey::ObjectRecord(*id));
         let facts = self.facts.all().map(|fact| RecordKey::Fact(fact.number));
         let events = self
             .events

@@ -3,12 +3,12 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::dirty_set::DirtySet;
-use super::event::{Event, Happening, Learned};
+use super::event::{Event, EventKind, TeachingEvent};
 use super::event_log::EventLog;
 use super::expiry_queue::ExpiryQueue;
 use super::fact::{Property, Subject};
 use super::fact_table::FactTable;
-use super::object::Object;
+use super::object::ObjectRecord;
 use super::query::{self, FactPage, FactQuery};
 use super::record_key::RecordKey;
 use super::robot::Robot;
@@ -32,7 +32,7 @@ pub struct WorldModel {
     pub(super) facts: FactTable,
     pub(super) events: EventLog,
     pub(super) tasks: TaskTable,
-    pub(super) objects: BTreeMap<u64, Object>,
+    pub(super) objects: BTreeMap<u64, ObjectRecord>,
     pub(super) robot: Option<Robot>,
     pub(super) dirty: DirtySet,
     /// Track-ids of the present objects.
@@ -59,13 +59,13 @@ impl WorldModel {
     }
 
     /// Records a teaching event, once per history entry of the perceptual memory.
-    pub fn note_lesson(&mut self, learned: Learned, now_ns: u64) {
+    pub fn record_teaching(&mut self, learned: TeachingEvent, now_ns: u64) {
         let is_this = |event: &Event| match &event.happening {
-            Happening::Learned(known) => known.history == learned.history,
+            EventKind::TeachingEvent(known) => known.history == learned.history,
             _ => false,
         };
         if !self.events.all().rev().any(is_this) {
-            let learned = Happening::Learned(learned);
+            let learned = EventKind::TeachingEvent(learned);
             self.events.add(learned, now_ns, &mut self.dirty);
         }
     }
@@ -80,7 +80,7 @@ impl WorldModel {
         let (keep_ns, n_most) = (config.keep_ns, config.n_kept_most);
         if let Some(track_id) = self.gone.take(now_ns, keep_ns, n_most) {
             self.objects.remove(&track_id);
-            dirty.add(RecordKey::Object(track_id));
+            dirty.add(RecordKey::ObjectRecord(track_id));
             return true;
         }
         self.facts.expire(now_ns, config, dirty)
@@ -89,7 +89,7 @@ impl WorldModel {
     }
 
     /// Present objects, ordered by track-id.
-    pub fn objects(&self) -> impl Iterator<Item = &Object> {
+    pub fn objects(&self) -> impl Iterator<Item = &ObjectRecord> {
         self.present.iter().map(|track_id| &self.objects[track_id])
     }
 
@@ -137,7 +137,7 @@ impl WorldModel {
     /// before the end.
     pub(super) fn mark_present_dirty(&mut self) {
         for track_id in &self.present {
-            self.dirty.add(RecordKey::Object(*track_id));
+            self.dirty.add(RecordKey::ObjectRecord(*track_id));
         }
         if self.robot.is_some() {
             self.dirty.add(RecordKey::Robot);
@@ -163,11 +163,11 @@ impl WorldModel {
         if self.events.newest > 0 {
             self.events.newest += UNWRITTEN_EVENTS;
         }
-        self.events.add(Happening::Started, now_ns, &mut self.dirty);
+        self.events.add(EventKind::Started, now_ns, &mut self.dirty);
     }
 
     /// Inserts an object read from disk.
-    pub(super) fn insert_object(&mut self, mut object: Object) {
+    pub(super) fn insert_object(&mut self, mut object: ObjectRecord) {
         object.noted_seen_ns = object.last_seen_ns;
         match object.gone_ns {
             Some(gone_ns) => self.gone.insert(gone_ns, object.track_id),

@@ -4,8 +4,8 @@ use geometry::OrientedBox;
 use learning::{CategoryName, ViewId};
 use nalgebra::{Isometry3, Vector3};
 use store::{
-    Answer, Change, Descriptor, Error, Mutation, MutationId, OpenReport, PerceptualMemory,
-    StoreRefusal, StoredView, Target, View,
+    CapturedView, Error, Mutation, MutationId, MutationReceipt, OpenReport, PerceptualMemory,
+    StoreChange, StoreRefusal, StoredDescriptor, StoredView, Target,
 };
 use tempfile::TempDir;
 
@@ -28,12 +28,12 @@ pub(crate) fn key(track_id: u64, view_id: u32) -> ViewId {
     ViewId { track_id, view_id }
 }
 
-/// View whose content depends only on its id and `content`.
-pub(crate) fn view(track_id: u64, view_id: u32, content: u32) -> View {
+/// CapturedView whose content depends only on its id and `content`.
+pub(crate) fn view(track_id: u64, view_id: u32, content: u32) -> CapturedView {
     let seed = track_id as f64 + 0.25 * view_id as f64 + 100.0 * content as f64;
-    View {
+    CapturedView {
         id: key(track_id, view_id),
-        descriptor: Descriptor {
+        descriptor: StoredDescriptor {
             kind: "good-published-15".to_owned(),
             values: (0..75).map(|i| (seed as f32 + i as f32).sin()).collect(),
         },
@@ -53,7 +53,7 @@ pub(crate) fn view(track_id: u64, view_id: u32, content: u32) -> View {
     }
 }
 
-pub(crate) fn mutation(id: u128, change: Change) -> Mutation {
+pub(crate) fn mutation(id: u128, change: StoreChange) -> Mutation {
     Mutation {
         id: MutationId(id),
         author: "anna".to_owned(),
@@ -62,14 +62,14 @@ pub(crate) fn mutation(id: u128, change: Change) -> Mutation {
     }
 }
 
-pub(crate) fn store(id: u128, views: Vec<View>) -> Mutation {
-    mutation(id, Change::StoreViews(views))
+pub(crate) fn store(id: u128, views: Vec<CapturedView>) -> Mutation {
+    mutation(id, StoreChange::StoreViews(views))
 }
 
 pub(crate) fn teach(id: u128, track_id: u64, category: &str) -> Mutation {
     mutation(
         id,
-        Change::Teach {
+        StoreChange::Teach {
             track_id,
             category: name(category),
         },
@@ -79,7 +79,7 @@ pub(crate) fn teach(id: u128, track_id: u64, category: &str) -> Mutation {
 pub(crate) fn correct(id: u128, track_id: u64, category: &str) -> Mutation {
     mutation(
         id,
-        Change::Correct {
+        StoreChange::Correct {
             target: Target::Track(track_id),
             category: name(category),
         },
@@ -87,17 +87,17 @@ pub(crate) fn correct(id: u128, track_id: u64, category: &str) -> Mutation {
 }
 
 pub(crate) fn forget(id: u128, category: &str) -> Mutation {
-    mutation(id, Change::Forget(Target::Category(name(category))))
+    mutation(id, StoreChange::Forget(Target::Category(name(category))))
 }
 
 pub(crate) fn undo(id: u128, sequence: u64) -> Mutation {
     let sequence = Some(sequence);
-    mutation(id, Change::Undo { sequence })
+    mutation(id, StoreChange::Undo { sequence })
 }
 
 /// Expected answer to a granted mutation.
-pub(crate) fn answer(sequence: u64, n_views: u64) -> Answer {
-    Answer {
+pub(crate) fn answer(sequence: u64, n_views: u64) -> MutationReceipt {
+    MutationReceipt {
         sequence,
         n_views,
         contradiction: None,
@@ -110,7 +110,7 @@ pub(crate) fn name_of(stored: &StoredView) -> Option<&str> {
 }
 
 /// Applies mutations that must be granted, leasing track-ids for them.
-pub(crate) fn apply(memory: &mut PerceptualMemory, mutations: &[Mutation]) -> Vec<Answer> {
+pub(crate) fn apply(memory: &mut PerceptualMemory, mutations: &[Mutation]) -> Vec<MutationReceipt> {
     let mut apply = |mutation: &Mutation| {
         lease_tracks_of(memory, mutation);
         memory.apply(mutation).expect("a granted mutation")
@@ -120,7 +120,7 @@ pub(crate) fn apply(memory: &mut PerceptualMemory, mutations: &[Mutation]) -> Ve
 
 /// Leases track-ids up to the last one under which the mutation stores a view.
 pub(crate) fn lease_tracks_of(memory: &mut PerceptualMemory, mutation: &Mutation) {
-    let Change::StoreViews(views) = &mutation.change else {
+    let StoreChange::StoreViews(views) = &mutation.change else {
         return;
     };
     let last = views.iter().map(|view| view.id.track_id).max().unwrap_or(0);
@@ -141,7 +141,7 @@ pub(crate) fn refusal<T: std::fmt::Debug>(result: Result<T, Error>) -> StoreRefu
 }
 
 /// Violated teaching rule in a refusal.
-pub(crate) fn lesson<T: std::fmt::Debug>(result: Result<T, Error>) -> learning::Refusal {
+pub(crate) fn lesson<T: std::fmt::Debug>(result: Result<T, Error>) -> learning::TeachingError {
     match refusal(result) {
         StoreRefusal::Teaching(refusal) => refusal,
         other => panic!("expected a lesson refused, got {other:?}"),

@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 use random::Random;
-use store::{Condition, Mutation, OpenReport, Operation, PerceptualMemory, Standing, View};
+use store::{
+    CapturedView, Condition, LabelStatus, Mutation, OpenReport, Operation, PerceptualMemory,
+};
 use tempfile::TempDir;
 
 use crate::builders::{NOW_NS, apply, correct, fast_folder, forget, open, store, teach, view};
@@ -29,7 +31,7 @@ fn mutations() -> Vec<Mutation> {
 }
 
 /// Views and label status of each track.
-type StoreContents = Vec<Vec<(View, Standing)>>;
+type StoreContents = Vec<Vec<(CapturedView, LabelStatus)>>;
 
 /// Content of an undamaged store after the first `n` mutations.
 fn state_after(n: usize) -> &'static StoreContents {
@@ -162,7 +164,7 @@ fn is_part_of_the_truth(memory: &mut PerceptualMemory) -> bool {
         views.iter().all(|(view, standing)| {
             let mut later = known().flat_map(|state| &state[track]);
             later.any(|(known, known_standing)| {
-                let without_cloud = View {
+                let without_cloud = CapturedView {
                     points: None,
                     ..known.clone()
                 };

@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 use store::{
-    Change, Condition, DocumentKey, DocumentKind, Error, ForeignDocument, ForeignView,
-    MemoryDocument, Mutation, Origin, PerceptualMemory, Standing, Target, View,
+    CapturedView, Condition, DocumentKey, DocumentKind, Error, ForeignDocument, ForeignView,
+    LabelStatus, MemoryDocument, Mutation, Origin, PerceptualMemory, StoreChange, Target,
 };
 use tempfile::TempDir;
 
@@ -52,7 +52,7 @@ fn meaning(memory: &PerceptualMemory) -> Exported {
 fn import(id: u128, from: &Exported) -> Mutation {
     mutation(
         id,
-        Change::Import {
+        StoreChange::Import {
             source: "test".to_owned(),
             views: from.views.clone(),
             documents: from.documents.clone(),
@@ -63,7 +63,7 @@ fn import(id: u128, from: &Exported) -> Mutation {
 fn put(id: u128, name: &str, content: u8) -> Mutation {
     mutation(
         id,
-        Change::PutDocument(MemoryDocument {
+        StoreChange::PutDocument(MemoryDocument {
             key: DocumentKey {
                 kind: DocumentKind::ObjectModel,
                 name: name.into(),
@@ -90,7 +90,7 @@ fn taught(robot: u32) -> (TempDir, PerceptualMemory) {
             teach(id + 3, 2, "Bowl"),
             put(id + 4, "mug 1", robot as u8),
             store(id + 5, vec![view(3, 0, robot)]),
-            mutation(id + 6, Change::Forget(Target::Track(2))),
+            mutation(id + 6, StoreChange::Forget(Target::Track(2))),
         ],
     );
     (folder, memory)
@@ -150,10 +150,13 @@ fn import_does_not_revive_purged_views() {
     let early = exported(&ours);
     apply(
         &mut ours,
-        &[mutation(700, Change::Forget(Target::Track(1)))],
+        &[mutation(700, StoreChange::Forget(Target::Track(1)))],
     );
     let before_ns = NOW_NS + 10_000;
-    apply(&mut ours, &[mutation(701, Change::Purge { before_ns })]);
+    apply(
+        &mut ours,
+        &[mutation(701, StoreChange::Purge { before_ns })],
+    );
     assert_eq!(ours.categories(), []);
     let answer = apply(&mut ours, &[import(702, &early)]).remove(0);
     assert_eq!((answer.n_views, ours.categories()), (0, vec![]));
@@ -188,8 +191,8 @@ proptest! {
         for (i, (robot, track, category, later)) in opinions.into_iter().enumerate() {
             let target = Target::Track(track);
             let change = match category {
-                2 => Change::Forget(target),
-                _ => Change::Correct { target, category: name(["Mug", "Cup"][category]) },
+                2 => StoreChange::Forget(target),
+                _ => StoreChange::Correct { target, category: name(["Mug", "Cup"][category]) },
             };
             let mut asked = mutation(1000 + i as u128, change);
             asked.wall_ns = NOW_NS + 500 + later;
@@ -215,7 +218,7 @@ proptest! {
 fn import_of_a_backup_restores_a_lost_cloud() {
     let folder = fast_folder();
     let (mut memory, _) = open(&folder);
-    let with_cloud = View {
+    let with_cloud = CapturedView {
         // Larger than a block of the table, so that it has one for itself.
         points: Some(vec![0xa5; 100_000]),
         ..view(1, 0, 0)
@@ -259,11 +262,11 @@ fn import_of_own_view_under_a_track_id_never_leased_gets_another_id() {
             memory_id: memory.memory_id(),
             view: key(track_id, 0),
         },
-        standing: Standing::Unnamed,
+        standing: LabelStatus::Unnamed,
         decided: None,
     };
     let views = vec![own(3), own(u64::MAX - 1)];
-    let change = Change::Import {
+    let change = StoreChange::Import {
         source: "test".to_owned(),
         views,
         documents: Vec::new(),

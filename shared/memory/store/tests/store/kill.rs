@@ -47,7 +47,7 @@ fn child_teaches_until_killed() {
     let config = StoreConfig {
         folder: folder.into(),
         queue_capacity: 16,
-        limits: store::Limits::default(),
+        limits: store::RetentionLimits::default(),
         write_buffer_bytes: store::WRITE_BUFFER_BYTES,
         wall_clock: || 1,
         on_reopened: Box::new(|_| {}),

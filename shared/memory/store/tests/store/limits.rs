@@ -1,11 +1,14 @@
 //! Retention-limit tests: the most redundant views are pruned first.
 
-use store::{Change, Limits, Operation, PerceptualMemory, StoreConfig, StoreThread, View};
+use store::{
+    CapturedView, Operation, PerceptualMemory, RetentionLimits, StoreChange, StoreConfig,
+    StoreThread,
+};
 
 use crate::builders::{apply, counts, fast_folder, mutation, open, store, teach, view};
 
-/// View whose descriptor encodes its distance from the others.
-fn view_at(track_id: u64, view_id: u32, place: f32) -> View {
+/// CapturedView whose descriptor encodes its distance from the others.
+fn view_at(track_id: u64, view_id: u32, place: f32) -> CapturedView {
     let mut view = view(track_id, view_id, 0);
     view.descriptor.values = vec![place, 1.0];
     view.captured_ns = u64::from(view_id);
@@ -16,9 +19,9 @@ fn view_at(track_id: u64, view_id: u32, place: f32) -> View {
 fn retention_limit_prunes_redundant_views_of_a_category() {
     let folder = fast_folder();
     let (mut memory, _) = open(&folder);
-    memory.set_limits(Limits {
+    memory.set_limits(RetentionLimits {
         max_views_per_category: 10,
-        ..Limits::default()
+        ..RetentionLimits::default()
     });
     // Nine apart from each other, and two beside the first, the newest.
     let places = [
@@ -53,10 +56,10 @@ fn retention_limit_prunes_redundant_views_of_a_category() {
     reader.export(take_view, |_| Ok(())).unwrap();
     assert_eq!(n_told, 9);
     // It can be taken back, and then is done no more until the category grows.
-    memory.set_limits(Limits::default());
+    memory.set_limits(RetentionLimits::default());
     apply(
         &mut memory,
-        &[mutation(3, Change::Undo { sequence: Some(3) })],
+        &[mutation(3, StoreChange::Undo { sequence: Some(3) })],
     );
     assert_eq!(counts(&memory), [("Mug".to_owned(), 11)]);
 }
@@ -65,9 +68,9 @@ fn retention_limit_prunes_redundant_views_of_a_category() {
 fn retention_limit_evicts_the_oldest_unlabelled_views() {
     let folder = fast_folder();
     let (mut memory, _) = open(&folder);
-    memory.set_limits(Limits {
+    memory.set_limits(RetentionLimits {
         max_unnamed_views: 10,
-        ..Limits::default()
+        ..RetentionLimits::default()
     });
     for track in 1..=12 {
         apply(
@@ -92,9 +95,9 @@ fn retention_limit_frees_disk_space() {
     let (thread, handle, _) = StoreThread::start(StoreConfig {
         folder: folder.path().to_owned(),
         queue_capacity: 8,
-        limits: Limits {
+        limits: RetentionLimits {
             max_unnamed_views: 20,
-            ..Limits::default()
+            ..RetentionLimits::default()
         },
         write_buffer_bytes: 256 << 10,
         wall_clock: || 1,
@@ -129,7 +132,7 @@ fn deduplication_stores_equal_content_once() {
     let folder = fast_folder();
     let (mut memory, _) = open(&folder);
     let cloud = vec![7; 100_000];
-    let with_cloud = |track| View {
+    let with_cloud = |track| CapturedView {
         points: Some(cloud.clone()),
         ..view_at(track, 0, 3.0)
     };

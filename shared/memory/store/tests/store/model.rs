@@ -5,8 +5,8 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use learning::{CategoryName, ViewId};
 use proptest::prelude::*;
 use store::{
-    Answer, Change, Condition, DocumentKey, DocumentKind, Error, MemoryDocument, Mutation,
-    PerceptualMemory, Target, View,
+    CapturedView, Condition, DocumentKey, DocumentKind, Error, MemoryDocument, Mutation,
+    MutationReceipt, PerceptualMemory, StoreChange, Target,
 };
 
 use crate::builders::{
@@ -87,7 +87,7 @@ struct Forgotten {
 /// Content of the store, without its history.
 #[derive(Debug, Clone, Default, PartialEq)]
 struct ModelState {
-    views: BTreeMap<ViewId, (View, ModelStatus)>,
+    views: BTreeMap<ViewId, (CapturedView, ModelStatus)>,
     documents: BTreeMap<String, Vec<u8>>,
 }
 
@@ -134,7 +134,7 @@ impl ReferenceModel {
             before,
             touched_views,
             touched_documents,
-            is_purge: matches!(mutation.change, Change::Purge { .. }),
+            is_purge: matches!(mutation.change, StoreChange::Purge { .. }),
         });
         self.state = after;
         let answer = (self.entries.len() as u64, n_views);
@@ -163,7 +163,7 @@ impl ReferenceModel {
 
     /// The state with these views; `None` for a view that differs from the stored one, or
     /// is new under a track-id that was never leased.
-    fn with_views(&self, views: &[View]) -> Option<ModelState> {
+    fn with_views(&self, views: &[CapturedView]) -> Option<ModelState> {
         let mut state = self.state.clone();
         for view in views {
             let is_known = self.state.views.contains_key(&view.id);
@@ -180,8 +180,8 @@ impl ReferenceModel {
     fn change(&self, mutation: &Mutation) -> Option<ModelState> {
         let mut state = self.state.clone();
         match &mutation.change {
-            Change::StoreViews(views) => return self.with_views(views),
-            Change::Teach { track_id, category } => {
+            StoreChange::StoreViews(views) => return self.with_views(views),
+            StoreChange::Teach { track_id, category } => {
                 let of_track = state.of(&Target::Track(*track_id))?;
                 let is_other = |view: &ViewId| {
                     let standing = &state.views[view].1;
@@ -191,11 +191,11 @@ impl ReferenceModel {
                     state.rename(&of_track, category);
                 }
             }
-            Change::Correct { target, category } => {
+            StoreChange::Correct { target, category } => {
                 let views = state.of(target)?;
                 state.rename(&views, category);
             }
-            Change::Forget(target) => {
+            StoreChange::Forget(target) => {
                 let stamp_ns = mutation.wall_ns;
                 let standing = match target {
                     Target::Category(_) => Ok(None),
@@ -205,26 +205,26 @@ impl ReferenceModel {
                     state.set(view, standing.clone());
                 }
             }
-            Change::Rename { from, to } => {
+            StoreChange::Rename { from, to } => {
                 let views = state.of(&Target::Category(from.clone()))?;
                 if state.of(&Target::Category(to.clone())).is_some() {
                     return None;
                 }
                 state.rename(&views, to);
             }
-            Change::MergeCategories { from, into } => {
+            StoreChange::MergeCategories { from, into } => {
                 let views = state.of(&Target::Category(from.clone()))?;
                 state.of(&Target::Category(into.clone()))?;
                 state.rename(&views, into);
             }
-            Change::Undo { sequence } => return self.undone(sequence.unwrap(), mutation.wall_ns),
-            Change::PutDocument(MemoryDocument { key, content, .. }) => {
+            StoreChange::Undo { sequence } => return self.undone(sequence.unwrap(), mutation.wall_ns),
+            StoreChange::PutDocument(MemoryDocument { key, content, .. }) => {
                 state.documents.insert(key.name.to_string(), content.clone());
             }
-            Change::RemoveDocument(key) => {
+            StoreChange::RemoveDocument(key) => {
                 state.documents.remove(&*key.name)?;
             }
-            Change::Purge { before_ns } => state.views.retain(|_, (_, standing)| {
+            StoreChange::Purge { before_ns } => state.views.retain(|_, (_, standing)| {
                 !matches!(standing, Err(forgotten) if forgotten.stamp_ns < *before_ns)
             }),
             other => unreachable!("{other:?}"),
@@ -269,8 +269,8 @@ impl ReferenceModel {
 
     /// `true` for the undo of a replaced document whose earlier content may be purged, which the
     /// model does not track.
-    fn may_lack_content(&self, change: &Change) -> bool {
-        let Change::Undo { sequence: Some(n) } = change else {
+    fn may_lack_content(&self, change: &StoreChange) -> bool {
+        let StoreChange::Undo { sequence: Some(n) } = change else {
             return false;
         };
         let mut since = self.entries.iter().skip((*n as usize).saturating_sub(1));
@@ -323,7 +323,7 @@ impl ModelState {
     /// Views of a target; `None` if there are none.
     fn of(&self, target: &Target) -> Option<Vec<ViewId>> {
         let is_meant = |view: &ViewId, name: &Option<String>| match target {
-            Target::View(meant) => view == meant,
+            Target::CapturedView(meant) => view == meant,
             Target::Track(track_id) => view.track_id == *track_id,
             Target::Category(meant) => name.as_deref() == Some(meant.as_str()),
         };
@@ -367,27 +367,29 @@ fn asked_for(operation: &ModelOperation, id: u128, asked: &[Mutation], n: u64) -
         ModelOperation::Forget(name) => return Some(forget(id, NAMES[*name])),
         ModelOperation::Undo(back) => return Some(undo(id, n.saturating_sub(*back))),
         ModelOperation::Repeat(back) => return asked.iter().rev().nth(*back).cloned(),
-        ModelOperation::CorrectView(track, view, category) => Change::Correct {
-            target: Target::View(key(*track, *view)),
+        ModelOperation::CorrectView(track, view, category) => StoreChange::Correct {
+            target: Target::CapturedView(key(*track, *view)),
             category: name(NAMES[*category]),
         },
-        ModelOperation::ForgetTrack(track) => Change::Forget(Target::Track(*track)),
-        ModelOperation::ForgetView(track, view) => Change::Forget(Target::View(key(*track, *view))),
-        ModelOperation::Rename(from, to) => Change::Rename {
+        ModelOperation::ForgetTrack(track) => StoreChange::Forget(Target::Track(*track)),
+        ModelOperation::ForgetView(track, view) => {
+            StoreChange::Forget(Target::CapturedView(key(*track, *view)))
+        }
+        ModelOperation::Rename(from, to) => StoreChange::Rename {
             from: name(NAMES[*from]),
             to: name(NAMES[*to]),
         },
-        ModelOperation::Merge(from, into) => Change::MergeCategories {
+        ModelOperation::Merge(from, into) => StoreChange::MergeCategories {
             from: name(NAMES[*from]),
             into: name(NAMES[*into]),
         },
-        ModelOperation::Put(name, content) => Change::PutDocument(MemoryDocument {
+        ModelOperation::Put(name, content) => StoreChange::PutDocument(MemoryDocument {
             key: document(*name),
             media_type: "text/plain".to_owned(),
             content: vec![*content; 40],
         }),
-        ModelOperation::Remove(name) => Change::RemoveDocument(document(*name)),
-        ModelOperation::Purge(back) => Change::Purge {
+        ModelOperation::Remove(name) => StoreChange::RemoveDocument(document(*name)),
+        ModelOperation::Purge(back) => StoreChange::Purge {
             before_ns: NOW_NS + (id as u64).saturating_sub(*back),
         },
         _ => return None,
@@ -427,7 +429,7 @@ fn check(operations: Vec<ModelOperation>) {
         }
         match (memory.apply(&mutation), model.apply(&mutation)) {
             (Ok(answer), Some(expected)) => {
-                let Answer {
+                let MutationReceipt {
                     sequence, n_views, ..
                 } = answer;
                 assert_eq!((sequence, n_views), expected, "{mutation:?}");

@@ -1,20 +1,20 @@
 //! Export-file tests: round trip, and refusal of damaged files.
 
 use store::{
-    Decided, Digest, DocumentKey, DocumentKind, ForeignDocument, ForeignView, MemoryDocument,
-    Origin, PortableError, PortableReader, PortableWriter, Standing,
+    DecisionStamp, Digest, DocumentKey, DocumentKind, ForeignDocument, ForeignView, LabelStatus,
+    MemoryDocument, Origin, PortableError, PortableReader, PortableWriter,
 };
 
 use crate::builders::{NOW_NS, key, name, view};
 
-fn decided() -> Decided {
-    Decided {
+fn decided() -> DecisionStamp {
+    DecisionStamp {
         author: "anna".into(),
         stamp_ns: NOW_NS,
     }
 }
 
-fn present(view_id: u32, standing: Standing) -> ForeignView {
+fn present(view_id: u32, standing: LabelStatus) -> ForeignView {
     ForeignView::Present {
         view: Box::new(view(7, view_id, view_id)),
         origin: Origin {
@@ -70,8 +70,8 @@ fn read(file: &[u8]) -> Result<Content, PortableError> {
 
 fn example() -> Content {
     let views = vec![
-        present(0, Standing::Named(name("Mug"))),
-        present(1, Standing::Unnamed),
+        present(0, LabelStatus::Named(name("Mug"))),
+        present(1, LabelStatus::Unnamed),
         ForeignView::Forgotten {
             identity: Digest(9),
             decided: decided(),
@@ -106,7 +106,7 @@ fn export_file_that_is_damaged_is_refused() {
     assert!(read(&without_first).is_err());
     assert!(matches!(
         read(b"some other file"),
-        Err(PortableError::NoMemory)
+        Err(PortableError::NotAnExport)
     ));
     assert!(matches!(
         read(b"TABULA MEMORY 2\n"),

@@ -1,11 +1,11 @@
 //! Refusal tests: invalid requests get a sentence and change nothing.
 
-use learning::{CategoryName, Refusal as TeachingRefusal};
+use learning::{CategoryName, TeachingError as TeachingRefusal};
 use nalgebra::{Quaternion, UnitQuaternion};
 use proptest::prelude::*;
 use store::{
-    Answer, Change, Condition, MAX_BATCH_VIEWS, MAX_LEASE, MAX_NAME_BYTES, Mutation, Operation,
-    StoreRefusal, View,
+    CapturedView, Condition, MAX_BATCH_VIEWS, MAX_LEASE, MAX_NAME_BYTES, Mutation, MutationReceipt,
+    Operation, StoreChange, StoreRefusal,
 };
 
 use crate::builders::{
@@ -113,7 +113,7 @@ fn no_rotation() -> UnitQuaternion<f64> {
 fn view_with_invalid_values_is_refused() {
     let folder = folder();
     let (mut memory, _) = open(&folder);
-    let spoil: [fn(&mut View); 12] = [
+    let spoil: [fn(&mut CapturedView); 12] = [
         |v| v.id.track_id = u64::MAX,
         |v| v.descriptor.values.clear(),
         |v| v.descriptor.values[3] = f32::NAN,
@@ -154,7 +154,7 @@ fn oversized_request_is_refused() {
             }
         );
     }
-    let large = |i| View {
+    let large = |i| CapturedView {
         points: Some(vec![0; store::MAX_POINTS_BYTES]),
         ..view(1, i, 0)
     };
@@ -202,7 +202,7 @@ fn track_id_that_was_never_leased_is_refused_and_leases_go_on() {
         let sentence = format!("view 0 of track {track_id} cannot be stored");
         assert!(refused.to_string().starts_with(&sentence), "{refused}");
         assert_eq!(
-            refusal::<Answer>(Err(refused)),
+            refusal::<MutationReceipt>(Err(refused)),
             StoreRefusal::TrackNotLeased { view }
         );
     }
@@ -233,7 +233,7 @@ proptest! {
         let tracks = || (1..).zip(&names);
         apply(&mut memory, &[store(0, tracks().map(|(track, _)| view(track, 0, 0)).collect())]);
         for (track_id, category) in tracks() {
-            let change = Change::Teach { track_id, category: category.clone() };
+            let change = StoreChange::Teach { track_id, category: category.clone() };
             apply(&mut memory, &[mutation(track_id as u128, change)]);
         }
         drop(memory);

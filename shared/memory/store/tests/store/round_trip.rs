@@ -1,6 +1,6 @@
 //! Round-trip tests: stored content is unchanged, also after a reopening.
 
-use store::{Condition, Decided, Effect, Operation, Standing, Target};
+use store::{Condition, DecisionStamp, Effect, LabelStatus, Operation, Target};
 
 use crate::builders::{
     NOW_NS, answer, apply, correct, counts, folder, forget, key, name, open, store, teach, view,
@@ -29,8 +29,8 @@ fn views_and_labels_round_trip_bit_by_bit() {
     let (mut memory, _) = open(&folder);
     let answers = apply(&mut memory, &[store(1, views.clone()), teach(2, 1, "Mug")]);
     assert_eq!(answers, [answer(1, 3), answer(2, 2)]);
-    let mug = Standing::Named(name("Mug"));
-    let decided = Some(Decided {
+    let mug = LabelStatus::Named(name("Mug"));
+    let decided = Some(DecisionStamp {
         author: "anna".into(),
         stamp_ns: NOW_NS + 2,
     });
@@ -47,7 +47,10 @@ fn views_and_labels_round_trip_bit_by_bit() {
             assert_eq!(stored.origin.memory_id, memory.memory_id());
         }
         let last = memory.views_of_track(u64::MAX - 1).unwrap().remove(0);
-        assert_eq!((&last.view, last.standing), (&views[2], Standing::Unnamed));
+        assert_eq!(
+            (&last.view, last.standing),
+            (&views[2], LabelStatus::Unnamed)
+        );
         assert_eq!((last.decided, last.sequence), (None, 1));
         assert_eq!(counts(memory), [("Mug".to_owned(), 2)]);
     };
@@ -177,7 +180,7 @@ fn history_records_author_operation_and_time() {
     };
     assert_eq!(view, key(3, 2));
     let standing =
-        |text: Option<&str>| text.map_or(Standing::Unnamed, |t| Standing::Named(name(t)));
+        |text: Option<&str>| text.map_or(LabelStatus::Unnamed, |t| LabelStatus::Named(name(t)));
     let change = |before: Option<&str>, after: Option<&str>| {
         [Effect::Changed {
             view: key(3, 2),

@@ -3,8 +3,8 @@
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
-use learning::Refusal;
-use store::{Answer, Error, StoreConfig, StoreHandle, StoreThread};
+use learning::TeachingError;
+use store::{Error, MutationReceipt, StoreConfig, StoreHandle, StoreThread};
 use tempfile::TempDir;
 
 use crate::builders::{
@@ -22,7 +22,7 @@ fn start(folder: &TempDir, queue_capacity: usize) -> (StoreThread, StoreHandle) 
     let config = StoreConfig {
         folder: folder.path().to_owned(),
         queue_capacity,
-        limits: store::Limits::default(),
+        limits: store::RetentionLimits::default(),
         write_buffer_bytes: store::WRITE_BUFFER_BYTES,
         wall_clock: || 1,
         on_reopened: Box::new(|_| {}),
@@ -53,7 +53,7 @@ fn group_commit_keeps_the_order() {
     let folder = folder();
     let (thread, handle) = start(&folder, 64);
     let release = occupy(&handle);
-    let (sender, answers): (_, Receiver<(u32, Result<Answer, Error>)>) = channel();
+    let (sender, answers): (_, Receiver<(u32, Result<MutationReceipt, Error>)>) = channel();
     let group = [
         store_views(1, vec![view(1, 0, 0)]),
         teach(2, 1, "Mug"),
@@ -79,7 +79,7 @@ fn group_commit_keeps_the_order() {
         answer(2, 1),
         "the repeated one gets its first answer"
     );
-    assert_eq!(lesson(next().1), Refusal::NoViews { track_id: 9 });
+    assert_eq!(lesson(next().1), TeachingError::NoViews { track_id: 9 });
     thread.stop().unwrap();
     let (memory, _) = open(&folder);
     assert_eq!(

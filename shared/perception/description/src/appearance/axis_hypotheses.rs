@@ -5,15 +5,15 @@ use super::{COLOR_OFFSET, DIMENSION, SIZE_OFFSET, value_order};
 use crate::AxesKind;
 
 /// Number of axis hypotheses of a descriptor.
-pub const N_READINGS: usize = 4;
+pub const N_AXIS_HYPOTHESES: usize = 4;
 
 /// Signed permutations of the four axis hypotheses, for each kind of axes. Reversing an
 /// axis only changes signs of coefficients, and a quarter turn only permutes them, so no
 /// hypothesis needs the points again.
 #[derive(Debug, Clone)]
 pub(super) struct AxisHypotheses {
-    principal: [SignedPermutation; N_READINGS],
-    upright: [SignedPermutation; N_READINGS],
+    principal: [SignedPermutation; N_AXIS_HYPOTHESES],
+    upright: [SignedPermutation; N_AXIS_HYPOTHESES],
 }
 
 /// Signed permutation of descriptor values: source index and sign of each value.

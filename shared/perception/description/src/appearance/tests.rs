@@ -36,14 +36,14 @@ fn mapped(cloud: &[Point], map: impl Fn(Point3<f64>) -> Point3<f64>) -> Vec<Poin
         .collect()
 }
 
-fn described(cloud: &[Point], up: Option<&UnitVector3<f64>>) -> [Vec<f32>; N_READINGS] {
-    let mut appearance = Appearance::new(AppearanceWeights::default()).unwrap();
+fn described(cloud: &[Point], up: Option<&UnitVector3<f64>>) -> [Vec<f32>; N_AXIS_HYPOTHESES] {
+    let mut appearance = AppearanceDescriptor::new(AppearanceWeights::default()).unwrap();
     let points = ObjectPoints::all(cloud);
     appearance.describe(points, up).unwrap().clone()
 }
 
 /// Distance of an object to a stored view: the least over the axis hypotheses.
-fn distance(hypotheses: &[Vec<f32>; N_READINGS], stored: &[f32]) -> f32 {
+fn distance(hypotheses: &[Vec<f32>; N_AXIS_HYPOTHESES], stored: &[f32]) -> f32 {
     let to = |hypothesis: &Vec<f32>| {
         let squares = hypothesis
             .iter()
@@ -101,11 +101,11 @@ proptest! {
     ) {
         let cloud: Vec<_> =
             points.iter().map(|&[x, y, z]| Point { x, y, z, color: Rgba(0) }).collect();
-        let mut appearance = Appearance::new(AppearanceWeights::default()).unwrap();
+        let mut appearance = AppearanceDescriptor::new(AppearanceWeights::default()).unwrap();
         let up = is_upright.then(Vector3::y_axis);
         if let Ok(hypotheses) = appearance.describe(ObjectPoints::all(&cloud), up.as_ref()) {
             for hypothesis in hypotheses {
-                prop_assert_eq!(hypothesis.len(), Appearance::DIMENSION);
+                prop_assert_eq!(hypothesis.len(), AppearanceDescriptor::DIMENSION);
                 prop_assert!(hypothesis.iter().all(|value| value.is_finite()));
             }
         }
@@ -165,7 +165,7 @@ fn axis_hypotheses_of_a_stored_view_equal_those_of_the_object() {
     for (up, kind) in [(None, AxesKind::Principal), (Some(&up), AxesKind::Upright)] {
         let hypotheses = described(&cloud, up);
         assert_eq!(
-            Appearance::axis_hypotheses_of(&hypotheses[0], kind),
+            AppearanceDescriptor::axis_hypotheses_of(&hypotheses[0], kind),
             hypotheses
         );
     }
@@ -191,7 +191,7 @@ fn appearance_distinguishes_size_and_colour() {
         p.color = Rgba::opaque(30, 40, 180);
     }
     assert!(distance(&described(&blue, None), stored) > 0.5);
-    let mut appearance = Appearance::new(AppearanceWeights::shape_only()).unwrap();
+    let mut appearance = AppearanceDescriptor::new(AppearanceWeights::shape_only()).unwrap();
     let stored = appearance
         .describe(ObjectPoints::all(&cloud), None)
         .unwrap()[0]
@@ -207,13 +207,13 @@ fn invalid_weights_and_too_few_points_are_rejected() {
             shape,
             ..AppearanceWeights::default()
         };
-        let error = Appearance::new(weights).unwrap_err();
+        let error = AppearanceDescriptor::new(weights).unwrap_err();
         assert!(
             error.to_string().contains("choose a number from 0 to 100"),
             "{error}"
         );
     }
-    let mut appearance = Appearance::new(AppearanceWeights::default()).unwrap();
+    let mut appearance = AppearanceDescriptor::new(AppearanceWeights::default()).unwrap();
     let error = appearance
         .describe(ObjectPoints::all(&sheet(2)), None)
         .unwrap_err();

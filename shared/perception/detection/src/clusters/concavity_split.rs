@@ -2,7 +2,7 @@
 
 use super::{Clusters, LinkDistance, NO_CLUSTER, find_root, squared_distance, union};
 use crate::creases::Creases;
-use crate::parallelism::{Crew, ScratchPool};
+use crate::parallelism::{Parallelism, ScratchPool};
 use crate::patch::{Patch, UNASSIGNED};
 use crate::region_merging::RegionAdjacency;
 use point_cloud::OrganizedCloud;
@@ -62,7 +62,7 @@ impl Clusters {
     pub(crate) fn split_at_concavities(
         &mut self,
         cloud: &OrganizedCloud<'_>,
-        parallelism: &dyn Crew,
+        parallelism: &dyn Parallelism,
         may_be_several_objects: impl Fn(&[u32]) -> bool + Sync,
         splits: &mut ScratchPool<ConcavitySplit>,
     ) {

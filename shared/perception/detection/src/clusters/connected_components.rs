@@ -5,7 +5,7 @@
 //! which links are followed.
 
 use super::{Clusters, LINKS, NO_CLUSTER, squared_distance, union};
-use crate::parallelism::{Crew, for_each};
+use crate::parallelism::{Parallelism, for_each};
 use point_cloud::{OrganizedCloud, Point};
 
 /// Number of bands, unless the image has fewer rows.
@@ -29,7 +29,7 @@ impl Clusters {
     pub(crate) fn label_components(
         &mut self,
         cloud: &OrganizedCloud<'_>,
-        parallelism: &dyn Crew,
+        parallelism: &dyn Parallelism,
         pixels: &[u32],
         n_min: u32,
     ) {
@@ -43,7 +43,12 @@ impl Clusters {
     }
 
     /// Label each band of `n_rows` rows.
-    fn label_bands(&mut self, cloud: &OrganizedCloud<'_>, parallelism: &dyn Crew, n_rows: usize) {
+    fn label_bands(
+        &mut self,
+        cloud: &OrganizedCloud<'_>,
+        parallelism: &dyn Parallelism,
+        n_rows: usize,
+    ) {
         let n_pixels = n_rows * cloud.width();
         self.bands
             .resize_with(cloud.height().div_ceil(n_rows), Band::default);

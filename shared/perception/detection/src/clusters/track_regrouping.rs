@@ -53,8 +53,8 @@ impl TrackClaims {
         let (low, high) = bounds(points, pixels);
         self.near.clear();
         let near = tracks.iter().enumerate().filter(|(_, track)| {
-            let centre = track.shape.centre();
-            let reach = track.shape.half_sides_m.norm() + MARGIN_M;
+            let centre = track.oriented_box.centre();
+            let reach = track.oriented_box.half_sides_m.norm() + MARGIN_M;
             track.n_points > 0
                 && (0..3).all(|i| (low[i] - reach..=high[i] + reach).contains(&centre[i]))
         });
@@ -169,8 +169,11 @@ impl TrackClaims {
 
 /// Distance of a point from the box of a track, metres; negative inside.
 fn distance_outside_m(track: &ExpectedTrack, point: &Point3<f64>) -> f64 {
-    let place = track.shape.frame_from_box.inverse_transform_point(point);
-    let beyond = |i: usize| place[i].abs() - track.shape.half_sides_m[i];
+    let place = track
+        .oriented_box
+        .frame_from_box
+        .inverse_transform_point(point);
+    let beyond = |i: usize| place[i].abs() - track.oriented_box.half_sides_m[i];
     (0..3).map(beyond).fold(f64::NEG_INFINITY, f64::max)
 }
 

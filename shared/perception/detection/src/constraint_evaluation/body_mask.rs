@@ -4,7 +4,7 @@
 //! merge with the hand or gripper that touches it.
 
 use crate::RawConfig;
-use crate::input::{ExpectedTrack, Surroundings};
+use crate::input::{ExpectedTrack, ScenePriors};
 use crate::table::Table;
 use geometry::Capsule;
 use nalgebra::{Point3, Vector3};
@@ -133,7 +133,7 @@ impl MarginCapsule {
 /// `true` when a point is inside the predicted box of a live track.
 fn is_expected(tracks: &[ExpectedTrack], point: &Point) -> bool {
     let point = point.position();
-    let mut shapes = tracks.iter().map(|track| &track.shape);
+    let mut shapes = tracks.iter().map(|track| &track.oriented_box);
     shapes.any(|shape| shape.contains(&point, TRACK_MARGIN_M))
 }
 
@@ -146,9 +146,9 @@ pub(crate) struct BodyMask {
 
 impl BodyMask {
     /// Collect the capsules that reach into the prism above the table.
-    pub(crate) fn refill(&mut self, priors: &Surroundings<'_>, table: &Table, config: &RawConfig) {
+    pub(crate) fn refill(&mut self, priors: &ScenePriors<'_>, table: &Table, config: &RawConfig) {
         self.capsules.clear();
-        let Surroundings {
+        let ScenePriors {
             instructor, robot, ..
         } = priors;
         for (capsules, margin_m, kind) in [

@@ -9,7 +9,7 @@ const N_SAMPLES: usize = 12;
 /// Intersection over union of two boxes, 0 to 1, by grid sampling in the smaller one; 0
 /// when neither has a volume.
 pub(super) fn iou(a: &OrientedBox, b: &OrientedBox) -> f64 {
-    if !a.may_meet(b, 0.0) {
+    if !a.bounding_spheres_meet(b, 0.0) {
         return 0.0;
     }
     let (small, large) = if a.volume_m3() <= b.volume_m3() {

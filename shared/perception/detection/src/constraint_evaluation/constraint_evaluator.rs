@@ -5,9 +5,9 @@ use super::box_iou::iou;
 use crate::RawConfig;
 use crate::candidate::{Candidate, Support};
 use crate::cluster_hypothesis::ClusterHypothesis;
-use crate::input::Surroundings;
+use crate::input::ScenePriors;
 use crate::table::Table;
-use constraint::{Constraint, ConstraintSet, Expression, Finding, Findings, Reason, Truth};
+use constraint::{Constraint, ConstraintSet, Expression, Finding, Findings, Reason, Ternary};
 use geometry::OrientedBox;
 use nalgebra::Point3;
 use point_cloud::OrganizedCloud;
@@ -43,14 +43,14 @@ const N_SAMPLES: usize = 256;
 pub(crate) struct ConstraintEvaluator<'a> {
     pub(crate) cloud: OrganizedCloud<'a>,
     pub(crate) table: &'a Table,
-    pub(crate) priors: Surroundings<'a>,
+    pub(crate) priors: ScenePriors<'a>,
     pub(crate) body_mask: &'a BodyMask,
     pub(crate) config: &'a RawConfig,
 }
 
-fn finding(truth: impl Into<Truth>, reason: Reason) -> Finding {
+fn finding(truth: impl Into<Ternary>, reason: Reason) -> Finding {
     Finding {
-        truth: truth.into(),
+        value: truth.into(),
         reason,
     }
 }
@@ -75,13 +75,13 @@ impl ConstraintEvaluator<'_> {
         let (verdict, decisive) = if hypothesis.is_object_sized {
             (rule.evaluate(&findings), rule.decisive(&findings))
         } else {
-            (Truth::False, ConstraintSet::from(Constraint::Size))
+            (Ternary::False, ConstraintSet::from(Constraint::Size))
         };
         Candidate {
             range,
             centroid: hypothesis.statistics.centroid,
             oriented_box,
-            unseen_foot_m: hypothesis.occluded_base_m(),
+            occluded_base_m: hypothesis.occluded_base_m(),
             mean_rgb: hypothesis.statistics.mean_rgb,
             support: hypothesis.support,
             touches_image_border: is_cut,
@@ -127,7 +127,9 @@ impl ConstraintEvaluator<'_> {
         if tracks.is_empty() {
             return Constraint::Track.default_finding();
         }
-        let overlaps = tracks.iter().map(|track| iou(hypothesis_box, &track.shape));
+        let overlaps = tracks
+            .iter()
+            .map(|track| iou(hypothesis_box, &track.oriented_box));
         let greatest = overlaps.fold(0.0, f64::max);
         if greatest >= self.config.track_overlap_max {
             let overlap = greatest as f32;
@@ -169,7 +171,7 @@ impl ConstraintEvaluator<'_> {
                 max_m3: config.graspable_volume_max_m3 as f32,
             }
         } else if is_cut {
-            return finding(Truth::Unknown, Reason::SizeTruncated { side_m: longest });
+            return finding(Ternary::Unknown, Reason::SizeTruncated { side_m: longest });
         } else if sides[0] < config.side_min_m {
             Reason::TooSmall {
                 side_m: longest,
@@ -214,9 +216,10 @@ impl ConstraintEvaluator<'_> {
     /// Share of a cluster's sampled points inside grown track boxes.
     fn share_in_tracks(&self, hypothesis_box: &OrientedBox, pixels: &[u32]) -> f32 {
         let mut is_inside = [false; N_SAMPLES];
-        let near = |track: &&OrientedBox| track.may_meet(hypothesis_box, BOX_TOLERANCE_M);
+        let near =
+            |track: &&OrientedBox| track.bounding_spheres_meet(hypothesis_box, BOX_TOLERANCE_M);
         let tracks = self.priors.tracks.iter();
-        let grown = tracks.map(|track| grown(&track.shape));
+        let grown = tracks.map(|track| grown(&track.oriented_box));
         for track in grown.filter(|track| near(&track)) {
             for (is_inside, &pixel) in is_inside.iter_mut().zip(samples(pixels)) {
                 let point = self.cloud.points()[pixel as usize].position();
@@ -262,7 +265,7 @@ fn table_finding(hypothesis: &ClusterHypothesis) -> Finding {
         Some(Support::Object) => finding(true, Reason::RestsOnObject),
         Some(Support::Occluded) => finding(true, Reason::BaseOccluded),
         None if hypothesis.is_base_without_depth => {
-            finding(Truth::Unknown, Reason::BaseWithoutDepth)
+            finding(Ternary::Unknown, Reason::BaseWithoutDepth)
         }
         None => {
             let gap_m = hypothesis.statistics.height_m[0];
@@ -275,19 +278,19 @@ fn table_finding(hypothesis: &ClusterHypothesis) -> Finding {
 fn mask_finding(constraint: Constraint, share: f32, margin_m: f32) -> Finding {
     let is_robot = constraint == Constraint::Robot;
     let truth = if share >= BODY_SHARE {
-        Truth::True
+        Ternary::True
     } else if share >= BODY_SHARE_MAYBE {
-        Truth::Unknown
+        Ternary::Unknown
     } else {
-        Truth::False
+        Ternary::False
     };
     let reason = match (truth, is_robot) {
-        (Truth::True, false) => Reason::Person { share, margin_m },
-        (Truth::True, true) => Reason::Robot { share, margin_m },
-        (Truth::Unknown, false) => Reason::MaybePerson { share, margin_m },
-        (Truth::Unknown, true) => Reason::MaybeRobot { share, margin_m },
-        (Truth::False, false) => Reason::NotPerson,
-        (Truth::False, true) => Reason::NotRobot,
+        (Ternary::True, false) => Reason::Person { share, margin_m },
+        (Ternary::True, true) => Reason::Robot { share, margin_m },
+        (Ternary::Unknown, false) => Reason::MaybePerson { share, margin_m },
+        (Ternary::Unknown, true) => Reason::MaybeRobot { share, margin_m },
+        (Ternary::False, false) => Reason::NotPerson,
+        (Ternary::False, true) => Reason::NotRobot,
     };
     finding(truth, reason)
 }
@@ -295,8 +298,11 @@ fn mask_finding(constraint: Constraint, share: f32, margin_m: f32) -> Finding {
 /// Contact finding of an object cluster from its share of points near the body.
 fn touch_finding(constraint: Constraint, share: f32, margin_m: f32) -> Finding {
     match (share >= TOUCH_SHARE, constraint == Constraint::Robot) {
-        (true, false) => finding(Truth::Unknown, Reason::TouchedByPerson { share, margin_m }),
-        (true, true) => finding(Truth::Unknown, Reason::TouchedByRobot { share, margin_m }),
+        (true, false) => finding(
+            Ternary::Unknown,
+            Reason::TouchedByPerson { share, margin_m },
+        ),
+        (true, true) => finding(Ternary::Unknown, Reason::TouchedByRobot { share, margin_m }),
         (false, false) => finding(false, Reason::NotPerson),
         (false, true) => finding(false, Reason::NotRobot),
     }

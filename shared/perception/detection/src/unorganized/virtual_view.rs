@@ -4,7 +4,7 @@
 use super::label_groups::UNLABELLED;
 use super::point_labels::PointLabels;
 use crate::affine_form::AffineForm;
-use crate::input::{Frame, Surroundings};
+use crate::input::{DetectionInput, ScenePriors};
 use crate::organized::{OrganizedBuffers, detect_organized};
 use crate::output::Detection;
 use crate::parallelism::Sequential;
@@ -127,11 +127,11 @@ impl VirtualView {
             return 0;
         };
         let up_in_camera = Some(camera_from_table.rotation * Vector3::z_axis());
-        let frame = Frame {
+        let frame = DetectionInput {
             cloud,
             up_in_camera,
             seed: 0,
-            surroundings: Surroundings::default(),
+            priors: ScenePriors::default(),
         };
         organized.recycle(&mut self.detection);
         let detection = &mut self.detection;

@@ -9,7 +9,7 @@ use crate::affine_form::AffineForm;
 use crate::candidate::Support;
 use crate::cluster_hypothesis::ClusterHypothesis;
 use crate::constraint_evaluation::{BodyMask, ConstraintEvaluator};
-use crate::input::Frame;
+use crate::input::DetectionInput;
 use crate::organized::OrganizedBuffers;
 use crate::output::Detection;
 use crate::support_relations::propagate_support;
@@ -74,7 +74,7 @@ impl VoxelDetector {
     /// Detect in a cloud; `organized` serves the virtual views of large clusters.
     pub(super) fn detect(
         &mut self,
-        frame: &Frame<'_>,
+        frame: &DetectionInput<'_>,
         rules: &Config,
         organized: &mut OrganizedBuffers,
         detection: &mut Detection,
@@ -272,17 +272,16 @@ impl VoxelDetector {
 
     fn write(
         &mut self,
-        frame: &Frame<'_>,
+        frame: &DetectionInput<'_>,
         table: &Table,
         config: &Config,
         detection: &mut Detection,
     ) {
-        self.body_mask
-            .refill(&frame.surroundings, table, config.get());
+        self.body_mask.refill(&frame.priors, table, config.get());
         let evaluator = ConstraintEvaluator {
             cloud: frame.cloud,
             table,
-            priors: frame.surroundings,
+            priors: frame.priors,
             body_mask: &self.body_mask,
             config: config.get(),
         };

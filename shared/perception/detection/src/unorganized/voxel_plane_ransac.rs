@@ -95,7 +95,7 @@ pub(super) fn largest_plane(
 
 fn through(centroids: &VoxelCentroids, drawn: [usize; 3], cone: &UpCone) -> Option<Plane> {
     let [a, b, c] = drawn.map(|i| centroids.position(i));
-    cone.admit(Plane::through_three(&a, &b, &c)?)
+    cone.admit(Plane::through_points(&a, &b, &c)?)
 }
 
 /// Least-squares plane of the unassigned centroids in a plane's band.

@@ -122,7 +122,7 @@ impl VoxelPlaneRegion {
         let corner = |at: [f32; 2]| Point2::new(f64::from(at[0]), f64::from(at[1]));
         self.outline
             .extend(self.placed.iter().map(|&(_, at)| corner(at)));
-        ConvexPolygon::hull_of(&mut self.outline)
+        ConvexPolygon::convex_hull_of(&mut self.outline)
     }
 
     fn count(&mut self, cells: &PlaneCells) {

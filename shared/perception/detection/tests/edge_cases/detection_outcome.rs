@@ -1,7 +1,7 @@
 //! Comparison of a detection with the ground truth of a synthetic scene.
 
 use crate::synthetic_scene::SyntheticScene;
-use detection::{Config, Detection, Frame, Surroundings, Table, Workspace, detect};
+use detection::{Config, Detection, DetectionInput, ScenePriors, Table, Workspace, detect};
 use nalgebra::{Point2, Point3, Unit, Vector3};
 use point_cloud::{OrganizedCloud, Point};
 
@@ -24,11 +24,11 @@ pub(crate) fn detected(
     up_in_camera: Option<Unit<Vector3<f64>>>,
 ) -> Detection {
     let mut detection = Detection::default();
-    let frame = Frame {
+    let frame = DetectionInput {
         cloud: OrganizedCloud::new(points, size.0, size.1).expect("a full grid"),
         up_in_camera,
         seed: 3,
-        surroundings: Surroundings::default(),
+        priors: ScenePriors::default(),
     };
     let (config, mut workspace) = (Config::default(), Workspace::default());
     detect(&frame, &config, &mut workspace, &mut detection).expect("an image");

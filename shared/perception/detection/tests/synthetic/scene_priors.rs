@@ -8,7 +8,7 @@ use nalgebra::{Isometry3, Point3, Vector3};
 /// Tracks of a box in the middle of the table and of one on the right.
 pub(crate) fn tracks() -> [ExpectedTrack; 2] {
     [0.0, 0.25].map(|x| ExpectedTrack {
-        shape: OrientedBox {
+        oriented_box: OrientedBox {
             frame_from_box: camera_from_table() * Isometry3::translation(x, 0.0, 0.06),
             half_sides_m: Vector3::new(0.05, 0.035, 0.06),
         },

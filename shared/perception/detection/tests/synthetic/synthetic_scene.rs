@@ -295,7 +295,7 @@ impl SyntheticScene {
 
     /// Measured depth of pixel `i` with noise and quantisation.
     fn measured(&self, z: f64, i: usize) -> f64 {
-        let draw = |k: usize| random::unit(random::nth((4 * i + k) as u64));
+        let draw = |k: usize| random::unit(random::counter_based((4 * i + k) as u64));
         // A sum of four uniform draws is nearly normal; its variance is a third.
         let normal = ((0..4).map(draw).sum::<f64>() - 2.0) * 3_f64.sqrt();
         let noisy = z + self.noise_m * normal * z * z;

@@ -11,7 +11,7 @@ mod views;
 use divan::{Bencher, black_box};
 use learning::{CategoryIndex, CategoryName, Metric, NearestViewCache, ViewId};
 use std::sync::OnceLock;
-use views::{N_READINGS, View, views};
+use views::{N_AXIS_HYPOTHESES, View, views};
 
 /// Number of taught views of the largest index.
 const N_VIEWS: usize = 100_000;
@@ -19,7 +19,7 @@ const N_VIEWS: usize = 100_000;
 /// One view in this number is a query and not taught.
 const ONE_ASKED_OF: usize = 50;
 
-type AxisHypotheses = [Vec<f32>; N_READINGS];
+type AxisHypotheses = [Vec<f32>; N_AXIS_HYPOTHESES];
 
 fn main() {
     divan::main();

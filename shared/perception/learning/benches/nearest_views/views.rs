@@ -1,7 +1,7 @@
 //! Described views of generated or recorded objects.
 
 use dataset::washington::ObjectDataset;
-use description::{Appearance, AppearanceWeights, ObjectPoints};
+use description::{AppearanceDescriptor, AppearanceWeights, ObjectPoints};
 use household::{categories, generate};
 use mesh::TriangleMesh;
 use nalgebra::{Point3, UnitVector3, Vector3};
@@ -9,8 +9,8 @@ use point_cloud::{Point, Rgba};
 use random::Random;
 use std::path::Path;
 
-pub(crate) use description::N_READINGS;
-pub(crate) const DIMENSION: usize = Appearance::DIMENSION;
+pub(crate) use description::N_AXIS_HYPOTHESES;
+pub(crate) const DIMENSION: usize = AppearanceDescriptor::DIMENSION;
 
 /// Number of views of one generated object: turns of 32 at three heights.
 const N_VIEWS_OF_OBJECT: usize = 96;
@@ -21,7 +21,7 @@ const N_POINTS: usize = 800;
 /// Described view of an object.
 pub(crate) struct View {
     pub(crate) category: String,
-    pub(crate) queries: [Vec<f32>; N_READINGS],
+    pub(crate) queries: [Vec<f32>; N_AXIS_HYPOTHESES],
 }
 
 /// Points of a view and the direction against gravity in their frame.
@@ -43,7 +43,7 @@ fn normal_vector(random: &mut Random) -> Vector3<f32> {
 /// Described views, grouped by object.
 pub(crate) fn views(n_views: usize) -> Vec<View> {
     let mut appearance =
-        Appearance::new(AppearanceWeights::default()).expect("the weights are valid");
+        AppearanceDescriptor::new(AppearanceWeights::default()).expect("the weights are valid");
     let mut views = Vec::with_capacity(n_views);
     let mut add = |seen: &Seen| {
         if let Ok(queries) = appearance.describe(ObjectPoints::all(&seen.points), Some(&seen.up)) {

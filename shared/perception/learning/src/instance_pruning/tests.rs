@@ -42,33 +42,33 @@ fn clustered(category: u64, n_clusters: u64, n_views: u64) -> Vec<Vec<f32>> {
 #[test]
 fn duplicates_are_pruned_first_and_outliers_last() {
     let descriptors = [[0.0, 0.0], [9.0, 9.0], [1.0, 0.0], [0.0, 0.0], [1.5, 0.0]];
-    assert_eq!(least_telling(&descriptors, 1), Ok(vec![0]));
+    assert_eq!(redundant_views(&descriptors, 1), Ok(vec![0]));
     // Of three similar views the newest remains, and the outlier.
-    assert_eq!(least_telling(&descriptors, 3), Ok(vec![0, 2, 3]));
+    assert_eq!(redundant_views(&descriptors, 3), Ok(vec![0, 2, 3]));
 }
 
 #[test]
 fn ties_are_broken_by_age() {
     let descriptors = [[5.0], [0.0], [6.0], [1.0]];
-    assert_eq!(least_telling(&descriptors, 2), Ok(vec![0, 1]));
-    assert_eq!(least_telling(&[[1.0]; 4], 3), Ok(vec![0, 1, 2]));
+    assert_eq!(redundant_views(&descriptors, 2), Ok(vec![0, 1]));
+    assert_eq!(redundant_views(&[[1.0]; 4], 3), Ok(vec![0, 1, 2]));
 }
 
 #[test]
 fn pruning_ends_with_the_last_view() {
-    assert_eq!(least_telling(&[[1.0], [2.0]], 9), Ok(vec![0, 1]));
-    assert_eq!(least_telling(&[[1.0], [2.0]], 0), Ok(vec![]));
-    assert_eq!(least_telling(&[] as &[Vec<f32>], 3), Ok(vec![]));
+    assert_eq!(redundant_views(&[[1.0], [2.0]], 9), Ok(vec![0, 1]));
+    assert_eq!(redundant_views(&[[1.0], [2.0]], 0), Ok(vec![]));
+    assert_eq!(redundant_views(&[] as &[Vec<f32>], 3), Ok(vec![]));
 }
 
 #[test]
 fn incomparable_descriptors_are_rejected() {
     let unequal = [vec![1.0, 2.0], vec![1.0]];
-    let error = least_telling(&unequal, 1).unwrap_err();
+    let error = redundant_views(&unequal, 1).unwrap_err();
     let (expected, found) = (2, 1);
     assert_eq!(error, Error::Dimension { expected, found });
     for wrong in [f32::NAN, f32::INFINITY, 2e6] {
-        let error = least_telling(&[[1.0], [wrong]], 1).unwrap_err();
+        let error = redundant_views(&[[1.0], [wrong]], 1).unwrap_err();
         assert!(matches!(error, Error::Value { position: 0, .. }));
     }
 }
@@ -89,7 +89,7 @@ fn recognition_survives_the_pruning_of_a_tenth() {
     let mut kept: Vec<(usize, u64, Vec<f32>)> = Vec::new();
     for category in 0..5 {
         let views = clustered(category, 6, 10);
-        let gone = least_telling(&views, views.len() / 10).unwrap();
+        let gone = redundant_views(&views, views.len() / 10).unwrap();
         assert_eq!(gone.len(), 6);
         for (place, view) in views.into_iter().enumerate() {
             if !gone.contains(&place) {
@@ -115,7 +115,7 @@ fn recognition_survives_the_pruning_of_a_tenth() {
 #[test]
 fn pruning_keeps_one_view_of_each_cluster() {
     let views = clustered(1, 20, 10);
-    let gone = least_telling(&views, 180).unwrap();
+    let gone = redundant_views(&views, 180).unwrap();
     let mut kinds: Vec<usize> = (0..200)
         .filter(|i| !gone.contains(i))
         .map(|i| i / 10)
@@ -136,7 +136,7 @@ proptest! {
         n_to_drop in 0_usize..30,
     ) {
         prop_assert_eq!(
-            least_telling(&descriptors, n_to_drop).unwrap(),
+            redundant_views(&descriptors, n_to_drop).unwrap(),
             reference(&descriptors, n_to_drop)
         );
     }

@@ -33,15 +33,15 @@ fn named(memory: &NumberedViews) -> Vec<(ViewId, Option<CategoryName>)> {
 
 fn records(
     views: &[(ViewId, Option<CategoryName>)],
-) -> impl Iterator<Item = ViewRecord<'_>> + Clone {
-    views.iter().map(|(id, category)| ViewRecord {
+) -> impl Iterator<Item = LabelledView<'_>> + Clone {
+    views.iter().map(|(id, category)| LabelledView {
         id: *id,
         category: category.as_ref(),
     })
 }
 
 /// Applies label changes and checks that each starts from the present label.
-fn apply(views: &mut [(ViewId, Option<CategoryName>)], changes: &[ViewChange]) {
+fn apply(views: &mut [(ViewId, Option<CategoryName>)], changes: &[LabelChange]) {
     for change in changes {
         let (_, category) = views.iter_mut().find(|(id, _)| *id == change.id).unwrap();
         assert_eq!(*category, change.before);
@@ -60,7 +60,7 @@ proptest! {
             Ok(changes) => apply(&mut after, &changes),
             Err(refusal) => {
                 prop_assert!(!exists);
-                prop_assert_eq!(refusal, Refusal::NoViews { track_id });
+                prop_assert_eq!(refusal, TeachingError::NoViews { track_id });
             }
         }
         for ((id, old), (_, new)) in before.iter().zip(&after) {
@@ -81,7 +81,7 @@ proptest! {
         let taught = teach(records(&views), track_id, &name(0));
         if let Some(&(_, Some(present))) = present {
             let (present, asked) = (name(present), name(0));
-            prop_assert_eq!(taught, Err(Refusal::LabelledOtherwise { track_id, present, asked }));
+            prop_assert_eq!(taught, Err(TeachingError::LabelConflict { track_id, present, asked }));
         } else {
             prop_assert_eq!(taught, correct(records(&views), track_id, &name(0)));
         }
@@ -94,7 +94,7 @@ proptest! {
         match forget(records(&before), &name(1)) {
             Ok(changes) => apply(&mut after, &changes),
             Err(refusal) => {
-                prop_assert_eq!(refusal, Refusal::UnknownCategory { category: name(1) });
+                prop_assert_eq!(refusal, TeachingError::UnknownCategory { category: name(1) });
             }
         }
         for ((_, old), (_, new)) in before.iter().zip(&after) {
@@ -116,7 +116,7 @@ fn error_messages_name_the_remedy() {
         },
         Some(mug.clone()),
     )];
-    let check = |refusal: Refusal, expected: &str| {
+    let check = |refusal: TeachingError, expected: &str| {
         let sentence = refusal.to_string();
         assert!(sentence.contains(expected), "{sentence}");
     };

@@ -12,7 +12,7 @@ fn candidate_at(x: f64) -> Candidate {
     let frame_from_box = RigidTransform::new(Vector3::new(x, 0.0, 0.8), Vector3::zeros());
     Candidate {
         range: 0..100,
-        unseen_foot_m: 0.0,
+        occluded_base_m: 0.0,
         centroid: Point3::new(x, 0.0, 0.8),
         oriented_box: OrientedBox {
             frame_from_box,
@@ -23,7 +23,7 @@ fn candidate_at(x: f64) -> Candidate {
         touches_image_border: false,
         is_object_sized: true,
         findings: Findings::default(),
-        verdict: Truth::True,
+        verdict: Ternary::True,
         decisive: ConstraintSet::NONE,
     }
 }
@@ -57,7 +57,7 @@ fn posterior_of(track: &Track) -> Posterior {
 }
 
 /// Candidate with another verdict of the constraint rule.
-fn candidate_with_verdict(x: f64, verdict: Truth) -> Candidate {
+fn candidate_with_verdict(x: f64, verdict: Ternary) -> Candidate {
     Candidate {
         verdict,
         support: None,
@@ -67,20 +67,24 @@ fn candidate_with_verdict(x: f64, verdict: Truth) -> Candidate {
 
 /// Candidate in the space of the robot or a person.
 fn body_part_at(x: f64, constraint: Constraint) -> Candidate {
-    let mut body_part = candidate_with_verdict(x, Truth::False);
+    let mut body_part = candidate_with_verdict(x, Ternary::False);
     body_part.range = 100..200;
-    let reason = Reason::NotJudged;
-    let truth = Truth::True;
-    body_part
-        .findings
-        .set(constraint, Finding { truth, reason });
+    let reason = Reason::NotEvaluated;
+    let truth = Ternary::True;
+    body_part.findings.set(
+        constraint,
+        Finding {
+            value: truth,
+            reason,
+        },
+    );
     body_part
 }
 
 /// Track table driven frame by frame, with ids counted from 1.
 struct TableFixture {
     table: TrackTable,
-    update: Step,
+    update: TrackUpdate,
     n_frames: u64,
     last_id: u64,
 }
@@ -91,7 +95,7 @@ impl TableFixture {
         let config = Config::new(motion, association, 0.75).unwrap();
         Self {
             table: TrackTable::new(config),
-            update: Step::default(),
+            update: TrackUpdate::default(),
             n_frames: 0,
             last_id: 0,
         }
@@ -108,7 +112,7 @@ impl TableFixture {
             point_indices: (0..200).collect(),
             ..Detection::default()
         };
-        let frame = Frame {
+        let frame = FramePose {
             capture_ns: self.n_frames * FRAME_NS,
             world_from_camera: RigidTransform::identity(),
             camera: None,
@@ -120,7 +124,7 @@ impl TableFixture {
             Some(*last_id)
         };
         self.table
-            .step(&detection, &cloud(), &frame, next_id, &mut self.update);
+            .update(&detection, &cloud(), &frame, next_id, &mut self.update);
     }
 
     fn ids(&self) -> Vec<u64> {
@@ -177,16 +181,16 @@ fn no_track_starts_without_an_id_and_clearing_ends_all() {
         point_indices: (0..200).collect(),
         ..Detection::default()
     };
-    let frame = Frame {
+    let frame = FramePose {
         capture_ns: 1,
         world_from_camera: RigidTransform::identity(),
         camera: None,
     };
     fixture
         .table
-        .step(&detection, &cloud(), &frame, || None, &mut fixture.update);
+        .update(&detection, &cloud(), &frame, || None, &mut fixture.update);
     assert_eq!(
-        (fixture.ids(), &fixture.update.rejected),
+        (fixture.ids(), &fixture.update.rejected_candidates),
         (vec![], &vec![0])
     );
 }
@@ -195,25 +199,28 @@ fn no_track_starts_without_an_id_and_clearing_ends_all() {
 fn only_an_accepted_candidate_starts_a_track() {
     let mut fixture = TableFixture::new();
     fixture.frame_of(vec![
-        candidate_with_verdict(0.0, Truth::False),
+        candidate_with_verdict(0.0, Ternary::False),
         candidate_at(0.3),
-        candidate_with_verdict(0.6, Truth::Unknown),
+        candidate_with_verdict(0.6, Ternary::Unknown),
     ]);
     assert_eq!(fixture.ids(), [1]);
     assert_eq!(fixture.update.sightings[0].candidate, 1);
-    assert_eq!(fixture.update.rejected, [0, 2]);
+    assert_eq!(fixture.update.rejected_candidates, [0, 2]);
 }
 
 #[test]
 fn a_track_continues_regardless_of_the_rule() {
-    for verdict in [Truth::False, Truth::Unknown] {
+    for verdict in [Ternary::False, Ternary::Unknown] {
         let mut fixture = TableFixture::new();
         fixture.frame(&[0.0]);
         for _ in 0..60 {
             fixture.frame_of(vec![candidate_with_verdict(0.0, verdict)]);
-            assert_eq!(fixture.table.tracks()[0].sight(), Sight::Seen);
+            assert_eq!(fixture.table.tracks()[0].visibility(), Visibility::Visible);
         }
-        assert_eq!((fixture.ids(), fixture.update.rejected.len()), (vec![1], 0));
+        assert_eq!(
+            (fixture.ids(), fixture.update.rejected_candidates.len()),
+            (vec![1], 0)
+        );
     }
 }
 
@@ -223,19 +230,19 @@ fn a_track_never_continues_with_a_hand_or_the_arm() {
         let mut fixture = TableFixture::new();
         fixture.frame(&[0.0]);
         fixture.frame_of(vec![body_part_at(0.0, constraint)]);
-        assert_ne!(fixture.table.tracks()[0].sight(), Sight::Seen);
-        assert_eq!(fixture.update.rejected, [0]);
+        assert_ne!(fixture.table.tracks()[0].visibility(), Visibility::Visible);
+        assert_eq!(fixture.update.rejected_candidates, [0]);
         let oversized = Candidate {
             is_object_sized: false,
             ..candidate_at(0.0)
         };
         fixture.frame_of(vec![oversized]);
-        assert_ne!(fixture.table.tracks()[0].sight(), Sight::Seen);
+        assert_ne!(fixture.table.tracks()[0].visibility(), Visibility::Visible);
         // A held object lies in the space of the hand but has its own appearance.
         let mut held = body_part_at(0.0, constraint);
         held.range = 0..100;
         fixture.frame_of(vec![held]);
-        assert_eq!(fixture.table.tracks()[0].sight(), Sight::Seen);
+        assert_eq!(fixture.table.tracks()[0].visibility(), Visibility::Visible);
         assert_eq!(fixture.ids(), [1]);
     }
 }
@@ -246,21 +253,25 @@ fn a_hand_that_covers_an_object_does_not_shrink_its_track() {
     for _ in 0..20 {
         fixture.frame(&[0.0]);
     }
-    let mut touched = candidate_with_verdict(0.0, Truth::Unknown);
+    let mut touched = candidate_with_verdict(0.0, Ternary::Unknown);
     touched.oriented_box.half_sides_m.z = 0.02;
-    let truth = Truth::Unknown;
-    let reason = Reason::NotJudged;
-    touched
-        .findings
-        .set(Constraint::Instructor, Finding { truth, reason });
+    let truth = Ternary::Unknown;
+    let reason = Reason::NotEvaluated;
+    touched.findings.set(
+        Constraint::Instructor,
+        Finding {
+            value: truth,
+            reason,
+        },
+    );
     for _ in 0..20 {
         fixture.frame_of(vec![touched.clone()]);
     }
     let track = &fixture.table.tracks()[0];
     assert!(
-        track.sight() == Sight::Seen
+        track.visibility() == Visibility::Visible
             && track.measured.is_truncated
-            && !track.measured.is_cut_by_image
+            && !track.measured.is_truncated_by_image
     );
     assert!(
         track.appearance.volume_m3 > 0.9e-3,
@@ -288,17 +299,17 @@ fn a_returning_object_is_reidentified() {
     for _ in 0..10 {
         fixture.frame(&[0.0]);
         let posterior = posterior_of(&fixture.table.tracks()[0]);
-        fixture.table.absorb(1, &posterior);
+        fixture.table.apply_posterior(1, &posterior);
     }
     for _ in 0..60 {
         fixture.frame(&[]);
     }
     assert_eq!(fixture.ids(), [0_u64; 0]);
     fixture.frame(&[0.4]);
-    assert_eq!(fixture.table.tracks()[0].linked_to, Some(1));
+    assert_eq!(fixture.table.tracks()[0].reidentified_as, Some(1));
     fixture.frame(&[0.4, 0.9]);
     assert_eq!(
-        fixture.table.tracks()[1].linked_to,
+        fixture.table.tracks()[1].reidentified_as,
         None,
         "the lost track was re-identified already"
     );
@@ -310,7 +321,7 @@ fn prediction_supplies_the_boxes_of_the_tracks() {
     fixture.frame(&[0.0, 0.3]);
     let world_from_camera =
         RigidTransform::new(Vector3::new(0.5, -0.2, 1.0), Vector3::new(2.0, 0.1, 0.0));
-    let frame = Frame {
+    let frame = FramePose {
         capture_ns: FRAME_NS,
         world_from_camera,
         camera: None,
@@ -319,12 +330,12 @@ fn prediction_supplies_the_boxes_of_the_tracks() {
     fixture.table.predict(&frame, &mut boxes);
     assert_eq!(boxes.len(), 2);
     for (found, x) in boxes.iter().zip([0.0, 0.3]) {
-        let in_world = world_from_camera * found.shape.centre();
+        let in_world = world_from_camera * found.oriented_box.centre();
         assert!(
             (in_world - Point3::new(x, 0.0, 0.8)).norm() < 1e-9,
             "{in_world}"
         );
-        assert!((found.shape.half_sides_m - Vector3::repeat(0.05)).norm() < 1e-9);
+        assert!((found.oriented_box.half_sides_m - Vector3::repeat(0.05)).norm() < 1e-9);
     }
     // An unseen object may still be where it was.
     fixture.frame(&[0.3]);

@@ -8,7 +8,7 @@ use std::task::{Context, Poll, ready};
 
 use tokio::task::coop;
 
-use super::overflow::{Block, Immediate, Overflow};
+use super::overflow::{Backpressure, Immediate, Overflow};
 use super::queue::{PushOutcome, Queue, QueueState, Ticket};
 use super::send_error::SendError;
 use crate::sync::{Arc, AtomicU64, AtomicUsize, Mutex, MutexGuard, Ordering, PoisonError};
@@ -86,7 +86,7 @@ impl<T, P> Sender<T, P> {
 }
 
 impl<T, P: Immediate> Sender<T, P> {
-    /// Sends without waiting. Under [`KeepLatest`](super::KeepLatest) a
+    /// Sends without waiting. Under [`DropOldest`](super::DropOldest) a
     /// displaced message is dropped before this returns.
     ///
     /// # Errors
@@ -113,7 +113,7 @@ impl<T, P: Immediate> Sender<T, P> {
     }
 }
 
-impl<T> Sender<T, Block> {
+impl<T> Sender<T, Backpressure> {
     /// Sends after waiting for room; first come, first served. Dropping the future
     /// sends nothing.
     ///

@@ -20,32 +20,32 @@ pub trait Immediate: Overflow {
 
 /// Drop-oldest policy: displaces the oldest message and counts it; for sensor data.
 #[derive(Debug, Clone, Copy)]
-pub struct KeepLatest;
+pub struct DropOldest;
 
 /// Back-pressure policy: the sender waits for room; for streams that must be
 /// complete.
 #[derive(Debug, Clone, Copy)]
-pub struct Block;
+pub struct Backpressure;
 
 /// Refusal policy: the message returns to the sender; for commands.
 #[derive(Debug, Clone, Copy)]
 pub struct Refuse;
 
-impl sealed::Sealed for KeepLatest {}
-impl sealed::Sealed for Block {}
+impl sealed::Sealed for DropOldest {}
+impl sealed::Sealed for Backpressure {}
 impl sealed::Sealed for Refuse {}
 
-impl Overflow for KeepLatest {
+impl Overflow for DropOldest {
     const SENDERS_WAIT: bool = false;
 }
-impl Overflow for Block {
+impl Overflow for Backpressure {
     const SENDERS_WAIT: bool = true;
 }
 impl Overflow for Refuse {
     const SENDERS_WAIT: bool = false;
 }
 
-impl Immediate for KeepLatest {
+impl Immediate for DropOldest {
     const DISPLACES: bool = true;
 }
 impl Immediate for Refuse {

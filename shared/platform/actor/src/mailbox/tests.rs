@@ -79,7 +79,7 @@ fn check<P: Immediate>(capacity: usize, steps: &[MailboxStep]) -> Result<(), Tes
 proptest! {
     #[test]
     fn drop_oldest_agrees_with_a_list(capacity in 1_usize..6, steps in steps()) {
-        check::<KeepLatest>(capacity, &steps)?;
+        check::<DropOldest>(capacity, &steps)?;
     }
 
     #[test]
@@ -90,7 +90,7 @@ proptest! {
 
 #[test]
 fn a_displaced_message_gives_its_resource_back_at_once() {
-    let (sender, _receiver) = mailbox::<_, KeepLatest>(room(2));
+    let (sender, _receiver) = mailbox::<_, DropOldest>(room(2));
     let frames: Vec<_> = (0..3).map(Arc::new).collect();
     for frame in &frames {
         sender.send(Arc::clone(frame)).unwrap();
@@ -118,7 +118,7 @@ fn closing_and_dropping_give_all_resources_back() {
 
 #[test]
 fn a_message_that_closes_its_own_mailbox_when_dropped_finds_no_lock_held() {
-    struct Closer(Option<Sender<Closer, KeepLatest>>);
+    struct Closer(Option<Sender<Closer, DropOldest>>);
     impl Drop for Closer {
         fn drop(&mut self) {
             if let Some(sender) = &self.0 {
@@ -126,7 +126,7 @@ fn a_message_that_closes_its_own_mailbox_when_dropped_finds_no_lock_held() {
             }
         }
     }
-    let (sender, _receiver) = mailbox::<_, KeepLatest>(room(1));
+    let (sender, _receiver) = mailbox::<_, DropOldest>(room(1));
     sender.send(Closer(Some(sender.clone()))).unwrap();
     sender.send(Closer(None)).unwrap();
     assert!(sender.is_closed());
@@ -153,7 +153,7 @@ async fn receiver_without_senders_gets_the_rest_and_the_end() {
 
 #[tokio::test(start_paused = true)]
 async fn block_waits_for_room_in_the_order_of_asking() {
-    let (sender, mut receiver) = mailbox::<_, Block>(room(1));
+    let (sender, mut receiver) = mailbox::<_, Backpressure>(room(1));
     sender.send(0).await.unwrap();
     let blocked: Vec<_> = (1..4)
         .map(|n| {
@@ -174,7 +174,7 @@ async fn block_waits_for_room_in_the_order_of_asking() {
 
 #[tokio::test(start_paused = true)]
 async fn block_returns_the_message_when_the_receiver_goes() {
-    let (sender, receiver) = mailbox::<_, Block>(room(1));
+    let (sender, receiver) = mailbox::<_, Backpressure>(room(1));
     sender.send("kept").await.unwrap();
     let blocked = tokio::spawn({
         let sender = sender.clone();
@@ -188,7 +188,7 @@ async fn block_returns_the_message_when_the_receiver_goes() {
 
 #[tokio::test(start_paused = true)]
 async fn cancelled_send_takes_no_place_in_line() {
-    let (sender, mut receiver) = mailbox::<_, Block>(room(1));
+    let (sender, mut receiver) = mailbox::<_, Backpressure>(room(1));
     sender.send(1).await.unwrap();
     assert!(
         timeout(Duration::from_millis(1), sender.send(2))
@@ -204,7 +204,7 @@ async fn cancelled_send_takes_no_place_in_line() {
 async fn messages_across_threads_keep_their_order() {
     const N_SENDERS: usize = 4;
     const N_MESSAGES: usize = 5_000;
-    let (sender, mut receiver) = mailbox::<_, Block>(room(3));
+    let (sender, mut receiver) = mailbox::<_, Backpressure>(room(3));
     for source in 0..N_SENDERS {
         let sender = sender.clone();
         tokio::spawn(async move {
@@ -227,7 +227,7 @@ async fn messages_across_threads_keep_their_order() {
 
 #[tokio::test(start_paused = true)]
 async fn a_full_mailbox_does_not_starve_other_tasks() {
-    let (sender, mut receiver) = mailbox::<_, KeepLatest>(room(1));
+    let (sender, mut receiver) = mailbox::<_, DropOldest>(room(1));
     sender.send(()).unwrap();
     let greedy = tokio::spawn({
         let sender = sender.clone();

@@ -10,17 +10,17 @@ fn policy(max_restarts: u32, window_ms: u64, min_ms: u64, max_ms: u64) -> Restar
 }
 
 /// Reference policy: counts over the list of all restarts.
-fn reference(policy: &RestartPolicy, restarts: &[Instant], now: Instant) -> Verdict {
+fn reference(policy: &RestartPolicy, restarts: &[Instant], now: Instant) -> RestartDecision {
     let n_recent = restarts
         .iter()
         .filter(|t| now - **t < policy.window)
         .count();
     if n_recent >= policy.max_restarts as usize {
-        return Verdict::GiveUp;
+        return RestartDecision::Escalate;
     }
     let doubled = policy.backoff_min.as_nanos() << n_recent;
     let nanos = doubled.min(policy.backoff_max.as_nanos());
-    Verdict::Restart {
+    RestartDecision::Restart {
         after: Duration::from_nanos(u64::try_from(nanos).unwrap()),
     }
 }
@@ -41,7 +41,7 @@ proptest! {
             now += Duration::from_millis(gap_ms);
             let expected = reference(&policy, &restarts, now);
             prop_assert_eq!(history.on_failure(now), expected);
-            if expected != Verdict::GiveUp {
+            if expected != RestartDecision::Escalate {
                 restarts.push(now);
             }
         }
@@ -59,7 +59,7 @@ proptest! {
         let mut restarts = Vec::new();
         for gap_ms in gaps_ms {
             now += Duration::from_millis(gap_ms);
-            if history.on_failure(now) != Verdict::GiveUp {
+            if history.on_failure(now) != RestartDecision::Escalate {
                 restarts.push(now);
             }
         }
@@ -74,8 +74,8 @@ fn the_backoff_doubles_up_to_its_maximum() {
     let mut history = RestartHistory::new(policy(8, 60_000, 50, 1_000));
     let now = Instant::now();
     let backoffs_ms: Vec<u128> = std::iter::from_fn(|| match history.on_failure(now) {
-        Verdict::Restart { after } => Some(after.as_millis()),
-        Verdict::GiveUp => None,
+        RestartDecision::Restart { after } => Some(after.as_millis()),
+        RestartDecision::Escalate => None,
     })
     .collect();
     assert_eq!(backoffs_ms, [50, 100, 200, 400, 800, 1_000, 1_000, 1_000]);
@@ -90,7 +90,7 @@ fn backoff_resets_when_restarts_leave_the_window() {
     let later = history.on_failure(first + 62 * SECOND);
     assert_eq!(
         later,
-        Verdict::Restart {
+        RestartDecision::Restart {
             after: Duration::from_millis(50)
         }
     );
@@ -101,7 +101,7 @@ fn limit_holds_for_instants_in_the_past() {
     let mut history = RestartHistory::new(policy(1, 1_000, 0, 0));
     let earlier = Instant::now();
     history.on_failure(earlier + 5 * SECOND);
-    assert_eq!(history.on_failure(earlier), Verdict::GiveUp);
+    assert_eq!(history.on_failure(earlier), RestartDecision::Escalate);
 }
 
 #[test]

@@ -22,13 +22,13 @@ type Enqueue = Box<dyn Fn(Arc<Helper>) + Send + Sync>;
 ///
 /// The leader does not wait for workers that are busy elsewhere: a helper that comes
 /// too late finds nothing to do.
-pub struct Team {
+pub struct ForkJoin {
     rendezvous: Arc<Rendezvous>,
     helpers: Vec<Arc<Helper>>,
     enqueue: Enqueue,
 }
 
-impl Team {
+impl ForkJoin {
     /// Creates a scope with at most `n_helpers` helpers.
     pub(crate) fn new(n_helpers: usize, enqueue: Enqueue) -> Self {
         let rendezvous = Arc::new(Rendezvous::default());
@@ -46,7 +46,7 @@ impl Team {
     ///
     /// # Panics
     /// When one of the calls does.
-    pub fn together(&self, work: Work<'_>) {
+    pub fn run(&self, work: Work<'_>) {
         // SAFETY: only the lifetime changes. A thread that gets the reference from
         // the rendezvous is counted until its last use of it, and `JoinGuard` does
         // not let this function return or unwind before the rendezvous has forgotten
@@ -67,7 +67,7 @@ impl Team {
     }
 }
 
-impl std::fmt::Debug for Team {
+impl std::fmt::Debug for ForkJoin {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Team")
             .field("n_helpers", &self.helpers.len())

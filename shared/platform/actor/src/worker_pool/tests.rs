@@ -79,7 +79,7 @@ fn panic_is_the_error_of_its_job_only() {
     let lost = wait(pool.run(|_| panic!("voxel {}", 7)));
     assert_eq!(lost, Err::<(), _>(JobLost::Panicked("voxel 7".to_owned())));
     assert_eq!(wait(pool.run(|_| "still here")), Ok("still here"));
-    assert_eq!(pool.abandoned(), 0);
+    assert_eq!(pool.n_abandoned(), 0);
 }
 
 #[test]
@@ -110,7 +110,7 @@ fn stalled_workers_are_replaced_until_the_pool_is_exhausted() {
     assert_eq!(pool.check(start + STALL), 0);
     assert_eq!(pool.check(start + STALL * 3 / 2), 1);
     assert_eq!(wait(first.result), Err(JobLost::Stalled));
-    assert_eq!((pool.abandoned(), pool.is_exhausted()), (1, false));
+    assert_eq!((pool.n_abandoned(), pool.is_exhausted()), (1, false));
     let successor = wait(pool.run(|_| thread::current().name().map(str::to_owned)));
     assert_eq!(successor, Ok(Some("test-1".to_owned())));
 
@@ -122,7 +122,7 @@ fn stalled_workers_are_replaced_until_the_pool_is_exhausted() {
     assert_eq!(wait(second.result), Err(JobLost::Stalled));
     assert_eq!(wait(queued), Err(JobLost::Exhausted));
     wait(pool.exhausted());
-    assert_eq!((pool.abandoned(), pool.is_exhausted()), (2, true));
+    assert_eq!((pool.n_abandoned(), pool.is_exhausted()), (2, true));
     assert_eq!(wait(pool.run(|_| "never")), Err(JobLost::Exhausted));
 }
 
@@ -233,9 +233,9 @@ fn the_last_handle_lets_queued_jobs_finish() {
 }
 
 /// Counts to a number on all threads; returns how many threads took part.
-fn count_together(team: &Team, n_steps: usize) -> usize {
+fn count_together(team: &ForkJoin, n_steps: usize) -> usize {
     let (next, threads) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
-    team.together(&|| {
+    team.run(&|| {
         while next.fetch_add(1, Ordering::Relaxed) < n_steps {
             let mut threads = threads.lock();
             if !threads.contains(&thread::current().id()) {
@@ -254,7 +254,7 @@ fn count_together(team: &Team, n_steps: usize) -> usize {
 fn fork_join_uses_idle_workers() {
     for n_workers in [1, 3] {
         let pool = pool(n_workers, 1);
-        let team = pool.team();
+        let team = pool.fork_join();
         // Each of the other workers needs a moment to wake up.
         let n_threads = wait(pool.run(move |_| count_together(&team, 1_000)));
         assert_eq!(n_threads, Ok(n_workers));
@@ -265,7 +265,7 @@ fn fork_join_uses_idle_workers() {
 fn fork_join_does_not_wait_for_busy_workers() {
     let pool = pool(2, 1);
     let busy = hang(&pool);
-    let team = pool.team();
+    let team = pool.fork_join();
     assert_eq!(wait(pool.run(move |_| count_together(&team, 10))), Ok(1));
     drop(busy.gate);
     assert_eq!(wait(busy.result), Ok("late"));
@@ -278,9 +278,9 @@ fn fork_join_helper_that_stalls_loses_the_leaders_job() {
     pool.check(start);
     let (gate, opened) = mpsc::channel::<()>();
     let (tell, inside) = mpsc::channel();
-    let (team, opened) = (pool.team(), Mutex::new(opened));
+    let (team, opened) = (pool.fork_join(), Mutex::new(opened));
     let led = pool.run(move |_| {
-        team.together(&|| {
+        team.run(&|| {
             tell.send(()).unwrap();
             let _ = opened.lock().recv();
         });
@@ -300,7 +300,7 @@ fn fork_join_helper_that_stalls_loses_the_leaders_job() {
 #[test]
 fn fork_join_leader_panic_waits_for_the_helpers() {
     let pool = pool(2, 1);
-    let team = Arc::new(pool.team());
+    let team = Arc::new(pool.fork_join());
     let leaders = Arc::clone(&team);
     let (tell, inside) = mpsc::channel();
     let n_inside = Arc::new(AtomicUsize::new(0));
@@ -308,7 +308,7 @@ fn fork_join_leader_panic_waits_for_the_helpers() {
     let led = pool.run(move |_| {
         let leader = thread::current().id();
         let inside = Mutex::new(inside);
-        leaders.together(&|| {
+        leaders.run(&|| {
             if thread::current().id() == leader {
                 let _ = inside.lock().recv_timeout(WATCHDOG);
                 panic!("the leader");

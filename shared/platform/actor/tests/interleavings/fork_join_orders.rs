@@ -7,21 +7,21 @@ use loom::sync::{Arc, Mutex};
 use loom::thread::{self, JoinHandle};
 
 use crate::explore;
-use crate::fork_join::{Helper, Team};
+use crate::fork_join::{ForkJoin, Helper};
 use crate::job::Task;
 use crate::progress::Progress;
 
 type Workers = Arc<Mutex<Vec<JoinHandle<bool>>>>;
 
 /// Scope with one helper, and the threads of the queued helpers.
-fn team() -> (Team, Workers) {
+fn team() -> (ForkJoin, Workers) {
     let workers = Workers::default();
     let called = Arc::clone(&workers);
     let call = move |helper: Arc<Helper>| {
         let worker = thread::spawn(move || helper.run(&Progress::default()));
         called.lock().expect("the lock").push(worker);
     };
-    (Team::new(1, Box::new(call)), workers)
+    (ForkJoin::new(1, Box::new(call)), workers)
 }
 
 fn all_keep_their_posts(workers: &Workers) {
@@ -44,9 +44,9 @@ impl Watched {
         }
     }
 
-    fn lead(&self, team: &Team) {
+    fn lead(&self, team: &ForkJoin) {
         let (is_going_on, n_items) = (Arc::clone(&self.is_going_on), Arc::clone(&self.n_items));
-        team.together(&move || {
+        team.run(&move || {
             assert!(is_going_on.load(Ordering::Relaxed));
             n_items.fetch_add(1, Ordering::Relaxed);
             assert!(is_going_on.load(Ordering::Relaxed));
@@ -110,7 +110,7 @@ fn fork_join_passes_a_helper_panic_to_the_leader() {
         let n_panics = Arc::new(AtomicUsize::new(0));
         let panics = Arc::clone(&n_panics);
         let outcome = catch_unwind(AssertUnwindSafe(|| {
-            team.together(&move || {
+            team.run(&move || {
                 if thread::current().id() != leader {
                     panics.fetch_add(1, Ordering::Relaxed);
                     panic!("of a helper");

@@ -11,7 +11,7 @@ use loom::thread;
 
 use crate::explore;
 use crate::mailbox::endpoints::{Receiver, Sender, mailbox};
-use crate::mailbox::overflow::{Block, Immediate, KeepLatest, Overflow, Refuse};
+use crate::mailbox::overflow::{Backpressure, DropOldest, Immediate, Overflow, Refuse};
 use crate::mailbox::send_error::SendError;
 
 fn open<P: Overflow>(capacity: usize) -> (Sender<Message, P>, Receiver<Message, P>, Living) {
@@ -86,7 +86,7 @@ fn receiver_is_woken_for_each_message_and_the_end() {
 #[test]
 fn drop_oldest_displaces_and_counts_the_oldest() {
     explore(|| {
-        let (sender, mut receiver, living) = open::<KeepLatest>(1);
+        let (sender, mut receiver, living) = open::<DropOldest>(1);
         let other = send_all(sender.clone(), &living, [1, 2]);
         sender.send(living.message(10)).unwrap();
         drop(sender);
@@ -102,7 +102,7 @@ fn drop_oldest_displaces_and_counts_the_oldest() {
 #[test]
 fn close_during_send_leaks_no_message() {
     explore(|| {
-        let (sender, mut receiver, living) = open::<KeepLatest>(1);
+        let (sender, mut receiver, living) = open::<DropOldest>(1);
         let closer = sender.clone();
         let other = send_all(sender, &living, [1, 2]);
         let closing = thread::spawn(move || closer.close());
@@ -130,7 +130,7 @@ fn receiver_drop_during_send_leaks_no_message() {
 
 /// Sends numbers from another thread, waiting for room.
 fn send_waiting(
-    sender: Sender<Message, Block>,
+    sender: Sender<Message, Backpressure>,
     living: &Living,
     numbers: &'static [u32],
 ) -> thread::JoinHandle<Vec<u32>> {
@@ -152,7 +152,7 @@ fn send_waiting(
 #[test]
 fn blocked_sender_proceeds_in_order_without_loss() {
     explore(|| {
-        let (sender, mut receiver, living) = open::<Block>(1);
+        let (sender, mut receiver, living) = open::<Backpressure>(1);
         let first = send_waiting(sender.clone(), &living, &[1, 2]);
         let second = send_waiting(sender, &living, &[10]);
         let received = drain(&mut receiver);
@@ -168,7 +168,7 @@ fn blocked_sender_proceeds_in_order_without_loss() {
 #[test]
 fn blocked_senders_all_proceed_when_there_is_room() {
     explore(|| {
-        let (sender, mut receiver, living) = open::<Block>(2);
+        let (sender, mut receiver, living) = open::<Backpressure>(2);
         block_on(sender.send(living.message(1))).unwrap();
         block_on(sender.send(living.message(2))).unwrap();
         let first = send_waiting(sender.clone(), &living, &[3]);
@@ -186,7 +186,7 @@ fn blocked_senders_all_proceed_when_there_is_room() {
 #[test]
 fn blocked_sender_that_is_cancelled_yields_its_turn() {
     explore(|| {
-        let (sender, mut receiver, living) = open::<Block>(1);
+        let (sender, mut receiver, living) = open::<Backpressure>(1);
         block_on(sender.send(living.message(1))).unwrap();
         let mut context = Context::from_waker(Waker::noop());
         let mut impatient = Box::pin({
@@ -207,7 +207,7 @@ fn blocked_sender_that_is_cancelled_yields_its_turn() {
 #[test]
 fn close_ends_all_blocked_senders() {
     explore(|| {
-        let (sender, mut receiver, living) = open::<Block>(1);
+        let (sender, mut receiver, living) = open::<Backpressure>(1);
         let waiting = send_waiting(sender.clone(), &living, &[1, 2]);
         let other = send_waiting(sender.clone(), &living, &[3]);
         sender.close();
@@ -222,7 +222,7 @@ fn close_ends_all_blocked_senders() {
 #[test]
 fn blocked_send_fails_after_close() {
     explore(|| {
-        let (sender, mut receiver, living) = open::<Block>(1);
+        let (sender, mut receiver, living) = open::<Backpressure>(1);
         block_on(sender.send(living.message(1))).unwrap();
         let mut context = Context::from_waker(Waker::noop());
         let mut sending = pin!(sender.send(living.message(2)));

@@ -8,7 +8,8 @@ use std::sync::{Arc, mpsc};
 use std::time::Duration;
 
 use actor::{
-    Actor, Config, Event, Events, Flow, KeepLatest, Placement, Progress, Restart, RestartPolicy,
+    Actor, Config, DropOldest, Events, Flow, LifecycleEvent, Placement, Progress, Restart,
+    RestartPolicy,
 };
 use tokio::time::timeout;
 
@@ -17,7 +18,7 @@ use tokio::time::timeout;
 pub(crate) const WATCHDOG: Duration = Duration::from_secs(600);
 
 /// Actor whose state is the sum of its messages.
-pub(crate) struct Adder<P = KeepLatest> {
+pub(crate) struct Adder<P = DropOldest> {
     total: u64,
     shared: Arc<AdderCounters>,
     policy: PhantomData<fn() -> P>,
@@ -166,7 +167,7 @@ pub(crate) async fn soon<T>(future: impl Future<Output = T>) -> T {
 }
 
 /// Next event; `None` after the last.
-pub(crate) async fn next(events: &mut Events<u64>) -> Option<Event<u64>> {
+pub(crate) async fn next(events: &mut Events<u64>) -> Option<LifecycleEvent<u64>> {
     soon(events.recv()).await
 }
 

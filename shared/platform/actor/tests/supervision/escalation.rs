@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use crate::adder_fixture::{Adder, AdderCounters, Order, config, next};
-use actor::{Config, Event, Events, Placement, Restart, RestartPolicy, Supervisor};
+use actor::{Config, Events, LifecycleEvent, Placement, Restart, RestartPolicy, Supervisor};
 use proptest::prelude::*;
 use tokio::runtime::{Builder, Handle};
 use tokio::time::{Instant, sleep};
@@ -63,10 +63,10 @@ fn policy(case: &Case) -> RestartPolicy {
 async fn verdict(events: &mut Events<u64>) -> Option<(u64, Option<u64>)> {
     loop {
         match next(events).await? {
-            Event::Restarting { id, after, .. } => {
+            LifecycleEvent::Restarting { id, after, .. } => {
                 return Some((id, u64::try_from(after.as_millis()).ok()));
             }
-            Event::Escalated(escalation) => return Some((escalation.id, None)),
+            LifecycleEvent::Escalated(escalation) => return Some((escalation.id, None)),
             _ => {}
         }
     }

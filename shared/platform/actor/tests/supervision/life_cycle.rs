@@ -8,13 +8,13 @@ use crate::adder_fixture::{
     Adder, AdderCounters, Order, Refused, config, count, lines, next, soon,
 };
 use actor::{
-    Actor, Block, Cause, Config, Error, Event, Events, Flow, KeepLatest, Lost, Placement, Progress,
-    Refuse, Restart, RestartPolicy, SendError, StopReason, Supervisor,
+    Actor, Backpressure, Cause, Config, DropOldest, Error, Events, Flow, LifecycleEvent, Placement,
+    Progress, Refuse, ReplyLost, Restart, RestartPolicy, SendError, StopReason, Supervisor,
 };
 use tokio::runtime::Handle;
 use tokio::time::{Instant, advance, sleep};
 
-type Adders<P = KeepLatest> = Supervisor<u64, Adder<P>>;
+type Adders<P = DropOldest> = Supervisor<u64, Adder<P>>;
 
 fn inline(restart: Restart) -> Config {
     config(restart, Placement::Inline)
@@ -54,7 +54,7 @@ async fn panic_restarts_from_the_last_checkpoint_without_effect_on_neighbours() 
 
     let lost = victim.ask(11, Order::Panic(900)).unwrap();
     let waiting = victim.ask(12, Order::Add(1)).unwrap();
-    assert_eq!(soon(lost).await, Err(Lost));
+    assert_eq!(soon(lost).await, Err(ReplyLost));
     for n in 1..=20 {
         assert_eq!(
             soon(neighbour.ask(n, Order::Add(1)).unwrap()).await,
@@ -81,11 +81,11 @@ async fn error_is_a_failure_with_its_source() {
     let adder = supervisor.spawn(1, 3).unwrap();
     assert_eq!(
         soon(adder.ask(7, Order::Fail(50)).unwrap()).await,
-        Err(Lost)
+        Err(ReplyLost)
     );
     assert_eq!(soon(adder.ask(8, Order::Add(1)).unwrap()).await, Ok(4));
     next(&mut events).await;
-    let Some(Event::Restarting {
+    let Some(LifecycleEvent::Restarting {
         cause: Cause::Failed(error),
         tag: Some(7),
         ..
@@ -150,13 +150,13 @@ async fn restart_after_a_failure_unless_temporary() {
         let waiting = adder.ask(2, Order::Add(2)).unwrap();
         assert_eq!(
             soon(waiting).await,
-            if comes_back { Ok(2) } else { Err(Lost) }
+            if comes_back { Ok(2) } else { Err(ReplyLost) }
         );
         next(&mut events).await;
         let report = next(&mut events).await.unwrap();
         match report {
-            Event::Restarting { .. } => assert!(comes_back),
-            Event::Stopped {
+            LifecycleEvent::Restarting { .. } => assert!(comes_back),
+            LifecycleEvent::Stopped {
                 reason: StopReason::Failed { tag: Some(1), .. },
                 ..
             } => {
@@ -176,9 +176,9 @@ async fn stop_drops_queued_messages_and_notifies_their_senders() {
     let waiting = adder
         .ask(1, Order::AddHolding(1, Arc::clone(&frame)))
         .unwrap();
-    assert!(supervisor.dismiss(&1));
+    assert!(supervisor.request_stop(&1));
     assert_eq!(Arc::strong_count(&frame), 1, "returned by the call itself");
-    assert_eq!(soon(waiting).await, Err(Lost));
+    assert_eq!(soon(waiting).await, Err(ReplyLost));
     assert!(matches!(
         adder.tell(2, Order::Add(1)),
         Err(SendError::Closed(Order::Add(1)))
@@ -189,7 +189,7 @@ async fn stop_drops_queued_messages_and_notifies_their_senders() {
         ["Actor 1 has stopped, as it was told."]
     );
     assert_eq!(shared.stopped.load(Ordering::Relaxed), 1);
-    assert!(!supervisor.dismiss(&1));
+    assert!(!supervisor.request_stop(&1));
     assert!(supervisor.address(&1).is_none());
     supervisor.spawn(1, 0).expect("the id is free again");
 }
@@ -200,7 +200,7 @@ async fn stop_ends_a_backoff_at_once() {
     let adder = supervisor.spawn(1, 0).unwrap();
     assert_eq!(
         soon(adder.ask(1, Order::Panic(0)).unwrap()).await,
-        Err(Lost)
+        Err(ReplyLost)
     );
     let begin = Instant::now();
     assert!(soon(supervisor.stop(&1)).await);
@@ -221,7 +221,7 @@ async fn stop_with_a_panic_is_reported_and_not_restarted() {
     next(&mut events).await;
     assert!(matches!(
         next(&mut events).await,
-        Some(Event::Stopped {
+        Some(LifecycleEvent::Stopped {
             reason: StopReason::Failed { cause: Cause::Panicked(text), tag: None },
             ..
         }) if text == "spoilt"
@@ -234,7 +234,7 @@ async fn actor_id_is_taken_until_its_actor_has_ended() {
     supervisor.spawn(7, 0).unwrap();
     let error = supervisor.spawn(7, 0).unwrap_err();
     assert!(matches!(&error, Error::AlreadyRunning { id } if id == "7"));
-    supervisor.dismiss(&7);
+    supervisor.request_stop(&7);
     assert!(
         supervisor.spawn(7, 0).is_err(),
         "told to stop, not yet ended"
@@ -255,8 +255,11 @@ async fn displaced_request_resolves_and_is_counted() {
     for answer in answers {
         outcomes.push(soon(answer).await);
     }
-    assert_eq!(outcomes, [Err(Lost), Err(Lost), Ok(1), Ok(2), Ok(3), Ok(4)]);
-    assert_eq!(adder.dropped(), 2);
+    assert_eq!(
+        outcomes,
+        [Err(ReplyLost), Err(ReplyLost), Ok(1), Ok(2), Ok(3), Ok(4)]
+    );
+    assert_eq!(adder.n_dropped(), 2);
 }
 
 #[tokio::test(start_paused = true)]
@@ -273,7 +276,7 @@ async fn overflow_policies_refuse_and_block_lose_no_message() {
         .collect();
     assert_eq!(accepted, [true, true, true, true, false, false]);
 
-    let (supervisor, _events): (Adders<Block>, _) =
+    let (supervisor, _events): (Adders<Backpressure>, _) =
         Supervisor::new(inline(Restart::Permanent), shared, Handle::current());
     let adder = supervisor.spawn(1, 0).unwrap();
     let mut answers = Vec::new();
@@ -298,7 +301,7 @@ async fn escalation_stops_all_actors_and_gives_the_reason() {
     for tag in 0..3 {
         assert_eq!(
             soon(culprit.ask(tag, Order::Panic(1)).unwrap()).await,
-            Err(Lost)
+            Err(ReplyLost)
         );
     }
     let mut reports = Vec::new();
@@ -350,7 +353,7 @@ async fn restart_window_forgets_old_restarts() {
     for tag in 0..5 {
         assert_eq!(
             soon(adder.ask(tag, Order::Panic(1)).unwrap()).await,
-            Err(Lost)
+            Err(ReplyLost)
         );
         advance(Duration::from_secs(60)).await;
     }
@@ -369,7 +372,7 @@ async fn stop_all_ends_all_actors_and_refuses_new_ones() {
     for address in &addresses[..2] {
         assert_eq!(
             soon(address.ask(0, Order::Panic(0)).unwrap()).await,
-            Err(Lost)
+            Err(ReplyLost)
         );
     }
     assert_eq!(soon(supervisor.stop_all()).await, 0);
@@ -383,7 +386,7 @@ async fn stop_all_ends_all_actors_and_refuses_new_ones() {
     drop(supervisor);
     let mut n_stopped = 0;
     while let Some(event) = next(&mut events).await {
-        n_stopped += usize::from(matches!(event, Event::Stopped { .. }));
+        n_stopped += usize::from(matches!(event, LifecycleEvent::Stopped { .. }));
     }
     assert_eq!(
         n_stopped, 64,

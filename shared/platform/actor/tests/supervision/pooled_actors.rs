@@ -8,8 +8,8 @@ use crate::adder_fixture::{
     Adder, AdderCounters, Order, WATCHDOG, config, count, lines, next, soon,
 };
 use actor::{
-    Cause, Event, Events, JobLost, Lost, Placement, PoolConfig, Restart, StopReason, Supervisor,
-    WorkerPool,
+    Cause, Events, JobLost, LifecycleEvent, Placement, PoolConfig, ReplyLost, Restart, StopReason,
+    Supervisor, WorkerPool,
 };
 use tokio::runtime::Handle;
 
@@ -67,11 +67,11 @@ async fn panic_on_the_pool_affects_only_its_actor() {
     let neighbour = supervisor.spawn(2, 0).unwrap();
     assert_eq!(
         soon(victim.ask(2, Order::Panic(7)).unwrap()).await,
-        Err(Lost)
+        Err(ReplyLost)
     );
     assert_eq!(soon(neighbour.ask(3, Order::Add(1)).unwrap()).await, Ok(1));
     assert_eq!(soon(victim.ask(4, Order::Add(1)).unwrap()).await, Ok(6));
-    assert_eq!(pool.abandoned(), 0);
+    assert_eq!(pool.n_abandoned(), 0);
     let reports = lines(&mut events, 4).await;
     let restart = "Actor 1 starts again after 50 ms, because it panicked: at 12 \
                    (at message 2, which is lost)."
@@ -88,13 +88,13 @@ async fn stalled_handler_costs_one_message_and_one_thread() {
     let lost = adder.ask(1, order).unwrap();
     begun(signal).await;
     assert_eq!(let_stall(&pool), 1);
-    assert_eq!(soon(lost).await, Err(Lost));
+    assert_eq!(soon(lost).await, Err(ReplyLost));
     assert_eq!(soon(adder.ask(2, Order::Add(1)).unwrap()).await, Ok(11));
     next(&mut events).await;
     assert!(matches!(
         next(&mut events).await,
-        Some(Event::Restarting {
-            cause: Cause::Lost(JobLost::Stalled),
+        Some(LifecycleEvent::Restarting {
+            cause: Cause::ReplyLost(JobLost::Stalled),
             tag: Some(1),
             ..
         })
@@ -115,12 +115,12 @@ async fn exhausted_pool_resolves_all_pending_answers() {
     let queued = other.ask(2, Order::Add(1)).unwrap();
     assert_eq!(let_stall(&pool), 1);
     soon(pool.exhausted()).await;
-    assert_eq!(soon(lost).await, Err(Lost));
-    assert_eq!(soon(queued).await, Err(Lost));
+    assert_eq!(soon(lost).await, Err(ReplyLost));
+    assert_eq!(soon(queued).await, Err(ReplyLost));
     // Both fail repeatedly until the policy ends it.
     while let Some(event) = next(&mut events).await {
-        if let Event::Restarting {
-            cause: Cause::Lost(JobLost::Exhausted),
+        if let LifecycleEvent::Restarting {
+            cause: Cause::ReplyLost(JobLost::Exhausted),
             ..
         } = event
         {
@@ -143,9 +143,9 @@ async fn stop_finishes_the_current_message() {
         .ask(2, Order::AddHolding(1, Arc::clone(&frame)))
         .unwrap();
     begun(signal).await;
-    assert!(supervisor.dismiss(&1));
+    assert!(supervisor.request_stop(&1));
     assert_eq!(Arc::strong_count(&frame), 1);
-    assert_eq!(soon(waiting).await, Err(Lost));
+    assert_eq!(soon(waiting).await, Err(ReplyLost));
     drop(gate);
     assert_eq!(soon(at_work).await, Ok(1));
     assert!(soon(supervisor.stop(&1)).await);
@@ -170,13 +170,13 @@ async fn stop_all_abandons_a_hanging_handler_after_the_time_limit() {
     let lost = stuck.ask(1, order).unwrap();
     begun(signal).await;
     soon(supervisor.stop_all()).await;
-    assert_eq!(soon(lost).await, Err(Lost));
+    assert_eq!(soon(lost).await, Err(ReplyLost));
     assert_eq!(supervisor.n_actors(), 0);
     assert_eq!(shared.stopped.load(Ordering::Relaxed), 1, "the healthy one");
     drop(supervisor);
     let mut ends = Vec::new();
     while let Some(event) = next(&mut events).await {
-        if !matches!(event, Event::Started { .. }) {
+        if !matches!(event, LifecycleEvent::Started { .. }) {
             ends.push(event.to_string());
         }
     }
@@ -200,8 +200,8 @@ async fn dismiss_abandons_a_hanging_handler() {
     let (order, signal, gate) = hang();
     let lost = stuck.ask(1, order).unwrap();
     begun(signal).await;
-    supervisor.dismiss(&1);
-    assert_eq!(soon(lost).await, Err(Lost));
+    supervisor.request_stop(&1);
+    assert_eq!(soon(lost).await, Err(ReplyLost));
     assert_eq!(
         lines(&mut events, 2).await,
         [
@@ -261,7 +261,7 @@ async fn lockstep_frames_are_answered_by_sixty_four_actors() {
         for (id, answer) in asked {
             let total = &mut totals[id as usize];
             let expected = if fails(id) {
-                Err(Lost)
+                Err(ReplyLost)
             } else {
                 Ok(*total + frame)
             };
@@ -273,16 +273,16 @@ async fn lockstep_frames_are_answered_by_sixty_four_actors() {
     drop(supervisor);
     let (mut n_restarts, mut n_stops) = (0, 0);
     while let Some(event) = next(&mut events).await {
-        n_restarts += usize::from(matches!(event, Event::Restarting { .. }));
+        n_restarts += usize::from(matches!(event, LifecycleEvent::Restarting { .. }));
         let stop = matches!(
             event,
-            Event::Stopped {
-                reason: StopReason::Asked,
+            LifecycleEvent::Stopped {
+                reason: StopReason::Requested,
                 ..
             }
         );
         n_stops += usize::from(stop);
     }
     assert_eq!((n_restarts, n_stops), (8, 64));
-    assert!(actors.iter().all(|actor| actor.dropped() == 0));
+    assert!(actors.iter().all(|actor| actor.n_dropped() == 0));
 }

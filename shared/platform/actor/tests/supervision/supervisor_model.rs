@@ -6,7 +6,9 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use crate::adder_fixture::{Adder, AdderCounters, Order, config, count, soon};
-use actor::{Address, Config, Event, Placement, Restart, RestartPolicy, StopReason, Supervisor};
+use actor::{
+    Address, Config, LifecycleEvent, Placement, Restart, RestartPolicy, StopReason, Supervisor,
+};
 use proptest::prelude::*;
 use tokio::runtime::{Builder, Handle};
 use tokio::time::{Instant, sleep_until};
@@ -214,18 +216,18 @@ impl Model<'_> {
     }
 }
 
-fn seen(event: &Event<u64>) -> ObservedEvent {
+fn seen(event: &LifecycleEvent<u64>) -> ObservedEvent {
     match event {
-        Event::Started { id } => ObservedEvent::Started(*id),
-        Event::Restarting { id, after, .. } => {
+        LifecycleEvent::Started { id } => ObservedEvent::Started(*id),
+        LifecycleEvent::Restarting { id, after, .. } => {
             ObservedEvent::Restarting(*id, after.as_millis() as u64)
         }
-        Event::Stopped { id, reason } => match reason {
-            StopReason::Asked => ObservedEvent::Stopped(*id),
+        LifecycleEvent::Stopped { id, reason } => match reason {
+            StopReason::Requested => ObservedEvent::Stopped(*id),
             StopReason::Finished => ObservedEvent::Finished(*id),
             _ => ObservedEvent::Failed(*id),
         },
-        Event::Escalated(escalation) => ObservedEvent::Escalated(escalation.id),
+        LifecycleEvent::Escalated(escalation) => ObservedEvent::Escalated(escalation.id),
         other => unreachable!("nothing hangs here: {other}"),
     }
 }
@@ -239,7 +241,7 @@ fn apply(supervisor: &Adders, id: u64, action: Action) -> bool {
     };
     match action {
         Action::Spawn => supervisor.spawn(id, 0).is_ok(),
-        Action::Dismiss => supervisor.dismiss(&id),
+        Action::Dismiss => supervisor.request_stop(&id),
         Action::Add => tell(Order::Add(1)),
         Action::Panic => tell(Order::Panic(100)),
         Action::Finish => tell(Order::Finish(1)),

@@ -62,15 +62,15 @@ pub(super) fn decode_reply(bytes: &[u8]) -> Reply {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use constraint::{Constraint, Finding, Findings, Reason, Truth};
+    use constraint::{Constraint, Finding, Findings, Reason, Ternary};
     use message::control::{
         EventReport, EventsReport, FactFilter, FactReport, FactsReport, MAX_PAGE_EVENTS,
         MAX_PAGE_FACTS, MAX_PAGE_TASKS, ObjectsReport, PlaceReport, TaskReport, TasksReport,
         WorldCommand, WorldReply,
     };
     use message::{
-        ActorStamps, IgnoredBlob, MAX_IGNORED, MAX_NEAR_CATEGORIES, MAX_SCENE_OBJECTS,
-        NearCategory, SceneObject, SceneSummary, Text,
+        ActorStamps, MAX_NEAR_CATEGORIES, MAX_REJECTED_CANDIDATES, MAX_SCENE_OBJECTS, NearCategory,
+        RejectedCandidate, SceneObject, SceneSummary, Text,
     };
 
     use std::collections::BTreeMap;
@@ -131,19 +131,25 @@ mod tests {
                 share: 0.876_543_2,
                 margin_m: 0.123_456_7,
             };
-            let truth = Truth::Unknown;
-            findings.set(constraint, Finding { truth, reason });
+            let truth = Ternary::Unknown;
+            findings.set(
+                constraint,
+                Finding {
+                    value: truth,
+                    reason,
+                },
+            );
         }
-        let blob = IgnoredBlob {
+        let blob = RejectedCandidate {
             decisive: u32::MAX,
-            findings: IgnoredBlob::wire_findings(&findings),
-            ..IgnoredBlob::default()
+            findings: RejectedCandidate::wire_findings(&findings),
+            ..RejectedCandidate::default()
         };
         let scene = SceneSummary {
             n_objects_total: u32::MAX,
             n_rejected: u32::MAX,
-            n_ignored: MAX_IGNORED as u32,
-            ignored: [blob; MAX_IGNORED],
+            n_ignored: MAX_REJECTED_CANDIDATES as u32,
+            ignored: [blob; MAX_REJECTED_CANDIDATES],
             assumptions: u32::MAX,
             rule: Text::truncated(&"x".repeat(Text::CAPACITY)),
             source_name: Text::truncated(&"x".repeat(Text::CAPACITY)),

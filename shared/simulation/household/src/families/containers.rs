@@ -261,7 +261,7 @@ pub(crate) fn spray_bottle(v: &mut Variation) -> Solid {
     let collar = cylinder(0.016, 0.018, 0.002).moved(0.0, 0.0, h - 0.002);
     let gun = rounded_box([0.075, 0.022, 0.026], 0.006, 0.01).moved(-0.012, 0.0, h + 0.032);
     let neck = rounded_box([0.03, 0.02, 0.03], 0.005, 0.01).moved(0.006, 0.0, h + 0.02);
-    let nozzle = cylinder(0.008, 0.012, 0.001).turned(Vector3::y(), -std::f32::consts::FRAC_PI_2);
+    let nozzle = cylinder(0.008, 0.012, 0.001).rotated(Vector3::y(), -std::f32::consts::FRAC_PI_2);
     let lever = rod(
         &[
             [-0.02, 0.0, h + 0.022],

@@ -34,7 +34,7 @@ pub(crate) fn pot(v: &mut Variation) -> Solid {
         0.0055,
     )
     .colored(grip);
-    let other = handle.clone().turned(Vector3::z(), std::f32::consts::PI);
+    let other = handle.clone().rotated(Vector3::z(), std::f32::consts::PI);
     let pot = body.joined(handle).joined(other);
     pot.joined(lid(v, r, h, metal)).with_surface(BRUSHED)
 }

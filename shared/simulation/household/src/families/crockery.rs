@@ -133,7 +133,7 @@ pub(crate) fn teacup(v: &mut Variation) -> Solid {
                 decor.outside
             }
         })
-        .hulled();
+        .with_convex_hull();
     saucer.joined(cup).with_surface(GLAZED)
 }
 

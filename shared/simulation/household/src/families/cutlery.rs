@@ -262,7 +262,7 @@ pub(crate) fn ladle(v: &mut Variation) -> Solid {
     // Bowl and end of the handle touch the table.
     let tilt = (depth + rise - 0.006).atan2(r + length) * 0.96;
     bowl.joined(handle)
-        .turned(Vector3::y(), -tilt)
+        .rotated(Vector3::y(), -tilt)
         .with_surface(POLISHED)
 }
 
@@ -292,10 +292,13 @@ pub(crate) fn whisk(v: &mut Variation) -> Solid {
         ];
         // Two wires are below, side by side.
         let angle = (i as f32 + 0.5) / n as f32 * std::f32::consts::PI;
-        rod(&loop_, thickness).turned(Vector3::x(), angle)
+        rod(&loop_, thickness).rotated(Vector3::x(), angle)
     };
     let wires: Solid = (0..n).map(wire).collect();
-    let wires = wires.hulled().colored(metal).with_surface(POLISHED);
+    let wires = wires
+        .with_convex_hull()
+        .colored(metal)
+        .with_surface(POLISHED);
     let w = v.between(0.01, 0.013);
     let profile = rounded(
         &[

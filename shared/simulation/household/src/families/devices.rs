@@ -146,9 +146,9 @@ pub(crate) fn computer_mouse(v: &mut Variation) -> Solid {
                 p.z * up,
             )
         })
-        .hulled();
+        .with_convex_hull();
     let wheel = cylinder(0.0095, 0.006, 0.0015)
-        .turned(Vector3::y(), TAU / 4.0)
+        .rotated(Vector3::y(), TAU / 4.0)
         .moved(-0.003, y * 0.55, z * 0.52);
     shell
         .joined(wheel.colored(key).decorative())
@@ -194,9 +194,9 @@ pub(crate) fn keyboard(v: &mut Variation) -> Solid {
             .colored(if is_accent { accent } else { key })
     };
     let caps: Solid = (0..n_columns * n_rows).map(cap).collect();
-    let keys = caps.hulled();
+    let keys = caps.with_convex_hull();
     case.joined(keys)
-        .turned(Vector3::x(), tilt)
+        .rotated(Vector3::x(), tilt)
         .with_surface(PLASTIC)
 }
 
@@ -213,8 +213,9 @@ pub(crate) fn lamp(v: &mut Variation) -> Solid {
     let shade = shade(v, wide, narrow, tall).moved(0.0, 0.0, low);
     // A cross of wire holds the shade.
     let z = h - 0.008;
-    let arm =
-        |angle: f32| rod(&[[-narrow, 0.0, z], [narrow, 0.0, z]], 0.002).turned(Vector3::z(), angle);
+    let arm = |angle: f32| {
+        rod(&[[-narrow, 0.0, z], [narrow, 0.0, z]], 0.002).rotated(Vector3::z(), angle)
+    };
     let wires = arm(0.0).joined(arm(TAU / 4.0)).colored(BRASS);
     let bulb = superellipsoid([0.024, 0.024, 0.034], 1.0, 1.0, 20)
         .moved(0.0, 0.0, low + 0.055)
@@ -313,7 +314,7 @@ pub(crate) fn headphones(v: &mut Variation) -> Solid {
         .colored(pad);
         shell
             .joined(cushion)
-            .turned(Vector3::y(), -side * TAU / 4.0)
+            .rotated(Vector3::y(), -side * TAU / 4.0)
             .moved(side * (r - 0.002), -0.012, 0.0)
     };
     bow.joined(ear(1.0)).joined(ear(-1.0)).with_surface(PLASTIC)

@@ -39,7 +39,7 @@ pub(crate) fn donut(v: &mut Variation) -> Solid {
         let tilt = (i as f32 * 0.754_88).fract() * 1.8 - 0.9;
         let (r, z) = (ring + thick * tilt.sin(), thick * flat * tilt.cos());
         rounded_box([0.006, 0.0016, 0.0016], 0.0, 0.01)
-            .turned(Vector3::z(), i as f32 * 1.7)
+            .rotated(Vector3::z(), i as f32 * 1.7)
             .moved(r * angle.cos(), r * angle.sin(), z + 0.0003)
             .colored(PLASTICS[i % 8])
     };

@@ -37,7 +37,7 @@ fn leaf(z: f32, length: f32, angle: f32, color: Rgb) -> Solid {
     extrude(&ellipse(length / 2.0, length / 4.5, 16), 0.0012, 0.0)
         .moved(length / 2.0 + 0.0006, 0.0, z)
         .warped(|p| Point3::new(p.x, p.y, p.z + 0.25 * p.x - 6.0 * p.x * p.x))
-        .turned(Vector3::z(), angle)
+        .rotated(Vector3::z(), angle)
         .colored(color)
         .decorative()
 }
@@ -255,12 +255,12 @@ pub(crate) fn strawberry(v: &mut Variation) -> Solid {
     let crown: Solid = (0..n)
         .map(|i| leaf(h - 0.001, r * 0.8, (i as f32 + 0.5) / n as f32 * TAU, LEAF))
         .collect();
-    let stalk = stem(v, h - 0.002, (0.008, 0.01), 0.0012, LEAF).hulled();
+    let stalk = stem(v, h - 0.002, (0.008, 0.01), 0.0012, LEAF).with_convex_hull();
     let berry = body
         .joined(pips.colored([236, 206, 96]).decorative())
-        .joined(crown.hulled())
+        .joined(crown.with_convex_hull())
         .joined(stalk);
-    resting_on_two_points(berry.turned(Vector3::y(), 1.9)).with_surface(WAXY)
+    resting_on_two_points(berry.rotated(Vector3::y(), 1.9)).with_surface(WAXY)
 }
 
 pub(crate) fn peach(v: &mut Variation) -> Solid {

@@ -51,7 +51,7 @@ pub(crate) fn flashlight(v: &mut Variation) -> Solid {
         .colored(mix(body, BLACK, 0.7));
     // It rests on its head and its end.
     lying(tube.joined(switch.decorative()))
-        .turned(Vector3::y(), (r - head) / length * 1.1)
+        .rotated(Vector3::y(), (r - head) / length * 1.1)
         .with_surface(PLASTIC)
 }
 
@@ -147,7 +147,7 @@ pub(crate) fn light_bulb(v: &mut Variation) -> Solid {
     });
     // It rests on its glass and its thread.
     lying(bulb)
-        .turned(Vector3::y(), (r - thread) / (length - r))
+        .rotated(Vector3::y(), (r - thread) / (length - r))
         .with_surface(PLASTIC)
 }
 

@@ -43,8 +43,8 @@ pub(crate) fn tennis_ball(v: &mut Variation) -> Solid {
                 mottled(p, felt, 0.002, 0.3, seed)
             }
         })
-        .turned(Vector3::x(), tilt)
-        .turned(Vector3::z(), turn)
+        .rotated(Vector3::x(), tilt)
+        .rotated(Vector3::z(), turn)
         .with_surface(RUBBER)
 }
 
@@ -77,7 +77,7 @@ pub(crate) fn soccer_ball(v: &mut Variation) -> Solid {
             let seam = shaded(ground, 0.72 + 6.0 * (near[0] - near[1]).min(0.046));
             mix(seam, spot, (near[0] - edge) / 0.03 + 0.5)
         })
-        .turned(Vector3::new(1.0, 0.4, 0.2), tilt)
+        .rotated(Vector3::new(1.0, 0.4, 0.2), tilt)
         .with_surface(PLASTIC)
 }
 
@@ -137,7 +137,7 @@ pub(crate) fn candle(v: &mut Variation) -> Solid {
             Vector3::y(),
             |t| (0.0018 + 0.0016 * t, 0.0025 + 0.0018 * t),
         );
-        drips = drips.joined(drop.turned(Vector3::z(), angle));
+        drips = drips.joined(drop.rotated(Vector3::z(), angle));
     }
     let wax_drip = mix(wax, WHITE, 0.15);
     body.joined(drips.colored(wax_drip).decorative())
@@ -173,7 +173,7 @@ pub(crate) fn cap(v: &mut Variation) -> Solid {
             };
             shaded(color, if seam { 0.75 } else { 1.0 })
         })
-        .turned(Vector3::x(), PI)
+        .rotated(Vector3::x(), PI)
         .stretched(1.12, 0.95, 1.0);
     let reach = v.between(0.06, 0.075);
     let arc = |k: f32, a: f32| (k * r * 1.08 * a.cos(), 0.86 * r * a.sin());
@@ -196,7 +196,7 @@ pub(crate) fn cap(v: &mut Variation) -> Solid {
         .colored(brim)
         .decorative();
     let badge = extrude(&ellipse(0.022, 0.02, 20), 0.002, 0.0)
-        .turned(Vector3::y(), FRAC_PI_2 - 0.35)
+        .rotated(Vector3::y(), FRAC_PI_2 - 0.35)
         .moved(r * 1.06, 0.0, h * 0.42);
     let badge = badge.colored(v.color(&PLASTICS)).decorative();
     dome.joined(visor).joined(button).joined(badge)

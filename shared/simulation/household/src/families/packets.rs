@@ -61,7 +61,7 @@ pub(crate) fn tissue_box(v: &mut Variation) -> Solid {
                 p.z - up * p.x.abs() * 0.5,
             )
         })
-        .hulled()
+        .with_convex_hull()
         .colored([246, 246, 244])
         .moved(0.0, 0.0, sides[2] - 0.002);
     body.joined(tissue).with_surface(PRINTED)
@@ -120,10 +120,9 @@ pub(crate) fn milk_carton(v: &mut Variation) -> Solid {
         (-0.002, roof),
     ]);
     let quarter = std::f32::consts::FRAC_PI_2;
-    let gable =
-        extrude(&gable, w, 0.0)
-            .turned(Vector3::x(), quarter)
-            .moved(0.0, w / 2.0, h - 0.001);
+    let gable = extrude(&gable, w, 0.0)
+        .rotated(Vector3::x(), quarter)
+        .moved(0.0, w / 2.0, h - 0.001);
     let edge = h + roof;
     let gable = gable.painted(|p, _| {
         if p.z > edge {
@@ -142,7 +141,7 @@ pub(crate) fn milk_carton(v: &mut Variation) -> Solid {
     let color = v.color(&PLASTICS);
     let cap =
         cap.colored(color)
-            .turned(Vector3::y(), tilt)
+            .rotated(Vector3::y(), tilt)
             .moved(w / 4.0, 0.0, h + roof / 2.0 - 0.003);
     body.joined(gable).joined(cap).with_surface(PRINTED)
 }
@@ -284,6 +283,6 @@ pub(crate) fn toothpaste(v: &mut Variation) -> Solid {
     let tilt = (r - 0.001) / length;
     tube.joined(crimp.colored(cap))
         .joined(head)
-        .turned(Vector3::y(), -tilt)
+        .rotated(Vector3::y(), -tilt)
         .with_surface(PLASTIC)
 }

@@ -54,7 +54,7 @@ pub(crate) fn scissors(v: &mut Variation) -> Solid {
         steel
             .joined(ring.joined(bridge).colored(grip))
             .moved(0.0, 0.0, s * 0.0011)
-            .turned(Vector3::z(), s * opening / 2.0)
+            .rotated(Vector3::z(), s * opening / 2.0)
     };
     let screw = cylinder(0.0042, 0.0075, 0.0008)
         .moved(0.0, 0.0, -0.0026)
@@ -157,7 +157,7 @@ pub(crate) fn stapler(v: &mut Variation) -> Solid {
         (-x / 2.0, h * 0.5),
     ];
     let arm = extrude(&rounded_outline(&arm, 0.01), y * 0.82, 0.004)
-        .turned(Vector3::x(), upright)
+        .rotated(Vector3::x(), upright)
         .moved(0.0, y * 0.41, 0.0)
         .colored(color);
     let rail = [
@@ -167,7 +167,7 @@ pub(crate) fn stapler(v: &mut Variation) -> Solid {
         (-x * 0.46, h * 0.3),
     ];
     let rail = extrude(&polyline(&rail), y * 0.55, 0.0005)
-        .turned(Vector3::x(), upright)
+        .rotated(Vector3::x(), upright)
         .moved(0.0, y * 0.275, 0.0)
         .colored(METALS[0]);
     let hinge = rounded_box([0.018, y * 0.95, h * 0.5], 0.003, 0.012)
@@ -283,9 +283,9 @@ pub(crate) fn pencil_cup(v: &mut Variation) -> Solid {
                 from_tip if from_tip < 0.017 => [222, 190, 140],
                 _ => color,
             })
-            .turned(Vector3::y(), lean)
+            .rotated(Vector3::y(), lean)
             .moved(r * 0.1, 0.0, 0.006)
-            .turned(Vector3::z(), i as f32 / n_pencils as f32 * TAU + 0.3)
+            .rotated(Vector3::z(), i as f32 / n_pencils as f32 * TAU + 0.3)
     };
     let pencils: Solid = (0..n_pencils).map(|i| pencil(i, v)).collect();
     cup.joined(pencils).with_surface(PLASTIC)

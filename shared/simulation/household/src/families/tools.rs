@@ -48,7 +48,7 @@ pub(crate) fn hammer(v: &mut Variation) -> Solid {
         ],
         0.002,
     );
-    let head = lathed(&profile).turned(Vector3::x(), -FRAC_PI_2);
+    let head = lathed(&profile).rotated(Vector3::x(), -FRAC_PI_2);
     let tail = if v.with_probability(0.6) {
         claw()
     } else {
@@ -176,7 +176,7 @@ pub(crate) fn wrench(v: &mut Variation) -> Solid {
     let jaw_part =
         |size: f32| extrude(&polyline(&open(size)), thick, 0.0008).moved(0.0, 0.0, -thick / 2.0);
     let first = jaw_part(jaw)
-        .turned(Vector3::z(), tilt)
+        .rotated(Vector3::z(), tilt)
         .moved(length / 2.0, 0.0, 0.0);
     let second = if v.with_probability(0.6) {
         let r = head * 0.85;
@@ -188,7 +188,7 @@ pub(crate) fn wrench(v: &mut Variation) -> Solid {
         ]);
         lathed(&profile)
     } else {
-        jaw_part(jaw * 0.85).turned(Vector3::z(), PI + tilt)
+        jaw_part(jaw * 0.85).rotated(Vector3::z(), PI + tilt)
     };
     let half = length / 2.0 - head * 0.55;
     let shank = rounded_outline(

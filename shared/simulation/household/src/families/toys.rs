@@ -63,7 +63,7 @@ impl CarDimensions {
     /// Side view outline, extruded across the car.
     fn across(outline: &[Point2<f32>], depth: f32, bevel: f32) -> Solid {
         extrude(outline, depth, bevel)
-            .turned(Vector3::x(), FRAC_PI_2)
+            .rotated(Vector3::x(), FRAC_PI_2)
             .moved(0.0, depth / 2.0, 0.0)
     }
 
@@ -112,7 +112,7 @@ impl CarDimensions {
         let profile = [(0.0, -0.005), (r, -0.005), (r, 0.005), (0.0, 0.005)];
         lathed(&rounded(&profile, 0.0015))
             .painted(|p, _| if radius(p) < hub { METALS[1] } else { BLACK })
-            .turned(Vector3::x(), FRAC_PI_2)
+            .rotated(Vector3::x(), FRAC_PI_2)
             .moved(side(1) * self.x * 0.31, side(2) * (self.y / 2.0 - 0.002), r)
     }
 }
@@ -169,12 +169,12 @@ pub(crate) fn toy_duck(v: &mut Variation) -> Solid {
         .moved(0.0, 0.0, 0.026 * s);
     // The tail points up.
     let tail = ellipsoid([0.02 * s, 0.016 * s, 0.0085 * s], 24)
-        .turned(Vector3::y(), 0.6)
+        .rotated(Vector3::y(), 0.6)
         .moved(-0.032 * s, 0.0, 0.038 * s);
     let body = body.joined(tail);
     let wing = |side: f32| {
         ellipsoid([0.02 * s, 0.006 * s, 0.011 * s], 20)
-            .turned(Vector3::y(), 0.3)
+            .rotated(Vector3::y(), 0.3)
             .moved(-0.006 * s, side * 0.03 * s, 0.032 * s)
     };
     let r = 0.022 * s;
@@ -193,7 +193,7 @@ pub(crate) fn toy_duck(v: &mut Variation) -> Solid {
         .joined(eye(-1.0))
         .joined(bill);
     let head = head
-        .turned(Vector3::z(), look)
+        .rotated(Vector3::z(), look)
         .moved(0.02 * s, 0.0, 0.064 * s);
     let shadow = shaded(color, 0.9);
     let wings = wing(1.0).joined(wing(-1.0)).colored(shadow);
@@ -336,6 +336,6 @@ pub(crate) fn toy_bridge(v: &mut Variation) -> Solid {
     points.extend(arch.map(|(sin, cos)| (-span * cos, span.min(0.75 * h) * sin)));
     points.extend([(x / 2.0, 0.0), (x / 2.0, h), (-x / 2.0, h)]);
     extrude(&polyline(&points), depth, 0.0012)
-        .turned(Vector3::x(), FRAC_PI_2)
+        .rotated(Vector3::x(), FRAC_PI_2)
         .painted(|p, _| mottled(&Point3::new(p.x * 0.2, p.y, p.z), base, 0.004, 0.12, seed))
 }

@@ -105,7 +105,7 @@ pub(crate) fn carrot(v: &mut Variation) -> Solid {
             )
         })
         .collect();
-    root.joined(greens.colored(LEAF).hulled())
+    root.joined(greens.colored(LEAF).with_convex_hull())
 }
 
 pub(crate) fn bell_pepper(v: &mut Variation) -> Solid {
@@ -154,8 +154,8 @@ pub(crate) fn eggplant(v: &mut Variation) -> Solid {
     .colored(skin);
     // Resting it on two points would count a part that is longer than the neck is thick.
     let cap = calyx(0.0, 5, neck * 1.4, 0.014)
-        .hulled()
-        .turned(Vector3::y(), FRAC_PI_2);
+        .with_convex_hull()
+        .rotated(Vector3::y(), FRAC_PI_2);
     let stalk = rod(
         &[[0.0, 0.0, 0.0], [0.014, 0.001, 0.0], [0.028, 0.006, 0.0]],
         0.0045,

@@ -4,7 +4,7 @@
 //! seed, frame, purpose and pixel position. A pixel's noise is therefore independent of the image
 //! contents, and blocks are read at the speed of a copy.
 
-use random::{mixed, unit_f32};
+use random::{mix64, unit_f32};
 
 /// Number of table positions at which a block may start.
 const N_STARTS: usize = 1 << 14;
@@ -35,7 +35,7 @@ pub(super) struct NoiseKey {
 impl NoiseKey {
     pub(super) fn new(seed: u64, frame_index: u64) -> Self {
         Self {
-            state: mixed(mixed(seed) ^ frame_index),
+            state: mix64(mix64(seed) ^ frame_index),
         }
     }
 
@@ -43,7 +43,7 @@ impl NoiseKey {
     #[inline]
     pub(super) fn hash(&self, purpose: NoisePurpose, row: usize, column: usize) -> u64 {
         let place = (purpose as u64) << 48 | (row as u64) << 24 | column as u64;
-        mixed(self.state ^ place.wrapping_mul(0x9e37_79b9_7f4a_7c15))
+        mix64(self.state ^ place.wrapping_mul(0x9e37_79b9_7f4a_7c15))
     }
 }
 
@@ -105,7 +105,7 @@ fn window(table: &[f32], hash: u64, len: usize) -> &[f32] {
 /// function that differs between platforms.
 fn normal_draw(index: u64) -> f32 {
     (0..12)
-        .map(|i| unit_f32(mixed(index * 12 + i)))
+        .map(|i| unit_f32(mix64(index * 12 + i)))
         .sum::<f32>()
         - 6.0
 }

@@ -23,7 +23,7 @@ const FLICKER: f32 = 0.25;
 
 /// Noise seed of one measurement: sensor and frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Shot {
+pub struct FrameSeed {
     /// Seed of the sensor: different seeds are different sensors.
     pub seed: u64,
     /// Frame index; the same index repeats the same noise.
@@ -118,7 +118,12 @@ impl KinectSensor {
     ///
     /// # Errors
     /// [`Error::ForeignImage`] or [`Error::CloudSize`]; nothing is measured then.
-    pub fn sense(&mut self, image: &Image, shot: Shot, points: &mut [Point]) -> Result<(), Error> {
+    pub fn sense(
+        &mut self,
+        image: &Image,
+        shot: FrameSeed,
+        points: &mut [Point],
+    ) -> Result<(), Error> {
         if *image.camera() != self.camera {
             return Err(Error::ForeignImage);
         }

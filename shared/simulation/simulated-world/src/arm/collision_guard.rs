@@ -2,7 +2,7 @@
 
 use super::SimulatedArm;
 use crate::physics::{Physics, STEPS_PER_SECOND};
-use crate::scene_object::SceneObject;
+use crate::scene_object::SimulatedObject;
 use arm_kinematics::{ArmController, MotionState};
 
 /// Contact force on an object at which the arm stops, newtons. Chosen.
@@ -37,7 +37,7 @@ impl SimulatedArm {
         &mut self,
         before: &ArmController,
         physics: &Physics,
-        objects: &[SceneObject],
+        objects: &[SimulatedObject],
     ) -> Option<String> {
         if self.controller.state() != MotionState::Moving || before == &self.controller {
             return None;
@@ -56,7 +56,11 @@ impl SimulatedArm {
             .or_else(|| self.excess_force(physics))
     }
 
-    fn held_object_collision(&self, physics: &Physics, objects: &[SceneObject]) -> Option<String> {
+    fn held_object_collision(
+        &self,
+        physics: &Physics,
+        objects: &[SimulatedObject],
+    ) -> Option<String> {
         let grasped = self.grasped.as_ref()?;
         let object = objects.iter().find(|object| object.id == grasped.object)?;
         let mut pose = self.world_from_gripper() * grasped.gripper_from_object;

@@ -2,7 +2,7 @@
 
 use super::{GraspedObject, SimulatedArm};
 use crate::physics::{BodyId, Physics};
-use crate::scene_object::{ObjectState, SceneObject};
+use crate::scene_object::{ObjectState, SimulatedObject};
 use geometry::OrientedBox;
 use nalgebra::{Point3, Vector3};
 use std::fmt;
@@ -78,7 +78,7 @@ impl SimulatedArm {
         &mut self,
         touched: Option<[BodyId; 2]>,
         physics: &mut Physics,
-        objects: &mut [SceneObject],
+        objects: &mut [SimulatedObject],
     ) {
         if let Err(failure) = self.grasp(touched, physics, objects) {
             self.failure = Some(failure.to_string());
@@ -89,10 +89,10 @@ impl SimulatedArm {
         &mut self,
         touched: Option<[BodyId; 2]>,
         physics: &mut Physics,
-        objects: &mut [SceneObject],
+        objects: &mut [SimulatedObject],
     ) -> Result<(), GraspFailure> {
         let [first, second] = touched.ok_or(GraspFailure::Nothing)?;
-        let same = |object: &&mut SceneObject| object.body == first && first == second;
+        let same = |object: &&mut SimulatedObject| object.body == first && first == second;
         let object = objects
             .iter_mut()
             .find(same)
@@ -125,7 +125,7 @@ impl SimulatedArm {
     }
 
     /// Releases the held object.
-    pub(super) fn release(&mut self, physics: &mut Physics, objects: &mut [SceneObject]) {
+    pub(super) fn release(&mut self, physics: &mut Physics, objects: &mut [SimulatedObject]) {
         let Some(grasped) = self.grasped.take() else {
             return;
         };

@@ -1,7 +1,7 @@
 //! Raw scene file (TOML) and its validation.
 
 use super::scene_variation::SceneVariation;
-use super::{MOST_OBJECTS, RANDOM_PAUSE_S, generated_objects};
+use super::{MAX_OBJECTS, RANDOM_PAUSE_S, generated_objects};
 use crate::action::{Action, PersonPlan, TimedAction};
 use crate::arm_mount::ArmMount;
 use crate::camera_mount::CameraMount;
@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::furniture::{Bin, TableDimensions};
 use crate::model_choice::{ModelChoice, ModelSource};
 use crate::model_library::ModelLibrary;
-use crate::scene::{ObjectPlan, Placing, Scene, SceneKind};
+use crate::scene::{ObjectPlacement, ObjectPlan, Scene, SceneKind};
 use geometry::RigidTransform;
 use nalgebra::{Translation3, UnitQuaternion};
 use rendering::kinect::SensorModel;
@@ -177,7 +177,7 @@ pub(super) fn scene(
         duration_s: duration_s(raw.duration_s)?,
     };
     if let Some(kind) = kind {
-        let n_objects = raw.objects.unwrap_or(kind.usual_number());
+        let n_objects = raw.objects.unwrap_or(kind.default_n_objects());
         scene.objects = generated_objects(&scene, kind, n_objects, &mut library)?;
     } else if raw.objects.is_some() {
         return Err(wrong(
@@ -193,11 +193,11 @@ pub(super) fn scene(
     if let Some(raw) = &raw.vary {
         variation(raw)?.apply(&mut scene);
     }
-    if scene.objects.len() > MOST_OBJECTS {
+    if scene.objects.len() > MAX_OBJECTS {
         let n = scene.objects.len();
         return Err(wrong(
             "[[object]]",
-            format!("at most {MOST_OBJECTS} objects fit a scene, not {n}"),
+            format!("at most {MAX_OBJECTS} objects fit a scene, not {n}"),
         ));
     }
     Ok((scene, library))
@@ -318,7 +318,7 @@ fn object(
         angle("roll_deg", raw.roll_deg)?,
     );
     let placing = match raw.drop_from_m {
-        None if pitch == 0.0 && roll == 0.0 => Placing::Upright {
+        None if pitch == 0.0 && roll == 0.0 => ObjectPlacement::Upright {
             position_m: raw.position_m,
             yaw_rad,
         },
@@ -329,7 +329,7 @@ fn object(
                 0.0..=2.0,
             )?;
             let [x, y] = raw.position_m;
-            Placing::Dropped {
+            ObjectPlacement::Dropped {
                 world_from_object: RigidTransform::from_parts(
                     Translation3::new(x, y, table.height_m + drop_m),
                     UnitQuaternion::from_euler_angles(roll, pitch, yaw_rad),
@@ -337,7 +337,10 @@ fn object(
             }
         }
     };
-    Ok(ObjectPlan { model, placing })
+    Ok(ObjectPlan {
+        model,
+        placement: placing,
+    })
 }
 
 fn generated(category: &str, instance: u64) -> Result<ModelChoice, Error> {

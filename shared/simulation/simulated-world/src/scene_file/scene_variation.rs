@@ -3,7 +3,7 @@
 use crate::action::Action;
 use crate::model_choice::ModelChoice;
 use crate::random_stream::random_stream;
-use crate::scene::{Placing, Scene};
+use crate::scene::{ObjectPlacement, Scene};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use random::Random;
 use std::collections::BTreeMap;
@@ -32,7 +32,7 @@ impl SceneVariation {
             shuffle(scene, &mut random);
         }
         for plan in &mut scene.objects {
-            self.vary_placing(&mut plan.placing, &mut random);
+            self.vary_placing(&mut plan.placement, &mut random);
         }
         let mut instances = InstanceSubstitution {
             n: self.n_instances,
@@ -62,11 +62,11 @@ impl SceneVariation {
         place_m.map(|value| value + random.between(-self.shift_m, self.shift_m))
     }
 
-    fn vary_placing(&self, placing: &mut Placing, random: &mut Random) {
+    fn vary_placing(&self, placing: &mut ObjectPlacement, random: &mut Random) {
         let turn_rad = random.between(-self.turn_rad, self.turn_rad);
         let [dx, dy] = self.shifted([0.0; 2], random);
         match placing {
-            Placing::Upright {
+            ObjectPlacement::Upright {
                 position_m: [x, y],
                 yaw_rad,
             } => {
@@ -74,7 +74,7 @@ impl SceneVariation {
                 *y += dy;
                 *yaw_rad += turn_rad;
             }
-            Placing::Dropped { world_from_object } => {
+            ObjectPlacement::Dropped { world_from_object } => {
                 let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn_rad);
                 world_from_object.append_rotation_wrt_center_mut(&turn);
                 world_from_object.append_translation_mut(&Translation3::new(dx, dy, 0.0));
@@ -110,7 +110,7 @@ fn shuffle(scene: &mut Scene, random: &mut Random) {
         .collect();
     for last in (1..others.len()).rev() {
         let (a, b) = (others[last], others[random.below(last + 1)]);
-        let placing = scene.objects[a].placing.clone();
-        scene.objects[a].placing = std::mem::replace(&mut scene.objects[b].placing, placing);
+        let placing = scene.objects[a].placement.clone();
+        scene.objects[a].placement = std::mem::replace(&mut scene.objects[b].placement, placing);
     }
 }

@@ -102,12 +102,12 @@ fn hand() -> Solid {
     let palm = ellipsoid([0.042, 0.018, 0.052], 16).moved(0.0, 0.0, 0.05);
     let fingers = [-0.027, -0.009, 0.009, 0.027].map(|x| {
         let length = if x < 0.0 { 0.065 } else { 0.072 };
-        finger(length).placed(&Isometry3::from_parts(
+        finger(length).transformed(&Isometry3::from_parts(
             Translation3::new(x, 0.0, 0.09),
             UnitQuaternion::from_axis_angle(&Vector3::x_axis(), 0.25),
         ))
     });
-    let thumb = finger(0.055).placed(&Isometry3::from_parts(
+    let thumb = finger(0.055).transformed(&Isometry3::from_parts(
         Translation3::new(0.036, 0.0, 0.05),
         UnitQuaternion::from_axis_angle(&Vector3::y_axis(), 0.7),
     ));

@@ -2,7 +2,7 @@
 
 use super::World;
 use crate::physics::STEPS_PER_SECOND;
-use crate::scene::Placing;
+use crate::scene::ObjectPlacement;
 use crate::scene_object::ObjectState;
 
 /// Time limit of settling, steps; slower objects stay in motion. Chosen.
@@ -55,8 +55,8 @@ impl World {
         for index in 0..self.objects.len() {
             let object = &self.objects[index];
             let plan = &self.scene.objects[index];
-            if let (ObjectState::OnFloor, Placing::Dropped { world_from_object }) =
-                (object.state, &plan.placing)
+            if let (ObjectState::OnFloor, ObjectPlacement::Dropped { world_from_object }) =
+                (object.state, &plan.placement)
             {
                 let (body, pose) = (object.body, *world_from_object);
                 self.physics.place(body, &pose);

@@ -146,7 +146,7 @@ fn the_files_are_those_of_a_recorded_sequence() {
     );
     let pose = fs::read_to_string(target.join("frame-000000.pose.txt")).unwrap();
     assert_eq!(pose, "1 0 0 1\n0 1 0 2\n0 0 1 3\n0 0 0 1\n");
-    let kind = crate::detect_kind(&target).unwrap();
+    let kind = crate::detect_recording_kind(&target).unwrap();
     assert_eq!(kind, crate::RecordingKind::RgbdSequence);
 }
 

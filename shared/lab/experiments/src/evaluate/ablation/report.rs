@@ -1,9 +1,9 @@
 //! The figures of `tabula evaluate ablation` for people.
 
 use super::document::{Document, Interval, VariantFigures};
-use command_line::table;
+use command_line::format_table;
 use plot::figure_page::{PageFigure, PageTable, html};
-use plot::interval_figure::IntervalRow;
+use plot::forest_plot::ForestPlotRow;
 
 /// Heads of the columns.
 const HEADS: [&str; 8] = [
@@ -23,7 +23,7 @@ pub(super) const CAPTION: &str = "Mean GCA of each variant with its 95 % interva
 
 /// The text that is printed.
 pub(super) fn text(document: &Document) -> String {
-    let mut lines = vec![table(&HEADS, &rows(document)), String::new()];
+    let mut lines = vec![format_table(&HEADS, &rows(document)), String::new()];
     lines.extend(notes(document));
     lines.extend([document.page.clone(), document.file.clone()]);
     lines.join("\n")
@@ -40,8 +40,8 @@ pub(super) fn page(document: &Document) -> String {
 }
 
 /// A row of the figure for each variant.
-pub(super) fn figure_rows(document: &Document) -> Vec<IntervalRow> {
-    let row = |variant: &VariantFigures| IntervalRow {
+pub(super) fn figure_rows(document: &Document) -> Vec<ForestPlotRow> {
+    let row = |variant: &VariantFigures| ForestPlotRow {
         name: variant.name.to_owned(),
         estimate: variant.gca.map(Into::into),
         is_reference: variant.name == document.settings.reference,

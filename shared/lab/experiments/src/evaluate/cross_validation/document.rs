@@ -7,7 +7,7 @@ use super::fold_result::FoldResult;
 use super::material::Material;
 use super::scene_figures::SceneFigures;
 use crate::arguments::CrossValidationArguments;
-use evaluation::cross_validation::Confusion;
+use evaluation::cross_validation::ConfusionMatrix;
 use evaluation::novelty_score::NoveltyScore;
 use evaluation::recogniser::Answer;
 use serde::Serialize;
@@ -96,7 +96,7 @@ impl Document {
         arguments: &CrossValidationArguments,
         material: &Material,
         results: &[FoldResult],
-        confusion: &Confusion,
+        confusion: &ConfusionMatrix,
     ) -> Option<Self> {
         let views = &material.views;
         let scores = confusion.scores()?;
@@ -161,7 +161,7 @@ impl FoldFigures {
 }
 
 impl CategoryFigures {
-    fn of(index: usize, material: &Material, confusion: &Confusion) -> Self {
+    fn of(index: usize, material: &Material, confusion: &ConfusionMatrix) -> Self {
         let categories = &material.views.categories;
         let row = confusion.row(index);
         let wrong = row.iter().enumerate();

@@ -2,7 +2,7 @@
 
 use super::material::Material;
 use crate::arguments::CrossValidationArguments;
-use evaluation::cross_validation::withheld;
+use evaluation::cross_validation::withheld_categories;
 use evaluation::recogniser::Answer;
 use std::time::Instant;
 
@@ -29,7 +29,8 @@ pub(super) fn play(
     let (views, folds) = (&material.views, &material.folds);
     let mut recogniser = material.learner.recogniser();
     let n_categories = views.categories.len();
-    let is_withheld = withheld(n_categories, arguments.open_set_share, fold, arguments.seed);
+    let is_withheld =
+        withheld_categories(n_categories, arguments.open_set_share, fold, arguments.seed);
     let begin = Instant::now();
     let (mut known, mut unknown, mut n_taught) = (Vec::new(), Vec::new(), 0);
     for (view, (label, &of_view)) in views.labels.iter().zip(&folds.of_view).enumerate() {

@@ -5,7 +5,7 @@ use crate::evaluate::object_views::ViewTable;
 use crate::evaluate::scene_views::{self, SceneViews};
 use crate::evaluate::variant::{Learner, Method, described};
 use command_line::Output;
-use evaluation::cross_validation::{Dealing, Folds};
+use evaluation::cross_validation::{FoldAssignment, Folds};
 use evaluation::recogniser::LabelledView;
 use service::{Failure, exit_code};
 
@@ -62,9 +62,9 @@ impl Material {
             views,
             learner,
             dealing: match dealing {
-                Dealing::ByView => "view",
-                Dealing::ByInstance => "instance-disjoint",
-                Dealing::Contiguous => "contiguous",
+                FoldAssignment::ByView => "view",
+                FoldAssignment::ByInstance => "instance-disjoint",
+                FoldAssignment::Contiguous => "contiguous",
             },
             scenes: None,
         })
@@ -95,7 +95,7 @@ impl Material {
             instance: None,
         };
         let kinds: Vec<LabelledView> = kinds.iter().map(kind).collect();
-        let of_scenes = deal(&kinds, Dealing::ByView, arguments)?;
+        let of_scenes = deal(&kinds, FoldAssignment::ByView, arguments)?;
         let fold_of = |scenes: &[usize]| -> Vec<u32> {
             scenes
                 .iter()
@@ -125,20 +125,20 @@ impl Material {
 
 fn deal(
     views: &[LabelledView],
-    dealing: Dealing,
+    dealing: FoldAssignment,
     arguments: &CrossValidationArguments,
 ) -> Result<Folds, Failure> {
-    Folds::deal(views, arguments.folds, dealing, arguments.seed)
+    Folds::assign(views, arguments.folds, dealing, arguments.seed)
         .map_err(|error| Failure::new(exit_code::USAGE, error))
 }
 
 /// Object by object where objects are known, unless something else is wished.
-fn dealing(arguments: &CrossValidationArguments, views: &ViewTable) -> Dealing {
+fn dealing(arguments: &CrossValidationArguments, views: &ViewTable) -> FoldAssignment {
     let is_known = views.labels.iter().any(|view| view.instance.is_some());
     match arguments.protocol {
-        _ if arguments.contiguous => Dealing::Contiguous,
-        Some(ViewProtocol::InstanceDisjoint) => Dealing::ByInstance,
-        None if is_known => Dealing::ByInstance,
-        Some(ViewProtocol::View) | None => Dealing::ByView,
+        _ if arguments.contiguous => FoldAssignment::Contiguous,
+        Some(ViewProtocol::InstanceDisjoint) => FoldAssignment::ByInstance,
+        None if is_known => FoldAssignment::ByInstance,
+        Some(ViewProtocol::View) | None => FoldAssignment::ByView,
     }
 }

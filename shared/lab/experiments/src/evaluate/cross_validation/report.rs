@@ -4,7 +4,7 @@ use super::document::{CategoryFigures, Document};
 use super::material::Material;
 use super::scene_figures::SceneFigures;
 use crate::evaluate::open_set::OpenSet;
-use command_line::table;
+use command_line::format_table;
 use plot::figure_page::{PageFigure, PageTable, html};
 
 /// Heads of the columns; the last two only of scenes.
@@ -19,7 +19,10 @@ const HEADS: [&str; 6] = [
 
 /// The text that is printed.
 pub(super) fn text(document: &Document) -> String {
-    let mut lines = vec![table(heads(document), &rows(document)), String::new()];
+    let mut lines = vec![
+        format_table(heads(document), &rows(document)),
+        String::new(),
+    ];
     lines.extend(notes(document));
     lines.extend([document.page.clone(), document.file.clone()]);
     lines.join("\n")

@@ -2,7 +2,7 @@
 
 use super::fold_result::FoldResult;
 use super::material::Scenes;
-use evaluation::cross_validation::Confusion;
+use evaluation::cross_validation::ConfusionMatrix;
 use serde::Serialize;
 
 /// Detection and recognition together, over all scenes.
@@ -30,7 +30,7 @@ pub(super) struct SceneFigures {
 }
 
 impl SceneFigures {
-    pub(super) fn of(scenes: &Scenes, results: &[FoldResult], confusion: &Confusion) -> Self {
+    pub(super) fn of(scenes: &Scenes, results: &[FoldResult], confusion: &ConfusionMatrix) -> Self {
         let n_categories = confusion.n_categories();
         let rows = || (0..n_categories).map(|truth| confusion.row(truth));
         let n_found: u32 = rows().flatten().sum();

@@ -1,7 +1,7 @@
 use super::super::open_ended::tests::{description, write_points};
 use super::*;
 use crate::arguments::{DescriptionArguments, Variant, ViewProtocol};
-use dataset::washington::{CAMERA, View, ViewName, write_view};
+use dataset::washington::{CAMERA, CroppedView, ViewName, write_view};
 use point_cloud::Point;
 use serde_json::Value;
 use std::fs;
@@ -95,9 +95,9 @@ fn contiguous_parts_are_slices_of_the_list() {
 }
 
 /// A view of a square of pixels at 1 m.
-fn square_view(side: u32) -> View {
+fn square_view(side: u32) -> CroppedView {
     let n_pixels = (side * side) as usize;
-    View {
+    CroppedView {
         size: (side, side),
         top_left: (300, 200),
         color: vec![90; 3 * n_pixels],

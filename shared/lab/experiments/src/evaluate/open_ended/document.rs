@@ -6,7 +6,9 @@ use super::super::variant::DescriptionSettings;
 use super::picture;
 use crate::arguments::OpenEndedArguments;
 use evaluation::novelty_score::NoveltyScore;
-use evaluation::open_ended::{MeanAndStd, Metrics, Protocol, Run, StopReason, Summary};
+use evaluation::open_ended::{
+    MeanAndStd, Metrics, MetricsSummary, OpenEndedRun, Protocol, StopReason,
+};
 use evaluation::recogniser::Answer;
 use serde::Serialize;
 
@@ -83,11 +85,11 @@ impl Document {
         arguments: &OpenEndedArguments,
         protocol: &Protocol,
         views: &ViewTable,
-        runs: &[Run],
+        runs: &[OpenEndedRun],
         ask_ms: f64,
     ) -> Self {
-        let metrics: Vec<Metrics> = runs.iter().map(Run::metrics).collect();
-        let summary = Summary::of(&metrics);
+        let metrics: Vec<Metrics> = runs.iter().map(OpenEndedRun::metrics).collect();
+        let summary = MetricsSummary::of(&metrics);
         let path = |name: &str| arguments.out.join(name).display().to_string();
         Self {
             version: env!("CARGO_PKG_VERSION"),
@@ -112,7 +114,7 @@ impl Document {
 }
 
 impl Figures {
-    fn of(summary: &Summary, value: fn(&MeanAndStd) -> Option<f64>) -> Self {
+    fn of(summary: &MetricsSummary, value: fn(&MeanAndStd) -> Option<f64>) -> Self {
         let of = |spread: &Option<MeanAndStd>| spread.as_ref().and_then(value);
         Self {
             qci: of(&summary.qci),
@@ -125,7 +127,7 @@ impl Figures {
 }
 
 impl RunFigures {
-    fn of(run: &Run) -> Self {
+    fn of(run: &OpenEndedRun) -> Self {
         let Metrics {
             qci,
             tlc,
@@ -152,7 +154,7 @@ impl RunFigures {
 }
 
 /// Of the questions of all runs.
-fn novelty(runs: &[Run]) -> Option<NoveltyScore> {
+fn novelty(runs: &[OpenEndedRun]) -> Option<NoveltyScore> {
     let answers = |is_open_set: bool| -> Vec<Answer> {
         let of_runs = runs.iter().flat_map(|run| run.answers(is_open_set));
         of_runs.collect()

@@ -2,7 +2,7 @@
 
 use super::super::csv;
 use super::super::object_views::ViewTable;
-use evaluation::open_ended::{Question, Run};
+use evaluation::open_ended::{OpenEndedRun, Question};
 
 /// Heads of the columns.
 const HEADS: [&str; 9] = [
@@ -19,7 +19,7 @@ const HEADS: [&str; 9] = [
 
 /// A line for each question. A run has the name of its seed; an empty prediction is
 /// "unknown"; numbers are written so that they are read as the same.
-pub(super) fn csv(runs: &[Run], views: &ViewTable) -> String {
+pub(super) fn csv(runs: &[OpenEndedRun], views: &ViewTable) -> String {
     let mut log = csv::line(&HEADS);
     for run in runs {
         let seed = run.seed.to_string();

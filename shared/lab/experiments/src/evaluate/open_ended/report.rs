@@ -2,7 +2,7 @@
 
 use super::super::open_set::OpenSet;
 use super::document::{Document, Figures, RunFigures};
-use command_line::table;
+use command_line::format_table;
 use plot::figure_page::{PageFigure, PageTable, html};
 
 /// Heads of the columns.
@@ -10,7 +10,7 @@ const HEADS: [&str; 7] = ["run", "qci", "tlc", "aic", "gca", "apa", "ended"];
 
 /// The text that is printed.
 pub(super) fn text(document: &Document) -> String {
-    let mut lines = vec![table(&HEADS, &rows(document)), String::new()];
+    let mut lines = vec![format_table(&HEADS, &rows(document)), String::new()];
     lines.extend(notes(document));
     lines.extend([document.page.clone(), document.file.clone()]);
     lines.join("\n")

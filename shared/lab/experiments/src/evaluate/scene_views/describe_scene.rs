@@ -5,9 +5,9 @@ use super::stage::Stage;
 use crate::evaluate::failed;
 use crate::evaluate::variant::{Describer, Readings};
 use crate::evaluate::whole_file::write;
-use constraint::Truth;
+use constraint::Ternary;
 use description::ObjectPoints;
-use detection::{Candidate, Config, Detection, Frame, Surroundings, Workspace, detect};
+use detection::{Candidate, Config, Detection, DetectionInput, ScenePriors, Workspace, detect};
 use evaluation::hypothesis_image::HypothesisImages;
 use evaluation::labelled_scenes::LabelledScene;
 use evaluation::scene_picture;
@@ -16,7 +16,7 @@ use geometry::PinholeCamera;
 use nalgebra::{Unit, Vector3};
 use point_cloud::{OrganizedCloud, Point};
 use service::Failure;
-use simulated_world::{SimulatedKinect, TrueObject, World};
+use simulated_world::{ObjectTruth, SimulatedKinect, World};
 use std::path::Path;
 use std::time::Instant;
 
@@ -112,11 +112,11 @@ impl Bench {
     /// A frame that is refused has no candidates: all of its objects are missed.
     fn detect(&mut self, seen: &Seen<'_>) -> Result<(), Failure> {
         let (width, height) = (CAMERA.width as usize, CAMERA.height as usize);
-        let frame = Frame {
+        let frame = DetectionInput {
             cloud: OrganizedCloud::new(&self.points, width, height).map_err(failed)?,
             up_in_camera: Some(seen.up_in_camera),
             seed: seen.number as u64,
-            surroundings: Surroundings::default(),
+            priors: ScenePriors::default(),
         };
         let (config, workspace) = (&self.config, &mut self.workspace);
         if detect(&frame, config, workspace, &mut self.detection).is_err() {
@@ -140,7 +140,7 @@ impl Bench {
             let normal = table.table_from_camera.rotation.inverse() * Vector3::z();
             Unit::new_normalize(normal)
         });
-        let is_object = |candidate: &&Candidate| candidate.verdict == Truth::True;
+        let is_object = |candidate: &&Candidate| candidate.verdict == Ternary::True;
         for candidate in self.detection.candidates.iter().filter(is_object) {
             let indices = self.detection.points_of(candidate);
             let begin = Instant::now();
@@ -193,8 +193,8 @@ impl Bench {
     }
 }
 
-fn categories(stage: &Stage, objects: &[TrueObject]) -> Result<Vec<u32>, Failure> {
-    let number_of = |object: &TrueObject| {
+fn categories(stage: &Stage, objects: &[ObjectTruth]) -> Result<Vec<u32>, Failure> {
+    let number_of = |object: &ObjectTruth| {
         let number = stage.number_of(&object.category);
         number.ok_or_else(|| failed(format!("no set has a category {}", object.category)))
     };

@@ -5,13 +5,13 @@ use super::tracker::{Seen, Tracker};
 use super::truth::{Truth, View};
 use crate::evaluate::failed;
 use dataset::rgbd_sequence::{RgbdSequence, Scratch};
-use evaluation::tracked_frame::{TrackState, TrackedFrame, TrueObject};
+use evaluation::tracked_frame::{GroundTruthObject, TrackState, TrackedFrame};
 use geometry::{PinholeCamera, RigidTransform};
 use nalgebra::{Quaternion, Translation3, Unit, UnitQuaternion, UnitVector3, Vector3};
 use point_cloud::{OrganizedCloud, Point};
 use serde::Deserialize;
 use service::{Failure, exit_code};
-use simulated_world::{ObjectState, TrueObject as SimulatedObject};
+use simulated_world::{ObjectState, ObjectTruth};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -50,7 +50,7 @@ struct RawObject {
     unoccluded_px: u32,
 }
 
-impl TryFrom<RawObject> for SimulatedObject {
+impl TryFrom<RawObject> for ObjectTruth {
     type Error = String;
 
     fn try_from(raw: RawObject) -> Result<Self, String> {
@@ -86,7 +86,7 @@ impl TryFrom<RawObject> for SimulatedObject {
     }
 }
 
-fn parse_truth(json: &[u8]) -> Result<Vec<SimulatedObject>, String> {
+fn parse_truth(json: &[u8]) -> Result<Vec<ObjectTruth>, String> {
     let raw: RawTruth = serde_json::from_slice(json).map_err(|error| error.to_string())?;
     raw.objects.into_iter().map(TryInto::try_into).collect()
 }
@@ -226,7 +226,7 @@ impl FileTruth {
         points: &[Point],
         world_from_camera: RigidTransform,
         up_in_world: UnitVector3<f64>,
-    ) -> Result<Vec<TrueObject>, Failure> {
+    ) -> Result<Vec<GroundTruthObject>, Failure> {
         let sequence = &recording.sequence;
         let has_truth = sequence.read_truth(index, &mut self.text).map_err(failed)?;
         let has_mask = sequence.read_mask(index, &mut self.scratch, &mut self.mask);
@@ -262,7 +262,7 @@ mod tests {
 
     #[test]
     fn what_is_written_is_read_again_and_what_is_wrong_is_told() {
-        let object = SimulatedObject {
+        let object = ObjectTruth {
             id: 3,
             name: "mug-7".into(),
             category: "mug".into(),

@@ -1,7 +1,7 @@
 //! The figures of `tabula evaluate tracking` for people.
 
 use super::document::{Document, Figures, Percentiles, SeedFigures};
-use command_line::table;
+use command_line::format_table;
 use plot::figure_page::{PageFigure, PageTable, html};
 
 /// Heads of the columns.
@@ -12,7 +12,7 @@ const HEADS: [&str; 16] = [
 
 /// The text that is printed.
 pub(super) fn text(document: &Document) -> String {
-    let mut lines = vec![table(&HEADS, &rows(document)), String::new()];
+    let mut lines = vec![format_table(&HEADS, &rows(document)), String::new()];
     lines.extend(legend());
     lines.extend([document.page.clone(), document.file.clone()]);
     lines.join("\n")

@@ -157,7 +157,8 @@ mod tests {
                 assert_eq!(names[0], names[1], "{}", story.name);
                 let duration_s = world.scene().duration_s.unwrap();
                 play(&mut world, duration_s);
-                let is_down = |o: &simulated_world::SceneObject| o.state == ObjectState::Settled;
+                let is_down =
+                    |o: &simulated_world::SimulatedObject| o.state == ObjectState::Settled;
                 assert!(world.objects().iter().all(is_down), "{}", story.name);
                 assert!(
                     !world.is_person_busy(),

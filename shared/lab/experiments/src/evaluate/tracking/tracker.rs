@@ -1,16 +1,17 @@
 //! The daemon's way of a frame, in process: the only place that calls the
 //! pipeline.
 
-use detection::{Detection, ExpectedTrack, Surroundings, Workspace, detect};
+use detection::{Detection, ExpectedTrack, ScenePriors, Workspace, detect};
 use geometry::{Capsule, OrientedBox, PinholeCamera, RigidTransform};
 use learning::CategoryIndex;
 use nalgebra::{Unit, Vector3};
 use pipeline::{
-    Config, Frame, ObjectState, ObjectTools, Observation, Step, TrackTable, category_index,
+    Config, FramePose, ObjectState, ObjectWorkspace, Observation, TrackTable, TrackUpdate,
+    category_index,
 };
 use point_cloud::OrganizedCloud;
 use std::collections::BTreeMap;
-use tracking::{AssociationConfig, MotionConfig, Sight, TrackPhase};
+use tracking::{AssociationConfig, MotionConfig, TrackPhase, Visibility};
 
 /// Objects less probable to be known are unknown; nothing was taught.
 const KNOWN_PROBABILITY_MIN: f32 = 0.5;
@@ -48,9 +49,9 @@ pub(super) struct Tracker {
     workspace: Workspace,
     detection: Detection,
     table: TrackTable,
-    step: Step,
+    step: TrackUpdate,
     states: BTreeMap<u64, ObjectState>,
-    tools: ObjectTools,
+    tools: ObjectWorkspace,
     taught: CategoryIndex,
     descriptor: Vec<f32>,
     expected: Vec<ExpectedTrack>,
@@ -67,9 +68,9 @@ impl Tracker {
             workspace: Workspace::default(),
             detection: Detection::default(),
             table: TrackTable::new(config),
-            step: Step::default(),
+            step: TrackUpdate::default(),
             states: BTreeMap::new(),
-            tools: ObjectTools::new()?,
+            tools: ObjectWorkspace::new()?,
             taught: category_index(),
             descriptor: Vec::new(),
             expected: Vec::new(),
@@ -82,7 +83,7 @@ impl Tracker {
     /// # Errors
     /// A sentence when the frame can not be searched or an object not be described.
     pub(super) fn step(&mut self, seen: &Seen<'_>) -> Result<(), String> {
-        let frame = Frame {
+        let frame = FramePose {
             capture_ns: seen.capture_ns,
             world_from_camera: seen.world_from_camera,
             camera: Some(seen.camera),
@@ -98,11 +99,11 @@ impl Tracker {
             )
         };
         let (people, robot) = (in_camera(seen.people), in_camera(seen.robot));
-        let searched = detection::Frame {
+        let searched = detection::DetectionInput {
             cloud: seen.cloud,
             up_in_camera: seen.up_in_camera,
             seed: seen.number,
-            surroundings: Surroundings {
+            priors: ScenePriors {
                 instructor: people.as_deref(),
                 robot: robot.as_deref(),
                 tracks: &self.expected,
@@ -116,7 +117,7 @@ impl Tracker {
             *last_id += 1;
             Some(*last_id)
         };
-        self.table.step(
+        self.table.update(
             &self.detection,
             seen.cloud.points(),
             &frame,
@@ -127,7 +128,7 @@ impl Tracker {
     }
 
     fn observe(&mut self, seen: &Seen<'_>) -> Result<(), String> {
-        for track_id in &self.step.gone {
+        for track_id in &self.step.ended_tracks {
             self.states.remove(track_id);
         }
         for sighting in &self.step.sightings {
@@ -147,7 +148,7 @@ impl Tracker {
                     &mut self.descriptor,
                 )
                 .map_err(|error| error.to_string())?;
-            self.table.absorb(sighting.track_id, &posterior);
+            self.table.apply_posterior(sighting.track_id, &posterior);
         }
         Ok(())
     }
@@ -156,7 +157,7 @@ impl Tracker {
     pub(super) fn tracks(&self) -> impl Iterator<Item = Tracked> {
         self.table.tracks().iter().map(|track| Tracked {
             id: track.id,
-            is_seen: track.sight() == Sight::Seen,
+            is_seen: track.visibility() == Visibility::Visible,
             is_confirmed: track.phase() == TrackPhase::Confirmed,
             box_in_world: track.box_in_world(),
         })
@@ -164,6 +165,6 @@ impl Tracker {
 
     /// The tracks that ended with the last frame.
     pub(super) fn ended(&self) -> &[u64] {
-        &self.step.gone
+        &self.step.ended_tracks
     }
 }

@@ -1,10 +1,10 @@
 //! The truth of a simulated frame as the score needs it.
 
-use evaluation::tracked_frame::TrueObject;
+use evaluation::tracked_frame::GroundTruthObject;
 use evaluation::true_shape::{SeenSurface, WholeShape};
 use geometry::{PinholeCamera, RigidTransform};
 use nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
-use simulated_world::{ObjectModel, ObjectState, TrueObject as SimulatedObject};
+use simulated_world::{ObjectModel, ObjectState, ObjectTruth};
 use std::collections::BTreeMap;
 
 /// An object must be tracked when at least this share of it is seen.
@@ -61,7 +61,7 @@ impl Truth {
     }
 
     /// Makes an object known by its model if it is a generated one, else as a box.
-    pub(super) fn know_by_name(&mut self, object: &SimulatedObject) {
+    pub(super) fn know_by_name(&mut self, object: &ObjectTruth) {
         self.objects.entry(object.id).or_insert_with(|| {
             let half_sides_m = object.size_m / 2.0;
             let points = generated_points(object);
@@ -77,8 +77,8 @@ impl Truth {
     pub(super) fn of_frame(
         &mut self,
         view: &View<'_>,
-        objects: &[SimulatedObject],
-    ) -> Vec<TrueObject> {
+        objects: &[ObjectTruth],
+    ) -> Vec<GroundTruthObject> {
         self.look(view, objects);
         let objects = objects.iter().filter_map(|object| {
             let known = self.objects.get_mut(&object.id)?;
@@ -86,7 +86,7 @@ impl Truth {
             let (whole_box, symmetry) = known.whole.upright_box(pose, &view.up_in_world)?;
             let camera_from_object = view.world_from_camera.inverse() * pose;
             let is_inside = is_inside(&self.camera, &camera_from_object, &known.half_sides_m);
-            Some(TrueObject {
+            Some(GroundTruthObject {
                 id: u64::from(object.id),
                 world_from_object: *pose,
                 whole_box,
@@ -103,7 +103,7 @@ impl Truth {
         objects.collect()
     }
 
-    fn look(&mut self, view: &View<'_>, objects: &[SimulatedObject]) {
+    fn look(&mut self, view: &View<'_>, objects: &[ObjectTruth]) {
         let object_from_camera: BTreeMap<u16, Isometry3<f32>> = objects
             .iter()
             .map(|object| {
@@ -147,7 +147,7 @@ impl Known {
 }
 
 /// Points of the surface of a generated object, by its name: `mug-3`.
-fn generated_points(object: &SimulatedObject) -> Option<Vec<Point3<f64>>> {
+fn generated_points(object: &ObjectTruth) -> Option<Vec<Point3<f64>>> {
     let instance = object.name.strip_prefix(&object.category)?;
     let instance = instance.strip_prefix('-')?.parse().ok()?;
     let model = ObjectModel::generated(&object.category, instance).ok()?;

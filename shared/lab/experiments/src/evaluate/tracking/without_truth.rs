@@ -6,7 +6,7 @@ use super::recorded::{Recording, Shown};
 use crate::arguments::TrackingArguments;
 use crate::evaluate::failed;
 use crate::evaluate::whole_file::{make_folder, write};
-use command_line::{Output, bar, table};
+use command_line::{Output, format_table, progress_bar};
 use evaluation::box_picture::{self, NumberedBox};
 use evaluation::track_drift::{TrackSpan, track_spans};
 use evaluation::track_figure;
@@ -68,7 +68,7 @@ pub(super) fn run(
     let labels = arguments.labels.as_deref().map(read_labels).transpose()?;
     let frames_folder = arguments.out.join(FRAMES);
     make_folder(&frames_folder)?;
-    let bar = bar(recording.n_frames() as u64, "frames", output);
+    let bar = progress_bar(recording.n_frames() as u64, "frames", output);
     let told = recording.play(|shown| {
         bar.inc(1);
         if !shown.index.is_multiple_of(FRAMES_A_PICTURE) {
@@ -78,7 +78,11 @@ pub(super) fn run(
         write(&path, &picture(shown)?)
     })?;
     bar.finish_and_clear();
-    let figure = track_figure::of_tracks(&recording.name, &told.frames, &recording.up_in_world());
+    let figure = track_figure::figure_without_ground_truth(
+        &recording.name,
+        &told.frames,
+        &recording.up_in_world(),
+    );
     let picture = format!("{PICTURES}/{}.svg", recording.name);
     let svg = figure.svg().map_err(failed)?;
     write(&arguments.out.join(&picture), svg.as_bytes())?;
@@ -225,7 +229,7 @@ fn summary(document: &Document) -> String {
 
 fn text(document: &Document) -> String {
     let lines = [
-        table(&HEADS, &rows(document)),
+        format_table(&HEADS, &rows(document)),
         String::new(),
         summary(document),
         document.page.clone(),

@@ -4,7 +4,7 @@ use super::Readings;
 use super::method::{Kind, Method};
 use crate::arguments::Up;
 use crate::evaluate::failed;
-use description::{Appearance, Descriptor, Error, Good, ObjectPoints, reference_frame};
+use description::{AppearanceDescriptor, Descriptor, Error, Good, ObjectPoints, reference_frame};
 use nalgebra::UnitVector3;
 use service::{Failure, exit_code};
 
@@ -14,8 +14,8 @@ pub(in super::super) enum Describer {
     /// GOOD in the frame of its published program; it knows no direction of gravity.
     Good(Box<Good>),
     /// Our own.
-    Appearance {
-        appearance: Box<Appearance>,
+    AppearanceDescriptor {
+        appearance: Box<AppearanceDescriptor>,
         n_readings: usize,
         /// What is up, if it is not as the data tell.
         up: Option<Up>,
@@ -32,8 +32,8 @@ impl Describer {
                 weights,
                 n_readings,
                 up,
-            } => Ok(Self::Appearance {
-                appearance: Box::new(Appearance::new(weights).map_err(failed)?),
+            } => Ok(Self::AppearanceDescriptor {
+                appearance: Box::new(AppearanceDescriptor::new(weights).map_err(failed)?),
                 n_readings,
                 up,
             }),
@@ -57,7 +57,7 @@ impl Describer {
                 good.compute(points, &frame, &mut descriptor)?;
                 Ok(vec![descriptor])
             }
-            Self::Appearance {
+            Self::AppearanceDescriptor {
                 appearance,
                 n_readings,
                 up: told,

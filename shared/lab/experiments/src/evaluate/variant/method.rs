@@ -6,7 +6,7 @@ use super::{Learner, Readings};
 use crate::arguments::{AblationVariant, DescriptionArguments, Up, Variant};
 use crate::evaluate::failed;
 use crate::evaluate::object_views::ViewTable;
-use description::{AppearanceWeights, AxesKind, GoodVariant, N_READINGS, Support};
+use description::{AppearanceWeights, AxesKind, GoodVariant, N_AXIS_HYPOTHESES, Support};
 use learning::{Calibration, CategoryIndex, Metric};
 use service::Failure;
 
@@ -51,7 +51,7 @@ impl Method {
                 Variant::Workspace => workspace(arguments.bins),
                 Variant::Ours => Kind::Appearance {
                     weights,
-                    n_readings: N_READINGS,
+                    n_readings: N_AXIS_HYPOTHESES,
                     up: arguments.up,
                 },
             },
@@ -82,7 +82,7 @@ impl Method {
                     weights,
                     n_readings: match ours {
                         AblationVariant::OursSingleReading => 1,
-                        _ => N_READINGS,
+                        _ => N_AXIS_HYPOTHESES,
                     },
                     up: (ours == AblationVariant::OursPrincipal).then_some(Up::Unknown),
                 };
@@ -129,7 +129,7 @@ impl Method {
         } else {
             AxesKind::Principal
         };
-        let is_live = n_readings == N_READINGS && self.metric == Metric::Euclidean;
+        let is_live = n_readings == N_AXIS_HYPOTHESES && self.metric == Metric::Euclidean;
         is_live.then(|| pipeline::calibration(kind))
     }
 }

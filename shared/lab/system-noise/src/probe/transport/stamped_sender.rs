@@ -1,7 +1,7 @@
 //! Sender and receiver of time-stamped messages for the transport probe.
 
 use channel::topic::{CameraCloud, MemoryChanged, Topic};
-use channel::{Domain, Error, Loan, Publisher, SharedFrame};
+use channel::{Domain, Error, Loan, Publisher, SharedMessage};
 use message::CloudPoint;
 use parking_lot::Mutex;
 use service::monotonic_ns;
@@ -24,7 +24,7 @@ pub(super) trait Stamped: Topic {
     where
         Self: Sized;
     /// Send time stamp, monotonic clock, ns.
-    fn stamp_ns(message: &SharedFrame<Self>) -> u64
+    fn stamp_ns(message: &SharedMessage<Self>) -> u64
     where
         Self: Sized;
 }
@@ -38,7 +38,7 @@ impl Stamped for MemoryChanged {
         }
     }
 
-    fn stamp_ns(message: &SharedFrame<Self>) -> u64 {
+    fn stamp_ns(message: &SharedMessage<Self>) -> u64 {
         message.items().first().map_or(0, |item| item.sequence)
     }
 }
@@ -57,7 +57,7 @@ impl Stamped for CameraCloud {
         loan.header_mut().published_stamp_ns = now_ns;
     }
 
-    fn stamp_ns(message: &SharedFrame<Self>) -> u64 {
+    fn stamp_ns(message: &SharedMessage<Self>) -> u64 {
         message.header().published_stamp_ns
     }
 }

@@ -1,9 +1,9 @@
 use super::*;
 use crate::mutation_id::MutationId;
-use crate::perceptual::mutation::{Change, Mutation};
+use crate::perceptual::mutation::{Mutation, StoreChange};
 use crate::perceptual::opening::Condition;
 use crate::perceptual::perceptual_memory::PerceptualMemory;
-use crate::perceptual::view::{Descriptor, View};
+use crate::perceptual::view::{CapturedView, StoredDescriptor};
 use crate::{DataLoss, StoreRefusal, verify_folder};
 use geometry::OrientedBox;
 use learning::ViewId;
@@ -11,13 +11,13 @@ use nalgebra::{Isometry3, Vector3};
 use std::path::Path;
 use tempfile::TempDir;
 
-fn view(track_id: u64) -> View {
-    View {
+fn view(track_id: u64) -> CapturedView {
+    CapturedView {
         id: ViewId {
             track_id,
             view_id: 0,
         },
-        descriptor: Descriptor {
+        descriptor: StoredDescriptor {
             kind: "test".to_owned(),
             values: vec![track_id as f32],
         },
@@ -38,7 +38,7 @@ fn store(memory: &mut PerceptualMemory, track_id: u64) {
         id: MutationId(u128::from(track_id)),
         author: String::new(),
         wall_ns: 1,
-        change: Change::StoreViews(vec![view(track_id)]),
+        change: StoreChange::StoreViews(vec![view(track_id)]),
     };
     memory.apply(&mutation).unwrap();
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 use tempfile::TempDir;
 
 use super::super::tests::{CONFIG, place, sighting};
-use super::super::{FactQuery, Happening, NewTask, Outcome, Subject, TaskEnd, Value};
+use super::super::{ActionOutcome, EventKind, FactQuery, NewTask, Subject, TaskEnd, Value};
 use super::*;
 use crate::mutation_id::MutationId;
 
@@ -61,7 +61,7 @@ fn facts_end_at_their_last_observation_after_a_restart() {
     assert_eq!(report.condition, WorldCondition::Sound, "{report}");
     let mut expected = before.clone();
     for fact in &mut expected {
-        if fact.end_ns.is_none() && fact.subject == Subject::Object(7) {
+        if fact.end_ns.is_none() && fact.subject == Subject::ObjectRecord(7) {
             fact.end_ns = Some(19 * SECOND);
         }
     }
@@ -70,12 +70,12 @@ fn facts_end_at_their_last_observation_after_a_restart() {
     assert_eq!(model.objects().count(), 0);
     let place_then = expected
         .iter()
-        .find(|fact| matches!(fact.value, Value::Place(_)));
-    assert_eq!(place_then.unwrap().value, Value::Place(place(19)));
+        .find(|fact| matches!(fact.value, Value::BoxPose(_)));
+    assert_eq!(place_then.unwrap().value, Value::BoxPose(place(19)));
     let started = model.events_since(0).last().unwrap();
     assert_eq!(
         (&started.happening, started.wall_ns),
-        (&Happening::Started, 100 * SECOND)
+        (&EventKind::Started, 100 * SECOND)
     );
 }
 
@@ -87,7 +87,7 @@ fn task_continues_after_a_restart_and_a_retry_is_answered() {
     let end = TaskEnd {
         id: MutationId(5),
         task: 1,
-        outcome: Outcome::Succeeded,
+        outcome: ActionOutcome::Succeeded,
         reason: String::new(),
     };
     for now_s in [30, 40] {
@@ -184,7 +184,7 @@ fn check_damaged(files: &[(String, Vec<u8>)], whole: &[super::super::Fact]) -> b
         };
         assert!(whole.iter().any(|known| is_known(&known)), "{fact:?}");
     }
-    if let WorldCondition::BegunAnew { set_aside, .. } = &report.condition {
+    if let WorldCondition::Reset { set_aside, .. } = &report.condition {
         assert!(set_aside.join("CURRENT").exists() || set_aside.read_dir().unwrap().count() > 0);
     }
     model.observe([sighting(&(9, 0, 0, 0), 101 * SECOND)], true, 101 * SECOND);
@@ -195,7 +195,7 @@ fn check_damaged(files: &[(String, Vec<u8>)], whole: &[super::super::Fact]) -> b
     assert!(
         all_facts(&model)
             .iter()
-            .any(|fact| fact.subject == Subject::Object(9))
+            .any(|fact| fact.subject == Subject::ObjectRecord(9))
     );
     report.is_loss()
 }

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Counters and state of a process, written by its loops and read by the health
 /// report about once a second.
 #[derive(Debug)]
-pub struct HealthBoard {
+pub struct HealthCounters {
     state: Mutex<(ProcessState, Text)>,
     /// Number of frames published, processed or persisted.
     pub frames: AtomicU64,
@@ -26,7 +26,7 @@ pub struct HealthBoard {
     progress: AtomicU64,
 }
 
-impl Default for HealthBoard {
+impl Default for HealthCounters {
     fn default() -> Self {
         Self {
             state: Mutex::new((ProcessState::Starting, Text::default())),
@@ -42,7 +42,7 @@ impl Default for HealthBoard {
     }
 }
 
-impl HealthBoard {
+impl HealthCounters {
     /// Sets the state and its explanation; empty when all is well.
     pub fn set_state(&self, state: ProcessState, note: &str) {
         *self.state.lock() = (state, Text::truncated(note));
@@ -55,7 +55,7 @@ impl HealthBoard {
 
     /// Records progress of the main loop: a frame finished or, without frames, a
     /// probe answered. This alone feeds the watchdog.
-    pub fn tick(&self) {
+    pub fn record_progress(&self) {
         self.progress.fetch_add(1, Ordering::Relaxed);
     }
 

@@ -23,7 +23,7 @@ const PALE_BLUE: RGBColor = RGBColor(130, 170, 245);
 
 /// Row of a forest plot.
 #[derive(Debug, Clone, PartialEq)]
-pub struct IntervalRow {
+pub struct ForestPlotRow {
     /// Name of the variant.
     pub name: String,
     /// Estimate with its interval; `None` leaves the row empty.
@@ -36,7 +36,7 @@ pub struct IntervalRow {
 ///
 /// # Errors
 /// If the plotting library fails.
-pub fn svg(title: &str, x_label: &str, rows: &[IntervalRow]) -> Result<String, DrawingError> {
+pub fn svg(title: &str, x_label: &str, rows: &[ForestPlotRow]) -> Result<String, DrawingError> {
     let mut svg = String::new();
     {
         let size_px = (WIDTH_PX, FRAME_PX + ROW_PX * rows.len() as u32);
@@ -52,7 +52,7 @@ fn draw(
     area: &DrawingArea<SVGBackend<'_>, Shift>,
     title: &str,
     x_label: &str,
-    rows: &[IntervalRow],
+    rows: &[ForestPlotRow],
 ) -> Result<(), DrawingError> {
     let n_rows = rows.len().max(1) as f64;
     let x_range = range(rows);
@@ -94,7 +94,7 @@ fn draw(
 }
 
 /// Value range: all intervals with a margin of 5 %.
-fn range(rows: &[IntervalRow]) -> Range<f64> {
+fn range(rows: &[ForestPlotRow]) -> Range<f64> {
     let estimates = || rows.iter().filter_map(|row| row.estimate);
     let low = estimates().map(|estimate| estimate.low).reduce(f64::min);
     let high = estimates().map(|estimate| estimate.high).reduce(f64::max);
@@ -118,8 +118,8 @@ fn draw_name(
 mod tests {
     use super::*;
 
-    fn row(name: &str, low: f64, high: f64) -> IntervalRow {
-        IntervalRow {
+    fn row(name: &str, low: f64, high: f64) -> ForestPlotRow {
+        ForestPlotRow {
             name: name.to_owned(),
             estimate: Some(Estimate {
                 value: f64::midpoint(low, high),
@@ -133,7 +133,7 @@ mod tests {
     #[test]
     fn row_without_estimate_has_a_name_but_no_dot() {
         let mut rows = vec![row("ours", 0.8, 0.9), row("no & size", 0.7, 0.75)];
-        let lacking = IntervalRow {
+        let lacking = ForestPlotRow {
             estimate: None,
             ..row("published", 0.0, 0.0)
         };

@@ -5,9 +5,9 @@ use crate::mesh::Mesh;
 use crate::{obj, ply};
 use std::path::{Path, PathBuf};
 
-/// Model file of a folder.
+/// ModelFile file of a folder.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Model {
+pub struct ModelFile {
     /// Path of the file.
     pub path: PathBuf,
     /// Number at the start of the file name: 25 for `025_mug.ply`.
@@ -56,7 +56,7 @@ pub enum Error {
 ///
 /// # Errors
 /// When the folder cannot be read or has no models.
-pub fn list(folder: &Path) -> Result<Vec<Model>, Error> {
+pub fn list(folder: &Path) -> Result<Vec<ModelFile>, Error> {
     let is_model = |name: &str| Format::of(Path::new(name)).is_some();
     let names = file_names(folder, is_model)?;
     if names.is_empty() {
@@ -65,7 +65,7 @@ pub fn list(folder: &Path) -> Result<Vec<Model>, Error> {
     let model = |file_name: &String| {
         // A model's name has an extension of four bytes.
         let (number, name) = parse_stem(&file_name[..file_name.len() - 4]);
-        Model {
+        ModelFile {
             path: folder.join(file_name),
             number,
             name: name.to_owned(),
