@@ -1,4 +1,4 @@
-//! ReferenceModel-based test: random operations on the store and on a reference model, with reopenings.
+//! Model-based test: random operations on the store and on a reference model, with reopenings.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
