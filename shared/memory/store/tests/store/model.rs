@@ -91,7 +91,7 @@ struct ModelState {
     documents: BTreeMap<String, Vec<u8>>,
 }
 
-/// ModelEntry in the model: state before, and touched items.
+/// Entry in the model: state before, and touched items.
 struct ModelEntry {
     before: ModelState,
     touched_views: BTreeSet<ViewId>,
@@ -232,7 +232,7 @@ impl ReferenceModel {
         Some(state)
     }
 
-    /// ModelState with the touched items reverted, if no later entry touched them.
+    /// State with the touched items reverted, if no later entry touched them.
     fn undone(&self, sequence: u64, wall_ns: u64) -> Option<ModelState> {
         let index = sequence.checked_sub(1)? as usize;
         let entry = self.entries.get(index)?;
