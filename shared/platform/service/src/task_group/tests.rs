@@ -13,9 +13,9 @@ async fn never() -> Result<(), Failure> {
     std::future::pending().await
 }
 
-/// Panics with an owned message or with a literal.
+/// Future that panics with an owned message or with a literal.
 async fn panicking(is_formatted: bool) {
-    let n = 7;
+    let n = std::future::ready(7).await;
     assert!(!is_formatted, "frame {n}");
     panic!("frame 7");
 }
