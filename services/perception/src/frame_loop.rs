@@ -1,5 +1,4 @@
-//! Frame loop: detection, data association, object actors and publication for each frame;
-//! owner of the track table.
+//! Frame loop: receives each frame, runs it through the pipeline and publishes the results.
 
 use crate::assumption_log::AssumptionLog;
 use crate::body_subscriber::BodySubscribers;
@@ -8,9 +7,10 @@ use crate::detector::{DetectedFrame, DetectionError, Detector};
 use crate::frame_receiver::{FrameReceiver, ReceivedFrame};
 use crate::frame_trace::FrameTrace;
 use crate::latest_scene::LatestScene;
+use crate::live_executor::{FrameError, LiveExecutor, LiveState};
 use crate::memory_replica::{CategorySnapshot, SharedCategories, SyncBarrier};
 use crate::newest_view::{self, LabelEstimate, NewestView, NewestViews};
-use crate::object_actors::{ObjectActors, SightingOutcome};
+use crate::object_actors::ObjectActors;
 use crate::outbox::{Outbox, StoreReceipt};
 use crate::publishers::Publishers;
 use crate::scene_report;
@@ -22,7 +22,7 @@ use constraint::Assumptions;
 use message::{
     FrameDone, PlainHeader, ProcessKind, SceneObject, SceneSummary, Stage, Text, points,
 };
-use pipeline::{ObjectWorkspace, TrackTable, TrackUpdate};
+use pipeline::{FramePipeline, ObjectWorkspace};
 use service::{HealthCounters, Stopwatch, monotonic_ns};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -34,29 +34,20 @@ const PROBE: Duration = Duration::from_millis(500);
 /// State of the frame loop that lasts from frame to frame.
 pub(crate) struct FrameLoop {
     frame_receiver: FrameReceiver,
-    bodies: BodySubscribers,
-    detector: Detector,
+    pipeline: FramePipeline,
+    live: LiveState,
     rule: Text,
     assumption_log: AssumptionLog,
     table_log: TableLog,
     pool: WorkerPool,
-    table: TrackTable,
-    actors: ObjectActors,
-    ids: Arc<TrackIds>,
     outbox: Outbox,
     sync_barrier: SyncBarrier,
     categories: SharedCategories,
     config: pipeline::Config,
     latest_scene: Arc<LatestScene>,
     health: Arc<HealthCounters>,
-    actor_deadline: Duration,
     publishers: Publishers,
-    trace: FrameTrace,
-    step: TrackUpdate,
-    outcomes: Vec<SightingOutcome>,
     objects: Vec<SceneObject>,
-    newest_views: NewestViews,
-    last_capture_ns: u64,
     last_finished: Option<FrameDone>,
 }
 
@@ -89,29 +80,29 @@ impl FrameLoop {
         tracing::info!("a candidate becomes an object when {rule}");
         Ok(Self {
             frame_receiver: FrameReceiver::new(domain)?,
-            bodies: BodySubscribers::new(domain)?,
-            detector,
+            pipeline: FramePipeline::new(config.pipeline),
+            live: LiveState {
+                bodies: BodySubscribers::new(domain)?,
+                detector,
+                actors: parts.actors,
+                ids: parts.ids,
+                actor_deadline: config.actor_deadline,
+                trace,
+                outcomes: Vec::new(),
+                newest_views: NewestViews::new(),
+            },
             rule: Text::truncated(&rule),
             assumption_log: AssumptionLog::default(),
             table_log: TableLog::default(),
             pool: parts.pool,
-            table: TrackTable::new(config.pipeline),
-            actors: parts.actors,
-            ids: parts.ids,
             outbox: parts.outbox,
             sync_barrier: parts.sync_barrier,
             categories: parts.categories,
             config: config.pipeline,
             latest_scene: parts.latest_scene,
             health: parts.health,
-            actor_deadline: config.actor_deadline,
             publishers,
-            trace,
-            step: TrackUpdate::default(),
-            outcomes: Vec::new(),
             objects: Vec::new(),
-            newest_views: NewestViews::new(),
-            last_capture_ns: 0,
             last_finished: None,
         })
     }
@@ -137,7 +128,7 @@ impl FrameLoop {
 
     /// Stops all actors gracefully.
     pub(crate) async fn stop(&self) {
-        self.actors.stop_all().await;
+        self.live.actors.stop_all().await;
     }
 
     /// Liveness probe: runs an empty job on the worker pool and reports health.
@@ -153,7 +144,7 @@ impl FrameLoop {
         let count = |n: usize| n as u64;
         self.health
             .actors
-            .store(count(self.actors.n_actors()), Ordering::Relaxed);
+            .store(count(self.live.actors.n_actors()), Ordering::Relaxed);
         self.health
             .abandoned
             .store(count(self.pool.n_abandoned()), Ordering::Relaxed);
@@ -163,29 +154,31 @@ impl FrameLoop {
         if self.is_repeated(received) {
             return self.report_finished(received);
         }
-        self.restart_if_time_jumped(received.frame.header().capture_stamp_ns);
         if received.is_lockstep() {
             // Determinism: a replay has the same categories at the same frame.
             self.sync_barrier.wait().await;
         }
-        self.trace.begin(received);
-        self.gather_priors(received)?;
-        let detected = match self.detector.detect(received).await {
+        self.live.trace.begin(received);
+        let mut executor = LiveExecutor::new(&mut self.live, received);
+        let cloud = points(received.frame.items());
+        let processed = self
+            .pipeline
+            .process(&received.frame_pose(), cloud, &mut executor)
+            .await;
+        let detected_ns = executor.detected_ns;
+        let detected = match processed {
             Ok(detected) => detected,
-            Err(failed) => {
+            Err(FrameError::Channel(error)) => return Err(error),
+            Err(FrameError::Detection(failed)) => {
                 self.log_failure(received, &failed);
                 return self.report_finished(received);
             }
         };
-        self.trace.add_detection(&detected);
         let mut summary = scene_report::summary(received);
-        summary.stamps.detected_ns = self.trace.at_ns();
-        self.associate(received, &detected);
-        let detected = Arc::new(detected);
-        self.observe(received, &detected).await;
-        summary.stamps.recognised_ns = self.trace.at_ns();
+        summary.stamps.detected_ns = detected_ns;
+        summary.stamps.recognised_ns = self.live.trace.at_ns();
         let receipts = self.publish(&mut summary, received, &detected)?;
-        self.trace.send(received);
+        self.live.trace.send(received);
         self.finish(received, detected, receipts).await
     }
 
@@ -197,75 +190,6 @@ impl FrameLoop {
             .is_some_and(|last| (last.session, last.sequence) == (header.session, header.sequence))
     }
 
-    /// Ends all tracks when the capture time runs backwards, which is the start of
-    /// another recording.
-    fn restart_if_time_jumped(&mut self, capture_ns: u64) {
-        if capture_ns < self.last_capture_ns {
-            self.step.ended_tracks.clear();
-            self.table.clear(&mut self.step.ended_tracks);
-            self.dismiss_gone();
-        }
-        self.last_capture_ns = capture_ns;
-    }
-
-    /// Gathers the scene priors of a frame: people, the robot, and the predicted tracks.
-    fn gather_priors(&mut self, received: &ReceivedFrame) -> Result<(), Error> {
-        let mut watch = Stopwatch::since(self.trace.at_ns());
-        let capture_ns = received.frame.header().capture_stamp_ns;
-        let world_from_camera = received.checked.world_from_camera.as_ref();
-        let priors = self.detector.priors_mut();
-        self.table
-            .predict(&received.frame_pose(), &mut priors.tracks);
-        self.bodies
-            .priors_at(capture_ns, world_from_camera, priors)?;
-        self.trace.end_work(watch.lap(Stage::GatherPriors, 0));
-        Ok(())
-    }
-
-    fn associate(&mut self, received: &ReceivedFrame, detected: &DetectedFrame) {
-        let mut watch = Stopwatch::since(self.trace.at_ns());
-        let frame = received.frame_pose();
-        let ids = &self.ids;
-        self.table.update(
-            &detected.detection,
-            points(received.frame.items()),
-            &frame,
-            || ids.take(),
-            &mut self.step,
-        );
-        for sighting in self
-            .step
-            .sightings
-            .iter()
-            .filter(|sighting| sighting.is_new)
-        {
-            self.actors.spawn(sighting.track_id);
-        }
-        self.dismiss_gone();
-        self.trace.end_work(watch.lap(Stage::Association, 0));
-    }
-
-    fn dismiss_gone(&mut self) {
-        for track_id in &self.step.ended_tracks {
-            self.actors.dismiss(*track_id);
-            self.newest_views.remove(track_id);
-        }
-    }
-
-    async fn observe(&mut self, received: &ReceivedFrame, detected: &Arc<DetectedFrame>) {
-        let deadline = (!received.is_lockstep()).then_some(self.actor_deadline);
-        let Self {
-            actors,
-            step,
-            outcomes,
-            ..
-        } = self;
-        actors
-            .observe(received, detected, &step.sightings, deadline, outcomes)
-            .await;
-        self.trace.add_observations(&self.outcomes);
-    }
-
     /// Publishes the results of a frame: key views to the memory, objects and scene to
     /// subscribers.
     fn publish(
@@ -274,34 +198,18 @@ impl FrameLoop {
         received: &ReceivedFrame,
         detected: &DetectedFrame,
     ) -> Result<Vec<StoreReceipt>, Error> {
-        let begin = Stopwatch::since(self.trace.at_ns());
+        let begin = Stopwatch::since(self.live.trace.at_ns());
         let mut watch = begin;
-        self.absorb();
         let receipts = self.send_key_views(received);
-        self.trace.add(watch.lap(Stage::Outbox, 0));
+        self.live.trace.add(watch.lap(Stage::Outbox, 0));
         self.publish_objects(received, detected);
-        self.trace.add(watch.lap(Stage::ObjectTopics, 0));
+        self.live.trace.add(watch.lap(Stage::ObjectTopics, 0));
         self.publish_scene(summary, received, detected)?;
-        self.trace.add(watch.lap(Stage::SceneTopic, 0));
-        self.trace
+        self.live.trace.add(watch.lap(Stage::SceneTopic, 0));
+        self.live
+            .trace
             .end_work(watch.span_since(&begin, Stage::Publishing, 0));
         Ok(receipts)
-    }
-
-    /// Applies the actors' posteriors to the track table.
-    fn absorb(&mut self) {
-        for view in self.newest_views.values_mut() {
-            view.is_key_view = false;
-        }
-        for (sighting, observed) in &mut self.outcomes {
-            let Some(observed) = observed else { continue };
-            self.table
-                .apply_posterior(sighting.track_id, &observed.posterior);
-            let view = NewestView::new(observed, &sighting.measured);
-            if let Some(older) = self.newest_views.insert(sighting.track_id, view) {
-                self.actors.recycle_points(older.points);
-            }
-        }
     }
 
     async fn relabel_if_requested(&mut self) {
@@ -315,7 +223,7 @@ impl FrameLoop {
     async fn relabel(&mut self) {
         let snapshot = self.categories.get();
         let mut outdated = Vec::new();
-        for (track_id, view) in &mut self.newest_views {
+        for (track_id, view) in &mut self.live.newest_views {
             if snapshot.is_current(view.recognised.position) {
                 view.recognised.position = snapshot.position;
             } else {
@@ -330,7 +238,7 @@ impl FrameLoop {
         {
             Ok(recognised) => {
                 for (track_id, recognised) in recognised {
-                    if let Some(view) = self.newest_views.get_mut(&track_id) {
+                    if let Some(view) = self.live.newest_views.get_mut(&track_id) {
                         view.recognised = recognised;
                     }
                 }
@@ -340,7 +248,7 @@ impl FrameLoop {
                 tracing::error!("the labels were not recomputed: {lost}");
             }
         }
-        let views = &self.newest_views;
+        let views = &self.live.newest_views;
         let position = newest_view::oldest_position(views, position);
         self.latest_scene.update(position, |object| {
             if let Some(view) = views.get(&object.track_id) {
@@ -350,23 +258,23 @@ impl FrameLoop {
     }
 
     fn send_key_views(&mut self, received: &ReceivedFrame) -> Vec<StoreReceipt> {
-        let key_views = self.outcomes.iter_mut().filter_map(|(sighting, observed)| {
-            let observed = observed
-                .as_mut()
-                .filter(|observed| observed.posterior.is_key_view)?;
-            Some(scene_report::stored_view(received, sighting, observed))
-        });
+        let key_views = self
+            .live
+            .outcomes
+            .iter_mut()
+            .filter_map(|(sighting, observed)| {
+                let observed = observed
+                    .as_mut()
+                    .filter(|observed| observed.posterior.is_key_view)?;
+                Some(scene_report::stored_view(received, sighting, observed))
+            });
         key_views.filter_map(|view| self.outbox.put(view)).collect()
     }
 
     fn publish_objects(&mut self, received: &ReceivedFrame, detected: &DetectedFrame) {
-        let Self {
-            publishers,
-            table,
-            outcomes,
-            ..
-        } = self;
-        publishers.publish_objects(received, detected, outcomes, table.tracks());
+        let (outcomes, tracks) = (&self.live.outcomes, self.pipeline.tracks());
+        self.publishers
+            .publish_objects(received, detected, outcomes, tracks);
     }
 
     fn publish_scene(
@@ -375,11 +283,12 @@ impl FrameLoop {
         received: &ReceivedFrame,
         detected: &DetectedFrame,
     ) -> Result<(), Error> {
-        let tracks = self.table.tracks();
-        scene_report::objects(tracks, &self.newest_views, &mut self.objects);
+        let tracks = self.pipeline.tracks();
+        scene_report::objects(tracks, &self.live.newest_views, &mut self.objects);
         summary.n_objects_total = tracks.len() as u32;
         summary.rule = self.rule;
         summary.n_late = self
+            .live
             .outcomes
             .iter()
             .filter(|(_, observed)| observed.is_none())
@@ -388,7 +297,7 @@ impl FrameLoop {
         scene_report::add_detection(
             summary,
             &detected.detection,
-            &self.step.rejected_candidates,
+            &self.pipeline.update().rejected_candidates,
             received.checked.world_from_camera.as_ref(),
         );
         self.assumption_log
@@ -396,7 +305,7 @@ impl FrameLoop {
         self.table_log.update(detected.detection.table.as_ref());
         summary.stamps.published_ns = monotonic_ns();
         let newest = self.categories.get().position;
-        let position = newest_view::oldest_position(&self.newest_views, newest);
+        let position = newest_view::oldest_position(&self.live.newest_views, newest);
         self.latest_scene.set(summary, &self.objects, position);
         self.publishers.scene.send_copy(*summary, &self.objects)
     }
@@ -407,10 +316,10 @@ impl FrameLoop {
         detected: Arc<DetectedFrame>,
         receipts: Vec<StoreReceipt>,
     ) -> Result<(), Error> {
-        self.actors.recycle(&mut self.outcomes);
+        self.live.actors.recycle(&mut self.live.outcomes);
         // A late actor still holds the detection, and this frame's buffers with it.
         if let Ok(detected) = Arc::try_unwrap(detected) {
-            self.detector.recycle(detected);
+            self.live.detector.recycle(detected);
         }
         self.health.frames.fetch_add(1, Ordering::Relaxed);
         self.health

@@ -17,6 +17,7 @@ mod frame_receiver;
 mod frame_trace;
 mod helper_threads;
 mod latest_scene;
+mod live_executor;
 mod log_once;
 mod memory_replica;
 mod newest_view;

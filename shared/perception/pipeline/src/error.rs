@@ -7,6 +7,9 @@ pub enum Error {
     /// Probability threshold for unknown objects out of range.
     #[error("the probability below which objects are unknown must lie between 0 and 1, not {0}")]
     KnownProbability(f32),
+    /// Cloud that cannot be searched.
+    #[error("{0}")]
+    Detection(#[source] detection::Error),
     /// Rejected setting or measurement of the tracking crate.
     #[error("{0}")]
     Tracking(#[source] tracking::Error),

@@ -1,15 +1,16 @@
 //! Per-frame perception pipeline: data association, tracking, description and
 //! recognition as pure functions over explicit state.
 //!
-//! A frame is processed in two halves, because the second runs once per object and on
-//! any thread:
+//! [`FramePipeline`] runs a frame through its stages: predict, detect, associate,
+//! observe, apply. Detection and the observation of objects are carried out by a
+//! [`FrameExecutor`]: the daemon's uses a worker pool and actors, [`SequentialExecutor`]
+//! the calling thread.
 //!
-//! - [`TrackTable::predict`] supplies the expected boxes that detection needs as a
-//!   prior. [`TrackTable::step`] associates the candidates of a [`detection::Detection`]
-//!   with the tracks, starts tracks for accepted candidates and ends lost tracks.
+//! - [`TrackTable`] predicts the tracks, associates the candidates of a
+//!   [`detection::Detection`] with them, starts tracks and ends them.
 //! - [`ObjectState::observe`] processes one object's measurement: motion filter,
-//!   descriptor, recognition and key-view selection. [`TrackTable::absorb`] applies the
-//!   resulting [`Posterior`] to the track.
+//!   descriptor, recognition and key-view selection. Its [`Posterior`] is applied to the
+//!   object's track.
 //!
 //! Invariants: this crate never reads a clock, draws no random numbers, does no I/O, and
 //! knows nothing of threads, actors or messages.
@@ -18,34 +19,40 @@
 //!
 //! ```
 //! use geometry::RigidTransform;
-//! use pipeline::{Config, FramePose, TrackUpdate, TrackTable};
+//! use pipeline::{Config, FramePipeline, FramePose, SequentialFrame, SequentialState};
+//! use point_cloud::{OrganizedCloud, Point};
 //! use tracking::{AssociationConfig, MotionConfig};
 //!
 //! let config = Config::new(MotionConfig::default(), AssociationConfig::default(), 0.5)?;
-//! let mut table = TrackTable::new(config);
-//! let frame = FramePose {
-//!     capture_ns: 0,
-//!     world_from_camera: RigidTransform::identity(),
-//!     camera: None,
+//! let mut state = SequentialState::new(detection::Config::default(), config)?;
+//! let mut pipeline = FramePipeline::new(config);
+//! let points = vec![Point::default(); 4];
+//! let frame = SequentialFrame {
+//!     pose: FramePose {
+//!         capture_ns: 0,
+//!         world_from_camera: RigidTransform::identity(),
+//!         camera: None,
+//!     },
+//!     cloud: OrganizedCloud::new(&points, 2, 2)?,
+//!     up_in_camera: None,
+//!     seed: 0,
+//!     people: None,
+//!     robot: None,
 //! };
-//! // Expected boxes of the tracks: a prior for detection.
-//! let mut expected = Vec::new();
-//! table.predict(&frame, &mut expected);
-//! let detection = detection::Detection::default();
-//!
-//! let (mut ids, mut update) = (1_u64.., TrackUpdate::default());
-//! table.step(&detection, &[], &frame, || ids.next(), &mut update);
-//! assert!(update.sightings.is_empty() && table.tracks().is_empty());
-//! # Ok::<(), pipeline::Error>(())
+//! state.process(&mut pipeline, &frame)?;
+//! assert!(pipeline.tracks().is_empty());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 mod candidate_measurement;
 mod config;
 mod error;
+mod frame_pipeline;
 mod frame_pose;
 mod key_view_selector;
 mod lost_track_gallery;
 mod object_state;
+mod sequential_executor;
 mod track;
 mod track_recovery;
 mod track_table;
@@ -53,9 +60,11 @@ mod track_table;
 pub use candidate_measurement::CandidateMeasurement;
 pub use config::{Config, DESCRIPTOR_KIND, calibration, category_index};
 pub use error::Error;
+pub use frame_pipeline::{FrameExecutor, FramePipeline, FrameStage, PosteriorSink};
 pub use frame_pose::FramePose;
 pub use object_state::{
     ObjectState, ObjectWorkspace, Observation, ObservationOutput, ObservationStage, Posterior,
 };
+pub use sequential_executor::{SequentialExecutor, SequentialFrame, SequentialState};
 pub use track::Track;
 pub use track_table::{Sighting, TrackTable, TrackUpdate};

@@ -1,0 +1,175 @@
+//! Sequential executor: detection and observation on the calling thread, for
+//! evaluation and replay.
+
+use crate::frame_pipeline::{FrameExecutor, FramePipeline, PosteriorSink};
+use crate::{
+    Config, Error, FramePose, ObjectState, ObjectWorkspace, Observation, Sighting, category_index,
+};
+use detection::{Detection, DetectionInput, ExpectedTrack, ScenePriors, Workspace, detect};
+use geometry::Capsule;
+use learning::CategoryIndex;
+use nalgebra::{Unit, Vector3};
+use point_cloud::OrganizedCloud;
+use std::collections::BTreeMap;
+use std::future::ready;
+
+/// Frame with its priors, as a recording or a simulation supplies it.
+#[derive(Debug, Clone, Copy)]
+pub struct SequentialFrame<'a> {
+    /// Capture stamp, camera pose and intrinsics.
+    pub pose: FramePose,
+    /// Point cloud, camera frame.
+    pub cloud: OrganizedCloud<'a>,
+    /// Up direction, camera frame; `None` when unknown.
+    pub up_in_camera: Option<Unit<Vector3<f64>>>,
+    /// Seed of detection; the frame number, so that a replay draws the same samples.
+    pub seed: u64,
+    /// Capsules of people, camera frame; `None` when no source reports people.
+    pub people: Option<&'a [Capsule]>,
+    /// Capsules of the robot, camera frame; `None` when no source reports the robot.
+    pub robot: Option<&'a [Capsule]>,
+}
+
+/// State of the objects and buffers, which last from frame to frame.
+#[derive(Debug)]
+pub struct SequentialState {
+    detection_config: detection::Config,
+    config: Config,
+    workspace: Workspace,
+    detection: Detection,
+    expected: Vec<ExpectedTrack>,
+    objects: BTreeMap<u64, ObjectState>,
+    tools: ObjectWorkspace,
+    categories: CategoryIndex,
+    descriptor: Vec<f32>,
+    last_track_id: u64,
+}
+
+impl SequentialState {
+    /// State without objects and without taught categories.
+    ///
+    /// # Errors
+    /// When the descriptor cannot be set up.
+    pub fn new(detection_config: detection::Config, config: Config) -> Result<Self, Error> {
+        Ok(Self {
+            detection_config,
+            config,
+            workspace: Workspace::default(),
+            detection: Detection::default(),
+            expected: Vec::new(),
+            objects: BTreeMap::new(),
+            tools: ObjectWorkspace::new()?,
+            categories: category_index(),
+            descriptor: Vec::new(),
+            last_track_id: 0,
+        })
+    }
+
+    /// Runs one frame through a pipeline.
+    ///
+    /// # Errors
+    /// When the cloud cannot be searched or an object cannot be described.
+    pub fn process(
+        &mut self,
+        pipeline: &mut FramePipeline,
+        frame: &SequentialFrame<'_>,
+    ) -> Result<(), Error> {
+        let mut executor = SequentialExecutor { state: self, frame };
+        let done = pipeline.process_now(&frame.pose, frame.cloud.points(), &mut executor);
+        if let Some(detection) = done.transpose()? {
+            self.detection = detection;
+        }
+        Ok(())
+    }
+}
+
+/// Executor of one frame over a [`SequentialState`].
+#[derive(Debug)]
+pub struct SequentialExecutor<'a> {
+    state: &'a mut SequentialState,
+    frame: &'a SequentialFrame<'a>,
+}
+
+impl SequentialExecutor<'_> {
+    fn search(&mut self) -> Result<Detection, Error> {
+        let state = &mut *self.state;
+        let input = DetectionInput {
+            cloud: self.frame.cloud,
+            up_in_camera: self.frame.up_in_camera,
+            seed: self.frame.seed,
+            priors: ScenePriors {
+                instructor: self.frame.people,
+                robot: self.frame.robot,
+                tracks: &state.expected,
+            },
+        };
+        let mut detection = std::mem::take(&mut state.detection);
+        let (config, workspace) = (&state.detection_config, &mut state.workspace);
+        detect(&input, config, workspace, &mut detection).map_err(Error::Detection)?;
+        Ok(detection)
+    }
+
+    fn observe_all(
+        &mut self,
+        detection: &Detection,
+        sightings: &[Sighting],
+        mut sink: PosteriorSink<'_>,
+    ) -> Result<(), Error> {
+        let state = &mut *self.state;
+        for sighting in sightings {
+            let candidate = &detection.candidates[sighting.candidate];
+            let observation = Observation {
+                cloud: self.frame.cloud.points(),
+                indices: detection.points_of(candidate),
+                measured: &sighting.measured,
+            };
+            let object = state.objects.entry(sighting.track_id).or_default();
+            let posterior = object.observe(
+                &observation,
+                &state.categories,
+                &state.config,
+                &mut state.tools,
+                &mut state.descriptor,
+            )?;
+            sink.apply(sighting.track_id, &posterior);
+        }
+        Ok(())
+    }
+}
+
+impl FrameExecutor for SequentialExecutor<'_> {
+    type Detected = Detection;
+    type Error = Error;
+
+    fn expected_tracks(&mut self) -> &mut Vec<ExpectedTrack> {
+        &mut self.state.expected
+    }
+
+    fn detect(&mut self) -> impl Future<Output = Result<Detection, Error>> + Send {
+        ready(self.search())
+    }
+
+    fn detection(detected: &Detection) -> &Detection {
+        detected
+    }
+
+    fn next_track_id(&mut self) -> Option<u64> {
+        self.state.last_track_id += 1;
+        Some(self.state.last_track_id)
+    }
+
+    fn track_started(&mut self, _track_id: u64) {}
+
+    fn track_ended(&mut self, track_id: u64) {
+        self.state.objects.remove(&track_id);
+    }
+
+    fn observe(
+        &mut self,
+        detected: &Detection,
+        sightings: &[Sighting],
+        sink: PosteriorSink<'_>,
+    ) -> impl Future<Output = Result<(), Error>> + Send {
+        ready(self.observe_all(detected, sightings, sink))
+    }
+}
