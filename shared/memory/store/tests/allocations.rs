@@ -1,56 +1,19 @@
 //! Allocation tests: an unchanged observation allocates nothing, and reads leave nothing in memory.
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
-
+use allocation_counter::CountingAllocator;
 use geometry::OrientedBox;
 use learning::ViewId;
 use nalgebra::{Isometry3, Vector3};
 use store::working::{BoxPose, RobotSighting, Sighting, WorldConfig, WorldModel};
 use store::{CapturedView, Mutation, MutationId, PerceptualMemory, StoreChange, StoredDescriptor};
 
-thread_local! {
-    static N_ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
-    /// Bytes allocated and not freed by this thread.
-    static N_LIVE_BYTES: Cell<isize> = const { Cell::new(0) };
-}
-
-fn count(n_bytes: usize) {
-    N_ALLOCATIONS.with(|n| n.set(n.get() + 1));
-    N_LIVE_BYTES.with(|n| n.set(n.get() + n_bytes as isize));
-}
-
-fn discount(n_bytes: usize) {
-    N_LIVE_BYTES.with(|n| n.set(n.get() - n_bytes as isize));
-}
-
-struct CountingAllocator;
-
-#[expect(unsafe_code, reason = "an allocator can not be written without")]
-// SAFETY: everything is handed on to the system's allocator unchanged.
-unsafe impl GlobalAlloc for CountingAllocator {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        count(layout.size());
-        // SAFETY: the caller keeps the contract of `alloc`.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        discount(layout.size());
-        // SAFETY: the pointer comes from `System.alloc` above.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-
-    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, new_size: usize) -> *mut u8 {
-        discount(layout.size());
-        count(new_size);
-        // SAFETY: the pointer comes from `System.alloc` above.
-        unsafe { System.realloc(pointer, layout, new_size) }
-    }
-}
-
 #[global_allocator]
 static ALLOCATOR: CountingAllocator = CountingAllocator;
+
+/// Number of allocations of this thread.
+fn n_allocations() -> u64 {
+    CountingAllocator::counts_of_thread().0
+}
 
 const SECOND: u64 = 1_000_000_000;
 
@@ -94,11 +57,11 @@ fn unchanged_observation_allocates_nothing() {
         let now_ns = SECOND + step * SECOND / 4;
         let wobble_m = f64::from(u32::try_from(step % 5).unwrap()) * 1e-3;
         let seen = (1..=20).map(|track_id| sighting(track_id, wobble_m, now_ns));
-        let before = N_ALLOCATIONS.get();
+        let before = n_allocations();
         model.observe(seen, true, now_ns);
         model.observe_robot(&robot, now_ns);
         while model.expire(now_ns) {}
-        N_ALLOCATIONS.get() - before
+        n_allocations() - before
     };
     assert!(look(0) > 0, "the first look is news");
     for step in 1..30 {
@@ -147,13 +110,13 @@ fn read_content_is_not_kept_in_memory() {
     }
     memory.close().unwrap();
     let (mut memory, _) = PerceptualMemory::open(folder.path(), 2).unwrap();
-    let before = N_LIVE_BYTES.get();
+    let before = CountingAllocator::live_bytes_of_thread();
     let mut n_read = 0;
     for track_id in 1..=N_TRACKS {
         let views = memory.views_of_track(track_id).unwrap();
         n_read += views[0].view.points.as_ref().unwrap().len();
     }
     assert_eq!(n_read, N_TRACKS as usize * CLOUD_BYTES);
-    let kept = N_LIVE_BYTES.get() - before;
-    assert!(kept < n_read as isize / 5, "{kept} of {n_read} bytes kept");
+    let kept = CountingAllocator::live_bytes_of_thread() - before;
+    assert!(kept < n_read as i64 / 5, "{kept} of {n_read} bytes kept");
 }

@@ -1,39 +1,16 @@
 //! Allocation test: describing an object does not allocate in steady state.
 
+use allocation_counter::CountingAllocator;
 use description::{Descriptor, DescriptorFrame, Good, GoodVariant, ObjectPoints, Support};
 use point_cloud::{Point, Rgba};
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
-
-thread_local! {
-    static N_ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
-}
-
-struct Counting;
-
-#[expect(unsafe_code, reason = "a global allocator requires unsafe code")]
-// SAFETY: everything is handed on to the system's allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        N_ALLOCATIONS.with(|n| n.set(n.get() + 1));
-        // SAFETY: the caller keeps the contract of `alloc`.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the pointer comes from `System.alloc` above.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-
-    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, new_size: usize) -> *mut u8 {
-        N_ALLOCATIONS.with(|n| n.set(n.get() + 1));
-        // SAFETY: the pointer comes from `System.alloc` above.
-        unsafe { System.realloc(pointer, layout, new_size) }
-    }
-}
 
 #[global_allocator]
-static ALLOCATOR: Counting = Counting;
+static ALLOCATOR: CountingAllocator = CountingAllocator;
+
+/// Number of allocations of this thread.
+fn n_allocations() -> u64 {
+    CountingAllocator::counts_of_thread().0
+}
 
 const FRAME: DescriptorFrame = DescriptorFrame {
     object_from_source: [
@@ -72,7 +49,7 @@ fn description_does_not_allocate_after_the_largest_object() {
         let mut out = Vec::new();
         good.compute(ObjectPoints::all(&cloud), &FRAME, &mut out)
             .unwrap();
-        let before = N_ALLOCATIONS.get();
+        let before = n_allocations();
         assert!(before > 0, "the first call has to allocate");
         for n in [10, 5000, 1, 4999] {
             let whole = ObjectPoints::all(&cloud[..n]);
@@ -80,6 +57,6 @@ fn description_does_not_allocate_after_the_largest_object() {
             let selected = ObjectPoints::selected(&cloud, &indices[..n]).unwrap();
             good.compute(selected, &FRAME, &mut out).unwrap();
         }
-        assert_eq!(N_ALLOCATIONS.get(), before);
+        assert_eq!(n_allocations(), before);
     }
 }

@@ -4,41 +4,18 @@
 mod scene_priors;
 mod synthetic;
 
+use allocation_counter::CountingAllocator;
 use detection::{Candidate, Config, Detection, DetectionInput, ScenePriors, Workspace, detect};
 use point_cloud::OrganizedCloud;
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use synthetic::{BoxOnTable, camera_from_table, render};
-
-thread_local! {
-    static N_ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
-}
-
-struct CountingAllocator;
-
-#[expect(unsafe_code, reason = "`GlobalAlloc` is an unsafe trait")]
-// SAFETY: every call is forwarded unchanged to the system allocator.
-unsafe impl GlobalAlloc for CountingAllocator {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        N_ALLOCATIONS.with(|n| n.set(n.get() + 1));
-        // SAFETY: the caller keeps the contract of `alloc`.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the pointer comes from `System.alloc` above.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-
-    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, new_size: usize) -> *mut u8 {
-        N_ALLOCATIONS.with(|n| n.set(n.get() + 1));
-        // SAFETY: the pointer comes from `System.alloc` above.
-        unsafe { System.realloc(pointer, layout, new_size) }
-    }
-}
 
 #[global_allocator]
 static ALLOCATOR: CountingAllocator = CountingAllocator;
+
+/// Number of allocations of this thread.
+fn n_allocations() -> u64 {
+    CountingAllocator::counts_of_thread().0
+}
 
 #[test]
 fn organized_detection_allocates_nothing_in_steady_state() {
@@ -64,9 +41,9 @@ fn organized_detection_allocates_nothing_in_steady_state() {
                 tracks: &tracks,
             },
         };
-        let before = N_ALLOCATIONS.get();
+        let before = n_allocations();
         detect(&frame, &config, &mut workspace, &mut detection).unwrap();
-        let n_allocations = N_ALLOCATIONS.get() - before;
+        let n_allocations = n_allocations() - before;
         assert!(detection.candidates.len() >= 3);
         let is_limb = |c: &Candidate| c.findings.is_person_or_robot();
         assert!(detection.candidates.iter().any(is_limb));
@@ -78,7 +55,7 @@ fn organized_detection_allocates_nothing_in_steady_state() {
 
 /// Allowed allocations of the voxel path: a polygon per searched plane and those of the
 /// virtual views.
-const VOXEL_ALLOCATIONS_MAX: usize = 60;
+const VOXEL_ALLOCATIONS_MAX: u64 = 60;
 
 #[test]
 fn unorganized_detection_allocates_only_polygons_in_steady_state() {
@@ -113,9 +90,9 @@ fn unorganized_detection_allocates_only_polygons_in_steady_state() {
                 seed,
                 priors: ScenePriors::default(),
             };
-            let before = N_ALLOCATIONS.get();
+            let before = n_allocations();
             detect(&frame, &config, &mut workspace, &mut detection).unwrap();
-            let n_allocations = N_ALLOCATIONS.get() - before;
+            let n_allocations = n_allocations() - before;
             assert_eq!(detection.candidates.len(), 3);
             if seed >= 20 {
                 assert!(n_allocations <= n_max, "{n_allocations} in frame {seed}");

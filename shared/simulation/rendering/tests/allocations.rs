@@ -2,43 +2,20 @@
 
 mod synthetic;
 
+use allocation_counter::CountingAllocator;
 use geometry::PinholeCamera;
 use point_cloud::Point;
 use rendering::kinect::{FrameSeed, KinectSensor, SensorModel};
 use rendering::{Lights, Rasterizer, StaticScene};
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use synthetic::TableScene;
 
-thread_local! {
-    static N_ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
-}
-
-struct AllocationCounter;
-
-#[expect(unsafe_code, reason = "a global allocator needs an unsafe impl")]
-// SAFETY: all calls are passed on to the system's allocator unchanged.
-unsafe impl GlobalAlloc for AllocationCounter {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        N_ALLOCATIONS.with(|n| n.set(n.get() + 1));
-        // SAFETY: the caller keeps the contract of `alloc`.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the pointer comes from `System.alloc` above.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-
-    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, new_size: usize) -> *mut u8 {
-        N_ALLOCATIONS.with(|n| n.set(n.get() + 1));
-        // SAFETY: the pointer comes from `System.alloc` above.
-        unsafe { System.realloc(pointer, layout, new_size) }
-    }
-}
-
 #[global_allocator]
-static ALLOCATOR: AllocationCounter = AllocationCounter;
+static ALLOCATOR: CountingAllocator = CountingAllocator;
+
+/// Number of allocations of this thread.
+fn n_allocations() -> u64 {
+    CountingAllocator::counts_of_thread().0
+}
 
 #[test]
 fn rendering_and_sensing_in_steady_state_allocate_nothing() {
@@ -54,7 +31,7 @@ fn rendering_and_sensing_in_steady_state_allocate_nothing() {
         background: &background,
     };
     for frame_index in 0..6 {
-        let before = N_ALLOCATIONS.get();
+        let before = n_allocations();
         if frame_index % 2 == 0 {
             rasterizer.prepare(&stage).unwrap();
         }
@@ -68,7 +45,7 @@ fn rendering_and_sensing_in_steady_state_allocate_nothing() {
             .iter()
             .map(|object| rasterizer.n_unoccluded_px(object))
             .sum();
-        let n_allocations = N_ALLOCATIONS.get() - before;
+        let n_allocations = n_allocations() - before;
         assert!(n_unoccluded > 10_000);
         assert!(frame_index < 2 || n_allocations == 0, "{n_allocations}");
     }
