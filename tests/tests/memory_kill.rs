@@ -3,6 +3,7 @@
 
 use crate::daemon::{Sandbox, WATCHDOG};
 use channel::control::SocketClient;
+use message::DescriptorBytes;
 use message::control::{
     Command, HistoryReport, LearningReport, MemoryAnswer, MemoryQuery, MutationId, RefusalKind,
     Reply, Revision, RevisionChange, StoredView, ViewId,
@@ -84,11 +85,13 @@ fn id_of(track_id: u64, step: usize) -> MutationId {
 }
 
 fn view(track_id: u64, view_id: u32) -> StoredView {
-    let values = (0..309).map(|i| (track_id + u64::from(view_id) + i) as f32);
+    let values: Vec<f32> = (0..309)
+        .map(|i| (track_id + u64::from(view_id) + i) as f32)
+        .collect();
     StoredView {
         id: ViewId { track_id, view_id },
         descriptor_kind: "kill-test".into(),
-        descriptor: values.flat_map(f32::to_le_bytes).collect(),
+        descriptor: DescriptorBytes::encode(&values),
         position_m: [0.1, 0.2, 0.3],
         orientation_xyzw: [0.0, 0.0, 0.0, 1.0],
         size_m: [0.1; 3],

@@ -316,14 +316,10 @@ fn try_insert(index: &mut CategoryIndex, view: &LearnedView) -> Result<(), Strin
         ));
     }
     let category = CategoryName::new(&view.category).map_err(|error| error.to_string())?;
-    let (values, rest) = view.descriptor.as_chunks::<4>();
-    if !rest.is_empty() {
-        return Err("its descriptor is not a list of 32-bit numbers".into());
-    }
-    let values: Vec<f32> = values
-        .iter()
-        .map(|value| f32::from_le_bytes(*value))
-        .collect();
+    let values = view
+        .descriptor
+        .decode()
+        .map_err(|error| error.to_string())?;
     index
         .insert(view_id(view.id), &category, &values)
         .map_err(|error| error.to_string())

@@ -174,6 +174,7 @@ fn random_id() -> u128 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use message::DescriptorBytes;
     use message::control::ViewId;
 
     fn view(number: u32, n_bytes: usize) -> StoredView {
@@ -183,7 +184,7 @@ mod tests {
                 view_id: number,
             },
             descriptor_kind: String::new(),
-            descriptor: Vec::new(),
+            descriptor: DescriptorBytes::default(),
             position_m: [0.0; 3],
             orientation_xyzw: [0.0, 0.0, 0.0, 1.0],
             size_m: [0.1; 3],

@@ -9,7 +9,7 @@ use geometry::RigidTransform;
 use learning::{N_NEAREST, Neighbour};
 use message::control::{StoredView, ViewId};
 use message::{
-    MAX_NEAR_CATEGORIES, MAX_REJECTED_CANDIDATES, MAX_SCENE_OBJECTS, NearCategory,
+    DescriptorBytes, MAX_NEAR_CATEGORIES, MAX_REJECTED_CANDIDATES, MAX_SCENE_OBJECTS, NearCategory,
     ObjectViewHeader, RejectedCandidate, SceneObject, SceneSummary, StageStamps, Text, TrackState,
     WirePose, upper_triangle,
 };
@@ -237,11 +237,7 @@ pub(crate) fn stored_view(
             view_id: observed.posterior.view_id,
         },
         descriptor_kind: DESCRIPTOR_KIND.into(),
-        descriptor: observed
-            .descriptor
-            .iter()
-            .flat_map(|value| value.to_le_bytes())
-            .collect(),
+        descriptor: DescriptorBytes::encode(&observed.descriptor),
         position_m: pose.position_m,
         orientation_xyzw: pose.orientation_xyzw,
         size_m: body.sides_m().into(),

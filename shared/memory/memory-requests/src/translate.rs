@@ -2,11 +2,11 @@
 
 use geometry::OrientedBox;
 use learning::{CategoryName, TeachingError as TeachingRefusal, ViewId};
-use message::WirePose;
 use message::control::{
     CategoryReport, ChangesPage, LearnedChange, LearnedView, PackedCloud, Refusal, RefusalKind,
     SnapshotCursor, SnapshotPage, StoredView, ViewId as WireViewId,
 };
+use message::{DescriptorBytes, WirePose};
 use nalgebra::Vector3;
 use store::{
     CapturedView, Changes, Error, LabelledView, NameChange, StoreChange, StoredDescriptor,
@@ -39,17 +39,16 @@ fn view(view: StoredView) -> Result<CapturedView, Refusal> {
     let frame_from_box = pose
         .checked()
         .ok_or_else(|| refused("its pose is not a pose"))?;
-    let values = f32_values(&view.descriptor)
-        .ok_or_else(|| refused("its descriptor is not a list of 32-bit numbers"))?;
+    let values = view
+        .descriptor
+        .decode()
+        .map_err(|error| refused(&error.to_string()))?;
     let points = Some(view.points).filter(|points| !points.is_empty());
     if let Some(Err(error)) = points.as_deref().map(PackedCloud::checked) {
         return Err(refused(&error.to_string()));
     }
     Ok(CapturedView {
-        id: ViewId {
-            track_id: view.id.track_id,
-            view_id: view.id.view_id,
-        },
+        id: local_id(view.id),
         descriptor: StoredDescriptor {
             kind: view.descriptor_kind,
             values,
@@ -66,27 +65,12 @@ fn view(view: StoredView) -> Result<CapturedView, Refusal> {
     })
 }
 
-fn f32_values(bytes: &[u8]) -> Option<Vec<f32>> {
-    let (values, rest) = bytes.as_chunks::<4>();
-    rest.is_empty().then(|| {
-        values
-            .iter()
-            .map(|value| f32::from_le_bytes(*value))
-            .collect()
-    })
-}
-
 fn learned(view: LabelledView) -> LearnedView {
     LearnedView {
         id: view_id(view.view),
         category: view.category.as_str().to_owned(),
         descriptor_kind: view.descriptor.kind,
-        descriptor: view
-            .descriptor
-            .values
-            .iter()
-            .flat_map(|value| value.to_le_bytes())
-            .collect(),
+        descriptor: DescriptorBytes::encode(&view.descriptor.values),
     }
 }
 
@@ -201,10 +185,7 @@ mod tests {
                 view_id: 2,
             },
             descriptor_kind: "good".into(),
-            descriptor: [1.0f32, 0.25]
-                .iter()
-                .flat_map(|v| v.to_le_bytes())
-                .collect(),
+            descriptor: DescriptorBytes::encode(&[1.0, 0.25]),
             position_m: [0.1, 0.2, 0.3],
             orientation_xyzw: [0.0, 0.0, 0.0, 1.0],
             size_m: [0.1, 0.1, 0.2],
@@ -242,7 +223,7 @@ mod tests {
     fn invalid_view_is_refused_with_its_id() {
         for wrong in [
             StoredView {
-                descriptor: vec![1, 2, 3],
+                descriptor: vec![1, 2, 3].into(),
                 ..sent()
             },
             StoredView {

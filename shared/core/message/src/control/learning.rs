@@ -1,5 +1,6 @@
 //! Synchronisation of learned views between perception and memory.
 
+use crate::DescriptorBytes;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -30,9 +31,8 @@ pub struct StoredView {
     pub id: ViewId,
     /// Kind of the descriptor: its method and version. Only equal kinds can be compared.
     pub descriptor_kind: String,
-    /// Descriptor: `f32` values, little-endian; see [`DescriptorBytes`](crate::DescriptorBytes).
-    #[serde(with = "serde_bytes")]
-    pub descriptor: Vec<u8>,
+    /// Descriptor.
+    pub descriptor: DescriptorBytes,
     /// Centre of the box in the world, metres.
     pub position_m: [f64; 3],
     /// Orientation of the box in the world, quaternion: x, y, z, w.
@@ -85,9 +85,8 @@ pub struct LearnedView {
     pub category: String,
     /// Kind of the descriptor: its method and version.
     pub descriptor_kind: String,
-    /// Descriptor: `f32` values, little-endian; see [`DescriptorBytes`](crate::DescriptorBytes).
-    #[serde(with = "serde_bytes")]
-    pub descriptor: Vec<u8>,
+    /// Descriptor.
+    pub descriptor: DescriptorBytes,
 }
 
 /// Change of one view's label; idempotent.
@@ -175,7 +174,7 @@ mod tests {
                 view_id: u32::MAX,
             },
             descriptor_kind: "shape and colour".into(),
-            descriptor: vec![255; 309 * 4],
+            descriptor: vec![255; 309 * 4].into(),
             position_m: [0.1; 3],
             orientation_xyzw: [0.1; 4],
             size_m: [0.1; 3],
