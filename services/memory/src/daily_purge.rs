@@ -11,11 +11,11 @@ const PERIOD: Duration = Duration::from_secs(24 * 3600);
 const AUTHOR: &str = "upkeep";
 
 /// Purges periodically until the future is dropped.
-pub(crate) async fn run(store: &StoreHandle, forgotten_kept: Duration) {
+pub(crate) async fn run(store: StoreHandle, forgotten_kept: Duration) {
     let mut period = tokio::time::interval(PERIOD);
     loop {
         period.tick().await;
-        match purge(store, forgotten_kept).await {
+        match purge(&store, forgotten_kept).await {
             Ok(MutationReceipt { n_views: 0, .. }) => {}
             Ok(answer) => tracing::info!(
                 "{} view(s) were forgotten more than {} days ago and are removed for good",

@@ -12,7 +12,7 @@ use crate::world_model_updater::WorldModelUpdater;
 use channel::control::Client;
 use memory_requests::{MemoryRequestHandler, MemoryRequestHandlerConfig};
 use message::{ProcessKind, ProcessState};
-use service::{Context, Failure, HealthCounters, exit_code, wall_clock_ns};
+use service::{Context, Failure, HealthCounters, TaskGroup, exit_code, wall_clock_ns};
 use std::fmt::Display;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -70,19 +70,22 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
         .shared_memory_bytes
         .store(reserved_bytes, Ordering::Relaxed);
     let (processes_server, people_server) = control::servers(domain, router)?;
-    let probe = probe(&store, &context.health, &processes);
-    let daily_purge = daily_purge::run(&store, config.forgotten_kept);
-    // The shutdown comes first: it may end other tasks in the same instant.
-    let outcome = tokio::select! {
-        biased;
-        () = context.shutdown.requested() => Ok(()),
-        ended = essential("the control server", processes_server.run()) => ended,
-        ended = essential("the control socket", people_server.run()) => ended,
-        ended = essential("the publisher of changes", change_publisher.run()) => ended,
-        ended = essential("the scene follower", follower.run()) => ended,
-        ended = essential("the probe of the store", probe) => ended,
-        ended = essential("the daily purge", daily_purge) => ended,
+    let probe = probe(store.clone(), context.health.clone(), processes);
+    let mut tasks = TaskGroup::default();
+    tasks.spawn("the control server", processes_server.run());
+    tasks.spawn("the control socket", people_server.run());
+    tasks.spawn("the publisher of changes", change_publisher.run());
+    tasks.spawn("the scene follower", follower.run());
+    tasks.spawn("the probe of the store", probe);
+    tasks.spawn(
+        "the daily purge",
+        daily_purge::run(store, config.forgotten_kept),
+    );
+    let shutdown = async {
+        context.shutdown.requested().await;
+        Ok(())
     };
+    let outcome = tasks.run(shutdown).await;
     let world_stopped = world_thread.stop();
     let stopped = thread.stop().and(world_stopped).map_err(failed);
     outcome.and(stopped)
@@ -90,12 +93,6 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
 
 fn failed(error: impl Display) -> Failure {
     Failure::new(exit_code::FAILURE, error)
-}
-
-/// Runs an essential task: its end is a failure that names it.
-async fn essential(name: &str, task: impl Future<Output = ()>) -> Result<(), Failure> {
-    task.await;
-    Err(failed(format!("{name} has ended unexpectedly")))
 }
 
 /// Logs the result of opening the store; a loss degrades the health.
@@ -113,7 +110,7 @@ fn log_report(health: &HealthCounters, report: &OpenReport) {
 }
 
 /// Liveness probe: a round trip through the store's queue.
-async fn probe(store: &StoreHandle, health: &HealthCounters, processes: &ProcessTable) {
+async fn probe(store: StoreHandle, health: Arc<HealthCounters>, processes: Arc<ProcessTable>) {
     loop {
         let (sender, answered) = tokio::sync::oneshot::channel();
         store.read(
@@ -125,18 +122,5 @@ async fn probe(store: &StoreHandle, health: &HealthCounters, processes: &Process
         }
         processes.refresh();
         tokio::time::sleep(PROBE).await;
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[tokio::test]
-    async fn the_end_of_an_essential_task_is_a_failure_that_names_it() {
-        let ended = essential("the publisher", std::future::ready(())).await;
-        let failure = ended.unwrap_err();
-        assert_eq!(failure.code, exit_code::FAILURE);
-        assert!(failure.to_string().contains("the publisher"), "{failure}");
     }
 }

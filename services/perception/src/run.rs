@@ -14,7 +14,7 @@ use crate::track_ids::TrackIds;
 use actor::{Events, Placement, PoolConfig, Restart, RestartPolicy, Supervisor, WorkerPool};
 use channel::control::{Client, Server};
 use message::{ProcessKind, ProcessState};
-use service::{Context, Failure, exit_code};
+use service::{Context, Failure, TaskGroup, exit_code};
 use std::fmt::Display;
 use std::num::NonZeroUsize;
 use std::sync::Arc;
@@ -69,32 +69,28 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
         health: health.clone(),
     };
     let mut frames = FrameLoop::new(domain, &config, parts)?;
+    let mut tasks = TaskGroup::default();
+    tasks.spawn("the control server", server.run());
+    tasks.spawn("the replica of the memory", replica.run());
+    tasks.spawn("the sender of key views", outbox_sender.run());
+    tasks.spawn("the lease of track-ids", ids.clone().keep(memory.clone()));
     let work = async {
         ids.fetch_first(&memory).await;
         health.set_state(ProcessState::Ready, "");
         frames.run().await.map_err(Failure::from)
     };
-    let keep_ids = ids.clone().keep(memory.clone());
-    // The shutdown comes first: it may end other tasks in the same instant.
-    let outcome = tokio::select! {
-        biased;
-        () = context.shutdown.requested() => Ok(()),
-        outcome = work => outcome,
-        ended = essential("the control server", server.run()) => ended,
-        ended = essential("the replica of the memory", replica.run()) => ended,
-        ended = essential("the sender of key views", outbox_sender.run()) => ended,
-        ended = essential("the lease of track-ids", keep_ids) => ended,
-        () = pool.exhausted() => Err(failed("too many worker threads have stalled")),
-        escalated = event_publisher.watch() => Err(failed(escalated)),
+    let main = async {
+        tokio::select! {
+            biased;
+            () = context.shutdown.requested() => Ok(()),
+            outcome = work => outcome,
+            () = pool.exhausted() => Err(failed("too many worker threads have stalled")),
+            escalated = event_publisher.watch() => Err(failed(escalated)),
+        }
     };
+    let outcome = tasks.run(main).await;
     frames.stop().await;
     outcome
-}
-
-/// Runs an essential task: its end is a failure that names it.
-async fn essential(name: &str, task: impl Future<Output = ()>) -> Result<(), Failure> {
-    task.await;
-    Err(failed(format!("{name} has ended unexpectedly")))
 }
 
 fn actors(
@@ -149,17 +145,4 @@ fn start_supervisor(
         categories,
     });
     Ok(Supervisor::new(supervision, context, Handle::current()))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[tokio::test]
-    async fn the_end_of_an_essential_task_is_a_failure_that_names_it() {
-        let ended = essential("the publisher", std::future::ready(())).await;
-        let failure = ended.unwrap_err();
-        assert_eq!(failure.code, exit_code::FAILURE);
-        assert!(failure.to_string().contains("the publisher"), "{failure}");
-    }
 }

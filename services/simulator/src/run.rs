@@ -7,7 +7,7 @@ use crate::world_publishers::WorldPublishers;
 use capture::{CaptureEnd, CaptureLoop};
 use channel::control::Server;
 use message::ProcessKind;
-use service::{Context, Failure, exit_code};
+use service::{Context, Failure, TaskGroup, exit_code};
 use simulated_world::World;
 use tokio::runtime::Handle;
 use tokio::sync::oneshot;
@@ -31,28 +31,21 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
             let _ = sender.send(play(context, &config, requests, runtime));
         });
     spawned.map_err(|error| failed(format!("could not start the simulation's thread: {error}")))?;
-    let ended = async {
-        ended
-            .await
-            .map_err(|_| failed("the simulation's thread has panicked"))?
+    let simulation = async {
+        let ended = ended.await;
+        outcome(ended.map_err(|_| failed("the simulation's thread has panicked"))?)
     };
-    tokio::select! {
-        biased;
-        ended = ended => outcome(ended),
-        () = server.run() => Err(ended_unexpectedly("the control server")),
-    }
+    let mut tasks = TaskGroup::default();
+    tasks.spawn("the control server", server.run());
+    tasks.run(simulation).await
 }
 
 /// Outcome of the process: a simulation ends only when it is stopped.
 fn outcome(ended: Result<CaptureEnd, Failure>) -> Result<(), Failure> {
     match ended? {
         CaptureEnd::Stopped => Ok(()),
-        CaptureEnd::EndOfRecording => Err(ended_unexpectedly("the simulation")),
+        CaptureEnd::EndOfRecording => Err(failed("the simulation has ended unexpectedly")),
     }
-}
-
-fn ended_unexpectedly(task: &str) -> Failure {
-    failed(format!("{task} has ended unexpectedly"))
 }
 
 fn play(

@@ -9,14 +9,13 @@
 //!
 //! ```
 //! use service::TaskGroup;
-//! use std::time::Duration;
 //!
 //! # tokio::runtime::Builder::new_current_thread().enable_time().build().unwrap().block_on(async {
-//! let mut tasks = TaskGroup::new(Duration::from_secs(1));
-//! tasks.spawn("forever", std::future::pending::<()>());
-//! tasks.spawn("short", async {});
-//! let failure = tasks.run(std::future::pending::<Result<(), _>>()).await.unwrap_err();
-//! assert_eq!(failure.sentence, "the task \"short\" has ended before shutdown");
+//! let mut tasks = TaskGroup::default();
+//! tasks.spawn("the server", std::future::pending());
+//! tasks.spawn("the publisher", async {});
+//! let failure = tasks.run(std::future::pending()).await.unwrap_err();
+//! assert_eq!(failure.sentence, "the publisher has ended unexpectedly");
 //! # });
 //! ```
 
@@ -49,6 +48,6 @@ pub use home::Home;
 pub use run::{run, stop_with_parent};
 pub use shutdown::Shutdown;
 pub use stopwatch::Stopwatch;
-pub use task_group::{TaskGroup, TaskOutcome};
+pub use task_group::TaskGroup;
 pub use thread_usage::{ThreadUsage, thread_id};
 pub use trace_publisher::TracePublisher;

@@ -1,219 +1,74 @@
 //! Task group: the named long-running tasks of one process (structured concurrency).
 //!
-//! Each task should run until shutdown. When one ends before, by returning, by an
-//! error or by a panic, the group stops the others and returns a [`Failure`] that
-//! names the task and the reason: the process ends with a non-zero exit code, and
-//! the service manager starts it again. On shutdown the tasks are stopped one after
-//! another, the last one spawned first, within a time limit.
+//! Each task should run until shutdown. When one ends before, by returning or by a
+//! panic, the group stops the others and returns a [`Failure`] that names the task:
+//! the process ends with a non-zero exit code, and the service manager starts it again.
 
-use crate::shutdown::ShutdownTrigger;
-use crate::{Failure, Shutdown, exit_code};
+use crate::{Failure, exit_code};
 use std::any::Any;
+use std::collections::HashMap;
 use std::future::Future;
 use std::time::Duration;
-use tokio::task::{AbortHandle, Id, JoinError, JoinSet};
-use tokio::time::{Instant, timeout_at};
+use tokio::task::{Id, JoinError, JoinSet};
+use tokio::time::timeout;
+
+/// Time limit for all tasks together to stop.
+const STOP_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// Named tasks that run until shutdown. Dropping the group aborts them.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct TaskGroup {
-    running: JoinSet<Result<(), Failure>>,
-    /// In the order of spawning.
-    tasks: Vec<NamedTask>,
-    stop_timeout: Duration,
+    running: JoinSet<()>,
+    names: HashMap<Id, &'static str>,
 }
-
-#[derive(Debug)]
-struct NamedTask {
-    id: Id,
-    name: &'static str,
-    /// The request to stop; `None` for a task that is stopped by dropping its future.
-    stop: Option<ShutdownTrigger>,
-    abort: AbortHandle,
-}
-
-/// Output of a task's future: `()`, or a result whose error becomes a [`Failure`].
-pub trait TaskOutcome {
-    /// The output as a result.
-    ///
-    /// # Errors
-    /// The task's own failure.
-    fn into_result(self) -> Result<(), Failure>;
-}
-
-impl TaskOutcome for () {
-    fn into_result(self) -> Result<(), Failure> {
-        Ok(())
-    }
-}
-
-impl<E: Into<Failure>> TaskOutcome for Result<(), E> {
-    fn into_result(self) -> Result<(), Failure> {
-        self.map_err(Into::into)
-    }
-}
-
-type Joined = Result<(Id, Result<(), Failure>), JoinError>;
 
 impl TaskGroup {
-    /// Creates an empty group whose tasks get `stop_timeout` together to stop.
-    pub fn new(stop_timeout: Duration) -> Self {
-        Self {
-            running: JoinSet::new(),
-            tasks: Vec::new(),
-            stop_timeout,
-        }
-    }
-
-    /// Spawns a task that is stopped by dropping its future; within a tokio runtime.
-    pub fn spawn<F>(&mut self, name: &'static str, task: F)
-    where
-        F: Future + Send + 'static,
-        F::Output: TaskOutcome,
-    {
-        self.add(name, None, async { task.await.into_result() });
-    }
-
-    /// Spawns a task that ends by itself when its [`Shutdown`] is requested; within a
-    /// tokio runtime. After the time limit its future is dropped.
-    pub fn spawn_stoppable<F>(&mut self, name: &'static str, task: impl FnOnce(Shutdown) -> F)
-    where
-        F: Future + Send + 'static,
-        F::Output: TaskOutcome,
-    {
-        let (trigger, stop) = Shutdown::new();
-        let task = task(stop);
-        self.add(name, Some(trigger), async { task.await.into_result() });
-    }
-
-    fn add(
-        &mut self,
-        name: &'static str,
-        stop: Option<ShutdownTrigger>,
-        task: impl Future<Output = Result<(), Failure>> + Send + 'static,
-    ) {
-        let abort = self.running.spawn(task);
-        self.tasks.push(NamedTask {
-            id: abort.id(),
-            name,
-            stop,
-            abort,
-        });
-    }
-
-    /// Runs until shutdown is requested or a task ends, then stops all tasks.
-    ///
-    /// # Errors
-    /// The [`Failure`] of the first task that ended before shutdown or failed while
-    /// stopping.
-    pub async fn run_until(self, shutdown: &Shutdown) -> Result<(), Failure> {
-        let requested = async {
-            shutdown.requested().await;
-            Ok(())
-        };
-        self.run(requested).await
+    /// Spawns a task that is stopped by dropping its future; within a tokio runtime. The
+    /// name begins the sentence of its failure: "the control server".
+    pub fn spawn(&mut self, name: &'static str, task: impl Future<Output = ()> + Send + 'static) {
+        let id = self.running.spawn(task).id();
+        self.names.insert(id, name);
     }
 
     /// Runs until the main future is ready or a task ends, then stops all tasks. The
-    /// main future, which runs on the calling task, is dropped before that.
+    /// main future runs on the calling task. It comes first: what ends it may end other
+    /// tasks in the same instant.
     ///
     /// # Errors
     /// The failure of the main future, or the [`Failure`] of the first task that ended
-    /// before it or failed while stopping.
-    pub async fn run<T>(
+    /// before it.
+    pub async fn run(
         mut self,
-        main: impl Future<Output = Result<T, Failure>>,
-    ) -> Result<T, Failure> {
-        let outcome = {
-            tokio::pin!(main);
-            tokio::select! {
-                biased;
-                outcome = &mut main => outcome,
-                Some(joined) = self.running.join_next_with_id() => {
-                    Err(self.remove(joined).before_shutdown())
-                }
-            }
+        main: impl Future<Output = Result<(), Failure>>,
+    ) -> Result<(), Failure> {
+        let outcome = tokio::select! {
+            biased;
+            outcome = main => outcome,
+            Some(ended) = self.running.join_next_with_id() => Err(self.failure_of(ended)),
         };
-        let stopped = self.stop().await;
-        outcome.and_then(|value| stopped.map(|()| value))
-    }
-
-    /// Stops all tasks, the last one spawned first; returns the first failure.
-    async fn stop(&mut self) -> Result<(), Failure> {
-        let deadline = Instant::now() + self.stop_timeout;
-        let mut outcome = Ok(());
-        while let Some(task) = self.tasks.last() {
-            let (id, name, abort) = (task.id, task.name, task.abort.clone());
-            match &task.stop {
-                Some(stop) => stop.request(),
-                None => abort.abort(),
-            }
-            let ended = timeout_at(deadline, self.wait_for(id, &mut outcome)).await;
-            if ended.is_err() {
-                tracing::warn!("the task {name:?} did not stop in time and is abandoned");
-                abort.abort();
-                self.tasks.pop();
-            }
+        if timeout(STOP_TIMEOUT, self.running.shutdown())
+            .await
+            .is_err()
+        {
+            tracing::warn!("a task did not stop in time and is abandoned");
         }
         outcome
     }
 
-    /// Waits for the end of one task; keeps the first failure of all that end meanwhile.
-    async fn wait_for(&mut self, id: Id, outcome: &mut Result<(), Failure>) {
-        while self.tasks.iter().any(|task| task.id == id) {
-            let Some(joined) = self.running.join_next_with_id().await else {
-                self.tasks.clear();
-                return;
-            };
-            if let (Some(failure), Ok(())) = (self.remove(joined).while_stopping(), &*outcome) {
-                *outcome = Err(failure);
-            }
-        }
-    }
-
-    fn remove(&mut self, joined: Joined) -> EndedTask {
-        let (id, outcome) = match joined {
-            Ok((id, outcome)) => (id, Ok(outcome)),
-            Err(error) => (error.id(), Err(error)),
+    fn failure_of(&self, ended: Result<(Id, ()), JoinError>) -> Failure {
+        let (id, manner) = match ended {
+            Ok((id, ())) => (id, "has ended unexpectedly".to_owned()),
+            Err(error) => (error.id(), manner_of(error)),
         };
-        let index = self.tasks.iter().position(|task| task.id == id);
-        let name = index.map_or("abandoned", |index| self.tasks.remove(index).name);
-        EndedTask { name, outcome }
+        let name = self.names.get(&id).copied().unwrap_or("a task");
+        Failure::new(exit_code::FAILURE, format!("{name} {manner}"))
     }
 }
 
-/// A task that has ended, with its output or its panic.
-struct EndedTask {
-    name: &'static str,
-    outcome: Result<Result<(), Failure>, JoinError>,
-}
-
-impl EndedTask {
-    /// The failure of a task that should still be running.
-    fn before_shutdown(self) -> Failure {
-        let name = self.name;
-        self.while_stopping().unwrap_or_else(|| {
-            let sentence = format!("the task {name:?} has ended before shutdown");
-            Failure::new(exit_code::FAILURE, sentence)
-        })
-    }
-
-    /// The failure of a task that may end; `None` when it has ended in good order or
-    /// its future was dropped.
-    fn while_stopping(self) -> Option<Failure> {
-        let name = self.name;
-        match self.outcome {
-            Ok(Ok(())) => None,
-            Ok(Err(failure)) => Some(Failure::new(
-                failure.code.max(exit_code::FAILURE),
-                format!("the task {name:?} has failed: {failure}"),
-            )),
-            Err(error) => {
-                let panic = error.try_into_panic().ok()?;
-                let sentence = format!("the task {name:?} has panicked: {}", message_of(&*panic));
-                Some(Failure::new(exit_code::FAILURE, sentence))
-            }
-        }
+fn manner_of(error: JoinError) -> String {
+    match error.try_into_panic() {
+        Ok(panic) => format!("has panicked: {}", message_of(&*panic)),
+        Err(_) => "was aborted".to_owned(),
     }
 }
 
@@ -226,4 +81,78 @@ fn message_of(panic: &(dyn Any + Send)) -> &str {
 }
 
 #[cfg(test)]
-mod tests;
+mod tests {
+    use super::*;
+    use std::future::{pending, ready};
+    use std::sync::Arc;
+
+    /// Far beyond any healthy run.
+    const WATCHDOG: Duration = Duration::from_secs(20);
+
+    /// Future that panics with an owned message or with a literal.
+    async fn panicking(is_formatted: bool) {
+        let n = ready(7).await;
+        assert!(!is_formatted, "frame {n}");
+        panic!("frame 7");
+    }
+
+    async fn outcome_of(
+        tasks: TaskGroup,
+        main: impl Future<Output = Result<(), Failure>>,
+    ) -> Result<(), Failure> {
+        let outcome = timeout(WATCHDOG, tasks.run(main)).await;
+        outcome.expect("the group hangs")
+    }
+
+    #[tokio::test]
+    async fn task_that_ends_is_a_failure_that_names_it() {
+        let mut tasks = TaskGroup::default();
+        tasks.spawn("the server", pending());
+        tasks.spawn("the publisher", ready(()));
+        let failure = outcome_of(tasks, pending()).await.unwrap_err();
+        assert_eq!(failure.code, exit_code::FAILURE);
+        assert_eq!(failure.sentence, "the publisher has ended unexpectedly");
+    }
+
+    #[tokio::test]
+    async fn task_that_panics_is_a_failure_with_its_message() {
+        for is_formatted in [false, true] {
+            let mut tasks = TaskGroup::default();
+            tasks.spawn("the server", panicking(is_formatted));
+            let failure = outcome_of(tasks, pending()).await.unwrap_err();
+            assert_eq!(failure.code, exit_code::FAILURE);
+            assert_eq!(failure.sentence, "the server has panicked: frame 7");
+        }
+    }
+
+    #[tokio::test]
+    async fn end_of_the_main_future_is_the_outcome_and_comes_first() {
+        let refused = Failure::new(exit_code::REFUSED, "too many restarts");
+        for expected in [Ok(()), Err(refused)] {
+            let mut tasks = TaskGroup::default();
+            tasks.spawn("the server", ready(()));
+            tokio::task::yield_now().await;
+            assert_eq!(outcome_of(tasks, ready(expected.clone())).await, expected);
+        }
+    }
+
+    #[tokio::test]
+    async fn other_tasks_are_dropped_before_the_group_returns() {
+        for main_ends in [true, false] {
+            let held = Arc::new(());
+            let mut tasks = TaskGroup::default();
+            let of_task = held.clone();
+            tasks.spawn("the server", async move {
+                pending::<()>().await;
+                drop(of_task);
+            });
+            if main_ends {
+                outcome_of(tasks, ready(Ok(()))).await.unwrap();
+            } else {
+                tasks.spawn("the publisher", ready(()));
+                outcome_of(tasks, pending()).await.unwrap_err();
+            }
+            assert_eq!(Arc::strong_count(&held), 1);
+        }
+    }
+}
