@@ -132,7 +132,7 @@ impl OutboxSender {
     /// Repeats a request until the memory has acknowledged it. The mutation id makes
     /// repetitions idempotent.
     async fn deliver(&self, views: Vec<StoredView>) {
-        let id = MutationId(random_id());
+        let id = mutation_id();
         let mut wait_log = LogOnce::default();
         loop {
             let command = Command::StoreViews {
@@ -162,13 +162,11 @@ fn is_transient(refusal: &Refusal) -> bool {
     )
 }
 
-fn random_id() -> u128 {
-    let mut bytes = [0; 16];
-    match getrandom::fill(&mut bytes) {
-        Ok(()) => u128::from_le_bytes(bytes),
-        // Without randomness: unique on this machine for as long as it runs.
-        Err(_) => u128::from(service::monotonic_ns()) << 32 | u128::from(std::process::id()),
-    }
+/// Random id; without randomness, one that is unique on this machine for as long as it runs.
+fn mutation_id() -> MutationId {
+    MutationId::random().unwrap_or_else(|_| {
+        MutationId(u128::from(service::monotonic_ns()) << 32 | u128::from(std::process::id()))
+    })
 }
 
 #[cfg(test)]

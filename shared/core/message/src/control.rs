@@ -27,8 +27,8 @@ mod world;
 
 pub use arm::{ArmCommand, ArmReport};
 pub use learning::{
-    ChangesPage, LearnedChange, LearnedView, MutationId, SnapshotCursor, SnapshotPage, StoredView,
-    ViewId,
+    ChangesPage, LearnedChange, LearnedView, MutationId, RandomIdError, SnapshotCursor,
+    SnapshotPage, StoredView, ViewId,
 };
 pub use memory::{
     DocumentKind, DocumentName, DocumentReport, ExportReport, HistoryOperation, HistoryReport,

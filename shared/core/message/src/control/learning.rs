@@ -9,6 +9,25 @@ use std::fmt;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct MutationId(#[serde(with = "hex_id")] pub u128);
 
+/// Error of a random id: the operating system gives no random numbers.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("this machine gives no random numbers: {0}")]
+pub struct RandomIdError(String);
+
+impl MutationId {
+    /// Random id, unique for all practical purposes.
+    ///
+    /// # Errors
+    /// When the operating system gives no random numbers.
+    pub fn random() -> Result<Self, RandomIdError> {
+        let mut bytes = [0; 16];
+        match getrandom::fill(&mut bytes) {
+            Ok(()) => Ok(Self(u128::from_le_bytes(bytes))),
+            Err(error) => Err(RandomIdError(error.to_string())),
+        }
+    }
+}
+
 impl fmt::Display for MutationId {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{:032x}", self.0)
