@@ -9,6 +9,8 @@ mod synthetic_table;
 pub(crate) use capture::{FrameInfo, FrameSize, Source, SourceError};
 pub(crate) use spec::SourceSpec;
 
+use std::path::Path;
+
 /// Playback options of a source.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Playback {
@@ -56,9 +58,15 @@ pub(crate) fn open(spec: &SourceSpec, playback: &Playback) -> Result<Box<dyn Sou
     }
 }
 
+/// Frame rate of a recording whose playback has none, hertz.
+const DEFAULT_RATE_HZ: f64 = 30.0;
+
 /// Cursor over the frames of a recording, with looping and a count of unusable frames.
 #[derive(Debug, Clone)]
 struct FrameCursor {
+    /// Name of the recording.
+    name: String,
+    rate_hz: f64,
     from: usize,
     to: usize,
     next: usize,
@@ -68,7 +76,7 @@ struct FrameCursor {
 
 impl FrameCursor {
     /// Cursor over the frames of `playback` in a recording of `n_frames`.
-    fn new(n_frames: usize, playback: &Playback) -> Result<Self, SourceError> {
+    fn new(recording: &Path, n_frames: usize, playback: &Playback) -> Result<Self, SourceError> {
         let from = playback.from.unwrap_or(0);
         let to = playback.to.unwrap_or(n_frames).min(n_frames);
         if from >= to {
@@ -78,6 +86,8 @@ impl FrameCursor {
             )));
         }
         Ok(Self {
+            name: recording.display().to_string(),
+            rate_hz: playback.rate_hz.unwrap_or(DEFAULT_RATE_HZ),
             from,
             to,
             next: from,
@@ -104,9 +114,9 @@ impl FrameCursor {
 
     /// Error of an unusable frame; when a whole round was unusable, the error of the
     /// recording.
-    fn refuse(&mut self, recording: &str, frame: &str, cause: String) -> SourceError {
+    fn refuse(&mut self, frame: &str, cause: String) -> SourceError {
         self.n_refused_in_a_row += 1;
-        let n_frames = self.to - self.from;
+        let (n_frames, recording) = (self.to - self.from, &self.name);
         if self.n_refused_in_a_row < n_frames {
             return SourceError::Frame {
                 frame: frame.to_owned(),
@@ -126,7 +136,7 @@ mod tests {
     #[test]
     fn frames_are_played_from_inclusive_to_exclusive() {
         let played = |playback: Playback, n| -> Vec<usize> {
-            let mut frames = FrameCursor::new(5, &playback).unwrap();
+            let mut frames = FrameCursor::new(Path::new("recording"), 5, &playback).unwrap();
             std::iter::from_fn(|| frames.advance()).take(n).collect()
         };
         let part = Playback {
@@ -148,6 +158,7 @@ mod tests {
         assert_eq!(played(Playback::default(), 9), [0, 1, 2, 3, 4]);
         assert!(
             FrameCursor::new(
+                Path::new("recording"),
                 5,
                 &Playback {
                     from: Some(5),
@@ -156,6 +167,6 @@ mod tests {
             )
             .is_err()
         );
-        assert!(FrameCursor::new(0, &Playback::default()).is_err());
+        assert!(FrameCursor::new(Path::new("recording"), 0, &Playback::default()).is_err());
     }
 }

@@ -5,13 +5,9 @@ use dataset::rgbd_sequence::{RgbdSequence, Scratch};
 use point_cloud::Point;
 use std::path::Path;
 
-const DEFAULT_RATE_HZ: f64 = 30.0;
-
 /// Player of an RGB-D sequence.
 pub(super) struct RgbdSource {
     sequence: RgbdSequence,
-    name: String,
-    rate_hz: f64,
     frames: FrameCursor,
     scratch: Scratch,
     prepared: usize,
@@ -31,10 +27,8 @@ impl RgbdSource {
             return Err(SourceError::Unusable(sentence));
         }
         Ok(Self {
-            frames: FrameCursor::new(sequence.n_frames(), playback)?,
+            frames: FrameCursor::new(folder, sequence.n_frames(), playback)?,
             sequence,
-            name: folder.display().to_string(),
-            rate_hz: playback.rate_hz.unwrap_or(DEFAULT_RATE_HZ),
             scratch: Scratch::default(),
             prepared: 0,
         })
@@ -42,17 +36,17 @@ impl RgbdSource {
 
     fn refuse(&mut self, cause: String) -> SourceError {
         let frame = self.sequence.name(self.prepared).unwrap_or_default();
-        self.frames.refuse(&self.name, frame, cause)
+        self.frames.refuse(frame, cause)
     }
 }
 
 impl Source for RgbdSource {
     fn name(&self) -> &str {
-        &self.name
+        &self.frames.name
     }
 
     fn rate_hz(&self) -> Option<f64> {
-        Some(self.rate_hz)
+        Some(self.frames.rate_hz)
     }
 
     fn prepare(&mut self) -> Result<Option<FrameSize>, SourceError> {

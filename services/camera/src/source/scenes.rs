@@ -8,13 +8,9 @@ use geometry::PinholeCamera;
 use point_cloud::Point;
 use std::path::Path;
 
-const DEFAULT_RATE_HZ: f64 = 30.0;
-
 /// Player of organised scenes in natural name order.
 pub(super) struct SceneFolderSource {
     folder: SceneFolder,
-    name: String,
-    rate_hz: f64,
     frames: FrameCursor,
     bytes: Vec<u8>,
     decoder: pcd::Decoder,
@@ -25,10 +21,8 @@ impl SceneFolderSource {
     pub(super) fn open(folder: &Path, playback: &Playback) -> Result<Self, SourceError> {
         let scenes = SceneFolder::open(folder).map_err(|e| SourceError::Unusable(e.to_string()))?;
         Ok(Self {
-            frames: FrameCursor::new(scenes.len(), playback)?,
+            frames: FrameCursor::new(folder, scenes.len(), playback)?,
             folder: scenes,
-            name: folder.display().to_string(),
-            rate_hz: playback.rate_hz.unwrap_or(DEFAULT_RATE_HZ),
             bytes: Vec::new(),
             decoder: pcd::Decoder::new(),
             prepared: None,
@@ -57,17 +51,17 @@ impl SceneFolderSource {
 
     fn refuse(&mut self, frame: usize, cause: String) -> SourceError {
         let name = self.folder.name(frame).unwrap_or_default();
-        self.frames.refuse(&self.name, name, cause)
+        self.frames.refuse(name, cause)
     }
 }
 
 impl Source for SceneFolderSource {
     fn name(&self) -> &str {
-        &self.name
+        &self.frames.name
     }
 
     fn rate_hz(&self) -> Option<f64> {
-        Some(self.rate_hz)
+        Some(self.frames.rate_hz)
     }
 
     fn prepare(&mut self) -> Result<Option<FrameSize>, SourceError> {

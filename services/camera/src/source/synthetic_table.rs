@@ -1,10 +1,8 @@
 //! Frame source for the synthetic table.
 
-use super::{FrameInfo, FrameSize, Playback, Source, SourceError};
+use super::{DEFAULT_RATE_HZ, FrameInfo, FrameSize, Playback, Source, SourceError};
 use crate::synthetic::SyntheticTable;
 use point_cloud::Point;
-
-const DEFAULT_RATE_HZ: f64 = 30.0;
 
 /// Number of frames for which each of several tables is shown. Chosen (3 s at 30 Hz).
 const FRAMES_PER_TABLE: usize = 90;
