@@ -3,26 +3,16 @@
 //! `cargo bench -p dataset`. The real scenes are used when the development data
 //! is available (see `TABULA_DATA`), a synthetic one always.
 
+mod data_folder;
+
+use data_folder::data_folder;
 use dataset::{pcd, rgbd_sequence};
 use divan::Bencher;
 use geometry::{PinholeCamera, RigidTransform};
 use point_cloud::{Point, Rgba};
-use std::path::PathBuf;
 
 fn main() {
     divan::main();
-}
-
-fn data_folder() -> PathBuf {
-    std::env::var_os("TABULA_DATA").map_or_else(
-        || {
-            PathBuf::from(concat!(
-                env!("CARGO_MANIFEST_DIR"),
-                "/../../../../shared/data"
-            ))
-        },
-        PathBuf::from,
-    )
 }
 
 /// Pseudorandom values, for noise that cannot be compressed.

@@ -3,28 +3,18 @@
 //! `cargo bench -p dataset --bench writing`. A real frame is used when the
 //! development data is available (see `TABULA_DATA`), a synthetic one always.
 
+mod data_folder;
+
+use data_folder::data_folder;
 use dataset::rgbd_sequence::{FrameView, RgbdSequence, Scratch, SequenceWriter};
 use divan::Bencher;
 use geometry::{PinholeCamera, RigidTransform};
 use point_cloud::Point;
-use std::path::PathBuf;
 
 const CAMERA: PinholeCamera = PinholeCamera::KINECT_V1;
 
 fn main() {
     divan::main();
-}
-
-fn data_folder() -> PathBuf {
-    std::env::var_os("TABULA_DATA").map_or_else(
-        || {
-            PathBuf::from(concat!(
-                env!("CARGO_MANIFEST_DIR"),
-                "/../../../../shared/data"
-            ))
-        },
-        PathBuf::from,
-    )
 }
 
 /// Colour image, depth image and instance mask.

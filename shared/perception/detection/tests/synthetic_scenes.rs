@@ -7,7 +7,7 @@ use detection::{Config, Detection, DetectionInput, ScenePriors, Support, Workspa
 use nalgebra::{Point3, Unit, Vector3};
 use point_cloud::{OrganizedCloud, Point, Rgba};
 use proptest::prelude::*;
-use synthetic::{BoxOnTable, camera_from_table, render};
+use synthetic::{BoxOnTable, camera_from_table, render, stack};
 
 const RED: BoxOnTable = BoxOnTable {
     centre: [-0.25, 0.0],
@@ -99,19 +99,7 @@ fn detection_finds_boxes_at_their_true_pose() {
 
 #[test]
 fn concavity_split_separates_a_stack() {
-    let low = BoxOnTable {
-        centre: [0.0, 0.0],
-        bottom: 0.0,
-        sides: [0.24, 0.16, 0.06],
-        rgb: [200, 30, 30],
-    };
-    let high = BoxOnTable {
-        centre: [0.0, 0.02],
-        bottom: 0.06,
-        sides: [0.08, 0.06, 0.14],
-        rgb: [30, 30, 200],
-    };
-    let detection = found(&render(&[low, high], 1.0), (640, 480), None);
+    let detection = found(&render(&stack(), 1.0), (640, 480), None);
     let colours: Vec<(Option<Support>, f32)> = detection
         .candidates
         .iter()

@@ -8,7 +8,7 @@ use point_cloud::{OrganizedCloud, Point, Rgba};
 use proptest::prelude::*;
 use std::f64::consts::PI;
 use std::sync::OnceLock;
-use synthetic::{BoxOnTable, camera_from_table, render};
+use synthetic::{BoxOnTable, camera_from_table, render, stack};
 
 const RED: BoxOnTable = BoxOnTable {
     centre: [-0.25, 0.0],
@@ -282,18 +282,7 @@ fn unorganized_table_above_the_origin_is_no_view_from_below() {
 
 #[test]
 fn unorganized_stack_is_split_by_a_virtual_view() {
-    let low = BoxOnTable {
-        centre: [0.0, 0.0],
-        bottom: 0.0,
-        sides: [0.24, 0.16, 0.06],
-        rgb: [200, 30, 30],
-    };
-    let high = BoxOnTable {
-        centre: [0.0, 0.02],
-        bottom: 0.06,
-        sides: [0.08, 0.06, 0.14],
-        rgb: [30, 30, 200],
-    };
+    let [low, high] = stack();
     let points = merged(&[low, high]);
     let detection = found(&points, Some(Vector3::z()));
     assert_eq!(detection.candidates.len(), 2);

@@ -4,15 +4,13 @@
 //! throughput is actors (or messages) per second. `tests/peers` compares inline
 //! actors with bare tasks and with other libraries.
 
-use std::convert::Infallible;
-use std::num::NonZeroUsize;
+mod adder;
+
 use std::sync::Arc;
 use std::time::Duration;
 
-use actor::{
-    Actor, Address, Config, DropOldest, Flow, Placement, PoolConfig, Progress, Restart,
-    RestartPolicy, Supervisor, WorkerPool,
-};
+use actor::{Address, Config, Placement, Restart, RestartPolicy, Supervisor};
+use adder::{Adder, count};
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use tokio::runtime::{Builder, Runtime};
@@ -31,34 +29,6 @@ fn runtime() -> Runtime {
         .enable_time()
         .build()
         .expect("a runtime")
-}
-
-fn count(n: usize) -> NonZeroUsize {
-    NonZeroUsize::new(n).expect("at least one")
-}
-
-struct Adder(u64);
-
-impl Actor for Adder {
-    type Message = u64;
-    type Reply = u64;
-    type Checkpoint = u64;
-    type Context = ();
-    type Error = Infallible;
-    type Overflow = DropOldest;
-
-    fn start(_: &Arc<()>, total: u64) -> Result<Self, Infallible> {
-        Ok(Self(total))
-    }
-
-    fn handle(&mut self, n: u64, _: &Progress) -> Result<Flow<u64>, Infallible> {
-        self.0 += n;
-        Ok(Flow::Continue(self.0))
-    }
-
-    fn checkpoint(&self) -> u64 {
-        self.0
-    }
 }
 
 fn supervisor(runtime: &Runtime, placement: Placement) -> Supervisor<u64, Adder> {
@@ -80,13 +50,7 @@ fn supervisor(runtime: &Runtime, placement: Placement) -> Supervisor<u64, Adder>
 }
 
 fn pool() -> Placement {
-    let config = PoolConfig {
-        name: "bench".to_owned(),
-        n_workers: count(2),
-        stall_after: Duration::from_secs(60),
-        max_abandoned: count(1),
-    };
-    Placement::Pool(WorkerPool::start(config).expect("threads"))
+    Placement::Pool(adder::pool())
 }
 
 /// Asks all actors, then awaits all answers, as the frame loop does.

@@ -5,15 +5,13 @@
 //! `spawn` is the call alone, after which the frame continues; `first_answer` lasts
 //! until the last of the answers is there.
 
-use std::convert::Infallible;
-use std::num::NonZeroUsize;
+mod adder;
+
 use std::sync::Arc;
 use std::time::Duration;
 
-use actor::{
-    Actor, Config, DropOldest, Flow, Placement, PoolConfig, Progress, Restart, RestartPolicy,
-    Supervisor, WorkerPool,
-};
+use actor::{Config, Placement, Restart, RestartPolicy, Supervisor, WorkerPool};
+use adder::{Adder, count, pool};
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use tokio::runtime::{Builder, Runtime};
@@ -24,50 +22,12 @@ fn main() {
     divan::main();
 }
 
-struct Adder(u64);
-
-impl Actor for Adder {
-    type Message = u64;
-    type Reply = u64;
-    type Checkpoint = u64;
-    type Context = ();
-    type Error = Infallible;
-    type Overflow = DropOldest;
-
-    fn start(_: &Arc<()>, total: u64) -> Result<Self, Infallible> {
-        Ok(Self(total))
-    }
-
-    fn handle(&mut self, n: u64, _: &Progress) -> Result<Flow<u64>, Infallible> {
-        self.0 += n;
-        Ok(Flow::Continue(self.0))
-    }
-
-    fn checkpoint(&self) -> u64 {
-        self.0
-    }
-}
-
-fn count(n: usize) -> NonZeroUsize {
-    NonZeroUsize::new(n).expect("at least one")
-}
-
 fn runtime() -> Runtime {
     Builder::new_multi_thread()
         .worker_threads(2)
         .enable_time()
         .build()
         .expect("a runtime")
-}
-
-fn pool() -> WorkerPool {
-    WorkerPool::start(PoolConfig {
-        name: "bench".to_owned(),
-        n_workers: count(2),
-        stall_after: Duration::from_secs(60),
-        max_abandoned: count(1),
-    })
-    .expect("threads")
 }
 
 fn supervisor(runtime: &Runtime, pool: &WorkerPool) -> Supervisor<u64, Adder> {

@@ -243,14 +243,7 @@ fn shadows_darken_the_table_and_change_nothing_else() {
 fn unoccluded_count_equals_pixels_without_occluders() {
     let scene = TableScene::new(12);
     let objects = scene.objects();
-    let mut rasterizer = Rasterizer::new(CAMERA).unwrap();
-    rasterizer
-        .prepare(&StaticScene {
-            world_from_camera: TableScene::world_from_camera(),
-            lights: Lights::ROOM,
-            background: &scene.background(),
-        })
-        .unwrap();
+    let mut rasterizer = scene.prepared_rasterizer(CAMERA);
     let mut counts = [0; 32];
     rasterizer.render(&objects).count_pixels(&mut counts);
     let mut n_hidden = 0;

@@ -12,7 +12,7 @@ use rendering::kinect::{
     AxialNoise, BorderSpeckle, ColorResponse, DepthRange, DisparityQuantisation, EdgeFattening,
     FrameSeed, KinectSensor, LateralNoise, ProjectorShadow, SensorModel, WeakSignal,
 };
-use rendering::{Error, Image, Instance, Lights, PreparedMesh, Rasterizer, StaticScene};
+use rendering::{Error, Image, Instance, PreparedMesh, Rasterizer};
 use synthetic::{TableScene, at, ball, cuboid, rectangle, with_surface};
 
 const CAMERA: PinholeCamera = PinholeCamera::KINECT_V1;
@@ -45,14 +45,7 @@ fn plane(z_m: f64, angle_rad: f64) -> Image {
 
 fn table() -> Image {
     let scene = TableScene::new(8);
-    let mut rasterizer = Rasterizer::new(CAMERA).unwrap();
-    rasterizer
-        .prepare(&StaticScene {
-            world_from_camera: TableScene::world_from_camera(),
-            lights: Lights::ROOM,
-            background: &scene.background(),
-        })
-        .unwrap();
+    let mut rasterizer = scene.prepared_rasterizer(CAMERA);
     rasterizer.render(&scene.objects()).clone()
 }
 

@@ -14,6 +14,25 @@ pub(crate) struct BoxOnTable {
     pub(crate) rgb: [u8; 3],
 }
 
+/// Stack of a small blue box on a wide red one, in this order: the lower, the upper.
+#[allow(dead_code, reason = "not every test has a stack")]
+pub(crate) fn stack() -> [BoxOnTable; 2] {
+    [
+        BoxOnTable {
+            centre: [0.0, 0.0],
+            bottom: 0.0,
+            sides: [0.24, 0.16, 0.06],
+            rgb: [200, 30, 30],
+        },
+        BoxOnTable {
+            centre: [0.0, 0.02],
+            bottom: 0.06,
+            sides: [0.08, 0.06, 0.14],
+            rgb: [30, 30, 200],
+        },
+    ]
+}
+
 /// Camera pose: it looks at the table's origin from 1 m away, 35 degrees downwards. The
 /// table is 1.2 m by 0.8 m, with a wall behind it and the floor 0.7 m below.
 pub(crate) fn camera_from_table() -> Isometry3<f64> {

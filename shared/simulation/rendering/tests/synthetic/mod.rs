@@ -2,10 +2,10 @@
 
 #![allow(dead_code, reason = "each user needs only a part of it")]
 
-use geometry::RigidTransform;
+use geometry::{PinholeCamera, RigidTransform};
 use mesh::{Surface, Triangle, TriangleMesh, Vertex};
 use nalgebra::{Isometry3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
-use rendering::{Instance, PreparedMesh, Texture};
+use rendering::{Instance, Lights, PreparedMesh, Rasterizer, StaticScene, Texture};
 use std::f32::consts::{PI, TAU};
 
 /// Grid mesh over `(u, v)` in 0..=1, two triangles per cell.
@@ -205,6 +205,19 @@ impl TableScene {
             .enumerate()
             .map(|(i, (_, mesh, pose))| Instance::new(mesh, *pose, i as u16 + 10))
             .collect()
+    }
+
+    /// Rasterizer that has rendered the room.
+    pub(crate) fn prepared_rasterizer(&self, camera: PinholeCamera) -> Rasterizer {
+        let mut rasterizer = Rasterizer::new(camera).unwrap();
+        rasterizer
+            .prepare(&StaticScene {
+                world_from_camera: Self::world_from_camera(),
+                lights: Lights::ROOM,
+                background: &self.background(),
+            })
+            .unwrap();
+        rasterizer
     }
 
     /// All source meshes with their poses.
