@@ -5,7 +5,7 @@ use crate::mesh::Mesh;
 use crate::{obj, ply};
 use std::path::{Path, PathBuf};
 
-/// ModelFile file of a folder.
+/// Model file of a folder.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ModelFile {
     /// Path of the file.

@@ -84,7 +84,7 @@ pub enum StoreRefusal {
     /// Violated rule of teaching.
     #[error("{0}")]
     Teaching(#[from] learning::TeachingError),
-    /// CapturedView id that is stored already with different content.
+    /// View id that is stored already with different content.
     #[error(
         "{} is stored already, with another content; give a new view a new id",
         in_words(*view)
@@ -93,7 +93,7 @@ pub enum StoreRefusal {
         /// Id of the view.
         view: ViewId,
     },
-    /// CapturedView with invalid values.
+    /// View with invalid values.
     #[error("{} cannot be stored because {reason}; send it again corrected", in_words(*view))]
     InvalidView {
         /// Id of the view.
@@ -117,7 +117,7 @@ pub enum StoreRefusal {
         /// Maximum number of bytes in a batch.
         most: usize,
     },
-    /// CapturedView that is not stored, or was forgotten.
+    /// View that is not stored, or was forgotten.
     #[error(
         "{} is not stored; list the views of the track to see which there are",
         in_words(*view)
@@ -219,7 +219,7 @@ pub enum StoreRefusal {
         /// Maximum length, bytes.
         most: usize,
     },
-    /// CapturedView under a track-id that was never leased.
+    /// View under a track-id that was never leased.
     #[error(
         "{} cannot be stored, since that track-id was never leased; lease track-ids first, and \
          store views under them",

@@ -133,7 +133,7 @@ mod tests {
         let report = ObjectsReport::new(&summary(), &[]);
         assert_eq!(report.rule, Expression::default().to_string());
         assert_eq!(report.assumptions[0].name, "no-robot-known");
-        assert!(report.assumptions[0].sentence.contains("robot"));
+        assert!(report.assumptions[0].sentence.contains("arm state"));
         assert_eq!((report.ignored.len(), report.n_more_ignored), (1, 19));
         let ignored = &report.ignored[0];
         assert_eq!((ignored.n_points, ignored.verdict.as_str()), (320, "false"));

@@ -14,12 +14,12 @@ use crate::perceptual::view_record::ViewParts;
 /// Maximum accepted clock difference between two robots: a day. Chosen.
 const MAX_AHEAD_NS: u64 = 24 * 3_600_000_000_000;
 
-/// CapturedView of another memory.
+/// View of another memory.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ForeignView {
-    /// CapturedView with its content.
+    /// View with its content.
     Present {
-        /// CapturedView; its id has no meaning here.
+        /// View; its id has no meaning here.
         view: Box<CapturedView>,
         /// Provenance: memory and id under which the view was first stored.
         origin: Origin,

@@ -95,7 +95,7 @@ impl HistoryEntry {
             .finish()
     }
 
-    /// MutationReceipt to the mutation that made the entry.
+    /// Receipt of the mutation that made the entry.
     pub(crate) fn answer(&self) -> MutationReceipt {
         // An import may change only the time stamp of a decision.
         let is_change = |effect: &&Effect| !matches!(effect, Effect::Changed { before, after, .. } if before == after);

@@ -13,7 +13,7 @@ use crate::perceptual::label_status::LabelStatus;
 use crate::perceptual::model::{Effect, Operation, is_among};
 use crate::perceptual::store_index::StoreIndex;
 
-/// CapturedView as implied by the history.
+/// View as implied by the history.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct ProjectedView {
     pub(crate) identity: Digest,

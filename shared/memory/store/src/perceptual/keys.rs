@@ -31,7 +31,7 @@ pub(crate) fn view_key(table: u8, view: ViewId) -> [u8; 13] {
     key
 }
 
-/// CapturedView id in a key.
+/// View id in a key.
 pub(crate) fn view_of(key: &[u8]) -> Option<ViewId> {
     let key: &[u8; 13] = key.try_into().ok()?;
     Some(ViewId {

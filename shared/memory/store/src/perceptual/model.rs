@@ -128,7 +128,7 @@ pub enum Effect {
         #[serde(rename = "i")]
         identity: Digest,
     },
-    /// StoreChange of the label status of a view.
+    /// Change of the label status of a view.
     #[serde(rename = "c")]
     Changed {
         /// Id of the view.

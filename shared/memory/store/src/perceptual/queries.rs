@@ -59,7 +59,7 @@ pub struct SnapshotPage {
     pub next: Option<Digest>,
 }
 
-/// StoreChange feed since a position.
+/// Change feed since a position.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Changes {
     /// History entries after the position, without a gap.
@@ -256,7 +256,7 @@ impl PerceptualMemory {
 /// Labelled views with neighbouring descriptor records, read with one scan.
 type DescriptorRun = Vec<(Digest, Vec<(ViewId, CategoryName, String)>)>;
 
-/// StoredDescriptor runs of a page, and the cursor of the next page.
+/// Descriptor runs of a page, and the cursor of the next page.
 fn runs_from(
     index: &StoreIndex,
     from: Digest,

@@ -89,7 +89,7 @@ impl StoreIndex {
 
 /// Queries and updates of views.
 impl StoreIndex {
-    /// CapturedView with content, forgotten or not.
+    /// View with content, forgotten or not.
     pub(crate) fn get(&self, view: ViewId) -> Option<&IndexedView> {
         self.views.get(&view)
     }
@@ -200,7 +200,7 @@ impl StoreIndex {
         larger.map(|(name, _)| name.clone()).collect()
     }
 
-    /// StoredDescriptor digests from `from` on, each with the views that share it.
+    /// Descriptor digests from `from` on, each with the views that share it.
     pub(crate) fn descriptors_from(
         &self,
         from: Digest,

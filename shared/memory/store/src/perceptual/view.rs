@@ -26,7 +26,7 @@ pub struct StoredDescriptor {
     pub values: Vec<f32>,
 }
 
-/// CapturedView of an object; immutable once stored.
+/// View of an object; immutable once stored.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CapturedView {
     /// Id of the view; its track-id must be leased.
@@ -56,7 +56,7 @@ pub struct Origin {
     pub view: ViewId,
 }
 
-/// CapturedView with its label status, as stored.
+/// View with its label status, as stored.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StoredView {
     /// Stored view.

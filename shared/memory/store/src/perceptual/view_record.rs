@@ -1,4 +1,4 @@
-//! CapturedView records: metadata under the view id; descriptor and point cloud under their content digests
+//! View records: metadata under the view id; descriptor and point cloud under their content digests
 //! (content-addressed, deduplicated, not read at opening).
 
 use geometry::OrientedBox;
@@ -47,11 +47,11 @@ impl ContentRef {
     }
 }
 
-/// CapturedView in its stored parts.
+/// View in its stored parts.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ViewParts {
     pub(crate) metadata: ViewMetadata,
-    /// StoredDescriptor values as little-endian `f32`.
+    /// Descriptor values as little-endian `f32`.
     pub(crate) descriptor: Vec<u8>,
     pub(crate) points: Option<Vec<u8>>,
 }
@@ -88,7 +88,7 @@ impl ViewParts {
         self.metadata.points.is_some() == self.points.is_some()
     }
 
-    /// CapturedView assembled from its parts, under its local id.
+    /// View assembled from its parts, under its local id.
     pub(crate) fn into_view(self, id: ViewId) -> CapturedView {
         CapturedView {
             id,
@@ -162,7 +162,7 @@ impl ViewMetadata {
     }
 }
 
-/// StoredDescriptor from its stored values: little-endian `f32`. The format on disk is this
+/// Descriptor from its stored values: little-endian `f32`. The format on disk is this
 /// crate's own and changes only with the schema, unlike the one on the wire
 /// (`message::DescriptorBytes`); a remainder of less than four bytes is ignored, so that every
 /// record stays readable.

@@ -1,4 +1,4 @@
-//! CapturedView summaries: metadata of stored views without descriptor and point cloud.
+//! View summaries: metadata of stored views without descriptor and point cloud.
 
 use std::ops::Bound;
 

@@ -35,7 +35,7 @@ pub enum EventKind {
         /// Label at that time.
         label: Option<String>,
     },
-    /// StoreChange of the label of an object.
+    /// Change of the label of an object.
     Relabelled {
         /// Track-id of the object.
         track_id: u64,
