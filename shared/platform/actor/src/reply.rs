@@ -1,4 +1,4 @@
-//! PendingReply to one message (ask pattern).
+//! Pending reply to one message (ask pattern).
 
 use std::pin::Pin;
 use std::task::{Context, Poll};

@@ -8,7 +8,7 @@ use super::world_config::WorldConfig;
 /// Subject of a fact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Subject {
-    /// ObjectRecord with this track-id.
+    /// Object with this track-id.
     ObjectRecord(u64),
     /// Robot.
     Robot,

@@ -8,7 +8,7 @@ pub(super) enum RecordKey {
     Meta,
     /// Robot record: `r`.
     Robot,
-    /// ObjectRecord record: `o`, track-id.
+    /// Object record: `o`, track-id.
     ObjectRecord(u64),
     /// Fact record: `f`, number.
     Fact(u64),
