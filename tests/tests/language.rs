@@ -80,7 +80,7 @@ fn crate_of(path: &Path) -> PathBuf {
 
 /// Names of the types that a line defines at the start of an item.
 fn defined_type(line: &str) -> Option<&str> {
-    let mut words = line.trim_start().split_whitespace().peekable();
+    let mut words = line.split_whitespace().peekable();
     while words
         .peek()
         .is_some_and(|word| word.starts_with("pub") || *word == "unsafe")

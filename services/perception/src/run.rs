@@ -88,7 +88,7 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
             escalated = event_publisher.watch() => Err(failed(escalated)),
         }
     };
-    let outcome = tasks.run(main).await;
+    let outcome = tasks.run(Box::pin(main)).await;
     frames.stop().await;
     outcome
 }

@@ -211,7 +211,7 @@ impl MemoryRequestHandler {
             change,
         };
         let ask = |reply: ReplySender<MutationReceipt>| {
-            self.store.mutate(mutation, |done| reply.send(done))
+            self.store.mutate(mutation, |done| reply.send(done));
         };
         let answer = wait(ask).await?;
         publish_position(&self.position, self.store.position());

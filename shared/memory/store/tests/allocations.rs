@@ -69,7 +69,7 @@ fn unchanged_observation_allocates_nothing() {
     }
 }
 
-/// CapturedView with a point cloud whose bytes depend on the track.
+/// View with a point cloud whose bytes depend on the track.
 fn view_with_cloud(track_id: u64, n_bytes: usize) -> CapturedView {
     CapturedView {
         id: ViewId {

@@ -28,7 +28,7 @@ pub(crate) fn key(track_id: u64, view_id: u32) -> ViewId {
     ViewId { track_id, view_id }
 }
 
-/// CapturedView whose content depends only on its id and `content`.
+/// View whose content depends only on its id and `content`.
 pub(crate) fn view(track_id: u64, view_id: u32, content: u32) -> CapturedView {
     let seed = track_id as f64 + 0.25 * view_id as f64 + 100.0 * content as f64;
     CapturedView {
