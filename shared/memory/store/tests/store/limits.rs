@@ -7,7 +7,7 @@ use store::{
 
 use crate::builders::{apply, counts, fast_folder, mutation, open, store, teach, view};
 
-/// CapturedView whose descriptor encodes its distance from the others.
+/// View whose descriptor encodes its distance from the others.
 fn view_at(track_id: u64, view_id: u32, place: f32) -> CapturedView {
     let mut view = view(track_id, view_id, 0);
     view.descriptor.values = vec![place, 1.0];
