@@ -9,13 +9,16 @@ use std::path::Path;
 const OWNERS: [(&str, &[&str]); 14] = [
     ("iceoryx2", &["channel", "message"]),
     ("iceoryx2-log", &["channel"]),
-    ("rusty-leveldb", &["store"]),
+    ("rusty-leveldb", &["durable-leveldb"]),
     ("libloading", &["freenect"]),
     ("rapier3d", &["simulated-world"]),
     ("pathfinding", &["tracking"]),
     ("indicatif", &["command-line", "experiments"]),
     ("plotters", &["plot", "evaluation"]),
-    ("ciborium", &["channel", "store"]),
+    (
+        "ciborium",
+        &["channel", "durable-leveldb", "perceptual-memory"],
+    ),
     ("hdrhistogram", &["latency-report"]),
     ("libc", &["system-noise", "service"]),
     ("sd-notify", &["service"]),

@@ -4,8 +4,8 @@
 use channel::topic::MemoryChanged;
 use channel::{Domain, Error, Publisher};
 use message::{MemoryChange, PlainHeader};
+use perceptual_memory::Position;
 use std::time::Duration;
-use store::Position;
 use tokio::sync::watch;
 
 /// Period at which new subscribers receive the newest position.

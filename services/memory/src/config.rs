@@ -1,10 +1,10 @@
 //! Configuration section `[memory]`: parsing and validation.
 
+use perceptual_memory::{RetentionLimits, WRITE_BUFFER_BYTES};
 use serde::Deserialize;
 use service::{ConfigFile, Failure};
 use std::time::Duration;
-use store::working::WorldConfig;
-use store::{RetentionLimits, WRITE_BUFFER_BYTES};
+use working_memory::WorldConfig;
 
 /// Resolution on disk of the time at which an object was last seen, nanoseconds. Chosen.
 const SEEN_PERIOD_NS: u64 = 10_000_000_000;

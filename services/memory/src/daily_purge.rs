@@ -1,8 +1,8 @@
 //! Daily purge: removes forgotten views for good when their retention time is over.
 
+use perceptual_memory::{Error, Mutation, MutationId, MutationReceipt, StoreChange, StoreHandle};
 use service::wall_clock_ns;
 use std::time::Duration;
-use store::{Error, Mutation, MutationId, MutationReceipt, StoreChange, StoreHandle};
 use tokio::sync::oneshot;
 
 /// Period of the purge.

@@ -2,7 +2,7 @@
 
 use crate::world_report::word;
 use message::control::{Command, EventReport, LearningReport};
-use store::working::{ActionOutcome, Event, EventKind, TeachingEvent, TeachingKind};
+use working_memory::{ActionOutcome, Event, EventKind, TeachingEvent, TeachingKind};
 
 /// Wire report of an event.
 pub(crate) fn event(event: &Event) -> EventReport {

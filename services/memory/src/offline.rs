@@ -13,13 +13,13 @@ use memory_requests::{MemoryRequestHandler, MemoryRequestHandlerConfig, verifica
 use message::control::{
     Command, JobCommand, JobKind, JobOutcome, JobReport, Refusal, RefusalKind, Reply,
 };
+use perceptual_memory::{RetentionLimits, StoreConfig, StoreThread, WRITE_BUFFER_BYTES};
 use service::{CommonArguments, Failure, exit_code, wall_clock_ns};
 use std::os::fd::AsFd;
 use std::os::unix::net::UnixStream;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
-use store::{RetentionLimits, StoreConfig, StoreThread, WRITE_BUFFER_BYTES};
 
 /// A client may think as long as a person does; its end closes the connection.
 const IDLE_LIMIT: Duration = Duration::from_secs(7 * 24 * 3600);
@@ -155,7 +155,7 @@ impl Verification {
         let shared = Arc::new(Self::default());
         let verification = shared.clone();
         std::thread::spawn(move || {
-            let found = store::verify_folder(&folder, |done, total| {
+            let found = perceptual_memory::verify_folder(&folder, |done, total| {
                 verification.done.store(done, Ordering::Relaxed);
                 verification.total.store(total, Ordering::Relaxed);
             });

@@ -7,9 +7,9 @@ use channel::control::Client;
 use memory_requests::MemoryRequestHandler;
 use message::ProcessKind;
 use message::control::{Command, Refusal, RefusalKind, Reply};
+use perceptual_memory::Position;
 use std::sync::Arc;
 use std::time::Duration;
-use store::Position;
 use tokio::sync::watch;
 
 /// Time limit for the answer of another process; a client waits for 5 s.
@@ -116,7 +116,7 @@ async fn ask(owner: &Client, command: Command) -> Result<Reply, Refusal> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use store::StoreId;
+    use perceptual_memory::StoreId;
 
     #[test]
     fn reads_are_stamped_with_the_newest_acknowledged_position() {

@@ -12,12 +12,12 @@ use crate::world_model_updater::WorldModelUpdater;
 use channel::control::Client;
 use memory_requests::{MemoryRequestHandler, MemoryRequestHandlerConfig};
 use message::{ProcessKind, ProcessState};
+use perceptual_memory::{OpenReport, StoreConfig, StoreHandle, StoreThread};
 use service::{Context, Failure, HealthCounters, TaskGroup, exit_code, wall_clock_ns};
 use std::fmt::Display;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
-use store::{OpenReport, StoreConfig, StoreHandle, StoreThread};
 
 /// Period of the liveness probe of the store.
 const PROBE: Duration = Duration::from_millis(500);
@@ -87,7 +87,8 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
     };
     let outcome = tasks.run(shutdown).await;
     let world_stopped = world_thread.stop();
-    let stopped = thread.stop().and(world_stopped).map_err(failed);
+    let world_stopped = world_stopped.map_err(failed);
+    let stopped = thread.stop().map_err(failed).and(world_stopped);
     outcome.and(stopped)
 }
 

@@ -6,10 +6,10 @@ use message::ProcessState;
 use parking_lot::Mutex;
 use service::{Context, Failure, HealthCounters, exit_code, wall_clock_ns};
 use std::sync::Arc;
-use store::working::{
+use tokio::sync::watch;
+use working_memory::{
     OnTrouble, WorldHandle, WorldModel, WorldReport, WorldThread, WorldThreadConfig,
 };
-use tokio::sync::watch;
 
 /// World model, shared by its updater and its readers.
 pub(crate) struct WorkingMemory {

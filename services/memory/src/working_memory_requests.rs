@@ -7,10 +7,10 @@ use message::control::{
     EventsReport, MAX_EVENT_WAIT_MS, MAX_PAGE_EVENTS, MAX_PAGE_TASKS, Refusal, RefusalKind, Reply,
     TaskReport, TasksReport, WorldCommand, WorldReply,
 };
+use perceptual_memory::MutationId;
 use std::time::Duration;
-use store::MutationId;
-use store::working::{NewTask, Task, TaskEnd, TaskRefusal, WorldModel};
 use tokio::time::{Instant, timeout, timeout_at};
+use working_memory::{NewTask, Task, TaskEnd, TaskRefusal, WorldModel};
 
 /// Time limit for a task's start or end to be on disk; shorter than the time limit of
 /// clients.

@@ -10,7 +10,7 @@ use message::{
 use service::{Stopwatch, TracePublisher, monotonic_ns};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use store::working::{ActionOutcome, BoxPose, RobotSighting, Sighting, WorldModel};
+use working_memory::{ActionOutcome, BoxPose, RobotSighting, Sighting, WorldModel};
 
 /// Time without arm states after which the arm counts as absent. Chosen.
 const ARM_SILENCE: Duration = Duration::from_secs(5);

@@ -4,7 +4,7 @@ use message::control::{
     FactFilter, FactReport, FactsReport, MAX_PAGE_FACTS, PlaceReport, Refusal, RefusalKind,
     TaskOutcome, TaskReport, WorldObjectReport, WorldRegion, WorldReport, WorldRobotReport,
 };
-use store::working::{
+use working_memory::{
     ActionOutcome, BoxPose, Fact, FactPage, FactQuery, ObjectRecord, Property, Region, Robot,
     Subject, Task, TaskRefusal, TaskState, Value, Window, WorldModel,
 };

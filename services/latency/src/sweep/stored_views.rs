@@ -7,6 +7,10 @@ use description::{AppearanceDescriptor, AppearanceWeights, ObjectPoints};
 use geometry::OrientedBox;
 use learning::{CategoryName, ViewId};
 use nalgebra::{Isometry3, UnitVector3, Vector3};
+use perceptual_memory::{
+    CapturedView, Mutation, MutationId, RetentionLimits, StoreChange, StoreConfig, StoreHandle,
+    StoreThread, StoredDescriptor, WRITE_BUFFER_BYTES,
+};
 use pipeline::DESCRIPTOR_KIND;
 use point_cloud::{Point, Rgba};
 use random::Random;
@@ -14,10 +18,6 @@ use service::{Failure, Home, exit_code};
 use std::f64::consts::TAU;
 use std::fmt::Display;
 use std::path::Path;
-use store::{
-    CapturedView, Mutation, MutationId, RetentionLimits, StoreChange, StoreConfig, StoreHandle,
-    StoreThread, StoredDescriptor, WRITE_BUFFER_BYTES,
-};
 
 /// Points on the visible side of a solid.
 const N_POINTS: usize = 400;

@@ -10,6 +10,7 @@ use dataset::object_views::{ObjectViews, ViewFile};
 use described::Folder;
 use description::{AppearanceDescriptor, AppearanceWeights};
 use learning::CategoryName;
+use perceptual_memory::{DecisionStamp, PortableWriter};
 use serde::Serialize;
 use service::{CommonArguments, Failure, exit_code, wall_clock_ns};
 use std::collections::BTreeSet;
@@ -18,7 +19,6 @@ use std::io::{BufWriter, Seek};
 use std::ops::Range;
 use std::path::Path;
 use std::process::ExitCode;
-use store::{DecisionStamp, PortableWriter};
 
 /// One object of the folder; its views come in as those of one track.
 struct Object {

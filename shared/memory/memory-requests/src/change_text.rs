@@ -1,6 +1,6 @@
 //! Descriptions of changes and history entries for logs and users.
 
-use store::{Contradiction, Operation, StoreChange};
+use perceptual_memory::{Contradiction, Operation, StoreChange};
 
 /// Description of a requested change.
 pub(crate) fn describe_change(change: &StoreChange) -> String {

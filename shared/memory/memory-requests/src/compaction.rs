@@ -2,7 +2,7 @@
 
 use crate::job_context::{JobContext, Progress, publish_position, wall_ns};
 use message::control::JobOutcome;
-use store::{Error, Mutation, MutationId, PerceptualMemory, StoreChange};
+use perceptual_memory::{Error, Mutation, MutationId, PerceptualMemory, StoreChange};
 
 const NS_PER_S: u64 = 1_000_000_000;
 /// Author of the purge in the history.

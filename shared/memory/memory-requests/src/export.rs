@@ -2,8 +2,8 @@
 
 use crate::job_context::{JobContext, Progress};
 use message::control::{ExportReport, JobOutcome, MAX_MESSAGE_BYTES};
+use perceptual_memory::{Error, PortableCounts, PortableWriter};
 use std::io::{self, Write};
-use store::{Error, PortableCounts, PortableWriter};
 
 /// Maximum number of bytes in one reply.
 const READ_BYTES: usize = MAX_MESSAGE_BYTES / 2;
@@ -15,7 +15,7 @@ pub(crate) fn run(context: &JobContext, progress: &Progress) -> Result<JobOutcom
     let failed = |error: Error| error.to_string();
     let checkpoint = context.store.read_and_wait(|memory| memory.checkpoint());
     let mut reader = checkpoint
-        .and_then(store::Checkpoint::open)
+        .and_then(perceptual_memory::Checkpoint::open)
         .map_err(failed)?;
     let sequence = reader.position().sequence;
     let total = reader.n_views() as u64;
@@ -40,7 +40,7 @@ pub(crate) fn run(context: &JobContext, progress: &Progress) -> Result<JobOutcom
 }
 
 fn write(
-    reader: &mut store::CheckpointReader,
+    reader: &mut perceptual_memory::CheckpointReader,
     mut pipe: ExportPipe<'_>,
     progress: &Progress,
     total: u64,

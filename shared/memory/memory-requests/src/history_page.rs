@@ -3,8 +3,8 @@
 
 use crate::{change_text, revision, translate};
 use message::control::{HistoryOperation, HistoryReport, MAX_MESSAGE_BYTES, MutationId};
+use perceptual_memory::{Effect, Error, HistoryEntry, Operation, PerceptualMemory, Target};
 use std::collections::BTreeSet;
-use store::{Effect, Error, HistoryEntry, Operation, PerceptualMemory, Target};
 
 /// Maximum number of entries on a page.
 pub const PAGE_ENTRIES: u32 = 1000;

@@ -4,12 +4,12 @@ use crate::job_context::{JobContext, Progress, publish_position, wall_ns};
 use crate::translate;
 use learning::CategoryName;
 use message::control::{ImportReport, JobOutcome, MutationId, Refusal, RefusalKind};
+use perceptual_memory::{Digest, Mutation, PortableBatch, PortableReader, StoreChange};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, File};
 use std::io::BufReader;
 use std::os::unix::fs::FileExt;
 use std::path::{Path, PathBuf};
-use store::{Digest, Mutation, PortableBatch, PortableReader, StoreChange};
 
 /// Parameters of an import.
 pub(crate) struct ImportRequest {
@@ -172,7 +172,7 @@ fn take_over(
     // The same part of the same request has the same id, so that a retry is idempotent.
     let id = [request.id.0.to_le_bytes().as_slice(), &part.to_le_bytes()].concat();
     let mutation = Mutation {
-        id: store::MutationId(Digest::of(&id).0),
+        id: perceptual_memory::MutationId(Digest::of(&id).0),
         author: request.author.clone(),
         wall_ns: wall_ns(),
         change: StoreChange::Import {

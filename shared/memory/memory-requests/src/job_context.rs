@@ -2,11 +2,11 @@
 
 use message::control::JobOutcome;
 use parking_lot::{Condvar, Mutex};
+use perceptual_memory::{Position, StoreHandle};
 use service::wall_clock_ns;
 use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use store::{Position, StoreHandle};
 use tokio::sync::watch;
 
 /// Shared resources of all jobs.

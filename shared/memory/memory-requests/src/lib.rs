@@ -1,7 +1,7 @@
 //! Request handler of the perceptual memory: answers control commands from the store.
 //!
 //! It is used by the memory service, and by the command-line tool, which opens the store itself
-//! when no daemon runs. The crate converts between `message` and `store`; it has no transport of
+//! when no daemon runs. The crate converts between `message` and `perceptual_memory`; it has no transport of
 //! its own.
 //!
 //! ```

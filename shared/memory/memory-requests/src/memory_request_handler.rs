@@ -8,11 +8,11 @@ use message::control::{
     Command, Labelling, LearningReport, MutationId, Refusal, RefusalKind, Reply, Revision,
     SnapshotCursor,
 };
-use std::path::PathBuf;
-use store::{
+use perceptual_memory::{
     Digest, Error, Mutation, MutationReceipt, Operation, PerceptualMemory, Position, StoreChange,
     StoreHandle, Target,
 };
+use std::path::PathBuf;
 use tokio::sync::{oneshot, watch};
 
 /// Maximum size of the descriptors on a page, bytes; the rest of the message needs room too.
@@ -117,7 +117,7 @@ impl MemoryRequestHandler {
             }
             Command::Changes { store_id, since } => {
                 let position = Position {
-                    store_id: store::StoreId(store_id),
+                    store_id: perceptual_memory::StoreId(store_id),
                     sequence: since,
                 };
                 let read =
@@ -205,7 +205,7 @@ impl MemoryRequestHandler {
         change: StoreChange,
     ) -> Result<MutationReceipt, Refusal> {
         let mutation = Mutation {
-            id: store::MutationId(id.0),
+            id: perceptual_memory::MutationId(id.0),
             author,
             wall_ns: wall_ns(),
             change,

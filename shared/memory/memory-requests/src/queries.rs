@@ -4,7 +4,7 @@ use crate::{history_page, revision, translate};
 use message::control::{
     DocumentReport, MemoryAnswer, MemoryQuery, MemoryStats, Refusal, RefusalKind, ViewReport,
 };
-use store::{DocumentSummary, Error, PerceptualMemory, Stats, Target, ViewSummary};
+use perceptual_memory::{DocumentSummary, Error, PerceptualMemory, Stats, Target, ViewSummary};
 
 /// Maximum number of views on a page.
 const PAGE_VIEWS: usize = 500;

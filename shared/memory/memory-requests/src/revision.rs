@@ -4,7 +4,7 @@ use crate::translate;
 use message::control::{
     DocumentKind as WireKind, DocumentName, Refusal, RefusalKind, RevisionChange,
 };
-use store::{DocumentKey, DocumentKind, MemoryDocument, StoreChange, Target};
+use perceptual_memory::{DocumentKey, DocumentKind, MemoryDocument, StoreChange, Target};
 
 /// Store change of a revision, and its subject for the answer.
 pub(crate) fn change(change: RevisionChange) -> Result<(StoreChange, String), Refusal> {

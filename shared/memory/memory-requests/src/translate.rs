@@ -8,7 +8,7 @@ use message::control::{
 };
 use message::{DescriptorBytes, WirePose};
 use nalgebra::Vector3;
-use store::{
+use perceptual_memory::{
     CapturedView, Changes, Error, LabelledView, NameChange, StoreChange, StoredDescriptor,
 };
 
@@ -91,7 +91,7 @@ pub(crate) fn view_id(id: ViewId) -> WireViewId {
 }
 
 /// Wire page of labelled views.
-pub(crate) fn snapshot(page: store::SnapshotPage) -> SnapshotPage {
+pub(crate) fn snapshot(page: perceptual_memory::SnapshotPage) -> SnapshotPage {
     SnapshotPage {
         store_id: page.position.store_id.0,
         sequence: page.position.sequence,
@@ -136,7 +136,7 @@ pub(crate) fn changes(since: u64, changes: Changes, max_bytes: usize) -> Changes
 }
 
 /// Wire statistics of a category.
-pub(crate) fn category_report(summary: &store::CategorySummary) -> CategoryReport {
+pub(crate) fn category_report(summary: &perceptual_memory::CategorySummary) -> CategoryReport {
     CategoryReport {
         category: summary.name.as_str().to_owned(),
         n_views: summary.n_views,
@@ -147,7 +147,7 @@ pub(crate) fn category_report(summary: &store::CategorySummary) -> CategoryRepor
 
 /// Wire refusal for a refusal or failure of the store.
 pub(crate) fn refusal(error: &Error) -> Refusal {
-    use store::StoreRefusal;
+    use perceptual_memory::StoreRefusal;
     let kind = match error {
         Error::Refused(
             StoreRefusal::Teaching(TeachingRefusal::LabelConflict { .. })

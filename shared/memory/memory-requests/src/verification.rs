@@ -2,8 +2,8 @@
 
 use crate::job_context::{JobContext, Progress};
 use message::control::{JobOutcome, VerificationReport};
+use perceptual_memory::{Error, Verification};
 use std::sync::mpsc::sync_channel;
-use store::{Error, Verification};
 
 /// Number of views between two progress updates.
 const EVERY: u64 = 64;

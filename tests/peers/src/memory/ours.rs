@@ -1,4 +1,4 @@
-//! `shared/memory/store`; the only file here that knows its interface.
+//! `shared/memory/perceptual-memory`; the only file here that knows its interface.
 
 use std::ops::Range;
 use std::path::Path;
@@ -9,7 +9,7 @@ use std::time::Instant;
 use geometry::OrientedBox;
 use learning::{CategoryName, ViewId};
 use nalgebra::{Isometry3, Vector3};
-use store::{
+use perceptual_memory::{
     StoreChange, StoredDescriptor, Mutation, MutationId, PerceptualMemory, StoreConfig, StoreHandle,
     StoreThread, CapturedView,
 };
@@ -92,8 +92,8 @@ fn start(folder: &Path) -> (StoreThread, StoreHandle) {
     let config = StoreConfig {
         folder: folder.to_owned(),
         queue_capacity: 1024,
-        limits: store::RetentionLimits::default(),
-        write_buffer_bytes: store::WRITE_BUFFER_BYTES,
+        limits: perceptual_memory::RetentionLimits::default(),
+        write_buffer_bytes: perceptual_memory::WRITE_BUFFER_BYTES,
         wall_clock: || 1,
         on_reopened: Box::new(|_| panic!("the store had to be opened again")),
     };
@@ -195,7 +195,7 @@ fn while_busy(
 pub fn fill(folder: &Path, n_views: usize, cloud_bytes: usize) {
     let (thread, handle) = start(folder);
     let n_tracks = n_views / LOADED_VIEWS_PER_TRACK as usize;
-    let is_done = |answer: Result<_, store::Error>| assert!(answer.is_ok());
+    let is_done = |answer: Result<_, perceptual_memory::Error>| assert!(answer.is_ok());
     let mut next_id = 0..;
     let mut change = |change| {
         let index = next_id.next().expect("a number");

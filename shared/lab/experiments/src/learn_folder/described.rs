@@ -7,12 +7,12 @@ use geometry::{OrientedBox, RigidTransform};
 use learning::ViewId;
 use message::control::pack_cloud;
 use nalgebra::{UnitVector3, Vector3};
-use pipeline::DESCRIPTOR_KIND;
-use point_cloud::{Point, Rgba};
-use store::{
+use perceptual_memory::{
     CapturedView, DecisionStamp, Digest, ForeignView, LabelStatus, MAX_NAME_BYTES, Origin,
     StoredDescriptor,
 };
+use pipeline::DESCRIPTOR_KIND;
+use point_cloud::{Point, Rgba};
 
 /// Keeps digests of where a view comes from apart from all others.
 const ORIGIN_PURPOSE: &str = "tabula files";

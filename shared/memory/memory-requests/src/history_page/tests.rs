@@ -1,7 +1,7 @@
 use super::*;
 use learning::CategoryName;
+use perceptual_memory::{Mutation, StoreChange};
 use std::convert::Infallible;
-use store::{Mutation, StoreChange};
 
 fn name(text: &str) -> CategoryName {
     CategoryName::new(text).unwrap()
@@ -10,7 +10,7 @@ fn name(text: &str) -> CategoryName {
 fn empty(sequence: u64, operation: &Operation) -> HistoryReport {
     report(&HistoryEntry {
         sequence,
-        previous: store::Digest::default(),
+        previous: perceptual_memory::Digest::default(),
         wall_ns: 5,
         author: "anna".into(),
         operation: operation.clone(),
@@ -72,7 +72,7 @@ fn memory_with_history(folder: &std::path::Path, n: u64, author: &str) -> Percep
     let (mut memory, _) = PerceptualMemory::open(folder, 1).unwrap();
     for i in 0..n {
         let mutation = Mutation {
-            id: store::MutationId(u128::from(i)),
+            id: perceptual_memory::MutationId(u128::from(i)),
             author: author.to_owned(),
             wall_ns: i,
             change: StoreChange::Purge { before_ns: 0 },
@@ -123,7 +123,7 @@ fn history_page_fits_a_message_whatever_the_names() {
     let folder = tempfile::tempdir_in("/dev/shm")
         .or_else(|_| tempfile::tempdir())
         .unwrap();
-    let author = "x".repeat(store::MAX_NAME_BYTES);
+    let author = "x".repeat(perceptual_memory::MAX_NAME_BYTES);
     let mut memory = memory_with_history(folder.path(), 1200, &author);
     for from in [Some(1), None] {
         let entries = page(&mut memory, from, 1000).unwrap();

@@ -1,0 +1,204 @@
+//! Health monitor of the environment: failed writes and detected corruption, shared with the
+//! engine.
+//!
+//! rusty-leveldb ignores some fatal errors: a compaction that cannot write its output, or cannot
+//! read its input, deletes the input all the same. The monitor therefore keeps the first failed
+//! write and all detected corruption, and then refuses every further change to the folder.
+
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use parking_lot::Mutex;
+
+use crate::error::StorageFailure;
+
+/// Maximum number of corruptions kept as sentences; further ones are only counted.
+const MAX_DAMAGE_SENTENCES: usize = 32;
+
+/// Health monitor; thread-safe.
+#[derive(Default)]
+pub(crate) struct EnvHealth {
+    state: Mutex<HealthState>,
+}
+
+#[derive(Default)]
+struct HealthState {
+    failure: Option<StorageFailure>,
+    damages: Vec<String>,
+    n_damages: u64,
+    /// Deletions deferred during the examination; `None` afterwards.
+    deferred_deletions: Option<Vec<PathBuf>>,
+    observer: Option<Observer>,
+}
+
+/// Hook that is called before every file operation and can make it fail: for crash tests that
+/// record or refuse operations.
+pub type Observer = Box<dyn FnMut(&FileOperation<'_>) -> io::Result<()> + Send>;
+
+/// Change of a file or folder of the database, as seen by an [`Observer`].
+#[derive(Debug)]
+pub enum FileOperation<'a> {
+    /// Creation of a file.
+    Create(&'a Path),
+    /// Bytes appended to a file.
+    Write(&'a Path, &'a [u8]),
+    /// `fdatasync` of a file.
+    Sync(&'a Path),
+    /// Renaming of the first path to the second.
+    Rename(&'a Path, &'a Path),
+    /// Deletion of a file.
+    Delete(&'a Path),
+    /// `fsync` of a folder.
+    SyncFolder(&'a Path),
+}
+
+impl EnvHealth {
+    /// Monitor in examination mode, which defers deletions until [`Self::take_deferred_deletions`].
+    pub(crate) fn examining() -> Self {
+        let state = HealthState {
+            deferred_deletions: Some(Vec::new()),
+            ..HealthState::default()
+        };
+        Self {
+            state: Mutex::new(state),
+        }
+    }
+
+    /// Performs an operation, unless an earlier one failed or, outside of the examination,
+    /// corruption was found. Records a failure.
+    pub(crate) fn perform<T>(
+        &self,
+        doing: &'static str,
+        path: &Path,
+        change: &FileOperation<'_>,
+        make: impl FnOnce() -> io::Result<T>,
+    ) -> io::Result<T> {
+        self.refuse_if_frozen()?;
+        let made = self.observe(change).and_then(|()| make());
+        if let Err(error) = &made {
+            self.note_failure(doing, path, error);
+        }
+        made
+    }
+
+    fn refuse_if_frozen(&self) -> io::Result<()> {
+        let state = self.state.lock();
+        if let Some(failure) = &state.failure {
+            return Err(io::Error::new(
+                failure.source.kind(),
+                "an earlier write failed",
+            ));
+        }
+        if state.n_damages > 0 && state.deferred_deletions.is_none() {
+            return Err(io::Error::other("damage was found, so nothing may change"));
+        }
+        Ok(())
+    }
+
+    /// Records a read error: as corruption if the bytes are lost, as a failure if only a resource
+    /// is missing.
+    pub(crate) fn note_read_error(&self, path: &Path, error: &io::Error) {
+        /// Linux error codes for bytes that the medium or the file system has lost.
+        const EIO: i32 = 5;
+        const EBADMSG: i32 = 74;
+        const EUCLEAN: i32 = 117;
+        let is_lost = matches!(
+            error.kind(),
+            io::ErrorKind::NotFound
+                | io::ErrorKind::UnexpectedEof
+                | io::ErrorKind::InvalidData
+                // A file name that does not exist, read from a damaged file.
+                | io::ErrorKind::InvalidInput
+                | io::ErrorKind::InvalidFilename
+                | io::ErrorKind::IsADirectory
+                | io::ErrorKind::NotADirectory
+        ) || matches!(error.raw_os_error(), Some(EIO | EBADMSG | EUCLEAN));
+        if is_lost {
+            self.note_damage(format!("{}: {error}", path.display()));
+        } else {
+            self.note_failure("reading", path, error);
+        }
+    }
+
+    fn note_failure(&self, doing: &'static str, path: &Path, error: &io::Error) {
+        let copy = io::Error::new(error.kind(), error.to_string());
+        let failure = StorageFailure {
+            doing,
+            path: path.to_owned(),
+            source: Arc::new(copy),
+        };
+        self.state.lock().failure.get_or_insert(failure);
+    }
+
+    /// Records a corruption.
+    pub(crate) fn note_damage(&self, what: String) {
+        let mut state = self.state.lock();
+        state.n_damages += 1;
+        if state.damages.len() < MAX_DAMAGE_SENTENCES {
+            state.damages.push(what);
+        }
+    }
+
+    /// Defers a deletion and returns `true` during the examination.
+    pub(crate) fn defers_deletion(&self, path: &Path) -> bool {
+        match &mut self.state.lock().deferred_deletions {
+            Some(held) => {
+                held.push(path.to_owned());
+                true
+            }
+            None => false,
+        }
+    }
+
+    /// Cancels the deferred deletion of a file that is created again. Numbers of tables orphaned by
+    /// a crash are reused.
+    pub(crate) fn cancel_deferred_deletion(&self, path: &Path) {
+        if let Some(held) = &mut self.state.lock().deferred_deletions {
+            held.retain(|deleted| deleted != path);
+        }
+    }
+
+    /// `true` during the examination: corruption does not stop reading, and deletions are deferred.
+    pub(crate) fn is_examining(&self) -> bool {
+        self.state.lock().deferred_deletions.is_some()
+    }
+
+    /// Ends the examination; the caller performs the deferred deletions.
+    pub(crate) fn take_deferred_deletions(&self) -> Vec<PathBuf> {
+        self.state
+            .lock()
+            .deferred_deletions
+            .take()
+            .unwrap_or_default()
+    }
+
+    /// First failed operation.
+    pub(crate) fn failure(&self) -> Option<StorageFailure> {
+        self.state.lock().failure.clone()
+    }
+
+    /// Number of corruptions, and the first ones as sentences.
+    pub(crate) fn damages(&self) -> (u64, Vec<String>) {
+        let state = self.state.lock();
+        (state.n_damages, state.damages.clone())
+    }
+
+    /// Number of corruptions.
+    pub(crate) fn n_damages(&self) -> u64 {
+        self.state.lock().n_damages
+    }
+
+    fn observe(&self, change: &FileOperation<'_>) -> io::Result<()> {
+        self.state
+            .lock()
+            .observer
+            .as_mut()
+            .map_or(Ok(()), |observer| observer(change))
+    }
+
+    /// Installs a hook for all further operations.
+    pub(crate) fn set_observer(&self, observer: Observer) {
+        self.state.lock().observer = Some(observer);
+    }
+}

@@ -1,0 +1,368 @@
+//! Checkpoints: consistent copies of the database, on which exports and verifications run in their
+//! own thread.
+//!
+//! Table files are immutable and shared by hard links; log and manifest are copied.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use durable_leveldb::{Database, StoreFolder, WRITE_BUFFER_BYTES};
+use learning::ViewId;
+
+use crate::consistency_check::{ConsistencyReport, check_consistency, schema};
+use crate::digest::Digest;
+use crate::document::{DocumentContent, DocumentKey, MemoryDocument};
+use crate::error::{Error, StorageError, in_words};
+use crate::exchange::{ForeignDocument, ForeignView};
+use crate::findings::Findings;
+use crate::keys;
+use crate::label_status::LabelStatus;
+use crate::meta::{SCHEMA, StoreId};
+use crate::perceptual_memory::PerceptualMemory;
+use crate::queries::Position;
+use crate::record_reader::{read_content, read_parts};
+use crate::store_index::{IndexedView, StoreIndex};
+use crate::watermark::{self, Watermark, WatermarkRecord};
+
+/// Copy of the database files; dropping it removes them.
+#[derive(Debug)]
+pub struct Checkpoint {
+    folder: PathBuf,
+    /// History position of the copy.
+    pub position: Position,
+}
+
+impl Drop for Checkpoint {
+    fn drop(&mut self) {
+        // Files that remain are removed at the next opening of the store.
+        let _ = fs::remove_dir_all(&self.folder);
+    }
+}
+
+impl PerceptualMemory {
+    /// Makes a checkpoint of the durable state; takes milliseconds.
+    ///
+    /// # Errors
+    ///
+    /// [`StorageError::Io`] when the disk has no room for a copy of the log.
+    pub fn checkpoint(&self) -> Result<Checkpoint, Error> {
+        self.usable()?;
+        make(&self.folder, self.position())
+    }
+}
+
+fn make(folder: &StoreFolder, position: Position) -> Result<Checkpoint, Error> {
+    let path = folder.new_checkpoint();
+    fs::create_dir(&path).map_err(StorageError::io("creating", &path))?;
+    // From here on, an error removes the folder again.
+    let checkpoint = Checkpoint {
+        folder: path,
+        position,
+    };
+    let database = folder.database();
+    let entries = fs::read_dir(&database).map_err(StorageError::io("listing", &database))?;
+    for entry in entries.flatten() {
+        let to = checkpoint.folder.join(entry.file_name());
+        copy(&entry.path(), &to).map_err(StorageError::io("copying", entry.path()))?;
+    }
+    Ok(checkpoint)
+}
+
+fn copy(from: &Path, to: &Path) -> std::io::Result<()> {
+    let is_table = from
+        .extension()
+        .is_some_and(|extension| extension == "ldb" || extension == "sst");
+    if is_table && fs::hard_link(from, to).is_ok() {
+        return Ok(());
+    }
+    fs::copy(from, to).map(|_| ())
+}
+
+/// Checkpoint opened for reading.
+pub struct CheckpointReader {
+    engine: Database,
+    index: StoreIndex,
+    findings: Findings,
+    /// Checkpoint files; the last field, so that the database is closed before they are removed.
+    checkpoint: Checkpoint,
+}
+
+/// Result of a full verification.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Verification {
+    /// History position of the verified state.
+    pub position: Position,
+    /// Number of views read completely.
+    pub n_views: u64,
+    /// Number of document versions read completely.
+    pub n_documents: u64,
+    /// Number of entries in the verified hash chain.
+    pub n_history: u64,
+    /// Bytes of descriptors, point clouds and documents whose digests match.
+    pub n_content_bytes: u64,
+    /// Number of findings.
+    pub n_findings: u64,
+    /// First findings, as sentences.
+    pub findings: Vec<String>,
+}
+
+/// Verifies all content of a store that no process has open; read-only. `progress` gets the number
+/// of views read and the total.
+///
+/// # Errors
+///
+/// [`StorageError::InUse`], [`StorageError::NewerSchema`], [`StorageError::Io`]; damage is a
+/// finding.
+pub fn verify_folder(
+    folder: &Path,
+    mut progress: impl FnMut(u64, u64),
+) -> Result<Verification, Error> {
+    let folder = StoreFolder::hold_existing(folder)?;
+    let (_, mark) = Watermark::open(&watermark::path(&folder))
+        .map_err(StorageError::io("opening", watermark::path(&folder)))?;
+    let nowhere = Position {
+        store_id: StoreId(0),
+        sequence: 0,
+    };
+    let checkpoint = make(&folder, nowhere)?;
+    let mut reader = match checkpoint.open_marked(mark.ok().flatten().as_ref()) {
+        Ok(reader) => reader,
+        Err(Error::Storage(StorageError::Damaged { what })) => {
+            return Ok(Verification {
+                n_findings: 1,
+                findings: vec![what],
+                ..Verification::of(nowhere)
+            });
+        }
+        Err(error) => return Err(error),
+    };
+    if folder.database_is_headless()? {
+        reader
+            .findings
+            .add(|| "its file CURRENT is missing".to_owned());
+    }
+    let n_views = reader.n_views() as u64;
+    reader.verify(|done| progress(done, n_views))
+}
+
+impl Checkpoint {
+    /// Opens the checkpoint; loads and checks its index.
+    ///
+    /// # Errors
+    ///
+    /// [`StorageError::Damaged`] when it cannot be read at all, [`StorageError::Io`].
+    pub fn open(self) -> Result<CheckpointReader, Error> {
+        self.open_marked(None)
+    }
+
+    /// Opens the checkpoint and compares it with the watermark.
+    fn open_marked(mut self, mark: Option<&WatermarkRecord>) -> Result<CheckpointReader, Error> {
+        let mut engine = Database::open(&self.folder, WRITE_BUFFER_BYTES)?;
+        if let Some(schema) = schema(&mut engine)?.filter(|schema| *schema < SCHEMA) {
+            return Err(Error::Storage(StorageError::Damaged {
+                what: format!(
+                    "it has schema {schema}, not {SCHEMA}; it is brought over when the daemon \
+                     opens it"
+                ),
+            }));
+        }
+        let ConsistencyReport {
+            index,
+            findings,
+            meta,
+            ..
+        } = check_consistency(&mut engine, mark)?;
+        if let Some(meta) = meta {
+            self.position = Position {
+                store_id: meta.store_id(),
+                sequence: meta.sequence,
+            };
+        }
+        Ok(CheckpointReader {
+            engine,
+            index,
+            findings,
+            checkpoint: self,
+        })
+    }
+}
+
+impl Verification {
+    /// Empty verification result.
+    fn of(position: Position) -> Self {
+        Self {
+            position,
+            n_views: 0,
+            n_documents: 0,
+            n_history: 0,
+            n_content_bytes: 0,
+            n_findings: 0,
+            findings: Vec::new(),
+        }
+    }
+}
+
+impl CheckpointReader {
+    /// History position of the checkpoint.
+    pub fn position(&self) -> Position {
+        self.checkpoint.position
+    }
+
+    /// Number of views with content.
+    pub fn n_views(&self) -> usize {
+        self.index.n_all()
+    }
+
+    /// Reads all content and compares it with its digests. `progress` gets the number of views
+    /// read.
+    ///
+    /// # Errors
+    ///
+    /// [`StorageError::Io`] when the system is short of something; damage is a finding.
+    pub fn verify(mut self, mut progress: impl FnMut(u64)) -> Result<Verification, Error> {
+        let position = self.position();
+        let mut found = Verification {
+            n_history: position.sequence.saturating_sub(self.index.n_lost()),
+            ..Verification::of(position)
+        };
+        let views: Vec<ViewId> = self.index.all().map(|(view, _)| view).collect();
+        for view in views {
+            if let Some(n_bytes) = self.verify_view(view)? {
+                found.n_content_bytes += n_bytes;
+            }
+            found.n_views += 1;
+            progress(found.n_views);
+        }
+        let versions: Vec<_> = self
+            .index
+            .versions()
+            .filter_map(|(key, _, version, _)| Some((key.clone(), version.content.clone()?)))
+            .collect();
+        for (document, content) in versions {
+            self.verify_document(&document, content.digest)?;
+            found.n_content_bytes += content.n_bytes as u64;
+            found.n_documents += 1;
+        }
+        found.n_findings = self.findings.count();
+        found.findings = self.findings.into_words();
+        Ok(found)
+    }
+
+    /// Verifies one view; returns its content size in bytes if it is intact.
+    fn verify_view(&mut self, view: ViewId) -> Result<Option<u64>, Error> {
+        let mut reader = self.engine.reader()?;
+        match read_parts(&mut reader, view) {
+            Ok(parts) if parts.is_what_it_says() => {
+                let n_points = parts.points.as_ref().map_or(0, Vec::len);
+                Ok(Some((parts.descriptor.len() + n_points) as u64))
+            }
+            Ok(_) => {
+                let view = in_words(view);
+                let finding = || format!("the content of {view} is not what its digest says");
+                self.findings.add(finding);
+                Ok(None)
+            }
+            Err(Error::Storage(StorageError::Damaged { what })) => {
+                self.findings.add(|| what);
+                Ok(None)
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    fn verify_document(&mut self, document: &DocumentKey, digest: Digest) -> Result<(), Error> {
+        let mut reader = self.engine.reader()?;
+        match read_content(&mut reader, &keys::digest_key(keys::BLOB, digest)) {
+            Ok(content) if Digest::of(&content) == digest => Ok(()),
+            Ok(_) => {
+                self.findings
+                    .add(|| format!("the content of {document} is not what its digest says"));
+                Ok(())
+            }
+            Err(Error::Storage(StorageError::Damaged { what })) => {
+                self.findings.add(|| what);
+                Ok(())
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Exports everything that another memory can import, in a canonical order: views by content
+    /// digest, then documents by key. Views forgotten only because of a local retention limit are
+    /// left out.
+    ///
+    /// # Errors
+    ///
+    /// [`StorageError::Damaged`], [`StorageError::Io`], and those of `take`.
+    pub fn export<E: From<Error>>(
+        &mut self,
+        mut take_view: impl FnMut(ForeignView) -> Result<(), E>,
+        mut take_document: impl FnMut(ForeignDocument) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let is_exported = |entry: &IndexedView| {
+            let register = &entry.register;
+            register.standing != LabelStatus::Forgotten || !register.decided.is_limit_decision()
+        };
+        let exported = self.index.all().filter(|(_, entry)| is_exported(entry));
+        let mut identities: Vec<_> = exported.map(|(_, entry)| entry.identity).collect();
+        identities.extend(self.index.tombstones.keys());
+        identities.sort_unstable();
+        for identity in identities {
+            take_view(self.foreign_view(identity)?)?;
+        }
+        let mut documents: Vec<_> = self
+            .index
+            .versions()
+            .filter(|(.., replaced_ns)| replaced_ns.is_none())
+            .map(|(key, _, version, _)| (key.clone(), version.clone()))
+            .collect();
+        documents.sort_by(|a, b| a.0.cmp(&b.0));
+        for (key, version) in documents {
+            let document = match version.content {
+                None => None,
+                Some(content) => Some(self.document(&key, content)?),
+            };
+            take_document(ForeignDocument {
+                key,
+                document,
+                decided: version.decided,
+            })?;
+        }
+        Ok(())
+    }
+
+    fn foreign_view(&mut self, identity: Digest) -> Result<ForeignView, Error> {
+        let known = self.index.by_identity(identity);
+        let Some((view, entry)) = known else {
+            let decided = self.index.tombstones.get(&identity).cloned();
+            let decided = decided.unwrap_or_default();
+            return Ok(ForeignView::Forgotten { identity, decided });
+        };
+        let register = &entry.register;
+        if register.standing == LabelStatus::Forgotten {
+            let decided = register.decided.clone();
+            return Ok(ForeignView::Forgotten { identity, decided });
+        }
+        let parts = read_parts(&mut self.engine.reader()?, view)?;
+        let is_decided = register.decided.stamp_ns > 0;
+        Ok(ForeignView::Present {
+            origin: parts.metadata.origin(),
+            view: Box::new(parts.into_view(view)),
+            standing: register.standing.clone(),
+            decided: is_decided.then(|| register.decided.clone()),
+        })
+    }
+
+    fn document(
+        &mut self,
+        key: &DocumentKey,
+        content: DocumentContent,
+    ) -> Result<MemoryDocument, Error> {
+        let blob = keys::digest_key(keys::BLOB, content.digest);
+        Ok(MemoryDocument {
+            key: key.clone(),
+            media_type: content.media_type,
+            content: read_content(&mut self.engine.reader()?, &blob)?,
+        })
+    }
+}

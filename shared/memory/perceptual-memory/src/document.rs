@@ -1,0 +1,159 @@
+//! Versioned documents: object models and task knowledge.
+//!
+//! A document has a key and content. Replacing it keeps the earlier version for undo, until that is
+//! purged.
+
+use std::fmt;
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use crate::digest::Digest;
+use crate::error::StoreRefusal;
+use crate::label_status::DecisionStamp;
+use crate::view::MAX_NAME_BYTES;
+
+/// Maximum size of a document, bytes.
+pub const MAX_DOCUMENT_BYTES: usize = 16 << 20;
+
+/// Kind of a document.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[non_exhaustive]
+pub enum DocumentKind {
+    /// Fused surface of an object, keyed by the name of the object.
+    ObjectModel,
+    /// Knowledge for a task, keyed by its subject.
+    TaskKnowledge,
+}
+
+impl DocumentKind {
+    /// All kinds.
+    pub const ALL: [Self; 2] = [Self::ObjectModel, Self::TaskKnowledge];
+
+    /// Byte code in database keys.
+    pub(crate) fn code(self) -> u8 {
+        match self {
+            Self::ObjectModel => 1,
+            Self::TaskKnowledge => 2,
+        }
+    }
+
+    pub(crate) fn from_code(code: u8) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.code() == code)
+    }
+
+    /// Word in messages to users.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::ObjectModel => "object model",
+            Self::TaskKnowledge => "task knowledge",
+        }
+    }
+}
+
+/// Key of a document: kind and name.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct DocumentKey {
+    /// Kind of the document.
+    pub kind: DocumentKind,
+    /// Name, 1 to [`MAX_NAME_BYTES`].
+    pub name: Arc<str>,
+}
+
+impl fmt::Display for DocumentKey {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "the {} {:?}", self.kind.word(), self.name)
+    }
+}
+
+/// Document with its content.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MemoryDocument {
+    /// Key of the document.
+    pub key: DocumentKey,
+    /// Media type, such as `text/plain`; at most [`MAX_NAME_BYTES`].
+    pub media_type: String,
+    /// Content, at most [`MAX_DOCUMENT_BYTES`].
+    pub content: Vec<u8>,
+}
+
+impl MemoryDocument {
+    /// Content reference for the index.
+    pub(crate) fn summary(&self) -> DocumentContent {
+        DocumentContent {
+            digest: Digest::of(&self.content),
+            n_bytes: self.content.len() as u32,
+            media_type: self.media_type.clone(),
+        }
+    }
+
+    /// Validates key, media type and size.
+    pub(crate) fn check(&self) -> Result<(), StoreRefusal> {
+        self.key.check()?;
+        let refused = |reason| {
+            Err(StoreRefusal::InvalidDocument {
+                document: self.key.clone(),
+                reason,
+            })
+        };
+        if self.media_type.len() > MAX_NAME_BYTES {
+            return refused("its media type is too long");
+        }
+        if self.content.len() > MAX_DOCUMENT_BYTES {
+            return refused("its content is too large");
+        }
+        Ok(())
+    }
+}
+
+impl DocumentKey {
+    /// Validates the name.
+    pub(crate) fn check(&self) -> Result<(), StoreRefusal> {
+        let n_bytes = self.name.len();
+        let reason = if n_bytes == 0 {
+            "its name is empty"
+        } else if n_bytes > MAX_NAME_BYTES {
+            "its name is too long"
+        } else if self.name.chars().any(char::is_control) {
+            "its name has a control character"
+        } else {
+            return Ok(());
+        };
+        Err(StoreRefusal::InvalidDocument {
+            document: self.clone(),
+            reason,
+        })
+    }
+}
+
+/// Content reference of a version.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct DocumentContent {
+    /// Content digest.
+    pub digest: Digest,
+    /// Content size, bytes.
+    pub n_bytes: u32,
+    /// Media type.
+    pub media_type: String,
+}
+
+/// Stored version of a document; the key of its record contains the sequence number.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct DocumentVersion {
+    /// Content reference; `None` for a removal.
+    pub(crate) content: Option<DocumentContent>,
+    pub(crate) decided: DecisionStamp,
+}
+
+/// Present document without its content.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct DocumentSummary {
+    /// Key of the document.
+    pub key: DocumentKey,
+    /// Content reference of the present version.
+    pub content: DocumentContent,
+    /// Author and time of the last change.
+    pub decided: DecisionStamp,
+    /// Sequence number of the history entry of the last change.
+    pub sequence: u64,
+}

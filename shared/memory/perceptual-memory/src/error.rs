@@ -1,0 +1,221 @@
+//! Errors of the perceptual memory, as sentences that say what to do next.
+
+use std::sync::Arc;
+
+use learning::{CategoryName, ViewId};
+
+use crate::document::DocumentKey;
+use crate::keys;
+
+pub use durable_leveldb::Error as StorageError;
+
+/// Error of a store operation. It is cloned when one failed commit answers many callers.
+#[derive(Debug, Clone, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// Request that cannot be granted; the store is intact and nothing changed.
+    #[error("{0}")]
+    Refused(#[from] StoreRefusal),
+    /// Error of the database and its folder.
+    #[error(transparent)]
+    Storage(#[from] StorageError),
+    /// Store made unusable by an earlier failed write, until it is opened again.
+    #[error(
+        "the store takes no more requests since an earlier one failed ({source}); send it again \
+         after the store was opened again"
+    )]
+    Failed {
+        /// Error of the earlier write.
+        source: Arc<Error>,
+    },
+    /// Full request queue.
+    #[error("{capacity} requests are waiting for the store already; send this one again later")]
+    QueueFull {
+        /// Capacity of the queue, requests.
+        capacity: usize,
+    },
+    /// Store thread that has ended.
+    #[error("the store has stopped; start it and send this again")]
+    Stopped,
+}
+
+/// Reason for refusing a request.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StoreRefusal {
+    /// Violated rule of teaching.
+    #[error("{0}")]
+    Teaching(#[from] learning::TeachingError),
+    /// View id that is stored already with different content.
+    #[error(
+        "{} is stored already, with another content; give a new view a new id",
+        in_words(*view)
+    )]
+    ViewDiffers {
+        /// Id of the view.
+        view: ViewId,
+    },
+    /// View with invalid values.
+    #[error("{} cannot be stored because {reason}; send it again corrected", in_words(*view))]
+    InvalidView {
+        /// Id of the view.
+        view: ViewId,
+        /// Violated constraint.
+        reason: &'static str,
+    },
+    /// Batch with no views or too many.
+    #[error("{n_views} views were sent to be stored at once; send between 1 and {most}")]
+    BatchSize {
+        /// Number of views in the batch.
+        n_views: usize,
+        /// Maximum number of views in a batch.
+        most: usize,
+    },
+    /// Batch with too many bytes.
+    #[error("views of {n_bytes} bytes were sent to be stored at once; send at most {most}")]
+    BatchBytes {
+        /// Bytes of descriptors, point clouds and documents in the batch.
+        n_bytes: usize,
+        /// Maximum number of bytes in a batch.
+        most: usize,
+    },
+    /// View that is not stored, or was forgotten.
+    #[error(
+        "{} is not stored; list the views of the track to see which there are",
+        in_words(*view)
+    )]
+    UnknownView {
+        /// Id of the view.
+        view: ViewId,
+    },
+    /// New category name that is in use already.
+    #[error(
+        "{from} cannot be renamed to {to}, since there is a category of that name; merge the two \
+         if they mean the same"
+    )]
+    NameTaken {
+        /// Category to rename.
+        from: CategoryName,
+        /// New name.
+        to: CategoryName,
+    },
+    /// Document with invalid values.
+    #[error("{document} cannot be stored because {reason}; send it again corrected")]
+    InvalidDocument {
+        /// Key of the document.
+        document: DocumentKey,
+        /// Violated constraint.
+        reason: &'static str,
+    },
+    /// Document that is not stored.
+    #[error("{document} is not stored; list the documents to see which there are")]
+    UnknownDocument {
+        /// Key of the document.
+        document: DocumentKey,
+    },
+    /// History entry that does not exist.
+    #[error("the history has no entry {sequence}; read the history to see which there are")]
+    UnknownEntry {
+        /// Sequence number of the entry.
+        sequence: u64,
+    },
+    /// Undo of an entry without effects, or by an author without a teaching entry.
+    #[error("there is nothing to undo; name an entry of the history that changed something")]
+    NothingToUndo,
+    /// Undo of an entry whose view was changed later.
+    #[error(
+        "entry {sequence} cannot be undone, since entry {by} changed {} after it; undo that one \
+         first",
+        in_words(*view)
+    )]
+    ViewChangedSince {
+        /// Sequence number of the entry to undo.
+        sequence: u64,
+        /// Id of the view.
+        view: ViewId,
+        /// Sequence number of the later entry.
+        by: u64,
+    },
+    /// Undo of an entry whose document was changed later.
+    #[error(
+        "entry {sequence} cannot be undone, since {document} was changed after it; undo that \
+         change first"
+    )]
+    DocumentChangedSince {
+        /// Sequence number of the entry to undo.
+        sequence: u64,
+        /// Key of the document.
+        document: DocumentKey,
+    },
+    /// Undo of an entry whose content was purged.
+    #[error(
+        "entry {sequence} cannot be undone, since what it changed was removed for good; teach it \
+         again"
+    )]
+    GoneForGood {
+        /// Sequence number of the entry to undo.
+        sequence: u64,
+    },
+    /// Imported time stamp too far ahead of the local clock.
+    #[error(
+        "the other memory was taught {ahead_h} h from now by the clock of this robot; set the \
+         clock that is wrong, and import it again"
+    )]
+    DecidedInTheFuture {
+        /// Lead of the time stamp, hours.
+        ahead_h: u64,
+    },
+    /// Target folder that holds a store already.
+    #[error("the folder holds a store already; name an empty one")]
+    NotEmpty,
+    /// Exhausted track-id counter.
+    #[error(
+        "there are no numbers left for new tracks; export this memory and import it into a new one"
+    )]
+    TrackIdsExhausted,
+    /// Author or source name above the length limit.
+    #[error("the name of an author or a source has {n_bytes} bytes; use at most {most}")]
+    AuthorTooLong {
+        /// Length of the name, bytes.
+        n_bytes: usize,
+        /// Maximum length, bytes.
+        most: usize,
+    },
+    /// View under a track-id that was never leased.
+    #[error(
+        "{} cannot be stored, since that track-id was never leased; lease track-ids first, and \
+         store views under them",
+        in_words(*view)
+    )]
+    TrackNotLeased {
+        /// Id of the view.
+        view: ViewId,
+    },
+    /// Lease of no track-ids, or of too many.
+    #[error("{count} track-ids were asked for at once; ask for 1 to {most}")]
+    LeaseSize {
+        /// Number of track-ids in the request.
+        count: u64,
+        /// Maximum number of track-ids in a lease.
+        most: u64,
+    },
+}
+
+impl From<learning::TeachingError> for Error {
+    fn from(refusal: learning::TeachingError) -> Self {
+        Self::Refused(StoreRefusal::Teaching(refusal))
+    }
+}
+
+impl Error {
+    /// [`StorageError::Damaged`] about the record under `key`.
+    pub(crate) fn record(key: &[u8], wrong: &str) -> Self {
+        let what = format!("{}: {wrong}", keys::in_words(key));
+        Self::Storage(StorageError::Damaged { what })
+    }
+}
+
+/// Phrase for a view in sentences: "view 3 of track 7".
+pub(crate) fn in_words(view: ViewId) -> String {
+    format!("view {} of track {}", view.view_id, view.track_id)
+}

@@ -1,0 +1,123 @@
+//! Maintenance: stepwise compaction, and statistics of the store.
+
+use std::fs;
+
+use crate::error::{Error, StorageError};
+use crate::keys;
+use crate::meta::{SCHEMA, StoreId};
+use crate::perceptual_memory::PerceptualMemory;
+use crate::purge;
+
+/// Number of compaction steps per content table. Each step covers a part of the keys, so that no
+/// request waits long.
+const CONTENT_STEPS: usize = 64;
+const CONTENT_TABLES: [u8; 2] = [keys::BLOB, keys::DESCRIPTOR];
+const OTHER_TABLES: [u8; 6] = [
+    keys::HISTORY,
+    keys::REGISTER,
+    keys::META,
+    keys::DOCUMENT,
+    keys::TOMBSTONE,
+    keys::VIEW,
+];
+
+/// Statistics of a store.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Stats {
+    /// Id of the store.
+    pub store_id: StoreId,
+    /// Id of the memory.
+    pub memory_id: u128,
+    /// Schema version of the database.
+    pub schema: u32,
+    /// Sequence number of the last history entry.
+    pub sequence: u64,
+    /// Number of history entries lost with a damaged store.
+    pub n_lost_entries: u64,
+    /// Number of labelled views.
+    pub n_named: u64,
+    /// Number of unlabelled views.
+    pub n_unnamed: u64,
+    /// Number of forgotten views that are not purged yet.
+    pub n_forgotten: u64,
+    /// Number of categories.
+    pub n_categories: u64,
+    /// Number of documents.
+    pub n_documents: u64,
+    /// Number of tombstones of purged views.
+    pub n_tombstones: u64,
+    /// Total size of descriptors and point clouds, bytes, counted once per view.
+    pub n_content_bytes: u64,
+    /// Size of the database files, bytes.
+    pub n_disk_bytes: u64,
+    /// First track-id that was never leased.
+    pub next_track_id: u64,
+}
+
+impl PerceptualMemory {
+    /// Number of steps of a full compaction; see [`Self::compact_step`].
+    pub const N_COMPACT_STEPS: usize = CONTENT_TABLES.len() * CONTENT_STEPS + OTHER_TABLES.len();
+
+    /// Compacts the tables of a part of the keys, which frees the space of deleted records. An
+    /// incomplete compaction loses nothing.
+    ///
+    /// # Errors
+    ///
+    /// [`StorageError::Damaged`], [`StorageError::Io`] or [`Error::Failed`].
+    pub fn compact_step(&mut self, step: usize) -> Result<(), Error> {
+        self.usable()?;
+        let (from, to) = range_of(step);
+        let compacted = self.engine.compact(&from, &to);
+        compacted.map_err(|error| self.fail(error.into()))
+    }
+
+    /// `true` if anything was forgotten or replaced before a time and is not purged yet.
+    pub fn has_purgeable(&self, before_ns: u64) -> bool {
+        !purge::decide(&self.index, before_ns).effects.is_empty()
+    }
+
+    /// Statistics of the store.
+    ///
+    /// # Errors
+    ///
+    /// [`StorageError::Io`] when the folder cannot be listed.
+    pub fn stats(&self) -> Result<Stats, Error> {
+        let index = &self.index;
+        let database = self.folder.database();
+        let files = fs::read_dir(&database).map_err(StorageError::io("listing", &database))?;
+        let sizes = files.flatten().filter_map(|file| file.metadata().ok());
+        Ok(Stats {
+            store_id: self.store_id(),
+            memory_id: self.memory_id(),
+            schema: SCHEMA,
+            sequence: self.sequence(),
+            n_lost_entries: index.n_lost(),
+            n_named: index.n_named() as u64,
+            n_unnamed: index.n_unnamed() as u64,
+            n_forgotten: index.n_forgotten() as u64,
+            n_categories: index.n_categories() as u64,
+            n_documents: index.documents().count() as u64,
+            n_tombstones: index.tombstones.len() as u64,
+            n_content_bytes: index.all().map(|(_, entry)| entry.n_bytes()).sum(),
+            n_disk_bytes: sizes.map(|size| size.len()).sum(),
+            next_track_id: self.meta.next_track_id,
+        })
+    }
+}
+
+/// First and last key of a compaction step.
+fn range_of(step: usize) -> (Vec<u8>, Vec<u8>) {
+    let n_content = CONTENT_TABLES.len() * CONTENT_STEPS;
+    if step < n_content {
+        let table = CONTENT_TABLES[step / CONTENT_STEPS];
+        let width = 256 / CONTENT_STEPS;
+        let first = step % CONTENT_STEPS * width;
+        let (first, last) = (first as u8, (first + width - 1) as u8);
+        return (
+            vec![table, first],
+            vec![table, last, 0xff, 0xff, 0xff, 0xff],
+        );
+    }
+    let table = OTHER_TABLES[(step - n_content) % OTHER_TABLES.len()];
+    (vec![table], vec![table, 0xff, 0xff, 0xff, 0xff])
+}

@@ -1,0 +1,285 @@
+//! Plain data types of the perceptual memory: targets, operations, effects,
+//! answers, losses, limits.
+
+use std::fmt;
+
+use learning::{CategoryName, ViewId};
+use serde::{Deserialize, Serialize};
+
+use crate::digest::Digest;
+use crate::document::{DocumentContent, DocumentKey};
+use crate::label_status::{DecisionStamp, LabelStatus};
+
+/// Set of views that a label change applies to.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Target {
+    /// One view.
+    CapturedView(ViewId),
+    /// All views of a track.
+    Track(u64),
+    /// All views of a category.
+    Category(CategoryName),
+}
+
+impl fmt::Display for Target {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::CapturedView(view) => write!(f, "{}", crate::error::in_words(*view)),
+            Self::Track(track_id) => write!(f, "track {track_id}"),
+            Self::Category(name) => write!(f, "the category {name}"),
+        }
+    }
+}
+
+/// Requested operation of a history entry.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Operation {
+    /// Storing of views.
+    StoreViews,
+    /// Labelling of a track.
+    Teach {
+        /// Track.
+        track_id: u64,
+        /// Category label.
+        category: CategoryName,
+    },
+    /// Relabelling of a track or view.
+    Correct {
+        /// Relabelled views.
+        target: Target,
+        /// Category label.
+        category: CategoryName,
+    },
+    /// Removal of a label, or forgetting of views.
+    Forget {
+        /// Forgotten category, track or view.
+        target: Target,
+    },
+    /// Renaming of a category.
+    Rename {
+        /// Old name.
+        from: CategoryName,
+        /// New name.
+        to: CategoryName,
+    },
+    /// Merge of two categories.
+    MergeCategories {
+        /// Dissolved category.
+        from: CategoryName,
+        /// Category that received the views.
+        into: CategoryName,
+    },
+    /// Undo of an earlier entry.
+    Undo {
+        /// Sequence number of the undone entry.
+        sequence: u64,
+    },
+    /// Import of a part of another memory.
+    Import {
+        /// Name of the source, as the requester gave it.
+        source: String,
+    },
+    /// Storing of a document.
+    PutDocument {
+        /// Key of the document.
+        document: DocumentKey,
+    },
+    /// Removal of a document.
+    RemoveDocument {
+        /// Key of the document.
+        document: DocumentKey,
+    },
+    /// Permanent deletion of forgotten or replaced content.
+    Purge,
+    /// Enforcement of a retention limit: views of a category were forgotten, or unlabelled views
+    /// were deleted.
+    #[serde(rename = "economise")]
+    EnforceLimit {
+        /// Category; `None` for unlabelled views.
+        category: Option<CategoryName>,
+    },
+    /// Rebuild of a damaged store from its intact records.
+    Rebuild {
+        /// Losses of the rebuild.
+        loss: DataLoss,
+        /// First and last sequence numbers of each range of lost entries.
+        lost: Vec<(u64, u64)>,
+    },
+    /// Migration from an older schema.
+    Migrate {
+        /// Schema version before the migration.
+        schema: u32,
+    },
+}
+
+/// Single effect of a history entry.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Effect {
+    /// Insertion of a view, without a label.
+    #[serde(rename = "s")]
+    Stored {
+        /// Id of the view in this store.
+        #[serde(rename = "v")]
+        view: ViewId,
+        /// Content digest of the view.
+        #[serde(rename = "i")]
+        identity: Digest,
+    },
+    /// Change of the label status of a view.
+    #[serde(rename = "c")]
+    Changed {
+        /// Id of the view.
+        #[serde(rename = "v")]
+        view: ViewId,
+        /// Label status before.
+        #[serde(rename = "b")]
+        before: LabelStatus,
+        /// Label status after.
+        #[serde(rename = "a")]
+        after: LabelStatus,
+        /// Author and time of the decision, if they differ from those of the entry.
+        #[serde(rename = "d", default, skip_serializing_if = "Option::is_none")]
+        decided: Option<DecisionStamp>,
+    },
+    /// Permanent deletion of a view.
+    #[serde(rename = "p")]
+    Purged {
+        /// Id of the view.
+        #[serde(rename = "v")]
+        view: ViewId,
+    },
+    /// Tombstone of a forgotten view that is not stored: set or cleared.
+    #[serde(rename = "t")]
+    Tombstone {
+        /// Content digest of the view.
+        #[serde(rename = "i")]
+        identity: Digest,
+        /// Author and time of the forgetting; `None` clears the tombstone.
+        #[serde(rename = "d")]
+        decided: Option<DecisionStamp>,
+    },
+    /// Replacement of the content of a document.
+    #[serde(rename = "d")]
+    Document {
+        /// Key of the document.
+        #[serde(rename = "k")]
+        document: DocumentKey,
+        /// Content before.
+        #[serde(rename = "b")]
+        before: Option<DocumentContent>,
+        /// Content after.
+        #[serde(rename = "a")]
+        after: Option<DocumentContent>,
+        /// Author and time of the decision, if they differ from those of the entry.
+        #[serde(rename = "w", default, skip_serializing_if = "Option::is_none")]
+        decided: Option<DecisionStamp>,
+    },
+    /// Permanent deletion of an earlier version of a document.
+    #[serde(rename = "q")]
+    VersionPurged {
+        /// Key of the document.
+        #[serde(rename = "k")]
+        document: DocumentKey,
+        /// Sequence number of the entry that stored the version.
+        #[serde(rename = "n")]
+        sequence: u64,
+    },
+}
+
+impl Effect {
+    /// Id of the affected view, if any.
+    pub fn view(&self) -> Option<ViewId> {
+        match self {
+            Self::Stored { view, .. } | Self::Changed { view, .. } | Self::Purged { view } => {
+                Some(*view)
+            }
+            _ => None,
+        }
+    }
+}
+
+/// `true` if a sequence number lies in one of the inclusive ranges.
+pub(crate) fn is_among(ranges: &[(u64, u64)], sequence: u64) -> bool {
+    let mut ranges = ranges.iter();
+    ranges.any(|(first, last)| (*first..=*last).contains(&sequence))
+}
+
+/// Conflict of a teaching request with the present label of the track.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Contradiction {
+    /// Present label of the track.
+    pub present: CategoryName,
+    /// Author and time of the present label.
+    pub decided: DecisionStamp,
+}
+
+/// Result of a mutation that is on disk.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MutationReceipt {
+    /// Sequence number of the history entry.
+    pub sequence: u64,
+    /// Number of views that were stored or changed their label status; zero if the state was
+    /// reached already.
+    pub n_views: u64,
+    /// Contradicted label, if the mutation changed nothing for that reason. The history keeps both
+    /// opinions.
+    pub contradiction: Option<Contradiction>,
+}
+
+/// Losses of a rebuild.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct DataLoss {
+    /// Number of acknowledged history entries that are lost.
+    pub n_history: u64,
+    /// Number of views whose metadata or descriptor is lost.
+    pub n_views: u64,
+    /// Number of views that are kept without their point cloud.
+    pub n_clouds: u64,
+    /// Number of document versions whose content is lost.
+    pub n_documents: u64,
+}
+
+impl fmt::Display for DataLoss {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            n_history,
+            n_views,
+            n_clouds,
+            n_documents,
+        } = self;
+        write!(
+            f,
+            "{n_history} history entries, {n_views} views, {n_clouds} clouds, {n_documents} \
+             documents"
+        )
+    }
+}
+
+/// Retention limits of a store.
+///
+/// An exceeded limit is enforced down to nine tenths, so that this does not happen at every
+/// mutation (hysteresis):
+///
+/// - of a category, the most redundant views are forgotten: of the two most similar views
+///   the older one, repeatedly. This can be undone until the next purge.
+/// - of the unlabelled views, those of the oldest tracks are deleted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RetentionLimits {
+    /// Maximum number of views of a category.
+    pub max_views_per_category: usize,
+    /// Maximum number of unlabelled views.
+    pub max_unnamed_views: usize,
+}
+
+impl Default for RetentionLimits {
+    /// No limits.
+    fn default() -> Self {
+        Self {
+            max_views_per_category: usize::MAX,
+            max_unnamed_views: usize::MAX,
+        }
+    }
+}

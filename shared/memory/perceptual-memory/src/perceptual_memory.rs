@@ -1,0 +1,332 @@
+//! Perceptual memory: database, in-memory index, and two-phase mutations (stage, commit).
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use durable_leveldb::{Database, MutationId, Reader, StoreFolder};
+
+use crate::decide::decide;
+use crate::decision::{Decision, NewContent};
+use crate::entry_applier::EntryApplier;
+use crate::error::{Error, StorageError, StoreRefusal};
+use crate::history::HistoryEntry;
+use crate::label_status::DecisionStamp;
+use crate::meta::{Meta, StoreId};
+use crate::model::{Effect, MutationReceipt, RetentionLimits};
+use crate::mutation::{Mutation, StoreChange};
+use crate::record_batch::RecordBatch;
+use crate::record_reader::read_entry;
+use crate::store_index::StoreIndex;
+use crate::undo;
+use crate::watermark::Watermark;
+
+/// Maximum number of track-ids in one lease.
+pub const MAX_LEASE: u64 = 1 << 20;
+
+/// Number of recent history entries that an undo without a sequence number searches.
+const UNDO_LOOKS_BACK: u64 = 4096;
+
+/// Perceptual memory of one robot, open in one process.
+///
+/// After a [`StorageError::Io`] or [`StorageError::Damaged`] every call returns [`Error::Failed`]
+/// until the store is dropped and opened again.
+pub struct PerceptualMemory {
+    pub(crate) engine: Database,
+    pub(crate) index: StoreIndex,
+    pub(crate) meta: Meta,
+    pub(crate) limits: RetentionLimits,
+    /// Wall-clock time of the last mutation, for entries that the store writes itself.
+    pub(crate) last_wall_ns: u64,
+    watermark: Watermark,
+    staged: Staged,
+    failure: Option<Arc<Error>>,
+    /// Locked folder; the last field, so that the database is closed before the lock is released.
+    pub(crate) folder: StoreFolder,
+}
+
+/// Changes of the index that are not on disk yet.
+#[derive(Default)]
+struct Staged {
+    writes: RecordBatch,
+    /// Staged history entries by sequence number.
+    entries: HashMap<u64, HistoryEntry>,
+}
+
+impl PerceptualMemory {
+    pub(crate) fn new(
+        engine: Database,
+        index: StoreIndex,
+        meta: Meta,
+        watermark: Watermark,
+        folder: StoreFolder,
+    ) -> Self {
+        let staged = Staged::default();
+        Self {
+            engine,
+            index,
+            meta,
+            limits: RetentionLimits::default(),
+            last_wall_ns: 0,
+            watermark,
+            staged,
+            failure: None,
+            folder,
+        }
+    }
+
+    /// Id of this store; a rebuild changes it.
+    pub fn store_id(&self) -> StoreId {
+        self.meta.store_id()
+    }
+
+    /// Id of this memory, part of the provenance of its views on every robot; a rebuild keeps it.
+    pub fn memory_id(&self) -> u128 {
+        self.meta.memory_id()
+    }
+
+    /// Sets the retention limits, enforced from the next mutation on. The default is no limit.
+    pub fn set_limits(&mut self, limits: RetentionLimits) {
+        self.limits = limits;
+    }
+
+    /// Sequence number of the last history entry; zero for an empty history.
+    pub fn sequence(&self) -> u64 {
+        self.meta.sequence
+    }
+
+    /// Applies one mutation and returns when it is on disk.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Refused`] when nothing changed; otherwise the change may be on
+    /// disk or not: open the store again and repeat it with the same id.
+    pub fn apply(&mut self, mutation: &Mutation) -> Result<MutationReceipt, Error> {
+        let answer = self.stage(mutation)?;
+        self.commit()?;
+        Ok(answer)
+    }
+
+    /// Leases `count` track-ids, starting at the returned one, that no other lease gives. The lease
+    /// is on disk on return.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::apply`].
+    pub fn lease_track_ids(&mut self, count: u64) -> Result<u64, Error> {
+        let first = self.stage_lease(count)?;
+        self.commit()?;
+        Ok(first)
+    }
+
+    /// Flushes and closes the store.
+    ///
+    /// # Errors
+    ///
+    /// [`StorageError::Io`]; what was acknowledged is on disk all the same.
+    pub fn close(self) -> Result<(), Error> {
+        self.watermark
+            .sync()
+            .map_err(StorageError::io("syncing", "acknowledged"))?;
+        Ok(self.engine.close()?)
+    }
+
+    /// Stages a mutation in the index; [`Self::commit`] makes it durable. Later staged mutations
+    /// see it.
+    pub(crate) fn stage(&mut self, mutation: &Mutation) -> Result<MutationReceipt, Error> {
+        self.usable()?;
+        if let Some(&sequence) = self.index.answered.get(&mutation.id) {
+            return Ok(self.entry(sequence)?.answer());
+        }
+        mutation.check()?;
+        let decision = match &mutation.change {
+            StoreChange::Undo { sequence } => self.decide_undo(*sequence, &mutation.author)?,
+            change => decide(&self.index, &self.meta, change)?,
+        };
+        let id = Some(mutation.id);
+        self.last_wall_ns = mutation.wall_ns;
+        Ok(self.stage_decision(id, &mutation.author, mutation.wall_ns, decision))
+    }
+
+    /// Stages a decision as the next history entry.
+    pub(crate) fn stage_decision(
+        &mut self,
+        mutation: Option<MutationId>,
+        author: &str,
+        wall_ns: u64,
+        mut decision: Decision,
+    ) -> MutationReceipt {
+        self.date_documents(&mut decision.effects, author, wall_ns);
+        self.meta.next_track_id = self.meta.next_track_id.max(decision.next_track_id);
+        let entry = HistoryEntry {
+            sequence: self.meta.sequence + 1,
+            previous: self.meta.head,
+            wall_ns,
+            author: author.into(),
+            operation: decision.operation,
+            mutation,
+            effects: decision.effects,
+            contradiction: decision.contradiction,
+        };
+        self.stage_entry(entry, &decision.contents)
+    }
+
+    /// Fixes the time stamps of document versions in the entry if the clock has stepped back. A
+    /// purge may remove the earlier version from which the stamp would be derived.
+    fn date_documents(&self, effects: &mut [Effect], author: &str, wall_ns: u64) {
+        for effect in effects {
+            let Effect::Document {
+                document, decided, ..
+            } = effect
+            else {
+                continue;
+            };
+            let last_ns = self.index.document_stamp_ns(document);
+            if decided.is_none() && last_ns >= wall_ns {
+                *decided = Some(DecisionStamp::after(last_ns, author.into(), wall_ns));
+            }
+        }
+    }
+
+    /// Stages a complete history entry.
+    pub(crate) fn stage_entry(
+        &mut self,
+        entry: HistoryEntry,
+        contents: &NewContent,
+    ) -> MutationReceipt {
+        let mut target = EntryApplier {
+            index: &mut self.index,
+            meta: &mut self.meta,
+            writes: &mut self.staged.writes,
+        };
+        target.apply(&entry, contents);
+        let answer = entry.answer();
+        self.staged.entries.insert(entry.sequence, entry);
+        answer
+    }
+
+    /// Replaces the metadata record of an empty store.
+    pub(crate) fn begin_as(&mut self, meta: Meta) -> Result<(), Error> {
+        self.meta = meta;
+        self.staged.writes.touch();
+        self.commit()
+    }
+
+    fn decide_undo(&mut self, sequence: Option<u64>, author: &str) -> Result<Decision, Error> {
+        let sequence = match sequence {
+            Some(sequence) => sequence,
+            None => self.last_teaching(author)?,
+        };
+        let entry = self.entry(sequence)?;
+        Ok(undo::decide(&self.index, &entry)?)
+    }
+
+    /// Sequence number of the last teaching entry of this author that can be undone.
+    fn last_teaching(&mut self, author: &str) -> Result<u64, Error> {
+        let first = self.meta.sequence.saturating_sub(UNDO_LOOKS_BACK);
+        for sequence in (first + 1..=self.meta.sequence).rev() {
+            if self.index.is_lost(sequence) {
+                continue;
+            }
+            let entry = self.entry(sequence)?;
+            let is_own = &*entry.author == author && undo::is_teaching(&entry.operation);
+            if is_own && undo::decide(&self.index, &entry).is_ok() {
+                return Ok(sequence);
+            }
+        }
+        Err(StoreRefusal::NothingToUndo.into())
+    }
+
+    /// History entry by sequence number, staged or on disk.
+    fn entry(&mut self, sequence: u64) -> Result<HistoryEntry, Error> {
+        if let Some(entry) = self.staged.entries.get(&sequence) {
+            return Ok(entry.clone());
+        }
+        let is_known = (1..=self.meta.sequence).contains(&sequence);
+        if !is_known || self.index.is_lost(sequence) {
+            return Err(StoreRefusal::UnknownEntry { sequence }.into());
+        }
+        self.read(|reader| read_entry(reader, sequence))
+    }
+
+    /// Stages a lease; [`Self::commit`] makes it durable.
+    pub(crate) fn stage_lease(&mut self, count: u64) -> Result<u64, Error> {
+        self.usable()?;
+        let first = self.meta.next_track_id;
+        if !(1..=MAX_LEASE).contains(&count) {
+            return Err(StoreRefusal::LeaseSize {
+                count,
+                most: MAX_LEASE,
+            }
+            .into());
+        }
+        let end = first
+            .checked_add(count)
+            .ok_or(StoreRefusal::TrackIdsExhausted)?;
+        self.meta.next_track_id = end;
+        // The metadata record alone makes the lease.
+        self.staged.writes.touch();
+        Ok(first)
+    }
+
+    /// Commits all staged changes with one sync, then enforces the retention limits in a second
+    /// commit.
+    pub(crate) fn commit(&mut self) -> Result<(), Error> {
+        self.commit_staged()?;
+        if self.stage_limit_enforcement()? {
+            self.commit_staged()?;
+        }
+        Ok(())
+    }
+
+    fn commit_staged(&mut self) -> Result<(), Error> {
+        self.usable()?;
+        let staged = std::mem::take(&mut self.staged);
+        if staged.writes.is_empty() {
+            return Ok(());
+        }
+        let written = staged
+            .writes
+            .commit(&mut self.engine, &self.meta)
+            .and_then(|()| {
+                let marked = self.watermark.write(&self.meta.mark());
+                Ok(marked.map_err(StorageError::io("writing", "acknowledged"))?)
+            });
+        written.map_err(|error| self.fail(error))
+    }
+
+    /// Number of staged bytes.
+    pub(crate) fn n_staged_bytes(&self) -> usize {
+        self.staged.writes.n_bytes()
+    }
+
+    /// Error that made the store unusable.
+    pub(crate) fn failure(&self) -> Option<&Error> {
+        self.failure.as_deref()
+    }
+
+    pub(crate) fn usable(&self) -> Result<(), Error> {
+        match &self.failure {
+            Some(source) => Err(Error::Failed {
+                source: Arc::clone(source),
+            }),
+            None => Ok(()),
+        }
+    }
+
+    /// Records an error after which index and disk may differ.
+    pub(crate) fn fail(&mut self, error: Error) -> Error {
+        self.failure.get_or_insert_with(|| Arc::new(error.clone()));
+        error
+    }
+
+    /// Runs a read; an error makes the store unusable until it is opened again.
+    pub(crate) fn read<T>(
+        &mut self,
+        read: impl FnOnce(&mut Reader) -> Result<T, Error>,
+    ) -> Result<T, Error> {
+        self.usable()?;
+        let reader = self.engine.reader().map_err(Error::from);
+        let found = reader.and_then(|mut reader| read(&mut reader));
+        found.map_err(|error| self.fail(error))
+    }
+}

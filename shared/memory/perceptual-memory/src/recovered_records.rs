@@ -1,0 +1,247 @@
+//! Intact records recovered from the files of a damaged database, and the totals they imply.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use durable_leveldb::{RawDatabase, record::unseal};
+use learning::ViewId;
+use serde_bytes::ByteBuf;
+
+use crate::consistency_check::schema_of;
+use crate::digest::Digest;
+use crate::document::{DocumentKey, DocumentVersion};
+use crate::error::{Error, StorageError};
+use crate::history::HistoryEntry;
+use crate::history_projection::HistoryProjection;
+use crate::keys;
+use crate::label_status::{DecisionStamp, LabelStatus, LwwRegister};
+use crate::meta::{Meta, SCHEMA};
+use crate::model::{Effect, is_among};
+use crate::schema_1;
+use crate::track_id_counter;
+use crate::view_record::{ViewMetadata, ViewParts};
+use crate::watermark::WatermarkRecord;
+
+/// Intact records, grouped by kind.
+#[derive(Default)]
+pub(crate) struct RecoveredRecords {
+    pub(crate) migrated_from: Option<u32>,
+    pub(crate) memory_id: u128,
+    pub(crate) next_track_id: u64,
+    pub(crate) history: BTreeMap<u64, HistoryEntry>,
+    /// Content digests of the views with intact metadata and descriptor.
+    pub(crate) views: BTreeMap<ViewId, Digest>,
+    pub(crate) metadata: BTreeMap<Digest, ViewMetadata>,
+    pub(crate) registers: BTreeMap<ViewId, LwwRegister>,
+    pub(crate) documents: BTreeMap<(DocumentKey, u64), DocumentVersion>,
+    pub(crate) tombstones: BTreeMap<Digest, DecisionStamp>,
+    /// Views that were stored and not purged, according to the intact history entries.
+    pub(crate) stored_by_history: BTreeSet<ViewId>,
+    pub(crate) versions_by_history: BTreeSet<(DocumentKey, u64)>,
+    /// Number of views before the damage, as far as it is known.
+    pub(crate) n_views_expected: u64,
+    /// Sequence number of the last acknowledged entry, as far as it is known.
+    pub(crate) last_sequence: u64,
+    /// Ranges of entries that an earlier rebuild recorded as lost.
+    known_lost: Vec<(u64, u64)>,
+    /// Content converted from an older schema, by digest.
+    pub(crate) converted: BTreeMap<Digest, Vec<u8>>,
+}
+
+/// Recorded totals of the store, from its metadata record or the watermark.
+pub(crate) struct RecordedTotals {
+    pub(crate) memory_id: Option<u128>,
+    pub(crate) next_track_id: u64,
+    pub(crate) sequence: u64,
+    pub(crate) n_views: u64,
+}
+
+impl RecoveredRecords {
+    /// Reads all intact records; `None` if there are none.
+    ///
+    /// # Errors
+    ///
+    /// [`StorageError::NewerSchema`].
+    pub(crate) fn find(
+        raw: &RawDatabase,
+        mark: Option<&WatermarkRecord>,
+    ) -> Result<Option<Self>, Error> {
+        let record = raw.get(&[keys::META]);
+        let totals = record.as_deref().map_or(Ok(None), schema_of)?;
+        let Some(schema) = totals.or(raw.version().map(u32::from)) else {
+            return Ok(None);
+        };
+        if schema > SCHEMA {
+            return Err(Error::Storage(StorageError::NewerSchema {
+                found: schema,
+                known: SCHEMA,
+            }));
+        }
+        let mut recovered = Self::default();
+        let counts = if schema == SCHEMA {
+            recovered.read_records(raw);
+            let meta = record.and_then(|record| unseal::<Meta>(&[keys::META], &record).ok());
+            meta.map(|meta| RecordedTotals {
+                memory_id: Some(meta.memory_id()),
+                next_track_id: meta.next_track_id,
+                sequence: meta.sequence,
+                n_views: meta.n_views,
+            })
+        } else {
+            recovered.migrated_from = Some(schema);
+            schema_1::read_records(raw, &mut recovered)
+        };
+        recovered.derive_totals(counts.as_ref(), mark)?;
+        Ok(Some(recovered))
+    }
+
+    fn read_records(&mut self, raw: &RawDatabase) {
+        for (key, record) in raw.table(keys::HISTORY) {
+            if let Some(sequence) = keys::sequence_of(key)
+                && let Ok((entry, _)) = HistoryEntry::unseal(sequence, &record)
+            {
+                self.history.insert(sequence, entry);
+            }
+        }
+        for (key, record) in raw.table(keys::VIEW) {
+            if let Some(view) = keys::view_of(key)
+                && let Ok(metadata) = unseal::<ViewMetadata>(key, &record)
+                && raw.contains(&keys::digest_key(
+                    keys::DESCRIPTOR,
+                    metadata.descriptor.digest,
+                ))
+            {
+                let identity = metadata.identity();
+                self.views.insert(view, identity);
+                self.metadata.insert(identity, metadata);
+            }
+        }
+        for (key, record) in raw.table(keys::REGISTER) {
+            if let (Some(view), Ok(register)) = (keys::view_of(key), unseal(key, &record)) {
+                self.registers.insert(view, register);
+            }
+        }
+        for (key, record) in raw.table(keys::DOCUMENT) {
+            if let (Some(version), Ok(content)) = (keys::document_of(key), unseal(key, &record)) {
+                self.documents.insert(version, content);
+            }
+        }
+        for (key, record) in raw.table(keys::TOMBSTONE) {
+            if let (Some(identity), Ok(decided)) = (keys::digest_of(key), unseal(key, &record)) {
+                self.tombstones.insert(identity, decided);
+            }
+        }
+    }
+
+    /// Derives counters and totals from the intact records.
+    fn derive_totals(
+        &mut self,
+        counts: Option<&RecordedTotals>,
+        mark: Option<&WatermarkRecord>,
+    ) -> Result<(), Error> {
+        let purged = self.project_history();
+        self.views.retain(|view, _| !purged.contains(view));
+        let mut known = self.stored_by_history.clone();
+        known.extend(self.views.keys());
+        let registered = self.registers.keys();
+        known.extend(registered.filter(|view| !purged.contains(view)));
+        let marked = mark.map(|mark| RecordedTotals {
+            memory_id: Some(mark.memory_id),
+            next_track_id: mark.next_track_id,
+            sequence: mark.sequence,
+            n_views: mark.n_views,
+        });
+        let totals = counts.into_iter().chain(&marked);
+        let newest = totals.clone().max_by_key(|totals| totals.sequence);
+        let n_recorded = newest.map_or(0, |newest| newest.n_views);
+        self.n_views_expected = n_recorded.max(known.len() as u64);
+        let last_recovered = self.history.keys().next_back().copied().unwrap_or(0);
+        let last_recorded = totals
+            .clone()
+            .map(|totals| totals.sequence)
+            .max()
+            .unwrap_or(0);
+        self.last_sequence = last_recovered.max(last_recorded);
+        let recorded = totals.clone().map(|totals| totals.next_track_id);
+        let used = known.iter().chain(&purged).map(|view| view.track_id);
+        self.next_track_id = track_id_counter::recovered(recorded, used);
+        self.memory_id = match totals.clone().find_map(|totals| totals.memory_id) {
+            Some(memory_id) => memory_id,
+            None => Meta::new(None, 1)?.memory_id(),
+        };
+        Ok(())
+    }
+
+    /// Applies the intact history entries to a projection; returns the purged views.
+    fn project_history(&mut self) -> BTreeSet<ViewId> {
+        let mut projection = HistoryProjection::default();
+        let mut purged = BTreeSet::new();
+        for entry in self.history.values() {
+            projection.apply(entry, Digest::default());
+            for effect in &entry.effects {
+                match effect {
+                    Effect::Purged { view } => {
+                        purged.insert(*view);
+                    }
+                    Effect::Stored { view, .. } => {
+                        purged.remove(view);
+                    }
+                    _ => {}
+                }
+            }
+        }
+        self.stored_by_history = projection.views.keys().copied().collect();
+        self.known_lost = projection.lost().to_vec();
+        self.versions_by_history = projection.into_versions();
+        purged
+    }
+
+    /// Ranges of entries that are newly found to be lost.
+    pub(crate) fn lost_entries(&self, last_whole: u64) -> Vec<(u64, u64)> {
+        let mut lost: Vec<(u64, u64)> = Vec::new();
+        for sequence in 1..=self.last_sequence.max(last_whole) {
+            if self.history.contains_key(&sequence) || is_among(&self.known_lost, sequence) {
+                continue;
+            }
+            match lost.last_mut() {
+                Some((_, last)) if *last + 1 == sequence => *last = sequence,
+                _ => lost.push((sequence, sequence)),
+            }
+        }
+        lost
+    }
+
+    /// Parts of a view with intact metadata and descriptor; without the point cloud if that is
+    /// damaged.
+    pub(crate) fn parts(&self, raw: &RawDatabase, identity: Digest) -> Option<ViewParts> {
+        let metadata = self.metadata.get(&identity)?.clone();
+        let descriptor = self.content(raw, keys::DESCRIPTOR, metadata.descriptor.digest)?;
+        let points = metadata
+            .points
+            .and_then(|points| self.blob(raw, points.digest));
+        Some(ViewParts {
+            metadata,
+            descriptor,
+            points,
+        })
+    }
+
+    /// Intact point cloud or document content.
+    pub(crate) fn blob(&self, raw: &RawDatabase, digest: Digest) -> Option<Vec<u8>> {
+        self.content(raw, keys::BLOB, digest)
+    }
+
+    fn content(&self, raw: &RawDatabase, table: u8, digest: Digest) -> Option<Vec<u8>> {
+        if let Some(converted) = self.converted.get(&digest) {
+            return Some(converted.clone());
+        }
+        let key = keys::digest_key(table, digest);
+        let content = unseal::<ByteBuf>(&key, &raw.get(&key)?).ok()?;
+        Some(content.into_vec())
+    }
+
+    /// Label status of a view and its decision stamp, from the recovered register.
+    pub(crate) fn standing(&self, view: ViewId) -> Option<(LabelStatus, DecisionStamp)> {
+        let register = self.registers.get(&view)?;
+        Some((register.standing.clone(), register.decided.clone()))
+    }
+}

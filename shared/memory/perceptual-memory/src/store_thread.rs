@@ -1,0 +1,463 @@
+//! Store thread: owns the store and serves a bounded request queue with group commit.
+//!
+//! A synced write takes milliseconds whether it holds one mutation or fifty. All waiting mutations
+//! are therefore staged, written together, and answered together once they are on disk. A read sees
+//! all mutations requested before it.
+//!
+//! An idle store compacts its tables in small steps, so that compaction rarely delays a request.
+//!
+//! After a failure the pending callers get the error, and the thread reopens the store before the
+//! next request.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use durable_leveldb::StoreFolder;
+use parking_lot::Mutex;
+
+use crate::error::{Error, StorageError};
+use crate::model::{MutationReceipt, RetentionLimits};
+use crate::mutation::Mutation;
+use crate::opening::{self, OpenReport};
+use crate::perceptual_memory::PerceptualMemory;
+use crate::queries::Position;
+
+/// Maximum number of requests in one group commit. Chosen; sensitivity: see the bench `teach`.
+const GROUP_REQUESTS: usize = 256;
+/// Staged bytes above which a group is committed early. Chosen; sensitivity: see the bench `teach`.
+const GROUP_BYTES: usize = 4 << 20;
+/// Time without requests after which the store compacts.
+const IDLE_TIMEOUT: Duration = Duration::from_millis(200);
+/// Number of filled write buffers that make a compaction worthwhile.
+const COMPACTION_BUFFERS: usize = 2;
+
+/// Callback with the report of a store that was reopened after a failure.
+pub type OnReopened = Box<dyn FnMut(&Result<OpenReport, Error>) + Send>;
+
+type ReplyCallback<T> = Box<dyn FnOnce(Result<T, Error>) + Send>;
+
+/// Configuration of the store thread.
+pub struct StoreConfig {
+    /// Folder of the store.
+    pub folder: PathBuf,
+    /// Capacity of the request queue, at least one.
+    pub queue_capacity: usize,
+    /// Retention limits.
+    pub limits: RetentionLimits,
+    /// Size of the write buffer (memtable), bytes; usually
+    /// [`WRITE_BUFFER_BYTES`](crate::WRITE_BUFFER_BYTES).
+    pub write_buffer_bytes: usize,
+    /// Wall clock: nanoseconds since 1970, UTC.
+    pub wall_clock: fn() -> u64,
+    /// Callback after each reopening, called on the store thread.
+    pub on_reopened: OnReopened,
+}
+
+impl StoreConfig {
+    /// Opens the store, and rebuilds it if `must_rebuild` is set.
+    fn open(&self, must_rebuild: bool) -> Result<(PerceptualMemory, OpenReport), Error> {
+        let folder = StoreFolder::hold(&self.folder)?.with_write_buffer(self.write_buffer_bytes);
+        let (mut memory, report) = opening::open(folder, (self.wall_clock)(), must_rebuild)?;
+        memory.set_limits(self.limits);
+        Ok((memory, report))
+    }
+}
+
+/// Reply callback of one request. It is called exactly once: on the store thread or, for a request
+/// that the queue refuses, on the caller's thread.
+struct Reply<T>(Option<ReplyCallback<T>>);
+
+impl<T> Reply<T> {
+    fn new(answer: impl FnOnce(Result<T, Error>) + Send + 'static) -> Self {
+        Self(Some(Box::new(answer)))
+    }
+
+    fn send(mut self, result: Result<T, Error>) {
+        self.answer(result);
+    }
+
+    fn answer(&mut self, result: Result<T, Error>) {
+        if let Some(answer) = self.0.take() {
+            // A panic in the callback is the caller's, and the panic hook has reported it.
+            let _ = catch_unwind(AssertUnwindSafe(|| answer(result)));
+        }
+    }
+}
+
+impl<T> Drop for Reply<T> {
+    /// Answers a request that was never served with [`Error::Stopped`].
+    fn drop(&mut self) {
+        self.answer(Err(Error::Stopped));
+    }
+}
+
+type Read = Box<dyn FnOnce(Result<&mut PerceptualMemory, Error>) + Send>;
+
+enum StoreRequest {
+    Mutate(Mutation, Reply<MutationReceipt>),
+    Lease(u64, Reply<u64>),
+    Read(Read),
+    Rebuild(Reply<OpenReport>),
+    Stop,
+}
+
+/// Cloneable client handle of the store thread.
+#[derive(Clone)]
+pub struct StoreHandle {
+    /// Request queue. A full queue is an error of the caller. Requests left in it when the thread
+    /// ends are dropped, which answers them.
+    queue: SyncSender<StoreRequest>,
+    capacity: usize,
+    position: Arc<Mutex<Position>>,
+}
+
+impl StoreHandle {
+    /// Position of the durable history; does not wait.
+    pub fn position(&self) -> Position {
+        *self.position.lock()
+    }
+
+    /// Requests a mutation; `reply` is called once it is on disk.
+    pub fn mutate(
+        &self,
+        mutation: Mutation,
+        reply: impl FnOnce(Result<MutationReceipt, Error>) + Send + 'static,
+    ) {
+        self.send(StoreRequest::Mutate(mutation, Reply::new(reply)));
+    }
+
+    /// Requests a lease of `count` track-ids; `reply` gets the first id once the lease is on disk.
+    pub fn lease_track_ids(
+        &self,
+        count: u64,
+        reply: impl FnOnce(Result<u64, Error>) + Send + 'static,
+    ) {
+        self.send(StoreRequest::Lease(count, Reply::new(reply)));
+    }
+
+    /// Runs `read` on the store thread; `reply` gets its result.
+    pub fn read<T: Send + 'static>(
+        &self,
+        read: impl FnOnce(&mut PerceptualMemory) -> Result<T, Error> + Send + 'static,
+        reply: impl FnOnce(Result<T, Error>) + Send + 'static,
+    ) {
+        let reply = Reply::new(reply);
+        self.send(StoreRequest::Read(Box::new(move |memory| {
+            reply.send(memory.and_then(read));
+        })));
+    }
+
+    /// Requests a rebuild from all intact records; `reply` gets the report.
+    pub fn rebuild(&self, reply: impl FnOnce(Result<OpenReport, Error>) + Send + 'static) {
+        self.send(StoreRequest::Rebuild(Reply::new(reply)));
+    }
+
+    /// Requests a mutation and blocks until it is on disk.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`PerceptualMemory::apply`], [`Error::QueueFull`], and [`Error::Stopped`].
+    pub fn mutate_and_wait(&self, mutation: Mutation) -> Result<MutationReceipt, Error> {
+        wait(|reply| self.mutate(mutation, reply))
+    }
+
+    /// Requests a lease of track-ids and blocks until it is on disk.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::mutate_and_wait`].
+    pub fn lease_track_ids_and_wait(&self, count: u64) -> Result<u64, Error> {
+        wait(|reply| self.lease_track_ids(count, reply))
+    }
+
+    /// Runs `read` on the store thread and blocks until it has returned.
+    ///
+    /// # Errors
+    ///
+    /// Those of `read`, [`Error::QueueFull`], and [`Error::Stopped`].
+    pub fn read_and_wait<T: Send + 'static>(
+        &self,
+        read: impl FnOnce(&mut PerceptualMemory) -> Result<T, Error> + Send + 'static,
+    ) -> Result<T, Error> {
+        wait(|reply| self.read(read, reply))
+    }
+
+    /// Enqueues a request, or answers it with an error if the queue is full or closed.
+    fn send(&self, request: StoreRequest) {
+        match self.queue.try_send(request) {
+            // Dropping an unserved request answers it with `Stopped`.
+            Ok(()) | Err(TrySendError::Disconnected(_)) => {}
+            Err(TrySendError::Full(request)) => {
+                request.refuse(&Error::QueueFull {
+                    capacity: self.capacity,
+                });
+            }
+        }
+    }
+}
+
+/// Passes a reply callback to `ask` and blocks until it is called.
+fn wait<T: Send + 'static>(ask: impl FnOnce(ReplyCallback<T>)) -> Result<T, Error> {
+    let (sender, receiver) = sync_channel(1);
+    ask(Box::new(move |result| {
+        // The receiver waits below.
+        let _ = sender.send(result);
+    }));
+    receiver.recv().unwrap_or(Err(Error::Stopped))
+}
+
+impl StoreRequest {
+    fn refuse(self, error: &Error) {
+        match self {
+            Self::Mutate(_, reply) => reply.send(Err(error.clone())),
+            Self::Lease(_, reply) => reply.send(Err(error.clone())),
+            Self::Read(read) => read(Err(error.clone())),
+            Self::Rebuild(reply) => reply.send(Err(error.clone())),
+            Self::Stop => {}
+        }
+    }
+}
+
+/// Owner of the store thread; dropping it stops the thread.
+pub struct StoreThread {
+    queue: SyncSender<StoreRequest>,
+    thread: Option<JoinHandle<Result<(), Error>>>,
+}
+
+impl StoreThread {
+    /// Opens the store and starts its thread.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`PerceptualMemory::open`], and [`StorageError::Io`] when there is no
+    /// room for a thread.
+    pub fn start(config: StoreConfig) -> Result<(Self, StoreHandle, OpenReport), Error> {
+        let (memory, report) = config.open(false)?;
+        let position = Arc::new(Mutex::new(memory.position()));
+        let capacity = config.queue_capacity.max(1);
+        let (queue, requests) = sync_channel(capacity);
+        let folder = config.folder.clone();
+        let mut owner = StoreLoop {
+            config,
+            memory: Some(memory),
+            waiting: Vec::new(),
+            n_uncompacted_bytes: 0,
+            compaction_step: 0,
+            position: Arc::clone(&position),
+        };
+        let thread = std::thread::Builder::new()
+            .name("store".to_owned())
+            .spawn(move || owner.run(&requests))
+            .map_err(StorageError::io("starting the thread of", folder))?;
+        let handle = StoreHandle {
+            queue: queue.clone(),
+            capacity,
+            position,
+        };
+        Ok((
+            Self {
+                queue,
+                thread: Some(thread),
+            },
+            handle,
+            report,
+        ))
+    }
+
+    /// Serves the queued requests, closes the store, and ends the thread. Later requests are
+    /// answered with [`Error::Stopped`].
+    ///
+    /// # Errors
+    ///
+    /// [`StorageError::Io`] when the store could not be closed; what was acknowledged is
+    /// on disk all the same.
+    pub fn stop(mut self) -> Result<(), Error> {
+        self.stop_and_join()
+    }
+
+    fn stop_and_join(&mut self) -> Result<(), Error> {
+        let Some(thread) = self.thread.take() else {
+            return Ok(());
+        };
+        // Fails only when the thread has ended already.
+        let _ = self.queue.send(StoreRequest::Stop);
+        thread.join().unwrap_or(Err(Error::Stopped))
+    }
+}
+
+impl Drop for StoreThread {
+    fn drop(&mut self) {
+        let _ = self.stop_and_join();
+    }
+}
+
+/// Request loop of the store thread.
+struct StoreLoop {
+    config: StoreConfig,
+    /// Store; `None` after a failure that reopening did not cure.
+    memory: Option<PerceptualMemory>,
+    /// Callbacks of staged requests, called after the commit.
+    waiting: Vec<ReplyCallback<()>>,
+    n_uncompacted_bytes: usize,
+    /// Next step of the running compaction.
+    compaction_step: usize,
+    /// Position of the durable history, shared with all handles.
+    position: Arc<Mutex<Position>>,
+}
+
+impl StoreLoop {
+    fn run(&mut self, requests: &Receiver<StoreRequest>) -> Result<(), Error> {
+        loop {
+            let request = match requests.recv_timeout(IDLE_TIMEOUT) {
+                Ok(request) => request,
+                Err(RecvTimeoutError::Timeout) => {
+                    self.compact_when_idle();
+                    continue;
+                }
+                Err(RecvTimeoutError::Disconnected) => break,
+            };
+            let others = requests.try_iter().take(GROUP_REQUESTS - 1);
+            for request in std::iter::once(request).chain(others) {
+                if matches!(request, StoreRequest::Stop) {
+                    return self.stop();
+                }
+                self.serve(request);
+            }
+            self.commit();
+        }
+        self.stop()
+    }
+
+    /// Runs one compaction step if enough was written since the last compaction.
+    fn compact_when_idle(&mut self) {
+        let Some(memory) = &mut self.memory else {
+            return;
+        };
+        let min_bytes = COMPACTION_BUFFERS * self.config.write_buffer_bytes;
+        if self.n_uncompacted_bytes < min_bytes || memory.failure().is_some() {
+            return;
+        }
+        // A failure makes the store unusable, which the next request finds.
+        if memory.compact_step(self.compaction_step).is_err() {
+            return;
+        }
+        self.compaction_step += 1;
+        if self.compaction_step == PerceptualMemory::N_COMPACT_STEPS {
+            (self.compaction_step, self.n_uncompacted_bytes) = (0, 0);
+        }
+    }
+
+    fn serve(&mut self, request: StoreRequest) {
+        if let Err(error) = self.open_if_failed() {
+            return request.refuse(&error);
+        }
+        let Some(memory) = &mut self.memory else {
+            return request.refuse(&Error::Stopped);
+        };
+        match request {
+            StoreRequest::Mutate(mutation, reply) => {
+                let staged = memory.stage(&mutation);
+                self.answer_when_committed(reply, staged);
+            }
+            StoreRequest::Lease(count, reply) => {
+                let staged = memory.stage_lease(count);
+                self.answer_when_committed(reply, staged);
+            }
+            StoreRequest::Read(read) => {
+                self.commit();
+                let memory = self.memory.as_mut().ok_or(Error::Stopped);
+                let usable = memory.and_then(|memory| memory.usable().map(|()| memory));
+                if catch_unwind(AssertUnwindSafe(|| read(usable))).is_err() {
+                    // The state is unknown after a panic: the store is reopened.
+                    self.memory = None;
+                }
+            }
+            StoreRequest::Rebuild(reply) => {
+                self.commit();
+                reply.send(self.open_again(true));
+            }
+            StoreRequest::Stop => {}
+        }
+    }
+
+    /// Queues the answer until the next commit. A refusal waits too, since it may depend on a
+    /// staged mutation.
+    fn answer_when_committed<T: Send + 'static>(
+        &mut self,
+        reply: Reply<T>,
+        staged: Result<T, Error>,
+    ) {
+        self.waiting
+            .push(Box::new(move |committed: Result<(), Error>| {
+                reply.send(committed.and(staged));
+            }));
+        let n_bytes = self
+            .memory
+            .as_ref()
+            .map_or(0, PerceptualMemory::n_staged_bytes);
+        if n_bytes > GROUP_BYTES {
+            self.commit();
+        }
+    }
+
+    /// Commits all staged mutations and answers their callers.
+    fn commit(&mut self) {
+        if self.waiting.is_empty() {
+            return;
+        }
+        let committed = match &mut self.memory {
+            Some(memory) => {
+                self.n_uncompacted_bytes += memory.n_staged_bytes();
+                memory.commit()
+            }
+            None => Err(Error::Stopped),
+        };
+        self.publish_position();
+        for answer in self.waiting.drain(..) {
+            answer(committed.clone());
+        }
+    }
+
+    fn publish_position(&self) {
+        if let Some(memory) = self.memory.as_ref().filter(|m| m.failure().is_none()) {
+            *self.position.lock() = memory.position();
+        }
+    }
+
+    /// Reopens a failed store; rebuilds a damaged one.
+    fn open_if_failed(&mut self) -> Result<(), Error> {
+        let must_rebuild = match &self.memory {
+            Some(memory) => match memory.failure() {
+                None => return Ok(()),
+                Some(error) => matches!(error, Error::Storage(StorageError::Damaged { .. })),
+            },
+            None => false,
+        };
+        self.commit();
+        self.open_again(must_rebuild).map(|_| ())
+    }
+
+    fn open_again(&mut self, must_rebuild: bool) -> Result<OpenReport, Error> {
+        // Closed first, to release the lock of the folder.
+        self.memory = None;
+        let report = self.config.open(must_rebuild).map(|(memory, report)| {
+            self.memory = Some(memory);
+            report
+        });
+        self.publish_position();
+        (self.config.on_reopened)(&report);
+        report
+    }
+
+    fn stop(&mut self) -> Result<(), Error> {
+        self.commit();
+        match self.memory.take() {
+            Some(memory) => memory.close(),
+            None => Ok(()),
+        }
+    }
+}

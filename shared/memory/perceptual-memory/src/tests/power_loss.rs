@@ -1,0 +1,465 @@
+//! Crash tests: power cuts and write errors at every file operation.
+//!
+//! The operations of the environment are recorded. For each prefix the test reconstructs the disk
+//! after a power cut: all synced bytes, and any part of the others.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
+
+use durable_leveldb::{Database, FileOperation, MutationId, Observer, StoreFolder};
+use geometry::OrientedBox;
+use learning::{CategoryName, ViewId};
+use nalgebra::{Isometry3, Vector3};
+use random::Random;
+use tempfile::TempDir;
+
+use crate::consistency_check::check_consistency;
+use crate::error::{Error, StorageError};
+use crate::mutation::{Mutation, StoreChange as Asked};
+use crate::opening::{self, Condition, OpenReport};
+use crate::perceptual_memory::PerceptualMemory;
+use crate::store_thread::{StoreConfig, StoreThread};
+use crate::view::{CapturedView, StoredDescriptor};
+
+/// Write-buffer size that makes the engine compact soon.
+const WRITE_BUFFER_BYTES: usize = 4 << 20;
+/// Size of a point cloud of which a memtable holds seven, bytes.
+const CLOUD_BYTES: usize = 600_000;
+/// Number of tracks that makes the engine compact twice: it keeps up to four tables on level zero.
+const N_TRACKS: u64 = 80;
+
+fn folder() -> TempDir {
+    tempfile::tempdir_in("/dev/shm")
+        .or_else(|_| tempfile::tempdir())
+        .unwrap()
+}
+
+fn open(folder: &Path) -> (PerceptualMemory, OpenReport) {
+    let folder = StoreFolder::hold(folder).unwrap();
+    opening::open(folder.with_write_buffer(WRITE_BUFFER_BYTES), 1, false).unwrap()
+}
+
+/// Mutation `n`: stores or teaches track `n / 2`.
+fn mutation(n: u64, cloud_bytes: usize) -> Mutation {
+    let track_id = n / 2;
+    let change = if n.is_multiple_of(2) {
+        let first = n as u32;
+        let byte = |i: u32| (i.wrapping_mul(2_654_435_761) >> 13) as u8;
+        let cloud = (first..first + cloud_bytes as u32).map(byte);
+        let half_sides_m = Vector3::repeat(0.1);
+        Asked::StoreViews(vec![CapturedView {
+            id: ViewId {
+                track_id,
+                view_id: 0,
+            },
+            descriptor: StoredDescriptor {
+                kind: "test".to_owned(),
+                values: vec![n as f32],
+            },
+            box_in_world: OrientedBox {
+                frame_from_box: Isometry3::identity(),
+                half_sides_m,
+            },
+            captured_ns: n,
+            frame_sequence: n,
+            source: "test".to_owned(),
+            mean_rgb: None,
+            points: Some(cloud.collect()),
+        }])
+    } else {
+        Asked::Teach {
+            track_id,
+            category: CategoryName::new("Mug").unwrap(),
+        }
+    };
+    Mutation {
+        id: MutationId(n as u128),
+        author: String::new(),
+        wall_ns: n,
+        change,
+    }
+}
+
+/// Checks that the store holds exactly the first `n` mutations, or one more that was not
+/// acknowledged.
+fn check_holds(folder: &Path, n: u64, what: &str) {
+    let (mut memory, report) = open(folder);
+    assert!(
+        matches!(report.condition, Condition::Sound | Condition::New),
+        "{what}: {report}"
+    );
+    let sequence = memory.sequence();
+    assert!(
+        sequence == n || sequence == n + 1,
+        "{what}: {sequence} of {n}"
+    );
+    for track in 0..sequence.div_ceil(2) {
+        let stored = memory.views_of_track(track).unwrap();
+        let number = [2.0 * track as f32];
+        assert_eq!(
+            stored[0].view.descriptor.values, number,
+            "{what}: track {track}"
+        );
+        let is_taught = 2 * track + 1 < sequence;
+        assert_eq!(
+            stored[0].standing.category().is_some(),
+            is_taught,
+            "{what}: track {track}"
+        );
+    }
+    memory.lease_track_ids(1).unwrap();
+}
+
+#[test]
+fn synced_write_is_one_fdatasync() {
+    let folder = folder();
+    let (mut memory, _) = open(folder.path());
+    memory.lease_track_ids(N_TRACKS).unwrap();
+    let counts = Arc::new(Mutex::new([0_u32; 3]));
+    let seen = Arc::clone(&counts);
+    memory.engine.set_observer(Box::new(move |change| {
+        let i = match change {
+            FileOperation::Write(..) => return Ok(()),
+            FileOperation::Sync(_) => 0,
+            FileOperation::SyncFolder(_) => 1,
+            _ => 2,
+        };
+        seen.lock().unwrap()[i] += 1;
+        Ok(())
+    }));
+    for n in 0..20 {
+        memory.apply(&mutation(n, 1000)).unwrap();
+        assert_eq!(*counts.lock().unwrap(), [n as u32 + 1, 0, 0]);
+    }
+    // Asked again, a mutation writes nothing.
+    memory.apply(&mutation(3, 1000)).unwrap();
+    // A group is one write.
+    for n in 20..40 {
+        memory.stage(&mutation(n, 1000)).unwrap();
+    }
+    memory.commit().unwrap();
+    assert_eq!(*counts.lock().unwrap(), [21, 0, 0]);
+}
+
+/// Recorded file operation, by file name.
+enum Event {
+    Create(String),
+    Write(String, Vec<u8>),
+    Sync(String),
+    Rename(String, String),
+    Delete(String),
+    SyncFolder,
+}
+
+type Journal = Arc<Mutex<Vec<Event>>>;
+
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap().to_str().unwrap().to_owned()
+}
+
+fn journaling(journal: &Journal) -> Observer {
+    let journal = Arc::clone(journal);
+    Box::new(move |change| {
+        let event = match change {
+            FileOperation::Create(path) => Event::Create(file_name(path)),
+            FileOperation::Write(path, bytes) => Event::Write(file_name(path), bytes.to_vec()),
+            FileOperation::Sync(path) => Event::Sync(file_name(path)),
+            FileOperation::Rename(old, new) => Event::Rename(file_name(old), file_name(new)),
+            FileOperation::Delete(path) => Event::Delete(file_name(path)),
+            FileOperation::SyncFolder(_) => Event::SyncFolder,
+        };
+        journal.lock().unwrap().push(event);
+        Ok(())
+    })
+}
+
+/// Simulated disk with a write cache.
+#[derive(Clone, Default)]
+struct Disk {
+    /// Durable and unsynced content of each file.
+    inodes: Vec<(Vec<u8>, Vec<u8>)>,
+    /// Directory contents since the last sync of the folder, the present one last.
+    names: Vec<BTreeMap<String, usize>>,
+}
+
+impl Disk {
+    /// Disk with the fully synced files of a folder.
+    fn of(folder: &Path) -> Self {
+        let mut disk = Self {
+            names: vec![BTreeMap::new()],
+            ..Self::default()
+        };
+        for entry in fs::read_dir(folder).unwrap().flatten() {
+            disk.names[0].insert(file_name(&entry.path()), disk.inodes.len());
+            disk.inodes
+                .push((fs::read(entry.path()).unwrap(), Vec::new()));
+        }
+        disk
+    }
+
+    fn make(&mut self, event: &Event) {
+        let mut names = self.names.last().unwrap().clone();
+        match event {
+            Event::Create(name) if name == "LOCK" => return,
+            Event::Create(name) => {
+                names.insert(name.clone(), self.inodes.len());
+                self.inodes.push(Default::default());
+            }
+            Event::Write(name, bytes) => return self.inodes[names[name]].1.extend(bytes),
+            Event::Sync(name) => {
+                let (synced, written) = &mut self.inodes[names[name]];
+                return synced.append(written);
+            }
+            Event::Rename(old, new) => {
+                let inode = names.remove(old).unwrap();
+                names.insert(new.clone(), inode);
+            }
+            Event::Delete(name) => {
+                names.remove(name);
+            }
+            Event::SyncFolder => self.names.clear(),
+        }
+        self.names.push(names);
+    }
+
+    /// Writes one possible state after a power cut: the names of some moment since the last sync of
+    /// the folder, and a part of the unsynced bytes.
+    fn cut(&self, folder: &Path, random: &mut Random) {
+        fs::create_dir(folder).unwrap();
+        for (name, &inode) in &self.names[random.below(self.names.len())] {
+            let (synced, written) = &self.inodes[inode];
+            let n_kept = match random.below(3) {
+                0 => 0,
+                1 => written.len(),
+                _ => random.below(written.len() + 1),
+            };
+            fs::write(folder.join(name), [synced, &written[..n_kept]].concat()).unwrap();
+        }
+    }
+}
+
+/// Cuts the power after every `step`-th operation of a series of mutations.
+fn check_cuts_while_teaching(step: usize) {
+    let folder = folder();
+    let (mut memory, _) = open(folder.path());
+    memory.lease_track_ids(N_TRACKS).unwrap();
+    let mut disk = Disk::of(&folder.path().join("database"));
+    let journal = Journal::default();
+    memory.engine.set_observer(journaling(&journal));
+    let mut acknowledged_at = Vec::new();
+    for n in 0..2 * N_TRACKS {
+        memory.apply(&mutation(n, CLOUD_BYTES)).unwrap();
+        acknowledged_at.push(journal.lock().unwrap().len());
+    }
+    let journal = journal.lock().unwrap();
+    let is_table = |name: &str| Path::new(name).extension().is_some_and(|e| e == "ldb");
+    let n_tables = journal
+        .iter()
+        .filter(|e| matches!(e, Event::Delete(n) if is_table(n)));
+    assert!(n_tables.count() >= 4, "tables were merged");
+    let mut random = Random::from_seed(1);
+    for (i, event) in journal.iter().enumerate() {
+        disk.make(event);
+        // Names change seldom and matter most.
+        let is_rare = !matches!(event, Event::Write(..) | Event::Sync(_));
+        if (i + random.below(step)).is_multiple_of(step)
+            || is_rare && random.below(step.min(8)) == 0
+        {
+            let left = self::folder();
+            disk.cut(&left.path().join("database"), &mut random);
+            let n = acknowledged_at.partition_point(|&at| at <= i + 1) as u64;
+            check_holds(left.path(), n, &format!("cut after change {i}"));
+        }
+    }
+}
+
+#[test]
+fn power_cut_loses_nothing_acknowledged() {
+    check_cuts_while_teaching(199);
+}
+
+#[test]
+#[ignore = "long"]
+fn long_power_cut_loses_nothing_acknowledged() {
+    check_cuts_while_teaching(13);
+}
+
+/// Cuts the power after random operations of an opening.
+fn check_cuts_while_opening(n_cuts: usize) {
+    let folder = folder();
+    let (mut memory, _) = open(folder.path());
+    memory.lease_track_ids(N_TRACKS).unwrap();
+    for n in 0..40 {
+        memory.apply(&mutation(n, 1000)).unwrap();
+    }
+    drop(memory);
+    let database = folder.path().join("database");
+    let before = Disk::of(&database);
+    let journal = Journal::default();
+    let observer = journaling(&journal);
+    let mut engine = Database::open_observed(&database, WRITE_BUFFER_BYTES, observer).unwrap();
+    assert!(
+        check_consistency(&mut engine, None)
+            .unwrap()
+            .findings
+            .is_empty()
+    );
+    engine.accept().unwrap();
+    drop(engine);
+    let journal = journal.lock().unwrap();
+    assert!(
+        journal
+            .iter()
+            .any(|event| matches!(event, Event::Delete(_)))
+    );
+    let mut random = Random::from_seed(2);
+    for _ in 0..n_cuts {
+        let mut disk = before.clone();
+        let n_made = random.below(journal.len() + 1);
+        journal[..n_made].iter().for_each(|event| disk.make(event));
+        let left = self::folder();
+        disk.cut(&left.path().join("database"), &mut random);
+        check_holds(
+            left.path(),
+            40,
+            &format!("cut after change {n_made} of the opening"),
+        );
+    }
+}
+
+#[test]
+fn power_cut_while_opening_loses_nothing() {
+    check_cuts_while_opening(60);
+}
+
+#[test]
+#[ignore = "long"]
+fn long_power_cut_while_opening_loses_nothing() {
+    check_cuts_while_opening(5_000);
+}
+
+/// Observer that fails the operation after `n`, and no other: the store itself must protect its
+/// files.
+fn disk_full_after(n: usize) -> Observer {
+    let mut n_asked = 0;
+    Box::new(move |_| {
+        n_asked += 1;
+        if n_asked == n + 1 {
+            Err(io::Error::from(io::ErrorKind::StorageFull))
+        } else {
+            Ok(())
+        }
+    })
+}
+
+/// Applies mutations until operation `n` fails; `true` if it did.
+fn check_full_disk(n: usize) -> bool {
+    let folder = folder();
+    let (mut memory, _) = open(folder.path());
+    memory.lease_track_ids(N_TRACKS).unwrap();
+    memory.engine.set_observer(disk_full_after(n));
+    let mut n_acknowledged = 0;
+    let mut is_full = false;
+    for m in 0..2 * N_TRACKS {
+        match memory.apply(&mutation(m, CLOUD_BYTES)) {
+            Ok(_) => n_acknowledged += 1,
+            Err(error) => {
+                assert!(
+                    matches!(error, Error::Storage(StorageError::Io { .. })),
+                    "{error}"
+                );
+                is_full = true;
+                break;
+            }
+        }
+    }
+    if is_full {
+        let again = memory
+            .apply(&mutation(n_acknowledged, CLOUD_BYTES))
+            .unwrap_err();
+        assert!(matches!(again, Error::Failed { .. }), "{again}");
+    }
+    drop(memory);
+    check_holds(
+        folder.path(),
+        n_acknowledged,
+        &format!("disk full after change {n}"),
+    );
+    is_full
+}
+
+#[test]
+fn full_disk_is_an_error_and_loses_nothing() {
+    // While the log is written, while a memtable is, and while tables are merged.
+    for n in [0, 1, 2, 500, 1000, 1500, 2000, 2500, 3000, 3300, 3600, 3900] {
+        assert!(check_full_disk(n), "{n} changes are made");
+    }
+}
+
+#[test]
+#[ignore = "long"]
+fn long_full_disk_is_an_error_and_loses_nothing() {
+    let mut n = 0;
+    while check_full_disk(n) {
+        n += 7;
+    }
+    assert!(n > 3900, "the engine merged tables within {n} changes");
+}
+
+#[test]
+fn failed_store_is_reopened_by_its_thread() {
+    let folder = folder();
+    let told: Arc<Mutex<Vec<Condition>>> = Arc::default();
+    let tell = Arc::clone(&told);
+    let config = StoreConfig {
+        folder: folder.path().to_owned(),
+        queue_capacity: 8,
+        limits: crate::RetentionLimits::default(),
+        write_buffer_bytes: WRITE_BUFFER_BYTES,
+        wall_clock: || 7,
+        on_reopened: Box::new(move |report| {
+            tell.lock()
+                .unwrap()
+                .push(report.as_ref().unwrap().condition.clone());
+        }),
+    };
+    let (thread, handle, _) = StoreThread::start(config).unwrap();
+    handle.mutate_and_wait(mutation(0, 10)).unwrap();
+    let fill = |memory: &mut PerceptualMemory| {
+        memory.engine.set_observer(disk_full_after(0));
+        Ok(())
+    };
+    handle.read_and_wait(fill).unwrap();
+    assert!(matches!(
+        handle.mutate_and_wait(mutation(1, 10)),
+        Err(Error::Storage(StorageError::Io { .. }))
+    ));
+    // The same again, and there is room now.
+    handle.mutate_and_wait(mutation(1, 10)).unwrap();
+    assert_eq!(*told.lock().unwrap(), [Condition::Sound]);
+    // Damage is met with a rebuilding.
+    let spoil = |memory: &mut PerceptualMemory| {
+        memory.engine.note_damage("a test's".to_owned());
+        memory.views_of_track(0)
+    };
+    assert!(matches!(
+        handle.read_and_wait(spoil),
+        Err(Error::Storage(StorageError::Damaged { .. }))
+    ));
+    let read = |memory: &mut PerceptualMemory| memory.views_of_track(0);
+    assert_eq!(handle.read_and_wait(read).unwrap().len(), 1);
+    assert!(matches!(told.lock().unwrap()[1], Condition::Rebuilt { .. }));
+    thread.stop().unwrap();
+    let names: Vec<PathBuf> = fs::read_dir(folder.path())
+        .unwrap()
+        .flatten()
+        .map(|entry| entry.path())
+        .collect();
+    assert!(
+        names.contains(&folder.path().join("database.damaged-1")),
+        "{names:?}"
+    );
+}

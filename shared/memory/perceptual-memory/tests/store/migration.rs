@@ -1,0 +1,85 @@
+//! Migration tests: stores of released versions are converted completely.
+//!
+//! The fixture was written by version 0.1.0 (schema 1): five tracks of three views, taught,
+//! corrected and forgotten as below, reopened before the fourth.
+
+use std::fs;
+use std::path::Path;
+
+use perceptual_memory::{Condition, PerceptualMemory};
+use tempfile::TempDir;
+
+use crate::builders::{NOW_NS, apply, counts, fast_folder, name_of, open, store, teach, view};
+
+fn fixture() -> TempDir {
+    let folder = fast_folder();
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/schema-1");
+    fs::create_dir(folder.path().join("database")).unwrap();
+    for sub in ["", "database"] {
+        for entry in fs::read_dir(source.join(sub)).unwrap().flatten() {
+            if entry.file_type().unwrap().is_file() {
+                let to = folder.path().join(sub).join(entry.file_name());
+                fs::copy(entry.path(), to).unwrap();
+            }
+        }
+    }
+    folder
+}
+
+fn check_content(memory: &mut PerceptualMemory) {
+    // Bowl was forgotten with track 3, and track 1 had been corrected before that.
+    for (track, name) in [(1, "Cup"), (2, "Cup"), (4, "Cup"), (5, "Cup")] {
+        let stored = memory.views_of_track(track).unwrap();
+        let names: Vec<_> = stored.iter().map(name_of).collect();
+        assert_eq!(names, [Some(name), Some(name), None], "track {track}");
+        for (i, stored) in (0..).zip(&stored) {
+            assert_eq!(stored.view, view(track, i, 0));
+        }
+    }
+    let forgotten = memory.views_of_track(3).unwrap();
+    assert!(forgotten.iter().all(|stored| name_of(stored).is_none()));
+    assert_eq!(counts(memory), [("Cup".to_owned(), 8)]);
+}
+
+#[test]
+fn migration_of_schema_1_is_complete() {
+    let folder = fixture();
+    let (mut memory, report) = open(&folder);
+    let Condition::Migrated {
+        schema: 1,
+        set_aside,
+    } = &report.condition
+    else {
+        panic!("{report}");
+    };
+    assert!(set_aside.as_ref().unwrap().join("CURRENT").exists());
+    check_content(&mut memory);
+    let history = memory.history(1, 100).unwrap();
+    assert_eq!(history.len(), 21, "twenty entries, and the one about this");
+    assert_eq!(history[1].wall_ns, NOW_NS + 2);
+    assert_eq!(&*history[1].author, "anna");
+    // What was asked then is answered, and leased ids are not given again.
+    assert_eq!(apply(&mut memory, &[teach(2, 1, "Mug")])[0].sequence, 2);
+    assert!(memory.lease_track_ids(1).unwrap() > 43);
+    let found = memory.checkpoint().unwrap().open().unwrap();
+    assert_eq!(found.verify(|_| {}).unwrap().findings, [""; 0]);
+    drop(memory);
+    let (mut memory, report) = open(&folder);
+    assert_eq!(report.condition, Condition::Sound, "{report}");
+    check_content(&mut memory);
+    apply(&mut memory, &[store(99, vec![view(50, 0, 0)])]);
+}
+
+#[test]
+fn migration_of_a_damaged_schema_1_recovers_intact_records() {
+    let folder = fixture();
+    let log = folder.path().join("database/000006.log");
+    let mut bytes = fs::read(&log).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    fs::write(&log, bytes).unwrap();
+    let (mut memory, report) = open(&folder);
+    assert_eq!(report.loss().n_history, 1, "{report}");
+    assert_eq!(memory.views_of_track(1).unwrap().len(), 3);
+    assert_eq!(memory.history(1, 100).unwrap().len(), 20);
+}

@@ -1,0 +1,131 @@
+//! Task table: running and ended tasks.
+
+use std::collections::BTreeMap;
+
+use crate::dirty_set::DirtySet;
+use crate::expiry_queue::ExpiryQueue;
+use crate::record_key::RecordKey;
+use crate::task::{NewTask, Task, TaskEnd, TaskRefusal, TaskState};
+use crate::world_config::WorldConfig;
+
+/// Maximum number of running tasks, which bounds the memory if clients never end them. Chosen.
+const MAX_RUNNING: usize = 1000;
+
+#[derive(Debug, Default)]
+pub(crate) struct TaskTable {
+    tasks: BTreeMap<u64, Task>,
+    by_start_id: BTreeMap<u128, u64>,
+    over: ExpiryQueue,
+    n_running: usize,
+    /// Number of the newest task; zero before the first.
+    pub(crate) newest: u64,
+}
+
+/// Effect of a request: applied now, or a repetition of an earlier one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum RequestEffect {
+    Now(u64),
+    Before(u64),
+}
+
+impl TaskTable {
+    pub(crate) fn start(
+        &mut self,
+        new: &NewTask,
+        now_ns: u64,
+        dirty: &mut DirtySet,
+    ) -> Result<RequestEffect, TaskRefusal> {
+        if let Some(&number) = self.by_start_id.get(&new.id.0) {
+            return Ok(RequestEffect::Before(number));
+        }
+        new.check()?;
+        if self.n_running >= MAX_RUNNING {
+            return Err(TaskRefusal::TooMany {
+                n_running: self.n_running,
+            });
+        }
+        let number = self.newest + 1;
+        self.insert(Task {
+            number,
+            kind: new.kind.clone(),
+            parameters: new.parameters.clone(),
+            author: new.author.clone(),
+            started_ns: now_ns,
+            state: TaskState::Running,
+            start_id: new.id.0,
+        });
+        dirty.add(RecordKey::Task(number));
+        dirty.add(RecordKey::Meta);
+        Ok(RequestEffect::Now(number))
+    }
+
+    pub(crate) fn end(
+        &mut self,
+        end: &TaskEnd,
+        now_ns: u64,
+        dirty: &mut DirtySet,
+    ) -> Result<RequestEffect, TaskRefusal> {
+        let task = end.task;
+        let known = self.tasks.get_mut(&task);
+        let known = known.ok_or(TaskRefusal::Unknown { task })?;
+        match known.state {
+            TaskState::Ended { end_id, .. } if end_id == end.id.0 => {
+                Ok(RequestEffect::Before(task))
+            }
+            TaskState::Ended { .. } => Err(TaskRefusal::HasEnded { task }),
+            TaskState::Running => {
+                end.check()?;
+                let ended_ns = now_ns.max(known.started_ns);
+                known.state = TaskState::Ended {
+                    outcome: end.outcome,
+                    reason: end.reason.clone(),
+                    ended_ns,
+                    end_id: end.id.0,
+                };
+                self.over.insert(ended_ns, task);
+                self.n_running -= 1;
+                dirty.add(RecordKey::Task(task));
+                Ok(RequestEffect::Now(task))
+            }
+        }
+    }
+
+    pub(crate) fn insert(&mut self, task: Task) {
+        self.newest = self.newest.max(task.number);
+        self.by_start_id.insert(task.start_id, task.number);
+        match task.state {
+            TaskState::Running => self.n_running += 1,
+            TaskState::Ended { ended_ns, .. } => self.over.insert(ended_ns, task.number),
+        }
+        self.tasks.insert(task.number, task);
+    }
+
+    pub(crate) fn get(&self, number: u64) -> Option<&Task> {
+        self.tasks.get(&number)
+    }
+
+    pub(crate) fn all(&self) -> impl Iterator<Item = &Task> {
+        self.tasks.values()
+    }
+
+    /// Tasks with a smaller number, newest first.
+    pub(crate) fn before(&self, number: u64) -> impl Iterator<Item = &Task> {
+        self.tasks.range(..number).rev().map(|(_, task)| task)
+    }
+
+    /// Removes one expired task; `false` if there is none.
+    pub(crate) fn expire(
+        &mut self,
+        now_ns: u64,
+        config: &WorldConfig,
+        dirty: &mut DirtySet,
+    ) -> bool {
+        let due = self.over.take(now_ns, config.keep_ns, config.n_kept_most);
+        let Some(task) = due.and_then(|number| self.tasks.remove(&number)) else {
+            return false;
+        };
+        self.by_start_id.remove(&task.start_id);
+        dirty.add(RecordKey::Task(task.number));
+        true
+    }
+}
