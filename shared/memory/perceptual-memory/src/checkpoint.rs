@@ -11,8 +11,9 @@ use learning::ViewId;
 
 use crate::consistency_check::{ConsistencyReport, check_consistency, schema};
 use crate::digest::Digest;
-use crate::document::{DocumentContent, DocumentKey, MemoryDocument};
-use crate::error::{Error, StorageError, in_words};
+use crate::document::{DocumentContent, MemoryDocument};
+use crate::document_key::DocumentKey;
+use crate::error::{Error, StorageError};
 use crate::exchange::{ForeignDocument, ForeignView};
 use crate::findings::Findings;
 use crate::keys;
@@ -22,6 +23,7 @@ use crate::perceptual_memory::PerceptualMemory;
 use crate::queries::Position;
 use crate::record_reader::{read_content, read_parts};
 use crate::store_index::{IndexedView, StoreIndex};
+use crate::view_phrase::view_phrase;
 use crate::watermark::{self, Watermark, WatermarkRecord};
 
 /// Copy of the database files; dropping it removes them.
@@ -257,7 +259,7 @@ impl CheckpointReader {
                 Ok(Some((parts.descriptor.len() + n_points) as u64))
             }
             Ok(_) => {
-                let view = in_words(view);
+                let view = view_phrase(view);
                 let finding = || format!("the content of {view} is not what its digest says");
                 self.findings.add(finding);
                 Ok(None)

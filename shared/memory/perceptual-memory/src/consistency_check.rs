@@ -7,7 +7,7 @@ use durable_leveldb::{
 use learning::ViewId;
 
 use crate::document::DocumentVersion;
-use crate::error::{Error, StorageError, in_words};
+use crate::error::{Error, StorageError};
 use crate::findings::Findings;
 use crate::history::HistoryEntry;
 use crate::history_projection::HistoryProjection;
@@ -16,6 +16,7 @@ use crate::label_status::{DecisionStamp, LwwRegister};
 use crate::meta::{Meta, SCHEMA};
 use crate::store_index::StoreIndex;
 use crate::track_id_counter;
+use crate::view_phrase::view_phrase;
 use crate::view_record::ViewMetadata;
 use crate::watermark::WatermarkRecord;
 
@@ -119,7 +120,7 @@ fn read_views(reader: &mut Reader, found: &mut ConsistencyReport) -> Result<(), 
             }
             (Some(view), Err(wrong)) => found
                 .findings
-                .add(|| format!("{}: {wrong}", in_words(view))),
+                .add(|| format!("{}: {wrong}", view_phrase(view))),
             (None, _) => found
                 .findings
                 .add(|| format!("a view's key is none: {key:?}")),
@@ -171,11 +172,11 @@ fn read_registers(
         match (keys::view_of(key), register) {
             (Some(view), Ok(_)) if found.index.get(view).is_none() => found
                 .findings
-                .add(|| format!("{} is missing, though it has a standing", in_words(view))),
+                .add(|| format!("{} is missing, though it has a standing", view_phrase(view))),
             (Some(view), Ok(register)) => check_register(found, projection, view, register),
             (Some(view), Err(wrong)) => found
                 .findings
-                .add(|| format!("the standing of {}: {wrong}", in_words(view))),
+                .add(|| format!("the standing of {}: {wrong}", view_phrase(view))),
             (None, _) => found
                 .findings
                 .add(|| format!("a standing's key is none: {key:?}")),
@@ -194,7 +195,7 @@ fn check_register(
     if projected.is_some_and(|projected| projected.sequence != register.sequence) {
         found
             .findings
-            .add(|| format!("the standing of {} is an older one", in_words(view)));
+            .add(|| format!("the standing of {} is an older one", view_phrase(view)));
     }
     found.index.set(view, register);
 }

@@ -8,7 +8,8 @@ use learning::{CategoryName, LabelChange, TeachingError as TeachingRefusal, View
 
 use crate::decision::{Decision, change_all};
 use crate::digest::Digest;
-use crate::document::{DocumentKey, MemoryDocument};
+use crate::document::MemoryDocument;
+use crate::document_key::DocumentKey;
 use crate::error::StoreRefusal;
 use crate::importing;
 use crate::label_status::LabelStatus;

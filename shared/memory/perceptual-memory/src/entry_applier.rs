@@ -8,7 +8,8 @@ use serde_bytes::Bytes;
 
 use crate::decision::NewContent;
 use crate::digest::Digest;
-use crate::document::{DocumentContent, DocumentKey, DocumentVersion};
+use crate::document::{DocumentContent, DocumentVersion};
+use crate::document_key::DocumentKey;
 use crate::history::HistoryEntry;
 use crate::keys;
 use crate::label_status::{DecisionStamp, LabelStatus, LwwRegister};

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use learning::{CategoryName, ViewId};
 
-use crate::document::DocumentKey;
-use crate::keys;
+use crate::document_key::DocumentKey;
+use crate::view_phrase::view_phrase;
 
 pub use durable_leveldb::Error as StorageError;
 
@@ -49,14 +49,14 @@ pub enum StoreRefusal {
     /// View id that is stored already with different content.
     #[error(
         "{} is stored already, with another content; give a new view a new id",
-        in_words(*view)
+        view_phrase(*view)
     )]
     ViewDiffers {
         /// Id of the view.
         view: ViewId,
     },
-    /// View with invalid values.
-    #[error("{} cannot be stored because {reason}; send it again corrected", in_words(*view))]
+    /// CapturedView with invalid values.
+    #[error("{} cannot be stored because {reason}; send it again corrected", view_phrase(*view))]
     InvalidView {
         /// Id of the view.
         view: ViewId,
@@ -82,7 +82,7 @@ pub enum StoreRefusal {
     /// View that is not stored, or was forgotten.
     #[error(
         "{} is not stored; list the views of the track to see which there are",
-        in_words(*view)
+        view_phrase(*view)
     )]
     UnknownView {
         /// Id of the view.
@@ -126,7 +126,7 @@ pub enum StoreRefusal {
     #[error(
         "entry {sequence} cannot be undone, since entry {by} changed {} after it; undo that one \
          first",
-        in_words(*view)
+        view_phrase(*view)
     )]
     ViewChangedSince {
         /// Sequence number of the entry to undo.
@@ -185,7 +185,7 @@ pub enum StoreRefusal {
     #[error(
         "{} cannot be stored, since that track-id was never leased; lease track-ids first, and \
          store views under them",
-        in_words(*view)
+        view_phrase(*view)
     )]
     TrackNotLeased {
         /// Id of the view.
@@ -205,17 +205,4 @@ impl From<learning::TeachingError> for Error {
     fn from(refusal: learning::TeachingError) -> Self {
         Self::Refused(StoreRefusal::Teaching(refusal))
     }
-}
-
-impl Error {
-    /// [`StorageError::Damaged`] about the record under `key`.
-    pub(crate) fn record(key: &[u8], wrong: &str) -> Self {
-        let what = format!("{}: {wrong}", keys::in_words(key));
-        Self::Storage(StorageError::Damaged { what })
-    }
-}
-
-/// Phrase for a view in sentences: "view 3 of track 7".
-pub(crate) fn in_words(view: ViewId) -> String {
-    format!("view {} of track {}", view.view_id, view.track_id)
 }

@@ -5,7 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use learning::{CategoryName, ViewId};
 
 use crate::digest::Digest;
-use crate::document::{DocumentKey, MemoryDocument};
+use crate::document::MemoryDocument;
+use crate::document_key::DocumentKey;
 use crate::error::StoreRefusal;
 use crate::label_status::{DecisionStamp, LabelStatus};
 use crate::view::{CapturedView, MAX_NAME_BYTES, Origin};

@@ -5,13 +5,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use learning::ViewId;
 
 use crate::digest::Digest;
-use crate::document::DocumentKey;
-use crate::error::in_words;
+use crate::document_key::DocumentKey;
 use crate::findings::Findings;
 use crate::history::HistoryEntry;
 use crate::label_status::LabelStatus;
 use crate::model::{Effect, Operation, is_among};
 use crate::store_index::StoreIndex;
+use crate::view_phrase::view_phrase;
 
 /// View as implied by the history.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -125,16 +125,16 @@ impl HistoryProjection {
     pub(crate) fn compare(&self, index: &StoreIndex, findings: &mut Findings) {
         for (&view, projected) in &self.views {
             match index.get(view) {
-                None => findings.add(|| format!("{} is missing", in_words(view))),
+                None => findings.add(|| format!("{} is missing", view_phrase(view))),
                 Some(entry) if entry.identity != projected.identity => {
-                    findings.add(|| format!("{} is another one", in_words(view)));
+                    findings.add(|| format!("{} is another one", view_phrase(view)));
                 }
                 Some(entry) if entry.register.standing != projected.standing => {
                     let (is, must) = (&entry.register.standing, &projected.standing);
                     findings.add(|| {
                         format!(
                             "{} stands for {is}, by the history for {must}",
-                            in_words(view)
+                            view_phrase(view)
                         )
                     });
                 }
@@ -143,7 +143,7 @@ impl HistoryProjection {
         }
         for (view, _) in index.all() {
             if !self.views.contains_key(&view) {
-                findings.add(|| format!("the history does not know of {}", in_words(view)));
+                findings.add(|| format!("the history does not know of {}", view_phrase(view)));
             }
         }
         let present: BTreeSet<(DocumentKey, u64)> = index

@@ -4,7 +4,9 @@
 use learning::ViewId;
 
 use crate::digest::Digest;
-use crate::document::{DocumentKey, DocumentKind};
+use crate::document_key::{DocumentKey, DocumentKind};
+use crate::error::{Error, StorageError};
+use crate::view_phrase::view_phrase;
 
 /// Table of point clouds and documents: `b`, content digest.
 pub(crate) const BLOB: u8 = b'b';
@@ -92,7 +94,7 @@ pub(crate) fn document_of(key: &[u8]) -> Option<(DocumentKey, u64)> {
 /// Phrase for the record under a key, for error messages.
 pub(crate) fn in_words(key: &[u8]) -> String {
     let table = key.first().copied().unwrap_or_default();
-    let view = view_of(key).map(crate::error::in_words);
+    let view = view_of(key).map(view_phrase);
     let digest = digest_of(key);
     match (table, view, digest, sequence_of(key), document_of(key)) {
         (VIEW, Some(view), ..) => view,
@@ -107,6 +109,12 @@ pub(crate) fn in_words(key: &[u8]) -> String {
         (META, ..) => "the record about the store".to_owned(),
         _ => format!("the record {}", key.escape_ascii()),
     }
+}
+
+/// [`StorageError::Damaged`] about the record under `key`.
+pub(crate) fn record_error(key: &[u8], wrong: &str) -> Error {
+    let what = format!("{}: {wrong}", in_words(key));
+    Error::Storage(StorageError::Damaged { what })
 }
 
 #[cfg(test)]

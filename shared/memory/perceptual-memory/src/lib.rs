@@ -45,6 +45,7 @@ mod decide;
 mod decision;
 mod digest;
 mod document;
+mod document_key;
 mod entry_applier;
 mod error;
 mod exchange;
@@ -66,6 +67,7 @@ mod queries;
 mod record_batch;
 mod record_reader;
 mod recovered_records;
+mod recovery;
 mod replay;
 mod retention_limits;
 mod salvage;
@@ -75,6 +77,7 @@ mod store_thread;
 mod track_id_counter;
 mod undo;
 mod view;
+mod view_phrase;
 mod view_record;
 mod view_summary;
 mod watermark;
@@ -84,9 +87,8 @@ mod tests;
 
 pub use checkpoint::{Checkpoint, CheckpointReader, Verification, verify_folder};
 pub use digest::Digest;
-pub use document::{
-    DocumentContent, DocumentKey, DocumentKind, DocumentSummary, MAX_DOCUMENT_BYTES, MemoryDocument,
-};
+pub use document::{DocumentContent, DocumentSummary, MAX_DOCUMENT_BYTES, MemoryDocument};
+pub use document_key::{DocumentKey, DocumentKind};
 pub use durable_leveldb::{MutationId, WRITE_BUFFER_BYTES};
 pub use error::{Error, StorageError, StoreRefusal};
 pub use exchange::{ForeignDocument, ForeignView};

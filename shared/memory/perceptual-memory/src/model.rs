@@ -7,7 +7,8 @@ use learning::{CategoryName, ViewId};
 use serde::{Deserialize, Serialize};
 
 use crate::digest::Digest;
-use crate::document::{DocumentContent, DocumentKey};
+use crate::document::DocumentContent;
+use crate::document_key::DocumentKey;
 use crate::label_status::{DecisionStamp, LabelStatus};
 
 /// Set of views that a label change applies to.
@@ -25,7 +26,7 @@ pub enum Target {
 impl fmt::Display for Target {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::CapturedView(view) => write!(f, "{}", crate::error::in_words(*view)),
+            Self::CapturedView(view) => write!(f, "{}", crate::view_phrase::view_phrase(*view)),
             Self::Track(track_id) => write!(f, "track {track_id}"),
             Self::Category(name) => write!(f, "the category {name}"),
         }

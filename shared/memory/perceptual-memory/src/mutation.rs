@@ -3,7 +3,8 @@
 use durable_leveldb::MutationId;
 use learning::CategoryName;
 
-use crate::document::{DocumentKey, MemoryDocument};
+use crate::document::MemoryDocument;
+use crate::document_key::DocumentKey;
 use crate::error::StoreRefusal;
 use crate::exchange::{ForeignDocument, ForeignView};
 use crate::model::Target;

@@ -19,7 +19,8 @@ use serde::{Deserialize, Serialize};
 use serde_bytes::ByteBuf;
 
 use crate::digest::{Digest, Hasher};
-use crate::document::{DocumentKey, MemoryDocument};
+use crate::document::MemoryDocument;
+use crate::document_key::DocumentKey;
 use crate::exchange::{ForeignDocument, ForeignView};
 use crate::label_status::{DecisionStamp, LabelStatus};
 use crate::mutation::{MAX_BATCH_BYTES, MAX_BATCH_VIEWS};

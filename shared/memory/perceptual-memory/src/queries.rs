@@ -7,7 +7,8 @@ use learning::{CategoryName, ViewId};
 use serde_bytes::ByteBuf;
 
 use crate::digest::Digest;
-use crate::document::{DocumentKey, DocumentSummary, MemoryDocument};
+use crate::document::{DocumentSummary, MemoryDocument};
+use crate::document_key::DocumentKey;
 use crate::error::{Error, StoreRefusal};
 use crate::history::HistoryEntry;
 use crate::keys;
@@ -348,7 +349,7 @@ fn read_run(
     })?;
     let missing = wanted.next().map(|(digest, _)| (digest, "it is missing"));
     match damaged.or(missing) {
-        Some((digest, wrong)) => Err(Error::record(
+        Some((digest, wrong)) => Err(keys::record_error(
             &keys::digest_key(keys::DESCRIPTOR, digest),
             wrong,
         )),

@@ -21,7 +21,7 @@ pub(crate) fn read_record<T: DeserializeOwned>(
     let value = record
         .ok_or("it is missing")
         .and_then(|record| unseal(key, &record));
-    value.map_err(|wrong| Error::record(key, wrong))
+    value.map_err(|wrong| keys::record_error(key, wrong))
 }
 
 /// Reads content that must exist.
@@ -36,7 +36,7 @@ pub(crate) fn read_entry(reader: &mut Reader, sequence: u64) -> Result<HistoryEn
     let entry = record
         .ok_or("it is missing")
         .and_then(|record| HistoryEntry::unseal(sequence, &record));
-    Ok(entry.map_err(|wrong| Error::record(&key, wrong))?.0)
+    Ok(entry.map_err(|wrong| keys::record_error(&key, wrong))?.0)
 }
 
 /// Reads all parts of a view that must exist.

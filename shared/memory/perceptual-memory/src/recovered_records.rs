@@ -6,17 +6,16 @@ use durable_leveldb::{RawDatabase, record::unseal};
 use learning::ViewId;
 use serde_bytes::ByteBuf;
 
-use crate::consistency_check::schema_of;
 use crate::digest::Digest;
-use crate::document::{DocumentKey, DocumentVersion};
-use crate::error::{Error, StorageError};
+use crate::document::DocumentVersion;
+use crate::document_key::DocumentKey;
+use crate::error::Error;
 use crate::history::HistoryEntry;
 use crate::history_projection::HistoryProjection;
 use crate::keys;
 use crate::label_status::{DecisionStamp, LabelStatus, LwwRegister};
-use crate::meta::{Meta, SCHEMA};
+use crate::meta::Meta;
 use crate::model::{Effect, is_among};
-use crate::schema_1;
 use crate::track_id_counter;
 use crate::view_record::{ViewMetadata, ViewParts};
 use crate::watermark::WatermarkRecord;
@@ -56,84 +55,8 @@ pub(crate) struct RecordedTotals {
 }
 
 impl RecoveredRecords {
-    /// Reads all intact records; `None` if there are none.
-    ///
-    /// # Errors
-    ///
-    /// [`StorageError::NewerSchema`].
-    pub(crate) fn find(
-        raw: &RawDatabase,
-        mark: Option<&WatermarkRecord>,
-    ) -> Result<Option<Self>, Error> {
-        let record = raw.get(&[keys::META]);
-        let totals = record.as_deref().map_or(Ok(None), schema_of)?;
-        let Some(schema) = totals.or(raw.version().map(u32::from)) else {
-            return Ok(None);
-        };
-        if schema > SCHEMA {
-            return Err(Error::Storage(StorageError::NewerSchema {
-                found: schema,
-                known: SCHEMA,
-            }));
-        }
-        let mut recovered = Self::default();
-        let counts = if schema == SCHEMA {
-            recovered.read_records(raw);
-            let meta = record.and_then(|record| unseal::<Meta>(&[keys::META], &record).ok());
-            meta.map(|meta| RecordedTotals {
-                memory_id: Some(meta.memory_id()),
-                next_track_id: meta.next_track_id,
-                sequence: meta.sequence,
-                n_views: meta.n_views,
-            })
-        } else {
-            recovered.migrated_from = Some(schema);
-            schema_1::read_records(raw, &mut recovered)
-        };
-        recovered.derive_totals(counts.as_ref(), mark)?;
-        Ok(Some(recovered))
-    }
-
-    fn read_records(&mut self, raw: &RawDatabase) {
-        for (key, record) in raw.table(keys::HISTORY) {
-            if let Some(sequence) = keys::sequence_of(key)
-                && let Ok((entry, _)) = HistoryEntry::unseal(sequence, &record)
-            {
-                self.history.insert(sequence, entry);
-            }
-        }
-        for (key, record) in raw.table(keys::VIEW) {
-            if let Some(view) = keys::view_of(key)
-                && let Ok(metadata) = unseal::<ViewMetadata>(key, &record)
-                && raw.contains(&keys::digest_key(
-                    keys::DESCRIPTOR,
-                    metadata.descriptor.digest,
-                ))
-            {
-                let identity = metadata.identity();
-                self.views.insert(view, identity);
-                self.metadata.insert(identity, metadata);
-            }
-        }
-        for (key, record) in raw.table(keys::REGISTER) {
-            if let (Some(view), Ok(register)) = (keys::view_of(key), unseal(key, &record)) {
-                self.registers.insert(view, register);
-            }
-        }
-        for (key, record) in raw.table(keys::DOCUMENT) {
-            if let (Some(version), Ok(content)) = (keys::document_of(key), unseal(key, &record)) {
-                self.documents.insert(version, content);
-            }
-        }
-        for (key, record) in raw.table(keys::TOMBSTONE) {
-            if let (Some(identity), Ok(decided)) = (keys::digest_of(key), unseal(key, &record)) {
-                self.tombstones.insert(identity, decided);
-            }
-        }
-    }
-
     /// Derives counters and totals from the intact records.
-    fn derive_totals(
+    pub(crate) fn derive_totals(
         &mut self,
         counts: Option<&RecordedTotals>,
         mark: Option<&WatermarkRecord>,

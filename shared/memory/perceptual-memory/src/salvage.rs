@@ -11,7 +11,7 @@ use durable_leveldb::{Database, RawDatabase};
 use learning::ViewId;
 
 use crate::decision::NewContent;
-use crate::document::DocumentKey;
+use crate::document_key::DocumentKey;
 use crate::entry_applier::EntryApplier;
 use crate::error::Error;
 use crate::history::HistoryEntry;
@@ -20,6 +20,7 @@ use crate::meta::Meta;
 use crate::model::{DataLoss, Effect, Operation};
 use crate::record_batch::RecordBatch;
 use crate::recovered_records::RecoveredRecords;
+use crate::recovery;
 use crate::store_index::StoreIndex;
 use crate::view_record::ViewParts;
 use crate::watermark::WatermarkRecord;
@@ -52,7 +53,7 @@ pub(crate) fn salvage(
     wall_ns: u64,
 ) -> Result<Option<SalvageOutcome>, Error> {
     let raw = RawDatabase::read(damaged)?;
-    let Some(recovered) = RecoveredRecords::find(&raw, mark)? else {
+    let Some(recovered) = recovery::recover(&raw, mark)? else {
         return Ok(None);
     };
     let meta = Meta::new(Some(recovered.memory_id), recovered.next_track_id)?;

@@ -10,7 +10,8 @@ use durable_leveldb::MutationId;
 use learning::{CategoryName, LabelledView, ViewId};
 
 use crate::digest::Digest;
-use crate::document::{DocumentKey, DocumentSummary, DocumentVersion};
+use crate::document::{DocumentSummary, DocumentVersion};
+use crate::document_key::DocumentKey;
 use crate::label_status::{DecisionStamp, LabelStatus, LwwRegister};
 use crate::model::is_among;
 use crate::view::Origin;

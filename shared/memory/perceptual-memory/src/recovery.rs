@@ -1,0 +1,90 @@
+//! Recovery of the intact records of a damaged database, or of one with an older schema.
+
+use durable_leveldb::{RawDatabase, record::unseal};
+
+use crate::consistency_check::schema_of;
+use crate::error::{Error, StorageError};
+use crate::history::HistoryEntry;
+use crate::keys;
+use crate::meta::{Meta, SCHEMA};
+use crate::recovered_records::{RecordedTotals, RecoveredRecords};
+use crate::schema_1;
+use crate::view_record::ViewMetadata;
+use crate::watermark::WatermarkRecord;
+
+/// Reads all intact records; `None` if there are none.
+///
+/// # Errors
+///
+/// [`StorageError::NewerSchema`].
+pub(crate) fn recover(
+    raw: &RawDatabase,
+    mark: Option<&WatermarkRecord>,
+) -> Result<Option<RecoveredRecords>, Error> {
+    let record = raw.get(&[keys::META]);
+    let totals = record.as_deref().map_or(Ok(None), schema_of)?;
+    let Some(schema) = totals.or(raw.version().map(u32::from)) else {
+        return Ok(None);
+    };
+    if schema > SCHEMA {
+        return Err(Error::Storage(StorageError::NewerSchema {
+            found: schema,
+            known: SCHEMA,
+        }));
+    }
+    let mut recovered = RecoveredRecords::default();
+    let counts = if schema == SCHEMA {
+        read_records(raw, &mut recovered);
+        let meta = record.and_then(|record| unseal::<Meta>(&[keys::META], &record).ok());
+        meta.map(|meta| RecordedTotals {
+            memory_id: Some(meta.memory_id()),
+            next_track_id: meta.next_track_id,
+            sequence: meta.sequence,
+            n_views: meta.n_views,
+        })
+    } else {
+        recovered.migrated_from = Some(schema);
+        schema_1::read_records(raw, &mut recovered)
+    };
+    recovered.derive_totals(counts.as_ref(), mark)?;
+    Ok(Some(recovered))
+}
+
+/// Reads all intact records of the present schema.
+fn read_records(raw: &RawDatabase, recovered: &mut RecoveredRecords) {
+    for (key, record) in raw.table(keys::HISTORY) {
+        if let Some(sequence) = keys::sequence_of(key)
+            && let Ok((entry, _)) = HistoryEntry::unseal(sequence, &record)
+        {
+            recovered.history.insert(sequence, entry);
+        }
+    }
+    for (key, record) in raw.table(keys::VIEW) {
+        if let Some(view) = keys::view_of(key)
+            && let Ok(metadata) = unseal::<ViewMetadata>(key, &record)
+            && raw.contains(&keys::digest_key(
+                keys::DESCRIPTOR,
+                metadata.descriptor.digest,
+            ))
+        {
+            let identity = metadata.identity();
+            recovered.views.insert(view, identity);
+            recovered.metadata.insert(identity, metadata);
+        }
+    }
+    for (key, record) in raw.table(keys::REGISTER) {
+        if let (Some(view), Ok(register)) = (keys::view_of(key), unseal(key, &record)) {
+            recovered.registers.insert(view, register);
+        }
+    }
+    for (key, record) in raw.table(keys::DOCUMENT) {
+        if let (Some(version), Ok(content)) = (keys::document_of(key), unseal(key, &record)) {
+            recovered.documents.insert(version, content);
+        }
+    }
+    for (key, record) in raw.table(keys::TOMBSTONE) {
+        if let (Some(identity), Ok(decided)) = (keys::digest_of(key), unseal(key, &record)) {
+            recovered.tombstones.insert(identity, decided);
+        }
+    }
+}
