@@ -6,11 +6,16 @@
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// Version of the record format. A change of the fields of any record needs a new version and a new schema.
+/// Version of the record format. A change of the fields of any record needs a
+/// new version and a new schema.
 pub const VERSION: u8 = 2;
 const HEADER_BYTES: usize = 5;
 
 /// Serialises a value as the record under `key`.
+///
+/// # Panics
+///
+/// When the value refuses to be serialised, which plain data never does.
 pub fn seal<T: Serialize>(key: &[u8], value: &T) -> Vec<u8> {
     let mut record = vec![0; HEADER_BYTES];
     #[expect(

@@ -55,7 +55,7 @@ pub enum StoreRefusal {
         /// Id of the view.
         view: ViewId,
     },
-    /// CapturedView with invalid values.
+    /// View with invalid values.
     #[error("{} cannot be stored because {reason}; send it again corrected", view_phrase(*view))]
     InvalidView {
         /// Id of the view.

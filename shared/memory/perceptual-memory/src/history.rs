@@ -97,7 +97,7 @@ impl HistoryEntry {
             .finish()
     }
 
-    /// Receipt of the mutation that made the entry.
+    /// Receipt to the mutation that made the entry.
     pub(crate) fn answer(&self) -> MutationReceipt {
         // An import may change only the time stamp of a decision.
         let is_change = |effect: &&Effect| !matches!(effect, Effect::Changed { before, after, .. } if before == after);

@@ -158,8 +158,8 @@ impl PerceptualMemory {
     ///
     /// # Errors
     ///
-    /// [`StorageError::InUse`], [`StorageError::NewerSchema`], or [`StorageError::Io`] when the folder
-    /// cannot be read and written; nothing was renamed then.
+    /// [`StorageError::InUse`], [`StorageError::NewerSchema`], or [`StorageError::Io`] when the
+    /// folder cannot be read and written; nothing was renamed then.
     pub fn open(folder: &Path, wall_ns: u64) -> Result<(Self, OpenReport), Error> {
         open(StoreFolder::hold(folder)?, wall_ns, false)
     }

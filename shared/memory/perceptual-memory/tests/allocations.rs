@@ -11,6 +11,8 @@ use perceptual_memory::{
 #[global_allocator]
 static ALLOCATOR: CountingAllocator = CountingAllocator;
 
+const SECOND: u64 = 1_000_000_000;
+
 /// View with a point cloud whose bytes depend on the track.
 fn view_with_cloud(track_id: u64, n_bytes: usize) -> CapturedView {
     CapturedView {

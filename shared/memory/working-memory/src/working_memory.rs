@@ -108,8 +108,8 @@ impl WorkingMemory {
     ///
     /// # Errors
     ///
-    /// [`StorageError::InUse`], [`StorageError::NewerSchema`], or [`StorageError::Io`] when the folder
-    /// cannot be read and written; nothing was renamed then.
+    /// [`StorageError::InUse`], [`StorageError::NewerSchema`], or [`StorageError::Io`] when the
+    /// folder cannot be read and written; nothing was renamed then.
     pub fn open(
         folder: &Path,
         config: WorldConfig,
