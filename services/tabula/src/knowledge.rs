@@ -3,7 +3,7 @@
 use crate::arguments::{KnowledgeVerb, PutArguments};
 use crate::time::utc;
 use command_line::{Output, format_table};
-use control_client::{MemoryAccess, author_or_user, mutation_id, unexpected};
+use control_client::{MemoryClient, author_or_user, mutation_id, unexpected_reply};
 use message::control::{
     Command, DocumentKind, DocumentName, DocumentReport, LearningReport, MemoryAnswer, MemoryQuery,
     Reply, Revision, RevisionChange,
@@ -22,7 +22,7 @@ pub(crate) fn run(
     verb: &KnowledgeVerb,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
-    let mut memory = MemoryAccess::open(common, output)?;
+    let mut memory = MemoryClient::open(common, output)?;
     match verb {
         KnowledgeVerb::List => list(&mut memory, output),
         KnowledgeVerb::Get { name } => get(&mut memory, name, output),
@@ -48,7 +48,7 @@ fn document(name: &str) -> DocumentName {
 }
 
 fn revise(
-    memory: &mut MemoryAccess,
+    memory: &mut MemoryClient,
     author: Option<&str>,
     change: RevisionChange,
 ) -> Result<LearningReport, Failure> {
@@ -59,7 +59,7 @@ fn revise(
     };
     match memory.call(Command::Revise(revision))? {
         Reply::Learned(report) => Ok(report),
-        other => Err(unexpected(&other)),
+        other => Err(unexpected_reply(&other)),
     }
 }
 
@@ -68,10 +68,10 @@ struct ListDocument {
     documents: Vec<DocumentReport>,
 }
 
-fn list(memory: &mut MemoryAccess, output: &Output) -> Result<ExitCode, Failure> {
+fn list(memory: &mut MemoryClient, output: &Output) -> Result<ExitCode, Failure> {
     let mut documents = match memory.call(Command::Memory(MemoryQuery::Documents))? {
         Reply::Memory(MemoryAnswer::Documents(documents)) => documents,
-        other => return Err(unexpected(&other)),
+        other => return Err(unexpected_reply(&other)),
     };
     documents.retain(|report| report.document.kind == DocumentKind::TaskKnowledge);
     let document = ListDocument { documents };
@@ -105,14 +105,14 @@ struct GetDocument<'a> {
     bytes: usize,
 }
 
-fn get(memory: &mut MemoryAccess, name: &str, output: &Output) -> Result<ExitCode, Failure> {
+fn get(memory: &mut MemoryClient, name: &str, output: &Output) -> Result<ExitCode, Failure> {
     let query = MemoryQuery::Document(document(name));
     let (media_type, content) = match memory.call(Command::Memory(query))? {
         Reply::Memory(MemoryAnswer::Document {
             media_type,
             content,
         }) => (media_type, content),
-        other => return Err(unexpected(&other)),
+        other => return Err(unexpected_reply(&other)),
     };
     if output.is_json() {
         let document = GetDocument {
@@ -132,7 +132,7 @@ fn get(memory: &mut MemoryAccess, name: &str, output: &Output) -> Result<ExitCod
 }
 
 fn put(
-    memory: &mut MemoryAccess,
+    memory: &mut MemoryClient,
     arguments: &PutArguments,
     output: &Output,
 ) -> Result<ExitCode, Failure> {

@@ -2,7 +2,7 @@
 
 use crate::arguments::{ForgetArguments, LabelArguments};
 use command_line::{Output, format_table};
-use control_client::{author_or_user, call, connect, mutation_id, unexpected};
+use control_client::{author_or_user, call, connect, mutation_id, unexpected_reply};
 use message::control::{
     CategoryReport, Command, Labelling, LearningReport, Reply, Revision, RevisionChange, ViewId,
 };
@@ -111,7 +111,7 @@ struct CategoriesDocument {
 pub(crate) fn categories(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure> {
     let categories = match call(&mut connect(common)?, Command::Categories)? {
         Reply::Categories(categories) => categories,
-        other => return Err(unexpected(&other)),
+        other => return Err(unexpected_reply(&other)),
     };
     let document = CategoriesDocument { categories };
     output.answer(&document, || categories_text(&document.categories));
@@ -136,7 +136,7 @@ fn categories_text(categories: &[CategoryReport]) -> String {
 fn learn(common: &CommonArguments, command: Command) -> Result<LearningReport, Failure> {
     match call(&mut connect(common)?, command)? {
         Reply::Learned(report) => Ok(report),
-        other => Err(unexpected(&other)),
+        other => Err(unexpected_reply(&other)),
     }
 }
 

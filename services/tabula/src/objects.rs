@@ -2,7 +2,7 @@
 
 use channel::control::SocketClient;
 use command_line::{Output, StopSignal, format_table, redraw_terminal};
-use control_client::{call, connect, unexpected};
+use control_client::{call, connect, unexpected_reply};
 use message::control::{Command, ObjectReport, ObjectsReport, RejectedCandidateReport, Reply};
 use serde::Serialize;
 use service::{CommonArguments, Failure};
@@ -30,7 +30,7 @@ pub(crate) fn objects(
 fn ask_objects(client: &mut SocketClient) -> Result<ObjectsReport, Failure> {
     match call(client, Command::Objects)? {
         Reply::Objects(report) => Ok(report),
-        other => Err(unexpected(&other)),
+        other => Err(unexpected_reply(&other)),
     }
 }
 
@@ -169,7 +169,7 @@ pub(crate) fn ask(
             output.answer(&object, || answer_text(&object));
             Ok(ExitCode::SUCCESS)
         }
-        other => Err(unexpected(&other)),
+        other => Err(unexpected_reply(&other)),
     }
 }
 
@@ -216,7 +216,7 @@ struct StatusDocument {
 pub(crate) fn status(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure> {
     let processes = match call(&mut connect(common)?, Command::Health)? {
         Reply::Health(processes) => processes,
-        other => return Err(unexpected(&other)),
+        other => return Err(unexpected_reply(&other)),
     };
     let document = StatusDocument { processes };
     output.answer(&document, || status_text(&document));

@@ -4,7 +4,7 @@ use crate::arguments::{EventsArguments, HistoryArguments, Point, Time, WorldVerb
 use crate::objects::metres;
 use channel::control::SocketClient;
 use command_line::{Output, StopSignal, format_table};
-use control_client::{call, connect, unexpected};
+use control_client::{call, connect, unexpected_reply};
 use message::control::{
     Command, EventReport, EventsReport, FactFilter, FactReport, FactsReport, Reply, TaskReport,
     TasksReport, WorldCommand, WorldObjectReport, WorldRegion, WorldReply, WorldReport,
@@ -57,12 +57,12 @@ fn now_ns() -> u64 {
 fn ask(client: &mut SocketClient, command: WorldCommand) -> Result<WorldReply, Failure> {
     match call(client, Command::World(command))? {
         Reply::World(reply) => Ok(*reply),
-        other => Err(unexpected(&other)),
+        other => Err(unexpected_reply(&other)),
     }
 }
 
 fn unfit(reply: WorldReply) -> Failure {
-    unexpected(&Reply::World(Box::new(reply)))
+    unexpected_reply(&Reply::World(Box::new(reply)))
 }
 
 fn now(client: &mut SocketClient) -> Result<WorldReport, Failure> {

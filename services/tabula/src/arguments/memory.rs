@@ -64,7 +64,7 @@ pub(crate) struct EntriesArguments {
     #[arg(long, value_name = "ENTRY")]
     pub(crate) from: Option<u64>,
     /// How many
-    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) count: u32,
 }
 

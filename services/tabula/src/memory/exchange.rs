@@ -3,7 +3,8 @@
 use crate::arguments::ImportArguments;
 use command_line::{Output, progress_bar};
 use control_client::{
-    ImportRequest, MemoryAccess, author_or_user, import as import_file, unexpected,
+    ImportError, ImportRequest, MemoryClient, author_or_user, import as import_file,
+    unexpected_reply,
 };
 use message::control::{
     Command, ExportReport, ImportReport, JobCommand, JobKind, JobOutcome, Reply,
@@ -32,7 +33,7 @@ pub(super) fn export(
     file: &Path,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
-    let mut memory = MemoryAccess::open(common, output)?;
+    let mut memory = MemoryClient::open(common, output)?;
     let partial = partial(file);
     let written = write_export(&mut memory, &partial, output);
     let report = match written.and_then(|report| {
@@ -76,18 +77,18 @@ fn file_failed(doing: &str, file: &Path, error: &io::Error) -> Failure {
 }
 
 fn write_export(
-    memory: &mut MemoryAccess,
+    memory: &mut MemoryClient,
     path: &Path,
     output: &Output,
 ) -> Result<ExportReport, Failure> {
     let failed = |error: io::Error| file_failed("written", path, &error);
     let mut file = File::create(path).map_err(failed)?;
-    let begun = memory.begin(JobKind::Export)?;
+    let begun = memory.start_job(JobKind::Export)?;
     let bar = progress_bar(begun.total, "views", output);
     let mut offset = 0;
     let report = loop {
         // Asked first: what comes after it is over is all there is.
-        let report = memory.job(JobCommand::Ask { job: begun.job })?;
+        let report = memory.job_request(JobCommand::Ask { job: begun.job })?;
         bar.set_length(report.total);
         bar.set_position(report.done);
         let bytes = match memory.call(Command::Job(JobCommand::Read {
@@ -95,7 +96,7 @@ fn write_export(
             offset,
         }))? {
             Reply::JobBytes { bytes } => bytes,
-            other => return Err(unexpected(&other)),
+            other => return Err(unexpected_reply(&other)),
         };
         file.write_all(&bytes).map_err(failed)?;
         offset += bytes.len() as u64;
@@ -128,7 +129,7 @@ pub(super) fn import(
     let renames = renames.collect::<Result<Vec<_>, _>>()?;
     let mut file = File::open(&arguments.file)
         .map_err(|error| file_failed("opened", &arguments.file, &error))?;
-    let mut memory = MemoryAccess::open(common, output)?;
+    let mut memory = MemoryClient::open(common, output)?;
     let source = arguments.file.file_name().unwrap_or_default();
     let request = ImportRequest {
         author: author_or_user(arguments.author.as_deref()),
@@ -136,9 +137,13 @@ pub(super) fn import(
         renames,
         prefix: arguments.prefix.clone(),
     };
-    let report = import_file(&mut memory, &mut file, request, output).map_err(|failure| {
-        let sentence = format!("{} cannot be imported: {failure}", arguments.file.display());
-        Failure::new(failure.code, sentence)
+    let imported = import_file(&mut memory, &mut file, request, output);
+    let report = imported.map_err(|error| match error {
+        ImportError::RefusedFile(reason) => {
+            let sentence = format!("{} cannot be imported: {reason}", arguments.file.display());
+            Failure::new(exit_code::REFUSED, sentence)
+        }
+        ImportError::Failure(failure) => failure,
     })?;
     output.answer(&report, || {
         let ImportReport {

@@ -3,7 +3,7 @@
 use crate::arguments::{EntriesArguments, InspectArguments};
 use crate::time::utc;
 use command_line::{Output, format_table};
-use control_client::{MemoryAccess, unexpected};
+use control_client::{MemoryClient, unexpected_reply};
 use message::control::{
     Command, HistoryReport, MemoryAnswer, MemoryQuery, MemoryStats, Reply, ViewReport,
 };
@@ -11,20 +11,20 @@ use serde::Serialize;
 use service::{CommonArguments, Failure};
 use std::process::ExitCode;
 
-fn ask(memory: &mut MemoryAccess, query: MemoryQuery) -> Result<MemoryAnswer, Failure> {
+fn ask(memory: &mut MemoryClient, query: MemoryQuery) -> Result<MemoryAnswer, Failure> {
     match memory.call(Command::Memory(query))? {
         Reply::Memory(answer) => Ok(answer),
-        other => Err(unexpected(&other)),
+        other => Err(unexpected_reply(&other)),
     }
 }
 
 fn strange(answer: MemoryAnswer) -> Failure {
-    unexpected(&Reply::Memory(answer))
+    unexpected_reply(&Reply::Memory(answer))
 }
 
 /// `tabula memory stats`
 pub(super) fn stats(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure> {
-    let mut memory = MemoryAccess::open(common, output)?;
+    let mut memory = MemoryClient::open(common, output)?;
     let stats = match ask(&mut memory, MemoryQuery::Stats)? {
         MemoryAnswer::Stats(stats) => stats,
         other => return Err(strange(other)),
@@ -66,7 +66,7 @@ pub(super) fn views(
     arguments: &InspectArguments,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
-    let mut memory = MemoryAccess::open(common, output)?;
+    let mut memory = MemoryClient::open(common, output)?;
     let mut all = Vec::new();
     let mut after = None;
     loop {
@@ -139,20 +139,11 @@ pub(super) fn history(
     arguments: &EntriesArguments,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
-    let mut memory = MemoryAccess::open(common, output)?;
-    let query = MemoryQuery::History {
-        from: arguments.from,
-        max: arguments.count,
-    };
-    let document = match ask(&mut memory, query)? {
-        MemoryAnswer::History {
-            entries,
-            last_sequence,
-        } => HistoryDocument {
-            entries,
-            last_sequence,
-        },
-        other => return Err(strange(other)),
+    let mut memory = MemoryClient::open(common, output)?;
+    let (entries, last_sequence) = memory.history(arguments.from, arguments.count.into())?;
+    let document = HistoryDocument {
+        entries,
+        last_sequence,
     };
     output.answer(&document, || history_text(&document.entries));
     Ok(ExitCode::SUCCESS)

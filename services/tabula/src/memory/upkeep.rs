@@ -2,7 +2,7 @@
 
 use crate::arguments::CompactArguments;
 use command_line::{Output, progress_bar};
-use control_client::{MemoryAccess, daemon, local_folder, unexpected};
+use control_client::{MemoryClient, connect_if_running, local_memory_folder, unexpected_reply};
 use message::control::{JobKind, JobOutcome, Reply, VerificationReport};
 use service::{CommonArguments, Failure, exit_code};
 use std::process::ExitCode;
@@ -11,14 +11,14 @@ const S_PER_DAY: u64 = 24 * 3600;
 
 /// Runs a job, with a bar.
 fn job(
-    memory: &mut MemoryAccess,
+    memory: &mut MemoryClient,
     kind: JobKind,
     unit: &'static str,
     output: &Output,
 ) -> Result<JobOutcome, Failure> {
-    let report = memory.begin(kind)?;
+    let report = memory.start_job(kind)?;
     let bar = progress_bar(report.total, unit, output);
-    let outcome = memory.wait(report.job, |report| {
+    let outcome = memory.wait_for_job(report.job, |report| {
         bar.set_length(report.total);
         bar.set_position(report.done);
     });
@@ -27,7 +27,7 @@ fn job(
 }
 
 fn strange(outcome: JobOutcome) -> Failure {
-    unexpected(&Reply::Job(message::control::JobReport {
+    unexpected_reply(&Reply::Job(message::control::JobReport {
         job: 0,
         done: 0,
         total: 0,
@@ -37,11 +37,11 @@ fn strange(outcome: JobOutcome) -> Failure {
 
 /// `tabula memory verify`: without a daemon a copy is read, and nothing is changed.
 pub(super) fn verify(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure> {
-    let mut memory = match daemon(common)? {
+    let mut memory = match connect_if_running(common)? {
         Some(client) => client.into(),
         None => {
-            local_folder(common)?;
-            MemoryAccess::offline(common)?
+            local_memory_folder(common)?;
+            MemoryClient::open_offline(common)?
         }
     };
     let found = match job(&mut memory, JobKind::Verify, "views", output)? {
@@ -82,7 +82,7 @@ fn text(found: &VerificationReport) -> String {
 
 /// `tabula memory repair`
 pub(super) fn repair(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure> {
-    let mut memory = MemoryAccess::open(common, output)?;
+    let mut memory = MemoryClient::open(common, output)?;
     let outcome = job(&mut memory, JobKind::Repair, "views", output)?;
     let JobOutcome::Repaired { what, is_loss, .. } = &outcome else {
         return Err(strange(outcome));
@@ -101,7 +101,7 @@ pub(super) fn compact(
     arguments: &CompactArguments,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
-    let mut memory = MemoryAccess::open(common, output)?;
+    let mut memory = MemoryClient::open(common, output)?;
     let kind = JobKind::Compact {
         forgotten_for_s: u64::from(arguments.forgotten_days) * S_PER_DAY,
     };

@@ -2,9 +2,10 @@
 //! rates.
 
 use crate::recogniser::Answer;
+use serde::Serialize;
 
 /// Open-set metrics: questions about categories that were never taught against known ones.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct NoveltyScore {
     /// Number of open-set questions.
     pub n: usize,

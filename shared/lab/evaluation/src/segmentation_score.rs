@@ -8,6 +8,8 @@ mod overlaps;
 
 pub use overlaps::Overlaps;
 
+use serde::Serialize;
+
 /// First label of an object.
 pub const FIRST_OBJECT_LABEL: u16 = 10;
 
@@ -20,7 +22,7 @@ const FINE_MATCH_F_MEASURE: f64 = 0.75;
 /// Segmentation scores of one scene, or means over several, as fractions.
 ///
 /// Overlap is intersection over union (`IoU`) of the pixels of an object and a hypothesis.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct SegmentationScore {
     /// Number of labelled objects; summed over several scenes.
     pub n_objects: usize,

@@ -4,7 +4,7 @@ mod recognition;
 
 pub use recognition::{
     AblationArguments, AblationVariant, CrossValidationArguments, DescriptionArguments,
-    LearnArguments, OpenEndedArguments, Up, Variant, ViewProtocol,
+    DescriptorVariant, LearnArguments, OpenEndedArguments, UpAxis, ViewProtocol,
 };
 
 use clap::{Args, Subcommand, ValueEnum};

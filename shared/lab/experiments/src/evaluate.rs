@@ -2,23 +2,19 @@
 
 mod ablation;
 mod cross_validation;
-mod csv;
 mod detection;
-mod document;
-mod object_views;
 mod open_ended;
 mod open_set;
-pub(crate) mod parallel;
-mod report;
+mod recognition;
+mod report_parts;
 mod scene_views;
-mod stopwatch;
 mod tracking;
-mod variant;
-mod whole_file;
+mod view_selection;
+mod view_table;
 
 use crate::arguments::EvaluateVerb;
 use command_line::Output;
-use service::{Failure, exit_code};
+use service::Failure;
 use std::process::ExitCode;
 
 /// Carries out a verb of `tabula evaluate`.
@@ -30,8 +26,4 @@ pub fn run(verb: &EvaluateVerb, output: &Output) -> Result<ExitCode, Failure> {
         EvaluateVerb::Ablation(arguments) => ablation::run(arguments, output),
         EvaluateVerb::CrossValidation(arguments) => cross_validation::run(arguments, output),
     }
-}
-
-fn failed(error: impl std::fmt::Display) -> Failure {
-    Failure::new(exit_code::FAILURE, error)
 }

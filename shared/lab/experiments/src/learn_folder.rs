@@ -1,14 +1,15 @@
 //! `tabula learn`: what a folder of labelled views shows becomes known.
 
-mod described;
+mod folder_describer;
 
-use crate::arguments::{LearnArguments, Up};
-use crate::evaluate::parallel;
+use crate::arguments::{LearnArguments, UpAxis};
+use crate::failure::failed;
+use crate::parallel;
 use command_line::{Output, progress_bar};
-use control_client::{ImportRequest, MemoryAccess, author_or_user, connect, import};
+use control_client::{ImportError, ImportRequest, MemoryClient, author_or_user, connect, import};
 use dataset::object_views::{ObjectViews, ViewFile};
-use described::Folder;
 use description::{AppearanceDescriptor, AppearanceWeights};
+use folder_describer::FolderDescriber;
 use learning::CategoryName;
 use perceptual_memory::{DecisionStamp, PortableWriter};
 use serde::Serialize;
@@ -21,7 +22,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 /// One object of the folder; its views come in as those of one track.
-struct Object {
+struct LabelledObject {
     category: CategoryName,
     /// Which one of its category, where that is known.
     instance: Option<String>,
@@ -31,7 +32,7 @@ struct Object {
 
 /// What was learned.
 #[derive(Debug, Default, Serialize)]
-struct Report {
+struct LearnReport {
     n_categories: usize,
     n_objects: usize,
     n_views: usize,
@@ -51,7 +52,7 @@ pub fn run(
 ) -> Result<ExitCode, Failure> {
     let views = ObjectViews::open(&arguments.folder)
         .map_err(|error| Failure::new(exit_code::USAGE, error))?;
-    let up = arguments.up.and_then(Up::direction);
+    let up = arguments.up.and_then(UpAxis::direction);
     if up.is_none() && (arguments.up.is_some() || !views.is_up_known()) {
         return Err(up_unknown(&arguments.folder));
     }
@@ -59,7 +60,7 @@ pub fn run(
     // on which nothing is asked for a minute, so that later there is another one.
     drop(connect(common)?);
     let author = author_or_user(arguments.author.as_deref());
-    let folder = Folder {
+    let folder = FolderDescriber {
         views: &views,
         up,
         decided: DecisionStamp {
@@ -67,7 +68,7 @@ pub fn run(
             stamp_ns: wall_clock_ns().max(0) as u64,
         },
     };
-    let mut report = Report::default();
+    let mut report = LearnReport::default();
     let mut file = write(&folder, &mut report, output)?;
     if report.n_views > 0 {
         let request = ImportRequest {
@@ -76,8 +77,12 @@ pub fn run(
             renames: Vec::new(),
             prefix: String::new(),
         };
-        let mut memory = MemoryAccess::from(connect(common)?);
-        let imported = import(&mut memory, &mut file, request, output)?;
+        let mut memory = MemoryClient::from(connect(common)?);
+        let imported = import(&mut memory, &mut file, request, output);
+        let imported = imported.map_err(|error| match error {
+            ImportError::RefusedFile(reason) => failed(reason),
+            ImportError::Failure(failure) => failure,
+        })?;
         report.n_views_changed = imported.n_views_changed;
         report.sequence = imported.sequence;
     }
@@ -106,7 +111,7 @@ fn source(folder: &Path) -> String {
     name.to_string_lossy().into_owned()
 }
 
-fn text(report: &Report) -> String {
+fn text(report: &LearnReport) -> String {
     let mut lines = report.left_out.clone();
     lines.push(format!(
         "learned {} view(s) of {} object(s) in {} categories: {} view(s) are new or changed, \
@@ -122,7 +127,11 @@ fn text(report: &Report) -> String {
 
 /// Writes the described views into a file without a name, which is gone when it is
 /// closed: all of them may be more than memory holds. Returns it at its beginning.
-fn write(folder: &Folder<'_>, report: &mut Report, output: &Output) -> Result<File, Failure> {
+fn write(
+    folder: &FolderDescriber<'_>,
+    report: &mut LearnReport,
+    output: &Output,
+) -> Result<File, Failure> {
     let unwritable = |error: std::io::Error| {
         let place = std::env::temp_dir();
         failed(format!(
@@ -140,7 +149,7 @@ fn write(folder: &Folder<'_>, report: &mut Report, output: &Output) -> Result<Fi
         let work = |appearance: &mut AppearanceDescriptor, place| {
             folder.describe(appearance, &object, object.views.start + place)
         };
-        let results = parallel::map(object.views.len(), &bar, || appearance.clone(), work)?;
+        let results = parallel::map(object.views.len(), &bar, || appearance.clone(), work);
         let described = usable(results, report);
         for view in &described {
             writer.view(view).map_err(unwritable)?;
@@ -160,7 +169,7 @@ fn write(folder: &Folder<'_>, report: &mut Report, output: &Output) -> Result<Fi
 
 /// The objects in the order of their views; where objects are not known, each
 /// category is one. What can not be taught is left out with its reason.
-fn objects(files: &[ViewFile], report: &mut Report) -> Vec<Object> {
+fn objects(files: &[ViewFile], report: &mut LearnReport) -> Vec<LabelledObject> {
     let is_same =
         |a: &ViewFile, b: &ViewFile| (&a.category, &a.instance) == (&b.category, &b.instance);
     let mut objects = Vec::new();
@@ -174,7 +183,7 @@ fn objects(files: &[ViewFile], report: &mut Report) -> Vec<Object> {
             ..
         } = &of_object[0];
         match CategoryName::new(name) {
-            Ok(category) => objects.push(Object {
+            Ok(category) => objects.push(LabelledObject {
                 category,
                 instance: instance.clone(),
                 views,
@@ -190,7 +199,7 @@ fn objects(files: &[ViewFile], report: &mut Report) -> Vec<Object> {
 }
 
 /// The views that could be described; of the others the reason is told.
-fn usable<T>(results: Vec<Result<T, String>>, report: &mut Report) -> Vec<T> {
+fn usable<T>(results: Vec<Result<T, String>>, report: &mut LearnReport) -> Vec<T> {
     let mut described = Vec::with_capacity(results.len());
     for result in results {
         match result {
@@ -199,10 +208,6 @@ fn usable<T>(results: Vec<Result<T, String>>, report: &mut Report) -> Vec<T> {
         }
     }
     described
-}
-
-fn failed(error: impl std::fmt::Display) -> Failure {
-    Failure::new(exit_code::FAILURE, error)
 }
 
 #[cfg(test)]
@@ -224,7 +229,7 @@ mod tests {
             file("pan", None),
             file("pan", None),
         ];
-        let mut report = Report::default();
+        let mut report = LearnReport::default();
         let objects = objects(&files, &mut report);
         let found: Vec<_> = objects
             .iter()

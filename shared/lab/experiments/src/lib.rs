@@ -14,3 +14,9 @@ pub mod evaluate;
 pub mod learn_folder;
 pub mod simulate;
 pub mod sweep;
+
+mod csv;
+mod failure;
+mod output_files;
+mod parallel;
+mod timing;

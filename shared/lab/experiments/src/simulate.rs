@@ -8,7 +8,7 @@ mod turntable;
 use crate::arguments::SimulateVerb;
 use command_line::Output;
 use serde::Serialize;
-use service::{Failure, exit_code};
+use service::Failure;
 use std::process::ExitCode;
 
 /// Carries out a verb of `tabula simulate`.
@@ -34,12 +34,4 @@ fn categories(output: &Output) {
         categories: simulated_world::category_names(),
     };
     output.answer(&document, || document.categories.join("\n"));
-}
-
-fn usage(error: impl std::fmt::Display) -> Failure {
-    Failure::new(exit_code::USAGE, error)
-}
-
-fn failed(error: impl std::fmt::Display) -> Failure {
-    Failure::new(exit_code::FAILURE, error)
 }

@@ -6,16 +6,18 @@
 //! `evaluate` gives the scores. One value takes about a minute.
 
 mod constant;
-mod measure;
+mod measurement;
 mod report;
-mod scratch;
+mod scratch_workspace;
 
 use crate::arguments::SweepArguments;
+use crate::failure::failed;
+use crate::output_files::create_folder;
 use command_line::{Output, progress_bar};
 use constant::Constant;
-use measure::Measure;
-use report::{Report, Row};
-use scratch::Scratch;
+use measurement::Measurement;
+use report::{SweepReport, SweepRow};
+use scratch_workspace::ScratchWorkspace;
 use service::{Failure, exit_code};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -28,12 +30,12 @@ use std::process::ExitCode;
 pub fn run(arguments: &SweepArguments, output: &Output) -> Result<ExitCode, Failure> {
     let root = workspace_root()?;
     let constants = named_constants(&root, &arguments.constants)?;
-    let measure = Measure::new(arguments)?;
-    make_folder(&arguments.out)?;
-    let scratch = Scratch::copy(&root)?;
+    let measure = Measurement::new(arguments)?;
+    create_folder(&arguments.out)?;
+    let scratch = ScratchWorkspace::copy(&root)?;
     let n_steps = 1 + constants.len() * arguments.factors.len();
     let bar = progress_bar(n_steps as u64, "builds and evaluations", output);
-    let mut report = Report::new(&measure, scratch.scores(&measure, &arguments.out)?);
+    let mut report = SweepReport::new(&measure, scratch.scores(&measure, &arguments.out)?);
     bar.inc(1);
     for constant in &constants {
         for factor in &arguments.factors {
@@ -41,7 +43,7 @@ pub fn run(arguments: &SweepArguments, output: &Output) -> Result<ExitCode, Fail
             let scores = scratch.with_file(&constant.file, &scaled, || {
                 scratch.scores(&measure, &arguments.out)
             })?;
-            report.push(Row::new(constant, *factor, scores));
+            report.push(SweepRow::new(constant, *factor, scores));
             // Written after every step: a long run that is stopped has what it did.
             report.write(&arguments.out)?;
             bar.inc(1);
@@ -87,13 +89,4 @@ fn named_constants(root: &Path, names: &[String]) -> Result<Vec<Constant>, Failu
         }
     }
     Ok(constants)
-}
-
-fn make_folder(path: &Path) -> Result<(), Failure> {
-    std::fs::create_dir_all(path)
-        .map_err(|error| failed(format!("could not create {}: {error}", path.display())))
-}
-
-fn failed(error: impl std::fmt::Display) -> Failure {
-    Failure::new(exit_code::FAILURE, error)
 }

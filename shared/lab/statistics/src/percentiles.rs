@@ -1,7 +1,9 @@
 //! Nearest-rank percentiles.
 
+use serde::Serialize;
+
 /// Median and 99th percentile of a sample.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct Percentiles {
     /// Median.
     pub p50: f64,

@@ -1,9 +1,10 @@
 //! Summary statistics of a sample: count, mean, percentiles, maximum.
 
 use crate::percentiles::nearest_rank;
+use serde::Serialize;
 
 /// Count, mean, nearest-rank percentiles and maximum of a sample.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct Spread {
     /// Number of values.
     pub n: usize,

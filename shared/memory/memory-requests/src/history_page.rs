@@ -1,5 +1,4 @@
-//! History pages: reports of history entries with machine-readable fields, and
-//! client-side paging.
+//! History pages: reports of history entries with machine-readable fields.
 
 use crate::{change_text, revision, translate};
 use message::control::{HistoryOperation, HistoryReport, MAX_MESSAGE_BYTES, MutationId};
@@ -7,7 +6,7 @@ use perceptual_memory::{Effect, Error, HistoryEntry, Operation, PerceptualMemory
 use std::collections::BTreeSet;
 
 /// Maximum number of entries on a page.
-pub const PAGE_ENTRIES: u32 = 1000;
+const PAGE_ENTRIES: u32 = 1000;
 /// Maximum estimated size of a page, bytes; the rest of the message needs room too.
 const PAGE_BYTES: usize = MAX_MESSAGE_BYTES / 2;
 /// Estimated size of an entry in CBOR without its strings, bytes: the field names alone
@@ -38,44 +37,6 @@ pub(crate) fn page(
         entries.drain(..n_dropped);
     }
     Ok(entries)
-}
-
-/// Reads history entries page by page: up to `count` from sequence number `from` on, or
-/// those among the last `count` sequence numbers. Returns them with the last sequence
-/// number of the history.
-///
-/// `ask` sends one [`History`](message::control::MemoryQuery::History) query with a first
-/// sequence number and a maximum number of entries, and returns the entries of the answer
-/// with its last sequence number.
-///
-/// # Errors
-///
-/// Those of `ask`.
-pub fn read_history<E>(
-    from: Option<u64>,
-    count: u64,
-    mut ask: impl FnMut(Option<u64>, u32) -> Result<(Vec<HistoryReport>, u64), E>,
-) -> Result<(Vec<HistoryReport>, u64), E> {
-    let mut next = match from {
-        Some(from) => from.max(1),
-        None => ask(None, 1)?
-            .1
-            .saturating_add(1)
-            .saturating_sub(count)
-            .max(1),
-    };
-    let mut all = Vec::new();
-    loop {
-        let n_left = count - (all.len() as u64).min(count);
-        let max = n_left.clamp(1, u64::from(PAGE_ENTRIES)) as u32;
-        let (page, last_sequence) = ask(Some(next), max)?;
-        let last_read = page.last().map(|entry| entry.sequence);
-        all.extend(page.into_iter().take(n_left as usize));
-        match last_read {
-            Some(last) if last < last_sequence && (all.len() as u64) < count => next = last + 1,
-            _ => return Ok((all, last_sequence)),
-        }
-    }
 }
 
 fn estimated_bytes(entry: &HistoryReport) -> usize {

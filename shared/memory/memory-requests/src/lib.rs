@@ -4,16 +4,19 @@
 //! when no daemon runs. The crate converts between `message` and `perceptual_memory`; it has no transport of
 //! its own.
 //!
-//! ```
-//! use memory_requests::{PAGE_ENTRIES, read_history};
+//! ```no_run
+//! use memory_requests::{MemoryRequestHandler, MemoryRequestHandlerConfig};
+//! use message::control::{Command, MemoryQuery};
 //!
-//! // A client reads the history page by page; here the memory has no entries.
-//! let ask = |_from: Option<u64>, max: u32| {
-//!     assert!(max <= PAGE_ENTRIES);
-//!     Ok::<_, std::convert::Infallible>((Vec::new(), 0))
-//! };
-//! let (entries, last_sequence) = read_history(None, 5000, ask).unwrap();
-//! assert!(entries.is_empty() && last_sequence == 0);
+//! async fn print_stats(store: store::StoreHandle) {
+//!     let (handler, _position) = MemoryRequestHandler::new(MemoryRequestHandlerConfig {
+//!         store,
+//!         scratch: "/tmp/uploads".into(),
+//!         descriptor_kind: "appearance",
+//!     });
+//!     let reply = handler.answer(Command::Memory(MemoryQuery::Stats)).await;
+//!     println!("{reply:?}");
+//! }
 //! ```
 
 mod change_text;
@@ -30,6 +33,5 @@ mod export;
 mod import;
 mod verification;
 
-pub use history_page::{PAGE_ENTRIES, read_history};
 pub use memory_request_handler::{MemoryRequestHandler, MemoryRequestHandlerConfig};
 pub use verification::verification_report;

@@ -1,19 +1,19 @@
-//! Author and random identity of a change.
+//! Author and idempotency key of a change.
 
 use message::control::MutationId;
 use service::{Failure, exit_code};
 
-/// Name of the author: the given one, else the user's name, else the user id.
+/// Author of a change: the given name, else the user's name, else the user id.
 pub fn author_or_user(author: Option<&str>) -> String {
     let user = || std::env::var("USER").ok().filter(|name| !name.is_empty());
     let uid = || format!("uid {}", rustix::process::getuid().as_raw());
     author.map(str::to_owned).or_else(user).unwrap_or_else(uid)
 }
 
-/// A random 128-bit id, by which a repeated request is recognised.
+/// Random 128-bit idempotency key of a change.
 ///
 /// # Errors
-/// When the operating system gives no random numbers.
+/// If the operating system provides no random numbers.
 pub fn mutation_id() -> Result<MutationId, Failure> {
     let mut bytes = [0; 16];
     getrandom::fill(&mut bytes).map_err(|error| {

@@ -6,24 +6,31 @@ use message::control::{Command, Refusal, RefusalKind, Reply};
 use service::{CommonArguments, Failure, exit_code};
 use std::time::Duration;
 
-/// How long the daemon may take to answer.
-const DEADLINE: Duration = Duration::from_secs(5);
+/// Timeout of one answer of the daemon. Chosen.
+const ANSWER_TIMEOUT: Duration = Duration::from_secs(5);
+
 /// Connects to the daemon's control socket.
+///
+/// # Errors
+/// If no daemon runs or it refuses the connection.
 pub fn connect(common: &CommonArguments) -> Result<SocketClient, Failure> {
-    let connected = SocketClient::connect(&common.domain, &RunFolder::candidates(), DEADLINE);
-    connected.map_err(|error| call_failed(&error))
+    let connected = SocketClient::connect(&common.domain, &RunFolder::candidates(), ANSWER_TIMEOUT);
+    connected.map_err(|error| call_failure(&error))
 }
 
-/// Asks, and turns a refusal into a failure.
+/// Sends a command and returns the reply; a refusal becomes a failure.
+///
+/// # Errors
+/// If the command is refused, or the daemon does not answer in time.
 pub fn call(client: &mut SocketClient, command: Command) -> Result<Reply, Failure> {
-    match client.call(command).map_err(|error| call_failed(&error))? {
-        Reply::Refused(refusal) => Err(refused(refusal)),
+    match client.call(command).map_err(|error| call_failure(&error))? {
+        Reply::Refused(refusal) => Err(refusal_failure(refusal)),
         reply => Ok(reply),
     }
 }
 
-/// A refusal with its exit code.
-pub fn refused(refusal: Refusal) -> Failure {
+/// Failure of a refusal, with its exit code.
+pub fn refusal_failure(refusal: Refusal) -> Failure {
     let code = match refusal.kind {
         RefusalKind::Unavailable => exit_code::NO_DAEMON,
         RefusalKind::Internal | RefusalKind::Version => exit_code::FAILURE,
@@ -32,7 +39,7 @@ pub fn refused(refusal: Refusal) -> Failure {
     Failure::new(code, refusal)
 }
 
-fn call_failed(error: &CallError) -> Failure {
+fn call_failure(error: &CallError) -> Failure {
     let code = match error {
         CallError::NoDaemon { .. } | CallError::NotThere { .. } => exit_code::NO_DAEMON,
         CallError::TimedOut { .. } => exit_code::TIMED_OUT,
@@ -41,8 +48,8 @@ fn call_failed(error: &CallError) -> Failure {
     Failure::new(code, error)
 }
 
-/// A reply that does not fit its command.
-pub fn unexpected(reply: &Reply) -> Failure {
+/// Failure of a reply that does not fit its command.
+pub fn unexpected_reply(reply: &Reply) -> Failure {
     Failure::new(
         exit_code::FAILURE,
         format!("the daemon answered something else: {reply:?}"),

@@ -1,8 +1,8 @@
-//! Import of a portable file of views into the memory.
+//! Import of an export file into the perceptual memory.
 
 use crate::authorship::mutation_id;
-use crate::connection::unexpected;
-use crate::memory_access::MemoryAccess;
+use crate::connection::unexpected_reply;
+use crate::memory_client::MemoryClient;
 use command_line::{Output, progress_bar};
 use message::control::{
     ImportReport, JobCommand, JobKind, JobOutcome, JobReport, MAX_MESSAGE_BYTES, Reply,
@@ -11,34 +11,46 @@ use service::{Failure, exit_code};
 use std::fs::File;
 use std::io::{self, Read};
 
-/// Bytes of a file in one request.
+/// Maximum size of the file's part in one request, bytes; the rest of the message needs room too.
 const WRITE_BYTES: usize = MAX_MESSAGE_BYTES / 2;
 
-/// Author, source and renames of an import.
+/// Parameters of an import.
 #[derive(Debug)]
 pub struct ImportRequest {
-    /// Author of the change.
+    /// Author of the import.
     pub author: String,
-    /// Source of the views, as the history names it.
+    /// Name of the source in the history.
     pub source: String,
-    /// Categories to rename on the way: from, to.
+    /// Categories to rename, as pairs of their name in the file and their name in the memory.
     pub renames: Vec<(String, String)>,
-    /// Prefix of every other category name.
+    /// Prefix of every category that is not renamed.
     pub prefix: String,
 }
 
-/// Uploads the file from its current position and waits until it is imported.
+/// Reason why an import has failed.
+#[derive(Debug, thiserror::Error)]
+pub enum ImportError {
+    /// The memory refuses the content of the file.
+    #[error("{0}")]
+    RefusedFile(String),
+    /// The file cannot be read, or the memory does not answer.
+    #[error(transparent)]
+    Failure(#[from] Failure),
+}
+
+/// Uploads a file from its current position and waits until it is imported.
 ///
 /// # Errors
-/// When the file cannot be read, or the memory refuses it; nothing is imported then.
+/// If the file cannot be read, the connection ends, or the memory refuses the file; nothing is
+/// imported then.
 pub fn import(
-    memory: &mut MemoryAccess,
+    memory: &mut MemoryClient,
     file: &mut File,
     request: ImportRequest,
     output: &Output,
-) -> Result<ImportReport, Failure> {
+) -> Result<ImportReport, ImportError> {
     let job = upload(memory, file, output)?;
-    memory.job(JobCommand::Import {
+    memory.job_request(JobCommand::Import {
         job,
         id: mutation_id()?,
         author: request.author,
@@ -47,29 +59,32 @@ pub fn import(
         prefix: request.prefix,
     })?;
     let bar = progress_bar(0, "bytes", output);
-    let outcome = memory.wait(job, |report| {
+    let outcome = memory.job_outcome(job, |report| {
         bar.set_length(report.total);
         bar.set_position(report.done);
     });
     bar.finish_and_clear();
     match outcome? {
         JobOutcome::Imported(report) => Ok(report),
-        other => Err(unexpected(&Reply::Job(JobReport {
+        JobOutcome::Failed(reason) => Err(ImportError::RefusedFile(reason)),
+        other => Err(unexpected_reply(&Reply::Job(JobReport {
             job,
             done: 0,
             total: 0,
             outcome: Some(other),
-        }))),
+        }))
+        .into()),
     }
 }
 
-fn upload(memory: &mut MemoryAccess, file: &mut File, output: &Output) -> Result<u64, Failure> {
+/// Uploads the file; returns the id of the import job.
+fn upload(memory: &mut MemoryClient, file: &mut File, output: &Output) -> Result<u64, Failure> {
     let failed = |error: io::Error| {
-        let sentence = format!("what is to be imported could not be read: {error}");
+        let sentence = format!("the file to be imported could not be read: {error}");
         Failure::new(exit_code::FAILURE, sentence)
     };
     let n_bytes = file.metadata().map_err(failed)?.len();
-    let job = memory.begin(JobKind::Import)?.job;
+    let job = memory.start_job(JobKind::Import)?.job;
     let bar = progress_bar(n_bytes, "bytes sent", output);
     let mut offset = 0;
     loop {
@@ -80,7 +95,7 @@ fn upload(memory: &mut MemoryAccess, file: &mut File, output: &Output) -> Result
             break;
         }
         let n_part = bytes.len() as u64;
-        memory.job(JobCommand::Write { job, offset, bytes })?;
+        memory.job_request(JobCommand::Write { job, offset, bytes })?;
         offset += n_part;
         bar.set_position(offset);
     }

@@ -1,17 +1,28 @@
 //! Client of the control protocol, for command-line programs.
 //!
 //! [`connect`] reaches a daemon through its control socket and [`call`] turns a
-//! refusal into a failure with its exit code. [`MemoryAccess`] asks the memory of a
+//! refusal into a failure with its exit code. [`MemoryClient`] asks the memory of a
 //! running daemon, or, without one, a child process that opens the stored memory.
 //!
 //! Invariants: this crate never opens a database itself and never names one.
+//!
+//! ```
+//! use control_client::read_history;
+//!
+//! // The history is read page by page; here the memory has no entries.
+//! let ask = |_from: Option<u64>, _max: u32| Ok::<_, std::convert::Infallible>((Vec::new(), 0));
+//! let (entries, last_sequence) = read_history(None, 5000, ask).unwrap();
+//! assert!(entries.is_empty() && last_sequence == 0);
+//! ```
 
 mod authorship;
 mod connection;
+mod history;
 mod import;
-mod memory_access;
+mod memory_client;
 
 pub use authorship::{author_or_user, mutation_id};
-pub use connection::{call, connect, refused, unexpected};
-pub use import::{ImportRequest, import};
-pub use memory_access::{MemoryAccess, daemon, local_folder};
+pub use connection::{call, connect, refusal_failure, unexpected_reply};
+pub use history::read_history;
+pub use import::{ImportError, ImportRequest, import};
+pub use memory_client::{MemoryClient, connect_if_running, local_memory_folder};

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 /// How objects are described and learned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Variant {
+pub enum DescriptorVariant {
     /// GOOD as published, in the frame of its published program
     Published,
     /// GOOD as in the authors' evaluations, in the same frame
@@ -18,7 +18,7 @@ pub enum Variant {
 
 /// What is against gravity in the files of a data set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Up {
+pub enum UpAxis {
     /// Nobody knows
     Unknown,
     /// The x axis
@@ -44,8 +44,8 @@ pub enum ViewProtocol {
 #[derive(Debug, Args)]
 pub struct DescriptionArguments {
     /// How objects are described and learned
-    #[arg(long, value_name = "NAME", value_enum, default_value_t = Variant::Ours)]
-    pub(crate) variant: Variant,
+    #[arg(long, value_name = "NAME", value_enum, default_value_t = DescriptorVariant::Ours)]
+    pub(crate) variant: DescriptorVariant,
     /// How views are compared [default: half-chi-squared-root for published, manhattan for
     /// workspace, euclidean for ours]
     #[arg(long, value_name = "NAME")]
@@ -55,7 +55,7 @@ pub struct DescriptionArguments {
     pub(crate) shape_only: bool,
     /// What is up in the frame of the points, for `ours` [default: what the data set tells]
     #[arg(long, value_name = "AXIS", value_enum)]
-    pub(crate) up: Option<Up>,
+    pub(crate) up: Option<UpAxis>,
     /// Bins of GOOD along each side
     #[arg(long, value_name = "N", default_value_t = 15, value_parser = bins)]
     pub(crate) bins: usize,
@@ -75,7 +75,7 @@ pub struct LearnArguments {
     pub(crate) folder: PathBuf,
     /// What is up in the frame of the points [default: what the data set tells]
     #[arg(long, value_name = "AXIS", value_enum)]
-    pub(crate) up: Option<Up>,
+    pub(crate) up: Option<UpAxis>,
     /// Who teaches [default: the user's name]
     #[arg(long, value_name = "NAME")]
     pub(crate) author: Option<String>,
@@ -204,7 +204,7 @@ pub struct CrossValidationArguments {
     pub(crate) log: Option<PathBuf>,
 }
 
-impl Up {
+impl UpAxis {
     /// The direction; `None` if nobody knows.
     pub(crate) fn direction(self) -> Option<UnitVector3<f64>> {
         match self {
@@ -244,7 +244,7 @@ impl AblationVariant {
     }
 }
 
-impl Variant {
+impl DescriptorVariant {
     /// The name on the command line.
     pub(crate) fn name(self) -> &'static str {
         match self {
@@ -259,9 +259,9 @@ impl DescriptionArguments {
     /// The metric that was asked for, or that of the variant.
     pub(crate) fn metric(&self) -> Metric {
         self.distance.unwrap_or(match self.variant {
-            Variant::Published => Metric::HalfChiSquaredRoot,
-            Variant::Workspace => Metric::Manhattan,
-            Variant::Ours => Metric::Euclidean,
+            DescriptorVariant::Published => Metric::HalfChiSquaredRoot,
+            DescriptorVariant::Workspace => Metric::Manhattan,
+            DescriptorVariant::Ours => Metric::Euclidean,
         })
     }
 }

@@ -1,19 +1,21 @@
 //! `tabula evaluate ablation`: the simulated teacher asks several variants the same.
 
-mod document;
 mod report;
+mod report_page;
 
-use super::object_views::{Catalogue, ViewTable};
 use super::open_ended::{leave_out, split};
-use super::variant::{Learner, Method};
-use super::whole_file::{make_folder, write};
-use super::{failed, parallel};
+use super::recognition::{RecogniserFactory, RecognitionMethod};
+use super::view_selection::ViewSelection;
+use super::view_table::ViewTable;
 use crate::arguments::{AblationArguments, AblationVariant};
+use crate::failure::failed;
+use crate::output_files::{create_folder, write};
+use crate::parallel;
 use clap::ValueEnum;
 use command_line::{Output, progress_bar};
-use document::Document;
 use evaluation::open_ended::{self as teacher, Metrics, Protocol};
 use plot::forest_plot;
+use report::AblationReport;
 use service::Failure;
 use std::process::ExitCode;
 
@@ -21,7 +23,7 @@ use std::process::ExitCode;
 const REFERENCE: AblationVariant = AblationVariant::Ours;
 
 /// A variant and its runs, in the order of their seeds.
-struct Played {
+struct VariantRuns {
     variant: AblationVariant,
     runs: Vec<Metrics>,
 }
@@ -34,21 +36,21 @@ pub(super) fn run(arguments: &AblationArguments, output: &Output) -> Result<Exit
         split: split(arguments.protocol),
         ..Protocol::default()
     };
-    let methods: Vec<Method> = variants
+    let methods: Vec<RecognitionMethod> = variants
         .iter()
-        .map(|&variant| Method::of_ablation(variant, arguments.bins))
+        .map(|&variant| RecognitionMethod::of_ablation(variant, arguments.bins))
         .collect();
-    let catalogue = Catalogue::open(&arguments.dataset, arguments.views_max)?;
+    let catalogue = ViewSelection::open(&arguments.dataset, arguments.views_max)?;
     let (mut views, descriptions) = catalogue.describe_by(&methods, output)?;
     leave_out(&protocol, &mut views)?;
-    make_folder(&arguments.out)?;
+    create_folder(&arguments.out)?;
     let learners = methods.iter().zip(descriptions);
-    let learners = learners.map(|(method, of_views)| method.learner(&views, of_views));
-    let learners: Vec<Box<dyn Learner>> = learners.collect::<Result<_, _>>()?;
+    let learners = learners.map(|(method, of_views)| method.recogniser_factory(&views, of_views));
+    let learners: Vec<Box<dyn RecogniserFactory>> = learners.collect::<Result<_, _>>()?;
     let metrics = play_all(arguments, &protocol, &views, &learners, output)?;
     let of_variants = variants.into_iter().zip(metrics);
-    let played: Vec<Played> = of_variants
-        .map(|(variant, runs)| Played { variant, runs })
+    let played: Vec<VariantRuns> = of_variants
+        .map(|(variant, runs)| VariantRuns { variant, runs })
         .collect();
     write_all(arguments, &protocol, &views, &played, output)?;
     Ok(ExitCode::SUCCESS)
@@ -68,7 +70,7 @@ fn play_all(
     arguments: &AblationArguments,
     protocol: &Protocol,
     views: &ViewTable,
-    learners: &[Box<dyn Learner>],
+    learners: &[Box<dyn RecogniserFactory>],
     output: &Output,
 ) -> Result<Vec<Vec<Metrics>>, Failure> {
     let n_runs = arguments.runs as usize;
@@ -86,7 +88,7 @@ fn play_all(
         },
     );
     bar.finish_and_clear();
-    let metrics: Vec<Metrics> = played?.into_iter().collect::<Result<_, _>>()?;
+    let metrics: Vec<Metrics> = played.into_iter().collect::<Result<_, _>>()?;
     Ok(metrics.chunks(n_runs).map(<[Metrics]>::to_vec).collect())
 }
 
@@ -94,18 +96,28 @@ fn write_all(
     arguments: &AblationArguments,
     protocol: &Protocol,
     views: &ViewTable,
-    played: &[Played],
+    played: &[VariantRuns],
     output: &Output,
 ) -> Result<(), Failure> {
-    let document = Document::of(arguments, protocol, views, played);
-    let rows = report::figure_rows(&document);
-    let svg = forest_plot::svg(report::CAPTION, "global classification accuracy", &rows);
+    let document = AblationReport::of(arguments, protocol, views, played);
+    let rows = report_page::figure_rows(&document);
+    let svg = forest_plot::svg(
+        report_page::CAPTION,
+        "global classification accuracy",
+        &rows,
+    );
     let out = &arguments.out;
-    write(&out.join(report::PICTURE), svg.map_err(failed)?.as_bytes())?;
+    write(
+        &out.join(report_page::PICTURE),
+        svg.map_err(failed)?.as_bytes(),
+    )?;
     let json = serde_json::to_string_pretty(&document).map_err(failed)?;
     write(&out.join("ablation.json"), json.as_bytes())?;
-    write(&out.join("index.html"), report::page(&document).as_bytes())?;
-    output.answer(&document, || report::text(&document));
+    write(
+        &out.join("index.html"),
+        report_page::page(&document).as_bytes(),
+    )?;
+    output.answer(&document, || report_page::text(&document));
     Ok(())
 }
 

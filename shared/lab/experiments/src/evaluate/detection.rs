@@ -1,21 +1,24 @@
 //! `tabula evaluate detection`: detection against labelled scenes.
 
-use super::document::Document;
-use super::stopwatch::durations_ms;
-use super::whole_file::{make_folder, write};
-use super::{failed, report};
+mod report;
+mod report_page;
+mod scene_result;
+
 use crate::arguments::DetectionArguments;
+use crate::failure::{failed, usage};
+use crate::output_files::{create_folder, write};
+use crate::timing::durations_ms;
 use command_line::{Output, progress_bar};
-use constraint::Assumptions;
 use detection::{Config, Detection, DetectionInput, ScenePriors, Workspace, detect};
 use evaluation::hypothesis_image::HypothesisImages;
 use evaluation::labelled_scenes::{LabelledScene, LabelledScenes, SceneEntry};
 use evaluation::memory_floor::sum_of_words;
 use evaluation::scene_picture;
-use evaluation::segmentation_score::{Overlaps, SegmentationScore, score};
+use evaluation::segmentation_score::{Overlaps, score};
 use point_cloud::OrganizedCloud;
-use serde::Serialize;
-use service::{Failure, exit_code};
+use report::DetectionReport;
+use scene_result::{SceneResult, SkippedScene};
+use service::Failure;
 use std::convert::Infallible;
 use std::hint::black_box;
 use std::process::ExitCode;
@@ -23,71 +26,45 @@ use std::process::ExitCode;
 /// Folder of the pictures, within that of the results.
 const PICTURES: &str = "scenes";
 
-/// What came out of one scene.
-pub(super) struct SceneResult {
-    pub(super) name: String,
-    pub(super) group: String,
-    pub(super) is_odd: bool,
-    pub(super) has_up: bool,
-    pub(super) assumptions: Assumptions,
-    pub(super) n_points: usize,
-    pub(super) before_psi: SegmentationScore,
-    pub(super) after_psi: SegmentationScore,
-    /// Of each repeat, milliseconds.
-    pub(super) detection_ms: Vec<f64>,
-    /// Of reading the cloud's bytes once, milliseconds.
-    pub(super) pass_ms: Vec<f64>,
-    /// Relative to the folder of the results.
-    pub(super) picture: String,
-}
-
-/// A scene that was left out.
-#[derive(Debug, Serialize)]
-pub(super) struct Skipped {
-    pub(super) name: String,
-    pub(super) reason: String,
-}
-
 /// Why a scene has no result.
-enum Reason {
+enum SceneError {
     /// The scene is the cause; the others go on.
     Scene(String),
     /// The whole run has failed.
     Run(Failure),
 }
 
-impl From<Failure> for Reason {
+impl From<Failure> for SceneError {
     fn from(failure: Failure) -> Self {
         Self::Run(failure)
     }
 }
 
 /// Any other error is the scene's.
-fn of_scene(error: impl std::fmt::Display) -> Reason {
-    Reason::Scene(error.to_string())
+fn of_scene(error: impl std::fmt::Display) -> SceneError {
+    SceneError::Scene(error.to_string())
 }
 
 /// Scores, times and draws all scenes, worst first in the report.
 pub(super) fn run(arguments: &DetectionArguments, output: &Output) -> Result<ExitCode, Failure> {
-    let scenes = LabelledScenes::open(&arguments.dataset)
-        .map_err(|error| Failure::new(exit_code::USAGE, error))?;
-    make_folder(&arguments.out.join(PICTURES))?;
+    let scenes = LabelledScenes::open(&arguments.dataset).map_err(usage)?;
+    create_folder(&arguments.out.join(PICTURES))?;
     if let Some(labels) = &arguments.labels {
-        make_folder(labels)?;
+        create_folder(labels)?;
     }
-    let folders = scenes.unusable().iter().map(|(name, error)| Skipped {
+    let folders = scenes.unusable().iter().map(|(name, error)| SkippedScene {
         name: name.clone(),
         reason: error.to_string(),
     });
-    let mut skipped: Vec<Skipped> = folders.collect();
+    let mut skipped: Vec<SkippedScene> = folders.collect();
     let mut results = Vec::new();
-    let mut bench = Bench::new(arguments);
+    let mut evaluator = SceneEvaluator::new(arguments);
     let bar = progress_bar(scenes.entries().len() as u64, "scenes", output);
     for entry in scenes.entries() {
-        match bench.evaluate(&scenes, entry) {
+        match evaluator.evaluate(&scenes, entry) {
             Ok(result) => results.push(result),
-            Err(Reason::Run(failure)) => return Err(failure),
-            Err(Reason::Scene(reason)) => skipped.push(Skipped {
+            Err(SceneError::Run(failure)) => return Err(failure),
+            Err(SceneError::Scene(reason)) => skipped.push(SkippedScene {
                 name: entry.name.clone(),
                 reason,
             }),
@@ -97,20 +74,20 @@ pub(super) fn run(arguments: &DetectionArguments, output: &Output) -> Result<Exi
     bar.finish_and_clear();
     // The sort is stable: equally bad scenes stay in natural order.
     results.sort_by(|a, b| a.before_psi.wov.total_cmp(&b.before_psi.wov));
-    let Some(document) = Document::of(&results, &skipped, arguments) else {
+    let Some(document) = DetectionReport::of(&results, &skipped, arguments) else {
         return Err(nothing_scored(arguments, &skipped));
     };
     let json = serde_json::to_string_pretty(&document).map_err(failed)?;
-    let page = report::page(&document, &results);
+    let page = report_page::page(&document, &results);
     write(&arguments.out.join("index.html"), page.as_bytes())?;
     write(&arguments.out.join("detection.json"), json.as_bytes())?;
-    output.answer(&document, || report::text(&document, arguments));
+    output.answer(&document, || report_page::text(&document, arguments));
     Ok(ExitCode::SUCCESS)
 }
 
-fn nothing_scored(arguments: &DetectionArguments, skipped: &[Skipped]) -> Failure {
+fn nothing_scored(arguments: &DetectionArguments, skipped: &[SkippedScene]) -> Failure {
     let first = skipped.first();
-    let first = first.map_or(String::new(), |Skipped { name, reason }| {
+    let first = first.map_or(String::new(), |SkippedScene { name, reason }| {
         format!("; the first, {name}: {reason}")
     });
     failed(format!(
@@ -120,14 +97,14 @@ fn nothing_scored(arguments: &DetectionArguments, skipped: &[Skipped]) -> Failur
 }
 
 /// What is kept from scene to scene.
-struct Bench<'a> {
+struct SceneEvaluator<'a> {
     arguments: &'a DetectionArguments,
     config: Config,
     workspace: Workspace,
     detection: Detection,
 }
 
-impl<'a> Bench<'a> {
+impl<'a> SceneEvaluator<'a> {
     fn new(arguments: &'a DetectionArguments) -> Self {
         Self {
             arguments,
@@ -142,7 +119,7 @@ impl<'a> Bench<'a> {
         &mut self,
         scenes: &LabelledScenes,
         entry: &SceneEntry,
-    ) -> Result<SceneResult, Reason> {
+    ) -> Result<SceneResult, SceneError> {
         let scene = scenes.read(entry).map_err(of_scene)?;
         let cloud = OrganizedCloud::new(&scene.points, scene.width, scene.height);
         let frame = DetectionInput {

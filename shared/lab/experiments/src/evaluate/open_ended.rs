@@ -1,20 +1,22 @@
 //! `tabula evaluate open-ended`: a simulated teacher introduces categories, asks and
 //! corrects.
 
-mod document;
-mod log;
+mod question_log;
 mod report;
+mod report_page;
 
-use super::object_views::ViewTable;
-use super::variant::{Learner, described};
-use super::whole_file::{make_folder, write};
-use super::{failed, parallel};
+use super::recognition::RecogniserFactory;
+use super::view_selection::read_and_describe;
 use crate::arguments::{OpenEndedArguments, ViewProtocol};
+use crate::evaluate::view_table::ViewTable;
+use crate::failure::failed;
+use crate::output_files::{create_folder, write};
+use crate::parallel;
 use command_line::{Output, progress_bar};
-use document::Document;
 use evaluation::open_ended::{
     self as teacher, LessonSplit, OpenEndedRun, Protocol, overview_svg, run_svg,
 };
+use report::OpenEndedReport;
 use service::{Failure, exit_code};
 use std::process::ExitCode;
 use std::time::Instant;
@@ -23,7 +25,7 @@ use std::time::Instant;
 const PICTURES: &str = "runs";
 
 /// A run, and how long its questions took.
-struct Played {
+struct TimedRun {
     run: OpenEndedRun,
     play_ms: f64,
 }
@@ -31,9 +33,10 @@ struct Played {
 /// Plays all runs, and scores and draws them.
 pub(super) fn run(arguments: &OpenEndedArguments, output: &Output) -> Result<ExitCode, Failure> {
     let protocol = protocol(arguments);
-    let (mut views, learner) = described(&arguments.dataset, &arguments.description, output)?;
+    let (mut views, learner) =
+        read_and_describe(&arguments.dataset, &arguments.description, output)?;
     leave_out(&protocol, &mut views)?;
-    make_folder(&arguments.out.join(PICTURES))?;
+    create_folder(&arguments.out.join(PICTURES))?;
     let played = play_all(arguments, &protocol, &views, learner.as_ref(), output)?;
     let n_questions: usize = played.iter().map(|played| played.run.questions.len()).sum();
     let sum_ms: f64 = played.iter().map(|played| played.play_ms).sum();
@@ -41,14 +44,14 @@ pub(super) fn run(arguments: &OpenEndedArguments, output: &Output) -> Result<Exi
     let runs: Vec<OpenEndedRun> = played.into_iter().map(|played| played.run).collect();
     draw(arguments, &protocol, &views, &runs)?;
     if let Some(path) = &arguments.log {
-        write(path, log::csv(&runs, &views).as_bytes())?;
+        write(path, question_log::csv(&runs, &views).as_bytes())?;
     }
-    let document = Document::of(arguments, &protocol, &views, &runs, ask_ms);
+    let document = OpenEndedReport::of(arguments, &protocol, &views, &runs, ask_ms);
     let json = serde_json::to_string_pretty(&document).map_err(failed)?;
     write(&arguments.out.join("open-ended.json"), json.as_bytes())?;
-    let page = report::page(&document);
+    let page = report_page::page(&document);
     write(&arguments.out.join("index.html"), page.as_bytes())?;
-    output.answer(&document, || report::text(&document));
+    output.answer(&document, || report_page::text(&document));
     Ok(ExitCode::SUCCESS)
 }
 
@@ -78,7 +81,7 @@ pub(super) fn leave_out(protocol: &Protocol, views: &mut ViewTable) -> Result<()
         let of_category = views.labels.iter().filter(|view| view.category == category);
         let n_views = of_category.count();
         let name = &views.categories[category as usize];
-        views.left_out.add(n_views, || match reason {
+        views.omissions.add(n_views, || match reason {
             teacher::Exclusion::TooFewViews { n_views } => format!(
                 "the category {name} has {n_views} views, and {} are needed",
                 protocol.n_views_at_start + 1
@@ -95,9 +98,9 @@ fn play_all(
     arguments: &OpenEndedArguments,
     protocol: &Protocol,
     views: &ViewTable,
-    learner: &dyn Learner,
+    learner: &dyn RecogniserFactory,
     output: &Output,
-) -> Result<Vec<Played>, Failure> {
+) -> Result<Vec<TimedRun>, Failure> {
     let bar = progress_bar(arguments.runs, "runs", output);
     let n_runs = arguments.runs as usize;
     let played = parallel::map(
@@ -110,11 +113,11 @@ fn play_all(
             let mut recogniser = learner.recogniser();
             let run = teacher::run(recogniser.as_mut(), &views.labels, protocol, seed);
             let play_ms = begin.elapsed().as_secs_f64() * 1e3;
-            run.map(|run| Played { run, play_ms }).map_err(failed)
+            run.map(|run| TimedRun { run, play_ms }).map_err(failed)
         },
     );
     bar.finish_and_clear();
-    played?.into_iter().collect()
+    played.into_iter().collect()
 }
 
 /// The figure of all runs, and that of each.

@@ -1,18 +1,18 @@
 //! Objects that our own detection finds in simulated scenes, labelled by the truth.
 
-mod describe_scene;
-mod label;
-mod stage;
+mod candidate_label;
+mod scene_describer;
+mod scene_sampler;
 
-use super::object_views::{LeftOut, ViewTable};
-use super::parallel;
-use super::variant::{Method, Readings};
+use super::recognition::{HypothesisDescriptors, RecognitionMethod};
+use super::view_table::{Omissions, ViewTable};
+use crate::parallel;
 use command_line::{Output, progress_bar};
-pub(super) use describe_scene::PICTURES;
-use describe_scene::{Bench, DescribedScene};
 use evaluation::recogniser::LabelledView;
+pub(super) use scene_describer::PICTURES;
+use scene_describer::{DescribedScene, SceneDescriber};
+use scene_sampler::SceneSampler;
 use service::Failure;
-use stage::Stage;
 use std::path::Path;
 
 /// What was found in all scenes.
@@ -26,7 +26,7 @@ pub(super) struct SceneViews {
     /// By category: how many of these are parts of its object.
     pub(super) n_parts: Vec<u32>,
     /// Of the objects, then of the clutter, in their order.
-    pub(super) descriptions: Vec<Readings>,
+    pub(super) descriptions: Vec<HypothesisDescriptors>,
     /// Set and camera of each scene as one number.
     pub(super) kinds: Vec<u32>,
     /// By category: objects that show a pixel with depth.
@@ -42,24 +42,27 @@ pub(super) struct SceneViews {
 pub(super) fn simulate(
     n_scenes: u32,
     seed: u64,
-    method: Method,
+    method: RecognitionMethod,
     out: &Path,
     output: &Output,
 ) -> Result<SceneViews, Failure> {
-    let stage = Stage::new(seed)?;
+    let sampler = SceneSampler::new(seed)?;
     let describer = method.describer()?;
     let bar = progress_bar(n_scenes.into(), "scenes", output);
-    let own = || Bench::new(describer.clone());
-    let scenes = parallel::map(n_scenes as usize, &bar, own, |bench, scene| {
-        bench.describe(&stage, scene, out)
-    });
+    let own = || SceneDescriber::new(describer.clone());
+    let scenes = parallel::map(
+        n_scenes as usize,
+        &bar,
+        own,
+        |describer_of_scenes, scene| describer_of_scenes.describe(&sampler, scene, out),
+    );
     bar.finish_and_clear();
-    let scenes: Vec<DescribedScene> = scenes?.into_iter().collect::<Result<_, _>>()?;
-    Ok(collected(&stage, scenes))
+    let scenes: Vec<DescribedScene> = scenes.into_iter().collect::<Result<_, _>>()?;
+    Ok(collected(&sampler, scenes))
 }
 
-fn collected(stage: &Stage, scenes: Vec<DescribedScene>) -> SceneViews {
-    let categories: Vec<String> = stage.categories().iter().map(|&n| n.to_owned()).collect();
+fn collected(sampler: &SceneSampler, scenes: Vec<DescribedScene>) -> SceneViews {
+    let categories: Vec<String> = sampler.categories().iter().map(|&n| n.to_owned()).collect();
     let mut views = SceneViews {
         n_visible: vec![0; categories.len()],
         n_parts: vec![0; categories.len()],
@@ -67,8 +70,8 @@ fn collected(stage: &Stage, scenes: Vec<DescribedScene>) -> SceneViews {
             categories,
             labels: Vec::new(),
             files: Vec::new(),
-            left_out: LeftOut::default(),
-            tells_up: true,
+            omissions: Omissions::default(),
+            is_up_known: true,
             describe_ms: 0.0,
         },
         scenes: Vec::new(),
@@ -80,7 +83,7 @@ fn collected(stage: &Stage, scenes: Vec<DescribedScene>) -> SceneViews {
     };
     let (mut of_clutter, mut sum_ms) = (Vec::new(), 0.0);
     for (number, scene) in scenes.into_iter().enumerate() {
-        views.kinds.push(Stage::kind_of(number) as u32);
+        views.kinds.push(SceneSampler::kind_of(number) as u32);
         views.n_hidden += scene.n_hidden;
         views.pictures.extend(scene.picture);
         sum_ms += scene.describe_ms;
@@ -90,7 +93,7 @@ fn collected(stage: &Stage, scenes: Vec<DescribedScene>) -> SceneViews {
         for category in scene.parts {
             views.n_parts[category as usize] += 1;
         }
-        for (category, readings) in scene.found {
+        for (category, descriptors) in scene.found {
             views.table.labels.push(LabelledView {
                 category,
                 instance: None,
@@ -98,14 +101,14 @@ fn collected(stage: &Stage, scenes: Vec<DescribedScene>) -> SceneViews {
             let name = &views.table.categories[category as usize];
             views.table.files.push(format!("scene-{number}/{name}"));
             views.scenes.push(number);
-            views.descriptions.push(readings);
+            views.descriptions.push(descriptors);
         }
-        for readings in scene.clutter {
+        for descriptors in scene.clutter {
             views.scenes_of_clutter.push(number);
-            of_clutter.push(readings);
+            of_clutter.push(descriptors);
         }
         for reason in scene.left_out {
-            views.table.left_out.add(1, || reason);
+            views.table.omissions.add(1, || reason);
         }
     }
     views.descriptions.extend(of_clutter);

@@ -1,7 +1,7 @@
 //! `tabula simulate scene`: a sequence of a simulated scene.
 
-use super::{failed, usage};
 use crate::arguments::SceneArguments;
+use crate::failure::{failed, usage};
 use command_line::{Output, progress_bar};
 use crossbeam::channel::{Receiver, Sender, bounded};
 use dataset::rgbd_sequence::{FrameView, SequenceWriter};
@@ -20,7 +20,7 @@ use std::process::ExitCode;
 const FRAMES_AHEAD: usize = 3;
 
 /// One rendered frame.
-struct Frame {
+struct RenderedFrame {
     color: Vec<u8>,
     depth_mm: Vec<u16>,
     mask: Vec<u16>,
@@ -29,7 +29,7 @@ struct Frame {
 }
 
 #[derive(Serialize)]
-struct Document<'a> {
+struct RecordedSceneReport<'a> {
     folder: &'a str,
     frames: u64,
     objects: usize,
@@ -57,7 +57,7 @@ pub(super) fn run(arguments: &SceneArguments, output: &Output) -> Result<ExitCod
     written?;
     let notes = rendered.map_err(|_| failed("the renderer has panicked"))??;
     let folder = arguments.out.display().to_string();
-    let document = Document {
+    let document = RecordedSceneReport {
         folder: &folder,
         frames: arguments.frames,
         objects: n_objects,
@@ -67,7 +67,7 @@ pub(super) fn run(arguments: &SceneArguments, output: &Output) -> Result<ExitCod
     Ok(ExitCode::SUCCESS)
 }
 
-fn text(document: &Document<'_>) -> String {
+fn text(document: &RecordedSceneReport<'_>) -> String {
     let notes = document.notes.iter().map(|note| format!("{note}\n"));
     format!(
         "{}{} frames of {} objects are in {folder}\nplay them with: tabula run --source {folder}",
@@ -114,7 +114,7 @@ fn generated(
 fn render(
     mut world: World,
     arguments: &SceneArguments,
-    frames: &Sender<Frame>,
+    frames: &Sender<RenderedFrame>,
 ) -> Result<Vec<String>, Failure> {
     let camera = PinholeCamera::KINECT_V1;
     let mut kinect = SimulatedKinect::new(&world, camera).map_err(failed)?;
@@ -126,7 +126,7 @@ fn render(
         }
         let truth = kinect.look(&world, frame, &mut points).map_err(failed)?;
         notes.append(&mut world.take_notes());
-        let frame = Frame {
+        let frame = RenderedFrame {
             color: kinect.sensor().color().as_flattened().to_vec(),
             depth_mm: kinect.sensor().depth_mm().to_vec(),
             mask: kinect.mask().to_vec(),
@@ -142,7 +142,7 @@ fn render(
 
 fn write(
     mut writer: SequenceWriter,
-    frames: &Receiver<Frame>,
+    frames: &Receiver<RenderedFrame>,
     bar: &ProgressBar,
 ) -> Result<(), Failure> {
     for frame in frames {

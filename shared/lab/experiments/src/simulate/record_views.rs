@@ -1,21 +1,20 @@
 //! `tabula simulate views`: views of single objects for learning.
 
 use super::turntable::{ELEVATIONS, SegmentedView, Turntable};
-use super::{failed, usage};
 use crate::arguments::ViewsArguments;
+use crate::failure::{failed, usage};
 use command_line::{Output, progress_bar};
 use dataset::washington::{CAMERA, CroppedView, ViewName, write_view};
 use indicatif::ProgressBar;
+use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 use serde::Serialize;
 use service::Failure;
 use simulated_world::{ModelChoice, ModelLibrary, ModelSource};
 use std::collections::BTreeMap;
 use std::process::ExitCode;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// One object to be looked at.
-struct Job {
+struct RenderJob {
     model: ModelChoice,
     category: String,
     /// Number among the category's objects, from 1.
@@ -24,7 +23,7 @@ struct Job {
 
 /// What came out.
 #[derive(Debug, Default, Serialize)]
-struct Report {
+struct ViewsReport {
     views: usize,
     objects: usize,
     categories: usize,
@@ -47,22 +46,15 @@ pub(super) fn run(arguments: &ViewsArguments, output: &Output) -> Result<ExitCod
     let jobs = jobs(arguments, &library)?;
     let n_views = jobs.len() as u64 * u64::from(arguments.views);
     let bar = progress_bar(n_views, "views", output);
-    let next = AtomicUsize::new(0);
-    let report = Mutex::new(Report::default());
-    let n_threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let outcomes: Vec<_> = std::thread::scope(|scope| {
-        let work = || work(arguments, &library, &jobs, &next, &report, &bar);
-        let threads: Vec<_> = (0..n_threads).map(|_| scope.spawn(work)).collect();
-        threads
-            .into_iter()
-            .map(std::thread::ScopedJoinHandle::join)
-            .collect()
-    });
+    let parts = jobs
+        .par_iter()
+        .map(|job| record_object(arguments, &library, job, &bar));
+    let parts: Vec<Result<ViewsReport, Failure>> = parts.collect();
     bar.finish_and_clear();
-    for outcome in outcomes {
-        outcome.map_err(|_| failed("a renderer has panicked"))??;
+    let mut report = ViewsReport::default();
+    for part in parts {
+        report.add(part?);
     }
-    let mut report = report.into_inner().map_err(failed)?;
     report.finish(&jobs);
     output.answer(&report, || text(&report, arguments));
     Ok(if report.views == 0 {
@@ -72,7 +64,7 @@ pub(super) fn run(arguments: &ViewsArguments, output: &Output) -> Result<ExitCod
     })
 }
 
-fn text(report: &Report, arguments: &ViewsArguments) -> String {
+fn text(report: &ViewsReport, arguments: &ViewsArguments) -> String {
     let sentences = report.notes.iter().chain(&report.failures);
     let sentences = sentences.fold(String::new(), |all, one| all + one + "\n");
     format!(
@@ -87,20 +79,28 @@ fn text(report: &Report, arguments: &ViewsArguments) -> String {
     )
 }
 
-impl Report {
-    fn finish(&mut self, jobs: &[Job]) {
+impl ViewsReport {
+    /// Adds the counts and sentences of another report.
+    fn add(&mut self, mut part: Self) {
+        self.views += part.views;
+        self.not_detected += part.not_detected;
+        self.overlap_ppm += part.overlap_ppm;
+        self.notes.append(&mut part.notes);
+        self.failures.append(&mut part.failures);
+    }
+
+    fn finish(&mut self, jobs: &[RenderJob]) {
         self.objects = jobs.len() - self.failures.len();
         let categories: std::collections::BTreeSet<&str> =
             jobs.iter().map(|job| job.category.as_str()).collect();
         self.categories = categories.len();
         self.mean_overlap = self.overlap_ppm as f64 * 1e-6 / self.views.max(1) as f64;
-        // Threads end in any order.
         self.notes.sort();
         self.failures.sort();
     }
 }
 
-fn jobs(arguments: &ViewsArguments, library: &ModelLibrary) -> Result<Vec<Job>, Failure> {
+fn jobs(arguments: &ViewsArguments, library: &ModelLibrary) -> Result<Vec<RenderJob>, Failure> {
     let mut jobs = Vec::new();
     let mut n_of_category: BTreeMap<String, u32> = BTreeMap::new();
     for model in library.all(arguments.instances, arguments.seed) {
@@ -110,7 +110,7 @@ fn jobs(arguments: &ViewsArguments, library: &ModelLibrary) -> Result<Vec<Job>, 
         }
         let instance = n_of_category.entry(category.clone()).or_default();
         *instance += 1;
-        jobs.push(Job {
+        jobs.push(RenderJob {
             instance: *instance,
             model,
             category,
@@ -128,42 +128,33 @@ fn jobs(arguments: &ViewsArguments, library: &ModelLibrary) -> Result<Vec<Job>, 
     Ok(jobs)
 }
 
-fn work(
+/// Records all views of one object; an unusable model is reported, not an error.
+fn record_object(
     arguments: &ViewsArguments,
     library: &ModelLibrary,
-    jobs: &[Job],
-    next: &AtomicUsize,
-    report: &Mutex<Report>,
+    job: &RenderJob,
     bar: &ProgressBar,
-) -> Result<(), Failure> {
-    while let Some(job) = jobs.get(next.fetch_add(1, Ordering::Relaxed)) {
-        let mut part = Report::default();
-        match Turntable::new(&job.model, library.clone(), CAMERA, arguments.seed) {
-            Ok(mut turntable) => {
-                part.notes = turntable.take_notes();
-                record(&mut turntable, job, arguments, &mut part, bar)?;
-            }
-            Err(error) => {
-                part.failures.push(error.to_string());
-                bar.inc(arguments.views.into());
-            }
+) -> Result<ViewsReport, Failure> {
+    let mut report = ViewsReport::default();
+    match Turntable::new(&job.model, library.clone(), CAMERA, arguments.seed) {
+        Ok(mut turntable) => {
+            report.notes = turntable.take_notes();
+            record(&mut turntable, job, arguments, &mut report, bar)?;
         }
-        let mut whole = report.lock().map_err(failed)?;
-        whole.views += part.views;
-        whole.not_detected += part.not_detected;
-        whole.overlap_ppm += part.overlap_ppm;
-        whole.notes.append(&mut part.notes);
-        whole.failures.append(&mut part.failures);
+        Err(error) => {
+            report.failures.push(error.to_string());
+            bar.inc(arguments.views.into());
+        }
     }
-    Ok(())
+    Ok(report)
 }
 
 /// Goes round the object at each height in turn.
 fn record(
     turntable: &mut Turntable,
-    job: &Job,
+    job: &RenderJob,
     arguments: &ViewsArguments,
-    report: &mut Report,
+    report: &mut ViewsReport,
     bar: &ProgressBar,
 ) -> Result<(), Failure> {
     let n_views = arguments.views as usize;

@@ -1,6 +1,7 @@
 //! `tabula simulate sensor`: the simulated Kinect's noise beside the published law.
 
-use super::failed;
+use crate::failure::failed;
+use crate::output_files::{create_folder, write};
 use command_line::{Output, progress_bar};
 use evaluation::sensor_error;
 use serde::Serialize;
@@ -9,7 +10,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 #[derive(Serialize)]
-struct Document {
+struct SensorNoiseReport {
     table: String,
     plot: String,
     smallest_ratio: f64,
@@ -22,14 +23,12 @@ pub(super) fn run(out: &Path, output: &Output) -> Result<ExitCode, Failure> {
     let figures = sensor_error::measure(|| bar.inc(1)).map_err(failed)?;
     bar.finish_and_clear();
     let (table, plot) = (out.join("sensor-error.csv"), out.join("sensor-error.svg"));
-    std::fs::create_dir_all(out)
-        .and_then(|()| std::fs::write(&table, figures.csv()))
-        .map_err(|error| failed(format!("could not write {}: {error}", table.display())))?;
-    std::fs::write(&plot, figures.svg().map_err(failed)?)
-        .map_err(|error| failed(format!("could not write {}: {error}", plot.display())))?;
+    create_folder(out)?;
+    write(&table, figures.csv().as_bytes())?;
+    write(&plot, figures.svg().map_err(failed)?.as_bytes())?;
     let rows = figures.by_distance.iter().chain(&figures.by_angle);
     let ratios: Vec<f64> = rows.map(|row| row.measured_m / row.published_m).collect();
-    let document = Document {
+    let document = SensorNoiseReport {
         table: table.display().to_string(),
         plot: plot.display().to_string(),
         smallest_ratio: ratios.iter().copied().fold(f64::INFINITY, f64::min),

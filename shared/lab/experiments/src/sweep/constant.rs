@@ -1,6 +1,6 @@
 //! Number constants in a source file, and their definitions scaled by a factor.
 
-use super::failed;
+use crate::failure::failed;
 use service::Failure;
 use std::path::{Path, PathBuf};
 

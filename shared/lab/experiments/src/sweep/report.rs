@@ -1,8 +1,9 @@
 //! Table of a sweep: each constant, factor, and the change of each score.
 
 use super::constant::Constant;
-use super::failed;
-use super::measure::{Measure, Scores};
+use super::measurement::{Measurement, Scores};
+use crate::failure::failed;
+use crate::output_files::write;
 use command_line::format_table;
 use serde::Serialize;
 use service::Failure;
@@ -10,17 +11,17 @@ use std::path::Path;
 
 /// Scores with the original constants, and the rows of the scaled ones.
 #[derive(Debug, Serialize)]
-pub(super) struct Report {
+pub(super) struct SweepReport {
     /// Names of the scores.
     scores: Vec<&'static str>,
     /// Scores with the constants as they are.
     original: Scores,
-    rows: Vec<Row>,
+    rows: Vec<SweepRow>,
 }
 
 /// One scaled constant.
 #[derive(Debug, Serialize)]
-pub(super) struct Row {
+pub(super) struct SweepRow {
     file: String,
     constant: String,
     expression: String,
@@ -31,7 +32,7 @@ pub(super) struct Row {
     failure: Option<String>,
 }
 
-impl Row {
+impl SweepRow {
     pub(super) fn new(constant: &Constant, factor: f64, scores: Result<Scores, Failure>) -> Self {
         let (scores, failure) = match scores {
             Ok(scores) => (Some(scores), None),
@@ -48,8 +49,8 @@ impl Row {
     }
 }
 
-impl Report {
-    pub(super) fn new(measure: &Measure, original: Scores) -> Self {
+impl SweepReport {
+    pub(super) fn new(measure: &Measurement, original: Scores) -> Self {
         Self {
             scores: measure.names().collect(),
             original,
@@ -57,14 +58,14 @@ impl Report {
         }
     }
 
-    pub(super) fn push(&mut self, row: Row) {
+    pub(super) fn push(&mut self, row: SweepRow) {
         self.rows.push(row);
     }
 
     /// Writes `sweep.json`.
     pub(super) fn write(&self, out: &Path) -> Result<(), Failure> {
         let json = serde_json::to_vec_pretty(self).map_err(failed)?;
-        std::fs::write(out.join("sweep.json"), json).map_err(failed)
+        write(&out.join("sweep.json"), &json)
     }
 
     /// A line for each row: changes in hundredths of a score.
@@ -78,7 +79,7 @@ impl Report {
         format_table(&heading, &rows)
     }
 
-    fn line(&self, row: &Row) -> Vec<String> {
+    fn line(&self, row: &SweepRow) -> Vec<String> {
         let mut line = vec![
             row.constant.clone(),
             row.expression.clone(),

@@ -1,4 +1,5 @@
 use super::*;
+use control_client::read_history;
 use learning::CategoryName;
 use perceptual_memory::{Mutation, StoreChange};
 use std::convert::Infallible;

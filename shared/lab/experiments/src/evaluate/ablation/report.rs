@@ -1,98 +1,143 @@
-//! The figures of `tabula evaluate ablation` for people.
+//! The figures of `tabula evaluate ablation` as a document.
 
-use super::document::{Document, Interval, VariantFigures};
-use command_line::format_table;
-use plot::figure_page::{PageFigure, PageTable, html};
-use plot::forest_plot::ForestPlotRow;
+use super::{REFERENCE, VariantRuns};
+use crate::arguments::AblationArguments;
+use crate::evaluate::report_parts::{OmissionSummary, ReportFiles, ReportHeader};
+use crate::evaluate::view_table::ViewTable;
+use evaluation::open_ended::{Metrics, Protocol};
+use serde::Serialize;
+use statistics::bootstrap::{Estimate, N_RESAMPLES};
 
-/// Heads of the columns.
-const HEADS: [&str; 8] = [
-    "variant",
-    "qci",
-    "tlc",
-    "aic",
-    "gca",
-    "apa",
-    "gca − ours",
-    "error / ours",
-];
-/// Name of the figure.
-pub(super) const PICTURE: &str = "gca.svg";
-/// What the figure shows.
-pub(super) const CAPTION: &str = "Mean GCA of each variant with its 95 % interval";
-
-/// The text that is printed.
-pub(super) fn text(document: &Document) -> String {
-    let mut lines = vec![format_table(&HEADS, &rows(document)), String::new()];
-    lines.extend(notes(document));
-    lines.extend([document.page.clone(), document.file.clone()]);
-    lines.join("\n")
+/// All figures.
+#[derive(Debug, Serialize)]
+pub(super) struct AblationReport {
+    #[serde(flatten)]
+    pub(super) header: ReportHeader,
+    pub(super) variants: Vec<VariantFigures>,
+    pub(super) settings: Settings,
+    #[serde(flatten)]
+    pub(super) omissions: OmissionSummary,
+    #[serde(flatten)]
+    pub(super) files: ReportFiles,
 }
 
-/// The page with table and figure.
-pub(super) fn page(document: &Document) -> String {
-    let table = PageTable::new("Variants", &HEADS, rows(document));
-    let figure = PageFigure {
-        caption: CAPTION.to_owned(),
-        picture: PICTURE.to_owned(),
-    };
-    html("Ablation", &notes(document), &[table], &[figure])
+/// One variant: means over its runs, with their intervals.
+#[derive(Debug, Serialize)]
+pub(super) struct VariantFigures {
+    pub(super) name: &'static str,
+    pub(super) qci: Option<Estimate>,
+    pub(super) tlc: Option<Estimate>,
+    pub(super) aic: Option<Estimate>,
+    pub(super) gca: Option<Estimate>,
+    pub(super) apa: Option<Estimate>,
+    /// Its GCA less that of the reference with the same seed; null of the reference.
+    pub(super) gca_difference: Option<Estimate>,
+    /// Its share of wrong answers over that of the reference; null of the reference, and
+    /// when that one is never wrong.
+    pub(super) error_ratio: Option<Estimate>,
+    runs: Vec<RunFigures>,
 }
 
-/// A row of the figure for each variant.
-pub(super) fn figure_rows(document: &Document) -> Vec<ForestPlotRow> {
-    let row = |variant: &VariantFigures| ForestPlotRow {
-        name: variant.name.to_owned(),
-        estimate: variant.gca.map(Into::into),
-        is_reference: variant.name == document.settings.reference,
-    };
-    document.variants.iter().map(row).collect()
+/// One run.
+#[derive(Debug, Serialize)]
+struct RunFigures {
+    seed: u64,
+    qci: u32,
+    tlc: u32,
+    aic: f64,
+    gca: f64,
+    apa: Option<f64>,
 }
 
-fn rows(document: &Document) -> Vec<Vec<String>> {
-    let row = |variant: &VariantFigures| {
-        vec![
-            variant.name.to_owned(),
-            cell(variant.qci, 0),
-            cell(variant.tlc, 1),
-            cell(variant.aic, 2),
-            cell(variant.gca, 3),
-            cell(variant.apa, 3),
-            cell(variant.gca_difference, 3),
-            cell(variant.error_ratio, 2),
-        ]
-    };
-    document.variants.iter().map(row).collect()
+/// How the figures were made.
+#[derive(Debug, Serialize)]
+pub(super) struct Settings {
+    pub(super) reference: &'static str,
+    pub(super) protocol: &'static str,
+    pub(super) tau: f64,
+    pub(super) n_runs: u64,
+    pub(super) seed: u64,
+    /// Of GOOD.
+    bins: usize,
+    views_max: Option<u32>,
+    confidence: f64,
+    pub(super) n_resamples: usize,
 }
 
-/// `0.712 (0.690–0.731)`.
-fn cell(interval: Option<Interval>, digits: usize) -> String {
-    interval.map_or(String::new(), |Interval { value, low, high }| {
-        format!("{value:.digits$} ({low:.digits$} to {high:.digits$})")
-    })
+impl AblationReport {
+    pub(super) fn of(
+        arguments: &AblationArguments,
+        protocol: &Protocol,
+        views: &ViewTable,
+        played: &[VariantRuns],
+    ) -> Self {
+        let reference = played.iter().find(|played| played.variant == REFERENCE);
+        let reference = reference.map_or(&[][..], |played| &played.runs);
+        let figures = |played| VariantFigures::of(played, reference, arguments.seed);
+        Self {
+            header: ReportHeader::new(arguments.dataset.display().to_string(), views),
+            variants: played.iter().map(figures).collect(),
+            settings: Settings {
+                reference: REFERENCE.name(),
+                protocol: arguments.protocol.name(),
+                tau: protocol.tau,
+                n_runs: arguments.runs,
+                seed: arguments.seed,
+                bins: arguments.bins,
+                views_max: arguments.views_max,
+                confidence: 0.95,
+                n_resamples: N_RESAMPLES,
+            },
+            omissions: views.into(),
+            files: ReportFiles::in_folder(&arguments.out, "ablation.json"),
+        }
+    }
 }
 
-/// What else is said, one sentence each.
-fn notes(document: &Document) -> Vec<String> {
-    let settings = &document.settings;
-    let mut notes = vec![
-        format!(
-            "{} categories, {} views; {} runs of each variant from the seeds {} to {}, protocol \
-             {}, accuracy {} to learn",
-            document.n_categories,
-            document.n_views,
-            settings.n_runs,
-            settings.seed,
-            settings.seed.wrapping_add(settings.n_runs - 1),
-            settings.protocol,
-            settings.tau
-        ),
-        format!(
-            "means over the runs, and in brackets between which bounds they lie with 95 %, by {} \
-             bootstrap resamples of the runs; the last two columns compare runs of the same seed",
-            settings.n_resamples
-        ),
-    ];
-    notes.extend(document.left_out.iter().cloned());
-    notes
+impl VariantFigures {
+    fn of(played: &VariantRuns, reference: &[Metrics], seed: u64) -> Self {
+        let mean = |value: fn(&Metrics) -> Option<f64>| {
+            let values: Vec<_> = played.runs.iter().map(value).collect();
+            Estimate::mean(&values, seed)
+        };
+        let errors = |runs: &[Metrics]| runs.iter().map(|run| 1.0 - run.gca).collect::<Vec<_>>();
+        let (of_reference, own) = (errors(reference), errors(&played.runs));
+        let is_other = played.variant != REFERENCE;
+        // One error less is as much accuracy more.
+        let difference = Estimate::paired_difference(&own, &of_reference, seed);
+        let ratio = Estimate::paired_ratio(&of_reference, &own, seed);
+        let of_others = |estimate: Option<Estimate>| estimate.filter(|_| is_other);
+        let runs = (seed..).zip(&played.runs);
+        Self {
+            name: played.variant.name(),
+            qci: mean(|run| Some(run.qci.into())),
+            tlc: mean(|run| Some(run.tlc.into())),
+            aic: mean(|run| Some(run.aic)),
+            gca: mean(|run| Some(run.gca)),
+            apa: mean(|run| run.apa),
+            gca_difference: of_others(difference),
+            error_ratio: of_others(ratio),
+            runs: runs.map(|(seed, run)| RunFigures::of(seed, run)).collect(),
+        }
+    }
+}
+
+impl RunFigures {
+    fn of(seed: u64, run: &Metrics) -> Self {
+        let Metrics {
+            qci,
+            tlc,
+            aic,
+            gca,
+            apa,
+        } = *run;
+        Self {
+            seed,
+            qci,
+            tlc,
+            aic,
+            gca,
+            apa,
+        }
+    }
 }

@@ -1,6 +1,6 @@
 //! One fold: who was taught the rest is asked.
 
-use super::material::Material;
+use super::fold_data::FoldData;
 use crate::arguments::CrossValidationArguments;
 use evaluation::cross_validation::withheld_categories;
 use evaluation::recogniser::Answer;
@@ -21,13 +21,9 @@ pub(super) struct FoldResult {
 
 /// Teaches all views but those of the fold and of the categories that are withheld, and
 /// asks those of the fold.
-pub(super) fn play(
-    material: &Material,
-    fold: u32,
-    arguments: &CrossValidationArguments,
-) -> FoldResult {
-    let (views, folds) = (&material.views, &material.folds);
-    let mut recogniser = material.learner.recogniser();
+pub(super) fn play(data: &FoldData, fold: u32, arguments: &CrossValidationArguments) -> FoldResult {
+    let (views, folds) = (&data.views, &data.folds);
+    let mut recogniser = data.learner.recogniser();
     let n_categories = views.categories.len();
     let is_withheld =
         withheld_categories(n_categories, arguments.open_set_share, fold, arguments.seed);
@@ -51,16 +47,16 @@ pub(super) fn play(
         n_taught,
         answers: known.into_iter().map(&mut asked).collect(),
         open: unknown.into_iter().map(&mut asked).collect(),
-        clutter: clutter(material, fold).map(|view| asked(view).1).collect(),
+        clutter: clutter(data, fold).map(|view| asked(view).1).collect(),
         teach_ms,
         ask_ms: begin.elapsed().as_secs_f64() * 1e3,
     }
 }
 
 /// The candidates of the fold that are no object, which stand behind the views.
-fn clutter(material: &Material, fold: u32) -> impl Iterator<Item = usize> {
-    let n_views = material.views.labels.len();
-    let scenes = material.scenes.iter();
+fn clutter(data: &FoldData, fold: u32) -> impl Iterator<Item = usize> {
+    let n_views = data.views.labels.len();
+    let scenes = data.scenes.iter();
     let folds = scenes.flat_map(|scenes| &scenes.folds_of_clutter);
     let of_fold = folds
         .enumerate()

@@ -1,6 +1,6 @@
 use super::super::open_ended::tests::{description, write_points};
 use super::*;
-use crate::arguments::{DescriptionArguments, Variant, ViewProtocol};
+use crate::arguments::{DescriptionArguments, DescriptorVariant, ViewProtocol};
 use dataset::washington::{CAMERA, CroppedView, ViewName, write_view};
 use point_cloud::Point;
 use serde_json::Value;
@@ -207,7 +207,7 @@ fn of_scenes_every_object_is_found_or_missed_and_false_candidates_cost_precision
     arguments.dataset = None;
     arguments.scenes = Some(24);
     arguments.folds = 2;
-    arguments.description.variant = Variant::Ours;
+    arguments.description.variant = DescriptorVariant::Ours;
     run(&arguments, &Output::new(true)).unwrap();
     let document = document(&arguments.out);
     let scenes = &document["scenes"];

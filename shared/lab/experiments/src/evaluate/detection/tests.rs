@@ -1,10 +1,13 @@
 use super::*;
 use crate::arguments::{SceneArguments, SimulateVerb};
 use crate::simulate;
+use constraint::Assumptions;
 use dataset::pcd::{self, Encoding, PcdView};
+use evaluation::segmentation_score::SegmentationScore;
 use geometry::{PinholeCamera, RigidTransform};
 use point_cloud::{Point, Rgba};
 use serde_json::Value;
+use service::exit_code;
 use std::path::Path;
 
 /// The label of a box in [`scene`].
@@ -233,15 +236,15 @@ fn the_report_names_groups_halves_and_the_worst() {
         picture: format!("scenes/{name}.png"),
     };
     let results = [result("learn1", 0.25, true), result("learn2", 0.75, false)];
-    let skipped: Vec<Skipped> = (5..20)
-        .map(|i| Skipped {
+    let skipped: Vec<SkippedScene> = (5..20)
+        .map(|i| SkippedScene {
             name: format!("learn{i}"),
             reason: "it is broken".into(),
         })
         .collect();
     let arguments = arguments(Path::new("data"), Path::new("out"));
-    let document = Document::of(&results, &skipped, &arguments).unwrap();
-    let text = report::text(&document, &arguments);
+    let document = DetectionReport::of(&results, &skipped, &arguments).unwrap();
+    let text = report_page::text(&document, &arguments);
     for part in [
         "Hypotheses before ψ\n%          scenes  wov",
         "even half  1        75.0",
@@ -256,5 +259,5 @@ fn the_report_names_groups_halves_and_the_worst() {
     ] {
         assert!(text.contains(part), "{part} is not in\n{text}");
     }
-    assert!(report::page(&document, &results).contains("left out: learn5"));
+    assert!(report_page::page(&document, &results).contains("left out: learn5"));
 }

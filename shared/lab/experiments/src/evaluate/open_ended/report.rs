@@ -1,89 +1,171 @@
-//! The figures of `tabula evaluate open-ended` for people.
+//! The figures of `tabula evaluate open-ended` as a document.
 
-use super::super::open_set::OpenSet;
-use super::document::{Document, Figures, RunFigures};
-use command_line::format_table;
-use plot::figure_page::{PageFigure, PageTable, html};
+use super::picture;
+use crate::arguments::OpenEndedArguments;
+use crate::evaluate::recognition::DescriptionSettings;
+use crate::evaluate::report_parts::{OmissionSummary, ReportFiles, ReportHeader};
+use crate::evaluate::view_table::ViewTable;
+use evaluation::novelty_score::NoveltyScore;
+use evaluation::open_ended::{
+    MeanAndStd, Metrics, MetricsSummary, OpenEndedRun, Protocol, StopReason,
+};
+use evaluation::recogniser::Answer;
+use serde::Serialize;
 
-/// Heads of the columns.
-const HEADS: [&str; 7] = ["run", "qci", "tlc", "aic", "gca", "apa", "ended"];
-
-/// The text that is printed.
-pub(super) fn text(document: &Document) -> String {
-    let mut lines = vec![format_table(&HEADS, &rows(document)), String::new()];
-    lines.extend(notes(document));
-    lines.extend([document.page.clone(), document.file.clone()]);
-    lines.join("\n")
+/// All figures.
+#[derive(Debug, Serialize)]
+pub(super) struct OpenEndedReport {
+    #[serde(flatten)]
+    pub(super) header: ReportHeader,
+    pub(super) runs: Vec<RunFigures>,
+    pub(super) mean: Figures,
+    pub(super) std: Figures,
+    /// Of the open-set questions of all runs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) open_set: Option<NoveltyScore>,
+    pub(super) settings: Settings,
+    #[serde(flatten)]
+    pub(super) omissions: OmissionSummary,
+    pub(super) timing: Timing,
+    #[serde(flatten)]
+    pub(super) files: ReportFiles,
 }
 
-/// The page with the figures of all runs.
-pub(super) fn page(document: &Document) -> String {
-    let table = PageTable::new("Runs", &HEADS, rows(document));
-    let overview = PageFigure {
-        caption: "All runs".to_owned(),
-        picture: "overview.svg".to_owned(),
+/// The figures of the published table.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Figures {
+    pub(super) qci: Option<f64>,
+    pub(super) tlc: Option<f64>,
+    pub(super) aic: Option<f64>,
+    pub(super) gca: Option<f64>,
+    pub(super) apa: Option<f64>,
+}
+
+/// One run.
+#[derive(Debug, Serialize)]
+pub(super) struct RunFigures {
+    pub(super) seed: u64,
+    pub(super) qci: u32,
+    pub(super) tlc: u32,
+    pub(super) aic: f64,
+    pub(super) gca: f64,
+    pub(super) apa: Option<f64>,
+    pub(super) corrections: u32,
+    pub(super) stop: &'static str,
+    pub(super) picture: String,
+}
+
+/// How the figures were made.
+#[derive(Debug, Serialize)]
+pub(super) struct Settings {
+    #[serde(flatten)]
+    pub(super) description: DescriptionSettings,
+    pub(super) protocol: &'static str,
+    pub(super) tau: f64,
+    views_at_start: usize,
+    window: usize,
+    stall_limit: u32,
+    open_set_share: f64,
+    n_runs: u64,
+    seed: u64,
+}
+
+/// Durations on one thread; the only figures that differ from time to time.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(super) struct Timing {
+    pub(super) describe_ms: f64,
+    pub(super) ask_ms: f64,
+}
+
+impl OpenEndedReport {
+    /// Of runs in the order of their seeds.
+    pub(super) fn of(
+        arguments: &OpenEndedArguments,
+        protocol: &Protocol,
+        views: &ViewTable,
+        runs: &[OpenEndedRun],
+        ask_ms: f64,
+    ) -> Self {
+        let metrics: Vec<Metrics> = runs.iter().map(OpenEndedRun::metrics).collect();
+        let summary = MetricsSummary::of(&metrics);
+        Self {
+            header: ReportHeader::new(arguments.dataset.display().to_string(), views),
+            runs: runs.iter().map(RunFigures::of).collect(),
+            mean: Figures::of(&summary, |spread| Some(spread.mean)),
+            std: Figures::of(&summary, |spread| spread.std),
+            open_set: novelty(runs),
+            settings: Settings::of(arguments, protocol),
+            omissions: views.into(),
+            timing: Timing {
+                describe_ms: views.describe_ms,
+                ask_ms,
+            },
+            files: ReportFiles::in_folder(&arguments.out, "open-ended.json"),
+        }
+    }
+}
+
+impl Figures {
+    fn of(summary: &MetricsSummary, value: fn(&MeanAndStd) -> Option<f64>) -> Self {
+        let of = |spread: &Option<MeanAndStd>| spread.as_ref().and_then(value);
+        Self {
+            qci: of(&summary.qci),
+            tlc: of(&summary.tlc),
+            aic: of(&summary.aic),
+            gca: of(&summary.gca),
+            apa: of(&summary.apa),
+        }
+    }
+}
+
+impl RunFigures {
+    fn of(run: &OpenEndedRun) -> Self {
+        let Metrics {
+            qci,
+            tlc,
+            aic,
+            gca,
+            apa,
+        } = run.metrics();
+        Self {
+            seed: run.seed,
+            qci,
+            tlc,
+            aic,
+            gca,
+            apa,
+            corrections: run.n_corrections(),
+            stop: match run.stop {
+                StopReason::AllLearned => "all-learned",
+                StopReason::Stalled => "stalled",
+                StopReason::LackOfData => "lack-of-data",
+            },
+            picture: picture(run.seed),
+        }
+    }
+}
+
+/// Of the questions of all runs.
+fn novelty(runs: &[OpenEndedRun]) -> Option<NoveltyScore> {
+    let answers = |is_open_set: bool| -> Vec<Answer> {
+        let of_runs = runs.iter().flat_map(|run| run.answers(is_open_set));
+        of_runs.collect()
     };
-    let runs = document.runs.iter().map(|run| PageFigure {
-        caption: format!("run {}: {}", run.seed, cells(run)[1..].join(", ")),
-        picture: run.picture.clone(),
-    });
-    let figures: Vec<PageFigure> = std::iter::once(overview).chain(runs).collect();
-    html("Open-ended learning", &notes(document), &[table], &figures)
+    NoveltyScore::of(&answers(true), &answers(false))
 }
 
-fn rows(document: &Document) -> Vec<Vec<String>> {
-    let mut rows: Vec<Vec<String>> = document.runs.iter().map(cells).collect();
-    rows.push(summary("mean", &document.mean));
-    rows.push(summary("std", &document.std));
-    rows
-}
-
-fn cells(run: &RunFigures) -> Vec<String> {
-    let apa = run.apa.map_or("-".to_owned(), |apa| format!("{apa:.3}"));
-    vec![
-        run.seed.to_string(),
-        run.qci.to_string(),
-        run.tlc.to_string(),
-        format!("{:.2}", run.aic),
-        format!("{:.3}", run.gca),
-        apa,
-        run.stop.to_owned(),
-    ]
-}
-
-fn summary(name: &str, figures: &Figures) -> Vec<String> {
-    let value = |value: Option<f64>, digits: usize| {
-        value.map_or("-".to_owned(), |value| format!("{value:.digits$}"))
-    };
-    vec![
-        name.to_owned(),
-        value(figures.qci, 1),
-        value(figures.tlc, 2),
-        value(figures.aic, 2),
-        value(figures.gca, 3),
-        value(figures.apa, 3),
-        String::new(),
-    ]
-}
-
-/// What else is said, one sentence each.
-fn notes(document: &Document) -> Vec<String> {
-    let settings = &document.settings;
-    let mut notes = vec![
-        format!(
-            "{} categories, {} views; {}, protocol {}, accuracy {} to learn",
-            document.n_categories,
-            document.n_views,
-            settings.description.text(),
-            settings.protocol,
-            settings.tau
-        ),
-        format!(
-            "a view is described in {:.3} ms and compared in {:.3} ms on one thread, means",
-            document.timing.describe_ms, document.timing.ask_ms
-        ),
-    ];
-    notes.extend(document.open_set.as_ref().map(OpenSet::sentence));
-    notes.extend(document.left_out.iter().cloned());
-    notes
+impl Settings {
+    fn of(arguments: &OpenEndedArguments, protocol: &Protocol) -> Self {
+        Self {
+            description: DescriptionSettings::of(&arguments.description),
+            protocol: arguments.protocol.name(),
+            tau: protocol.tau,
+            views_at_start: protocol.n_views_at_start,
+            window: protocol.window,
+            stall_limit: protocol.stall_limit,
+            open_set_share: protocol.open_set_share,
+            n_runs: arguments.runs,
+            seed: arguments.seed,
+        }
+    }
 }

@@ -1,5 +1,5 @@
 use super::*;
-use crate::arguments::{DescriptionArguments, Variant};
+use crate::arguments::{DescriptionArguments, DescriptorVariant};
 use dataset::pcd::{self, Encoding, PcdView};
 use geometry::RigidTransform;
 use point_cloud::Point;
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 pub(crate) fn description() -> DescriptionArguments {
     DescriptionArguments {
-        variant: Variant::Published,
+        variant: DescriptorVariant::Published,
         distance: None,
         shape_only: false,
         up: None,

@@ -6,7 +6,7 @@ use std::fs;
 fn most_objects_are_found_in_twelve_kinds_of_scenes_and_the_seed_decides() {
     let folder = tempfile::tempdir().unwrap();
     fs::create_dir_all(folder.path().join(PICTURES)).unwrap();
-    let method = Method::of_ablation(AblationVariant::Ours, 15);
+    let method = RecognitionMethod::of_ablation(AblationVariant::Ours, 15);
     let output = Output::new(true);
     let simulated = || simulate(12, 4, method, folder.path(), &output).unwrap();
     let views = simulated();

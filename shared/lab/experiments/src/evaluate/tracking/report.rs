@@ -1,116 +1,179 @@
-//! The figures of `tabula evaluate tracking` for people.
+//! The figures of `tabula evaluate tracking` as a document.
 
-use super::document::{Document, Figures, Percentiles, SeedFigures};
-use command_line::format_table;
-use plot::figure_page::{PageFigure, PageTable, html};
+use super::tracking_run::TrackingRun;
+use crate::arguments::TrackingArguments;
+use crate::evaluate::report_parts::ReportFiles;
+use evaluation::tracking_score::{GATE_M, TrackingScore};
+use serde::Serialize;
+use statistics::spread::Spread;
+use std::collections::BTreeMap;
 
-/// Heads of the columns.
-const HEADS: [&str; 16] = [
-    "scene", "runs", "mota", "idf1", "switches", "misses", "false", "centre", "p95", "p99",
-    "at 1 m", "turn", "p95", "flips", "lost", "ids",
-];
-
-/// The text that is printed.
-pub(super) fn text(document: &Document) -> String {
-    let mut lines = vec![format_table(&HEADS, &rows(document)), String::new()];
-    lines.extend(legend());
-    lines.extend([document.page.clone(), document.file.clone()]);
-    lines.join("\n")
+/// All figures.
+#[derive(Debug, Serialize)]
+pub(super) struct TrackingReport {
+    version: &'static str,
+    dataset: String,
+    #[serde(flatten)]
+    pub(super) overall: Figures,
+    pub(super) scenes: BTreeMap<String, SceneFigures>,
+    settings: Settings,
+    #[serde(flatten)]
+    pub(super) files: ReportFiles,
 }
 
-/// The page with the figure of each run; within a scene the worst first.
-pub(super) fn page(document: &Document) -> String {
-    let table = PageTable::new("Scenes", &HEADS, rows(document));
-    let mut notes = vec![
-        "Left the table from above: true ways are grey, each track has a colour and stands with \
-         its id where it begins. Right the tracks that were matched with each object; light grey \
-         is where an object does not count."
-            .to_owned(),
-    ];
-    notes.extend(legend());
-    let runs = document.scenes.iter().flat_map(|(name, scene)| {
-        let mut runs: Vec<&SeedFigures> = scene.per_seed.iter().collect();
-        runs.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
-        runs.into_iter().map(|run| pictured(name, run))
-    });
-    html("Tracking", &notes, &[table], &runs.collect::<Vec<_>>())
+/// How the figures were made.
+#[derive(Debug, Serialize)]
+struct Settings {
+    seeds: u64,
+    first_seed: u64,
+    rate_hz: f64,
+    gate_mm: f64,
 }
 
-/// Worst first: lower is worse.
-fn rank(run: &SeedFigures) -> f64 {
-    let accuracy = run.figures.mota.unwrap_or(1.0) + run.figures.idf1.unwrap_or(1.0);
-    accuracy - run.figures.id_switches as f64
+/// Figures of some runs.
+#[derive(Debug, Serialize)]
+pub(super) struct Figures {
+    pub(super) n_runs: usize,
+    pub(super) n_frames: usize,
+    pub(super) n_objects: usize,
+    pub(super) mota: Option<f64>,
+    pub(super) idf1: Option<f64>,
+    pub(super) id_switches: u64,
+    pub(super) misses: u64,
+    pub(super) false_positives: u64,
+    pub(super) truths: u64,
+    pub(super) centre_error_mm: Option<Spread>,
+    pub(super) centre_error_at_1_m_mm: Option<Spread>,
+    pub(super) centre_error_horizontal_mm: Option<Spread>,
+    pub(super) centre_error_vertical_mm: Option<Spread>,
+    pub(super) whole_box_centre_error_mm: Option<Spread>,
+    pub(super) orientation_error_deg: Option<Spread>,
+    pub(super) angular_orientation_error_deg: Option<Spread>,
+    orientation_error_up_to_quarter_deg: Option<Spread>,
+    pub(super) flips: u64,
+    pub(super) lost: Option<f64>,
+    pub(super) n_lost: usize,
+    pub(super) ids_per_object: Option<f64>,
+    pub(super) n_tracks: usize,
+    pub(super) tracks_of_nothing: usize,
+    pub(super) removed: Option<Removed>,
 }
 
-fn pictured(name: &str, run: &SeedFigures) -> PageFigure {
-    let figures = &run.figures;
-    let seed = run
-        .seed
-        .map_or(String::new(), |seed| format!(", seed {seed}"));
-    let share = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.3}"));
-    PageFigure {
-        caption: format!(
-            "{name}{seed}: MOTA {}, IDF1 {}, {} switches, {} misses, {} false positives, {} lost",
-            share(figures.mota),
-            share(figures.idf1),
-            figures.id_switches,
-            figures.misses,
-            figures.false_positives,
-            figures.n_lost
-        ),
-        picture: run.picture.clone(),
+/// How long tracks of removed objects live on.
+#[derive(Debug, Serialize)]
+pub(super) struct Removed {
+    n: usize,
+    n_never_ended: usize,
+    pub(super) ended_after_s: Option<Spread>,
+}
+
+/// One scene.
+#[derive(Debug, Serialize)]
+pub(super) struct SceneFigures {
+    #[serde(flatten)]
+    pub(super) figures: Figures,
+    pub(super) per_seed: Vec<SeedFigures>,
+}
+
+/// One run.
+#[derive(Debug, Serialize)]
+pub(super) struct SeedFigures {
+    pub(super) seed: Option<u64>,
+    #[serde(flatten)]
+    pub(super) figures: Figures,
+    pub(super) picture: String,
+    notes: Vec<String>,
+}
+
+impl Figures {
+    fn of<'r>(runs: impl IntoIterator<Item = &'r TrackingRun>) -> Self {
+        let mut score = TrackingScore::default();
+        let (mut n_runs, mut n_frames) = (0, 0);
+        for run in runs {
+            score.add(&run.score);
+            n_runs += 1;
+            n_frames += run.n_frames;
+        }
+        let errors = &score.errors;
+        let vertical: Vec<f64> = errors.vertical_mm.iter().map(|error| error.abs()).collect();
+        let n_objects = score.n_objects;
+        Self {
+            n_runs,
+            n_frames,
+            n_objects,
+            mota: score.mot.mota(),
+            idf1: score.identity.idf1(),
+            id_switches: score.mot.n_switches,
+            misses: score.mot.n_misses,
+            false_positives: score.mot.n_false_positives,
+            truths: score.mot.n_objects,
+            centre_error_mm: Spread::of(&errors.centre_mm),
+            centre_error_at_1_m_mm: Spread::of(&errors.centre_at_1_m_mm),
+            centre_error_horizontal_mm: Spread::of(&errors.horizontal_mm),
+            centre_error_vertical_mm: Spread::of(&vertical),
+            whole_box_centre_error_mm: Spread::of(&errors.whole_mm),
+            orientation_error_deg: Spread::of(&errors.orientation_deg),
+            angular_orientation_error_deg: Spread::of(&errors.angular_deg),
+            orientation_error_up_to_quarter_deg: Spread::of(&errors.up_to_quarter_deg),
+            flips: score.n_flips,
+            lost: score.lost(),
+            n_lost: score.n_lost,
+            ids_per_object: (n_objects > 0).then(|| score.n_ids as f64 / n_objects as f64),
+            n_tracks: score.n_tracks,
+            tracks_of_nothing: score.n_tracks_of_nothing,
+            removed: Removed::of(&score.removed_after_s),
+        }
     }
 }
 
-fn rows(document: &Document) -> Vec<Vec<String>> {
-    let mut rows = vec![row("all", &document.overall)];
-    let scenes = document.scenes.iter();
-    rows.extend(scenes.map(|(name, scene)| row(name, &scene.figures)));
-    rows
+impl Removed {
+    fn of(waits_s: &[Option<f64>]) -> Option<Self> {
+        let ended: Vec<f64> = waits_s.iter().flatten().copied().collect();
+        (!waits_s.is_empty()).then(|| Self {
+            n: waits_s.len(),
+            n_never_ended: waits_s.len() - ended.len(),
+            ended_after_s: Spread::of(&ended),
+        })
+    }
 }
 
-/// What the columns mean.
-fn legend() -> [String; 2] {
-    [
-        "centre: median, 95th and 99th percentile of the distance from the centre of the box of \
-         the true surface seen so far, mm; at 1 m: its median there"
-            .to_owned(),
-        "turn: median and 95th percentile of the deviation of objects whose footprint has a \
-         direction, degrees; ids: tracks of an object"
-            .to_owned(),
-    ]
+impl TrackingReport {
+    /// Of runs in the order of scenes and seeds.
+    pub(super) fn of(runs: &[TrackingRun], arguments: &TrackingArguments) -> Self {
+        let mut scenes = BTreeMap::new();
+        for run in runs {
+            let of_scene = || runs.iter().filter(|other| other.scene == run.scene);
+            scenes
+                .entry(run.scene.clone())
+                .or_insert_with(|| SceneFigures {
+                    figures: Figures::of(of_scene()),
+                    per_seed: of_scene().map(SeedFigures::of).collect(),
+                });
+        }
+        let dataset = arguments.dataset.as_ref();
+        Self {
+            version: env!("CARGO_PKG_VERSION"),
+            dataset: dataset.map_or("built-in".into(), |path| path.display().to_string()),
+            overall: Figures::of(runs),
+            scenes,
+            settings: Settings {
+                seeds: arguments.seeds,
+                first_seed: arguments.seed,
+                rate_hz: super::RATE_HZ,
+                gate_mm: 1e3 * GATE_M,
+            },
+            files: ReportFiles::in_folder(&arguments.out, "tracking.json"),
+        }
+    }
 }
 
-fn row(name: &str, figures: &Figures) -> Vec<String> {
-    let share = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.4}"));
-    let of = |spread: &Option<Percentiles>, value: fn(&Percentiles) -> f64| {
-        let value = spread.as_ref().map(value);
-        value.map_or("-".to_owned(), |value| format!("{value:.1}"))
-    };
-    let Figures {
-        centre_error_mm: centre,
-        centre_error_at_1_m_mm: near,
-        angular_orientation_error_deg: turn,
-        ..
-    } = figures;
-    vec![
-        name.to_owned(),
-        figures.n_runs.to_string(),
-        share(figures.mota),
-        share(figures.idf1),
-        figures.id_switches.to_string(),
-        figures.misses.to_string(),
-        figures.false_positives.to_string(),
-        of(centre, |p| p.median),
-        of(centre, |p| p.p95),
-        of(centre, |p| p.p99),
-        of(near, |p| p.median),
-        of(turn, |p| p.median),
-        of(turn, |p| p.p95),
-        figures.flips.to_string(),
-        share(figures.lost),
-        figures
-            .ids_per_object
-            .map_or("-".to_owned(), |ids| format!("{ids:.2}")),
-    ]
+impl SeedFigures {
+    fn of(run: &TrackingRun) -> Self {
+        Self {
+            seed: run.seed,
+            figures: Figures::of([run]),
+            picture: run.picture.clone(),
+            notes: run.notes.clone(),
+        }
+    }
 }

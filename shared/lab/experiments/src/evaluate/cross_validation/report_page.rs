@@ -1,0 +1,119 @@
+//! The figures of `tabula evaluate cross-validation` for people.
+
+use super::end_to_end_score::EndToEndScore;
+use super::fold_data::FoldData;
+use super::report::{CategoryFigures, CrossValidationReport};
+use crate::evaluate::open_set;
+use command_line::format_table;
+use plot::figure_page::{PageFigure, PageTable, html};
+
+/// Heads of the columns; the last two only of scenes.
+const HEADS: [&str; 6] = [
+    "category",
+    "views",
+    "right %",
+    "taken for",
+    "missed",
+    "parts",
+];
+
+/// The text that is printed.
+pub(super) fn text(document: &CrossValidationReport) -> String {
+    let mut lines = vec![
+        format_table(heads(document), &rows(document)),
+        String::new(),
+    ];
+    lines.extend(notes(document));
+    lines.extend([document.files.page.clone(), document.files.file.clone()]);
+    lines.join("\n")
+}
+
+fn heads(document: &CrossValidationReport) -> &'static [&'static str] {
+    let n_columns = if document.scenes.is_some() { 6 } else { 4 };
+    &HEADS[..n_columns]
+}
+
+/// The page with the confusion matrix, and with the drawn scenes.
+pub(super) fn page(document: &CrossValidationReport, data: &FoldData) -> String {
+    let table = PageTable::new("Categories, worst first", heads(document), rows(document));
+    let confusion = PageFigure {
+        caption: "A row for each category, a column for each answer, in percent; blue is right, \
+                  red is wrong"
+            .to_owned(),
+        picture: "confusion.svg".to_owned(),
+    };
+    let scenes = data.scenes.iter().flat_map(|scenes| &scenes.pictures);
+    let scenes = scenes.map(|(name, picture)| PageFigure {
+        caption: format!("{name}: colour, truth and what is found; what is striped is ignored"),
+        picture: picture.clone(),
+    });
+    let figures: Vec<PageFigure> = std::iter::once(confusion).chain(scenes).collect();
+    html("Cross-validation", &notes(document), &[table], &figures)
+}
+
+/// The categories, worst first.
+fn rows(document: &CrossValidationReport) -> Vec<Vec<String>> {
+    let right = |figures: &CategoryFigures| {
+        100.0 * f64::from(figures.n_right) / f64::from(figures.n_asked.max(1))
+    };
+    let mut categories: Vec<_> = document.categories.iter().collect();
+    categories.sort_by(|(_, a), (_, b)| right(a).total_cmp(&right(b)));
+    let row = |(name, figures): (&String, &CategoryFigures)| {
+        let mut cells = vec![
+            name.clone(),
+            figures.n_asked.to_string(),
+            format!("{:5.1}", right(figures)),
+            figures.taken_for.clone().unwrap_or_default(),
+        ];
+        let of_scenes = [figures.n_missed, figures.n_parts];
+        cells.extend(of_scenes.iter().flatten().map(u32::to_string));
+        cells
+    };
+    categories.into_iter().map(row).collect()
+}
+
+/// The figures, one sentence each.
+fn notes(document: &CrossValidationReport) -> Vec<String> {
+    let (settings, timing) = (&document.settings, &document.timing);
+    let accuracies = document.folds.iter().filter_map(|fold| fold.accuracy);
+    let (least, most) = accuracies.fold((1.0_f64, 0.0_f64), |(least, most), accuracy| {
+        (least.min(accuracy), most.max(accuracy))
+    });
+    let mut notes = vec![
+        format!(
+            "accuracy {:.4} (macro {:.4}), F1 {:.4} (macro {:.4}); folds from {least:.4} to \
+             {most:.4}",
+            document.accuracy_micro, document.accuracy_macro, document.f1_micro, document.f1_macro
+        ),
+        format!(
+            "{} categories, {} views in {} folds, {}; {}",
+            document.header.n_categories,
+            document.header.n_views,
+            document.folds.len(),
+            dealing(document),
+            settings.description.text()
+        ),
+        format!(
+            "a view is described in {:.3} ms and compared in {:.3} ms on one thread, means; all \
+             comparisons took {:.1} s",
+            timing.describe_ms, timing.ask_ms, timing.test_s
+        ),
+    ];
+    notes.extend(document.open_set.as_ref().map(open_set::sentence));
+    notes.extend(document.scenes.iter().flat_map(EndToEndScore::sentences));
+    notes.extend(document.omissions.left_out.iter().cloned());
+    notes
+}
+
+fn dealing(document: &CrossValidationReport) -> String {
+    let settings = &document.settings;
+    match settings.folds {
+        "instance-disjoint" => format!(
+            "the views of an object together in {} of the categories",
+            settings.n_grouped
+        ),
+        "scene" => "scene by scene".to_owned(),
+        "contiguous" => "in the order of their names".to_owned(),
+        _ => "view by view".to_owned(),
+    }
+}

@@ -1,0 +1,175 @@
+//! The figures of `tabula evaluate detection` as a document.
+
+use super::scene_result::{SceneResult, SkippedScene};
+use crate::arguments::DetectionArguments;
+use crate::evaluate::report_parts::ReportFiles;
+use constraint::Assumption;
+use detection::Config;
+use evaluation::segmentation_score::{HYPOTHESIS_PIXELS_MIN, SegmentationScore};
+use serde::Serialize;
+use statistics::percentiles::Percentiles;
+use std::collections::BTreeMap;
+
+/// All figures; scores are means over scenes, worst scene first.
+#[derive(Debug, Serialize)]
+pub(super) struct DetectionReport<'a> {
+    version: &'static str,
+    dataset: String,
+    pub(super) n_scenes: usize,
+    pub(super) overall: SegmentationScore,
+    pub(super) after_psi: SegmentationScore,
+    pub(super) groups: BTreeMap<&'a str, SceneGroup>,
+    pub(super) halves: Halves,
+    pub(super) detection_ms: Percentiles,
+    pub(super) ns_per_point: f64,
+    pub(super) pass_over_cloud_ms: f64,
+    pub(super) ratio_to_pass: f64,
+    pub(super) per_scene: Vec<SceneScores<'a>>,
+    pub(super) skipped: &'a [SkippedScene],
+    pub(super) settings: Settings,
+    pub(super) assumptions: Vec<String>,
+    #[serde(flatten)]
+    pub(super) files: ReportFiles,
+}
+
+/// How the figures were made.
+#[derive(Debug, Serialize)]
+pub(super) struct Settings {
+    detection: &'static str,
+    seed: u64,
+    pub(super) repeats: u32,
+    threads: u32,
+    hypothesis_pixels_min: usize,
+}
+
+/// Scenes by the number they end in.
+#[derive(Debug, Serialize)]
+pub(super) struct Halves {
+    pub(super) even: Option<SceneGroup>,
+    pub(super) odd: Option<SceneGroup>,
+}
+
+/// Some of the scenes.
+#[derive(Debug, Serialize)]
+pub(super) struct SceneGroup {
+    pub(super) n_scenes: usize,
+    #[serde(flatten)]
+    pub(super) scores: SegmentationScore,
+    pub(super) after_psi: SegmentationScore,
+    pub(super) detection_ms: Percentiles,
+}
+
+/// One scene.
+#[derive(Debug, Serialize)]
+pub(super) struct SceneScores<'a> {
+    pub(super) name: &'a str,
+    pub(super) group: &'a str,
+    n_points: usize,
+    #[serde(flatten)]
+    pub(super) scores: SegmentationScore,
+    after_psi: SegmentationScore,
+    pub(super) detection_ms: Percentiles,
+    picture: &'a str,
+}
+
+/// Percentiles of a figure of all scenes' repeats; `None` without any.
+fn percentiles<'r>(
+    results: impl IntoIterator<Item = &'r SceneResult>,
+    values: impl Fn(&'r SceneResult) -> Vec<f64>,
+) -> Option<Percentiles> {
+    let values = results.into_iter().flat_map(values).collect();
+    Percentiles::of(values)
+}
+
+impl SceneGroup {
+    /// Of the scenes that are wanted; `None` when there are none.
+    fn of(results: &[SceneResult], is_wanted: impl Fn(&SceneResult) -> bool) -> Option<Self> {
+        let wanted: Vec<&SceneResult> = results.iter().filter(|result| is_wanted(result)).collect();
+        let mean = |score: fn(&SceneResult) -> &SegmentationScore| {
+            SegmentationScore::mean(wanted.iter().map(|result| score(result)))
+        };
+        let detection_ms = |result: &SceneResult| result.detection_ms.clone();
+        Some(Self {
+            n_scenes: wanted.len(),
+            scores: mean(|result| &result.before_psi)?,
+            after_psi: mean(|result| &result.after_psi)?,
+            detection_ms: percentiles(wanted.iter().copied(), detection_ms)?,
+        })
+    }
+}
+
+impl<'a> SceneScores<'a> {
+    fn of(result: &'a SceneResult) -> Option<Self> {
+        let detection_ms = |result: &SceneResult| result.detection_ms.clone();
+        Some(Self {
+            name: &result.name,
+            group: &result.group,
+            n_points: result.n_points,
+            scores: result.before_psi,
+            after_psi: result.after_psi,
+            detection_ms: percentiles([result], detection_ms)?,
+            picture: &result.picture,
+        })
+    }
+}
+
+impl<'a> DetectionReport<'a> {
+    /// Of results, worst first; `None` without any.
+    pub(super) fn of(
+        results: &'a [SceneResult],
+        skipped: &'a [SkippedScene],
+        arguments: &DetectionArguments,
+    ) -> Option<Self> {
+        let all = SceneGroup::of(results, |_| true)?;
+        let groups = results.iter().map(|result| result.group.as_str());
+        let groups = groups.filter_map(|group| {
+            SceneGroup::of(results, |result| result.group == group).map(|part| (group, part))
+        });
+        let ns_per_point = |result: &SceneResult| {
+            let n_points = result.n_points.max(1) as f64;
+            let ns_per_point = |ms| ms * 1e6 / n_points;
+            result.detection_ms.iter().map(ns_per_point).collect()
+        };
+        let pass_ms = percentiles(results, |result| result.pass_ms.clone())?.p50;
+        Some(Self {
+            version: env!("CARGO_PKG_VERSION"),
+            dataset: arguments.dataset.display().to_string(),
+            n_scenes: all.n_scenes,
+            overall: all.scores,
+            after_psi: all.after_psi,
+            groups: groups.collect(),
+            halves: Halves {
+                even: SceneGroup::of(results, |result| !result.is_odd),
+                odd: SceneGroup::of(results, |result| result.is_odd),
+            },
+            detection_ms: all.detection_ms,
+            ns_per_point: percentiles(results, ns_per_point)?.p50,
+            pass_over_cloud_ms: pass_ms,
+            ratio_to_pass: all.detection_ms.p50 / pass_ms,
+            per_scene: results.iter().filter_map(SceneScores::of).collect(),
+            skipped,
+            settings: Settings {
+                detection: "default",
+                seed: arguments.seed,
+                repeats: arguments.repeats,
+                threads: 1,
+                hypothesis_pixels_min: HYPOTHESIS_PIXELS_MIN,
+            },
+            assumptions: assumptions(results),
+            files: ReportFiles::in_folder(&arguments.out, "detection.json"),
+        })
+    }
+}
+
+/// What was taken to be so.
+fn assumptions(results: &[SceneResult]) -> Vec<String> {
+    let n_with_up = results.iter().filter(|result| result.has_up).count();
+    let known = format!("up is known in {n_with_up} of {} scenes", results.len());
+    let rule = format!("ψ: {}", Config::default().rule());
+    let assumed = Assumption::ALL.into_iter().filter(|&assumption| {
+        let mut assumed = results.iter().map(|result| result.assumptions);
+        assumed.any(|assumptions| assumptions.contains(assumption))
+    });
+    let assumed = assumed.map(|assumption| assumption.sentence().to_owned());
+    [known, rule].into_iter().chain(assumed).collect()
+}

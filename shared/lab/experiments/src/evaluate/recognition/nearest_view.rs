@@ -1,0 +1,92 @@
+//! The nearest taught view decides, as in the live system.
+
+use super::{HypothesisDescriptors, RecogniserFactory};
+use evaluation::recogniser::{Answer, Recogniser};
+use learning::{CategoryIndex, CategoryName, Error, ViewId};
+
+/// Descriptors of all views, and how they are compared.
+pub(super) struct NearestViewClassifier {
+    /// Nothing is taught in it.
+    empty: CategoryIndex,
+    /// Infinite when nothing is unknown.
+    threshold: f32,
+    names: Vec<CategoryName>,
+    descriptors: Vec<HypothesisDescriptors>,
+}
+
+/// The views that were taught.
+struct NearestViewRecogniser<'a> {
+    views: &'a NearestViewClassifier,
+    index: CategoryIndex,
+}
+
+impl NearestViewClassifier {
+    /// Checks the descriptors, which have the order of the views.
+    pub(super) fn new(
+        empty: CategoryIndex,
+        threshold: f32,
+        n_categories: usize,
+        descriptors: Vec<HypothesisDescriptors>,
+    ) -> Result<Self, Error> {
+        let views = Self {
+            empty,
+            threshold,
+            names: names(n_categories),
+            descriptors,
+        };
+        for descriptors in &views.descriptors {
+            views.empty.recognise_any(descriptors, 0.0)?;
+        }
+        Ok(views)
+    }
+}
+
+/// A name for each number: those of a data set need not be names of the live system.
+fn names(n: usize) -> Vec<CategoryName> {
+    let number = |i: usize| CategoryName::new(&i.to_string());
+    // Digits are always a name.
+    (0..n).filter_map(|i| number(i).ok()).collect()
+}
+
+impl RecogniserFactory for NearestViewClassifier {
+    fn recogniser(&self) -> Box<dyn Recogniser + '_> {
+        Box::new(NearestViewRecogniser {
+            views: self,
+            index: self.empty.clone(),
+        })
+    }
+}
+
+impl Recogniser for NearestViewRecogniser<'_> {
+    fn teach(&mut self, category: u32, view: usize) {
+        let views = self.views;
+        let id = ViewId {
+            track_id: view as u64,
+            view_id: category,
+        };
+        let name = &views.names[category as usize];
+        // The descriptors were checked, so nothing is refused.
+        let _ = self.index.insert(id, name, &views.descriptors[view][0]);
+    }
+
+    fn ask(&mut self, view: usize) -> Answer {
+        let views = self.views;
+        let found = self
+            .index
+            .recognise_any(&views.descriptors[view], views.threshold);
+        let nothing = Answer {
+            category: None,
+            distance: f32::INFINITY,
+            novelty: f32::INFINITY,
+        };
+        found.map_or(nothing, |recognition| {
+            let label = recognition.label.as_ref();
+            let nearest = recognition.nearest[0].as_ref();
+            Answer {
+                category: label.and(nearest).map(|nearest| nearest.view.view_id),
+                distance: recognition.distance,
+                novelty: recognition.novelty.unwrap_or(recognition.distance),
+            }
+        })
+    }
+}

@@ -1,0 +1,72 @@
+//! Describes one view after the other.
+
+use super::HypothesisDescriptors;
+use super::descriptor_choice::DescriptorChoice;
+use crate::arguments::UpAxis;
+use crate::failure::failed;
+use description::{AppearanceDescriptor, Descriptor, Error, Good, ObjectPoints, reference_frame};
+use nalgebra::UnitVector3;
+use service::{Failure, exit_code};
+
+/// A descriptor with its scratch memory.
+#[derive(Clone)]
+pub(in super::super) enum ViewDescriber {
+    /// GOOD in the frame of its published program; it knows no direction of gravity.
+    Good(Box<Good>),
+    /// Our own.
+    Appearance {
+        appearance: Box<AppearanceDescriptor>,
+        n_hypotheses: usize,
+        /// What is up, if it is not as the data tell.
+        up: Option<UpAxis>,
+    },
+}
+
+impl ViewDescriber {
+    pub(super) fn new(descriptor: &DescriptorChoice) -> Result<Self, Failure> {
+        match *descriptor {
+            DescriptorChoice::Good { variant, n_bins } => Good::new(n_bins, variant)
+                .map(|good| Self::Good(Box::new(good)))
+                .map_err(|error| Failure::new(exit_code::USAGE, error)),
+            DescriptorChoice::Appearance {
+                weights,
+                n_hypotheses,
+                up,
+            } => Ok(Self::Appearance {
+                appearance: Box::new(AppearanceDescriptor::new(weights).map_err(failed)?),
+                n_hypotheses,
+                up,
+            }),
+        }
+    }
+
+    /// All descriptors of an object; `up` is the direction against gravity in the frame of
+    /// its points, where it is known.
+    ///
+    /// # Errors
+    /// When there are too few points.
+    pub(in super::super) fn describe(
+        &mut self,
+        points: ObjectPoints<'_>,
+        up: Option<&UnitVector3<f64>>,
+    ) -> Result<HypothesisDescriptors, Error> {
+        match self {
+            Self::Good(good) => {
+                let frame = reference_frame(points).ok_or(Error::NoPoints)?;
+                let mut descriptor = Vec::new();
+                good.compute(points, &frame, &mut descriptor)?;
+                Ok(vec![descriptor])
+            }
+            Self::Appearance {
+                appearance,
+                n_hypotheses,
+                up: given_up,
+            } => {
+                let direction = given_up.map(UpAxis::direction);
+                let up = direction.as_ref().map_or(up, Option::as_ref);
+                let descriptors = appearance.describe(points, up)?;
+                Ok(descriptors[..*n_hypotheses].to_vec())
+            }
+        }
+    }
+}

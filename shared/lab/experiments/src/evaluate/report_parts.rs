@@ -1,0 +1,68 @@
+//! Parts that the reports of several experiments share: header, omitted views, output files.
+
+use super::view_table::ViewTable;
+use serde::Serialize;
+use std::path::Path;
+
+/// Header of a recognition report.
+#[derive(Debug, Serialize)]
+pub(super) struct ReportHeader {
+    /// Version of the program.
+    version: &'static str,
+    /// Data set.
+    dataset: String,
+    /// Number of categories.
+    pub(super) n_categories: usize,
+    /// Number of views.
+    pub(super) n_views: usize,
+}
+
+/// Omitted views of a recognition report.
+#[derive(Debug, Serialize)]
+pub(super) struct OmissionSummary {
+    /// Number of omitted views.
+    n_left_out: usize,
+    /// Reasons, one sentence each.
+    pub(super) left_out: Vec<String>,
+}
+
+/// Paths of the written page and of the report itself.
+#[derive(Debug, Serialize)]
+pub(super) struct ReportFiles {
+    /// HTML page.
+    pub(super) page: String,
+    /// JSON report.
+    pub(super) file: String,
+}
+
+impl ReportHeader {
+    /// Header of a report about a data set and its described views.
+    pub(super) fn new(dataset: String, views: &ViewTable) -> Self {
+        Self {
+            version: env!("CARGO_PKG_VERSION"),
+            dataset,
+            n_categories: views.categories.len(),
+            n_views: views.labels.len(),
+        }
+    }
+}
+
+impl From<&ViewTable> for OmissionSummary {
+    fn from(views: &ViewTable) -> Self {
+        Self {
+            n_left_out: views.omissions.n,
+            left_out: views.omissions.sentences(),
+        }
+    }
+}
+
+impl ReportFiles {
+    /// Paths of `index.html` and of the report in the output folder.
+    pub(super) fn in_folder(out: &Path, report: &str) -> Self {
+        let path = |name: &str| out.join(name).display().to_string();
+        Self {
+            page: path("index.html"),
+            file: path(report),
+        }
+    }
+}

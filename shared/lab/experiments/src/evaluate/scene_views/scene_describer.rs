@@ -1,0 +1,211 @@
+//! One scene: simulated, detected, labelled, described.
+
+use super::candidate_label::{CandidateLabel, label, visible_pixels};
+use super::scene_sampler::SceneSampler;
+use crate::evaluate::recognition::{HypothesisDescriptors, ViewDescriber};
+use crate::failure::failed;
+use crate::output_files::write;
+use constraint::Ternary;
+use description::ObjectPoints;
+use detection::{Candidate, Config, Detection, DetectionInput, ScenePriors, Workspace, detect};
+use evaluation::hypothesis_image::HypothesisImages;
+use evaluation::labelled_scenes::LabelledScene;
+use evaluation::scene_picture;
+use evaluation::segmentation_score::{FIRST_OBJECT_LABEL, Overlaps};
+use geometry::PinholeCamera;
+use nalgebra::{Unit, Vector3};
+use point_cloud::{OrganizedCloud, Point};
+use service::Failure;
+use simulated_world::{ObjectTruth, SimulatedKinect, World};
+use std::path::Path;
+use std::time::Instant;
+
+/// The camera of all scenes.
+const CAMERA: PinholeCamera = PinholeCamera::KINECT_V1;
+/// Folder of the pictures, within that of the results.
+pub(in super::super) const PICTURES: &str = "scenes";
+/// CandidateLabel of what is no object.
+const NO_OBJECT: u16 = 1;
+
+/// What is known of one scene.
+#[derive(Debug, Default)]
+pub(super) struct DescribedScene {
+    /// Categories of the objects that show a pixel with depth.
+    pub(super) visible: Vec<u32>,
+    /// How many objects show none.
+    pub(super) n_hidden: u32,
+    /// The objects that were found: category and description.
+    pub(super) found: Vec<(u32, HypothesisDescriptors)>,
+    /// Descriptions of candidates that are no object, or a smaller part of one.
+    pub(super) clutter: Vec<HypothesisDescriptors>,
+    /// Categories of the objects that some of these are parts of.
+    pub(super) parts: Vec<u32>,
+    /// Sum over all descriptions, milliseconds.
+    pub(super) describe_ms: f64,
+    /// Why candidates could not be described.
+    pub(super) left_out: Vec<String>,
+    /// What the drawn scene is called, and where it is.
+    pub(super) picture: Option<(String, String)>,
+}
+
+/// What is kept from scene to scene.
+pub(super) struct SceneDescriber {
+    describer: ViewDescriber,
+    config: Config,
+    workspace: Workspace,
+    detection: Detection,
+    points: Vec<Point>,
+}
+
+/// A frame with its truth.
+struct LabelledFrame<'a> {
+    number: usize,
+    mask: &'a [u16],
+    /// The category of each object, whose number is one more than its place.
+    categories: Vec<u32>,
+    /// Pixels with depth by number.
+    visible: Vec<usize>,
+    up_in_camera: Unit<Vector3<f64>>,
+}
+
+impl SceneDescriber {
+    pub(super) fn new(describer: ViewDescriber) -> Self {
+        Self {
+            describer,
+            config: Config::default(),
+            workspace: Workspace::default(),
+            detection: Detection::default(),
+            points: vec![Point::default(); CAMERA.n_pixels()],
+        }
+    }
+
+    /// Looks once at a scene of the sampler, and draws it if it is the first of its kind.
+    ///
+    /// # Errors
+    /// When the scene can not be laid or be looked at, or the picture not be written.
+    pub(super) fn describe(
+        &mut self,
+        sampler: &SceneSampler,
+        number: usize,
+        out: &Path,
+    ) -> Result<DescribedScene, Failure> {
+        let world = sampler.world(number)?;
+        let mut kinect = SimulatedKinect::new(&world, CAMERA).map_err(failed)?;
+        let objects = kinect.look(&world, 0, &mut self.points).map_err(failed)?;
+        let frame_truth = LabelledFrame {
+            number,
+            mask: kinect.mask(),
+            categories: categories(sampler, &objects)?,
+            visible: visible_pixels(kinect.mask(), &self.points, objects.len()),
+            up_in_camera: up_in_camera(&world),
+        };
+        self.detect(&frame_truth)?;
+        let mut described = self.label_and_describe(&frame_truth);
+        if let Some(name) = SceneSampler::name_if_first(number) {
+            let place = format!("{PICTURES}/{name}.png");
+            self.draw(&frame_truth, &out.join(&place))?;
+            described.picture = Some((name, place));
+        }
+        Ok(described)
+    }
+
+    /// A frame that is refused has no candidates: all of its objects are missed.
+    fn detect(&mut self, frame_truth: &LabelledFrame<'_>) -> Result<(), Failure> {
+        let (width, height) = (CAMERA.width as usize, CAMERA.height as usize);
+        let frame = DetectionInput {
+            cloud: OrganizedCloud::new(&self.points, width, height).map_err(failed)?,
+            up_in_camera: Some(frame_truth.up_in_camera),
+            seed: frame_truth.number as u64,
+            priors: ScenePriors::default(),
+        };
+        let (config, workspace) = (&self.config, &mut self.workspace);
+        if detect(&frame, config, workspace, &mut self.detection).is_err() {
+            self.detection = Detection::default();
+        }
+        Ok(())
+    }
+
+    /// Describes what the rule takes for an object, upright on the table.
+    fn label_and_describe(&mut self, frame_truth: &LabelledFrame<'_>) -> DescribedScene {
+        let mut scene = DescribedScene::default();
+        for (&category, &n_pixels) in frame_truth.categories.iter().zip(&frame_truth.visible[1..]) {
+            if n_pixels > 0 {
+                scene.visible.push(category);
+            } else {
+                scene.n_hidden += 1;
+            }
+        }
+        let table = self.detection.table.as_ref();
+        let up = table.map(|table| {
+            let normal = table.table_from_camera.rotation.inverse() * Vector3::z();
+            Unit::new_normalize(normal)
+        });
+        let is_object = |candidate: &&Candidate| candidate.verdict == Ternary::True;
+        for candidate in self.detection.candidates.iter().filter(is_object) {
+            let indices = self.detection.points_of(candidate);
+            let begin = Instant::now();
+            let descriptors = ObjectPoints::selected(&self.points, indices)
+                .and_then(|points| self.describer.describe(points, up.as_ref()));
+            scene.describe_ms += begin.elapsed().as_secs_f64() * 1e3;
+            let descriptors = match descriptors {
+                Ok(descriptors) => descriptors,
+                Err(error) => {
+                    let number = frame_truth.number;
+                    scene.left_out.push(format!(
+                        "a candidate of scene {number} can not be described: {error}"
+                    ));
+                    continue;
+                }
+            };
+            let category = |id: u16| frame_truth.categories[usize::from(id) - 1];
+            match label(indices, frame_truth.mask, &frame_truth.visible) {
+                CandidateLabel::Object(id) => scene.found.push((category(id), descriptors)),
+                CandidateLabel::Part(id) => {
+                    scene.parts.push(category(id));
+                    scene.clutter.push(descriptors);
+                }
+                CandidateLabel::NoObject => scene.clutter.push(descriptors),
+            }
+        }
+        scene
+    }
+
+    /// Draws colour, truth and result side by side.
+    fn draw(&self, frame_truth: &LabelledFrame<'_>, path: &Path) -> Result<(), Failure> {
+        let n_objects = frame_truth.categories.len();
+        let label_of = |(&id, point): (&u16, &Point)| match usize::from(id) {
+            _ if !point.is_finite() => 0,
+            1.. if usize::from(id) <= n_objects => FIRST_OBJECT_LABEL * id,
+            _ => NO_OBJECT,
+        };
+        let scene = LabelledScene {
+            points: self.points.clone(),
+            labels: frame_truth
+                .mask
+                .iter()
+                .zip(&self.points)
+                .map(label_of)
+                .collect(),
+            width: CAMERA.width as usize,
+            height: CAMERA.height as usize,
+            up_in_camera: Some(frame_truth.up_in_camera),
+        };
+        let found = HypothesisImages::of(&self.detection, self.points.len())
+            .ok_or_else(|| failed("detection finds more objects than 16 bits can number"))?;
+        let overlaps = Overlaps::count(&found.before_psi, &scene.labels);
+        let image = scene_picture::draw(&scene, self.detection.table.as_ref(), &found, &overlaps);
+        write(path, &image.map_err(failed)?)
+    }
+}
+
+fn categories(sampler: &SceneSampler, objects: &[ObjectTruth]) -> Result<Vec<u32>, Failure> {
+    let number_of = |object: &ObjectTruth| {
+        let number = sampler.number_of(&object.category);
+        number.ok_or_else(|| failed(format!("no set has a category {}", object.category)))
+    };
+    objects.iter().map(number_of).collect()
+}
+
+fn up_in_camera(world: &World) -> Unit<Vector3<f64>> {
+    Unit::new_normalize(world.world_from_camera().rotation.inverse() * Vector3::z())
+}

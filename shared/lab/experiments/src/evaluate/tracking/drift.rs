@@ -1,0 +1,303 @@
+//! Tracks of a recording of which no truth is known: their spans and drift, and
+//! pictures by which a person can say what they are.
+
+use super::PICTURES;
+use super::recorded_sequence::{ProcessedFrame, RecordedSequence};
+use crate::arguments::TrackingArguments;
+use crate::evaluate::report_parts::ReportFiles;
+use crate::failure::failed;
+use crate::output_files::{create_folder, write};
+use command_line::{Output, format_table, progress_bar};
+use evaluation::box_picture::{self, NumberedBox};
+use evaluation::track_drift::{TrackSpan, track_spans};
+use evaluation::track_figure;
+use plot::figure_page::{PageFigure, PageTable, html};
+use serde::Serialize;
+use service::{Failure, exit_code};
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::ExitCode;
+
+/// Folder of the frames with boxes, within that of the results.
+const FRAMES: &str = "frames";
+/// Every so many frames one is drawn.
+const FRAMES_A_PICTURE: usize = 25;
+/// Largest file of labels, bytes.
+const MOST_BYTES: u64 = 1 << 20;
+
+#[derive(Debug, Serialize)]
+struct DriftReport {
+    version: &'static str,
+    dataset: String,
+    n_frames: usize,
+    n_ids: usize,
+    tracks: Vec<TrackDrift>,
+    objects: Option<BTreeMap<String, ObjectDrift>>,
+    ids_per_object: Option<f64>,
+    #[serde(flatten)]
+    files: ReportFiles,
+    frames: String,
+}
+
+#[derive(Debug, Serialize)]
+struct TrackDrift {
+    id: u64,
+    label: Option<String>,
+    first_frame: usize,
+    last_frame: usize,
+    n_frames_seen: usize,
+    centre_m: [f64; 3],
+    drift_mm: f64,
+    sigma_mm: f64,
+}
+
+/// What is labelled as one object.
+#[derive(Debug, Default, Serialize)]
+struct ObjectDrift {
+    ids: Vec<u64>,
+    n_frames_seen: usize,
+    /// The greatest of its tracks.
+    drift_mm: f64,
+}
+
+/// Tracks, measures and draws.
+pub(super) fn run(
+    recording: &RecordedSequence,
+    arguments: &TrackingArguments,
+    output: &Output,
+) -> Result<ExitCode, Failure> {
+    let labels = arguments.labels.as_deref().map(read_labels).transpose()?;
+    let frames_folder = arguments.out.join(FRAMES);
+    create_folder(&frames_folder)?;
+    let bar = progress_bar(recording.n_frames() as u64, "frames", output);
+    let sequence = recording.play(|shown| {
+        bar.inc(1);
+        if !shown.index.is_multiple_of(FRAMES_A_PICTURE) {
+            return Ok(());
+        }
+        let path = frames_folder.join(format!("{:06}.png", shown.index));
+        write(&path, &picture(shown)?)
+    })?;
+    bar.finish_and_clear();
+    let figure = track_figure::figure_without_ground_truth(
+        &recording.name,
+        &sequence.frames,
+        &recording.up_in_world(),
+    );
+    let picture = format!("{PICTURES}/{}.svg", recording.name);
+    let svg = figure.svg().map_err(failed)?;
+    write(&arguments.out.join(&picture), svg.as_bytes())?;
+    let spans = track_spans(&sequence.frames);
+    let document = document(&spans, sequence.frames.len(), labels.as_ref(), arguments);
+    let json = serde_json::to_string_pretty(&document).map_err(failed)?;
+    write(&arguments.out.join("tracking.json"), json.as_bytes())?;
+    let page = page(&document, recording, picture);
+    write(&arguments.out.join("index.html"), page.as_bytes())?;
+    output.answer(&document, || text(&document));
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The frame with the boxes of the tracks that are seen in it.
+fn picture(shown: &ProcessedFrame<'_>) -> Result<Vec<u8>, Failure> {
+    let camera_from_world = shown.world_from_camera.inverse();
+    let outputs = shown.tracks.iter().filter(|track| track.is_output);
+    let boxes: Vec<NumberedBox> = outputs
+        .map(|track| NumberedBox {
+            number: track.id,
+            box_in_camera: track.box_in_world.transformed(&camera_from_world),
+        })
+        .collect();
+    box_picture::draw(shown.points, shown.camera, &boxes).map_err(failed)
+}
+
+fn document(
+    spans: &[TrackSpan],
+    n_frames: usize,
+    labels: Option<&BTreeMap<u64, String>>,
+    arguments: &TrackingArguments,
+) -> DriftReport {
+    let label = |id: u64| labels.and_then(|labels| labels.get(&id).cloned());
+    let tracks: Vec<TrackDrift> = spans
+        .iter()
+        .map(|span| TrackDrift {
+            id: span.id,
+            label: label(span.id),
+            first_frame: span.first_frame,
+            last_frame: span.last_frame,
+            n_frames_seen: span.n_frames,
+            centre_m: span.centre.into(),
+            drift_mm: 1e3 * span.drift_m,
+            sigma_mm: 1e3 * span.sigma_m,
+        })
+        .collect();
+    let objects = labels.map(|_| objects(&tracks));
+    let ids_per_object = objects.as_ref().and_then(|objects| {
+        let n_ids: usize = objects.values().map(|object| object.ids.len()).sum();
+        (!objects.is_empty()).then(|| n_ids as f64 / objects.len() as f64)
+    });
+    let dataset = arguments.dataset.as_ref();
+    DriftReport {
+        version: env!("CARGO_PKG_VERSION"),
+        dataset: dataset.map_or(String::new(), |path| path.display().to_string()),
+        n_frames,
+        n_ids: tracks.len(),
+        tracks,
+        objects,
+        ids_per_object,
+        files: ReportFiles::in_folder(&arguments.out, "tracking.json"),
+        frames: arguments.out.join(FRAMES).display().to_string(),
+    }
+}
+
+/// The tracks of each label.
+fn objects(tracks: &[TrackDrift]) -> BTreeMap<String, ObjectDrift> {
+    let mut objects: BTreeMap<String, ObjectDrift> = BTreeMap::new();
+    for track in tracks {
+        let Some(label) = &track.label else { continue };
+        let object = objects.entry(label.clone()).or_default();
+        object.ids.push(track.id);
+        object.n_frames_seen += track.n_frames_seen;
+        object.drift_mm = object.drift_mm.max(track.drift_mm);
+    }
+    objects
+}
+
+/// Reads lines of `track_id,object-name`; the first may be a heading.
+fn read_labels(path: &Path) -> Result<BTreeMap<u64, String>, Failure> {
+    let wrong = |cause: String| {
+        let sentence = format!("the labels in {} can not be used: {cause}", path.display());
+        Failure::new(exit_code::USAGE, sentence)
+    };
+    let size = std::fs::metadata(path).map_err(|error| wrong(error.to_string()))?;
+    if !size.is_file() || size.len() > MOST_BYTES {
+        return Err(wrong("it is not a file of at most 1 MiB".to_owned()));
+    }
+    let text = std::fs::read_to_string(path).map_err(|error| wrong(error.to_string()))?;
+    parse_labels(&text).map_err(wrong)
+}
+
+fn parse_labels(text: &str) -> Result<BTreeMap<u64, String>, String> {
+    let mut labels = BTreeMap::new();
+    for (index, line) in text.lines().enumerate() {
+        let line = line.trim();
+        if line.is_empty() || (index == 0 && line.starts_with("track_id")) {
+            continue;
+        }
+        let label = line.split_once(',').and_then(|(id, name)| {
+            let id: u64 = id.trim().parse().ok()?;
+            let name = name.trim();
+            (!name.is_empty()).then(|| (id, name.to_owned()))
+        });
+        let (id, name) =
+            label.ok_or_else(|| format!("line {} is not `track_id,object-name`", index + 1))?;
+        if labels.insert(id, name).is_some() {
+            return Err(format!("line {} labels track {id} again", index + 1));
+        }
+    }
+    Ok(labels)
+}
+
+const HEADS: [&str; 8] = [
+    "track", "label", "first", "last", "frames", "drift mm", "sigma mm", "centre m",
+];
+
+fn rows(document: &DriftReport) -> Vec<Vec<String>> {
+    let tracks = document.tracks.iter().map(|track| {
+        let [x, y, z] = track.centre_m;
+        vec![
+            track.id.to_string(),
+            track.label.clone().unwrap_or_default(),
+            track.first_frame.to_string(),
+            track.last_frame.to_string(),
+            track.n_frames_seen.to_string(),
+            format!("{:.1}", track.drift_mm),
+            format!("{:.1}", track.sigma_mm),
+            format!("{x:.3} {y:.3} {z:.3}"),
+        ]
+    });
+    tracks.collect()
+}
+
+fn summary(document: &DriftReport) -> String {
+    let ids = document.ids_per_object;
+    let ids = ids.map_or(String::new(), |ids| format!(", {ids:.2} an object"));
+    format!(
+        "{} track-ids in {} frames{ids}",
+        document.n_ids, document.n_frames
+    )
+}
+
+fn text(document: &DriftReport) -> String {
+    let lines = [
+        format_table(&HEADS, &rows(document)),
+        String::new(),
+        summary(document),
+        document.files.page.clone(),
+        document.files.file.clone(),
+        document.frames.clone(),
+    ];
+    lines.join("\n")
+}
+
+fn page(document: &DriftReport, recording: &RecordedSequence, picture: String) -> String {
+    let title = "Tracks that were seen and believed";
+    let tracks = PageTable::new(title, &HEADS, rows(document));
+    let mut runs = vec![PageFigure {
+        caption: "The table from above, and the tracks over time".to_owned(),
+        picture,
+    }];
+    let drawn = (0..document.n_frames).step_by(FRAMES_A_PICTURE);
+    runs.extend(drawn.map(|index| PageFigure {
+        caption: format!("frame {index}"),
+        picture: format!("{FRAMES}/{index:06}.png"),
+    }));
+    html(
+        &format!("Tracks in {}", recording.name),
+        &[summary(document)],
+        &[tracks],
+        &runs,
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labels_are_read_line_by_line() {
+        let labels = parse_labels("track_id,object-name\n3, mug\n\n5,mug\n7,white bowl, small\n");
+        let expected = [(3, "mug"), (5, "mug"), (7, "white bowl, small")];
+        let expected = expected.map(|(id, name)| (id, name.to_owned()));
+        assert_eq!(labels.unwrap(), BTreeMap::from(expected));
+        for (text, place) in [
+            ("3 mug", "line 1"),
+            ("1,a\n1,b", "line 2"),
+            ("1,a\n-2,b", "line 2"),
+        ] {
+            let error = parse_labels(text).unwrap_err();
+            assert!(error.contains(place), "{error}");
+        }
+    }
+
+    #[test]
+    fn an_object_has_all_ids_with_its_label() {
+        let track = |id, label: Option<&str>, drift_mm| TrackDrift {
+            id,
+            label: label.map(str::to_owned),
+            first_frame: 0,
+            last_frame: 9,
+            n_frames_seen: 10,
+            centre_m: [0.0; 3],
+            drift_mm,
+            sigma_mm: 0.0,
+        };
+        let tracks = [
+            track(1, Some("mug"), 3.0),
+            track(2, None, 9.0),
+            track(4, Some("mug"), 5.0),
+        ];
+        let objects = objects(&tracks);
+        assert_eq!(objects["mug"].ids, [1, 4]);
+        assert_eq!((objects["mug"].drift_mm, objects.len()), (5.0, 1));
+    }
+}

@@ -1,0 +1,227 @@
+//! Which scenarios are told.
+
+use crate::failure::failed;
+use service::{Failure, exit_code};
+use simulated_world::{ModelLibrary, Scene};
+use std::path::{Path, PathBuf};
+
+/// The scenes that are part of the program.
+const BUILT_IN: [(&str, &str); 7] = [
+    (
+        "static",
+        include_str!("../../../scenes/tracking/static.toml"),
+    ),
+    (
+        "moved-by-hand",
+        include_str!("../../../scenes/tracking/moved-by-hand.toml"),
+    ),
+    (
+        "crossing",
+        include_str!("../../../scenes/tracking/crossing.toml"),
+    ),
+    (
+        "occlusion",
+        include_str!("../../../scenes/tracking/occlusion.toml"),
+    ),
+    (
+        "contact-and-separation",
+        include_str!("../../../scenes/tracking/contact-and-separation.toml"),
+    ),
+    (
+        "camera-moving",
+        include_str!("../../../scenes/tracking/camera-moving.toml"),
+    ),
+    (
+        "removed",
+        include_str!("../../../scenes/tracking/removed.toml"),
+    ),
+];
+
+/// Largest scene file, bytes.
+const MOST_BYTES: u64 = 1 << 20;
+
+/// A scene file; from seed to seed it tells the same scenario with other objects in
+/// other places.
+#[derive(Debug, Clone)]
+pub(super) struct Scenario {
+    pub(super) name: String,
+    text: String,
+    /// Where paths in it count from.
+    folder: PathBuf,
+}
+
+impl Scenario {
+    pub(super) fn scene(&self, seed: u64) -> Result<(Scene, ModelLibrary), Failure> {
+        Scene::from_toml(&self.text, &self.folder, Some(seed))
+            .map_err(|error| Failure::new(exit_code::USAGE, format!("{}: {error}", self.name)))
+    }
+
+    fn open(path: &Path) -> Result<Self, Failure> {
+        let size = std::fs::metadata(path).map_err(|error| unreadable(path, error))?;
+        if !size.is_file() || size.len() > MOST_BYTES {
+            return Err(unreadable(path, "it is not a file of at most 1 MiB"));
+        }
+        let text = std::fs::read_to_string(path).map_err(|error| unreadable(path, error))?;
+        let name = path.file_stem().unwrap_or_default();
+        Ok(Self {
+            name: name.to_string_lossy().into_owned(),
+            text,
+            folder: path.parent().unwrap_or(Path::new("")).to_owned(),
+        })
+    }
+}
+
+fn unreadable(path: &Path, cause: impl std::fmt::Display) -> Failure {
+    let sentence = format!("the scene {} can not be read: {cause}", path.display());
+    Failure::new(exit_code::USAGE, sentence)
+}
+
+/// The scenes that are part of the program.
+pub(super) fn built_in() -> Vec<Scenario> {
+    let scenarios = BUILT_IN.iter().map(|(name, text)| Scenario {
+        name: (*name).to_owned(),
+        text: (*text).to_owned(),
+        folder: PathBuf::new(),
+    });
+    scenarios.collect()
+}
+
+/// The scene files that a path names: itself, or those in the folder, by name.
+pub(super) fn of_files(path: &Path) -> Result<Vec<Scenario>, Failure> {
+    if path.is_file() {
+        return Ok(vec![Scenario::open(path)?]);
+    }
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(path).map_err(|error| unreadable(path, error))? {
+        let file = entry.map_err(failed)?.path();
+        if file
+            .extension()
+            .is_some_and(|extension| extension == "toml")
+        {
+            files.push(file);
+        }
+    }
+    files.sort();
+    files.iter().map(|file| Scenario::open(file)).collect()
+}
+
+/// Those of the given names, all without names.
+pub(super) fn chosen(scenarios: Vec<Scenario>, names: &[String]) -> Result<Vec<Scenario>, Failure> {
+    let known: Vec<String> = scenarios
+        .iter()
+        .map(|scenario| scenario.name.clone())
+        .collect();
+    if let Some(unknown) = names.iter().find(|name| !known.contains(name)) {
+        let sentence = format!(
+            "there is no scene `{unknown}`; there are {}",
+            known.join(", ")
+        );
+        return Err(Failure::new(exit_code::USAGE, sentence));
+    }
+    let is_chosen = |scenario: &Scenario| names.is_empty() || names.contains(&scenario.name);
+    Ok(scenarios.into_iter().filter(is_chosen).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Point3;
+    use simulated_world::{ObjectState, World};
+
+    fn scenario(name: &str) -> Scenario {
+        chosen(built_in(), &[name.to_owned()]).unwrap().remove(0)
+    }
+
+    fn world(name: &str, seed: u64) -> World {
+        let (scene, library) = scenario(name).scene(seed).unwrap();
+        World::new(scene, library).unwrap()
+    }
+
+    fn place(world: &World, id: u16) -> Point3<f64> {
+        let object = world.find(id).unwrap();
+        object.world_from_object.translation.vector.into()
+    }
+
+    fn play(world: &mut World, until_s: f64) {
+        while world.time_s() < until_s {
+            world.step();
+        }
+        let notes = world.take_notes();
+        assert!(notes.is_empty(), "{notes:?}");
+    }
+
+    #[test]
+    fn every_story_has_six_objects_two_of_them_alike_and_goes_as_told() {
+        for scenario in built_in() {
+            for seed in 1..=20 {
+                let mut world = world(&scenario.name, seed);
+                let names: Vec<_> = world.objects().iter().map(|o| &o.model.name).collect();
+                assert!(names.len() >= 6, "{}: {names:?}", scenario.name);
+                assert_eq!(names[0], names[1], "{}", scenario.name);
+                let duration_s = world.scene().duration_s.unwrap();
+                play(&mut world, duration_s);
+                let is_down =
+                    |o: &simulated_world::SimulatedObject| o.state == ObjectState::Settled;
+                assert!(world.objects().iter().all(is_down), "{}", scenario.name);
+                assert!(
+                    !world.is_person_busy(),
+                    "{} is too short from {seed}",
+                    scenario.name
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_crossing_objects_change_places() {
+        let mut world = world("crossing", 3);
+        let before = [1, 2].map(|id| place(&world, id));
+        play(&mut world, 21.0);
+        let after = [2, 1].map(|id| place(&world, id));
+        for (before, after) in before.iter().zip(after) {
+            assert!((before - after).norm() < 0.05, "{before} {after}");
+        }
+    }
+
+    #[test]
+    fn the_pushed_object_touches_the_other_and_leaves_it() {
+        for seed in [1, 2, 3] {
+            let mut world = world("contact-and-separation", seed);
+            let gap_m = |world: &World| {
+                let [a, b] = [1, 2].map(|id| world.find(id).unwrap());
+                let apart = (place(world, 1) - place(world, 2)).xy().norm();
+                apart - a.model.footprint_radius_m() - b.model.footprint_radius_m()
+            };
+            assert!(gap_m(&world) > 0.05);
+            play(&mut world, 7.5);
+            assert!(gap_m(&world) < 0.003, "{}", gap_m(&world));
+            play(&mut world, 15.0);
+            assert!(gap_m(&world) > 0.05);
+        }
+    }
+
+    #[test]
+    fn the_removed_object_is_gone() {
+        let mut world = world("removed", 1);
+        play(&mut world, 9.5);
+        assert!(world.find(1).is_none() && world.find(2).is_some());
+    }
+
+    #[test]
+    fn files_of_a_folder_are_stories_by_name_and_unknown_names_are_told() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["b.toml", "a.toml", "c.txt"] {
+            std::fs::write(folder.path().join(name), "seed = 3").unwrap();
+        }
+        let scenarios = of_files(folder.path()).unwrap();
+        let names: Vec<_> = scenarios
+            .iter()
+            .map(|scenario| scenario.name.as_str())
+            .collect();
+        assert_eq!(names, ["a", "b"]);
+        assert_eq!(of_files(&folder.path().join("b.toml")).unwrap().len(), 1);
+        let unknown = chosen(built_in(), &["dance".to_owned()]).unwrap_err();
+        assert!(unknown.to_string().contains("moved-by-hand"), "{unknown}");
+        assert!(of_files(&folder.path().join("none")).is_err());
+    }
+}

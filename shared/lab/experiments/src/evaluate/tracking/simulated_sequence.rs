@@ -1,0 +1,128 @@
+//! Tracking in simulated scenes.
+
+use super::RATE_HZ;
+use super::ground_truth::{GroundTruth, LabelledDepthImage};
+use super::scenario::Scenario;
+use super::tracking_pipeline::{TrackerInput, TrackingPipeline};
+use super::tracking_run::TrackedSequence;
+use crate::failure::failed;
+use evaluation::tracked_frame::TrackedFrame;
+use geometry::PinholeCamera;
+use nalgebra::{Unit, Vector3};
+use point_cloud::{OrganizedCloud, Point};
+use service::Failure;
+use simulated_world::{SimulatedKinect, World};
+use std::collections::BTreeMap;
+
+/// Length of a scene that does not say it, seconds.
+const DURATION_S: f64 = 10.0;
+/// Capture stamp of the first frame: a camera's clock does not begin with it.
+const FIRST_CAPTURE_NS: u64 = 1_000_000_000;
+
+/// Plays a scenario from a seed and tracks its objects.
+pub(super) fn play(scenario: &Scenario, seed: u64) -> Result<TrackedSequence, Failure> {
+    let (scene, library) = scenario.scene(seed)?;
+    let duration_s = scene.duration_s.unwrap_or(DURATION_S);
+    let mut world = World::new(scene, library).map_err(failed)?;
+    let camera = PinholeCamera::KINECT_V1;
+    let mut kinect = SimulatedKinect::new(&world, camera).map_err(failed)?;
+    let mut points = vec![Point::default(); camera.n_pixels()];
+    let mut truth = GroundTruth::new(camera);
+    let mut tracker = TrackingPipeline::new().map_err(failed)?;
+    let mut sequence = TrackedSequence {
+        frames: Vec::new(),
+        names: BTreeMap::new(),
+        notes: world.take_notes(),
+    };
+    for number in 0..(duration_s * RATE_HZ) as u64 {
+        while world.time_s() * RATE_HZ + 1e-6 < number as f64 {
+            world.step();
+        }
+        let objects = kinect.look(&world, number, &mut points).map_err(failed)?;
+        for object in world.objects() {
+            truth.know(object.id, &object.model);
+            let name = sequence.names.entry(u64::from(object.id));
+            name.or_insert_with(|| object.model.name.clone());
+        }
+        let objects = truth.of_frame(&exact_view(&kinect, &world), &objects);
+        track(&mut tracker, &world, number, &points)?;
+        sequence.frames.push(TrackedFrame {
+            time_s: world.time_s(),
+            objects,
+            tracks: tracker.track_states(),
+            ended: tracker.ended().to_vec(),
+        });
+        sequence.notes.append(&mut world.take_notes());
+    }
+    Ok(sequence)
+}
+
+/// What is seen before the sensor's errors.
+fn exact_view<'a>(kinect: &'a SimulatedKinect, world: &World) -> LabelledDepthImage<'a> {
+    LabelledDepthImage {
+        depth_m: kinect.image().depth_m(),
+        is_exact: true,
+        mask: kinect.mask(),
+        world_from_camera: world.world_from_camera(),
+        up_in_world: Vector3::z_axis(),
+    }
+}
+
+fn track(
+    tracker: &mut TrackingPipeline,
+    world: &World,
+    number: u64,
+    points: &[Point],
+) -> Result<(), Failure> {
+    let camera = PinholeCamera::KINECT_V1;
+    let (width, height) = (camera.width as usize, camera.height as usize);
+    let world_from_camera = world.world_from_camera();
+    let up_in_camera = world_from_camera.rotation.inverse() * Vector3::z();
+    let (people, arm) = (world.person_capsules(), world.arm_capsules());
+    let seen = TrackerInput {
+        number,
+        capture_ns: FIRST_CAPTURE_NS + (world.time_s() * 1e9).round() as u64,
+        cloud: OrganizedCloud::new(points, width, height).map_err(failed)?,
+        camera,
+        world_from_camera,
+        up_in_camera: Some(Unit::new_normalize(up_in_camera)),
+        people: Some(&people),
+        robot: (!arm.is_empty()).then_some(&arm[..]),
+    };
+    tracker.step(&seen).map_err(failed)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluate::tracking::scenario::built_in;
+
+    #[test]
+    fn at_least_six_objects_of_every_story_are_seen_at_first() {
+        let camera = PinholeCamera::KINECT_V1;
+        let mut points = vec![Point::default(); camera.n_pixels()];
+        for (scenario, seed) in built_in().iter().flat_map(|s| [(s, 2), (s, 13)]) {
+            let (scene, library) = scenario.scene(seed).unwrap();
+            let world = World::new(scene, library).unwrap();
+            let mut kinect = SimulatedKinect::new(&world, camera).unwrap();
+            let objects = kinect.look(&world, 0, &mut points).unwrap();
+            let mut truth = GroundTruth::new(camera);
+            for object in world.objects() {
+                truth.know(object.id, &object.model);
+            }
+            let objects = truth.of_frame(&exact_view(&kinect, &world), &objects);
+            let n_counted = objects.iter().filter(|object| object.counts).count();
+            assert!(
+                n_counted >= 6,
+                "{n_counted} in {} from {seed}",
+                scenario.name
+            );
+            // What is seen of an object lies within the whole of it.
+            for object in &objects {
+                let seen_m3 = object.seen_box.map_or(0.0, |seen_box| seen_box.volume_m3());
+                let whole_m3 = object.whole_box.volume_m3();
+                assert!(seen_m3 < 1.02 * whole_m3, "{seen_m3} of {whole_m3} m³");
+            }
+        }
+    }
+}

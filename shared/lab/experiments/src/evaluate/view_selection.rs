@@ -1,0 +1,225 @@
+//! Views of single objects, read and described once for an experiment.
+
+use super::recognition::{
+    HypothesisDescriptors, RecogniserFactory, RecognitionMethod, ViewDescriber,
+};
+use super::view_table::{Omissions, ViewTable};
+use crate::arguments::DescriptionArguments;
+use crate::failure::{failed, usage};
+use crate::parallel;
+use command_line::{Output, progress_bar};
+use dataset::object_views::{ObjectView, ObjectViews, ViewFile};
+use description::ObjectPoints;
+use evaluation::recogniser::LabelledView;
+use service::Failure;
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::time::Instant;
+
+/// The views of a data set that an experiment uses.
+pub(super) struct ViewSelection {
+    views: ObjectViews,
+    /// Indices of the views that are used, in order.
+    selected: Vec<usize>,
+}
+
+impl ViewSelection {
+    /// Lists a data set and chooses the views.
+    pub(super) fn open(dataset: &Path, views_max: Option<u32>) -> Result<Self, Failure> {
+        let views = ObjectViews::open(dataset).map_err(usage)?;
+        let most = views_max.map_or(usize::MAX, |n| n as usize);
+        Ok(Self {
+            selected: selected(views.files(), most),
+            views,
+        })
+    }
+
+    /// Reads the views on all cores and describes each by all methods, upright where
+    /// what is up is known of all views. What can not be read, or not be described by
+    /// one of them, is left out of all, with its reason.
+    ///
+    /// The second are the descriptions by method, in the order of the views.
+    pub(super) fn describe_by(
+        &self,
+        methods: &[RecognitionMethod],
+        output: &Output,
+    ) -> Result<(ViewTable, Vec<Vec<HypothesisDescriptors>>), Failure> {
+        let describers = methods.iter().map(RecognitionMethod::describer);
+        let describers: Vec<ViewDescriber> = describers.collect::<Result<_, _>>()?;
+        let knows_up = self.views.is_up_known();
+        let bar = progress_bar(self.selected.len() as u64, "views", output);
+        let own = || describers.clone();
+        let described = parallel::map(self.selected.len(), &bar, own, |describers, job| {
+            let index = self.selected[job];
+            let view = self.views.load(index).map_err(|error| error.to_string())?;
+            let begin = Instant::now();
+            let descriptions = describe(describers, &view, knows_up).map_err(|error| {
+                let path = self.views.files()[index].path.display();
+                format!("the view {path} can not be described: {error}")
+            })?;
+            Ok((descriptions, begin.elapsed().as_secs_f64() * 1e3))
+        });
+        bar.finish_and_clear();
+        let (table, of_views) = self.table(described)?;
+        let mut by_method: Vec<Vec<HypothesisDescriptors>> =
+            methods.iter().map(|_| Vec::new()).collect();
+        for of_view in of_views {
+            for (of_method, readings) in by_method.iter_mut().zip(of_view) {
+                of_method.push(readings);
+            }
+        }
+        Ok((table, by_method))
+    }
+
+    /// The views that could be described, with the descriptions.
+    fn table<T>(
+        &self,
+        described: Vec<Result<(T, f64), String>>,
+    ) -> Result<(ViewTable, Vec<T>), Failure> {
+        let mut left_out = self.left_out();
+        let (mut files, mut descriptions, mut sum_ms) = (Vec::new(), Vec::new(), 0.0);
+        for (&index, result) in self.selected.iter().zip(described) {
+            match result {
+                Ok((description, ms)) => {
+                    files.push(&self.views.files()[index]);
+                    descriptions.push(description);
+                    sum_ms += ms;
+                }
+                Err(reason) => left_out.add(1, || reason),
+            }
+        }
+        if files.is_empty() {
+            let first = left_out.reasons.first().map_or("", String::as_str);
+            return Err(failed(format!(
+                "none of the {} views can be used; the first: {first}",
+                left_out.n
+            )));
+        }
+        let (categories, labels) = numbered(&files);
+        let table = ViewTable {
+            categories,
+            labels,
+            files: files.iter().map(|file| text_of(&file.path)).collect(),
+            omissions: left_out,
+            is_up_known: self.views.is_up_known(),
+            describe_ms: sum_ms / descriptions.len() as f64,
+        };
+        Ok((table, descriptions))
+    }
+
+    /// What was left out by listing.
+    fn left_out(&self) -> Omissions {
+        let mut left_out = Omissions::default();
+        for error in self.views.unusable() {
+            left_out.add(1, || error.to_string());
+        }
+        let n = self.views.n_incomplete();
+        if n > 0 {
+            left_out.add(n, || {
+                format!("{n} views have neither all of their images nor points")
+            });
+        }
+        left_out
+    }
+}
+
+/// Reads and describes the views of a data set as the arguments say.
+pub(super) fn read_and_describe(
+    dataset: &Path,
+    arguments: &DescriptionArguments,
+    output: &Output,
+) -> Result<(ViewTable, Box<dyn RecogniserFactory>), Failure> {
+    let selection = ViewSelection::open(dataset, arguments.views_max)?;
+    let method = RecognitionMethod::of(arguments);
+    let (table, mut descriptions) = selection.describe_by(&[method], output)?;
+    let descriptions = descriptions.pop().unwrap_or_default();
+    let factory = method.recogniser_factory(&table, descriptions)?;
+    Ok((table, factory))
+}
+
+fn describe(
+    describers: &mut [ViewDescriber],
+    view: &ObjectView,
+    knows_up: bool,
+) -> Result<Vec<HypothesisDescriptors>, description::Error> {
+    let up = view.up.as_ref().filter(|_| knows_up);
+    let points = ObjectPoints::all(&view.points);
+    let describe = |describer: &mut ViewDescriber| describer.describe(points, up);
+    describers.iter_mut().map(describe).collect()
+}
+
+fn text_of(path: &Path) -> String {
+    path.display().to_string()
+}
+
+/// Indices of at most so many views of each category, spread evenly over all of
+/// them.
+fn selected(files: &[ViewFile], most: usize) -> Vec<usize> {
+    let mut selected = Vec::new();
+    let mut first = 0;
+    for of_category in files.chunk_by(|a, b| a.category == b.category) {
+        let n = of_category.len().min(most);
+        selected.extend((0..n).map(|i| first + i * of_category.len() / n));
+        first += of_category.len();
+    }
+    selected
+}
+
+/// Names of the categories in order, and the labels of the views.
+fn numbered(files: &[&ViewFile]) -> (Vec<String>, Vec<LabelledView>) {
+    let mut categories: Vec<String> = Vec::new();
+    let mut instances: BTreeMap<(&str, &str), u32> = BTreeMap::new();
+    let mut labels = Vec::new();
+    for file in files {
+        if categories.last() != Some(&file.category) {
+            categories.push(file.category.clone());
+        }
+        let instance = file.instance.as_deref().map(|instance| {
+            let n = instances.len() as u32;
+            *instances.entry((&file.category, instance)).or_insert(n)
+        });
+        labels.push(LabelledView {
+            category: categories.len() as u32 - 1,
+            instance,
+        });
+    }
+    (categories, labels)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn file(category: &str, instance: Option<&str>) -> ViewFile {
+        ViewFile {
+            path: category.into(),
+            category: category.into(),
+            instance: instance.map(str::to_owned),
+        }
+    }
+
+    #[test]
+    fn few_views_of_many_are_spread_over_them() {
+        let files: Vec<ViewFile> = (0..13)
+            .map(|i| file(if i < 10 { "a" } else { "b" }, None))
+            .collect();
+        assert_eq!(selected(&files, 4), [0, 2, 5, 7, 10, 11, 12]);
+        assert_eq!(selected(&files, usize::MAX), (0..13).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn objects_of_the_same_number_are_others_in_another_category() {
+        let files = [
+            file("a", Some("1")),
+            file("a", Some("2")),
+            file("b", Some("1")),
+            file("b", Some("1")),
+            file("c", None),
+        ];
+        let (categories, labels) = numbered(&files.iter().collect::<Vec<_>>());
+        assert_eq!(categories, ["a", "b", "c"]);
+        let instances: Vec<_> = labels.iter().map(|label| label.instance).collect();
+        assert_eq!(instances, [Some(0), Some(1), Some(2), Some(2), None]);
+        assert_eq!(labels.last().unwrap().category, 2);
+    }
+}

@@ -1,0 +1,162 @@
+//! A view of a folder, described, as the memory takes it from another one.
+
+use crate::learn_folder::LabelledObject;
+use dataset::object_views::{ObjectView, ObjectViews};
+use description::{AppearanceDescriptor, ObjectPoints};
+use geometry::{OrientedBox, RigidTransform};
+use learning::ViewId;
+use message::control::pack_cloud;
+use nalgebra::{UnitVector3, Vector3};
+use perceptual_memory::{
+    CapturedView, DecisionStamp, Digest, ForeignView, LabelStatus, MAX_NAME_BYTES, Origin,
+    StoredDescriptor,
+};
+use pipeline::DESCRIPTOR_KIND;
+use point_cloud::{Point, Rgba};
+
+/// Keeps digests of where a view comes from apart from all others.
+const ORIGIN_PURPOSE: &str = "tabula files";
+
+/// Whatever is needed to describe the views of a folder.
+pub(super) struct FolderDescriber<'a> {
+    pub(super) views: &'a ObjectViews,
+    /// What is up, when it was told.
+    pub(super) up: Option<UnitVector3<f64>>,
+    /// Who teaches, and when.
+    pub(super) decided: DecisionStamp,
+}
+
+impl FolderDescriber<'_> {
+    /// The view as an example of what its object is. It depends on the files and on
+    /// nothing else, but for who teaches it and when: so a folder that is learned
+    /// again, or on another robot, has the same views.
+    pub(super) fn describe(
+        &self,
+        appearance: &mut AppearanceDescriptor,
+        object: &LabelledObject,
+        index: usize,
+    ) -> Result<ForeignView, String> {
+        let view = self.views.load(index).map_err(|error| error.to_string())?;
+        let path = &self.views.files()[index].path;
+        let source = path.to_string_lossy().into_owned();
+        if source.len() > MAX_NAME_BYTES {
+            return Err(format!(
+                "the view {source} has a path of more than {MAX_NAME_BYTES} bytes in its folder"
+            ));
+        }
+        let up = self.up.as_ref().or(view.up.as_ref());
+        let readings = appearance
+            .describe(ObjectPoints::all(&view.points), up)
+            .map_err(|error| format!("the view {source} can not be described: {error}"))?;
+        let origin = origin(object, &source);
+        let cloud = pack_cloud(view.points.iter(), &RigidTransform::identity());
+        let view = CapturedView {
+            id: origin.view,
+            descriptor: StoredDescriptor {
+                kind: DESCRIPTOR_KIND.into(),
+                values: readings[0].clone(),
+            },
+            // Without a place in the world: it was never on this table.
+            box_in_world: OrientedBox {
+                frame_from_box: RigidTransform::identity(),
+                half_sides_m: extent_m(&view) / 2.0,
+            },
+            // Not known: when the file was written changes when it is copied.
+            captured_ns: 0,
+            frame_sequence: 0,
+            source,
+            mean_rgb: mean_rgb(&view.points),
+            // In the frame of its file.
+            points: Some(cloud).filter(|cloud| !cloud.is_empty()),
+        };
+        Ok(ForeignView::Present {
+            view: Box::new(view),
+            origin,
+            standing: LabelStatus::Named(object.category.clone()),
+            decided: Some(self.decided.clone()),
+        })
+    }
+}
+
+/// Where a view comes from: its object stands for the memory, its file for the view
+/// there. So a file that is added to an object makes no other view new.
+fn origin(object: &LabelledObject, source: &str) -> Origin {
+    let category = object.category.as_str();
+    // No name has a NUL.
+    let instance = object.instance.as_deref().unwrap_or("\0");
+    let object = [ORIGIN_PURPOSE, category, instance].join("\0");
+    let file = Digest::of(source.as_bytes());
+    Origin {
+        memory_id: Digest::of(object.as_bytes()).0,
+        view: ViewId {
+            track_id: 0,
+            view_id: file.0 as u32,
+        },
+    }
+}
+
+/// The mean colour; `None` where a file has no colours, which is read as zeros.
+fn mean_rgb(points: &[Point]) -> Option<[u8; 3]> {
+    let has_colors = points.iter().any(|point| point.color != Rgba::default());
+    let mean = |channel: usize| {
+        let values = points
+            .iter()
+            .map(|point| u64::from(point.color.rgb()[channel]));
+        (values.sum::<u64>() / points.len() as u64) as u8
+    };
+    has_colors.then(|| [0, 1, 2].map(mean))
+}
+
+/// Sides of the box along the axes of the file, metres.
+fn extent_m(view: &ObjectView) -> Vector3<f64> {
+    let along = |axis: usize| {
+        let places = view.points.iter().map(|point| point.position()[axis]);
+        let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), place| {
+            (low.min(place), high.max(place))
+        });
+        high - low
+    };
+    [0, 1, 2].map(along).into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use learning::CategoryName;
+
+    #[test]
+    fn without_colours_there_is_no_mean_of_them() {
+        let point = |color| Point {
+            color,
+            ..Point::default()
+        };
+        let (dark, light) = (Rgba::opaque(0, 10, 20), Rgba::opaque(100, 20, 21));
+        assert_eq!(mean_rgb(&[point(dark), point(light)]), Some([50, 15, 20]));
+        assert_eq!(mean_rgb(&[Point::default(); 3]), None);
+        assert_eq!(mean_rgb(&[]), None);
+    }
+
+    #[test]
+    fn an_object_is_known_by_its_names_and_a_view_by_its_file() {
+        let object = |category: &str, instance: Option<&str>| LabelledObject {
+            category: CategoryName::new(category).unwrap(),
+            instance: instance.map(ToOwned::to_owned),
+            views: 0..1,
+        };
+        let of = |category, instance, file| origin(&object(category, instance), file);
+        let first = of("mug", Some("1"), "mug/mug_1/a.pcd");
+        assert_eq!(first, of("mug", Some("1"), "mug/mug_1/a.pcd"));
+        let second = of("mug", Some("1"), "mug/mug_1/b.pcd");
+        assert_eq!(first.memory_id, second.memory_id);
+        assert_ne!(first.view, second.view);
+        let others = [
+            of("mug", Some("2"), "mug/mug_1/a.pcd"),
+            of("mug", None, "mug/mug_1/a.pcd"),
+            of("mug 1", None, "mug/mug_1/a.pcd"),
+            of("cup", Some("1"), "mug/mug_1/a.pcd"),
+        ];
+        for other in others {
+            assert_ne!(first.memory_id, other.memory_id);
+        }
+    }
+}

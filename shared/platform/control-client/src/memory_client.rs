@@ -1,0 +1,196 @@
+//! Client of the perceptual memory: connected to the daemon, or to a child process that opens
+//! the store.
+
+use crate::connection::{call, connect, unexpected_reply};
+use channel::control::SocketClient;
+use command_line::Output;
+use message::control::{Command, JobCommand, JobKind, JobOutcome, JobReport, Reply};
+use service::{CommonArguments, Failure, exit_code};
+use std::os::fd::OwnedFd;
+use std::os::unix::net::UnixStream;
+use std::path::PathBuf;
+use std::process::{Child, Stdio};
+use std::time::Duration;
+
+/// Polling period of a job's progress. Chosen.
+const POLL_PERIOD: Duration = Duration::from_millis(50);
+/// Timeout of one answer without a daemon: opening may repair a large database first. Chosen.
+const OFFLINE_DEADLINE: Duration = Duration::from_secs(24 * 3600);
+
+/// Connection to the perceptual memory.
+#[derive(Debug)]
+pub struct MemoryClient {
+    client: SocketClient,
+    /// Child process, if any. Dropped after the connection, whose end makes the child close the
+    /// store and exit.
+    _offline: Option<OfflineProcess>,
+}
+
+/// Child process `tabula-memory --offline`.
+#[derive(Debug)]
+struct OfflineProcess(Child);
+
+impl Drop for OfflineProcess {
+    fn drop(&mut self) {
+        // The closed socket ends the child, which reports its own failures.
+        let _ = self.0.wait();
+    }
+}
+
+/// Folder of the perceptual memory of this computer.
+///
+/// # Errors
+/// If the memory does not exist or this user may not read it.
+pub fn local_memory_folder(common: &CommonArguments) -> Result<PathBuf, Failure> {
+    let folder = common.home().perceptual_memory();
+    let Err(error) = std::fs::metadata(folder.join("database")) else {
+        return Ok(folder);
+    };
+    let reason = match error.kind() {
+        std::io::ErrorKind::NotFound => "there is no memory there; name its folder by --home",
+        std::io::ErrorKind::PermissionDenied => {
+            "it belongs to another user; ask as that user, or let the daemon answer"
+        }
+        _ => "see that the disk is there",
+    };
+    let (domain, folder) = (&common.domain, folder.display());
+    Err(Failure::new(
+        exit_code::NO_DAEMON,
+        format!(
+            "no daemon runs in the domain {domain}, and {folder} cannot be opened ({error}): {reason}"
+        ),
+    ))
+}
+
+/// Connection to the daemon; `None` if no daemon runs.
+///
+/// # Errors
+/// If a daemon runs but refuses the connection.
+pub fn connect_if_running(common: &CommonArguments) -> Result<Option<SocketClient>, Failure> {
+    match connect(common) {
+        Ok(client) => Ok(Some(client)),
+        Err(failure) if failure.code == exit_code::NO_DAEMON => Ok(None),
+        Err(failure) => Err(failure),
+    }
+}
+
+impl From<SocketClient> for MemoryClient {
+    fn from(client: SocketClient) -> Self {
+        Self {
+            client,
+            _offline: None,
+        }
+    }
+}
+
+impl MemoryClient {
+    /// Connects to the daemon, or starts `tabula-memory --offline` if no daemon runs.
+    ///
+    /// # Errors
+    /// If there is neither a daemon nor a memory, or the program cannot be started.
+    pub fn open(common: &CommonArguments, output: &Output) -> Result<Self, Failure> {
+        if let Some(client) = connect_if_running(common)? {
+            return Ok(client.into());
+        }
+        let folder = local_memory_folder(common)?;
+        output.print_status(&format!(
+            "no daemon runs in the domain {}; opening {}",
+            common.domain,
+            folder.display()
+        ));
+        Self::open_offline(common)
+    }
+
+    /// Starts `tabula-memory --offline`, which opens the store at the first request that needs
+    /// it.
+    ///
+    /// # Errors
+    /// If the program cannot be started.
+    pub fn open_offline(common: &CommonArguments) -> Result<Self, Failure> {
+        let not_started = |error: std::io::Error| {
+            let sentence = format!(
+                "tabula-memory could not be started: {error}; it belongs into the folder of this \
+                 program"
+            );
+            Failure::new(exit_code::FAILURE, sentence)
+        };
+        let (socket, child_socket) = UnixStream::pair().map_err(not_started)?;
+        let own = std::env::current_exe().map_err(not_started)?;
+        let child = std::process::Command::new(own.with_file_name("tabula-memory"))
+            .arg("--offline")
+            .env("TABULA_DOMAIN", common.domain.to_string())
+            .env("TABULA_HOME", common.home().path())
+            .stdin(Stdio::from(OwnedFd::from(child_socket)))
+            .stdout(Stdio::null())
+            .spawn()
+            .map_err(not_started)?;
+        let offline = OfflineProcess(child);
+        let client = SocketClient::from_stream(socket, OFFLINE_DEADLINE)
+            .map_err(|error| Failure::new(exit_code::FAILURE, error))?;
+        Ok(Self {
+            client,
+            _offline: Some(offline),
+        })
+    }
+
+    /// Sends a request and returns the reply; a refusal becomes a failure.
+    ///
+    /// # Errors
+    /// If the request is refused or the connection ends.
+    pub fn call(&mut self, command: Command) -> Result<Reply, Failure> {
+        call(&mut self.client, command)
+    }
+
+    /// Sends a request about a job.
+    ///
+    /// # Errors
+    /// As [`Self::call`].
+    pub fn job_request(&mut self, command: JobCommand) -> Result<JobReport, Failure> {
+        match self.call(Command::Job(command))? {
+            Reply::Job(report) => Ok(report),
+            other => Err(unexpected_reply(&other)),
+        }
+    }
+
+    /// Starts a job.
+    ///
+    /// # Errors
+    /// As [`Self::call`].
+    pub fn start_job(&mut self, kind: JobKind) -> Result<JobReport, Failure> {
+        self.job_request(JobCommand::Begin(kind))
+    }
+
+    /// Waits for the outcome of a job; `on_progress` gets each report.
+    ///
+    /// # Errors
+    /// If the job fails or the connection ends.
+    pub fn wait_for_job(
+        &mut self,
+        job: u64,
+        on_progress: impl FnMut(&JobReport),
+    ) -> Result<JobOutcome, Failure> {
+        match self.job_outcome(job, on_progress)? {
+            JobOutcome::Failed(reason) => Err(Failure::new(exit_code::FAILURE, reason)),
+            outcome => Ok(outcome),
+        }
+    }
+
+    /// Waits for the outcome of a job, which may be [`JobOutcome::Failed`].
+    ///
+    /// # Errors
+    /// If the connection ends.
+    pub(crate) fn job_outcome(
+        &mut self,
+        job: u64,
+        mut on_progress: impl FnMut(&JobReport),
+    ) -> Result<JobOutcome, Failure> {
+        loop {
+            let report = self.job_request(JobCommand::Ask { job })?;
+            on_progress(&report);
+            if let Some(outcome) = report.outcome {
+                return Ok(outcome);
+            }
+            std::thread::sleep(POLL_PERIOD);
+        }
+    }
+}
