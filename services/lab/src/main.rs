@@ -22,20 +22,20 @@ struct LabArguments {
     verb: Verb,
 }
 
-/// Verbs of the command line.
+/// Subcommands of `tabula-lab`.
 #[derive(Debug, Subcommand)]
 enum Verb {
     /// Learn a folder of labelled views
     Learn(LearnArguments),
     /// Write recordings and views of the simulated table; needs no daemon
     Simulate {
-        /// What to write
+        /// Kind of the output
         #[command(subcommand)]
         verb: SimulateVerb,
     },
     /// Measure how good and how fast the kernels are; needs no daemon
     Evaluate {
-        /// What to measure
+        /// Evaluation
         #[command(subcommand)]
         verb: EvaluateVerb,
     },

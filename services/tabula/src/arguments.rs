@@ -1,4 +1,4 @@
-//! The command line.
+//! Command-line arguments of `tabula`.
 
 mod memory;
 mod world;
@@ -8,7 +8,9 @@ pub(crate) use memory::{
     KnowledgeVerb, MemoryVerb, PutArguments,
 };
 
-pub(crate) use world::{EventsArguments, HistoryArguments, Point, Time, WorldArguments, WorldVerb};
+pub(crate) use world::{
+    EventsArguments, HistoryArguments, TimeArgument, WorldArguments, WorldPoint, WorldVerb,
+};
 
 use crate::sensor::Sensor;
 use clap::{Args, Parser, Subcommand};
@@ -19,7 +21,7 @@ use std::ffi::OsString;
 /// follows them, and learns their names from people.
 #[derive(Debug, Parser)]
 #[command(name = "tabula", version, propagate_version = true)]
-pub(crate) struct Arguments {
+pub(crate) struct CliArguments {
     #[command(flatten)]
     pub(crate) common: CommonArguments,
 
@@ -31,7 +33,7 @@ pub(crate) struct Arguments {
     pub(crate) verb: Verb,
 }
 
-/// What to do.
+/// Subcommands of `tabula`.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Verb {
     /// Start the daemon and keep it running until Ctrl-C
@@ -59,17 +61,17 @@ pub(crate) enum Verb {
         from: String,
         /// Its new name
         to: String,
-        /// Who asks [default: the user's name]
+        /// Author of the change [default: the user's name]
         #[arg(long, value_name = "NAME")]
         author: Option<String>,
     },
     /// Give all views of a category the name of another
     Merge {
-        /// The category that will be no more
+        /// The category that ceases to exist
         from: String,
-        /// The one that gets its views
+        /// The category that receives the views
         into: String,
-        /// Who asks [default: the user's name]
+        /// Author of the change [default: the user's name]
         #[arg(long, value_name = "NAME")]
         author: Option<String>,
     },
@@ -77,7 +79,7 @@ pub(crate) enum Verb {
     Undo {
         /// The entry's number [default: the last lesson of the author that still holds]
         entry: Option<u64>,
-        /// Whose lesson [default: the user's name]
+        /// Author of the lesson [default: the user's name]
         #[arg(long, value_name = "NAME")]
         author: Option<String>,
     },
@@ -86,23 +88,23 @@ pub(crate) enum Verb {
     Learn(LabArguments),
     /// List the learned categories
     Categories,
-    /// Look into the memory, verify and repair it, export and import it; with or without a daemon
+    /// Inspect the memory, verify and repair it, export and import it; with or without a daemon
     Memory {
-        /// What to do
+        /// Action
         #[command(subcommand)]
         verb: MemoryVerb,
     },
-    /// What tasks need to know: named texts and files
+    /// Store and read knowledge for tasks: named texts and files
     Knowledge {
-        /// What to do
+        /// Action
         #[command(subcommand)]
         verb: KnowledgeVerb,
     },
-    /// Show what is and was known of the world: objects, robot, events, tasks
+    /// Show the present and past of the world model: objects, robot, events, tasks
     World(WorldArguments),
-    /// Move the arm, or say how it is
+    /// Move the arm, or show its state
     Arm {
-        /// What it is to do
+        /// Command
         #[command(subcommand)]
         verb: ArmVerb,
     },
@@ -112,16 +114,16 @@ pub(crate) enum Verb {
     /// Measure how good and how fast the kernels are; needs no daemon
     #[command(disable_help_flag = true, disable_help_subcommand = true)]
     Evaluate(LabArguments),
-    /// Measure where the time of frames goes; see `tabula latency --help`
+    /// Measure the end-to-end latency of frames; see `tabula latency --help`
     #[command(disable_help_flag = true)]
     Latency(LabArguments),
-    /// Show how the daemon's processes are
+    /// Show the state of the daemon's processes
     Status,
     /// Check this machine and explain what is wrong
     Doctor,
 }
 
-/// Arguments that another program of the project parses.
+/// Arguments for another program of the project, which parses them.
 #[derive(Debug, Args)]
 pub(crate) struct LabArguments {
     /// Arguments of that program
@@ -133,10 +135,10 @@ pub(crate) struct LabArguments {
     pub(crate) words: Vec<OsString>,
 }
 
-/// What the arm is to do. Each waits until it is done, unless told not to.
+/// Commands of the arm. Each waits until it is done, unless asked not to.
 #[derive(Debug, Subcommand)]
 pub(crate) enum ArmVerb {
-    /// Say how it is
+    /// Show its state
     State,
     /// Move the gripper to a pose
     Move(ArmMove),
@@ -150,7 +152,7 @@ pub(crate) enum ArmVerb {
     Stop,
 }
 
-/// A pose for the gripper.
+/// Arguments of `tabula arm move`: pose of the gripper.
 #[derive(Debug, Args)]
 pub(crate) struct ArmMove {
     /// Position of the point between the fingers, world frame, metres
@@ -185,7 +187,7 @@ pub(crate) struct ArmMove {
     pub(crate) wait: ArmWait,
 }
 
-/// Whether to wait.
+/// Waiting option of an arm command.
 #[derive(Debug, Args)]
 pub(crate) struct ArmWait {
     /// Do not wait until it is done
@@ -193,20 +195,20 @@ pub(crate) struct ArmWait {
     pub(crate) no_wait: bool,
 }
 
-/// A name for a track.
+/// Arguments of `tabula teach` and `tabula correct`.
 #[derive(Debug, Args)]
 pub(crate) struct LabelArguments {
     /// The track
     pub(crate) track_id: u64,
     /// The name
     pub(crate) category: String,
-    /// Who teaches [default: the user's name]
+    /// Author of the label [default: the user's name]
     #[arg(long, value_name = "NAME")]
     pub(crate) author: Option<String>,
 }
 
-/// Which camera or simulation, and how it is played; handed to tabula-camera or
-/// tabula-simulator, which check it.
+/// Sensor options of `tabula run`; passed on to tabula-camera or tabula-simulator, which check
+/// them.
 #[derive(Debug, Args)]
 pub(crate) struct RunArguments {
     /// simulation[:SCENE], kinect, fakenect:FOLDER, synthetic[:N], crowd:N, parade:N, or a folder of PCD scenes or
@@ -244,12 +246,12 @@ pub(crate) struct RunArguments {
 }
 
 impl RunArguments {
-    /// The source that is named here.
+    /// Value of `--source`.
     pub(crate) fn source(&self) -> Option<&str> {
         self.source.as_deref()
     }
 
-    /// As arguments of tabula-camera or tabula-simulator.
+    /// Arguments for tabula-camera or tabula-simulator.
     ///
     /// # Errors
     /// When one is given that the process has no use for.

@@ -1,4 +1,4 @@
-//! `tabula arm`: moves the arm.
+//! `tabula arm`: commands and state of the robot arm.
 
 use crate::arguments::{ArmMove, ArmVerb};
 use command_line::Output;
@@ -10,10 +10,10 @@ use std::f64::consts::PI;
 use std::process::ExitCode;
 use std::time::Duration;
 
-/// How often it is asked whether a command is done.
-const ASK_AGAIN: Duration = Duration::from_millis(50);
+/// Polling period of a command's progress. Chosen.
+const POLL_PERIOD: Duration = Duration::from_millis(50);
 
-/// Gives the arm a command, waits until it is done, and says how the arm is.
+/// Sends a command to the arm, waits until it is done, and prints the state of the arm.
 pub(crate) fn run(
     common: &CommonArguments,
     verb: &ArmVerb,
@@ -30,7 +30,7 @@ pub(crate) fn run(
     let mut report = ask(common, command)?;
     let id = report.command_id;
     while waits && report.command_id == id && is_busy(&report) {
-        std::thread::sleep(ASK_AGAIN);
+        std::thread::sleep(POLL_PERIOD);
         report = ask(common, ArmCommand::State)?;
     }
     output.answer(&report, || text(&report));
@@ -62,7 +62,8 @@ fn is_busy(report: &ArmReport) -> bool {
     ["moving", "opening", "closing"].contains(&&*report.activity)
 }
 
-/// Fingers down, closing along x, then tilted ahead and turned.
+/// Pose command: fingers down and closing along x, then tilted forward and turned about the
+/// vertical.
 fn move_to(to: &ArmMove) -> Result<ArmCommand, Failure> {
     let position_m = [to.x, to.y, to.z];
     let numbers = position_m.iter().chain([&to.tilt, &to.yaw]);
@@ -136,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn the_fingers_point_down_and_tilt_ahead() {
+    fn pose_points_the_fingers_down_and_tilts_them_forward() {
         let close = |a: Vector3<f64>, b: Vector3<f64>| assert!((a - b).norm() < 1e-9, "{a} {b}");
         let [closing, forward] = gripper_axes(0.0, 0.0);
         close(closing, Vector3::x());

@@ -1,4 +1,4 @@
-//! One process of the daemon as a child.
+//! Supervised child process with restarts and back-off.
 
 use actor::{RestartDecision, RestartHistory, RestartPolicy};
 use message::ProcessKind;
@@ -10,21 +10,21 @@ use std::path::PathBuf;
 use std::process::{Child as OsChild, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
-/// Restarts of one process: from 50 ms on, at most 30 in a minute.
+/// Maximum number of restarts within [`WINDOW`]. Chosen.
 const MAX_RESTARTS: u32 = 30;
 const WINDOW: Duration = Duration::from_secs(60);
 const FIRST_BACKOFF: Duration = Duration::from_millis(50);
 const LONGEST_BACKOFF: Duration = Duration::from_secs(1);
 
-/// A child that is started again when it ends.
+/// Child process that is restarted when it ends.
 pub(crate) struct Child {
     process: ProcessKind,
     arguments: Vec<String>,
-    state: State,
+    state: ChildState,
     history: RestartHistory,
 }
 
-enum State {
+enum ChildState {
     Running(OsChild),
     Waiting { until: Instant },
 }
@@ -34,7 +34,7 @@ impl Child {
     pub(crate) fn start(process: ProcessKind, arguments: Vec<String>) -> Result<Self, Failure> {
         let policy = RestartPolicy::new(MAX_RESTARTS, WINDOW, FIRST_BACKOFF, LONGEST_BACKOFF)
             .map_err(|error| Failure::new(exit_code::FAILURE, error))?;
-        let state = State::Running(spawn(process, &arguments)?);
+        let state = ChildState::Running(spawn(process, &arguments)?);
         Ok(Self {
             process,
             arguments,
@@ -43,35 +43,35 @@ impl Child {
         })
     }
 
-    /// Which process it is.
+    /// Process kind.
     pub(crate) fn process(&self) -> ProcessKind {
         self.process
     }
 
-    /// Process id, while it runs.
+    /// Process id; `None` while the restart is pending.
     pub(crate) fn pid(&self) -> Option<u32> {
         match &self.state {
-            State::Running(child) => Some(child.id()),
-            State::Waiting { .. } => None,
+            ChildState::Running(child) => Some(child.id()),
+            ChildState::Waiting { .. } => None,
         }
     }
 
-    /// Looks after the process: starts it again when it has ended.
+    /// Polls the process and restarts it after its end.
     ///
     /// # Errors
-    /// When it can not go on: wrong arguments, or too many restarts.
-    pub(crate) fn look_after(&mut self, say: impl Fn(&str)) -> Result<(), Failure> {
+    /// When it cannot go on: wrong arguments, or too many restarts.
+    pub(crate) fn supervise(&mut self, say: impl Fn(&str)) -> Result<(), Failure> {
         match &mut self.state {
-            State::Running(child) => match child.try_wait() {
+            ChildState::Running(child) => match child.try_wait() {
                 Ok(Some(status)) => self.ended(status, say),
                 _ => Ok(()),
             },
-            State::Waiting { until } if *until <= Instant::now() => {
-                self.state = State::Running(spawn(self.process, &self.arguments)?);
+            ChildState::Waiting { until } if *until <= Instant::now() => {
+                self.state = ChildState::Running(spawn(self.process, &self.arguments)?);
                 say(&format!("{} was started again", self.process.program()));
                 Ok(())
             }
-            State::Waiting { .. } => Ok(()),
+            ChildState::Waiting { .. } => Ok(()),
         }
     }
 
@@ -82,7 +82,7 @@ impl Child {
         {
             return Err(Failure::new(
                 code,
-                format!("{program} can not run, see its message above"),
+                format!("{program} cannot run, see its message above"),
             ));
         }
         match self.history.on_failure(Instant::now()) {
@@ -90,7 +90,7 @@ impl Child {
                 say(&format!(
                     "{program} has ended ({status}); starting it again in {after:?}"
                 ));
-                self.state = State::Waiting {
+                self.state = ChildState::Waiting {
                     until: Instant::now() + after,
                 };
                 Ok(())
@@ -106,33 +106,33 @@ impl Child {
         }
     }
 
-    /// Asks the process to stop.
+    /// Sends SIGTERM.
     pub(crate) fn ask_to_stop(&self) {
-        if let State::Running(child) = &self.state
+        if let ChildState::Running(child) = &self.state
             && let Some(pid) = Pid::from_raw(child.id().cast_signed())
         {
             let _ = kill_process(pid, Signal::TERM);
         }
     }
 
-    /// Whether the process has ended.
+    /// True if the process has ended.
     pub(crate) fn has_ended(&mut self) -> bool {
         match &mut self.state {
-            State::Running(child) => !matches!(child.try_wait(), Ok(None)),
-            State::Waiting { .. } => true,
+            ChildState::Running(child) => !matches!(child.try_wait(), Ok(None)),
+            ChildState::Waiting { .. } => true,
         }
     }
 
-    /// Ends the process without asking.
+    /// Kills the process and waits for its end.
     pub(crate) fn kill(&mut self) {
-        if let State::Running(child) = &mut self.state {
+        if let ChildState::Running(child) = &mut self.state {
             let _ = child.kill();
             let _ = child.wait();
         }
     }
 }
 
-/// Arguments that all processes of one daemon share.
+/// Arguments common to all processes of one daemon.
 pub(crate) fn common_arguments(common: &CommonArguments) -> Vec<String> {
     let mut arguments = vec![format!("--domain={}", common.domain)];
     arguments.push(format!("--home={}", common.home().path().display()));
@@ -142,20 +142,20 @@ pub(crate) fn common_arguments(common: &CommonArguments) -> Vec<String> {
     arguments
 }
 
-/// Runs a process with `--check-config` to its end.
+/// Validates a process's arguments with `--check-config`.
 pub(crate) fn check(process: ProcessKind, arguments: &[String]) -> Result<(), Failure> {
     let status = command(process)?
         .args(arguments)
         .arg("--check-config")
         .status();
-    match status.map_err(|error| not_startable(process, &error))? {
+    match status.map_err(|error| start_failure(process, &error))? {
         status if status.success() => Ok(()),
         status => Err(Failure::new(
             status
                 .code()
                 .and_then(|code| u8::try_from(code).ok())
                 .unwrap_or(exit_code::FAILURE),
-            format!("{} can not run, see its message above", process.program()),
+            format!("{} cannot run, see its message above", process.program()),
         )),
     }
 }
@@ -168,10 +168,10 @@ fn spawn(process: ProcessKind, arguments: &[String]) -> Result<OsChild, Failure>
     command.process_group(0);
     command
         .spawn()
-        .map_err(|error| not_startable(process, &error))
+        .map_err(|error| start_failure(process, &error))
 }
 
-/// The program beside this one. What it prints belongs to the log.
+/// Command of the program in the folder of this one. Its output goes to the log.
 fn command(process: ProcessKind) -> Result<Command, Failure> {
     let mut command = Command::new(program(process)?);
     command.stdin(Stdio::null());
@@ -182,7 +182,7 @@ fn command(process: ProcessKind) -> Result<Command, Failure> {
 }
 
 fn program(process: ProcessKind) -> Result<PathBuf, Failure> {
-    let own = std::env::current_exe().map_err(|error| not_startable(process, &error))?;
+    let own = std::env::current_exe().map_err(|error| start_failure(process, &error))?;
     let program = own.with_file_name(process.program());
     if program.exists() {
         return Ok(program);
@@ -196,7 +196,7 @@ fn program(process: ProcessKind) -> Result<PathBuf, Failure> {
     ))
 }
 
-fn not_startable(process: ProcessKind, error: &std::io::Error) -> Failure {
+fn start_failure(process: ProcessKind, error: &std::io::Error) -> Failure {
     let sentence = format!("{} could not be started: {error}", process.program());
     Failure::new(exit_code::FAILURE, sentence)
 }

@@ -1,4 +1,4 @@
-//! `tabula run`: the whole daemon as children of one process.
+//! `tabula run`: supervisor that runs the daemon's processes as children.
 
 use crate::arguments::RunArguments;
 use crate::child::{self, Child};
@@ -13,14 +13,14 @@ use service::{CommonArguments, Failure, stop_with_parent};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-/// How often the children are looked after.
-const LOOK: Duration = Duration::from_millis(20);
-/// How often it is asked whether the daemon is ready.
-const ASK_READY: Duration = Duration::from_millis(200);
-/// Time the children get to stop; what is left to the promised 5 s is for their end.
-const STOP_TIME: Duration = Duration::from_secs(4);
+/// Polling period of the children. Chosen.
+const POLL_PERIOD: Duration = Duration::from_millis(20);
+/// Period of the readiness check. Chosen.
+const READINESS_PERIOD: Duration = Duration::from_millis(200);
+/// Time that the children get to stop; the rest of the promised 5 s is for killing them.
+const STOP_TIMEOUT: Duration = Duration::from_secs(4);
 
-/// What was started, for scripts.
+/// Announcement of the started processes (JSON).
 #[derive(Serialize)]
 struct StartedDocument {
     domain: String,
@@ -35,7 +35,7 @@ struct StartedProcess {
     pid: Option<u32>,
 }
 
-/// Runs the daemon until it is asked to stop or can not go on.
+/// Runs the daemon until it is stopped or cannot go on.
 pub(crate) fn run(
     common: &CommonArguments,
     run: &RunArguments,
@@ -54,10 +54,11 @@ pub(crate) fn run(
     for &process in &processes {
         child::check(process, &arguments(process))?;
     }
-    let (idle, its_arguments) = sensor.idle();
-    let its_arguments = its_arguments.iter().map(|&word| word.to_owned());
-    let for_idle: Vec<String> = arguments(idle).into_iter().chain(its_arguments).collect();
-    child::check(idle, &for_idle)?;
+    let (idle, idle_arguments) = sensor.idle();
+    let idle_arguments = idle_arguments.iter().map(|&word| word.to_owned());
+    let arguments_of_idle: Vec<String> =
+        arguments(idle).into_iter().chain(idle_arguments).collect();
+    child::check(idle, &arguments_of_idle)?;
     if run.check_config {
         output.print_text("the configuration and the arguments are in order");
         return Ok(ExitCode::SUCCESS);
@@ -69,8 +70,8 @@ pub(crate) fn run(
     {
         return Ok(ExitCode::SUCCESS);
     }
-    // Membership until all children have gone: then nothing is left, even of
-    // those that were killed.
+    // A member of the domain until all children have ended: the last member removes its files,
+    // even those of killed processes.
     let domain = Domain::join(&common.domain, &RunFolder::of_user(), Role::Guest)?;
     let mut children = Vec::new();
     let outcome = start_all(&mut children, &processes, arguments)
@@ -99,25 +100,25 @@ fn keep_running(
     output: &Output,
 ) -> Result<(), Failure> {
     let mut is_announced = false;
-    let mut next_question = Instant::now();
+    let mut next_readiness_check = Instant::now();
     while !stop.is_raised() {
         for child in &mut *children {
-            child.look_after(|text| output.print_status(text))?;
+            child.supervise(|text| output.print_status(text))?;
         }
-        if !is_announced && next_question <= Instant::now() {
+        if !is_announced && next_readiness_check <= Instant::now() {
             is_announced = is_ready(children, common);
-            next_question = Instant::now() + ASK_READY;
+            next_readiness_check = Instant::now() + READINESS_PERIOD;
             if is_announced {
                 announce(children, common, domain, output);
             }
         }
-        stop.sleep(LOOK);
+        stop.sleep(POLL_PERIOD);
     }
     Ok(())
 }
 
-/// Whether every child has said that it works. Its process id counts, too: when
-/// another daemon runs in the domain, that one answers.
+/// True if every child reports that it works. Process ids are compared, since another daemon in the
+/// domain might answer.
 fn is_ready(children: &[Child], common: &CommonArguments) -> bool {
     let health = connect(common).and_then(|mut client| call(&mut client, Command::Health));
     let Ok(Reply::Health(processes)) = health else {
@@ -182,14 +183,14 @@ fn announcement(document: &StartedDocument) -> String {
     )
 }
 
-/// Stops the sensor first, then what works on its frames.
+/// Stops the sensor process first, then the consumers of its frames.
 fn stop_all(children: &mut [Child]) {
     for child in children.iter().rev() {
         child.ask_to_stop();
     }
-    let deadline = Instant::now() + STOP_TIME;
+    let deadline = Instant::now() + STOP_TIMEOUT;
     while Instant::now() < deadline && !children.iter_mut().all(Child::has_ended) {
-        std::thread::sleep(LOOK);
+        std::thread::sleep(POLL_PERIOD);
     }
     children.iter_mut().for_each(Child::kill);
 }

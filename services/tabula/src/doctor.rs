@@ -1,4 +1,4 @@
-//! `tabula doctor`: checks this machine and explains.
+//! `tabula doctor`: diagnosis of this machine.
 
 mod checks;
 
@@ -7,60 +7,61 @@ use serde::Serialize;
 use service::{CommonArguments, exit_code};
 use std::process::ExitCode;
 
-/// How a check went.
+/// Severity of a finding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub(crate) enum Verdict {
-    /// All is well.
+pub(crate) enum Severity {
+    /// No problem.
     Ok,
-    /// The daemon runs, with something missing.
+    /// The daemon runs with reduced function.
     Warning,
-    /// The daemon will not run.
+    /// The daemon cannot run.
     Failure,
 }
 
-/// One finding.
+/// Finding of one check.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Finding {
     check: &'static str,
-    verdict: Verdict,
+    #[serde(rename = "verdict")]
+    severity: Severity,
     sentence: String,
 }
 
 impl Finding {
-    fn new(check: &'static str, verdict: Verdict, sentence: impl Into<String>) -> Self {
+    fn new(check: &'static str, severity: Severity, sentence: impl Into<String>) -> Self {
         Self {
             check,
-            verdict,
+            severity,
             sentence: sentence.into(),
         }
     }
 }
 
 #[derive(Serialize)]
-struct Document {
+struct DoctorReport {
     findings: Vec<Finding>,
 }
 
-/// Runs all checks; the exit code is a failure when one of them is.
+/// Runs all checks; the exit code is a failure if one of them fails.
 pub(crate) fn run(common: &CommonArguments, output: &Output) -> ExitCode {
-    let document = Document {
-        findings: checks::all(common),
+    let report = DoctorReport {
+        findings: checks::run_all(common),
     };
-    output.answer(&document, || text(&document.findings));
-    let has_failed = document
+    output.answer(&report, || text(&report.findings));
+    let has_failed = report
         .findings
         .iter()
-        .any(|f| f.verdict == Verdict::Failure);
+        .any(|f| f.severity == Severity::Failure);
     ExitCode::from(if has_failed { exit_code::FAILURE } else { 0 })
 }
 
 fn text(findings: &[Finding]) -> String {
     let line = |finding: &Finding| {
-        let mark = match finding.verdict {
-            Verdict::Ok => "ok     ",
-            Verdict::Warning => "warning",
-            Verdict::Failure => "FAILURE",
+        let mark = match finding.severity {
+            Severity::Ok => "ok     ",
+            Severity::Warning => "warning",
+            Severity::Failure => "FAILURE",
         };
         format!("{mark}  {}: {}", finding.check, finding.sentence)
     };

@@ -1,4 +1,4 @@
-//! `tabula knowledge`: what tasks need to know.
+//! `tabula knowledge`: named documents for tasks, stored in the memory.
 
 use crate::arguments::{KnowledgeVerb, PutArguments};
 use crate::time::utc;
@@ -13,10 +13,10 @@ use service::{CommonArguments, Failure, exit_code};
 use std::io::{Read, Write};
 use std::process::ExitCode;
 
-/// The longest text that one request carries.
+/// Maximum size of a document, bytes: the part of a message that one request leaves for it.
 const MAX_BYTES: u64 = 384 * 1024;
 
-/// Does what was asked.
+/// Runs a subcommand of `tabula knowledge`.
 pub(crate) fn run(
     common: &CommonArguments,
     verb: &KnowledgeVerb,
@@ -100,7 +100,7 @@ fn list_text(documents: &[DocumentReport]) -> String {
 struct GetDocument<'a> {
     name: &'a str,
     media_type: String,
-    /// None when the content is no text.
+    /// Content as text; `None` if it is not UTF-8.
     text: Option<String>,
     bytes: usize,
 }
@@ -124,8 +124,8 @@ fn get(memory: &mut MemoryClient, name: &str, output: &Output) -> Result<ExitCod
         output.answer(&document, String::new);
         return Ok(ExitCode::SUCCESS);
     }
-    // As it is, without a line more: it may be no text. A reader that has gone away
-    // is no failure.
+    // Raw bytes without a final line feed, since the content may be binary. A closed pipe is no
+    // failure.
     let mut out = std::io::stdout().lock();
     let _ = out.write_all(&content).and_then(|()| out.flush());
     Ok(ExitCode::SUCCESS)

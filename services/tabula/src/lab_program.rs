@@ -1,14 +1,14 @@
-//! Verbs that another program carries out: `tabula-lab` and `tabula-latency`.
+//! Subcommands executed by another program: `tabula-lab` and `tabula-latency`.
 
-use crate::arguments::Arguments;
+use crate::arguments::CliArguments;
 use service::{Failure, exit_code};
 use std::ffi::{OsStr, OsString};
 use std::os::unix::process::CommandExt;
 use std::process::{Command, ExitCode};
 
-/// Replaces this process by `tabula-lab` with a verb and its arguments.
+/// Replaces this process by `tabula-lab` with a subcommand and its arguments.
 pub(crate) fn become_lab(
-    arguments: &Arguments,
+    arguments: &CliArguments,
     verb: &str,
     words: &[OsString],
 ) -> Result<ExitCode, Failure> {
@@ -17,7 +17,7 @@ pub(crate) fn become_lab(
 
 /// Replaces this process by `tabula-latency` with its arguments.
 pub(crate) fn become_latency(
-    arguments: &Arguments,
+    arguments: &CliArguments,
     words: &[OsString],
 ) -> Result<ExitCode, Failure> {
     become_program("tabula-latency", arguments, None, words)
@@ -25,7 +25,7 @@ pub(crate) fn become_latency(
 
 fn become_program(
     program: &str,
-    arguments: &Arguments,
+    arguments: &CliArguments,
     verb: Option<&OsStr>,
     words: &[OsString],
 ) -> Result<ExitCode, Failure> {
@@ -39,7 +39,7 @@ fn become_program(
     };
     let own = std::env::current_exe().map_err(not_there)?;
     let common = &arguments.common;
-    // Options among the words win over the environment.
+    // Options among the words override the environment.
     let error = Command::new(own.with_file_name(program))
         .env("TABULA_DOMAIN", common.domain.to_string())
         .env("TABULA_HOME", common.home().path())

@@ -1,4 +1,5 @@
-//! Teaching, correcting, forgetting.
+//! `tabula teach`, `correct`, `forget`, `rename`, `merge`, `undo`, `categories`: changes of labels
+//! and categories.
 
 use crate::arguments::{ForgetArguments, LabelArguments};
 use command_line::{Output, format_table};
@@ -79,7 +80,7 @@ pub(crate) fn revise(
         }
         RevisionChange::Rename { from, to } => format!("{from} is called {to} now"),
         RevisionChange::Merge { from, into } => format!("{from} is {into} now"),
-        // What that was is in the answer.
+        // The answer describes the undone change.
         _ => String::new(),
     };
     let report = learn(

@@ -1,4 +1,4 @@
-//! `tabula`: starts the daemon, shows its objects, teaches and asks.
+//! `tabula`: command-line tool that runs the daemon, shows its objects, and teaches names.
 
 mod arguments;
 mod arm;
@@ -14,7 +14,7 @@ mod sensor;
 mod time;
 mod world;
 
-use arguments::{Arguments, Verb};
+use arguments::{CliArguments, Verb};
 use clap::Parser;
 use command_line::Output;
 use message::control::RevisionChange;
@@ -22,7 +22,7 @@ use service::Failure;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = CliArguments::parse();
     let output = Output::new(arguments.json);
     match execute(&arguments, &output) {
         Ok(code) => code,
@@ -33,7 +33,7 @@ fn main() -> ExitCode {
     }
 }
 
-fn execute(arguments: &Arguments, output: &Output) -> Result<ExitCode, Failure> {
+fn execute(arguments: &CliArguments, output: &Output) -> Result<ExitCode, Failure> {
     match &arguments.verb {
         Verb::Run(run) => daemon::run(&arguments.common, run, output),
         Verb::Doctor => Ok(doctor::run(&arguments.common, output)),

@@ -1,4 +1,4 @@
-//! `tabula memory`: looking into what was learned, and taking care of it.
+//! `tabula memory`: inspection, maintenance, export and import of the perceptual memory.
 
 mod exchange;
 mod inspect;
@@ -9,7 +9,7 @@ use command_line::Output;
 use service::{CommonArguments, Failure};
 use std::process::ExitCode;
 
-/// Does what was asked.
+/// Runs a subcommand of `tabula memory`.
 pub(crate) fn run(
     common: &CommonArguments,
     verb: &MemoryVerb,

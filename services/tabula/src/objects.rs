@@ -1,4 +1,4 @@
-//! Showing what the daemon sees and how it is.
+//! `tabula objects`, `ask`, `status`: tracked objects and state of the processes.
 
 use channel::control::SocketClient;
 use command_line::{Output, StopSignal, format_table, redraw_terminal};
@@ -9,8 +9,8 @@ use service::{CommonArguments, Failure};
 use std::process::ExitCode;
 use std::time::Duration;
 
-/// How often a watched table is drawn.
-const REDRAW: Duration = Duration::from_millis(200);
+/// Redraw period of the watched table. Chosen.
+const REDRAW_PERIOD: Duration = Duration::from_millis(200);
 
 /// `tabula objects`
 pub(crate) fn objects(
@@ -34,8 +34,8 @@ fn ask_objects(client: &mut SocketClient) -> Result<ObjectsReport, Failure> {
     }
 }
 
-/// Draws the table again and again; with `--json` prints a document a line. A
-/// daemon that restarts is waited for.
+/// Redraws the table until Ctrl-C; with `--json` prints one document for each line. Reconnects to a
+/// daemon that restarts.
 fn watch(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure> {
     let stop = StopSignal::install()?;
     let mut client = Some(connect(common)?);
@@ -58,7 +58,7 @@ fn watch(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure>
                 }
             }
         }
-        stop.sleep(REDRAW);
+        stop.sleep(REDRAW_PERIOD);
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -126,7 +126,7 @@ pub(crate) fn metres(values: [f64; 3]) -> String {
     values.map(|value| format!("{value:.3}")).join(" ")
 }
 
-/// Standard deviation of the position, mean over the directions.
+/// Root mean square of the position's standard deviations along the axes, millimetres.
 fn deviation_mm(object: &ObjectReport) -> Option<f64> {
     let [xx, _, _, yy, _, zz] = object.covariance.as_ref()?.position_m2;
     Some(1e3 * ((xx + yy + zz) / 3.0).sqrt())
@@ -288,7 +288,7 @@ mod tests {
     }
 
     #[test]
-    fn people_read_what_is_ignored_and_why() {
+    fn text_names_rejected_candidates_with_their_reasons() {
         let text = objects_text(&report());
         let line = "ignored at (0.100 -0.250 0.800), 320 points: it is the robot's arm (87 % of \
                     its points within 3 cm of a link)";

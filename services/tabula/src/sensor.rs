@@ -1,26 +1,26 @@
-//! Which process gives the frames: the camera or the simulator.
+//! Sensor process: camera or simulator.
 
 use crate::arguments::RunArguments;
 use message::ProcessKind;
 use serde::Deserialize;
 use service::{CommonArguments, ConfigFile, Failure, exit_code};
 
-/// The word for the simulator among the sources.
+/// Source name of the simulator.
 const SIMULATION: &str = "simulation";
 
-/// The process that gives the frames.
+/// Sensor process.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Sensor {
     /// `tabula-camera`.
     Camera,
     /// `tabula-simulator`, with the scene named behind `simulation:`.
     Simulator {
-        /// The scene; `None` for what the configuration says.
+        /// Scene name; `None` for the configured scene.
         scene: Option<String>,
     },
 }
 
-/// What is read here of the section `[camera]`.
+/// Fields of the section `[camera]` that select the sensor.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 struct RawCamera {
@@ -28,10 +28,10 @@ struct RawCamera {
 }
 
 impl Sensor {
-    /// The sensor of the arguments, else of the configuration, else the simulator.
+    /// Sensor of the arguments, else of the configuration, else the simulator.
     ///
     /// # Errors
-    /// When the configuration can not be read.
+    /// When the configuration cannot be read.
     pub(crate) fn choose(common: &CommonArguments, run: &RunArguments) -> Result<Self, Failure> {
         if let Some(source) = run.source() {
             return Self::named(source);
@@ -56,7 +56,7 @@ impl Sensor {
         }
     }
 
-    /// Its process.
+    /// Process kind.
     pub(crate) fn process(&self) -> ProcessKind {
         match self {
             Self::Camera => ProcessKind::Camera,
@@ -64,13 +64,13 @@ impl Sensor {
         }
     }
 
-    /// The daemon's processes in the order they are started.
+    /// Processes of the daemon in the order of their start.
     pub(crate) fn processes(&self) -> Vec<ProcessKind> {
         let all = ProcessKind::ALL.into_iter();
         all.filter(|process| *process != self.other()).collect()
     }
 
-    /// The process that is not started.
+    /// Sensor process that is not started.
     fn other(&self) -> ProcessKind {
         match self {
             Self::Camera => ProcessKind::Simulator,
@@ -78,12 +78,12 @@ impl Sensor {
         }
     }
 
-    /// The process that is not started, with arguments with which its section of
-    /// the configuration is checked all the same.
+    /// Process that is not started, with the arguments that validate its section of the
+    /// configuration nevertheless.
     pub(crate) fn idle(&self) -> (ProcessKind, &'static [&'static str]) {
         match self {
             Self::Camera => (self.other(), &[]),
-            // Its source is not needed, and may be named as the simulation.
+            // The configured source may name the simulation, which tabula-camera rejects.
             Self::Simulator { .. } => (self.other(), &["--source=synthetic"]),
         }
     }
@@ -94,7 +94,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_source_names_the_process() {
+    fn source_selects_the_process() {
         let named = |source| Sensor::named(source).unwrap();
         assert_eq!(named("kinect"), Sensor::Camera);
         assert_eq!(named("./simulation"), Sensor::Camera);
@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn of_camera_and_simulator_one_runs() {
+    fn either_camera_or_simulator_runs() {
         let simulated = Sensor::Simulator { scene: None }.processes();
         assert_eq!(
             simulated,

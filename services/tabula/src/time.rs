@@ -1,9 +1,10 @@
-//! Times for people.
+//! UTC timestamps as text.
 
 const NS_PER_S: u64 = 1_000_000_000;
 const S_PER_DAY: u64 = 24 * 3600;
 
-/// Nanoseconds since 1970 as `2026-11-22 10:30:00Z`; zero is a time nobody knows.
+/// UTC date and time of nanoseconds since 1970: `2026-11-22 10:30:00Z`; `-` for zero, an unknown
+/// time.
 pub(crate) fn utc(wall_ns: u64) -> String {
     if wall_ns == 0 {
         return "-".to_owned();
@@ -43,7 +44,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn times_are_those_of_the_calendar() {
+    fn utc_matches_the_calendar() {
         for (seconds, text) in [
             (1, "1970-01-01 00:00:01Z"),
             (951_782_400, "2000-02-29 00:00:00Z"),

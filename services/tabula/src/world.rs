@@ -1,6 +1,6 @@
-//! `tabula world`: what the working memory knows and knew.
+//! `tabula world`: present state, history, events and tasks of the world model.
 
-use crate::arguments::{EventsArguments, HistoryArguments, Point, Time, WorldVerb};
+use crate::arguments::{EventsArguments, HistoryArguments, TimeArgument, WorldPoint, WorldVerb};
 use crate::objects::metres;
 use channel::control::SocketClient;
 use command_line::{Output, StopSignal, format_table};
@@ -14,12 +14,12 @@ use service::{CommonArguments, Failure, wall_clock_ns};
 use std::process::ExitCode;
 use std::time::Duration;
 
-/// How long one question for events waits; Ctrl-C acts after that at the latest.
+/// Long-polling timeout of an event query, milliseconds; the maximum delay of Ctrl-C. Chosen.
 const EVENT_WAIT_MS: u64 = 1000;
-/// Rest before a daemon that has gone away is asked again.
-const ASK_AGAIN: Duration = Duration::from_millis(500);
+/// Delay before reconnecting to a daemon that has gone away. Chosen.
+const RECONNECT_DELAY: Duration = Duration::from_millis(500);
 
-/// Shows what is asked for.
+/// Runs `tabula world` or one of its subcommands.
 pub(crate) fn run(
     common: &CommonArguments,
     verb: Option<&WorldVerb>,
@@ -61,25 +61,25 @@ fn ask(client: &mut SocketClient, command: WorldCommand) -> Result<WorldReply, F
     }
 }
 
-fn unfit(reply: WorldReply) -> Failure {
+fn unexpected_answer(reply: WorldReply) -> Failure {
     unexpected_reply(&Reply::World(Box::new(reply)))
 }
 
 fn now(client: &mut SocketClient) -> Result<WorldReport, Failure> {
     match ask(client, WorldCommand::Now)? {
         WorldReply::Now(report) => Ok(report),
-        other => Err(unfit(other)),
+        other => Err(unexpected_answer(other)),
     }
 }
 
-/// Asks for pages until there are as many facts as wanted, or no more.
+/// Facts of the filter, read page by page up to the limit.
 fn history(client: &mut SocketClient, wanted: &HistoryArguments) -> Result<FactsReport, Failure> {
     let mut filter = filter(wanted, now_ns());
     let mut facts = Vec::new();
     loop {
         let page = match ask(client, WorldCommand::Facts(filter.clone()))? {
             WorldReply::Facts(page) => page,
-            other => return Err(unfit(other)),
+            other => return Err(unexpected_answer(other)),
         };
         facts.extend(page.facts);
         filter.before = page.next;
@@ -92,12 +92,13 @@ fn history(client: &mut SocketClient, wanted: &HistoryArguments) -> Result<Facts
 }
 
 fn filter(wanted: &HistoryArguments, now_ns: u64) -> FactFilter {
-    let instant = |time: Option<Time>| time.map(|time| time.at(now_ns));
+    let instant = |time: Option<TimeArgument>| time.map(|time| time.at(now_ns));
     let region = wanted.near.zip(wanted.radius);
     FactFilter {
         track_id: wanted.track,
         label: wanted.label.clone(),
-        region: region.map(|(Point(centre_m), radius_m)| WorldRegion::Ball { centre_m, radius_m }),
+        region: region
+            .map(|(WorldPoint(centre_m), radius_m)| WorldRegion::Ball { centre_m, radius_m }),
         since_ns: instant(wanted.at.or(wanted.since)),
         until_ns: instant(wanted.at.or(wanted.until)),
         before: None,
@@ -112,11 +113,11 @@ fn events_page(
 ) -> Result<EventsReport, Failure> {
     match ask(client, WorldCommand::Events { since, wait_ms })? {
         WorldReply::Events(page) => Ok(page),
-        other => Err(unfit(other)),
+        other => Err(unexpected_answer(other)),
     }
 }
 
-/// Asks for pages until there are no more events.
+/// Events, read page by page.
 fn events(client: &mut SocketClient, wanted: &EventsArguments) -> Result<EventsReport, Failure> {
     let mut since = wanted.since.unwrap_or(0);
     let mut events = Vec::new();
@@ -135,8 +136,8 @@ fn events(client: &mut SocketClient, wanted: &EventsArguments) -> Result<EventsR
     }
 }
 
-/// Prints each event as it happens, with `--json` a document a line. A daemon that
-/// restarts is waited for.
+/// Prints each event as it happens; with `--json` one document for each line. Reconnects to a
+/// daemon that restarts.
 fn follow(
     common: &CommonArguments,
     mut client: SocketClient,
@@ -160,27 +161,27 @@ fn follow(
         };
         let Ok(page) = page else {
             connected = None;
-            stop.sleep(ASK_AGAIN);
+            stop.sleep(RECONNECT_DELAY);
             continue;
         };
         for event in &page.events {
             output.answer(event, || event_line(event, now_ns()));
         }
-        // A memory that was begun anew counts from the beginning.
+        // The sequence numbers of a new memory begin again.
         let last = page.events.last().map(|event| event.sequence);
         since = last.unwrap_or(if page.newest < since { 0 } else { since });
     }
     Ok(ExitCode::SUCCESS)
 }
 
-/// Asks for pages until there are as many tasks as wanted, or no more.
+/// Tasks, read page by page up to the limit.
 fn tasks(client: &mut SocketClient, wanted: u32) -> Result<TasksReport, Failure> {
     let mut tasks = Vec::new();
     let (mut before, mut limit) = (None, wanted);
     loop {
         let page = match ask(client, WorldCommand::Tasks { before, limit })? {
             WorldReply::Tasks(page) => page,
-            other => return Err(unfit(other)),
+            other => return Err(unexpected_answer(other)),
         };
         tasks.extend(page.tasks);
         before = page.next;
@@ -339,7 +340,7 @@ fn tasks_text(report: &TasksReport, now_ns: u64) -> String {
     format!("{}{more}", format_table(&heading, &rows))
 }
 
-/// How long ago, in two units at most; what lies ahead is now.
+/// Elapsed time in at most two units; zero for times in the future.
 fn ago(then_ns: u64, now_ns: u64) -> String {
     let ns = now_ns.saturating_sub(then_ns);
     let s = ns / 1_000_000_000;
@@ -356,7 +357,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn people_read_how_long_ago() {
+    fn elapsed_time_has_at_most_two_units() {
         const SECOND: u64 = 1_000_000_000;
         let check = |seconds: u64, expected: &str| assert_eq!(ago(0, seconds * SECOND), expected);
         check(0, "0.0s");
@@ -368,13 +369,13 @@ mod tests {
     }
 
     #[test]
-    fn an_instant_is_both_ends_of_the_time_asked_for() {
+    fn filter_of_an_instant_begins_and_ends_there() {
         let wanted = HistoryArguments {
             track: Some(3),
             label: None,
-            near: Some(Point([0.1, 0.2, 0.3])),
+            near: Some(WorldPoint([0.1, 0.2, 0.3])),
             radius: Some(0.5),
-            at: Some(Time::Ago(400)),
+            at: Some(TimeArgument::Ago(400)),
             since: None,
             until: None,
             limit: 7,

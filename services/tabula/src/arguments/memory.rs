@@ -1,9 +1,9 @@
-//! What is said about the memory.
+//! Arguments of `tabula forget`, `tabula memory` and `tabula knowledge`.
 
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
 
-/// What is to be forgotten.
+/// Arguments of `tabula forget`.
 #[derive(Debug, Args)]
 #[group(id = "what", required = true, multiple = true)]
 pub(crate) struct ForgetArguments {
@@ -16,37 +16,37 @@ pub(crate) struct ForgetArguments {
     /// With --track: only this view of it
     #[arg(long, value_name = "VIEW", requires = "track")]
     pub(crate) view: Option<u32>,
-    /// Who asks [default: the user's name]
+    /// Author of the change [default: the user's name]
     #[arg(long, value_name = "NAME")]
     pub(crate) author: Option<String>,
 }
 
-/// What is done with the memory. A running daemon is asked; without one the store is
-/// opened here.
+/// Subcommands of `tabula memory`. They ask a running daemon; without one a child process opens the
+/// store.
 #[derive(Debug, Subcommand)]
 pub(crate) enum MemoryVerb {
-    /// How much there is
+    /// Show sizes and counts
     Stats,
-    /// Read everything and say what is wrong; changes nothing
+    /// Read everything and report damage; changes nothing
     Verify,
-    /// Verify, and if anything is wrong make the store anew from what is whole
+    /// Verify, and if anything is damaged rebuild the store from the intact records
     Repair,
-    /// List stored views, and who taught them
+    /// List stored views with the authors of their labels
     Inspect(InspectArguments),
-    /// What was changed, when, and by whom
+    /// Show the history of changes with times and authors
     History(EntriesArguments),
-    /// Remove for good what was forgotten, and give room back
+    /// Remove forgotten views permanently and free disk space
     Compact(CompactArguments),
     /// Write everything into one file
     Export {
         /// The file; one that is there is replaced when all is written
         file: PathBuf,
     },
-    /// Take over what another memory knows
+    /// Import the export file of another memory
     Import(ImportArguments),
 }
 
-/// Which views.
+/// Filter of `tabula memory inspect`.
 #[derive(Debug, Args)]
 pub(crate) struct InspectArguments {
     /// Only those of a category
@@ -57,42 +57,42 @@ pub(crate) struct InspectArguments {
     pub(crate) track: Option<u64>,
 }
 
-/// Which entries.
+/// Range of `tabula memory history`.
 #[derive(Debug, Args)]
 pub(crate) struct EntriesArguments {
     /// First entry [default: so that the last ones are shown]
     #[arg(long, value_name = "ENTRY")]
     pub(crate) from: Option<u64>,
-    /// How many
+    /// Maximum number of entries
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) count: u32,
 }
 
-/// What may go.
+/// Arguments of `tabula memory compact`.
 #[derive(Debug, Args)]
 pub(crate) struct CompactArguments {
-    /// Remove for good what was forgotten this many days ago
+    /// Remove views that were forgotten this many days ago permanently
     #[arg(long, value_name = "DAYS", default_value_t = 30)]
     pub(crate) forgotten_days: u32,
 }
 
-/// What is imported, and under which names.
+/// Arguments of `tabula memory import`.
 #[derive(Debug, Args)]
 pub(crate) struct ImportArguments {
     /// The file, written by `tabula memory export`
     pub(crate) file: PathBuf,
-    /// Call a category otherwise here; can be given several times
+    /// Rename a category on import; can be given several times
     #[arg(long, value_name = "FROM=TO")]
     pub(crate) rename: Vec<String>,
     /// Put this before every other category, so that equal names stay apart
     #[arg(long, value_name = "TEXT", default_value = "")]
     pub(crate) prefix: String,
-    /// Who asks [default: the user's name]
+    /// Author of the change [default: the user's name]
     #[arg(long, value_name = "NAME")]
     pub(crate) author: Option<String>,
 }
 
-/// What is done with task knowledge.
+/// Subcommands of `tabula knowledge`.
 #[derive(Debug, Subcommand)]
 pub(crate) enum KnowledgeVerb {
     /// List it
@@ -108,23 +108,23 @@ pub(crate) enum KnowledgeVerb {
     Remove {
         /// Its name
         name: String,
-        /// Who asks [default: the user's name]
+        /// Author of the change [default: the user's name]
         #[arg(long, value_name = "NAME")]
         author: Option<String>,
     },
 }
 
-/// What is stored.
+/// Arguments of `tabula knowledge put`.
 #[derive(Debug, Args)]
 pub(crate) struct PutArguments {
     /// Its name
     pub(crate) name: String,
     /// A file [default: standard input]
     pub(crate) file: Option<PathBuf>,
-    /// How to read it
+    /// Media type
     #[arg(long = "type", value_name = "MEDIA/TYPE", default_value = "text/plain")]
     pub(crate) media_type: String,
-    /// Who asks [default: the user's name]
+    /// Author of the change [default: the user's name]
     #[arg(long, value_name = "NAME")]
     pub(crate) author: Option<String>,
 }

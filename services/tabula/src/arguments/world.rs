@@ -1,8 +1,8 @@
-//! The arguments of `tabula world`.
+//! Arguments of `tabula world`.
 
 use clap::{Args, Subcommand};
 
-/// What is asked of the working memory.
+/// Arguments of `tabula world`: queries of the world model.
 #[derive(Debug, Args)]
 #[command(args_conflicts_with_subcommands = true)]
 pub(crate) struct WorldArguments {
@@ -10,22 +10,22 @@ pub(crate) struct WorldArguments {
     pub(crate) verb: Option<WorldVerb>,
 }
 
-/// What else is asked than what there is now.
+/// Queries of the world model other than its present state.
 #[derive(Debug, Subcommand)]
 pub(crate) enum WorldVerb {
-    /// Show what was known: facts with beginning and end, newest first
+    /// Show past facts with their beginning and end, newest first
     History(HistoryArguments),
-    /// Show what happened, oldest first
+    /// Show the events, oldest first
     Events(EventsArguments),
     /// Show the tasks, newest first
     Tasks {
-        /// Most tasks
+        /// Maximum number of tasks
         #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..))]
         limit: u32,
     },
 }
 
-/// Which facts.
+/// Filter of `tabula world history`.
 #[derive(Debug, Args)]
 #[command(after_help = TIME_HELP)]
 pub(crate) struct HistoryArguments {
@@ -37,25 +37,25 @@ pub(crate) struct HistoryArguments {
     pub(crate) label: Option<String>,
     /// Only while its centre was near a point of the world, metres
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "radius")]
-    pub(crate) near: Option<Point>,
-    /// How near, metres
+    pub(crate) near: Option<WorldPoint>,
+    /// Radius around the point, metres
     #[arg(long, value_name = "R", value_parser = radius, requires = "near")]
     pub(crate) radius: Option<f64>,
     /// Only what held at this time
     #[arg(long, value_name = "TIME", value_parser = time, allow_hyphen_values = true, conflicts_with_all = ["since", "until"])]
-    pub(crate) at: Option<Time>,
+    pub(crate) at: Option<TimeArgument>,
     /// Only what held at this time or later
     #[arg(long, value_name = "TIME", value_parser = time, allow_hyphen_values = true)]
-    pub(crate) since: Option<Time>,
+    pub(crate) since: Option<TimeArgument>,
     /// Only what held at this time or earlier
     #[arg(long, value_name = "TIME", value_parser = time, allow_hyphen_values = true)]
-    pub(crate) until: Option<Time>,
-    /// Most facts
+    pub(crate) until: Option<TimeArgument>,
+    /// Maximum number of facts
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) limit: u32,
 }
 
-/// Which events.
+/// Arguments of `tabula world events`.
 #[derive(Debug, Args)]
 pub(crate) struct EventsArguments {
     /// Go on with each event as it happens, until Ctrl-C
@@ -69,21 +69,21 @@ pub(crate) struct EventsArguments {
 const TIME_HELP: &str = "TIME is a time ago: -90s, -10m, -2h, -3d; or seconds since 1970: \
                          1735689600, as `date +%s` prints them.";
 
-/// A point of the world, metres.
+/// WorldPoint in the world frame, metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Point(pub(crate) [f64; 3]);
+pub(crate) struct WorldPoint(pub(crate) [f64; 3]);
 
-/// An instant as people give it.
+/// WorldPoint in time as given on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Time {
-    /// So long ago, nanoseconds.
+pub(crate) enum TimeArgument {
+    /// TimeArgument before now, nanoseconds.
     Ago(u64),
     /// Nanoseconds since 1970.
     Absolute(u64),
 }
 
-impl Time {
-    /// Nanoseconds since 1970, when it is `now_ns`.
+impl TimeArgument {
+    /// Nanoseconds since 1970, relative to the present time `now_ns`.
     pub(crate) fn at(self, now_ns: u64) -> u64 {
         match self {
             Self::Ago(ns) => now_ns.saturating_sub(ns),
@@ -92,11 +92,11 @@ impl Time {
     }
 }
 
-fn point(text: &str) -> Result<Point, String> {
+fn point(text: &str) -> Result<WorldPoint, String> {
     let values: Result<Vec<f64>, _> = text.split(',').map(|value| value.trim().parse()).collect();
     let values = values.unwrap_or_default();
     match <[f64; 3]>::try_from(values) {
-        Ok(point) if point.iter().all(|value| value.is_finite()) => Ok(Point(point)),
+        Ok(point) if point.iter().all(|value| value.is_finite()) => Ok(WorldPoint(point)),
         _ => Err("a point is three numbers with commas between them: 0.1,-0.2,0.75".into()),
     }
 }
@@ -109,13 +109,13 @@ fn radius(text: &str) -> Result<f64, String> {
     Err("a radius is a number of metres, 0 or more".into())
 }
 
-fn time(text: &str) -> Result<Time, String> {
+fn time(text: &str) -> Result<TimeArgument, String> {
     parse_time(text).ok_or_else(|| {
         "a time is -90s, -10m, -2h or -3d for a time ago, or seconds since 1970".into()
     })
 }
 
-fn parse_time(text: &str) -> Option<Time> {
+fn parse_time(text: &str) -> Option<TimeArgument> {
     const LATEST_S: f64 = 1e10;
     let seconds_in = |value: &str, unit_s: f64| {
         let seconds = value.parse::<f64>().ok()? * unit_s;
@@ -124,7 +124,7 @@ fn parse_time(text: &str) -> Option<Time> {
             .then_some((seconds * 1e9) as u64)
     };
     let Some(ago) = text.strip_prefix('-') else {
-        return seconds_in(text, 1.0).map(Time::Absolute);
+        return seconds_in(text, 1.0).map(TimeArgument::Absolute);
     };
     let unit = ago.chars().last()?;
     let unit_s = match unit {
@@ -134,7 +134,7 @@ fn parse_time(text: &str) -> Option<Time> {
         'd' => 86_400.0,
         _ => return None,
     };
-    seconds_in(&ago[..ago.len() - unit.len_utf8()], unit_s).map(Time::Ago)
+    seconds_in(&ago[..ago.len() - unit.len_utf8()], unit_s).map(TimeArgument::Ago)
 }
 
 #[cfg(test)]
@@ -144,26 +144,29 @@ mod tests {
     #[test]
     fn times_are_offsets_or_seconds() {
         let second = 1_000_000_000;
-        assert_eq!(time("-90s"), Ok(Time::Ago(90 * second)));
-        assert_eq!(time("-1.5m"), Ok(Time::Ago(90 * second)));
-        assert_eq!(time("-2h"), Ok(Time::Ago(7200 * second)));
-        assert_eq!(time("-3d"), Ok(Time::Ago(3 * 86_400 * second)));
+        assert_eq!(time("-90s"), Ok(TimeArgument::Ago(90 * second)));
+        assert_eq!(time("-1.5m"), Ok(TimeArgument::Ago(90 * second)));
+        assert_eq!(time("-2h"), Ok(TimeArgument::Ago(7200 * second)));
+        assert_eq!(time("-3d"), Ok(TimeArgument::Ago(3 * 86_400 * second)));
         assert_eq!(
             time("1735689600"),
-            Ok(Time::Absolute(1_735_689_600 * second))
+            Ok(TimeArgument::Absolute(1_735_689_600 * second))
         );
         for wrong in [
             "", "-", "-m", "-10", "-10é", "noon", "nan", "-infs", "1e300",
         ] {
             assert!(time(wrong).is_err(), "{wrong}");
         }
-        assert_eq!(Time::Ago(5).at(3), 0);
-        assert_eq!((Time::Ago(5).at(8), Time::Absolute(5).at(8)), (3, 5));
+        assert_eq!(TimeArgument::Ago(5).at(3), 0);
+        assert_eq!(
+            (TimeArgument::Ago(5).at(8), TimeArgument::Absolute(5).at(8)),
+            (3, 5)
+        );
     }
 
     #[test]
     fn points_are_three_numbers() {
-        assert_eq!(point("0.1,-0.2, 0.75"), Ok(Point([0.1, -0.2, 0.75])));
+        assert_eq!(point("0.1,-0.2, 0.75"), Ok(WorldPoint([0.1, -0.2, 0.75])));
         for wrong in ["", "1,2", "1,2,3,4", "1,2,nan", "a,b,c"] {
             assert!(point(wrong).is_err(), "{wrong}");
         }

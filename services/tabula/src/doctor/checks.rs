@@ -1,6 +1,6 @@
-//! The checks.
+//! Checks of `tabula doctor`: shared memory, descriptors, domain, socket, disk, camera.
 
-use super::{Finding, Verdict};
+use super::{Finding, Severity};
 use channel::control::SocketClient;
 use channel::{DomainState, RunFolder, SharedMemory, domain_reservation};
 use freenect::{Library, LibraryKind, Presence};
@@ -11,13 +11,13 @@ use service::CommonArguments;
 use std::path::Path;
 use std::time::Duration;
 
-/// Descriptors of the hungriest process: about seven for each service it holds.
+/// Number of file descriptors needed by one process: about seven for each service it holds.
 const DESCRIPTORS_NEEDED: u64 = 256;
-/// Free bytes in the data folder below which a warning is due.
-const FEW_BYTES: u64 = 100_000_000;
+/// Free bytes on the data disk below which a warning is given. Chosen.
+const FREE_BYTES_MIN: u64 = 100_000_000;
 
-/// Everything, in the order in which a new user meets it.
-pub(crate) fn all(common: &CommonArguments) -> Vec<Finding> {
+/// Findings of all checks, in the order in which a new user meets the problems.
+pub(crate) fn run_all(common: &CommonArguments) -> Vec<Finding> {
     let run_folder = RunFolder::of_user();
     let state = DomainState::inspect(&common.domain, &run_folder);
     vec![
@@ -43,7 +43,7 @@ fn shared_memory(common: &CommonArguments) -> Finding {
     let name = "shared memory";
     let Some(state) = SharedMemory::of_domain(&common.domain) else {
         let sentence = "/dev/shm is not there; mount a tmpfs at /dev/shm";
-        return Finding::new(name, Verdict::Failure, sentence);
+        return Finding::new(name, Severity::Failure, sentence);
     };
     let (needed, available) = (megabytes(state.needed), state.available() / 1_000_000);
     let total = megabytes(state.total_bytes);
@@ -51,13 +51,13 @@ fn shared_memory(common: &CommonArguments) -> Finding {
         let sentence = format!(
             "the services will reserve up to {needed} MB; {available} MB of {total} MB are free for them"
         );
-        return Finding::new(name, Verdict::Ok, sentence);
+        return Finding::new(name, Severity::Ok, sentence);
     }
     let sentence = format!(
         "the services will reserve up to {needed} MB and only {available} MB of {total} MB are free; \
          enlarge it (mount -o remount,size=512M /dev/shm; in a container --shm-size=512m)"
     );
-    Finding::new(name, Verdict::Failure, sentence)
+    Finding::new(name, Severity::Failure, sentence)
 }
 
 fn reservations() -> Finding {
@@ -75,7 +75,7 @@ fn reservations() -> Finding {
             )
         })
         .collect();
-    Finding::new("largest services", Verdict::Ok, largest.join(", "))
+    Finding::new("largest services", Severity::Ok, largest.join(", "))
 }
 
 fn descriptors() -> Finding {
@@ -83,14 +83,14 @@ fn descriptors() -> Finding {
     match limit.maximum {
         Some(most) if most < DESCRIPTORS_NEEDED => Finding::new(
             "open files",
-            Verdict::Failure,
+            Severity::Failure,
             format!(
                 "the hard limit is {most} and {DESCRIPTORS_NEEDED} are needed; raise it (ulimit -Hn)"
             ),
         ),
         most => Finding::new(
             "open files",
-            Verdict::Ok,
+            Severity::Ok,
             format!(
                 "the hard limit is {}; the processes raise their own soft limit to it",
                 most.map_or("none".into(), |most| most.to_string())
@@ -115,7 +115,7 @@ fn domain(common: &CommonArguments, run_folder: &RunFolder, state: &DomainState)
             format!("in the domain {} run {}", common.domain, names.join(", "))
         }
     };
-    Finding::new("domain", Verdict::Ok, sentence)
+    Finding::new("domain", Severity::Ok, sentence)
 }
 
 fn crashed_run(state: &DomainState) -> Finding {
@@ -127,12 +127,12 @@ fn crashed_run(state: &DomainState) -> Finding {
             ..
         } if *n_files > 0 => Finding::new(
             name,
-            Verdict::Warning,
+            Severity::Warning,
             format!(
                 "a crashed run has left {n_files} files in /dev/shm; the next start removes them"
             ),
         ),
-        _ => Finding::new(name, Verdict::Ok, "nothing is left of a crashed run"),
+        _ => Finding::new(name, Severity::Ok, "nothing is left of a crashed run"),
     }
 }
 
@@ -143,61 +143,61 @@ fn control_socket(common: &CommonArguments, state: &DomainState) -> Finding {
     match connected {
         Ok(mut client) => match client.call(Command::Health) {
             Ok(Reply::Health(processes)) => all_processes(name, processes.len()),
-            Ok(other) => Finding::new(name, Verdict::Failure, format!("it answers {other:?}")),
-            Err(error) => Finding::new(name, Verdict::Failure, error.to_string()),
+            Ok(other) => Finding::new(name, Severity::Failure, format!("it answers {other:?}")),
+            Err(error) => Finding::new(name, Severity::Failure, error.to_string()),
         },
-        Err(error) if state.is_alive => Finding::new(name, Verdict::Warning, error.to_string()),
-        Err(_) => Finding::new(name, Verdict::Ok, "no daemon runs, so there is none"),
+        Err(error) if state.is_alive => Finding::new(name, Severity::Warning, error.to_string()),
+        Err(_) => Finding::new(name, Severity::Ok, "no daemon runs, so there is none"),
     }
 }
 
 fn all_processes(name: &'static str, n_processes: usize) -> Finding {
-    // Of camera and simulator one runs.
+    // Either the camera or the simulator runs.
     let n_expected = ProcessKind::ALL.len() - 1;
-    let verdict = if n_processes == n_expected {
-        Verdict::Ok
+    let severity = if n_processes == n_expected {
+        Severity::Ok
     } else {
-        Verdict::Warning
+        Severity::Warning
     };
     let sentence = format!("the daemon answers; {n_processes} of {n_expected} processes report");
-    Finding::new(name, verdict, sentence)
+    Finding::new(name, severity, sentence)
 }
 
 fn data_folder(folder: &Path) -> Finding {
     let name = "data folder";
-    // The folder is made at the first start: what counts is where it will be.
+    // The folder is created at the first start, so its nearest existing parent is checked.
     let Some(existing) = folder.ancestors().find(|path| path.exists()) else {
         let sentence = format!("{} has no existing parent", folder.display());
-        return Finding::new(name, Verdict::Failure, sentence);
+        return Finding::new(name, Severity::Failure, sentence);
     };
     if !existing.is_dir() {
         let sentence = format!(
             "{} is not a folder; choose another one with --home DIR",
             existing.display()
         );
-        return Finding::new(name, Verdict::Failure, sentence);
+        return Finding::new(name, Severity::Failure, sentence);
     }
     if rustix::fs::access(existing, rustix::fs::Access::WRITE_OK).is_err() {
         let sentence = format!(
-            "{} can not be written by this user; choose another one with --home DIR",
+            "{} cannot be written by this user; choose another one with --home DIR",
             existing.display()
         );
-        return Finding::new(name, Verdict::Failure, sentence);
+        return Finding::new(name, Severity::Failure, sentence);
     }
     let free = rustix::fs::statvfs(existing).map_or(0, |fs| fs.f_bavail * fs.f_frsize);
     let sentence = format!("{}, {} MB free", folder.display(), free / 1_000_000);
-    let verdict = if free < FEW_BYTES {
-        Verdict::Warning
+    let severity = if free < FREE_BYTES_MIN {
+        Severity::Warning
     } else {
-        Verdict::Ok
+        Severity::Ok
     };
-    Finding::new(name, verdict, sentence)
+    Finding::new(name, severity, sentence)
 }
 
 fn ports() -> Finding {
     Finding::new(
         "ports",
-        Verdict::Ok,
+        Severity::Ok,
         "the daemon listens on no network port, only on its socket",
     )
 }
@@ -218,18 +218,18 @@ fn library(name: &'static str, kind: LibraryKind) -> Finding {
             let file = library
                 .file()
                 .map_or("?".into(), |file| file.display().to_string());
-            Finding::new(name, Verdict::Ok, format!("{file}, {version}{without}"))
+            Finding::new(name, Severity::Ok, format!("{file}, {version}{without}"))
         }
-        Err(error) => Finding::new(name, Verdict::Warning, error.to_string()),
+        Err(error) => Finding::new(name, Severity::Warning, error.to_string()),
     }
 }
 
 fn kinect() -> Finding {
     let presence = Presence::scan();
-    let verdict = if presence.is_usable() {
-        Verdict::Ok
+    let severity = if presence.is_usable() {
+        Severity::Ok
     } else {
-        Verdict::Warning
+        Severity::Warning
     };
-    Finding::new("kinect", verdict, presence.to_string())
+    Finding::new("kinect", severity, presence.to_string())
 }

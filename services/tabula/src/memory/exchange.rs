@@ -1,4 +1,4 @@
-//! Exporting and importing.
+//! `tabula memory export` and `tabula memory import`.
 
 use crate::arguments::ImportArguments;
 use command_line::{Output, progress_bar};
@@ -17,8 +17,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
-/// How soon an export is asked again for bytes that it had not yet.
-const ASK_AGAIN: Duration = Duration::from_millis(20);
+/// Polling period of an export that has no new bytes. Chosen.
+const POLL_PERIOD: Duration = Duration::from_millis(20);
 
 #[derive(Serialize)]
 struct ExportDocument<'a> {
@@ -27,7 +27,7 @@ struct ExportDocument<'a> {
     report: ExportReport,
 }
 
-/// `tabula memory export`: the file appears when it is whole and on disk.
+/// `tabula memory export`: the file gets its name when it is complete and on disk.
 pub(super) fn export(
     common: &CommonArguments,
     file: &Path,
@@ -43,7 +43,7 @@ pub(super) fn export(
     }) {
         Ok(report) => report,
         Err(failure) => {
-            // What is half written is of no use.
+            // A partial file is useless.
             let _ = fs::remove_file(&partial);
             return Err(failure);
         }
@@ -87,7 +87,7 @@ fn write_export(
     let bar = progress_bar(begun.total, "views", output);
     let mut offset = 0;
     let report = loop {
-        // Asked first: what comes after it is over is all there is.
+        // Asked before reading: once the job has ended, the bytes read next are the last ones.
         let report = memory.job_request(JobCommand::Ask { job: begun.job })?;
         bar.set_length(report.total);
         bar.set_position(report.done);
@@ -103,7 +103,7 @@ fn write_export(
         match report.outcome {
             Some(JobOutcome::Exported(report)) if offset == report.bytes => break report,
             Some(JobOutcome::Failed(why)) => return Err(Failure::new(exit_code::FAILURE, why)),
-            _ if bytes.is_empty() => std::thread::sleep(ASK_AGAIN),
+            _ if bytes.is_empty() => std::thread::sleep(POLL_PERIOD),
             _ => {}
         }
     };

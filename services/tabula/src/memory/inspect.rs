@@ -1,4 +1,4 @@
-//! Sizes, views, history.
+//! `tabula memory stats`, `inspect` and `history`.
 
 use crate::arguments::{EntriesArguments, InspectArguments};
 use crate::time::utc;
@@ -18,7 +18,7 @@ fn ask(memory: &mut MemoryClient, query: MemoryQuery) -> Result<MemoryAnswer, Fa
     }
 }
 
-fn strange(answer: MemoryAnswer) -> Failure {
+fn unexpected_answer(answer: MemoryAnswer) -> Failure {
     unexpected_reply(&Reply::Memory(answer))
 }
 
@@ -27,7 +27,7 @@ pub(super) fn stats(common: &CommonArguments, output: &Output) -> Result<ExitCod
     let mut memory = MemoryClient::open(common, output)?;
     let stats = match ask(&mut memory, MemoryQuery::Stats)? {
         MemoryAnswer::Stats(stats) => stats,
-        other => return Err(strange(other)),
+        other => return Err(unexpected_answer(other)),
     };
     output.answer(&stats, || stats_text(&stats));
     Ok(ExitCode::SUCCESS)
@@ -80,7 +80,7 @@ pub(super) fn views(
                 all.extend(views);
                 next
             }
-            other => return Err(strange(other)),
+            other => return Err(unexpected_answer(other)),
         };
         after = next;
         if after.is_none() {

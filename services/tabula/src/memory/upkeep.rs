@@ -1,4 +1,4 @@
-//! Verifying, repairing, compacting.
+//! `tabula memory verify`, `repair` and `compact`.
 
 use crate::arguments::CompactArguments;
 use command_line::{Output, progress_bar};
@@ -9,7 +9,7 @@ use std::process::ExitCode;
 
 const S_PER_DAY: u64 = 24 * 3600;
 
-/// Runs a job, with a bar.
+/// Runs a job to its end, with a progress bar.
 fn job(
     memory: &mut MemoryClient,
     kind: JobKind,
@@ -26,7 +26,7 @@ fn job(
     outcome
 }
 
-fn strange(outcome: JobOutcome) -> Failure {
+fn unexpected_answer(outcome: JobOutcome) -> Failure {
     unexpected_reply(&Reply::Job(message::control::JobReport {
         job: 0,
         done: 0,
@@ -35,7 +35,7 @@ fn strange(outcome: JobOutcome) -> Failure {
     }))
 }
 
-/// `tabula memory verify`: without a daemon a copy is read, and nothing is changed.
+/// `tabula memory verify`: without a daemon it reads a copy and changes nothing.
 pub(super) fn verify(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure> {
     let mut memory = match connect_if_running(common)? {
         Some(client) => client.into(),
@@ -46,7 +46,7 @@ pub(super) fn verify(common: &CommonArguments, output: &Output) -> Result<ExitCo
     };
     let found = match job(&mut memory, JobKind::Verify, "views", output)? {
         JobOutcome::Verified(found) => found,
-        other => return Err(strange(other)),
+        other => return Err(unexpected_answer(other)),
     };
     output.answer(&found, || text(&found));
     Ok(if found.n_findings == 0 {
@@ -85,7 +85,7 @@ pub(super) fn repair(common: &CommonArguments, output: &Output) -> Result<ExitCo
     let mut memory = MemoryClient::open(common, output)?;
     let outcome = job(&mut memory, JobKind::Repair, "views", output)?;
     let JobOutcome::Repaired { what, is_loss, .. } = &outcome else {
-        return Err(strange(outcome));
+        return Err(unexpected_answer(outcome));
     };
     output.answer(&outcome, || what.clone());
     Ok(if *is_loss {
@@ -112,7 +112,7 @@ pub(super) fn compact(
         disk_bytes,
     } = outcome
     else {
-        return Err(strange(outcome));
+        return Err(unexpected_answer(outcome));
     };
     output.answer(&outcome, || {
         format!(

@@ -11,14 +11,14 @@ use clap::{Args, Subcommand, ValueEnum};
 use simulated_world::ModelSource;
 use std::path::{Path, PathBuf};
 
-/// What is written of the simulated table.
+/// Subcommands of `tabula-lab simulate`.
 #[derive(Debug, Subcommand)]
 pub enum SimulateVerb {
     /// A sequence of a scene: colour, depth, poses, masks and ground truth
     Scene(SceneArguments),
     /// Views of single objects for learning, in the layout of the Washington dataset
     Views(ViewsArguments),
-    /// Plot the simulated Kinect's depth noise beside the published law
+    /// Plot the depth noise of the simulated Kinect against the published noise model
     Sensor {
         /// Folder for the table and the plot
         #[arg(long, value_name = "DIR")]
@@ -28,7 +28,7 @@ pub enum SimulateVerb {
     Categories,
 }
 
-/// Which scene, and where it goes.
+/// Arguments of `simulate scene`.
 #[derive(Debug, Args)]
 pub struct SceneArguments {
     /// A scene file (TOML)
@@ -56,7 +56,7 @@ pub struct SceneArguments {
     pub(crate) out: PathBuf,
 }
 
-/// Which objects, how many views, and where they go.
+/// Arguments of `simulate views`.
 #[derive(Debug, Args)]
 pub struct ViewsArguments {
     /// Folder of PLY and OBJ models, or `generated`
@@ -79,22 +79,23 @@ pub struct ViewsArguments {
     pub(crate) out: PathBuf,
 }
 
-/// What is measured.
+/// Subcommands of `tabula-lab evaluate`.
 #[derive(Debug, Subcommand)]
 pub enum EvaluateVerb {
-    /// Compare what detection finds with labelled scenes, and time it on one thread
+    /// Score detection against labelled scenes, and time it on one thread
     Detection(DetectionArguments),
-    /// Track the objects of simulated scenes and compare with the truth
+    /// Track the objects of simulated scenes or a recording, and score the tracks against the
+    /// ground truth
     Tracking(TrackingArguments),
-    /// Let a simulated teacher introduce categories, ask and correct
+    /// Open-ended learning: a simulated teacher introduces categories, asks and corrects
     OpenEnded(OpenEndedArguments),
-    /// Let the simulated teacher compare variants on the same questions
+    /// Ablation study: the open-ended protocol for several descriptor variants
     Ablation(AblationArguments),
-    /// Recognise each part of the views by the others
+    /// k-fold cross-validation of recognition
     CrossValidation(CrossValidationArguments),
 }
 
-/// Which scenes, and where the results go.
+/// Arguments of an evaluation on a data set: scenes and output folder.
 #[derive(Debug, Args)]
 pub struct DetectionArguments {
     /// Folder of labelled PCD scenes or of a simulated sequence, or a folder of such folders
@@ -108,12 +109,12 @@ pub struct DetectionArguments {
     /// Seed of detection; the same seed gives the same result
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub(crate) seed: u64,
-    /// How often detection is timed on each scene
+    /// Repetitions of the detection timing on each scene
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub(crate) repeats: u32,
 }
 
-/// Which scenes, and where the results go.
+/// Arguments of an evaluation on a data set: scenes and output folder.
 #[derive(Debug, Args)]
 pub struct TrackingArguments {
     /// A scene file (TOML), a folder of them, or a recorded sequence with poses [default: the
@@ -122,7 +123,7 @@ pub struct TrackingArguments {
     /// Folder for the figures, the page and the pictures
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
-    /// How many seeds each scene is played from
+    /// Number of seeds of each scene
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u64).range(1..=10_000))]
     pub(crate) seeds: u64,
     /// The first seed
@@ -131,13 +132,13 @@ pub struct TrackingArguments {
     /// Only the scene of this name; can be given several times
     #[arg(long, value_name = "NAME")]
     pub(crate) scene: Vec<String>,
-    /// What the tracks of a recording without truth are: lines of `track_id,object-name`
+    /// Labels of the tracks of a recording without truth: lines of `track_id,object-name`
     #[arg(long, value_name = "FILE")]
     pub(crate) labels: Option<PathBuf>,
 }
 
 impl SceneArguments {
-    /// Where the models come from.
+    /// Source of the models.
     pub(crate) fn models(&self) -> ModelSource {
         self.models
             .as_deref()
@@ -146,7 +147,7 @@ impl SceneArguments {
 }
 
 impl ViewsArguments {
-    /// Where the models come from.
+    /// Source of the models.
     pub(crate) fn models(&self) -> ModelSource {
         model_source(&self.models)
     }

@@ -1,8 +1,8 @@
-//! Tables of comma-separated values.
+//! CSV lines (RFC 4180).
 
 use std::borrow::Cow;
 
-/// A line of fields, with its end (RFC 4180, with a plain line feed).
+/// CSV line with a line feed; fields are quoted where needed.
 pub(crate) fn line(fields: &[&str]) -> String {
     let fields: Vec<Cow<'_, str>> = fields.iter().map(|field| quoted(field)).collect();
     fields.join(",") + "\n"
@@ -21,7 +21,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_field_can_not_break_its_line() {
+    fn separators_in_fields_are_quoted() {
         let fields = ["1", "a,b", "say \"x\"", "", "two\nlines"];
         let expected = "1,\"a,b\",\"say \"\"x\"\"\",,\"two\nlines\"\n";
         assert_eq!(line(&fields), expected);

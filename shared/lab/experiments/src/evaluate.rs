@@ -1,4 +1,4 @@
-//! `tabula evaluate`: how good and how fast the kernels are.
+//! `tabula-lab evaluate`: accuracy and speed of the kernels on recorded and simulated data.
 
 mod ablation;
 mod cross_validation;
@@ -17,7 +17,7 @@ use command_line::Output;
 use service::Failure;
 use std::process::ExitCode;
 
-/// Carries out a verb of `tabula evaluate`.
+/// Runs an evaluation and prints its report.
 pub fn run(verb: &EvaluateVerb, output: &Output) -> Result<ExitCode, Failure> {
     match verb {
         EvaluateVerb::Detection(arguments) => detection::run(arguments, output),

@@ -1,4 +1,4 @@
-//! `tabula learn`: what a folder of labelled views shows becomes known.
+//! `tabula-lab learn`: batch teaching from a folder of labelled views.
 
 mod folder_describer;
 
@@ -21,30 +21,30 @@ use std::ops::Range;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// One object of the folder; its views come in as those of one track.
+/// Object of the folder; its views are imported as one track.
 struct LabelledObject {
     category: CategoryName,
-    /// Which one of its category, where that is known.
+    /// Instance name within the category, if known.
     instance: Option<String>,
-    /// Places of its views among the folder's.
+    /// Indices of its views in the folder.
     views: Range<usize>,
 }
 
-/// What was learned.
+/// Report of the learned folder.
 #[derive(Debug, Default, Serialize)]
 struct LearnReport {
     n_categories: usize,
     n_objects: usize,
     n_views: usize,
-    /// Of them, those that were not known, or stood for something else.
+    /// Number of views that are new or changed their label.
     n_views_changed: u64,
-    /// History sequence of the last change.
+    /// Sequence number of the last history entry.
     sequence: u64,
-    /// What was not learned, one sentence each.
+    /// Reasons of omitted views, one sentence each.
     left_out: Vec<String>,
 }
 
-/// Describes the folder's views, and has the daemon take them over.
+/// Describes the views of a folder and imports them into the daemon's memory.
 pub fn run(
     common: &CommonArguments,
     arguments: &LearnArguments,
@@ -103,7 +103,7 @@ fn up_unknown(folder: &Path) -> Failure {
     )
 }
 
-/// What the folder is called in the history; the last name of its path.
+/// Name of the folder in the history: the last component of its path.
 fn source(folder: &Path) -> String {
     let whole = folder.canonicalize();
     let folder = whole.as_deref().unwrap_or(folder);
@@ -125,8 +125,8 @@ fn text(report: &LearnReport) -> String {
     lines.join("\n")
 }
 
-/// Writes the described views into a file without a name, which is gone when it is
-/// closed: all of them may be more than memory holds. Returns it at its beginning.
+/// Writes the described views to an unnamed temporary file, since all of them may exceed the main
+/// memory. Returns the file, rewound.
 fn write(
     folder: &FolderDescriber<'_>,
     report: &mut LearnReport,
@@ -167,8 +167,8 @@ fn write(
     Ok(file)
 }
 
-/// The objects in the order of their views; where objects are not known, each
-/// category is one. What can not be taught is left out with its reason.
+/// Objects in the order of their views; where instances are not known, each category is one object.
+/// Invalid categories are omitted with a reason.
 fn objects(files: &[ViewFile], report: &mut LearnReport) -> Vec<LabelledObject> {
     let is_same =
         |a: &ViewFile, b: &ViewFile| (&a.category, &a.instance) == (&b.category, &b.instance);
@@ -198,7 +198,7 @@ fn objects(files: &[ViewFile], report: &mut LearnReport) -> Vec<LabelledObject> 
     objects
 }
 
-/// The views that could be described; of the others the reason is told.
+/// Views that could be described; adds the reasons of the others to the report.
 fn usable<T>(results: Vec<Result<T, String>>, report: &mut LearnReport) -> Vec<T> {
     let mut described = Vec::with_capacity(results.len());
     for result in results {
@@ -215,7 +215,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn views_side_by_side_of_one_object_are_taught_together() {
+    fn adjacent_views_of_an_instance_form_one_object() {
         let file = |category: &str, instance: Option<&str>| ViewFile {
             path: "view.pcd".into(),
             category: category.into(),

@@ -8,6 +8,15 @@
 //!
 //! Invariants: nothing of a running daemon depends on this crate; the same
 //! arguments and seeds give the same documents, durations aside.
+//!
+//! ```
+//! use command_line::Output;
+//! use experiments::arguments::SimulateVerb;
+//!
+//! // Print the generated categories as one JSON document.
+//! let output = Output::new(true);
+//! assert!(experiments::simulate::run(&SimulateVerb::Categories, &output).is_ok());
+//! ```
 
 pub mod arguments;
 pub mod evaluate;

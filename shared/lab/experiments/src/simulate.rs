@@ -1,4 +1,4 @@
-//! `tabula simulate`: recordings and views of the simulated table, as files.
+//! `tabula-lab simulate`: recordings and single-object views of the simulated table.
 
 mod record_scene;
 mod record_views;
@@ -11,7 +11,7 @@ use serde::Serialize;
 use service::Failure;
 use std::process::ExitCode;
 
-/// Carries out a verb of `tabula simulate`.
+/// Runs a subcommand of `tabula-lab simulate`.
 pub fn run(verb: &SimulateVerb, output: &Output) -> Result<ExitCode, Failure> {
     match verb {
         SimulateVerb::Scene(arguments) => record_scene::run(arguments, output),

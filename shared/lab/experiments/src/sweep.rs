@@ -55,7 +55,7 @@ pub fn run(arguments: &SweepArguments, output: &Output) -> Result<ExitCode, Fail
     Ok(ExitCode::SUCCESS)
 }
 
-/// The workspace that holds the current folder.
+/// Root of the workspace that contains the current folder.
 fn workspace_root() -> Result<PathBuf, Failure> {
     let here = std::env::current_dir().map_err(failed)?;
     let is_root = |folder: &&Path| {
@@ -69,7 +69,7 @@ fn workspace_root() -> Result<PathBuf, Failure> {
     })
 }
 
-/// The constants that `FILE:NAME` or `FILE` name, in the order of the arguments.
+/// Constants that the arguments name as `FILE:NAME` or `FILE`, in their order.
 fn named_constants(root: &Path, names: &[String]) -> Result<Vec<Constant>, Failure> {
     let usage = |sentence: String| Failure::new(exit_code::USAGE, sentence);
     let mut constants = Vec::new();

@@ -1,9 +1,8 @@
-//! Timing kernels.
+//! Repeated timing of a kernel.
 
 use std::time::Instant;
 
-/// How long each of `n_times` calls takes, milliseconds, on this thread, after
-/// one that does not count.
+/// Durations of `n_times` calls on this thread, milliseconds, after one warm-up call.
 ///
 /// # Errors
 /// The first error of the work.

@@ -1,25 +1,25 @@
-//! The arguments of experiments with views of single objects.
+//! Arguments of the recognition experiments.
 
 use clap::{Args, ValueEnum};
 use learning::Metric;
 use nalgebra::{UnitVector3, Vector3};
 use std::path::PathBuf;
 
-/// How objects are described and learned.
+/// Descriptor and classifier
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum DescriptorVariant {
     /// GOOD as published, in the frame of its published program
     Published,
     /// GOOD as in the authors' evaluations, in the same frame
     Workspace,
-    /// Shape, size and colour, in all readings of the object's axes
+    /// Shape, size and colour, in all axis hypotheses of the object
     Ours,
 }
 
-/// What is against gravity in the files of a data set.
+/// Upward axis of the files of a data set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum UpAxis {
-    /// Nobody knows
+    /// Not known
     Unknown,
     /// The x axis
     X,
@@ -31,29 +31,29 @@ pub enum UpAxis {
     MinusY,
 }
 
-/// Which views are taught and which are asked.
+/// Split of the views into training and test views
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ViewProtocol {
-    /// Any views of a category
+    /// Training and test views of the same objects
     View,
-    /// Views of other objects than those that were taught
+    /// Test views of other objects than the training views
     InstanceDisjoint,
 }
 
-/// How views are described and compared, and how many of them.
+/// Options of description and comparison.
 #[derive(Debug, Args)]
 pub struct DescriptionArguments {
-    /// How objects are described and learned
+    /// Descriptor and classifier
     #[arg(long, value_name = "NAME", value_enum, default_value_t = DescriptorVariant::Ours)]
     pub(crate) variant: DescriptorVariant,
-    /// How views are compared [default: half-chi-squared-root for published, manhattan for
+    /// Metric of the comparison [default: half-chi-squared-root for published, manhattan for
     /// workspace, euclidean for ours]
     #[arg(long, value_name = "NAME")]
     pub(crate) distance: Option<Metric>,
-    /// Leave out colour; only `ours` has any
+    /// Omit colour; only `ours` has any
     #[arg(long)]
     pub(crate) shape_only: bool,
-    /// What is up in the frame of the points, for `ours` [default: what the data set tells]
+    /// Upward axis in the frame of the points, for `ours` [default: what the data set tells]
     #[arg(long, value_name = "AXIS", value_enum)]
     pub(crate) up: Option<UpAxis>,
     /// Bins of GOOD along each side
@@ -67,21 +67,21 @@ pub struct DescriptionArguments {
     pub(crate) views_max: Option<u32>,
 }
 
-/// Which views are learned.
+/// Arguments of `tabula-lab learn`.
 #[derive(Debug, Args)]
 pub struct LearnArguments {
     /// Folder of views in the layout of the Washington dataset, or with a folder of PCD files for
     /// each category
     pub(crate) folder: PathBuf,
-    /// What is up in the frame of the points [default: what the data set tells]
+    /// Upward axis in the frame of the points [default: what the data set tells]
     #[arg(long, value_name = "AXIS", value_enum)]
     pub(crate) up: Option<UpAxis>,
-    /// Who teaches [default: the user's name]
+    /// Author of the labels [default: the user's name]
     #[arg(long, value_name = "NAME")]
     pub(crate) author: Option<String>,
 }
 
-/// The experiment with the simulated teacher.
+/// Arguments of `evaluate open-ended`.
 #[derive(Debug, Args)]
 pub struct OpenEndedArguments {
     /// Folder of views in the layout of the Washington dataset, or with a folder of PCD files for
@@ -101,25 +101,25 @@ pub struct OpenEndedArguments {
     /// Accuracy at which a category is learned
     #[arg(long, value_name = "A", default_value_t = 0.67)]
     pub(crate) tau: f64,
-    /// Which views are taught and which are asked
+    /// Split of the views into training and test views
     #[arg(long, value_name = "NAME", value_enum, default_value_t = ViewProtocol::View)]
     pub(crate) protocol: ViewProtocol,
     /// Share of the questions that show a category which was not taught yet, 0 to 0.9
     #[arg(long, value_name = "P", default_value_t = 0.0)]
     pub(crate) open_set_share: f64,
-    /// File for every question and its answer, comma-separated
+    /// CSV file for all questions and answers
     #[arg(long, value_name = "FILE")]
     pub(crate) log: Option<PathBuf>,
 }
 
-/// What an ablation compares.
+/// Descriptor variant of an ablation study.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum AblationVariant {
     /// GOOD as published, in the frame of its published program
     Published,
     /// GOOD as in the authors' evaluations, in the same frame
     Workspace,
-    /// Shape, size and colour, in all readings of the object's axes
+    /// Shape, size and colour, in all axis hypotheses of the object
     Ours,
     /// Ours without colour
     OursShapeOnly,
@@ -129,19 +129,19 @@ pub enum AblationVariant {
     OursNoShape,
     /// Ours without size and colour: the projections
     OursProjectionsOnly,
-    /// Ours, only the first reading of the axes compared
+    /// Ours, only the first axis hypothesis compared
     OursSingleReading,
-    /// Ours, not knowing what is up
+    /// Ours, without a known upward axis
     OursPrincipal,
 }
 
-/// The experiment with the simulated teacher, for each of several variants.
+/// Arguments of `evaluate ablation`.
 #[derive(Debug, Args)]
 pub struct AblationArguments {
     /// Folder of views in the layout of the Washington dataset, or with a folder of PCD files for
     /// each category
     pub(crate) dataset: PathBuf,
-    /// Which variants [default: all]; `ours` is always among them
+    /// Variants [default: all]; `ours` is always among them
     #[arg(long, value_name = "NAMES", value_enum, value_delimiter = ',')]
     pub(crate) variants: Vec<AblationVariant>,
     /// Folder for the figures and the page
@@ -156,7 +156,7 @@ pub struct AblationArguments {
     /// Accuracy at which a category is learned
     #[arg(long, value_name = "A", default_value_t = 0.67)]
     pub(crate) tau: f64,
-    /// Which views are taught and which are asked
+    /// Split of the views into training and test views
     #[arg(long, value_name = "NAME", value_enum, default_value_t = ViewProtocol::View)]
     pub(crate) protocol: ViewProtocol,
     /// Bins of GOOD along each side
@@ -167,7 +167,7 @@ pub struct AblationArguments {
     pub(crate) views_max: Option<u32>,
 }
 
-/// The experiment in which each part is asked of who was taught the rest.
+/// Arguments of `evaluate cross-validation`.
 #[derive(Debug, Args)]
 pub struct CrossValidationArguments {
     /// Folder of views in the layout of the Washington dataset, or with a folder of PCD files for
@@ -184,28 +184,29 @@ pub struct CrossValidationArguments {
     /// Folder for the figures, the page and the confusion matrix
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
-    /// Number of parts
+    /// Number of folds
     #[arg(long, value_name = "K", default_value_t = 10, value_parser = clap::value_parser!(u32).range(2..=1000))]
     pub(crate) folds: u32,
-    /// Seed of the parts
+    /// Seed of the folds
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub(crate) seed: u64,
-    /// Whether the views of an object stay together [default: where objects are known]
+    /// Split: any views, or the views of an object in one fold [default: instance-disjoint where
+    /// objects are known]
     #[arg(long, value_name = "NAME", value_enum, conflicts_with = "contiguous")]
     pub(crate) protocol: Option<ViewProtocol>,
-    /// Share of the categories that are never taught in a part, and asked, 0 to 0.9
+    /// Share of the categories withheld from training in each fold, and asked, 0 to 0.9
     #[arg(long, value_name = "P", default_value_t = 0.0, value_parser = open_set_share)]
     pub(crate) open_set_share: f64,
-    /// Slices of the views as they are listed, not shuffled
+    /// Contiguous slices of the listed views, not shuffled
     #[arg(long)]
     pub(crate) contiguous: bool,
-    /// File for every question and its answer, comma-separated
+    /// CSV file for all questions and answers
     #[arg(long, value_name = "FILE")]
     pub(crate) log: Option<PathBuf>,
 }
 
 impl UpAxis {
-    /// The direction; `None` if nobody knows.
+    /// Unit vector; `None` for an unknown axis.
     pub(crate) fn direction(self) -> Option<UnitVector3<f64>> {
         match self {
             Self::Unknown => None,
@@ -218,7 +219,7 @@ impl UpAxis {
 }
 
 impl ViewProtocol {
-    /// The name on the command line.
+    /// Name on the command line.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::View => "view",
@@ -228,7 +229,7 @@ impl ViewProtocol {
 }
 
 impl AblationVariant {
-    /// The name on the command line.
+    /// Name on the command line.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Published => "published",
@@ -245,7 +246,7 @@ impl AblationVariant {
 }
 
 impl DescriptorVariant {
-    /// The name on the command line.
+    /// Name on the command line.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Published => "published",
@@ -256,7 +257,7 @@ impl DescriptorVariant {
 }
 
 impl DescriptionArguments {
-    /// The metric that was asked for, or that of the variant.
+    /// Given metric, else the default of the descriptor.
     pub(crate) fn metric(&self) -> Metric {
         self.distance.unwrap_or(match self.variant {
             DescriptorVariant::Published => Metric::HalfChiSquaredRoot,

@@ -1,9 +1,10 @@
-//! `tabula evaluate ablation`: the simulated teacher asks several variants the same.
+//! `tabula-lab evaluate ablation`: ablation study of descriptor variants under the open-ended
+//! protocol, paired by seed.
 
 mod report;
 mod report_page;
 
-use super::open_ended::{leave_out, split};
+use super::open_ended::{lesson_split, record_exclusions};
 use super::recognition::{RecogniserFactory, RecognitionMethod};
 use super::view_selection::ViewSelection;
 use super::view_table::ViewTable;
@@ -19,21 +20,21 @@ use report::AblationReport;
 use service::Failure;
 use std::process::ExitCode;
 
-/// What the others are compared with.
+/// Reference variant of the paired comparisons.
 const REFERENCE: AblationVariant = AblationVariant::Ours;
 
-/// A variant and its runs, in the order of their seeds.
+/// Runs of one variant, ordered by seed.
 struct VariantRuns {
     variant: AblationVariant,
     runs: Vec<Metrics>,
 }
 
-/// Plays all runs of all variants, and compares and draws them.
+/// Runs the study; writes figure, page and JSON report.
 pub(super) fn run(arguments: &AblationArguments, output: &Output) -> Result<ExitCode, Failure> {
     let variants = chosen(&arguments.variants);
     let protocol = Protocol {
         tau: arguments.tau,
-        split: split(arguments.protocol),
+        split: lesson_split(arguments.protocol),
         ..Protocol::default()
     };
     let methods: Vec<RecognitionMethod> = variants
@@ -42,12 +43,12 @@ pub(super) fn run(arguments: &AblationArguments, output: &Output) -> Result<Exit
         .collect();
     let catalogue = ViewSelection::open(&arguments.dataset, arguments.views_max)?;
     let (mut views, descriptions) = catalogue.describe_by(&methods, output)?;
-    leave_out(&protocol, &mut views)?;
+    record_exclusions(&protocol, &mut views)?;
     create_folder(&arguments.out)?;
-    let learners = methods.iter().zip(descriptions);
-    let learners = learners.map(|(method, of_views)| method.recogniser_factory(&views, of_views));
-    let learners: Vec<Box<dyn RecogniserFactory>> = learners.collect::<Result<_, _>>()?;
-    let metrics = play_all(arguments, &protocol, &views, &learners, output)?;
+    let factories = methods.iter().zip(descriptions);
+    let factories = factories.map(|(method, of_views)| method.recogniser_factory(&views, of_views));
+    let factories: Vec<Box<dyn RecogniserFactory>> = factories.collect::<Result<_, _>>()?;
+    let metrics = play_all(arguments, &protocol, &views, &factories, output)?;
     let of_variants = variants.into_iter().zip(metrics);
     let played: Vec<VariantRuns> = of_variants
         .map(|(variant, runs)| VariantRuns { variant, runs })
@@ -56,7 +57,8 @@ pub(super) fn run(arguments: &AblationArguments, output: &Output) -> Result<Exit
     Ok(ExitCode::SUCCESS)
 }
 
-/// All without names; the reference in any case. In the order of the program.
+/// Selected variants in the order of their declaration: all if none are named; always with the
+/// reference.
 fn chosen(named: &[AblationVariant]) -> Vec<AblationVariant> {
     let is_chosen = |variant: &&AblationVariant| {
         named.is_empty() || named.contains(variant) || **variant == REFERENCE
@@ -65,23 +67,23 @@ fn chosen(named: &[AblationVariant]) -> Vec<AblationVariant> {
     variants.filter(is_chosen).copied().collect()
 }
 
-/// The figures of the runs of each learner.
+/// Metrics of all runs, by variant.
 fn play_all(
     arguments: &AblationArguments,
     protocol: &Protocol,
     views: &ViewTable,
-    learners: &[Box<dyn RecogniserFactory>],
+    factories: &[Box<dyn RecogniserFactory>],
     output: &Output,
 ) -> Result<Vec<Vec<Metrics>>, Failure> {
     let n_runs = arguments.runs as usize;
-    let n_jobs = learners.len() * n_runs;
+    let n_jobs = factories.len() * n_runs;
     let bar = progress_bar(n_jobs as u64, "runs", output);
     let played = parallel::map(
         n_jobs,
         &bar,
         || (),
         |(), job| {
-            let mut recogniser = learners[job / n_runs].recogniser();
+            let mut recogniser = factories[job / n_runs].recogniser();
             let seed = arguments.seed.wrapping_add((job % n_runs) as u64);
             let run = teacher::run(recogniser.as_mut(), &views.labels, protocol, seed);
             run.map(|run| run.metrics()).map_err(failed)

@@ -1,5 +1,4 @@
-//! `tabula evaluate cross-validation`: each part of the views is asked of who was
-//! taught the rest.
+//! `tabula-lab evaluate cross-validation`: stratified k-fold cross-validation of recognition.
 
 mod end_to_end_score;
 mod fold_data;
@@ -16,12 +15,12 @@ use crate::parallel;
 use command_line::{Output, progress_bar};
 use evaluation::cross_validation::{ConfusionMatrix, confusion_matrix_svg};
 use fold_data::FoldData;
-use fold_result::{FoldResult, play};
+use fold_result::{FoldResult, run_fold};
 use report::CrossValidationReport;
 use service::Failure;
 use std::process::ExitCode;
 
-/// Plays all folds, and scores and draws the answers.
+/// Runs all folds; writes confusion matrix, log, page and JSON report.
 pub(super) fn run(
     arguments: &CrossValidationArguments,
     output: &Output,
@@ -36,7 +35,7 @@ pub(super) fn run(
         data.folds.n_folds as usize,
         &bar,
         || (),
-        |(), fold| play(&data, fold as u32, arguments),
+        |(), fold| run_fold(&data, fold as u32, arguments),
     );
     bar.finish_and_clear();
     write_all(arguments, &data, &results, output)?;

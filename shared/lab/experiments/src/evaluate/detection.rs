@@ -1,4 +1,4 @@
-//! `tabula evaluate detection`: detection against labelled scenes.
+//! `tabula-lab evaluate detection`: segmentation scores and timing of detection on labelled scenes.
 
 mod report;
 mod report_page;
@@ -23,14 +23,14 @@ use std::convert::Infallible;
 use std::hint::black_box;
 use std::process::ExitCode;
 
-/// Folder of the pictures, within that of the results.
+/// Folder of the pictures, inside the output folder.
 const PICTURES: &str = "scenes";
 
-/// Why a scene has no result.
+/// Error of one scene or of the whole evaluation.
 enum SceneError {
-    /// The scene is the cause; the others go on.
+    /// Error of one scene; the evaluation goes on.
     Scene(String),
-    /// The whole run has failed.
+    /// Error that ends the evaluation.
     Run(Failure),
 }
 
@@ -40,12 +40,12 @@ impl From<Failure> for SceneError {
     }
 }
 
-/// Any other error is the scene's.
-fn of_scene(error: impl std::fmt::Display) -> SceneError {
+/// Error of a scene.
+fn scene_error(error: impl std::fmt::Display) -> SceneError {
     SceneError::Scene(error.to_string())
 }
 
-/// Scores, times and draws all scenes, worst first in the report.
+/// Scores, times and draws all scenes; the worst scene comes first in the report.
 pub(super) fn run(arguments: &DetectionArguments, output: &Output) -> Result<ExitCode, Failure> {
     let scenes = LabelledScenes::open(&arguments.dataset).map_err(usage)?;
     create_folder(&arguments.out.join(PICTURES))?;
@@ -96,7 +96,7 @@ fn nothing_scored(arguments: &DetectionArguments, skipped: &[SkippedScene]) -> F
     ))
 }
 
-/// What is kept from scene to scene.
+/// Evaluator of labelled scenes, with buffers reused from scene to scene.
 struct SceneEvaluator<'a> {
     arguments: &'a DetectionArguments,
     config: Config,
@@ -114,35 +114,37 @@ impl<'a> SceneEvaluator<'a> {
         }
     }
 
-    /// Detects, writes what is asked for, scores and times.
+    /// Detects, scores, draws and times one scene.
     fn evaluate(
         &mut self,
         scenes: &LabelledScenes,
         entry: &SceneEntry,
     ) -> Result<SceneResult, SceneError> {
-        let scene = scenes.read(entry).map_err(of_scene)?;
+        let scene = scenes.read(entry).map_err(scene_error)?;
         let cloud = OrganizedCloud::new(&scene.points, scene.width, scene.height);
         let frame = DetectionInput {
-            cloud: cloud.map_err(of_scene)?,
+            cloud: cloud.map_err(scene_error)?,
             up_in_camera: scene.up_in_camera,
             seed: self.arguments.seed,
             priors: ScenePriors::default(),
         };
-        self.detect(&frame).map_err(of_scene)?;
+        self.detect(&frame).map_err(scene_error)?;
         let found = HypothesisImages::of(&self.detection, scene.points.len())
-            .ok_or_else(|| of_scene("detection finds more objects than 16 bits can number"))?;
+            .ok_or_else(|| scene_error("detection finds more objects than 16 bits can number"))?;
         self.write_labels(&entry.name, &found, &scene)?;
         let overlaps = Overlaps::count(&found.before_psi, &scene.labels);
         let after_psi = Overlaps::count(&found.after_psi, &scene.labels);
         let scores = score(&overlaps).zip(score(&after_psi));
         let (before_psi, after_psi) = scores.ok_or_else(|| {
-            of_scene("no object is labelled; objects have labels from 10 on, or a number in a mask")
+            scene_error(
+                "no object is labelled; objects have labels from 10 on, or a number in a mask",
+            )
         })?;
         let picture = format!("{PICTURES}/{}.png", entry.name);
         let image = scene_picture::draw(&scene, self.detection.table.as_ref(), &found, &overlaps);
         write(&self.arguments.out.join(&picture), &image.map_err(failed)?)?;
         let repeats = self.arguments.repeats;
-        let detection_ms = durations_ms(repeats, || self.detect(&frame)).map_err(of_scene)?;
+        let detection_ms = durations_ms(repeats, || self.detect(&frame)).map_err(scene_error)?;
         let Ok(pass_ms) = durations_ms(repeats, || {
             black_box(sum_of_words(black_box(&scene.points)));
             Ok::<(), Infallible>(())
@@ -173,7 +175,7 @@ impl<'a> SceneEvaluator<'a> {
         Ok(())
     }
 
-    /// Writes result and truth as numbers of 16 bits, low byte first.
+    /// Writes result and truth as raw 16-bit label images, little-endian.
     fn write_labels(
         &self,
         name: &str,

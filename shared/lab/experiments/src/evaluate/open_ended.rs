@@ -1,5 +1,4 @@
-//! `tabula evaluate open-ended`: a simulated teacher introduces categories, asks and
-//! corrects.
+//! `tabula-lab evaluate open-ended`: open-ended learning protocol with a simulated teacher.
 
 mod question_log;
 mod report;
@@ -21,23 +20,23 @@ use service::{Failure, exit_code};
 use std::process::ExitCode;
 use std::time::Instant;
 
-/// Folder of the figures of single runs, within that of the results.
+/// Folder of the figures of single runs, inside the output folder.
 const PICTURES: &str = "runs";
 
-/// A run, and how long its questions took.
+/// Run with the time of its questions.
 struct TimedRun {
     run: OpenEndedRun,
     play_ms: f64,
 }
 
-/// Plays all runs, and scores and draws them.
+/// Runs the protocol for all seeds; writes figures, log, page and JSON report.
 pub(super) fn run(arguments: &OpenEndedArguments, output: &Output) -> Result<ExitCode, Failure> {
     let protocol = protocol(arguments);
-    let (mut views, learner) =
+    let (mut views, factory) =
         read_and_describe(&arguments.dataset, &arguments.description, output)?;
-    leave_out(&protocol, &mut views)?;
+    record_exclusions(&protocol, &mut views)?;
     create_folder(&arguments.out.join(PICTURES))?;
-    let played = play_all(arguments, &protocol, &views, learner.as_ref(), output)?;
+    let played = play_all(arguments, &protocol, &views, factory.as_ref(), output)?;
     let n_questions: usize = played.iter().map(|played| played.run.questions.len()).sum();
     let sum_ms: f64 = played.iter().map(|played| played.play_ms).sum();
     let ask_ms = sum_ms / n_questions.max(1) as f64;
@@ -59,21 +58,21 @@ fn protocol(arguments: &OpenEndedArguments) -> Protocol {
     Protocol {
         tau: arguments.tau,
         open_set_share: arguments.open_set_share,
-        split: split(arguments.protocol),
+        split: lesson_split(arguments.protocol),
         ..Protocol::default()
     }
 }
 
-/// The rule of the protocol of this name.
-pub(super) fn split(protocol: ViewProtocol) -> LessonSplit {
+/// Lesson split of a view protocol.
+pub(super) fn lesson_split(protocol: ViewProtocol) -> LessonSplit {
     match protocol {
         ViewProtocol::View => LessonSplit::ByView,
         ViewProtocol::InstanceDisjoint => LessonSplit::InstanceDisjoint,
     }
 }
 
-/// Says which categories take no part.
-pub(super) fn leave_out(protocol: &Protocol, views: &mut ViewTable) -> Result<(), Failure> {
+/// Records the categories that the protocol excludes as omissions.
+pub(super) fn record_exclusions(protocol: &Protocol, views: &mut ViewTable) -> Result<(), Failure> {
     let categories = teacher::usable_categories(protocol, &views.labels)
         .map_err(|error| Failure::new(exit_code::USAGE, error))?;
     for (category, reason) in categories {
@@ -98,7 +97,7 @@ fn play_all(
     arguments: &OpenEndedArguments,
     protocol: &Protocol,
     views: &ViewTable,
-    learner: &dyn RecogniserFactory,
+    factory: &dyn RecogniserFactory,
     output: &Output,
 ) -> Result<Vec<TimedRun>, Failure> {
     let bar = progress_bar(arguments.runs, "runs", output);
@@ -110,7 +109,7 @@ fn play_all(
         |(), index| {
             let begin = Instant::now();
             let seed = arguments.seed.wrapping_add(index as u64);
-            let mut recogniser = learner.recogniser();
+            let mut recogniser = factory.recogniser();
             let run = teacher::run(recogniser.as_mut(), &views.labels, protocol, seed);
             let play_ms = begin.elapsed().as_secs_f64() * 1e3;
             run.map(|run| TimedRun { run, play_ms }).map_err(failed)
@@ -120,7 +119,7 @@ fn play_all(
     played.into_iter().collect()
 }
 
-/// The figure of all runs, and that of each.
+/// Draws the overview figure and one figure for each run.
 fn draw(
     arguments: &OpenEndedArguments,
     protocol: &Protocol,
@@ -136,7 +135,7 @@ fn draw(
     Ok(())
 }
 
-/// Where the figure of a run is, relative to the folder of the results.
+/// Path of a run's figure, relative to the output folder.
 fn picture(seed: u64) -> String {
     format!("{PICTURES}/seed-{seed}.svg")
 }

@@ -1,4 +1,4 @@
-//! The ways to describe and learn objects that experiments compare.
+//! Recognition methods: descriptor, classifier and settings of an experiment.
 
 mod description_settings;
 mod descriptor_choice;
@@ -12,12 +12,11 @@ pub(super) use description_settings::DescriptionSettings;
 pub(super) use recognition_method::RecognitionMethod;
 pub(super) use view_describer::ViewDescriber;
 
-/// Views that are described and ready to be learned.
+/// Factory of untrained recognisers over described views.
 pub(super) trait RecogniserFactory: Sync {
-    /// A recogniser that was taught nothing.
+    /// Recogniser without any taught view.
     fn recogniser(&self) -> Box<dyn Recogniser + '_>;
 }
 
-/// All descriptors of a view: the first is stored when it is taught, all are compared
-/// with what is stored when it is asked.
+/// Descriptors of all axis hypotheses of a view: teaching stores the first, a query compares all.
 pub(super) type HypothesisDescriptors = Vec<Vec<f32>>;

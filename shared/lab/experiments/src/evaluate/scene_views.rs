@@ -1,4 +1,4 @@
-//! Objects that our own detection finds in simulated scenes, labelled by the truth.
+//! Detected objects of simulated scenes, labelled by the ground truth.
 
 mod candidate_label;
 mod scene_describer;
@@ -15,30 +15,30 @@ use scene_sampler::SceneSampler;
 use service::Failure;
 use std::path::Path;
 
-/// What was found in all scenes.
+/// Detected objects and false candidates of all scenes.
 pub(super) struct SceneViews {
-    /// The objects that were found, scene by scene.
+    /// Table of the detected objects, scene by scene.
     pub(super) table: ViewTable,
-    /// Scene of each of these objects.
+    /// Scene of each detected object.
     pub(super) scenes: Vec<usize>,
-    /// Scene of each candidate that is no object, or a smaller part of one.
+    /// Scene of each false candidate: no object, or a smaller part of one.
     pub(super) scenes_of_clutter: Vec<usize>,
-    /// By category: how many of these are parts of its object.
+    /// Number of false candidates that are parts of an object, by category.
     pub(super) n_parts: Vec<u32>,
-    /// Of the objects, then of the clutter, in their order.
+    /// Descriptors of the objects, then of the false candidates.
     pub(super) descriptions: Vec<HypothesisDescriptors>,
-    /// Set and camera of each scene as one number.
+    /// Kind of each scene: object set and camera height as one number.
     pub(super) kinds: Vec<u32>,
-    /// By category: objects that show a pixel with depth.
+    /// Number of objects that show a pixel with depth, by category.
     pub(super) n_visible: Vec<u32>,
-    /// Objects that show none.
+    /// Number of objects without a pixel with depth.
     pub(super) n_hidden: u32,
-    /// Drawn scenes: what they are, and where, relative to the folder of the results.
+    /// Names and paths of the drawn scenes, relative to the output folder.
     pub(super) pictures: Vec<(String, String)>,
 }
 
-/// Simulates so many scenes on all cores, detects and describes what is in them, and
-/// draws the first of each kind into the folder of the results.
+/// Simulates scenes on all cores, detects and describes their objects, and draws the first scene of
+/// each kind.
 pub(super) fn simulate(
     n_scenes: u32,
     seed: u64,
@@ -50,12 +50,9 @@ pub(super) fn simulate(
     let describer = method.describer()?;
     let bar = progress_bar(n_scenes.into(), "scenes", output);
     let own = || SceneDescriber::new(describer.clone());
-    let scenes = parallel::map(
-        n_scenes as usize,
-        &bar,
-        own,
-        |describer_of_scenes, scene| describer_of_scenes.describe(&sampler, scene, out),
-    );
+    let scenes = parallel::map(n_scenes as usize, &bar, own, |describer, scene| {
+        describer.describe(&sampler, scene, out)
+    });
     bar.finish_and_clear();
     let scenes: Vec<DescribedScene> = scenes.into_iter().collect::<Result<_, _>>()?;
     Ok(collected(&sampler, scenes))

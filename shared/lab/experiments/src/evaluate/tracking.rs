@@ -1,5 +1,5 @@
-//! `tabula evaluate tracking`: tracks against the truth of simulated scenes, and
-//! tracks in recordings.
+//! `tabula-lab evaluate tracking`: CLEAR MOT and identity scores of the tracks in simulated scenes
+//! and recordings.
 
 mod drift;
 mod ground_truth;
@@ -29,10 +29,10 @@ use tracking_run::{TrackedSequence, TrackingRun};
 
 /// Frame rate of all sequences, hertz.
 const RATE_HZ: f64 = 30.0;
-/// Folder of the figures, within that of the results.
+/// Folder of the figures, inside the output folder.
 const PICTURES: &str = "tracks";
 
-/// Plays scenes or a recording, and scores and draws the tracks.
+/// Runs scenarios or a recording, and scores and draws the tracks.
 pub(super) fn run(arguments: &TrackingArguments, output: &Output) -> Result<ExitCode, Failure> {
     let scenarios = match &arguments.dataset {
         None => scenario::built_in(),
@@ -45,11 +45,11 @@ pub(super) fn run(arguments: &TrackingArguments, output: &Output) -> Result<Exit
             "--labels names the objects of a recording without truth; the objects of scenes are \
              known",
         )),
-        _ => run_stories(scenarios, arguments, output),
+        _ => run_scenarios(scenarios, arguments, output),
     }
 }
 
-fn run_stories(
+fn run_scenarios(
     scenarios: Vec<Scenario>,
     arguments: &TrackingArguments,
     output: &Output,
@@ -87,7 +87,7 @@ fn run_recording(
     finish(&[run], arguments, output)
 }
 
-/// Writes and prints what came out.
+/// Writes the JSON report and the page, and prints the report.
 fn finish(
     runs: &[TrackingRun],
     arguments: &TrackingArguments,
@@ -121,7 +121,7 @@ fn play_all(
     runs.into_iter().collect()
 }
 
-/// Scores and draws a run.
+/// Scores one tracked sequence and draws its figure.
 fn scored(
     scene: String,
     seed: Option<u64>,

@@ -1,4 +1,4 @@
-//! Views of single objects, read and described once for an experiment.
+//! View selection: the views of a data set, read and described once for an experiment.
 
 use super::recognition::{
     HypothesisDescriptors, RecogniserFactory, RecognitionMethod, ViewDescriber,
@@ -16,15 +16,15 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;
 
-/// The views of a data set that an experiment uses.
+/// Selected views of a data set.
 pub(super) struct ViewSelection {
     views: ObjectViews,
-    /// Indices of the views that are used, in order.
+    /// Indices of the selected views, ascending.
     selected: Vec<usize>,
 }
 
 impl ViewSelection {
-    /// Lists a data set and chooses the views.
+    /// Lists a data set and selects at most `views_max` views of each category.
     pub(super) fn open(dataset: &Path, views_max: Option<u32>) -> Result<Self, Failure> {
         let views = ObjectViews::open(dataset).map_err(usage)?;
         let most = views_max.map_or(usize::MAX, |n| n as usize);
@@ -34,9 +34,9 @@ impl ViewSelection {
         })
     }
 
-    /// Reads the views on all cores and describes each by all methods, upright where
-    /// what is up is known of all views. What can not be read, or not be described by
-    /// one of them, is left out of all, with its reason.
+    /// Reads the views on all cores and describes each with all methods, upright if the upward
+    /// direction of all views is known. A view that cannot be read, or described by one of the
+    /// methods, is omitted from all, with its reason.
     ///
     /// The second are the descriptions by method, in the order of the views.
     pub(super) fn describe_by(
@@ -55,7 +55,7 @@ impl ViewSelection {
             let begin = Instant::now();
             let descriptions = describe(describers, &view, knows_up).map_err(|error| {
                 let path = self.views.files()[index].path.display();
-                format!("the view {path} can not be described: {error}")
+                format!("the view {path} cannot be described: {error}")
             })?;
             Ok((descriptions, begin.elapsed().as_secs_f64() * 1e3))
         });
@@ -71,7 +71,7 @@ impl ViewSelection {
         Ok((table, by_method))
     }
 
-    /// The views that could be described, with the descriptions.
+    /// Table of the described views, with their descriptors.
     fn table<T>(
         &self,
         described: Vec<Result<(T, f64), String>>,
@@ -107,7 +107,7 @@ impl ViewSelection {
         Ok((table, descriptions))
     }
 
-    /// What was left out by listing.
+    /// Omissions of the listing.
     fn left_out(&self) -> Omissions {
         let mut left_out = Omissions::default();
         for error in self.views.unusable() {
@@ -123,7 +123,7 @@ impl ViewSelection {
     }
 }
 
-/// Reads and describes the views of a data set as the arguments say.
+/// Reads and describes the views of a data set as the arguments demand.
 pub(super) fn read_and_describe(
     dataset: &Path,
     arguments: &DescriptionArguments,
@@ -152,8 +152,7 @@ fn text_of(path: &Path) -> String {
     path.display().to_string()
 }
 
-/// Indices of at most so many views of each category, spread evenly over all of
-/// them.
+/// Indices of at most `most` views of each category, spread evenly over its views.
 fn selected(files: &[ViewFile], most: usize) -> Vec<usize> {
     let mut selected = Vec::new();
     let mut first = 0;
@@ -165,7 +164,7 @@ fn selected(files: &[ViewFile], most: usize) -> Vec<usize> {
     selected
 }
 
-/// Names of the categories in order, and the labels of the views.
+/// Category names in order, and the labels of the views.
 fn numbered(files: &[&ViewFile]) -> (Vec<String>, Vec<LabelledView>) {
     let mut categories: Vec<String> = Vec::new();
     let mut instances: BTreeMap<(&str, &str), u32> = BTreeMap::new();
@@ -199,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn few_views_of_many_are_spread_over_them() {
+    fn selection_is_spread_evenly_over_the_views() {
         let files: Vec<ViewFile> = (0..13)
             .map(|i| file(if i < 10 { "a" } else { "b" }, None))
             .collect();
@@ -208,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn objects_of_the_same_number_are_others_in_another_category() {
+    fn instances_are_distinguished_by_category() {
         let files = [
             file("a", Some("1")),
             file("a", Some("2")),

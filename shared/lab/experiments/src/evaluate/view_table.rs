@@ -2,32 +2,32 @@
 
 use evaluation::recogniser::LabelledView;
 
-/// Most sentences about what was left out that are kept.
+/// Maximum number of kept reasons. Chosen.
 const MOST_SENTENCES: usize = 20;
 
-/// What is known of the views that could be described.
+/// Labels and files of the described views.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ViewTable {
-    /// Names of the categories by number; each has a view.
+    /// Category names by number; each category has a view.
     pub(super) categories: Vec<String>,
-    /// Category and object of each view.
+    /// Category and instance of each view.
     pub(super) labels: Vec<LabelledView>,
     /// File of each view, relative to the data set.
     pub(super) files: Vec<String>,
     pub(super) omissions: Omissions,
-    /// Whether of all views it is known what is up.
+    /// True if the upward direction is known for all views.
     pub(super) is_up_known: bool,
-    /// Mean time to describe a view on one thread, by all methods together, reading not
-    /// included, milliseconds.
+    /// Mean description time of a view on one thread, by all methods together, without reading,
+    /// milliseconds.
     pub(super) describe_ms: f64,
 }
 
-/// What is not part of an experiment.
+/// Views omitted from an experiment.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(super) struct Omissions {
-    /// Views and folders of categories.
+    /// Number of omitted views and category folders.
     pub(super) n: usize,
-    /// Why, one sentence each; of many the first.
+    /// Reasons, one sentence each; only the first ones are kept.
     pub(super) reasons: Vec<String>,
 }
 
@@ -39,7 +39,7 @@ impl Omissions {
         }
     }
 
-    /// For people: the sentences, and how many are not shown.
+    /// Sentences for the report: the reasons and the number of omitted views.
     pub(super) fn sentences(&self) -> Vec<String> {
         let reasons = self.reasons.iter();
         let mut sentences: Vec<String> = reasons.map(|r| format!("left out: {r}")).collect();

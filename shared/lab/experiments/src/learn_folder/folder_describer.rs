@@ -1,4 +1,4 @@
-//! A view of a folder, described, as the memory takes it from another one.
+//! Describer of the views of a folder, as records that a memory imports.
 
 use crate::learn_folder::LabelledObject;
 use dataset::object_views::{ObjectView, ObjectViews};
@@ -14,22 +14,22 @@ use perceptual_memory::{
 use pipeline::DESCRIPTOR_KIND;
 use point_cloud::{Point, Rgba};
 
-/// Keeps digests of where a view comes from apart from all others.
+/// Domain separation of the origin digests.
 const ORIGIN_PURPOSE: &str = "tabula files";
 
-/// Whatever is needed to describe the views of a folder.
+/// Describer of the views of a folder.
 pub(super) struct FolderDescriber<'a> {
     pub(super) views: &'a ObjectViews,
-    /// What is up, when it was told.
+    /// Upward axis of the command line.
     pub(super) up: Option<UnitVector3<f64>>,
-    /// Who teaches, and when.
+    /// Author and time of the labels.
     pub(super) decided: DecisionStamp,
 }
 
 impl FolderDescriber<'_> {
-    /// The view as an example of what its object is. It depends on the files and on
-    /// nothing else, but for who teaches it and when: so a folder that is learned
-    /// again, or on another robot, has the same views.
+    /// Describes a view as a labelled example of its object. Apart from author and time the record
+    /// depends on the files only: a folder learned again, or on another robot, gives the same
+    /// views.
     pub(super) fn describe(
         &self,
         appearance: &mut AppearanceDescriptor,
@@ -47,7 +47,7 @@ impl FolderDescriber<'_> {
         let up = self.up.as_ref().or(view.up.as_ref());
         let readings = appearance
             .describe(ObjectPoints::all(&view.points), up)
-            .map_err(|error| format!("the view {source} can not be described: {error}"))?;
+            .map_err(|error| format!("the view {source} cannot be described: {error}"))?;
         let origin = origin(object, &source);
         let cloud = pack_cloud(view.points.iter(), &RigidTransform::identity());
         let view = CapturedView {
@@ -78,8 +78,8 @@ impl FolderDescriber<'_> {
     }
 }
 
-/// Where a view comes from: its object stands for the memory, its file for the view
-/// there. So a file that is added to an object makes no other view new.
+/// Origin of a view: digest of its object as memory id, digest of its file as view id. A file added
+/// to an object leaves the other views unchanged.
 fn origin(object: &LabelledObject, source: &str) -> Origin {
     let category = object.category.as_str();
     // No name has a NUL.
@@ -95,7 +95,7 @@ fn origin(object: &LabelledObject, source: &str) -> Origin {
     }
 }
 
-/// The mean colour; `None` where a file has no colours, which is read as zeros.
+/// Mean colour; `None` for a file without colours, which is read as zeros.
 fn mean_rgb(points: &[Point]) -> Option<[u8; 3]> {
     let has_colors = points.iter().any(|point| point.color != Rgba::default());
     let mean = |channel: usize| {
@@ -107,7 +107,7 @@ fn mean_rgb(points: &[Point]) -> Option<[u8; 3]> {
     has_colors.then(|| [0, 1, 2].map(mean))
 }
 
-/// Sides of the box along the axes of the file, metres.
+/// Side lengths of the axis-aligned bounding box, metres.
 fn extent_m(view: &ObjectView) -> Vector3<f64> {
     let along = |axis: usize| {
         let places = view.points.iter().map(|point| point.position()[axis]);
@@ -125,7 +125,7 @@ mod tests {
     use learning::CategoryName;
 
     #[test]
-    fn without_colours_there_is_no_mean_of_them() {
+    fn mean_colour_needs_colours() {
         let point = |color| Point {
             color,
             ..Point::default()
@@ -137,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn an_object_is_known_by_its_names_and_a_view_by_its_file() {
+    fn origin_depends_on_object_names_and_file() {
         let object = |category: &str, instance: Option<&str>| LabelledObject {
             category: CategoryName::new(category).unwrap(),
             instance: instance.map(ToOwned::to_owned),

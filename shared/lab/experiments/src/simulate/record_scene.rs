@@ -1,4 +1,4 @@
-//! `tabula simulate scene`: a sequence of a simulated scene.
+//! `tabula-lab simulate scene`: RGB-D sequence of a simulated scene with ground truth.
 
 use crate::arguments::SceneArguments;
 use crate::failure::{failed, usage};
@@ -16,10 +16,10 @@ use simulated_world::{
 };
 use std::process::ExitCode;
 
-/// Frames that are rendered while one is being written.
+/// Capacity of the queue between renderer and writer, frames. Chosen.
 const FRAMES_AHEAD: usize = 3;
 
-/// One rendered frame.
+/// Rendered frame.
 struct RenderedFrame {
     color: Vec<u8>,
     depth_mm: Vec<u16>,
@@ -36,7 +36,7 @@ struct RecordedSceneReport<'a> {
     notes: Vec<String>,
 }
 
-/// Renders and writes the frames of a scene: two threads, one for each.
+/// Renders and writes the frames of a scene, on one thread each.
 pub(super) fn run(arguments: &SceneArguments, output: &Output) -> Result<ExitCode, Failure> {
     let world = set_up(arguments)?;
     let n_objects = world.objects().len();
@@ -110,7 +110,7 @@ fn generated(
     Ok((scene, library))
 }
 
-/// Renders frame after frame; what happened is returned.
+/// Renders all frames; returns the notes of the simulation.
 fn render(
     mut world: World,
     arguments: &SceneArguments,
@@ -179,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn the_same_seed_gives_the_same_files_and_they_are_played_again() {
+    fn recording_is_reproducible_and_readable() {
         let folder = tempfile::tempdir().unwrap();
         let output = Output::new(true);
         let folders: [PathBuf; 2] = ["a", "b"].map(|name| folder.path().join(name));

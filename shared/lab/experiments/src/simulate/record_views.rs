@@ -1,4 +1,5 @@
-//! `tabula simulate views`: views of single objects for learning.
+//! `tabula-lab simulate views`: training views of single objects in the layout of the Washington
+//! RGB-D Object Dataset.
 
 use super::turntable::{ELEVATIONS, SegmentedView, Turntable};
 use crate::arguments::ViewsArguments;
@@ -13,34 +14,34 @@ use simulated_world::{ModelChoice, ModelLibrary, ModelSource};
 use std::collections::BTreeMap;
 use std::process::ExitCode;
 
-/// One object to be looked at.
+/// Object to be rendered.
 struct RenderJob {
     model: ModelChoice,
     category: String,
-    /// Number among the category's objects, from 1.
+    /// Instance number within the category, from 1.
     instance: u32,
 }
 
-/// What came out.
+/// Counts and notes of the rendered views.
 #[derive(Debug, Default, Serialize)]
 struct ViewsReport {
     views: usize,
     objects: usize,
     categories: usize,
-    /// Views in which detection did not find the object.
+    /// Number of views in which detection did not find the object.
     not_detected: usize,
-    /// Mean common share of cut-out and true pixels.
+    /// Mean intersection over union of segmented and true pixels.
     mean_overlap: f64,
-    /// Their sum, in steps that add up to the same in any order.
+    /// Sum of the overlaps, in parts per million: integers add up to the same in any order.
     #[serde(skip)]
     overlap_ppm: u64,
-    /// What was noticed, one sentence each.
+    /// Notes, one sentence each.
     notes: Vec<String>,
-    /// Models that could not be used, one sentence each.
+    /// Unusable models, one sentence each.
     failures: Vec<String>,
 }
 
-/// Renders, detects and writes, on as many threads as there are cores.
+/// Renders, segments and writes the views of all objects, on all cores.
 pub(super) fn run(arguments: &ViewsArguments, output: &Output) -> Result<ExitCode, Failure> {
     let library = ModelLibrary::open(&arguments.models()).map_err(usage)?;
     let jobs = jobs(arguments, &library)?;
@@ -149,7 +150,7 @@ fn record_object(
     Ok(report)
 }
 
-/// Goes round the object at each height in turn.
+/// Records the views of an object, alternating between the camera heights.
 fn record(
     turntable: &mut Turntable,
     job: &RenderJob,
@@ -178,7 +179,7 @@ fn record(
     Ok(())
 }
 
-/// The smallest rectangle around the cut-out.
+/// Crop to the bounding rectangle of the segmented points.
 fn washington_view(cut_out: &SegmentedView<'_>) -> CroppedView {
     let width = CAMERA.width;
     let columns = cut_out.point_indices.iter().map(|index| index % width);

@@ -1,4 +1,5 @@
-//! `tabula simulate sensor`: the simulated Kinect's noise beside the published law.
+//! `tabula-lab simulate sensor`: depth noise of the simulated Kinect against the published noise
+//! model.
 
 use crate::failure::failed;
 use crate::output_files::{create_folder, write};
@@ -17,7 +18,7 @@ struct SensorNoiseReport {
     largest_ratio: f64,
 }
 
-/// Measures and writes the table and the plot into a folder.
+/// Measures the depth noise; writes the table and the plot.
 pub(super) fn run(out: &Path, output: &Output) -> Result<ExitCode, Failure> {
     let bar = progress_bar(sensor_error::N_PLACEMENTS as u64, "placements", output);
     let figures = sensor_error::measure(|| bar.inc(1)).map_err(failed)?;

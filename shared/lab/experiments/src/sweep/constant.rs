@@ -4,7 +4,7 @@ use crate::failure::failed;
 use service::Failure;
 use std::path::{Path, PathBuf};
 
-/// A constant of a number type, or a field of a configuration's default.
+/// Number constant, or number field of a `Default` implementation.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Constant {
     /// Source file, relative to the workspace.
@@ -13,11 +13,11 @@ pub(super) struct Constant {
     pub(super) name: String,
     /// Defining expression as written.
     pub(super) expression: String,
-    /// Whether its type is a floating-point one.
+    /// True for a floating-point type.
     is_float: bool,
-    /// Bytes of the expression in the file.
+    /// Byte range of the expression in the file.
     at: std::ops::Range<usize>,
-    /// Whole text of the file.
+    /// Content of the file.
     text: String,
 }
 
@@ -26,8 +26,8 @@ const INTEGERS: [&str; 10] = [
     "u8", "u16", "u32", "u64", "usize", "i8", "i16", "i32", "i64", "isize",
 ];
 
-/// All number constants of a file: `const NAME: f64 = …;` outside tests, and the
-/// literal fields of `impl Default` blocks.
+/// All number constants of a file: `const NAME: f64 = …;` outside tests, and the literal fields of
+/// `impl Default` blocks.
 pub(super) fn all(file: &Path, text: &str) -> Vec<Constant> {
     let end = text.find("#[cfg(test)]").unwrap_or(text.len());
     let mut found = Vec::new();
@@ -74,7 +74,7 @@ fn constant_head(line: &str) -> Option<(&str, &str)> {
     (is_plain && !name.contains(' ')).then_some((name, kind.trim()))
 }
 
-/// Whether a number type is a floating-point one; `None` for other types.
+/// True for a floating-point type; `None` for types that are no numbers.
 fn typed(kind: &str) -> Option<bool> {
     if FLOATS.contains(&kind) {
         Some(true)
@@ -95,7 +95,7 @@ fn literal_field(line: &str) -> Option<(&str, &str)> {
 }
 
 impl Constant {
-    /// The file's text with the constant scaled; integers are rounded.
+    /// Content of the file with the constant scaled; integers are rounded.
     ///
     /// # Errors
     /// When the factor is no positive number.

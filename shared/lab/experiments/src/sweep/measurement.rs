@@ -11,14 +11,14 @@ use std::process::Command;
 /// Values of the measured figures, in the order of [`Measurement::names`].
 pub(super) type Scores = Vec<f64>;
 
-/// An evaluation: the words of its command, and where its figures stand in the document.
+/// Evaluation of one build: command and JSON pointers of its scores.
 pub(super) struct Measurement {
     words: Vec<OsString>,
     figures: &'static [(&'static str, &'static str)],
 }
 
 impl Measurement {
-    /// The evaluation of the arguments.
+    /// Evaluation of the arguments.
     ///
     /// # Errors
     /// When it needs a data set and none is named.
@@ -48,7 +48,7 @@ impl Measurement {
             };
         let mut words: Vec<OsString> = vec!["--json".into(), "evaluate".into(), kind.into()];
         match &arguments.dataset {
-            // Its own folder: each run has another current one.
+            // Absolute, since each run has another current folder.
             Some(dataset) => words.push(std::path::absolute(dataset).map_err(failed)?.into()),
             None if arguments.score == SweepScore::Tracking => {}
             None => {
@@ -60,12 +60,12 @@ impl Measurement {
         Ok(Self { words, figures })
     }
 
-    /// Names of the figures.
+    /// Names of the scores.
     pub(super) fn names(&self) -> impl Iterator<Item = &'static str> {
         self.figures.iter().map(|(name, _)| *name)
     }
 
-    /// Runs the evaluation with a program.
+    /// Runs the evaluation with a build of `tabula-lab`.
     ///
     /// # Errors
     /// When it fails, or a figure is missing.

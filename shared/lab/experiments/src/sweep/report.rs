@@ -19,7 +19,7 @@ pub(super) struct SweepReport {
     rows: Vec<SweepRow>,
 }
 
-/// One scaled constant.
+/// Result of one scaled constant.
 #[derive(Debug, Serialize)]
 pub(super) struct SweepRow {
     file: String,
@@ -68,7 +68,7 @@ impl SweepReport {
         write(&out.join("sweep.json"), &json)
     }
 
-    /// A line for each row: changes in hundredths of a score.
+    /// Text table: change of each score by row.
     pub(super) fn text(&self) -> String {
         let mut heading = vec!["constant", "value", "factor"];
         heading.extend(&self.scores);

@@ -1,4 +1,4 @@
-//! ScratchWorkspace copy of the workspace, where scaled constants are built and evaluated.
+//! Scratch copy of the workspace, where scaled constants are built and evaluated.
 
 use super::measurement::{Measurement, Scores};
 use crate::failure::failed;
@@ -6,10 +6,10 @@ use service::Failure;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Folders that a build does not need.
+/// Folders that are not copied.
 const LEFT_OUT: [&str; 3] = ["target", ".git", "docs"];
 
-/// A copy of the sources with a target folder of its own, both kept for the next sweep.
+/// Scratch copy of the sources with its own target folder; both are kept for the next sweep.
 pub(super) struct ScratchWorkspace {
     source: PathBuf,
     target: PathBuf,
@@ -33,7 +33,7 @@ impl ScratchWorkspace {
         Ok(scratch)
     }
 
-    /// Runs `work` while a file has another text.
+    /// Runs `work` while a file has other content.
     pub(super) fn with_file<T>(
         &self,
         file: &Path,
@@ -48,7 +48,7 @@ impl ScratchWorkspace {
         Ok(result)
     }
 
-    /// Builds the copy and evaluates it.
+    /// Builds the copy and runs the evaluation.
     pub(super) fn scores(&self, measure: &Measurement, out: &Path) -> Result<Scores, Failure> {
         let built = Command::new("cargo")
             .args(["build", "--release", "--quiet", "--package", "lab"])

@@ -1,4 +1,4 @@
-//! The figures of `tabula evaluate ablation` as a document.
+//! Report of the ablation study.
 
 use super::{REFERENCE, VariantRuns};
 use crate::arguments::AblationArguments;
@@ -8,7 +8,7 @@ use evaluation::open_ended::{Metrics, Protocol};
 use serde::Serialize;
 use statistics::bootstrap::{Estimate, N_RESAMPLES};
 
-/// All figures.
+/// Report of an ablation study.
 #[derive(Debug, Serialize)]
 pub(super) struct AblationReport {
     #[serde(flatten)]
@@ -21,7 +21,7 @@ pub(super) struct AblationReport {
     pub(super) files: ReportFiles,
 }
 
-/// One variant: means over its runs, with their intervals.
+/// Metrics of one variant: means over its runs with 95 % bootstrap intervals.
 #[derive(Debug, Serialize)]
 pub(super) struct VariantFigures {
     pub(super) name: &'static str,
@@ -30,15 +30,15 @@ pub(super) struct VariantFigures {
     pub(super) aic: Option<Estimate>,
     pub(super) gca: Option<Estimate>,
     pub(super) apa: Option<Estimate>,
-    /// Its GCA less that of the reference with the same seed; null of the reference.
+    /// Paired difference of GCA to the reference; null for the reference.
     pub(super) gca_difference: Option<Estimate>,
-    /// Its share of wrong answers over that of the reference; null of the reference, and
-    /// when that one is never wrong.
+    /// Paired ratio of error rates to the reference; null for the reference, and if the reference
+    /// is never wrong.
     pub(super) error_ratio: Option<Estimate>,
     runs: Vec<RunFigures>,
 }
 
-/// One run.
+/// Metrics of one run.
 #[derive(Debug, Serialize)]
 struct RunFigures {
     seed: u64,
@@ -49,7 +49,7 @@ struct RunFigures {
     apa: Option<f64>,
 }
 
-/// How the figures were made.
+/// Settings of the study.
 #[derive(Debug, Serialize)]
 pub(super) struct Settings {
     pub(super) reference: &'static str,
@@ -57,7 +57,7 @@ pub(super) struct Settings {
     pub(super) tau: f64,
     pub(super) n_runs: u64,
     pub(super) seed: u64,
-    /// Of GOOD.
+    /// Bins of GOOD along each side.
     bins: usize,
     views_max: Option<u32>,
     confidence: f64,
@@ -103,7 +103,7 @@ impl VariantFigures {
         let errors = |runs: &[Metrics]| runs.iter().map(|run| 1.0 - run.gca).collect::<Vec<_>>();
         let (of_reference, own) = (errors(reference), errors(&played.runs));
         let is_other = played.variant != REFERENCE;
-        // One error less is as much accuracy more.
+        // The difference of accuracies is the negative difference of error rates.
         let difference = Estimate::paired_difference(&own, &of_reference, seed);
         let ratio = Estimate::paired_ratio(&of_reference, &own, seed);
         let of_others = |estimate: Option<Estimate>| estimate.filter(|_| is_other);

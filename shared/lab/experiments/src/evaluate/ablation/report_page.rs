@@ -1,4 +1,4 @@
-//! The figures of `tabula evaluate ablation` for people.
+//! Text and HTML page of the ablation study.
 
 use super::report::{AblationReport, VariantFigures};
 use command_line::format_table;
@@ -6,7 +6,7 @@ use plot::figure_page::{PageFigure, PageTable, html};
 use plot::forest_plot::ForestPlotRow;
 use statistics::bootstrap::Estimate;
 
-/// Heads of the columns.
+/// Column headings.
 const HEADS: [&str; 8] = [
     "variant",
     "qci",
@@ -17,12 +17,12 @@ const HEADS: [&str; 8] = [
     "gca − ours",
     "error / ours",
 ];
-/// Name of the figure.
+/// File name of the figure.
 pub(super) const PICTURE: &str = "gca.svg";
-/// What the figure shows.
+/// Caption of the figure.
 pub(super) const CAPTION: &str = "Mean GCA of each variant with its 95 % interval";
 
-/// The text that is printed.
+/// Printed text.
 pub(super) fn text(document: &AblationReport) -> String {
     let mut lines = vec![format_table(&HEADS, &rows(document)), String::new()];
     lines.extend(notes(document));
@@ -30,7 +30,7 @@ pub(super) fn text(document: &AblationReport) -> String {
     lines.join("\n")
 }
 
-/// The page with table and figure.
+/// HTML page with table and figure.
 pub(super) fn page(document: &AblationReport) -> String {
     let table = PageTable::new("Variants", &HEADS, rows(document));
     let figure = PageFigure {
@@ -40,7 +40,7 @@ pub(super) fn page(document: &AblationReport) -> String {
     html("Ablation", &notes(document), &[table], &[figure])
 }
 
-/// A row of the figure for each variant.
+/// Rows of the forest plot, one for each variant.
 pub(super) fn figure_rows(document: &AblationReport) -> Vec<ForestPlotRow> {
     let row = |variant: &VariantFigures| ForestPlotRow {
         name: variant.name.to_owned(),
@@ -66,14 +66,14 @@ fn rows(document: &AblationReport) -> Vec<Vec<String>> {
     document.variants.iter().map(row).collect()
 }
 
-/// `0.712 (0.690–0.731)`.
+/// Table cell of an interval: `0.712 (0.690 to 0.731)`.
 fn cell(interval: Option<Estimate>, digits: usize) -> String {
     interval.map_or(String::new(), |Estimate { value, low, high }| {
         format!("{value:.digits$} ({low:.digits$} to {high:.digits$})")
     })
 }
 
-/// What else is said, one sentence each.
+/// Notes below the table, one sentence each.
 fn notes(document: &AblationReport) -> Vec<String> {
     let settings = &document.settings;
     let mut notes = vec![

@@ -28,7 +28,7 @@ fn document(out: &Path) -> Value {
 }
 
 #[test]
-fn variants_are_compared_with_ours_on_the_same_seeds() {
+fn ablation_compares_variants_on_the_same_seeds() {
     let folder = tempfile::tempdir().unwrap();
     let data = folder.path().join("data");
     write_bars(&data, 6, 40);
@@ -61,14 +61,14 @@ fn variants_are_compared_with_ours_on_the_same_seeds() {
     let ratio = (1.0 - mean(&published)) / (1.0 - mean(&ours));
     close(figure(&variants[0], "error_ratio"), ratio);
     assert_eq!(variants[1]["gca_difference"], Value::Null);
-    // Nothing says what is up in these files: nothing is lost by not knowing it.
+    // These files have no upward direction, so ignoring it changes nothing.
     close(figure(&variants[3], "gca_difference"), 0.0);
     let svg = fs::read_to_string(arguments.out.join("gca.svg")).unwrap();
     assert!(names.iter().all(|name| svg.contains(name)), "{svg}");
 }
 
 #[test]
-fn the_same_seed_gives_the_same_document() {
+fn ablation_is_reproducible() {
     let folder = tempfile::tempdir().unwrap();
     let data = folder.path().join("data");
     write_bars(&data, 4, 30);

@@ -1,31 +1,31 @@
-//! What detection has to do with the figures of scenes.
+//! End-to-end score of detection and recognition in scenes.
 
 use super::fold_data::SceneStatistics;
 use super::fold_result::FoldResult;
 use evaluation::cross_validation::ConfusionMatrix;
 use serde::Serialize;
 
-/// Detection and recognition together, over all scenes.
+/// Precision, recall and F1 of detection followed by recognition, over all scenes.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(super) struct EndToEndScore {
     n_scenes: usize,
-    /// Objects that show a pixel with depth.
+    /// Number of objects that show a pixel with depth.
     n_objects: u32,
-    /// Objects that show none; they count nowhere.
+    /// Number of objects without a pixel with depth; not scored.
     n_hidden: u32,
     n_found: u32,
     n_missed: u32,
-    /// Candidates that are no object, or a smaller part of one.
+    /// Number of false candidates: no object, or a smaller part of one.
     n_false_candidates: usize,
-    /// How many of them are parts.
+    /// Number of false candidates that are parts of an object.
     n_parts: u32,
-    /// How many of them were given a name.
+    /// Number of false candidates that were given a name.
     n_false_names: usize,
-    /// Right names over all names that were given, those of false candidates included.
+    /// Precision: right names over all given names, including those of false candidates.
     precision: f64,
-    /// Right names over all objects, those included that were missed.
+    /// Recall: right names over all objects, including missed ones.
     recall: f64,
-    /// Harmonic mean of the two.
+    /// Harmonic mean of precision and recall.
     f1: f64,
 }
 
@@ -60,7 +60,7 @@ impl EndToEndScore {
         }
     }
 
-    /// For people.
+    /// Sentences of the report page.
     pub(super) fn sentences(&self) -> [String; 2] {
         [
             format!(

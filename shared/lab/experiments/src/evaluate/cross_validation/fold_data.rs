@@ -1,4 +1,4 @@
-//! What is dealt into parts: the views of a data set, or those of simulated scenes.
+//! Views with their fold assignment: from a data set or from simulated scenes.
 
 use crate::arguments::{CrossValidationArguments, ViewProtocol};
 use crate::evaluate::recognition::{RecogniserFactory, RecognitionMethod};
@@ -10,36 +10,36 @@ use evaluation::cross_validation::{FoldAssignment, Folds};
 use evaluation::recogniser::LabelledView;
 use service::{Failure, exit_code};
 
-/// Views with their descriptions and parts.
+/// Described views with their folds.
 pub(super) struct FoldData {
-    /// What it was made from.
+    /// Name of the source.
     pub(super) source: String,
     pub(super) views: ViewTable,
-    pub(super) learner: Box<dyn RecogniserFactory>,
+    pub(super) recogniser_factory: Box<dyn RecogniserFactory>,
     pub(super) folds: Folds,
-    /// How the views were dealt out.
-    pub(super) dealing: &'static str,
+    /// Assignment of views to folds.
+    pub(super) fold_assignment: &'static str,
     pub(super) scenes: Option<SceneStatistics>,
 }
 
-/// What only scenes have.
+/// Statistics of detection in the simulated scenes.
 pub(super) struct SceneStatistics {
     pub(super) n_scenes: usize,
-    /// Fold of each candidate that is no object, or a smaller part of one; its description stands behind those of
-    /// the views, in the same order.
+    /// Fold of each false candidate (no object, or a smaller part of one); the descriptions follow
+    /// those of the views, in the same order.
     pub(super) folds_of_clutter: Vec<u32>,
-    /// By category: how many of these are parts of its object.
+    /// Number of false candidates that are parts of an object, by category.
     pub(super) n_parts: Vec<u32>,
-    /// By category: objects that show a pixel with depth.
+    /// Number of objects that show a pixel with depth, by category.
     pub(super) n_visible: Vec<u32>,
-    /// Objects that show none.
+    /// Number of objects without a pixel with depth.
     pub(super) n_hidden: u32,
-    /// Drawn scenes: what they are, and where.
+    /// Names and paths of the drawn scenes.
     pub(super) pictures: Vec<(String, String)>,
 }
 
 impl FoldData {
-    /// What the command line names, described and dealt out.
+    /// Described views and folds of the arguments.
     pub(super) fn of(
         arguments: &CrossValidationArguments,
         output: &Output,
@@ -55,14 +55,15 @@ impl FoldData {
             let rule = "name a data set, or let scenes be simulated with --scenes";
             Failure::new(exit_code::USAGE, rule)
         })?;
-        let (views, learner) = read_and_describe(dataset, &arguments.description, output)?;
-        let dealing = dealing(arguments, &views);
+        let (views, recogniser_factory) =
+            read_and_describe(dataset, &arguments.description, output)?;
+        let fold_assignment = fold_assignment(arguments, &views);
         Ok(Self {
             source: dataset.display().to_string(),
-            folds: deal(&views.labels, dealing, arguments)?,
+            folds: assign_folds(&views.labels, fold_assignment, arguments)?,
             views,
-            learner,
-            dealing: match dealing {
+            recogniser_factory,
+            fold_assignment: match fold_assignment {
                 FoldAssignment::ByView => "view",
                 FoldAssignment::ByInstance => "instance-disjoint",
                 FoldAssignment::Contiguous => "contiguous",
@@ -71,8 +72,8 @@ impl FoldData {
         })
     }
 
-    /// All views of a scene are in one part, and each part has as many scenes of each
-    /// set and camera.
+    /// Data of simulated scenes. All views of a scene are in one fold, and each fold has as many
+    /// scenes of each object set and camera height.
     fn of_scenes(
         n_scenes: u32,
         arguments: &CrossValidationArguments,
@@ -96,22 +97,22 @@ impl FoldData {
             instance: None,
         };
         let kinds: Vec<LabelledView> = kinds.iter().map(kind).collect();
-        let of_scenes = deal(&kinds, FoldAssignment::ByView, arguments)?;
+        let folds_of_scenes = assign_folds(&kinds, FoldAssignment::ByView, arguments)?;
         let fold_of = |scenes: &[usize]| -> Vec<u32> {
             scenes
                 .iter()
-                .map(|&scene| of_scenes.of_view[scene])
+                .map(|&scene| folds_of_scenes.of_view[scene])
                 .collect()
         };
         Ok(Self {
             source: format!("{n_scenes} simulated scenes"),
             folds: Folds {
                 of_view: fold_of(&scenes),
-                ..of_scenes
+                ..folds_of_scenes
             },
-            learner: method.recogniser_factory(&table, descriptions)?,
+            recogniser_factory: method.recogniser_factory(&table, descriptions)?,
             views: table,
-            dealing: "scene",
+            fold_assignment: "scene",
             scenes: Some(SceneStatistics {
                 n_scenes: n_scenes as usize,
                 folds_of_clutter: fold_of(&scenes_of_clutter),
@@ -124,17 +125,17 @@ impl FoldData {
     }
 }
 
-fn deal(
+fn assign_folds(
     views: &[LabelledView],
-    dealing: FoldAssignment,
+    fold_assignment: FoldAssignment,
     arguments: &CrossValidationArguments,
 ) -> Result<Folds, Failure> {
-    Folds::assign(views, arguments.folds, dealing, arguments.seed)
+    Folds::assign(views, arguments.folds, fold_assignment, arguments.seed)
         .map_err(|error| Failure::new(exit_code::USAGE, error))
 }
 
-/// Object by object where objects are known, unless something else is wished.
-fn dealing(arguments: &CrossValidationArguments, views: &ViewTable) -> FoldAssignment {
+/// Fold assignment: by object where objects are known, unless the arguments say otherwise.
+fn fold_assignment(arguments: &CrossValidationArguments, views: &ViewTable) -> FoldAssignment {
     let is_known = views.labels.iter().any(|view| view.instance.is_some());
     match arguments.protocol {
         _ if arguments.contiguous => FoldAssignment::Contiguous,

@@ -1,4 +1,4 @@
-//! One fold: who was taught the rest is asked.
+//! One cross-validation fold: training on the other folds, test on this one.
 
 use super::fold_data::FoldData;
 use crate::arguments::CrossValidationArguments;
@@ -6,24 +6,28 @@ use evaluation::cross_validation::withheld_categories;
 use evaluation::recogniser::Answer;
 use std::time::Instant;
 
-/// What came out of one fold.
+/// Answers and timings of one fold.
 pub(super) struct FoldResult {
     pub(super) n_taught: usize,
-    /// Views of taught categories that were asked, and the answers.
+    /// Test views of taught categories with the answers.
     pub(super) answers: Vec<(usize, Answer)>,
-    /// The same of categories that were not taught.
+    /// Test views of withheld categories with the answers.
     pub(super) open: Vec<(usize, Answer)>,
-    /// The answers to candidates that are no object.
+    /// Answers to false candidates.
     pub(super) clutter: Vec<Answer>,
     pub(super) teach_ms: f64,
     pub(super) ask_ms: f64,
 }
 
-/// Teaches all views but those of the fold and of the categories that are withheld, and
-/// asks those of the fold.
-pub(super) fn play(data: &FoldData, fold: u32, arguments: &CrossValidationArguments) -> FoldResult {
+/// Trains on all views outside the fold and the withheld categories, and tests the views of the
+/// fold.
+pub(super) fn run_fold(
+    data: &FoldData,
+    fold: u32,
+    arguments: &CrossValidationArguments,
+) -> FoldResult {
     let (views, folds) = (&data.views, &data.folds);
-    let mut recogniser = data.learner.recogniser();
+    let mut recogniser = data.recogniser_factory.recogniser();
     let n_categories = views.categories.len();
     let is_withheld =
         withheld_categories(n_categories, arguments.open_set_share, fold, arguments.seed);
@@ -53,7 +57,7 @@ pub(super) fn play(data: &FoldData, fold: u32, arguments: &CrossValidationArgume
     }
 }
 
-/// The candidates of the fold that are no object, which stand behind the views.
+/// Indices of the fold's false candidates, which follow the views.
 fn clutter(data: &FoldData, fold: u32) -> impl Iterator<Item = usize> {
     let n_views = data.views.labels.len();
     let scenes = data.scenes.iter();

@@ -1,11 +1,11 @@
-//! Every question of every fold, so that anybody can compute the figures anew.
+//! CSV log of all questions and answers, from which the metrics can be recomputed.
 
 use super::fold_data::FoldData;
 use super::fold_result::FoldResult;
 use crate::csv;
 use evaluation::recogniser::Answer;
 
-/// Heads of the columns.
+/// Column headings.
 const HEADS: [&str; 7] = [
     "fold",
     "view",
@@ -16,8 +16,8 @@ const HEADS: [&str; 7] = [
     "open_set",
 ];
 
-/// A line for each question; an empty prediction is "unknown", an empty view and truth
-/// are those of a candidate that is no object.
+/// CSV lines, one for each question. An empty prediction is "unknown"; a false candidate has an
+/// empty view and truth.
 pub(super) fn csv(results: &[FoldResult], data: &FoldData) -> String {
     let views = &data.views;
     let name = |category: u32| views.categories[category as usize].as_str();

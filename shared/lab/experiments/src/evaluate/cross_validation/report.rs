@@ -1,4 +1,4 @@
-//! The figures of `tabula evaluate cross-validation` as a document.
+//! Report of the cross-validation.
 
 use super::end_to_end_score::EndToEndScore;
 use super::fold_data::FoldData;
@@ -13,7 +13,7 @@ use evaluation::recogniser::Answer;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// All figures.
+/// Report of a cross-validation.
 #[derive(Debug, Serialize)]
 pub(super) struct CrossValidationReport {
     #[serde(flatten)]
@@ -23,9 +23,9 @@ pub(super) struct CrossValidationReport {
     pub(super) f1_micro: f64,
     pub(super) f1_macro: f64,
     pub(super) folds: Vec<FoldFigures>,
-    /// Share of right answers by category.
+    /// Accuracy by category.
     pub(super) categories: BTreeMap<String, CategoryFigures>,
-    /// Of the views of categories that were not taught in their fold.
+    /// Open-set metrics over the views of withheld categories.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) open_set: Option<NoveltyScore>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -38,7 +38,7 @@ pub(super) struct CrossValidationReport {
     pub(super) files: ReportFiles,
 }
 
-/// One fold.
+/// Counts and accuracy of one fold.
 #[derive(Debug, Serialize)]
 pub(super) struct FoldFigures {
     pub(super) n_taught: usize,
@@ -46,50 +46,49 @@ pub(super) struct FoldFigures {
     pub(super) accuracy: Option<f64>,
 }
 
-/// One category.
+/// Counts of one category.
 #[derive(Debug, Serialize)]
 pub(super) struct CategoryFigures {
     pub(super) n_asked: u32,
     pub(super) n_right: u32,
-    /// Objects in scenes that detection did not find.
+    /// Number of objects that detection missed; only for scenes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) n_missed: Option<u32>,
-    /// False candidates in scenes that are parts of its object.
+    /// Number of false candidates that are parts of the category's object; only for scenes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) n_parts: Option<u32>,
-    /// What it was most often taken for when it was not recognised; null for "unknown"
-    /// and when all answers were right.
+    /// Most frequent wrong answer; null for "unknown" and if all answers were right.
     pub(super) taken_for: Option<String>,
 }
 
-/// How the figures were made.
+/// Settings of the cross-validation.
 #[derive(Debug, Serialize)]
 pub(super) struct Settings {
     #[serde(flatten)]
     pub(super) description: DescriptionSettings,
-    /// How the views were dealt out.
+    /// Assignment of views to folds.
     pub(super) folds: &'static str,
-    /// Categories of which the views of an object stay together.
+    /// Number of categories whose views are grouped by object.
     pub(super) n_grouped: usize,
     open_set_share: f64,
     seed: u64,
 }
 
-/// Durations on one thread; the only figures that differ from time to time.
+/// Durations on one thread; the only values that vary between repetitions.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(super) struct Timing {
-    /// Mean of a view.
+    /// Mean time of one view, milliseconds.
     pub(super) describe_ms: f64,
-    /// Mean of a view.
+    /// Mean time of one view, milliseconds.
     pub(super) ask_ms: f64,
-    /// Sum over all folds.
+    /// Sum over all folds, seconds.
     teach_s: f64,
-    /// Sum over all folds.
+    /// Sum over all folds, seconds.
     pub(super) test_s: f64,
 }
 
 impl CrossValidationReport {
-    /// `None` when nothing was asked.
+    /// Report of the fold results; `None` if no view of a taught category was asked.
     pub(super) fn of(
         arguments: &CrossValidationArguments,
         data: &FoldData,
@@ -128,7 +127,7 @@ impl CrossValidationReport {
     }
 }
 
-/// Of the answers of all folds.
+/// Open-set metrics of the answers of all folds.
 fn novelty(results: &[FoldResult]) -> Option<NoveltyScore> {
     let answers = |of_fold: fn(&FoldResult) -> &[(usize, Answer)]| -> Vec<Answer> {
         let questions = results.iter().flat_map(of_fold);
@@ -158,7 +157,7 @@ impl CategoryFigures {
         let row = confusion.row(index);
         let wrong = row.iter().enumerate();
         let wrong = wrong.filter(|&(answer, &count)| answer != index && count > 0);
-        // Of equally frequent ones the first.
+        // Ties go to the first category.
         let most = wrong.rev().max_by_key(|(_, count)| **count);
         let n_asked = row.iter().sum();
         let scenes = data.scenes.as_ref();
@@ -176,7 +175,7 @@ impl Settings {
     fn of(arguments: &CrossValidationArguments, data: &FoldData) -> Self {
         Self {
             description: DescriptionSettings::of(&arguments.description),
-            folds: data.dealing,
+            folds: data.fold_assignment,
             n_grouped: data.folds.n_grouped,
             open_set_share: arguments.open_set_share,
             seed: arguments.seed,

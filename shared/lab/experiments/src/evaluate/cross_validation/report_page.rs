@@ -1,4 +1,4 @@
-//! The figures of `tabula evaluate cross-validation` for people.
+//! Text and HTML page of the cross-validation.
 
 use super::end_to_end_score::EndToEndScore;
 use super::fold_data::FoldData;
@@ -7,7 +7,7 @@ use crate::evaluate::open_set;
 use command_line::format_table;
 use plot::figure_page::{PageFigure, PageTable, html};
 
-/// Heads of the columns; the last two only of scenes.
+/// Column headings; the last two only for scenes.
 const HEADS: [&str; 6] = [
     "category",
     "views",
@@ -17,7 +17,7 @@ const HEADS: [&str; 6] = [
     "parts",
 ];
 
-/// The text that is printed.
+/// Printed text.
 pub(super) fn text(document: &CrossValidationReport) -> String {
     let mut lines = vec![
         format_table(heads(document), &rows(document)),
@@ -33,7 +33,7 @@ fn heads(document: &CrossValidationReport) -> &'static [&'static str] {
     &HEADS[..n_columns]
 }
 
-/// The page with the confusion matrix, and with the drawn scenes.
+/// HTML page with the confusion matrix and the drawn scenes.
 pub(super) fn page(document: &CrossValidationReport, data: &FoldData) -> String {
     let table = PageTable::new("Categories, worst first", heads(document), rows(document));
     let confusion = PageFigure {
@@ -51,7 +51,7 @@ pub(super) fn page(document: &CrossValidationReport, data: &FoldData) -> String 
     html("Cross-validation", &notes(document), &[table], &figures)
 }
 
-/// The categories, worst first.
+/// Table rows by category, worst first.
 fn rows(document: &CrossValidationReport) -> Vec<Vec<String>> {
     let right = |figures: &CategoryFigures| {
         100.0 * f64::from(figures.n_right) / f64::from(figures.n_asked.max(1))
@@ -72,7 +72,7 @@ fn rows(document: &CrossValidationReport) -> Vec<Vec<String>> {
     categories.into_iter().map(row).collect()
 }
 
-/// The figures, one sentence each.
+/// Notes below the table, one sentence each.
 fn notes(document: &CrossValidationReport) -> Vec<String> {
     let (settings, timing) = (&document.settings, &document.timing);
     let accuracies = document.folds.iter().filter_map(|fold| fold.accuracy);
@@ -90,7 +90,7 @@ fn notes(document: &CrossValidationReport) -> Vec<String> {
             document.header.n_categories,
             document.header.n_views,
             document.folds.len(),
-            dealing(document),
+            fold_assignment(document),
             settings.description.text()
         ),
         format!(
@@ -105,7 +105,7 @@ fn notes(document: &CrossValidationReport) -> Vec<String> {
     notes
 }
 
-fn dealing(document: &CrossValidationReport) -> String {
+fn fold_assignment(document: &CrossValidationReport) -> String {
     let settings = &document.settings;
     match settings.folds {
         "instance-disjoint" => format!(

@@ -27,7 +27,7 @@ fn document(out: &Path) -> Value {
     serde_json::from_slice(&bytes).unwrap()
 }
 
-/// Two categories that can not be mistaken: a line and a square.
+/// Data set of two distinct categories: a line and a square.
 fn write_shapes(root: &Path, n_views: u16) {
     for (name, width_m) in [("line", 0.01), ("square", 0.2)] {
         fs::create_dir_all(root.join(name)).unwrap();
@@ -48,7 +48,7 @@ fn write_shapes(root: &Path, n_views: u16) {
 }
 
 #[test]
-fn each_view_is_asked_once_and_the_log_gives_the_accuracy() {
+fn cross_validation_asks_each_view_once_and_logs_it() {
     let folder = tempfile::tempdir().unwrap();
     let data = folder.path().join("data");
     write_shapes(&data, 12);
@@ -75,7 +75,7 @@ fn each_view_is_asked_once_and_the_log_gives_the_accuracy() {
 }
 
 #[test]
-fn contiguous_parts_are_slices_of_the_list() {
+fn contiguous_folds_are_slices_of_the_list() {
     let folder = tempfile::tempdir().unwrap();
     let data = folder.path().join("data");
     write_shapes(&data, 10);
@@ -94,7 +94,7 @@ fn contiguous_parts_are_slices_of_the_list() {
     );
 }
 
-/// A view of a square of pixels at 1 m.
+/// View of a square of pixels at 1 m.
 fn square_view(side: u32) -> CroppedView {
     let n_pixels = (side * side) as usize;
     CroppedView {
@@ -107,7 +107,7 @@ fn square_view(side: u32) -> CroppedView {
 }
 
 #[test]
-fn views_of_a_known_object_stay_together_unless_told_otherwise() {
+fn views_of_an_instance_stay_in_one_fold_by_default() {
     let folder = tempfile::tempdir().unwrap();
     let data = folder.path().join("data");
     for (category, side) in [("cup", 20), ("pan", 40)] {
@@ -139,7 +139,7 @@ fn views_of_a_known_object_stay_together_unless_told_otherwise() {
 }
 
 #[test]
-fn what_is_too_far_is_unknown() {
+fn views_beyond_the_threshold_are_unknown() {
     let folder = tempfile::tempdir().unwrap();
     let data = folder.path().join("data");
     write_shapes(&data, 10);
@@ -158,7 +158,7 @@ fn what_is_too_far_is_unknown() {
 }
 
 #[test]
-fn categories_that_were_never_taught_are_told_from_the_rest_and_count_nowhere_else() {
+fn withheld_categories_are_scored_as_open_set_only() {
     let folder = tempfile::tempdir().unwrap();
     let data = folder.path().join("data");
     write_shapes(&data, 20);
@@ -189,7 +189,7 @@ fn categories_that_were_never_taught_are_told_from_the_rest_and_count_nowhere_el
 }
 
 #[test]
-fn without_open_set_questions_there_are_no_figures_of_them() {
+fn report_omits_open_set_metrics_without_such_questions() {
     let folder = tempfile::tempdir().unwrap();
     let data = folder.path().join("data");
     write_shapes(&data, 10);
@@ -201,7 +201,7 @@ fn without_open_set_questions_there_are_no_figures_of_them() {
 }
 
 #[test]
-fn of_scenes_every_object_is_found_or_missed_and_false_candidates_cost_precision() {
+fn scene_objects_are_found_or_missed_and_false_candidates_lower_precision() {
     let folder = tempfile::tempdir().unwrap();
     let mut arguments = arguments(folder.path(), &folder.path().join("out"));
     arguments.dataset = None;

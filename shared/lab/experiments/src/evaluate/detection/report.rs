@@ -1,4 +1,4 @@
-//! The figures of `tabula evaluate detection` as a document.
+//! Report of the detection evaluation.
 
 use super::scene_result::{SceneResult, SkippedScene};
 use crate::arguments::DetectionArguments;
@@ -10,7 +10,7 @@ use serde::Serialize;
 use statistics::percentiles::Percentiles;
 use std::collections::BTreeMap;
 
-/// All figures; scores are means over scenes, worst scene first.
+/// Report of a detection evaluation; scores are means over scenes, scenes are ordered worst first.
 #[derive(Debug, Serialize)]
 pub(super) struct DetectionReport<'a> {
     version: &'static str,
@@ -32,7 +32,7 @@ pub(super) struct DetectionReport<'a> {
     pub(super) files: ReportFiles,
 }
 
-/// How the figures were made.
+/// Settings of the evaluation.
 #[derive(Debug, Serialize)]
 pub(super) struct Settings {
     detection: &'static str,
@@ -42,14 +42,14 @@ pub(super) struct Settings {
     hypothesis_pixels_min: usize,
 }
 
-/// Scenes by the number they end in.
+/// Scenes split by the parity of the number in their name.
 #[derive(Debug, Serialize)]
 pub(super) struct Halves {
     pub(super) even: Option<SceneGroup>,
     pub(super) odd: Option<SceneGroup>,
 }
 
-/// Some of the scenes.
+/// Scores and timing of a group of scenes.
 #[derive(Debug, Serialize)]
 pub(super) struct SceneGroup {
     pub(super) n_scenes: usize,
@@ -59,7 +59,7 @@ pub(super) struct SceneGroup {
     pub(super) detection_ms: Percentiles,
 }
 
-/// One scene.
+/// Scores and timing of one scene.
 #[derive(Debug, Serialize)]
 pub(super) struct SceneScores<'a> {
     pub(super) name: &'a str,
@@ -72,7 +72,7 @@ pub(super) struct SceneScores<'a> {
     picture: &'a str,
 }
 
-/// Percentiles of a figure of all scenes' repeats; `None` without any.
+/// Percentiles of a value over all repetitions of the scenes; `None` without values.
 fn percentiles<'r>(
     results: impl IntoIterator<Item = &'r SceneResult>,
     values: impl Fn(&'r SceneResult) -> Vec<f64>,
@@ -82,7 +82,7 @@ fn percentiles<'r>(
 }
 
 impl SceneGroup {
-    /// Of the scenes that are wanted; `None` when there are none.
+    /// Group of the scenes that fulfil a predicate; `None` if there are none.
     fn of(results: &[SceneResult], is_wanted: impl Fn(&SceneResult) -> bool) -> Option<Self> {
         let wanted: Vec<&SceneResult> = results.iter().filter(|result| is_wanted(result)).collect();
         let mean = |score: fn(&SceneResult) -> &SegmentationScore| {
@@ -114,7 +114,7 @@ impl<'a> SceneScores<'a> {
 }
 
 impl<'a> DetectionReport<'a> {
-    /// Of results, worst first; `None` without any.
+    /// Report of results ordered worst first; `None` without results.
     pub(super) fn of(
         results: &'a [SceneResult],
         skipped: &'a [SkippedScene],
@@ -161,7 +161,7 @@ impl<'a> DetectionReport<'a> {
     }
 }
 
-/// What was taken to be so.
+/// Assumptions of detection, one sentence each.
 fn assumptions(results: &[SceneResult]) -> Vec<String> {
     let n_with_up = results.iter().filter(|result| result.has_up).count();
     let known = format!("up is known in {n_with_up} of {} scenes", results.len());

@@ -1,4 +1,4 @@
-//! The figures of `tabula evaluate detection` for people.
+//! Text and HTML page of the detection evaluation.
 
 use super::report::{DetectionReport, Halves, SceneGroup};
 use super::scene_result::{SceneResult, SkippedScene};
@@ -7,12 +7,12 @@ use command_line::format_table;
 use evaluation::score_page::{PicturedScene, ScoreLine, ScoreTable, html};
 use evaluation::segmentation_score::{MEASURE_NAMES, SegmentationScore};
 
-/// How many of the worst scenes are printed.
+/// Number of printed worst scenes. Chosen.
 const N_WORST: usize = 5;
-/// How many of the scenes that were left out are named.
+/// Number of skipped scenes named in the text. Chosen.
 const N_SKIPPED: usize = 10;
 
-/// The text that is printed.
+/// Printed text.
 pub(super) fn text(document: &DetectionReport<'_>, arguments: &DetectionArguments) -> String {
     let mut lines = Vec::new();
     for scores in tables(document) {
@@ -53,7 +53,7 @@ fn row(names: [String; 2], score: &SegmentationScore, ms: f64) -> Vec<String> {
     cells.chain([format!("{ms:.2}")]).collect()
 }
 
-/// What is said about speed, and what was assumed.
+/// Sentences about timing and assumptions.
 fn timing(document: &DetectionReport<'_>) -> Vec<String> {
     let duration = document.detection_ms;
     let mut sentences = vec![
@@ -70,7 +70,7 @@ fn timing(document: &DetectionReport<'_>) -> Vec<String> {
     sentences
 }
 
-/// What was left out, one sentence each.
+/// Sentences about skipped scenes.
 fn left_out(skipped: &[SkippedScene]) -> Vec<String> {
     let first = skipped.iter().take(N_SKIPPED);
     let sentence =
@@ -85,7 +85,7 @@ fn left_out(skipped: &[SkippedScene]) -> Vec<String> {
     sentences
 }
 
-/// The page that shows all scenes.
+/// HTML page with all scenes.
 pub(super) fn page(document: &DetectionReport<'_>, results: &[SceneResult]) -> String {
     let mut notes = timing(document);
     notes.extend(left_out(document.skipped));
@@ -106,7 +106,7 @@ pub(super) fn page(document: &DetectionReport<'_>, results: &[SceneResult]) -> S
     )
 }
 
-/// The hypotheses before ψ, and those after it.
+/// Score tables of the hypotheses before and after the object rule ψ.
 fn tables(document: &DetectionReport<'_>) -> [ScoreTable; 2] {
     [
         ScoreTable {
@@ -120,7 +120,7 @@ fn tables(document: &DetectionReport<'_>) -> [ScoreTable; 2] {
     ]
 }
 
-/// All scenes, their groups, their halves.
+/// Table lines: all scenes, groups, halves.
 fn lines(
     document: &DetectionReport<'_>,
     all: &SegmentationScore,

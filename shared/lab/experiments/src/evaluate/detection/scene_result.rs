@@ -4,7 +4,7 @@ use constraint::Assumptions;
 use evaluation::segmentation_score::SegmentationScore;
 use serde::Serialize;
 
-/// What came out of one scene.
+/// Result of one scene.
 pub(super) struct SceneResult {
     pub(super) name: String,
     pub(super) group: String,
@@ -14,15 +14,15 @@ pub(super) struct SceneResult {
     pub(super) n_points: usize,
     pub(super) before_psi: SegmentationScore,
     pub(super) after_psi: SegmentationScore,
-    /// Of each repeat, milliseconds.
+    /// Detection times, milliseconds, one for each repetition.
     pub(super) detection_ms: Vec<f64>,
-    /// Of reading the cloud's bytes once, milliseconds.
+    /// Times of reading the cloud's bytes once, milliseconds: the memory bandwidth floor.
     pub(super) pass_ms: Vec<f64>,
-    /// Relative to the folder of the results.
+    /// Path of the picture, relative to the output folder.
     pub(super) picture: String,
 }
 
-/// A scene that was left out.
+/// Skipped scene with its reason.
 #[derive(Debug, Serialize)]
 pub(super) struct SkippedScene {
     pub(super) name: String,

@@ -10,7 +10,7 @@ use serde_json::Value;
 use service::exit_code;
 use std::path::Path;
 
-/// The label of a box in [`scene`].
+/// Label of a box in [`scene`].
 const BOX_LABEL: u32 = 20;
 
 fn arguments(dataset: &Path, out: &Path) -> DetectionArguments {
@@ -23,8 +23,8 @@ fn arguments(dataset: &Path, out: &Path) -> DetectionArguments {
     }
 }
 
-/// Points and labels of a camera that looks straight down on a table with boxes,
-/// each a square of pixels 2.5 cm over it.
+/// Points and labels of a camera looking straight down on a table with boxes, each a square of
+/// pixels 2.5 cm above it.
 fn scene(boxes: &[[u32; 2]]) -> (Vec<Point>, Vec<u32>) {
     let camera = PinholeCamera::KINECT_V1;
     let pixels =
@@ -64,7 +64,7 @@ fn document(out: &Path) -> Value {
 }
 
 #[test]
-fn labelled_clouds_are_scored_timed_and_drawn() {
+fn evaluation_scores_times_and_draws_labelled_clouds() {
     let folder = tempfile::tempdir().unwrap();
     let (dataset, out) = (folder.path().join("data"), folder.path().join("out"));
     std::fs::create_dir(&dataset).unwrap();
@@ -122,7 +122,7 @@ fn labelled_clouds_are_scored_timed_and_drawn() {
 }
 
 #[test]
-fn label_images_say_what_was_scored() {
+fn label_images_reproduce_the_scores() {
     let folder = tempfile::tempdir().unwrap();
     let (dataset, out) = (folder.path().join("data"), folder.path().join("out"));
     std::fs::create_dir(&dataset).unwrap();
@@ -144,7 +144,7 @@ fn label_images_say_what_was_scored() {
     assert_eq!(scores["wov"].as_f64(), Some(again.wov));
     assert_eq!(scores["fus"].as_f64(), Some(again.fus));
     assert_eq!(document["groups"]["data"]["o_f"].as_f64(), Some(again.o_f));
-    // Nothing half written is left.
+    // No partial file is left.
     for place in [&out, &out.join("labels"), &out.join("scenes")] {
         for file in std::fs::read_dir(place).unwrap() {
             let name = file.unwrap().file_name();
@@ -158,7 +158,7 @@ fn label_images_say_what_was_scored() {
 }
 
 #[test]
-fn simulated_sequences_are_scored_by_kind_and_with_gravity() {
+fn simulated_sequences_are_grouped_by_kind_and_have_gravity() {
     let folder = tempfile::tempdir().unwrap();
     let (dataset, out) = (folder.path().join("data"), folder.path().join("out"));
     let output = Output::new(true);
@@ -191,7 +191,7 @@ fn simulated_sequences_are_scored_by_kind_and_with_gravity() {
 }
 
 #[test]
-fn a_folder_without_truth_is_explained() {
+fn unusable_folders_are_refused_with_reasons() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
     for name in ["empty", "unlabelled"] {
@@ -218,7 +218,7 @@ fn a_folder_without_truth_is_explained() {
 }
 
 #[test]
-fn the_report_names_groups_halves_and_the_worst() {
+fn report_lists_groups_halves_and_worst_scenes() {
     let result = |name: &str, wov: f64, is_odd: bool| SceneResult {
         name: name.into(),
         group: "boxes".into(),

@@ -1,10 +1,10 @@
-//! Every question of every run, so that anybody can compute the figures anew.
+//! CSV log of all questions and answers, from which the metrics can be recomputed.
 
 use crate::csv;
 use crate::evaluate::view_table::ViewTable;
 use evaluation::open_ended::{OpenEndedRun, Question};
 
-/// Heads of the columns.
+/// Column headings.
 const HEADS: [&str; 9] = [
     "run",
     "iteration",
@@ -17,8 +17,8 @@ const HEADS: [&str; 9] = [
     "protocol_accuracy",
 ];
 
-/// A line for each question. A run has the name of its seed; an empty prediction is
-/// "unknown"; numbers are written so that they are read as the same.
+/// CSV lines, one for each question. A run is named by its seed; an empty prediction is "unknown";
+/// numbers are written with full precision.
 pub(super) fn csv(runs: &[OpenEndedRun], views: &ViewTable) -> String {
     let mut log = csv::line(&HEADS);
     for run in runs {

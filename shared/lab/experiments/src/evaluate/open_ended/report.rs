@@ -1,4 +1,4 @@
-//! The figures of `tabula evaluate open-ended` as a document.
+//! Report of the open-ended evaluation.
 
 use super::picture;
 use crate::arguments::OpenEndedArguments;
@@ -12,7 +12,7 @@ use evaluation::open_ended::{
 use evaluation::recogniser::Answer;
 use serde::Serialize;
 
-/// All figures.
+/// Report of an open-ended evaluation.
 #[derive(Debug, Serialize)]
 pub(super) struct OpenEndedReport {
     #[serde(flatten)]
@@ -20,7 +20,7 @@ pub(super) struct OpenEndedReport {
     pub(super) runs: Vec<RunFigures>,
     pub(super) mean: Figures,
     pub(super) std: Figures,
-    /// Of the open-set questions of all runs.
+    /// Open-set metrics over the questions of all runs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) open_set: Option<NoveltyScore>,
     pub(super) settings: Settings,
@@ -31,7 +31,7 @@ pub(super) struct OpenEndedReport {
     pub(super) files: ReportFiles,
 }
 
-/// The figures of the published table.
+/// Metrics of the published table.
 #[derive(Debug, Clone, Serialize)]
 pub(super) struct Figures {
     pub(super) qci: Option<f64>,
@@ -41,7 +41,7 @@ pub(super) struct Figures {
     pub(super) apa: Option<f64>,
 }
 
-/// One run.
+/// Metrics of one run.
 #[derive(Debug, Serialize)]
 pub(super) struct RunFigures {
     pub(super) seed: u64,
@@ -55,7 +55,7 @@ pub(super) struct RunFigures {
     pub(super) picture: String,
 }
 
-/// How the figures were made.
+/// Settings of the protocol.
 #[derive(Debug, Serialize)]
 pub(super) struct Settings {
     #[serde(flatten)]
@@ -70,7 +70,7 @@ pub(super) struct Settings {
     seed: u64,
 }
 
-/// Durations on one thread; the only figures that differ from time to time.
+/// Durations on one thread; the only values that vary between repetitions.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(super) struct Timing {
     pub(super) describe_ms: f64,
@@ -78,7 +78,7 @@ pub(super) struct Timing {
 }
 
 impl OpenEndedReport {
-    /// Of runs in the order of their seeds.
+    /// Report of runs ordered by seed.
     pub(super) fn of(
         arguments: &OpenEndedArguments,
         protocol: &Protocol,
@@ -145,7 +145,7 @@ impl RunFigures {
     }
 }
 
-/// Of the questions of all runs.
+/// Open-set metrics of the questions of all runs.
 fn novelty(runs: &[OpenEndedRun]) -> Option<NoveltyScore> {
     let answers = |is_open_set: bool| -> Vec<Answer> {
         let of_runs = runs.iter().flat_map(|run| run.answers(is_open_set));

@@ -1,14 +1,14 @@
-//! The figures of `tabula evaluate open-ended` for people.
+//! Text and HTML page of the open-ended evaluation.
 
 use super::report::{Figures, OpenEndedReport, RunFigures};
 use crate::evaluate::open_set;
 use command_line::format_table;
 use plot::figure_page::{PageFigure, PageTable, html};
 
-/// Heads of the columns.
+/// Column headings.
 const HEADS: [&str; 7] = ["run", "qci", "tlc", "aic", "gca", "apa", "ended"];
 
-/// The text that is printed.
+/// Printed text.
 pub(super) fn text(document: &OpenEndedReport) -> String {
     let mut lines = vec![format_table(&HEADS, &rows(document)), String::new()];
     lines.extend(notes(document));
@@ -16,7 +16,7 @@ pub(super) fn text(document: &OpenEndedReport) -> String {
     lines.join("\n")
 }
 
-/// The page with the figures of all runs.
+/// HTML page with the figures of all runs.
 pub(super) fn page(document: &OpenEndedReport) -> String {
     let table = PageTable::new("Runs", &HEADS, rows(document));
     let overview = PageFigure {
@@ -66,7 +66,7 @@ fn summary(name: &str, figures: &Figures) -> Vec<String> {
     ]
 }
 
-/// What else is said, one sentence each.
+/// Notes below the table, one sentence each.
 fn notes(document: &OpenEndedReport) -> Vec<String> {
     let settings = &document.settings;
     let mut notes = vec![

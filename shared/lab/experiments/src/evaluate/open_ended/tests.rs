@@ -34,8 +34,8 @@ fn arguments(dataset: &Path, out: &Path) -> OpenEndedArguments {
     }
 }
 
-/// Bars of different proportions, one category each; their widths overlap, so that
-/// some are mistaken.
+/// Data set of bars with different proportions, one category each; their widths overlap, so that
+/// some are confused.
 pub(crate) fn write_bars(root: &Path, n_categories: u16, n_views: u16) {
     for category in 0..n_categories {
         let folder = root.join(format!("bar, {category}"));
@@ -78,7 +78,7 @@ fn json(out: &Path) -> Value {
     document
 }
 
-/// Figures of a run as the log has them.
+/// Counts of a run, recomputed from its log.
 #[derive(Debug, Default)]
 struct Counted {
     questions: u32,
@@ -126,7 +126,7 @@ fn check_log(out: &Path) {
 }
 
 #[test]
-fn the_log_gives_the_figures_and_a_seed_gives_the_same_bytes() {
+fn question_log_reproduces_the_metrics_and_runs_are_reproducible() {
     let folder = tempfile::tempdir().unwrap();
     let data = folder.path().join("data");
     write_bars(&data, 6, 40);
@@ -154,7 +154,7 @@ fn the_log_gives_the_figures_and_a_seed_gives_the_same_bytes() {
 }
 
 #[test]
-fn open_set_questions_have_figures_of_their_own() {
+fn open_set_questions_have_their_own_metrics() {
     let folder = tempfile::tempdir().unwrap();
     let data = folder.path().join("data");
     write_bars(&data, 6, 40);
@@ -169,7 +169,7 @@ fn open_set_questions_have_figures_of_their_own() {
 }
 
 #[test]
-fn a_hostile_folder_costs_sentences() {
+fn unusable_views_are_omitted_with_reasons() {
     let folder = tempfile::tempdir().unwrap();
     let data = folder.path().join("data");
     write_bars(&data, 4, 30);
@@ -206,7 +206,7 @@ fn a_hostile_folder_costs_sentences() {
 }
 
 #[test]
-fn data_that_can_not_be_used_is_refused_by_a_sentence() {
+fn unusable_data_sets_are_refused_with_reasons() {
     let folder = tempfile::tempdir().unwrap();
     let check = |data: &Path, change: fn(&mut OpenEndedArguments), part: &str| {
         let mut arguments = arguments(data, &folder.path().join("out"));
@@ -241,7 +241,7 @@ fn restaurant_views() -> PathBuf {
 
 #[test]
 #[ignore = "needs TABULA_DATA"]
-fn real_views_are_learned_and_the_log_agrees() {
+fn real_views_are_learned_reproducibly() {
     let folder = tempfile::tempdir().unwrap();
     let outs = ["first", "second"].map(|name| folder.path().join(name));
     for out in &outs {

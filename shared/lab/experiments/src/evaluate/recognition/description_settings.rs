@@ -1,18 +1,18 @@
-//! How views were described, as part of a document.
+//! Settings of description and comparison, as part of a report.
 
 use crate::arguments::{DescriptionArguments, DescriptorVariant, UpAxis};
 use clap::ValueEnum;
 use serde::Serialize;
 
-/// How views were described and compared.
+/// Settings of description and comparison.
 #[derive(Debug, Serialize)]
 pub(in super::super) struct DescriptionSettings {
     pub(in super::super) variant: &'static str,
     pub(in super::super) distance: String,
-    /// Of GOOD; null for others.
+    /// Bins of GOOD along each side; null for other descriptors.
     pub(in super::super) bins: Option<usize>,
     shape_only: bool,
-    /// What the command line says of it.
+    /// Upward axis of the command line.
     up: Option<String>,
     threshold: Option<f32>,
     views_max: Option<u32>,
@@ -33,7 +33,7 @@ impl DescriptionSettings {
         }
     }
 
-    /// For people: `GOOD with 15 bins (published), half-chi-squared-root`.
+    /// Text for the report: `GOOD with 15 bins (published), half-chi-squared-root`.
     pub(in super::super) fn text(&self) -> String {
         let what = match self.bins {
             Some(bins) => format!("{} GOOD with {bins} bins", self.variant),

@@ -3,20 +3,21 @@
 use crate::arguments::UpAxis;
 use description::{AppearanceWeights, GoodVariant, Support};
 
-/// Points nearer to the middle have no say in the signs of published GOOD, metres.
+/// Distance from the median plane below which a point does not vote on the axis signs of published
+/// GOOD, metres. Value of the published program.
 const SIGN_THRESHOLD_M: f32 = 0.0015;
 
-/// Which descriptor.
+/// Descriptor with its parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum DescriptorChoice {
-    /// GOOD in the frame of its published program.
+    /// GOOD in the reference frame of the published program.
     Good { variant: GoodVariant, n_bins: usize },
-    /// Our own.
+    /// Appearance descriptor: shape, size and colour.
     Appearance {
         weights: AppearanceWeights,
-        /// How many descriptors of an object are compared with what is stored.
+        /// Number of axis hypotheses of a query that are compared.
         n_hypotheses: usize,
-        /// What is up, if it is not as the data tell.
+        /// Upward axis that replaces the one of the data, if given.
         up: Option<UpAxis>,
     },
 }

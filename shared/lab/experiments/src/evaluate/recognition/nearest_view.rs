@@ -1,27 +1,27 @@
-//! The nearest taught view decides, as in the live system.
+//! Nearest-neighbour classifier over taught views, as in the live system.
 
 use super::{HypothesisDescriptors, RecogniserFactory};
 use evaluation::recogniser::{Answer, Recogniser};
 use learning::{CategoryIndex, CategoryName, Error, ViewId};
 
-/// Descriptors of all views, and how they are compared.
+/// Descriptors of all views with an empty index.
 pub(super) struct NearestViewClassifier {
-    /// Nothing is taught in it.
+    /// Index without views.
     empty: CategoryIndex,
-    /// Infinite when nothing is unknown.
+    /// Distance above which an object is unknown; infinite for none.
     threshold: f32,
     names: Vec<CategoryName>,
     descriptors: Vec<HypothesisDescriptors>,
 }
 
-/// The views that were taught.
+/// Nearest-neighbour recogniser over the taught views.
 struct NearestViewRecogniser<'a> {
     views: &'a NearestViewClassifier,
     index: CategoryIndex,
 }
 
 impl NearestViewClassifier {
-    /// Checks the descriptors, which have the order of the views.
+    /// Classifier over descriptors in the order of the views; validates their dimension.
     pub(super) fn new(
         empty: CategoryIndex,
         threshold: f32,
@@ -41,7 +41,7 @@ impl NearestViewClassifier {
     }
 }
 
-/// A name for each number: those of a data set need not be names of the live system.
+/// Category names made of numbers: names of a data set need not be valid in the live system.
 fn names(n: usize) -> Vec<CategoryName> {
     let number = |i: usize| CategoryName::new(&i.to_string());
     // Digits are always a name.

@@ -1,4 +1,4 @@
-//! A way to describe and compare objects, by what an experiment needs to know of it.
+//! Recognition method: descriptor, metric and rejection threshold.
 
 use super::descriptor_choice::DescriptorChoice;
 use super::nearest_view::NearestViewClassifier;
@@ -11,17 +11,17 @@ use description::{AppearanceWeights, AxesKind, N_AXIS_HYPOTHESES};
 use learning::{Calibration, CategoryIndex, Metric};
 use service::Failure;
 
-/// What is described of an object, and how descriptions are compared.
+/// Descriptor, metric and rejection threshold.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in super::super) struct RecognitionMethod {
     descriptor: DescriptorChoice,
     metric: Metric,
-    /// Infinite when nothing is unknown.
+    /// Distance above which an object is unknown; infinite for none.
     threshold: f32,
 }
 
 impl RecognitionMethod {
-    /// What the command line asks for.
+    /// Method of the command-line options.
     pub(in super::super) fn of(arguments: &DescriptionArguments) -> Self {
         let weights = if arguments.shape_only {
             AppearanceWeights::shape_only()
@@ -43,7 +43,7 @@ impl RecognitionMethod {
         }
     }
 
-    /// One of those that an ablation compares.
+    /// Method of an ablation variant.
     pub(in super::super) fn of_ablation(variant: AblationVariant, n_bins: usize) -> Self {
         let all = AppearanceWeights::default();
         let (descriptor, metric) = match variant {
@@ -84,12 +84,12 @@ impl RecognitionMethod {
         }
     }
 
-    /// What describes views.
+    /// Describer of the method.
     pub(in super::super) fn describer(&self) -> Result<ViewDescriber, Failure> {
         ViewDescriber::new(&self.descriptor)
     }
 
-    /// What learns views by their descriptions, which are in the order of the table.
+    /// Factory of recognisers over the descriptors, which are in the order of the table.
     pub(in super::super) fn recogniser_factory(
         &self,
         views: &ViewTable,
@@ -108,7 +108,8 @@ impl RecognitionMethod {
         Ok(Box::new(factory.map_err(failed)?))
     }
 
-    /// As in the live system, where all descriptors are compared in its metric.
+    /// Calibration of the live system; `None` unless all axis hypotheses are compared with its
+    /// metric.
     fn calibration(&self, is_up_known: bool) -> Option<Calibration> {
         let DescriptorChoice::Appearance {
             n_hypotheses, up, ..

@@ -1,4 +1,4 @@
-//! Describes one view after the other.
+//! View describer: a descriptor with its scratch memory.
 
 use super::HypothesisDescriptors;
 use super::descriptor_choice::DescriptorChoice;
@@ -8,16 +8,16 @@ use description::{AppearanceDescriptor, Descriptor, Error, Good, ObjectPoints, r
 use nalgebra::UnitVector3;
 use service::{Failure, exit_code};
 
-/// A descriptor with its scratch memory.
+/// Descriptor with its scratch memory.
 #[derive(Clone)]
 pub(in super::super) enum ViewDescriber {
-    /// GOOD in the frame of its published program; it knows no direction of gravity.
+    /// GOOD in the reference frame of the published program; it ignores gravity.
     Good(Box<Good>),
-    /// Our own.
+    /// Appearance descriptor: shape, size and colour.
     Appearance {
         appearance: Box<AppearanceDescriptor>,
         n_hypotheses: usize,
-        /// What is up, if it is not as the data tell.
+        /// Upward axis that replaces the one of the data, if given.
         up: Option<UpAxis>,
     },
 }
@@ -40,8 +40,8 @@ impl ViewDescriber {
         }
     }
 
-    /// All descriptors of an object; `up` is the direction against gravity in the frame of
-    /// its points, where it is known.
+    /// Descriptors of all axis hypotheses of an object. `up` is the unit vector against gravity in
+    /// the frame of the points, if known.
     ///
     /// # Errors
     /// When there are too few points.

@@ -1,8 +1,8 @@
-//! What a candidate really is.
+//! Candidate label: match of a detected candidate with the ground-truth mask.
 
 use point_cloud::Point;
 
-/// How many pixels with depth each object of a frame shows; the index is its number.
+/// Number of pixels with depth of each object of a frame, indexed by object number.
 pub(super) fn visible_pixels(mask: &[u16], points: &[Point], n_objects: usize) -> Vec<usize> {
     let mut counts = vec![0; n_objects + 1];
     for (&id, point) in mask.iter().zip(points) {
@@ -15,21 +15,20 @@ pub(super) fn visible_pixels(mask: &[u16], points: &[Point], n_objects: usize) -
     counts
 }
 
-/// What a candidate is.
+/// Label of a candidate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum CandidateLabel {
-    /// The object of this number, from 1: most of the candidate's pixels are of it, and at
-    /// least half of the object's visible pixels are of the candidate.
+    /// Object of this number, from 1: most of the candidate's pixels show it, and at least half of
+    /// the object's visible pixels belong to the candidate.
     Object(u16),
-    /// A smaller part of the object of this number: most of the candidate's pixels are of
-    /// it.
+    /// Smaller part of the object of this number: most of the candidate's pixels show it.
     Part(u16),
-    /// Anything else.
+    /// No object.
     NoObject,
 }
 
-/// What the candidate of these pixels is, by the number of each pixel's object and by the
-/// objects' visible pixels.
+/// Label of the candidate with these pixels, from the object number of each pixel and the objects'
+/// visible pixels.
 pub(super) fn label(pixels: &[u32], mask: &[u16], visible: &[usize]) -> CandidateLabel {
     let mut counts = vec![0; visible.len()];
     for &pixel in pixels {
@@ -56,7 +55,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_candidate_needs_the_majority_of_its_own_and_half_of_the_objects_pixels() {
+    fn label_needs_most_of_the_candidates_and_half_of_the_objects_pixels() {
         // Two objects of six and of four pixels, two pixels of the table, one of the arm.
         let mask = [1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 0, 0, u16::MAX];
         let points = [Point::default(); 13];
@@ -76,7 +75,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_depth_is_not_visible() {
+    fn pixels_without_depth_are_not_visible() {
         let mut points = [Point::default(); 4];
         points[2].z = f32::NAN;
         assert_eq!(visible_pixels(&[1, 1, 1, 0], &points, 1)[1], 2);

@@ -1,4 +1,4 @@
-//! One scene: simulated, detected, labelled, described.
+//! Scene describer: simulates one scene, detects, labels and describes its objects.
 
 use super::candidate_label::{CandidateLabel, label, visible_pixels};
 use super::scene_sampler::SceneSampler;
@@ -20,35 +20,35 @@ use simulated_world::{ObjectTruth, SimulatedKinect, World};
 use std::path::Path;
 use std::time::Instant;
 
-/// The camera of all scenes.
+/// Camera of all scenes.
 const CAMERA: PinholeCamera = PinholeCamera::KINECT_V1;
-/// Folder of the pictures, within that of the results.
+/// Folder of the pictures, inside the output folder.
 pub(in super::super) const PICTURES: &str = "scenes";
-/// CandidateLabel of what is no object.
+/// Label of background in the drawn truth.
 const NO_OBJECT: u16 = 1;
 
-/// What is known of one scene.
+/// Detected objects and false candidates of one scene.
 #[derive(Debug, Default)]
 pub(super) struct DescribedScene {
     /// Categories of the objects that show a pixel with depth.
     pub(super) visible: Vec<u32>,
-    /// How many objects show none.
+    /// Number of objects without a pixel with depth.
     pub(super) n_hidden: u32,
-    /// The objects that were found: category and description.
+    /// Detected objects: category and descriptors.
     pub(super) found: Vec<(u32, HypothesisDescriptors)>,
-    /// Descriptions of candidates that are no object, or a smaller part of one.
+    /// Descriptors of the false candidates: no object, or a smaller part of one.
     pub(super) clutter: Vec<HypothesisDescriptors>,
-    /// Categories of the objects that some of these are parts of.
+    /// Categories of the objects that false candidates are parts of.
     pub(super) parts: Vec<u32>,
-    /// Sum over all descriptions, milliseconds.
+    /// Sum of the description times, milliseconds.
     pub(super) describe_ms: f64,
-    /// Why candidates could not be described.
+    /// Reasons of candidates that could not be described.
     pub(super) left_out: Vec<String>,
-    /// What the drawn scene is called, and where it is.
+    /// Name and path of the drawn scene.
     pub(super) picture: Option<(String, String)>,
 }
 
-/// What is kept from scene to scene.
+/// Simulator, detector and describer of one worker, with buffers reused from scene to scene.
 pub(super) struct SceneDescriber {
     describer: ViewDescriber,
     config: Config,
@@ -57,13 +57,13 @@ pub(super) struct SceneDescriber {
     points: Vec<Point>,
 }
 
-/// A frame with its truth.
+/// Simulated frame with its ground truth.
 struct LabelledFrame<'a> {
     number: usize,
     mask: &'a [u16],
-    /// The category of each object, whose number is one more than its place.
+    /// Category of each object by index; the object's number is one more.
     categories: Vec<u32>,
-    /// Pixels with depth by number.
+    /// Number of pixels with depth, by object number.
     visible: Vec<usize>,
     up_in_camera: Unit<Vector3<f64>>,
 }
@@ -79,10 +79,10 @@ impl SceneDescriber {
         }
     }
 
-    /// Looks once at a scene of the sampler, and draws it if it is the first of its kind.
+    /// Renders, detects and describes one scene; draws it if it is the first of its kind.
     ///
     /// # Errors
-    /// When the scene can not be laid or be looked at, or the picture not be written.
+    /// If the scene cannot be built or rendered, or the picture cannot be written.
     pub(super) fn describe(
         &mut self,
         sampler: &SceneSampler,
@@ -109,7 +109,7 @@ impl SceneDescriber {
         Ok(described)
     }
 
-    /// A frame that is refused has no candidates: all of its objects are missed.
+    /// Runs detection. A refused frame has no candidates, so all of its objects are missed.
     fn detect(&mut self, frame_truth: &LabelledFrame<'_>) -> Result<(), Failure> {
         let (width, height) = (CAMERA.width as usize, CAMERA.height as usize);
         let frame = DetectionInput {
@@ -125,7 +125,7 @@ impl SceneDescriber {
         Ok(())
     }
 
-    /// Describes what the rule takes for an object, upright on the table.
+    /// Labels and describes the candidates that fulfil the object rule, upright on the table.
     fn label_and_describe(&mut self, frame_truth: &LabelledFrame<'_>) -> DescribedScene {
         let mut scene = DescribedScene::default();
         for (&category, &n_pixels) in frame_truth.categories.iter().zip(&frame_truth.visible[1..]) {
@@ -152,7 +152,7 @@ impl SceneDescriber {
                 Err(error) => {
                     let number = frame_truth.number;
                     scene.left_out.push(format!(
-                        "a candidate of scene {number} can not be described: {error}"
+                        "a candidate of scene {number} cannot be described: {error}"
                     ));
                     continue;
                 }
@@ -170,7 +170,7 @@ impl SceneDescriber {
         scene
     }
 
-    /// Draws colour, truth and result side by side.
+    /// Draws colour, truth and result in one picture.
     fn draw(&self, frame_truth: &LabelledFrame<'_>, path: &Path) -> Result<(), Failure> {
         let n_objects = frame_truth.categories.len();
         let label_of = |(&id, point): (&u16, &Point)| match usize::from(id) {

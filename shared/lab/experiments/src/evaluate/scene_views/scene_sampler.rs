@@ -1,10 +1,10 @@
-//! Which objects stand in which scene, and where the camera is.
+//! Scene sampler: object sets on a table under a camera of two heights.
 
 use crate::failure::failed;
 use service::Failure;
 use simulated_world::{CameraMount, Error, ModelChoice, ModelLibrary, Scene, World};
 
-/// Sets of objects; a scene has one object of each category of its set.
+/// Object sets; a scene has one object of each category of its set.
 const SETS: [(&str, &[&str]); 6] = [
     (
         "breakfast",
@@ -72,28 +72,28 @@ const SETS: [(&str, &[&str]); 6] = [
     ),
 ];
 
-/// Heights of the camera over the table, metres.
+/// Heights of the camera above the table, metres. Chosen.
 const HEIGHTS_M: [f64; 2] = [0.5, 0.9];
-/// Distance of the camera from the middle of the table along the floor, metres.
+/// Horizontal distance of the camera from the middle of the table, metres. Chosen.
 const AWAY_M: f64 = 0.95;
-/// How often places are drawn anew for objects that do not all find one.
+/// Maximum number of placement attempts of a scene. Chosen.
 const N_TRIES: u64 = 20;
 
-/// Everything that scenes are made from.
+/// Source of simulated scenes: seed, categories and models.
 #[derive(Debug)]
 pub(super) struct SceneSampler {
     seed: u64,
     /// Names of the categories of all sets, sorted.
     categories: Vec<&'static str>,
-    /// The models of all sets.
+    /// Models of all sets.
     library: ModelLibrary,
 }
 
 impl SceneSampler {
-    /// Numbers of sets and cameras.
+    /// Number of kinds of scenes: object sets times camera heights.
     const N_KINDS: usize = SETS.len() * HEIGHTS_M.len();
 
-    /// Loads the objects: one of each category, chosen by the seed.
+    /// Sampler with one loaded model of each category, chosen by the seed.
     pub(super) fn new(seed: u64) -> Result<Self, Failure> {
         let mut library = ModelLibrary::generated();
         let mut categories: Vec<&str> =
@@ -109,30 +109,30 @@ impl SceneSampler {
         })
     }
 
-    /// The categories in the order of their numbers.
+    /// Category names in the order of their numbers.
     pub(super) fn categories(&self) -> &[&'static str] {
         &self.categories
     }
 
-    /// The number of a category that is on the sampler.
+    /// Number of a category of the sets.
     pub(super) fn number_of(&self, category: &str) -> Option<u32> {
         let index = self.categories.binary_search(&category).ok()?;
         Some(index as u32)
     }
 
-    /// Set and camera of a scene as one number: they take turns.
+    /// Kind of a scene: object set and camera height as one number; kinds alternate.
     pub(super) fn kind_of(scene: usize) -> usize {
         scene % Self::N_KINDS
     }
 
-    /// What the kind of a scene is called, if the scene is the first of its kind.
+    /// Name of the kind of a scene, if the scene is the first of its kind.
     pub(super) fn name_if_first(scene: usize) -> Option<String> {
         let (set, height) = set_and_height(scene);
         let name = || format!("{}-{:.0}-cm", SETS[set].0, 100.0 * HEIGHTS_M[height]);
         (scene < Self::N_KINDS).then(name)
     }
 
-    /// A scene whose objects have come to rest.
+    /// World of a scene with its objects at rest.
     ///
     /// # Errors
     /// When the objects find no place.
@@ -164,7 +164,7 @@ fn object(category: &str, seed: u64) -> ModelChoice {
     }
 }
 
-/// Where the default camera is, but so high over the table.
+/// Camera mount at a height above the table, in the direction of the default mount.
 fn mount(height_m: f64, scene: &Scene) -> CameraMount {
     let mount = CameraMount::default();
     let rise_m = scene.table.height_m + height_m - mount.look_at_m[2];
@@ -180,7 +180,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn scenes_have_the_objects_of_their_set_before_a_camera_of_their_height() {
+    fn scenes_have_the_objects_and_camera_height_of_their_kind() {
         let sampler = SceneSampler::new(1).unwrap();
         let heights = [0, 6].map(|scene| {
             let world = sampler.world(scene).unwrap();

@@ -3,7 +3,7 @@ use crate::arguments::AblationVariant;
 use std::fs;
 
 #[test]
-fn most_objects_are_found_in_twelve_kinds_of_scenes_and_the_seed_decides() {
+fn scene_views_find_most_objects_and_are_reproducible() {
     let folder = tempfile::tempdir().unwrap();
     fs::create_dir_all(folder.path().join(PICTURES)).unwrap();
     let method = RecognitionMethod::of_ablation(AblationVariant::Ours, 15);

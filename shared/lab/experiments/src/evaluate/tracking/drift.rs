@@ -1,5 +1,5 @@
-//! Tracks of a recording of which no truth is known: their spans and drift, and
-//! pictures by which a person can say what they are.
+//! Track drift in a recording without ground truth: spans, drift, and pictures for labelling by a
+//! person.
 
 use super::PICTURES;
 use super::recorded_sequence::{ProcessedFrame, RecordedSequence};
@@ -18,11 +18,11 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Folder of the frames with boxes, within that of the results.
+/// Folder of the frames with boxes, inside the output folder.
 const FRAMES: &str = "frames";
-/// Every so many frames one is drawn.
+/// Number of frames for each drawn one. Chosen.
 const FRAMES_A_PICTURE: usize = 25;
-/// Largest file of labels, bytes.
+/// Maximum size of a label file, bytes. Chosen.
 const MOST_BYTES: u64 = 1 << 20;
 
 #[derive(Debug, Serialize)]
@@ -51,16 +51,16 @@ struct TrackDrift {
     sigma_mm: f64,
 }
 
-/// What is labelled as one object.
+/// Tracks with the same object label.
 #[derive(Debug, Default, Serialize)]
 struct ObjectDrift {
     ids: Vec<u64>,
     n_frames_seen: usize,
-    /// The greatest of its tracks.
+    /// Maximum drift of the tracks, millimetres.
     drift_mm: f64,
 }
 
-/// Tracks, measures and draws.
+/// Tracks the recording, and writes spans, drift and pictures.
 pub(super) fn run(
     recording: &RecordedSequence,
     arguments: &TrackingArguments,
@@ -97,7 +97,7 @@ pub(super) fn run(
     Ok(ExitCode::SUCCESS)
 }
 
-/// The frame with the boxes of the tracks that are seen in it.
+/// Picture of a frame with the boxes of its visible tracks.
 fn picture(shown: &ProcessedFrame<'_>) -> Result<Vec<u8>, Failure> {
     let camera_from_world = shown.world_from_camera.inverse();
     let outputs = shown.tracks.iter().filter(|track| track.is_output);
@@ -149,7 +149,7 @@ fn document(
     }
 }
 
-/// The tracks of each label.
+/// Tracks grouped by label.
 fn objects(tracks: &[TrackDrift]) -> BTreeMap<String, ObjectDrift> {
     let mut objects: BTreeMap<String, ObjectDrift> = BTreeMap::new();
     for track in tracks {
@@ -162,10 +162,10 @@ fn objects(tracks: &[TrackDrift]) -> BTreeMap<String, ObjectDrift> {
     objects
 }
 
-/// Reads lines of `track_id,object-name`; the first may be a heading.
+/// Reads lines of `track_id,object-name`; the first line may be a heading.
 fn read_labels(path: &Path) -> Result<BTreeMap<u64, String>, Failure> {
     let wrong = |cause: String| {
-        let sentence = format!("the labels in {} can not be used: {cause}", path.display());
+        let sentence = format!("the labels in {} cannot be used: {cause}", path.display());
         Failure::new(exit_code::USAGE, sentence)
     };
     let size = std::fs::metadata(path).map_err(|error| wrong(error.to_string()))?;
@@ -280,7 +280,7 @@ mod tests {
     }
 
     #[test]
-    fn an_object_has_all_ids_with_its_label() {
+    fn objects_collect_the_tracks_of_their_label() {
         let track = |id, label: Option<&str>, drift_mm| TrackDrift {
             id,
             label: label.map(str::to_owned),

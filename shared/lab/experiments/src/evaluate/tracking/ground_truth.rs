@@ -1,4 +1,4 @@
-//! The truth of a simulated frame as the score needs it.
+//! Ground truth of a frame: reference boxes and visibility of its objects.
 
 use evaluation::tracked_frame::GroundTruthObject;
 use evaluation::true_shape::{SeenSurface, WholeShape};
@@ -7,36 +7,38 @@ use nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
 use simulated_world::{ObjectModel, ObjectState, ObjectTruth};
 use std::collections::BTreeMap;
 
-/// An object must be tracked when at least this share of it is seen.
+/// Minimum visible share of an object for which tracking is scored. Chosen; part of the metric
+/// definition.
 const VISIBLE_MIN: f64 = 0.3;
-/// And when at least so many pixels show it.
+/// Minimum number of visible pixels of an object for which tracking is scored. Chosen; part of the
+/// metric definition.
 const VISIBLE_PX_MIN: u32 = 200;
-/// And when it lies wholly so far inside of the image, pixels: depth ends before
-/// the image does.
+/// Minimum distance of a scored object's box from the image border, pixels: depth ends before the
+/// image does. Chosen; part of the metric definition.
 const BORDER_PX: f64 = 10.0;
 
-/// Recorded depth that is farther than this outside of an object's box is that of
-/// something else, whatever the mask says, metres.
+/// Maximum distance of recorded depth outside of an object's box, metres; farther depth belongs to
+/// something else, whatever the mask says. Chosen.
 const REACH_M: f64 = 0.005;
 
-/// GroundTruth of one object that lasts from frame to frame.
+/// Shape of one object and its surface seen so far.
 struct ObjectShape {
     whole: WholeShape,
     seen: SeenSurface,
     half_sides_m: Vector3<f64>,
 }
 
-/// All objects of a scene by number.
+/// Ground truth of all objects of a scene, by number.
 pub(super) struct GroundTruth {
     camera: PinholeCamera,
     objects: BTreeMap<u16, ObjectShape>,
 }
 
-/// Depth and object of each pixel.
+/// Depth image with the object number of each pixel.
 pub(super) struct LabelledDepthImage<'a> {
-    /// Along the camera's axis, row by row; what is not finite is none.
+    /// Depth along the optical axis, metres, row-major; NaN where invalid.
     pub(super) depth_m: &'a [f32],
-    /// Whether the depth is that before the sensor's errors.
+    /// True for depth without sensor errors.
     pub(super) is_exact: bool,
     pub(super) mask: &'a [u16],
     pub(super) world_from_camera: RigidTransform,
@@ -51,7 +53,7 @@ impl GroundTruth {
         }
     }
 
-    /// Makes an object known by its model.
+    /// Adds an object by its model.
     pub(super) fn know(&mut self, id: u16, model: &ObjectModel) {
         self.objects.entry(id).or_insert_with(|| {
             let vertices = model.mesh.vertices.iter();
@@ -60,7 +62,7 @@ impl GroundTruth {
         });
     }
 
-    /// Makes an object known by its model if it is a generated one, else as a box.
+    /// Adds an object by the name of its generated model, else as a box.
     pub(super) fn know_by_name(&mut self, object: &ObjectTruth) {
         self.objects.entry(object.id).or_insert_with(|| {
             let half_sides_m = object.size_m / 2.0;
@@ -72,8 +74,7 @@ impl GroundTruth {
         });
     }
 
-    /// The objects of a frame. What a pixel shows is added to what was seen of its
-    /// object.
+    /// Ground-truth objects of a frame; adds the pixels to the surfaces seen so far.
     pub(super) fn of_frame(
         &mut self,
         view: &LabelledDepthImage<'_>,
@@ -146,7 +147,7 @@ impl ObjectShape {
     }
 }
 
-/// Points of the surface of a generated object, by its name: `mug-3`.
+/// Surface points of a generated object, by its name such as `mug-3`.
 fn generated_points(object: &ObjectTruth) -> Option<Vec<Point3<f64>>> {
     let instance = object.name.strip_prefix(&object.category)?;
     let instance = instance.strip_prefix('-')?.parse().ok()?;
@@ -165,7 +166,7 @@ fn corners(half_sides_m: &Vector3<f64>) -> Vec<Point3<f64>> {
     (0..8).map(corner).collect()
 }
 
-/// Whether all corners of a box are seen well inside of the image.
+/// True if all corners of a box project well inside the image.
 fn is_inside(
     camera: &PinholeCamera,
     camera_from_object: &RigidTransform,

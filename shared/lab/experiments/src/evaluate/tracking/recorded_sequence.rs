@@ -1,4 +1,4 @@
-//! Tracking in a recorded sequence with poses.
+//! Recorded RGB-D sequence with camera poses, and its tracking.
 
 use super::RATE_HZ;
 use super::ground_truth::{GroundTruth, LabelledDepthImage};
@@ -16,13 +16,13 @@ use simulated_world::{ObjectState, ObjectTruth};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// A sequence, and what it is called.
+/// RGB-D sequence with its name.
 pub(super) struct RecordedSequence {
     pub(super) name: String,
     sequence: RgbdSequence,
 }
 
-/// A frame that was just tracked.
+/// Processed frame with its tracks.
 pub(super) struct ProcessedFrame<'a> {
     pub(super) index: usize,
     pub(super) points: &'a [Point],
@@ -31,7 +31,7 @@ pub(super) struct ProcessedFrame<'a> {
     pub(super) tracks: &'a [TrackState],
 }
 
-/// A frame's truth as it stands in a file.
+/// Ground truth of a frame as written in its file.
 #[derive(Deserialize)]
 struct RawGroundTruth {
     objects: Vec<RawObject>,
@@ -109,13 +109,13 @@ impl RecordedSequence {
         self.sequence.n_frames()
     }
 
-    /// Whether its first frame says what is truly there.
+    /// True if the first frame has a ground-truth file.
     pub(super) fn has_truth(&self) -> Result<bool, Failure> {
         let mut text = Vec::new();
         self.sequence.read_truth(0, &mut text).map_err(failed)
     }
 
-    /// Tracks its objects; each frame is shown when it is done.
+    /// Tracks the objects of all frames; calls `show` after each frame.
     pub(super) fn play(
         &self,
         mut show: impl FnMut(&ProcessedFrame<'_>) -> Result<(), Failure>,
@@ -181,7 +181,7 @@ impl RecordedSequence {
         })
     }
 
-    /// Upwards; z where gravity was not recorded.
+    /// Unit vector against gravity, world frame; the z axis if gravity was not recorded.
     pub(super) fn up_in_world(&self) -> UnitVector3<f64> {
         let gravity = self.sequence.gravity_in_world();
         gravity.map_or_else(Vector3::z_axis, |down| -down)
@@ -197,7 +197,7 @@ impl RecordedSequence {
     }
 }
 
-/// What the files say is truly there.
+/// Reader of the ground-truth files of a sequence.
 struct GroundTruthReader {
     truth: GroundTruth,
     names: BTreeMap<u64, String>,
@@ -219,7 +219,7 @@ impl GroundTruthReader {
         }
     }
 
-    /// The objects of a frame; none without truth or mask.
+    /// Ground-truth objects of a frame; none without truth or mask file.
     fn read(
         &mut self,
         recording: &RecordedSequence,
@@ -262,7 +262,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_written_is_read_again_and_what_is_wrong_is_told() {
+    fn ground_truth_files_are_read_back_and_validated() {
         let object = ObjectTruth {
             id: 3,
             name: "mug-7".into(),

@@ -1,4 +1,4 @@
-//! The figures of `tabula evaluate tracking` as a document.
+//! Report of the tracking evaluation.
 
 use super::tracking_run::TrackingRun;
 use crate::arguments::TrackingArguments;
@@ -8,7 +8,7 @@ use serde::Serialize;
 use statistics::spread::Spread;
 use std::collections::BTreeMap;
 
-/// All figures.
+/// Report of a tracking evaluation.
 #[derive(Debug, Serialize)]
 pub(super) struct TrackingReport {
     version: &'static str,
@@ -21,7 +21,7 @@ pub(super) struct TrackingReport {
     pub(super) files: ReportFiles,
 }
 
-/// How the figures were made.
+/// Settings of the evaluation.
 #[derive(Debug, Serialize)]
 struct Settings {
     seeds: u64,
@@ -30,7 +30,7 @@ struct Settings {
     gate_mm: f64,
 }
 
-/// Figures of some runs.
+/// Pooled metrics of some runs.
 #[derive(Debug, Serialize)]
 pub(super) struct Figures {
     pub(super) n_runs: usize,
@@ -59,7 +59,7 @@ pub(super) struct Figures {
     pub(super) removed: Option<Removed>,
 }
 
-/// How long tracks of removed objects live on.
+/// Survival time of the tracks of removed objects.
 #[derive(Debug, Serialize)]
 pub(super) struct Removed {
     n: usize,
@@ -67,7 +67,7 @@ pub(super) struct Removed {
     pub(super) ended_after_s: Option<Spread>,
 }
 
-/// One scene.
+/// Metrics of one scene.
 #[derive(Debug, Serialize)]
 pub(super) struct SceneFigures {
     #[serde(flatten)]
@@ -75,7 +75,7 @@ pub(super) struct SceneFigures {
     pub(super) per_seed: Vec<SeedFigures>,
 }
 
-/// One run.
+/// Metrics of one run.
 #[derive(Debug, Serialize)]
 pub(super) struct SeedFigures {
     pub(super) seed: Option<u64>,
@@ -138,7 +138,7 @@ impl Removed {
 }
 
 impl TrackingReport {
-    /// Of runs in the order of scenes and seeds.
+    /// Report of runs ordered by scene and seed.
     pub(super) fn of(runs: &[TrackingRun], arguments: &TrackingArguments) -> Self {
         let mut scenes = BTreeMap::new();
         for run in runs {

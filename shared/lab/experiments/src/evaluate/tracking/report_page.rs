@@ -1,17 +1,17 @@
-//! The figures of `tabula evaluate tracking` for people.
+//! Text and HTML page of the tracking evaluation.
 
 use super::report::{Figures, SeedFigures, TrackingReport};
 use command_line::format_table;
 use plot::figure_page::{PageFigure, PageTable, html};
 use statistics::spread::Spread;
 
-/// Heads of the columns.
+/// Column headings.
 const HEADS: [&str; 16] = [
     "scene", "runs", "mota", "idf1", "switches", "misses", "false", "centre", "p95", "p99",
     "at 1 m", "turn", "p95", "flips", "lost", "ids",
 ];
 
-/// The text that is printed.
+/// Printed text.
 pub(super) fn text(document: &TrackingReport) -> String {
     let mut lines = vec![format_table(&HEADS, &rows(document)), String::new()];
     lines.extend(legend());
@@ -19,7 +19,7 @@ pub(super) fn text(document: &TrackingReport) -> String {
     lines.join("\n")
 }
 
-/// The page with the figure of each run; within a scene the worst first.
+/// HTML page with the figure of each run, worst first within a scene.
 pub(super) fn page(document: &TrackingReport) -> String {
     let table = PageTable::new("Scenes", &HEADS, rows(document));
     let mut notes = vec![
@@ -37,7 +37,7 @@ pub(super) fn page(document: &TrackingReport) -> String {
     html("Tracking", &notes, &[table], &runs.collect::<Vec<_>>())
 }
 
-/// Worst first: lower is worse.
+/// Sort key of a run; lower is worse.
 fn rank(run: &SeedFigures) -> f64 {
     let accuracy = run.figures.mota.unwrap_or(1.0) + run.figures.idf1.unwrap_or(1.0);
     accuracy - run.figures.id_switches as f64
@@ -70,7 +70,7 @@ fn rows(document: &TrackingReport) -> Vec<Vec<String>> {
     rows
 }
 
-/// What the columns mean.
+/// Legend of the columns.
 fn legend() -> [String; 2] {
     [
         "centre: median, 95th and 99th percentile of the distance from the centre of the box of \

@@ -1,11 +1,11 @@
-//! Which scenarios are told.
+//! Tracking scenarios: built-in and user-defined scene files.
 
 use crate::failure::failed;
 use service::{Failure, exit_code};
 use simulated_world::{ModelLibrary, Scene};
 use std::path::{Path, PathBuf};
 
-/// The scenes that are part of the program.
+/// Built-in scenarios.
 const BUILT_IN: [(&str, &str); 7] = [
     (
         "static",
@@ -37,16 +37,15 @@ const BUILT_IN: [(&str, &str); 7] = [
     ),
 ];
 
-/// Largest scene file, bytes.
+/// Maximum size of a scene file, bytes. Chosen.
 const MOST_BYTES: u64 = 1 << 20;
 
-/// A scene file; from seed to seed it tells the same scenario with other objects in
-/// other places.
+/// Scene file; each seed plays the same actions with other objects at other places.
 #[derive(Debug, Clone)]
 pub(super) struct Scenario {
     pub(super) name: String,
     text: String,
-    /// Where paths in it count from.
+    /// Folder to which paths in the file are relative.
     folder: PathBuf,
 }
 
@@ -72,11 +71,11 @@ impl Scenario {
 }
 
 fn unreadable(path: &Path, cause: impl std::fmt::Display) -> Failure {
-    let sentence = format!("the scene {} can not be read: {cause}", path.display());
+    let sentence = format!("the scene {} cannot be read: {cause}", path.display());
     Failure::new(exit_code::USAGE, sentence)
 }
 
-/// The scenes that are part of the program.
+/// Built-in scenarios.
 pub(super) fn built_in() -> Vec<Scenario> {
     let scenarios = BUILT_IN.iter().map(|(name, text)| Scenario {
         name: (*name).to_owned(),
@@ -86,7 +85,7 @@ pub(super) fn built_in() -> Vec<Scenario> {
     scenarios.collect()
 }
 
-/// The scene files that a path names: itself, or those in the folder, by name.
+/// Scenarios of a path: the file itself, or the TOML files of the folder, sorted by name.
 pub(super) fn of_files(path: &Path) -> Result<Vec<Scenario>, Failure> {
     if path.is_file() {
         return Ok(vec![Scenario::open(path)?]);
@@ -105,7 +104,7 @@ pub(super) fn of_files(path: &Path) -> Result<Vec<Scenario>, Failure> {
     files.iter().map(|file| Scenario::open(file)).collect()
 }
 
-/// Those of the given names, all without names.
+/// Scenarios of the given names; all without names.
 pub(super) fn chosen(scenarios: Vec<Scenario>, names: &[String]) -> Result<Vec<Scenario>, Failure> {
     let known: Vec<String> = scenarios
         .iter()
@@ -151,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn every_story_has_six_objects_two_of_them_alike_and_goes_as_told() {
+    fn every_scenario_has_six_objects_two_of_them_alike_and_ends_settled() {
         for scenario in built_in() {
             for seed in 1..=20 {
                 let mut world = world(&scenario.name, seed);
@@ -173,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn the_crossing_objects_change_places() {
+    fn crossing_objects_change_places() {
         let mut world = world("crossing", 3);
         let before = [1, 2].map(|id| place(&world, id));
         play(&mut world, 21.0);
@@ -184,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn the_pushed_object_touches_the_other_and_leaves_it() {
+    fn pushed_object_touches_the_other_and_leaves_it() {
         for seed in [1, 2, 3] {
             let mut world = world("contact-and-separation", seed);
             let gap_m = |world: &World| {
@@ -201,14 +200,14 @@ mod tests {
     }
 
     #[test]
-    fn the_removed_object_is_gone() {
+    fn removed_object_is_gone() {
         let mut world = world("removed", 1);
         play(&mut world, 9.5);
         assert!(world.find(1).is_none() && world.find(2).is_some());
     }
 
     #[test]
-    fn files_of_a_folder_are_stories_by_name_and_unknown_names_are_told() {
+    fn scenario_files_are_sorted_by_name_and_unknown_names_are_refused() {
         let folder = tempfile::tempdir().unwrap();
         for name in ["b.toml", "a.toml", "c.txt"] {
             std::fs::write(folder.path().join(name), "seed = 3").unwrap();

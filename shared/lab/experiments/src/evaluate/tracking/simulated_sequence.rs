@@ -1,4 +1,4 @@
-//! Tracking in simulated scenes.
+//! Tracking of simulated scenarios.
 
 use super::RATE_HZ;
 use super::ground_truth::{GroundTruth, LabelledDepthImage};
@@ -14,12 +14,12 @@ use service::Failure;
 use simulated_world::{SimulatedKinect, World};
 use std::collections::BTreeMap;
 
-/// Length of a scene that does not say it, seconds.
+/// Default duration of a scene, seconds. Chosen.
 const DURATION_S: f64 = 10.0;
-/// Capture stamp of the first frame: a camera's clock does not begin with it.
+/// Capture time of the first frame, nanoseconds; not zero, as with a real camera.
 const FIRST_CAPTURE_NS: u64 = 1_000_000_000;
 
-/// Plays a scenario from a seed and tracks its objects.
+/// Simulates a scenario with a seed and tracks its objects.
 pub(super) fn play(scenario: &Scenario, seed: u64) -> Result<TrackedSequence, Failure> {
     let (scene, library) = scenario.scene(seed)?;
     let duration_s = scene.duration_s.unwrap_or(DURATION_S);
@@ -57,7 +57,7 @@ pub(super) fn play(scenario: &Scenario, seed: u64) -> Result<TrackedSequence, Fa
     Ok(sequence)
 }
 
-/// What is seen before the sensor's errors.
+/// Exact depth image, without sensor errors, with the object mask.
 fn exact_view<'a>(kinect: &'a SimulatedKinect, world: &World) -> LabelledDepthImage<'a> {
     LabelledDepthImage {
         depth_m: kinect.image().depth_m(),
@@ -98,7 +98,7 @@ mod tests {
     use crate::evaluate::tracking::scenario::built_in;
 
     #[test]
-    fn at_least_six_objects_of_every_story_are_seen_at_first() {
+    fn every_scenario_shows_at_least_six_scored_objects_at_first() {
         let camera = PinholeCamera::KINECT_V1;
         let mut points = vec![Point::default(); camera.n_pixels()];
         for (scenario, seed) in built_in().iter().flat_map(|s| [(s, 2), (s, 13)]) {

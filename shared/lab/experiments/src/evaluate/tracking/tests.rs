@@ -3,7 +3,7 @@ use crate::arguments::{SceneArguments, SimulateVerb};
 use crate::simulate;
 use serde_json::Value;
 
-/// Three objects apart for a second.
+/// Scene file: three separate objects for one second.
 const SCENE: &str = r#"
 duration_s = 1.0
 
@@ -36,8 +36,8 @@ fn document(out: &Path) -> Value {
     serde_json::from_slice(&std::fs::read(out.join("tracking.json")).unwrap()).unwrap()
 }
 
-/// Tracks at rest are nearly perfect after the first frames, in which nothing is
-/// believed yet.
+/// Asserts near-perfect scores of objects at rest; the first frames, before confirmation, are
+/// missed.
 fn check_at_rest(figures: &Value, context: &str) {
     let number = |key: &str| {
         figures[key]
@@ -62,7 +62,7 @@ fn check_at_rest(figures: &Value, context: &str) {
 }
 
 #[test]
-fn a_scene_at_rest_is_tracked_live_and_from_its_recording() {
+fn tracking_of_a_scene_at_rest_is_near_perfect_live_and_recorded() {
     let folder = tempfile::tempdir().unwrap();
     let scenes = folder.path().join("scenes");
     std::fs::create_dir(&scenes).unwrap();
@@ -98,11 +98,11 @@ fn a_scene_at_rest_is_tracked_live_and_from_its_recording() {
     let replayed = folder.path().join("replayed");
     run(&arguments(&recording, &replayed), &output).unwrap();
     check_at_rest(&document(&replayed)["scenes"]["recording"], "recorded");
-    without_its_truth(&recording, folder.path());
+    check_without_ground_truth(&recording, folder.path());
 }
 
-/// The same recording when nobody knows what is there.
-fn without_its_truth(recording: &Path, folder: &Path) {
+/// Evaluates the same recording without its ground truth.
+fn check_without_ground_truth(recording: &Path, folder: &Path) {
     for entry in std::fs::read_dir(recording).unwrap() {
         let path = entry.unwrap().path();
         if path
@@ -139,7 +139,7 @@ fn without_its_truth(recording: &Path, folder: &Path) {
 }
 
 #[test]
-fn what_can_not_be_used_is_told() {
+fn unusable_inputs_are_refused_with_reasons() {
     let folder = tempfile::tempdir().unwrap();
     let output = Output::new(true);
     let out = folder.path().join("out");

@@ -1,5 +1,4 @@
-//! The daemon's way of a frame, in process: the only place that calls the
-//! pipeline.
+//! In-process tracking pipeline: detection, data association and description, as in the daemon.
 
 use detection::{Detection, ExpectedTrack, ScenePriors, Workspace, detect};
 use evaluation::tracked_frame::TrackState;
@@ -14,10 +13,10 @@ use point_cloud::OrganizedCloud;
 use std::collections::BTreeMap;
 use tracking::{AssociationConfig, MotionConfig, TrackPhase, Visibility};
 
-/// Objects less probable to be known are unknown; nothing was taught.
+/// Minimum probability of a known object. Without effect here: no category is taught.
 const KNOWN_PROBABILITY_MIN: f32 = 0.5;
 
-/// A frame and what is told beside it.
+/// Input of one pipeline step: frame, camera pose and bodies.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TrackerInput<'a> {
     /// Number of the frame, from 0.
@@ -27,13 +26,13 @@ pub(super) struct TrackerInput<'a> {
     pub(super) camera: PinholeCamera,
     pub(super) world_from_camera: RigidTransform,
     pub(super) up_in_camera: Option<Unit<Vector3<f64>>>,
-    /// World frame; `None` when nobody tells.
+    /// Capsules in the world frame; `None` if not reported.
     pub(super) people: Option<&'a [Capsule]>,
-    /// World frame; `None` when nobody tells.
+    /// Capsules in the world frame; `None` if not reported.
     pub(super) robot: Option<&'a [Capsule]>,
 }
 
-/// Everything that lasts from frame to frame.
+/// Tracking pipeline with its state.
 pub(super) struct TrackingPipeline {
     detection_config: detection::Config,
     config: Config,
@@ -69,10 +68,10 @@ impl TrackingPipeline {
         })
     }
 
-    /// Gives a frame its way.
+    /// Processes one frame.
     ///
     /// # Errors
-    /// A sentence when the frame can not be searched or an object not be described.
+    /// A sentence if detection refuses the frame or an object cannot be described.
     pub(super) fn step(&mut self, seen: &TrackerInput<'_>) -> Result<(), String> {
         let frame = FramePose {
             capture_ns: seen.capture_ns,
@@ -155,7 +154,7 @@ impl TrackingPipeline {
         tracks.collect()
     }
 
-    /// The tracks that ended with the last frame.
+    /// Ids of the tracks that ended with the last frame.
     pub(super) fn ended(&self) -> &[u64] {
         &self.step.ended_tracks
     }

@@ -4,23 +4,23 @@ use evaluation::tracked_frame::TrackedFrame;
 use evaluation::tracking_score::TrackingScore;
 use std::collections::BTreeMap;
 
-/// What became of a scenario.
+/// Tracked frames of one sequence.
 pub(super) struct TrackedSequence {
     pub(super) frames: Vec<TrackedFrame>,
     /// Names of the objects by number.
     pub(super) names: BTreeMap<u64, String>,
-    /// What happened in it that somebody should know.
+    /// Notes of the simulation, one sentence each.
     pub(super) notes: Vec<String>,
 }
 
-/// What came out of one run.
+/// Scored tracking run.
 pub(super) struct TrackingRun {
     pub(super) scene: String,
-    /// `None` of a recording.
+    /// Seed; `None` for a recording.
     pub(super) seed: Option<u64>,
     pub(super) n_frames: usize,
     pub(super) score: TrackingScore,
     pub(super) notes: Vec<String>,
-    /// Relative to the folder of the results.
+    /// Path of the figure, relative to the output folder.
     pub(super) picture: String,
 }
