@@ -56,8 +56,8 @@ pub fn run(
     if up.is_none() && (arguments.up.is_some() || !views.is_up_known()) {
         return Err(up_unknown(&arguments.folder));
     }
-    // Without a daemon this is told now, and not after the work. It closes connections
-    // on which nothing is asked for a minute, so that later there is another one.
+    // Fails before the work if no daemon runs. The daemon closes connections that are idle for a
+    // minute, so the import opens another one.
     drop(connect(common)?);
     let author = author_or_user(arguments.author.as_deref());
     let folder = FolderDescriber {

@@ -38,7 +38,7 @@ impl ViewSelection {
     /// direction of all views is known. A view that cannot be read, or described by one of the
     /// methods, is omitted from all, with its reason.
     ///
-    /// The second are the descriptions by method, in the order of the views.
+    /// Returns the table of the views and, by method, their descriptors in the same order.
     pub(super) fn describe_by(
         &self,
         methods: &[RecognitionMethod],

@@ -44,7 +44,7 @@ impl NearestViewClassifier {
 /// Category names made of numbers: names of a data set need not be valid in the live system.
 fn names(n: usize) -> Vec<CategoryName> {
     let number = |i: usize| CategoryName::new(&i.to_string());
-    // Digits are always a name.
+    // A number is always a valid name.
     (0..n).filter_map(|i| number(i).ok()).collect()
 }
 
@@ -65,7 +65,7 @@ impl Recogniser for NearestViewRecogniser<'_> {
             view_id: category,
         };
         let name = &views.names[category as usize];
-        // The descriptors were checked, so nothing is refused.
+        // The constructor has validated the descriptors, so this cannot fail.
         let _ = self.index.insert(id, name, &views.descriptors[view][0]);
     }
 
