@@ -103,15 +103,17 @@ impl Constant {
         if !(factor.is_finite() && factor > 0.0) {
             return Err(failed(format!("{factor} is no positive factor")));
         }
-        let expression = self.text[self.at.clone()].trim();
+        let defined = &self.text[self.at.clone()];
+        let expression = defined.trim();
+        let begin = self.at.start + defined.len() - defined.trim_start().len();
         let scaled = if self.is_float {
-            format!(" ({expression}) * {factor:?}")
+            format!("({expression}) * {factor:?}")
         } else {
             // Exact for the usual factors, and constant at compile time.
             let (numerator, denominator) = ratio(factor);
-            format!(" ({expression}) * {numerator} / {denominator}")
+            format!("({expression}) * {numerator} / {denominator}")
         };
-        let (before, after) = (&self.text[..self.at.start], &self.text[self.at.end..]);
+        let (before, after) = (&self.text[..begin], &self.text[self.at.end..]);
         Ok(format!("{before}{scaled}{after}"))
     }
 }
