@@ -43,6 +43,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     write_views(&corpus.join("washington"), &points)
 }
 
+/// Writes a labelled cloud in each PCD encoding.
 fn write_clouds(folder: &Path, points: &[Point]) -> Result<(), Box<dyn Error>> {
     use pcd::Encoding::{Ascii, Binary, BinaryCompressed};
     let labels: Vec<u32> = (0..points.len() as u32).collect();
@@ -65,6 +66,7 @@ fn write_clouds(folder: &Path, points: &[Point]) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+/// Writes a mesh in each PLY encoding.
 fn write_meshes(folder: &Path, vertices: &[Point]) -> Result<(), Box<dyn Error>> {
     use ply::Encoding::{Ascii, BinaryBigEndian, BinaryLittleEndian};
     let view = ply::MeshView {
@@ -81,7 +83,7 @@ fn write_meshes(folder: &Path, vertices: &[Point]) -> Result<(), Box<dyn Error>>
     Ok(())
 }
 
-/// Writes the text files; the first byte selects the parser.
+/// Writes poses, intrinsics and gravity as text; the first byte selects the parser.
 fn write_matrices(folder: &Path) -> Result<(), Box<dyn Error>> {
     std::fs::write(
         folder.join("pose"),
@@ -95,6 +97,7 @@ fn write_matrices(folder: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+/// Writes depth, mask and colour images; the first byte selects the decoder.
 fn write_images(folder: &Path) -> Result<(), Box<dyn Error>> {
     use png::{BitDepth, ColorType};
     let grey = |kind| image(kind, ColorType::Grayscale, BitDepth::Sixteen, 256);
@@ -103,11 +106,16 @@ fn write_images(folder: &Path) -> Result<(), Box<dyn Error>> {
     let rgb = image(1, ColorType::Rgb, BitDepth::Eight, 384)?;
     std::fs::write(folder.join("color_png"), rgb)?;
     let mut color = vec![1];
-    color.extend(test_flat_jpeg::encode(2, 1, &[[100, 128, 128], [76, 85, 255]]));
+    color.extend(test_flat_jpeg::encode(
+        2,
+        1,
+        &[[100, 128, 128], [76, 85, 255]],
+    ));
     std::fs::write(folder.join("color"), color)?;
     Ok(())
 }
 
+/// Writes the files of a Washington view; the first byte selects the parser.
 fn write_views(folder: &Path, points: &[Point]) -> Result<(), Box<dyn Error>> {
     use png::{BitDepth, ColorType};
     let grey = |kind, depth, n_bytes| image(kind, ColorType::Grayscale, depth, n_bytes);

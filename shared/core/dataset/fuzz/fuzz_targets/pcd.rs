@@ -15,8 +15,8 @@ fuzz_target!(|bytes: &[u8]| {
         Encoding::Binary,
         Encoding::BinaryCompressed,
     ] {
-        let file = pcd::write(cloud.view(), encoding).expect("what was read can be written");
-        let again = pcd::read(&file).expect("what was written can be read");
+        let file = pcd::write(cloud.view(), encoding).expect("parsed content can be written");
+        let again = pcd::read(&file).expect("written content can be parsed");
         assert_eq!(again.labels, cloud.labels);
         for (left, right) in again.points.iter().zip(&cloud.points) {
             assert_eq!(left.is_finite(), right.is_finite());

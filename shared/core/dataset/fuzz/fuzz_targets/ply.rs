@@ -14,9 +14,9 @@ fuzz_target!(|bytes: &[u8]| {
         Encoding::BinaryLittleEndian,
         Encoding::BinaryBigEndian,
     ] {
-        let file = ply::write(mesh.view(), encoding).expect("what was read can be written");
+        let file = ply::write(mesh.view(), encoding).expect("parsed content can be written");
         assert_eq!(
-            ply::read(&file).expect("what was written can be read"),
+            ply::read(&file).expect("written content can be parsed"),
             mesh
         );
     }

@@ -28,6 +28,7 @@ fuzz_target!(|bytes: &[u8]| {
     }
 });
 
+/// Decodes a depth image of any size.
 fn depth(file: &[u8]) -> Result<(), ContentError> {
     let size = depth_image_size(file)?;
     let mut depth_mm = Vec::new();
@@ -36,6 +37,7 @@ fn depth(file: &[u8]) -> Result<(), ContentError> {
     Ok(())
 }
 
+/// Decodes a mask of the seeds' size.
 fn mask(file: &[u8]) -> Result<(), ContentError> {
     let mut instances = Vec::new();
     decode_mask(file, COLOR_SIZE, &mut instances)?;

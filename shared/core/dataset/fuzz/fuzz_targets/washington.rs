@@ -3,8 +3,8 @@
 #![no_main]
 
 use dataset::washington::{
-    CAMERA, ContentError, CroppedView, ViewName, decode_color, decode_depth, decode_mask, format_location,
-    parse_location, read_cloud, write_cloud,
+    CAMERA, ContentError, CroppedView, ViewName, decode_color, decode_depth, decode_mask,
+    format_location, parse_location, read_cloud, write_cloud,
 };
 use libfuzzer_sys::fuzz_target;
 
@@ -19,11 +19,11 @@ fuzz_target!(|bytes: &[u8]| {
         0 => color(file),
         1 => decode_depth(file, SIZE, &mut Vec::new()),
         2 => mask(file),
-        3 => parse_location(file).map(|place| {
-            let text = format_location(place);
+        3 => parse_location(file).map(|location| {
+            let text = format_location(location);
             assert_eq!(
-                parse_location(text.as_bytes()).expect("it was written"),
-                place
+                parse_location(text.as_bytes()).expect("written location can be parsed"),
+                location
             );
         }),
         4 => read_cloud(file).map_err(ContentError::from).map(|_| ()),
@@ -45,12 +45,13 @@ fn color(file: &[u8]) -> Result<(), ContentError> {
     assert_eq!(view.color.len(), 3 * n_pixels);
     view.depth_mm = vec![1000; n_pixels];
     view.mask = vec![1; n_pixels];
-    let cloud = write_cloud(&view, &CAMERA).expect("what was read can be written");
-    let points = read_cloud(&cloud).expect("what was written can be read");
-    assert_eq!(points, view.points(&CAMERA).expect("it is checked"));
+    let cloud = write_cloud(&view, &CAMERA).expect("parsed content can be written");
+    let points = read_cloud(&cloud).expect("written content can be parsed");
+    assert_eq!(points, view.points(&CAMERA).expect("a valid view"));
     Ok(())
 }
 
+/// Decodes a mask of the seeds' size.
 fn mask(file: &[u8]) -> Result<(), ContentError> {
     let mut mask = Vec::new();
     decode_mask(file, SIZE, &mut mask)?;
@@ -58,6 +59,7 @@ fn mask(file: &[u8]) -> Result<(), ContentError> {
     Ok(())
 }
 
+/// Parses a file name of a view and round-trips it.
 fn name(file: &[u8]) {
     let text = String::from_utf8_lossy(file);
     if let Some(name) = ViewName::parse(&text) {
